@@ -1,0 +1,385 @@
+//! Conventions: choices that differ between right implementations, as data.
+//!
+//! A convention is never a mistake. Every oracle function takes the choices it depends on as arguments; this file bundles
+//! them so that a profile (`cs180`, `nerf2020`, ...) can be named, and lists the closed set of values that the judge
+//! searches when no profile is pinned.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+
+/// Where the camera looks, in its own frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Axes {
+    /// x right, y down, z forward (OpenCV, COLMAP, CS180).
+    Opencv,
+    /// x right, y up, z backward (OpenGL, Blender, the original NeRF).
+    Opengl,
+}
+
+/// Where pixel (i, j) has its ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PixelCentre {
+    /// (i + 0.5, j + 0.5): the centre, when the picture spans [0, W] x [0, H].
+    Half,
+    /// (i, j).
+    Integer,
+}
+
+/// The length of a ray's direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Directions {
+    /// Length 1: t is the distance from the camera.
+    Unit,
+    /// Depth 1 along the camera's axis: t is the depth.
+    Depth,
+}
+
+/// How N samples are laid on [near, far], and what their `u` in [0, 1) scales. D = (far - near) / N, S = (far - near) / (N - 1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Grid {
+    /// t_i = near + (i + u_i) D: one sample in each of N equal intervals.
+    Intervals,
+    /// t_i = near + i S + u_i D: both ends, jittered over D (the commonest CS180 pattern; t can pass far).
+    EndsPlusWidth,
+    /// t_i = near + (i + u_i) S: both ends, jittered over their spacing.
+    EndsPlusSpacing,
+    /// Both ends, bins between the midpoints of neighbours, half-width bins at the ends (bmild/nerf).
+    EndsBetweenMidpoints,
+}
+
+/// Where a sample rests in its interval when nothing is drawn (evaluation).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rest {
+    /// u = 0.
+    Left,
+    /// u = 0.5.
+    Mid,
+    /// u = 1.
+    Right,
+}
+
+/// The step length that belongs to sample i.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Delta {
+    /// D = (far - near) / N for every sample.
+    Width,
+    /// t_{i+1} - t_i; the last one is [`LastDelta`].
+    Differences,
+}
+
+/// The step of the last sample, where the others are differences.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LastDelta {
+    /// D = (far - near) / N.
+    Width,
+    /// The one before.
+    Repeated,
+    /// The mean of the others.
+    Mean,
+    /// 1e10: the last sample is opaque if it has any density.
+    #[serde(rename = "1e10")]
+    TenToTen,
+    /// 1e9.
+    #[serde(rename = "1e9")]
+    TenToNine,
+    /// 1e-3.
+    #[serde(rename = "1e-3")]
+    Thousandth,
+    /// far - t_{N-1}.
+    ToFar,
+}
+
+/// A number added to every factor 1 - alpha of the transmittance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ProductEps {
+    /// Nothing is added: the formula.
+    None,
+    /// 1e-10 (bmild/nerf, kornia).
+    #[serde(rename = "1e-10")]
+    TenToMinusTen,
+    /// 1e-9.
+    #[serde(rename = "1e-9")]
+    TenToMinusNine,
+    /// 1e-8.
+    #[serde(rename = "1e-8")]
+    TenToMinusEight,
+    /// 1e-7 (nerfstudio).
+    #[serde(rename = "1e-7")]
+    TenToMinusSeven,
+}
+
+impl ProductEps {
+    /// The number.
+    pub fn value(self) -> f64 {
+        match self {
+            ProductEps::None => 0.0,
+            ProductEps::TenToMinusTen => 1e-10,
+            ProductEps::TenToMinusNine => 1e-9,
+            ProductEps::TenToMinusEight => 1e-8,
+            ProductEps::TenToMinusSeven => 1e-7,
+        }
+    }
+}
+
+/// The factor in front of the encoding's bands: band k is sin(factor f_k x).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Frequency {
+    /// pi, as in the paper.
+    Pi,
+    /// 1, as in the paper's code (bmild/nerf#12).
+    One,
+    /// 2 pi (nerfstudio).
+    TwoPi,
+}
+
+/// How f_k grows with k = 0, ..., L - 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bands {
+    /// 2^k.
+    Octaves,
+    /// L values evenly spaced from 1 to 2^(L-1) (kornia's default).
+    Linear,
+}
+
+/// The order of the encoding's columns (behind the identity, where it is kept). A matter of layout.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Columns {
+    /// For each band: sin of all dimensions, then cos of all dimensions.
+    BandSinCos,
+    /// For each dimension: sin of all bands, then cos of all bands.
+    DimSinCos,
+    /// For each dimension: (sin, cos) of each band.
+    DimInterleaved,
+    /// sin of all (dimension, band) pairs, then cos of all of them.
+    AllSinAllCos,
+    /// For each band and each dimension: (sin, cos).
+    BandInterleaved,
+}
+
+/// What turns the density head's output into a density.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Density {
+    /// max(z, 0).
+    Relu,
+    /// ln(1 + e^z).
+    Softplus,
+    /// e^z.
+    Exp,
+}
+
+/// The order in which a skip connection is concatenated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SkipOrder {
+    /// [h, encoding].
+    HiddenFirst,
+    /// [encoding, h].
+    EncodingFirst,
+}
+
+/// Whether a layer has a ReLU.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Activation {
+    /// max(z, 0).
+    Relu,
+    /// z.
+    None,
+}
+
+/// Expected depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Depth {
+    /// sum w t / sum w; far where the ray meets nothing.
+    Divided,
+    /// sum w t.
+    Plain,
+}
+
+/// PSNR of several images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PsnrOf {
+    /// The mean of the images' PSNRs.
+    Images,
+    /// The PSNR of the mean squared error over all pixels of all images.
+    MeanError,
+}
+
+/// How [0, 1] becomes a byte.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Bytes {
+    /// round(255 x).
+    Round,
+    /// floor(255 x).
+    Truncate,
+}
+
+/// One assignment of all conventions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Conventions {
+    /// Camera axes.
+    pub axes: Axes,
+    /// Pixel centres.
+    pub pixel_centre: PixelCentre,
+    /// Direction lengths.
+    pub directions: Directions,
+    /// Sample grid and what `u` scales.
+    pub grid: Grid,
+    /// Where samples rest at evaluation.
+    pub rest: Rest,
+    /// Step lengths.
+    pub delta: Delta,
+    /// Last step length.
+    pub last_delta: LastDelta,
+    /// Number added inside the product of transmittances.
+    pub product_eps: ProductEps,
+    /// Whether the encoding keeps x itself, in front.
+    pub identity: bool,
+    /// Factor of the encoding's bands.
+    pub frequency: Frequency,
+    /// Spacing of the encoding's bands.
+    pub bands: Bands,
+    /// Column order of the encoding.
+    pub columns: Columns,
+    /// Density activation.
+    pub density: Density,
+    /// Index (from 0) of the trunk layer whose input holds the encoding again.
+    pub skip_layer: usize,
+    /// Order of that concatenation.
+    pub skip_order: SkipOrder,
+    /// Activation behind the last trunk layer.
+    pub last_trunk: Activation,
+    /// Activation of the feature layer.
+    pub feature: Activation,
+    /// Expected depth.
+    pub depth: Depth,
+    /// PSNR aggregation.
+    pub psnr: PsnrOf,
+    /// Quantisation.
+    pub bytes: Bytes,
+}
+
+/// The default: Berkeley's CS180 course, which is the paper's text taken literally.
+pub const CS180: Conventions = Conventions {
+    axes: Axes::Opencv,
+    pixel_centre: PixelCentre::Half,
+    directions: Directions::Unit,
+    grid: Grid::Intervals,
+    rest: Rest::Mid,
+    delta: Delta::Width,
+    last_delta: LastDelta::Width,
+    product_eps: ProductEps::None,
+    identity: true,
+    frequency: Frequency::Pi,
+    bands: Bands::Octaves,
+    columns: Columns::BandSinCos,
+    density: Density::Relu,
+    skip_layer: 4,
+    skip_order: SkipOrder::HiddenFirst,
+    last_trunk: Activation::Relu,
+    feature: Activation::None,
+    depth: Depth::Divided,
+    psnr: PsnrOf::Images,
+    bytes: Bytes::Round,
+};
+
+impl Default for Conventions {
+    fn default() -> Self {
+        CS180
+    }
+}
+
+/// Every convention with the closed list of its values, as they stand in JSON.
+pub const CHOICES: &[(&str, &[&str])] = &[
+    ("axes", &["opencv", "opengl"]),
+    ("pixel_centre", &["half", "integer"]),
+    ("directions", &["unit", "depth"]),
+    ("grid", &["intervals", "ends_plus_width", "ends_plus_spacing", "ends_between_midpoints"]),
+    ("rest", &["left", "mid", "right"]),
+    ("delta", &["width", "differences"]),
+    ("last_delta", &["width", "repeated", "mean", "1e10", "1e9", "1e-3", "to_far"]),
+    ("product_eps", &["none", "1e-10", "1e-9", "1e-8", "1e-7"]),
+    ("identity", &["true", "false"]),
+    ("frequency", &["pi", "one", "two_pi"]),
+    ("bands", &["octaves", "linear"]),
+    ("columns", &["band_sin_cos", "dim_sin_cos", "dim_interleaved", "all_sin_all_cos", "band_interleaved"]),
+    ("density", &["relu", "softplus", "exp"]),
+    ("skip_layer", &["4", "5"]),
+    ("skip_order", &["hidden_first", "encoding_first"]),
+    ("last_trunk", &["relu", "none"]),
+    ("feature", &["none", "relu"]),
+    ("depth", &["divided", "plain"]),
+    ("psnr", &["images", "mean_error"]),
+    ("bytes", &["round", "truncate"]),
+];
+
+impl Conventions {
+    /// The same with `key` set to `value`, both spelled as in [`CHOICES`].
+    ///
+    /// # Errors
+    /// An unknown key or a value that isn't in its list.
+    ///
+    /// ```
+    /// use nerf_oracle::convention::{CS180, ProductEps};
+    /// let c = CS180.with("product_eps", "1e-10").unwrap();
+    /// assert_eq!(c.product_eps, ProductEps::TenToMinusTen);
+    /// assert!(CS180.with("product_eps", "0.1").is_err());
+    /// ```
+    pub fn with(&self, key: &str, value: &str) -> Result<Self> {
+        let choices = CHOICES.iter().find(|(name, _)| *name == key).map(|(_, values)| *values);
+        if !choices.is_some_and(|values| values.contains(&value)) {
+            let expected = choices.map_or("a convention's name".into(), |values| values.join(" | "));
+            return Err(Error::usage(format!("convention {key}"), value, expected));
+        }
+        let mut json = serde_json::to_value(self).expect("conventions are plain data");
+        // Flags and numbers are themselves in JSON, names are strings.
+        json[key] = serde_json::from_str(value)
+            .ok()
+            .filter(|v: &serde_json::Value| v.is_boolean() || v.is_u64())
+            .unwrap_or_else(|| value.into());
+        Ok(serde_json::from_value(json).expect("every listed value parses"))
+    }
+
+    /// The value of `key`, spelled as in [`CHOICES`].
+    ///
+    /// # Panics
+    /// Where `key` is no convention.
+    pub fn get(&self, key: &str) -> String {
+        let json = serde_json::to_value(self).expect("conventions are plain data");
+        let value = json.get(key).unwrap_or_else(|| panic!("{key} is no convention"));
+        value.as_str().map_or_else(|| value.to_string(), str::to_string)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_choice_can_be_set_and_read_back() {
+        for (key, values) in CHOICES {
+            for value in *values {
+                assert_eq!(CS180.with(key, value).unwrap().get(key), *value);
+            }
+        }
+        let fields = serde_json::to_value(CS180).unwrap();
+        assert_eq!(fields.as_object().unwrap().len(), CHOICES.len());
+    }
+}

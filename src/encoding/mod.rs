@@ -1,0 +1,111 @@
+//! Positional encoding: x -> (x, sin(2^0 pi x), cos(2^0 pi x), ..., sin(2^(L-1) pi x), cos(2^(L-1) pi x)).
+//!
+//! NeRF (Mildenhall et al. 2020) equation 4. L = 10 for positions, 4 for directions, 10 for pixels of a 2D image.
+
+use std::f64::consts::PI;
+
+use crate::convention::{Bands, Columns, Conventions, Frequency};
+use crate::maths::{cos, cos_pi, sin, sin_pi};
+
+pub mod backward;
+
+#[cfg(test)]
+mod tests;
+
+/// What the encoding depends on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Encoding {
+    /// L, the number of bands.
+    pub levels: usize,
+    /// Whether x itself stands in front.
+    pub identity: bool,
+    /// pi, 1 or 2 pi.
+    pub frequency: Frequency,
+    /// Octaves or evenly spaced.
+    pub bands: Bands,
+    /// Column order.
+    pub columns: Columns,
+}
+
+impl Encoding {
+    /// The encoding with L `levels` in these conventions.
+    pub fn new(levels: usize, conventions: &Conventions) -> Self {
+        let Conventions { identity, frequency, bands, columns, .. } = *conventions;
+        Encoding { levels, identity, frequency, bands, columns }
+    }
+
+    /// Columns for `dims` dimensions: D + 2 L D, or 2 L D without the identity.
+    pub fn width(&self, dims: usize) -> usize {
+        dims * (2 * self.levels + usize::from(self.identity))
+    }
+
+    /// f_k: 2^k, or evenly spaced from 1 to 2^(L-1).
+    pub fn band(&self, k: usize) -> f64 {
+        let last = self.levels - 1;
+        match self.bands {
+            Bands::Octaves => (k as f64).exp2(),
+            Bands::Linear if last == 0 => 1.0,
+            Bands::Linear => 1.0 + k as f64 * ((last as f64).exp2() - 1.0) / last as f64,
+        }
+    }
+
+    /// The column of (band k, dimension d, 0 for sin or 1 for cos).
+    pub fn column(&self, dims: usize, k: usize, d: usize, cosine: usize) -> usize {
+        let levels = self.levels;
+        let behind = match self.columns {
+            Columns::BandSinCos => (2 * k + cosine) * dims + d,
+            Columns::DimSinCos => (2 * d + cosine) * levels + k,
+            Columns::DimInterleaved => (d * levels + k) * 2 + cosine,
+            Columns::AllSinAllCos => (cosine * dims + d) * levels + k,
+            Columns::BandInterleaved => (k * dims + d) * 2 + cosine,
+        };
+        behind + if self.identity { dims } else { 0 }
+    }
+}
+
+/// (sin, cos) of factor * f * x. Multiplying by pi happens inside [`sin_pi`], behind an exact range reduction.
+pub(crate) fn wave(frequency: Frequency, f: f64, x: f64) -> (f64, f64) {
+    match frequency {
+        Frequency::Pi => (sin_pi(f * x), cos_pi(f * x)),
+        Frequency::TwoPi => (sin_pi(2.0 * f * x), cos_pi(2.0 * f * x)),
+        Frequency::One => (sin(f * x), cos(f * x)),
+    }
+}
+
+/// The factor of the bands as a number.
+pub(crate) fn factor(frequency: Frequency) -> f64 {
+    match frequency {
+        Frequency::Pi => PI,
+        Frequency::TwoPi => 2.0 * PI,
+        Frequency::One => 1.0,
+    }
+}
+
+/// The encoding of one point.
+///
+/// # Shapes
+/// `x` (D), result (D + 2 L D).
+///
+/// # Units
+/// x in scene units: period 2 in band 0, so that [-1, 1] is covered once.
+///
+/// ```
+/// use nerf_oracle::{convention::CS180, encoding::{Encoding, positional_encoding}};
+/// let e = positional_encoding(&[0.5], &Encoding::new(3, &CS180));
+/// assert_eq!(e, [0.5, 1.0, 0.0, 0.0, -1.0, 0.0, 1.0]);
+/// ```
+pub fn positional_encoding(x: &[f64], encoding: &Encoding) -> Vec<f64> {
+    let dims = x.len();
+    let mut out = vec![0.0; encoding.width(dims)];
+    if encoding.identity {
+        out[..dims].copy_from_slice(x);
+    }
+    for k in 0..encoding.levels {
+        for d in 0..dims {
+            let (sin, cos) = wave(encoding.frequency, encoding.band(k), x[d]);
+            out[encoding.column(dims, k, d, 0)] = sin;
+            out[encoding.column(dims, k, d, 1)] = cos;
+        }
+    }
+    out
+}

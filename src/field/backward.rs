@@ -1,0 +1,103 @@
+//! Vector-Jacobian products of the networks, by hand, accumulated point by point.
+//!
+//! For z = w x + b: g_w += g_z x^T, g_b += g_z, g_x = w^T g_z. A ReLU passes g where z > 0.
+
+use super::mlp::{self, Mlp, Output};
+use super::nerf_mlp::{self, NerfMlp};
+use super::{Layer, density_slope, sigmoid_slope};
+use crate::convention::{Activation, Conventions, SkipOrder};
+use crate::maths::exp;
+
+/// Adds one point's g_w and g_b to `gradient` and returns g_x.
+pub fn layer(layer: &Layer, x: &[f64], g_z: &[f64], gradient: &mut Layer) -> Vec<f64> {
+    let (outputs, inputs) = layer.w.dim();
+    let mut g_x = vec![0.0; inputs];
+    for o in 0..outputs {
+        gradient.b[o] += g_z[o];
+        for i in 0..inputs {
+            gradient.w[[o, i]] += g_z[o] * x[i];
+            g_x[i] += layer.w[[o, i]] * g_z[o];
+        }
+    }
+    g_x
+}
+
+/// g where z > 0, else 0.
+pub fn relu(z: &[f64], g: &[f64]) -> Vec<f64> {
+    z.iter().zip(g).map(|(&z, &g)| if z > 0.0 { g } else { 0.0 }).collect()
+}
+
+/// The surrogate of instant-ngp: g exp(min(z, 15)), which keeps a large density from blowing up the step. It is not the derivative of
+/// [`super::trunc_exp`] above 15, and a check must compare it with this formula.
+pub fn trunc_exp(z: f64, g: f64) -> f64 {
+    g * exp(z.min(15.0))
+}
+
+/// Gradients of [`Mlp::forward`]: adds to `gradient` (one entry a layer) and returns g_x.
+pub fn mlp(net: &Mlp, tape: &mlp::Tape, g_y: &[f64], gradient: &mut [Layer]) -> Vec<f64> {
+    let last = net.layers.len() - 1;
+    let mut g = g_y.to_vec();
+    for n in (0..=last).rev() {
+        let z = &tape.z[n];
+        let g_z = if n < last {
+            relu(z, &g)
+        } else if net.output == Output::Sigmoid {
+            z.iter().zip(&g).map(|(&z, g)| sigmoid_slope(z) * g).collect()
+        } else {
+            g
+        };
+        g = layer(&net.layers[n], &tape.inputs[n], &g_z, &mut gradient[n]);
+    }
+    g
+}
+
+/// Gradients of [`NerfMlp::forward`]: adds to `gradient` and returns those of the encoded position and direction.
+pub fn nerf_mlp(
+    net: &NerfMlp,
+    tape: &nerf_mlp::Tape,
+    c: &Conventions,
+    g_sigma: f64,
+    g_rgb: [f64; 3],
+    gradient: &mut NerfMlp,
+) -> (Vec<f64>, Vec<f64>) {
+    // Colour head, colour layer, feature.
+    let g_z1: Vec<f64> = (0..3).map(|k| sigmoid_slope(tape.z_color1[k]) * g_rgb[k]).collect();
+    let g = layer(&net.color1, &tape.color_hidden, &g_z1, &mut gradient.color1);
+    let g = relu(&tape.z_color0, &g);
+    let mut g_feature = layer(&net.color0, &tape.color_input, &g, &mut gradient.color0);
+    let g_direction = g_feature.split_off(tape.z_feature.len());
+    if c.feature == Activation::Relu {
+        g_feature = relu(&tape.z_feature, &g_feature);
+    }
+    // Behind the trunk, feature and density meet.
+    let mut g_h = layer(&net.feature, &tape.hidden, &g_feature, &mut gradient.feature);
+    let g_z_sigma = density_slope(tape.z_sigma, c.density) * g_sigma;
+    let g_from_sigma = layer(&net.sigma, &tape.hidden, &[g_z_sigma], &mut gradient.sigma);
+    for (g, from_sigma) in g_h.iter_mut().zip(g_from_sigma) {
+        *g += from_sigma;
+    }
+    // Down the trunk; the skip hands part of its gradient to the encoding.
+    let columns = tape.inputs[0].len();
+    let mut g_position = vec![0.0; columns];
+    for n in (0..net.trunk.len()).rev() {
+        let linear = n + 1 == net.trunk.len() && c.last_trunk == Activation::None;
+        let g_z = if linear { g_h } else { relu(&tape.z[n], &g_h) };
+        g_h = layer(&net.trunk[n], &tape.inputs[n], &g_z, &mut gradient.trunk[n]);
+        if n > 0 && n == c.skip_layer {
+            let g_encoding = match c.skip_order {
+                SkipOrder::HiddenFirst => g_h.split_off(g_h.len() - columns),
+                SkipOrder::EncodingFirst => {
+                    let rest = g_h.split_off(columns);
+                    std::mem::replace(&mut g_h, rest)
+                }
+            };
+            for (g, from_skip) in g_position.iter_mut().zip(g_encoding) {
+                *g += from_skip;
+            }
+        }
+    }
+    for (g, from_trunk) in g_position.iter_mut().zip(g_h) {
+        *g += from_trunk;
+    }
+    (g_position, g_direction)
+}

@@ -1,0 +1,39 @@
+//! # nerf-oracle
+//!
+//! The reference that neural radiance field implementations are checked against.
+//!
+//! Read this file top to bottom and you know the house. Data flows, and modules stand, in this order:
+//!
+//! | stage | module | what it does |
+//! |---|---|---|
+//! | camera | [`camera`] | pixel -> camera space -> world space |
+//! | ray | [`ray`] | pixel -> origin and direction; random rays of a training set |
+//! | sample | [`sample`] | positions t along a ray, step lengths delta |
+//! | encoding | [`encoding`] | x -> x, sin 2^k pi x, cos 2^k pi x |
+//! | field | [`field`] | encoded position and direction -> density sigma and colour |
+//! | volume rendering | [`volume_rendering`] | densities and colours along a ray -> one colour |
+//! | loss | [`loss`] | colours against photographs |
+//! | optimiser | [`optimiser`] | gradients -> new parameters |
+//!
+//! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
+//! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper.
+
+pub mod convention;
+pub mod error;
+pub mod maths;
+pub mod parallel;
+pub mod random;
+
+pub mod camera;
+pub mod encoding;
+pub mod field;
+pub mod loss;
+pub mod optimiser;
+pub mod ray;
+pub mod sample;
+pub mod volume_rendering;
+
+pub mod cli;
+pub mod verify;
+
+pub use error::{Error, Result};

@@ -1,0 +1,80 @@
+//! Adam (Kingma and Ba 2015, algorithm 1), exactly as `torch.optim.Adam` defines it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::maths::{expm1, ln};
+
+#[cfg(test)]
+mod tests;
+
+/// Adam's hyper-parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Adam {
+    /// Learning rate.
+    pub lr: f64,
+    /// Decay of the mean of gradients.
+    pub beta1: f64,
+    /// Decay of the mean of squared gradients.
+    pub beta2: f64,
+    /// Added to the root, outside of it.
+    pub eps: f64,
+    /// Added to the gradient times the parameter (coupled, an L2 penalty, as in `torch.optim.Adam`).
+    pub weight_decay: f64,
+}
+
+impl Default for Adam {
+    /// PyTorch's, with the NeRF paper's learning rate.
+    fn default() -> Self {
+        Adam { lr: 5e-4, beta1: 0.9, beta2: 0.999, eps: 1e-8, weight_decay: 0.0 }
+    }
+}
+
+/// One parameter with the two running means that belong to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments {
+    /// The parameter.
+    pub param: f64,
+    /// Mean of gradients.
+    pub m: f64,
+    /// Mean of squared gradients.
+    pub v: f64,
+}
+
+/// One step for one parameter. `step` counts from 1.
+///
+/// g' = g + weight_decay p; m' = b1 m + (1 - b1) g'; v' = b2 v + (1 - b2) g'^2;
+/// p' = p - lr / (1 - b1^step) m' / (sqrt(v') / sqrt(1 - b2^step) + eps).
+///
+/// # Convention
+/// eps stands outside the root, and the bias corrections are applied to both means. The first step is lr sign(g), whatever the size
+/// of g.
+///
+/// ```
+/// use nerf_oracle::optimiser::{Adam, Moments, adam_step};
+/// let before = Moments { param: 1.0, m: 0.0, v: 0.0 };
+/// let after = adam_step(&Adam { lr: 0.1, ..Adam::default() }, before, 4.0, 1);
+/// assert!((after.param - 0.9).abs() < 1e-8);
+/// ```
+pub fn adam_step(adam: &Adam, before: Moments, grad: f64, step: u64) -> Moments {
+    let Adam { lr, beta1, beta2, eps, weight_decay } = *adam;
+    let g = grad + weight_decay * before.param;
+    let m = beta1 * before.m + (1.0 - beta1) * g;
+    let v = beta2 * before.v + (1.0 - beta2) * g * g;
+    let (correction1, correction2) = (bias_correction(beta1, step), bias_correction(beta2, step));
+    let denominator = v.sqrt() / correction2.sqrt() + eps;
+    Moments { param: before.param - lr / correction1 * (m / denominator), m, v }
+}
+
+/// 1 - beta^step. `1 - pow(beta, step)` cancels while beta^step is near 1: at beta = 0.999 the first steps lose 3 digits.
+pub fn bias_correction(beta: f64, step: u64) -> f64 {
+    -expm1(step as f64 * ln(beta))
+}
+
+/// Exponential decay: the learning rate behind `step` of `steps`, from `lr` down to `lr * final_factor`.
+///
+/// ```
+/// assert_eq!(nerf_oracle::optimiser::decayed_lr(1e-2, 0.01, 50, 100), 1e-3);
+/// ```
+pub fn decayed_lr(lr: f64, final_factor: f64, step: u64, steps: u64) -> f64 {
+    lr * crate::maths::pow(final_factor, step as f64 / steps as f64)
+}

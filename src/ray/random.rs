@@ -1,0 +1,67 @@
+//! The rays of a training step: pixels drawn at random, with their colours.
+
+use glam::DVec2;
+use ndarray::ArrayView4;
+
+use super::pixel_position;
+use crate::convention::PixelCentre;
+
+/// How pixels are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Draw {
+    /// Each ray draws from all pixels of all images.
+    Pool,
+    /// The rays are dealt to `images` images, drawn first: N / M rays each.
+    PerImage {
+        /// M, how many images a step sees.
+        images: usize,
+    },
+}
+
+/// One drawn pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PixelDraw {
+    /// Which image.
+    pub image: usize,
+    /// Where its ray goes through, in pixels: column and row plus the pixel centre's shift.
+    pub uv: DVec2,
+    /// The photograph's colour there.
+    pub rgb: [f64; 3],
+}
+
+/// One pixel of an (I, H, W, 3) stack from three numbers in [0, 1): image, row and column, each the floor of u times its range.
+///
+/// ```
+/// use ndarray::Array4;
+/// use nerf_oracle::{convention::PixelCentre, ray::draw_pixel};
+/// let images = Array4::zeros((2, 4, 6, 3));
+/// let draw = draw_pixel(images.view(), [0.5, 0.25, 0.99], PixelCentre::Half);
+/// assert_eq!((draw.image, draw.uv.x, draw.uv.y), (1, 5.5, 1.5));
+/// ```
+pub fn draw_pixel(images: ArrayView4<f64>, u: [f64; 3], centre: PixelCentre) -> PixelDraw {
+    let (count, height, width, _) = images.dim();
+    let index = |u: f64, n: usize| ((u * n as f64) as usize).min(n - 1);
+    let (image, j, i) = (index(u[0], count), index(u[1], height), index(u[2], width));
+    let rgb = [images[[image, j, i, 0]], images[[image, j, i, 1]], images[[image, j, i, 2]]];
+    PixelDraw { image, uv: pixel_position(i, j, centre), rgb }
+}
+
+/// N pixels of an (I, H, W, 3) stack, with replacement. `u` holds N rows of three numbers in [0, 1): image, row, column.
+///
+/// With [`Draw::PerImage`] ray n belongs to drawn image n mod M, whose number in `u` is that of ray n mod M.
+pub fn sample_random_rays(
+    images: ArrayView4<f64>,
+    draw: Draw,
+    u: &[[f64; 3]],
+    centre: PixelCentre,
+) -> Vec<PixelDraw> {
+    let mut rays = Vec::with_capacity(u.len());
+    for (n, &[u_image, u_row, u_column]) in u.iter().enumerate() {
+        let u_image = match draw {
+            Draw::Pool => u_image,
+            Draw::PerImage { images } => u[n % images][0],
+        };
+        rays.push(draw_pixel(images, [u_image, u_row, u_column], centre));
+    }
+    rays
+}

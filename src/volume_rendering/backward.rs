@@ -1,0 +1,91 @@
+//! Vector-Jacobian products of volume rendering, by hand. `g_` marks the gradient of the loss with respect to what follows.
+
+use super::{Rendering, optical_depths};
+use crate::convention::{Depth, ProductEps};
+use crate::maths::{Sum, exp, expm1};
+
+/// Gradients of the loss with respect to what a ray returns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cotangent {
+    /// With respect to C.
+    pub color: [f64; 3],
+    /// With respect to each weight, (N).
+    pub weights: Vec<f64>,
+    /// With respect to A.
+    pub opacity: f64,
+    /// With respect to the transmittance behind the last sample.
+    pub transmittance: f64,
+}
+
+/// g_alpha_i = T_i (g_w_i - B_{i+1}) and g_c_i = w_i g_C, where g_w_i = g_C . c_i + g_weights_i + g_A is what one unit of weight
+/// brings, and B_i = alpha_i g_w_i + (1 - alpha_i + eps) B_{i+1} is what one unit of light that arrives in front of sample i brings;
+/// B_N = g_T. Nothing is divided by 1 - alpha, so opaque samples are exact.
+pub fn volume_render_alpha(
+    alphas: &[f64],
+    rgbs: &[[f64; 3]],
+    eps: ProductEps,
+    forward: &Rendering,
+    g: &Cotangent,
+) -> (Vec<f64>, Vec<[f64; 3]>) {
+    let n = alphas.len();
+    let (mut g_alphas, mut g_rgbs) = (vec![0.0; n], vec![[0.0; 3]; n]);
+    let mut behind = g.transmittance;
+    for i in (0..n).rev() {
+        let g_w = weight_gradient(rgbs[i], g.weights[i], g);
+        g_alphas[i] = forward.transmittance[i] * (g_w - behind);
+        g_rgbs[i] = g.color.map(|g_color| forward.weights[i] * g_color);
+        behind = alphas[i] * g_w + (1.0 - alphas[i] + eps.value()) * behind;
+    }
+    (g_alphas, g_rgbs)
+}
+
+/// Gradients of [`super::volume_render`] with respect to `sigmas`, `rgbs` and `deltas`.
+///
+/// With x = sigma delta: d alpha / dx = e^-x, so g_x_i = e^-x_i g_alpha_i, g_sigma = delta g_x, g_delta = sigma g_x.
+pub fn volume_render(
+    sigmas: &[f64],
+    rgbs: &[[f64; 3]],
+    deltas: &[f64],
+    eps: ProductEps,
+    forward: &Rendering,
+    g: &Cotangent,
+) -> (Vec<f64>, Vec<[f64; 3]>, Vec<f64>) {
+    let x = optical_depths(sigmas, deltas);
+    let alphas: Vec<f64> = x.iter().map(|&x| -expm1(-x)).collect();
+    let (g_alphas, g_rgbs) = volume_render_alpha(&alphas, rgbs, eps, forward, g);
+    let g_x: Vec<f64> = (0..x.len()).map(|i| exp(-x[i]) * g_alphas[i]).collect();
+    let g_sigmas = (0..x.len()).map(|i| deltas[i] * g_x[i]).collect();
+    let g_deltas = (0..x.len()).map(|i| sigmas[i] * g_x[i]).collect();
+    (g_sigmas, g_rgbs, g_deltas)
+}
+
+/// g_C . c + g_weight + g_A.
+fn weight_gradient(rgb: [f64; 3], g_weight: f64, g: &Cotangent) -> f64 {
+    g.color[0] * rgb[0] + g.color[1] * rgb[1] + g.color[2] * rgb[2] + g_weight + g.opacity
+}
+
+/// Gradients of [`super::composite_background`] with respect to `color`, `opacity` and `background`.
+///
+/// C + (1 - A) b: g_C = g, g_A = -g . b, g_b = (1 - A) g.
+pub fn composite_background(opacity: f64, background: [f64; 3], g: [f64; 3]) -> ([f64; 3], f64, [f64; 3]) {
+    let g_opacity = -(g[0] * background[0] + g[1] * background[1] + g[2] * background[2]);
+    (g, g_opacity, g.map(|g| (1.0 - opacity) * g))
+}
+
+/// Gradients of [`super::depth`] with respect to `weights` and `t`.
+///
+/// z = sum w t / A: g_w_i = g (t_i - z) / A and g_t_i = g w_i / A; both 0 where A = 0, since `far` is a constant.
+pub fn depth(weights: &[f64], t: &[f64], convention: Depth, g: f64) -> (Vec<f64>, Vec<f64>) {
+    let mut opacity = Sum::default();
+    weights.iter().for_each(|&w| opacity.add(w));
+    let opacity = opacity.value();
+    match convention {
+        Depth::Plain => (t.iter().map(|t| g * t).collect(), weights.iter().map(|w| g * w).collect()),
+        Depth::Divided if opacity == 0.0 => (vec![0.0; t.len()], vec![0.0; t.len()]),
+        Depth::Divided => {
+            let z = super::depth(weights, t, 0.0, Depth::Divided);
+            let g_weights = t.iter().map(|t| g * (t - z) / opacity).collect();
+            (g_weights, weights.iter().map(|w| g * w / opacity).collect())
+        }
+    }
+}

@@ -1,0 +1,132 @@
+//! Volume rendering: densities and colours along a ray -> one colour.
+//!
+//! NeRF (Mildenhall et al. 2020) equation 3, after Max, "Optical models for direct volume rendering" (1995).
+//! Letters, for sample i of N: `sigma` density, `delta` step length, x = sigma delta optical depth, `alpha` = 1 - e^-x
+//! opacity, `T` = product of (1 - alpha) of the samples before = transmittance, `w` = T alpha weight, `c` colour,
+//! A = sum of w, the ray's opacity.
+
+use crate::convention::{Depth, ProductEps};
+use crate::maths::{Sum, exp, expm1};
+
+pub mod backward;
+
+#[cfg(test)]
+mod tests;
+
+/// What a ray sees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendering {
+    /// C = sum w_i c_i, without any background.
+    pub color: [f64; 3],
+    /// w_i = T_i alpha_i, (N).
+    pub weights: Vec<f64>,
+    /// T_i in front of each sample and, last, behind all of them: (N + 1).
+    pub transmittance: Vec<f64>,
+    /// A = sum w_i.
+    pub opacity: f64,
+}
+
+/// Renders one ray from densities: alpha_i = 1 - exp(-sigma_i delta_i), T_i = exp(-sum_{j<i} sigma_j delta_j).
+///
+/// # Shapes
+/// `sigmas` (N), `rgbs` (N), `deltas` (N).
+///
+/// # Units
+/// sigma in 1 / length, delta in the same length, so that x = sigma delta has no unit. sigma >= 0 and delta >= 0; where one is
+/// infinite and the other 0 there is nothing to absorb in, and x is 0.
+///
+/// # Convention
+/// `eps` is added to each factor 1 - alpha, as some codes do; [`ProductEps::None`] is the formula.
+///
+/// ```
+/// use nerf_oracle::{convention::ProductEps, volume_rendering::volume_render};
+/// let ln2 = std::f64::consts::LN_2;
+/// let r = volume_render(&[ln2, ln2, 0.0, ln2], &[[1.0; 3]; 4], &[1.0; 4], ProductEps::None);
+/// assert_eq!(r.weights, [0.5, 0.25, 0.0, 0.125]);
+/// assert_eq!(r.transmittance[4], 0.125);
+/// ```
+pub fn volume_render(sigmas: &[f64], rgbs: &[[f64; 3]], deltas: &[f64], eps: ProductEps) -> Rendering {
+    let x = optical_depths(sigmas, deltas);
+    let alphas: Vec<f64> = x.iter().map(|&x| -expm1(-x)).collect();
+    if eps != ProductEps::None {
+        return volume_render_alpha(&alphas, rgbs, eps);
+    }
+    // The sum in the exponent is compensated: 1,024 samples cost no more than one.
+    let mut depth = Sum::default();
+    let mut transmittance = vec![1.0];
+    for &x in &x {
+        depth.add(x);
+        transmittance.push(exp(-depth.value()));
+    }
+    composite(&alphas, rgbs, transmittance)
+}
+
+/// x_i = sigma_i delta_i, 0 where either is 0.
+pub(crate) fn optical_depths(sigmas: &[f64], deltas: &[f64]) -> Vec<f64> {
+    let product = |i: usize| if sigmas[i] == 0.0 || deltas[i] == 0.0 { 0.0 } else { sigmas[i] * deltas[i] };
+    (0..sigmas.len()).map(product).collect()
+}
+
+/// Renders one ray from opacities: T_i = prod_{j<i} (1 - alpha_j + eps).
+///
+/// # Shapes
+/// `alphas` (N) in [0, 1], `rgbs` (N).
+///
+/// ```
+/// use nerf_oracle::{convention::ProductEps, volume_rendering::volume_render_alpha};
+/// let r = volume_render_alpha(&[0.5, 1.0, 0.3], &[[1.0; 3]; 3], ProductEps::None);
+/// assert_eq!(r.weights, [0.5, 0.5, 0.0]);
+/// ```
+pub fn volume_render_alpha(alphas: &[f64], rgbs: &[[f64; 3]], eps: ProductEps) -> Rendering {
+    let mut transmittance = vec![1.0];
+    for (i, &alpha) in alphas.iter().enumerate() {
+        transmittance.push(transmittance[i] * (1.0 - alpha + eps.value()));
+    }
+    composite(alphas, rgbs, transmittance)
+}
+
+/// w_i = T_i alpha_i, C = sum w_i c_i, A = sum w_i.
+fn composite(alphas: &[f64], rgbs: &[[f64; 3]], transmittance: Vec<f64>) -> Rendering {
+    let (mut color, mut opacity) = ([Sum::default(); 3], Sum::default());
+    let mut weights = Vec::with_capacity(alphas.len());
+    for (i, &alpha) in alphas.iter().enumerate() {
+        let w = transmittance[i] * alpha;
+        for (sum, c) in color.iter_mut().zip(rgbs[i]) {
+            sum.add(w * c);
+        }
+        opacity.add(w);
+        weights.push(w);
+    }
+    Rendering { color: color.map(|sum| sum.value()), weights, transmittance, opacity: opacity.value() }
+}
+
+/// Light from behind: C + (1 - A) b.
+///
+/// ```
+/// let c = nerf_oracle::volume_rendering::composite_background([0.25; 3], 0.5, [1.0, 0.0, 0.5]);
+/// assert_eq!(c, [0.75, 0.25, 0.5]);
+/// ```
+pub fn composite_background(color: [f64; 3], opacity: f64, background: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|k| color[k] + (1.0 - opacity) * background[k])
+}
+
+/// Expected distance: sum w_i t_i / A, `far` where the ray meets nothing; or the sum alone.
+///
+/// ```
+/// use nerf_oracle::{convention::Depth, volume_rendering::depth};
+/// assert_eq!(depth(&[0.25, 0.25], &[2.0, 4.0], 6.0, Depth::Divided), 3.0);
+/// assert_eq!(depth(&[0.25, 0.25], &[2.0, 4.0], 6.0, Depth::Plain), 1.5);
+/// assert_eq!(depth(&[0.0, 0.0], &[2.0, 4.0], 6.0, Depth::Divided), 6.0);
+/// ```
+pub fn depth(weights: &[f64], t: &[f64], far: f64, convention: Depth) -> f64 {
+    let (mut weighted, mut opacity) = (Sum::default(), Sum::default());
+    for (w, t) in weights.iter().zip(t) {
+        weighted.add(w * t);
+        opacity.add(*w);
+    }
+    match convention {
+        Depth::Plain => weighted.value(),
+        Depth::Divided if opacity.value() == 0.0 => far,
+        Depth::Divided => weighted.value() / opacity.value(),
+    }
+}
