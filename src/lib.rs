@@ -37,3 +37,13 @@ pub mod cli;
 pub mod verify;
 
 pub use error::{Error, Result};
+
+use verify::Component;
+
+/// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
+pub const COMPONENTS: &[Component] = &[
+    volume_rendering::component::VOLUME_RENDER,
+    volume_rendering::component::VOLUME_RENDER_ALPHA,
+    volume_rendering::component::COMPOSITE_BACKGROUND,
+    volume_rendering::component::DEPTH,
+];

@@ -4,6 +4,9 @@ use std::collections::BTreeMap;
 
 use ndarray::{ArrayD, IxDyn};
 
+use super::arithmetic::Arithmetic;
+use super::case::Case;
+use super::machine::Machine;
 use crate::convention::Conventions;
 
 /// Name -> array: the only thing that crosses the harness boundary. Row-major.
@@ -37,10 +40,21 @@ pub struct Mistake {
     pub fix: &'static str,
     /// How often it was seen: ranks hypotheses that explain equally well.
     pub count: u32,
+    /// Whether it is a mistake of the gradient alone.
+    pub gradient: bool,
 }
 
 /// A function over named arrays in given conventions.
 pub type Function = fn(&Arrays, &Conventions) -> Arrays;
+
+/// How far an honest implementation may be off, element by element: arrays with the names and shapes of the outputs.
+pub type Bound = fn(&Arrays, &Conventions, &Arithmetic) -> Arrays;
+
+/// The function in emulated arithmetic, as an honest implementation might write it.
+pub type Honest = fn(&Arrays, &Conventions, &Machine) -> Arrays;
+
+/// The function with mistakes in it, by name. Without any it equals the oracle bit for bit.
+pub type Wrong = fn(&Arrays, &Conventions, &[&str]) -> Arrays;
 
 /// One row of the judging contract.
 #[derive(Clone, Copy)]
@@ -59,10 +73,34 @@ pub struct Component {
     pub outputs: &'static [Port],
     /// Conventions that the result depends on (keys of [`crate::convention::CHOICES`]).
     pub conventions: &'static [&'static str],
-    /// The oracle.
-    pub forward: Function,
-    /// The oracle's vector-Jacobian product: inputs and `grad_<output>` -> `grad_<input>`.
-    pub vjp: Option<Function>,
+    /// The oracle, its bound and honest implementations.
+    pub forward: Pass,
+    /// The vector-Jacobian product: inputs and `grad_<output>` -> `grad_<input>`.
+    pub vjp: Option<Pass>,
+    /// Seeded and hard cases. Those of the VJP are the same with cotangents added.
+    pub cases: fn() -> Vec<Case>,
+    /// What people get wrong.
+    pub mistakes: &'static [Mistake],
+}
+
+/// One direction of a component: everything that is known about forward, or about its VJP.
+#[derive(Clone, Copy)]
+pub struct Pass {
+    /// Plain f64.
+    pub oracle: Function,
+    /// Error bound.
+    pub bound: Bound,
+    /// Honest implementations.
+    pub honest: Honest,
+    /// The same with mistakes.
+    pub wrong: Wrong,
+}
+
+impl Component {
+    /// Inputs that a VJP differentiates.
+    pub fn differentiable(&self) -> impl Iterator<Item = &Port> {
+        self.inputs.iter().filter(|port| port.gradient)
+    }
 }
 
 /// A scalar as an array.
@@ -76,4 +114,30 @@ pub fn scalar(x: f64) -> ArrayD<f64> {
 /// Where their numbers differ.
 pub fn array(shape: &[usize], data: Vec<f64>) -> ArrayD<f64> {
     ArrayD::from_shape_vec(IxDyn(shape), data).expect("as many entries as the shape says")
+}
+
+/// An input by name, as rows of its last axis.
+///
+/// # Panics
+/// Where it is missing: the judge has checked the names before.
+pub fn values(arrays: &Arrays, name: &str) -> Vec<f64> {
+    input(arrays, name).iter().copied().collect()
+}
+
+/// An input by name.
+///
+/// # Panics
+/// Where it is missing: the judge has checked the names before.
+pub fn input<'a>(arrays: &'a Arrays, name: &str) -> &'a ArrayD<f64> {
+    arrays.get(name).unwrap_or_else(|| panic!("no array {name}"))
+}
+
+/// A scalar input by name.
+pub fn number(arrays: &Arrays, name: &str) -> f64 {
+    input(arrays, name).iter().copied().next().unwrap_or_else(|| panic!("{name} is empty"))
+}
+
+/// Arrays from pairs.
+pub fn arrays<const N: usize>(pairs: [(&str, ArrayD<f64>); N]) -> Arrays {
+    pairs.into_iter().map(|(name, array)| (name.to_string(), array)).collect()
 }

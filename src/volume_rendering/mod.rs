@@ -9,6 +9,11 @@ use crate::convention::{Depth, ProductEps};
 use crate::maths::{Sum, exp, expm1};
 
 pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
+pub mod honest;
+pub mod mistakes;
 
 #[cfg(test)]
 mod tests;

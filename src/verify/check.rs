@@ -1,0 +1,98 @@
+//! The bound at work: what a candidate may be off by, and whether it is.
+
+use ndarray::{ArrayD, Zip};
+
+use super::arithmetic::{Arithmetic, Dtype, Grade};
+use super::case::{Case, Draw};
+use super::component::{Arrays, Component, Pass};
+use crate::convention::Conventions;
+
+/// Forward or backward.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// Inputs -> outputs.
+    Forward,
+    /// Inputs and cotangents -> gradients.
+    Vjp,
+}
+
+impl Component {
+    /// The functions of this direction, if the component has it.
+    pub fn pass(&self, kind: Kind) -> Option<&Pass> {
+        match kind {
+            Kind::Forward => Some(&self.forward),
+            Kind::Vjp => self.vjp.as_ref(),
+        }
+    }
+
+    /// The cases of this direction: for the VJP the forward ones, with cotangents k / 16 (k = +-1, ..., +-16) that every type holds.
+    pub fn cases_of(&self, kind: Kind, c: &Conventions) -> Vec<Case> {
+        let mut cases = (self.cases)();
+        if kind == Kind::Vjp {
+            for (n, case) in cases.iter_mut().enumerate() {
+                let outputs = (self.forward.oracle)(&case.inputs, c);
+                let mut draw = Draw::new(self.name, 1000 + n as u64);
+                for port in self.outputs.iter().filter(|port| port.gradient) {
+                    let cotangent = outputs[port.name].mapv(|_| {
+                        let k = 1.0 + draw.below(16) as f64;
+                        if draw.below(2) == 0 { k / 16.0 } else { -k / 16.0 }
+                    });
+                    case.inputs.insert(format!("grad_{}", port.name), cotangent);
+                }
+            }
+        }
+        cases
+    }
+}
+
+/// What an answer in `arithmetic` may be off by: its own bound, and the oracle's (which rounds in f64).
+pub fn tolerance(pass: &Pass, inputs: &Arrays, c: &Conventions, arithmetic: &Arithmetic) -> Arrays {
+    let own = (pass.bound)(inputs, c, arithmetic);
+    let oracle = (pass.bound)(inputs, c, &Arithmetic::new(Dtype::F64, Grade::A));
+    own.into_iter().map(|(name, bound)| (name.clone(), bound + &oracle[&name])).collect()
+}
+
+/// One output against its bound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Largest error over bound; infinite where an answer is NaN or off where the bound is 0.
+    pub budget_used: f64,
+    /// Where (index into the array, row-major).
+    pub worst: usize,
+    /// Elements whose bound reaches their size: they prove nothing.
+    pub vacuous: usize,
+    /// Elements in all.
+    pub elements: usize,
+}
+
+/// Compares an answer with the truth. Equal infinities match; a NaN matches nothing but a NaN.
+pub fn compare(got: &ArrayD<f64>, expected: &ArrayD<f64>, bound: &ArrayD<f64>) -> Outcome {
+    let mut outcome = Outcome { budget_used: 0.0, worst: 0, vacuous: 0, elements: expected.len() };
+    let mut index = 0;
+    Zip::from(got).and(expected).and(bound).for_each(|&got, &expected, &bound| {
+        let used = budget_used(got, expected, bound);
+        if used > outcome.budget_used {
+            (outcome.budget_used, outcome.worst) = (used, index);
+        }
+        outcome.vacuous += usize::from(expected.is_finite() && bound >= expected.abs() && bound > 0.0);
+        index += 1;
+    });
+    outcome
+}
+
+/// |got - expected| / bound of one element.
+pub fn budget_used(got: f64, expected: f64, bound: f64) -> f64 {
+    if got == expected || (got.is_nan() && expected.is_nan()) || bound == f64::INFINITY {
+        return 0.0;
+    }
+    let error = (got - expected).abs();
+    // An exact element (bound 0) that is off, or a NaN, uses all there is and more.
+    if error.is_nan() || bound == 0.0 { f64::INFINITY } else { error / bound }
+}
+
+/// The worst outcome over all of a direction's outputs.
+pub fn worst(got: &Arrays, expected: &Arrays, bound: &Arrays) -> f64 {
+    let used =
+        |(name, expected): (&String, &ArrayD<f64>)| compare(&got[name], expected, &bound[name]).budget_used;
+    expected.iter().map(used).fold(0.0, f64::max)
+}

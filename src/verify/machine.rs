@@ -1,0 +1,139 @@
+//! Honest implementations to test the bound with: the same formulas in emulated arithmetic, with every freedom that the contract
+//! gives an implementation.
+
+use crate::random::{Key, Purpose};
+
+use super::arithmetic::Dtype;
+
+/// The order in which a sum is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Left to right.
+    Forward,
+    /// Right to left.
+    Reverse,
+    /// Halves, recursively.
+    Pairwise,
+    /// Eight interleaved partial sums.
+    Blocked,
+}
+
+/// One honest machine.
+#[derive(Clone, Copy, Debug)]
+pub struct Machine {
+    /// Every result is rounded to this type.
+    pub dtype: Dtype,
+    /// Order of sums.
+    pub order: Order,
+    /// Products go into sums unrounded.
+    pub fused: bool,
+    /// The stable formula where there are two (else the textbook's).
+    pub stable: bool,
+    /// Which of the component's algorithms (e.g. cumulative sum or product), modulo their number.
+    pub form: u64,
+    /// Errors of elementary functions are drawn from here.
+    pub noise: u64,
+}
+
+impl Machine {
+    /// Machine number n for `dtype`: walks through all combinations.
+    pub fn number(dtype: Dtype, n: u64) -> Self {
+        let order = [Order::Forward, Order::Reverse, Order::Pairwise, Order::Blocked][(n % 4) as usize];
+        Machine { dtype, order, fused: n / 4 % 2 == 1, stable: n / 8 % 2 == 1, form: n / 16, noise: n }
+    }
+
+    /// x rounded to the type.
+    pub fn round(&self, x: f64) -> f64 {
+        self.dtype.round(x)
+    }
+
+    /// a + b.
+    pub fn add(&self, a: f64, b: f64) -> f64 {
+        self.round(a + b)
+    }
+
+    /// a - b.
+    pub fn sub(&self, a: f64, b: f64) -> f64 {
+        self.round(a - b)
+    }
+
+    /// a b.
+    pub fn mul(&self, a: f64, b: f64) -> f64 {
+        self.round(a * b)
+    }
+
+    /// a / b.
+    pub fn div(&self, a: f64, b: f64) -> f64 {
+        self.round(a / b)
+    }
+
+    /// The square root.
+    pub fn sqrt(&self, a: f64) -> f64 {
+        self.round(a.sqrt())
+    }
+
+    /// An elementary function's value y, off by up to 4 ULP (3.5 before rounding), seeded by y and the machine.
+    pub fn elementary(&self, y: f64) -> f64 {
+        let u = Key::new(self.noise, Purpose::Cases).uniform(0, y.to_bits(), 0);
+        self.round(y * (1.0 + 7.0 * (u - 0.5) * self.dtype.unit_roundoff()))
+    }
+
+    /// e^x; whatever its error, not above 1 for x <= 0.
+    pub fn exp(&self, x: f64) -> f64 {
+        let y = self.elementary(crate::maths::exp(x));
+        if x <= 0.0 { y.min(1.0) } else { y }
+    }
+
+    /// e^x - 1, not below -1.
+    pub fn expm1(&self, x: f64) -> f64 {
+        self.elementary(crate::maths::expm1(x)).max(-1.0)
+    }
+
+    /// What sums accumulate in.
+    fn accumulator(&self) -> Dtype {
+        if self.dtype == Dtype::F64 { Dtype::F64 } else { Dtype::F32 }
+    }
+
+    /// A sum in this machine's order.
+    pub fn sum(&self, terms: &[f64]) -> f64 {
+        self.round(self.accumulate(terms))
+    }
+
+    /// A sum of products, fused or not.
+    pub fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        let product = |(a, b): (&f64, &f64)| if self.fused { a * b } else { self.mul(*a, *b) };
+        self.sum(&a.iter().zip(b).map(product).collect::<Vec<_>>())
+    }
+
+    fn accumulate(&self, terms: &[f64]) -> f64 {
+        let add = |sum: f64, x: &f64| self.accumulator().round(sum + x);
+        match self.order {
+            Order::Forward => terms.iter().fold(0.0, add),
+            Order::Reverse => terms.iter().rev().fold(0.0, add),
+            Order::Blocked => {
+                let lanes: Vec<f64> =
+                    (0..8).map(|lane| terms.iter().skip(lane).step_by(8).fold(0.0, add)).collect();
+                lanes.iter().fold(0.0, add)
+            }
+            Order::Pairwise if terms.len() > 2 => {
+                let (left, right) = terms.split_at(terms.len() / 2);
+                add(self.accumulate(left), &self.accumulate(right))
+            }
+            Order::Pairwise => terms.iter().fold(0.0, add),
+        }
+    }
+
+    /// Running sums: entry i is the sum of the first i terms, rounded to the type when it is handed out (N + 1 entries).
+    pub fn cumulative_sum(&self, terms: &[f64]) -> Vec<f64> {
+        (0..=terms.len()).map(|n| self.sum(&terms[..n])).collect()
+    }
+
+    /// Running products: entry i is the product of the first i factors (N + 1 entries).
+    pub fn cumulative_product(&self, factors: &[f64]) -> Vec<f64> {
+        let mut products = vec![1.0];
+        for (i, &f) in factors.iter().enumerate() {
+            products.push(self.mul(products[i], f));
+        }
+        products
+    }
+}

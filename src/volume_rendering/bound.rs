@@ -1,0 +1,273 @@
+//! Error bounds of volume rendering: the formulas once more, in running error analysis.
+//!
+//! Every way to write them that the contract calls honest is covered: T as the exponential of a cumulative sum or as a cumulative
+//! product, sums in any order, the light behind a sample as a recursion, as a suffix sum, or as the total less a prefix sum.
+
+use super::backward::Cotangent;
+use super::component::{cotangent, rgb, row, rows3, size};
+use crate::convention::{Conventions, Depth, ProductEps};
+use crate::verify::arithmetic::{Arithmetic, Grade};
+use crate::verify::bounded::{Bounded, exact};
+use crate::verify::component::{Arrays, array, arrays, number, values};
+
+/// One ray with its errors.
+struct Ray {
+    alphas: Vec<Bounded>,
+    /// d alpha / dx = e^-x; 1 where alpha is given.
+    slopes: Vec<Bounded>,
+    rgbs: Vec<[f64; 3]>,
+    /// In front of each sample and, last, behind all: (N + 1).
+    transmittance: Vec<Bounded>,
+    weights: Vec<Bounded>,
+}
+
+impl Ray {
+    fn from_densities(a: &Arrays, r: usize, eps: ProductEps, m: &Arithmetic) -> Ray {
+        let (sigmas, deltas) = (row(a, "sigmas", r), row(a, "deltas", r));
+        let x: Vec<Bounded> =
+            sigmas.iter().zip(&deltas).map(|(&sigma, &delta)| optical_depth(sigma, delta, m)).collect();
+        let slopes: Vec<Bounded> = x.iter().map(|x| m.exp(x.neg())).collect();
+        let alpha = |(x, slope): (&Bounded, &Bounded)| match m.grade {
+            Grade::A => m.one_minus_exp(*x),
+            Grade::B => m.sub(exact(1.0), *slope).or(m.one_minus_exp(*x)),
+        };
+        let alphas: Vec<Bounded> = x.iter().zip(&slopes).map(alpha).collect();
+        let mut transmittance = products(&alphas, eps, m);
+        if eps == ProductEps::None {
+            // Either form is honest: the exponential of the sum, or the product.
+            for (i, t) in transmittance.iter_mut().enumerate() {
+                let depth = m.sum(&x[..i]);
+                *t = m.exp(m.rounded(depth.y, depth.e).neg()).or(*t).capped(0.0, 1.0);
+            }
+        }
+        Ray::new(alphas, slopes, rows3(a, "rgbs", r), transmittance, m)
+    }
+
+    fn from_alphas(a: &Arrays, r: usize, eps: ProductEps, m: &Arithmetic) -> Ray {
+        let alphas: Vec<Bounded> = row(a, "alphas", r).into_iter().map(exact).collect();
+        let transmittance = products(&alphas, eps, m);
+        let slopes = vec![exact(1.0); alphas.len()];
+        Ray::new(alphas, slopes, rows3(a, "rgbs", r), transmittance, m)
+    }
+
+    fn new(
+        alphas: Vec<Bounded>,
+        slopes: Vec<Bounded>,
+        rgbs: Vec<[f64; 3]>,
+        transmittance: Vec<Bounded>,
+        m: &Arithmetic,
+    ) -> Ray {
+        let weights = alphas.iter().zip(&transmittance).map(|(&alpha, &t)| m.mul(t, alpha)).collect();
+        Ray { alphas, slopes, rgbs, transmittance, weights }
+    }
+
+    /// Errors of the outputs, in the order colour, opacity, transmittance.
+    fn outputs(&self, m: &Arithmetic) -> ([f64; 3], f64, f64) {
+        let behind = self.transmittance[self.alphas.len()];
+        let color = |k: usize| {
+            let colors: Vec<Bounded> = self.rgbs.iter().map(|c| exact(c[k])).collect();
+            m.dot(&self.weights, &colors).e
+        };
+        // The sum of the weights, or 1 - T: the same over the reals when nothing is added to the factors.
+        let opacity = m.sum(&self.weights);
+        let opacity = opacity.or(m.sub(exact(1.0), behind)).capped(0.0, 1.0);
+        ([color(0), color(1), color(2)], opacity.e, behind.e)
+    }
+
+    /// Errors of g_alpha times the slope (that is, of g_x), and of g_rgb.
+    fn gradients(&self, g: &Cotangent, eps: ProductEps, m: &Arithmetic) -> (Vec<Bounded>, Vec<[f64; 3]>) {
+        let n = self.alphas.len();
+        let g_w: Vec<Bounded> = (0..n).map(|i| self.weight_gradient(i, g, m)).collect();
+        // Everything that light can still bring, absolute values: what a total less a prefix sum rounds at.
+        let all: Vec<Bounded> = (0..n).map(|i| m.mul(self.weights[i], g_w[i])).collect();
+        let last = m.mul(self.transmittance[n], exact(g.transmittance));
+        let total = m.sum(&[&all[..], &[last]].concat());
+        let mut behind = exact(g.transmittance);
+        let mut g_x = vec![exact(0.0); n];
+        for i in (0..n).rev() {
+            // T (g_w - B), each product rounded; or T e^-x g_w less the suffix sum.
+            let inner = m.sub(g_w[i], behind);
+            let g_alpha = m.mul(self.transmittance[i], inner);
+            let recursive = m.mul(self.slopes[i], g_alpha);
+            // The suffix sum, off by the rounding of the total and of the subtraction.
+            let through = m.mul(m.mul(self.transmittance[i], self.slopes[i]), g_w[i]);
+            let suffix = total.e + m.u * (total.size() + self.transmittance[i].size() * behind.size());
+            let subtracted = m.sub(through, exact(through.y - recursive.y).widened(suffix));
+            g_x[i] = Bounded { y: recursive.y, e: recursive.e.max(subtracted.e) };
+            let passed = m.add(m.sub(exact(1.0), self.alphas[i]), exact(eps.value()));
+            behind = m.add(m.mul(self.alphas[i], g_w[i]), m.mul(passed, behind));
+        }
+        let g_rgb = |w: &Bounded| g.color.map(|g| m.mul(*w, exact(g)).e);
+        (g_x, self.weights.iter().map(g_rgb).collect())
+    }
+
+    fn weight_gradient(&self, i: usize, g: &Cotangent, m: &Arithmetic) -> Bounded {
+        let terms: Vec<Bounded> = (0..3).map(|k| m.mul(exact(g.color[k]), exact(self.rgbs[i][k]))).collect();
+        let color = m.sum(&terms);
+        let color = m.rounded(color.y, color.e);
+        m.add(m.add(color, exact(g.weights[i])), exact(g.opacity))
+    }
+}
+
+fn optical_depth(sigma: f64, delta: f64, m: &Arithmetic) -> Bounded {
+    if sigma == 0.0 || delta == 0.0 { exact(0.0) } else { m.mul(exact(sigma), exact(delta)) }
+}
+
+/// T_i = prod_{j<i} (1 - alpha_j + eps).
+fn products(alphas: &[Bounded], eps: ProductEps, m: &Arithmetic) -> Vec<Bounded> {
+    let mut t = vec![exact(1.0)];
+    for &alpha in alphas {
+        let factor = m.add(m.sub(exact(1.0), alpha), exact(eps.value()));
+        t.push(m.mul(t[t.len() - 1], factor).capped(0.0, 1.0 + eps.value()));
+    }
+    t
+}
+
+fn forward(rays: &[Ray], m: &Arithmetic) -> Arrays {
+    let samples = rays.first().map_or(0, |ray| ray.weights.len());
+    let outputs: Vec<_> = rays.iter().map(|ray| ray.outputs(m)).collect();
+    arrays([
+        ("colors", array(&[rays.len(), 3], outputs.iter().flat_map(|o| o.0).collect())),
+        (
+            "weights",
+            array(&[rays.len(), samples], rays.iter().flat_map(|r| r.weights.iter().map(|w| w.e)).collect()),
+        ),
+        ("opacity", array(&[rays.len()], outputs.iter().map(|o| o.1).collect())),
+        ("transmittance", array(&[rays.len()], outputs.iter().map(|o| o.2).collect())),
+    ])
+}
+
+/// Bound of [`super::volume_render`].
+pub fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let (rays, _) = size(a, "sigmas");
+    forward(&(0..rays).map(|r| Ray::from_densities(a, r, c.product_eps, m)).collect::<Vec<_>>(), m)
+}
+
+/// Bound of [`super::volume_render_alpha`].
+pub fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let (rays, _) = size(a, "alphas");
+    forward(&(0..rays).map(|r| Ray::from_alphas(a, r, c.product_eps, m)).collect::<Vec<_>>(), m)
+}
+
+/// Bound of [`super::backward::volume_render`].
+pub fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let (rays, samples) = size(a, "sigmas");
+    let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
+    for r in 0..rays {
+        let ray = Ray::from_densities(a, r, c.product_eps, m);
+        let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
+        g_sigmas.extend(row(a, "deltas", r).iter().zip(&g_x).map(|(&delta, &g)| m.mul(exact(delta), g).e));
+        g_deltas.extend(row(a, "sigmas", r).iter().zip(&g_x).map(|(&sigma, &g)| m.mul(exact(sigma), g).e));
+        g_rgbs.extend(g_rgb.concat());
+    }
+    arrays([
+        ("grad_sigmas", array(&[rays, samples], g_sigmas)),
+        ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
+        ("grad_deltas", array(&[rays, samples], g_deltas)),
+    ])
+}
+
+/// Bound of [`super::backward::volume_render_alpha`].
+pub fn volume_render_alpha_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let (rays, samples) = size(a, "alphas");
+    let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
+    for r in 0..rays {
+        let ray = Ray::from_alphas(a, r, c.product_eps, m);
+        let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
+        g_alphas.extend(g_x.iter().map(|g| g.e));
+        g_rgbs.extend(g_rgb.concat());
+    }
+    arrays([
+        ("grad_alphas", array(&[rays, samples], g_alphas)),
+        ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
+    ])
+}
+
+/// Bound of [`super::composite_background`]: C + (1 - A) b, or C + b - A b.
+pub fn composite_background(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    let (opacity, b) = (values(a, "opacity"), rgb(&values(a, "background")));
+    let mut errors = vec![];
+    for (r, &opacity) in opacity.iter().enumerate() {
+        let color = rows3(a, "colors", r)[0];
+        for k in 0..3 {
+            let (c, b, opacity) = (exact(color[k]), exact(b[k]), exact(opacity));
+            let factored = m.add(c, m.mul(m.sub(exact(1.0), opacity), b));
+            let expanded = m.sum(&[c, b, m.mul(opacity, b).neg()]);
+            errors.push(factored.or(m.rounded(expanded.y, expanded.e)).e);
+        }
+    }
+    arrays([("colors_out", array(&[opacity.len(), 3], errors))])
+}
+
+/// Bound of [`super::backward::composite_background`].
+pub fn composite_background_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    let (opacity, b) = (values(a, "opacity"), rgb(&values(a, "background")));
+    let b: Vec<Bounded> = b.into_iter().map(exact).collect();
+    let mut g_opacity = vec![];
+    let mut terms = vec![vec![]; 3];
+    for (r, &opacity) in opacity.iter().enumerate() {
+        let g: Vec<Bounded> = rows3(a, "grad_colors_out", r)[0].into_iter().map(exact).collect();
+        let dot = m.dot(&g, &b);
+        g_opacity.push(m.rounded(dot.y, dot.e).e);
+        for k in 0..3 {
+            // Factored, or b's own gradient less that of the product A b.
+            let factored = m.mul(m.sub(exact(1.0), exact(opacity)), g[k]);
+            let expanded = m.sub(g[k], m.mul(exact(opacity), g[k]));
+            terms[k].push(factored.or(expanded));
+        }
+    }
+    let g_background = terms.iter().map(|terms| m.sum(terms)).map(|g| m.rounded(g.y, g.e).e).collect();
+    arrays([
+        ("grad_colors", array(&[opacity.len(), 3], vec![0.0; 3 * opacity.len()])),
+        ("grad_opacity", array(&[opacity.len()], g_opacity)),
+        ("grad_background", array(&[3], g_background)),
+    ])
+}
+
+/// w . t, A and z = w . t / A of one ray.
+fn divided(a: &Arrays, r: usize, m: &Arithmetic) -> (Bounded, Bounded, Bounded) {
+    let weights: Vec<Bounded> = row(a, "weights", r).into_iter().map(exact).collect();
+    let t: Vec<Bounded> = row(a, "t", r).into_iter().map(exact).collect();
+    let (weighted, opacity) = (m.dot(&weights, &t), m.sum(&weights));
+    (weighted, opacity, m.div(weighted, opacity))
+}
+
+/// Bound of [`super::depth`]: the quotient of two sums, or the sum of normalised weights times t.
+pub fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let (rays, samples) = size(a, "weights");
+    let error = |r: usize| {
+        let (weighted, opacity, z) = divided(a, r, m);
+        match c.depth {
+            Depth::Plain => weighted.e,
+            Depth::Divided if opacity.y == 0.0 => m.rounded(number(a, "far"), 0.0).e,
+            // Normalising first rounds each weight once more.
+            Depth::Divided => z.e + m.u * samples.min(3) as f64 * z.size(),
+        }
+    };
+    arrays([("depth", array(&[rays], (0..rays).map(error).collect()))])
+}
+
+/// Bound of [`super::backward::depth`]: g (t - z) / A, or g t / A - g (w . t) / A^2.
+pub fn depth_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let (rays, samples) = size(a, "weights");
+    let (mut g_weights, mut g_t) = (vec![], vec![]);
+    for (r, g) in values(a, "grad_depth").into_iter().enumerate() {
+        let (weighted, opacity, z) = divided(a, r, m);
+        for (w, t) in row(a, "weights", r).into_iter().zip(row(a, "t", r)) {
+            let (g, w, t) = (exact(g), exact(w), exact(t));
+            let (on_w, on_t) = match c.depth {
+                Depth::Plain => (m.mul(g, t), m.mul(g, w)),
+                Depth::Divided if opacity.y == 0.0 => (exact(0.0), exact(0.0)),
+                Depth::Divided => {
+                    let factored = m.div(m.mul(g, m.sub(t, z)), opacity);
+                    let square = m.mul(opacity, opacity);
+                    let terms = m.sub(m.mul(m.div(g, opacity), t), m.div(m.mul(g, weighted), square));
+                    (factored.or(terms), m.div(m.mul(g, w), opacity).or(m.mul(m.div(g, opacity), w)))
+                }
+            };
+            g_weights.push(on_w.e);
+            g_t.push(on_t.e);
+        }
+    }
+    arrays([("grad_weights", array(&[rays, samples], g_weights)), ("grad_t", array(&[rays, samples], g_t))])
+}

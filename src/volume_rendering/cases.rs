@@ -1,0 +1,220 @@
+//! Cases of volume rendering: probes that separate mistakes, hard numbers, and seeded rays in every regime.
+
+use std::f64::consts::LN_2;
+
+use ndarray::ArrayD;
+
+use crate::verify::case::{Case, Draw};
+use crate::verify::component::{array, scalar};
+
+/// Seeded regimes: typical optical depth of one sample.
+const REGIMES: [(&str, &str, f64, f64); 4] = [
+    ("empty", "thin everywhere: alpha is about x", -7.0, -4.0),
+    ("thin", "a few percent absorbed", -3.0, -1.5),
+    ("mixed", "empty and dense samples on one ray", -3.0, 0.7),
+    ("opaque", "light ends within a few samples", 0.0, 1.3),
+];
+
+/// Seeded densities in every regime, (rays, samples), with steps that differ from ray to ray (VR10).
+fn seeded(
+    component: &str,
+    make: impl Fn(&mut Draw, f64, f64) -> Vec<(&'static str, ArrayD<f64>)>,
+) -> Vec<Case> {
+    let mut cases = vec![];
+    for (n, (regime, comment, low, high)) in REGIMES.into_iter().enumerate() {
+        for repeat in 0..2 {
+            let mut draw = Draw::new(component, (2 * n + repeat) as u64);
+            cases.push(Case::new(format!("{regime}_{repeat}"), comment, make(&mut draw, low, high)));
+        }
+    }
+    cases
+}
+
+/// Red, green, blue at samples 0, 1 and N-1: the colour reads the weights.
+fn one_hot(samples: usize) -> ArrayD<f64> {
+    let mut rgbs = vec![0.0; 3 * samples];
+    for (k, i) in [0, 1, samples - 1].into_iter().enumerate() {
+        rgbs[3 * i + k] = 1.0;
+    }
+    array(&[1, samples, 3], rgbs)
+}
+
+/// From densities.
+pub fn volume_render() -> Vec<Case> {
+    let one_ray = |id, comment, sigmas: Vec<f64>, rgbs, deltas: Vec<f64>| {
+        let n = sigmas.len();
+        let inputs =
+            vec![("sigmas", array(&[1, n], sigmas)), ("rgbs", rgbs), ("deltas", array(&[1, n], deltas))];
+        Case::new(id, comment, inputs)
+    };
+    let grey = |n: usize| array(&[1, n, 3], vec![0.5; 3 * n]);
+    let spikes = |ln2: f64| vec![ln2, ln2, 0.0, 0.0, 0.0, 0.0, 0.0, ln2];
+    let mut cases = vec![
+        one_ray(
+            "spikes",
+            "three spikes of x = ln 2: the colour reads (.5, .25, .125)",
+            spikes(LN_2),
+            one_hot(8),
+            vec![1.0; 8],
+        ),
+        one_ray(
+            "spikes_short",
+            "three spikes of about ln 2, in every number type",
+            spikes(0.6875),
+            one_hot(8),
+            vec![1.0; 8],
+        ),
+        one_ray("slab", "constant density: 1 - exp(-sigma L)", vec![0.25; 16], grey(16), vec![0.25; 16]),
+        one_ray(
+            "empty_ray",
+            "nothing on the ray: colour, weights and opacity are 0",
+            vec![0.0; 6],
+            grey(6),
+            vec![0.0625; 6],
+        ),
+        one_ray(
+            "opaque_sample",
+            "one opaque sample: its weight is 1, those behind it 0",
+            vec![0.0, 0.0, 128.0, 1.0, 1.0],
+            grey(5),
+            vec![1.0; 5],
+        ),
+        one_ray("one_sample", "VR9: a ray with one sample", vec![0.75], grey(1), vec![0.5]),
+        one_ray(
+            "VR1_tiny_alpha",
+            "x = 2^-20: 1 - exp(-x) loses every digit in f32",
+            vec![9.5367431640625e-7; 8],
+            grey(8),
+            vec![1.0; 8],
+        ),
+        one_ray(
+            "VR2_last_delta",
+            "a last step of 1e10 on an empty end",
+            vec![0.5, 1.0, 0.0, 0.0],
+            grey(4),
+            vec![0.25, 0.25, 0.25, 1e10],
+        ),
+        one_ray("VR9_underflow", "T underflows behind x = 800", vec![800.0, 1.0, 1.0], grey(3), vec![1.0; 3]),
+        one_ray("VR9_huge", "sigma = 1e300 and 1e-300", vec![1e-300, 0.5, 1e300, 1.0], grey(4), vec![1.0; 4]),
+        one_ray(
+            "VR3_many_empty",
+            "256 nearly empty samples: a number added to the product shows",
+            vec![0.0009765625; 256],
+            grey(256),
+            vec![0.0625; 256],
+        ),
+        one_ray("no_samples", "VR9: no samples: colour 0, T 1", vec![], array(&[1, 0, 3], vec![]), vec![]),
+    ];
+    cases.extend(seeded("volume_render", |draw, low, high| {
+        let (rays, samples) = (3, 12);
+        let (mut sigmas, mut deltas) = (vec![], vec![]);
+        for ray in 0..rays {
+            let constant = draw.between(0.03, 0.1);
+            for _ in 0..samples {
+                // Ray 0 has steps of one length, the others have not.
+                let delta = if ray == 0 { constant } else { draw.between(0.03, 0.1) };
+                let empty = draw.unit() < 0.2;
+                let sigma = draw.decades(low, high) / delta;
+                sigmas.push(if empty { 0.0 } else { crate::verify::case::short(sigma) });
+                deltas.push(delta);
+            }
+        }
+        vec![
+            ("sigmas", array(&[rays, samples], sigmas)),
+            ("rgbs", draw.array(&[rays, samples, 3], 0.05, 1.0)),
+            ("deltas", array(&[rays, samples], deltas)),
+        ]
+    }));
+    cases
+}
+
+/// From opacities.
+pub fn volume_render_alpha() -> Vec<Case> {
+    let one_ray = |id, comment, alphas: Vec<f64>, rgbs| {
+        let n = alphas.len();
+        Case::new(id, comment, vec![("alphas", array(&[1, n], alphas)), ("rgbs", rgbs)])
+    };
+    let mut cases = vec![
+        one_ray(
+            "spikes",
+            "three opacities of 1/2: the colour reads (.5, .25, .125)",
+            vec![0.5, 0.5, 0.0, 0.0, 0.5],
+            one_hot(5),
+        ),
+        one_ray(
+            "VR4_opaque",
+            "alpha exactly 1 in the middle: the gradient must not divide by 1 - alpha",
+            vec![0.5, 1.0, 0.25, 0.125],
+            one_hot(4),
+        ),
+        one_ray(
+            "two_opaque",
+            "two samples of alpha 1: all gradients behind the first are 0",
+            vec![0.25, 1.0, 0.5, 1.0, 0.5],
+            one_hot(5),
+        ),
+        one_ray("empty_ray", "nothing on the ray", vec![0.0; 6], array(&[1, 6, 3], vec![0.5; 18])),
+        one_ray(
+            "VR9_underflow",
+            "T reaches subnormals and 0",
+            vec![0.99609375; 160],
+            array(&[1, 160, 3], vec![0.5; 480]),
+        ),
+    ];
+    cases.extend(seeded("volume_render_alpha", |draw, low, high| {
+        let (rays, samples) = (3, 12);
+        let alpha = |draw: &mut Draw| draw.decades(low, high.min(-0.02)).min(1.0);
+        let alphas = (0..rays * samples).map(|_| alpha(draw)).collect();
+        vec![
+            ("alphas", array(&[rays, samples], alphas)),
+            ("rgbs", draw.array(&[rays, samples, 3], 0.05, 1.0)),
+        ]
+    }));
+    cases
+}
+
+/// Background.
+pub fn composite_background() -> Vec<Case> {
+    let mut draw = Draw::new("composite_background", 0);
+    let three = vec![
+        ("colors", array(&[3, 3], vec![0.0, 0.0, 0.0, 0.25, 0.125, 0.5, 0.75, 0.5, 1.0])),
+        ("opacity", array(&[3], vec![0.0, 0.5, 1.0])),
+        ("background", array(&[3], vec![1.0, 0.5, 0.25])),
+    ];
+    let seeded = vec![
+        ("colors", draw.array(&[16, 3], 0.01, 0.6)),
+        ("opacity", draw.array(&[16], 0.05, 0.95)),
+        ("background", array(&[3], vec![0.75, 0.25, 0.625])),
+    ];
+    vec![
+        Case::new("three_opacities", "A = 0, 1/2, 1 over three different channels", three),
+        Case::new("seeded", "random rays", seeded),
+    ]
+}
+
+/// Expected distance.
+pub fn depth() -> Vec<Case> {
+    let mut draw = Draw::new("depth", 0);
+    let t = |rays: usize| {
+        let row = (0..8).map(|i| 2.25 + 0.5 * f64::from(i));
+        array(&[rays, 8], std::iter::repeat_n(row, rays).flatten().collect())
+    };
+    let spike = vec![0.0, 0.0, 0.5, 0.0, 0.25, 0.0, 0.0, 0.0];
+    vec![
+        Case::new(
+            "spike",
+            "two weights: (0.5 * 3.25 + 0.25 * 4.25) / 0.75",
+            vec![("weights", array(&[1, 8], spike)), ("t", t(1)), ("far", scalar(6.25))],
+        ),
+        Case::new(
+            "VR7_empty_ray",
+            "no weight at all: far, not NaN",
+            vec![("weights", array(&[1, 8], vec![0.0; 8])), ("t", t(1)), ("far", scalar(6.25))],
+        ),
+        Case::new(
+            "seeded",
+            "random weights",
+            vec![("weights", draw.array(&[6, 8], 0.001, 0.12)), ("t", t(6)), ("far", scalar(6.25))],
+        ),
+    ]
+}

@@ -1,0 +1,108 @@
+//! The bound is sound (no honest implementation is rejected), sharp (the all-zero answer is), and every mistake exceeds it.
+
+use nerf_oracle::COMPONENTS;
+use nerf_oracle::convention::CS180;
+use nerf_oracle::verify::arithmetic::{Arithmetic, Dtype, Grade};
+use nerf_oracle::verify::check::{Kind, tolerance, worst};
+use nerf_oracle::verify::{Component, Machine};
+
+/// Machines a case: 48 by default, which makes the whole suite fast; `BOUND_MACHINES=1000` for more.
+fn machines() -> u64 {
+    std::env::var("BOUND_MACHINES").ok().and_then(|n| n.parse().ok()).unwrap_or(48)
+}
+
+/// Evaluations of honest machines, and those that the bound rejects.
+fn rejections(component: &Component, kind: Kind, dtype: Dtype) -> (u64, Vec<String>) {
+    let Some(pass) = component.pass(kind) else { return (0, vec![]) };
+    let (mut count, mut rejected) = (0, vec![]);
+    for case in component.cases_of(kind, &CS180).iter().filter(|case| case.exists_in(dtype)) {
+        let expected = (pass.oracle)(&case.inputs, &CS180);
+        let bounds =
+            [Grade::A, Grade::B].map(|g| tolerance(pass, &case.inputs, &CS180, &Arithmetic::new(dtype, g)));
+        for n in 0..machines() {
+            let machine = Machine::number(dtype, n);
+            let got = (pass.honest)(&case.inputs, &CS180, &machine);
+            let used = worst(&got, &expected, &bounds[usize::from(!machine.stable)]);
+            count += 1;
+            if used > 1.0 {
+                rejected.push(format!(
+                    "{} {kind:?} {dtype} {}: {used:.3} by {machine:?}",
+                    component.name, case.id
+                ));
+            }
+        }
+    }
+    (count, rejected)
+}
+
+#[test]
+fn no_honest_implementation_is_rejected() {
+    let (mut evaluations, mut rejected) = (0, vec![]);
+    for component in COMPONENTS {
+        for kind in [Kind::Forward, Kind::Vjp] {
+            for dtype in Dtype::ALL {
+                let (count, more) = rejections(component, kind, dtype);
+                evaluations += count;
+                rejected.extend(more);
+            }
+        }
+    }
+    println!("{evaluations} evaluations, {} rejected", rejected.len());
+    assert!(
+        rejected.is_empty(),
+        "{} rejected:\n{}",
+        rejected.len(),
+        rejected[..rejected.len().min(40)].join("\n")
+    );
+}
+
+#[test]
+fn the_all_zero_answer_is_rejected() {
+    for component in COMPONENTS {
+        for kind in [Kind::Forward, Kind::Vjp] {
+            let Some(pass) = component.pass(kind) else { continue };
+            for dtype in Dtype::ALL {
+                let arithmetic = Arithmetic::new(dtype, Grade::B);
+                let fails = component.cases_of(kind, &CS180).iter().filter(|case| case.exists_in(dtype)).any(
+                    |case| {
+                        let expected = (pass.oracle)(&case.inputs, &CS180);
+                        let zero = expected.iter().map(|(name, a)| (name.clone(), a.mapv(|_| 0.0))).collect();
+                        worst(&zero, &expected, &tolerance(pass, &case.inputs, &CS180, &arithmetic)) > 1.0
+                    },
+                );
+                assert!(fails, "{} {kind:?} {dtype}: the all-zero answer passes", component.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn every_mistake_is_rejected_in_f64() {
+    for component in COMPONENTS {
+        for mistake in component.mistakes {
+            let kind = if mistake.gradient { Kind::Vjp } else { Kind::Forward };
+            let pass = component.pass(kind).expect("a gradient mistake needs a gradient");
+            let arithmetic = Arithmetic::new(Dtype::F64, Grade::B);
+            let caught = component.cases_of(kind, &CS180).iter().any(|case| {
+                let expected = (pass.oracle)(&case.inputs, &CS180);
+                let got = (pass.wrong)(&case.inputs, &CS180, &[mistake.name]);
+                worst(&got, &expected, &tolerance(pass, &case.inputs, &CS180, &arithmetic)) > 1.0
+            });
+            assert!(caught, "{} {}: no case catches it", component.name, mistake.name);
+        }
+    }
+}
+
+#[test]
+fn no_mistake_is_the_oracle() {
+    for component in COMPONENTS {
+        for kind in [Kind::Forward, Kind::Vjp] {
+            let Some(pass) = component.pass(kind) else { continue };
+            for case in component.cases_of(kind, &CS180) {
+                let (oracle, none) =
+                    ((pass.oracle)(&case.inputs, &CS180), (pass.wrong)(&case.inputs, &CS180, &[]));
+                assert_eq!(oracle, none, "{} {kind:?} {}", component.name, case.id);
+            }
+        }
+    }
+}
