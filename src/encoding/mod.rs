@@ -8,6 +8,7 @@ use crate::convention::{Bands, Columns, Conventions, Frequency};
 use crate::maths::{cos, cos_pi, sin, sin_pi};
 
 pub mod backward;
+pub mod fast;
 
 #[cfg(test)]
 mod tests;

@@ -10,6 +10,7 @@ use crate::maths::{exp, ln_1p};
 use crate::random::Key;
 
 pub mod backward;
+pub mod fast;
 pub mod mlp;
 pub mod nerf_mlp;
 

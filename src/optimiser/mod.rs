@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::maths::{expm1, ln};
 
+pub mod fast;
+
 #[cfg(test)]
 mod tests;
 

@@ -1,0 +1,134 @@
+//! The NeRF network: parameters, evaluation, rendering, and the gradient of a training step.
+
+use pulp::Arch;
+
+use super::chunk::{Chunk, Prepared, Rays, Rendered};
+use super::gradient::{Gradient, Pool};
+use super::trunk::{Affine, Trunk};
+use crate::convention::Density;
+use crate::field::NerfMlp;
+use crate::field::nerf_mlp::Shape;
+use crate::parallel;
+
+/// A [`NerfMlp`] in f32, with its encodings, for batches of points and rays.
+#[derive(Debug)]
+pub struct Network {
+    /// Sizes; the columns of the encodings are 3 (1 + 2 L).
+    pub shape: Shape,
+    /// Density activation.
+    pub density: Density,
+    /// All parameters: for each layer in the order of [`NerfMlp::layers`] its weights, row by row, then its biases.
+    pub params: Vec<f32>,
+    /// Instructions used between the matrix products; `Arch::Scalar` gives the plain path.
+    pub arch: Arch,
+    pub(super) trunk: Trunk,
+    pub(super) sigma: Affine,
+    pub(super) feature: Affine,
+    pub(super) color0: Affine,
+    pub(super) color1: Affine,
+    pool: Pool<Chunk>,
+}
+
+/// What a training step sees: rays, and the colours that they should have.
+#[derive(Clone, Copy, Debug)]
+pub struct Batch<'a> {
+    /// R rays.
+    pub rays: Rays<'a>,
+    /// Colours (R, 3) in [0, 1].
+    pub targets: &'a [f32],
+    /// The colour behind everything.
+    pub background: [f32; 3],
+}
+
+impl Network {
+    /// The oracle's network with its parameters rounded to f32.
+    pub fn new(oracle: &NerfMlp, shape: &Shape, density: Density) -> Self {
+        let Shape { position, direction, width, depth, color, skip } = *shape;
+        let mut at = 0;
+        Network {
+            shape: *shape,
+            density,
+            params: oracle.layers().iter().flat_map(|(_, l)| l.w.iter().chain(&l.b)).map(|&p| p as f32).collect(),
+            arch: Arch::new(),
+            trunk: Trunk::next(&mut at, position, width, depth, skip),
+            sigma: Affine::next(&mut at, width, 1),
+            feature: Affine::next(&mut at, width, width),
+            color0: Affine::next(&mut at, width + direction, color),
+            color1: Affine::next(&mut at, color, 3),
+            pool: Pool::default(),
+        }
+    }
+
+    /// `values` (parameters or their gradient, in the order of [`Self::params`]) as the oracle's network.
+    pub fn to_oracle(&self, values: &[f32]) -> NerfMlp {
+        // The values drawn here are overwritten, all of them.
+        let key = crate::random::Key::new(0, crate::random::Purpose::Parameters);
+        let mut oracle = NerfMlp::initial(&self.shape, &key);
+        let mut values = values.iter();
+        for layer in oracle.layers_mut() {
+            for (to, from) in layer.w.iter_mut().chain(&mut layer.b).zip(&mut values) {
+                *to = f64::from(*from);
+            }
+        }
+        oracle
+    }
+
+    /// Densities (M) and colours (M, 3) of points (M, 3), where `samples` consecutive points share a direction.
+    ///
+    /// # Shapes
+    /// `positions` (M, 3), `directions` (M / `samples`, 3).
+    pub fn forward(&self, positions: &[f64], directions: &[f64], samples: usize) -> (Vec<f32>, Vec<f32>) {
+        let prepared = Prepared::new(self);
+        let size = (super::CHUNK / samples).max(1);
+        let rays = directions.len() / 3;
+        let chunks = parallel::map(rays.div_ceil(size), |n| {
+            let (from, to) = (n * size, rays.min((n + 1) * size));
+            let positions = &positions[from * samples * 3..to * samples * 3];
+            self.pool.with(|chunk| prepared.forward(chunk, positions, &directions[from * 3..to * 3], samples))
+        });
+        let (mut sigmas, mut rgbs) = (vec![], vec![]);
+        for (sigma, rgb) in chunks {
+            sigmas.extend(sigma);
+            rgbs.extend(rgb);
+        }
+        (sigmas, rgbs)
+    }
+
+    /// Colours, opacities and depths of rays, for pictures.
+    pub fn render(&self, rays: &Rays, background: [f32; 3]) -> Rendered {
+        let prepared = Prepared::new(self);
+        let size = rays.in_chunk();
+        let chunks = parallel::map(rays.len().div_ceil(size), |n| {
+            let part = rays.part(n * size, rays.len().min((n + 1) * size));
+            self.pool.with(|chunk| prepared.render(chunk, &part, background))
+        });
+        let mut all = Rendered::default();
+        for part in chunks {
+            all.colors.extend(part.colors);
+            all.opacity.extend(part.opacity);
+            all.depth.extend(part.depth);
+        }
+        all
+    }
+
+    /// Loss and gradient of a batch: the mean over rays and channels of (C + T_end background - target)^2.
+    ///
+    /// `dense` computes every sample's colour and backward pass, whether or not anything can come of it.
+    pub fn step(&self, batch: &Batch, dense: bool, gradient: &mut Gradient) -> f64 {
+        let prepared = Prepared::new(self);
+        let rays = &batch.rays;
+        let size = rays.in_chunk();
+        let scale = 1.0 / (3 * rays.len()) as f64;
+        let len = self.params.len();
+        // Behind the parameters: the gradient of the folded matrix M.
+        let folded = self.shape.color * self.shape.width;
+        let loss = gradient.accumulate(len + folded, rays.len().div_ceil(size), |n, group| {
+            let (from, to) = (n * size, rays.len().min((n + 1) * size));
+            let part = Batch { rays: rays.part(from, to), targets: &batch.targets[from * 3..to * 3], ..*batch };
+            self.pool.with(|chunk| prepared.step(chunk, &part, dense, scale, group));
+        });
+        prepared.unfold(&mut gradient.values);
+        gradient.values.truncate(len);
+        scale * loss
+    }
+}

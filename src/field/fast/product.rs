@@ -1,0 +1,68 @@
+//! Matrix products on the `gemm` crate, behind a bounds check; always on one thread, because threads take whole chunks.
+
+use gemm::{Parallelism, gemm};
+
+/// A matrix inside a slice: entry (i, j) lies at `i * row_stride + j * column_stride`.
+#[derive(Clone, Copy)]
+pub(super) struct Matrix<'a> {
+    data: &'a [f32],
+    rows: usize,
+    columns: usize,
+    row_stride: usize,
+    column_stride: usize,
+}
+
+impl<'a> Matrix<'a> {
+    /// Rows `stride` entries apart.
+    pub fn new(data: &'a [f32], rows: usize, columns: usize, stride: usize) -> Self {
+        assert!(rows == 0 || columns == 0 || (rows - 1) * stride + columns <= data.len(), "a matrix inside its slice");
+        Matrix { data, rows, columns, row_stride: stride, column_stride: 1 }
+    }
+
+    /// The transpose, in place.
+    pub fn t(self) -> Self {
+        let Matrix { data, rows, columns, row_stride, column_stride } = self;
+        Matrix { data, rows: columns, columns: rows, row_stride: column_stride, column_stride: row_stride }
+    }
+}
+
+/// c = a b, or c += a b; rows of c `stride` entries apart.
+#[allow(unsafe_code, reason = "gemm takes pointers; what it needs of them is asserted here")]
+pub(super) fn product(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumulate: bool) {
+    let (m, n, k) = (a.rows, b.columns, a.columns);
+    assert_eq!(k, b.rows, "inner dimensions of a product");
+    if m == 0 || n == 0 {
+        return;
+    }
+    assert!(n <= stride && (m - 1) * stride + n <= c.len(), "a product inside its slice");
+    // SAFETY: a, b (checked by `Matrix::new`) and c (above) hold every entry that their shapes and strides name, c is
+    // borrowed mutably and so overlaps neither, and its rows don't overlap each other.
+    unsafe {
+        gemm(
+            m,
+            n,
+            k,
+            c.as_mut_ptr(),
+            1,
+            stride as isize,
+            accumulate,
+            a.data.as_ptr(),
+            a.column_stride as isize,
+            a.row_stride as isize,
+            b.data.as_ptr(),
+            b.column_stride as isize,
+            b.row_stride as isize,
+            1.0,
+            1.0,
+            false,
+            false,
+            false,
+            Parallelism::None,
+        );
+    }
+}
+
+/// The transpose of a (rows, columns) matrix as a matrix of its own: products run faster on it than on a strided view.
+pub(super) fn transposed(data: &[f32], rows: usize, columns: usize) -> Vec<f32> {
+    (0..rows * columns).map(|n| data[n % rows * columns + n / rows]).collect()
+}

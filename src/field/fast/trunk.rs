@@ -1,0 +1,149 @@
+//! Hidden layers with ReLU on a chunk of points, forward and backward, shared by the 2D network and the NeRF network.
+
+use pulp::Arch;
+
+use super::passes::{bias_relu, relu_backward};
+use super::product::{Matrix, product, transposed};
+
+/// Where an affine layer lies in the flat parameter vector: weights (out, in), then biases (out).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Affine {
+    pub inputs: usize,
+    pub outputs: usize,
+    at: usize,
+}
+
+impl Affine {
+    /// The layer that starts at `*at`, which is moved behind it.
+    pub fn next(at: &mut usize, inputs: usize, outputs: usize) -> Self {
+        let layer = Affine { inputs, outputs, at: *at };
+        *at += outputs * (inputs + 1);
+        layer
+    }
+
+    /// (weights, biases).
+    pub fn of(self, params: &[f32]) -> (&[f32], &[f32]) {
+        params[self.at..self.at + self.outputs * (self.inputs + 1)].split_at(self.outputs * self.inputs)
+    }
+
+    /// (weights, biases), to write to.
+    pub fn of_mut(self, params: &mut [f32]) -> (&mut [f32], &mut [f32]) {
+        params[self.at..self.at + self.outputs * (self.inputs + 1)].split_at_mut(self.outputs * self.inputs)
+    }
+}
+
+/// The hidden layers.
+#[derive(Clone, Debug)]
+pub(super) struct Trunk {
+    /// Columns of the encoded input.
+    pub encoding: usize,
+    /// Width of every layer.
+    pub width: usize,
+    /// The layer whose input is [h, encoding]; none where it is not below the depth.
+    pub skip: usize,
+    pub layers: Vec<Affine>,
+}
+
+/// Activations of a chunk, and two buffers for gradients.
+#[derive(Debug, Default)]
+pub(super) struct Tape {
+    /// Encoded input (P, encoding).
+    pub encoding: Vec<f32>,
+    /// Behind each layer; rows hold the encoding too where the next layer is the skip.
+    h: Vec<Vec<f32>>,
+    /// Gradient before the ReLU of the layer at hand (P, width).
+    pub g: Vec<f32>,
+    g_next: Vec<f32>,
+}
+
+impl Trunk {
+    /// `depth` layers that start at `*at` in the parameters, which is moved behind them.
+    pub fn next(at: &mut usize, encoding: usize, width: usize, depth: usize, skip: usize) -> Self {
+        let inputs = |n| match n {
+            0 => encoding,
+            n if n == skip => width + encoding,
+            _ => width,
+        };
+        let layers = (0..depth).map(|n| Affine::next(at, inputs(n), width)).collect();
+        Trunk { encoding, width, skip, layers }
+    }
+
+    /// Transposed weights of every layer, for [`Self::forward`].
+    pub fn transposed(&self, params: &[f32]) -> Vec<Vec<f32>> {
+        self.layers.iter().map(|l| transposed(l.of(params).0, l.outputs, l.inputs)).collect()
+    }
+
+    /// Entries between two rows of h behind layer n.
+    fn stride(&self, n: usize) -> usize {
+        self.width + if n + 1 == self.skip && self.skip < self.layers.len() { self.encoding } else { 0 }
+    }
+
+    /// Makes room for `points`.
+    pub fn reserve(&self, tape: &mut Tape, points: usize) {
+        tape.encoding.resize(points * self.encoding, 0.0);
+        tape.h.resize(self.layers.len(), vec![]);
+        for (n, h) in tape.h.iter_mut().enumerate() {
+            h.resize(points * self.stride(n), 0.0);
+        }
+        tape.g.resize(points * self.width, 0.0);
+        tape.g_next.resize(points * self.width, 0.0);
+    }
+
+    /// The last hidden layer (points, width).
+    pub fn last<'a>(&self, tape: &'a Tape) -> &'a [f32] {
+        &tape.h[self.layers.len() - 1]
+    }
+
+    /// h_n = relu(w_n [h_{n-1}, encoding at the skip] + b_n) for the first `points` rows of the encoding.
+    pub fn forward(&self, arch: Arch, params: &[f32], transposed: &[Vec<f32>], tape: &mut Tape, points: usize) {
+        for (n, layer) in self.layers.iter().enumerate() {
+            let stride = self.stride(n);
+            let (before, after) = tape.h.split_at_mut(n);
+            let h = &mut after[0][..points * stride];
+            let (x, x_stride) = match n {
+                0 => (&tape.encoding, self.encoding),
+                n => (&before[n - 1], self.stride(n - 1)),
+            };
+            let x = Matrix::new(x, points, layer.inputs, x_stride);
+            product(h, stride, x, Matrix::new(&transposed[n], layer.inputs, self.width, self.width), false);
+            bias_relu(arch, h, stride, layer.of(params).1);
+            if stride > self.width {
+                for (h, e) in h.chunks_exact_mut(stride).zip(tape.encoding.chunks_exact(self.encoding)) {
+                    h[self.width..].copy_from_slice(e);
+                }
+            }
+        }
+    }
+
+    /// Moves the rows named in `rows` (ascending) of all activations to the front.
+    pub fn compact(&self, tape: &mut Tape, rows: &[usize]) {
+        let strides = (0..self.layers.len()).map(|n| self.stride(n));
+        for (buffer, stride) in tape.h.iter_mut().zip(strides).chain([(&mut tape.encoding, self.encoding)]) {
+            for (to, &from) in rows.iter().enumerate() {
+                buffer.copy_within(from * stride..(from + 1) * stride, to * stride);
+            }
+        }
+    }
+
+    /// Adds the gradients of all layers to `gradient`. `tape.g` holds the gradient before the last layer's ReLU, whose
+    /// bias gradient has been added already. The encoding gets none: nothing behind it is trained.
+    pub fn backward(&self, arch: Arch, params: &[f32], tape: &mut Tape, points: usize, gradient: &mut [f32]) {
+        for (n, layer) in self.layers.iter().enumerate().rev() {
+            let g = Matrix::new(&tape.g, points, self.width, self.width);
+            let (x, x_stride) = match n {
+                0 => (&tape.encoding, self.encoding),
+                n => (&tape.h[n - 1], self.stride(n - 1)),
+            };
+            let inputs = Matrix::new(x, points, layer.inputs, x_stride);
+            product(layer.of_mut(gradient).0, layer.inputs, g.t(), inputs, true);
+            if n > 0 {
+                // Of the skip's input [h, encoding], only h.
+                let w = Matrix::new(layer.of(params).0, self.width, self.width, layer.inputs);
+                let g_next = &mut tape.g_next[..points * self.width];
+                product(g_next, self.width, g, w, false);
+                relu_backward(arch, g_next, x, x_stride, self.layers[n - 1].of_mut(gradient).1);
+                std::mem::swap(&mut tape.g, &mut tape.g_next);
+            }
+        }
+    }
+}

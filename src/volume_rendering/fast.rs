@@ -1,0 +1,128 @@
+//! Volume rendering in f32 for many rays: exponentials vectorised over all samples, then one scan a ray.
+//!
+//! x = sigma delta optical depth, alpha = 1 - e^-x, T transmittance, w = T alpha.
+//! One polynomial gives both e^-x and alpha = -expm1(-x), so that thin samples keep their relative accuracy and T is a
+//! product of N factors instead of N exponentials of sums.
+
+use pulp::Arch;
+
+/// Densities of a batch of rays turned into weights.
+#[derive(Clone, Debug, Default)]
+pub struct Weights {
+    /// w_i = T_i alpha_i (R, N).
+    pub weights: Vec<f32>,
+    /// T_{i+1}, the transmittance behind sample i (R, N).
+    pub behind: Vec<f32>,
+    alpha: Vec<f32>,
+}
+
+impl Weights {
+    /// Weights of R rays with `samples` samples each; earlier contents are overwritten.
+    ///
+    /// # Shapes
+    /// `sigmas`, `deltas` (R, N).
+    pub fn compute(&mut self, arch: Arch, sigmas: &[f32], deltas: &[f32], samples: usize) {
+        let Weights { weights, behind, alpha } = self;
+        for buffer in [&mut *weights, behind, alpha] {
+            buffer.resize(sigmas.len(), 0.0);
+        }
+        arch.dispatch(
+            #[inline(always)]
+            || {
+                for ((behind, alpha), (sigma, delta)) in
+                    behind.iter_mut().zip(alpha.iter_mut()).zip(sigmas.iter().zip(deltas))
+                {
+                    (*behind, *alpha) = attenuation(sigma * delta);
+                }
+            },
+        );
+        let rays = weights.chunks_mut(samples).zip(behind.chunks_mut(samples)).zip(alpha.chunks(samples));
+        for ((weights, behind), alpha) in rays {
+            let mut t = 1.0;
+            for ((w, behind), alpha) in weights.iter_mut().zip(behind).zip(alpha) {
+                *w = t * alpha;
+                t *= *behind;
+                *behind = t;
+            }
+        }
+    }
+}
+
+/// Gradient with respect to the densities of one ray, of g . (sum w_i c_i + T_end background).
+///
+/// d/d sigma_i = delta_i (T_{i+1} q_i - sum_{j>i} w_j q_j - T_end b), with q_i = g . c_i and b = g . background: what the
+/// sample adds, less what it takes from everything behind it. No division, so that alpha = 1 is no special case.
+///
+/// # Shapes
+/// All slices (N). `q` is overwritten with the gradient.
+pub fn density_gradient(weights: &[f32], behind: &[f32], deltas: &[f32], b: f32, q: &mut [f32]) {
+    let mut taken = behind.last().map_or(0.0, |t| t * b);
+    for i in (0..q.len()).rev() {
+        let gradient = deltas[i] * (behind[i] * q[i] - taken);
+        taken += weights[i] * q[i];
+        q[i] = gradient;
+    }
+}
+
+/// (e^-x, 1 - e^-x) for x >= 0, each within 2 ULP (above the smallest normal number), free of branches.
+///
+/// -x = n ln 2 + r with |r| <= ln 2 / 2; p = e^r - 1 by its series; e^-x = 2^n + 2^n p, alpha = (1 - 2^n) - 2^n p.
+#[inline(always)]
+pub(crate) fn attenuation(x: f32) -> (f32, f32) {
+    // e^-104 is below the smallest subnormal. Written so that a NaN stays one.
+    let x = if x > 104.0 { 104.0 } else { x };
+    let n = (x * -std::f32::consts::LOG2_E).round_ties_even();
+    // ln 2 in two parts: n times the first is exact.
+    let r = n.mul_add(-0.693_359_4, -x);
+    let r = n.mul_add(2.121_944_4e-4, r);
+    let p = (1.0f32 / 5040.0).mul_add(r, 1.0 / 720.0).mul_add(r, 1.0 / 120.0).mul_add(r, 1.0 / 24.0);
+    let p = p.mul_add(r, 1.0 / 6.0).mul_add(r, 0.5).mul_add(r * r, r);
+    // 2^n in two factors: n reaches -150, below the exponents of normal numbers.
+    let half = (0.5 * n).floor();
+    let (a, b) = (power_of_two(half), power_of_two(n - half));
+    let scale = a * b;
+    ((1.0 + p) * a * b, (1.0 - scale) - p * scale)
+}
+
+/// 2^n for whole n from -126 to 127.
+#[inline(always)]
+fn power_of_two(n: f32) -> f32 {
+    f32::from_bits(((n as i32 + 127) as u32) << 23)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn attenuation_is_within_two_ulp() {
+        let mut worst = 0.0f64;
+        for i in 0..200_000 {
+            let x = (f64::from(i) * 2e-4 - 20.0).exp() as f32;
+            let (keep, alpha) = attenuation(x);
+            for (got, exact) in [(keep, (-f64::from(x)).exp()), (alpha, -(-f64::from(x)).exp_m1())] {
+                let ulp = f64::from((exact as f32).next_up() - exact as f32).max((-149f64).exp2());
+                worst = worst.max((f64::from(got) - exact).abs() / ulp);
+            }
+        }
+        assert!((0.5..2.0).contains(&worst), "{worst} ULP");
+        assert_eq!(attenuation(0.0), (1.0, 0.0));
+        assert_eq!(attenuation(1e10), (0.0, 1.0));
+        assert!(attenuation(f32::NAN).0.is_nan() && attenuation(f32::NAN).1.is_nan());
+    }
+
+    /// Three spikes of optical depth ln 2: weights 1/2, 1/4, 1/8 (and what is behind them).
+    #[test]
+    fn three_spikes() {
+        let mut sigmas = [0.0f32; 8];
+        for i in [0, 1, 7] {
+            sigmas[i] = std::f32::consts::LN_2 * 2.0;
+        }
+        let mut rays = Weights::default();
+        rays.compute(Arch::new(), &sigmas, &[0.5; 8], 8);
+        for (i, w) in [(0, 0.5), (1, 0.25), (7, 0.125)] {
+            assert!((rays.weights[i] - w).abs() < 1e-7);
+        }
+        assert!((rays.behind[7] - 0.125).abs() < 1e-7);
+    }
+}
