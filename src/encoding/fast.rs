@@ -4,7 +4,7 @@
 //! rounded once to f32, and sin r and cos r are short polynomials (Cephes `sinf`, `cosf`). Every band is therefore as good as
 //! band 0 (2 ULP), where `sin(2^9 pi x)` in plain f32 loses ten bits.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Points that are encoded together: their sines stay in the first-level cache until they are stored row by row.
 const BLOCK: usize = 64;
@@ -23,35 +23,55 @@ const BLOCK: usize = 64;
 /// positional_encoding(pulp::Arch::new(), &[0.5], 1, 3, &mut row, 7);
 /// assert_eq!(row, [0.5, 1.0, 0.0, 0.0, -1.0, 0.0, 1.0]);
 /// ```
-pub fn positional_encoding(arch: Arch, x: &[f64], dims: usize, levels: usize, out: &mut [f32], stride: usize) {
-    assert!(stride >= dims * (1 + 2 * levels) && out.len() >= x.len() / dims * stride, "rows hold the encoding");
+pub fn positional_encoding(
+    arch: Arch,
+    x: &[f64],
+    dims: usize,
+    levels: usize,
+    out: &mut [f32],
+    stride: usize,
+) {
+    assert!(
+        stride >= dims * (1 + 2 * levels) && out.len() >= x.len() / dims * stride,
+        "rows hold the encoding"
+    );
     for (x, out) in x.chunks(BLOCK * dims).zip(out.chunks_mut(BLOCK * stride)) {
-        arch.dispatch(
-            #[inline(always)]
-            || block(x, dims, levels, out, stride),
-        );
+        arch.dispatch(Block { x, dims, levels, out, stride });
     }
 }
 
-#[inline(always)]
-fn block(x: &[f64], dims: usize, levels: usize, out: &mut [f32], stride: usize) {
-    let (mut column, mut sin, mut cos) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
-    for d in 0..dims {
-        for (c, x) in column.iter_mut().zip(x.chunks_exact(dims)) {
-            *c = x[d];
-        }
-        for (x, row) in x.chunks_exact(dims).zip(out.chunks_exact_mut(stride)) {
-            row[d] = x[d] as f32;
-        }
-        for k in 0..levels {
-            for ((c, sin), cos) in column.iter_mut().zip(&mut sin).zip(&mut cos) {
-                (*sin, *cos) = sin_cos_pi(*c);
-                *c *= 2.0;
+struct Block<'a> {
+    x: &'a [f64],
+    dims: usize,
+    levels: usize,
+    out: &'a mut [f32],
+    stride: usize,
+}
+
+impl WithSimd for Block<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Block { x, dims, levels, out, stride } = self;
+        let (mut column, mut sin, mut cos) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+        for d in 0..dims {
+            for (c, x) in column.iter_mut().zip(x.chunks_exact(dims)) {
+                *c = x[d];
             }
-            let at = dims * (1 + 2 * k) + d;
-            for ((row, sin), cos) in out.chunks_exact_mut(stride).zip(sin).zip(cos) {
-                row[at] = sin;
-                row[at + dims] = cos;
+            for (x, row) in x.chunks_exact(dims).zip(out.chunks_exact_mut(stride)) {
+                row[d] = x[d] as f32;
+            }
+            for k in 0..levels {
+                for ((c, sin), cos) in column.iter_mut().zip(&mut sin).zip(&mut cos) {
+                    (*sin, *cos) = sin_cos_pi(*c);
+                    *c *= 2.0;
+                }
+                let at = dims * (1 + 2 * k) + d;
+                for ((row, sin), cos) in out.chunks_exact_mut(stride).zip(sin).zip(cos) {
+                    row[at] = sin;
+                    row[at + dims] = cos;
+                }
             }
         }
     }
@@ -65,7 +85,10 @@ fn sin_cos_pi(y: f64) -> (f32, f32) {
     let r = (std::f64::consts::PI * (y - 0.5 * quarter)) as f32;
     let z = r * r;
     let s = (-1.951_529_6e-4f32).mul_add(z, 8.332_161e-3).mul_add(z, -0.166_666_55).mul_add(z * r, r);
-    let c = 2.443_315_7e-5f32.mul_add(z, -1.388_731_6e-3).mul_add(z, 4.166_664_6e-2).mul_add(z * z, 1.0 - 0.5 * z);
+    let c = 2.443_315_7e-5f32
+        .mul_add(z, -1.388_731_6e-3)
+        .mul_add(z, 4.166_664_6e-2)
+        .mul_add(z * z, 1.0 - 0.5 * z);
     // Quarter turns: odd ones swap the two, the next bit is the sign.
     let q = quarter as i32;
     let (sin, cos) = if q & 1 == 0 { (s, c) } else { (c, s) };

@@ -1,6 +1,6 @@
 //! Adam on one flat f32 vector, exactly as PyTorch defines it (Kingma and Ba 2015, algorithm 1, eps outside the root).
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::{Adam, bias_correction};
 use crate::parallel;
@@ -33,28 +33,57 @@ impl Moments {
         assert!(params.len() == self.m.len() && gradient.len() == self.m.len(), "one gradient a parameter");
         self.step += 1;
         let Adam { lr, beta1, beta2, eps, weight_decay } = *adam;
-        let rate = (lr / bias_correction(beta1, self.step)) as f32;
-        let root = bias_correction(beta2, self.step).sqrt() as f32;
-        let (b1, b2, eps, decay) = (beta1 as f32, beta2 as f32, eps as f32, weight_decay as f32);
-        let (g1, g2) = ((1.0 - beta1) as f32, (1.0 - beta2) as f32);
+        let update = Update {
+            rate: (lr / bias_correction(beta1, self.step)) as f32,
+            root: bias_correction(beta2, self.step).sqrt() as f32,
+            keep: [beta1 as f32, beta2 as f32],
+            take: [(1.0 - beta1) as f32, (1.0 - beta2) as f32],
+            eps: eps as f32,
+            decay: weight_decay as f32,
+        };
         let mut tasks: Vec<_> = params
             .chunks_mut(CHUNK)
             .zip(self.m.chunks_mut(CHUNK).zip(self.v.chunks_mut(CHUNK)))
             .zip(gradient.chunks(CHUNK))
             .collect();
         parallel::for_each(&mut tasks, |((params, (m, v)), gradient)| {
-            arch.dispatch(
-                #[inline(always)]
-                || {
-                    for (((p, m), v), g) in params.iter_mut().zip(m.iter_mut()).zip(v.iter_mut()).zip(gradient.iter()) {
-                        let g = g + decay * *p;
-                        *m = b1 * *m + g1 * g;
-                        *v = b2 * *v + g2 * g * g;
-                        *p -= rate * *m / (v.sqrt() / root + eps);
-                    }
-                },
-            );
+            arch.dispatch(Task { update, params, m, v, gradient });
         });
+    }
+}
+
+/// What every parameter's step has in common.
+#[derive(Clone, Copy)]
+struct Update {
+    rate: f32,
+    root: f32,
+    keep: [f32; 2],
+    take: [f32; 2],
+    eps: f32,
+    decay: f32,
+}
+
+struct Task<'a> {
+    update: Update,
+    params: &'a mut [f32],
+    m: &'a mut [f32],
+    v: &'a mut [f32],
+    gradient: &'a [f32],
+}
+
+impl WithSimd for Task<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Update { rate, root, keep, take, eps, decay } = self.update;
+        let moments = self.m.iter_mut().zip(self.v.iter_mut());
+        for ((p, (m, v)), g) in self.params.iter_mut().zip(moments).zip(self.gradient) {
+            let g = g + decay * *p;
+            *m = keep[0] * *m + take[0] * g;
+            *v = keep[1] * *v + take[1] * g * g;
+            *p -= rate * *m / (v.sqrt() / root + eps);
+        }
     }
 }
 
@@ -69,10 +98,12 @@ mod tests {
         let adam = Adam { lr: 1e-2, weight_decay: 1e-3, ..Adam::default() };
         for arch in [Arch::new(), Arch::Scalar] {
             let mut params: Vec<f32> = (0..100).map(|i| (i as f32).sin()).collect();
-            let mut oracle: Vec<_> = params.iter().map(|&p| Oracle { param: p.into(), m: 0.0, v: 0.0 }).collect();
+            let mut oracle: Vec<_> =
+                params.iter().map(|&p| Oracle { param: p.into(), m: 0.0, v: 0.0 }).collect();
             let mut moments = Moments::new(100);
             for step in 1..=20 {
-                let g: Vec<f32> = (0..100).map(|i| (i as f32 - 50.0).exp2() * ((i * step) as f32).cos()).collect();
+                let g: Vec<f32> =
+                    (0..100).map(|i| (i as f32 - 50.0).exp2() * ((i * step) as f32).cos()).collect();
                 moments.update(arch, &adam, &mut params, &g);
                 for (o, g) in oracle.iter_mut().zip(g) {
                     *o = adam_step(&adam, *o, g.into(), step as u64);

@@ -4,7 +4,7 @@
 //! One polynomial gives both e^-x and alpha = -expm1(-x), so that thin samples keep their relative accuracy and T is a
 //! product of N factors instead of N exponentials of sums.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Densities of a batch of rays turned into weights.
 #[derive(Clone, Debug, Default)]
@@ -26,16 +26,7 @@ impl Weights {
         for buffer in [&mut *weights, behind, alpha] {
             buffer.resize(sigmas.len(), 0.0);
         }
-        arch.dispatch(
-            #[inline(always)]
-            || {
-                for ((behind, alpha), (sigma, delta)) in
-                    behind.iter_mut().zip(alpha.iter_mut()).zip(sigmas.iter().zip(deltas))
-                {
-                    (*behind, *alpha) = attenuation(sigma * delta);
-                }
-            },
-        );
+        arch.dispatch(Attenuate { sigmas, deltas, behind, alpha });
         let rays = weights.chunks_mut(samples).zip(behind.chunks_mut(samples)).zip(alpha.chunks(samples));
         for ((weights, behind), alpha) in rays {
             let mut t = 1.0;
@@ -61,6 +52,27 @@ pub fn density_gradient(weights: &[f32], behind: &[f32], deltas: &[f32], b: f32,
         let gradient = deltas[i] * (behind[i] * q[i] - taken);
         taken += weights[i] * q[i];
         q[i] = gradient;
+    }
+}
+
+/// e^-x and alpha of every sample.
+struct Attenuate<'a> {
+    sigmas: &'a [f32],
+    deltas: &'a [f32],
+    behind: &'a mut [f32],
+    alpha: &'a mut [f32],
+}
+
+impl WithSimd for Attenuate<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let inputs = self.sigmas.iter().zip(self.deltas);
+        for ((behind, alpha), (sigma, delta)) in self.behind.iter_mut().zip(self.alpha.iter_mut()).zip(inputs)
+        {
+            (*behind, *alpha) = attenuation(sigma * delta);
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::gradient::Group;
 use super::network::{Batch, Network};
-use super::passes::{add, bias_relu, heads, heads_backward, join_backward};
+use super::passes::{AddRows, BiasRelu, Heads, HeadsBackward, JoinBackward};
 use super::product::{Matrix, product, transposed};
 use super::trunk::Tape;
 use crate::convention::Density;
@@ -61,7 +61,11 @@ impl<'a> Rays<'a> {
     /// o + t d (R N, 3).
     fn positions(&self, out: &mut Vec<f64>) {
         out.clear();
-        let rays = self.origins.chunks_exact(3).zip(self.directions.chunks_exact(3)).zip(self.t.chunks_exact(self.samples));
+        let rays = self
+            .origins
+            .chunks_exact(3)
+            .zip(self.directions.chunks_exact(3))
+            .zip(self.t.chunks_exact(self.samples));
         for ((o, d), t) in rays {
             out.extend(t.iter().flat_map(|t| [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]]));
         }
@@ -130,7 +134,8 @@ impl<'a> Prepared<'a> {
         net.trunk.forward(net.arch, &net.params, &self.trunk, &mut chunk.tape, points);
         chunk.z.resize(points, 0.0);
         let (w, b) = net.sigma.of(&net.params);
-        heads::<1>(net.arch, net.trunk.last(&chunk.tape), net.shape.width, w, b, &mut chunk.z);
+        let x = net.trunk.last(&chunk.tape);
+        net.arch.dispatch(Heads::<1> { x, w, bias: b, z: &mut chunk.z });
         chunk.sigmas.clear();
         chunk.sigmas.extend(chunk.z.iter().map(|&z| density(z, net.density)));
     }
@@ -155,18 +160,28 @@ impl<'a> Prepared<'a> {
         let h = Matrix::new(net.trunk.last(&chunk.tape), count, width, width);
         product(&mut chunk.hidden, color, h, Matrix::new(&self.folded_t, width, color, color), false);
         for (from, to, ray) in runs(&chunk.active, samples) {
-            let term = &chunk.ray_terms[ray * color..(ray + 1) * color];
-            bias_relu(net.arch, &mut chunk.hidden[from * color..to * color], color, term);
+            let bias = &chunk.ray_terms[ray * color..(ray + 1) * color];
+            net.arch.dispatch(BiasRelu {
+                x: &mut chunk.hidden[from * color..to * color],
+                stride: color,
+                bias,
+            });
         }
         chunk.rgbs.resize(count * 3, 0.0);
         let (w, b) = net.color1.of(&net.params);
-        heads::<3>(net.arch, &chunk.hidden, color, w, b, &mut chunk.rgbs);
+        net.arch.dispatch(Heads::<3> { x: &chunk.hidden, w, bias: b, z: &mut chunk.rgbs });
         for z in &mut chunk.rgbs {
             *z = sigmoid(*z);
         }
     }
 
-    pub fn forward(&self, chunk: &mut Chunk, positions: &[f64], directions: &[f64], samples: usize) -> (Vec<f32>, Vec<f32>) {
+    pub fn forward(
+        &self,
+        chunk: &mut Chunk,
+        positions: &[f64],
+        directions: &[f64],
+        samples: usize,
+    ) -> (Vec<f32>, Vec<f32>) {
         chunk.positions.clear();
         chunk.positions.extend(positions);
         self.densities(chunk);
@@ -190,14 +205,14 @@ impl<'a> Prepared<'a> {
         chunk.rays.compute(self.net.arch, &chunk.sigmas, &chunk.deltas, samples);
         let (behind, z) = (&chunk.rays.behind, &chunk.z);
         // Negated, so that a NaN counts as active and comes out at the end.
-        let idle = |&n: &usize| {
-            slope(z[n], self.net.density) == 0.0 || (n % samples > 0 && behind[n - 1] == 0.0)
-        };
+        let idle =
+            |&n: &usize| slope(z[n], self.net.density) == 0.0 || (n % samples > 0 && behind[n - 1] == 0.0);
         chunk.active.clear();
         chunk.active.extend((0..z.len()).filter(|n| dense || !idle(n)));
         self.colors(chunk, rays.directions, samples);
 
-        let mut out = Rendered { colors: vec![], opacity: vec![0.0; rays.len()], depth: vec![0.0; rays.len()] };
+        let mut out =
+            Rendered { colors: vec![], opacity: vec![0.0; rays.len()], depth: vec![0.0; rays.len()] };
         for last in chunk.rays.behind.chunks_exact(samples).map(|behind| behind[samples - 1]) {
             out.colors.extend(background.map(|b| last * b));
         }
@@ -215,7 +230,8 @@ impl<'a> Prepared<'a> {
     /// Adds gradient and loss of a chunk to `group`; `scale` is the weight of one channel of one ray in the loss.
     pub fn step(&self, chunk: &mut Chunk, batch: &Batch, dense: bool, scale: f64, group: &mut Group) {
         let rendered = self.render_active(chunk, &batch.rays, batch.background, dense);
-        let residuals: Vec<f32> = rendered.colors.iter().zip(batch.targets).map(|(c, target)| c - target).collect();
+        let residuals: Vec<f32> =
+            rendered.colors.iter().zip(batch.targets).map(|(c, target)| c - target).collect();
         group.loss += residuals.iter().map(|&r| f64::from(r) * f64::from(r)).sum::<f64>();
         group.forward_points += chunk.z.len();
         group.backward_points += chunk.active.len();
@@ -244,7 +260,9 @@ impl<'a> Prepared<'a> {
             density_gradient(&weights[span.clone()], &behind[span.clone()], &chunk.deltas[span], b, q);
         }
         chunk.g_z.clear();
-        chunk.g_z.extend(chunk.active.iter().map(|&n| chunk.g_sigma[n] * slope(chunk.z[n], self.net.density)));
+        chunk
+            .g_z
+            .extend(chunk.active.iter().map(|&n| chunk.g_sigma[n] * slope(chunk.z[n], self.net.density)));
     }
 
     /// From there to the parameters; the folded matrix's gradient goes behind them.
@@ -255,23 +273,22 @@ impl<'a> Prepared<'a> {
         let (gradient, g_folded) = gradient.split_at_mut(net.params.len());
 
         chunk.g_hidden.resize(count * color, 0.0);
-        let (g_w, g_b) = net.color1.of_mut(gradient);
-        let w = net.color1.of(&net.params).0;
-        heads_backward::<3>(net.arch, &chunk.hidden, color, &chunk.g_z_rgb, w, g_w, g_b, &mut chunk.g_hidden);
+        let (g_w, g_bias) = net.color1.of_mut(gradient);
+        let (w, g_x) = (net.color1.of(&net.params).0, &mut *chunk.g_hidden);
+        net.arch.dispatch(HeadsBackward::<3> { x: &chunk.hidden, g_z: &chunk.g_z_rgb, w, g_w, g_bias, g_x });
 
         let rays = chunk.ray_terms.len() / color;
         chunk.g_rays.clear();
         chunk.g_rays.resize(rays * color, 0.0);
-        for (g, n) in chunk.g_hidden.chunks_exact(color).zip(&chunk.active) {
-            add(net.arch, &mut chunk.g_rays[n / samples * color..(n / samples + 1) * color], g);
+        for (from, to, ray) in runs(&chunk.active, samples) {
+            let sum = &mut chunk.g_rays[ray * color..(ray + 1) * color];
+            net.arch.dispatch(AddRows { sum, rows: &chunk.g_hidden[from * color..to * color] });
         }
         let (g_w, g_b) = net.color0.of_mut(gradient);
         let g_rays = Matrix::new(&chunk.g_rays, rays, color, color);
         let directions = Matrix::new(&chunk.directions, rays, columns, columns);
         product(&mut g_w[width..], net.color0.inputs, g_rays.t(), directions, true);
-        for g in chunk.g_rays.chunks_exact(color) {
-            add(net.arch, g_b, g);
-        }
+        net.arch.dispatch(AddRows { sum: g_b, rows: &chunk.g_rays });
 
         let g_hidden = Matrix::new(&chunk.g_hidden, count, color, color);
         let h = net.trunk.last(&chunk.tape);
@@ -282,10 +299,11 @@ impl<'a> Prepared<'a> {
         let mut g_last = vec![0.0; width];
         let w = net.sigma.of(&net.params).0;
         let h = net.trunk.last(&chunk.tape);
-        join_backward(net.arch, &mut g[..count * width], h, width, &chunk.g_z, w, g_w, &mut g_last);
+        net.arch.dispatch(JoinBackward { g: &mut g, h, g_z: &chunk.g_z, w, g_w, g_bias: &mut g_last });
         chunk.tape.g = g;
         net.sigma.of_mut(gradient).1[0] += chunk.g_z.iter().sum::<f32>();
-        add(net.arch, net.trunk.layers[net.shape.depth - 1].of_mut(gradient).1, &g_last);
+        let g_bias = net.trunk.layers[net.shape.depth - 1].of_mut(gradient).1;
+        net.arch.dispatch(AddRows { sum: g_bias, rows: &g_last });
         net.trunk.backward(net.arch, &net.params, &mut chunk.tape, count, gradient);
     }
 

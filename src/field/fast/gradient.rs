@@ -36,7 +36,12 @@ pub(super) struct Group {
 
 impl Gradient {
     /// Runs `work(chunk, group)` for all chunks, and folds partial gradients of `len` entries and losses in order.
-    pub(super) fn accumulate(&mut self, len: usize, chunks: usize, work: impl Fn(usize, &mut Group) + Sync) -> f64 {
+    pub(super) fn accumulate(
+        &mut self,
+        len: usize,
+        chunks: usize,
+        work: impl Fn(usize, &mut Group) + Sync,
+    ) -> f64 {
         let size = chunks.div_ceil(GROUPS).max(1);
         self.groups.resize_with(chunks.div_ceil(size), Group::default);
         for (index, group) in self.groups.iter_mut().enumerate() {

@@ -4,7 +4,7 @@ use pulp::Arch;
 
 use super::chunk::sigmoid;
 use super::gradient::{Gradient, Pool};
-use super::passes::{add, heads, heads_backward};
+use super::passes::{AddRows, Heads, HeadsBackward};
 use super::trunk::{Affine, Tape, Trunk};
 use crate::encoding::fast::positional_encoding;
 use crate::field::Mlp;
@@ -102,7 +102,8 @@ impl ImageNetwork {
         self.trunk.forward(self.arch, &self.params, transposed, &mut work.tape, points);
         work.rgbs.resize(points * 3, 0.0);
         let (w, b) = self.head.of(&self.params);
-        heads::<3>(self.arch, self.trunk.last(&work.tape), self.trunk.width, w, b, &mut work.rgbs);
+        let x = self.trunk.last(&work.tape);
+        self.arch.dispatch(Heads::<3> { x, w, bias: b, z: &mut work.rgbs });
         for z in &mut work.rgbs {
             *z = sigmoid(*z);
         }
@@ -123,13 +124,11 @@ impl ImageNetwork {
     fn backward(&self, work: &mut Work, points: usize, gradient: &mut [f32]) {
         let width = self.trunk.width;
         let mut g = std::mem::take(&mut work.tape.g);
-        let (w, (g_w, g_b)) = (self.head.of(&self.params).0, self.head.of_mut(gradient));
-        let h = self.trunk.last(&work.tape);
-        heads_backward::<3>(self.arch, h, width, &work.g_z, w, g_w, g_b, &mut g);
+        let (w, (g_w, g_bias)) = (self.head.of(&self.params).0, self.head.of_mut(gradient));
+        let x = self.trunk.last(&work.tape);
+        self.arch.dispatch(HeadsBackward::<3> { x, g_z: &work.g_z, w, g_w, g_bias, g_x: &mut g });
         let g_last = self.trunk.layers[self.trunk.layers.len() - 1].of_mut(gradient).1;
-        for g in g[..points * width].chunks_exact(width) {
-            add(self.arch, g_last, g);
-        }
+        self.arch.dispatch(AddRows { sum: g_last, rows: &g[..points * width] });
         work.tape.g = g;
         self.trunk.backward(self.arch, &self.params, &mut work.tape, points, gradient);
     }

@@ -48,7 +48,12 @@ impl Network {
         Network {
             shape: *shape,
             density,
-            params: oracle.layers().iter().flat_map(|(_, l)| l.w.iter().chain(&l.b)).map(|&p| p as f32).collect(),
+            params: oracle
+                .layers()
+                .iter()
+                .flat_map(|(_, l)| l.w.iter().chain(&l.b))
+                .map(|&p| p as f32)
+                .collect(),
             arch: Arch::new(),
             trunk: Trunk::next(&mut at, position, width, depth, skip),
             sigma: Affine::next(&mut at, width, 1),
@@ -124,7 +129,8 @@ impl Network {
         let folded = self.shape.color * self.shape.width;
         let loss = gradient.accumulate(len + folded, rays.len().div_ceil(size), |n, group| {
             let (from, to) = (n * size, rays.len().min((n + 1) * size));
-            let part = Batch { rays: rays.part(from, to), targets: &batch.targets[from * 3..to * 3], ..*batch };
+            let part =
+                Batch { rays: rays.part(from, to), targets: &batch.targets[from * 3..to * 3], ..*batch };
             self.pool.with(|chunk| prepared.step(chunk, &part, dense, scale, group));
         });
         prepared.unfold(&mut gradient.values);

@@ -1,83 +1,105 @@
 //! What happens to a chunk between two matrix products: one pass over it while it is in the cache, vectorised at run time.
 //!
-//! Rows are points, `width` entries of a row are used. A gradient `g` is masked where the activation behind the ReLU is 0,
-//! which is where its input was not positive.
+//! Rows are points. A gradient `g` is masked where the activation behind the ReLU is 0, which is where its input was not
+//! positive. Each pass is a struct, because only `with_simd` is sure to be compiled for the instructions it is called with;
+//! the loops are plain and left to the compiler.
 
-use pulp::Arch;
+use pulp::{Simd, WithSimd};
 
 /// x = relu(x + bias). A NaN stays one.
-pub(super) fn bias_relu(arch: Arch, x: &mut [f32], stride: usize, bias: &[f32]) {
-    arch.dispatch(
-        #[inline(always)]
-        || {
-            for row in x.chunks_mut(stride) {
-                for (x, b) in row.iter_mut().zip(bias) {
-                    let z = *x + b;
-                    *x = if z < 0.0 { 0.0 } else { z };
-                }
+pub(super) struct BiasRelu<'a> {
+    pub x: &'a mut [f32],
+    pub stride: usize,
+    pub bias: &'a [f32],
+}
+
+impl WithSimd for BiasRelu<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for row in self.x.chunks_mut(self.stride) {
+            for (x, b) in row.iter_mut().zip(self.bias) {
+                let z = *x + b;
+                *x = if z < 0.0 { 0.0 } else { z };
             }
-        },
-    );
+        }
+    }
 }
 
 /// g = g where h > 0, else 0; adds the sum over points to `g_bias`.
-pub(super) fn relu_backward(arch: Arch, g: &mut [f32], h: &[f32], stride: usize, g_bias: &mut [f32]) {
-    arch.dispatch(
-        #[inline(always)]
-        || {
-            for (g, h) in g.chunks_exact_mut(g_bias.len()).zip(h.chunks(stride)) {
-                for ((g, h), sum) in g.iter_mut().zip(h).zip(g_bias.iter_mut()) {
-                    *g = if *h > 0.0 { *g } else { 0.0 };
-                    *sum += *g;
-                }
+pub(super) struct ReluBackward<'a> {
+    pub g: &'a mut [f32],
+    pub h: &'a [f32],
+    pub stride: usize,
+    pub g_bias: &'a mut [f32],
+}
+
+impl WithSimd for ReluBackward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (g, h) in self.g.chunks_exact_mut(self.g_bias.len()).zip(self.h.chunks(self.stride)) {
+            for ((g, h), sum) in g.iter_mut().zip(h).zip(self.g_bias.iter_mut()) {
+                *g = if *h > 0.0 { *g } else { 0.0 };
+                *sum += *g;
             }
-        },
-    );
+        }
+    }
 }
 
 /// The gradient of one linear output z = w h, joined with `g` and masked: g = (g + g_z w) where h > 0. Adds g_z h to `g_w`
 /// and the sum over points to `g_bias`.
-#[allow(clippy::too_many_arguments, reason = "one pass over memory is the point")]
-pub(super) fn join_backward(
-    arch: Arch,
-    g: &mut [f32],
-    h: &[f32],
-    stride: usize,
-    g_z: &[f32],
-    w: &[f32],
-    g_w: &mut [f32],
-    g_bias: &mut [f32],
-) {
-    arch.dispatch(
-        #[inline(always)]
-        || {
-            for ((g, h), &g_z) in g.chunks_exact_mut(w.len()).zip(h.chunks(stride)).zip(g_z) {
-                let columns = g.iter_mut().zip(h).zip(w).zip(g_w.iter_mut().zip(g_bias.iter_mut()));
-                for (((g, &h), w), (g_w, sum)) in columns {
-                    *g = if h > 0.0 { *g + g_z * w } else { 0.0 };
-                    *g_w += g_z * h;
-                    *sum += *g;
-                }
-            }
-        },
-    );
+pub(super) struct JoinBackward<'a> {
+    pub g: &'a mut [f32],
+    pub h: &'a [f32],
+    pub g_z: &'a [f32],
+    pub w: &'a [f32],
+    pub g_w: &'a mut [f32],
+    pub g_bias: &'a mut [f32],
 }
 
-/// K linear outputs of every row: z = w x + bias. Sixteen running sums, added up in a fixed order.
-pub(super) fn heads<const K: usize>(arch: Arch, x: &[f32], stride: usize, w: &[f32], bias: &[f32], z: &mut [f32]) {
-    let width = w.len() / K;
-    arch.dispatch(
-        #[inline(always)]
-        || {
-            for (x, z) in x.chunks(stride).zip(z.chunks_exact_mut(K)) {
-                for ((z, w), b) in z.iter_mut().zip(w.chunks_exact(width)).zip(bias) {
-                    *z = b + dot(&x[..width], w);
-                }
+impl WithSimd for JoinBackward<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let JoinBackward { g, h, g_z, w, g_w, g_bias } = self;
+        for ((g, h), &g_z) in g.chunks_exact_mut(w.len()).zip(h.chunks_exact(w.len())).zip(g_z) {
+            let columns = g.iter_mut().zip(h).zip(w).zip(g_w.iter_mut().zip(g_bias.iter_mut()));
+            for (((g, &h), w), (g_w, sum)) in columns {
+                *g = if h > 0.0 { *g + g_z * w } else { 0.0 };
+                *g_w += g_z * h;
+                *sum += *g;
             }
-        },
-    );
+        }
+    }
 }
 
+/// K linear outputs of every row: z = w x + bias.
+pub(super) struct Heads<'a, const K: usize> {
+    pub x: &'a [f32],
+    pub w: &'a [f32],
+    pub bias: &'a [f32],
+    pub z: &'a mut [f32],
+}
+
+impl<const K: usize> WithSimd for Heads<'_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let width = self.w.len() / K;
+        for (x, z) in self.x.chunks_exact(width).zip(self.z.chunks_exact_mut(K)) {
+            for ((z, w), b) in z.iter_mut().zip(self.w.chunks_exact(width)).zip(self.bias) {
+                *z = b + dot(x, w);
+            }
+        }
+    }
+}
+
+/// Sixteen running sums, added up in a fixed order.
 #[inline(always)]
 fn dot(a: &[f32], b: &[f32]) -> f32 {
     let mut sums = [0.0f32; 16];
@@ -99,49 +121,59 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
     sums[0] + rest
 }
 
-/// Backward of [`heads`] behind a ReLU: g_x = w^T g_z where x > 0; adds g_z x to `g_w` and g_z to `g_bias`.
-#[allow(clippy::too_many_arguments, reason = "one pass over memory is the point")]
-pub(super) fn heads_backward<const K: usize>(
-    arch: Arch,
-    x: &[f32],
-    stride: usize,
-    g_z: &[f32],
-    w: &[f32],
-    g_w: &mut [f32],
-    g_bias: &mut [f32],
-    g_x: &mut [f32],
-) {
-    let width = w.len() / K;
-    arch.dispatch(
-        #[inline(always)]
-        || {
-            for ((x, g_z), g_x) in x.chunks(stride).zip(g_z.chunks_exact(K)).zip(g_x.chunks_exact_mut(width)) {
-                g_x.fill(0.0);
-                for k in 0..K {
-                    let g = g_z[k];
-                    g_bias[k] += g;
-                    let columns = k * width..(k + 1) * width;
-                    for (((g_x, x), w), g_w) in g_x.iter_mut().zip(x).zip(&w[columns.clone()]).zip(&mut g_w[columns]) {
-                        *g_x += g * w;
-                        *g_w += g * x;
-                    }
-                }
-                for (g_x, x) in g_x.iter_mut().zip(x) {
-                    *g_x = if *x > 0.0 { *g_x } else { 0.0 };
-                }
-            }
-        },
-    );
+/// Backward of [`Heads`] behind a ReLU: g_x = w^T g_z where x > 0; adds g_z x to `g_w` and g_z to `g_bias`.
+pub(super) struct HeadsBackward<'a, const K: usize> {
+    pub x: &'a [f32],
+    pub g_z: &'a [f32],
+    pub w: &'a [f32],
+    pub g_w: &'a mut [f32],
+    pub g_bias: &'a mut [f32],
+    pub g_x: &'a mut [f32],
 }
 
-/// sum += row, entry by entry.
-pub(super) fn add(arch: Arch, sum: &mut [f32], row: &[f32]) {
-    arch.dispatch(
-        #[inline(always)]
-        || {
-            for (sum, x) in sum.iter_mut().zip(row) {
+impl<const K: usize> WithSimd for HeadsBackward<'_, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let HeadsBackward { x, g_z, w, g_w, g_bias, g_x } = self;
+        let width = w.len() / K;
+        for ((x, g_z), g_x) in x.chunks_exact(width).zip(g_z.chunks_exact(K)).zip(g_x.chunks_exact_mut(width))
+        {
+            g_x.fill(0.0);
+            for k in 0..K {
+                let g = g_z[k];
+                g_bias[k] += g;
+                let columns = k * width..(k + 1) * width;
+                for (((g_x, x), w), g_w) in
+                    g_x.iter_mut().zip(x).zip(&w[columns.clone()]).zip(&mut g_w[columns])
+                {
+                    *g_x += g * w;
+                    *g_w += g * x;
+                }
+            }
+            for (g_x, x) in g_x.iter_mut().zip(x) {
+                *g_x = if *x > 0.0 { *g_x } else { 0.0 };
+            }
+        }
+    }
+}
+
+/// sum += each row of `rows`.
+pub(super) struct AddRows<'a> {
+    pub sum: &'a mut [f32],
+    pub rows: &'a [f32],
+}
+
+impl WithSimd for AddRows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for row in self.rows.chunks_exact(self.sum.len()) {
+            for (sum, x) in self.sum.iter_mut().zip(row) {
                 *sum += x;
             }
-        },
-    );
+        }
+    }
 }

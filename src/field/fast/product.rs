@@ -15,7 +15,10 @@ pub(super) struct Matrix<'a> {
 impl<'a> Matrix<'a> {
     /// Rows `stride` entries apart.
     pub fn new(data: &'a [f32], rows: usize, columns: usize, stride: usize) -> Self {
-        assert!(rows == 0 || columns == 0 || (rows - 1) * stride + columns <= data.len(), "a matrix inside its slice");
+        assert!(
+            rows == 0 || columns == 0 || (rows - 1) * stride + columns <= data.len(),
+            "a matrix inside its slice"
+        );
         Matrix { data, rows, columns, row_stride: stride, column_stride: 1 }
     }
 
@@ -64,5 +67,11 @@ pub(super) fn product(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumu
 
 /// The transpose of a (rows, columns) matrix as a matrix of its own: products run faster on it than on a strided view.
 pub(super) fn transposed(data: &[f32], rows: usize, columns: usize) -> Vec<f32> {
-    (0..rows * columns).map(|n| data[n % rows * columns + n / rows]).collect()
+    let mut out = vec![0.0; rows * columns];
+    for (i, row) in data.chunks_exact(columns).enumerate() {
+        for (x, out) in row.iter().zip(out[i..].iter_mut().step_by(rows)) {
+            *out = *x;
+        }
+    }
+    out
 }

@@ -64,7 +64,8 @@ fn network(shape: &Shape) -> NerfMlp {
     net.sigma.w *= 20.0;
     let c = Conventions { skip_layer: shape.skip, ..CS180 };
     let scene = Scene::new(4, 16);
-    let mut z: Vec<f64> = (0..64).map(|i| net.forward(&positions(&scene, i), &[0.0; 27], &c).z_sigma).collect();
+    let mut z: Vec<f64> =
+        (0..64).map(|i| net.forward(&positions(&scene, i), &[0.0; 27], &c).z_sigma).collect();
     z.sort_by(f64::total_cmp);
     // Between two samples, so that none of them stands on the kink of the ReLU.
     net.sigma.b[0] -= 0.5 * (z[31] + z[32]);
@@ -97,8 +98,10 @@ fn oracle(net: &NerfMlp, c: &Conventions, batch: &Batch) -> (Vec<f64>, f64, Nerf
         let (t, deltas) = (&rays.t[ray * n..][..n], &rays.deltas[ray * n..][..n]);
         let direction = positional_encoding(d, &directions);
         let point = |t: f64| [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]];
-        let tapes: Vec<_> =
-            t.iter().map(|&t| net.forward(&positional_encoding(&point(t), &positions), &direction, c)).collect();
+        let tapes: Vec<_> = t
+            .iter()
+            .map(|&t| net.forward(&positional_encoding(&point(t), &positions), &direction, c))
+            .collect();
         let sigmas: Vec<f64> = tapes.iter().map(|t| t.sigma).collect();
         let rgbs: Vec<[f64; 3]> = tapes.iter().map(|t| t.rgb).collect();
         let rendering = volume::volume_render(&sigmas, &rgbs, deltas, ProductEps::None);
@@ -107,7 +110,8 @@ fn oracle(net: &NerfMlp, c: &Conventions, batch: &Batch) -> (Vec<f64>, f64, Nerf
         loss += r.iter().map(|r| r * r / count as f64).sum::<f64>();
         colors.extend(color);
         let g_color = r.map(|r| 2.0 * r / count as f64);
-        let (color, opacity, _) = volume::backward::composite_background(rendering.opacity, background, g_color);
+        let (color, opacity, _) =
+            volume::backward::composite_background(rendering.opacity, background, g_color);
         let g = volume::backward::Cotangent { color, weights: vec![0.0; n], opacity, transmittance: 0.0 };
         let (g_sigmas, g_rgbs, _) =
             volume::backward::volume_render(&sigmas, &rgbs, deltas, ProductEps::None, &rendering, &g);
@@ -231,7 +235,8 @@ fn forward_agrees_with_the_oracle() {
     let oracle = network(&Shape::PAPER);
     let net = Network::new(&oracle, &Shape::PAPER, Density::Softplus);
     let key = Key::new(8, Purpose::Cases);
-    let positions: Vec<f64> = key.uniforms(0, 0, 3 * 1200).iter().map(|u| f64::from((4.0 * u - 2.0) as f32)).collect();
+    let positions: Vec<f64> =
+        key.uniforms(0, 0, 3 * 1200).iter().map(|u| f64::from((4.0 * u - 2.0) as f32)).collect();
     let directions: Vec<f64> = key.uniforms(0, 1, 3 * 400).iter().map(|u| 2.0 * u - 1.0).collect();
     let (sigmas, rgbs) = net.forward(&positions, &directions, 3);
     assert_eq!((sigmas.len(), rgbs.len()), (1200, 3600));
@@ -273,7 +278,9 @@ fn the_image_network_agrees_with_the_oracle() {
         }
     }
     let mut first = None;
-    for (threads, arch) in [(1, Arch::new()), (2, Arch::new()), (3, Arch::new()), (8, Arch::new()), (2, Arch::Scalar)] {
+    for (threads, arch) in
+        [(1, Arch::new()), (2, Arch::new()), (3, Arch::new()), (8, Arch::new()), (2, Arch::Scalar)]
+    {
         net.arch = arch;
         let mut gradient = Gradient::default();
         let got_loss = with_threads(Some(threads), || net.step(&x, &targets, &mut gradient));

@@ -2,7 +2,7 @@
 
 use pulp::Arch;
 
-use super::passes::{bias_relu, relu_backward};
+use super::passes::{BiasRelu, ReluBackward};
 use super::product::{Matrix, product, transposed};
 
 /// Where an affine layer lies in the flat parameter vector: weights (out, in), then biases (out).
@@ -95,7 +95,14 @@ impl Trunk {
     }
 
     /// h_n = relu(w_n [h_{n-1}, encoding at the skip] + b_n) for the first `points` rows of the encoding.
-    pub fn forward(&self, arch: Arch, params: &[f32], transposed: &[Vec<f32>], tape: &mut Tape, points: usize) {
+    pub fn forward(
+        &self,
+        arch: Arch,
+        params: &[f32],
+        transposed: &[Vec<f32>],
+        tape: &mut Tape,
+        points: usize,
+    ) {
         for (n, layer) in self.layers.iter().enumerate() {
             let stride = self.stride(n);
             let (before, after) = tape.h.split_at_mut(n);
@@ -106,7 +113,7 @@ impl Trunk {
             };
             let x = Matrix::new(x, points, layer.inputs, x_stride);
             product(h, stride, x, Matrix::new(&transposed[n], layer.inputs, self.width, self.width), false);
-            bias_relu(arch, h, stride, layer.of(params).1);
+            arch.dispatch(BiasRelu { x: &mut *h, stride, bias: layer.of(params).1 });
             if stride > self.width {
                 for (h, e) in h.chunks_exact_mut(stride).zip(tape.encoding.chunks_exact(self.encoding)) {
                     h[self.width..].copy_from_slice(e);
@@ -141,7 +148,8 @@ impl Trunk {
                 let w = Matrix::new(layer.of(params).0, self.width, self.width, layer.inputs);
                 let g_next = &mut tape.g_next[..points * self.width];
                 product(g_next, self.width, g, w, false);
-                relu_backward(arch, g_next, x, x_stride, self.layers[n - 1].of_mut(gradient).1);
+                let g_bias = self.layers[n - 1].of_mut(gradient).1;
+                arch.dispatch(ReluBackward { g: g_next, h: x, stride: x_stride, g_bias });
                 std::mem::swap(&mut tape.g, &mut tape.g_next);
             }
         }
