@@ -20,6 +20,7 @@
 
 pub mod convention;
 pub mod error;
+pub mod files;
 pub mod maths;
 pub mod parallel;
 pub mod random;
@@ -32,6 +33,8 @@ pub mod optimiser;
 pub mod ray;
 pub mod sample;
 pub mod volume_rendering;
+
+pub mod scene;
 
 pub mod cli;
 pub mod verify;

@@ -1,0 +1,72 @@
+//! Pictures: PNG, JPEG and GIF read as floats, floats written as PNG.
+
+use std::io::{self, Cursor};
+use std::path::Path;
+
+use image::{ImageFormat, ImageReader, Limits, RgbImage};
+use ndarray::{Array3, ArrayView3};
+
+use crate::error::{Error, Result};
+use crate::files;
+
+/// The most bytes a picture may take when decoded.
+const LARGEST: u64 = 1 << 30;
+
+/// Reads a picture as (H, W, 4): red, green, blue and opacity (not multiplied in; 1 where the file has none), each in [0, 1].
+///
+/// # Errors
+/// Where the file can't be read, isn't a picture, or is larger than memory should be spent on.
+pub fn read(path: &Path) -> Result<Array3<f32>> {
+    let bytes = std::fs::read(path).map_err(Error::reading(path))?;
+    let decode = || {
+        let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
+        let mut limits = Limits::default();
+        limits.max_alloc = Some(LARGEST);
+        reader.limits(limits);
+        reader.decode()
+    };
+    let picture = decode().map_err(|error| {
+        let advice = "Save it again as PNG or JPEG.";
+        Error::input(path.display(), "picture", error, "a whole PNG, JPEG or GIF file", advice)
+    })?;
+    // 32 bits a channel keep what 16-bit files hold.
+    let picture = picture.into_rgba32f();
+    let shape = (picture.height() as usize, picture.width() as usize, 4);
+    Ok(Array3::from_shape_vec(shape, picture.into_raw()).expect("a picture's length is its shape's"))
+}
+
+/// Drops the opacity: c a + b (1 - a) over background `b`.
+pub fn over(rgba: ArrayView3<f32>, background: [f32; 3]) -> Array3<f32> {
+    let (height, width, _) = rgba.dim();
+    Array3::from_shape_fn((height, width, 3), |(j, i, k)| {
+        let a = rgba[[j, i, 3]];
+        rgba[[j, i, k]] * a + background[k] * (1.0 - a)
+    })
+}
+
+/// (H, W, 3) in [0, 1] to bytes: round(255 x), NaN to 0.
+pub fn to_rgb(picture: ArrayView3<f32>) -> RgbImage {
+    RgbImage::from_fn(picture.dim().1 as u32, picture.dim().0 as u32, |i, j| {
+        let byte = |k| (picture[[j as usize, i as usize, k]].clamp(0.0, 1.0) * 255.0).round() as u8;
+        image::Rgb([byte(0), byte(1), byte(2)])
+    })
+}
+
+/// Writes (H, W, 3) in [0, 1] as an 8-bit PNG.
+///
+/// # Errors
+/// Where the file can't be written.
+pub fn write_png(path: &Path, picture: ArrayView3<f32>) -> Result<()> {
+    write_rgb(path, &to_rgb(picture))
+}
+
+/// Writes bytes as a PNG.
+///
+/// # Errors
+/// Where the file can't be written.
+pub fn write_rgb(path: &Path, picture: &RgbImage) -> Result<()> {
+    let mut bytes = Cursor::new(Vec::new());
+    let encoded = picture.write_to(&mut bytes, ImageFormat::Png);
+    encoded.map_err(io::Error::other).map_err(Error::writing(path))?;
+    files::write(path, bytes.into_inner())
+}

@@ -1,0 +1,103 @@
+//! What every scene must satisfy, whichever file it came from.
+
+use glam::{DMat4, DVec4};
+use ndarray::{Array2, ArrayView2};
+
+use super::{Frame, Options};
+use crate::error::{Error, Result};
+
+/// How far R R^T may be from the identity: three decimals, which is what hand-written poses have.
+const RIGID: f64 = 1e-3;
+
+/// Arguments that make no sense for any scene.
+pub fn options(options: &Options) -> Result<()> {
+    for (argument, value) in [("--near", options.near), ("--far", options.far)] {
+        if let Some(value) = value.filter(|value| !value.is_finite() || *value < 0.0) {
+            return Err(Error::usage(argument, value, "a distance, 0 or more"));
+        }
+    }
+    if let (Some(near), Some(far)) = (options.near, options.far)
+        && near >= far
+    {
+        return Err(Error::usage("--near", near, format!("less than --far, which is {far}")));
+    }
+    if let Some(n) = options.holdout.filter(|n| *n < 2) {
+        return Err(Error::usage("--holdout", n, "2 or more, so that something is left to learn from"));
+    }
+    Ok(())
+}
+
+/// A pose from a 4x4 matrix, (row, column): finite, rigid, last row (0, 0, 0, 1).
+pub fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<DMat4> {
+    let bad = |found: String, expected: &str| {
+        let advice = "Write camera-to-world matrices without scale; undo any normalisation of the rotation.";
+        Err(Error::input(file, field, found, expected, advice))
+    };
+    if matrix.dim() != (4, 4) {
+        return bad(format!("shape {:?}", matrix.shape()), "shape [4, 4]");
+    }
+    if let Some(((i, j), x)) = matrix.indexed_iter().find(|(_, x)| !x.is_finite()) {
+        return bad(format!("{x} in row {i}, column {j}"), "finite numbers");
+    }
+    let row: [f64; 4] = std::array::from_fn(|j| matrix[[3, j]]);
+    if (0..4).any(|j| (row[j] - [0.0, 0.0, 0.0, 1.0][j]).abs() > RIGID) {
+        return bad(format!("last row {row:?}"), "[0, 0, 0, 1]");
+    }
+    let column = |j| DVec4::from_array(std::array::from_fn(|i| matrix[[i, j]]));
+    let c2w = DMat4::from_cols(column(0), column(1), column(2), column(3));
+    let rotation = glam::DMat3::from_mat4(c2w);
+    let off = (rotation * rotation.transpose() - glam::DMat3::IDENTITY).to_cols_array();
+    let off = off.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    if off > RIGID {
+        return bad(format!("a matrix with R R^T off the identity by {off:.3e}"), "a rotation");
+    }
+    if rotation.determinant() < 0.0 {
+        return bad("a reflection (determinant -1)".into(), "a rotation (determinant 1)");
+    }
+    Ok(c2w)
+}
+
+/// OpenGL (Blender, tiny-NeRF) to OpenCV: the camera's y and z axes change sign; the camera stays where it is.
+pub fn opengl_to_opencv(c2w: DMat4) -> DMat4 {
+    DMat4::from_cols(c2w.x_axis, -c2w.y_axis, -c2w.z_axis, c2w.w_axis)
+}
+
+/// A focal length: finite and positive.
+pub fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
+    if value.is_finite() && value > 0.0 {
+        return Ok(value);
+    }
+    let advice = "Give the focal length in pixels.";
+    Err(Error::input(file, field, value, "a positive number of pixels", advice))
+}
+
+/// All images of one size, and at least one frame to learn from.
+pub fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
+    let Some(first) = train.first() else {
+        let advice = "Add frames, or hold out fewer of them.";
+        return Err(Error::input(file, "frames", "no frame to learn from", "at least one", advice));
+    };
+    let size = (first.camera.width, first.camera.height);
+    for frame in train.iter().chain(val) {
+        let this = (frame.camera.width, frame.camera.height);
+        if this != size {
+            let found = format!("{}x{}", this.0, this.1);
+            let expected = format!("{}x{} as {}", size.0, size.1, first.name);
+            let advice = "Bring all pictures of a scene to one size, and its intrinsics with them.";
+            return Err(Error::input(file, &frame.name, found, expected, advice));
+        }
+    }
+    Ok(())
+}
+
+/// A 4x4 array from JSON's nested rows, NaN where something isn't a number (so that [`pose`] names it).
+pub fn matrix(rows: &serde_json::Value) -> Option<Array2<f64>> {
+    let rows = rows.as_array()?;
+    let columns = rows.first()?.as_array()?.len();
+    let mut flat = Vec::new();
+    for row in rows {
+        let row = row.as_array().filter(|row| row.len() == columns)?;
+        flat.extend(row.iter().map(|x| x.as_f64().unwrap_or(f64::NAN)));
+    }
+    Array2::from_shape_vec((rows.len(), columns), flat).ok()
+}

@@ -1,0 +1,129 @@
+//! Scenes: cameras with their photographs, from built-in formulas or from files.
+//!
+//! Whatever a file's own convention, a [`Scene`] has OpenCV axes (x right, y down, z forward), pixels as intrinsics and colours
+//! in [0, 1]. `near` and `far` are distances along unit directions.
+
+use glam::DVec3;
+use ndarray::Array3;
+use serde_json::{Map, Value};
+
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+
+mod check;
+mod layout;
+mod npz;
+
+pub use layout::common_focus;
+
+/// One camera, with what it saw.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The picture's path as the scene writes it, or the array and index it comes from.
+    pub name: String,
+    /// The camera.
+    pub camera: Camera,
+    /// The photograph, (H, W, 3) in [0, 1]; none where the scene has only a pose (a film path).
+    pub image: Option<Array3<f32>>,
+}
+
+/// Everything that training and evaluation need to know about a scene.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// As it was asked for.
+    pub name: String,
+    /// Frames to learn from, at least one, all with images of one size.
+    pub train: Vec<Frame>,
+    /// Frames to measure on; images of the same size.
+    pub val: Vec<Frame>,
+    /// The film path, in order, or the frames of a test split; may be empty. Images only where [`Options::test_images`] asks for
+    /// them and the scene has them.
+    pub test: Vec<Frame>,
+    /// Where samples start, scene units from the camera.
+    pub near: f64,
+    /// Where they end.
+    pub far: f64,
+    /// The colour behind everything, red, green, blue in [0, 1]: what transparent pixels were composited over.
+    pub background: [f64; 3],
+    /// The box that holds everything of interest, lower and upper corner, where the scene says so.
+    pub bounds: Option<(DVec3, DVec3)>,
+    /// The point closest to all cameras' axes; where there is none, the middle of what the first camera sees.
+    pub focus: DVec3,
+    /// What is odd but no error, a sentence each.
+    pub warnings: Vec<String>,
+    /// What was derived and why, by field, for `run.json`.
+    pub reasons: Map<String, Value>,
+}
+
+/// What the command line may say about a scene; `None` leaves it to the scene.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// `--near`.
+    pub near: Option<f64>,
+    /// `--far`.
+    pub far: Option<f64>,
+    /// `--holdout N`: every Nth frame, sorted by file_path and from index 0, is for validation where the scene has no split.
+    pub holdout: Option<usize>,
+    /// `--background`: the colour under transparent pixels (black by default).
+    pub background: Option<[f64; 3]>,
+    /// Whether photographs of a test split are loaded too; they are many, and only an evaluation on them needs them.
+    pub test_images: bool,
+}
+
+impl Scene {
+    /// A scene of which only the name and the background are known yet.
+    fn empty(name: &str, options: &Options) -> Scene {
+        let mut reasons = Map::new();
+        let why = if options.background.is_some() { "given" } else { "black: nothing says otherwise" };
+        reasons.insert("background".into(), Value::from(why));
+        Scene {
+            name: name.into(),
+            train: Vec::new(),
+            val: Vec::new(),
+            test: Vec::new(),
+            near: f64::NAN,
+            far: f64::NAN,
+            background: options.background.unwrap_or([0.0; 3]),
+            bounds: None,
+            focus: DVec3::ZERO,
+            warnings: Vec::new(),
+            reasons,
+        }
+    }
+
+    /// Deals frames to training and validation: every Nth, from index 0, in the order they come.
+    fn hold_out(&mut self, frames: Vec<Frame>, options: &Options) {
+        let n = options.holdout.unwrap_or(8);
+        for (i, frame) in frames.into_iter().enumerate() {
+            let split = if i % n == 0 { &mut self.val } else { &mut self.train };
+            split.push(frame);
+        }
+        let why = if options.holdout.is_some() { "given" } else { "the scene has no split of its own" };
+        self.reasons.insert("val".into(), Value::from(format!("every {n}th frame: {why}")));
+    }
+
+    /// Picture width and height in pixels.
+    pub fn size(&self) -> (usize, usize) {
+        (self.train[0].camera.width, self.train[0].camera.height)
+    }
+}
+
+/// Loads `builtin:NAME`, an `.npz` (CS180 or tiny-NeRF layout, told apart by its arrays), or a folder or file of `transforms*.json`.
+///
+/// # Errors
+/// Where anything in the scene isn't what it should be, by file and field.
+pub fn load(scene: &str, options: &Options) -> Result<Scene> {
+    check::options(options)?;
+    let path = std::path::Path::new(scene);
+    if path.extension().is_some_and(|extension| extension == "npz") {
+        return npz::load(path, options);
+    }
+    let advice = "Run `nerf-oracle train --help` for the kinds of scenes.";
+    Err(Error::input(
+        scene,
+        "scene",
+        "neither",
+        "builtin:NAME, an .npz, or a folder of transforms*.json",
+        advice,
+    ))
+}
