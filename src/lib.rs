@@ -45,6 +45,8 @@ use verify::Component;
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
 pub const COMPONENTS: &[Component] = &[
+    camera::component::TRANSFORM,
+    camera::component::PIXEL_TO_CAMERA,
     volume_rendering::component::VOLUME_RENDER,
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,

@@ -7,7 +7,12 @@ use glam::{DMat4, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
 pub mod distortion;
+pub mod honest;
+pub mod mistakes;
 
 #[cfg(test)]
 mod tests;

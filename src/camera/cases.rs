@@ -1,0 +1,167 @@
+//! Cases of the camera: poses and lenses that tell mistakes apart, and seeded ones.
+
+use ndarray::ArrayD;
+
+use crate::verify::case::{Case, Draw, short};
+use crate::verify::component::array;
+
+/// fx, fy, cx, cy that differ, with the centre off the middle and between pixels.
+pub(crate) const LENS: [f64; 4] = [40.0, 28.0, 17.5, 11.5];
+/// The pose that does nothing.
+pub(crate) const IDENTITY: [f64; 16] =
+    [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+
+/// A lens as a (3, 3) array.
+pub(crate) fn lens([fx, fy, cx, cy]: [f64; 4]) -> ArrayD<f64> {
+    array(&[3, 3], vec![fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0])
+}
+
+/// A pose from its rotation, row by row, and its translation.
+pub(crate) fn posed(r: [f64; 9], o: [f64; 3]) -> [f64; 16] {
+    let mut c2w = IDENTITY;
+    for k in 0..3 {
+        (0..3).for_each(|j| c2w[4 * k + j] = r[3 * k + j]);
+        c2w[4 * k + 3] = o[k];
+    }
+    c2w
+}
+
+/// A random rotation, its entries rounded to short numbers (so that it is one within 1 part in 100), within 4 of the origin.
+pub(crate) fn random_pose(draw: &mut Draw) -> [f64; 16] {
+    let q: [f64; 4] = std::array::from_fn(|_| draw.between(-1.0, 1.0));
+    let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
+    let [w, x, y, z] = q.map(|q| q / length);
+    let r = [
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - z * w),
+        2.0 * (x * z + y * w),
+        2.0 * (x * y + z * w),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - x * w),
+        2.0 * (x * z - y * w),
+        2.0 * (y * z + x * w),
+        1.0 - 2.0 * (x * x + y * y),
+    ];
+    posed(r.map(short), std::array::from_fn(|_| draw.between(-4.0, 4.0)))
+}
+
+/// Poses by name that several rows share; each is used for all points or rays of its case.
+pub(crate) fn poses() -> Vec<(&'static str, &'static str, [f64; 16])> {
+    let turn = [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let far = 1_048_576.0;
+    let times = |factor: f64| IDENTITY.map(|x| factor * x);
+    vec![
+        ("identity", "camera and world agree", IDENTITY),
+        (
+            "moved",
+            "translated alone: directions must not change",
+            posed([1., 0., 0., 0., 1., 0., 0., 0., 1.], [3.0, -1.0, 0.5]),
+        ),
+        (
+            "turned",
+            "turned alone, by 120 degrees about (1, 1, 1): origins must not change",
+            posed(turn, [0.0; 3]),
+        ),
+        ("moved_and_turned", "a turn whose transpose is another turn", posed(turn, [1.5, 2.0, -0.75])),
+        (
+            "CG9_far_away",
+            "a camera at 2^20: x_w - o loses 20 bits, R K^-1 uv none",
+            posed(turn, [far, -far, 0.5 * far]),
+        ),
+        ("CG9_scale_2", "not rigid: everything twice as large", times(2.0)),
+        (
+            "CG9_mirrored",
+            "not a rotation: determinant -1",
+            posed([-1., 0., 0., 0., 1., 0., 0., 0., 1.], [1.0, 0.0, 0.0]),
+        ),
+    ]
+}
+
+/// The same pose n times, (n, 4, 4).
+pub(crate) fn repeated(pose: &[f64; 16], n: usize) -> ArrayD<f64> {
+    array(&[n, 4, 4], std::iter::repeat_n(*pose, n).flatten().collect())
+}
+
+/// n random poses, (n, 4, 4).
+pub(crate) fn random_poses(draw: &mut Draw, n: usize) -> ArrayD<f64> {
+    array(&[n, 4, 4], (0..n).flat_map(|_| random_pose(draw)).collect())
+}
+
+/// n pixel positions in a picture of 36 x 24 pixels: centres, exact in every type.
+pub(crate) fn pixels(draw: &mut Draw, n: usize) -> ArrayD<f64> {
+    let centres = (0..n).flat_map(|_| [draw.below(36) as f64 + 0.5, draw.below(24) as f64 + 0.5]);
+    array(&[n, 2], centres.collect())
+}
+
+/// Camera space to world space.
+pub fn transform() -> Vec<Case> {
+    let points = vec![0.5, -0.25, 2.0, 0.0, 0.0, 0.0, -1.5, 0.75, 4.0];
+    let mut cases: Vec<Case> = poses()
+        .into_iter()
+        .map(|(id, comment, pose)| {
+            let x_c = array(&[3, 3], points.clone());
+            Case::new(id, comment, vec![("c2w", repeated(&pose, 3)), ("x_c", x_c)])
+        })
+        .collect();
+    for n in 0..4 {
+        let mut draw = Draw::new("transform", n);
+        let inputs = vec![("c2w", random_poses(&mut draw, 8)), ("x_c", draw.array(&[8, 3], -4.0, 4.0))];
+        cases.push(Case::new(format!("random_{n}"), "a random pose for every point", inputs));
+    }
+    cases
+}
+
+/// Pixel and depth to camera space.
+pub fn pixel_to_camera() -> Vec<Case> {
+    let case = |id, comment, k, uv: &[f64], s: Vec<f64>| {
+        let n = s.len();
+        Case::new(
+            id,
+            comment,
+            vec![("K", lens(k)), ("uv", array(&[n, 2], uv.to_vec())), ("s", array(&[n], s))],
+        )
+    };
+    let mut cases = vec![
+        case(
+            "centre",
+            "the principal point, at any depth, lies on the axis",
+            LENS,
+            &[17.5, 11.5, 17.5, 11.5],
+            vec![1.0, 3.0],
+        ),
+        case(
+            "corners",
+            "the corners of a picture that isn't square",
+            LENS,
+            &[0.5, 0.5, 35.5, 0.5, 0.5, 23.5, 35.5, 23.5],
+            vec![1.0; 4],
+        ),
+        case("unit_lens", "f = 1, c = 0: the pixel itself", [1.0, 1.0, 0.0, 0.0], &[3.0, -2.0], vec![2.0]),
+        case(
+            "depths",
+            "one pixel at several depths, one of them 0 and one behind",
+            LENS,
+            &[20.5, 2.5, 20.5, 2.5, 20.5, 2.5],
+            vec![0.0, 2.0, -4.0],
+        ),
+        case(
+            "near_the_centre",
+            "u - cx = 2^-4: a matrix inverse cancels, the difference doesn't",
+            LENS,
+            &[17.5625, 11.5625],
+            vec![4.0],
+        ),
+    ];
+    for n in 0..4 {
+        let mut draw = Draw::new("pixel_to_camera", n);
+        let k = [
+            draw.between(20.0, 60.0),
+            draw.between(20.0, 60.0),
+            draw.between(10.0, 26.0),
+            draw.between(6.0, 18.0),
+        ];
+        let inputs = vec![("K", lens(k)), ("uv", pixels(&mut draw, 8)), ("s", draw.array(&[8], 0.5, 6.0))];
+        cases.push(Case::new(format!("random_{n}"), "a random lens and random pixels", inputs));
+    }
+    cases
+}
