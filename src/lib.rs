@@ -14,6 +14,12 @@
 //! | volume rendering | [`volume_rendering`] | densities and colours along a ray -> one colour |
 //! | loss | [`loss`] | colours against photographs |
 //! | optimiser | [`optimiser`] | gradients -> new parameters |
+//! | training | [`training`] | the loop around all of this, in 3D and in 2D |
+//! | evaluation | [`evaluation`] | whole pictures, and how far they are from photographs |
+//!
+//! Around the pipeline: [`scene`] reads cameras and photographs, [`verify`] is the harness that checks and judges,
+//! [`convention`] the choices that differ between right implementations, [`maths`], [`random`] and [`parallel`] what makes
+//! results the same everywhere, [`report`] and [`files`] what is written, [`cli`] the program.
 //!
 //! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
 //! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper.
@@ -34,10 +40,15 @@ pub mod ray;
 pub mod sample;
 pub mod volume_rendering;
 
+pub mod evaluation;
+pub mod training;
+
 pub mod scene;
+pub mod verify;
 
 pub mod cli;
-pub mod verify;
+pub mod files;
+pub mod report;
 
 pub use error::{Error, Result};
 

@@ -1,9 +1,73 @@
-//! The command line: one file a subcommand.
+//! The command line: one file a subcommand. People's tables go to stdout, with `--json` one JSON object instead; progress and
+//! warnings go to stderr. Exit 0: all good; 1: a check failed; 2: usage, input or I/O.
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
-/// Parses `args`, runs the subcommand, prints an error if there is one. 0: all good; 1: a check failed; 2: usage, input or I/O.
-pub fn main(_args: impl IntoIterator<Item = OsString>) -> ExitCode {
-    ExitCode::from(2)
+use clap::{Parser, Subcommand};
+
+use crate::error::Result;
+
+mod demo;
+mod evaluate;
+mod fit_image;
+mod options;
+mod output;
+mod progress;
+mod render;
+mod sweep_image;
+mod train;
+
+/// The reference that NeRF implementations are checked against.
+#[derive(Parser)]
+#[command(version, about, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// One JSON object on stdout instead of text for people.
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Train a small network on a built-in scene, check the fast path, write pictures, a film and a page.
+    Demo(demo::Args),
+    /// Fit a 2D network to an image.
+    FitImage(fit_image::Args),
+    /// Fit an image with every combination of levels, widths and learning rates.
+    SweepImage(sweep_image::Args),
+    /// Train a scene.
+    Train(train::Args),
+    /// Measure a trained run against photographs.
+    Evaluate(evaluate::Args),
+    /// Render a film or frames of a trained run.
+    Render(render::Args),
+}
+
+/// Parses `args`, runs the subcommand, prints an error if there is one, and says how the program ends.
+pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(args) {
+        Ok(cli) => cli,
+        Err(e) => {
+            // Help and version are no errors; everything else is exit code 2.
+            let code = u8::try_from(e.exit_code()).unwrap_or(2);
+            return if e.print().is_ok() { ExitCode::from(code) } else { ExitCode::from(2) };
+        }
+    };
+    run(&cli).unwrap_or_else(|error| {
+        eprintln!("error: {error}");
+        ExitCode::from(2)
+    })
+}
+
+fn run(cli: &Cli) -> Result<ExitCode> {
+    match &cli.command {
+        Command::Demo(args) => demo::run(args, cli.json),
+        Command::FitImage(args) => fit_image::run(args, cli.json),
+        Command::SweepImage(args) => sweep_image::run(args, cli.json),
+        Command::Train(args) => train::run(args, cli.json),
+        Command::Evaluate(args) => evaluate::run(args, cli.json),
+        Command::Render(args) => render::run(args, cli.json),
+    }
 }

@@ -1,0 +1,126 @@
+//! `demo`: everything in about a minute, with nothing but this program.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use serde_json::json;
+
+use super::evaluate::{self, Trained};
+use super::options::{Backend, positive_number};
+use super::{output, render, train};
+use crate::error::Result;
+use crate::evaluation::{camera_rays, render_view};
+use crate::files::{self, picture};
+use crate::report::page::Page;
+use crate::report::{sheet, table};
+
+/// Options of `demo`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Args {
+    /// The output folder.
+    #[arg(long, default_value = "out/demo")]
+    pub out: PathBuf,
+    /// Training time.
+    #[arg(long, default_value_t = 40.0, value_parser = positive_number)]
+    pub seconds: f64,
+}
+
+/// The scene that the demo trains.
+const SCENE: &str = "builtin:spheres";
+
+/// Largest difference of a colour between the f32 path and the f64 reference that the demo accepts.
+const TOLERANCE: f64 = 1e-5;
+
+/// Rays on which the two are compared.
+const CHECKED_RAYS: usize = 64;
+
+/// Frames of the film.
+const FRAMES: usize = 40;
+
+/// Runs `demo`.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    let run = args.out.join("run");
+    eprintln!("Training a small network on {SCENE} for {} s ...", args.seconds);
+    let summary = train::train(&training(args, &run))?;
+    eprintln!("Checking the f32 path against the f64 reference ...");
+    let trained = evaluate::open(&run, Backend::Fast, false)?;
+    let difference = largest_difference(&trained, &evaluate::open(&run, Backend::Reference, false)?)?;
+    eprintln!("Rendering a film of {FRAMES} frames ...");
+    render::render(&film(&run, &args.out.join("film.gif")))?;
+    write_comparison(&trained, &args.out.join("comparison.png"))?;
+    let rows = vec![
+        vec!["validation PSNR, dB".into(), output::decibels(summary.val_psnr)],
+        vec!["steps".into(), trained.step.to_string()],
+        vec!["largest difference of a colour, f32 path against f64 reference".into(), format!("{difference:.1e}")],
+    ];
+    write_page(&args.out, &rows)?;
+    let (ok, page) = (difference <= TOLERANCE, args.out.join("index.html").display().to_string());
+    let object = json!({
+        "out": args.out.display().to_string(), "page": page, "train": summary.object, "val_psnr": summary.val_psnr,
+        "largest_difference_from_reference": difference, "tolerance": TOLERANCE, "ok": ok,
+    });
+    output::print(json, &object, &(table::text(&["figure", "value"], &rows) + &format!("Open {page}\n")));
+    Ok(if ok { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}
+
+/// A network of width 64 and batches small enough for a minute.
+fn training(args: &Args, run: &Path) -> train::Args {
+    train::Args {
+        seconds: Some(args.seconds),
+        width: Some(64),
+        rays: Some(512),
+        samples: Some(48),
+        lr: Some(2e-3),
+        ..train::Args::new(SCENE, run)
+    }
+}
+
+fn film(run: &Path, out: &Path) -> render::Args {
+    render::Args {
+        run: run.to_path_buf(),
+        out: out.to_path_buf(),
+        path: Some(render::CameraPath::Orbit(FRAMES)),
+        background: None,
+        size: Some((128, 128)),
+        depth: false,
+        threads: None,
+        backend: Backend::Fast,
+    }
+}
+
+/// The same parameters on the same rays: pixels spread over the first validation view.
+fn largest_difference(fast: &Trained, reference: &Trained) -> Result<f64> {
+    let all = camera_rays(&fast.scene.val[0].camera)?;
+    let rays: Vec<_> = all.iter().step_by(all.len() / CHECKED_RAYS).copied().collect();
+    let pairs = fast.model.render(&rays).into_iter().zip(reference.model.render(&rays));
+    let difference = |k: usize, a: [f32; 3], b: [f32; 3]| f64::from((a[k] - b[k]).abs());
+    Ok(pairs.flat_map(|(a, b)| (0..3).map(move |k| difference(k, a.rgb, b.rgb))).fold(0.0, f64::max))
+}
+
+/// Photographs above, rendered views below.
+fn write_comparison(trained: &Trained, path: &Path) -> Result<()> {
+    let (mut photographs, mut views) = (vec![], vec![]);
+    for frame in trained.scene.val.iter().take(4) {
+        let Some(image) = &frame.image else { continue };
+        photographs.push(picture::to_rgb(image.view()));
+        let view = render_view(&*trained.model, &frame.camera, trained.scene.background.map(|b| b as f32))?;
+        views.push(picture::to_rgb(view.rgb.view()));
+    }
+    let columns = views.len();
+    photographs.extend(views);
+    picture::write_rgb(path, &sheet::contact_sheet(&photographs, columns))
+}
+
+fn write_page(out: &Path, rows: &[Vec<String>]) -> Result<()> {
+    let lead = "A neural radiance field, trained on pictures of a scene with closed-form density and colour, checked \
+                against the f64 reference, and rendered from cameras that it has never seen.";
+    let mut page = Page::new("nerf-oracle demo", lead);
+    page.table(&["figure", "value"], rows)
+        .heading("Film")
+        .picture("film.gif", "an orbit of new views", 384)
+        .heading("Validation views")
+        .picture("comparison.png", "photographs above, the field's views below", 540)
+        .heading("Training")
+        .picture("run/psnr.svg", "PSNR over steps", 720);
+    files::write(&out.join("index.html"), page.finish())
+}

@@ -1,0 +1,109 @@
+//! `evaluate RUN`.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+use serde_json::{Map, Value, json};
+
+use super::options::{Backend, positive};
+use super::train::{build, load_scene};
+use super::{output, progress};
+use crate::error::{Error, Result};
+use crate::evaluation::{self, Scores};
+use crate::parallel;
+use crate::report::table;
+use crate::scene::Scene;
+use crate::training::checkpoint::RunFolder;
+use crate::training::model::Model;
+
+/// Options of `evaluate`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Args {
+    /// The folder of a run.
+    pub run: PathBuf,
+    /// Which frames.
+    #[arg(long, value_enum, default_value_t = Split::Val)]
+    pub split: Split,
+    /// Threads; all cores by default.
+    #[arg(long, value_parser = positive)]
+    pub threads: Option<usize>,
+    /// Which path computes.
+    #[arg(long, value_enum, default_value_t = Backend::Fast)]
+    pub backend: Backend,
+}
+
+/// A split of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Split {
+    /// Validation frames.
+    Val,
+    /// Test frames.
+    Test,
+}
+
+/// A trained model with its scene.
+pub struct Trained {
+    /// The run's settings.
+    pub settings: Map<String, Value>,
+    /// The scene it was trained on.
+    pub scene: Scene,
+    /// With the checkpoint's parameters.
+    pub model: Box<dyn Model>,
+    /// Behind which step.
+    pub step: u64,
+}
+
+/// Opens a run: its scene, its model, its checkpoint.
+pub fn open(run: &std::path::Path, backend: Backend, test_images: bool) -> Result<Trained> {
+    let folder = RunFolder::open(run)?;
+    let mut settings = folder.settings()?;
+    settings.insert("backend".into(), json!(backend));
+    let file = folder.file("run.json").display().to_string();
+    let scene = load_scene(&settings, test_images, &file)?;
+    let mut model = build(&settings, &scene)?;
+    let (state, step, ..) = folder.load()?;
+    model.restore(&state, &folder.file("checkpoint.npz").display().to_string())?;
+    Ok(Trained { settings, scene, model, step })
+}
+
+/// Runs `evaluate`.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    parallel::with_threads(args.threads, || {
+        let trained = open(&args.run, args.backend, args.split == Split::Test)?;
+        let frames = match args.split {
+            Split::Val => &trained.scene.val,
+            Split::Test => &trained.scene.test,
+        };
+        let with_image = frames.iter().filter(|frame| frame.image.is_some()).count();
+        if with_image == 0 {
+            let split = format!("{:?} split", args.split).to_lowercase();
+            let advice = "Use --split val, or a scene with photographs in that split.";
+            return Err(Error::input(&trained.scene.name, split, "no photographs", "at least one", advice));
+        }
+        let bar = progress::bar(Some(with_image as u64), "evaluate");
+        let background = trained.scene.background.map(|b| b as f32);
+        let scores = evaluation::evaluate(&*trained.model, frames, background, true, |_, _| {
+            bar.inc(1);
+            Ok(())
+        })?;
+        bar.finish_and_clear();
+        output::print(json, &object(&scores, trained.step), &text(&scores));
+        Ok(ExitCode::SUCCESS)
+    })
+}
+
+fn object(scores: &Scores, step: u64) -> Value {
+    let mut object = serde_json::to_value(scores).expect("plain data");
+    object["step"] = step.into();
+    object
+}
+
+fn text(scores: &Scores) -> String {
+    let ssim = |s: Option<f64>| s.map_or("-".into(), |s| format!("{s:.4}"));
+    let row = |name: &str, psnr: f64, s: Option<f64>| vec![name.to_string(), format!("{psnr:.2}"), ssim(s)];
+    let mut rows: Vec<_> = scores.views.iter().map(|v| row(&v.name, v.psnr, v.ssim)).collect();
+    rows.push(row("mean of the views", scores.psnr, scores.ssim));
+    rows.push(row("pooled error", scores.psnr_pooled, None));
+    table::text(&["view", "PSNR dB", "SSIM"], &rows)
+}

@@ -1,0 +1,132 @@
+//! `fit-image IMAGE --out DIR`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use image::imageops::FilterType;
+use ndarray::Array3;
+use serde_json::json;
+
+use super::options::{Backend, positive, positive_number};
+use super::{output, progress};
+use crate::error::Result;
+use crate::files::{self, picture};
+use crate::parallel;
+use crate::report::{curve, sheet, table};
+use crate::training::image::{LogPoint, Settings, fit};
+use crate::{Error, scene};
+
+/// Options of `fit-image`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Args {
+    /// A PNG, JPEG or GIF, or builtin:card.
+    pub image: String,
+    /// The output folder.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Longest side; the picture is reduced to it (Lanczos3), never enlarged.
+    #[arg(long, value_parser = positive)]
+    pub size: Option<usize>,
+    /// Steps.
+    #[arg(long, default_value_t = 1000, value_parser = positive)]
+    pub steps: usize,
+    /// Pixels a step.
+    #[arg(long, default_value_t = 10_000, value_parser = positive)]
+    pub batch: usize,
+    /// Bands of the encoding.
+    #[arg(long, default_value_t = 10)]
+    pub levels: usize,
+    /// Width of the hidden layers.
+    #[arg(long, default_value_t = 256, value_parser = positive)]
+    pub width: usize,
+    /// Number of hidden layers.
+    #[arg(long, default_value_t = 3, value_parser = positive)]
+    pub layers: usize,
+    /// Learning rate.
+    #[arg(long, default_value_t = 5e-3, value_parser = positive_number)]
+    pub lr: f64,
+    /// Seed of parameters and pixels.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Threads; all cores by default.
+    #[arg(long, value_parser = positive)]
+    pub threads: Option<usize>,
+    /// Which path computes.
+    #[arg(long, value_enum, default_value_t = Backend::Fast)]
+    pub backend: Backend,
+}
+
+/// Runs `fit-image`.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    parallel::with_threads(args.threads, || {
+        let target = load(&args.image, args.size)?;
+        files::make_folder(&args.out)?;
+        let settings = settings(args);
+        picture::write_png(&args.out.join("target.png"), target.view())?;
+        let bar = progress::bar(Some(settings.steps), "fit");
+        let mut pictures = vec![];
+        let keep = |point: &LogPoint, fitted: &Array3<f32>| {
+            picture::write_png(&args.out.join(format!("step_{:04}.png", point.step)), fitted.view())?;
+            pictures.push(picture::to_rgb(fitted.view()));
+            Ok::<(), Error>(())
+        };
+        let log = fit(&target, &settings, keep, |step, loss| {
+            bar.set_position(step);
+            bar.set_message(format!("loss {loss:.5}"));
+        })?;
+        bar.finish_and_clear();
+        pictures.push(picture::to_rgb(target.view()));
+        picture::write_rgb(&args.out.join("contact_sheet.png"), &sheet::contact_sheet(&pictures, 4))?;
+        write_log(&args.out, &log)?;
+        let (h, w, _) = target.dim();
+        let object = json!({
+            "out": args.out.display().to_string(), "width": w, "height": h, "settings": settings, "log": log,
+        });
+        output::print(json, &object, &text(&log, &args.out));
+        Ok(ExitCode::SUCCESS)
+    })
+}
+
+fn settings(args: &Args) -> Settings {
+    Settings {
+        steps: args.steps as u64,
+        batch: args.batch,
+        levels: args.levels,
+        width: args.width,
+        layers: args.layers,
+        lr: args.lr,
+        seed: args.seed,
+        reference: args.backend == Backend::Reference,
+    }
+}
+
+/// A picture by path or `builtin:card`, its longest side reduced to `size`.
+pub fn load(image: &str, size: Option<usize>) -> Result<Array3<f32>> {
+    let target = if image == "builtin:card" { scene::card() } else { picture::read(Path::new(image))? };
+    let (h, w, _) = target.dim();
+    let Some(size) = size.filter(|&size| size < h.max(w)) else { return Ok(target) };
+    let shrink = |side: usize| ((side * size) as f64 / h.max(w) as f64).round().max(1.0) as u32;
+    let pixels = image::Rgb32FImage::from_raw(w as u32, h as u32, target.iter().copied().collect());
+    let pixels = pixels.expect("three channels a pixel");
+    let small = image::imageops::resize(&pixels, shrink(w), shrink(h), FilterType::Lanczos3);
+    let shape = (small.height() as usize, small.width() as usize, 3);
+    let small = Array3::from_shape_vec(shape, small.into_raw()).expect("three channels a pixel");
+    // Lanczos overshoots at edges.
+    Ok(small.mapv(|x| x.clamp(0.0, 1.0)))
+}
+
+fn write_log(out: &Path, log: &[LogPoint]) -> Result<()> {
+    let lines: String = log.iter().map(|p| serde_json::to_string(p).expect("plain data") + "\n").collect();
+    files::write(&out.join("log.jsonl"), lines)?;
+    let points = log.iter().map(|p| (p.step as f64, p.psnr)).collect();
+    let series = [curve::Series { name: "whole picture".into(), points }];
+    curve::write(&out.join("psnr.svg"), "PSNR of the fitted picture", "step", "dB", &series)
+}
+
+fn text(log: &[LogPoint], out: &Path) -> String {
+    let row = |p: &LogPoint| {
+        vec![p.step.to_string(), format!("{:.1}", p.seconds), format!("{:.6}", p.loss), format!("{:.2}", p.psnr)]
+    };
+    let rows: Vec<_> = log.iter().map(row).collect();
+    table::text(&["step", "seconds", "loss", "PSNR dB"], &rows) + &format!("{}\n", out.display())
+}

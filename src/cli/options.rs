@@ -1,0 +1,63 @@
+//! Options that several subcommands share, and how they are read.
+
+use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
+
+/// Which path computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Backend {
+    /// f32, batched, threaded.
+    Fast,
+    /// The f64 oracle: slow.
+    Reference,
+}
+
+/// A colour: `black`, `white`, or `R,G,B` in [0, 1].
+pub fn color(text: &str) -> Result<[f64; 3], String> {
+    match text {
+        "black" => return Ok([0.0; 3]),
+        "white" => return Ok([1.0; 3]),
+        _ => {}
+    }
+    let parts: Vec<f64> = text.split(',').filter_map(|p| p.trim().parse().ok()).collect();
+    match parts[..] {
+        [r, g, b] if parts.iter().all(|p| (0.0..=1.0).contains(p)) => Ok([r, g, b]),
+        _ => Err("expected black, white, or three numbers in [0, 1] such as 0.2,0.4,1".into()),
+    }
+}
+
+/// A picture's size: `WxH`.
+pub fn size(text: &str) -> Result<(usize, usize), String> {
+    let (w, h) = text.split_once('x').ok_or("expected WxH, such as 400x300")?;
+    match (w.parse(), h.parse()) {
+        (Ok(w), Ok(h)) if w > 0 && h > 0 && w <= 16_384 && h <= 16_384 => Ok((w, h)),
+        _ => Err("expected WxH with both from 1 to 16384, such as 400x300".into()),
+    }
+}
+
+/// A whole number above 0.
+pub fn positive(text: &str) -> Result<usize, String> {
+    text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "expected a whole number above 0".into())
+}
+
+/// A finite number above 0.
+pub fn positive_number(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|n: &f64| n.is_finite() && *n > 0.0);
+    number.ok_or_else(|| "expected a number above 0".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_and_sizes() {
+        assert_eq!(color("white"), Ok([1.0; 3]));
+        assert_eq!(color("0,0.5,1"), Ok([0.0, 0.5, 1.0]));
+        assert!(color("0,0.5").is_err() && color("2,0,0").is_err() && color("red").is_err());
+        assert_eq!(size("4x3"), Ok((4, 3)));
+        assert!(size("0x3").is_err() && size("4").is_err());
+        assert!(positive("0").is_err() && positive_number("nan").is_err());
+    }
+}

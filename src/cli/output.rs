@@ -1,0 +1,15 @@
+//! What goes to stdout: a table for people, or one JSON object.
+
+use serde_json::Value;
+
+/// Prints the object where `json`, else the text. A reader that has gone away (`| head`) is no error.
+pub fn print(json: bool, object: &Value, text: &str) {
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    let _ = if json { writeln!(out, "{object}") } else { write!(out, "{text}") };
+}
+
+/// A figure in dB, or a dash where it wasn't measured.
+pub fn decibels(value: Option<f64>) -> String {
+    value.map_or("-".into(), |v| format!("{v:.2}"))
+}

@@ -1,0 +1,120 @@
+//! `sweep-image IMAGE --out DIR`: levels x widths x learning rates, one contact sheet and one table.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use ndarray::Array3;
+use serde_json::{Value, json};
+
+use super::options::{positive, positive_number};
+use super::{fit_image, output, progress};
+use crate::error::{Error, Result};
+use crate::files::{self, picture};
+use crate::parallel;
+use crate::report::page::Page;
+use crate::report::{sheet, table};
+use crate::training::image::{LogPoint, Settings, fit};
+
+/// Options of `sweep-image`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Args {
+    /// A PNG, JPEG or GIF, or builtin:card.
+    pub image: String,
+    /// The output folder.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Longest side; the picture is reduced to it.
+    #[arg(long, value_parser = positive)]
+    pub size: Option<usize>,
+    /// Bands of the encoding, separated by commas.
+    #[arg(long, value_delimiter = ',', default_value = "4,10")]
+    pub levels: Vec<usize>,
+    /// Widths of the hidden layers, separated by commas.
+    #[arg(long, value_delimiter = ',', default_value = "64,256", value_parser = positive)]
+    pub width: Vec<usize>,
+    /// Learning rates, separated by commas.
+    #[arg(long, value_delimiter = ',', default_value = "5e-3,1e-2", value_parser = positive_number)]
+    pub lr: Vec<f64>,
+    /// Steps of each fit.
+    #[arg(long, default_value_t = 1000, value_parser = positive)]
+    pub steps: usize,
+    /// Pixels a step.
+    #[arg(long, default_value_t = 10_000, value_parser = positive)]
+    pub batch: usize,
+    /// Number of hidden layers.
+    #[arg(long, default_value_t = 3, value_parser = positive)]
+    pub layers: usize,
+    /// Seed of parameters and pixels.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Threads; all cores by default.
+    #[arg(long, value_parser = positive)]
+    pub threads: Option<usize>,
+}
+
+/// One fit of the sweep.
+struct Row {
+    settings: Settings,
+    last: LogPoint,
+}
+
+/// Runs `sweep-image`.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    parallel::with_threads(args.threads, || {
+        let target = fit_image::load(&args.image, args.size)?;
+        files::make_folder(&args.out)?;
+        let all = combinations(args);
+        let bar = progress::bar(Some(all.len() as u64 * args.steps as u64), "sweep");
+        let (mut rows, mut pictures) = (vec![], vec![]);
+        for settings in all {
+            let mut last = None;
+            let keep = |_: &LogPoint, fitted: &Array3<f32>| {
+                last = Some(picture::to_rgb(fitted.view()));
+                Ok::<(), Error>(())
+            };
+            let log = fit(&target, &settings, keep, |_, _| bar.inc(1))?;
+            let name = format!("L{}_W{}_lr{:e}", settings.levels, settings.width, settings.lr);
+            bar.set_message(name);
+            pictures.extend(last);
+            rows.extend(log.last().cloned().map(|last| Row { settings, last }));
+        }
+        bar.finish_and_clear();
+        let columns = args.width.len() * args.lr.len();
+        picture::write_rgb(&args.out.join("contact_sheet.png"), &sheet::contact_sheet(&pictures, columns))?;
+        let header = ["levels", "width", "lr", "PSNR dB", "seconds"];
+        let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
+        let text = table::text(&header, &cells);
+        let objects: Vec<Value> = rows.iter().map(object).collect();
+        files::write(&args.out.join("table.txt"), &text)?;
+        files::write(&args.out.join("table.json"), json!(objects).to_string())?;
+        let mut page = Page::new("Sweep", "One row a number of bands, one column a width and learning rate.");
+        page.picture("contact_sheet.png", "the fitted pictures, in the order of the table", 960).table(&header, &cells);
+        files::write(&args.out.join("index.html"), page.finish())?;
+        let best = rows.iter().map(|row| row.last.psnr).fold(f64::NEG_INFINITY, f64::max);
+        output::print(json, &json!({"rows": objects, "best_psnr": best}), &text);
+        Ok(ExitCode::SUCCESS)
+    })
+}
+
+fn combinations(args: &Args) -> Vec<Settings> {
+    let mut all = vec![];
+    for &levels in &args.levels {
+        for &width in &args.width {
+            for &lr in &args.lr {
+                let (steps, batch, layers, seed) = (args.steps as u64, args.batch, args.layers, args.seed);
+                all.push(Settings { steps, batch, levels, width, layers, lr, seed, reference: false });
+            }
+        }
+    }
+    all
+}
+
+fn cells(row: &Row) -> Vec<String> {
+    let Settings { levels, width, lr, .. } = row.settings;
+    let (psnr, seconds) = (format!("{:.2}", row.last.psnr), format!("{:.1}", row.last.seconds));
+    vec![levels.to_string(), width.to_string(), format!("{lr:e}"), psnr, seconds]
+}
+
+fn object(row: &Row) -> Value {
+    json!({"settings": row.settings, "psnr": row.last.psnr, "seconds": row.last.seconds, "loss": row.last.loss})
+}

@@ -1,0 +1,267 @@
+//! `train SCENE --out RUN`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::ValueEnum;
+use serde_json::{Map, Value, json};
+
+use super::options::{Backend, color, positive, positive_number};
+use super::{output, progress};
+use crate::error::{Error, Result};
+use crate::parallel;
+use crate::report::{curve, table};
+use crate::scene::{self, Scene};
+use crate::training::checkpoint::RunFolder;
+use crate::training::model::Model;
+use crate::training::nerf::{NerfModel, Settings};
+use crate::training::run::{LogPoint, Options, Run};
+
+/// Options of `train`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Args {
+    /// `builtin:NAME`, an .npz, or a folder or file of transforms*.json.
+    pub scene: String,
+    /// The run's folder.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// Which field.
+    #[arg(long, value_enum, default_value_t = Kind::Nerf)]
+    pub model: Kind,
+    /// Stop behind this many steps.
+    #[arg(long, value_parser = positive)]
+    pub steps: Option<usize>,
+    /// Stop behind this many seconds of training.
+    #[arg(long, value_parser = positive_number)]
+    pub seconds: Option<f64>,
+    /// Stop when validation reaches this PSNR, in dB.
+    #[arg(long)]
+    pub stop_at_psnr: Option<f64>,
+    /// Rays a step.
+    #[arg(long, value_parser = positive)]
+    pub rays: Option<usize>,
+    /// Samples a ray.
+    #[arg(long, value_parser = positive)]
+    pub samples: Option<usize>,
+    /// Where samples start.
+    #[arg(long)]
+    pub near: Option<f64>,
+    /// Where they end.
+    #[arg(long)]
+    pub far: Option<f64>,
+    /// Learning rate.
+    #[arg(long, value_parser = positive_number)]
+    pub lr: Option<f64>,
+    /// Every Nth frame is for validation, where the scene has no split of its own.
+    #[arg(long, value_parser = positive)]
+    pub holdout: Option<usize>,
+    /// Full validation every N steps.
+    #[arg(long, value_parser = positive)]
+    pub val_every: Option<usize>,
+    /// The colour behind everything: black, white or R,G,B.
+    #[arg(long, value_parser = color)]
+    pub background: Option<[f64; 3]>,
+    /// Seed of everything random.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+    /// Threads; all cores by default. The result doesn't depend on it.
+    #[arg(long, value_parser = positive)]
+    pub threads: Option<usize>,
+    /// Which path computes.
+    #[arg(long, value_enum, default_value_t = Backend::Fast)]
+    pub backend: Backend,
+    /// Go on from the run's checkpoint.
+    #[arg(long)]
+    pub resume: bool,
+    /// Width of the 8x256 network's layers (--model nerf).
+    #[arg(long, value_parser = positive)]
+    pub width: Option<usize>,
+}
+
+impl Args {
+    /// Defaults, as the command line has them.
+    pub fn new(scene: &str, out: &Path) -> Self {
+        #[rustfmt::skip]
+        let args = Args {
+            scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
+            samples: None, near: None, far: None, lr: None, holdout: None, val_every: None, background: None, seed: 0,
+            threads: None, backend: Backend::Fast, resume: false, width: None,
+        };
+        args
+    }
+}
+
+/// Which field is trained.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kind {
+    /// The NeRF paper's network.
+    Nerf,
+}
+
+/// Runs `train`.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    parallel::with_threads(args.threads, || {
+        let summary = train(args)?;
+        output::print(json, &summary.object, &summary.text);
+        Ok(ExitCode::SUCCESS)
+    })
+}
+
+/// What a run leaves to say.
+pub struct Summary {
+    /// For `--json`.
+    pub object: Value,
+    /// For people.
+    pub text: String,
+    /// The last full validation, in dB.
+    pub val_psnr: Option<f64>,
+}
+
+/// Trains as `args` say.
+pub fn train(args: &Args) -> Result<Summary> {
+    let (scene, recipe) = prepare(args)?;
+    scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let folder = if args.resume { RunFolder::open(&args.out)? } else { RunFolder::create(&args.out)? };
+    let mut model = build(&recipe, &scene)?;
+    folder.write_settings(&run_json(args, &recipe, &scene, &*model))?;
+    let options = end(args);
+    let mut run = Run::new(&mut *model, &scene, &folder, &options)?;
+    if args.resume {
+        run.resume()?;
+    }
+    let bar = progress::bar(options.steps, "train");
+    run.go(|point| {
+        bar.set_position(point.step);
+        bar.set_message(format!("loss {:.5}, val {} dB", point.loss, output::decibels(point.val_probe)));
+    })?;
+    bar.finish_and_clear();
+    run.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    write_curve(&folder, &scene, &run.log)?;
+    Ok(summary(&run.log, &run.warnings, args))
+}
+
+/// When the run ends: by default behind 5,000 steps.
+fn end(args: &Args) -> Options {
+    let open = args.seconds.is_some() || args.stop_at_psnr.is_some();
+    Options {
+        steps: args.steps.map(|n| n as u64).or((!open).then_some(5000)),
+        seconds: args.seconds,
+        stop_at_psnr: args.stop_at_psnr,
+        val_every: args.val_every.map(|n| n as u64),
+        seed: args.seed,
+        dear: true,
+    }
+}
+
+fn prepare(args: &Args) -> Result<(Scene, Map<String, Value>)> {
+    let scene_options = json!({
+        "near": args.near, "far": args.far, "holdout": args.holdout, "background": args.background,
+    });
+    let recipe = json!({
+        "scene": args.scene, "scene_options": scene_options, "model": "nerf", "backend": args.backend,
+        "seed": args.seed, "rays": args.rays, "samples": args.samples, "lr": args.lr, "width": args.width,
+        "steps": args.steps,
+    });
+    let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
+    Ok((load_scene(&recipe, false, "arguments")?, recipe))
+}
+
+/// The scene that a recipe (given on the command line, or read from `run.json`) names.
+pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) -> Result<Scene> {
+    let given = &recipe.get("scene_options").cloned().unwrap_or_default();
+    let name = recipe.get("scene").and_then(Value::as_str).ok_or_else(|| {
+        Error::input(file, "scene", "no name", "the scene that was trained", "Train the run again.")
+    })?;
+    let number = |key: &str| given[key].as_f64();
+    let background = given["background"].as_array().map(|b| {
+        let channel = |k: usize| b.get(k).and_then(Value::as_f64).unwrap_or(0.0);
+        [channel(0), channel(1), channel(2)]
+    });
+    let options = scene::Options {
+        near: number("near"),
+        far: number("far"),
+        holdout: given["holdout"].as_u64().map(|n| n as usize),
+        background,
+        test_images,
+    };
+    scene::load(name, &options)
+}
+
+/// The model that a recipe describes, with its initial parameters.
+pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
+    let whole = |key: &str| recipe.get(key).and_then(Value::as_u64);
+    let mut settings = Settings::new(scene.near, scene.far, scene.background);
+    settings.seed = whole("seed").unwrap_or(0);
+    settings.reference = recipe.get("backend").and_then(Value::as_str) == Some("reference");
+    if let Some(rays) = whole("rays") {
+        settings.rays = rays as usize;
+    }
+    if let Some(samples) = whole("samples") {
+        settings.samples = samples as usize;
+    }
+    if let Some(lr) = recipe.get("lr").and_then(Value::as_f64) {
+        settings.lr = lr;
+    }
+    if let Some(width) = whole("width") {
+        settings.set_width(width as usize);
+    }
+    Ok(Box::new(NerfModel::new(settings)))
+}
+
+/// All settings, given and derived, with the reasons; version, machine, seed.
+fn run_json(args: &Args, recipe: &Map<String, Value>, scene: &Scene, model: &dyn Model) -> Map<String, Value> {
+    let mut run = recipe.clone();
+    let (width, height) = scene.size();
+    run.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+    run.insert(
+        "derived".into(),
+        json!({
+            "near": scene.near, "far": scene.far, "background": scene.background, "width": width, "height": height,
+            "train_frames": scene.train.len(), "val_frames": scene.val.len(), "test_frames": scene.test.len(),
+            "focus": scene.focus.to_array(),
+        }),
+    );
+    run.insert("reasons".into(), Value::Object(scene.reasons.clone()));
+    run.insert("warnings".into(), json!(scene.warnings));
+    run.insert("settings".into(), Value::Object(model.settings()));
+    run.insert("end".into(), json!({"steps": args.steps, "seconds": args.seconds, "stop_at_psnr": args.stop_at_psnr}));
+    run.insert("threads".into(), parallel::threads().into());
+    run.insert("machine".into(), json!({"os": std::env::consts::OS, "arch": std::env::consts::ARCH}));
+    run
+}
+
+/// `psnr.svg`: probe, full validation and training batches over steps.
+fn write_curve(folder: &RunFolder, scene: &Scene, log: &[LogPoint]) -> Result<()> {
+    let series = |name: &str, value: fn(&LogPoint) -> Option<f64>| curve::Series {
+        name: name.into(),
+        points: log.iter().filter_map(|p| Some((p.step as f64, value(p)?))).collect(),
+    };
+    let all = [
+        series("training batch", |p| Some(p.train_psnr)),
+        series("validation, 4,096 pixels", |p| p.val_probe),
+        series("validation, all pixels", |p| p.val_psnr),
+    ];
+    curve::write(&folder.file("psnr.svg"), &format!("PSNR, {}", scene.name), "step", "dB", &all)
+}
+
+fn summary(log: &[LogPoint], warnings: &[String], args: &Args) -> Summary {
+    let full: Vec<&LogPoint> = log.iter().filter(|p| p.val_psnr.is_some()).collect();
+    let last = log.last();
+    let rows: Vec<Vec<String>> = full
+        .iter()
+        .copied()
+        .chain(last.filter(|p| p.val_psnr.is_none()))
+        .map(|p| {
+            let figures = [output::decibels(Some(p.train_psnr)), output::decibels(p.val_psnr)];
+            [p.step.to_string(), format!("{:.1}", p.seconds)].into_iter().chain(figures).collect()
+        })
+        .collect();
+    let text = table::text(&["step", "seconds", "train dB", "val dB"], &rows) + &format!("{}\n", args.out.display());
+    let val_psnr = full.last().and_then(|p| p.val_psnr);
+    let object = json!({
+        "run": args.out.display().to_string(), "step": last.map(|p| p.step), "seconds": last.map(|p| p.seconds),
+        "samples": last.map(|p| p.samples), "loss": last.map(|p| p.loss), "val_psnr": val_psnr,
+        "val_psnr_pooled": full.last().and_then(|p| p.val_psnr_pooled), "warnings": warnings,
+    });
+    Summary { object, text, val_psnr }
+}

@@ -1,0 +1,119 @@
+//! Evaluation: whole pictures from a trained field, and how far they are from photographs.
+
+use glam::DVec2;
+use ndarray::{Array2, Array3, ArrayView3};
+
+use crate::camera::Camera;
+use crate::error::Result;
+use crate::loss::{mse, psnr, ssim};
+use crate::parallel;
+use crate::ray::{Ray, camera_ray};
+use crate::scene::Frame;
+use crate::training::{Model, Pixel};
+
+/// A rendered view.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// (H, W, 3), over the background.
+    pub rgb: Array3<f32>,
+    /// (H, W): A.
+    pub opacity: Array2<f32>,
+    /// (H, W): expected distance.
+    pub depth: Array2<f32>,
+}
+
+/// The rays of all pixel centres of a camera, row by row.
+///
+/// # Errors
+/// Where the lens has no inverse at some pixel.
+pub fn camera_rays(camera: &Camera) -> Result<Vec<Ray>> {
+    let row = |j: usize| -> Result<Vec<Ray>> {
+        (0..camera.width).map(|i| camera_ray(camera, DVec2::new(i as f64 + 0.5, j as f64 + 0.5))).collect()
+    };
+    let rows: Result<Vec<_>> = parallel::map(camera.height, row).into_iter().collect();
+    Ok(rows?.concat())
+}
+
+/// A view over `background`.
+///
+/// # Errors
+/// Where the lens has no inverse at some pixel.
+pub fn render_view(model: &dyn Model, camera: &Camera, background: [f32; 3]) -> Result<View> {
+    let pixels = model.render(&camera_rays(camera)?);
+    let (h, w) = (camera.height, camera.width);
+    let at = |j: usize, i: usize| pixels[j * w + i];
+    let rgb = Array3::from_shape_fn((h, w, 3), |(j, i, k)| over(at(j, i), background)[k]);
+    let opacity = Array2::from_shape_fn((h, w), |(j, i)| at(j, i).opacity);
+    let depth = Array2::from_shape_fn((h, w), |(j, i)| at(j, i).depth);
+    Ok(View { rgb, opacity, depth })
+}
+
+/// A pixel over a background.
+pub fn over(pixel: Pixel, background: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|k| pixel.rgb[k] + (1.0 - pixel.opacity) * background[k])
+}
+
+/// How well one view agrees with its photograph.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct ViewScore {
+    /// The frame's name.
+    pub name: String,
+    /// Mean squared error over pixels and channels, the view clipped to [0, 1] and not quantised.
+    pub mse: f64,
+    /// Its PSNR in dB, peak 1; null in JSON where it is infinite.
+    pub psnr: f64,
+    /// SSIM, Gaussian window 11, sigma 1.5; absent for pictures below 11 pixels.
+    pub ssim: Option<f64>,
+}
+
+/// Scores over a set of views.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Scores {
+    /// Mean of the views' PSNRs.
+    pub psnr: f64,
+    /// PSNR of the mean squared error over all views.
+    pub psnr_pooled: f64,
+    /// Mean of the views' SSIMs.
+    pub ssim: Option<f64>,
+    /// View by view.
+    pub views: Vec<ViewScore>,
+}
+
+/// Renders all frames that have a picture and scores them; `seen` gets each view. SSIM, which is dear, only where `with_ssim`.
+///
+/// # Errors
+/// Where the lens has no inverse at some pixel.
+pub fn evaluate(
+    model: &dyn Model,
+    frames: &[Frame],
+    background: [f32; 3],
+    with_ssim: bool,
+    mut seen: impl FnMut(&Frame, &View) -> Result<()>,
+) -> Result<Scores> {
+    let mut views = vec![];
+    for frame in frames {
+        let Some(image) = &frame.image else { continue };
+        let view = render_view(model, &frame.camera, background)?;
+        views.push(score(&frame.name, view.rgb.view(), image.view(), with_ssim));
+        seen(frame, &view)?;
+    }
+    Ok(summary(views))
+}
+
+/// One view's figures.
+pub fn score(name: &str, view: ArrayView3<f32>, image: ArrayView3<f32>, with_ssim: bool) -> ViewScore {
+    let view = view.mapv(|x| f64::from(x.clamp(0.0, 1.0)));
+    let image = image.mapv(f64::from);
+    let flat = |a: &Array3<f64>| a.iter().copied().collect::<Vec<_>>();
+    let error = mse(&flat(&view), &flat(&image));
+    let large = view.dim().0.min(view.dim().1) >= 11;
+    let ssim = (with_ssim && large).then(|| ssim(view.view(), image.view(), 1.0));
+    ViewScore { name: name.into(), mse: error, psnr: psnr(error, 1.0), ssim }
+}
+
+fn summary(views: Vec<ViewScore>) -> Scores {
+    let mean = |f: &dyn Fn(&ViewScore) -> f64| views.iter().map(f).sum::<f64>() / views.len() as f64;
+    let ssim = views.iter().all(|v| v.ssim.is_some()).then(|| mean(&|v| v.ssim.unwrap_or(0.0)));
+    let (of_images, pooled) = (mean(&|v| v.psnr), psnr(mean(&|v| v.mse), 1.0));
+    Scores { psnr: of_images, psnr_pooled: pooled, ssim, views }
+}

@@ -1,0 +1,54 @@
+//! What a trainable field is to the training loop, whatever is inside.
+
+use serde_json::{Map, Value};
+
+use crate::error::Result;
+use crate::files::npz::Arrays;
+use crate::ray::Ray;
+use crate::scene::Scene;
+
+/// What one optimiser step did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Mean squared error over the batch, before the step.
+    pub loss: f64,
+    /// Points that went forward and backward through the field.
+    pub samples: u64,
+}
+
+/// What a ray sees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Pixel {
+    /// Premultiplied colour, without background.
+    pub rgb: [f32; 3],
+    /// A.
+    pub opacity: f32,
+    /// Expected distance; far where nothing is met.
+    pub depth: f32,
+}
+
+/// A field with its parameters, its optimiser's state, and its settings.
+pub trait Model: Sync + Send {
+    /// One optimiser step, number `step` counted from 1: a function of step, seed and scene, never of the clock or of threads.
+    fn step(&mut self, scene: &Scene, step: u64) -> Result<StepReport>;
+
+    /// Renders rays in evaluation mode: nothing random.
+    fn render(&self, rays: &[Ray]) -> Vec<Pixel>;
+
+    /// All state, by name: what a checkpoint holds.
+    fn state(&self) -> Arrays;
+
+    /// Takes the state of a checkpoint.
+    ///
+    /// # Errors
+    /// Where an array is missing or has another shape; `file` is named in the message.
+    fn restore(&mut self, state: &Arrays, file: &str) -> Result<()>;
+
+    /// Every setting, given or derived, with the reason where it was derived.
+    fn settings(&self) -> Map<String, Value>;
+
+    /// Something that a user should hear about, e.g. a density head that died (TR1). Asked at every validation.
+    fn warning(&self) -> Option<String> {
+        None
+    }
+}

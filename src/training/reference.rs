@@ -1,0 +1,126 @@
+//! One training step of the whole pipeline in plain f64: rays -> samples -> encoding -> field -> volume rendering -> loss, and
+//! the gradient of every parameter. The fast path is checked against this file.
+
+use crate::convention::Conventions;
+use crate::encoding::{Encoding, positional_encoding};
+use crate::field::{Layer, Mlp, NerfMlp, backward as field_backward, mlp, nerf_mlp};
+use crate::ray::Ray;
+use crate::volume_rendering::backward::Cotangent;
+use crate::volume_rendering::{self, Rendering, composite_background};
+
+/// The classical field: encodings and network.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// The network.
+    pub net: NerfMlp,
+    /// Encoding of positions.
+    pub position: Encoding,
+    /// Encoding of directions.
+    pub direction: Encoding,
+    /// Everything else that is a choice.
+    pub conventions: Conventions,
+}
+
+/// What is known about one ray of a batch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Target {
+    /// The ray.
+    pub ray: Ray,
+    /// Sample positions, (N).
+    pub t: Vec<f64>,
+    /// Step lengths, (N).
+    pub deltas: Vec<f64>,
+    /// The photograph's colour.
+    pub rgb: [f64; 3],
+}
+
+impl Field {
+    /// Density and colour at r(t).
+    pub fn at(&self, ray: &Ray, t: f64) -> nerf_mlp::Tape {
+        let position = positional_encoding(&ray.at(t).to_array(), &self.position);
+        // The direction of view, unit length whatever the length of the ray's direction.
+        let view = (ray.d / ray.d.length()).to_array();
+        self.net.forward(&position, &positional_encoding(&view, &self.direction), &self.conventions)
+    }
+
+    /// One ray, and what the backward pass needs.
+    pub fn render(&self, ray: &Ray, t: &[f64], deltas: &[f64]) -> (Rendering, Vec<nerf_mlp::Tape>) {
+        let tapes: Vec<_> = t.iter().map(|&t| self.at(ray, t)).collect();
+        let sigmas: Vec<f64> = tapes.iter().map(|tape| tape.sigma).collect();
+        let rgbs: Vec<[f64; 3]> = tapes.iter().map(|tape| tape.rgb).collect();
+        (volume_rendering::volume_render(&sigmas, &rgbs, deltas, self.conventions.product_eps), tapes)
+    }
+
+    /// The loss of a batch and its gradient with respect to every parameter.
+    ///
+    /// loss = mean over rays and channels of (C + (1 - A) b - target)^2.
+    pub fn loss_and_gradient(&self, batch: &[Target], background: [f64; 3]) -> (f64, NerfMlp) {
+        let mut gradient = self.net.clone();
+        gradient.layers_mut().into_iter().for_each(clear);
+        let (mut loss, scale) = (0.0, 1.0 / (3 * batch.len()) as f64);
+        for target in batch {
+            let (rendering, tapes) = self.render(&target.ray, &target.t, &target.deltas);
+            let color = composite_background(rendering.color, rendering.opacity, background);
+            let mut g_color = [0.0; 3];
+            for k in 0..3 {
+                let difference = color[k] - target.rgb[k];
+                loss += scale * difference * difference;
+                g_color[k] = 2.0 * scale * difference;
+            }
+            self.backward(target, &rendering, &tapes, g_color, background, &mut gradient);
+        }
+        (loss, gradient)
+    }
+
+    /// Adds one ray's gradient.
+    fn backward(
+        &self,
+        target: &Target,
+        rendering: &Rendering,
+        tapes: &[nerf_mlp::Tape],
+        g_color: [f64; 3],
+        background: [f64; 3],
+        gradient: &mut NerfMlp,
+    ) {
+        let (color, opacity, _) =
+            volume_rendering::backward::composite_background(rendering.opacity, background, g_color);
+        let weights = vec![0.0; tapes.len()];
+        let cotangent = Cotangent { color, weights, opacity, transmittance: 0.0 };
+        let sigmas: Vec<f64> = tapes.iter().map(|tape| tape.sigma).collect();
+        let rgbs: Vec<[f64; 3]> = tapes.iter().map(|tape| tape.rgb).collect();
+        let eps = self.conventions.product_eps;
+        let (g_sigmas, g_rgbs, _) =
+            volume_rendering::backward::volume_render(&sigmas, &rgbs, &target.deltas, eps, rendering, &cotangent);
+        for (i, tape) in tapes.iter().enumerate() {
+            field_backward::nerf_mlp(&self.net, tape, &self.conventions, g_sigmas[i], g_rgbs[i], gradient);
+        }
+    }
+}
+
+/// The loss of a batch of pixels in 2D and its gradient: mean over pixels and channels of (mlp(encoding(xy)) - target)^2.
+pub fn image_loss_and_gradient(
+    net: &Mlp,
+    encoding: &Encoding,
+    pixels: &[[f64; 2]],
+    targets: &[[f64; 3]],
+) -> (f64, Vec<Layer>) {
+    let mut gradient = net.layers.clone();
+    gradient.iter_mut().for_each(clear);
+    let (mut loss, scale) = (0.0, 1.0 / (3 * pixels.len()) as f64);
+    for (xy, target) in pixels.iter().zip(targets) {
+        let tape: mlp::Tape = net.forward(&positional_encoding(xy, encoding));
+        let mut g_y = [0.0; 3];
+        for k in 0..3 {
+            let difference = tape.y[k] - target[k];
+            loss += scale * difference * difference;
+            g_y[k] = 2.0 * scale * difference;
+        }
+        field_backward::mlp(net, &tape, &g_y, &mut gradient);
+    }
+    (loss, gradient)
+}
+
+fn clear(layer: &mut Layer) {
+    layer.w.fill(0.0);
+    layer.b.fill(0.0);
+}

@@ -1,0 +1,258 @@
+//! The loop over a scene: step, probe, validate, log, save.
+
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::time::Instant;
+
+use glam::DVec2;
+use serde::{Deserialize, Serialize};
+
+use super::checkpoint::RunFolder;
+use super::model::Model;
+use super::schedule::{DEAR, Schedule};
+use crate::error::{Error, Result};
+use crate::evaluation::{Scores, evaluate, over};
+use crate::files::{self, picture};
+use crate::loss::psnr;
+use crate::random::{Key, Purpose};
+use crate::ray::{Ray, camera_ray};
+use crate::scene::Scene;
+
+/// Pixels of a quick validation.
+const PROBE_PIXELS: usize = 4096;
+
+/// Wall clock between checkpoints, seconds.
+const SAVE_EVERY: f64 = 60.0;
+
+/// When a run ends and how it is measured.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Stop behind this step.
+    pub steps: Option<u64>,
+    /// Stop behind this many seconds of training.
+    pub seconds: Option<f64>,
+    /// Stop when the full validation reaches this PSNR, in dB.
+    pub stop_at_psnr: Option<f64>,
+    /// Full validation every N steps.
+    pub val_every: Option<u64>,
+    /// The run's seed, for the probe's pixels.
+    pub seed: u64,
+    /// Whether a full validation costs minutes.
+    pub dear: bool,
+}
+
+/// One line of `log.jsonl`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LogPoint {
+    /// Steps done.
+    pub step: u64,
+    /// Seconds of training, without validation and files.
+    pub seconds: f64,
+    /// Points with forward and backward so far.
+    pub samples: u64,
+    /// Loss of this step's batch, before the step.
+    pub loss: f64,
+    /// Its PSNR.
+    pub train_psnr: f64,
+    /// PSNR over 4,096 seeded pixels of all validation views.
+    pub val_probe: Option<f64>,
+    /// Mean of the validation views' PSNRs, all pixels.
+    pub val_psnr: Option<f64>,
+    /// PSNR of their pooled error.
+    pub val_psnr_pooled: Option<f64>,
+}
+
+/// The state of the loop.
+pub struct Run<'a> {
+    model: &'a mut dyn Model,
+    scene: &'a Scene,
+    folder: &'a RunFolder,
+    options: &'a Options,
+    probe: Vec<(Ray, [f32; 3])>,
+    schedule: Schedule,
+    step: u64,
+    seconds: f64,
+    samples: u64,
+    saved_at: Instant,
+    /// What was logged, earlier parts of a resumed run included.
+    pub log: Vec<LogPoint>,
+    /// What a user should hear.
+    pub warnings: Vec<String>,
+}
+
+impl<'a> Run<'a> {
+    /// A run from its first step.
+    ///
+    /// # Errors
+    /// Where a validation pixel has no ray.
+    pub fn new(
+        model: &'a mut dyn Model,
+        scene: &'a Scene,
+        folder: &'a RunFolder,
+        options: &'a Options,
+    ) -> Result<Self> {
+        let probe = probe_pixels(scene, options.seed)?;
+        let schedule = Schedule::new(options.dear, options.val_every);
+        let (log, warnings, saved_at) = (vec![], vec![], Instant::now());
+        #[rustfmt::skip]
+        let run = Run { model, scene, folder, options, probe, schedule, step: 0, seconds: 0.0, samples: 0, saved_at, log, warnings };
+        Ok(run)
+    }
+
+    /// Goes on where the folder's checkpoint stands.
+    ///
+    /// # Errors
+    /// Where the checkpoint or the log can't be read, or belongs to another model.
+    pub fn resume(&mut self) -> Result<()> {
+        let file = self.folder.file("checkpoint.npz");
+        let (state, step, seconds, samples) = self.folder.load()?;
+        self.model.restore(&state, &file.display().to_string())?;
+        (self.step, self.seconds, self.samples) = (step, seconds, samples);
+        let path = self.folder.file("log.jsonl");
+        for (n, line) in files::read_text(&path)?.lines().enumerate() {
+            let point: LogPoint = serde_json::from_str(line).map_err(|e| {
+                let advice = "Delete the line, or train from the start without --resume.";
+                Error::input(path.display(), format!("line {}", n + 1), e, "an object as train writes it", advice)
+            })?;
+            if point.step <= step {
+                self.log.push(point);
+            }
+        }
+        // Lines past the checkpoint belong to steps that will be done again.
+        files::write(&path, self.log.iter().map(line).collect::<String>())?;
+        (1..=step).for_each(|s| drop((self.schedule.probe(s), self.schedule.full(s))));
+        Ok(())
+    }
+
+    /// Steps until an end is reached; `seen` hears of every log point.
+    ///
+    /// # Errors
+    /// Where a step fails or a file can't be written.
+    pub fn go(&mut self, mut seen: impl FnMut(&LogPoint)) -> Result<()> {
+        if self.step == 0 {
+            files::write(&self.folder.file("log.jsonl"), "")?;
+        }
+        while !self.finished() {
+            let start = Instant::now();
+            let report = self.model.step(self.scene, self.step + 1)?;
+            self.seconds += start.elapsed().as_secs_f64();
+            self.step += 1;
+            self.samples += report.samples;
+            if !report.loss.is_finite() {
+                return Err(Error::input(
+                    &self.scene.name,
+                    format!("loss at step {}", self.step),
+                    report.loss,
+                    "a finite number",
+                    "Lower --lr.",
+                ));
+            }
+            if self.measure(report.loss, &mut seen)? {
+                break;
+            }
+        }
+        self.save()
+    }
+
+    fn finished(&self) -> bool {
+        self.options.steps.is_some_and(|n| self.step >= n)
+            || self.options.seconds.is_some_and(|s| self.seconds >= s)
+    }
+
+    /// Probes and validates where it is due; true when the run has reached its goal.
+    fn measure(&mut self, loss: f64, seen: &mut impl FnMut(&LogPoint)) -> Result<bool> {
+        let last = self.finished();
+        let probe_due = self.schedule.probe(self.step);
+        let full_due = self.schedule.full(self.step);
+        let (mut probe, mut full) = (None, None);
+        let mut reached = false;
+        if (probe_due || last) && !self.probe.is_empty() {
+            let value = self.probe_psnr();
+            reached = self.options.stop_at_psnr.is_some_and(|goal| value >= goal);
+            probe = Some(value);
+        }
+        if (full_due || last || reached) && !self.scene.val.is_empty() {
+            let scores = self.validate(last || reached || DEAR.contains(&self.step))?;
+            reached = self.options.stop_at_psnr.is_some_and(|goal| scores.psnr >= goal);
+            full = Some(scores);
+        }
+        if probe_due || full_due || last {
+            let point = LogPoint {
+                step: self.step,
+                seconds: self.seconds,
+                samples: self.samples,
+                loss,
+                train_psnr: psnr(loss, 1.0),
+                val_probe: probe,
+                val_psnr: full.as_ref().map(|s| s.psnr),
+                val_psnr_pooled: full.as_ref().map(|s| s.psnr_pooled),
+            };
+            self.append(&point)?;
+            seen(&point);
+            self.log.push(point);
+        }
+        if self.saved_at.elapsed().as_secs_f64() > SAVE_EVERY {
+            self.save()?;
+        }
+        Ok(reached && full.is_some())
+    }
+
+    fn probe_psnr(&self) -> f64 {
+        let rays: Vec<Ray> = self.probe.iter().map(|p| p.0).collect();
+        let background = self.scene.background.map(|b| b as f32);
+        let mut error = 0.0;
+        for (pixel, (_, target)) in self.model.render(&rays).into_iter().zip(&self.probe) {
+            let color = over(pixel, background);
+            error += (0..3).map(|k| f64::from(color[k].clamp(0.0, 1.0) - target[k]).powi(2)).sum::<f64>();
+        }
+        psnr(error / (3 * rays.len()) as f64, 1.0)
+    }
+
+    fn validate(&mut self, with_pictures: bool) -> Result<Scores> {
+        if let Some(warning) = self.model.warning().filter(|w| !self.warnings.contains(w)) {
+            self.warnings.push(warning);
+        }
+        let background = self.scene.background.map(|b| b as f32);
+        let (folder, step) = (self.folder, self.step);
+        let mut n = 0;
+        evaluate(&*self.model, &self.scene.val, background, false, |_, view| {
+            n += 1;
+            let name = format!("views/step{step:06}_view{:02}.png", n - 1);
+            if with_pictures { picture::write_png(&folder.file(&name), view.rgb.view()) } else { Ok(()) }
+        })
+    }
+
+    fn append(&self, point: &LogPoint) -> Result<()> {
+        let path = self.folder.file("log.jsonl");
+        let mut file = OpenOptions::new().append(true).open(&path).map_err(Error::writing(&path))?;
+        file.write_all(line(point).as_bytes()).map_err(Error::writing(&path))
+    }
+
+    fn save(&mut self) -> Result<()> {
+        self.saved_at = Instant::now();
+        self.folder.save(self.model.state(), self.step, self.seconds, self.samples)
+    }
+}
+
+/// One line of the log. Infinite figures (a perfect picture) become null, as JSON has no word for them.
+fn line(point: &LogPoint) -> String {
+    serde_json::to_string(point).expect("plain data") + "\n"
+}
+
+/// Seeded pixels of all validation views, with their rays and colours.
+fn probe_pixels(scene: &Scene, seed: u64) -> Result<Vec<(Ray, [f32; 3])>> {
+    let frames: Vec<_> = scene.val.iter().filter(|frame| frame.image.is_some()).collect();
+    if frames.is_empty() {
+        return Ok(vec![]);
+    }
+    let key = Key::new(seed, Purpose::Probe);
+    let pixel = |n: usize| {
+        let draw = |range: usize, sample| key.below(range as u64, 0, n as u64, sample) as usize;
+        let frame = frames[draw(frames.len(), 0)];
+        let (j, i) = (draw(frame.camera.height, 1), draw(frame.camera.width, 2));
+        let image = frame.image.as_ref().expect("kept those that have one");
+        let ray = camera_ray(&frame.camera, DVec2::new(i as f64 + 0.5, j as f64 + 0.5))?;
+        Ok((ray, [image[[j, i, 0]], image[[j, i, 1]], image[[j, i, 2]]]))
+    };
+    (0..PROBE_PIXELS).map(pixel).collect()
+}
