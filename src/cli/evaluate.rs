@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::ValueEnum;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::options::{Backend, positive};
 use super::train::{build, load_scene};
@@ -44,8 +44,6 @@ pub enum Split {
 
 /// A trained model with its scene.
 pub struct Trained {
-    /// The run's settings.
-    pub settings: Map<String, Value>,
     /// The scene it was trained on.
     pub scene: Scene,
     /// With the checkpoint's parameters.
@@ -64,7 +62,7 @@ pub fn open(run: &std::path::Path, backend: Backend, test_images: bool) -> Resul
     let mut model = build(&settings, &scene)?;
     let (state, step, ..) = folder.load()?;
     model.restore(&state, &folder.file("checkpoint.npz").display().to_string())?;
-    Ok(Trained { settings, scene, model, step })
+    Ok(Trained { scene, model, step })
 }
 
 /// Runs `evaluate`.

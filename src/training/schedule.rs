@@ -20,6 +20,13 @@ impl Schedule {
         Schedule { fixed: dear.then_some(DEAR), every, next_probe: 1, next_full: 1 }
     }
 
+    /// Stands where a run that measured up to `step` stood.
+    pub fn skip_to(&mut self, step: u64) {
+        for s in 1..=step {
+            let _ = (self.probe(s), self.full(s));
+        }
+    }
+
     /// Whether `step` is probed. Steps must be asked in ascending order.
     pub fn probe(&mut self, step: u64) -> bool {
         let due = step >= self.next_probe;
