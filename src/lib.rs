@@ -47,7 +47,6 @@ pub mod scene;
 pub mod verify;
 
 pub mod cli;
-pub mod files;
 pub mod report;
 
 pub use error::{Error, Result};

@@ -51,7 +51,10 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let rows = vec![
         vec!["validation PSNR, dB".into(), output::decibels(summary.val_psnr)],
         vec!["steps".into(), trained.step.to_string()],
-        vec!["largest difference of a colour, f32 path against f64 reference".into(), format!("{difference:.1e}")],
+        vec![
+            "largest difference of a colour, f32 path against f64 reference".into(),
+            format!("{difference:.1e}"),
+        ],
     ];
     write_page(&args.out, &rows)?;
     let (ok, page) = (difference <= TOLERANCE, args.out.join("index.html").display().to_string());

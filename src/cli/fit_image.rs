@@ -9,12 +9,12 @@ use serde_json::json;
 
 use super::options::{Backend, positive, positive_number};
 use super::{output, progress};
+use crate::Error;
 use crate::error::Result;
 use crate::files::{self, picture};
 use crate::parallel;
 use crate::report::{curve, sheet, table};
 use crate::training::image::{LogPoint, Settings, fit};
-use crate::{Error, scene};
 
 /// Options of `fit-image`.
 #[derive(clap::Args, Clone, Debug)]
@@ -102,7 +102,7 @@ fn settings(args: &Args) -> Settings {
 
 /// A picture by path or `builtin:card`, its longest side reduced to `size`.
 pub fn load(image: &str, size: Option<usize>) -> Result<Array3<f32>> {
-    let target = if image == "builtin:card" { scene::card() } else { picture::read(Path::new(image))? };
+    let target = picture::read(Path::new(image))?;
     let (h, w, _) = target.dim();
     let Some(size) = size.filter(|&size| size < h.max(w)) else { return Ok(target) };
     let shrink = |side: usize| ((side * size) as f64 / h.max(w) as f64).round().max(1.0) as u32;
@@ -125,7 +125,12 @@ fn write_log(out: &Path, log: &[LogPoint]) -> Result<()> {
 
 fn text(log: &[LogPoint], out: &Path) -> String {
     let row = |p: &LogPoint| {
-        vec![p.step.to_string(), format!("{:.1}", p.seconds), format!("{:.6}", p.loss), format!("{:.2}", p.psnr)]
+        vec![
+            p.step.to_string(),
+            format!("{:.1}", p.seconds),
+            format!("{:.6}", p.loss),
+            format!("{:.2}", p.psnr),
+        ]
     };
     let rows: Vec<_> = log.iter().map(row).collect();
     table::text(&["step", "seconds", "loss", "PSNR dB"], &rows) + &format!("{}\n", out.display())

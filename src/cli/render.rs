@@ -115,7 +115,8 @@ fn depth_picture(view: &View, near: f64, far: f64) -> Array3<f32> {
 }
 
 fn cameras(args: &Args, scene: &Scene) -> Result<Vec<Camera>> {
-    let chosen = args.path.unwrap_or(if scene.test.is_empty() { CameraPath::Orbit(60) } else { CameraPath::Test });
+    let chosen =
+        args.path.unwrap_or(if scene.test.is_empty() { CameraPath::Orbit(60) } else { CameraPath::Test });
     let mut cameras: Vec<Camera> = match chosen {
         CameraPath::Test => scene.test.iter().map(|frame| frame.camera).collect(),
         CameraPath::Orbit(n) => orbit(scene, n),
@@ -140,7 +141,8 @@ fn orbit(scene: &Scene, count: usize) -> Vec<Camera> {
     let first = scene.train[0].camera;
     let places: Vec<DVec3> = scene.train.iter().map(|f| f.camera.c2w.w_axis.truncate()).collect();
     let n = places.len() as f64;
-    let up = -scene.train.iter().map(|f| f.camera.c2w.y_axis.truncate()).sum::<DVec3>().normalize_or(DVec3::NEG_Z);
+    let up =
+        -scene.train.iter().map(|f| f.camera.c2w.y_axis.truncate()).sum::<DVec3>().normalize_or(DVec3::NEG_Z);
     let mean = places.iter().sum::<DVec3>() / n;
     let offset = mean - scene.focus;
     let distance = places.iter().map(|p| (*p - scene.focus).length()).sum::<f64>() / n;
@@ -153,7 +155,8 @@ fn orbit(scene: &Scene, count: usize) -> Vec<Camera> {
     } else {
         let forward = -offset.normalize();
         let right = forward.cross(up).normalize_or(forward.any_orthonormal_vector());
-        let spread = |axis: DVec3| (places.iter().map(|p| (*p - mean).dot(axis).powi(2)).sum::<f64>() / n).sqrt();
+        let spread =
+            |axis: DVec3| (places.iter().map(|p| (*p - mean).dot(axis).powi(2)).sum::<f64>() / n).sqrt();
         (mean, right * spread(right), right.cross(forward) * spread(right.cross(forward)))
     };
     let place = |k: usize| {

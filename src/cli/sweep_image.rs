@@ -88,7 +88,8 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         files::write(&args.out.join("table.txt"), &text)?;
         files::write(&args.out.join("table.json"), json!(objects).to_string())?;
         let mut page = Page::new("Sweep", "One row a number of bands, one column a width and learning rate.");
-        page.picture("contact_sheet.png", "the fitted pictures, in the order of the table", 960).table(&header, &cells);
+        page.picture("contact_sheet.png", "the fitted pictures, in the order of the table", 960)
+            .table(&header, &cells);
         files::write(&args.out.join("index.html"), page.finish())?;
         let best = rows.iter().map(|row| row.last.psnr).fold(f64::NEG_INFINITY, f64::max);
         output::print(json, &json!({"rows": objects, "best_psnr": best}), &text);

@@ -209,7 +209,12 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
 }
 
 /// All settings, given and derived, with the reasons; version, machine, seed.
-fn run_json(args: &Args, recipe: &Map<String, Value>, scene: &Scene, model: &dyn Model) -> Map<String, Value> {
+fn run_json(
+    args: &Args,
+    recipe: &Map<String, Value>,
+    scene: &Scene,
+    model: &dyn Model,
+) -> Map<String, Value> {
     let mut run = recipe.clone();
     let (width, height) = scene.size();
     run.insert("version".into(), env!("CARGO_PKG_VERSION").into());
@@ -224,7 +229,10 @@ fn run_json(args: &Args, recipe: &Map<String, Value>, scene: &Scene, model: &dyn
     run.insert("reasons".into(), Value::Object(scene.reasons.clone()));
     run.insert("warnings".into(), json!(scene.warnings));
     run.insert("settings".into(), Value::Object(model.settings()));
-    run.insert("end".into(), json!({"steps": args.steps, "seconds": args.seconds, "stop_at_psnr": args.stop_at_psnr}));
+    run.insert(
+        "end".into(),
+        json!({"steps": args.steps, "seconds": args.seconds, "stop_at_psnr": args.stop_at_psnr}),
+    );
     run.insert("threads".into(), parallel::threads().into());
     run.insert("machine".into(), json!({"os": std::env::consts::OS, "arch": std::env::consts::ARCH}));
     run
@@ -256,7 +264,8 @@ fn summary(log: &[LogPoint], warnings: &[String], args: &Args) -> Summary {
             [p.step.to_string(), format!("{:.1}", p.seconds)].into_iter().chain(figures).collect()
         })
         .collect();
-    let text = table::text(&["step", "seconds", "train dB", "val dB"], &rows) + &format!("{}\n", args.out.display());
+    let text =
+        table::text(&["step", "seconds", "train dB", "val dB"], &rows) + &format!("{}\n", args.out.display());
     let val_psnr = full.last().and_then(|p| p.val_psnr);
     let object = json!({
         "run": args.out.display().to_string(), "step": last.map(|p| p.step), "seconds": last.map(|p| p.seconds),

@@ -97,7 +97,9 @@ mod tests {
     fn a_chart_names_its_axes_and_skips_what_is_not_finite() {
         let points = vec![(1.0, 10.0), (2.0, f64::INFINITY), (3.0, 20.0)];
         let text = svg("PSNR", "step", "dB", &[Series { name: "val".into(), points }]);
-        assert!(text.contains("PSNR") && text.contains("step") && text.contains("dB") && text.contains("val"));
+        assert!(
+            text.contains("PSNR") && text.contains("step") && text.contains("dB") && text.contains("val")
+        );
         assert!(!text.contains("inf") && !text.contains("NaN"));
         assert!(svg("empty", "x", "y", &[]).starts_with("<svg"));
     }

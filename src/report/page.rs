@@ -70,6 +70,10 @@ mod tests {
     #[test]
     fn text_is_escaped() {
         let page = Page::new("a < b", "\"&\"").picture("x.png", "<i>", 10).finish();
-        assert!(page.contains("a &lt; b") && page.contains("&quot;&amp;&quot;") && page.contains("alt=\"&lt;i&gt;\""));
+        assert!(
+            page.contains("a &lt; b")
+                && page.contains("&quot;&amp;&quot;")
+                && page.contains("alt=\"&lt;i&gt;\"")
+        );
     }
 }

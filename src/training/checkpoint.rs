@@ -83,7 +83,13 @@ impl RunFolder {
         let mut number = |name: &str| {
             state.remove(name).and_then(|a| a.to_f64().iter().copied().next()).ok_or_else(|| {
                 let advice = "Train the run again.";
-                Error::input(path.display(), name, "no such number", "a checkpoint as train writes it", advice)
+                Error::input(
+                    path.display(),
+                    name,
+                    "no such number",
+                    "a checkpoint as train writes it",
+                    advice,
+                )
             })
         };
         let (version, step) = (number("version")?, number("step")?);

@@ -134,13 +134,16 @@ impl Path {
             }
             Path::Reference { net, encoding, m, v } => {
                 let pixels: Vec<[f64; 2]> = x.chunks_exact(2).map(|x| [x[0], x[1]]).collect();
-                let targets: Vec<[f64; 3]> = targets.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(f64::from)).collect();
+                let targets: Vec<[f64; 3]> =
+                    targets.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(f64::from)).collect();
                 let (loss, gradient) = image_loss_and_gradient(net, encoding, &pixels, &targets);
                 for (((p, m), v), g) in net.layers.iter_mut().zip(m).zip(v).zip(gradient) {
                     let entries = p.w.iter_mut().chain(p.b.iter_mut());
-                    let means = m.w.iter_mut().chain(m.b.iter_mut()).zip(v.w.iter_mut().chain(v.b.iter_mut()));
+                    let means =
+                        m.w.iter_mut().chain(m.b.iter_mut()).zip(v.w.iter_mut().chain(v.b.iter_mut()));
                     for ((param, (m, v)), g) in entries.zip(means).zip(g.w.iter().chain(&g.b)) {
-                        let after = adam_step(adam, optimiser::Moments { param: *param, m: *m, v: *v }, *g, step);
+                        let after =
+                            adam_step(adam, optimiser::Moments { param: *param, m: *m, v: *v }, *g, step);
                         (*param, *m, *v) = (after.param, after.m, after.v);
                     }
                 }

@@ -92,7 +92,8 @@ impl NerfModel {
         let path = if settings.reference {
             let mut zero = net.clone();
             zero.layers_mut().into_iter().for_each(|l| *l = Layer::zeros(l.w.ncols(), l.w.nrows()));
-            let (position, direction) = (Encoding::new(settings.levels.0, &CS180), Encoding::new(settings.levels.1, &CS180));
+            let (position, direction) =
+                (Encoding::new(settings.levels.0, &CS180), Encoding::new(settings.levels.1, &CS180));
             let field = Box::new(Field { net, position, direction, conventions: CS180 });
             Path::Reference { field, m: zero.clone(), v: zero, steps: 0 }
         } else {
@@ -142,14 +143,16 @@ impl NerfModel {
         match &self.path {
             Path::Reference { field, .. } => parallel::map(rays.len(), |r| {
                 let (rendering, _) = field.render(&rays[r], &t, &deltas);
-                let weighted = volume_rendering::depth(&rendering.weights, &t, far, crate::convention::Depth::Plain);
+                let weighted =
+                    volume_rendering::depth(&rendering.weights, &t, far, crate::convention::Depth::Plain);
                 pixel(rendering.color.map(|c| c as f32), rendering.opacity as f32, weighted as f32)
             }),
             Path::Fast { net, .. } => {
                 let origins: Vec<f64> = rays.iter().flat_map(|r| r.o.to_array()).collect();
                 let directions: Vec<f64> = rays.iter().flat_map(|r| r.d.to_array()).collect();
                 let (t, deltas) = (t.repeat(rays.len()), deltas.repeat(rays.len()));
-                let rays = Rays { origins: &origins, directions: &directions, t: &t, deltas: &deltas, samples };
+                let rays =
+                    Rays { origins: &origins, directions: &directions, t: &t, deltas: &deltas, samples };
                 let seen = net.render(&rays, [0.0; 3]);
                 let one = |r: usize| {
                     let rgb = [seen.colors[3 * r], seen.colors[3 * r + 1], seen.colors[3 * r + 2]];
@@ -163,10 +166,14 @@ impl NerfModel {
     /// Parameters, m and v as networks, each with the prefix of its names.
     fn parts(&self) -> [(&'static str, NerfMlp); 3] {
         match &self.path {
-            Path::Fast { net, moments, .. } => {
-                [("", net.to_oracle(&net.params)), ("m.", net.to_oracle(&moments.m)), ("v.", net.to_oracle(&moments.v))]
+            Path::Fast { net, moments, .. } => [
+                ("", net.to_oracle(&net.params)),
+                ("m.", net.to_oracle(&moments.m)),
+                ("v.", net.to_oracle(&moments.v)),
+            ],
+            Path::Reference { field, m, v, .. } => {
+                [("", field.net.clone()), ("m.", m.clone()), ("v.", v.clone())]
             }
-            Path::Reference { field, m, v, .. } => [("", field.net.clone()), ("m.", m.clone()), ("v.", v.clone())],
         }
     }
 }
@@ -277,7 +284,9 @@ fn flat(net: &NerfMlp) -> Vec<f32> {
 /// An array of a checkpoint, by name and shape.
 fn find(state: &Arrays, name: &str, shape: &[usize], file: &str) -> Result<ndarray::ArrayD<f64>> {
     let advice = "Use the options that the run was trained with, or train it again.";
-    let array = state.get(name).ok_or_else(|| Error::input(file, name, "no such array", format!("{shape:?}"), advice))?;
+    let array = state
+        .get(name)
+        .ok_or_else(|| Error::input(file, name, "no such array", format!("{shape:?}"), advice))?;
     if array.shape() != shape {
         return Err(Error::input(file, name, format!("{:?}", array.shape()), format!("{shape:?}"), advice));
     }
@@ -294,7 +303,8 @@ fn reference_gradient(
 ) -> (f64, NerfMlp) {
     const CHUNK: usize = 16;
     let rays = drawn.origins.len() / 3;
-    let vector = |values: &[f64], r: usize| glam::DVec3::new(values[3 * r], values[3 * r + 1], values[3 * r + 2]);
+    let vector =
+        |values: &[f64], r: usize| glam::DVec3::new(values[3 * r], values[3 * r + 1], values[3 * r + 2]);
     let target = |r: usize| Target {
         ray: Ray { o: vector(&drawn.origins, r), d: vector(&drawn.directions, r) },
         t: drawn.t[r * samples..(r + 1) * samples].to_vec(),

@@ -89,8 +89,14 @@ impl Field {
         let sigmas: Vec<f64> = tapes.iter().map(|tape| tape.sigma).collect();
         let rgbs: Vec<[f64; 3]> = tapes.iter().map(|tape| tape.rgb).collect();
         let eps = self.conventions.product_eps;
-        let (g_sigmas, g_rgbs, _) =
-            volume_rendering::backward::volume_render(&sigmas, &rgbs, &target.deltas, eps, rendering, &cotangent);
+        let (g_sigmas, g_rgbs, _) = volume_rendering::backward::volume_render(
+            &sigmas,
+            &rgbs,
+            &target.deltas,
+            eps,
+            rendering,
+            &cotangent,
+        );
         for (i, tape) in tapes.iter().enumerate() {
             field_backward::nerf_mlp(&self.net, tape, &self.conventions, g_sigmas[i], g_rgbs[i], gradient);
         }

@@ -112,7 +112,13 @@ impl<'a> Run<'a> {
         for (n, line) in files::read_text(&path)?.lines().enumerate() {
             let point: LogPoint = serde_json::from_str(line).map_err(|e| {
                 let advice = "Delete the line, or train from the start without --resume.";
-                Error::input(path.display(), format!("line {}", n + 1), e, "an object as train writes it", advice)
+                Error::input(
+                    path.display(),
+                    format!("line {}", n + 1),
+                    e,
+                    "an object as train writes it",
+                    advice,
+                )
             })?;
             if point.step <= step {
                 self.log.push(point);
