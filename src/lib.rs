@@ -57,6 +57,8 @@ use verify::Component;
 pub const COMPONENTS: &[Component] = &[
     camera::component::TRANSFORM,
     camera::component::PIXEL_TO_CAMERA,
+    ray::component::PIXEL_TO_RAY,
+    ray::component::IMAGE_RAYS,
     volume_rendering::component::VOLUME_RENDER,
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,

@@ -9,6 +9,11 @@ use crate::convention::{Axes, Directions, PixelCentre};
 use crate::error::Result;
 
 pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
+pub mod honest;
+pub mod mistakes;
 mod random;
 
 #[cfg(test)]

@@ -1,0 +1,71 @@
+//! Cases of rays: cameras that tell mistakes apart, and seeded ones.
+
+use crate::camera::cases::{LENS, lens, pixels, poses, random_pose, random_poses, repeated};
+use crate::verify::case::{Case, Draw};
+use crate::verify::component::{array, scalar};
+
+/// The ray through a pixel.
+pub fn pixel_to_ray() -> Vec<Case> {
+    // Three pixels: the smallest batch on which a norm without its axis goes wrong instead of failing.
+    let uv = || array(&[3, 2], vec![17.5, 11.5, 2.5, 20.5, 33.5, 5.5]);
+    let mut cases: Vec<Case> = poses()
+        .into_iter()
+        .map(|(id, comment, pose)| {
+            Case::new(id, comment, vec![("K", lens(LENS)), ("c2w", repeated(&pose, 3)), ("uv", uv())])
+        })
+        .collect();
+    for n in 0..4 {
+        let mut draw = Draw::new("pixel_to_ray", n);
+        let k = [
+            draw.between(20.0, 60.0),
+            draw.between(20.0, 60.0),
+            draw.between(10.0, 26.0),
+            draw.between(6.0, 18.0),
+        ];
+        let inputs = vec![("K", lens(k)), ("c2w", random_poses(&mut draw, 6)), ("uv", pixels(&mut draw, 6))];
+        cases.push(Case::new(format!("random_{n}"), "a random lens, poses and pixels", inputs));
+    }
+    cases
+}
+
+/// The rays of a picture.
+pub fn image_rays() -> Vec<Case> {
+    let case = |id: &str, comment, [height, width]: [f64; 2], [focal, cx, cy]: [f64; 3], pose: &[f64; 16]| {
+        let inputs = vec![
+            ("height", scalar(height)),
+            ("width", scalar(width)),
+            ("focal", scalar(focal)),
+            ("cx", scalar(cx)),
+            ("cy", scalar(cy)),
+            ("c2w", array(&[4, 4], pose.to_vec())),
+        ];
+        Case::new(id, comment, inputs)
+    };
+    let mut cases: Vec<Case> = poses()
+        .into_iter()
+        .map(|(id, comment, pose)| case(id, comment, [3.0, 5.0], [4.5, 2.5, 1.5], &pose))
+        .collect();
+    let identity = &poses()[0].2;
+    cases.push(case(
+        "one_pixel",
+        "the only pixel looks down the axis",
+        [1.0, 1.0],
+        [1.0, 0.5, 0.5],
+        identity,
+    ));
+    cases.push(case(
+        "inexact_lens",
+        "a focal length that no type holds",
+        [2.0, 3.0],
+        [4.1, 1.3, 1.1],
+        identity,
+    ));
+    for n in 0..3 {
+        let mut draw = Draw::new("image_rays", n);
+        let size = [2.0 + draw.below(4) as f64, 7.0 + draw.below(4) as f64];
+        let k = [draw.between(4.0, 12.0), draw.between(3.0, 5.0), draw.between(1.0, 2.5)];
+        let pose = random_pose(&mut draw);
+        cases.push(case(&format!("random_{n}"), "wide pictures, the centre off the middle", size, k, &pose));
+    }
+    cases
+}

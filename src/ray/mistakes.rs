@@ -1,0 +1,154 @@
+//! Rays, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
+//!
+//! In `image_rays` a grid of uv without the half pixel, and rays that agree with it, are the convention `pixel_centre`; the mistake
+//! `no_half_pixel` says the centre (or is not asked) and shoots through the corner. Undivided directions are the convention
+//! `directions`. The two don't mix: a norm that is taken over the wrong axis is a mistake.
+
+use glam::{DMat4, DVec2, DVec3};
+
+use super::component::{self, bundle, picture, positions};
+use super::{Ray, camera_direction};
+use crate::camera::Intrinsics;
+use crate::camera::component::{intrinsics, pose, twos};
+use crate::camera::mistakes::{self, FLIPS, flip, mistake, with_transposed_rotation, wrong_point};
+use crate::camera::rotate;
+use crate::convention::{Axes, Conventions, Directions};
+use crate::verify::component::{Arrays, Mistake, array, values};
+
+const ORIGIN_MINUS_RT: Mistake = mistake(
+    "origin_minus_rt",
+    "o = -R^T t, with R and t of c2w: the formula for a world-to-camera matrix",
+    "cameras at the right distance in the wrong places",
+    "o is the translation of c2w",
+    "1 public implementation",
+    1,
+);
+const TRANSLATION_IN_DIRECTION: Mistake = mistake(
+    "translation_in_direction",
+    "d = R d_c + t: a 1 was appended to the direction, or x_w was taken without subtracting o",
+    "directions change when the camera is moved",
+    "rotate directions, translate points",
+    "CUT3R#90",
+    1,
+);
+const ORIGIN_NORMALISED: Mistake = mistake(
+    "origin_normalised",
+    "o / |o|: the origin was normalised along with the direction",
+    "all cameras on the unit sphere",
+    "normalise the direction alone",
+    "never; cheap to keep",
+    0,
+);
+
+/// Mistakes of the ray through a pixel.
+pub const PIXEL_TO_RAY: &[Mistake] = &[
+    mistakes::NO_HALF,
+    mistakes::MINUS_HALF,
+    mistakes::ROW_COLUMN,
+    mistakes::CENTRE_SWAPPED,
+    mistakes::CENTRE_FLOORED,
+    mistakes::FOCAL_IGNORED,
+    mistakes::NOT_RESCALED,
+    mistakes::K_TRANSPOSED,
+    mistakes::K_FOR_INVERSE,
+    mistakes::ROTATION_TRANSPOSED,
+    ORIGIN_MINUS_RT,
+    TRANSLATION_IN_DIRECTION,
+    ORIGIN_NORMALISED,
+    mistake(
+        "norm_without_axis",
+        "d / norm(d, axis=1) without keepdims: (M, 3) / (M,)",
+        "an error for most M; at M = 3 column j is divided by the norm of ray j",
+        "keepdims=True",
+        "1 public implementation",
+        1,
+    ),
+    FLIPS[0],
+    FLIPS[1],
+    FLIPS[2],
+    FLIPS[3],
+    FLIPS[4],
+    FLIPS[5],
+];
+
+/// Mistakes of the rays of a picture.
+pub const IMAGE_RAYS: &[Mistake] = &[
+    mistakes::NO_HALF,
+    mistakes::MINUS_HALF,
+    mistakes::ROW_COLUMN,
+    mistakes::CENTRE_SWAPPED,
+    mistakes::CENTRE_FLOORED,
+    mistakes::FOCAL_IGNORED,
+    mistakes::NOT_RESCALED,
+    mistakes::K_TRANSPOSED,
+    mistakes::K_FOR_INVERSE,
+    mistakes::ROTATION_TRANSPOSED,
+    ORIGIN_MINUS_RT,
+    TRANSLATION_IN_DIRECTION,
+    ORIGIN_NORMALISED,
+    FLIPS[0],
+    FLIPS[1],
+    FLIPS[2],
+    FLIPS[3],
+    FLIPS[4],
+    FLIPS[5],
+];
+
+/// One ray as the mistakes have it, not yet divided by its norm.
+fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&str]) -> Ray {
+    let turned = if wrong.contains(&"rotation_transposed") { with_transposed_rotation(c2w) } else { *c2w };
+    let camera = match c.axes {
+        Axes::Opencv => wrong_point(k, uv, 1.0, wrong),
+        Axes::Opengl if wrong.is_empty() => camera_direction(k, uv, c.axes),
+        Axes::Opengl => wrong_point(k, uv, 1.0, wrong) * DVec3::new(1.0, -1.0, -1.0),
+    };
+    let mut ray = Ray { o: c2w.w_axis.truncate(), d: rotate(&turned, flip(camera, wrong)) };
+    for name in wrong {
+        match *name {
+            "origin_minus_rt" => ray.o = -rotate(&with_transposed_rotation(c2w), ray.o),
+            "origin_normalised" => ray.o /= ray.o.length(),
+            "translation_in_direction" => ray.d += c2w.w_axis.truncate(),
+            _ => {}
+        }
+    }
+    ray
+}
+
+/// Directions divided by their norms, or by those of other rays.
+fn normalise(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
+    if c.directions == Directions::Depth {
+        return;
+    }
+    let norms: Vec<f64> = rays.iter().map(|ray| ray.d.length()).collect();
+    let mixed = wrong.contains(&"norm_without_axis") && rays.len() == 3;
+    for (ray, &norm) in rays.iter_mut().zip(&norms) {
+        ray.d = if mixed { ray.d / DVec3::new(norms[0], norms[1], norms[2]) } else { ray.d / norm };
+    }
+}
+
+/// Pixel to ray.
+pub fn pixel_to_ray(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let (k, c2w) = (intrinsics(&values(a, "K")), values(a, "c2w"));
+    let ray = |(m, uv): (usize, [f64; 2])| wrong_ray(&k, &pose(&c2w, m), DVec2::from(uv), c, wrong);
+    let mut rays: Vec<Ray> = twos(a, "uv").into_iter().enumerate().map(ray).collect();
+    normalise(&mut rays, c, wrong);
+    bundle(&rays, &[rays.len(), 3])
+}
+
+/// Its gradient: no mistakes of its own.
+pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
+    (component::PIXEL_TO_RAY.vjp.expect("registered").oracle)(a, c)
+}
+
+/// The rays of a picture. A grid whose rows and columns are exchanged says so in uv.
+pub fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let (height, width, k, c2w) = picture(a);
+    let uv = positions(a, c);
+    let mut rays: Vec<Ray> = uv.iter().map(|&uv| wrong_ray(&k, &c2w, uv, c, wrong)).collect();
+    normalise(&mut rays, c, wrong);
+    let mut out = bundle(&rays, &[height, width, 3]);
+    let swapped = wrong.contains(&"row_column_swapped");
+    let said = uv.iter().flat_map(|uv| if swapped { [uv.y, uv.x] } else { uv.to_array() });
+    out.insert("uv".into(), array(&[height, width, 2], said.collect()));
+    out
+}
