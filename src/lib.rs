@@ -59,6 +59,8 @@ pub const COMPONENTS: &[Component] = &[
     camera::component::PIXEL_TO_CAMERA,
     ray::component::PIXEL_TO_RAY,
     ray::component::IMAGE_RAYS,
+    sample::component::SAMPLE_ALONG_RAYS,
+    sample::component::STEP_SIZES,
     volume_rendering::component::VOLUME_RENDER,
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,

@@ -6,6 +6,12 @@
 use crate::convention::{Delta, Grid, LastDelta, Rest};
 use crate::maths::Sum;
 
+pub mod bound;
+pub mod cases;
+pub mod component;
+pub mod honest;
+pub mod mistakes;
+
 #[cfg(test)]
 mod tests;
 

@@ -1,0 +1,198 @@
+//! Samples, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
+//!
+//! Grids with both ends, jitter over their spacing, differences for widths and the choices of the last step are conventions. What
+//! only repeated calls can show (jitter at evaluation, frozen, Gaussian) is found by statistics over repeated calls.
+
+use super::{component, sample_along_ray, step_sizes as oracle_steps};
+use crate::camera::mistakes::mistake;
+use crate::convention::Conventions;
+use crate::verify::component::{Arrays, Mistake, array, arrays, input, number};
+use crate::volume_rendering::component::{row, size};
+
+const fn fixed(name: &'static str, cause: &'static str) -> Mistake {
+    mistake(
+        name,
+        cause,
+        "too wide: samples leave their interval and t is unsorted; too narrow: the ray has gaps that no step ever sees",
+        "spread u over the width of an interval, (far - near) / N",
+        "3 public implementations",
+        1,
+    )
+}
+
+/// Mistakes of positions and points.
+pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
+    mistake(
+        "one_jitter_for_all_rays",
+        "noise of shape (N,), broadcast over the rays",
+        "all rays of a step see the same slices of space; noisier training",
+        "noise of shape (rays, N)",
+        "8 of 38 CS180 projects, 3 others",
+        11,
+    ),
+    mistake(
+        "never_jittered",
+        "u isn't used: always the middle of the interval",
+        "the network knows the scene at N depths and bands appear between them",
+        "add the noise in training",
+        "3 public implementations",
+        3,
+    ),
+    mistake(
+        "jitter_centred_on_edges",
+        "t = near + (i + u - 0.5) D: noise in [-0.5, 0.5) around left edges",
+        "samples in front of near",
+        "noise in [0, 1) from left edges, or in [-0.5, 0.5) around the middles",
+        "1 public implementation",
+        1,
+    ),
+    fixed("jitter_width_0.02", "t = near + i D + 0.02 u"),
+    fixed("jitter_width_0.1", "t = near + i D + 0.1 u"),
+    fixed("jitter_width_1", "t = near + i D + u: noise that isn't scaled"),
+    mistake(
+        "flattened_in_wrong_order",
+        "points were made as (N, R, 3) and reshaped to (R, N, 3)",
+        "every sample is handed another ray's point; a permutation matches",
+        "transpose before reshaping",
+        "1 public implementation",
+        1,
+    ),
+    mistake(
+        "points_without_origin",
+        "points = t d",
+        "all cameras stand at the origin",
+        "o + t d",
+        "never; cheap to keep",
+        0,
+    ),
+];
+
+/// Mistakes of step lengths.
+pub const STEP_SIZES: &[Mistake] = &[
+    mistake(
+        "delta_missing",
+        "delta = 1",
+        "density is learned in the wrong unit and changes with the number of samples",
+        "the length of the step, in the units of t",
+        "5 public implementations",
+        5,
+    ),
+    mistake(
+        "delta_unit_interval",
+        "delta = 1 / N, as if near and far were 0 and 1",
+        "density off by far - near; one passes the course's own test",
+        "(far - near) / N",
+        "3 public implementations",
+        3,
+    ),
+    mistake(
+        "delta_over_n_minus_1",
+        "delta = (far - near) / (N - 1) on a grid of N intervals",
+        "density off by N / (N - 1)",
+        "divide by N, or use the grid that includes both ends",
+        "3 public implementations",
+        3,
+    ),
+    mistake(
+        "backward_delta",
+        "delta_i = t_i - t_{i-1}, delta_0 = 0",
+        "the first sample is invisible and every density belongs to the wrong step",
+        "delta_i = t_{i+1} - t_i",
+        "3 public implementations",
+        3,
+    ),
+    mistake(
+        "delta_differenced_twice",
+        "differences of the differences, last 1e10",
+        "only the last sample is visible",
+        "take the differences of t once",
+        "1 public implementation",
+        1,
+    ),
+    mistake(
+        "first_gap_for_all",
+        "t_1 - t_0 for every sample of a ray",
+        "varies from call to call when samples are jittered",
+        "one step for each sample",
+        "1 public implementation",
+        1,
+    ),
+    mistake(
+        "first_ray_deltas",
+        "the differences along the first ray are used for every ray of the batch",
+        "jittered rays get another ray's steps",
+        "one row of steps for each ray",
+        "kornia 0.8.2 RegularRenderer (0.139 for 0.289)",
+        1,
+    ),
+];
+
+/// One ray's positions as the mistakes have them.
+fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64> {
+    let (near, far) = (number(a, "near"), number(a, "far"));
+    let mut u = row(a, "u", if wrong.contains(&"one_jitter_for_all_rays") { 0 } else { r });
+    let n = u.len();
+    let width = (far - near) / n as f64;
+    for name in wrong {
+        match *name {
+            "never_jittered" => u.fill(0.5),
+            "jitter_centred_on_edges" => u.iter_mut().for_each(|u| *u -= 0.5),
+            _ => {
+                if let Some(fixed) = name.strip_prefix("jitter_width_").and_then(|w| w.parse::<f64>().ok()) {
+                    u.iter_mut().for_each(|u| *u *= fixed / width);
+                }
+            }
+        }
+    }
+    sample_along_ray(near, far, &u, c.grid)
+}
+
+/// Positions and points.
+pub fn sample_along_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let (rays, samples) = size(a, "u");
+    let t: Vec<_> = (0..rays).map(|r| wrong_positions(a, r, c, wrong)).collect();
+    let mut a = a.clone();
+    if wrong.contains(&"points_without_origin") {
+        a.get_mut("rays_o").expect("checked").fill(0.0);
+    }
+    let mut out = component::samples(&a, &t);
+    if wrong.contains(&"flattened_in_wrong_order") {
+        let points = input(&out, "points");
+        let turned = points.view().permuted_axes(vec![1, 0, 2]).iter().copied().collect();
+        let turned = array(&[rays, samples, 3], turned);
+        out.insert("points".into(), turned);
+    }
+    out
+}
+
+/// One ray's steps as the mistakes have them.
+fn wrong_steps(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64> {
+    let (near, far) = (number(a, "near"), number(a, "far"));
+    let first = wrong.contains(&"first_ray_deltas");
+    let t = row(a, "t", if first { 0 } else { r });
+    let n = t.len();
+    let gap = |i: usize| if i + 1 < n { t[i + 1] - t[i] } else { far - t[i] };
+    let mut deltas = oracle_steps(&t, near, far, c.delta, c.last_delta);
+    for name in wrong {
+        match *name {
+            "delta_missing" => deltas.fill(1.0),
+            "delta_unit_interval" => deltas.fill(1.0 / n as f64),
+            "delta_over_n_minus_1" if n > 1 => deltas.fill((far - near) / (n - 1) as f64),
+            "backward_delta" => deltas = (0..n).map(|i| if i == 0 { 0.0 } else { gap(i - 1) }).collect(),
+            "delta_differenced_twice" => {
+                deltas = (1..n).map(|i| gap(i) - gap(i - 1)).chain([1e10]).collect();
+            }
+            "first_gap_for_all" if n > 0 => deltas.fill(gap(0)),
+            "first_ray_deltas" => deltas = (0..n).map(gap).collect(),
+            _ => {}
+        }
+    }
+    deltas
+}
+
+/// Step lengths.
+pub fn step_sizes(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let (rays, samples) = size(a, "t");
+    let deltas = (0..rays).flat_map(|r| wrong_steps(a, r, c, wrong)).collect();
+    arrays([("deltas", array(&[rays, samples], deltas))])
+}
