@@ -45,6 +45,11 @@ pub fn pow(x: f64, y: f64) -> f64 {
     libm::pow(x, y)
 }
 
+/// 2^n, exact.
+pub fn power_of_two(n: i32) -> f64 {
+    libm::ldexp(1.0, n)
+}
+
 /// sin(pi x), exact where it is 0, +-1, and within 4 ULP elsewhere.
 ///
 /// x is reduced to x - n/2 in [-1/4, 1/4], which is exact in binary: `sin(PI * x)` instead rounds `PI * x`, so that
@@ -119,5 +124,113 @@ impl Sum {
     /// The sum so far.
     pub fn value(&self) -> f64 {
         self.high + self.low
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Distance in units of the last place of `expected`.
+    fn ulps(got: f64, expected: f64) -> u64 {
+        (got.to_bits() as i64).abs_diff(expected.to_bits() as i64)
+    }
+
+    /// (x, sin pi x, cos pi x) from mpmath at 60 digits, rounded to f64, at the f64 that x denotes.
+    #[allow(clippy::approx_constant, clippy::excessive_precision)]
+    const EXACT: [(f64, f64, f64); 12] = [
+        (0.3333333333333333, 0.8660254037844386, 0.5),
+        (0.1, 0.30901699437494745, 0.9510565162951535),
+        (0.25, 0.7071067811865476, 0.7071067811865476),
+        (0.7, 0.8090169943749475, -0.587785252292473),
+        (1e-05, 3.141592653073022e-05, 0.9999999995065197),
+        (512.3333333333334, 0.8660254037844982, 0.4999999999998969),
+        (-1.9, 0.3090169943749477, 0.9510565162951535),
+        (123456.789, 0.6153863701685053, -0.7882256119987674),
+        (1099511627776.375, 0.9238795325112867, 0.3826834323650898),
+        (1e-300, 3.1415926535897936e-300, 1.0),
+        (0.49999999999999994, 1.0, 1.743934249004316e-16),
+        (361.3315651863258, -0.8632346583339092, -0.5048028572137236),
+    ];
+
+    #[test]
+    fn sin_pi_and_cos_pi_are_within_4_ulp() {
+        for (x, sine, cosine) in EXACT {
+            assert!(ulps(sin_pi(x), sine) <= 4, "sin_pi({x}) = {}, not {sine}", sin_pi(x));
+            assert!(ulps(cos_pi(x), cosine) <= 4, "cos_pi({x}) = {}, not {cosine}", cos_pi(x));
+        }
+        // PE3: the textbook's sin(PI * x) at the same points is off by millions.
+        assert!(ulps(sin(PI * 123456.789), 0.6153863701685053) > 1_000);
+        assert!(ulps(sin(PI * 1099511627776.375), 0.9238795325112867) > 1_000_000);
+    }
+
+    #[test]
+    fn pe3_zeros_and_extremes_are_exact() {
+        for n in [0.0, 1.0, 2.0, 3.0, 511.0, 1024.0, 1e15, power_of_two(52) + 1.0, 1e300] {
+            let sign = if n % 2.0 == 0.0 { 1.0 } else { -1.0 };
+            for n in [n, -n] {
+                assert_eq!((sin_pi(n), cos_pi(n)), (0.0, sign));
+            }
+        }
+        for (x, expected) in
+            [(0.5, (1.0, 0.0)), (-0.5, (-1.0, 0.0)), (1.5, (-1.0, 0.0)), (513.5, (-1.0, 0.0))]
+        {
+            assert_eq!((sin_pi(x), cos_pi(x)), expected);
+        }
+        assert_eq!((sin_pi(-0.0), cos_pi(-0.0)), (0.0, 1.0));
+        assert_eq!((sin_pi(5e-324), cos_pi(5e-324)), (1.5e-323, 1.0));
+        assert!(sin_pi(f64::INFINITY).is_nan() && cos_pi(f64::NAN).is_nan());
+    }
+
+    #[test]
+    fn sin_pi_has_its_symmetries_bit_for_bit() {
+        for n in 0..1000 {
+            let x = f64::from(n) / 128.0 + f64::from(n) * power_of_two(-40);
+            assert_eq!(sin_pi(-x), -sin_pi(x));
+            assert_eq!(cos_pi(-x), cos_pi(x));
+            assert_eq!(sin_pi(x + 2.0), sin_pi(x), "x + 2 is exact here");
+            assert_eq!(cos_pi(x), sin_pi(x + 0.5));
+            assert!((sin_pi(x) * sin_pi(x) + cos_pi(x) * cos_pi(x) - 1.0).abs() <= 4.0 * f64::EPSILON);
+        }
+    }
+
+    #[test]
+    fn powers_of_two_are_exact() {
+        let mut power = 1.0;
+        for n in 0..1024 {
+            assert_eq!((power_of_two(n), power_of_two(-n)), (power, 1.0 / power));
+            power *= 2.0;
+        }
+    }
+
+    #[test]
+    fn wrappers_keep_digits_near_0() {
+        assert_eq!((expm1(1e-20), ln_1p(1e-20)), (1e-20, 1e-20));
+        assert_eq!(
+            (exp(0.0), ln(1.0), log10(1000.0), sin(0.0), cos(0.0), pow(2.0, 10.0)),
+            (1.0, 0.0, 3.0, 0.0, 1.0, 1024.0)
+        );
+        assert!(ulps(exp(1.0), std::f64::consts::E) <= 1 && ulps(ln(10.0), std::f64::consts::LN_10) <= 1);
+        assert!(ulps(sin(1.0), 0.8414709848078965) <= 1 && ulps(cos(1.0), 0.5403023058681398) <= 1);
+    }
+
+    #[test]
+    fn a_sum_costs_two_roundings_however_long() {
+        // 0.1 a million times: the exact sum of the f64 next to 0.1.
+        let (mut sum, mut plain) = (Sum::default(), 0.0);
+        for _ in 0..1_000_000 {
+            sum.add(0.1);
+            plain += 0.1;
+        }
+        assert_eq!(sum.value(), 100000.0);
+        assert!((plain - 100000.0_f64).abs() > 1e-7, "the plain sum drifts");
+        // Small before large: the error of the larger operand's side.
+        let mut sum = Sum::default();
+        [1.0, 1e100, 1.0, -1e100].iter().for_each(|&x| sum.add(x));
+        assert_eq!(sum.value(), 2.0);
+        // An infinite term stays infinite instead of turning into inf - inf.
+        let mut sum = Sum::default();
+        [1.0, f64::INFINITY, 1.0].iter().for_each(|&x| sum.add(x));
+        assert_eq!(sum.value(), f64::INFINITY);
     }
 }

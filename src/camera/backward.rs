@@ -13,9 +13,10 @@ pub fn transform(c2w: &DMat4, x_c: DVec3, g_x_w: DVec3) -> (DMat4, DVec3) {
     (g_c2w, rotate_transposed(c2w, g_x_w))
 }
 
-/// `R^T g`.
+/// `R^T g`: the sum of each column of R times g.
 pub fn rotate_transposed(c2w: &DMat4, g: DVec3) -> DVec3 {
-    DVec3::new(c2w.x_axis.truncate().dot(g), c2w.y_axis.truncate().dot(g), c2w.z_axis.truncate().dot(g))
+    let along = |axis: DVec4| axis.x * g.x + axis.y * g.y + axis.z * g.z;
+    DVec3::new(along(c2w.x_axis), along(c2w.y_axis), along(c2w.z_axis))
 }
 
 /// A column of the gradient of `c2w`, 0 in the row that isn't used.

@@ -47,7 +47,7 @@ impl Distortion {
     /// The ideal point whose distorted image is `target`, by Newton's method from `target` itself.
     ///
     /// # Errors
-    /// Where the lens folds over (determinant not positive) or 50 steps don't bring the residual below 1e-12: such a point has no
+    /// Where the lens folds over (the Jacobian is not positive definite) or 50 steps don't bring the residual below 1e-12: such a point has no
     /// trustworthy ray, and saying so beats returning one.
     ///
     /// ```
@@ -61,7 +61,8 @@ impl Distortion {
         for _ in 0..50 {
             let residual = self.distort(p) - target;
             let jacobian = self.jacobian(p);
-            if !(jacobian.determinant() > 0.0) {
+            // Symmetric, so positive definite where these two hold: past two folds the determinant is positive again.
+            if !(jacobian.determinant() > 0.0 && jacobian.x_axis.x > 0.0) {
                 break;
             }
             if residual.length() < 1e-12 {

@@ -15,7 +15,7 @@ pub mod honest;
 pub mod mistakes;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use distortion::Distortion;
 

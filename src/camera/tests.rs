@@ -1,1 +1,144 @@
+use glam::{DMat3, DMat4, DQuat, DVec2, DVec3};
+use proptest::prelude::*;
 
+use super::*;
+use crate::verify::properties;
+
+/// A rigid pose: any rotation, any place within 10 units.
+pub(crate) fn pose() -> impl Strategy<Value = DMat4> {
+    (prop::array::uniform4(-1.0..1.0), prop::array::uniform3(-10.0..10.0))
+        .prop_filter("a quaternion of some length", |(q, _): &([f64; 4], [f64; 3])| {
+            q.iter().map(|x| x * x).sum::<f64>() > 0.01
+        })
+        .prop_map(|(q, o)| DMat4::from_rotation_translation(DQuat::from_array(q).normalize(), o.into()))
+}
+
+/// Intrinsics with fx != fy and the principal point off the centre of a 640 x 360 picture.
+pub(crate) fn intrinsics() -> impl Strategy<Value = Intrinsics> {
+    (100.0..2000.0, 1.05..2.0, 100.0..500.0, 50.0..300.0).prop_map(|(fx, ratio, cx, cy)| Intrinsics {
+        fx,
+        fy: fx * ratio,
+        cx,
+        cy,
+    })
+}
+
+/// A pixel of that picture.
+pub(crate) fn pixel() -> impl Strategy<Value = DVec2> {
+    (0.0..640.0, 0.0..360.0).prop_map(|(u, v)| DVec2::new(u, v))
+}
+
+#[test]
+fn a_quarter_turn_and_a_shift() {
+    // The camera at (1, 2, 3), turned so that its x axis is the world's y and its y axis the world's -x.
+    let c2w = DMat4::from_cols_array_2d(&[
+        [0.0, 1.0, 0.0, 0.0],
+        [-1.0, 0.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+        [1.0, 2.0, 3.0, 1.0],
+    ]);
+    assert_eq!(transform(&c2w, DVec3::new(10.0, 20.0, 30.0)), DVec3::new(-19.0, 12.0, 33.0));
+    assert_eq!(rotate(&c2w, DVec3::new(10.0, 20.0, 30.0)), DVec3::new(-20.0, 10.0, 30.0));
+    assert_eq!(
+        backward::rotate_transposed(&c2w, DVec3::new(-20.0, 10.0, 30.0)),
+        DVec3::new(10.0, 20.0, 30.0)
+    );
+}
+
+#[test]
+fn the_principal_point_looks_along_the_axis() {
+    let k = Intrinsics { fx: 300.0, fy: 500.0, cx: 31.0, cy: 17.0 };
+    assert_eq!(pixel_to_camera(&k, DVec2::new(31.0, 17.0), 7.0), DVec3::new(0.0, 0.0, 7.0));
+    // One focal length beside it: 45 degrees.
+    assert_eq!(pixel_to_camera(&k, DVec2::new(331.0, -483.0), 2.0), DVec3::new(2.0, -2.0, 2.0));
+}
+
+#[test]
+fn cg9_a_pose_is_applied_as_it_is() {
+    // A mirror (det -1) or a scale of 2 is not repaired here: readers refuse it, the formula doesn't hide it.
+    for (s, x) in [
+        (DVec3::new(-1.0, 1.0, 1.0), DVec3::new(-1.0, 2.0, 3.0)),
+        (DVec3::splat(2.0), DVec3::new(2.0, 4.0, 6.0)),
+    ] {
+        assert_eq!(transform(&DMat4::from_scale(s), DVec3::new(1.0, 2.0, 3.0)), x);
+    }
+    let mut nan = DMat4::IDENTITY;
+    nan.x_axis.x = f64::NAN;
+    assert!(transform(&nan, DVec3::X).x.is_nan(), "a NaN stays visible");
+    // A singular K has no ray: infinite, not a plausible number.
+    let flat = Intrinsics { fx: 0.0, fy: 1.0, cx: 0.0, cy: 0.0 };
+    assert!(!pixel_to_camera(&flat, DVec2::new(3.0, 1.0), 1.0).is_finite());
+}
+
+fn lens() -> impl Strategy<Value = Distortion> {
+    (-0.08..0.1, -0.02..0.05, -5e-3..5e-3, -5e-3..5e-3).prop_map(|(k1, k2, p1, p2)| Distortion {
+        k1,
+        k2,
+        p1,
+        p2,
+    })
+}
+
+#[test]
+fn distortion_terms_one_by_one() {
+    let p = DVec2::new(0.5, -0.25); // r^2 = 5/16
+    let zero = Distortion { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0 };
+    assert_eq!(zero.distort(p), p);
+    assert_eq!(Distortion { k1: 1.0, ..zero }.distort(p), p * (1.0 + 0.3125));
+    assert_eq!(Distortion { k2: 1.0, ..zero }.distort(p), p * (1.0 + 0.09765625));
+    // p1: x += 2 x y, y += r^2 + 2 y^2; p2: x += r^2 + 2 x^2, y += 2 x y.
+    assert_eq!(Distortion { p1: 1.0, ..zero }.distort(p), p + DVec2::new(-0.25, 0.4375));
+    assert_eq!(Distortion { p2: 1.0, ..zero }.distort(p), p + DVec2::new(0.8125, -0.25));
+}
+
+#[test]
+fn cg5_a_lens_without_inverse_says_so() {
+    // r (1 - 0.3 r^2) never exceeds 0.703: nothing is seen beyond.
+    let barrel = Distortion { k1: -0.3, k2: 0.0, p1: 0.0, p2: 0.0 };
+    let message = barrel.undistort(DVec2::new(0.8, 0.0)).unwrap_err().to_string();
+    assert!(message.contains("no inverse at (0.8, 0)") && message.contains("-0.3"), "{message}");
+    assert!(barrel.undistort(DVec2::new(0.69, 0.0)).is_ok(), "close to the fold, but before it");
+    assert!(barrel.undistort(DVec2::new(f64::NAN, 0.0)).is_err());
+    // The point with a singular Jacobian itself: r = sqrt(1 / 0.9).
+    let fold = DVec2::new((1.0f64 / 0.9).sqrt(), 0.0);
+    assert!(barrel.jacobian(fold).determinant().abs() < 1e-15);
+    // A third branch behind two folds, with a positive determinant, where the picture would be mirrored through the centre.
+    let behind = barrel.distort(DVec2::new(-2.5, 0.0));
+    assert!(barrel.jacobian(DVec2::new(-2.5, 0.0)).determinant() > 0.0);
+    assert!(barrel.undistort(behind).is_err());
+}
+
+proptest! {
+    #![proptest_config(properties())]
+
+    #[test]
+    fn projecting_undoes_lifting(k in intrinsics(), uv in pixel(), s in 0.1..100.0) {
+        let x_c = pixel_to_camera(&k, uv, s);
+        prop_assert_eq!(x_c.z, s);
+        prop_assert!((camera_to_pixel(&k, x_c) - uv).length() < 1e-12 * 640.0);
+        // K^-1 as a matrix, the other way to write it.
+        let matrix = DMat3::from_cols(DVec3::new(k.fx, 0.0, 0.0), DVec3::new(0.0, k.fy, 0.0), DVec3::new(k.cx, k.cy, 1.0));
+        prop_assert!((matrix.inverse() * uv.extend(1.0) * s - x_c).length() < 1e-13 * s * 10.0);
+    }
+
+    #[test]
+    fn a_pose_keeps_lengths_and_composes(a in pose(), b in pose(), x in prop::array::uniform3(-5.0..5.0)) {
+        let x = DVec3::from(x);
+        prop_assert!((rotate(&a, x).length() - x.length()).abs() < 1e-13);
+        prop_assert!((transform(&a, transform(&b, x)) - transform(&(a * b), x)).length() < 1e-12);
+        prop_assert!((transform(&a.inverse(), transform(&a, x)) - x).length() < 1e-12);
+        prop_assert_eq!(transform(&a, x), rotate(&a, x) + a.w_axis.truncate());
+        prop_assert!((backward::rotate_transposed(&a, rotate(&a, x)) - x).length() < 1e-13);
+    }
+
+    #[test]
+    fn undistortion_undoes_distortion(lens in lens(), x in -0.8..0.8, y in -0.5..0.5) {
+        let p = DVec2::new(x, y);
+        prop_assert!((lens.undistort(lens.distort(p)).unwrap() - p).length() < 1e-11);
+        // The Jacobian by differences of a cubic-quintic: exact up to h^2.
+        let h = 1e-5;
+        let along = |e: DVec2| (lens.distort(p + h * e) - lens.distort(p - h * e)) / (2.0 * h);
+        prop_assert!((lens.jacobian(p).x_axis - along(DVec2::X)).length() < 1e-8);
+        prop_assert!((lens.jacobian(p).y_axis - along(DVec2::Y)).length() < 1e-8);
+    }
+}

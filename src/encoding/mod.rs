@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use crate::convention::{Bands, Columns, Conventions, Frequency};
-use crate::maths::{cos, cos_pi, sin, sin_pi};
+use crate::maths::{cos, cos_pi, power_of_two, sin, sin_pi};
 
 pub mod backward;
 pub mod fast;
@@ -40,13 +40,13 @@ impl Encoding {
         dims * (2 * self.levels + usize::from(self.identity))
     }
 
-    /// f_k: 2^k, or evenly spaced from 1 to 2^(L-1).
+    /// f_k: 2^k, or evenly spaced from 1 to 2^(L-1). 2^k x is exact; evenly spaced bands are rounded, and so is f_k x.
     pub fn band(&self, k: usize) -> f64 {
         let last = self.levels - 1;
         match self.bands {
-            Bands::Octaves => (k as f64).exp2(),
+            Bands::Octaves => power_of_two(k as i32),
             Bands::Linear if last == 0 => 1.0,
-            Bands::Linear => 1.0 + k as f64 * ((last as f64).exp2() - 1.0) / last as f64,
+            Bands::Linear => 1.0 + k as f64 * (power_of_two(last as i32) - 1.0) / last as f64,
         }
     }
 

@@ -27,8 +27,8 @@ pub fn relu(z: &[f64], g: &[f64]) -> Vec<f64> {
     z.iter().zip(g).map(|(&z, &g)| if z > 0.0 { g } else { 0.0 }).collect()
 }
 
-/// The surrogate of instant-ngp: g exp(min(z, 15)), which keeps a large density from blowing up the step. It is not the derivative of
-/// [`super::trunc_exp`] above 15, and a check must compare it with this formula.
+/// The surrogate of torch-ngp and nerfstudio: g exp(min(z, 15)), which keeps a large density from blowing up the step (instant-ngp
+/// clamps from below too, at -15). It is not the derivative of [`super::trunc_exp`] above 15: a check must compare it with this formula.
 pub fn trunc_exp(z: f64, g: f64) -> f64 {
     g * exp(z.min(15.0))
 }

@@ -63,9 +63,14 @@ impl Layer {
     }
 }
 
-/// max(z, 0).
+/// max(z, 0) of each entry.
 pub fn relu(z: &[f64]) -> Vec<f64> {
-    z.iter().map(|&z| z.max(0.0)).collect()
+    z.iter().map(|&z| positive_part(z)).collect()
+}
+
+/// max(z, 0). A NaN stays one, where `f64::max` would turn it into 0.
+fn positive_part(z: f64) -> f64 {
+    if z <= 0.0 { 0.0 } else { z }
 }
 
 /// 1 / (1 + e^-z), without overflow on either side.
@@ -96,7 +101,7 @@ pub fn trunc_exp(z: f64) -> f64 {
 /// Density from the density head's output, by convention.
 pub fn density(z: f64, activation: Density) -> f64 {
     match activation {
-        Density::Relu => z.max(0.0),
+        Density::Relu => positive_part(z),
         Density::Softplus => softplus(z),
         Density::Exp => exp(z),
     }

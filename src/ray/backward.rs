@@ -25,7 +25,8 @@ pub fn pixel_to_ray(
         Directions::Depth => g_d,
         Directions::Unit => {
             let d = r / r.length();
-            (g_d - d * d.dot(g_d)) / r.length()
+            let along = d.x * g_d.x + d.y * g_d.y + d.z * g_d.z;
+            (g_d - d * along) / r.length()
         }
     };
     let (mut g_c2w, mut g_d_c) = backward::transform(c2w, d_c, g_r);

@@ -49,6 +49,9 @@ pub fn draw_pixel(images: ArrayView4<f64>, u: [f64; 3], centre: PixelCentre) -> 
 /// N pixels of an (I, H, W, 3) stack, with replacement. `u` holds N rows of three numbers in [0, 1): image, row, column.
 ///
 /// With [`Draw::PerImage`] ray n belongs to drawn image n mod M, whose number in `u` is that of ray n mod M.
+///
+/// # Panics
+/// Where there are no pixels, or M is 0.
 pub fn sample_random_rays(
     images: ArrayView4<f64>,
     draw: Draw,

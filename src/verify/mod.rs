@@ -5,6 +5,7 @@ pub mod bounded;
 pub mod case;
 pub mod check;
 pub mod component;
+pub mod gradient;
 pub mod machine;
 
 pub use arithmetic::{Arithmetic, Dtype, Grade};
@@ -13,3 +14,11 @@ pub use case::{Case, Draw};
 pub use check::Kind;
 pub use component::{Arrays, Component, Mistake, Pass, Port};
 pub use machine::Machine;
+
+/// Properties run 64 times from a fixed seed, or `PROPTEST_CASES` times.
+#[cfg(test)]
+pub(crate) fn properties() -> proptest::test_runner::Config {
+    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(64);
+    let rng_seed = proptest::test_runner::RngSeed::Fixed(180);
+    proptest::test_runner::Config { cases, rng_seed, failure_persistence: None, ..Default::default() }
+}

@@ -85,7 +85,7 @@ pub fn depth(weights: &[f64], t: &[f64], convention: Depth, g: f64) -> (Vec<f64>
         Depth::Divided => {
             let z = super::depth(weights, t, 0.0, Depth::Divided);
             let g_weights = t.iter().map(|t| g * (t - z) / opacity).collect();
-            (g_weights, weights.iter().map(|w| g * w / opacity).collect())
+            (g_weights, weights.iter().map(|w| g * (w / opacity)).collect())
         }
     }
 }
