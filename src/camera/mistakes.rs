@@ -8,19 +8,7 @@ use glam::{DMat4, DVec2, DVec3};
 use super::component::{self, intrinsics, pose, threes, twos};
 use super::{Intrinsics, transform as oracle};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake, array, arrays, values};
-
-/// A row of the catalogue.
-pub(crate) const fn mistake(
-    name: &'static str,
-    cause: &'static str,
-    effect: &'static str,
-    fix: &'static str,
-    seen: &'static str,
-    count: u32,
-) -> Mistake {
-    Mistake { name, cause, effect, fix, seen, count, gradient: false }
-}
+use crate::verify::component::{Arrays, Mistake, array, arrays, mistake, values};
 
 const fn flipped(name: &'static str, cause: &'static str) -> Mistake {
     mistake(

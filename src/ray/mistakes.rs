@@ -10,10 +10,10 @@ use super::component::{self, bundle, picture, positions};
 use super::{Ray, camera_direction};
 use crate::camera::Intrinsics;
 use crate::camera::component::{intrinsics, pose, twos};
-use crate::camera::mistakes::{self, FLIPS, flip, mistake, with_transposed_rotation, wrong_point};
+use crate::camera::mistakes::{self, FLIPS, flip, with_transposed_rotation, wrong_point};
 use crate::camera::rotate;
 use crate::convention::{Axes, Conventions, Directions};
-use crate::verify::component::{Arrays, Mistake, array, values};
+use crate::verify::component::{Arrays, Mistake, array, mistake, values};
 
 const ORIGIN_MINUS_RT: Mistake = mistake(
     "origin_minus_rt",

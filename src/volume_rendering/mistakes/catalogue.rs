@@ -1,0 +1,219 @@
+//! What people get wrong in volume rendering, in words.
+
+use crate::verify::component::{Mistake, mistake};
+
+const INCLUSIVE: Mistake = mistake(
+    "inclusive_transmittance",
+    "w_i = T_{i+1} alpha_i: the sample shades itself (an inclusive cumprod or cumsum)",
+    "surfaces too dark by a factor of 1 - alpha; spikes read (.25, .125, .0625)",
+    "shift the cumulative product by one: T_0 = 1",
+    "1 of 38 CS180 projects, 8 others",
+    9,
+);
+const ROLLED: Mistake = mistake(
+    "rolled_transmittance",
+    "T = roll(cumprod(1 - alpha), 1), whose first entry is the last product instead of 1",
+    "the first sample is attenuated by the whole ray; spikes read (.0625, .25, .125)",
+    "set T_0 = 1 behind the roll",
+    "2 public implementations",
+    2,
+);
+const FIRST_ZERO: Mistake = mistake(
+    "first_transmittance_zero",
+    "T_0 = 0 (a zero in front of the cumulative product instead of a one)",
+    "the first sample is invisible; spikes read (0, .25, .125)",
+    "put 1 in front of the product (0 in front of the sum)",
+    "1 public implementation",
+    1,
+);
+const OPACITY_AS_T: Mistake = mistake(
+    "opacity_as_transmittance",
+    "T = 1 - prod(1 - alpha): opacity in the place of transmittance",
+    "what lies behind shines through what lies in front; spikes read (.25, .375, .4375)",
+    "use the product itself",
+    "3 public implementations",
+    3,
+);
+const DIVIDED: Mistake = mistake(
+    "divided_by_opacity",
+    "C / A: the weights are normalised",
+    "half-transparent rays as bright as opaque ones; NaN on an empty ray",
+    "leave the weights as they are",
+    "2 public implementations",
+    2,
+);
+const ALPHA_FORGOTTEN: Mistake = mistake(
+    "alpha_forgotten",
+    "w_i = T_i",
+    "empty space glows; weights sum to more than 1",
+    "multiply by alpha_i",
+    "1 public implementation",
+    1,
+);
+const OVER_RAYS: Mistake = mistake(
+    "transmittance_over_rays",
+    "the cumulative sum or product runs over rays instead of samples (axis 0 for axis 1)",
+    "a ray's colour depends on its neighbours in the batch",
+    "accumulate along the sample axis",
+    "1 public implementation",
+    1,
+);
+
+/// Mistakes of rendering from densities.
+pub const VOLUME_RENDER: &[Mistake] = &[
+    INCLUSIVE,
+    ROLLED,
+    FIRST_ZERO,
+    OPACITY_AS_T,
+    DIVIDED,
+    ALPHA_FORGOTTEN,
+    OVER_RAYS,
+    mistake(
+        "delta_missing",
+        "alpha = 1 - exp(-sigma)",
+        "density is learned in the wrong unit and changes with the number of samples",
+        "multiply sigma by the step length",
+        "5 public implementations",
+        5,
+    ),
+    mistake(
+        "delta_unit_interval",
+        "delta = 1 / N, as if near and far were 0 and 1",
+        "density off by (far - near); one passes the course's own test",
+        "delta = (far - near) / N, or the differences of t",
+        "3 public implementations",
+        3,
+    ),
+    mistake(
+        "delta_over_n_minus_1",
+        "delta = (far - near) / (N - 1) on a grid of N intervals",
+        "density off by N / (N - 1), more at fewer samples",
+        "divide by N, or use the grid that includes both ends",
+        "3 public implementations",
+        3,
+    ),
+    mistake(
+        "backward_delta",
+        "delta_i = t_i - t_{i-1}, delta_0 = 0",
+        "the first sample is invisible and every density belongs to the wrong step",
+        "delta_i = t_{i+1} - t_i",
+        "3 public implementations",
+        3,
+    ),
+    mistake(
+        "delta_differenced_twice",
+        "differences of the step lengths are taken as step lengths, last 1e10",
+        "only the last sample is visible",
+        "take the differences of t once",
+        "1 public implementation",
+        1,
+    ),
+    mistake(
+        "first_gap_for_all",
+        "the first step of a ray is used for all of its samples",
+        "varies from call to call when samples are jittered",
+        "one step for each sample",
+        "1 public implementation",
+        1,
+    ),
+    mistake(
+        "first_ray_deltas",
+        "the first ray's steps are used for every ray of the batch",
+        "rays with other bounds get wrong densities",
+        "one row of steps for each ray",
+        "kornia 0.8.2 RegularRenderer (0.139 for 0.289)",
+        1,
+    ),
+    mistake(
+        "eps_on_alpha",
+        "1e-10 is added to alpha (and to T)",
+        "empty rays aren't empty; below what f32 can see",
+        "add nothing",
+        "1 public implementation",
+        1,
+    ),
+    mistake(
+        "scaled_exponential",
+        "alpha = 1 - k exp(-x) with k other than 1 (here 0.99)",
+        "empty space has an opacity of 1 - k",
+        "alpha = 1 - exp(-x)",
+        "1 public implementation",
+        1,
+    ),
+];
+
+/// Mistakes of rendering from opacities.
+pub const VOLUME_RENDER_ALPHA: &[Mistake] = &[
+    INCLUSIVE,
+    ROLLED,
+    FIRST_ZERO,
+    OPACITY_AS_T,
+    DIVIDED,
+    ALPHA_FORGOTTEN,
+    OVER_RAYS,
+    Mistake {
+        name: "product_gradient_zero_at_opaque",
+        cause: "the product's gradient divides by 1 - alpha and is set to 0 where that is 0",
+        effect: "an opaque sample can never become transparent again",
+        seen: "nerfacc FIXME; alpha = [.5, 1, .3, .2], cotangent [1, 2, 3, 4]: [2, 0, 0, 0] for [2, 2.9, 0, 0]",
+        fix: "use the recursion from behind, which divides by nothing",
+        count: 1,
+        gradient: true,
+    },
+];
+
+/// Mistakes of the background.
+pub const COMPOSITE_BACKGROUND: &[Mistake] = &[
+    mistake(
+        "attenuated_twice",
+        "A C + (1 - A) b: the rendered colour is premultiplied already",
+        "half-transparent edges too dark; right only at A = 0 or 1",
+        "C + (1 - A) b",
+        "instant-nsr-pl#54, nerfstudio#2165",
+        2,
+    ),
+    mistake(
+        "one_channel",
+        "the background is written to the first channel alone",
+        "empty rays have the wrong hue",
+        "add (1 - A) b to every channel",
+        "1 public implementation",
+        1,
+    ),
+    mistake(
+        "background_255",
+        "b is in 0..255 where C is in 0..1",
+        "everything that isn't opaque is white",
+        "divide the background by 255",
+        "1 public implementation",
+        1,
+    ),
+    mistake(
+        "background_always",
+        "C + b: the background isn't attenuated (an appended sample that isn't opaque, or a forgotten 1 - A)",
+        "opaque objects glow",
+        "C + (1 - A) b",
+        "1 public implementation",
+        1,
+    ),
+];
+
+/// Mistakes of the expected distance.
+pub const DEPTH: &[Mistake] = &[
+    mistake(
+        "zero_by_zero",
+        "sum w t / sum w on a ray without weight",
+        "NaN in depth pictures, and in losses on them",
+        "say what an empty ray's depth is: far",
+        "nerf-pytorch#28 and many others",
+        10,
+    ),
+    mistake(
+        "depth_of_index",
+        "sum w i / sum w: the sample's number in the place of t",
+        "depth without units",
+        "weigh t",
+        "never; cheap to keep",
+        0,
+    ),
+];

@@ -1,0 +1,155 @@
+//! The house rules, as far as a program can hold them.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use nerf_oracle::COMPONENTS;
+use nerf_oracle::convention::CS180;
+use nerf_oracle::verify::check::Kind;
+
+/// Files of a component folder that are not oracle: harness, tests and fast variants.
+const AROUND: &[&str] = &["bound", "honest", "cases", "mistakes", "component", "tests", "fast", "statistics"];
+
+/// What an oracle file may not contain, and why.
+const FORBIDDEN: &[(&str, &str)] = &[
+    ("f32", "the oracle is f64"),
+    ("rayon", "the oracle has no threads"),
+    ("parallel::", "the oracle has no threads"),
+    ("unsafe", "the oracle is safe"),
+    (".dot(", "ndarray's dot picks its order by CPU"),
+    (".sum(", "an iterator's or array's sum hides its order"),
+    ("macro_rules", "the oracle has no macros"),
+    (".exp()", "std's functions differ between machines: crate::maths"),
+    (".sin()", "std's functions differ between machines: crate::maths"),
+    (".cos()", "std's functions differ between machines: crate::maths"),
+    (".ln()", "std's functions differ between machines: crate::maths"),
+    (".powf(", "std's functions differ between machines: crate::maths"),
+];
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// All .rs files below a folder.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let mut found = vec![];
+    for entry in fs::read_dir(folder).expect("a readable folder") {
+        let path = entry.expect("a readable entry").path();
+        if path.is_dir() {
+            found.extend(sources(&path));
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
+}
+
+/// The code of a file: without comments and without its test module.
+fn code(path: &Path) -> String {
+    let text = fs::read_to_string(path).expect("readable source");
+    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    text.lines().map(|line| line.split("//").next().unwrap_or_default().to_string() + "\n").collect()
+}
+
+/// Component folders: those with a `component.rs`.
+fn folders() -> BTreeSet<String> {
+    let entries = fs::read_dir(root().join("src")).expect("src");
+    let folders = entries.map(|entry| entry.expect("a readable entry").path());
+    folders.filter(|f| f.join("component.rs").exists()).map(|f| name(&f)).collect()
+}
+
+fn name(path: &Path) -> String {
+    path.file_stem().expect("a name").to_string_lossy().into_owned()
+}
+
+/// The oracle files of a component folder: everything that isn't around them.
+fn oracle_files(folder: &str) -> Vec<PathBuf> {
+    let folder = root().join("src").join(folder);
+    let mut files = sources(&folder);
+    files.retain(|file| {
+        let inside = file.strip_prefix(&folder).expect("below its folder");
+        let first = inside.components().next().expect("a name");
+        !AROUND.contains(&name(Path::new(first.as_os_str())).as_str())
+    });
+    files
+}
+
+#[test]
+fn every_component_folder_is_registered() {
+    let registered: BTreeSet<String> = COMPONENTS.iter().map(|c| c.folder.to_string()).collect();
+    assert_eq!(folders(), registered);
+    let names: BTreeSet<&str> = COMPONENTS.iter().map(|c| c.name).collect();
+    assert_eq!(names.len(), COMPONENTS.len(), "names are unique");
+}
+
+#[test]
+fn oracle_files_are_plain() {
+    let mut files: Vec<PathBuf> = folders().iter().flat_map(|folder| oracle_files(folder)).collect();
+    files.push(root().join("src/training/reference.rs"));
+    assert!(files.len() > 12, "the oracle files were not found: {files:?}");
+    for file in files {
+        let code = code(&file);
+        for (word, reason) in FORBIDDEN {
+            let line = code.lines().position(|line| line.contains(word)).map(|n| n + 1);
+            assert!(line.is_none(), "{}:{}: {word}: {reason}", file.display(), line.unwrap_or(0));
+        }
+        let lines = fs::read_to_string(&file).expect("readable source").lines().count();
+        assert!(lines <= 300, "{}: {lines} lines; an oracle file has at most 300", file.display());
+    }
+}
+
+#[test]
+fn files_are_one_idea_long() {
+    for file in sources(&root().join("src")) {
+        let lines = fs::read_to_string(&file).expect("readable source").lines().count();
+        assert!(lines <= 400, "{}: {lines} lines; split it by idea", file.display());
+    }
+}
+
+#[test]
+fn only_parallel_names_rayon_and_nothing_is_unsafe() {
+    for file in sources(&root().join("src")) {
+        let code = code(&file);
+        let parallel = file.ends_with("src/parallel.rs");
+        assert!(parallel || !code.contains("rayon::"), "{}: threads live in parallel.rs", file.display());
+        assert!(!code.contains("unsafe {"), "{}: no unsafe code", file.display());
+    }
+}
+
+#[test]
+fn every_component_is_complete() {
+    for component in COMPONENTS {
+        let label = component.name;
+        let folder = root().join("src").join(component.folder);
+        for file in ["mod.rs", "bound", "honest", "cases", "mistakes", "component.rs", "tests"] {
+            let found = folder.join(file).exists() || folder.join(format!("{file}.rs")).exists();
+            assert!(found, "{label}: no {file} in src/{}", component.folder);
+        }
+        let backward = folder.join("backward.rs").exists() || folder.join("backward").exists();
+        assert!(component.vjp.is_none() || backward, "{label}: a gradient without backward.rs");
+        let differentiable = component.inputs.iter().any(|port| port.gradient);
+        assert_eq!(differentiable, component.vjp.is_some(), "{label}: inputs with a gradient need a VJP");
+        assert!(!component.cases_of(Kind::Forward, &CS180).is_empty(), "{label}: no cases");
+        assert!(!component.mistakes.is_empty(), "{label}: no mistakes");
+        assert!(!component.formula.is_empty() && !component.source.is_empty(), "{label}: formula and source");
+        let mpmath = root().join("fixtures").join(label).join("mpmath.npz");
+        assert!(mpmath.exists(), "{label}: no fixture; make it with: python tools/golden.py --only {label}");
+    }
+}
+
+#[test]
+fn nothing_is_left_open() {
+    for file in sources(&root().join("src")).into_iter().chain(sources(&root().join("tests"))) {
+        if file.ends_with("tests/architecture.rs") {
+            continue;
+        }
+        let text = fs::read_to_string(&file).expect("readable source");
+        for word in ["todo!(", "unimplemented!(", "TODO", "FIXME", "#[ignore"] {
+            // A thread's own words may be quoted in the catalogue of mistakes.
+            let quoted = text.lines().filter(|l| l.contains(word)).all(|l| l.contains("nerfacc FIXME"));
+            assert!(quoted, "{}: {word}", file.display());
+        }
+    }
+}

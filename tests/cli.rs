@@ -1,0 +1,122 @@
+//! The program as a user meets it: what it prints, and how bad input ends.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn run(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_nerf-oracle")).args(args).output().expect("the program starts")
+}
+
+fn path(dir: &Path, name: &str) -> String {
+    dir.join(name).display().to_string()
+}
+
+/// Exit code 2, nothing on stdout, and a message with all of `words` in it.
+fn refused(args: &[&str], words: &[&str]) {
+    let output = run(args);
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+    assert!(output.stdout.is_empty(), "{args:?} printed to stdout");
+    assert!(!message.contains("panicked"), "{args:?}: {message}");
+    for word in words {
+        assert!(message.contains(word), "{args:?}: no \"{word}\" in: {message}");
+    }
+}
+
+/// The JSON object that a command prints.
+fn object(args: &[&str]) -> Value {
+    let output = run(args);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{args:?}: {message}");
+    serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{args:?}: {e}"))
+}
+
+#[test]
+fn usage_errors_end_with_two() {
+    refused(&[], &["Usage"]);
+    refused(&["paint"], &["paint"]);
+    refused(&["train", "builtin:spheres"], &["--out"]);
+    refused(&["train", "builtin:spheres", "--out", "x", "--steps", "0"], &["--steps", "above 0"]);
+    refused(&["train", "builtin:spheres", "--out", "x", "--background", "red"], &["black, white"]);
+    refused(&["render", "x", "--out", "y.gif", "--path", "circle"], &["orbit:N"]);
+}
+
+#[test]
+fn bad_input_is_named() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    refused(
+        &["train", "builtin:nothing", "--out", &path(dir.path(), "run")],
+        &["builtin:nothing", "builtin:"],
+    );
+    refused(&["train", "no_such.npz", "--out", &path(dir.path(), "run")], &["no_such.npz"]);
+    fs::write(dir.path().join("broken.npz"), b"PK\x03\x04 not really").expect("written");
+    refused(&["train", &path(dir.path(), "broken.npz"), "--out", &path(dir.path(), "run")], &["broken.npz"]);
+    refused(&["evaluate", &path(dir.path(), "no_run")], &["run.json", "Train first"]);
+    let near = ["train", "builtin:spheres", "--out", &path(dir.path(), "run"), "--near", "5", "--far", "2"];
+    refused(&near, &["near"]);
+    fs::write(dir.path().join("file"), b"").expect("written");
+    let below_a_file = path(dir.path(), "file/run");
+    refused(&["train", "builtin:spheres", "--out", &below_a_file], &["file"]);
+    refused(&["fit-image", &path(dir.path(), "file"), "--out", &path(dir.path(), "fit")], &["file"]);
+}
+
+#[test]
+fn a_run_can_be_trained_resumed_measured_and_rendered() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let run = path(dir.path(), "run");
+    let common = ["train", "builtin:blob", "--out", &run, "--model", "nerf", "--width", "16", "--rays", "64"];
+    let rest = ["--samples", "8", "--threads", "2", "--json"];
+    let train = |more: &[&str]| object(&[&common[..], &rest, more].concat());
+    let first = train(&["--steps", "4"]);
+    assert_eq!((&first["step"], &first["samples"]), (&Value::from(4), &Value::from(4 * 64 * 8)));
+    let whole = train(&["--steps", "8"]);
+    train(&["--steps", "4"]);
+    let resumed = train(&["--steps", "8", "--resume"]);
+    for figure in ["step", "samples", "loss", "val_psnr"] {
+        assert_eq!(whole[figure], resumed[figure], "{figure} differs behind --resume");
+    }
+    for file in ["run.json", "checkpoint.npz", "log.jsonl", "psnr.svg", "views"] {
+        assert!(Path::new(&run).join(file).exists(), "no {file}");
+    }
+    let scores = object(&["evaluate", &run, "--json"]);
+    assert_eq!(scores["psnr"], resumed["val_psnr"], "evaluate measures what train measured");
+    let gif = path(dir.path(), "film.gif");
+    let film = object(&["render", &run, "--out", &gif, "--path", "orbit:3", "--size", "24x16", "--json"]);
+    assert_eq!(film["frames"], 3);
+    assert_eq!(&fs::read(&gif).expect("a film")[..6], b"GIF89a");
+    refused(&["evaluate", &run, "--split", "test"], &["test", "photographs"]);
+}
+
+#[test]
+fn a_broken_checkpoint_is_refused() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let run = path(dir.path(), "run");
+    let args = ["train", "builtin:blob", "--out", &run, "--model", "nerf", "--width", "8", "--rays", "16"];
+    object(&[&args[..], &["--samples", "4", "--steps", "1", "--json"]].concat());
+    let file = Path::new(&run).join("checkpoint.npz");
+    let bytes = fs::read(&file).expect("a checkpoint");
+    fs::write(&file, &bytes[..bytes.len() / 2]).expect("written");
+    refused(&["render", &run, "--out", &path(dir.path(), "f.gif")], &["checkpoint.npz"]);
+}
+
+#[test]
+fn an_image_is_fitted() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let picture = path(dir.path(), "ramp.png");
+    image::RgbImage::from_fn(12, 9, |x, y| image::Rgb([20 * x as u8, 25 * y as u8, 128]))
+        .save(&picture)
+        .expect("saved");
+    let out = path(dir.path(), "fit");
+    let args =
+        ["fit-image", &picture, "--out", &out, "--steps", "150", "--batch", "108", "--width", "32", "--json"];
+    let fit = object(&args);
+    let log = fit["log"].as_array().expect("a log");
+    let steps: Vec<u64> = log.iter().map(|p| p["step"].as_u64().expect("a step")).collect();
+    assert_eq!(steps, [1, 101, 150]);
+    let psnr = |n: usize| log[n]["psnr"].as_f64().expect("a figure");
+    assert!(psnr(2) > psnr(0) + 5.0, "{} -> {}", psnr(0), psnr(2));
+    assert!(Path::new(&out).join("step_0101.png").exists() && Path::new(&out).join("psnr.svg").exists());
+}
