@@ -50,6 +50,11 @@ pub fn power_of_two(n: i32) -> f64 {
     libm::ldexp(1.0, n)
 }
 
+/// The error function, 2 / sqrt(pi) times the integral of e^(-t^2) from 0 to x.
+pub fn erf(x: f64) -> f64 {
+    libm::erf(x)
+}
+
 /// sin(pi x), exact where it is 0, +-1, and within 4 ULP elsewhere.
 ///
 /// x is reduced to x - n/2 in [-1/4, 1/4], which is exact in binary: `sin(PI * x)` instead rounds `PI * x`, so that

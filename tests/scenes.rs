@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use ndarray::ArrayD;
-use nerf_oracle::files::npz::{self, Array, Arrays};
-use nerf_oracle::scene::{self, Options};
+use glam::DVec3;
+use nerf_oracle::Error;
+use nerf_oracle::scene::{self, Options, Scene};
+use serde_json::{Value, json};
 
 /// A path beside the project, or nothing with a word about it.
 fn shared(name: &str) -> Option<PathBuf> {
@@ -42,23 +43,202 @@ fn tiny_nerf_is_the_same_scene_in_other_axes() {
 }
 
 #[test]
-fn arrays_of_every_type_come_back_and_the_bytes_are_always_the_same() {
+fn fox_has_a_lens_an_off_centre_axis_and_every_eighth_frame_held_out() {
+    let Some(path) = shared("fox_capture") else { return };
+    let scene = scene::load(path.to_str().unwrap(), &Options::default()).unwrap();
+    assert_eq!((scene.train.len(), scene.val.len(), scene.size()), (43, 7, (135, 240)));
+    assert_eq!((scene.val[0].name.as_str(), scene.warnings.len()), ("images/0001.png", 0));
+    let camera = &scene.train[0].camera;
+    assert_eq!((camera.k.fx, camera.k.fy, camera.k.cx, camera.k.cy), (171.94, 171.81125, 69.31975, 120.6585));
+    assert_eq!(camera.distortion.unwrap().k1, 0.0578421);
+    // The nearest camera stands 3.77 from the focus, the farthest 6.32.
+    assert!((scene.near - 3.77 / 2.0).abs() < 0.01 && (scene.far - 2.0 * 6.32).abs() < 0.01);
+}
+
+/// Two cameras 4 from the origin, along x and along y, looking at it: rows of OpenGL poses.
+const POSES: [[[f64; 4]; 4]; 2] = [
+    [[0.0, 0.0, 1.0, 4.0], [1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
+    [[-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 4.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]],
+];
+
+/// A folder with `transforms.json` and two 6x4 pictures, red with half opacity; `change` edits the JSON.
+fn captured(change: impl FnOnce(&mut Value)) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
-    let arrays: Arrays = [
-        ("f64", Array::F64(ArrayD::from_shape_fn(vec![2, 3], |i| i[0] as f64 + 0.1 * i[1] as f64))),
-        ("f32", Array::F32(ArrayD::from_elem(vec![4], 0.25))),
-        ("f16", Array::F16(ArrayD::from_elem(vec![2, 1, 2], half::f16::from_f64(0.333)))),
-        ("u8", Array::U8(ArrayD::from_elem(vec![0, 5], 1))),
-        ("i64", Array::I64(ArrayD::from_elem(vec![], -7))),
-    ]
-    .into_iter()
-    .map(|(name, array)| (name.to_string(), array))
-    .collect();
-    for compress in [false, true] {
-        let (a, b) = (folder.path().join("a.npz"), folder.path().join("b.npz"));
-        npz::write(&a, &arrays, compress).unwrap();
-        npz::write(&b, &arrays, compress).unwrap();
-        assert_eq!(npz::read(&a).unwrap(), arrays);
-        assert_eq!(std::fs::read(&a).unwrap(), std::fs::read(&b).unwrap());
+    let mut json = json!({ "fl_x": 8.0, "fl_y": 7.0, "cx": 2.5, "cy": 1.5, "w": 6, "h": 4, "frames": [
+        { "file_path": "b.png", "transform_matrix": POSES[1] },
+        { "file_path": "a.png", "transform_matrix": POSES[0] },
+    ] });
+    for name in ["a.png", "b.png"] {
+        image::RgbaImage::from_pixel(6, 4, image::Rgba([255, 0, 0, 128]))
+            .save(folder.path().join(name))
+            .unwrap();
+    }
+    change(&mut json);
+    std::fs::write(folder.path().join("transforms.json"), json.to_string()).unwrap();
+    folder
+}
+
+fn load(path: &Path) -> Result<Scene, Error> {
+    scene::load(path.to_str().unwrap(), &Options { holdout: Some(2), ..Options::default() })
+}
+
+/// That loading fails with a message that names each of `words`.
+fn refused(path: &Path, words: &[&str]) {
+    let error = load(path).map(|_| ()).expect_err(&format!("{words:?} should be refused"));
+    let message = error.to_string();
+    for word in words.iter().chain([&path.file_name().unwrap().to_str().unwrap()]) {
+        assert!(message.contains(word), "{word:?} isn't in: {message}");
+    }
+}
+
+#[test]
+fn transforms_turn_axes_composite_and_sort() {
+    let folder = captured(|_| ());
+    let scene = load(folder.path()).unwrap();
+    let (held, kept) = (&scene.val[0], &scene.train[0]);
+    assert_eq!((held.name.as_str(), kept.name.as_str()), ("a.png", "b.png"), "sorted by file_path");
+    let k = kept.camera.k;
+    assert_eq!((k.fx, k.fy, k.cx, k.cy, kept.camera.distortion), (8.0, 7.0, 2.5, 1.5, None));
+    // OpenCV axes: the third column looks at the origin, the second points down.
+    assert_eq!(held.camera.c2w.z_axis.truncate(), -DVec3::X);
+    assert_eq!(held.camera.c2w.y_axis.truncate(), -DVec3::Z);
+    assert_eq!(held.camera.c2w.w_axis.truncate(), DVec3::X * 4.0);
+    assert_eq!(kept.image.as_ref().unwrap()[[3, 5, 0]], 128.0 / 255.0, "over black");
+    let white = Options { background: Some([1.0; 3]), near: Some(1.0), ..Options::default() };
+    let scene = scene::load(folder.path().to_str().unwrap(), &white).unwrap();
+    assert!((scene.train[0].image.as_ref().unwrap()[[0, 0, 1]] - 127.0 / 255.0).abs() < 1e-6, "over white");
+    assert_eq!(scene.reasons["near"], "1.0000: given");
+}
+
+#[test]
+fn a_frame_has_its_own_intrinsics_and_lens() {
+    let folder = captured(|json| {
+        json["frames"][0]["fl_x"] = json!(9.0);
+        json["frames"][0]["k1"] = json!(0.1);
+    });
+    let scene = load(folder.path()).unwrap();
+    assert_eq!((scene.train[0].camera.k.fx, scene.val[0].camera.k.fx), (9.0, 8.0));
+    assert_eq!(scene.train[0].camera.distortion.unwrap().k1, 0.1);
+    assert_eq!(scene.val[0].camera.distortion, None);
+}
+
+#[test]
+fn blender_gives_an_angle_and_a_file_a_split() {
+    let folder = captured(|_| ());
+    for (split, name) in [("train", "./a"), ("val", "./b"), ("test", "./b")] {
+        let pose = POSES[usize::from(split != "train")];
+        let json =
+            json!({ "camera_angle_x": 0.5, "frames": [{ "file_path": name, "transform_matrix": pose }] });
+        std::fs::write(folder.path().join(format!("transforms_{split}.json")), json.to_string()).unwrap();
+    }
+    let options = Options { near: Some(2.0), far: Some(6.0), ..Options::default() };
+    let path = folder.path().to_str().unwrap();
+    let scene = scene::load(path, &options).unwrap();
+    assert_eq!((scene.train.len(), scene.val.len(), scene.test.len()), (1, 1, 1));
+    let k = scene.train[0].camera.k;
+    assert_eq!((k.fx, k.fy, k.cx, k.cy), (3.0 / 0.25f64.tan(), 3.0 / 0.25f64.tan(), 3.0, 2.0));
+    assert!(scene.test[0].image.is_none());
+    let scene = scene::load(path, &Options { test_images: true, ..options }).unwrap();
+    assert!(scene.test[0].image.is_some());
+}
+
+#[test]
+fn a_missing_picture_is_named_and_all_missing_is_an_error() {
+    let folder = captured(|json| {
+        json["frames"].as_array_mut().unwrap().push(json!({
+            "file_path": "gone.png", "transform_matrix": POSES[0]
+        }))
+    });
+    let scene = load(folder.path()).unwrap();
+    assert_eq!(scene.train.len() + scene.val.len(), 2);
+    assert!(scene.warnings[0].contains("gone.png"), "{:?}", scene.warnings);
+    for name in ["a.png", "b.png"] {
+        std::fs::remove_file(folder.path().join(name)).unwrap();
+    }
+    let message = load(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("none of 3 pictures, a.png the first"), "{message}");
+}
+
+#[test]
+fn bad_transforms_are_refused_by_field() {
+    type Change = fn(&mut Value);
+    let cases: [(&[&str], Change); 14] = [
+        (&["frames", "a list of frames"], |json| json["frames"] = json!([])),
+        (&["frames[1].file_path"], |json| json["frames"][1]["file_path"] = json!(7)),
+        (&["fl_x", "-8", "positive"], |json| json["fl_x"] = json!(-8.0)),
+        (&["fl_y", "0", "positive"], |json| json["fl_y"] = json!(0)),
+        (&["neither fl_x nor camera_angle_x"], |json| json["fl_x"] = json!(null)),
+        (&["size of a.png", "6x4", "12x8"], |json| (json["w"], json["h"]) = (json!(12), json!(8))),
+        (&["camera_model", "OPENCV_FISHEYE", "undistort"], |json| {
+            json["camera_model"] = json!("OPENCV_FISHEYE")
+        }),
+        (&["k3 of a.png", "0.01"], |json| json["k3"] = json!(0.01)),
+        (&["is_fisheye of b.png"], |json| json["frames"][0]["is_fisheye"] = json!(true)),
+        (&["transform_matrix of b.png", "no matrix"], |json| {
+            json["frames"][0]["transform_matrix"] = json!("I")
+        }),
+        (&["transform_matrix of b.png", "NaN in row 1, column 3"], |json| {
+            json["frames"][0]["transform_matrix"][1][3] = json!(null);
+        }),
+        (&["transform_matrix of b.png", "R R^T off the identity by 3"], |json| {
+            json["frames"][0]["transform_matrix"][2][1] = json!(2.0);
+        }),
+        (&["transform_matrix of b.png", "reflection"], |json| {
+            json["frames"][0]["transform_matrix"][2][1] = json!(-1.0)
+        }),
+        (&["transform_matrix of b.png", "last row"], |json| {
+            json["frames"][0]["transform_matrix"][3][3] = json!(2.0)
+        }),
+    ];
+    for (words, change) in cases {
+        let folder = captured(change);
+        refused(&folder.path().join("transforms.json"), words);
+    }
+}
+
+#[test]
+fn damaged_json_and_pictures_are_refused_by_name() {
+    let folder = captured(|_| ());
+    let path = folder.path().join("transforms.json");
+    std::fs::write(folder.path().join("a.png"), "not a picture").unwrap();
+    let message = load(&path).unwrap_err().to_string();
+    assert!(message.contains("a.png: picture"), "{message}");
+    std::fs::write(&path, &std::fs::read(&path).unwrap()[..100]).unwrap();
+    refused(&path, &["JSON", "EOF"]);
+    let empty = tempfile::tempdir().unwrap();
+    refused(empty.path(), &["a folder without transforms.json"]);
+    refused(&empty.path().join("none"), &["nothing there"]);
+}
+
+#[test]
+fn cameras_that_look_the_same_way_need_near_and_far() {
+    let folder = captured(|json| {
+        json["frames"][1]["transform_matrix"] = json["frames"][0]["transform_matrix"].clone();
+        json["frames"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({ "file_path": "./a.png", "transform_matrix": POSES[1] }));
+    });
+    let path = folder.path().join("transforms.json");
+    refused(&path, &["near and far", "meet nowhere", "--near"]);
+    let options = Options { near: Some(1.0), far: Some(7.0), ..Options::default() };
+    let scene = scene::load(path.to_str().unwrap(), &options).unwrap();
+    assert!(scene.focus.length() < 1e-12, "the middle of the range of a camera 4 from the origin");
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused() {
+    let options = Options::default;
+    for (word, options) in [
+        ("--near", Options { near: Some(6.0), far: Some(2.0), ..options() }),
+        ("--near", Options { near: Some(f64::NAN), ..options() }),
+        ("--far", Options { far: Some(-1.0), ..options() }),
+        ("--holdout", Options { holdout: Some(1), ..options() }),
+        ("near and far", Options { near: Some(7.0), ..options() }),
+        ("builtin:cube", options()),
+    ] {
+        let name = if word.starts_with("builtin") { word } else { "builtin:blob" };
+        let message = scene::load(name, &options).unwrap_err().to_string();
+        assert!(message.contains(word), "{message}");
     }
 }

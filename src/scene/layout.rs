@@ -53,7 +53,8 @@ pub enum Backdrop {
 /// cameras. The farthest at R: far = 3 R / 2 over a plain background (an object as large as half the distance to it), 2 R in
 /// front of the world. On the synthetic scenes of the NeRF paper, r = R = 4.03, this is their customary 2 and 6, which is used exactly.
 pub fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Options) -> Result<()> {
-    let cameras: Vec<&Camera> = scene.train.iter().map(|frame| &frame.camera).collect();
+    // Held-out cameras count: the scene doesn't move when another frame is held out.
+    let cameras: Vec<&Camera> = scene.train.iter().chain(&scene.val).map(|frame| &frame.camera).collect();
     let focus = common_focus(&cameras);
     let distances = focus.map(|focus| {
         let distances = cameras.iter().map(|camera| (focus - centre(camera)).length());

@@ -3,6 +3,8 @@
 //! Whatever a file's own convention, a [`Scene`] has OpenCV axes (x right, y down, z forward), pixels as intrinsics and colours
 //! in [0, 1]. `near` and `far` are distances along unit directions.
 
+use std::path::Path;
+
 use glam::DVec3;
 use ndarray::Array3;
 use serde_json::{Map, Value};
@@ -10,10 +12,16 @@ use serde_json::{Map, Value};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 
+pub mod builtin;
+mod card;
 mod check;
 mod layout;
+mod lens;
 mod npz;
+mod transforms;
 
+pub use builtin::Medium;
+pub use card::card;
 pub use layout::common_focus;
 
 /// One camera, with what it saw.
@@ -114,16 +122,24 @@ impl Scene {
 /// Where anything in the scene isn't what it should be, by file and field.
 pub fn load(scene: &str, options: &Options) -> Result<Scene> {
     check::options(options)?;
-    let path = std::path::Path::new(scene);
-    if path.extension().is_some_and(|extension| extension == "npz") {
+    if let Some(name) = scene.strip_prefix("builtin:") {
+        return builtin::load(name, options);
+    }
+    let path = Path::new(scene);
+    let is = |kind: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(kind));
+    if is("npz") {
         return npz::load(path, options);
     }
-    let advice = "Run `nerf-oracle train --help` for the kinds of scenes.";
-    Err(Error::input(
-        scene,
-        "scene",
-        "neither",
-        "builtin:NAME, an .npz, or a folder of transforms*.json",
-        advice,
-    ))
+    let folder = ["transforms.json", "transforms_train.json"].iter().any(|file| path.join(file).is_file());
+    if is("json") || folder {
+        return transforms::load(path, options);
+    }
+    let found = match (path.is_dir(), path.exists()) {
+        (true, _) => "a folder without transforms.json or transforms_train.json",
+        (_, true) => "a file of another kind",
+        (_, false) => "nothing there",
+    };
+    let expected = "builtin:NAME, an .npz, or a folder or file of transforms*.json";
+    let advice = "Start with `nerf-oracle train builtin:spheres --out out/spheres`, which needs no file.";
+    Err(Error::input(scene, "scene", found, expected, advice))
 }

@@ -1,0 +1,107 @@
+//! Intrinsics and lens of a `transforms.json`: a frame's own value before the file's, and only lenses that are modelled.
+
+use serde_json::Value;
+
+use super::check;
+use super::transforms::Transforms;
+use crate::camera::{Distortion, Intrinsics};
+use crate::error::{Error, Result};
+
+/// Names of camera models that k1, k2, p1, p2 cover.
+const MODELLED: [&str; 6] = ["OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "perspective"];
+
+/// A number of a frame, or of the file.
+fn number(transforms: &Transforms, frame: &Value, key: &str) -> Option<f64> {
+    frame[key].as_f64().or_else(|| transforms.json[key].as_f64())
+}
+
+/// Width, height and K. `size` is the picture's, where there is one.
+///
+/// fx is `fl_x`, or from `camera_angle_x`: w / 2 / tan(angle / 2). fy is `fl_y`, or from `camera_angle_y` where fx came from an
+/// angle too, or fx. The principal point is `cx`, `cy`, or the middle.
+pub fn intrinsics(
+    transforms: &Transforms,
+    name: &str,
+    frame: &Value,
+    size: Option<(usize, usize)>,
+) -> Result<(usize, usize, Intrinsics)> {
+    let file = transforms.file();
+    let get = |key: &str| number(transforms, frame, key);
+    let declared = match (get("w"), get("h")) {
+        (Some(w), Some(h)) => Some((w as usize, h as usize)),
+        _ => None,
+    };
+    if let (Some(size), Some(declared)) = (size, declared)
+        && size != declared
+    {
+        let advice = "Resize the pictures, or scale w, h, fl_x, fl_y, cx and cy to them.";
+        let (found, expected) = (format!("{}x{}", size.0, size.1), format!("{}x{}", declared.0, declared.1));
+        return Err(Error::input(
+            file,
+            format!("size of {name}"),
+            found,
+            format!("{expected} (w, h)"),
+            advice,
+        ));
+    }
+    let (width, height) = size.or(declared).unwrap_or((0, 0));
+    if width == 0 || height == 0 {
+        let advice = "Give w and h in pixels.";
+        return Err(Error::input(file, format!("w and h of {name}"), "no size", "a picture's size", advice));
+    }
+    let from_angle =
+        |key: &str, side: usize| get(key).map(|angle| 0.5 * side as f64 / libm::tan(0.5 * angle));
+    let (field, fx) = match get("fl_x") {
+        Some(fx) => ("fl_x", Some(fx)),
+        None => ("camera_angle_x", from_angle("camera_angle_x", width)),
+    };
+    let Some(fx) = fx else {
+        let advice = "Give fl_x in pixels or camera_angle_x in radians.";
+        return Err(Error::input(file, "fl_x", "neither fl_x nor camera_angle_x", "a focal length", advice));
+    };
+    let fx = check::focal(&file, field, fx)?;
+    let fy = match (get("fl_y"), field) {
+        (Some(fy), _) => check::focal(&file, "fl_y", fy)?,
+        (None, "camera_angle_x") => match from_angle("camera_angle_y", height) {
+            Some(fy) => check::focal(&file, "camera_angle_y", fy)?,
+            None => fx,
+        },
+        (None, _) => fx,
+    };
+    let (cx, cy) = (get("cx").unwrap_or(width as f64 / 2.0), get("cy").unwrap_or(height as f64 / 2.0));
+    Ok((width, height, Intrinsics { fx, fy, cx, cy }))
+}
+
+/// The lens, where any coefficient isn't 0.
+///
+/// # Errors
+/// Where the file names a camera that isn't modelled, or has coefficients beyond k1, k2, p1, p2: leaving them out would bend every ray.
+pub fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result<Option<Distortion>> {
+    let refuse = |field: &str, found: String| {
+        let advice =
+            "Undistort the pictures beforehand (colmap image_undistorter) and give a pinhole camera.";
+        let expected = "a pinhole camera, with k1, k2, p1, p2 at most";
+        Err(Error::input(transforms.file(), format!("{field} of {name}"), found, expected, advice))
+    };
+    for source in [frame, &transforms.json] {
+        if let Some(model) = source["camera_model"].as_str().filter(|model| !MODELLED.contains(model)) {
+            return refuse("camera_model", model.into());
+        }
+        for flag in ["is_fisheye", "is_equirectangular", "is_latlong"] {
+            if source[flag].as_bool() == Some(true) {
+                return refuse(flag, "true".into());
+            }
+        }
+        for key in ["k3", "k4", "k5", "k6", "ftheta_p0", "rolling_shutter"] {
+            let used = source[key].as_f64().is_some_and(|x| x != 0.0)
+                || source[key].as_array().is_some_and(|list| list.iter().any(|x| x.as_f64() != Some(0.0)));
+            if used {
+                return refuse(key, source[key].to_string());
+            }
+        }
+    }
+    let get = |key: &str| number(transforms, frame, key).unwrap_or(0.0);
+    let lens = Distortion { k1: get("k1"), k2: get("k2"), p1: get("p1"), p2: get("p2") };
+    let plain = [lens.k1, lens.k2, lens.p1, lens.p2].iter().all(|&x| x == 0.0);
+    Ok((!plain).then_some(lens))
+}

@@ -1,0 +1,205 @@
+//! Scenes as `transforms*.json`: Blender's (one angle, a file a split) and instant-ngp's or nerfstudio's (intrinsics in pixels).
+
+use std::path::{Path, PathBuf};
+
+use glam::DVec3;
+use serde_json::Value;
+
+use super::layout::{Backdrop, settle};
+use super::lens::{intrinsics, lens};
+use super::{Frame, Options, Scene, check};
+use crate::camera::Camera;
+use crate::error::{Error, Result};
+use crate::files::{self, picture};
+
+/// One parsed file.
+pub struct Transforms {
+    /// Where it lies.
+    pub path: PathBuf,
+    /// All of it.
+    pub json: Value,
+}
+
+impl Transforms {
+    fn read(path: &Path) -> Result<Transforms> {
+        let text = files::read_text(path)?;
+        let json = serde_json::from_str(&text).map_err(|error| {
+            let advice = "Write it again with instant-ngp's, nerfstudio's or Blender's exporter.";
+            Error::input(path.display(), "JSON", error, "a whole transforms.json", advice)
+        })?;
+        Ok(Transforms { path: path.to_path_buf(), json })
+    }
+
+    /// The file's name for messages.
+    pub fn file(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    /// The frames, sorted by `file_path`.
+    fn frames(&self) -> Result<Vec<(&str, &Value)>> {
+        let advice = "Check which program wrote the file.";
+        let Some(frames) = self.json["frames"].as_array().filter(|frames| !frames.is_empty()) else {
+            return Err(Error::input(self.file(), "frames", "none", "a list of frames", advice));
+        };
+        let mut named = Vec::with_capacity(frames.len());
+        for (i, frame) in frames.iter().enumerate() {
+            let Some(name) = frame["file_path"].as_str() else {
+                let field = format!("frames[{i}].file_path");
+                return Err(Error::input(self.file(), field, &frame["file_path"], "a path", advice));
+            };
+            named.push((name, frame));
+        }
+        named.sort_by_key(|(name, _)| *name);
+        Ok(named)
+    }
+
+    /// The picture of a frame: beside the file, `.png` where the path has no extension (Blender). `None` where it isn't there.
+    fn picture(&self, name: &str) -> Option<PathBuf> {
+        let beside = self.path.parent().unwrap_or(Path::new("")).join(name);
+        let mut with_png = beside.clone().into_os_string();
+        with_png.push(".png");
+        [beside, with_png.into()].into_iter().find(|path| path.is_file())
+    }
+}
+
+/// Reads a folder with `transforms_train.json` (and `_val`, `_test`) or `transforms.json`, or one such file.
+pub fn load(path: &Path, options: &Options) -> Result<Scene> {
+    let split = |name: &str| path.join(format!("transforms_{name}.json"));
+    if path.is_dir() && split("train").is_file() {
+        return splits(path, split("train"), split("val"), split("test"), options);
+    }
+    let file = if path.is_dir() { path.join("transforms.json") } else { path.to_path_buf() };
+    let transforms = Transforms::read(&file)?;
+    let mut scene = Scene::empty(&path.display().to_string(), options);
+    let mut reader = Reader { scene: &mut scene, seen_through: false, size: None };
+    let frames = reader.frames(&transforms, true)?;
+    let backdrop = reader.backdrop();
+    scene.hold_out(frames, options);
+    scene.bounds = ngp_box(&transforms, &mut scene);
+    finish(scene, &transforms.file(), backdrop, options)
+}
+
+/// Blender's three files. Without a validation split, frames of the training split are held out.
+fn splits(folder: &Path, train: PathBuf, val: PathBuf, test: PathBuf, options: &Options) -> Result<Scene> {
+    let mut scene = Scene::empty(&folder.display().to_string(), options);
+    let mut reader = Reader { scene: &mut scene, seen_through: false, size: None };
+    let train_frames = reader.frames(&Transforms::read(&train)?, true)?;
+    let mut val_frames = Vec::new();
+    if val.is_file() {
+        val_frames = reader.frames(&Transforms::read(&val)?, true)?;
+    }
+    let mut test_frames = Vec::new();
+    if test.is_file() {
+        test_frames = reader.frames(&Transforms::read(&test)?, options.test_images)?;
+    }
+    let backdrop = reader.backdrop();
+    scene.test = test_frames;
+    if val_frames.is_empty() {
+        scene.hold_out(train_frames, options);
+    } else {
+        scene.train = train_frames;
+        scene.val = val_frames;
+        scene.reasons.insert("val".into(), Value::from("the scene's own split"));
+        if options.holdout.is_some() {
+            scene.warnings.push("--holdout is not used: the scene has a validation split of its own.".into());
+        }
+    }
+    finish(scene, &train.display().to_string(), backdrop, options)
+}
+
+fn finish(mut scene: Scene, file: &str, backdrop: Backdrop, options: &Options) -> Result<Scene> {
+    check::frames(file, &scene.train, &scene.val)?;
+    settle(&mut scene, file, backdrop, options)?;
+    Ok(scene)
+}
+
+/// Reads frames into a scene's warnings and background.
+struct Reader<'a> {
+    scene: &'a mut Scene,
+    /// Whether any picture had transparent pixels.
+    seen_through: bool,
+    /// The size of the last picture: that of poses without one.
+    size: Option<(usize, usize)>,
+}
+
+impl Reader<'_> {
+    /// Every frame of a file; those whose picture is missing are named in a warning and left out.
+    fn frames(&mut self, transforms: &Transforms, images: bool) -> Result<Vec<Frame>> {
+        let named = transforms.frames()?;
+        let mut frames = Vec::with_capacity(named.len());
+        let mut missing = Vec::new();
+        for (name, value) in named {
+            match (images, transforms.picture(name)) {
+                (true, None) => missing.push(name),
+                (true, Some(path)) => frames.push(self.frame(transforms, name, value, Some(&path))?),
+                (false, _) => frames.push(self.frame(transforms, name, value, None)?),
+            }
+        }
+        if frames.is_empty() {
+            let advice = "Paths are taken from the folder that the file lies in.";
+            let found = format!("none of {} pictures, {} the first", missing.len(), missing[0]);
+            return Err(Error::input(transforms.file(), "frames", found, "pictures at file_path", advice));
+        }
+        if !missing.is_empty() {
+            let list = missing.join(", ");
+            self.scene.warnings.push(format!("{}: left out, picture missing: {list}", transforms.file()));
+        }
+        Ok(frames)
+    }
+
+    /// One frame: pose, intrinsics (its own before the file's), picture over the background.
+    fn frame(
+        &mut self,
+        transforms: &Transforms,
+        name: &str,
+        value: &Value,
+        path: Option<&Path>,
+    ) -> Result<Frame> {
+        let file = transforms.file();
+        let field = format!("transform_matrix of {name}");
+        let Some(matrix) = check::matrix(&value["transform_matrix"]) else {
+            let advice = "Every frame needs its camera-to-world pose.";
+            return Err(Error::input(file, field, "no matrix", "four rows of four numbers", advice));
+        };
+        let c2w = check::opengl_to_opencv(check::pose(&file, &field, matrix.view())?);
+        let mut image = None;
+        if let Some(path) = path {
+            let rgba = picture::read(path)?;
+            self.size = Some((rgba.dim().1, rgba.dim().0));
+            self.seen_through |= rgba.iter().skip(3).step_by(4).any(|&a| a < 1.0);
+            image = Some(picture::over(rgba.view(), self.scene.background.map(|c| c as f32)));
+        }
+        let (width, height, k) = intrinsics(transforms, name, value, self.size)?;
+        let distortion = lens(transforms, name, value)?;
+        Ok(Frame { name: name.into(), camera: Camera { width, height, k, c2w, distortion }, image })
+    }
+
+    /// Transparent pixels mean an object cut out; none, a photograph.
+    fn backdrop(&mut self) -> Backdrop {
+        if !self.seen_through {
+            return Backdrop::World;
+        }
+        let background = self.scene.background;
+        let why = self.scene.reasons.get("background").and_then(Value::as_str).unwrap_or_default();
+        let why = format!("{why}; transparent pixels were composited over {background:?}");
+        self.scene.reasons.insert("background".into(), Value::from(why));
+        Backdrop::Plain
+    }
+}
+
+/// instant-ngp's box: a cube of `aabb_scale` in its own units, x_ngp = scale x + offset around 0.5, scale 0.33 unless the file says.
+fn ngp_box(transforms: &Transforms, scene: &mut Scene) -> Option<(DVec3, DVec3)> {
+    let side = transforms.json["aabb_scale"].as_f64().filter(|side| *side > 0.0)?;
+    let scale = transforms.json["scale"].as_f64().filter(|scale| *scale > 0.0).unwrap_or(0.33);
+    let centred = transforms.json["offset"].is_null();
+    if !centred {
+        // The offset is in axes that instant-ngp permutes; a box in the wrong place is worse than none.
+        return None;
+    }
+    scene.reasons.insert(
+        "bounds".into(),
+        Value::from(format!("aabb_scale {side} over scale {scale}, as instant-ngp takes it")),
+    );
+    let half = DVec3::splat(side / (2.0 * scale));
+    Some((-half, half))
+}
