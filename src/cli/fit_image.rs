@@ -14,6 +14,7 @@ use crate::error::Result;
 use crate::files::{self, picture};
 use crate::parallel;
 use crate::report::{curve, sheet, table};
+use crate::scene;
 use crate::training::image::{LogPoint, Settings, fit};
 
 /// Options of `fit-image`.
@@ -102,6 +103,9 @@ fn settings(args: &Args) -> Settings {
 
 /// A picture by path or `builtin:card`, its longest side reduced to `size`.
 pub fn load(image: &str, size: Option<usize>) -> Result<Array3<f32>> {
+    if image == "builtin:card" {
+        return Ok(scene::card(size.unwrap_or(256)));
+    }
     let target = picture::read(Path::new(image))?;
     let (h, w, _) = target.dim();
     let Some(size) = size.filter(|&size| size < h.max(w)) else { return Ok(target) };

@@ -12,11 +12,19 @@ use crate::files;
 /// The most bytes a picture may take when decoded.
 const LARGEST: u64 = 1 << 30;
 
+/// Reads a picture as (H, W, 3) in [0, 1], transparent pixels over black.
+///
+/// # Errors
+/// As [`read_rgba`].
+pub fn read(path: &Path) -> Result<Array3<f32>> {
+    Ok(over(read_rgba(path)?.view(), [0.0; 3]))
+}
+
 /// Reads a picture as (H, W, 4): red, green, blue and opacity (not multiplied in; 1 where the file has none), each in [0, 1].
 ///
 /// # Errors
 /// Where the file can't be read, isn't a picture, or is larger than memory should be spent on.
-pub fn read(path: &Path) -> Result<Array3<f32>> {
+pub fn read_rgba(path: &Path) -> Result<Array3<f32>> {
     let bytes = std::fs::read(path).map_err(Error::reading(path))?;
     let decode = || {
         let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;

@@ -164,7 +164,7 @@ impl Reader<'_> {
         let c2w = check::opengl_to_opencv(check::pose(&file, &field, matrix.view())?);
         let mut image = None;
         if let Some(path) = path {
-            let rgba = picture::read(path)?;
+            let rgba = picture::read_rgba(path)?;
             self.size = Some((rgba.dim().1, rgba.dim().0));
             self.seen_through |= rgba.iter().skip(3).step_by(4).any(|&a| a < 1.0);
             image = Some(picture::over(rgba.view(), self.scene.background.map(|c| c as f32)));
