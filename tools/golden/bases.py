@@ -9,9 +9,9 @@ from . import reals
 from .fixture import SEED, Draw, Fixture
 
 
-def marked(component, name):
-    """Whether an input has a gradient."""
-    return any(fnmatch(name, pattern) for pattern in component.DIFFERENTIABLE)
+def marked(names, patterns):
+    """Those names that have a gradient."""
+    return [name for name in names if any(fnmatch(name, pattern) for pattern in patterns)]
 
 
 def cotangents_of(case, outputs, purpose):
@@ -25,16 +25,19 @@ def select(case, outputs):
     return {name: y for name, y in outputs.items() if not case.outputs or name in case.outputs}
 
 
-def mpmath_basis(component):
+def settings(case):
+    """What a component sees beside its arrays."""
+    return {"conventions": case.conventions, "quirks": case.quirks}
+
+
+def in_reals(component, cases, patterns):
     """The definition over the reals: every output as hi + lo, with its largest term where that isn't its own value."""
     fixture = Fixture(component.NAME, "mpmath", [SEED, component.PURPOSE])
-    for case in component.cases():
-        if "mpmath" not in case.bases:
-            continue
+    for case in cases:
         lifted = {name: reals.lift(value) for name, value in case.inputs.items()}
-        outputs = select(case, component.over_reals(lifted | {"conventions": case.conventions}))
+        outputs = select(case, component.over_reals(lifted | settings(case)))
         fixture.add(case.name, "forward", case, inputs_of(case.inputs) | exact_outputs(outputs))
-        wanted = {name: x for name, x in lifted.items() if marked(component, name)}
+        wanted = {name: lifted[name] for name in marked(lifted, patterns)}
         if case.vjp and wanted:
             given = cotangents_of(case, outputs, component.PURPOSE)
             found = {f"grad_{name}": g for name, g in reals.vjp(outputs, given, wanted).items()}
@@ -43,16 +46,13 @@ def mpmath_basis(component):
     return fixture
 
 
-def torch_basis(component):
-    """The same cases in torch f64 with autograd. Written with torch's own operations."""
-    fixture = Fixture(component.NAME, "torch", [SEED, component.PURPOSE])
-    fixture.known_differences = getattr(component, "TORCH_DIFFERENCES", [])
-    for case in component.cases():
-        if "torch" not in case.bases:
-            continue
+def in_tensors(component, basis, run, cases, patterns):
+    """The same cases as tensors in f64 with autograd: `run` takes and gives dictionaries of them."""
+    fixture = Fixture(component.NAME, basis, [SEED, component.PURPOSE])
+    for case in cases:
         tensors = {name: torch.tensor(np.asarray(value, dtype=np.float64)) for name, value in case.inputs.items()}
-        wanted = {n: x.requires_grad_() for n, x in tensors.items() if case.vjp and marked(component, n)}
-        outputs = select(case, component.in_torch(tensors | {"conventions": case.conventions}))
+        wanted = {name: tensors[name].requires_grad_() for name in marked(tensors, patterns) if case.vjp}
+        outputs = select(case, run(tensors | settings(case)))
         stored = {f"out.{name}": y.detach().numpy() for name, y in outputs.items()}
         fixture.add(case.name, "forward", case, inputs_of(case.inputs) | stored)
         if wanted:
@@ -82,7 +82,7 @@ def exact_outputs(outputs):
 
 
 def measure(fixture, truth):
-    """Records torch's own error for every output: `ulp` times `unit`, the ulp of the largest term in the tensor."""
+    """Records the basis' own error for every output: `ulp` times `unit`, the ulp of the largest term in the tensor."""
     for entry in fixture.cases:
         outputs = {}
         for name in [key for key in fixture.arrays if key.startswith(f"{entry['name']}.out.")]:
@@ -91,6 +91,5 @@ def measure(fixture, truth):
             unit = float(np.spacing(np.max(term[np.isfinite(term)], initial=0.0)))
             with np.errstate(invalid="ignore"):
                 off = np.where(fixture.arrays[name] == hi, np.abs(lo), np.abs((fixture.arrays[name] - hi) - lo))
-            error = float(np.max(off, initial=0.0))
-            outputs[name.split(".out.")[1]] = {"ulp": float(f"{error / unit:.3g}"), "unit": unit}
+            outputs[name.split(".out.")[1]] = {"ulp": float(f"{np.max(off, initial=0.0) / unit:.3g}"), "unit": unit}
         entry["outputs"] = outputs

@@ -49,7 +49,8 @@ def agrees(committed, now, limit):
         return False
     if limit == 0.0:
         return committed.tobytes() == now.tobytes()
-    return bool(np.all((committed == now) | (np.abs(committed - now) <= limit)))
+    with np.errstate(invalid="ignore"):
+        return bool(np.all((committed == now) | (np.abs(committed - now) <= limit)))
 
 
 def strangers(folder):

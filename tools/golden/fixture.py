@@ -26,7 +26,7 @@ SHARED = {"fixture", "bases", "reals"}
 class Case:
     """One set of inputs. `vjp` adds a case `<name>-vjp` with cotangents drawn in [-1, 1), or `cotangents` where given.
 
-    `outputs` names the outputs to store (all when empty); `bases` the bases that the case exists in.
+    `outputs` names the outputs to store (all when empty); `quirks` what a basis does otherwise on purpose, with its numbers.
     """
 
     name: str
@@ -37,12 +37,12 @@ class Case:
     vjp: bool = True
     cotangents: dict = field(default_factory=dict)
     outputs: tuple = ()
-    bases: tuple = ("mpmath", "torch")
+    quirks: dict = field(default_factory=dict)
 
 
 @dataclass
 class Fixture:
-    """What one npz and its JSON hold. `settings` is merged into the JSON's top level."""
+    """What one npz and its JSON hold."""
 
     component: str
     basis: str
@@ -57,6 +57,8 @@ class Fixture:
         entry = {"name": name, "kind": kind, "flags": case.flags, "comment": case.comment}
         if case.conventions:
             entry["conventions"] = case.conventions
+        if case.quirks:
+            entry["quirks"] = case.quirks
         self.cases.append(entry | more)
         for key, value in arrays.items():
             self.arrays[f"{name}.{key}"] = np.asarray(value, dtype="<f8", order="C")

@@ -2,13 +2,14 @@
 
 import numpy as np
 import torch
+from kornia.nerf.samplers import UniformRaySampler
 
-from . import pixel_to_ray
+from . import pixel_to_ray, reals
 from .fixture import Case, Draw
 from .reals import Real
 
 NAME, PURPOSE = "image_rays", 1004
-DIFFERENTIABLE = ()
+DIFFERENTIABLE = KORNIA_DIFFERENTIABLE = ()
 
 
 def cases():
@@ -22,6 +23,14 @@ def cases():
         yield Case(name, inputs | {"c2w": pixel_to_ray.poses(Draw(PURPOSE, name), 1)[0]}, comment)
 
 
+def kornia_cases():
+    """UniformRaySampler: integer pixels; rays begin on the plane z = near and are as long as the way to z = far."""
+    inputs = {"height": 3, "width": 4, "focal": 4.375, "cx": 1.75, "cy": 1.5, "c2w": pixel_to_ray.poses(Draw(PURPOSE, "kornia"), 1)[0]}
+    conventions = {"pixel_centre": "integer", "directions": "depth"}
+    quirks = {"rays_from_near_to_far": [2.0, 6.0], "homogeneous_eps": 1e-8}
+    yield Case("uniform-sampler", inputs, "calc_ray_params over all pixels", conventions=conventions, quirks=quirks)
+
+
 def over_reals(x):
     """The definition, pixel by pixel."""
     height, width = int(x["height"].item().value), int(x["width"].item().value)
@@ -29,11 +38,22 @@ def over_reals(x):
     focal, cx, cy = x["focal"].item(), x["cx"].item(), x["cy"].item()
     k = np.array([[focal, zero, cx], [zero, focal, cy], [zero, zero, one]], dtype=object)
     uv, rays_o, rays_d = (np.empty((height, width, n), object) for n in (2, 3, 3))
+    centre = 0.0 if x["conventions"].get("pixel_centre") == "integer" else 0.5
+    unit = x["conventions"].get("directions") != "depth"
     for j, i in np.ndindex(height, width):
-        uv[j, i] = [Real(i + 0.5), Real(j + 0.5)]
+        uv[j, i] = [Real(i + centre), Real(j + centre)]
         rays_o[j, i] = x["c2w"][:3, 3]
-        rays_d[j, i] = pixel_to_ray.direction(k, x["c2w"], uv[j, i])
+        rays_d[j, i] = pixel_to_ray.direction(k, x["c2w"], uv[j, i], unit)
+        if "rays_from_near_to_far" in x["quirks"]:
+            rays_o[j, i], rays_d[j, i] = kornia_ray(rays_o[j, i], rays_d[j, i], x["quirks"])
     return {"uv": uv, "rays_o": rays_o, "rays_d": rays_d}
+
+
+def kornia_ray(o, d, quirks):
+    """From the plane z = near to the plane z = far, both points divided by 1 + eps."""
+    near, far = quirks["rays_from_near_to_far"]
+    scale = Real(1 + reals.mpf(quirks["homogeneous_eps"]))
+    return [(a + b * near) / scale for a, b in zip(o, d)], [b * (far - near) / scale for b in d]
 
 
 def in_torch(x):
@@ -46,3 +66,15 @@ def in_torch(x):
     poses = x["c2w"].expand(height * width, 4, 4)
     rays = pixel_to_ray.in_torch({"K": k, "c2w": poses, "uv": uv.reshape(-1, 2)})
     return {"uv": uv} | {name: value.reshape(height, width, 3) for name, value in rays.items()}
+
+
+def in_kornia(x):
+    """kornia.nerf.samplers.UniformRaySampler on a PinholeCamera, whose extrinsics are world to camera."""
+    near, far = x["quirks"]["rays_from_near_to_far"]
+    height, width = int(x["height"]), int(x["width"])
+    camera = pixel_to_ray.kornia_camera(x["focal"], x["focal"], x["cx"], x["cy"], x["c2w"], height, width)
+    sampler = UniformRaySampler(near, far, ndc=False, device="cpu", dtype=torch.float64)
+    sampler.calc_ray_params(camera)
+    shape = (height, width, 3)
+    uv = sampler.points_2d.double().reshape(height, width, 2)
+    return {"uv": uv, "rays_o": sampler.origins.reshape(shape), "rays_d": sampler.directions.reshape(shape)}

@@ -4,12 +4,13 @@ import math
 
 import numpy as np
 import torch
+from kornia.nerf.nerf_model import MLP
 
 from . import reals
 from .fixture import Case, Draw
 
 NAME, PURPOSE = "mlp", 1008
-DIFFERENTIABLE = ("x", "w*", "b*")
+DIFFERENTIABLE = KORNIA_DIFFERENTIABLE = ("x", "w*", "b*")
 
 
 def cases():
@@ -24,6 +25,11 @@ def cases():
     saturated.inputs |= {"w0": np.array([[-700.0], [1e-3], [40.0]]), "b0": np.zeros(3)}
     saturated.inputs |= {"x": np.array([[1.0], [0.96875]])}
     yield saturated
+
+
+def kornia_cases():
+    """One unit of kornia's MLP with a sigmoid layer behind it."""
+    yield random("one-unit", [6, 16, 16, 16, 3], 3, "MLP(num_units=1, num_unit_layers=3), then an affine layer and a sigmoid")
 
 
 def random(name, sizes, points, comment):
@@ -71,3 +77,14 @@ def in_torch(x):
         z = torch.nn.functional.linear(h, x[f"w{n}"], x[f"b{n}"])
         h = torch.relu(z) if n + 1 < layers else torch.sigmoid(z)
     return {"y": h}
+
+
+def in_kornia(x):
+    """kornia.nerf.nerf_model.MLP, its parameters put in place, as the hidden layers."""
+    hidden = sum(name.startswith("w") for name in x) - 1
+    width, columns = x["w0"].shape
+    names = [f"_mlp.{n}.0.{part}" for n in range(hidden) for part in ("weight", "bias")]
+    given = [x[f"{part}{n}"] for n in range(hidden) for part in ("w", "b")]
+    trunk = MLP(columns, num_units=1, num_unit_layers=hidden, num_hidden=width)
+    h = torch.func.functional_call(trunk, dict(zip(names, given)), x["x"])
+    return {"y": torch.sigmoid(torch.nn.functional.linear(h, x[f"w{hidden}"], x[f"b{hidden}"]))}

@@ -6,6 +6,8 @@ rgb = sigmoid(color1 relu(color0 [feature, encoded direction])). L follows from 
 
 import numpy as np
 import torch
+from kornia.nerf.nerf_model import MLP
+from kornia.nerf.positional_encoder import PositionalEncoder
 
 from . import reals
 from .fixture import Case, Draw
@@ -13,7 +15,7 @@ from .mlp import activate, affine, layer
 from .positional_encoding import encode, encode_torch
 
 NAME, PURPOSE = "nerf_mlp", 1009
-DIFFERENTIABLE = ("positions", "*_w", "*_b")
+DIFFERENTIABLE = KORNIA_DIFFERENTIABLE = ("positions", "*_w", "*_b")
 
 
 def cases():
@@ -25,6 +27,12 @@ def cases():
     yield Case("dead-TR1", dead, "sigma is 0 everywhere and its head has no gradient")
     soft = {"density": "softplus"}
     yield Case("softplus", inputs("softplus", 2, 16, 1, 1), "density by softplus", conventions=soft)
+
+
+def kornia_cases():
+    """kornia's encoder and trunk of two units of four layers, with the paper's heads behind them."""
+    comment = "PositionalEncoder, MLP(num_units=2, num_unit_layers=4); its skip goes into the fifth layer as [h, encoding]"
+    yield Case("trunk", inputs("trunk", 2, 16, 2, 1), comment, conventions={"frequency": "one"})
 
 
 def inputs(name, points, width, position_levels, direction_levels):
@@ -61,8 +69,8 @@ def density(conventions):
 def over_reals(x):
     """The definition, point by point."""
     color_columns = x["color0_w"].shape[1] - x["feature_w"].shape[0]
-    positions = encode(x["positions"], levels(x["trunk0_w"].shape[1]))
-    directions = encode(x["directions"], levels(color_columns))
+    positions = encode(x["positions"], levels(x["trunk0_w"].shape[1]), x["conventions"])
+    directions = encode(x["directions"], levels(color_columns), x["conventions"])
     sigmas, rgbs = np.empty(len(positions), object), np.empty((len(positions), 3), object)
     for m, (position, direction) in enumerate(zip(positions, directions)):
         h = position
@@ -93,3 +101,17 @@ def in_torch(x):
 def linear(x, name, h):
     """One named layer."""
     return torch.nn.functional.linear(h, x[f"{name}_w"], x[f"{name}_b"])
+
+
+def in_kornia(x):
+    """kornia.nerf's encoder and MLP, their parameters put in place; heads by torch."""
+    width, columns = x["feature_w"].shape[0], x["trunk0_w"].shape[1]
+    direction_columns = x["color0_w"].shape[1] - width
+    trunk = MLP(columns, num_units=2, num_unit_layers=4, num_hidden=width)
+    names = [f"_mlp.{n}.0.{part}" for n in range(8) for part in ("weight", "bias")]
+    given = [x[f"trunk{n}_{part}"] for n in range(8) for part in ("w", "b")]
+    encoded = PositionalEncoder(3, levels(columns), log_space=True)(x["positions"])
+    h = torch.func.functional_call(trunk, dict(zip(names, given)), encoded)
+    direction = PositionalEncoder(3, levels(direction_columns), log_space=True)(x["directions"])
+    hidden = torch.relu(linear(x, "color0", torch.cat([linear(x, "feature", h), direction], -1)))
+    return {"sigmas": torch.relu(linear(x, "sigma", h))[:, 0], "rgbs": torch.sigmoid(linear(x, "color1", hidden))}

@@ -5,11 +5,14 @@ K^-1 (u, v, 1) = ((u - cx) / fx, (v - cy) / fy, 1): OpenCV axes, pixel centres a
 
 import numpy as np
 import torch
+from kornia.geometry.camera import PinholeCamera
+from kornia.nerf.nerf_model import NerfModelRenderer
 
 from . import reals
 from .fixture import Case, Draw
 
 NAME, PURPOSE = "pixel_to_ray", 1003
+KORNIA_DIFFERENTIABLE = ()
 DIFFERENTIABLE = ("K", "c2w", "uv")
 
 
@@ -31,6 +34,19 @@ def cases():
     far[:, :3, 3] *= 1e6
     comment = "camera at 1e6: (x_w - o) has lost 6 digits, R K^-1 uv has lost none"
     yield case("far-away-CG9", intrinsics(), far, draw.uniform((3, 2), 0.0, 60.0), comment)
+
+
+def kornia_cases():
+    """NerfModelRenderer, right for a camera at the world's origin alone."""
+    centred = poses(Draw(PURPOSE, "centred"), 1)
+    centred[:, :3, 3] = 0.0
+    corners = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 2.0], [3.0, 2.0]])
+    k = intrinsics(4.5, 4.25, 1.75, 1.5)
+    yield case("centred", k, np.tile(centred, (4, 1, 1)), corners, "camera at the origin: nothing to confuse")
+    moved = np.tile(poses(Draw(PURPOSE, "moved"), 1), (4, 1, 1))
+    wrong = case("moved", k, moved, corners, "camera elsewhere: the origin is that of the inverse pose, and directions follow it")
+    wrong.quirks = {"origin_from_w2c": True, "homogeneous_eps": 1e-8}
+    yield wrong
 
 
 def case(name, k, c2w, uv, comment):
@@ -59,18 +75,35 @@ def over_reals(x):
     """The definition, ray by ray."""
     count = len(x["uv"])
     rays_o, rays_d = np.empty((count, 3), object), np.empty((count, 3), object)
+    if "origin_from_w2c" in x["quirks"]:
+        return kornia_rays(x)
     for m in range(count):
         rays_o[m] = x["c2w"][m, :3, 3]
         rays_d[m] = direction(x["K"], x["c2w"][m], x["uv"][m])
     return {"rays_o": rays_o, "rays_d": rays_d}
 
 
-def direction(k, c2w, uv):
-    """The unit direction through one pixel."""
+def direction(k, c2w, uv, unit=True):
+    """The direction through one pixel, of unit length or of depth 1."""
     camera = [(uv[0] - k[0, 2]) / k[0, 0], (uv[1] - k[1, 2]) / k[1, 1]]
     world = [reals.total([c2w[i, 0] * camera[0], c2w[i, 1] * camera[1], c2w[i, 2]]) for i in range(3)]
+    if not unit:
+        return world
     length = reals.sqrt(reals.dot(world, world))
     return [v / length for v in world]
+
+
+def kornia_rays(x):
+    """What NerfModelRenderer shoots: from o' = -R^T o, the translation of world to camera, through x_w / (1 + eps) at depth 1."""
+    rays_o, rays_d = (np.empty((len(x["uv"]), 3), object) for _ in range(2))
+    scale = reals.Real(1 + reals.mpf(x["quirks"]["homogeneous_eps"]))
+    for m, (pose, uv) in enumerate(zip(x["c2w"], x["uv"])):
+        world = direction(x["K"], pose, uv, unit=False)
+        rays_o[m] = [-reals.dot(pose[:3, i], pose[:3, 3]) for i in range(3)]
+        along = [(o + v) / scale - wrong for o, v, wrong in zip(pose[:3, 3], world, rays_o[m])]
+        length = reals.sqrt(reals.dot(along, along))
+        rays_d[m] = [v / length for v in along]
+    return {"rays_o": rays_o, "rays_d": rays_d}
 
 
 def in_torch(x):
@@ -81,3 +114,21 @@ def in_torch(x):
     camera = torch.cat([camera, torch.ones_like(camera[:, :1])], -1)
     world = torch.einsum("mij,mj->mi", rotation, camera)
     return {"rays_o": x["c2w"][:, :3, 3], "rays_d": torch.nn.functional.normalize(world, dim=-1, eps=0.0)}
+
+
+def kornia_camera(fx, fy, cx, cy, c2w, height, width):
+    """A batch of one PinholeCamera."""
+    intrinsics_, extrinsics = torch.eye(4)[None], torch.eye(4)[None]
+    intrinsics_[0, 0, 0], intrinsics_[0, 1, 1], intrinsics_[0, 0, 2], intrinsics_[0, 1, 2] = fx, fy, cx, cy
+    extrinsics[0, :3, :3] = c2w[:3, :3].T
+    extrinsics[0, :3, 3] = -c2w[:3, :3].T @ c2w[:3, 3]
+    return PinholeCamera(intrinsics_, extrinsics, torch.tensor([height]), torch.tensor([width]))
+
+
+def in_kornia(x):
+    """kornia.nerf.nerf_model.NerfModelRenderer's rays through the corners of a picture of 3 x 4."""
+    k = x["K"]
+    camera = kornia_camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], x["c2w"][0], 3, 4)
+    rays = NerfModelRenderer(None, (3, 4), None, torch.float64)._create_rays(camera)
+    rows = [4 * int(v) + int(u) for u, v in x["uv"].tolist()]
+    return {"rays_o": rays.origin[rows], "rays_d": rays.direction[rows]}

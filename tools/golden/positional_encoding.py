@@ -7,12 +7,13 @@ import math
 
 import numpy as np
 import torch
+from kornia.nerf.positional_encoder import PositionalEncoder
 
 from . import reals
 from .fixture import Case, Draw
 
 NAME, PURPOSE = "positional_encoding", 1007
-DIFFERENTIABLE = ("x",)
+DIFFERENTIABLE = KORNIA_DIFFERENTIABLE = ("x",)
 
 
 def cases():
@@ -33,6 +34,14 @@ def cases():
     yield case("quarters-PE2", quarter, 10, "one bit beside the zeros of cos and sin: cos as sin(x + pi/2) has no digit left")
 
 
+def kornia_cases():
+    """Its default, linear bands, and its octaves: both without pi."""
+    for name, levels, spacing in [("linear", 10, "linear"), ("linear-exact", 9, "linear"), ("octaves", 10, "octaves")]:
+        conventions = {"frequency": "one"} | ({"bands": "linear"} if spacing == "linear" else {})
+        points = Draw(PURPOSE, name).uniform((3, 3), -1.0, 1.0)
+        yield Case(name, {"x": points, "L": np.float64(levels)}, f"PositionalEncoder, bands {spacing}", conventions=conventions)
+
+
 def case(name, x, levels, comment):
     """A case from points and the number of bands."""
     return Case(name, {"x": x, "L": np.float64(levels)}, comment)
@@ -40,19 +49,22 @@ def case(name, x, levels, comment):
 
 def over_reals(x):
     """The definition, with the argument reduced exactly."""
-    return {"encoding": encode(x["x"], int(x["L"].item().value))}
+    return {"encoding": encode(x["x"], int(x["L"].item().value), x["conventions"])}
 
 
-def encode(points, levels):
-    """Columns of an (M,D) array of reals."""
-    bands = [points]
+def encode(points, levels, conventions):
+    """Columns of an (M,D) array of reals; frequency pi or 1, bands octaves or linear."""
+    waves = (reals.sin, reals.cos) if conventions.get("frequency") == "one" else (reals.sin_pi, reals.cos_pi)
+    columns = [points]
     for k in range(levels):
-        for wave in (reals.sin_pi, reals.cos_pi):
-            band = np.empty(points.shape, object)
+        linear = conventions.get("bands") == "linear" and levels > 1
+        band = 1 + k * reals.mpf(2 ** (levels - 1) - 1) / (levels - 1) if linear else 2**k
+        for wave in waves:
+            column = np.empty(points.shape, object)
             for index in np.ndindex(points.shape):
-                band[index] = wave(points[index], 2**k)
-            bands.append(band)
-    return np.concatenate(bands, axis=1)
+                column[index] = wave(points[index], band)
+            columns.append(column)
+    return np.concatenate(columns, axis=1)
 
 
 def in_torch(x):
@@ -61,9 +73,15 @@ def in_torch(x):
 
 
 def encode_torch(points, levels):
-    """Columns of an (M,D) tensor."""
+    """Columns of an (M,D) tensor, at frequencies 2^k pi."""
     bands = [points]
     for k in range(levels):
         angle = math.pi * torch.fmod(2.0**k * points, 2.0)
         bands += [torch.sin(angle), torch.cos(angle)]
     return torch.cat(bands, -1)
+
+
+def in_kornia(x):
+    """kornia.nerf.positional_encoder.PositionalEncoder."""
+    octaves = x["conventions"].get("bands") != "linear"
+    return {"encoding": PositionalEncoder(x["x"].shape[1], int(x["L"]), log_space=octaves)(x["x"])}

@@ -111,6 +111,18 @@ def cos_pi(x, scale):
     return x.function(c, -p * s, -p * p * c)
 
 
+def sin(x, scale):
+    """sin(scale x)."""
+    s, c = mpmath.sin(scale * x.value), mpmath.cos(scale * x.value)
+    return x.function(s, scale * c, -scale * scale * s)
+
+
+def cos(x, scale):
+    """cos(scale x)."""
+    s, c = mpmath.sin(scale * x.value), mpmath.cos(scale * x.value)
+    return x.function(c, -scale * s, -scale * scale * c)
+
+
 def relu(x):
     """max(x, 0), with derivative 0 at 0."""
     return x.function(x.value, mpf(1), 0) if x.value > 0 else x.function(mpf(0), mpf(0), 0)

@@ -2,7 +2,9 @@
 
 import importlib
 
-from . import bases, fixture
+import torch
+
+from . import bases, fixture, kornia
 
 COMPONENTS = [
     "transform",
@@ -22,6 +24,10 @@ COMPONENTS = [
     "psnr",
     "to_uint8",
     "adam_step",
+    # Several components in a row: no rows of the registry, but run through it.
+    "training_step",
+    "adam",
+    "loss_curve",
 ]
 PACKAGES = {"mpmath": ["numpy", "mpmath"], "torch": ["numpy", "torch"], "kornia": ["numpy", "torch", "kornia"]}
 
@@ -30,15 +36,35 @@ def build(name):
     """The fixtures of one component, one for every basis that its module has."""
     module = importlib.import_module(f"golden.{name}")
     assert module.NAME == name
-    built = {}
-    if hasattr(module, "over_reals"):
-        built["mpmath"] = bases.mpmath_basis(module)
-    if hasattr(module, "in_torch"):
-        built["torch"] = bases.torch_basis(module)
-        bases.measure(built["torch"], built["mpmath"])
+    torch.set_default_dtype(torch.float64)
+    cases, patterns = list(module.cases()), module.DIFFERENTIABLE
+    exact = bases.in_reals(module, cases, patterns)
+    in_torch = bases.in_tensors(module, "torch", module.in_torch, cases, patterns)
+    bases.measure(in_torch, exact)
+    built = [exact, in_torch]
     if hasattr(module, "in_kornia"):
-        built["kornia"] = bases.kornia_basis(module)
-    return built.values()
+        cases, patterns = list(module.kornia_cases()), module.KORNIA_DIFFERENTIABLE
+        in_kornia = bases.in_tensors(module, "kornia", module.in_kornia, cases, patterns)
+        bases.measure(in_kornia, bases.in_reals(module, cases, patterns))
+        in_kornia.known_differences = known_differences(in_kornia)
+        built.append(in_kornia)
+    return built
+
+
+def known_differences(fixture):
+    """The conventions and quirks of a fixture, each with its reason and the cases that have it."""
+    found = []
+    for name, reason in kornia.REASONS.items():
+        cases = [c["name"] for c in fixture.cases if name in c.get("quirks", {}) or name in tags(c)]
+        found += [{"name": name, "reason": reason, "cases": cases}] if cases else []
+    named = {name for c in fixture.cases for name in [*c.get("quirks", {}), *tags(c)]}
+    assert named <= set(kornia.REASONS), f"differences without a reason: {named - set(kornia.REASONS)}"
+    return found
+
+
+def tags(case):
+    """The conventions of a case as `key=value`."""
+    return [f"{key}={value}" for key, value in case.get("conventions", {}).items()]
 
 
 def write(made, folder):

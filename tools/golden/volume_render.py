@@ -8,12 +8,14 @@ import math
 
 import numpy as np
 import torch
+from kornia.nerf.volume_renderer import IrregularRenderer, RegularRenderer
 
 from . import reals
 from .fixture import Case, Draw
 
 NAME, PURPOSE = "volume_render", 1011
 DIFFERENTIABLE = ("sigmas", "rgbs", "deltas")
+KORNIA_DIFFERENTIABLE = ("sigmas", "rgbs")
 
 
 def cases():
@@ -46,6 +48,25 @@ def cases():
     yield many()
 
 
+def kornia_cases():
+    """Both renderers, 1e-10 in the product; the regular one takes the first step of ray 0 for the whole batch."""
+    eps = {"product_eps": "1e-10"}
+    sixteenths = np.floor(Draw(PURPOSE, "steps").uniform((3, 8), 1.0, 16.0)) / 16.0
+    irregular = random("irregular", (3, 8), (0.0, 3.0), "IrregularRenderer, last step 1e10")
+    irregular.inputs["deltas"] = np.concatenate([sixteenths[:, :-1], np.full((3, 1), 1e10)], axis=1)
+    spacing = np.array([[0.125], [0.25], [0.0625]])
+    regular = random("regular", (3, 8), (0.0, 3.0), "RegularRenderer on rays of different spacing: .139 for .289 is possible")
+    regular.inputs["deltas"] = np.broadcast_to(spacing, (3, 8))
+    regular.quirks = {"ray0_spacing": True}
+    same = random("regular-same", (2, 8), (0.0, 3.0), "RegularRenderer on rays of one spacing")
+    same.inputs["deltas"] = np.full((2, 8), 0.125)
+    empty = random("empty-VR3", (1, 64), (0.0, 0.0), "64 empty samples: a weight behind them exceeds 1 by 6.3e-9")
+    empty.inputs |= {"deltas": np.full((1, 64), 0.125), "sigmas": np.array([[0.0] * 63 + [800.0]])}
+    for case_ in (irregular, regular, same, empty):
+        case_.conventions, case_.outputs = eps, ("colors",)
+        yield case_
+
+
 def random(name, shape, sigma_range, comment, step_range=(0.005, 0.25), vjp=True):
     """Uniform densities, colours and steps."""
     draw = Draw(PURPOSE, name)
@@ -75,21 +96,35 @@ def many():
 
 
 def over_reals(x):
-    """The definition, ray by ray."""
+    """The definition, ray by ray; with eps in the product where the conventions say so."""
     rays, samples = x["sigmas"].shape
     out = {"colors": np.empty((rays, 3), object), "weights": np.empty((rays, samples), object)}
     out |= {"opacity": np.empty(rays, object), "transmittance": np.empty(rays, object)}
     for r in range(rays):
-        depth = reals.Real(0)
-        for i in range(samples):
-            step = x["sigmas"][r, i] * x["deltas"][r, i]
-            out["weights"][r, i] = reals.exp(-depth) * -reals.expm1(-step)
-            depth = depth + step
+        row = 0 if "ray0_spacing" in x["quirks"] else r
+        render = with_eps if x["conventions"].get("product_eps") == "1e-10" else without_eps
+        out["weights"][r], out["opacity"][r], out["transmittance"][r] = render(x["sigmas"][r], x["deltas"][row])
         for c in range(3):
             out["colors"][r, c] = reals.dot(out["weights"][r], x["rgbs"][r, :, c])
-        out["opacity"][r] = -reals.expm1(-depth)
-        out["transmittance"][r] = reals.exp(-depth)
     return out
+
+
+def without_eps(sigmas, deltas):
+    """Weights, opacity and transmittance of one ray."""
+    weights, depth = [], reals.Real(0)
+    for sigma, delta in zip(sigmas, deltas):
+        weights.append(reals.exp(-depth) * -reals.expm1(-(sigma * delta)))
+        depth = depth + sigma * delta
+    return weights, -reals.expm1(-depth), reals.exp(-depth)
+
+
+def with_eps(sigmas, deltas):
+    """The same with 1e-10 added to every factor 1 - alpha = exp(-sigma delta)."""
+    weights, transmittance = [], reals.Real(1)
+    for sigma, delta in zip(sigmas, deltas):
+        weights.append(transmittance * -reals.expm1(-(sigma * delta)))
+        transmittance = transmittance * (reals.exp(-(sigma * delta)) + 1e-10)
+    return weights, reals.total(weights), transmittance
 
 
 def in_torch(x):
@@ -108,3 +143,13 @@ def in_torch(x):
 def opacity(depth):
     """1 - exp(-depth) with its digits, forward and backward."""
     return torch.where(depth < 0.5, -torch.expm1(-depth), 1.0 - torch.exp(-depth))
+
+
+def in_kornia(x):
+    """kornia.nerf.volume_renderer: the regular one where all steps of a ray are equal; points along an axis."""
+    deltas = x["deltas"]
+    regular = bool((deltas == deltas[:, :1]).all())
+    t = torch.nn.functional.pad(torch.cumsum(deltas, -1), (1, 0))[:, :-1]
+    points = torch.nn.functional.pad(t[..., None], (0, 2))
+    renderer = RegularRenderer() if regular else IrregularRenderer()
+    return {"colors": renderer(x["rgbs"], x["sigmas"][..., None], points)}
