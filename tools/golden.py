@@ -8,6 +8,9 @@ mpmath must come out bit by bit; torch and kornia within the error that was reco
 """
 
 import argparse
+import itertools
+import multiprocessing
+import os
 import sys
 from pathlib import Path
 
@@ -24,15 +27,17 @@ def main():
     parser.add_argument("--out", type=Path, default=ROOT / "fixtures", help="the folder of fixtures")
     arguments = parser.parse_args()
     failures = 0
-    for component in arguments.only or registry.COMPONENTS:
-        for fixture in registry.build(component):
+    names = arguments.only or registry.COMPONENTS
+    with multiprocessing.Pool(min(len(names), os.cpu_count() or 1)) as pool:
+        for fixture in itertools.chain.from_iterable(pool.imap(registry.build, names)):
+            where = f"{fixture.component}/{fixture.basis}"
             if arguments.check:
                 problem = check.differs(fixture, arguments.out)
                 failures += problem is not None
-                print(f"{component}/{fixture.basis}: {problem or 'comes out'}", flush=True)
+                print(f"{where}: {problem or 'comes out'}", flush=True)
             else:
-                print(f"{component}/{fixture.basis}: {len(fixture.cases)} cases", flush=True)
                 registry.write(fixture, arguments.out)
+                print(f"{where}: {len(fixture.cases)} cases", flush=True)
     if arguments.check:
         failures += check.strangers(arguments.out)
     return 1 if failures else 0

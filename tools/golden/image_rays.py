@@ -25,7 +25,14 @@ def cases():
 
 def kornia_cases():
     """UniformRaySampler: integer pixels; rays begin on the plane z = near and are as long as the way to z = far."""
-    inputs = {"height": 3, "width": 4, "focal": 4.375, "cx": 1.75, "cy": 1.5, "c2w": pixel_to_ray.poses(Draw(PURPOSE, "kornia"), 1)[0]}
+    inputs = {
+        "height": 3,
+        "width": 4,
+        "focal": 4.375,
+        "cx": 1.75,
+        "cy": 1.5,
+        "c2w": pixel_to_ray.poses(Draw(PURPOSE, "kornia"), 1)[0],
+    }
     conventions = {"pixel_centre": "integer", "directions": "depth"}
     quirks = {"rays_from_near_to_far": [2.0, 6.0], "homogeneous_eps": 1e-8}
     yield Case("uniform-sampler", inputs, "calc_ray_params over all pixels", conventions=conventions, quirks=quirks)

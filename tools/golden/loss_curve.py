@@ -12,9 +12,9 @@ STEPS = 20
 
 
 def cases():
-    """Four rays of three samples, jittered anew in every step, width 16, L of 2 and 1."""
-    inputs = training_step.inputs("tiny-scene", 4, 3, 2, 1)
-    inputs["u"] = Draw(PURPOSE, "tiny-scene").uniform((STEPS, 4, 3))
+    """Two rays of four samples, jittered anew in every step, width 16, L of 2 and 1."""
+    inputs = training_step.inputs("tiny-scene", 2, 4, 2, 1)
+    inputs["u"] = Draw(PURPOSE, "tiny-scene").uniform((STEPS, 2, 4))
     yield Case("tiny-scene", inputs | adam_step.DEFAULTS | {"lr": 5e-3}, "20 steps at lr 5e-3")
 
 

@@ -37,6 +37,7 @@ def build(name):
     module = importlib.import_module(f"golden.{name}")
     assert module.NAME == name
     torch.set_default_dtype(torch.float64)
+    torch.set_num_threads(1)
     cases, patterns = list(module.cases()), module.DIFFERENTIABLE
     exact = bases.in_reals(module, cases, patterns)
     in_torch = bases.in_tensors(module, "torch", module.in_torch, cases, patterns)
