@@ -7,6 +7,7 @@ pub mod check;
 pub mod component;
 pub mod gradient;
 pub mod machine;
+pub mod statistics;
 
 pub use arithmetic::{Arithmetic, Dtype, Grade};
 pub use bounded::Bounded;

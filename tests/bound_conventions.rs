@@ -1,0 +1,67 @@
+//! The bounds of cameras, rays and samples are sound in every convention that they depend on, not in the default profile alone.
+
+use nerf_oracle::COMPONENTS;
+use nerf_oracle::convention::{CHOICES, CS180, Conventions};
+use nerf_oracle::verify::arithmetic::{Arithmetic, Dtype, Grade};
+use nerf_oracle::verify::check::{Kind, tolerance, worst};
+use nerf_oracle::verify::{Component, Machine};
+
+/// All combinations of a component's conventions.
+fn assignments(component: &Component) -> Vec<Conventions> {
+    let mut all = vec![CS180];
+    for &key in component.conventions {
+        let values = CHOICES.iter().find(|(name, _)| *name == key).expect("listed").1;
+        let with = |c: &Conventions| {
+            values.iter().map(|value| c.with(key, value).expect("listed")).collect::<Vec<_>>()
+        };
+        all = all.iter().flat_map(with).collect();
+    }
+    all
+}
+
+#[test]
+fn no_honest_implementation_is_rejected_in_any_convention() {
+    let (mut evaluations, mut rejected) = (0, vec![]);
+    for component in
+        COMPONENTS.iter().filter(|component| ["camera", "ray", "sample"].contains(&component.folder))
+    {
+        for c in assignments(component) {
+            for kind in [Kind::Forward, Kind::Vjp] {
+                let Some(pass) = component.pass(kind) else { continue };
+                for case in component.cases_of(kind, &c) {
+                    let expected = (pass.oracle)(&case.inputs, &c);
+                    assert_eq!(
+                        expected,
+                        (pass.wrong)(&case.inputs, &c, &[]),
+                        "{} {}",
+                        component.name,
+                        case.id
+                    );
+                    for dtype in Dtype::ALL.into_iter().filter(|&dtype| case.exists_in(dtype)) {
+                        // Twelve machines out of 192: 17 and 16 have no common factor, so order, fusing, formula and form all vary.
+                        for n in (0..192).step_by(17) {
+                            let machine = Machine::number(dtype, n);
+                            let grade = if machine.stable { Grade::A } else { Grade::B };
+                            let bound = tolerance(pass, &case.inputs, &c, &Arithmetic::new(dtype, grade));
+                            let used = worst(&(pass.honest)(&case.inputs, &c, &machine), &expected, &bound);
+                            evaluations += 1;
+                            if used > 1.0 {
+                                rejected.push(format!(
+                                    "{} {kind:?} {dtype} {}: {used:.3} by {machine:?}, {c:?}",
+                                    component.name, case.id
+                                ));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    println!("{evaluations} evaluations, {} rejected", rejected.len());
+    assert!(
+        rejected.is_empty(),
+        "{} rejected:\n{}",
+        rejected.len(),
+        rejected[..rejected.len().min(20)].join("\n")
+    );
+}
