@@ -65,4 +65,7 @@ pub const COMPONENTS: &[Component] = &[
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,
     volume_rendering::component::DEPTH,
+    loss::component::MSE,
+    loss::component::PSNR,
+    loss::component::TO_UINT8,
 ];

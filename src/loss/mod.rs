@@ -6,6 +6,11 @@ use crate::convention::{Bytes, PsnrOf};
 use crate::maths::{Sum, exp, log10};
 
 pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
+pub mod honest;
+pub mod mistakes;
 
 #[cfg(test)]
 mod tests;

@@ -15,13 +15,20 @@ pub struct Case {
     pub comment: &'static str,
     /// Input arrays.
     pub inputs: Arrays,
+    /// Left out of the VJP's cases, e.g. for its size.
+    pub forward_only: bool,
 }
 
 impl Case {
     /// A named case.
     pub fn new(id: impl ToString, comment: &'static str, inputs: Vec<(&str, ArrayD<f64>)>) -> Self {
         let inputs = inputs.into_iter().map(|(name, array)| (name.to_string(), array)).collect();
-        Case { id: id.to_string(), comment, inputs }
+        Case { id: id.to_string(), comment, inputs, forward_only: false }
+    }
+
+    /// The same without a VJP case.
+    pub fn forward_only(self) -> Self {
+        Case { forward_only: true, ..self }
     }
 
     /// Whether all inputs are numbers of `dtype`. Hyper-parameters (scalars) are f64 in every type.

@@ -29,6 +29,7 @@ impl Component {
     pub fn cases_of(&self, kind: Kind, c: &Conventions) -> Vec<Case> {
         let mut cases = (self.cases)();
         if kind == Kind::Vjp {
+            cases.retain(|case| !case.forward_only);
             for (n, case) in cases.iter_mut().enumerate() {
                 let outputs = (self.forward.oracle)(&case.inputs, c);
                 let mut draw = Draw::new(self.name, 1000 + n as u64);

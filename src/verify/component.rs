@@ -15,7 +15,7 @@ pub type Arrays = BTreeMap<String, ArrayD<f64>>;
 /// One input or output array.
 #[derive(Clone, Copy, Debug)]
 pub struct Port {
-    /// Name, as in the judging contract.
+    /// Name, as in the judging contract. A last `*` stands for a number: `w*` is w0, w1, ...
     pub name: &'static str,
     /// Shape in letters, e.g. `R,N,3`; empty for a scalar.
     pub shape: &'static str,
@@ -23,6 +23,28 @@ pub struct Port {
     pub meaning: &'static str,
     /// Inputs: a VJP asks for `grad_<name>`. Outputs: a VJP hands over `grad_<name>`.
     pub gradient: bool,
+}
+
+impl Port {
+    /// An array that a VJP differentiates, or hands a cotangent over for.
+    pub const fn smooth(name: &'static str, shape: &'static str, meaning: &'static str) -> Port {
+        Port { name, shape, meaning, gradient: true }
+    }
+
+    /// An array without gradient.
+    pub const fn plain(name: &'static str, shape: &'static str, meaning: &'static str) -> Port {
+        Port { name, shape, meaning, gradient: false }
+    }
+
+    /// Whether the array `name` belongs to this port.
+    pub fn covers(&self, name: &str) -> bool {
+        match self.name.strip_suffix('*') {
+            None => name == self.name,
+            Some(stem) => name
+                .strip_prefix(stem)
+                .is_some_and(|number| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit())),
+        }
+    }
 }
 
 /// Something wrong that people really write, runnable through [`Component::wrong`].
@@ -54,6 +76,25 @@ pub const fn mistake(
     count: u32,
 ) -> Mistake {
     Mistake { name, cause, effect, fix, seen, count, gradient: false }
+}
+
+impl Mistake {
+    /// A mistake of the forward direction.
+    pub const fn new(
+        name: &'static str,
+        cause: &'static str,
+        effect: &'static str,
+        fix: &'static str,
+        seen: &'static str,
+        count: u32,
+    ) -> Mistake {
+        Mistake { name, cause, effect, seen, fix, count, gradient: false }
+    }
+
+    /// The same as a mistake of the gradient alone.
+    pub const fn of_gradient(self) -> Mistake {
+        Mistake { gradient: true, ..self }
+    }
 }
 
 /// A function over named arrays in given conventions.
@@ -112,6 +153,17 @@ impl Component {
     /// Inputs that a VJP differentiates.
     pub fn differentiable(&self) -> impl Iterator<Item = &Port> {
         self.inputs.iter().filter(|port| port.gradient)
+    }
+
+    /// The port that the input array `name` belongs to.
+    pub fn input_port(&self, name: &str) -> Option<&Port> {
+        self.inputs.iter().find(|port| port.covers(name))
+    }
+
+    /// Names of the arrays in `inputs` that a VJP differentiates, those of numbered ports one by one.
+    pub fn differentiable_arrays(&self, inputs: &Arrays) -> Vec<String> {
+        let smooth = |name: &&String| self.input_port(name).is_some_and(|port| port.gradient);
+        inputs.keys().filter(smooth).cloned().collect()
     }
 }
 

@@ -1,0 +1,100 @@
+//! Error bounds of loss, metric and bytes.
+
+use std::f64::consts::LN_10;
+
+use super::component::{like, pictures};
+use crate::convention::{Bytes, Conventions, PsnrOf};
+use crate::maths::{ln_1p, log10};
+use crate::verify::arithmetic::Arithmetic;
+use crate::verify::bounded::{Bounded, exact};
+use crate::verify::component::{Arrays, arrays, input, number, scalar, values};
+
+/// The mean of squared differences: differences, squares, a sum in any order, one division (or a product with 1 / n).
+fn mean_square(p: &[f64], t: &[f64], m: &Arithmetic) -> Bounded {
+    let square = |(&p, &t): (&f64, &f64)| {
+        let d = m.sub(exact(p), exact(t));
+        m.mul(d, d)
+    };
+    let sum = m.sum(&p.iter().zip(t).map(square).collect::<Vec<_>>());
+    m.mul(sum, m.div(exact(1.0), exact(p.len() as f64)))
+}
+
+/// Bound of [`super::mse`].
+pub fn mse(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    arrays([("value", scalar(mean_square(&values(a, "prediction"), &values(a, "target"), m).e))])
+}
+
+/// Bound of [`super::backward::mse`]: ((2 / n) g) (p - t), or (2 (p - t)) g / n.
+pub fn mse_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    let (p, t) = (values(a, "prediction"), values(a, "target"));
+    let (g, n) = (exact(number(a, "grad_value")), exact(p.len() as f64));
+    let error = |(&p, &t): (&f64, &f64)| {
+        let d = m.sub(exact(p), exact(t));
+        let scale_first = m.mul(m.mul(m.div(exact(2.0), n), g), d);
+        scale_first.or(m.div(m.mul(m.mul(exact(2.0), d), g), n)).e
+    };
+    arrays([("grad_prediction", like(a, "prediction", p.iter().zip(&t).map(error).collect()))])
+}
+
+/// 10 log10(peak^2 / error): the ratio's relative error becomes an absolute one; or the difference of two logarithms.
+fn decibels(error: Bounded, peak: f64, m: &Arithmetic) -> Bounded {
+    let y = super::psnr(error.y, peak);
+    if error == exact(0.0) {
+        return exact(y);
+    }
+    let ratio = m.div(error, m.mul(exact(peak), exact(peak)));
+    let quotient = m.mul(exact(-10.0), log_10(ratio, m));
+    // Of a peak of 1 nothing is taken, so that nothing is rounded either.
+    let of_peak = if peak == 1.0 { exact(0.0) } else { m.mul(exact(20.0), log_10(exact(peak), m)) };
+    let difference = m.sub(of_peak, m.mul(exact(10.0), log_10(error, m)));
+    let worst = quotient.e.max(difference.e);
+    Bounded { y, e: worst }
+}
+
+/// The decimal logarithm of a positive number. With b = 0.4343 ln x its error is 0.4343 ln(1 - e / x), and that of `ln(x) / ln(10)`.
+fn log_10(x: Bounded, m: &Arithmetic) -> Bounded {
+    let carried = if x.e < x.y { -ln_1p(-x.e / x.y) / LN_10 } else { f64::INFINITY };
+    let direct = m.elementary(log10(x.y), carried);
+    let by_ln = m.div(direct, m.rounded(1.0, 0.0));
+    Bounded { y: direct.y, e: direct.e.max(by_ln.e) }
+}
+
+/// Bound of [`super::psnr_of_images`].
+pub fn psnr(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let (predictions, targets) = (pictures(a, "prediction"), pictures(a, "target"));
+    let errors: Vec<Bounded> = predictions.iter().zip(&targets).map(|(p, t)| mean_square(p, t, m)).collect();
+    let peak = number(a, "peak");
+    let mean = |terms: &[Bounded]| m.mul(m.sum(terms), m.div(exact(1.0), exact(terms.len() as f64)));
+    let e = match c.psnr {
+        PsnrOf::Images => {
+            let each: Vec<Bounded> = errors.iter().map(|&error| decibels(error, peak, m)).collect();
+            // One infinite picture makes the mean infinite, in every arithmetic.
+            if each.iter().any(|b| b.y.is_infinite()) { 0.0 } else { mean(&each).e }
+        }
+        // All pixels at once, or the mean of the pictures' means.
+        PsnrOf::MeanError => {
+            let all = mean_square(&predictions.concat(), &targets.concat(), m);
+            decibels(all, peak, m).e.max(decibels(mean(&errors), peak, m).e)
+        }
+    };
+    arrays([("value", scalar(e))])
+}
+
+/// Bound of [`super::to_uint8`]: 0 where every honest 255 x leads to the same byte, else the distance to the other one.
+pub fn to_uint8(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let byte = |y: f64| match c.bytes {
+        Bytes::Round => libm::round(y),
+        Bytes::Truncate => y.floor(),
+    };
+    let error = |x: f64| {
+        let scaled = m.mul(exact(x.clamp(0.0, 1.0)), exact(255.0));
+        // floor(255 x + 0.5) rounds once more.
+        let shifted = if c.bytes == Bytes::Round { m.add(scaled, exact(0.5)).e } else { scaled.e };
+        if scaled.y == 0.0 || scaled.y == 255.0 {
+            return 0.0;
+        }
+        let reach = |y: f64| (byte(y.clamp(0.0, 255.0)) - byte(scaled.y)).abs();
+        reach(scaled.y - shifted).max(reach(scaled.y + shifted))
+    };
+    arrays([("bytes", input(a, "image").mapv(error))])
+}

@@ -1,0 +1,90 @@
+//! Cases of loss, metric and bytes.
+
+use ndarray::ArrayD;
+
+use crate::verify::case::{Case, Draw};
+use crate::verify::component::{array, scalar};
+
+fn pair(
+    id: &str,
+    comment: &'static str,
+    prediction: ArrayD<f64>,
+    target: ArrayD<f64>,
+) -> (Case, ArrayD<f64>, ArrayD<f64>) {
+    let inputs = vec![("prediction", prediction.clone()), ("target", target.clone())];
+    (Case::new(id, comment, inputs), prediction, target)
+}
+
+/// Mean squared error.
+pub fn mse() -> Vec<Case> {
+    let mut draw = Draw::new("mse", 0);
+    let shape = [4, 3];
+    let grey = array(&shape, vec![0.5; 12]);
+    let close = grey.mapv(|x| x + 0.00390625);
+    [
+        pair("batch", "random colours", draw.array(&[8, 3], 0.0, 1.0), draw.array(&[8, 3], 0.0, 1.0)),
+        pair(
+            "picture",
+            "two pictures",
+            draw.array(&[2, 3, 5, 3], 0.0, 1.0),
+            draw.array(&[2, 3, 5, 3], 0.0, 1.0),
+        ),
+        pair("close", "differences of 2^-8 are exact", close, grey.clone()),
+        pair("ME1_equal", "equal pictures: exactly 0, gradient too", grey.clone(), grey),
+        pair("tiny", "squares underflow", array(&[2], vec![1e-170, 0.0]), array(&[2], vec![0.0, 2e-200])),
+    ]
+    .into_iter()
+    .map(|(case, _, _)| case)
+    .collect()
+}
+
+/// PSNR: pictures whose errors differ by a factor, so that the two means differ.
+pub fn psnr() -> Vec<Case> {
+    let mut draw = Draw::new("psnr", 0);
+    let shape = [2, 3, 4, 3];
+    let target = draw.array(&shape, 0.25, 0.5);
+    let mut noise = draw.array(&shape, 0.0625, 0.25);
+    noise.index_axis_mut(ndarray::Axis(0), 1).mapv_inplace(|x| x / 16.0);
+    let two = (&target + &noise).mapv(crate::verify::case::short);
+    let tenth = array(&[1, 2, 3, 3], vec![0.625; 18]);
+    let half = array(&[1, 2, 3, 3], vec![0.5; 18]);
+    let with_peak = |id: &str, comment, prediction: &ArrayD<f64>, target: &ArrayD<f64>, peak| {
+        let inputs =
+            vec![("prediction", prediction.clone()), ("target", target.clone()), ("peak", scalar(peak))];
+        Case::new(id, comment, inputs)
+    };
+    let byte = |x: f64| (x * 255.0).round().min(255.0);
+    vec![
+        with_peak("two_pictures", "two pictures of unequal error: the two means differ", &two, &target, 1.0),
+        with_peak("eighth", "an error of 1/8 everywhere: 18.06 dB", &tenth, &half, 1.0),
+        with_peak("bytes", "bytes, peak 255", &two.mapv(byte), &target.mapv(byte), 255.0),
+        with_peak("ME1_equal", "equal pictures: infinite, never NaN", &half, &half, 1.0),
+        with_peak(
+            "zero_decibels",
+            "an error of nearly 1: the digits are those of the mean squared error",
+            &half.mapv(|_| 0.9921875),
+            &half.mapv(|_| 0.0),
+            1.0,
+        ),
+    ]
+}
+
+/// Bytes: inside and beyond [0, 1], on a picture that isn't square.
+pub fn to_uint8() -> Vec<Case> {
+    let mut draw = Draw::new("to_uint8", 0);
+    let ends = vec![-0.0, 0.0, 1.0, 0.5, 1.0078125, -1.0, 2.0, 0.00390625, 0.99609375];
+    let levels = (0..48).map(|k| f64::from(k) / 32.0 - 0.25).collect();
+    vec![
+        Case::new(
+            "ends",
+            "the ends of [0, 1], beyond them, and the tie 127.5",
+            vec![("image", array(&[1, 3, 3], ends))],
+        ),
+        Case::new("levels", "steps of 1/32 from -1/4", vec![("image", array(&[4, 4, 3], levels))]),
+        Case::new(
+            "picture",
+            "a third of the entries lies outside [0, 1]",
+            vec![("image", draw.array(&[4, 5, 3], -0.5, 1.5))],
+        ),
+    ]
+}

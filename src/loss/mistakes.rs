@@ -1,0 +1,206 @@
+//! Loss, metric and bytes, wrong on purpose. Without a mistake every function equals the oracle.
+
+use super::component::{MSE as MSE_ROW, PSNR as PSNR_ROW, TO_UINT8 as TO_UINT8_ROW, like};
+use crate::convention::{Bytes, Conventions};
+use crate::verify::component::{Arrays, Mistake, arrays, input, scalar};
+
+const MEAN_FORGOTTEN: Mistake = Mistake::new(
+    "mean_forgotten",
+    "the gradient 2 (p - t) of the sum in the place of the mean's 2 (p - t) / n",
+    "steps n times as long; the best learning rate depends on the batch",
+    "divide by the number of entries",
+    "hand-written backward passes",
+    1,
+);
+
+/// Mistakes of the loss.
+pub const MSE: &[Mistake] = &[
+    Mistake::new(
+        "sum_for_mean",
+        "the squared differences are summed, not averaged",
+        "the loss grows with the batch",
+        "divide by the number of entries",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "mean_over_rays",
+        "the sum over colours is divided by the number of rays, not of entries",
+        "loss three times too large, PSNR 4.77 dB too low",
+        "divide by all entries, channels too",
+        "never; cheap to keep",
+        0,
+    ),
+    MEAN_FORGOTTEN.of_gradient(),
+    Mistake::new(
+        "factor_two_missing",
+        "the gradient (p - t) / n, as if the loss were half the square",
+        "steps half as long",
+        "multiply by 2",
+        "hand-written backward passes",
+        1,
+    )
+    .of_gradient(),
+];
+
+/// Mistakes of the metric.
+pub const PSNR: &[Mistake] = &[
+    Mistake::new(
+        "doubled_psnr",
+        "20 log10(1 / mse): the formula of the root mean square on the mean square",
+        "every figure twice as large",
+        "10 log10(peak^2 / mse)",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "regularised_psnr",
+        "PSNR of a training loss that holds a regulariser (here 1e-3)",
+        "figures too low, capped by the regulariser",
+        "take the mean squared error alone",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "few_pixels",
+        "a few pixels (here the first row) are reported as the picture",
+        "figures that can't be compared with anybody's",
+        "render the whole picture",
+        "3 public implementations",
+        3,
+    ),
+    Mistake::new(
+        "natural_log_psnr",
+        "10 ln(1 / mse)",
+        "every figure 2.3 times as large",
+        "use the decimal logarithm",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "peak_255",
+        "peak 255 for colours in [0, 1] (or 1 for bytes)",
+        "48.13 dB too many (or too few)",
+        "peak is the largest value that a colour may have",
+        "never; cheap to keep",
+        0,
+    ),
+];
+
+/// Mistakes of the bytes.
+pub const TO_UINT8: &[Mistake] = &[
+    Mistake::new(
+        "uint8_without_clipping",
+        "255 x is cast without clipping: 1.01 becomes 1",
+        "black specks in the brightest places",
+        "clip to [0, 1] first",
+        "6 public implementations",
+        6,
+    ),
+    Mistake::new(
+        "red_and_blue_exchanged",
+        "BGR for RGB",
+        "blue for red",
+        "reverse the last axis where OpenCV writes the file",
+        "2 public implementations",
+        2,
+    ),
+    Mistake::new(
+        "picture_transposed",
+        "rows and columns of the picture are exchanged",
+        "the picture lies on its side, or is sheared where it isn't square",
+        "reshape to (height, width, 3)",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "picture_flipped",
+        "the first row is written last",
+        "the picture stands on its head",
+        "rows run downwards",
+        "1 public implementation",
+        1,
+    ),
+];
+
+/// Mean squared error.
+pub fn mse(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut out = (MSE_ROW.forward.oracle)(a, c);
+    let entries = input(a, "prediction").len() as f64;
+    let channels = input(a, "prediction").shape().last().copied().unwrap_or(1) as f64;
+    for name in wrong {
+        let factor = match *name {
+            "sum_for_mean" => entries,
+            "mean_over_rays" => channels,
+            _ => 1.0,
+        };
+        out.insert("value".into(), input(&out, "value") * factor);
+    }
+    out
+}
+
+/// Its gradient.
+pub fn mse_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut out = (MSE_ROW.vjp.expect("registered").oracle)(a, c);
+    let entries = input(a, "prediction").len() as f64;
+    for name in wrong {
+        let factor = match *name {
+            "mean_forgotten" => entries,
+            "factor_two_missing" => 0.5,
+            _ => 1.0,
+        };
+        out.insert("grad_prediction".into(), input(&out, "grad_prediction") * factor);
+    }
+    out
+}
+
+/// Peak signal-to-noise ratio.
+pub fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut a = a.clone();
+    if wrong.contains(&"peak_255") {
+        a.get_mut("peak").expect("checked").mapv_inplace(|peak| if peak == 1.0 { 255.0 } else { 1.0 });
+    }
+    if wrong.contains(&"few_pixels") {
+        for name in ["prediction", "target"] {
+            let row = input(&a, name).slice_axis(ndarray::Axis(1), (0..1).into()).to_owned();
+            a.insert(name.into(), row);
+        }
+    }
+    let mut value = input(&(PSNR_ROW.forward.oracle)(&a, c), "value").sum();
+    if wrong.contains(&"regularised_psnr") {
+        let peak = input(&a, "peak").sum();
+        let error = peak * peak * crate::maths::pow(10.0, -value / 10.0);
+        value = super::psnr(error + 1e-3, peak);
+    }
+    if wrong.contains(&"doubled_psnr") {
+        value *= 2.0;
+    }
+    if wrong.contains(&"natural_log_psnr") {
+        value *= std::f64::consts::LN_10;
+    }
+    arrays([("value", scalar(value))])
+}
+
+/// Bytes.
+pub fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut bytes = input(&(TO_UINT8_ROW.forward.oracle)(a, c), "bytes").clone();
+    if wrong.contains(&"uint8_without_clipping") {
+        let wrapped = |x: f64| match c.bytes {
+            Bytes::Round => libm::round(255.0 * x).rem_euclid(256.0),
+            Bytes::Truncate => (255.0 * x).trunc().rem_euclid(256.0),
+        };
+        bytes = input(a, "image").mapv(wrapped);
+    }
+    if wrong.contains(&"red_and_blue_exchanged") {
+        bytes.invert_axis(ndarray::Axis(2));
+    }
+    if wrong.contains(&"picture_flipped") {
+        bytes.invert_axis(ndarray::Axis(0));
+    }
+    if wrong.contains(&"picture_transposed") {
+        // In the memory of a picture of the right shape.
+        let columns = bytes.permuted_axes(ndarray::IxDyn(&[1, 0, 2]));
+        bytes = like(a, "image", columns.iter().copied().collect());
+    }
+    arrays([("bytes", like(a, "image", bytes.iter().copied().collect()))])
+}
