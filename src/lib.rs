@@ -61,6 +61,7 @@ pub const COMPONENTS: &[Component] = &[
     ray::component::IMAGE_RAYS,
     sample::component::SAMPLE_ALONG_RAYS,
     sample::component::STEP_SIZES,
+    encoding::component::POSITIONAL_ENCODING,
     volume_rendering::component::VOLUME_RENDER,
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,
@@ -68,4 +69,5 @@ pub const COMPONENTS: &[Component] = &[
     loss::component::MSE,
     loss::component::PSNR,
     loss::component::TO_UINT8,
+    optimiser::component::ADAM_STEP,
 ];

@@ -8,7 +8,12 @@ use crate::convention::{Bands, Columns, Conventions, Frequency};
 use crate::maths::{cos, cos_pi, power_of_two, sin, sin_pi};
 
 pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
 pub mod fast;
+pub mod honest;
+pub mod mistakes;
 
 #[cfg(test)]
 mod tests;

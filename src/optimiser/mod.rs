@@ -6,6 +6,12 @@ use crate::maths::{expm1, ln};
 
 pub mod fast;
 
+pub mod bound;
+pub mod cases;
+pub mod component;
+pub mod honest;
+pub mod mistakes;
+
 #[cfg(test)]
 mod tests;
 

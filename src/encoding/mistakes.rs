@@ -1,0 +1,117 @@
+//! Positional encoding, wrong on purpose. Without a mistake every function equals the oracle.
+//!
+//! Two mistakes of the catalogue have no row here: the same number of bands for positions and directions shows in the shapes
+//! (63 columns for 27), and a pixel grid that differs between training and rendering sits at the call.
+
+use super::component::{POSITIONAL_ENCODING as ROW, dims, from_rows, rows, settings};
+use super::{Encoding, factor, wave};
+use crate::convention::Conventions;
+use crate::verify::component::{Arrays, Mistake, arrays};
+
+/// Mistakes of the encoding.
+pub const POSITIONAL_ENCODING: &[Mistake] = &[
+    Mistake::new(
+        "linear_ladder",
+        "bands k pi for 2^k pi, k from 0",
+        "no fine detail: the highest band of ten is 9 pi instead of 512 pi, band 0 is constant",
+        "2^k",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "last_band_missing",
+        "the last band's columns are never written",
+        "the finest detail is lost",
+        "k runs to L - 1",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "cosine_missing",
+        "sine is written into the cosine's columns",
+        "the network can't tell which way a wave goes",
+        "cos in the second half",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "chain_factor_forgotten",
+        "the gradient of sin(a x) is cos(a x), without a = 2^k pi",
+        "gradients of camera poses too small, most of all in the high bands",
+        "multiply by 2^k pi",
+        "hand-written backward passes",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "cosine_gradient_sign",
+        "the gradient of cos(a x) is a sin(a x), without the minus",
+        "gradients of camera poses point elsewhere",
+        "-a sin(a x)",
+        "hand-written backward passes",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "identity_gradient_forgotten",
+        "the gradient through x itself is left out",
+        "gradients of camera poses slightly off",
+        "add the first D columns' gradient",
+        "hand-written backward passes",
+        1,
+    )
+    .of_gradient(),
+];
+
+/// The encoding of one point with mistakes in it.
+pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64> {
+    let dims = x.len();
+    let mut out = super::positional_encoding(x, encoding);
+    for k in 0..encoding.levels {
+        for (d, &x) in x.iter().enumerate() {
+            let (sine, cosine) = (encoding.column(dims, k, d, 0), encoding.column(dims, k, d, 1));
+            if wrong.contains(&"linear_ladder") {
+                (out[sine], out[cosine]) = wave(encoding.frequency, k as f64, x);
+            }
+            if wrong.contains(&"cosine_missing") {
+                out[cosine] = out[sine];
+            }
+            if wrong.contains(&"last_band_missing") && k + 1 == encoding.levels {
+                (out[sine], out[cosine]) = (0.0, 0.0);
+            }
+        }
+    }
+    out
+}
+
+/// Positional encoding.
+pub fn positional_encoding(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let encoding = settings(a, c);
+    let out: Vec<Vec<f64>> = rows(a, "x").iter().map(|x| encode(x, &encoding, wrong)).collect();
+    arrays([("encoding", from_rows(&out, encoding.width(dims(a))))])
+}
+
+/// Its gradient.
+pub fn positional_encoding_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let (encoding, dims) = (settings(a, c), dims(a));
+    let mut a = a.clone();
+    let mut g = rows(&a, "grad_encoding");
+    for g in &mut g {
+        if wrong.contains(&"identity_gradient_forgotten") && encoding.identity {
+            g[..dims].fill(0.0);
+        }
+        for k in 0..encoding.levels {
+            let a = factor(encoding.frequency) * encoding.band(k);
+            for d in 0..dims {
+                if wrong.contains(&"cosine_gradient_sign") {
+                    g[encoding.column(dims, k, d, 1)] *= -1.0;
+                }
+                if wrong.contains(&"chain_factor_forgotten") {
+                    (0..2).for_each(|cosine| g[encoding.column(dims, k, d, cosine)] /= a);
+                }
+            }
+        }
+    }
+    a.insert("grad_encoding".into(), from_rows(&g, encoding.width(dims)));
+    (ROW.vjp.expect("registered").oracle)(&a, c)
+}

@@ -1,0 +1,93 @@
+//! Error bound of Adam's step.
+//!
+//! Hyper-parameters are f64 in every number type, and what is made of them alone (1 - beta, the bias corrections, lr / correction)
+//! is made at least in f32; where it meets an array it is rounded to the type.
+
+use super::component::{each, settings};
+use super::{Adam, Moments, bias_correction};
+use crate::convention::Conventions;
+use crate::maths::ln;
+use crate::verify::arithmetic::{Arithmetic, Grade};
+use crate::verify::bounded::{Bounded, exact};
+use crate::verify::component::Arrays;
+
+/// Numbers made of hyper-parameters alone.
+struct Scalars {
+    beta1: Bounded,
+    beta2: Bounded,
+    rest1: Bounded,
+    rest2: Bounded,
+    correction1: Bounded,
+    correction2: Bounded,
+    step_size: Bounded,
+    lr: Bounded,
+    eps: Bounded,
+    decay: Bounded,
+}
+
+/// 1 - beta^step. Grade A: -expm1(step ln beta). Grade B: the power is rounded before 1 - power cancels.
+fn correction(beta: f64, step: u64, s: &Arithmetic) -> Bounded {
+    let y = bias_correction(beta, step);
+    if s.grade == Grade::A {
+        let exponent = s.mul(exact(step as f64), s.elementary(-ln(beta), 0.0));
+        return s.one_minus_exp(exponent);
+    }
+    // The power is of a beta that is rounded itself: 1 + step roundings, as by repeated products.
+    let power = 1.0 - y;
+    let roundings = (step as f64 + 1.0).min(1.0 / (s.u * step as f64));
+    let textbook = s.sub(exact(1.0), s.elementary(power, power * roundings * s.u));
+    Bounded { y, e: textbook.e }
+}
+
+impl Scalars {
+    fn new(adam: &Adam, step: u64, m: &Arithmetic) -> Scalars {
+        let s = Arithmetic { u: m.u_sum, ..*m };
+        // Rounded to the type where it is used.
+        let to_type = |b: Bounded| if m.u == s.u { b } else { m.rounded(b.y, b.e) };
+        let rounded = |x: f64| m.rounded(x, 0.0);
+        let (correction1, correction2) = (correction(adam.beta1, step, &s), correction(adam.beta2, step, &s));
+        Scalars {
+            beta1: rounded(adam.beta1),
+            beta2: rounded(adam.beta2),
+            rest1: rounded(1.0 - adam.beta1),
+            rest2: rounded(1.0 - adam.beta2),
+            step_size: to_type(s.div(s.rounded(adam.lr, 0.0), correction1)),
+            correction1: to_type(correction1),
+            correction2: to_type(correction2),
+            lr: rounded(adam.lr),
+            eps: rounded(adam.eps),
+            decay: rounded(adam.weight_decay),
+        }
+    }
+}
+
+/// b m + (1 - b) g, or m + (1 - b) (g - m).
+fn mean(beta: Bounded, rest: Bounded, m: Bounded, g: Bounded, a: &Arithmetic) -> Bounded {
+    let weighted = a.add(a.mul(beta, m), a.mul(rest, g));
+    weighted.or(a.add(m, a.mul(rest, a.sub(g, m))))
+}
+
+fn moments(before: Moments, grad: f64, adam: &Adam, s: &Scalars, m: &Arithmetic) -> Moments {
+    let param = exact(before.param);
+    let g = if adam.weight_decay == 0.0 { exact(grad) } else { m.add(exact(grad), m.mul(s.decay, param)) };
+    let mean1 = mean(s.beta1, s.rest1, exact(before.m), g, m);
+    // (1 - b2) (g g), or ((1 - b2) g) g: they underflow at different places.
+    let kept = m.mul(s.beta2, exact(before.v));
+    let square = m.mul(s.rest2, m.mul(g, g)).or(m.mul(m.mul(s.rest2, g), g));
+    let mean2 = m.add(kept, square);
+    let root = m.div(m.sqrt(mean2), m.sqrt(s.correction2)).or(m.sqrt(m.div(mean2, s.correction2)));
+    let denominator = m.add(root, s.eps);
+    let update = m.mul(s.step_size, m.div(mean1, denominator));
+    let product_first = m.div(m.mul(s.step_size, mean1), denominator);
+    let corrected = m.div(mean1, s.correction1);
+    let textbook = m.mul(s.lr, m.div(corrected, denominator)).or(m.div(m.mul(s.lr, corrected), denominator));
+    let after = m.sub(param, update.or(product_first).or(textbook));
+    Moments { param: after.e, m: mean1.e, v: mean2.e }
+}
+
+/// Bound of [`super::adam_step`].
+pub fn adam_step(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    let (adam, step) = settings(a);
+    let scalars = Scalars::new(&adam, step, m);
+    each(a, |before, grad| moments(before, grad, &adam, &scalars, m))
+}

@@ -1,0 +1,82 @@
+//! Cases of Adam's step: early and late steps, gradients of every size, both decays.
+
+use crate::verify::case::{Case, Draw};
+use crate::verify::component::{array, scalar};
+
+fn case(id: &str, comment: &'static str, step: f64, settings: [f64; 3], arrays: [Vec<f64>; 4]) -> Case {
+    let [lr, eps, weight_decay] = settings;
+    let [params, grad, m, v] = arrays.map(|values| array(&[values.len()], values));
+    let scalars = [step, lr, 0.9, 0.999, eps, weight_decay].map(scalar);
+    let [step, lr, beta1, beta2, eps, weight_decay] = scalars;
+    #[rustfmt::skip]
+    let inputs = vec![
+        ("params", params), ("grad", grad), ("m", m), ("v", v), ("step", step), ("lr", lr),
+        ("beta1", beta1), ("beta2", beta2), ("eps", eps), ("weight_decay", weight_decay),
+    ];
+    Case::new(id, comment, inputs)
+}
+
+/// One step of Adam.
+pub fn adam_step() -> Vec<Case> {
+    let running = |stream: u64| {
+        let mut draw = Draw::new("adam_step", stream);
+        let n = 8;
+        let params = (0..n).map(|_| draw.between(-1.0, 1.0)).collect();
+        let grad = (0..n).map(|_| draw.between(0.5, 4.0) * if draw.below(2) == 0 { 1.0 } else { -1.0 });
+        let grad: Vec<f64> = grad.collect();
+        let m = (0..n).map(|_| draw.between(-0.5, 0.5)).collect();
+        let v = (0..n).map(|_| draw.between(0.25, 2.0)).collect();
+        [params, grad, m, v]
+    };
+    let fresh = |stream: u64| {
+        let [params, grad, m, v] = running(stream);
+        [params, grad, vec![0.0; m.len()], vec![0.0; v.len()]]
+    };
+    let usual = [5e-4, 1e-8, 0.0];
+    let sizes = vec![1e-300, 1e-150, 1e-30, 1e-12, 1e-8, 1.0, -1e12, 1e150, 0.0];
+    let n = sizes.len();
+    vec![
+        case("first", "from zero moments: lr sign(g) but for eps", 1.0, usual, fresh(0)),
+        case("first_long", "a first step of 1/8", 1.0, [0.125, 1e-8, 0.0], fresh(1)),
+        case("second", "the second step", 2.0, [0.125, 1e-8, 0.0], running(2)),
+        case("tenth", "moments of a running optimisation", 10.0, [0.125, 1e-8, 0.0], running(3)),
+        case("thousandth", "the corrections have nearly vanished", 1000.0, [0.0625, 1e-8, 0.0], running(4)),
+        case("late", "beta1^step has vanished", 100_000.0, usual, running(5)),
+        case(
+            "weight_decay",
+            "coupled: the penalty enters the moments",
+            3.0,
+            [0.125, 1e-8, 0.0625],
+            running(6),
+        ),
+        case("TR3_eps", "an eps of 1 stands outside the root", 2.0, [0.5, 1.0, 0.0], running(7)),
+        case(
+            "zero_gradient",
+            "the moments still move the parameter",
+            5.0,
+            [0.125, 1e-8, 0.0],
+            [vec![1.0, -0.5], vec![0.0, 0.0], vec![0.25, 0.0], vec![0.5, 0.25]],
+        ),
+        case(
+            "nothing_yet",
+            "no gradient, no moments: nothing moves, 0 / eps is 0",
+            1.0,
+            usual,
+            [vec![1.0, -0.5], vec![0.0; 2], vec![0.0; 2], vec![0.0; 2]],
+        ),
+        case(
+            "TR3_every_size",
+            "a first step of lr whatever the gradient's size, until eps outweighs it",
+            1.0,
+            usual,
+            [vec![1.0; n], sizes, vec![0.0; n], vec![0.0; n]],
+        ),
+        case(
+            "TR3_tiny",
+            "gradients of 2^-12: their squares are subnormal in f16",
+            1.0,
+            [0.125, 1e-8, 0.0],
+            [vec![0.5; 2], vec![0.000244140625, -0.000244140625], vec![0.0; 2], vec![0.0; 2]],
+        ),
+    ]
+}

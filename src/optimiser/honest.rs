@@ -1,0 +1,48 @@
+//! Honest implementations of Adam's step in emulated arithmetic.
+
+use super::component::{each, settings};
+use super::{Moments, bias_correction};
+use crate::convention::Conventions;
+use crate::maths::pow;
+use crate::verify::Dtype;
+use crate::verify::component::Arrays;
+use crate::verify::machine::Machine;
+
+/// Adam's step, as PyTorch's `lerp` and `addcdiv` have it, or as the paper's algorithm reads.
+pub fn adam_step(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+    let (adam, step) = settings(a);
+    // What hyper-parameters make among themselves is made at least in f32.
+    let s = Machine { dtype: if m.dtype == Dtype::F64 { Dtype::F64 } else { Dtype::F32 }, ..*m };
+    let correction = |beta: f64| match m.stable {
+        true => s.elementary(bias_correction(beta, step)),
+        false => s.sub(1.0, s.elementary(pow(s.round(beta), step as f64))),
+    };
+    let (correction1, correction2) = (correction(adam.beta1), correction(adam.beta2));
+    let step_size = m.round(s.div(s.round(adam.lr), correction1));
+    let (rest1, rest2) = (m.round(1.0 - adam.beta1), m.round(1.0 - adam.beta2));
+    each(a, |before, grad| {
+        let Moments { param, m: mean1, v: mean2 } = before;
+        let g = if adam.weight_decay == 0.0 {
+            grad
+        } else {
+            m.add(grad, m.mul(m.round(adam.weight_decay), param))
+        };
+        let mean1 = match m.form % 2 {
+            0 => m.add(mean1, m.mul(rest1, m.sub(g, mean1))),
+            _ => m.add(m.mul(m.round(adam.beta1), mean1), m.mul(rest1, g)),
+        };
+        let square = if m.form % 3 == 0 { m.mul(m.mul(rest2, g), g) } else { m.mul(rest2, m.mul(g, g)) };
+        let mean2 = m.add(m.mul(m.round(adam.beta2), mean2), square);
+        let root = match m.form % 2 {
+            0 => m.div(m.sqrt(mean2), m.sqrt(m.round(correction2))),
+            _ => m.sqrt(m.div(mean2, m.round(correction2))),
+        };
+        let denominator = m.add(root, m.round(adam.eps));
+        let update = match m.form % 3 {
+            0 => m.div(m.mul(step_size, mean1), denominator),
+            1 => m.mul(step_size, m.div(mean1, denominator)),
+            _ => m.mul(m.round(adam.lr), m.div(m.div(mean1, m.round(correction1)), denominator)),
+        };
+        Moments { param: m.sub(param, update), m: mean1, v: mean2 }
+    })
+}
