@@ -1,0 +1,102 @@
+//! Cases of the networks: widths of 16 to 32 with parameters that every number type holds, and one of full size.
+
+use ndarray::ArrayD;
+
+use super::nerf_mlp::{NerfMlp, Shape};
+use crate::random::{Key, Purpose};
+use crate::verify::case::{Case, Draw};
+use crate::verify::component::array;
+
+/// Weights of the size of PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
+fn layer(draw: &mut Draw, inputs: usize, outputs: usize, bias: f64) -> [ArrayD<f64>; 2] {
+    let reach = 1.0 / (inputs as f64).sqrt();
+    let w = draw.array(&[outputs, inputs], -reach, reach);
+    let b = (0..outputs).map(|_| {
+        let b = draw.between(bias, 1.5 * bias);
+        if draw.below(4) == 0 { -b } else { b }
+    });
+    [w, array(&[outputs], b.collect())]
+}
+
+fn plain(id: &str, comment: &'static str, stream: u64, sizes: &[usize], points: usize, bias: f64) -> Case {
+    let mut draw = Draw::new("mlp", stream);
+    let mut case = Case::new(id, comment, vec![("x", draw.array(&[points, sizes[0]], -1.0, 1.0))]);
+    for (n, size) in sizes.windows(2).enumerate() {
+        let last = n + 2 == sizes.len();
+        let [w, b] = layer(&mut draw, size[0], size[1], if last { 0.25 } else { bias });
+        case.inputs.insert(format!("w{n}"), w);
+        case.inputs.insert(format!("b{n}"), b);
+    }
+    case
+}
+
+/// The plain network.
+pub fn mlp() -> Vec<Case> {
+    let mut dead = plain("TR1_dead", "every hidden unit is off: y is sigmoid(b), no gradient", 9, &[3, 8, 3], 2, 1.0);
+    dead.inputs.insert("b0".into(), array(&[8], vec![-64.0; 8]));
+    let mut saturated = plain("saturated", "logits near -88 and 8: small y keeps its digits", 8, &[1, 2], 1, 1.0);
+    saturated.inputs.insert("w0".into(), array(&[2, 1], vec![-88.0, 8.0]));
+    saturated.inputs.insert("b0".into(), array(&[2], vec![0.0, 0.0]));
+    saturated.inputs.insert("x".into(), array(&[1, 1], vec![1.0]));
+    vec![
+        plain("one_layer", "no hidden layer", 0, &[3, 2], 3, 0.25),
+        plain("two_hidden", "two hidden layers of 16", 1, &[6, 16, 16, 3], 4, 2.0),
+        plain("wide", "three hidden layers of 32", 2, &[10, 32, 32, 32, 3], 2, 3.0),
+        dead,
+        saturated,
+    ]
+}
+
+fn nerf(id: &str, comment: &'static str, stream: u64, width: usize, levels: [usize; 2], bias: f64) -> Case {
+    let mut draw = Draw::new("nerf_mlp", stream);
+    let [position, direction] = levels.map(|levels| 3 + 6 * levels);
+    let inputs = vec![
+        ("positions", draw.array(&[2, 3], -1.0, 1.0)),
+        ("directions", draw.array(&[2, 3], -1.0, 1.0)),
+    ];
+    let mut case = Case::new(id, comment, inputs);
+    let shape = Shape { position, direction, width, depth: 8, color: width / 2, skip: 4 };
+    let mut sizes: Vec<(String, usize, usize, f64)> =
+        (0..8).map(|n| (format!("trunk{n}"), shape.trunk_inputs(n), width, bias)).collect();
+    sizes.push(("sigma".into(), width, 1, 0.5));
+    sizes.push(("feature".into(), width, width, 0.25));
+    sizes.push(("color0".into(), width + direction, width / 2, bias));
+    sizes.push(("color1".into(), width / 2, 3, 0.25));
+    for (name, inputs, outputs, bias) in sizes {
+        let [w, b] = layer(&mut draw, inputs, outputs, bias);
+        case.inputs.insert(format!("{name}_w"), w);
+        case.inputs.insert(format!("{name}_b"), b);
+    }
+    // A density head that is alive.
+    case.inputs.insert("sigma_b".into(), array(&[1], vec![16.0]));
+    case
+}
+
+/// The NeRF network.
+pub fn nerf_mlp() -> Vec<Case> {
+    let mut dead = nerf("TR1_dead", "sigma is 0 everywhere and its head has no gradient", 2, 16, [1, 1], 2.0);
+    dead.inputs.insert("sigma_b".into(), array(&[1], vec![-64.0]));
+    vec![
+        nerf("short", "one band each: accurate in every type", 0, 16, [1, 1], 2.0),
+        nerf("width_16", "63 and 27 columns, as in the paper", 1, 16, [10, 4], 4.0),
+        nerf("width_32", "width 32, short encodings", 3, 32, [2, 1], 4.0),
+        dead,
+        full_size(),
+    ]
+}
+
+/// 8 layers of 256 with PyTorch's initial values, rounded to f32: `Key::new(0, Purpose::Parameters)`, streams as in
+/// [`NerfMlp::initial`].
+fn full_size() -> Case {
+    let net = NerfMlp::initial(&Shape::PAPER, &Key::new(0, Purpose::Parameters));
+    let mut draw = Draw::new("nerf_mlp", 100);
+    let inputs =
+        vec![("positions", draw.array(&[1, 3], -1.0, 1.0)), ("directions", draw.array(&[1, 3], -1.0, 1.0))];
+    let mut case = Case::new("full_size", "8 layers of 256, as in the paper", inputs);
+    for (name, layer) in net.layers() {
+        let single = |x: f64| f64::from(x as f32);
+        case.inputs.insert(format!("{name}_w"), layer.w.mapv(single).into_dyn());
+        case.inputs.insert(format!("{name}_b"), layer.b.mapv(single).into_dyn());
+    }
+    case.forward_only()
+}
