@@ -38,6 +38,7 @@ pub mod loss;
 pub mod optimiser;
 pub mod ray;
 pub mod sample;
+pub mod trace;
 pub mod volume_rendering;
 
 pub mod evaluation;
@@ -62,10 +63,13 @@ pub const COMPONENTS: &[Component] = &[
     sample::component::SAMPLE_ALONG_RAYS,
     sample::component::STEP_SIZES,
     encoding::component::POSITIONAL_ENCODING,
+    field::component::MLP,
+    field::component::NERF_MLP,
     volume_rendering::component::VOLUME_RENDER,
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,
     volume_rendering::component::DEPTH,
+    trace::component::RENDER_TRACE,
     loss::component::MSE,
     loss::component::PSNR,
     loss::component::TO_UINT8,

@@ -9,7 +9,18 @@ use nerf_oracle::convention::CS180;
 use nerf_oracle::verify::check::Kind;
 
 /// Files of a component folder that are not oracle: harness, tests and fast variants.
-const AROUND: &[&str] = &["bound", "honest", "cases", "mistakes", "component", "tests", "fast", "statistics"];
+const AROUND: &[&str] = &[
+    "bound",
+    "honest",
+    "cases",
+    "mistakes",
+    "component",
+    "tests",
+    "fast",
+    "statistics",
+    "propagate",
+    "chain",
+];
 
 /// What an oracle file may not contain, and why.
 const FORBIDDEN: &[(&str, &str)] = &[

@@ -8,10 +8,10 @@ use glam::{DMat4, DVec2, DVec3};
 use super::component::{self, intrinsics, pose, threes, twos};
 use super::{Intrinsics, transform as oracle};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake, array, arrays, mistake, values};
+use crate::verify::component::{Arrays, Mistake, array, arrays, values};
 
 const fn flipped(name: &'static str, cause: &'static str) -> Mistake {
-    mistake(
+    Mistake::new(
         name,
         cause,
         "the scene is mirrored or lies behind the camera; training on several views can't converge",
@@ -21,7 +21,7 @@ const fn flipped(name: &'static str, cause: &'static str) -> Mistake {
     )
 }
 
-pub(crate) const NO_HALF: Mistake = mistake(
+pub(crate) const NO_HALF: Mistake = Mistake::new(
     "no_half_pixel",
     "the ray goes through (i, j), the pixel's corner, while cx = W / 2 counts from the picture's edge",
     "everything is shifted by half a pixel: 0.12 to 0.15 degrees on a picture of 100 pixels",
@@ -29,7 +29,7 @@ pub(crate) const NO_HALF: Mistake = mistake(
     "5 of 38 CS180 projects (2 of them at evaluation alone), 15 others",
     20,
 );
-pub(crate) const MINUS_HALF: Mistake = mistake(
+pub(crate) const MINUS_HALF: Mistake = Mistake::new(
     "minus_half_pixel",
     "0.5 is subtracted where it should be added",
     "everything is shifted by a pixel in both directions",
@@ -37,7 +37,7 @@ pub(crate) const MINUS_HALF: Mistake = mistake(
     "1 CS180 project",
     1,
 );
-pub(crate) const ROW_COLUMN: Mistake = mistake(
+pub(crate) const ROW_COLUMN: Mistake = Mistake::new(
     "row_column_swapped",
     "row and column exchanged: uv is read as (row, column), or meshgrid was called with indexing=\"ij\"",
     "a transposed picture",
@@ -45,7 +45,7 @@ pub(crate) const ROW_COLUMN: Mistake = mistake(
     "3 public implementations",
     3,
 );
-pub(crate) const CENTRE_SWAPPED: Mistake = mistake(
+pub(crate) const CENTRE_SWAPPED: Mistake = Mistake::new(
     "centre_swapped",
     "cx = H / 2 and cy = W / 2: height and width exchanged in K",
     "nothing on a square picture; a shift on any other",
@@ -53,7 +53,7 @@ pub(crate) const CENTRE_SWAPPED: Mistake = mistake(
     "2 public implementations",
     2,
 );
-pub(crate) const CENTRE_FLOORED: Mistake = mistake(
+pub(crate) const CENTRE_FLOORED: Mistake = Mistake::new(
     "centre_floored",
     "cx = W // 2: integer division",
     "half a pixel of shift, on odd sizes alone",
@@ -61,7 +61,7 @@ pub(crate) const CENTRE_FLOORED: Mistake = mistake(
     "1 public implementation",
     1,
 );
-pub(crate) const FOCAL_IGNORED: Mistake = mistake(
+pub(crate) const FOCAL_IGNORED: Mistake = Mistake::new(
     "focal_ignored",
     "f = 1",
     "a field of view of nearly 180 degrees",
@@ -69,7 +69,7 @@ pub(crate) const FOCAL_IGNORED: Mistake = mistake(
     "1 public implementation",
     1,
 );
-pub(crate) const NOT_RESCALED: Mistake = mistake(
+pub(crate) const NOT_RESCALED: Mistake = Mistake::new(
     "intrinsics_not_rescaled",
     "the pictures were halved, K was not: it is twice the right one",
     "a quarter of the view, off centre",
@@ -77,7 +77,7 @@ pub(crate) const NOT_RESCALED: Mistake = mistake(
     "1 public implementation",
     1,
 );
-pub(crate) const K_TRANSPOSED: Mistake = mistake(
+pub(crate) const K_TRANSPOSED: Mistake = Mistake::new(
     "K_transposed",
     "K^T is inverted: row vectors multiplied as if they were columns",
     "directions without sense",
@@ -85,7 +85,7 @@ pub(crate) const K_TRANSPOSED: Mistake = mistake(
     "never; cheap to keep",
     0,
 );
-pub(crate) const K_FOR_INVERSE: Mistake = mistake(
+pub(crate) const K_FOR_INVERSE: Mistake = Mistake::new(
     "K_for_inverse",
     "K (u, v, 1) in the place of K^-1 (u, v, 1)",
     "all rays point nearly the same way",
@@ -93,7 +93,7 @@ pub(crate) const K_FOR_INVERSE: Mistake = mistake(
     "never; cheap to keep",
     0,
 );
-pub(crate) const ROTATION_TRANSPOSED: Mistake = mistake(
+pub(crate) const ROTATION_TRANSPOSED: Mistake = Mistake::new(
     "rotation_transposed",
     "R^T in the place of R (the rotation of the inverse pose, or a matrix written column by column)",
     "views turn the wrong way; right for the identity alone",
@@ -113,7 +113,7 @@ pub(crate) const FLIPS: [Mistake; 6] = [
 /// Mistakes of the transform.
 pub const TRANSFORM: &[Mistake] = &[
     ROTATION_TRANSPOSED,
-    mistake(
+    Mistake::new(
         "inverse_pose",
         "x_w = c2w^-1 x_c",
         "points land in the wrong place, and a round trip with the same mistake passes",
@@ -121,7 +121,7 @@ pub const TRANSFORM: &[Mistake] = &[
         "1 CS180 project",
         1,
     ),
-    mistake(
+    Mistake::new(
         "translation_missing",
         "x_w = R x_c: a 0 was appended to the point in the place of a 1",
         "all cameras stand at the origin",
@@ -148,7 +148,7 @@ pub const PIXEL_TO_CAMERA: &[Mistake] = &[
     NOT_RESCALED,
     K_TRANSPOSED,
     K_FOR_INVERSE,
-    mistake(
+    Mistake::new(
         "depth_forgotten",
         "x_c = K^-1 (u, v, 1), whatever the depth is",
         "every point lies at depth 1",

@@ -40,7 +40,7 @@ pub const POSITIONAL_ENCODING: &[Mistake] = &[
         "gradients of camera poses too small, most of all in the high bands",
         "multiply by 2^k pi",
         "hand-written backward passes",
-        1,
+        0,
     )
     .of_gradient(),
     Mistake::new(
@@ -49,7 +49,7 @@ pub const POSITIONAL_ENCODING: &[Mistake] = &[
         "gradients of camera poses point elsewhere",
         "-a sin(a x)",
         "hand-written backward passes",
-        1,
+        0,
     )
     .of_gradient(),
     Mistake::new(
@@ -58,7 +58,7 @@ pub const POSITIONAL_ENCODING: &[Mistake] = &[
         "gradients of camera poses slightly off",
         "add the first D columns' gradient",
         "hand-written backward passes",
-        1,
+        0,
     )
     .of_gradient(),
 ];

@@ -1,6 +1,5 @@
 //! Error bounds of the networks. The law of the errors, lambda and the false-alarm probability stand in [`super::propagate`].
 
-
 use super::component::{Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::mlp::Mlp;
 use super::propagate::{Vector, affine, transposed};

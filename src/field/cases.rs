@@ -32,9 +32,11 @@ fn plain(id: &str, comment: &'static str, stream: u64, sizes: &[usize], points: 
 
 /// The plain network.
 pub fn mlp() -> Vec<Case> {
-    let mut dead = plain("TR1_dead", "every hidden unit is off: y is sigmoid(b), no gradient", 9, &[3, 8, 3], 2, 1.0);
+    let mut dead =
+        plain("TR1_dead", "every hidden unit is off: y is sigmoid(b), no gradient", 9, &[3, 8, 3], 2, 1.0);
     dead.inputs.insert("b0".into(), array(&[8], vec![-64.0; 8]));
-    let mut saturated = plain("saturated", "logits near -88 and 8: small y keeps its digits", 8, &[1, 2], 1, 1.0);
+    let mut saturated =
+        plain("saturated", "logits near -88 and 8: small y keeps its digits", 8, &[1, 2], 1, 1.0);
     saturated.inputs.insert("w0".into(), array(&[2, 1], vec![-88.0, 8.0]));
     saturated.inputs.insert("b0".into(), array(&[2], vec![0.0, 0.0]));
     saturated.inputs.insert("x".into(), array(&[1, 1], vec![1.0]));
@@ -50,10 +52,8 @@ pub fn mlp() -> Vec<Case> {
 fn nerf(id: &str, comment: &'static str, stream: u64, width: usize, levels: [usize; 2], bias: f64) -> Case {
     let mut draw = Draw::new("nerf_mlp", stream);
     let [position, direction] = levels.map(|levels| 3 + 6 * levels);
-    let inputs = vec![
-        ("positions", draw.array(&[2, 3], -1.0, 1.0)),
-        ("directions", draw.array(&[2, 3], -1.0, 1.0)),
-    ];
+    let inputs =
+        vec![("positions", draw.array(&[2, 3], -1.0, 1.0)), ("directions", draw.array(&[2, 3], -1.0, 1.0))];
     let mut case = Case::new(id, comment, inputs);
     let shape = Shape { position, direction, width, depth: 8, color: width / 2, skip: 4 };
     let mut sizes: Vec<(String, usize, usize, f64)> =

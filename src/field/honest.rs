@@ -210,7 +210,10 @@ fn point_gradient(
         Density::Softplus => sigmoid(tape.z_sigma, m),
         Density::Relu | Density::Exp => m.elementary(density_slope(tape.z_sigma, c.density)),
     };
-    let g = vec![m.mul(if c.density == Density::Relu { m.round(density_slope(tape.z_sigma, c.density)) } else { slope }, g_sigma)];
+    let g = vec![m.mul(
+        if c.density == Density::Relu { m.round(density_slope(tape.z_sigma, c.density)) } else { slope },
+        g_sigma,
+    )];
     outer[depth].add(&g, &tape.hidden);
     let from_sigma = transposed(&net.sigma, &g, m);
     let mut g: Vec<f64> = from_color.iter().zip(from_sigma).map(|(&a, b)| m.add(a, b)).collect();

@@ -3,11 +3,15 @@
 //! What changes the number of layers or columns (7 or 9 trunk layers, the skip in another layer, the position's bands for the
 //! direction) shows in the shapes and has no row here; a ReLU on the feature is a convention.
 
-use super::component::{MLP as MLP_ROW, NERF_MLP as NERF_ROW, Nerf, cotangents, field, mlp_gradients, network, zeros};
+use super::component::{
+    MLP as MLP_ROW, NERF_MLP as NERF_ROW, Nerf, cotangents, field, mlp_gradients, network, zeros,
+};
 use super::{Layer, backward, sigmoid_slope};
 use crate::convention::{Conventions, SkipOrder};
 use crate::encoding::component::{from_rows, rows};
-use crate::encoding::{mistakes as encoding, backward::positional_encoding as encoding_vjp, positional_encoding};
+use crate::encoding::{
+    backward::positional_encoding as encoding_vjp, mistakes as encoding, positional_encoding,
+};
 use crate::verify::component::{Arrays, Mistake, arrays};
 
 const SIGMOID_MISSING: Mistake = Mistake::new(
@@ -26,15 +30,21 @@ const RELU_BEFORE_SIGMOID: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
-const BIAS_FORGOTTEN: Mistake =
-    Mistake::new("bias_forgotten", "z = w x", "black can't be learned", "z = w x + b", "never; cheap to keep", 0);
+const BIAS_FORGOTTEN: Mistake = Mistake::new(
+    "bias_forgotten",
+    "z = w x",
+    "black can't be learned",
+    "z = w x + b",
+    "never; cheap to keep",
+    0,
+);
 const TRANSPOSED: Mistake = Mistake::new(
     "weights_transposed",
     "x w for w x in square layers",
     "parameters of another framework give noise",
     "transpose when loading (JAX and Keras keep (in, out))",
     "weight conversions",
-    1,
+    0,
 );
 const NEVER_APPLIED: Mistake = Mistake::new(
     "layer_never_applied",
@@ -50,7 +60,7 @@ const SIGMOID_GRADIENT: Mistake = Mistake::new(
     "dark and bright colours overshoot",
     "multiply by y (1 - y)",
     "hand-written backward passes",
-    1,
+    0,
 )
 .of_gradient();
 const RELU_MASK: Mistake = Mistake::new(
@@ -59,13 +69,19 @@ const RELU_MASK: Mistake = Mistake::new(
     "dead units are trained as if they were alive",
     "mask by z > 0",
     "hand-written backward passes",
-    1,
+    0,
 )
 .of_gradient();
 
 /// Mistakes of the plain network.
 pub const MLP: &[Mistake] = &[
-    SIGMOID_MISSING, RELU_BEFORE_SIGMOID, BIAS_FORGOTTEN, TRANSPOSED, NEVER_APPLIED, SIGMOID_GRADIENT, RELU_MASK,
+    SIGMOID_MISSING,
+    RELU_BEFORE_SIGMOID,
+    BIAS_FORGOTTEN,
+    TRANSPOSED,
+    NEVER_APPLIED,
+    SIGMOID_GRADIENT,
+    RELU_MASK,
 ];
 
 /// Mistakes of the NeRF network.
@@ -100,7 +116,7 @@ pub const NERF_MLP: &[Mistake] = &[
         "poses are refined with half of the gradient",
         "add the skip's part",
         "hand-written backward passes",
-        1,
+        0,
     )
     .of_gradient(),
 ];

@@ -10,9 +10,15 @@ use crate::maths::{exp, ln_1p};
 use crate::random::Key;
 
 pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
 pub mod fast;
+pub mod honest;
+pub mod mistakes;
 pub mod mlp;
 pub mod nerf_mlp;
+mod propagate;
 
 #[cfg(test)]
 mod tests;

@@ -10,7 +10,7 @@ const MEAN_FORGOTTEN: Mistake = Mistake::new(
     "steps n times as long; the best learning rate depends on the batch",
     "divide by the number of entries",
     "hand-written backward passes",
-    1,
+    0,
 );
 
 /// Mistakes of the loss.
@@ -38,7 +38,7 @@ pub const MSE: &[Mistake] = &[
         "steps half as long",
         "multiply by 2",
         "hand-written backward passes",
-        1,
+        0,
     )
     .of_gradient(),
 ];

@@ -13,7 +13,7 @@ pub const ADAM_STEP: &[Mistake] = &[
         "the first steps are about 3 times too long (0.1 / sqrt(0.001))",
         "divide by 1 - beta^step",
         "hand-written optimisers",
-        1,
+        0,
     ),
     Mistake::new(
         "eps_inside_root",
@@ -21,7 +21,7 @@ pub const ADAM_STEP: &[Mistake] = &[
         "small gradients take steps that are far too short: eps acts as its root, 1e-4",
         "sqrt(v) + eps",
         "hand-written optimisers",
-        1,
+        0,
     ),
     Mistake::new(
         "decoupled_decay",
@@ -29,7 +29,7 @@ pub const ADAM_STEP: &[Mistake] = &[
         "another optimiser: the decay isn't scaled by the root",
         "add weight_decay * p to the gradient, or compare with AdamW",
         "hand-written optimisers",
-        1,
+        0,
     ),
     Mistake::new(
         "step_from_zero",
@@ -37,7 +37,7 @@ pub const ADAM_STEP: &[Mistake] = &[
         "early steps too long",
         "count steps from 1",
         "hand-written optimisers",
-        1,
+        0,
     ),
 ];
 

@@ -13,9 +13,9 @@ use crate::camera::component::{intrinsics, pose, twos};
 use crate::camera::mistakes::{self, FLIPS, flip, with_transposed_rotation, wrong_point};
 use crate::camera::rotate;
 use crate::convention::{Axes, Conventions, Directions};
-use crate::verify::component::{Arrays, Mistake, array, mistake, values};
+use crate::verify::component::{Arrays, Mistake, array, values};
 
-const ORIGIN_MINUS_RT: Mistake = mistake(
+const ORIGIN_MINUS_RT: Mistake = Mistake::new(
     "origin_minus_rt",
     "o = -R^T t, with R and t of c2w: the formula for a world-to-camera matrix",
     "cameras at the right distance in the wrong places",
@@ -23,7 +23,7 @@ const ORIGIN_MINUS_RT: Mistake = mistake(
     "1 public implementation",
     1,
 );
-const TRANSLATION_IN_DIRECTION: Mistake = mistake(
+const TRANSLATION_IN_DIRECTION: Mistake = Mistake::new(
     "translation_in_direction",
     "d = R d_c + t: a 1 was appended to the direction, or x_w was taken without subtracting o",
     "directions change when the camera is moved",
@@ -31,7 +31,7 @@ const TRANSLATION_IN_DIRECTION: Mistake = mistake(
     "CUT3R#90",
     1,
 );
-const ORIGIN_NORMALISED: Mistake = mistake(
+const ORIGIN_NORMALISED: Mistake = Mistake::new(
     "origin_normalised",
     "o / |o|: the origin was normalised along with the direction",
     "all cameras on the unit sphere",
@@ -55,7 +55,7 @@ pub const PIXEL_TO_RAY: &[Mistake] = &[
     ORIGIN_MINUS_RT,
     TRANSLATION_IN_DIRECTION,
     ORIGIN_NORMALISED,
-    mistake(
+    Mistake::new(
         "norm_without_axis",
         "d / norm(d, axis=1) without keepdims: (M, 3) / (M,)",
         "an error for most M; at M = 3 column j is divided by the norm of ray j",

@@ -5,11 +5,11 @@
 
 use super::{component, sample_along_ray, step_sizes as oracle_steps};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake, array, arrays, input, mistake, number};
+use crate::verify::component::{Arrays, Mistake, array, arrays, input, number};
 use crate::volume_rendering::component::{row, size};
 
 const fn fixed(name: &'static str, cause: &'static str) -> Mistake {
-    mistake(
+    Mistake::new(
         name,
         cause,
         "too wide: samples leave their interval and t is unsorted; too narrow: the ray has gaps that no step ever sees",
@@ -21,7 +21,7 @@ const fn fixed(name: &'static str, cause: &'static str) -> Mistake {
 
 /// Mistakes of positions and points.
 pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
-    mistake(
+    Mistake::new(
         "one_jitter_for_all_rays",
         "noise of shape (N,), broadcast over the rays",
         "all rays of a step see the same slices of space; noisier training",
@@ -29,7 +29,7 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         "8 of 38 CS180 projects, 3 others",
         11,
     ),
-    mistake(
+    Mistake::new(
         "never_jittered",
         "u isn't used: always the middle of the interval",
         "the network knows the scene at N depths and bands appear between them",
@@ -37,7 +37,7 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         "3 public implementations",
         3,
     ),
-    mistake(
+    Mistake::new(
         "jitter_centred_on_edges",
         "t = near + (i + u - 0.5) D: noise in [-0.5, 0.5) around left edges",
         "samples in front of near",
@@ -48,7 +48,7 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
     fixed("jitter_width_0.02", "t = near + i D + 0.02 u"),
     fixed("jitter_width_0.1", "t = near + i D + 0.1 u"),
     fixed("jitter_width_1", "t = near + i D + u: noise that isn't scaled"),
-    mistake(
+    Mistake::new(
         "flattened_in_wrong_order",
         "points were made as (N, R, 3) and reshaped to (R, N, 3)",
         "every sample is handed another ray's point; a permutation matches",
@@ -56,7 +56,7 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
-    mistake(
+    Mistake::new(
         "points_without_origin",
         "points = t d",
         "all cameras stand at the origin",
@@ -68,7 +68,7 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
 
 /// Mistakes of step lengths.
 pub const STEP_SIZES: &[Mistake] = &[
-    mistake(
+    Mistake::new(
         "delta_missing",
         "delta = 1",
         "density is learned in the wrong unit and changes with the number of samples",
@@ -76,7 +76,7 @@ pub const STEP_SIZES: &[Mistake] = &[
         "5 public implementations",
         5,
     ),
-    mistake(
+    Mistake::new(
         "delta_unit_interval",
         "delta = 1 / N, as if near and far were 0 and 1",
         "density off by far - near; one passes the course's own test",
@@ -84,7 +84,7 @@ pub const STEP_SIZES: &[Mistake] = &[
         "3 public implementations",
         3,
     ),
-    mistake(
+    Mistake::new(
         "delta_over_n_minus_1",
         "delta = (far - near) / (N - 1) on a grid of N intervals",
         "density off by N / (N - 1)",
@@ -92,7 +92,7 @@ pub const STEP_SIZES: &[Mistake] = &[
         "3 public implementations",
         3,
     ),
-    mistake(
+    Mistake::new(
         "backward_delta",
         "delta_i = t_i - t_{i-1}, delta_0 = 0",
         "the first sample is invisible and every density belongs to the wrong step",
@@ -100,7 +100,7 @@ pub const STEP_SIZES: &[Mistake] = &[
         "3 public implementations",
         3,
     ),
-    mistake(
+    Mistake::new(
         "delta_differenced_twice",
         "differences of the differences, last 1e10",
         "only the last sample is visible",
@@ -108,7 +108,7 @@ pub const STEP_SIZES: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
-    mistake(
+    Mistake::new(
         "first_gap_for_all",
         "t_1 - t_0 for every sample of a ray",
         "varies from call to call when samples are jittered",
@@ -116,7 +116,7 @@ pub const STEP_SIZES: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
-    mistake(
+    Mistake::new(
         "first_ray_deltas",
         "the differences along the first ray are used for every ray of the batch",
         "jittered rays get another ray's steps",

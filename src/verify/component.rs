@@ -66,18 +66,6 @@ pub struct Mistake {
     pub gradient: bool,
 }
 
-/// A row of the catalogue: a mistake of the forward direction.
-pub const fn mistake(
-    name: &'static str,
-    cause: &'static str,
-    effect: &'static str,
-    fix: &'static str,
-    seen: &'static str,
-    count: u32,
-) -> Mistake {
-    Mistake { name, cause, effect, fix, seen, count, gradient: false }
-}
-
 impl Mistake {
     /// A mistake of the forward direction.
     pub const fn new(

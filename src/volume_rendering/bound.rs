@@ -11,21 +11,32 @@ use crate::verify::bounded::{Bounded, exact};
 use crate::verify::component::{Arrays, array, arrays, number, values};
 
 /// One ray with its errors.
-struct Ray {
+pub(crate) struct Ray {
     alphas: Vec<Bounded>,
     /// d alpha / dx = e^-x; 1 where alpha is given.
     slopes: Vec<Bounded>,
     rgbs: Vec<[f64; 3]>,
     /// In front of each sample and, last, behind all: (N + 1).
     transmittance: Vec<Bounded>,
-    weights: Vec<Bounded>,
+    pub(crate) weights: Vec<Bounded>,
 }
 
 impl Ray {
-    fn from_densities(a: &Arrays, r: usize, eps: ProductEps, m: &Arithmetic) -> Ray {
-        let (sigmas, deltas) = (row(a, "sigmas", r), row(a, "deltas", r));
+    fn of_case(a: &Arrays, r: usize, eps: ProductEps, m: &Arithmetic) -> Ray {
+        let deltas: Vec<Bounded> = row(a, "deltas", r).into_iter().map(exact).collect();
+        Ray::from_densities(&row(a, "sigmas", r), &deltas, rows3(a, "rgbs", r), eps, m)
+    }
+
+    /// A ray whose step lengths may be off already.
+    pub(crate) fn from_densities(
+        sigmas: &[f64],
+        deltas: &[Bounded],
+        rgbs: Vec<[f64; 3]>,
+        eps: ProductEps,
+        m: &Arithmetic,
+    ) -> Ray {
         let x: Vec<Bounded> =
-            sigmas.iter().zip(&deltas).map(|(&sigma, &delta)| optical_depth(sigma, delta, m)).collect();
+            sigmas.iter().zip(deltas).map(|(&sigma, &delta)| optical_depth(sigma, delta, m)).collect();
         let slopes: Vec<Bounded> = x.iter().map(|x| m.exp(x.neg())).collect();
         let alpha = |(x, slope): (&Bounded, &Bounded)| match m.grade {
             Grade::A => m.one_minus_exp(*x),
@@ -40,7 +51,7 @@ impl Ray {
                 *t = m.exp(m.rounded(depth.y, depth.e).neg()).or(*t).capped(0.0, 1.0);
             }
         }
-        Ray::new(alphas, slopes, rows3(a, "rgbs", r), transmittance, m)
+        Ray::new(alphas, slopes, rgbs, transmittance, m)
     }
 
     fn from_alphas(a: &Arrays, r: usize, eps: ProductEps, m: &Arithmetic) -> Ray {
@@ -61,17 +72,17 @@ impl Ray {
         Ray { alphas, slopes, rgbs, transmittance, weights }
     }
 
-    /// Errors of the outputs, in the order colour, opacity, transmittance.
-    fn outputs(&self, m: &Arithmetic) -> ([f64; 3], f64, f64) {
+    /// The outputs: colour, opacity, transmittance.
+    pub(crate) fn outputs(&self, m: &Arithmetic) -> ([Bounded; 3], Bounded, Bounded) {
         let behind = self.transmittance[self.alphas.len()];
         let color = |k: usize| {
             let colors: Vec<Bounded> = self.rgbs.iter().map(|c| exact(c[k])).collect();
-            m.dot(&self.weights, &colors).e
+            m.dot(&self.weights, &colors)
         };
         // The sum of the weights, or 1 - T: the same over the reals when nothing is added to the factors. Not capped at [0, 1]:
         // an honest sum of 256 textbook alphas reaches 3 in bf16.
         let opacity = m.sum(&self.weights).or(m.sub(exact(1.0), behind));
-        ([color(0), color(1), color(2)], opacity.e, behind.e)
+        ([color(0), color(1), color(2)], opacity, behind)
     }
 
     /// Errors of g_alpha times the slope (that is, of g_x), and of g_rgb.
@@ -109,8 +120,8 @@ impl Ray {
     }
 }
 
-fn optical_depth(sigma: f64, delta: f64, m: &Arithmetic) -> Bounded {
-    if sigma == 0.0 || delta == 0.0 { exact(0.0) } else { m.mul(exact(sigma), exact(delta)) }
+fn optical_depth(sigma: f64, delta: Bounded, m: &Arithmetic) -> Bounded {
+    if sigma == 0.0 || delta == exact(0.0) { exact(0.0) } else { m.mul(exact(sigma), delta) }
 }
 
 /// T_i = prod_{j<i} (1 - alpha_j + eps).
@@ -127,20 +138,20 @@ fn forward(rays: &[Ray], m: &Arithmetic) -> Arrays {
     let samples = rays.first().map_or(0, |ray| ray.weights.len());
     let outputs: Vec<_> = rays.iter().map(|ray| ray.outputs(m)).collect();
     arrays([
-        ("colors", array(&[rays.len(), 3], outputs.iter().flat_map(|o| o.0).collect())),
+        ("colors", array(&[rays.len(), 3], outputs.iter().flat_map(|o| o.0.map(|c| c.e)).collect())),
         (
             "weights",
             array(&[rays.len(), samples], rays.iter().flat_map(|r| r.weights.iter().map(|w| w.e)).collect()),
         ),
-        ("opacity", array(&[rays.len()], outputs.iter().map(|o| o.1).collect())),
-        ("transmittance", array(&[rays.len()], outputs.iter().map(|o| o.2).collect())),
+        ("opacity", array(&[rays.len()], outputs.iter().map(|o| o.1.e).collect())),
+        ("transmittance", array(&[rays.len()], outputs.iter().map(|o| o.2.e).collect())),
     ])
 }
 
 /// Bound of [`super::volume_render`].
 pub fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, _) = size(a, "sigmas");
-    forward(&(0..rays).map(|r| Ray::from_densities(a, r, c.product_eps, m)).collect::<Vec<_>>(), m)
+    forward(&(0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m)).collect::<Vec<_>>(), m)
 }
 
 /// Bound of [`super::volume_render_alpha`].
@@ -154,7 +165,7 @@ pub fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
     let (rays, samples) = size(a, "sigmas");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
     for r in 0..rays {
-        let ray = Ray::from_densities(a, r, c.product_eps, m);
+        let ray = Ray::of_case(a, r, c.product_eps, m);
         let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
         g_sigmas.extend(row(a, "deltas", r).iter().zip(&g_x).map(|(&delta, &g)| m.mul(exact(delta), g).e));
         g_deltas.extend(row(a, "sigmas", r).iter().zip(&g_x).map(|(&sigma, &g)| m.mul(exact(sigma), g).e));

@@ -1,8 +1,8 @@
 //! What people get wrong in volume rendering, in words.
 
-use crate::verify::component::{Mistake, mistake};
+use crate::verify::component::Mistake;
 
-const INCLUSIVE: Mistake = mistake(
+const INCLUSIVE: Mistake = Mistake::new(
     "inclusive_transmittance",
     "w_i = T_{i+1} alpha_i: the sample shades itself (an inclusive cumprod or cumsum)",
     "surfaces too dark by a factor of 1 - alpha; spikes read (.25, .125, .0625)",
@@ -10,7 +10,7 @@ const INCLUSIVE: Mistake = mistake(
     "1 of 38 CS180 projects, 8 others",
     9,
 );
-const ROLLED: Mistake = mistake(
+const ROLLED: Mistake = Mistake::new(
     "rolled_transmittance",
     "T = roll(cumprod(1 - alpha), 1), whose first entry is the last product instead of 1",
     "the first sample is attenuated by the whole ray; spikes read (.0625, .25, .125)",
@@ -18,7 +18,7 @@ const ROLLED: Mistake = mistake(
     "2 public implementations",
     2,
 );
-const FIRST_ZERO: Mistake = mistake(
+const FIRST_ZERO: Mistake = Mistake::new(
     "first_transmittance_zero",
     "T_0 = 0 (a zero in front of the cumulative product instead of a one)",
     "the first sample is invisible; spikes read (0, .25, .125)",
@@ -26,7 +26,7 @@ const FIRST_ZERO: Mistake = mistake(
     "1 public implementation",
     1,
 );
-const OPACITY_AS_T: Mistake = mistake(
+const OPACITY_AS_T: Mistake = Mistake::new(
     "opacity_as_transmittance",
     "T = 1 - prod(1 - alpha): opacity in the place of transmittance",
     "what lies behind shines through what lies in front; spikes read (.25, .375, .4375)",
@@ -34,7 +34,7 @@ const OPACITY_AS_T: Mistake = mistake(
     "3 public implementations",
     3,
 );
-const DIVIDED: Mistake = mistake(
+const DIVIDED: Mistake = Mistake::new(
     "divided_by_opacity",
     "C / A: the weights are normalised",
     "half-transparent rays as bright as opaque ones; NaN on an empty ray",
@@ -42,7 +42,7 @@ const DIVIDED: Mistake = mistake(
     "2 public implementations",
     2,
 );
-const ALPHA_FORGOTTEN: Mistake = mistake(
+const ALPHA_FORGOTTEN: Mistake = Mistake::new(
     "alpha_forgotten",
     "w_i = T_i",
     "empty space glows; weights sum to more than 1",
@@ -50,7 +50,7 @@ const ALPHA_FORGOTTEN: Mistake = mistake(
     "1 public implementation",
     1,
 );
-const OVER_RAYS: Mistake = mistake(
+const OVER_RAYS: Mistake = Mistake::new(
     "transmittance_over_rays",
     "the cumulative sum or product runs over rays instead of samples (axis 0 for axis 1)",
     "a ray's colour depends on its neighbours in the batch",
@@ -68,7 +68,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
     DIVIDED,
     ALPHA_FORGOTTEN,
     OVER_RAYS,
-    mistake(
+    Mistake::new(
         "delta_missing",
         "alpha = 1 - exp(-sigma)",
         "density is learned in the wrong unit and changes with the number of samples",
@@ -76,7 +76,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
         "5 public implementations",
         5,
     ),
-    mistake(
+    Mistake::new(
         "delta_unit_interval",
         "delta = 1 / N, as if near and far were 0 and 1",
         "density off by (far - near); one passes the course's own test",
@@ -84,7 +84,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
         "3 public implementations",
         3,
     ),
-    mistake(
+    Mistake::new(
         "delta_over_n_minus_1",
         "delta = (far - near) / (N - 1) on a grid of N intervals",
         "density off by N / (N - 1), more at fewer samples",
@@ -92,7 +92,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
         "3 public implementations",
         3,
     ),
-    mistake(
+    Mistake::new(
         "backward_delta",
         "delta_i = t_i - t_{i-1}, delta_0 = 0",
         "the first sample is invisible and every density belongs to the wrong step",
@@ -100,7 +100,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
         "3 public implementations",
         3,
     ),
-    mistake(
+    Mistake::new(
         "delta_differenced_twice",
         "differences of the step lengths are taken as step lengths, last 1e10",
         "only the last sample is visible",
@@ -108,7 +108,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
-    mistake(
+    Mistake::new(
         "first_gap_for_all",
         "the first step of a ray is used for all of its samples",
         "varies from call to call when samples are jittered",
@@ -116,7 +116,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
-    mistake(
+    Mistake::new(
         "first_ray_deltas",
         "the first ray's steps are used for every ray of the batch",
         "rays with other bounds get wrong densities",
@@ -124,7 +124,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
         "kornia 0.8.2 RegularRenderer (0.139 for 0.289)",
         1,
     ),
-    mistake(
+    Mistake::new(
         "eps_on_alpha",
         "1e-10 is added to alpha (and to T)",
         "empty rays aren't empty; below what f32 can see",
@@ -132,7 +132,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
-    mistake(
+    Mistake::new(
         "scaled_exponential",
         "alpha = 1 - k exp(-x) with k other than 1 (here 0.99)",
         "empty space has an opacity of 1 - k",
@@ -164,7 +164,7 @@ pub const VOLUME_RENDER_ALPHA: &[Mistake] = &[
 
 /// Mistakes of the background.
 pub const COMPOSITE_BACKGROUND: &[Mistake] = &[
-    mistake(
+    Mistake::new(
         "attenuated_twice",
         "A C + (1 - A) b: the rendered colour is premultiplied already",
         "half-transparent edges too dark; right only at A = 0 or 1",
@@ -172,7 +172,7 @@ pub const COMPOSITE_BACKGROUND: &[Mistake] = &[
         "instant-nsr-pl#54, nerfstudio#2165",
         2,
     ),
-    mistake(
+    Mistake::new(
         "one_channel",
         "the background is written to the first channel alone",
         "empty rays have the wrong hue",
@@ -180,7 +180,7 @@ pub const COMPOSITE_BACKGROUND: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
-    mistake(
+    Mistake::new(
         "background_255",
         "b is in 0..255 where C is in 0..1",
         "everything that isn't opaque is white",
@@ -188,7 +188,7 @@ pub const COMPOSITE_BACKGROUND: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
-    mistake(
+    Mistake::new(
         "background_always",
         "C + b: the background isn't attenuated (an appended sample that isn't opaque, or a forgotten 1 - A)",
         "opaque objects glow",
@@ -200,7 +200,7 @@ pub const COMPOSITE_BACKGROUND: &[Mistake] = &[
 
 /// Mistakes of the expected distance.
 pub const DEPTH: &[Mistake] = &[
-    mistake(
+    Mistake::new(
         "zero_by_zero",
         "sum w t / sum w on a ray without weight",
         "NaN in depth pictures, and in losses on them",
@@ -208,7 +208,7 @@ pub const DEPTH: &[Mistake] = &[
         "nerf-pytorch#28 and many others",
         10,
     ),
-    mistake(
+    Mistake::new(
         "depth_of_index",
         "sum w i / sum w: the sample's number in the place of t",
         "depth without units",

@@ -1,0 +1,61 @@
+//! Error bound of the trace: each row's bound, with the step lengths' own error carried into the weights.
+
+use super::chain::chain;
+use super::component::size;
+use crate::convention::{Conventions, Delta};
+use crate::verify::arithmetic::Arithmetic;
+use crate::verify::bounded::{Bounded, exact};
+use crate::verify::component::{Arrays, array, values};
+use crate::volume_rendering::bound::Ray;
+use crate::volume_rendering::component::rgb;
+
+/// Bound of [`super::trace_pixel`].
+pub fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let [h, w, n] = size(a);
+    let truth = chain(a, |component, a| (component.forward.oracle)(a, c));
+    // At the true arrays, row by row; rows_o, rays_d, uv and t are final.
+    let mut bound = chain_bounds(a, c, m);
+    let (t, deltas) = (values(&bound, "t"), values(&truth, "deltas"));
+    let mut step_errors = values(&bound, "deltas");
+    if c.delta == Delta::Differences {
+        for (p, error) in step_errors.iter_mut().enumerate().filter(|_| n > 1) {
+            // t_{i+1} - t_i; the last step may be made of the two positions before it.
+            let i = p % n;
+            let first = p - i + i.min(n - 2);
+            *error += t[first] + t[first + 1];
+        }
+    }
+    let (sigmas, rgbs, b) = (values(a, "sigmas"), values(a, "rgbs"), rgb(&values(a, "background")));
+    let (mut weights, mut colors) = (vec![], vec![]);
+    for ray in (0..h * w).map(|p| p * n..(p + 1) * n) {
+        let steps: Vec<Bounded> = ray.clone().map(|i| Bounded { y: deltas[i], e: step_errors[i] }).collect();
+        let rgbs = rgbs[3 * ray.start..3 * ray.end].chunks_exact(3).map(rgb).collect();
+        let ray = Ray::from_densities(&sigmas[ray], &steps, rgbs, c.product_eps, m);
+        let (color, opacity, _) = ray.outputs(m);
+        for k in 0..3 {
+            let factored = m.add(color[k], m.mul(m.sub(exact(1.0), opacity), exact(b[k])));
+            let expanded = m.sub(m.add(color[k], exact(b[k])), m.mul(opacity, exact(b[k])));
+            colors.push(factored.or(expanded).e);
+        }
+        weights.extend(ray.weights.iter().map(|w| w.e));
+    }
+    bound.insert("deltas".into(), array(&[h, w, n], step_errors));
+    bound.insert("weights".into(), array(&[h, w, n], weights));
+    bound.insert("colors".into(), array(&[h, w, 3], colors));
+    bound
+}
+
+/// Each row's bound at the true values of the arrays before it.
+fn chain_bounds(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let bounds = std::cell::RefCell::new(Arrays::new());
+    let truth = chain(a, |component, a| {
+        bounds.borrow_mut().extend((component.forward.bound)(a, c, m));
+        (component.forward.oracle)(a, c)
+    });
+    let bounds = bounds.into_inner();
+    let shaped = |(name, truth): (&String, &ndarray::ArrayD<f64>)| {
+        let bound = if name == "colors" { &bounds["colors_out"] } else { &bounds[name] };
+        (name.clone(), bound.to_shape(truth.shape()).expect("the same number of entries").into_owned())
+    };
+    truth.iter().map(shaped).collect()
+}

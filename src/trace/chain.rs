@@ -1,0 +1,45 @@
+//! The rows of which a trace consists, run one after the other on named arrays: how honest and wrong traces are made.
+
+use super::component::size;
+use crate::verify::component::{Arrays, Component, arrays, input};
+use crate::{ray, sample, volume_rendering};
+
+/// Runs image_rays, sample_along_rays, step_sizes, volume_render and composite_background with `run`, each fed with what the one
+/// before returned.
+pub(super) fn chain(a: &Arrays, run: impl Fn(&Component, &Arrays) -> Arrays) -> Arrays {
+    let [h, w, n] = size(a);
+    let reshaped = |array: &ndarray::ArrayD<f64>, shape: &[usize]| {
+        array.to_shape(shape).expect("the same number of entries").into_owned()
+    };
+    let mut out = run(&ray::component::IMAGE_RAYS, a);
+    let [rays_o, rays_d] = ["rays_o", "rays_d"].map(|name| reshaped(&out[name], &[h * w, 3]));
+    let [near, far] = ["near", "far"].map(|name| input(a, name).clone());
+    let u = reshaped(input(a, "u"), &[h * w, n]);
+    let along = arrays([
+        ("rays_o", rays_o),
+        ("rays_d", rays_d),
+        ("near", near.clone()),
+        ("far", far.clone()),
+        ("u", u),
+    ]);
+    let t = run(&sample::component::SAMPLE_ALONG_RAYS, &along)["t"].clone();
+    let steps = arrays([("t", t.clone()), ("near", near), ("far", far)]);
+    let deltas = run(&sample::component::STEP_SIZES, &steps)["deltas"].clone();
+    let rays = arrays([
+        ("sigmas", reshaped(input(a, "sigmas"), &[h * w, n])),
+        ("rgbs", reshaped(input(a, "rgbs"), &[h * w, n, 3])),
+        ("deltas", deltas.clone()),
+    ]);
+    let rendered = run(&volume_rendering::component::VOLUME_RENDER, &rays);
+    let behind = arrays([
+        ("colors", rendered["colors"].clone()),
+        ("opacity", rendered["opacity"].clone()),
+        ("background", input(a, "background").clone()),
+    ]);
+    let colors = run(&volume_rendering::component::COMPOSITE_BACKGROUND, &behind)["colors_out"].clone();
+    out.insert("t".into(), reshaped(&t, &[h, w, n]));
+    out.insert("deltas".into(), reshaped(&deltas, &[h, w, n]));
+    out.insert("weights".into(), reshaped(&rendered["weights"], &[h, w, n]));
+    out.insert("colors".into(), reshaped(&colors, &[h, w, 3]));
+    out
+}

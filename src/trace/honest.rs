@@ -1,0 +1,11 @@
+//! Honest traces in emulated arithmetic: honest rows one after the other.
+
+use super::chain::chain;
+use crate::convention::Conventions;
+use crate::verify::component::Arrays;
+use crate::verify::machine::Machine;
+
+/// The whole way from the pixel to its colour.
+pub fn render_trace(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    chain(a, |component, a| (component.forward.honest)(a, c, m))
+}
