@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::DVec3;
 use nerf_oracle::Error;
+use nerf_oracle::files::npz;
 use nerf_oracle::scene::{self, Options, Scene};
 use serde_json::{Value, json};
 
@@ -241,4 +242,47 @@ fn arguments_that_make_no_sense_are_refused() {
         let message = scene::load(name, &options).unwrap_err().to_string();
         assert!(message.contains(word), "{message}");
     }
+}
+
+/// The arrays that `inspect` wrote, as f64.
+fn inspected(scene: &str, out: &Path) -> impl Fn(&str) -> ndarray::ArrayD<f64> + use<> {
+    let program = std::process::Command::new(env!("CARGO_BIN_EXE_nerf-oracle"))
+        .args(["inspect", scene, "--rays", "20", "--samples", "8", "--json", "--out", out.to_str().unwrap()])
+        .output()
+        .unwrap();
+    assert!(program.status.success(), "{}", String::from_utf8_lossy(&program.stderr));
+    let object: Value = serde_json::from_slice(&program.stdout).unwrap();
+    assert_eq!((&object["near"], &object["far"]), (&json!(2.0), &json!(6.0)));
+    let arrays = npz::read(&out.join("rays.npz")).unwrap();
+    move |name| arrays[name].to_f64()
+}
+
+#[test]
+fn inspect_writes_rays_that_project_back_to_their_pixels() {
+    let folder = tempfile::tempdir().unwrap();
+    let array = inspected("builtin:spheres", folder.path());
+    let (o, d, t, points) = (array("rays_o"), array("rays_d"), array("t"), array("points"));
+    let (c2ws, k, uv) = (array("c2ws"), array("intrinsics"), array("rays_uv"));
+    assert_eq!((c2ws.shape(), points.shape()), (&[28, 4, 4][..], &[20, 8, 3][..]));
+    for r in 0..20 {
+        let f = array("rays_frame")[r] as usize;
+        for n in 0..8 {
+            let x: [f64; 3] = std::array::from_fn(|i| points[[r, n, i]]);
+            assert!((0..3).all(|i| x[i] == o[[r, i]] + d[[r, i]] * t[[r, n]]), "a point is o + t d");
+            let width = 4.0 / 8.0;
+            let (low, high) = (2.0 + n as f64 * width, 2.0 + (n + 1) as f64 * width);
+            assert!((low..high).contains(&t[[r, n]]), "one sample in each interval");
+            // World to camera: R^T (x - o), then the pinhole.
+            let seen: [f64; 3] =
+                std::array::from_fn(|j| (0..3).map(|i| c2ws[[f, i, j]] * (x[i] - c2ws[[f, i, 3]])).sum());
+            let u = k[[f, 0]] * seen[0] / seen[2] + k[[f, 2]];
+            let v = k[[f, 1]] * seen[1] / seen[2] + k[[f, 3]];
+            assert!((u - uv[[r, 0]]).abs() < 1e-10 && (v - uv[[r, 1]]).abs() < 1e-10, "({u}, {v})");
+        }
+    }
+    let picture = image::open(folder.path().join("outside.png")).unwrap().into_rgb8();
+    let drawn = |channel: usize| {
+        picture.pixels().filter(|p| p[channel] > p[(channel + 2) % 3].saturating_add(60)).count()
+    };
+    assert!(drawn(0) > 500 && drawn(2) > 500, "orange samples and blue rays are in the picture");
 }

@@ -11,6 +11,7 @@ use crate::error::Result;
 mod demo;
 mod evaluate;
 mod fit_image;
+mod inspect;
 mod options;
 mod output;
 mod progress;
@@ -43,6 +44,8 @@ enum Command {
     Evaluate(evaluate::Args),
     /// Render a film or frames of a trained run.
     Render(render::Args),
+    /// Show a scene's cameras, rays and samples from outside, as numbers and as a picture.
+    Inspect(inspect::Args),
 }
 
 /// Parses `args`, runs the subcommand, prints an error if there is one, and says how the program ends.
@@ -69,5 +72,6 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Train(args) => train::run(args, cli.json),
         Command::Evaluate(args) => evaluate::run(args, cli.json),
         Command::Render(args) => render::run(args, cli.json),
+        Command::Inspect(args) => inspect::run(args, cli.json),
     }
 }

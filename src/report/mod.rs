@@ -1,7 +1,9 @@
 //! What people look at: curves, films, contact sheets, tables, pages.
 
+pub mod canvas;
 pub mod curve;
 pub mod film;
+pub mod inspect;
 pub mod page;
 pub mod sheet;
 pub mod table;

@@ -1,0 +1,177 @@
+//! `inspect`: a scene's cameras, rays and samples, as numbers and as a picture.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use image::{RgbImage, imageops};
+use ndarray::{Array1, Array2, Array3, Array4};
+use serde_json::json;
+
+use super::options::positive;
+use super::output;
+use crate::camera::Camera;
+use crate::convention::{Grid, PixelCentre};
+use crate::error::Result;
+use crate::files::npz::{self, Arrays};
+use crate::files::{self, picture};
+use crate::random::{Key, Purpose};
+use crate::ray::{PixelDraw, Ray, camera_ray, pixel_position};
+use crate::report::inspect;
+use crate::sample::sample_along_ray;
+use crate::scene::{self, Frame, Options, Scene};
+
+/// Options of `inspect`.
+#[derive(clap::Args, Clone, Debug)]
+pub struct Args {
+    /// builtin:NAME, an .npz, or a folder or file of transforms*.json.
+    pub scene: String,
+    /// The output folder: rays.npz and outside.png.
+    #[arg(long)]
+    pub out: PathBuf,
+    /// How many rays, through random pixels of random training frames.
+    #[arg(long, default_value_t = 100, value_parser = positive)]
+    pub rays: usize,
+    /// How many samples a ray, jittered as in training.
+    #[arg(long, default_value_t = 64, value_parser = positive)]
+    pub samples: usize,
+    /// Where samples start, instead of what the scene says.
+    #[arg(long)]
+    pub near: Option<f64>,
+    /// Where samples end.
+    #[arg(long)]
+    pub far: Option<f64>,
+    /// Every Nth frame is for validation, where the scene has no split.
+    #[arg(long)]
+    pub holdout: Option<usize>,
+    /// Seed of the rays and their jitter.
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// The longest side of a thumbnail in `rays.npz`.
+const THUMBNAIL: u32 = 64;
+
+/// A ray that was drawn: its pixel, the ray, its samples.
+struct Drawn {
+    pixel: PixelDraw,
+    ray: Ray,
+    t: Vec<f64>,
+}
+
+/// Runs `inspect`.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    let options = Options { near: args.near, far: args.far, holdout: args.holdout, ..Options::default() };
+    let scene = scene::load(&args.scene, &options)?;
+    for warning in &scene.warnings {
+        eprintln!("warning: {warning}");
+    }
+    files::make_folder(&args.out)?;
+    let drawn = draw_rays(&scene, args)?;
+    let shown: Vec<(Camera, RgbImage)> =
+        scene.train.iter().chain(&scene.val).map(|frame| (frame.camera, thumbnail(frame))).collect();
+    let (rays, still) = (args.out.join("rays.npz"), args.out.join("outside.png"));
+    npz::write(&rays, &arrays(&scene, &shown, &drawn), true)?;
+    let lines: Vec<(Ray, Vec<f64>)> = drawn.into_iter().map(|drawn| (drawn.ray, drawn.t)).collect();
+    let outside = inspect::Outside { cameras: &shown, rays: &lines, far: scene.far, focus: scene.focus };
+    picture::write_rgb(&still, &inspect::draw(&outside))?;
+    let files = [rays.display().to_string(), still.display().to_string()];
+    output::print(json, &summary(&scene, &files), &text(&scene, &files));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Rays through random pixels of training frames, with jittered samples: exactly what a training step would see first.
+fn draw_rays(scene: &Scene, args: &Args) -> Result<Vec<Drawn>> {
+    let (pixels, jitter) = (Key::new(args.seed, Purpose::Rays), Key::new(args.seed, Purpose::Samples));
+    let (width, height) = scene.size();
+    let mut drawn = Vec::with_capacity(args.rays);
+    for n in 0..args.rays as u64 {
+        let image = pixels.below(scene.train.len() as u64, 0, n, 0) as usize;
+        let j = pixels.below(height as u64, 0, n, 1) as usize;
+        let i = pixels.below(width as u64, 0, n, 2) as usize;
+        let frame = &scene.train[image];
+        let uv = pixel_position(i, j, PixelCentre::Half);
+        let rgb =
+            frame.image.as_ref().map_or([0.0; 3], |image| [0, 1, 2].map(|k| f64::from(image[[j, i, k]])));
+        let t =
+            sample_along_ray(scene.near, scene.far, &jitter.uniforms(0, n, args.samples), Grid::Intervals);
+        drawn.push(Drawn { pixel: PixelDraw { image, uv, rgb }, ray: camera_ray(&frame.camera, uv)?, t });
+    }
+    Ok(drawn)
+}
+
+/// A small version of a frame's photograph; grey where it has none.
+fn thumbnail(frame: &Frame) -> RgbImage {
+    let (w, h) = (frame.camera.width as f64, frame.camera.height as f64);
+    let shrink = (f64::from(THUMBNAIL) / w.max(h)).min(1.0);
+    let (width, height) = ((w * shrink).round().max(1.0) as u32, (h * shrink).round().max(1.0) as u32);
+    match &frame.image {
+        Some(image) => {
+            imageops::resize(&picture::to_rgb(image.view()), width, height, imageops::FilterType::Triangle)
+        }
+        None => RgbImage::from_pixel(width, height, image::Rgb([128; 3])),
+    }
+}
+
+/// What `rays.npz` holds, F frames (training, then validation), R rays, N samples:
+/// `c2ws` (F,4,4) with OpenCV axes, `intrinsics` (F,4) fx fy cx cy, `size` (2) width height, `is_val` (F), `thumbnails` (F,h,w,3),
+/// `rays_frame` (R), `rays_uv` (R,2), `rays_rgb` (R,3), `rays_o` (R,3), `rays_d` (R,3), `t` (R,N), `points` (R,N,3), `near`, `far`.
+fn arrays(scene: &Scene, shown: &[(Camera, RgbImage)], drawn: &[Drawn]) -> Arrays {
+    let (f, r, n) = (shown.len(), drawn.len(), drawn[0].t.len());
+    let (width, height) = scene.size();
+    let k = |f: usize| shown[f].0.k;
+    let (w, h) = (shown[0].1.width() as usize, shown[0].1.height() as usize);
+    let thumbnails = Array4::from_shape_fn((f, h, w, 3), |(f, j, i, c)| shown[f].1[(i as u32, j as u32)][c]);
+    let scalar = |x: f64| ndarray::arr0(x).into();
+    [
+        ("c2ws", Array3::from_shape_fn((f, 4, 4), |(f, i, j)| shown[f].0.c2w.col(j)[i]).into()),
+        (
+            "intrinsics",
+            Array2::from_shape_fn((f, 4), |(f, i)| [k(f).fx, k(f).fy, k(f).cx, k(f).cy][i]).into(),
+        ),
+        ("size", Array1::from_vec(vec![width as i64, height as i64]).into()),
+        ("is_val", Array1::from_shape_fn(f, |f| u8::from(f >= scene.train.len())).into()),
+        ("thumbnails", thumbnails.into()),
+        ("rays_frame", Array1::from_shape_fn(r, |r| drawn[r].pixel.image as i64).into()),
+        ("rays_uv", Array2::from_shape_fn((r, 2), |(r, i)| drawn[r].pixel.uv[i]).into()),
+        ("rays_rgb", Array2::from_shape_fn((r, 3), |(r, i)| drawn[r].pixel.rgb[i]).into()),
+        ("rays_o", Array2::from_shape_fn((r, 3), |(r, i)| drawn[r].ray.o[i]).into()),
+        ("rays_d", Array2::from_shape_fn((r, 3), |(r, i)| drawn[r].ray.d[i]).into()),
+        ("t", Array2::from_shape_fn((r, n), |(r, i)| drawn[r].t[i]).into()),
+        ("points", Array3::from_shape_fn((r, n, 3), |(r, i, k)| drawn[r].ray.at(drawn[r].t[i])[k]).into()),
+        ("near", scalar(scene.near)),
+        ("far", scalar(scene.far)),
+    ]
+    .into_iter()
+    .map(|(name, array)| (name.to_string(), array))
+    .collect()
+}
+
+/// The object of `--json`.
+fn summary(scene: &Scene, files: &[String; 2]) -> serde_json::Value {
+    let (width, height) = scene.size();
+    let lens = scene.train[0].camera.distortion;
+    json!({
+        "scene": scene.name, "train": scene.train.len(), "val": scene.val.len(), "test": scene.test.len(),
+        "width": width, "height": height, "near": scene.near, "far": scene.far, "focus": scene.focus.to_array(),
+        "bounds": scene.bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
+        "intrinsics": scene.train[0].camera.k, "distortion": lens,
+        "reasons": scene.reasons, "warnings": scene.warnings, "files": files,
+    })
+}
+
+/// The same for people.
+fn text(scene: &Scene, files: &[String; 2]) -> String {
+    let (width, height) = scene.size();
+    let counts = format!(
+        "{} to learn from, {} to measure on, {} poses of a film",
+        scene.train.len(),
+        scene.val.len(),
+        scene.test.len()
+    );
+    let mut lines = vec![scene.name.clone(), format!("frames: {counts}"), format!("size: {width}x{height}")];
+    lines.extend(
+        scene.reasons.iter().map(|(field, why)| format!("{field}: {}", why.as_str().unwrap_or_default())),
+    );
+    lines.extend(files.iter().map(|file| format!("written: {file}")));
+    lines.join("\n  ") + "\n"
+}
