@@ -1,4 +1,4 @@
-//! The bounds of cameras, rays and samples are sound in every convention that they depend on, not in the default profile alone.
+//! The bounds are sound in every convention that a component depends on, not in the default profile alone.
 
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
@@ -6,15 +6,21 @@ use nerf_oracle::verify::arithmetic::{Arithmetic, Dtype, Grade};
 use nerf_oracle::verify::check::{Kind, tolerance, worst};
 use nerf_oracle::verify::{Component, Machine};
 
-/// All combinations of a component's conventions.
+/// All combinations of a component's conventions; where these are more than three, one at a time.
 fn assignments(component: &Component) -> Vec<Conventions> {
     let mut all = vec![CS180];
-    for &key in component.conventions {
+    // The network's parameters have the shapes of its cases' profile: these two would ask for others.
+    let shapes = |key: &&&str| component.name == "nerf_mlp" && ["identity", "skip_layer"].contains(*key);
+    for &key in component.conventions.iter().filter(|key| !shapes(key)) {
         let values = CHOICES.iter().find(|(name, _)| *name == key).expect("listed").1;
         let with = |c: &Conventions| {
             values.iter().map(|value| c.with(key, value).expect("listed")).collect::<Vec<_>>()
         };
-        all = all.iter().flat_map(with).collect();
+        if component.conventions.len() <= 3 {
+            all = all.iter().flat_map(with).collect();
+        } else {
+            all.extend(with(&CS180).into_iter().filter(|c| *c != CS180));
+        }
     }
     all
 }
@@ -22,9 +28,7 @@ fn assignments(component: &Component) -> Vec<Conventions> {
 #[test]
 fn no_honest_implementation_is_rejected_in_any_convention() {
     let (mut evaluations, mut rejected) = (0, vec![]);
-    for component in
-        COMPONENTS.iter().filter(|component| ["camera", "ray", "sample"].contains(&component.folder))
-    {
+    for component in COMPONENTS {
         for c in assignments(component) {
             for kind in [Kind::Forward, Kind::Vjp] {
                 let Some(pass) = component.pass(kind) else { continue };

@@ -31,7 +31,7 @@ pub fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
         let steps: Vec<Bounded> = ray.clone().map(|i| Bounded { y: deltas[i], e: step_errors[i] }).collect();
         let rgbs = rgbs[3 * ray.start..3 * ray.end].chunks_exact(3).map(rgb).collect();
         let ray = Ray::from_densities(&sigmas[ray], &steps, rgbs, c.product_eps, m);
-        let (color, opacity, _) = ray.outputs(m);
+        let (color, opacity, _) = ray.outputs(c.product_eps, m);
         for k in 0..3 {
             let factored = m.add(color[k], m.mul(m.sub(exact(1.0), opacity), exact(b[k])));
             let expanded = m.sub(m.add(color[k], exact(b[k])), m.mul(opacity, exact(b[k])));

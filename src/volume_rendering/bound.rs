@@ -73,7 +73,7 @@ impl Ray {
     }
 
     /// The outputs: colour, opacity, transmittance.
-    pub(crate) fn outputs(&self, m: &Arithmetic) -> ([Bounded; 3], Bounded, Bounded) {
+    pub(crate) fn outputs(&self, eps: ProductEps, m: &Arithmetic) -> ([Bounded; 3], Bounded, Bounded) {
         let behind = self.transmittance[self.alphas.len()];
         let color = |k: usize| {
             let colors: Vec<Bounded> = self.rgbs.iter().map(|c| exact(c[k])).collect();
@@ -81,7 +81,8 @@ impl Ray {
         };
         // The sum of the weights, or 1 - T: the same over the reals when nothing is added to the factors. Not capped at [0, 1]:
         // an honest sum of 256 textbook alphas reaches 3 in bf16.
-        let opacity = m.sum(&self.weights).or(m.sub(exact(1.0), behind));
+        let sum = m.sum(&self.weights);
+        let opacity = if eps == ProductEps::None { sum.or(m.sub(exact(1.0), behind)) } else { sum };
         ([color(0), color(1), color(2)], opacity, behind)
     }
 
@@ -134,9 +135,9 @@ fn products(alphas: &[Bounded], eps: ProductEps, m: &Arithmetic) -> Vec<Bounded>
     t
 }
 
-fn forward(rays: &[Ray], m: &Arithmetic) -> Arrays {
+fn forward(rays: &[Ray], eps: ProductEps, m: &Arithmetic) -> Arrays {
     let samples = rays.first().map_or(0, |ray| ray.weights.len());
-    let outputs: Vec<_> = rays.iter().map(|ray| ray.outputs(m)).collect();
+    let outputs: Vec<_> = rays.iter().map(|ray| ray.outputs(eps, m)).collect();
     arrays([
         ("colors", array(&[rays.len(), 3], outputs.iter().flat_map(|o| o.0.map(|c| c.e)).collect())),
         (
@@ -151,13 +152,17 @@ fn forward(rays: &[Ray], m: &Arithmetic) -> Arrays {
 /// Bound of [`super::volume_render`].
 pub fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, _) = size(a, "sigmas");
-    forward(&(0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m)).collect::<Vec<_>>(), m)
+    forward(&(0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m)).collect::<Vec<_>>(), c.product_eps, m)
 }
 
 /// Bound of [`super::volume_render_alpha`].
 pub fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, _) = size(a, "alphas");
-    forward(&(0..rays).map(|r| Ray::from_alphas(a, r, c.product_eps, m)).collect::<Vec<_>>(), m)
+    forward(
+        &(0..rays).map(|r| Ray::from_alphas(a, r, c.product_eps, m)).collect::<Vec<_>>(),
+        c.product_eps,
+        m,
+    )
 }
 
 /// Bound of [`super::backward::volume_render`].

@@ -29,11 +29,21 @@ fn transmittance(x: &[f64], alphas: &[f64], eps: ProductEps, m: &Machine) -> Vec
     }
 }
 
-/// Opacity is the sum of the weights, or 1 - T.
-fn composite(alphas: &[f64], rgbs: &[[f64; 3]], transmittance: Vec<f64>, m: &Machine) -> Rendering {
+/// Opacity is the sum of the weights, or 1 - T where nothing is added to the factors of T.
+fn composite(
+    alphas: &[f64],
+    rgbs: &[[f64; 3]],
+    transmittance: Vec<f64>,
+    eps: ProductEps,
+    m: &Machine,
+) -> Rendering {
     let weights: Vec<f64> = alphas.iter().zip(&transmittance).map(|(&a, &t)| m.mul(t, a)).collect();
     let color = std::array::from_fn(|k| m.dot(&weights, &rgbs.iter().map(|c| c[k]).collect::<Vec<_>>()));
-    let opacity = if m.form % 3 == 2 { m.sub(1.0, transmittance[alphas.len()]) } else { m.sum(&weights) };
+    let opacity = if m.form % 3 == 2 && eps == ProductEps::None {
+        m.sub(1.0, transmittance[alphas.len()])
+    } else {
+        m.sum(&weights)
+    };
     Rendering { color, weights, transmittance, opacity }
 }
 
@@ -41,13 +51,13 @@ fn render_ray(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rendering {
     let x = optical_depths(a, r, m);
     let alphas = alphas(&x, m);
     let t = transmittance(&x, &alphas, c.product_eps, m);
-    composite(&alphas, &rows3(a, "rgbs", r), t, m)
+    composite(&alphas, &rows3(a, "rgbs", r), t, c.product_eps, m)
 }
 
 fn render_ray_alpha(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rendering {
     let alphas = row(a, "alphas", r);
     let t = products(&alphas, c.product_eps, m);
-    composite(&alphas, &rows3(a, "rgbs", r), t, m)
+    composite(&alphas, &rows3(a, "rgbs", r), t, c.product_eps, m)
 }
 
 /// Rendering from densities.
