@@ -41,6 +41,13 @@ pub mod sample;
 pub mod trace;
 pub mod volume_rendering;
 
+pub mod early_stop;
+pub mod hash_grid;
+pub mod occupancy_grid;
+pub mod ray_aabb;
+pub mod spherical_harmonics;
+pub mod trunc_exp;
+
 pub mod evaluation;
 pub mod training;
 

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::ValueEnum;
+use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::options::{Backend, color, positive, positive_number};
@@ -13,6 +14,7 @@ use crate::parallel;
 use crate::report::{curve, table};
 use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
+use crate::training::compact::{CompactModel, Overrides};
 use crate::training::model::Model;
 use crate::training::nerf::{NerfModel, Settings};
 use crate::training::run::{LogPoint, Options, Run};
@@ -26,7 +28,7 @@ pub struct Args {
     #[arg(long)]
     pub out: PathBuf,
     /// Which field.
-    #[arg(long, value_enum, default_value_t = Kind::Nerf)]
+    #[arg(long, value_enum, default_value_t = Kind::Compact)]
     pub model: Kind,
     /// Stop behind this many steps.
     #[arg(long, value_parser = positive)]
@@ -92,8 +94,11 @@ impl Args {
 }
 
 /// Which field is trained.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Kind {
+    /// A hash grid and two small networks: seconds instead of hours.
+    Compact,
     /// The NeRF paper's network.
     Nerf,
 }
@@ -123,6 +128,7 @@ pub fn train(args: &Args) -> Result<Summary> {
     scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let folder = if args.resume { RunFolder::open(&args.out)? } else { RunFolder::create(&args.out)? };
     let mut model = build(&recipe, &scene)?;
+    left_out(&model.settings()).iter().for_each(|line| eprintln!("{line}"));
     folder.write_settings(&run_json(args, &recipe, &scene, &*model))?;
     let options = end(args);
     let mut run = Run::new(&mut *model, &scene, &folder, &options)?;
@@ -140,6 +146,16 @@ pub fn train(args: &Args) -> Result<Summary> {
     Ok(summary(&run.log, &run.warnings, args))
 }
 
+/// What the model does without in this scene, and why: the reasons that say so.
+fn left_out(settings: &Map<String, Value>) -> Vec<String> {
+    let reasons = settings.get("reasons").and_then(Value::as_object);
+    let line = |(name, why): (&String, &Value)| {
+        let why = why.as_str().filter(|why| why.starts_with("left out"))?;
+        Some(format!("{} {why}", name.replace('_', " ")))
+    };
+    reasons.into_iter().flatten().filter_map(line).collect()
+}
+
 /// When the run ends: by default behind 5,000 steps.
 fn end(args: &Args) -> Options {
     let open = args.seconds.is_some() || args.stop_at_psnr.is_some();
@@ -149,7 +165,7 @@ fn end(args: &Args) -> Options {
         stop_at_psnr: args.stop_at_psnr,
         val_every: args.val_every.map(|n| n as u64),
         seed: args.seed,
-        dear: true,
+        dear: args.model == Kind::Nerf,
     }
 }
 
@@ -158,7 +174,7 @@ fn prepare(args: &Args) -> Result<(Scene, Map<String, Value>)> {
         "near": args.near, "far": args.far, "holdout": args.holdout, "background": args.background,
     });
     let recipe = json!({
-        "scene": args.scene, "scene_options": scene_options, "model": "nerf", "backend": args.backend,
+        "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
         "seed": args.seed, "rays": args.rays, "samples": args.samples, "lr": args.lr, "width": args.width,
         "steps": args.steps,
     });
@@ -190,9 +206,19 @@ pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) ->
 /// The model that a recipe describes, with its initial parameters.
 pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
     let whole = |key: &str| recipe.get(key).and_then(Value::as_u64);
+    let named = |key: &str, value: &str| recipe.get(key).and_then(Value::as_str) == Some(value);
+    let seed = whole("seed").unwrap_or(0);
+    if named("model", "compact") {
+        if named("backend", "reference") {
+            return Err(Error::usage("--backend", "reference", "fast: the reference trains and renders --model nerf"));
+        }
+        let lr = recipe.get("lr").and_then(Value::as_f64);
+        let [samples, rays] = ["samples", "rays"].map(|key| whole(key).map(|n| n as usize));
+        return Ok(Box::new(CompactModel::new(scene, &Overrides { seed, samples, rays, lr })?));
+    }
     let mut settings = Settings::new(scene.near, scene.far, scene.background);
-    settings.seed = whole("seed").unwrap_or(0);
-    settings.reference = recipe.get("backend").and_then(Value::as_str) == Some("reference");
+    settings.seed = seed;
+    settings.reference = named("backend", "reference");
     if let Some(rays) = whole("rays") {
         settings.rays = rays as usize;
     }

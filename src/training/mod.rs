@@ -4,6 +4,7 @@
 //! [`image`] the loop over a picture.
 
 pub mod checkpoint;
+pub mod compact;
 pub mod image;
 pub mod model;
 pub mod nerf;

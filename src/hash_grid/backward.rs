@@ -1,0 +1,44 @@
+//! Vector-Jacobian product of the hash grid, by hand.
+
+use super::{Level, cell, corner};
+
+/// Adds the gradient of one point to `g_tables` (shaped like `levels`) and returns the gradient with respect to `x`.
+///
+/// The encoding is linear in the tables: g_entry += weight g_out for each corner, colliding corners add up. In x it is trilinear
+/// inside a cell: d weight / d x_a = +-N times the other two axes' weights. At cell faces the derivative jumps (PE6): the value is
+/// that of the cell which [`cell`] picks.
+pub fn encode(levels: &[Level], x: [f64; 3], g_out: &[f64], g_tables: &mut [Level]) -> [f64; 3] {
+    let mut g_x = [0.0; 3];
+    let mut first = 0;
+    for l in 0..levels.len() {
+        let level = &levels[l];
+        let features = level.table[0].len();
+        let g_level = &g_out[first..first + features];
+        first += features;
+        let cells = x.map(|x| cell(x, level.resolution));
+        for k in 0..8 {
+            let (vertex, weight) = corner(k, cells);
+            let entry = level.entry(vertex);
+            let mut g_weight = 0.0;
+            for f in 0..features {
+                g_tables[l].table[entry][f] += weight * g_level[f];
+                g_weight += level.table[entry][f] * g_level[f];
+            }
+            for a in 0..3 {
+                g_x[a] += g_weight * weight_slope(k, cells, a) * f64::from(level.resolution);
+            }
+        }
+    }
+    g_x
+}
+
+/// d weight / d fraction_a of corner k.
+fn weight_slope(k: usize, cells: [(u32, f64); 3], a: usize) -> f64 {
+    let mut slope = if k >> a & 1 == 1 { 1.0 } else { -1.0 };
+    for b in 0..3 {
+        if b != a {
+            slope *= if k >> b & 1 == 1 { cells[b].1 } else { 1.0 - cells[b].1 };
+        }
+    }
+    slope
+}

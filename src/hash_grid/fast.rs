@@ -1,0 +1,254 @@
+//! f32 hash grid: 4 features a level, a level's table small enough for a core's L2 cache, level by level.
+//!
+//! A level belongs to one task at a time, which adds gradients in the order of the points: same bits on any number of threads, and
+//! faster than atomics or private copies. Corner indices and weights of 16 points are computed together, in vectors; an entry is
+//! 16 bytes: one load and one multiply-add a corner.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::optimiser::{Adam, bias_correction};
+
+/// F.
+pub const FEATURES: usize = 4;
+/// Levels; the encoding has `LEVELS * FEATURES` columns.
+pub const LEVELS: usize = 8;
+/// Columns of the encoding.
+pub const WIDTH: usize = LEVELS * FEATURES;
+/// Points whose corners are computed together.
+const BLOCK: usize = 16;
+/// Entries of a cache line, the unit of the sparse optimiser.
+const LINE: usize = 4;
+
+/// Features at a vertex.
+pub type Entry = [f32; FEATURES];
+
+/// One grid, its table, and its optimiser's state.
+#[derive(Clone, Debug)]
+pub struct Level {
+    resolution: u32,
+    dense: bool,
+    table: Vec<Entry>,
+    gradient: Vec<Entry>,
+    m: Vec<Entry>,
+    v: Vec<Entry>,
+    /// The cache lines of `gradient` that got something.
+    touched: Vec<bool>,
+}
+
+/// What one Adam step has in common for all parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct AdamRates {
+    rate: f32,
+    root: f32,
+    keep: [f32; 2],
+    take: [f32; 2],
+    eps: f32,
+}
+
+impl AdamRates {
+    /// The rates of `step`, counted from 1; computed in f64. Weight decay isn't applied.
+    pub fn new(adam: &Adam, step: u64) -> Self {
+        AdamRates {
+            rate: (adam.lr / bias_correction(adam.beta1, step)) as f32,
+            root: (1.0 / bias_correction(adam.beta2, step).sqrt()) as f32,
+            keep: [adam.beta1 as f32, adam.beta2 as f32],
+            take: [(1.0 - adam.beta1) as f32, (1.0 - adam.beta2) as f32],
+            eps: adam.eps as f32,
+        }
+    }
+
+    /// The step for some parameters.
+    #[inline(always)]
+    pub fn apply(&self, params: &mut [f32], gradient: &[f32], m: &mut [f32], v: &mut [f32]) {
+        for (((p, &g), m), v) in params.iter_mut().zip(gradient).zip(m).zip(v) {
+            (*p, *m, *v) = self.one(*p, g, *m, *v);
+        }
+    }
+
+    #[inline(always)]
+    fn one(&self, p: f32, g: f32, m: f32, v: f32) -> (f32, f32, f32) {
+        let m = self.keep[0] * m + self.take[0] * g;
+        let v = self.keep[1] * v + self.take[1] * g * g;
+        (p - self.rate * m / (v.sqrt() * self.root + self.eps), m, v)
+    }
+}
+
+impl Level {
+    /// A level with this table: of (N + 1)^3 entries where `dense`, else of a power of two.
+    pub fn new(resolution: u32, mut table: Vec<Entry>, dense: bool) -> Self {
+        table.resize(table.len().next_multiple_of(LINE), [0.0; FEATURES]);
+        let zeros = vec![[0.0; FEATURES]; table.len()];
+        let touched = vec![false; table.len() / LINE];
+        Level { resolution, dense, gradient: zeros.clone(), m: zeros.clone(), v: zeros, touched, table }
+    }
+
+    /// The table.
+    pub fn table(&self) -> &[Entry] {
+        &self.table
+    }
+
+    /// N.
+    pub fn resolution(&self) -> u32 {
+        self.resolution
+    }
+
+    /// Whether every vertex has its own entry.
+    pub fn dense(&self) -> bool {
+        self.dense
+    }
+
+    /// What [`scatter`] has added up since the last [`update`].
+    pub fn gradient(&self) -> &[Entry] {
+        &self.gradient
+    }
+
+    /// Table and running means, as one state: parameters, m, v.
+    pub fn state(&self) -> [&[Entry]; 3] {
+        [&self.table, &self.m, &self.v]
+    }
+
+    /// The same, to be filled from a checkpoint.
+    pub fn state_mut(&mut self) -> [&mut [Entry]; 3] {
+        [&mut self.table, &mut self.m, &mut self.v]
+    }
+
+    /// Table indices and trilinear weights of the 8 corners of up to 16 points.
+    #[inline(always)]
+    fn corners(&self, points: &[[f32; 3]], index: &mut [[u32; BLOCK]; 8], weight: &mut [[f32; BLOCK]; 8]) {
+        let (scale, top) = (self.resolution as f32, self.resolution as i32 - 1);
+        let (mut fraction, mut low) = ([[0f32; BLOCK]; 3], [[0u32; BLOCK]; 3]);
+        for axis in 0..3 {
+            let mut x = [0f32; BLOCK];
+            x.iter_mut().zip(points).for_each(|(x, p)| *x = p[axis]);
+            for i in 0..BLOCK {
+                let scaled = x[i] * scale;
+                let cell = (scaled as i32).min(top);
+                low[axis][i] = cell as u32;
+                fraction[axis][i] = scaled - cell as f32;
+            }
+        }
+        let side = self.resolution + 1;
+        let [_, y, z] = super::PRIMES;
+        let (stride_y, stride_z) = if self.dense { (side, side * side) } else { (y, z) };
+        let mask = self.table.len() as u32 - 1;
+        for corner in 0..8 {
+            let upper = [corner & 1, corner >> 1 & 1, corner >> 2];
+            for i in 0..BLOCK {
+                let x = low[0][i] + upper[0];
+                let y = (low[1][i] + upper[1]).wrapping_mul(stride_y);
+                let z = (low[2][i] + upper[2]).wrapping_mul(stride_z);
+                index[corner as usize][i] = if self.dense { x + y + z } else { (x ^ y ^ z) & mask };
+                let along =
+                    |a: usize| if upper[a] == 1 { fraction[a][i] } else { 1.0 - fraction[a][i] };
+                weight[corner as usize][i] = along(0) * along(1) * along(2);
+            }
+        }
+    }
+}
+
+/// a b + c, fused where the machine has it; without it, `mul_add` would be a library call.
+#[inline(always)]
+pub(crate) fn multiply_add<S: Simd>(a: f32, b: f32, c: f32) -> f32 {
+    if S::IS_SCALAR { a * b + c } else { a.mul_add(b, c) }
+}
+
+struct Encode<'a> {
+    level: &'a Level,
+    first: usize,
+    points: &'a [[f32; 3]],
+    out: &'a mut [[f32; WIDTH]],
+}
+
+impl WithSimd for Encode<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let (mut index, mut weight) = ([[0; BLOCK]; 8], [[0.0; BLOCK]; 8]);
+        for (points, out) in self.points.chunks(BLOCK).zip(self.out.chunks_mut(BLOCK)) {
+            self.level.corners(points, &mut index, &mut weight);
+            for (i, out) in out.iter_mut().enumerate().take(points.len()) {
+                let mut sum = [0f32; FEATURES];
+                for corner in 0..8 {
+                    let entry = &self.level.table[index[corner][i] as usize];
+                    for f in 0..FEATURES {
+                        sum[f] = multiply_add::<S>(weight[corner][i], entry[f], sum[f]);
+                    }
+                }
+                out[self.first..self.first + FEATURES].copy_from_slice(&sum);
+            }
+        }
+    }
+}
+
+struct Scatter<'a> {
+    level: &'a mut Level,
+    first: usize,
+    points: &'a [[f32; 3]],
+    g_out: &'a [[f32; WIDTH]],
+}
+
+impl WithSimd for Scatter<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let (mut index, mut weight) = ([[0; BLOCK]; 8], [[0.0; BLOCK]; 8]);
+        for (points, g_out) in self.points.chunks(BLOCK).zip(self.g_out.chunks(BLOCK)) {
+            self.level.corners(points, &mut index, &mut weight);
+            let (gradient, touched) = (&mut self.level.gradient[..], &mut self.level.touched[..]);
+            for (i, g_out) in g_out.iter().enumerate().take(points.len()) {
+                let g_out: [f32; FEATURES] = std::array::from_fn(|f| g_out[self.first + f]);
+                for corner in 0..8 {
+                    let entry = index[corner][i] as usize;
+                    for f in 0..FEATURES {
+                        let sum = &mut gradient[entry][f];
+                        *sum = multiply_add::<S>(weight[corner][i], g_out[f], *sum);
+                    }
+                    touched[entry / LINE] = true;
+                }
+            }
+        }
+    }
+}
+
+struct Update<'a> {
+    level: &'a mut Level,
+    rates: AdamRates,
+}
+
+impl WithSimd for Update<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Level { table, gradient, m, v, touched, .. } = self.level;
+        let lines = |entries| <[Entry]>::as_chunks_mut::<LINE>(entries).0;
+        let (table, gradient, m, v) = (lines(table), lines(gradient), lines(m), lines(v));
+        for (line, touched) in touched.iter_mut().enumerate().filter(|(_, touched)| **touched) {
+            *touched = false;
+            let (p, g) = (table[line].as_flattened_mut(), gradient[line].as_flattened_mut());
+            let (m, v) = (m[line].as_flattened_mut(), v[line].as_flattened_mut());
+            for i in 0..LINE * FEATURES {
+                let new = self.rates.one(p[i], g[i], m[i], v[i]);
+                (p[i], m[i], v[i]) = if g[i] == 0.0 { (p[i], m[i], v[i]) } else { new };
+                g[i] = 0.0;
+            }
+        }
+    }
+}
+
+/// Encodes `points` of the unit box by level `l` into its columns of `out`, which may be longer.
+pub fn encode_level(arch: Arch, level: &Level, l: usize, points: &[[f32; 3]], out: &mut [[f32; WIDTH]]) {
+    arch.dispatch(Encode { level, first: l * FEATURES, points, out });
+}
+
+/// Adds the gradients of `points`, in order, to level `l`.
+pub fn scatter(arch: Arch, level: &mut Level, l: usize, points: &[[f32; 3]], g_out: &[[f32; WIDTH]]) {
+    arch.dispatch(Scatter { level, first: l * FEATURES, points, g_out });
+}
+
+/// Adam on the parameters that have a gradient, which is cleared. The others keep their running means, as in Instant-NGP.
+pub fn update(arch: Arch, level: &mut Level, rates: AdamRates) {
+    arch.dispatch(Update { level, rates });
+}

@@ -1,0 +1,211 @@
+//! Closed forms and properties of the hash grid, and the f32 path against the oracle.
+
+use approx::assert_abs_diff_eq;
+use pulp::Arch;
+
+use super::{Level, backward, encode, fast, is_dense, resolutions};
+use crate::optimiser::{Adam, Moments, adam_step};
+use crate::random::{Key, Purpose};
+
+const KEY: fn() -> Key = || Key::new(0, Purpose::Cases);
+
+fn random_levels(sides: &[u32], max_entries: usize) -> Vec<Level> {
+    let fill = |(l, &n): (usize, &u32)| {
+        let mut level = Level::zeros(n, max_entries, fast::FEATURES);
+        for (i, entry) in level.table.iter_mut().enumerate() {
+            // Numbers of 10 bits: exact in f32 too.
+            entry.iter_mut().enumerate().for_each(|(f, x)| {
+                *x = (KEY().below(1024, l as u64, i as u64, f as u64) as f64 - 512.0) / 512.0;
+            });
+        }
+        level
+    };
+    sides.iter().enumerate().map(fill).collect()
+}
+
+fn points(n: u64) -> Vec<[f64; 3]> {
+    let coordinate = |i, a| KEY().below(1 << 14, 99, i, a) as f64 / f64::from(1 << 14);
+    (0..n).map(|i| [0, 1, 2].map(|a| coordinate(i, a))).collect()
+}
+
+/// A table that holds a linear function is interpolated to that function.
+#[test]
+fn linear_functions_are_reproduced() {
+    let n = 5;
+    let mut level = Level::zeros(n, 1 << 10, 1);
+    for (x, y, z) in (0..216).map(|i| (i % 6, i / 6 % 6, i / 36)) {
+        let at = level.entry([x, y, z]);
+        level.table[at] = vec![f64::from(x) - 2.0 * f64::from(y) + 0.5 * f64::from(z)];
+    }
+    for p in points(100).into_iter().chain([[0.0; 3], [1.0; 3], [0.2, 0.4, 0.6]]) {
+        let expected = 5.0 * (p[0] - 2.0 * p[1] + 0.5 * p[2]);
+        assert_abs_diff_eq!(encode(&[level.clone()], p)[0], expected, epsilon = 1e-13);
+    }
+}
+
+/// Weights are a partition of unity: a constant table gives the constant, dense or hashed.
+#[test]
+fn constants_are_kept() {
+    for (n, entries) in [(4, 125), (40, 64)] {
+        let mut level = Level::zeros(n, entries, 2);
+        level.table.iter_mut().for_each(|e| *e = vec![3.0, -1.0]);
+        for p in points(50) {
+            let e = encode(std::slice::from_ref(&level), p);
+            assert_abs_diff_eq!(e[0], 3.0, epsilon = 1e-14);
+            assert_abs_diff_eq!(e[1], -1.0, epsilon = 1e-14);
+        }
+    }
+}
+
+#[test]
+fn dense_levels_have_no_collisions() {
+    let level = Level::zeros(6, 343, 1);
+    assert!(level.dense() && !is_dense(7, 343));
+    let mut seen = vec![false; level.table.len()];
+    for (x, y, z) in (0..343).map(|i| (i % 7, i / 7 % 7, i / 49)) {
+        assert!(!std::mem::replace(&mut seen[level.entry([x, y, z])], true));
+    }
+}
+
+/// By hand: (3 xor 5 * 2654435761 xor 7 * 805459861) mod 2^32 mod 16.
+#[test]
+fn hash_by_hand() {
+    let level = Level::zeros(100, 16, 1);
+    let (y, z) = (5u64 * 2_654_435_761 % (1 << 32), 7u64 * 805_459_861 % (1 << 32));
+    assert_eq!(level.entry([3, 5, 7]), ((3 ^ y ^ z) % 16) as usize);
+}
+
+#[test]
+fn resolutions_grow_geometrically() {
+    assert_eq!(resolutions(16, 16, 1), [16]);
+    let n = resolutions(16, 400, 8);
+    assert_eq!((n[0], n[7]), (16, 400));
+    n.windows(2).for_each(|w| assert!((1.5..1.65).contains(&(f64::from(w[1]) / f64::from(w[0])))));
+}
+
+/// Continuous across cell faces: from both sides of a face the value is the face's.
+#[test]
+fn continuous_across_faces() {
+    let levels = random_levels(&[4, 9], 128);
+    for face in [0.25, 0.5, 0.75] {
+        let at = |x| encode(&levels, [x, 0.3, 0.7]);
+        for (below, above) in at(face - 1e-12).iter().zip(at(face + 1e-12)) {
+            assert_abs_diff_eq!(*below, above, epsilon = 1e-10);
+        }
+    }
+}
+
+#[test]
+fn gradients_are_finite_differences() {
+    let levels = random_levels(&[3, 20], 64);
+    let x = [0.37, 0.81, 0.12];
+    let g_out: Vec<f64> = (0..2 * fast::FEATURES).map(|i| 0.5 - i as f64 * 0.3).collect();
+    let loss = |levels: &[Level], x: [f64; 3]| encode(levels, x).iter().zip(&g_out).map(|(e, g)| e * g).sum::<f64>();
+    let mut g_tables: Vec<Level> = levels.clone();
+    g_tables.iter_mut().flat_map(|l| &mut l.table).for_each(|e| e.fill(0.0));
+    let g_x = backward::encode(&levels, x, &g_out, &mut g_tables);
+    // Linear in x inside a cell along one axis, linear in the tables: central differences are exact up to rounding.
+    for a in 0..3 {
+        let step = |h: f64| std::array::from_fn(|b| if a == b { x[b] + h } else { x[b] });
+        let slope = (loss(&levels, step(1e-4)) - loss(&levels, step(-1e-4))) / 2e-4;
+        assert_abs_diff_eq!(g_x[a], slope, epsilon = 1e-9);
+    }
+    for l in 0..2 {
+        for entry in 0..levels[l].table.len() {
+            let mut moved = levels.clone();
+            moved[l].table[entry][1] += 1.0;
+            let slope = loss(&moved, x) - loss(&levels, x);
+            assert_abs_diff_eq!(g_tables[l].table[entry][1], slope, epsilon = 1e-12);
+        }
+    }
+}
+
+fn fast_levels(levels: &[Level]) -> Vec<fast::Level> {
+    let convert = |level: &Level| {
+        let table = level.table.iter().map(|e| std::array::from_fn(|f| e[f] as f32)).collect();
+        fast::Level::new(level.resolution, table, level.dense())
+    };
+    levels.iter().map(convert).collect()
+}
+
+const SIDES: [u32; fast::LEVELS] = [2, 3, 5, 7, 11, 19, 40, 90];
+
+/// Corner coordinates are exact in both, so that only the weights' and the sums' roundings differ: 8 products of 4 factors.
+#[test]
+fn fast_path_agrees() {
+    let levels = random_levels(&SIDES, 512);
+    let fast = fast_levels(&levels);
+    let exact: Vec<[f64; 3]> = points(1000).into_iter().chain([[0.0; 3], [1.0; 3], [1.0, 0.0, 0.5]]).collect();
+    let points: Vec<[f32; 3]> = exact.iter().map(|p| p.map(|x| x as f32)).collect();
+    for arch in [Arch::new(), Arch::Scalar] {
+        let mut out = vec![[0.0; fast::WIDTH]; points.len()];
+        for l in 0..fast::LEVELS {
+            fast::encode_level(arch, &fast[l], l, &points, &mut out);
+        }
+        for (p, out) in exact.iter().zip(&out) {
+            for (a, b) in encode(&levels, *p).iter().zip(out) {
+                assert_abs_diff_eq!(*a, f64::from(*b), epsilon = 16.0 * f64::from(f32::EPSILON));
+            }
+        }
+    }
+}
+
+#[test]
+fn fast_gradient_agrees() {
+    let levels = random_levels(&SIDES, 512);
+    let exact = points(100);
+    let points: Vec<[f32; 3]> = exact.iter().map(|p| p.map(|x| x as f32)).collect();
+    let g_out: Vec<[f32; fast::WIDTH]> =
+        (0..100).map(|i| std::array::from_fn(|c| ((i * 7 + c * 3) % 17) as f32 / 16.0 - 0.5)).collect();
+    let mut expected = levels.clone();
+    expected.iter_mut().flat_map(|l| &mut l.table).for_each(|e| e.fill(0.0));
+    for (p, g) in exact.iter().zip(&g_out) {
+        backward::encode(&levels, *p, &g.map(f64::from), &mut expected);
+    }
+    for arch in [Arch::new(), Arch::Scalar] {
+        let mut fast = fast_levels(&levels);
+        for l in 0..fast::LEVELS {
+            fast::scatter(arch, &mut fast[l], l, &points, &g_out);
+            for (entry, got) in expected[l].table.iter().zip(fast[l].gradient()) {
+                for f in 0..fast::FEATURES {
+                    // At most 800 terms below 1/2 meet in one entry.
+                    assert_abs_diff_eq!(entry[f], f64::from(got[f]), epsilon = 800.0 * f64::from(f32::EPSILON));
+                }
+            }
+        }
+    }
+}
+
+/// Three sparse steps: entries with a gradient follow the oracle's Adam, the others don't move.
+#[test]
+fn sparse_adam_agrees() {
+    let levels = random_levels(&SIDES, 512);
+    let adam = Adam { lr: 1e-2, beta1: 0.9, beta2: 0.99, eps: 1e-15, weight_decay: 0.0 };
+    let points = [[0.1, 0.2, 0.3], [0.8, 0.5, 0.9]];
+    for arch in [Arch::new(), Arch::Scalar] {
+        let l = 6;
+        let mut level = fast_levels(&levels).swap_remove(l);
+        let mut expected: Vec<Moments> = level
+            .table()
+            .as_flattened()
+            .iter()
+            .map(|&p| Moments { param: f64::from(p), m: 0.0, v: 0.0 })
+            .collect();
+        for step in 1..=3 {
+            fast::scatter(arch, &mut level, l, &points, &[[0.25 * step as f32; fast::WIDTH]; 2]);
+            let mut moved = 0;
+            for (e, &g) in expected.iter_mut().zip(level.gradient().as_flattened()) {
+                if g != 0.0 {
+                    *e = adam_step(&adam, *e, f64::from(g), step);
+                    moved += 1;
+                }
+            }
+            assert!((4..=64).contains(&moved), "{moved}");
+            fast::update(arch, &mut level, fast::AdamRates::new(&adam, step));
+            assert!(level.gradient().as_flattened().iter().all(|&g| g == 0.0));
+        }
+        for (e, &p) in expected.iter().zip(level.table().as_flattened()) {
+            assert_abs_diff_eq!(e.param, f64::from(p), epsilon = 1e-6);
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Occupancy grid: which cells of the unit box may hold something, so that samples are spent there alone.
+//!
+//! Instant-NGP (Mueller et al. 2022) appendix C. Letters: `R` cells along an edge; cell (i, j, k) is [i, i+1) x [j, j+1) x [k, k+1) over R,
+//! index i + R (j + R k); the last cell of an axis is closed. A ray is o + t d in units of the box.
+
+pub mod fast;
+
+#[cfg(test)]
+mod tests;
+
+/// Densities seen in each cell, and which of them count as occupied.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OccupancyGrid {
+    /// R.
+    pub resolution: usize,
+    /// The largest density of late in each cell, (R^3).
+    pub density: Vec<f64>,
+    /// A cell is occupied where its density is larger.
+    pub threshold: f64,
+}
+
+/// A stretch of a ray inside one cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The cell's index.
+    pub cell: usize,
+    /// Where it is entered.
+    pub enter: f64,
+    /// Where it is left.
+    pub leave: f64,
+}
+
+impl OccupancyGrid {
+    /// The index of the cell that holds `x`; points outside the box count to the nearest cell.
+    ///
+    /// ```
+    /// use nerf_oracle::occupancy_grid::OccupancyGrid;
+    /// let grid = OccupancyGrid { resolution: 4, density: vec![0.0; 64], threshold: 0.5 };
+    /// assert_eq!(grid.cell([0.3, 0.0, 1.0]), 1 + 4 * (0 + 4 * 3));
+    /// ```
+    pub fn cell(&self, x: [f64; 3]) -> usize {
+        let r = self.resolution;
+        let [i, j, k] = x.map(|x| (x * r as f64).floor().clamp(0.0, (r - 1) as f64) as usize);
+        i + r * (j + r * k)
+    }
+
+    /// Whether the cell that holds `x` is occupied.
+    pub fn occupied(&self, x: [f64; 3]) -> bool {
+        self.density[self.cell(x)] > self.threshold
+    }
+
+    /// One update: all densities fall by the factor `decay`, then each cell rises to the densities found in it.
+    ///
+    /// density = max(decay density, max of sigma over the points in the cell).
+    ///
+    /// # Shapes
+    /// `points` (M), `sigmas` (M).
+    pub fn update(&mut self, decay: f64, points: &[[f64; 3]], sigmas: &[f64]) {
+        for density in &mut self.density {
+            *density *= decay;
+        }
+        for m in 0..points.len() {
+            let cell = self.cell(points[m]);
+            self.density[cell] = self.density[cell].max(sigmas[m]);
+        }
+    }
+
+    /// The cells that a ray passes between `near` and `far`, in order, without gaps or overlaps.
+    ///
+    /// All crossings of the ray with the planes between cells are written down and sorted; between two of them the ray is in one cell,
+    /// that of its middle. Nothing is stepped, so no rounding adds up and starting on a face is nothing special (CG3).
+    ///
+    /// # Convention
+    /// A ray that runs in a face belongs to the cells above it (below it at the box's upper end). Where rounding has put the ray beside
+    /// the box, it counts to the nearest cells.
+    ///
+    /// ```
+    /// use nerf_oracle::occupancy_grid::OccupancyGrid;
+    /// let grid = OccupancyGrid { resolution: 2, density: vec![0.0; 8], threshold: 0.5 };
+    /// let cells = grid.crossings([0.0, 0.25, 0.25], [1.0, 0.0, 0.0], 0.0, 1.0);
+    /// assert_eq!((cells[0].cell, cells[1].cell, cells[1].enter, cells.len()), (0, 1, 0.5, 2));
+    /// ```
+    pub fn crossings(&self, o: [f64; 3], d: [f64; 3], near: f64, far: f64) -> Vec<Crossing> {
+        let r = self.resolution;
+        let mut faces = vec![near, far];
+        for a in 0..3 {
+            for n in 1..r {
+                let t = (n as f64 / r as f64 - o[a]) / d[a];
+                if near < t && t < far {
+                    faces.push(t);
+                }
+            }
+        }
+        faces.sort_by(f64::total_cmp);
+        let mut out: Vec<Crossing> = vec![];
+        for i in 1..faces.len() {
+            let (enter, leave) = (faces[i - 1], faces[i]);
+            let middle = 0.5 * (enter + leave);
+            let cell = self.cell([o[0] + middle * d[0], o[1] + middle * d[1], o[2] + middle * d[2]]);
+            match out.last_mut() {
+                Some(last) if last.cell == cell => last.leave = leave,
+                _ if enter < leave => out.push(Crossing { cell, enter, leave }),
+                _ => {}
+            }
+        }
+        out
+    }
+
+    /// The sampling distances of a ray: of all t = (k + u) `step` in [near, far), k whole, those whose point lies in an occupied cell.
+    ///
+    /// One `u` in [0, 1) shifts the whole lattice of a ray; `u` = 1/2 is the lattice at rest.
+    pub fn samples(&self, o: [f64; 3], d: [f64; 3], near: f64, far: f64, step: f64, u: f64) -> Vec<f64> {
+        let mut out = vec![];
+        let mut k = (near / step - u).ceil();
+        while (k + u) * step < far {
+            let t = (k + u) * step;
+            if self.occupied([o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]]) {
+                out.push(t);
+            }
+            k += 1.0;
+        }
+        out
+    }
+}

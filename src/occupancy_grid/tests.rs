@@ -1,0 +1,138 @@
+//! Closed forms and properties of the occupancy grid, and the f32 traversal against the oracle.
+
+use approx::assert_abs_diff_eq;
+
+use super::{OccupancyGrid, fast};
+use crate::random::{Key, Purpose};
+use crate::ray_aabb;
+
+fn key() -> Key {
+    Key::new(11, Purpose::Cases)
+}
+
+/// About `share` of the cells occupied, in clumps of 2^3 so that bricks are full, mixed and empty.
+fn random_grid(resolution: usize, share: f64) -> OccupancyGrid {
+    let half = resolution / 2;
+    let clump = |i: usize| (i % resolution / 2, i / resolution % resolution / 2, i / resolution / resolution / 2);
+    let density = |i| {
+        let (x, y, z) = clump(i);
+        key().uniform(1, 0, (x + half * (y + half * z)) as u64)
+    };
+    let density = (0..resolution.pow(3)).map(density).collect();
+    OccupancyGrid { resolution, density, threshold: 1.0 - share }
+}
+
+/// A random ray that meets the unit box, and where.
+fn ray(i: u64) -> ([f64; 3], [f64; 3], f64, f64) {
+    let u = key().uniforms(0, i, 6);
+    let target = [u[0], u[1], u[2]];
+    let o = [6.0 * u[3] - 2.5, 6.0 * u[4] - 2.5, 6.0 * u[5] - 2.5].map(|x| f64::from(x as f32));
+    let d = [0, 1, 2].map(|a| f64::from((target[a] - o[a]) as f32));
+    let hit = ray_aabb::intersect(o, d, [0.0; 3], [1.0; 3]).expect("the target is inside");
+    (o, d, hit.enter.max(0.0), hit.leave)
+}
+
+#[test]
+fn crossings_cover_the_ray_once() {
+    let grid = random_grid(8, 0.3);
+    for i in 0..500 {
+        let (o, d, near, far) = ray(i);
+        let cells = grid.crossings(o, d, near, far);
+        assert_eq!((cells[0].enter, cells.last().unwrap().leave), (near, far));
+        for pair in cells.windows(2) {
+            assert_eq!(pair[0].leave, pair[1].enter);
+            // Neighbours share a face: exactly one index differs, by one.
+            let distance = [1, 8, 64].map(|n| (pair[0].cell / n % 8).abs_diff(pair[1].cell / n % 8));
+            assert_eq!(distance.iter().sum::<usize>(), 1, "{pair:?}");
+        }
+        for c in cells.iter().filter(|c| c.leave - c.enter > 1e-9) {
+            let t = c.enter + 0.3 * (c.leave - c.enter);
+            assert_eq!(grid.cell([0, 1, 2].map(|a| o[a] + t * d[a])), c.cell);
+        }
+    }
+}
+
+/// CG3 (nerfacc issue 265): from a cell face, almost along another one, all 32 cells are visited.
+#[test]
+fn starts_on_a_face() {
+    let grid = OccupancyGrid { resolution: 32, density: vec![0.0; 32 * 32 * 32], threshold: 0.5 };
+    for dy in [-1e-16, 0.0, 1e-16] {
+        let cells = grid.crossings([1.0, 0.0, 0.0], [-1.0, dy, 0.0], 0.0, 1.0);
+        assert_eq!(cells.iter().map(|c| c.cell).collect::<Vec<_>>(), (0..32).rev().collect::<Vec<_>>());
+    }
+    // Through a vertex, along the diagonal: one cell each, whatever order the three faces come in.
+    let diagonal = grid.crossings([0.0; 3], [1.0; 3], 0.0, 1.0);
+    assert_eq!(diagonal.len(), 32);
+}
+
+#[test]
+fn update_decays_and_rises() {
+    let mut grid = OccupancyGrid { resolution: 2, density: vec![1.0; 8], threshold: 0.6 };
+    grid.update(0.5, &[[0.1, 0.1, 0.1], [0.2, 0.2, 0.2], [0.9, 0.1, 0.1]], &[2.0, 3.0, 0.1]);
+    assert_eq!(grid.density, [3.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]);
+    assert!(grid.occupied([0.49, 0.0, 0.3]) && !grid.occupied([0.5, 0.0, 0.3]));
+}
+
+/// Samples are the lattice points inside occupied crossings.
+#[test]
+fn samples_lie_in_occupied_crossings() {
+    let grid = random_grid(8, 0.3);
+    let mut kept = 0;
+    for i in 0..200 {
+        let (o, d, near, far) = ray(i);
+        let occupied: Vec<_> =
+            grid.crossings(o, d, near, far).into_iter().filter(|c| grid.density[c.cell] > grid.threshold).collect();
+        let step = 0.01 / d.iter().map(|d| d * d).sum::<f64>().sqrt();
+        let expected = occupied.iter().map(|c| (c.leave - c.enter) / step).sum::<f64>();
+        let samples = grid.samples(o, d, near, far, step, 0.5);
+        assert_abs_diff_eq!(samples.len() as f64, expected, epsilon = 1.0 + occupied.len() as f64);
+        kept += samples.len();
+    }
+    assert!(kept > 1000);
+}
+
+/// The f32 traversal visits what the oracle visits, but for lattice points within rounding of a face or of an end.
+#[test]
+fn fast_traversal_agrees() {
+    let oracle = random_grid(16, 0.2);
+    let mut grid = fast::Occupancy::full(16);
+    grid.density = oracle.density.iter().map(|&x| x as f32).collect();
+    grid.apply_threshold(oracle.threshold as f32);
+    let (mut checked, mut skipped) = (0, 0);
+    for i in 0..500 {
+        let (o, d, near, far) = ray(i);
+        let step = f64::from(0.004f32);
+        let u = f64::from(key().uniform(2, i, 0) as f32);
+        let mut got = vec![];
+        let f = |v: [f64; 3]| v.map(|x| x as f32);
+        grid.march(f(o), f(d), near as f32, far as f32, step as f32, u as f32, |k, _| got.push(k as i64));
+        let mut k = (near / step - u).ceil();
+        while (k + u) * step < far {
+            let t = (k + u) * step;
+            let x = [0, 1, 2].map(|a| o[a] + t * d[a]);
+            let to_face = x.map(|x| (16.0 * x - (16.0 * x).round()).abs()).into_iter().fold(1.0, f64::min);
+            let to_end = ((t - near) / step).min((far - t) / step);
+            if to_face > 1e-3 && to_end > 1e-3 {
+                assert_eq!(got.contains(&(k as i64)), oracle.occupied(x), "ray {i}, k {k}, x {x:?}");
+                checked += 1;
+            } else {
+                skipped += 1;
+            }
+            k += 1.0;
+        }
+    }
+    assert!(checked > 10_000 && skipped < checked / 20, "{checked} {skipped}");
+}
+
+#[test]
+fn fast_box_agrees() {
+    for i in 0..500 {
+        let (o, d, near, far) = ray(i);
+        let (enter, leave) = fast::ray_box(o.map(|x| x as f32), d.map(|x| x as f32));
+        assert_abs_diff_eq!(f64::from(enter).max(0.0), near, epsilon = 1e-5);
+        assert_abs_diff_eq!(f64::from(leave), far, epsilon = 1e-5);
+    }
+    let (enter, leave) = fast::ray_box([0.5, 1.5, 0.5], [1.0, 0.0, 0.0]);
+    assert!(enter > leave);
+    assert_eq!(fast::ray_box([-1.0, 1.0, 0.5], [1.0, 0.0, 0.0]), (1.0, 2.0));
+}

@@ -1,0 +1,53 @@
+//! Backward: from the gradients of raw colours and densities to those of all weights and of the encodings.
+
+use pulp::Simd;
+
+use super::chunk::Chunk;
+use super::forward::{Pass, TILE};
+use super::kernels::{outer, product};
+use super::networks::{GEOMETRY, HIDDEN};
+
+/// ReLU's gradient: 0 where the activation is 0.
+#[inline(always)]
+fn mask<const N: usize>(gradient: &mut [[f32; N]], activation: &[[f32; N]]) {
+    for (g, h) in gradient.as_flattened_mut().iter_mut().zip(activation.as_flattened()) {
+        *g = if *h > 0.0 { *g } else { 0.0 };
+    }
+}
+
+/// Fills `gradient`, and `encoding` with its own gradient. A tile at a time, so that its activations are read once.
+#[inline(always)]
+pub(super) fn backward<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
+    let (nets, rows, n) = (pass.nets, c.rows(), c.points.len());
+    c.gradient.clear();
+    c.rgb[n..rows].fill([0.0; 16]);
+    c.rays.iter_mut().for_each(|ray| ray.view = [0.0; HIDDEN]);
+    let (mut hidden, mut geometry) = ([[0f32; HIDDEN]; TILE], [[0f32; GEOMETRY]; TILE]);
+    for first in (0..rows).step_by(TILE) {
+        let tile = first..(first + TILE).min(rows);
+        let (hidden, geometry) = (&mut hidden[..tile.len()], &mut geometry[..tile.len()]);
+        let rgb = &mut c.rgb[tile.clone()];
+        product(s, rgb, 3, &nets.color1_t, hidden, false, false);
+        mask(hidden, &c.hidden1[tile.clone()]);
+        product(s, hidden, HIDDEN, &nets.color0_t, geometry, false, false);
+        for (g, d) in geometry.iter_mut().zip(&mut *rgb) {
+            g[0] += std::mem::take(&mut d[3]);
+        }
+        outer(s, &c.hidden1[tile.clone()], rgb, &mut c.gradient.color1);
+        outer(s, &c.geometry[tile.clone()], hidden, &mut c.gradient.color0);
+        for (p, g) in (first..tile.end.min(n)).zip(&*hidden) {
+            let view = &mut c.rays[c.ray_of[p] as usize].view;
+            view.iter_mut().zip(g).for_each(|(v, g)| *v += g);
+        }
+        product(s, geometry, GEOMETRY, &nets.density1_t, hidden, false, false);
+        mask(hidden, &c.hidden0[tile.clone()]);
+        outer(s, &c.hidden0[tile.clone()], geometry, &mut c.gradient.density1);
+        outer(s, &c.encoding[tile.clone()], hidden, &mut c.gradient.density0);
+        product(s, hidden, HIDDEN, &nets.density0_t, &mut c.encoding[tile], false, false);
+    }
+    for ray in c.rays.iter().filter(|ray| ray.count > 0 && pass.view_dependent) {
+        for (&h, row) in ray.harmonics.iter().zip(&mut c.gradient.view) {
+            row.iter_mut().zip(&ray.view).for_each(|(r, v)| *r += h * v);
+        }
+    }
+}

@@ -1,0 +1,145 @@
+//! A chunk of whole rays and the buffers of their samples, small enough for a core's L2 cache.
+
+use super::networks::{GEOMETRY, HIDDEN, Weights};
+use super::views::BoxRay;
+use crate::hash_grid::fast::WIDTH;
+use crate::spherical_harmonics::fast::{self as harmonics, harmonics};
+
+/// Rows of a block: the kernels take whole blocks.
+pub(super) const BLOCK: usize = 16;
+
+/// A ray, its samples' place in the chunk, and what it sees.
+#[derive(Clone, Copy)]
+pub(super) struct Ray {
+    pub first: usize,
+    pub count: usize,
+    pub target: [f32; 3],
+    pub harmonics: [f32; harmonics::WIDTH],
+    /// Colour over the background.
+    pub color: [f32; 3],
+    /// T behind the last sample.
+    pub transmittance: f32,
+    /// sum of w t.
+    pub depth: f32,
+    /// Forward: the harmonics' part of the colour network's hidden layer, the same for all samples. Backward: its gradient.
+    pub view: [f32; HIDDEN],
+}
+
+/// Rays, samples and activations. Rows beyond the samples pad the last block and hold anything finite.
+pub(super) struct Chunk {
+    pub rays: Vec<Ray>,
+    /// Samples in the unit box; behind [`Chunk::keep`] the live ones alone.
+    pub points: Vec<[f32; 3]>,
+    /// Their distances along the ray.
+    pub t: Vec<f32>,
+    pub ray_of: Vec<u32>,
+    /// Encodings; behind the backward pass their gradients.
+    pub encoding: Vec<[f32; WIDTH]>,
+    /// All samples before the early stop, with their densities.
+    pub visited: Vec<[f32; 3]>,
+    pub sigma: Vec<f32>,
+    pub hidden0: Vec<[f32; HIDDEN]>,
+    pub geometry: Vec<[f32; GEOMETRY]>,
+    pub hidden1: Vec<[f32; HIDDEN]>,
+    /// Columns 0 to 2: the raw colour, then the colour, then the raw colour's gradient. See `composite` for the others.
+    pub rgb: Vec<[f32; 16]>,
+    pub gradient: Weights,
+    /// Sum of squared errors over rays and channels.
+    pub error: f64,
+}
+
+impl Default for Chunk {
+    fn default() -> Self {
+        Chunk {
+            rays: vec![],
+            points: vec![],
+            t: vec![],
+            ray_of: vec![],
+            encoding: vec![],
+            visited: vec![],
+            sigma: vec![],
+            hidden0: vec![],
+            geometry: vec![],
+            hidden1: vec![],
+            rgb: vec![],
+            gradient: Weights::zeros(),
+            error: 0.0,
+        }
+    }
+}
+
+impl Chunk {
+    /// No rays, no samples; the buffers keep their size.
+    pub fn clear(&mut self) {
+        self.rays.clear();
+        self.points.clear();
+        self.t.clear();
+        self.ray_of.clear();
+    }
+
+    /// The next ray; samples pushed from now on are its own.
+    #[inline(always)]
+    pub fn push_ray(&mut self, ray: &BoxRay, target: [f32; 3]) {
+        self.rays.push(Ray {
+            first: self.points.len(),
+            count: 0,
+            target,
+            harmonics: harmonics(ray.unit),
+            color: [0.0; 3],
+            transmittance: 1.0,
+            depth: 0.0,
+            view: [0.0; HIDDEN],
+        });
+    }
+
+    /// The next sample of the last ray.
+    #[inline(always)]
+    pub fn push_sample(&mut self, p: [f32; 3], t: f32) {
+        let ray = self.rays.len() - 1;
+        self.points.push(p);
+        self.t.push(t);
+        self.ray_of.push(ray as u32);
+        self.rays[ray].count += 1;
+    }
+
+    /// Room for the activations of the samples pushed so far.
+    pub fn reserve(&mut self) {
+        let rows = self.rows();
+        if self.encoding.len() < rows {
+            self.encoding.resize(rows, [0.0; WIDTH]);
+            self.hidden0.resize(rows, [0.0; HIDDEN]);
+            self.geometry.resize(rows, [0.0; GEOMETRY]);
+            self.hidden1.resize(rows, [0.0; HIDDEN]);
+            self.rgb.resize(rows, [0.0; 16]);
+        }
+    }
+
+    /// Samples, padded to whole blocks.
+    pub fn rows(&self) -> usize {
+        self.points.len().next_multiple_of(BLOCK)
+    }
+
+    /// Keeps the first `live(ray)` samples of each ray and moves them together, with what is known of them.
+    #[inline(always)]
+    pub fn keep(&mut self, live: impl Fn(&Ray, &[f32]) -> usize) {
+        self.visited.clone_from(&self.points);
+        let mut kept = 0;
+        for ray in &mut self.rays {
+            let count = live(ray, &self.sigma[ray.first..ray.first + ray.count]);
+            let from = ray.first..ray.first + count;
+            if kept != ray.first {
+                self.points.copy_within(from.clone(), kept);
+                self.t.copy_within(from.clone(), kept);
+                self.ray_of.copy_within(from.clone(), kept);
+                self.encoding.copy_within(from.clone(), kept);
+                self.hidden0.copy_within(from.clone(), kept);
+                self.geometry.copy_within(from, kept);
+            }
+            (ray.first, ray.count) = (kept, count);
+            kept += count;
+        }
+        self.points.truncate(kept);
+        self.t.truncate(kept);
+        self.ray_of.truncate(kept);
+    }
+}

@@ -1,0 +1,189 @@
+//! Forward: a chunk of rays through both networks and volume rendering, and the loss.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::backward::backward;
+use super::chunk::Chunk;
+use super::kernels::product;
+use super::networks::{GEOMETRY, HIDDEN, Networks};
+use crate::hash_grid::fast::WIDTH;
+
+/// Samples that pass through a network together: their activations fill the L1 cache.
+pub(super) const TILE: usize = 64;
+
+/// What the chunks of a batch share.
+#[derive(Clone, Copy)]
+pub(super) struct Pass<'a> {
+    pub nets: &'a Networks,
+    /// Step length in the unit in which the network's densities are 1 / length.
+    pub delta: f32,
+    /// A ray ends where its transmittance falls below this.
+    pub stop: f32,
+    pub background: [f32; 3],
+    pub view_dependent: bool,
+    /// d loss / d color over the error, 2 / (3 rays): the loss is the mean squared error. `None`: forward alone.
+    pub gradient: Option<f32>,
+}
+
+struct Densities<'a, 'b>(&'b Pass<'a>, &'b mut Chunk);
+
+impl WithSimd for Densities<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) {
+        density(s, self.0, self.1);
+    }
+}
+
+struct Whole<'a, 'b>(&'b Pass<'a>, &'b mut Chunk);
+
+impl WithSimd for Whole<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, s: S) {
+        let Whole(pass, chunk) = self;
+        density(s, pass, chunk);
+        early_stop(pass, chunk);
+        color(s, pass, chunk);
+        composite(pass, chunk);
+        if pass.gradient.is_some() {
+            backward(s, pass, chunk);
+        }
+    }
+}
+
+/// The densities of a chunk's encoded samples, into `sigma`.
+pub(super) fn densities(arch: Arch, pass: &Pass, chunk: &mut Chunk) {
+    arch.dispatch(Densities(pass, chunk));
+}
+
+/// What a chunk's rays see, and the gradients where the pass wants them.
+pub(super) fn run(arch: Arch, pass: &Pass, chunk: &mut Chunk) {
+    arch.dispatch(Whole(pass, chunk));
+}
+
+/// e^x without branches or calls, so that loops over it become vector code; |x| < 87, relative error below 2e-7.
+#[inline(always)]
+pub(super) fn exp(x: f32) -> f32 {
+    // Adding 1.5 * 2^23 rounds to a whole number, which then stands in the low bits.
+    const MAGIC: f32 = 12_582_912.0;
+    let n = x * std::f32::consts::LOG2_E + MAGIC;
+    let scale = f32::from_bits((n.to_bits() << 23).wrapping_add(0x3f80_0000));
+    let n = n - MAGIC;
+    // ln 2 in two parts, the first with trailing zeros, so that the remainder in [-ln 2 / 2, ln 2 / 2] is exact.
+    let r = (x - n * 0.693_145_75) - n * 1.428_606_8e-6;
+    let tail = 1.666_666_5e-1 + r * (4.166_695_7e-2 + r * (8.333_361e-3 + r * 1.388_9e-3));
+    (1.0 + r * (1.0 + r * (0.5 + r * tail))) * scale
+}
+
+/// e^x with x held to [-15, 15], forward too: the trunc_exp component's surrogate then is the derivative of neither side outside.
+#[inline(always)]
+pub(super) fn trunc_exp(x: f32) -> f32 {
+    exp(x.max(-15.0).min(15.0))
+}
+
+#[inline(always)]
+fn density<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
+    let w = &pass.nets.weights;
+    let rows = c.rows();
+    for first in (0..rows).step_by(TILE) {
+        let tile = first..(first + TILE).min(rows);
+        product(s, &c.encoding[tile.clone()], WIDTH, &w.density0, &mut c.hidden0[tile.clone()], false, true);
+        product(s, &c.hidden0[tile.clone()], HIDDEN, &w.density1, &mut c.geometry[tile], false, false);
+    }
+    c.sigma.clear();
+    c.sigma.extend(c.geometry[..c.points.len()].iter().map(|g| trunc_exp(g[0])));
+}
+
+/// Leaves out what lies behind the sample that takes a ray's transmittance below `stop`.
+#[inline(always)]
+fn early_stop(pass: &Pass, c: &mut Chunk) {
+    let limit = -pass.stop.ln();
+    c.keep(|_, sigmas| {
+        let (mut depth, mut live) = (0.0, 0);
+        while live < sigmas.len() && depth < limit {
+            depth += sigmas[live] * pass.delta;
+            live += 1;
+        }
+        live
+    });
+}
+
+#[inline(always)]
+fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
+    let w = &pass.nets.weights;
+    for ray in c.rays.iter_mut().filter(|ray| ray.count > 0 && pass.view_dependent) {
+        for (&h, row) in ray.harmonics.iter().zip(&w.view) {
+            ray.view.iter_mut().zip(row).for_each(|(v, r)| *v += h * r);
+        }
+    }
+    let (rows, n) = (c.rows(), c.points.len());
+    for first in (0..rows).step_by(TILE) {
+        let tile = first..(first + TILE).min(rows);
+        for p in first..tile.end.min(n) {
+            c.hidden1[p] = c.rays[c.ray_of[p] as usize].view;
+        }
+        product(s, &c.geometry[tile.clone()], GEOMETRY, &w.color0, &mut c.hidden1[tile.clone()], true, true);
+        product(s, &c.hidden1[tile.clone()], HIDDEN, &w.color1, &mut c.rgb[tile], false, false);
+    }
+    for rgb in &mut c.rgb[..n] {
+        for x in &mut rgb[..4] {
+            *x = 1.0 / (1.0 + exp((-*x).max(-80.0).min(80.0)));
+        }
+    }
+}
+
+/// Colours and errors; where the pass wants gradients, those of the raw colours in columns 0 to 2 of `rgb`, and of the raw density in
+/// column 3.
+#[inline(always)]
+fn composite(pass: &Pass, c: &mut Chunk) {
+    c.error = 0.0;
+    for ray in &mut c.rays {
+        let (mut transmittance, mut color, mut depth) = (1.0f32, [0f32; 3], 0f32);
+        for p in ray.first..ray.first + ray.count {
+            let sigma = trunc_exp(c.geometry[p][0]);
+            let next = transmittance * exp((-sigma * pass.delta).max(-80.0));
+            let weight = transmittance - next;
+            for k in 0..3 {
+                color[k] += weight * c.rgb[p][k];
+            }
+            depth += weight * c.t[p];
+            // For the way back: the weight, the transmittance behind the sample, the density.
+            [c.rgb[p][3], c.rgb[p][4], c.rgb[p][5]] = [weight, next, sigma];
+            transmittance = next;
+        }
+        (ray.transmittance, ray.depth) = (transmittance, depth);
+        let mut g_color = [0f32; 3];
+        for k in 0..3 {
+            ray.color[k] = color[k] + transmittance * pass.background[k];
+            let error = ray.color[k] - ray.target[k];
+            c.error += f64::from(error * error);
+            g_color[k] = pass.gradient.unwrap_or(0.0) * error;
+        }
+        if pass.gradient.is_some() {
+            let samples = &mut c.rgb[ray.first..ray.first + ray.count];
+            composite_backward(pass, samples, transmittance, g_color);
+        }
+    }
+}
+
+/// From the last sample to the first, as in the oracle: `behind` is what one unit of light behind the sample brings.
+#[inline(always)]
+fn composite_backward(pass: &Pass, samples: &mut [[f32; 16]], transmittance: f32, g: [f32; 3]) {
+    let dot = |c: [f32; 3]| g[0] * c[0] + g[1] * c[1] + g[2] * c[2];
+    let mut behind = transmittance * dot(pass.background);
+    for sample in samples.iter_mut().rev() {
+        let [r, green, b, weight, next, sigma, ..] = *sample;
+        let seen = dot([r, green, b]);
+        let slope = pass.delta * (next * seen - behind);
+        behind += weight * seen;
+        *sample = [0.0; 16];
+        for (k, c) in [r, green, b].into_iter().enumerate() {
+            sample[k] = weight * g[k] * c * (1.0 - c);
+        }
+        // d sigma / d raw = sigma.
+        sample[3] = slope * sigma;
+    }
+}

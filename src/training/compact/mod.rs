@@ -1,0 +1,104 @@
+//! The compact model: a hash grid and two small networks, with an occupancy grid and early stop, so that work follows the scene.
+//!
+//! After Instant-NGP (Mueller et al. 2022). A step goes: [`step`] marches random rays through the occupancy grid and encodes the samples
+//! level by level; [`forward`] and [`backward`] take chunks of whole rays through networks, rendering and loss; the gradients are
+//! scattered level by level and folded chunk by chunk, in order, so that the result has the same bits on any number of threads.
+
+use pulp::Arch;
+use serde_json::{Map, Value};
+
+use crate::error::Result;
+use crate::files::npz::Arrays;
+use crate::hash_grid::{self, fast::Level};
+use crate::occupancy_grid::fast::Occupancy;
+use crate::random::{Key, Purpose};
+use crate::ray::Ray;
+use crate::scene::Scene;
+use crate::training::{Model, Pixel, StepReport};
+
+mod backward;
+mod chunk;
+mod forward;
+mod kernels;
+mod networks;
+mod occupancy;
+mod render;
+mod settings;
+mod state;
+mod step;
+mod views;
+
+#[cfg(test)]
+mod tests;
+
+use chunk::Chunk;
+use networks::{Networks, Weights};
+pub use settings::{Overrides, Settings};
+use views::Views;
+
+/// Hash grid, networks and occupancy grid, with all that training needs.
+pub struct CompactModel {
+    settings: Settings,
+    views: Views,
+    levels: Vec<Level>,
+    nets: Networks,
+    occupancy: Occupancy,
+    /// Buffers, used again step after step.
+    chunks: Vec<Chunk>,
+    /// Rays of the next step: as many as filled a batch before.
+    rays: usize,
+    /// Steps done.
+    step: u64,
+    arch: Arch,
+}
+
+impl CompactModel {
+    /// The untrained model of a scene.
+    ///
+    /// # Errors
+    /// Where a lens has no inverse at some training pixel.
+    pub fn new(scene: &Scene, overrides: &Overrides) -> Result<Self> {
+        let settings = Settings::derive(scene, overrides);
+        let views = Views::new(scene, &settings)?;
+        let levels = (0..settings.resolutions.len()).map(|l| initial_level(&settings, l)).collect();
+        let nets = Networks::new(Weights::random(&Key::new(settings.seed, Purpose::Parameters)));
+        let occupancy = Occupancy::full(occupancy::FIRST_RESOLUTION);
+        let rays = settings.rays.unwrap_or(step::FIRST_RAYS);
+        let arch = step::arch();
+        Ok(CompactModel { settings, views, levels, nets, occupancy, chunks: vec![], rays, step: 0, arch })
+    }
+}
+
+/// Entries uniform in [-1e-4, 1e-4], as in Instant-NGP.
+fn initial_level(settings: &Settings, l: usize) -> Level {
+    let key = Key::new(settings.seed, Purpose::HashTable);
+    let (resolution, table) = (settings.resolutions[l], settings.table);
+    let dense = hash_grid::is_dense(resolution, table);
+    let entries = if dense { (resolution as usize + 1).pow(3) } else { table };
+    let draws = key.uniforms(0, l as u64, 4 * entries);
+    let entry = |u: &[f64; 4]| u.map(|u| (1e-4 * (2.0 * u - 1.0)) as f32);
+    Level::new(resolution, draws.as_chunks::<4>().0.iter().map(entry).collect(), dense)
+}
+
+impl Model for CompactModel {
+    fn step(&mut self, _: &Scene, step: u64) -> Result<StepReport> {
+        self.step = step;
+        Ok(self.train_step(step))
+    }
+
+    fn render(&self, rays: &[Ray]) -> Vec<Pixel> {
+        self.render_rays(rays)
+    }
+
+    fn state(&self) -> Arrays {
+        self.to_arrays()
+    }
+
+    fn restore(&mut self, state: &Arrays, file: &str) -> Result<()> {
+        self.take_arrays(state, file)
+    }
+
+    fn settings(&self) -> Map<String, Value> {
+        self.settings.to_json()
+    }
+}

@@ -1,0 +1,75 @@
+//! When and how the occupancy grid learns: from every training sample, and from random cells now and then.
+
+use super::CompactModel;
+use super::chunk::Chunk;
+use super::forward::densities;
+use super::step::{clear_unused, optical_step};
+use super::views::BoxRay;
+use crate::hash_grid::fast as hash_grid;
+use crate::parallel;
+use crate::random::{Key, Purpose};
+
+/// Steps between updates; until the first of them every cell counts as occupied.
+const EVERY: u64 = 16;
+/// The grid is this coarse until [`GROWS_AT`], and cheap to fill as a whole.
+pub(super) const FIRST_RESOLUTION: usize = 64;
+/// When the grid gets its final resolution.
+const GROWS_AT: u64 = 200;
+/// What is left of a cell's density after an update without samples in it.
+const DECAY: f32 = 0.9;
+/// Random cells of an update. Occupied cells see training samples all the time; these find what was missed.
+const RANDOM_CELLS: usize = 1 << 15;
+/// Opacity of one step above which a cell is occupied.
+const OPACITY: f32 = 0.01;
+/// Cells of a task.
+const TASK: usize = 4096;
+
+impl CompactModel {
+    /// Every 16 steps: densities decay, random cells (at first all) are looked at, and what is dense enough counts as occupied.
+    pub(super) fn update_occupancy(&mut self, step: u64) {
+        if !step.is_multiple_of(EVERY) {
+            return;
+        }
+        if step == EVERY {
+            // What the untrained network thought of the cells doesn't count.
+            self.occupancy.density.fill(0.0);
+        }
+        if step >= GROWS_AT && self.occupancy.resolution < self.settings.occupancy {
+            self.occupancy = self.occupancy.resampled(self.settings.occupancy);
+        }
+        self.occupancy.decay(DECAY);
+        let cells = self.occupancy.density.len();
+        let all = step == EVERY;
+        let count = if all { cells } else { RANDOM_CELLS.min(cells) };
+        let tasks = parallel::map(count.div_ceil(TASK), |task| {
+            let draws = task * TASK..((task + 1) * TASK).min(count);
+            self.look(draws, all, step)
+        });
+        for chunk in &tasks {
+            self.occupancy.raise(&chunk.points, &chunk.sigma);
+        }
+        self.occupancy.apply_threshold(OPACITY / optical_step(self.settings.samples));
+    }
+
+    /// Densities at random points of cells: of cell n itself where `all`, else of a random one.
+    fn look(&self, draws: std::ops::Range<usize>, all: bool, step: u64) -> Chunk {
+        let key = Key::new(self.settings.seed, Purpose::Occupancy);
+        let r = self.occupancy.resolution;
+        let mut chunk = Chunk::default();
+        chunk.push_ray(&BoxRay { o: [0.0; 3], d: [0.0; 3], unit: [0.0, 0.0, 1.0] }, [0.0; 3]);
+        for n in draws {
+            let u = key.uniforms(step, n as u64, 4);
+            let cell = if all { n } else { (u[3] * (r * r * r) as f64) as usize };
+            let corner = [cell % r, cell / r % r, cell / r / r];
+            chunk.push_sample(std::array::from_fn(|a| ((corner[a] as f64 + u[a]) / r as f64) as f32), 0.0);
+        }
+        chunk.reserve();
+        let active = self.settings.levels_at(step);
+        for (l, level) in self.levels.iter().enumerate().take(active) {
+            hash_grid::encode_level(self.arch, level, l, &chunk.points, &mut chunk.encoding);
+        }
+        clear_unused(std::slice::from_mut(&mut chunk), active);
+        densities(self.arch, &self.pass(self.settings.samples, None), &mut chunk);
+        chunk
+    }
+}

@@ -1,0 +1,198 @@
+//! What a compact model depends on, derived from the scene, each value with its reason.
+
+use glam::DVec3;
+use serde_json::{Map, Value, json};
+
+use crate::camera::Camera;
+use crate::hash_grid;
+use crate::hash_grid::fast::LEVELS;
+use crate::scene::Scene;
+
+/// What a user may decide instead.
+#[derive(Clone, Debug, Default)]
+pub struct Overrides {
+    /// Seed of parameters, rays, jitter and occupancy updates.
+    pub seed: u64,
+    /// Samples across the box (`--samples`).
+    pub samples: Option<usize>,
+    /// Rays a step, fixed (`--rays`); by default as many as fill a batch of samples.
+    pub rays: Option<usize>,
+    /// Learning rate of the grid (`--lr`).
+    pub lr: Option<f64>,
+}
+
+/// All settings of a [`super::CompactModel`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Lower corner of the box, a cube.
+    pub low: DVec3,
+    /// Its edge, scene units.
+    pub size: f64,
+    /// Where samples start.
+    pub near: f64,
+    /// Where they end.
+    pub far: f64,
+    /// The colour behind everything.
+    pub background: [f64; 3],
+    /// Step lengths across the box, once training has warmed up.
+    pub samples: f64,
+    /// Cells along an edge, level by level.
+    pub resolutions: Vec<u32>,
+    /// Largest number of table entries of a level.
+    pub table: usize,
+    /// Cells along an edge of the occupancy grid.
+    pub occupancy: usize,
+    /// A ray ends where its transmittance falls below this.
+    pub stop: f64,
+    /// Samples a step.
+    pub batch: usize,
+    /// Rays a step, where given.
+    pub rays: Option<usize>,
+    /// Learning rates of the grid and of the networks at step 1.
+    pub lr: [f64; 2],
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Whether colour depends on the direction.
+    pub view_dependent: bool,
+    /// Why each value is what it is.
+    pub reasons: Map<String, Value>,
+}
+
+/// Steps over which learning rates fall by the square root of 2.
+pub const LR_HALF_LIFE: f64 = 1500.0;
+
+impl Settings {
+    /// The settings of a scene.
+    pub fn derive(scene: &Scene, overrides: &Overrides) -> Settings {
+        let mut reasons = Map::new();
+        let mut because = |name: &str, why: String| drop(reasons.insert(name.into(), Value::from(why)));
+        let (low, size, why) = cube(scene);
+        because("box", why);
+        let footprint = pixel_footprint(scene);
+        let samples = overrides.samples.map_or((size / footprint).clamp(64.0, 1024.0), |n| n as f64);
+        because("samples", match overrides.samples {
+            Some(_) => "given".into(),
+            None => format!("a step is a pixel's footprint {footprint:.4} at the focus, within 64 to 1024 steps"),
+        });
+        let finest = (2.0 * size / footprint).clamp(64.0, 2048.0) as u32;
+        because("resolutions", format!("the finest cell is half a pixel's footprint, the coarsest a 16th of the box, {LEVELS} levels of 4 features fill one cache line and a half"));
+        because("table", "2^17 entries of 16 bytes: a level fits into a core's 2 MiB of L2".into());
+        because("stop", "a colour moves by at most 1e-4, a fortieth of an 8-bit step".into());
+        because("batch", "16,384 samples: half of a step's time goes to the samples, half to what every step costs".into());
+        let spread = direction_spread(scene);
+        let view_dependent = spread > 10f64.to_radians();
+        because("view_dependence", format!(
+            "{}: the cameras' axes differ by up to {:.0} degrees",
+            if view_dependent { "kept" } else { "left out" },
+            spread.to_degrees()
+        ));
+        because("lens", match scene.train[0].camera.distortion {
+            Some(_) => "undone: the scene has distortion coefficients".into(),
+            None => "left out: the scene has no distortion coefficients".to_string(),
+        });
+        because("background_model", "left out: what lies beyond the box has one colour".into());
+        Settings {
+            low,
+            size,
+            near: scene.near,
+            far: scene.far,
+            background: scene.background,
+            samples,
+            resolutions: hash_grid::resolutions(16, finest, LEVELS),
+            table: 1 << 17,
+            occupancy: 128,
+            stop: 1e-4,
+            batch: 16_384,
+            rays: overrides.rays,
+            lr: overrides.lr.map_or([2e-2, 1e-2], |lr| [lr, 0.5 * lr]),
+            seed: overrides.seed,
+            view_dependent,
+            reasons,
+        }
+    }
+
+    /// Step lengths across the box at a training step: coarse at first, while there is nothing fine to see.
+    pub fn samples_at(&self, step: u64) -> f64 {
+        self.samples * (0.3 + 0.7 * (step as f64 / 300.0).min(1.0))
+    }
+
+    /// Levels of the hash grid in use at a training step: the coarse ones first, one more every 100 steps.
+    pub fn levels_at(&self, step: u64) -> usize {
+        (4 + step as usize / 100).min(LEVELS)
+    }
+
+    /// The learning rates' factor at a training step: 1 / sqrt(1 + step / 1500).
+    pub fn lr_factor(&self, step: u64) -> f64 {
+        1.0 / (1.0 + step as f64 / LR_HALF_LIFE).sqrt()
+    }
+
+    /// For `run.json`.
+    pub fn to_json(&self) -> Map<String, Value> {
+        let object = json!({
+            "model": "compact", "box_low": self.low.to_array(), "box_size": self.size, "near": self.near, "far": self.far,
+            "background": self.background, "samples": self.samples, "resolutions": self.resolutions, "table": self.table,
+            "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop, "batch": self.batch,
+            "rays": self.rays, "lr": self.lr, "lr_half_life": LR_HALF_LIFE, "seed": self.seed,
+            "view_dependent": self.view_dependent, "reasons": self.reasons,
+        });
+        let Value::Object(map) = object else { unreachable!("an object literal") };
+        map
+    }
+}
+
+fn centre(camera: &Camera) -> DVec3 {
+    camera.c2w.w_axis.truncate()
+}
+
+fn distances(scene: &Scene) -> impl Iterator<Item = f64> {
+    scene.train.iter().map(|frame| (centre(&frame.camera) - scene.focus).length())
+}
+
+/// The cube that samples are taken in, with its reason.
+fn cube(scene: &Scene) -> (DVec3, f64, String) {
+    if let Some((low, high)) = scene.bounds {
+        let size = (high - low).max_element();
+        return (0.5 * (low + high) - DVec3::splat(0.5 * size), size, "the scene says so".into());
+    }
+    let (mut nearest, mut farthest) = (f64::INFINITY, 0f64);
+    for r in distances(scene) {
+        (nearest, farthest) = (nearest.min(r), farthest.max(r));
+    }
+    let reach = (scene.far - nearest).max(0.1 * farthest);
+    let camera = &scene.train[0].camera;
+    let slope = (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy);
+    let (half, why) = if cut_out(scene) {
+        let why = "the pictures' borders are background, so the object lies where the pictures look at the cameras' focus";
+        (reach.min(farthest * slope), why)
+    } else {
+        (reach, "the pictures are full, so the box reaches from the cameras' focus as far as samples do")
+    };
+    (scene.focus - DVec3::splat(half), 2.0 * half, why.into())
+}
+
+/// Whether 95% of the pictures' border pixels are background.
+fn cut_out(scene: &Scene) -> bool {
+    let (mut border, mut plain) = (0, 0);
+    for image in scene.train.iter().filter_map(|frame| frame.image.as_ref()) {
+        let (h, w, _) = image.dim();
+        let edge = (0..w).flat_map(|i| [(0, i), (h - 1, i)]).chain((0..h).flat_map(|j| [(j, 0), (j, w - 1)]));
+        for (j, i) in edge {
+            border += 1;
+            plain += usize::from((0..3).all(|k| (f64::from(image[[j, i, k]]) - scene.background[k]).abs() < 0.02));
+        }
+    }
+    plain * 20 >= border * 19
+}
+
+/// A pixel's width at the focus, seen from the mean camera.
+fn pixel_footprint(scene: &Scene) -> f64 {
+    let mean = distances(scene).sum::<f64>() / scene.train.len() as f64;
+    mean / scene.train[0].camera.k.fx
+}
+
+/// The largest angle between two training cameras' axes and the first one's.
+fn direction_spread(scene: &Scene) -> f64 {
+    let axis = |camera: &Camera| camera.c2w.z_axis.truncate().normalize();
+    let first = axis(&scene.train[0].camera);
+    scene.train.iter().map(|frame| axis(&frame.camera).angle_between(first)).fold(0.0, f64::max)
+}

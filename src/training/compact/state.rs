@@ -1,0 +1,99 @@
+//! The model as named arrays, for checkpoints: everything that the next step depends on.
+
+use ndarray::{ArrayD, IxDyn};
+
+use super::CompactModel;
+use super::networks::{NAMES, Weights};
+use crate::error::{Error, Result};
+use crate::files::npz::{Array, Arrays};
+use crate::occupancy_grid::fast::Occupancy;
+
+const ADVICE: &str = "Train the run again, or use the checkpoint of this very run.";
+
+fn f32s(shape: &[usize], values: &[f32]) -> Array {
+    Array::F32(ArrayD::from_shape_vec(IxDyn(shape), values.to_vec()).expect("as many values as the shape says"))
+}
+
+fn i64s(values: Vec<i64>) -> Array {
+    Array::I64(ArrayD::from_shape_vec(IxDyn(&[values.len()]), values).expect("a flat array"))
+}
+
+fn wrong(file: &str, name: &str, found: impl ToString, expected: impl ToString) -> Error {
+    Error::input(file, name, found, expected, ADVICE)
+}
+
+/// Copies array `name` into `out`, whose length it must have.
+fn copy(state: &Arrays, name: &str, file: &str, out: &mut [f32]) -> Result<()> {
+    let expected = format!("{} f32 values", out.len());
+    match state.get(name) {
+        Some(Array::F32(array)) if array.len() == out.len() => {
+            out.iter_mut().zip(array).for_each(|(out, x)| *out = *x);
+            Ok(())
+        }
+        Some(array) => Err(wrong(file, name, format!("{} {:?}", array.dtype(), array.shape()), expected)),
+        None => Err(wrong(file, name, "no such array", expected)),
+    }
+}
+
+fn whole(state: &Arrays, name: &str, file: &str) -> Result<Vec<i64>> {
+    match state.get(name) {
+        Some(Array::I64(array)) => Ok(array.iter().copied().collect()),
+        Some(array) => Err(wrong(file, name, array.dtype(), "i64 values")),
+        None => Err(wrong(file, name, "no such array", "i64 values")),
+    }
+}
+
+impl CompactModel {
+    fn weights_mut(&mut self) -> [(&'static str, &mut Weights); 3] {
+        let nets = &mut self.nets;
+        [("param", &mut nets.weights), ("m", &mut nets.m), ("v", &mut nets.v)]
+    }
+
+    pub(super) fn to_arrays(&self) -> Arrays {
+        let mut out = Arrays::new();
+        for (l, level) in self.levels.iter().enumerate() {
+            for (kind, entries) in ["param", "m", "v"].into_iter().zip(level.state()) {
+                out.insert(format!("level{l}_{kind}"), f32s(&[entries.len(), 4], entries.as_flattened()));
+            }
+        }
+        for (kind, weights) in [("param", &self.nets.weights), ("m", &self.nets.m), ("v", &self.nets.v)] {
+            for (name, part) in NAMES.into_iter().zip(weights.parts()) {
+                out.insert(format!("{name}_{kind}"), f32s(&[part.len()], part));
+            }
+        }
+        let r = self.occupancy.resolution;
+        out.insert("occupancy_density".into(), f32s(&[r, r, r], &self.occupancy.density));
+        out.insert("occupancy_bits".into(), i64s(self.occupancy.bits().iter().map(|&b| b as i64).collect()));
+        out.insert("compact_progress".into(), i64s(vec![self.step as i64, self.rays as i64]));
+        out
+    }
+
+    pub(super) fn take_arrays(&mut self, state: &Arrays, file: &str) -> Result<()> {
+        for (l, level) in self.levels.iter_mut().enumerate() {
+            for (kind, entries) in ["param", "m", "v"].into_iter().zip(level.state_mut()) {
+                copy(state, &format!("level{l}_{kind}"), file, entries.as_flattened_mut())?;
+            }
+        }
+        for (kind, weights) in self.weights_mut() {
+            for (name, part) in NAMES.into_iter().zip(weights.parts_mut()) {
+                copy(state, &format!("{name}_{kind}"), file, part)?;
+            }
+        }
+        self.nets.transpose();
+        let resolution = state.get("occupancy_density").and_then(|array| array.shape().first().copied()).unwrap_or(0);
+        if ![super::occupancy::FIRST_RESOLUTION, self.settings.occupancy].contains(&resolution) {
+            let expected = format!("a cubic grid of {} cells an edge", self.settings.occupancy);
+            return Err(wrong(file, "occupancy_density", format!("{resolution} cells an edge"), expected));
+        }
+        let mut density = vec![0.0; resolution.pow(3)];
+        copy(state, "occupancy_density", file, &mut density)?;
+        let bits = whole(state, "occupancy_bits", file)?.into_iter().map(|b| b as u64).collect();
+        self.occupancy = Occupancy::from_parts(resolution, density, bits)
+            .ok_or_else(|| wrong(file, "occupancy_bits", "another length", "64 cells a word"))?;
+        let [step, rays] = whole(state, "compact_progress", file)?[..] else {
+            return Err(wrong(file, "compact_progress", "another length", "step and rays"));
+        };
+        (self.step, self.rays) = (step.max(0) as u64, rays.max(1) as usize);
+        Ok(())
+    }
+}

@@ -1,0 +1,204 @@
+//! One training step: march rays, encode, networks forward and backward, scatter, Adam.
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::CompactModel;
+use super::chunk::Chunk;
+use super::forward::{Pass, run};
+use super::networks::Weights;
+use super::settings::Settings;
+use super::views::Views;
+use crate::hash_grid::fast::{self as hash_grid, AdamRates, FEATURES, Level};
+use crate::occupancy_grid::fast::{Occupancy, ray_box};
+use crate::optimiser::Adam;
+use crate::parallel;
+use crate::random::{Key, Purpose};
+use crate::training::StepReport;
+
+/// Samples of a chunk, about: their activations stay in a core's L2 cache.
+const CHUNK: usize = 1024;
+
+/// Rays of the first step, before anything is known about samples a ray.
+pub(super) const FIRST_RAYS: usize = 512;
+
+impl CompactModel {
+    /// Adam of Instant-NGP, `eps` far below every gradient that counts.
+    fn rates(&self, lr: f64, step: u64) -> AdamRates {
+        let lr = lr * self.settings.lr_factor(step);
+        AdamRates::new(&Adam { lr, beta1: 0.9, beta2: 0.99, eps: 1e-15, weight_decay: 0.0 }, step)
+    }
+
+    /// What the chunks of a step or of a picture share; `samples` step lengths across the box.
+    pub(super) fn pass(&self, samples: f64, gradient: Option<f32>) -> Pass<'_> {
+        Pass {
+            nets: &self.nets,
+            delta: optical_step(samples),
+            stop: self.settings.stop as f32,
+            background: self.settings.background.map(|b| b as f32),
+            view_dependent: self.settings.view_dependent,
+            gradient,
+        }
+    }
+
+    /// Step `step`, counted from 1.
+    pub(super) fn train_step(&mut self, step: u64) -> StepReport {
+        let count = (self.settings.batch / CHUNK).max(1);
+        let mut chunks = std::mem::take(&mut self.chunks);
+        chunks.resize_with(count, Chunk::default);
+        let rays_each = self.rays.div_ceil(count);
+        let rays = rays_each * count;
+        let samples = self.settings.samples_at(step);
+        self.march(&mut chunks, rays_each, samples, step);
+        self.encode(&mut chunks, step);
+        let pass = self.pass(samples, Some(2.0 / (3 * rays) as f32));
+        parallel::for_each(&mut chunks, |chunk| run(self.arch, &pass, chunk));
+        self.apply(&mut chunks, step);
+        let seen: usize = chunks.iter().map(|c| c.visited.len()).sum();
+        let live: usize = chunks.iter().map(|c| c.points.len()).sum();
+        let error: f64 = chunks.iter().map(|c| c.error).sum();
+        self.chunks = chunks;
+        self.rays = self.settings.rays.unwrap_or_else(|| {
+            let wanted = self.settings.batch as f64 / seen.max(1) as f64;
+            (rays as f64 * wanted.clamp(0.5, 1.5)).clamp(64.0, 65_536.0) as usize
+        });
+        self.update_occupancy(step);
+        StepReport { loss: error / (3 * rays) as f64, samples: live as u64 }
+    }
+
+    fn march(&self, chunks: &mut [Chunk], rays_each: usize, samples: f64, step: u64) {
+        let length = (self.settings.size / samples) as f32;
+        let keys = [Purpose::Rays, Purpose::Samples].map(|purpose| Key::new(self.settings.seed, purpose));
+        parallel::for_chunks(chunks, 1, |c, chunk| {
+            let rays = c * rays_each..(c + 1) * rays_each;
+            let (occupancy, settings, views) = (&self.occupancy, &self.settings, &self.views);
+            let chunk = &mut chunk[0];
+            self.arch.dispatch(March { occupancy, settings, views, keys, step, length, rays, chunk });
+        });
+    }
+
+    /// Level by level over many chunks, so that a level's table stays in the L2 cache while it is read.
+    fn encode(&self, chunks: &mut [Chunk], step: u64) {
+        let active = self.settings.levels_at(step);
+        let share = chunks.len().div_ceil(parallel::threads());
+        parallel::for_chunks(chunks, share, |_, chunks| {
+            for (l, level) in self.levels.iter().enumerate().take(active) {
+                for chunk in &mut *chunks {
+                    hash_grid::encode_level(self.arch, level, l, &chunk.points, &mut chunk.encoding);
+                }
+            }
+            clear_unused(chunks, active);
+        });
+    }
+
+    /// Gradients of all chunks, in order, into Adam. The occupancy grid learns the densities seen meanwhile.
+    fn apply(&mut self, chunks: &mut [Chunk], step: u64) {
+        let mut gradient = Weights::zeros();
+        chunks.iter().for_each(|chunk| gradient.add(&chunk.gradient));
+        let [grid_lr, net_lr] = self.settings.lr;
+        self.nets.update(&gradient, self.rates(net_lr, step));
+        let (rates, active, arch) = (self.rates(grid_lr, step), self.settings.levels_at(step), self.arch);
+        let (levels, occupancy) = (&mut self.levels, &mut self.occupancy);
+        let chunks = &*chunks;
+        parallel::join(
+            || chunks.iter().for_each(|chunk| occupancy.raise(&chunk.visited, &chunk.sigma)),
+            || {
+                let mut levels = balanced(levels, active);
+                parallel::for_each(&mut levels, |(l, level)| {
+                    for chunk in chunks {
+                        hash_grid::scatter(arch, level, *l, &chunk.points, &chunk.encoding);
+                    }
+                    hash_grid::update(arch, level, rates);
+                });
+            },
+        );
+    }
+}
+
+/// The step length in the unit in which densities are 1 / length: a third of the box, so that a network that starts at density 1
+/// starts with e^-3 of the light coming through, whatever the scene's unit.
+pub(super) fn optical_step(samples: f64) -> f32 {
+    (3.0 / samples) as f32
+}
+
+/// The columns of levels that aren't in use yet are 0.
+pub(super) fn clear_unused(chunks: &mut [Chunk], active: usize) {
+    for row in chunks.iter_mut().flat_map(|chunk| &mut chunk.encoding) {
+        row[active * FEATURES..].fill(0.0);
+    }
+}
+
+/// The first `active` levels, fine and coarse by turns: fine ones cost more, and neighbours go to the same thread.
+fn balanced(levels: &mut [Level], active: usize) -> Vec<(usize, &mut Level)> {
+    let mut left: std::collections::VecDeque<_> = levels.iter_mut().enumerate().take(active).collect();
+    let mut out = vec![];
+    while let Some(fine) = left.pop_back() {
+        out.push(fine);
+        out.extend(left.pop_front());
+    }
+    out
+}
+
+struct March<'a> {
+    occupancy: &'a Occupancy,
+    settings: &'a Settings,
+    views: &'a Views,
+    /// Of pixels and of jitter.
+    keys: [Key; 2],
+    step: u64,
+    length: f32,
+    rays: std::ops::Range<usize>,
+    chunk: &'a mut Chunk,
+}
+
+impl WithSimd for March<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let March { occupancy, settings, views, keys: [pixels, jitter], step, length, rays, chunk } = self;
+        chunk.clear();
+        for r in rays {
+            let n = pixels.below(views.len() as u64, step, r as u64, 0) as usize;
+            let u = jitter.uniform(step, r as u64, 0) as f32;
+            let (ray, target) = views.pixel(n);
+            chunk.push_ray(&ray, target);
+            let (enter, leave) = ray_box(ray.o, ray.d);
+            let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
+            occupancy.march(ray.o, ray.d, near, far, length, u, |k, p| chunk.push_sample(p, (k + u) * length));
+        }
+        chunk.reserve();
+    }
+}
+
+/// Marches rays that are given, at rest: u = 1/2.
+pub(super) struct MarchAtRest<'a> {
+    pub model: &'a CompactModel,
+    pub length: f32,
+    pub rays: &'a [crate::ray::Ray],
+    pub chunk: &'a mut Chunk,
+}
+
+impl WithSimd for MarchAtRest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let MarchAtRest { model, length, rays, chunk } = self;
+        let settings = &model.settings;
+        chunk.clear();
+        for ray in rays {
+            let ray = super::views::BoxRay::new(ray, settings);
+            chunk.push_ray(&ray, [0.0; 3]);
+            let (enter, leave) = ray_box(ray.o, ray.d);
+            let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
+            let visit = |k: f32, p| chunk.push_sample(p, (k + 0.5) * length);
+            model.occupancy.march(ray.o, ray.d, near, far, length, 0.5, visit);
+        }
+        chunk.reserve();
+    }
+}
+
+/// The instruction set of a model: the machine's best.
+pub(super) fn arch() -> Arch {
+    Arch::new()
+}

@@ -1,0 +1,90 @@
+//! The training pictures, laid out for drawing single pixels: colours, and directions through a table a lens.
+
+use glam::{DMat4, DVec3};
+
+use super::settings::Settings;
+use crate::camera::{Camera, Distortion, Intrinsics};
+use crate::error::Result;
+use crate::evaluation::camera_rays;
+use crate::ray::Ray;
+use crate::scene::Scene;
+
+/// A ray in units of the box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BoxRay {
+    /// Origin; the box is [0, 1]^3.
+    pub o: [f32; 3],
+    /// Direction, so that t keeps the scene's unit.
+    pub d: [f32; 3],
+    /// Unit direction in the scene.
+    pub unit: [f32; 3],
+}
+
+impl BoxRay {
+    /// A ray of the scene in units of the box.
+    pub fn new(ray: &Ray, settings: &Settings) -> Self {
+        let f32s = |v: DVec3| v.to_array().map(|x| x as f32);
+        BoxRay {
+            o: f32s((ray.o - settings.low) / settings.size),
+            d: f32s(ray.d / settings.size),
+            unit: f32s(ray.d.normalize()),
+        }
+    }
+}
+
+struct View {
+    origin: [f32; 3],
+    /// Row r: component r of the scene's direction from the camera's.
+    rotation: [[f32; 3]; 3],
+    colors: Vec<[f32; 3]>,
+    lens: usize,
+}
+
+/// All training pixels.
+pub(super) struct Views {
+    views: Vec<View>,
+    lenses: Vec<Vec<[f32; 3]>>,
+    pixels: usize,
+    inverse_size: f32,
+}
+
+impl Views {
+    /// The training frames of a scene.
+    ///
+    /// # Errors
+    /// Where a lens has no inverse at some pixel.
+    pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
+        let mut known: Vec<(Intrinsics, Option<Distortion>)> = vec![];
+        let (mut lenses, mut views) = (vec![], vec![]);
+        for frame in &scene.train {
+            let camera = &frame.camera;
+            let lens = known.iter().position(|k| *k == (camera.k, camera.distortion)).unwrap_or(known.len());
+            if lens == known.len() {
+                known.push((camera.k, camera.distortion));
+                let upright = Camera { c2w: DMat4::IDENTITY, ..camera.clone() };
+                lenses.push(camera_rays(&upright)?.iter().map(|ray| ray.d.to_array().map(|x| x as f32)).collect());
+            }
+            let image = frame.image.as_ref().expect("training frames have pictures");
+            let colors = image.as_standard_layout().as_slice().expect("standard layout").as_chunks::<3>().0.to_vec();
+            let origin = (camera.c2w.w_axis.truncate() - settings.low) / settings.size;
+            let rotation = std::array::from_fn(|r| std::array::from_fn(|c| camera.c2w.col(c)[r] as f32));
+            views.push(View { origin: origin.to_array().map(|x| x as f32), rotation, colors, lens });
+        }
+        let (width, height) = scene.size();
+        Ok(Views { views, lenses, pixels: width * height, inverse_size: (1.0 / settings.size) as f32 })
+    }
+
+    /// Pixels of all pictures.
+    pub fn len(&self) -> usize {
+        self.views.len() * self.pixels
+    }
+
+    /// The ray and the colour of pixel `n` of all.
+    #[inline(always)]
+    pub fn pixel(&self, n: usize) -> (BoxRay, [f32; 3]) {
+        let (view, pixel) = (&self.views[n / self.pixels], n % self.pixels);
+        let c = self.lenses[view.lens][pixel];
+        let unit = view.rotation.map(|r| r[0] * c[0] + r[1] * c[1] + r[2] * c[2]);
+        (BoxRay { o: view.origin, d: unit.map(|x| x * self.inverse_size), unit }, view.colors[pixel])
+    }
+}
