@@ -210,7 +210,11 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
     let seed = whole("seed").unwrap_or(0);
     if named("model", "compact") {
         if named("backend", "reference") {
-            return Err(Error::usage("--backend", "reference", "fast: the reference trains and renders --model nerf"));
+            return Err(Error::usage(
+                "--backend",
+                "reference",
+                "fast: the reference trains and renders --model nerf",
+            ));
         }
         let lr = recipe.get("lr").and_then(Value::as_f64);
         let [samples, rays] = ["samples", "rays"].map(|key| whole(key).map(|n| n as usize));

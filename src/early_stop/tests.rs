@@ -45,7 +45,12 @@ fn gradient_error_is_bounded_too() {
         let gradient = |n: usize| {
             let (s, c, d) = (&sigmas[..n], &rgbs[..n], &deltas[..n]);
             let forward = volume_render(s, c, d, ProductEps::None);
-            let g = backward::Cotangent { color: [1.0, -1.0, 0.5], weights: vec![0.0; n], opacity: 0.0, transmittance: 0.0 };
+            let g = backward::Cotangent {
+                color: [1.0, -1.0, 0.5],
+                weights: vec![0.0; n],
+                opacity: 0.0,
+                transmittance: 0.0,
+            };
             backward::volume_render(s, c, d, ProductEps::None, &forward, &g).0
         };
         for (full, short) in gradient(64).iter().zip(gradient(n)) {

@@ -138,8 +138,7 @@ impl Level {
                 let y = (low[1][i] + upper[1]).wrapping_mul(stride_y);
                 let z = (low[2][i] + upper[2]).wrapping_mul(stride_z);
                 index[corner as usize][i] = if self.dense { x + y + z } else { (x ^ y ^ z) & mask };
-                let along =
-                    |a: usize| if upper[a] == 1 { fraction[a][i] } else { 1.0 - fraction[a][i] };
+                let along = |a: usize| if upper[a] == 1 { fraction[a][i] } else { 1.0 - fraction[a][i] };
                 weight[corner as usize][i] = along(0) * along(1) * along(2);
             }
         }

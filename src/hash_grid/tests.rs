@@ -100,7 +100,8 @@ fn gradients_are_finite_differences() {
     let levels = random_levels(&[3, 20], 64);
     let x = [0.37, 0.81, 0.12];
     let g_out: Vec<f64> = (0..2 * fast::FEATURES).map(|i| 0.5 - i as f64 * 0.3).collect();
-    let loss = |levels: &[Level], x: [f64; 3]| encode(levels, x).iter().zip(&g_out).map(|(e, g)| e * g).sum::<f64>();
+    let loss =
+        |levels: &[Level], x: [f64; 3]| encode(levels, x).iter().zip(&g_out).map(|(e, g)| e * g).sum::<f64>();
     let mut g_tables: Vec<Level> = levels.clone();
     g_tables.iter_mut().flat_map(|l| &mut l.table).for_each(|e| e.fill(0.0));
     let g_x = backward::encode(&levels, x, &g_out, &mut g_tables);
@@ -135,7 +136,8 @@ const SIDES: [u32; fast::LEVELS] = [2, 3, 5, 7, 11, 19, 40, 90];
 fn fast_path_agrees() {
     let levels = random_levels(&SIDES, 512);
     let fast = fast_levels(&levels);
-    let exact: Vec<[f64; 3]> = points(1000).into_iter().chain([[0.0; 3], [1.0; 3], [1.0, 0.0, 0.5]]).collect();
+    let exact: Vec<[f64; 3]> =
+        points(1000).into_iter().chain([[0.0; 3], [1.0; 3], [1.0, 0.0, 0.5]]).collect();
     let points: Vec<[f32; 3]> = exact.iter().map(|p| p.map(|x| x as f32)).collect();
     for arch in [Arch::new(), Arch::Scalar] {
         let mut out = vec![[0.0; fast::WIDTH]; points.len()];
@@ -169,7 +171,11 @@ fn fast_gradient_agrees() {
             for (entry, got) in expected[l].table.iter().zip(fast[l].gradient()) {
                 for f in 0..fast::FEATURES {
                     // At most 800 terms below 1/2 meet in one entry.
-                    assert_abs_diff_eq!(entry[f], f64::from(got[f]), epsilon = 800.0 * f64::from(f32::EPSILON));
+                    assert_abs_diff_eq!(
+                        entry[f],
+                        f64::from(got[f]),
+                        epsilon = 800.0 * f64::from(f32::EPSILON)
+                    );
                 }
             }
         }

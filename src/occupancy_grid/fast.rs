@@ -82,7 +82,8 @@ impl Occupancy {
         let mut out = Occupancy::full(resolution);
         let at = |i: usize| i * self.resolution / resolution;
         for (i, density) in out.density.iter_mut().enumerate() {
-            let (x, y, z) = (at(i % resolution), at(i / resolution % resolution), at(i / resolution / resolution));
+            let (x, y, z) =
+                (at(i % resolution), at(i / resolution % resolution), at(i / resolution / resolution));
             *density = self.density[(z * self.resolution + y) * self.resolution + x];
         }
         out

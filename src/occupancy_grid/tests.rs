@@ -13,7 +13,8 @@ fn key() -> Key {
 /// About `share` of the cells occupied, in clumps of 2^3 so that bricks are full, mixed and empty.
 fn random_grid(resolution: usize, share: f64) -> OccupancyGrid {
     let half = resolution / 2;
-    let clump = |i: usize| (i % resolution / 2, i / resolution % resolution / 2, i / resolution / resolution / 2);
+    let clump =
+        |i: usize| (i % resolution / 2, i / resolution % resolution / 2, i / resolution / resolution / 2);
     let density = |i| {
         let (x, y, z) = clump(i);
         key().uniform(1, 0, (x + half * (y + half * z)) as u64)
@@ -80,8 +81,11 @@ fn samples_lie_in_occupied_crossings() {
     let mut kept = 0;
     for i in 0..200 {
         let (o, d, near, far) = ray(i);
-        let occupied: Vec<_> =
-            grid.crossings(o, d, near, far).into_iter().filter(|c| grid.density[c.cell] > grid.threshold).collect();
+        let occupied: Vec<_> = grid
+            .crossings(o, d, near, far)
+            .into_iter()
+            .filter(|c| grid.density[c.cell] > grid.threshold)
+            .collect();
         let step = 0.01 / d.iter().map(|d| d * d).sum::<f64>().sqrt();
         let expected = occupied.iter().map(|c| (c.leave - c.enter) / step).sum::<f64>();
         let samples = grid.samples(o, d, near, far, step, 0.5);

@@ -18,7 +18,14 @@ pub fn intersect(o: [f64; 3], d: [f64; 3], low: [f64; 3], high: [f64; 3], g: Hit
 }
 
 /// The first axis whose face lies at `t`.
-fn deciding_axis(o: [f64; 3], d: [f64; 3], low: [f64; 3], high: [f64; 3], t: f64, entering: bool) -> Option<usize> {
+fn deciding_axis(
+    o: [f64; 3],
+    d: [f64; 3],
+    low: [f64; 3],
+    high: [f64; 3],
+    t: f64,
+    entering: bool,
+) -> Option<usize> {
     (0..3).find(|&a| {
         let face = if (d[a] > 0.0) == entering { low[a] } else { high[a] };
         d[a] != 0.0 && (face - o[a]) / d[a] == t

@@ -116,7 +116,12 @@ fn outer_tiles<S: Simd, const K: usize, const N: usize, const R: usize, const V:
 
 /// `dW[k] += sum over points of x[p][k] dy[p]`.
 #[inline(always)]
-pub(super) fn outer<S: Simd, const K: usize, const N: usize>(s: S, x: &[[f32; K]], dy: &[[f32; N]], dw: &mut [[f32; N]]) {
+pub(super) fn outer<S: Simd, const K: usize, const N: usize>(
+    s: S,
+    x: &[[f32; K]],
+    dy: &[[f32; N]],
+    dw: &mut [[f32; N]],
+) {
     let dw: &mut [[f32; N]; K] = dw.try_into().unwrap();
     match (S::F32_LANES, N) {
         (16, 16) => outer_tiles::<S, K, N, 16, 1>(s, x, dy, dw),

@@ -90,8 +90,15 @@ fn transpose<const A: usize, const B: usize>(x: &[[f32; B]]) -> Vec<[f32; A]> {
 impl Networks {
     pub fn new(weights: Weights) -> Self {
         let (m, v) = (Weights::zeros(), Weights::zeros());
-        let mut nets =
-            Networks { weights, m, v, density0_t: vec![], density1_t: vec![], color0_t: vec![], color1_t: vec![] };
+        let mut nets = Networks {
+            weights,
+            m,
+            v,
+            density0_t: vec![],
+            density1_t: vec![],
+            color0_t: vec![],
+            color1_t: vec![],
+        };
         nets.transpose();
         nets
     }

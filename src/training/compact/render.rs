@@ -21,7 +21,9 @@ impl CompactModel {
             let first = task * RAYS * CHUNKS;
             let mut chunk = Chunk::default();
             let rays = &rays[first..(first + RAYS * CHUNKS).min(rays.len())];
-            rays.chunks(RAYS).flat_map(|rays| self.render_chunk(rays, samples, &mut chunk)).collect::<Vec<_>>()
+            rays.chunks(RAYS)
+                .flat_map(|rays| self.render_chunk(rays, samples, &mut chunk))
+                .collect::<Vec<_>>()
         });
         tasks.concat()
     }

@@ -70,26 +70,45 @@ impl Settings {
         because("box", why);
         let footprint = pixel_footprint(scene);
         let samples = overrides.samples.map_or((size / footprint).clamp(64.0, 1024.0), |n| n as f64);
-        because("samples", match overrides.samples {
-            Some(_) => "given".into(),
-            None => format!("a step is a pixel's footprint {footprint:.4} at the focus, within 64 to 1024 steps"),
-        });
+        because(
+            "samples",
+            match overrides.samples {
+                Some(_) => "given".into(),
+                None => format!(
+                    "a step is a pixel's footprint {footprint:.4} at the focus, within 64 to 1024 steps"
+                ),
+            },
+        );
         let finest = (2.0 * size / footprint).clamp(64.0, 2048.0) as u32;
-        because("resolutions", format!("the finest cell is half a pixel's footprint, the coarsest a 16th of the box, {LEVELS} levels of 4 features fill one cache line and a half"));
+        because(
+            "resolutions",
+            format!(
+                "the finest cell is half a pixel's footprint, the coarsest a 16th of the box, {LEVELS} levels of 4 features fill one cache line and a half"
+            ),
+        );
         because("table", "2^17 entries of 16 bytes: a level fits into a core's 2 MiB of L2".into());
         because("stop", "a colour moves by at most 1e-4, a fortieth of an 8-bit step".into());
-        because("batch", "16,384 samples: half of a step's time goes to the samples, half to what every step costs".into());
+        because(
+            "batch",
+            "16,384 samples: half of a step's time goes to the samples, half to what every step costs".into(),
+        );
         let spread = direction_spread(scene);
         let view_dependent = spread > 10f64.to_radians();
-        because("view_dependence", format!(
-            "{}: the cameras' axes differ by up to {:.0} degrees",
-            if view_dependent { "kept" } else { "left out" },
-            spread.to_degrees()
-        ));
-        because("lens", match scene.train[0].camera.distortion {
-            Some(_) => "undone: the scene has distortion coefficients".into(),
-            None => "left out: the scene has no distortion coefficients".to_string(),
-        });
+        because(
+            "view_dependence",
+            format!(
+                "{}: the cameras' axes differ by up to {:.0} degrees",
+                if view_dependent { "kept" } else { "left out" },
+                spread.to_degrees()
+            ),
+        );
+        because(
+            "lens",
+            match scene.train[0].camera.distortion {
+                Some(_) => "undone: the scene has distortion coefficients".into(),
+                None => "left out: the scene has no distortion coefficients".to_string(),
+            },
+        );
         because("background_model", "left out: what lies beyond the box has one colour".into());
         Settings {
             low,
@@ -178,7 +197,8 @@ fn cut_out(scene: &Scene) -> bool {
         let edge = (0..w).flat_map(|i| [(0, i), (h - 1, i)]).chain((0..h).flat_map(|j| [(j, 0), (j, w - 1)]));
         for (j, i) in edge {
             border += 1;
-            plain += usize::from((0..3).all(|k| (f64::from(image[[j, i, k]]) - scene.background[k]).abs() < 0.02));
+            plain +=
+                usize::from((0..3).all(|k| (f64::from(image[[j, i, k]]) - scene.background[k]).abs() < 0.02));
         }
     }
     plain * 20 >= border * 19

@@ -11,7 +11,9 @@ use crate::occupancy_grid::fast::Occupancy;
 const ADVICE: &str = "Train the run again, or use the checkpoint of this very run.";
 
 fn f32s(shape: &[usize], values: &[f32]) -> Array {
-    Array::F32(ArrayD::from_shape_vec(IxDyn(shape), values.to_vec()).expect("as many values as the shape says"))
+    Array::F32(
+        ArrayD::from_shape_vec(IxDyn(shape), values.to_vec()).expect("as many values as the shape says"),
+    )
 }
 
 fn i64s(values: Vec<i64>) -> Array {
@@ -80,7 +82,8 @@ impl CompactModel {
             }
         }
         self.nets.transpose();
-        let resolution = state.get("occupancy_density").and_then(|array| array.shape().first().copied()).unwrap_or(0);
+        let resolution =
+            state.get("occupancy_density").and_then(|array| array.shape().first().copied()).unwrap_or(0);
         if ![super::occupancy::FIRST_RESOLUTION, self.settings.occupancy].contains(&resolution) {
             let expected = format!("a cubic grid of {} cells an edge", self.settings.occupancy);
             return Err(wrong(file, "occupancy_density", format!("{resolution} cells an edge"), expected));

@@ -164,7 +164,8 @@ impl WithSimd for March<'_> {
             chunk.push_ray(&ray, target);
             let (enter, leave) = ray_box(ray.o, ray.d);
             let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
-            occupancy.march(ray.o, ray.d, near, far, length, u, |k, p| chunk.push_sample(p, (k + u) * length));
+            occupancy
+                .march(ray.o, ray.d, near, far, length, u, |k, p| chunk.push_sample(p, (k + u) * length));
         }
         chunk.reserve();
     }

@@ -148,7 +148,8 @@ fn oracle_loss(w: &Weights, encodings: &[[f32; 32]], delta: f64) -> f64 {
     for (r, count) in COUNTS.into_iter().enumerate() {
         let samples = encodings[first..first + count].iter();
         let unit = direction(r).map(|x| f64::from(x as f32));
-        let (sigmas, rgbs): (Vec<f64>, Vec<[f64; 3]>) = samples.map(|e| field(w, &e.map(f64::from), unit)).unzip();
+        let (sigmas, rgbs): (Vec<f64>, Vec<[f64; 3]>) =
+            samples.map(|e| field(w, &e.map(f64::from), unit)).unzip();
         first += count;
         let seen = volume_render(&sigmas, &rgbs, &vec![delta; count], ProductEps::None);
         let color = composite_background(seen.color, seen.opacity, BACKGROUND);
@@ -203,7 +204,11 @@ fn gradients_agree_with_the_oracle() {
                 let ((up, a), (down, b)) = (at(h), at(-h));
                 let slope = (up - down) / (a - b);
                 // Central differences across ReLU's kinks are off by the kink's share of h.
-                assert!((slope - f64::from(gradient[i])).abs() < 2e-2 * f64::from(largest), "part {part}, {i}: {slope} {}", gradient[i]);
+                assert!(
+                    (slope - f64::from(gradient[i])).abs() < 2e-2 * f64::from(largest),
+                    "part {part}, {i}: {slope} {}",
+                    gradient[i]
+                );
             }
         }
         for (p, f) in [(0, 0), (3, 17), (8, 31), (40, 5), (101, 9)] {
@@ -226,7 +231,14 @@ fn early_stop_keeps_its_word() {
     let encodings = rows::<32>(5, COUNTS.iter().sum());
     let colors = |stop| {
         let mut chunk = chunk_of(&encodings);
-        let pass = Pass { nets: &nets, delta: 0.5, stop, background: [0.0, 0.5, 1.0], view_dependent: true, gradient: None };
+        let pass = Pass {
+            nets: &nets,
+            delta: 0.5,
+            stop,
+            background: [0.0, 0.5, 1.0],
+            view_dependent: true,
+            gradient: None,
+        };
         run(Arch::new(), &pass, &mut chunk);
         (chunk.rays.iter().map(|r| r.color).collect::<Vec<_>>(), chunk.points.len())
     };

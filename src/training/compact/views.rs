@@ -62,10 +62,13 @@ impl Views {
             if lens == known.len() {
                 known.push((camera.k, camera.distortion));
                 let upright = Camera { c2w: DMat4::IDENTITY, ..camera.clone() };
-                lenses.push(camera_rays(&upright)?.iter().map(|ray| ray.d.to_array().map(|x| x as f32)).collect());
+                lenses.push(
+                    camera_rays(&upright)?.iter().map(|ray| ray.d.to_array().map(|x| x as f32)).collect(),
+                );
             }
             let image = frame.image.as_ref().expect("training frames have pictures");
-            let colors = image.as_standard_layout().as_slice().expect("standard layout").as_chunks::<3>().0.to_vec();
+            let colors =
+                image.as_standard_layout().as_slice().expect("standard layout").as_chunks::<3>().0.to_vec();
             let origin = (camera.c2w.w_axis.truncate() - settings.low) / settings.size;
             let rotation = std::array::from_fn(|r| std::array::from_fn(|c| camera.c2w.col(c)[r] as f32));
             views.push(View { origin: origin.to_array().map(|x| x as f32), rotation, colors, lens });
