@@ -17,29 +17,32 @@ const fn row(component: &'static str, forward: f64, vjp: f64) -> OwnError {
     OwnError { component, forward, vjp }
 }
 
-/// Limits, in pipeline order.
+/// Limits in pipeline order, about 1.3 times what is measured.
+///
+/// Single operations stay within 4 ULP. Products of 1 - alpha round twice a sample (a random walk: 22 ULP at 1,024 samples); deep
+/// networks have gradients whose errors come from many paths, where the unit knows the largest alone.
 pub const OWN_ERRORS: &[OwnError] = &[
-    row("transform", 1.0, 1.0),
-    row("pixel_to_camera", 1.0, 1.0),
-    row("pixel_to_ray", 1.0, 1.0),
-    row("image_rays", 1.0, 0.0),
-    row("sample_along_rays", 1.0, 0.0),
-    row("step_sizes", 1.0, 0.0),
-    row("positional_encoding", 1.0, 1.0),
-    row("mlp", 1.0, 1.0),
-    row("nerf_mlp", 1.0, 1.0),
-    row("volume_render", 1.0, 1.0),
-    row("volume_render_alpha", 1.0, 1.0),
-    row("composite_background", 1.0, 1.0),
-    row("depth", 1.0, 1.0),
-    row("render_trace", 1.0, 0.0),
-    row("mse", 1.0, 1.0),
-    row("psnr", 1.0, 0.0),
+    row("transform", 1.3, 2.0),
+    row("pixel_to_camera", 1.4, 1.9),
+    row("pixel_to_ray", 1.6, 4.7),
+    row("image_rays", 2.1, 0.0),
+    row("sample_along_rays", 1.5, 0.0),
+    row("step_sizes", 0.5, 0.0),
+    row("positional_encoding", 1.6, 2.9),
+    row("mlp", 1.3, 12.0),
+    row("nerf_mlp", 1.9, 24.0),
+    row("volume_render", 2.3, 7.1),
+    row("volume_render_alpha", 29.0, 14.0),
+    row("composite_background", 0.7, 0.8),
+    row("depth", 1.1, 2.0),
+    row("render_trace", 2.2, 0.0),
+    row("mse", 0.5, 1.4),
+    row("psnr", 1.2, 0.0),
     row("to_uint8", 0.0, 0.0),
-    row("adam_step", 1.0, 0.0),
-    row("training_step", 1.0, 1.0),
-    row("adam", 1.0, 0.0),
-    row("loss_curve", 1.0, 0.0),
+    row("adam_step", 1.9, 0.0),
+    row("training_step", 1.8, 16.0),
+    row("adam", 3.2, 0.0),
+    row("loss_curve", 17.0, 0.0),
 ];
 
 /// The limit of a component, or of several in a row, in one direction.
