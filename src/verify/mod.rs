@@ -5,8 +5,10 @@ pub mod bounded;
 pub mod case;
 pub mod check;
 pub mod component;
+pub mod golden;
 pub mod gradient;
 pub mod machine;
+pub mod own_error;
 pub mod statistics;
 
 pub use arithmetic::{Arithmetic, Dtype, Grade};

@@ -76,7 +76,7 @@ def exact_outputs(outputs):
     for name, array in outputs.items():
         hi, lo, term = reals.double_double(array)
         arrays |= {f"out.{name}": hi, f"out.{name}.lo": lo}
-        if np.any(term > np.abs(hi)):
+        if np.any(term > np.maximum(np.abs(hi), reals.LEAST_NORMAL)):
             arrays[f"out.{name}.term"] = term
     return arrays
 

@@ -6,7 +6,8 @@ gradients here share nothing with the crate's hand-written ones.
 Each number also carries `term`, the size that a rounding error in it is measured against. Inputs are exact (0). A sum
 has the largest of its terms, a function f(x) has |f'(x)| term(x), and nothing has less than its own absolute value:
 a first-order error analysis with max in the place of sum. An error of k ULP "of the largest term" is k ulp(term).
-Sizes and terms are estimates, kept as floats below `HUGE`.
+No rounded number's term is below the least normal f64, whose ULP is that of all subnormals: what underflows is off by
+that much, and may be multiplied again. Sizes and terms are estimates, kept as floats below `HUGE`.
 """
 
 import mpmath
@@ -14,7 +15,7 @@ import numpy as np
 from mpmath import mp, mpf
 
 mp.dps = 50
-HUGE = 1e308
+HUGE, LEAST_NORMAL = 1e308, 2.0**-1022
 ONE, MINUS_ONE = mpf(1), mpf(-1)
 
 
@@ -30,7 +31,7 @@ class Real:
     def __init__(self, value, term=0.0, parents=()):
         self.value = value if isinstance(value, mpf) else mpf(value)
         self.size = size_of(self.value)
-        self.term = min(max(self.size, term), HUGE) if parents or term else 0.0
+        self.term = min(max(self.size, term, LEAST_NORMAL), HUGE) if parents or term else 0.0
         self.parents, self.seeds = parents, None
         Real.count += 1
         self.order = Real.count
@@ -69,10 +70,7 @@ class Real:
         """f(x) from f(x), f'(x) and f''(x)."""
         slope = size_of(first)
         slope_term = max(slope, size_of(second) * self.term)
-        return Real(value, max(slope * self.term, TINY), ((self, first, slope, slope_term),))
-
-
-TINY = 5e-324
+        return Real(value, slope * self.term, ((self, first, slope, slope_term),))
 
 
 def size_of(value):
@@ -203,7 +201,7 @@ def vjp(outputs, cotangents, inputs):
         for parent, p, p_size, p_term in y.parents:
             v = g * p
             parent.seeds = parent.seeds or []
-            parent.seeds.append((v, min(max(size_of(v), g_term * p_size, g_size * p_term), HUGE)))
+            parent.seeds.append((v, min(max(size_of(v), g_term * p_size, g_size * p_term, LEAST_NORMAL), HUGE)))
     zero, found = Real(0), {}
     for name, array in inputs.items():
         found[name] = np.empty(array.shape, dtype=object)

@@ -20,6 +20,7 @@ COMPONENTS = [
     "volume_render_alpha",
     "composite_background",
     "depth",
+    "render_trace",
     "mse",
     "psnr",
     "to_uint8",

@@ -15,6 +15,7 @@ def cases():
     yield case("mixed", Draw(PURPOSE, "mixed-alphas").uniform((3, 12)), "opacities in [0, 1)")
     yield case("thin-VR1", Draw(PURPOSE, "thin-alphas").uniform((2, 16), 0.0, 1e-9), "opacities below 1e-9")
     yield case("long", Draw(PURPOSE, "long-alphas").uniform((1, 128), 0.0, 0.05), "128 samples")
+    yield case("long-1024", Draw(PURPOSE, "long-1024-alphas").uniform((1, 1024), 0.0, 0.02), "1,024 samples", vjp=False)
     comment = "alpha exactly 1: a gradient by dividing through 1 - alpha is 0 or NaN there"
     # Cotangents of T are alpha_i times those of w: (1, 2, 3, 4), for which dT/d(1 - alpha) is (2, 2.9, 0, 0).
     vr4 = {"weights": np.array([[2.0, 2.0, 10.0, 20.0]]), "colors": np.zeros((1, 3))}

@@ -1,0 +1,199 @@
+"""Hand functions of your own to the judge.
+
+    nerf-oracle cases --dtype f32 --out CASES
+    python my_candidate.py
+    nerf-oracle judge CASES ANSWERS
+
+where my_candidate.py holds your function and one call:
+
+>>> import numpy as np
+>>> def composite(colors, opacity, background):
+...     return colors + (1 - opacity[:, None]) * background
+>>> run("CASES", "ANSWERS", composite_background=composite)            # doctest: +SKIP
+{'composite_background/forward': 'answered', 'composite_background/vjp': 'unsupported: no function of torch tensors'}
+
+A keyword is a component of the contract (`nerf-oracle list` prints them); the names of the function's parameters are the case's
+input arrays, and what it doesn't name it isn't given; `**rest` takes all others. It returns an array, a tuple in the contract's
+order (None for what it hasn't got), or a dict by output name.
+
+Arrays come in the type under test: float64, float32 or float16; tf32 and bf16 as float32, but bfloat16 tensors where the function
+is torch's. Scalars (`near`, `far`, `lr`, `L`) come as Python numbers. A function is torch's where the file that defines it
+imports torch; `arrays="torch"` or `arrays="numpy"` says so instead.
+
+Gradients: a torch function is differentiated by autograd. Where that can't be (numpy, or an output is never returned whose
+gradient is asked for), nothing is answered and the judge reports `unsupported`. A gradient of your own goes in as
+`volume_render_vjp=f`, which is handed the inputs and `grad_<output>`, and returns `grad_<input>` in the contract's order.
+"""
+
+import difflib
+import inspect
+import json
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+
+
+class CandidateError(Exception):
+    """What doesn't fit: the case, the function, what was found, what was expected, what to do."""
+
+
+class Unsupported(Exception):
+    """A question that the function can't answer; the judge is told nothing."""
+
+
+def run(cases, answers, *, arrays=None, device="cpu", **functions):
+    """Answers the cases in folder `cases` that `functions` are for, below `answers`. Returns what became of each component.
+
+    Answers of earlier runs are replaced for these components and left alone for all others.
+    """
+    cases, answers, manifest = Path(cases), Path(answers), read_manifest(Path(cases))
+    known = {case["component"] for case in manifest["cases"]}
+    for name in functions:
+        if name.removesuffix("_vjp") not in known:
+            raise CandidateError(f"{name}: no component of {cases / 'cases.json'}; {hint(name, sorted(known))}.")
+    forward = {case["component"]: case for case in manifest["cases"] if case["kind"] != "vjp"}
+    outcome = {}
+    for component, kind in dict.fromkeys((case["component"], case["kind"]) for case in manifest["cases"]):
+        own = functions.get(f"{component}_vjp") if kind == "vjp" else None
+        function = own or functions.get(component)
+        if function is None:
+            continue
+        group = [case for case in manifest["cases"] if (case["component"], case["kind"]) == (component, kind)]
+        style = arrays or ("torch" if uses_torch(function) else "numpy")
+        by_autograd = kind == "vjp" and own is None
+        ask = differentiated if by_autograd else called
+        results = []
+        try:
+            # All or nothing: a component with some of its cases answered fails for the others.
+            for case in group:
+                # What the function returns: autograd's gradients come from the forward outputs.
+                names = [port["name"] for port in (forward[component] if by_autograd else case)["outputs"]]
+                results.append(ask(function, case, inputs_of(cases, case, manifest["dtype"], style, device), names))
+            for case, result in zip(group, results):
+                write(answers / case["file"], result)
+            outcome[f"{component}/{kind}"] = "answered"
+        except Unsupported as reason:
+            for case in group:
+                (answers / case["file"]).unlink(missing_ok=True)
+            outcome[f"{component}/{kind}"] = f"unsupported: {reason}"
+    return outcome
+
+
+def read_manifest(cases):
+    """`cases.json`, checked to be one."""
+    path = cases / "cases.json"
+    try:
+        manifest = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise CandidateError(f"{path}: not there. Write the cases first: nerf-oracle cases --out {cases}") from None
+    if not str(manifest.get("schema", "")).startswith("nerf-oracle/cases/1"):
+        raise CandidateError(f"{path}: schema {manifest.get('schema')!r}, expected nerf-oracle/cases/1.")
+    return manifest
+
+
+def inputs_of(cases, case, dtype, style, device):
+    """Arrays by name, scalars as Python numbers."""
+    with np.load(cases / case["file"], allow_pickle=False) as stored:
+        inputs = {name: stored[name] for name in stored.files}
+    if style == "torch":
+        import torch
+
+        short = torch.bfloat16 if dtype == "bf16" else None
+        return {n: torch.from_numpy(x).to(device, short) if x.ndim else x.item() for n, x in inputs.items()}
+    return {name: x if x.ndim else x.item() for name, x in inputs.items()}
+
+
+def called(function, case, inputs, outputs):
+    """What the function returns on the inputs that it names, by output name."""
+    title = f"case {case['file']}, function {getattr(function, '__name__', type(function).__name__)}"
+    wrap = f"Wrap it: lambda {', '.join(inputs)}: ..."
+    try:
+        parameters = inspect.signature(getattr(function, "forward", function)).parameters.values()
+    except ValueError:
+        raise CandidateError(f"{title}: Python can't tell its parameters. {wrap}") from None
+    takes_all = any(p.kind is p.VAR_KEYWORD for p in parameters)
+    given = inputs if takes_all else {p.name: inputs[p.name] for p in parameters if p.name in inputs}
+    for p in parameters:
+        if p.kind in (p.POSITIONAL_ONLY, p.VAR_POSITIONAL):
+            raise CandidateError(f"{title}: parameter {p.name!r} has no name to match. {wrap}")
+        if p.name not in given and p.default is p.empty and p.kind is not p.VAR_KEYWORD:
+            advice = "Rename it, give it a default, or wrap the function in a lambda."
+            raise CandidateError(f"{title}: parameter {p.name!r} is no input of the case; {hint(p.name, inputs)}. {advice}")
+    try:
+        result = function(**given)
+    except Exception as error:
+        handed = ", ".join(f"{name} {type(x).__name__}{tuple(getattr(x, 'shape', ()))}" for name, x in given.items())
+        advice = 'arrays="numpy" or arrays="torch" in run(...) says which it takes'
+        raise CandidateError(f"{title}: {type(error).__name__}: {error}. It was handed {handed}; {advice}.") from error
+    if isinstance(result, dict):
+        strange = [name for name in result if name not in outputs]
+        if strange:
+            raise CandidateError(f"{title}: returned {strange[0]!r}; {hint(strange[0], outputs)}.")
+    else:
+        result = list(result) if isinstance(result, (tuple, list)) else [result]
+        if len(result) > len(outputs):
+            raise CandidateError(f"{title}: returned {len(result)} arrays; {hint('', outputs)}. Or a dict.")
+        result = dict(zip(outputs, result, strict=False))
+    if not any(x is not None for x in result.values()):
+        raise CandidateError(f"{title}: returned nothing; {hint('', outputs)}.")
+    return {name: x for name, x in result.items() if x is not None}
+
+
+def differentiated(function, case, inputs, names):
+    """Gradients of a torch function by autograd."""
+    torch = sys.modules.get("torch")
+    cotangents = {name.removeprefix("grad_"): g for name, g in inputs.items() if name.startswith("grad_")}
+    wanted = {port["name"]: port["name"].removeprefix("grad_") for port in case["outputs"]}
+    inputs = {name: x for name, x in inputs.items() if not name.startswith("grad_")}
+    if torch is None or not all(isinstance(inputs[name], torch.Tensor) for name in wanted.values()):
+        raise Unsupported("no function of torch tensors")
+    leaves = [inputs[name].requires_grad_() for name in wanted.values()]
+    result = called(function, case, inputs, names)
+    lost = [name for name, g in cotangents.items() if name not in result and bool(g.any())]
+    if lost:
+        raise Unsupported(f"the gradient through {lost[0]} is asked for, which isn't returned")
+    pairs = [(x, cotangents[name]) for name, x in result.items() if getattr(x, "requires_grad", False)]
+    if not pairs:
+        raise Unsupported("the result isn't differentiable")
+    values, given = zip(*((x, torch.as_tensor(g, dtype=x.dtype, device=x.device).reshape(x.shape)) for x, g in pairs))
+    gradients = torch.autograd.grad(values, leaves, given, allow_unused=True)
+    found = {n: torch.zeros_like(x) if g is None else g for n, x, g in zip(wanted, leaves, gradients)}
+    if "grad_K" in found:
+        # The contract's K is (fx, fy, cx, cy) alone; an inverse of the matrix depends on its other entries too.
+        found["grad_K"] = found["grad_K"] * found["grad_K"].new_tensor([[1, 0, 1], [0, 1, 1], [0, 0, 0]])
+    return found
+
+
+def write(path, result):
+    """An uncompressed npz, written aside and renamed, so that the judge never meets half a file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    aside = path.with_name(f".{path.name}.{os.getpid()}")
+    with open(aside, "wb") as file:
+        np.savez(file, **{name: to_numpy(x) for name, x in result.items()})
+    os.replace(aside, path)
+
+
+def to_numpy(x):
+    """Arrays, tensors on any device, numbers. numpy has no bfloat16: it goes out as float32, which holds it exactly."""
+    if hasattr(x, "detach"):
+        x = x.detach().cpu()
+        x = (x.float() if str(x.dtype) == "torch.bfloat16" else x).numpy()
+    return np.asarray(x, order="C")
+
+
+def uses_torch(function):
+    """Whether the file that defines a function has imported torch."""
+    torch = sys.modules.get("torch")
+    function = inspect.unwrap(getattr(function, "func", function))
+    if not hasattr(function, "__globals__"):
+        function = getattr(type(function), "forward", type(function).__call__)
+    around = getattr(function, "__globals__", {}).values()
+    return torch is not None and any(x is torch or str(getattr(x, "__module__", "")).startswith("torch") for x in around)
+
+
+def hint(name, names):
+    """What would have been right."""
+    near = difflib.get_close_matches(name, list(names), 1)
+    return f"{f'did you mean {near[0]}? ' if near else ''}Expected: {', '.join(names)}"
