@@ -1,1 +1,169 @@
+use ndarray::{arr1, arr2};
+use proptest::prelude::*;
 
+use super::mlp::Output;
+use super::nerf_mlp::Shape;
+use super::*;
+use crate::convention::{Activation, CS180, Conventions, SkipOrder};
+use crate::random::Purpose;
+use crate::verify::properties;
+
+const SHAPE: Shape = Shape { position: 5, direction: 3, width: 4, depth: 8, color: 3, skip: 4 };
+
+fn net(seed: u64) -> NerfMlp {
+    NerfMlp::initial(&SHAPE, &Key::new(seed, Purpose::Parameters))
+}
+
+#[test]
+fn a_layer_by_hand() {
+    let layer = Layer { w: arr2(&[[1.0, 2.0, -1.0], [0.5, 0.0, 4.0]]), b: arr1(&[0.25, -1.0]) };
+    assert_eq!(layer.forward(&[1.0, 2.0, 3.0]), [2.25, 11.5]);
+    let mut gradient = Layer::zeros(3, 2);
+    for repeat in [1.0, 2.0] {
+        let g_x = backward::layer(&layer, &[1.0, 2.0, 3.0], &[1.0, -2.0], &mut gradient);
+        assert_eq!(g_x, [0.0, 2.0, -9.0]);
+        // Gradients add up over points.
+        assert_eq!(gradient.w, repeat * arr2(&[[1.0, 2.0, 3.0], [-2.0, -4.0, -6.0]]));
+        assert_eq!(gradient.b, repeat * arr1(&[1.0, -2.0]));
+    }
+}
+
+#[test]
+fn activations_at_their_extremes() {
+    assert_eq!(relu(&[-1.0, -0.0, 0.0, 2.0]).map_bits(), [0.0, 0.0, 0.0, 2.0].map(f64::to_bits));
+    assert!(
+        relu(&[f64::NAN])[0].is_nan() && density(f64::NAN, Density::Relu).is_nan(),
+        "a NaN stays visible"
+    );
+    assert_eq!([-750.0, -40.0, 40.0, 1e300].map(softplus), [0.0, exp(-40.0), 40.0, 1e300]);
+    assert!((softplus(0.0) - std::f64::consts::LN_2).abs() < 1e-16 * 2.0);
+    assert_eq!((sigmoid(-745.0), sigmoid_slope(800.0), sigmoid_slope(0.0)), (exp(-745.0), 0.0, 0.25));
+    // s (1 - s) written so loses every digit at z = 40; sigmoid(-z) keeps them.
+    assert!(
+        (sigmoid_slope(40.0) / exp(-40.0) - 1.0).abs() < 1e-15 * 2.0
+            && sigmoid(40.0) * (1.0 - sigmoid(40.0)) == 0.0
+    );
+    assert_eq!([-2.0, 3.0].map(|z| density(z, Density::Relu)), [0.0, 3.0]);
+    assert_eq!([-2.0, 0.0, 3.0].map(|z| density_slope(z, Density::Relu)), [0.0, 0.0, 1.0]);
+    assert_eq!([density(1.5, Density::Softplus), density(1.5, Density::Exp)], [softplus(1.5), exp(1.5)]);
+    assert_eq!(
+        [density_slope(1.5, Density::Softplus), density_slope(1.5, Density::Exp)],
+        [sigmoid(1.5), exp(1.5)]
+    );
+    // VR6: e^z overflows past 709; nothing is NaN.
+    assert_eq!((trunc_exp(710.0), backward::trunc_exp(710.0, 1.0)), (f64::INFINITY, exp(15.0)));
+}
+
+trait Bits {
+    fn map_bits(&self) -> Vec<u64>;
+}
+
+impl Bits for Vec<f64> {
+    fn map_bits(&self) -> Vec<u64> {
+        self.iter().map(|x| x.to_bits()).collect()
+    }
+}
+
+#[test]
+fn initial_values_are_uniform_within_one_over_the_root_of_the_inputs() {
+    let key = Key::new(3, Purpose::Parameters);
+    let layer = Layer::initial(100, 50, &key, 2);
+    let values: Vec<f64> = layer.w.iter().chain(&layer.b).copied().collect();
+    assert!(values.iter().all(|v| v.abs() <= 0.1) && values.iter().any(|v| v.abs() > 0.099));
+    // Mean 0 and variance 1 / (3 * 100), each within four standard errors of 5,050 draws.
+    let n = values.len() as f64;
+    assert!((values.iter().sum::<f64>() / n).abs() < 4.0 * 0.0577 / n.sqrt());
+    assert!((values.iter().map(|v| v * v).sum::<f64>() / n * 300.0 - 1.0).abs() < 4.0 * 0.894 / n.sqrt());
+    assert_eq!(layer.w[[0, 1]], 0.1 * (2.0 * key.uniform(0, 2, 1) - 1.0));
+    assert_eq!(layer.b[3], 0.1 * (2.0 * key.uniform(0, 2, 5003) - 1.0));
+    let mlp = Mlp::initial(7, 5, 3, 2, &key);
+    assert_eq!(mlp.layers.iter().map(|l| l.w.dim()).collect::<Vec<_>>(), [(5, 7), (5, 5), (5, 5), (2, 5)]);
+}
+
+#[test]
+fn the_papers_network_has_its_parameters() {
+    let net = NerfMlp::initial(&Shape::PAPER, &Key::new(0, Purpose::Parameters));
+    let shapes: Vec<_> = net.layers().iter().map(|(_, layer)| layer.w.dim()).collect();
+    assert_eq!(shapes[..5], [(256, 63), (256, 256), (256, 256), (256, 256), (256, 319)]);
+    assert_eq!(shapes[5..], [(256, 256), (256, 256), (256, 256), (1, 256), (256, 256), (128, 283), (3, 128)]);
+    assert_eq!(net.layers().iter().map(|(_, l)| l.w.len() + l.b.len()).sum::<usize>(), 595_844);
+    let names: Vec<_> = net.layers().into_iter().map(|(name, _)| name).collect();
+    assert_eq!(
+        (names[0].as_str(), &names[7..]),
+        ("trunk0", ["trunk7", "sigma", "feature", "color0", "color1"].map(String::from).as_slice())
+    );
+}
+
+#[test]
+fn an_mlp_of_ones_adds_up() {
+    let ones =
+        |inputs, outputs| Layer { w: ndarray::Array2::ones((outputs, inputs)), b: arr1(&vec![1.0; outputs]) };
+    let mut mlp = Mlp { layers: vec![ones(2, 3), ones(3, 2), ones(2, 1)], output: Output::Linear };
+    // 2 + 3 + 1 = 6, 3 * 6 + 1 = 19, 2 * 19 + 1 = 39.
+    assert_eq!(mlp.forward(&[2.0, 3.0]).y, [39.0]);
+    // -9 + 1 < 0 everywhere: only the biases are left, 3 * 0 + 1 = 1, 2 * 1 + 1 = 3.
+    assert_eq!(mlp.forward(&[-4.0, -5.0]).y, [3.0]);
+    mlp.output = Output::Sigmoid;
+    assert_eq!(mlp.forward(&[-4.0, -5.0]).y, [sigmoid(3.0)]);
+    let tape = mlp.forward(&[-4.0, -5.0]);
+    let mut gradient = vec![Layer::zeros(2, 3), Layer::zeros(3, 2), Layer::zeros(2, 1)];
+    assert_eq!(
+        backward::mlp(&mlp, &tape, &[1.0], &mut gradient),
+        [0.0, 0.0],
+        "closed ReLUs let nothing through"
+    );
+    assert_eq!(gradient[2].b[0], sigmoid_slope(3.0));
+}
+
+#[test]
+fn conventions_change_what_they_name() {
+    let (x, d) = ([0.3, -0.2, 0.9, 0.5, -0.7], [0.1, 0.8, -0.6]);
+    let mut net = net(5);
+    net.sigma.b.fill(1.0);
+    let run = |net: &NerfMlp, c: Conventions| net.forward(&x, &d, &c);
+    let base = run(&net, CS180);
+    // The encoding stands behind h in the fifth layer's input, or in front of it.
+    assert_eq!((base.inputs[4].len(), &base.inputs[4][4..]), (9, x.as_slice()));
+    let first = Conventions { skip_order: SkipOrder::EncodingFirst, ..CS180 };
+    assert_eq!(run(&net, first).inputs[4][..5], x);
+    // With the columns of w permuted in the same way nothing else changes.
+    let mut permuted = net.clone();
+    for o in 0..4 {
+        for i in 0..9 {
+            permuted.trunk[4].w[[o, (i + 5) % 9]] = net.trunk[4].w[[o, i]];
+        }
+    }
+    assert!((run(&permuted, first).sigma - base.sigma).abs() < 1e-15);
+    // The last layers' ReLUs.
+    let linear = run(&net, Conventions { last_trunk: Activation::None, ..CS180 });
+    assert_eq!((&linear.hidden, &base.hidden), (&linear.z[7], &relu(&base.z[7])));
+    let feature = run(&net, Conventions { feature: Activation::Relu, ..CS180 });
+    assert_eq!(
+        (&feature.color_input[..4], &base.color_input[..4]),
+        (relu(&base.z_feature).as_slice(), base.z_feature.as_slice())
+    );
+    assert_eq!(base.color_input[4..], d);
+    assert_eq!(run(&net, Conventions { density: Density::Exp, ..CS180 }).sigma, exp(base.z_sigma));
+}
+
+proptest! {
+    #![proptest_config(properties())]
+
+    #[test]
+    fn density_does_not_see_the_direction(seed in any::<u64>(), x in prop::array::uniform5(-1.0..1.0), d in prop::array::uniform3(-1.0..1.0)) {
+        let net = net(seed);
+        let (a, b) = (net.forward(&x, &d, &CS180), net.forward(&x, &[0.0; 3], &CS180));
+        prop_assert_eq!(a.sigma, b.sigma);
+        prop_assert!(a.sigma >= 0.0 && a.rgb.iter().all(|c| (0.0..=1.0).contains(c)));
+        let mut gradient = net.clone();
+        let (_, g_d) = backward::nerf_mlp(&net, &a, &CS180, 1.0, [0.0; 3], &mut gradient);
+        prop_assert_eq!(g_d, vec![0.0; 3]);
+    }
+
+    #[test]
+    fn sigmoid_and_softplus_identities(z in -30.0..30.0f64) {
+        prop_assert!((sigmoid(z) + sigmoid(-z) - 1.0).abs() <= 2.0 * f64::EPSILON);
+        prop_assert!((softplus(z) - softplus(-z) - z).abs() <= 4.0 * f64::EPSILON * z.abs().max(1.0));
+        prop_assert!((exp(-softplus(-z)) / sigmoid(z) - 1.0).abs() <= 64.0 * f64::EPSILON);
+    }
+}

@@ -25,13 +25,16 @@ pub fn richardson(mut f: impl FnMut(f64) -> f64, step: f64) -> Estimate {
     let mut above: Vec<f64> = vec![];
     let mut h = step;
     for _ in 0..HALVINGS {
-        let mut row = vec![(f(h) - f(-h)) / (2.0 * h)];
+        let (ahead, behind) = (f(h), f(-h));
+        // What one rounding of f costs: tableau entries that agree by chance are worth no more.
+        let noise = f64::EPSILON * ahead.abs().max(behind.abs()) / h;
+        let mut row = vec![(ahead - behind) / (2.0 * h)];
         for (column, &coarse) in above.iter().enumerate() {
             let power = 4f64.powi(column as i32 + 1);
             let fine = row[column];
             let value = (power * fine - coarse) / (power - 1.0);
-            let error = (value - fine).abs().max((value - coarse).abs());
-            if error < best.error {
+            let error = (value - fine).abs().max((value - coarse).abs()).max(noise);
+            if value.is_finite() && error < best.error {
                 best = Estimate { value, error };
             }
             row.push(value);

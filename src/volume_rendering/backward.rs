@@ -17,6 +17,8 @@ pub struct Cotangent {
     pub transmittance: f64,
 }
 
+/// Gradients of [`super::volume_render_alpha`] with respect to `alphas` and `rgbs`.
+///
 /// g_alpha_i = T_i (g_w_i - B_{i+1}) and g_c_i = w_i g_C, where g_w_i = g_C . c_i + g_weights_i + g_A is what one unit of weight
 /// brings, and B_i = alpha_i g_w_i + (1 - alpha_i + eps) B_{i+1} is what one unit of light that arrives in front of sample i brings;
 /// B_N = g_T. Nothing is divided by 1 - alpha, so opaque samples are exact.
@@ -27,6 +29,18 @@ pub fn volume_render_alpha(
     forward: &Rendering,
     g: &Cotangent,
 ) -> (Vec<f64>, Vec<[f64; 3]>) {
+    let through: Vec<f64> = alphas.iter().map(|alpha| 1.0 - alpha + eps.value()).collect();
+    through_samples(alphas, &through, rgbs, forward, g)
+}
+
+/// The formula above, given what each sample lets through.
+fn through_samples(
+    alphas: &[f64],
+    through: &[f64],
+    rgbs: &[[f64; 3]],
+    forward: &Rendering,
+    g: &Cotangent,
+) -> (Vec<f64>, Vec<[f64; 3]>) {
     let n = alphas.len();
     let (mut g_alphas, mut g_rgbs) = (vec![0.0; n], vec![[0.0; 3]; n]);
     let mut behind = g.transmittance;
@@ -34,14 +48,15 @@ pub fn volume_render_alpha(
         let g_w = weight_gradient(rgbs[i], g.weights[i], g);
         g_alphas[i] = forward.transmittance[i] * (g_w - behind);
         g_rgbs[i] = g.color.map(|g_color| forward.weights[i] * g_color);
-        behind = alphas[i] * g_w + (1.0 - alphas[i] + eps.value()) * behind;
+        behind = alphas[i] * g_w + through[i] * behind;
     }
     (g_alphas, g_rgbs)
 }
 
 /// Gradients of [`super::volume_render`] with respect to `sigmas`, `rgbs` and `deltas`.
 ///
-/// With x = sigma delta: d alpha / dx = e^-x, so g_x_i = e^-x_i g_alpha_i, g_sigma = delta g_x, g_delta = sigma g_x.
+/// With x = sigma delta: d alpha / dx = e^-x, so g_x_i = e^-x_i g_alpha_i, g_sigma = delta g_x, g_delta = sigma g_x. What a sample
+/// lets through is e^-x, which keeps its digits where 1 - alpha has none left.
 pub fn volume_render(
     sigmas: &[f64],
     rgbs: &[[f64; 3]],
@@ -52,11 +67,10 @@ pub fn volume_render(
 ) -> (Vec<f64>, Vec<[f64; 3]>, Vec<f64>) {
     let x = optical_depths(sigmas, deltas);
     let alphas: Vec<f64> = x.iter().map(|&x| -expm1(-x)).collect();
-    let (g_alphas, g_rgbs) = volume_render_alpha(&alphas, rgbs, eps, forward, g);
+    let through: Vec<f64> = x.iter().map(|&x| exp(-x) + eps.value()).collect();
+    let (g_alphas, g_rgbs) = through_samples(&alphas, &through, rgbs, forward, g);
     let g_x: Vec<f64> = (0..x.len()).map(|i| exp(-x[i]) * g_alphas[i]).collect();
-    let g_sigmas = (0..x.len()).map(|i| deltas[i] * g_x[i]).collect();
-    let g_deltas = (0..x.len()).map(|i| sigmas[i] * g_x[i]).collect();
-    (g_sigmas, g_rgbs, g_deltas)
+    (optical_depths(deltas, &g_x), g_rgbs, optical_depths(sigmas, &g_x))
 }
 
 /// g_C . c + g_weight + g_A.

@@ -67,7 +67,7 @@ pub fn volume_render(sigmas: &[f64], rgbs: &[[f64; 3]], deltas: &[f64], eps: Pro
     composite(&alphas, rgbs, transmittance)
 }
 
-/// x_i = sigma_i delta_i, 0 where either is 0.
+/// x_i = sigma_i delta_i, 0 where either is 0, even if the other is infinite.
 pub(crate) fn optical_depths(sigmas: &[f64], deltas: &[f64]) -> Vec<f64> {
     let product = |i: usize| if sigmas[i] == 0.0 || deltas[i] == 0.0 { 0.0 } else { sigmas[i] * deltas[i] };
     (0..sigmas.len()).map(product).collect()
