@@ -8,9 +8,11 @@ use clap::{Parser, Subcommand};
 
 use crate::error::Result;
 
+mod cases;
 mod demo;
 mod evaluate;
 mod fit_image;
+mod judge;
 mod options;
 mod output;
 mod progress;
@@ -43,6 +45,8 @@ enum Command {
     Evaluate(evaluate::Args),
     /// Render a film or frames of a trained run.
     Render(render::Args),
+    Cases(cases::Args),
+    Judge(judge::Args),
 }
 
 /// Parses `args`, runs the subcommand, prints an error if there is one, and says how the program ends.
@@ -69,5 +73,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Train(args) => train::run(args, cli.json),
         Command::Evaluate(args) => evaluate::run(args, cli.json),
         Command::Render(args) => render::run(args, cli.json),
+        Command::Cases(args) => cases::run(args, cli.json),
+        Command::Judge(args) => judge::run(args, cli.json),
     }
 }
