@@ -9,10 +9,13 @@ use clap::{Parser, Subcommand};
 use crate::error::Result;
 
 mod cases;
+mod check;
 mod demo;
 mod evaluate;
+mod explain;
 mod fit_image;
 mod judge;
+mod list;
 mod options;
 mod output;
 mod progress;
@@ -45,6 +48,9 @@ enum Command {
     Evaluate(evaluate::Args),
     /// Render a film or frames of a trained run.
     Render(render::Args),
+    List(list::Args),
+    Explain(explain::Args),
+    Check(check::Args),
     Cases(cases::Args),
     Judge(judge::Args),
 }
@@ -73,6 +79,9 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Train(args) => train::run(args, cli.json),
         Command::Evaluate(args) => evaluate::run(args, cli.json),
         Command::Render(args) => render::run(args, cli.json),
+        Command::List(args) => list::run(args, cli.json),
+        Command::Explain(args) => explain::run(args, cli.json),
+        Command::Check(args) => check::run(args, cli.json),
         Command::Cases(args) => cases::run(args, cli.json),
         Command::Judge(args) => judge::run(args, cli.json),
     }
