@@ -8,10 +8,15 @@ use clap::{Parser, Subcommand};
 
 use crate::error::Result;
 
+mod cases;
+mod check;
 mod demo;
 mod evaluate;
+mod explain;
 mod fit_image;
 mod inspect;
+mod judge;
+mod list;
 mod options;
 mod output;
 mod progress;
@@ -46,6 +51,11 @@ enum Command {
     Render(render::Args),
     /// Show a scene's cameras, rays and samples from outside, as numbers and as a picture.
     Inspect(inspect::Args),
+    List(list::Args),
+    Explain(explain::Args),
+    Check(check::Args),
+    Cases(cases::Args),
+    Judge(judge::Args),
 }
 
 /// Parses `args`, runs the subcommand, prints an error if there is one, and says how the program ends.
@@ -73,5 +83,10 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Evaluate(args) => evaluate::run(args, cli.json),
         Command::Render(args) => render::run(args, cli.json),
         Command::Inspect(args) => inspect::run(args, cli.json),
+        Command::List(args) => list::run(args, cli.json),
+        Command::Explain(args) => explain::run(args, cli.json),
+        Command::Check(args) => check::run(args, cli.json),
+        Command::Cases(args) => cases::run(args, cli.json),
+        Command::Judge(args) => judge::run(args, cli.json),
     }
 }
