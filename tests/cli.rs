@@ -87,7 +87,49 @@ fn a_run_can_be_trained_resumed_measured_and_rendered() {
     let film = object(&["render", &run, "--out", &gif, "--path", "orbit:3", "--size", "24x16", "--json"]);
     assert_eq!(film["frames"], 3);
     assert_eq!(&fs::read(&gif).expect("a film")[..6], b"GIF89a");
+}
+
+/// A scene in the layout of the CS180 course, whose test split has cameras but no photographs.
+fn cs180(file: &Path) {
+    use nerf_oracle::files::npz::{Array, Arrays, write};
+    let pose = |n: usize| {
+        let mut pose = ndarray::Array2::<f64>::eye(4);
+        (pose[[0, 3]], pose[[2, 3]]) = (0.1 * n as f64, -4.0);
+        pose
+    };
+    let poses = |count: usize| {
+        let all: Vec<f64> = (0..count).flat_map(|n| pose(n).into_iter().collect::<Vec<_>>()).collect();
+        Array::F64(ndarray::ArrayD::from_shape_vec(vec![count, 4, 4], all).expect("16 entries a pose"))
+    };
+    let pictures = |count: usize| {
+        let shape = vec![count, 12, 12, 3];
+        let level = |i: ndarray::IxDyn| (20 * i[1] + i[2]) as u8;
+        Array::U8(ndarray::ArrayD::from_shape_fn(shape, level))
+    };
+    let focal = Array::F64(ndarray::arr0(12.0).into_dyn());
+    let arrays = [
+        ("images_train", pictures(3)),
+        ("c2ws_train", poses(3)),
+        ("images_val", pictures(1)),
+        ("c2ws_val", poses(1)),
+        ("c2ws_test", poses(2)),
+        ("focal", focal),
+    ];
+    let arrays: Arrays = arrays.into_iter().map(|(name, array)| (name.to_string(), array)).collect();
+    write(file, &arrays, true).expect("written");
+}
+
+#[test]
+fn a_test_split_without_photographs_is_refused() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let (scene, run) = (path(dir.path(), "scene.npz"), path(dir.path(), "run"));
+    cs180(Path::new(&scene));
+    let args =
+        ["train", &scene, "--out", &run, "--model", "nerf", "--width", "8", "--rays", "16", "--samples", "4"];
+    object(&[&args[..], &["--steps", "2", "--json"]].concat());
     refused(&["evaluate", &run, "--split", "test"], &["test", "photographs"]);
+    let film = object(&["render", &run, "--out", &path(dir.path(), "frames"), "--json"]);
+    assert_eq!(film["frames"], 2, "the film follows the scene's test path");
 }
 
 #[test]

@@ -41,7 +41,9 @@ fn density_of(z: Bounded, activation: Density, m: &Arithmetic) -> Bounded {
             let textbook = if m.grade == Grade::B { 2.0 * m.u } else { 0.0 };
             let carried = z.e * sigmoid(z.y + z.e) + textbook;
             let term = m.elementary(y, carried + 16.0 * m.u * y);
-            m.rounded(y, term.e)
+            // The textbook's e^z overflows long before its logarithm does.
+            let overflow = m.grade == Grade::B && m.exp(z).e == f64::INFINITY;
+            if overflow { Bounded { y, e: f64::INFINITY } } else { m.rounded(y, term.e) }
         }
     }
 }
