@@ -4,6 +4,8 @@
 //! them so that a profile (`cs180`, `nerf2020`, ...) can be named, and lists the closed set of values that the judge
 //! searches when no profile is pinned.
 
+pub mod profiles;
+
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};

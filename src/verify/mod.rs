@@ -1,12 +1,23 @@
 //! The harness around the components: what a component is, how it is checked, and how others' programs are judged.
 
+pub mod answer;
 pub mod arithmetic;
+pub mod assignment;
 pub mod bounded;
 pub mod case;
 pub mod check;
 pub mod component;
+pub mod diagnose;
+pub mod exam;
+pub mod exchange;
 pub mod gradient;
+pub mod hypothesis;
+pub mod judge;
 pub mod machine;
+pub mod mark;
+pub mod numeric;
+pub mod page;
+pub mod report;
 pub mod statistics;
 
 pub use arithmetic::{Arithmetic, Dtype, Grade};
@@ -14,7 +25,10 @@ pub use bounded::Bounded;
 pub use case::{Case, Draw};
 pub use check::Kind;
 pub use component::{Arrays, Component, Mistake, Pass, Port};
+pub use exam::Exam;
+pub use judge::{Candidate, judge};
 pub use machine::Machine;
+pub use report::{Report, Verdict};
 
 /// Properties run 64 times from a fixed seed, or `PROPTEST_CASES` times.
 #[cfg(test)]

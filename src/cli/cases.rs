@@ -1,0 +1,49 @@
+//! `cases`: the questions, as files.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use serde_json::json;
+
+use crate::convention::profiles;
+use crate::error::Result;
+use crate::verify::{Dtype, Exam, exchange};
+
+/// Write the cases that an implementation is judged by: cases.json and one npz a case, with the inputs alone.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Components whose name or folder contains this (all where absent).
+    #[arg(default_value = "")]
+    filter: String,
+    /// The folder to write.
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// What the implementation computes in: f64, f32, tf32, bf16 or f16.
+    #[arg(long, default_value = "f32")]
+    dtype: Dtype,
+    /// Pin the conventions (cs180, nerf2020, ...): deviating fails. Without it the judge looks for those that are followed.
+    #[arg(long)]
+    profile: Option<String>,
+}
+
+/// Runs it.
+///
+/// # Errors
+/// An unknown filter or profile, or a folder that can't be written.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    let profile = args.profile.as_deref().map(profiles::find).transpose()?;
+    let exam = Exam::new(&args.filter, args.dtype, profile)?;
+    let bytes = exchange::write_cases(&exam, &args.out)?;
+    let cases: usize = exam.sheets.iter().map(|sheet| sheet.cases.len()).sum();
+    if json {
+        let left_out = &exam.left_out;
+        println!("{}", json!({ "out": args.out, "cases": cases, "bytes": bytes, "left_out": left_out }));
+    } else {
+        println!("{cases} cases in {} ({:.1} MB)", args.out.display(), bytes as f64 / 1e6);
+        if !exam.left_out.is_empty() {
+            println!("{} left out, as {} can't hold their inputs:", exam.left_out.len(), args.dtype);
+            exam.left_out.iter().for_each(|name| println!("  {name}"));
+        }
+    }
+    Ok(ExitCode::SUCCESS)
+}

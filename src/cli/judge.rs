@@ -1,0 +1,34 @@
+//! `judge`: somebody's answers against the truth.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use crate::error::{Error, Result};
+use crate::verify::{exchange, judge};
+
+/// Judge answers: right or wrong, component by component, and what the mistake probably is.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// The folder that `cases` wrote.
+    cases: PathBuf,
+    /// The folder of answers: one npz a case, at the same relative path.
+    answers: PathBuf,
+    /// How far off exp, log, sin and cos may be, in ULP of the type.
+    #[arg(long, default_value_t = judge::EXP_ULP)]
+    exp_ulp: f64,
+}
+
+/// Runs it. 0: something passed and nothing failed; 1: something failed; 2: nothing was answered.
+///
+/// # Errors
+/// Folders that can't be read, or that hold something else than cases and answers.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    if !(args.exp_ulp >= 0.5 && args.exp_ulp <= 1e6) {
+        return Err(Error::usage("--exp-ulp", args.exp_ulp, "a number from 0.5 to 1e6"));
+    }
+    let exam = exchange::read_exam(&args.cases)?;
+    let answers = exchange::read_answers(&exam, &args.answers)?;
+    let report = judge::judge_answers(&exam, &answers, args.exp_ulp);
+    if json { println!("{}", report.json()) } else { print!("{report}") }
+    Ok(ExitCode::from(report.exit_code()))
+}

@@ -1,0 +1,144 @@
+//! Diagnosis: which conventions and which mistakes explain the answers of a component that failed.
+
+use super::answer::Answers;
+use super::assignment::{Partial, apply, assignments, changes, partial, small_cases};
+use super::check::Kind;
+use super::component::Mistake;
+use super::exam::Sheet;
+use super::hypothesis::Hypothesis;
+use super::mark::Rules;
+use crate::convention::Conventions;
+use crate::parallel;
+
+/// A hypothesis that explains every answered element.
+#[derive(Clone, Debug)]
+pub struct Explanation {
+    /// The mistakes.
+    pub mistakes: Vec<&'static Mistake>,
+    /// Conventions in which the candidate differs from the run's.
+    pub conventions: Partial,
+    /// Largest error over the hypothesis' own bound.
+    pub residual: f64,
+    /// Whether it predicts the same as the best explanation on every case: no answer can tell the two apart.
+    pub same_as_best: bool,
+}
+
+/// The conventions may differ in so many places beside one mistake, and beside two.
+const CHANGES: [usize; 3] = [usize::MAX, 2, 1];
+
+/// Assignments that are tried beside one mistake, and beside two.
+const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
+
+/// Gradients of mistakes in the forward function are numeric and dear: cases of at most so many elements.
+const NUMERIC: usize = 400;
+
+/// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
+/// gradient (mistakes that the forward answers showed).
+pub fn diagnose(
+    sheet: &Sheet,
+    answers: &Answers,
+    base: &Conventions,
+    suspects: &[Vec<&'static str>],
+    rules: &Rules,
+) -> Vec<Explanation> {
+    let home = partial(sheet.component, base);
+    let all = assignments(sheet.component, base);
+    for count in 0..=2 {
+        let mut hypotheses = vec![];
+        for mistakes in sets(sheet, count, suspects) {
+            let near = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).take(ASSIGNMENTS[count]);
+            hypotheses.extend(near.map(|p| Hypothesis { mistakes: mistakes.clone(), conventions: apply(p, base) }));
+        }
+        let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], sheet, answers, rules));
+        let fitting: Vec<_> = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect();
+        if !fitting.is_empty() {
+            return ranked(fitting, sheet, answers, &home, rules);
+        }
+    }
+    vec![]
+}
+
+/// Sets of `count` mistakes that this direction can show; pairs in both orders, as their effects needn't commute.
+fn sets(sheet: &Sheet, count: usize, suspects: &[Vec<&'static str>]) -> Vec<Vec<&'static str>> {
+    let mut suspected: Vec<_> = suspects.iter().filter(|set| set.len() == count && count > 0).cloned().collect();
+    let shown = |m: &&Mistake| sheet.kind == Kind::Vjp || !m.gradient;
+    let names: Vec<_> = sheet.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
+    // Numeric gradients of pairs would take minutes: only pairs that the forward answers suggest.
+    let pairs = sheet.kind == Kind::Forward;
+    let sets: Vec<Vec<&'static str>> = match count {
+        0 => vec![vec![]],
+        1 => names.iter().map(|name| vec![*name]).collect(),
+        _ if pairs => {
+            let others = |a| names.iter().filter(move |b| **b != a).map(move |b| vec![a, *b]);
+            names.iter().flat_map(|a| others(*a)).collect()
+        }
+        _ => vec![],
+    };
+    suspected.extend(sets);
+    suspected.dedup();
+    suspected
+}
+
+/// Whether a hypothesis explains every answer; gradients by numeric differentiation on the cases that are small enough.
+fn explains_all(h: &Hypothesis, sheet: &Sheet, answers: &Answers, rules: &Rules) -> bool {
+    let cases = usable(h, sheet, answers);
+    !cases.is_empty() && cases.iter().all(|(case, answer)| h.explains(sheet, case, answer, rules))
+}
+
+fn usable<'a>(
+    h: &Hypothesis,
+    sheet: &'a Sheet,
+    answers: &'a Answers,
+) -> Vec<(&'a super::case::Case, &'a super::answer::Answer)> {
+    let mut cases = small_cases(sheet, answers);
+    if sheet.kind == Kind::Vjp && h.of_forward(sheet) {
+        cases.retain(|(case, _)| case.inputs.values().map(|a| a.len()).sum::<usize>() <= NUMERIC);
+    }
+    cases
+}
+
+fn ranked(
+    mut fitting: Vec<Hypothesis>,
+    sheet: &Sheet,
+    answers: &Answers,
+    home: &Partial,
+    rules: &Rules,
+) -> Vec<Explanation> {
+    let row = |name: &str| sheet.component.mistakes.iter().find(|m| m.name == name).expect("its own mistake");
+    let moved = |h: &Hypothesis| changes(&partial(sheet.component, &h.conventions), home);
+    let residual = |h: &Hypothesis| {
+        let cases = usable(h, sheet, answers);
+        cases.iter().map(|(case, answer)| h.residual(sheet, case, answer, rules)).fold(0.0, f64::max)
+    };
+    let mut rows: Vec<(Hypothesis, f64)> = fitting.drain(..).map(|h| (residual(&h), h)).map(|(r, h)| (h, r)).collect();
+    rows.sort_by(|(a, ra), (b, rb)| {
+        let seen = |h: &Hypothesis| h.mistakes.iter().map(|name| row(name).count).sum::<u32>();
+        moved(a).cmp(&moved(b)).then(seen(b).cmp(&seen(a))).then(ra.total_cmp(rb))
+    });
+    // The two orders of a pair are one explanation.
+    let mut known: Vec<(Vec<&str>, Conventions)> = vec![];
+    rows.retain(|(h, _)| {
+        let mut key = (h.mistakes.clone(), h.conventions);
+        key.0.sort_unstable();
+        let new = !known.contains(&key);
+        known.push(key);
+        new
+    });
+    rows.truncate(6);
+    let best = rows[0].0.clone();
+    let same = |h: &Hypothesis| usable(h, sheet, answers).iter().all(|(case, _)| h.same_as(&best, sheet, case, rules));
+    rows.iter()
+        .enumerate()
+        .map(|(n, (h, residual))| Explanation {
+            mistakes: h.mistakes.iter().map(|name| row(name)).collect(),
+            conventions: difference(&partial(sheet.component, &h.conventions), home),
+            residual: *residual,
+            same_as_best: n > 0 && same(h),
+        })
+        .collect()
+}
+
+/// The entries of `a` that differ in `b`.
+fn difference(a: &Partial, b: &Partial) -> Partial {
+    a.iter().filter(|(key, value)| b.get(*key) != Some(value)).map(|(key, value)| (*key, *value)).collect()
+}

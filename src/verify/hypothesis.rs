@@ -1,0 +1,127 @@
+//! Hypotheses: what a candidate would answer if it followed some conventions and made some mistakes.
+
+use ndarray::ArrayD;
+
+use super::arithmetic::Grade;
+use super::case::{Case, Draw};
+use super::check::{Kind, budget_used};
+use super::component::{Arrays, Pass};
+use super::exam::Sheet;
+use super::mark::{Rules, within};
+use super::answer::{Answer, reshaped};
+use super::numeric;
+use crate::convention::Conventions;
+
+/// An assignment of conventions with mistakes, in the order in which they were made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hypothesis {
+    /// Names of the component's mistakes.
+    pub mistakes: Vec<&'static str>,
+    /// The assignment.
+    pub conventions: Conventions,
+}
+
+/// How much wider a hypothesis' bound is than what was derived for the right formula: wrong code has no derived bound of its own.
+const GENEROSITY: f64 = 8.0;
+
+/// Roundings a wrong result may carry beside those of its inputs.
+const ROUNDINGS: f64 = 64.0;
+
+impl Hypothesis {
+    /// What this candidate would answer, and how far off it may be where it can't be told exactly (numeric gradients).
+    pub fn prediction(&self, sheet: &Sheet, case: &Case) -> (Arrays, Option<Arrays>) {
+        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+        if sheet.kind == Kind::Vjp && self.of_forward(sheet) {
+            let (gradient, error) = numeric::vjp(sheet.component, &case.inputs, &self.conventions, &self.mistakes);
+            return (gradient, Some(error));
+        }
+        ((pass.wrong)(&case.inputs, &self.conventions, &self.mistakes), None)
+    }
+
+    /// Whether the mistakes lie in the forward function.
+    pub fn of_forward(&self, sheet: &Sheet) -> bool {
+        let forward = |name: &&str| sheet.component.mistakes.iter().any(|m| m.name == *name && !m.gradient);
+        self.mistakes.iter().any(|name| forward(&name))
+    }
+
+    /// The hypothesis' own bound: that of the right formula in these conventions, [`GENEROSITY`] times, and what the wrong function
+    /// itself makes of inputs that are off by a few roundings.
+    fn bound(&self, sheet: &Sheet, case: &Case, wrong: &Arrays, error: Option<&Arrays>, rules: &Rules) -> Arrays {
+        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+        let (_, right) = rules.truth(sheet, case, &self.conventions, Grade::B);
+        let u = rules.dtype.unit_roundoff();
+        let moved: Vec<Arrays> = match error {
+            Some(_) => vec![],
+            None => (0..2).map(|n| self.nudged(pass, case, n, 4.0 * u)).collect(),
+        };
+        let one = |(name, w): (&String, &ArrayD<f64>)| {
+            let mut bound = w.mapv(|w| ROUNDINGS * u * w.abs() + rules.dtype.smallest_normal());
+            if let Some(right) = right.get(name).filter(|b| b.shape() == w.shape()) {
+                bound.zip_mut_with(right, |b, right| *b += GENEROSITY * right);
+            }
+            for moved in moved.iter().filter_map(|m| m.get(name)).filter(|m| m.shape() == w.shape()) {
+                let change = moved - w;
+                bound.zip_mut_with(&change, |b, change| *b += GENEROSITY * change.abs());
+            }
+            if let Some(error) = error {
+                bound += &error[name];
+            }
+            // Where the wrong value itself is no number, so may the answer be; nothing else fits.
+            bound.mapv_inplace(|b| if b.is_nan() { 0.0 } else { b });
+            (name.clone(), bound)
+        };
+        wrong.iter().map(one).collect()
+    }
+
+    /// The wrong function on inputs that are off by up to `relative`.
+    fn nudged(&self, pass: &Pass, case: &Case, n: u64, relative: f64) -> Arrays {
+        let mut draw = Draw::new(&case.id, n);
+        let mut inputs = case.inputs.clone();
+        for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
+            array.mapv_inplace(|x| x * (1.0 + relative * if draw.below(2) == 0 { 1.0 } else { -1.0 }));
+        }
+        (pass.wrong)(&inputs, &self.conventions, &self.mistakes)
+    }
+
+    /// Whether it explains an answer.
+    pub fn explains(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> bool {
+        let (wrong, error) = self.prediction(sheet, case);
+        near(answer, &wrong) && within(answer, &wrong, || self.bound(sheet, case, &wrong, error.as_ref(), rules))
+    }
+
+    /// The largest error over bound on an answer.
+    pub fn residual(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> f64 {
+        let (wrong, error) = self.prediction(sheet, case);
+        let bound = self.bound(sheet, case, &wrong, error.as_ref(), rules);
+        let one = |(name, wrong): (&String, &ArrayD<f64>)| {
+            let (got, _) = reshaped(&answer.get(name)?.values, wrong.shape())?;
+            let used = got.iter().zip(wrong).zip(&bound[name]).map(|((&g, &w), &b)| budget_used(g, w, b));
+            Some(used.fold(0.0, f64::max))
+        };
+        wrong.iter().filter_map(one).fold(0.0, f64::max)
+    }
+
+    /// Whether two hypotheses predict the same on a case, up to rounding: no answer could tell them apart.
+    pub fn same_as(&self, other: &Hypothesis, sheet: &Sheet, case: &Case, rules: &Rules) -> bool {
+        let (a, error) = self.prediction(sheet, case);
+        let (b, _) = other.prediction(sheet, case);
+        let bound = self.bound(sheet, case, &a, error.as_ref(), rules);
+        let equal = |(name, a): (&String, &ArrayD<f64>)| {
+            b[name].shape() == a.shape()
+                && a.iter().zip(&b[name]).zip(&bound[name]).all(|((&a, &b), &e)| budget_used(b, a, e) <= 1.0)
+        };
+        a.iter().all(equal)
+    }
+}
+
+/// A cheap look before any bound is computed: errors of more than the size of both numbers, beyond the output's own scale, can't be
+/// rounding in any type.
+fn near(answer: &Answer, wrong: &Arrays) -> bool {
+    wrong.iter().all(|(name, wrong)| {
+        let Some(given) = answer.get(name) else { return true };
+        let Some((got, _)) = reshaped(&given.values, wrong.shape()) else { return false };
+        let finite = || wrong.iter().filter(|w| w.is_finite());
+        let scale = finite().fold(0.0, |max: f64, w| max.max(w.abs()));
+        got.iter().zip(wrong).all(|(g, w)| g == w || g.is_nan() && w.is_nan() || (g - w).abs() <= 0.25 * scale + 0.5 * w.abs())
+    })
+}

@@ -1,0 +1,154 @@
+//! The judge: answers in, verdicts and diagnoses out.
+//!
+//! From Rust, a candidate is a set of closures over named arrays:
+//!
+//! ```
+//! use nerf_oracle::verify::component::{array, arrays, input};
+//! use nerf_oracle::verify::{Candidate, Dtype, Verdict, judge};
+//!
+//! // C' = C + (1 - A) b, as somebody might write it.
+//! let candidate = Candidate::new().forward("composite_background", |inputs| {
+//!     let (colors, opacity) = (input(inputs, "colors"), input(inputs, "opacity"));
+//!     let b = input(inputs, "background");
+//!     let out = colors.indexed_iter().map(|(i, c)| c + (1.0 - opacity[[i[0]]]) * b[[i[1]]]).collect();
+//!     arrays([("colors_out", array(colors.shape(), out))])
+//! });
+//! let report = judge(&candidate, Dtype::F64).unwrap();
+//! assert_eq!(report.of("composite_background", "forward").unwrap().verdict, Verdict::Pass);
+//! ```
+
+use std::collections::BTreeMap;
+
+use super::answer::{Answers, given};
+use super::arithmetic::{Dtype, Grade};
+use super::assignment::{self, partial};
+use super::check::Kind;
+use super::component::Arrays;
+use super::diagnose::{Explanation, diagnose};
+use super::exam::{Exam, Sheet};
+use super::mark::{Marks, Rules, mark};
+use super::report::{Report, Row, Verdict};
+use crate::convention::Conventions;
+use crate::convention::profiles::{self, Profile};
+use crate::error::{Error, Result};
+use crate::parallel;
+
+/// The contract's accuracy of exp, log, sin and cos, in ULP.
+pub const EXP_ULP: f64 = 4.0;
+
+/// A function under test.
+type Closure<'a> = Box<dyn Fn(&Arrays) -> Arrays + Sync + 'a>;
+
+/// Somebody's implementation: closures by component, forward or VJP.
+#[derive(Default)]
+pub struct Candidate<'a> {
+    functions: BTreeMap<(String, Kind), Closure<'a>>,
+    profile: Option<&'static Profile>,
+}
+
+impl<'a> Candidate<'a> {
+    /// A candidate that implements nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a component's forward function (its trace, for `render_trace`): inputs by name -> outputs by name.
+    pub fn forward(mut self, component: &str, f: impl Fn(&Arrays) -> Arrays + Sync + 'a) -> Self {
+        self.functions.insert((component.into(), Kind::Forward), Box::new(f));
+        self
+    }
+
+    /// Adds a component's vector-Jacobian product: inputs and `grad_<output>` by name -> `grad_<input>` by name.
+    pub fn vjp(mut self, component: &str, f: impl Fn(&Arrays) -> Arrays + Sync + 'a) -> Self {
+        self.functions.insert((component.into(), Kind::Vjp), Box::new(f));
+        self
+    }
+
+    /// Pins the conventions: deviating from them fails.
+    ///
+    /// # Errors
+    /// An unknown profile.
+    pub fn profile(mut self, name: &str) -> Result<Self> {
+        self.profile = Some(profiles::find(name)?);
+        Ok(self)
+    }
+}
+
+/// Asks a candidate that computes in `dtype` every question on the components it has, and judges its answers.
+///
+/// # Errors
+/// A component that isn't in the contract.
+pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
+    let exam = Exam::new("", dtype, candidate.profile)?;
+    for (name, kind) in candidate.functions.keys() {
+        if !exam.sheets.iter().any(|sheet| sheet.component.name == name && sheet.kind == *kind) {
+            let there = exam.sheets.iter().map(|s| format!("{}/{}", s.component.name, s.kind_name()));
+            let expected = there.collect::<Vec<_>>().join(", ");
+            return Err(Error::usage("component", format!("{name} ({kind:?})"), expected));
+        }
+    }
+    let answers = |sheet: &Sheet| -> Answers {
+        let f = candidate.functions.get(&(sheet.component.name.to_string(), sheet.kind));
+        sheet.cases.iter().map(|case| f.map(|f| given(f(&case.inputs)))).collect()
+    };
+    let answers = exam.sheets.iter().map(answers).collect::<Vec<_>>();
+    Ok(judge_answers(&exam, &answers, EXP_ULP))
+}
+
+/// Judges answers to an exam, a list a sheet.
+pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
+    let rules = Rules { dtype: exam.dtype, exp_ulp };
+    let answered: Vec<usize> = (0..answers.len()).filter(|&n| answers[n].iter().any(Option::is_some)).collect();
+    let papers: Vec<_> = answered.iter().map(|&n| (&exam.sheets[n], &answers[n])).collect();
+    let found = match exam.profile {
+        Some(profile) => assignment::Found { conventions: profile.conventions, contradicting: vec![] },
+        None => assignment::find(&papers, &rules),
+    };
+    let marked = parallel::map(papers.len(), |n| {
+        let (sheet, answers) = papers[n];
+        marks(sheet, answers, &found.conventions, &rules)
+    });
+    let mut report = Report::new(exam, &found.conventions);
+    // Forward explanations are suspects for the gradient of the same component.
+    let mut suspects: BTreeMap<&str, Vec<Vec<&'static str>>> = BTreeMap::new();
+    for (n, sheet) in exam.sheets.iter().enumerate() {
+        let Some(paper) = answered.iter().position(|&m| m == n) else {
+            report.rows.push(Row::unsupported(sheet));
+            continue;
+        };
+        let (marks, grade) = &marked[paper];
+        let mut row = Row::marked(sheet, &answers[n], marks, *grade, &found.conventions);
+        if let Some((_, own)) = found.contradicting.iter().find(|(m, _)| *m == paper) {
+            row.contradiction = partial(sheet.component, own);
+        }
+        if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
+            let known = suspects.get(sheet.component.name).map_or(&[][..], Vec::as_slice);
+            row.diagnosis = diagnose(sheet, &answers[n], &found.conventions, known, &rules);
+            let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
+            suspects.entry(sheet.component.name).or_default().extend(sets);
+        }
+        report.rows.push(row);
+    }
+    report.settle();
+    report
+}
+
+fn names(explanation: &Explanation) -> Vec<&'static str> {
+    explanation.mistakes.iter().map(|mistake| mistake.name).collect()
+}
+
+/// Marks by the stable formula's bound, then by the textbook's where the two differ. The grade is null where they don't.
+fn marks(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules) -> (Marks, Option<Grade>) {
+    let graded = sheet.cases.iter().any(|case| {
+        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+        let bound = |grade| (pass.bound)(&case.inputs, c, &rules.arithmetic(grade));
+        bound(Grade::A) != bound(Grade::B)
+    });
+    let stable = mark(sheet, answers, c, rules, Grade::A);
+    if !graded || stable.pass() {
+        return (stable, graded.then_some(Grade::A));
+    }
+    let textbook = mark(sheet, answers, c, rules, Grade::B);
+    let grade = textbook.pass().then_some(Grade::B);
+    (textbook, grade)
+}

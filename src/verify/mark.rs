@@ -1,0 +1,179 @@
+//! Marking: one sheet of answers against the truth in given conventions.
+
+use std::collections::BTreeSet;
+
+use ndarray::ArrayD;
+
+use super::answer::{Answer, Answers, reshaped, wide_enough};
+use super::arithmetic::{Arithmetic, Dtype, Grade};
+use super::case::Case;
+use super::check::{budget_used, tolerance};
+use super::component::Arrays;
+use super::exam::Sheet;
+use crate::convention::Conventions;
+
+/// The element that used most of its bound.
+#[derive(Clone, Debug)]
+pub struct Worst {
+    /// Case.
+    pub id: String,
+    /// Output.
+    pub output: String,
+    /// Position in the array.
+    pub index: Vec<usize>,
+    /// What was answered.
+    pub got: f64,
+    /// What is true.
+    pub expected: f64,
+    /// How far off an honest answer may be.
+    pub bound: f64,
+    /// The error in units of the last place of the type, at the expected size.
+    pub ulp: f64,
+}
+
+/// What marking found.
+#[derive(Clone, Debug, Default)]
+pub struct Marks {
+    /// Largest error over bound: at most 1 where everything is right.
+    pub budget_used: f64,
+    /// Where.
+    pub worst: Option<Worst>,
+    /// Elements whose bound reaches their size: they prove nothing.
+    pub vacuous: usize,
+    /// Elements that prove something.
+    pub proving: usize,
+    /// What is wrong with the answers as files: absent, of a wrong shape, of a type too narrow, NaN.
+    pub faults: Vec<String>,
+    /// Outputs that no case answers.
+    pub missing: BTreeSet<String>,
+    /// Layouts found and accepted.
+    pub layouts: BTreeSet<String>,
+    /// The outputs that are off, in the order in which the component computes them.
+    pub off: Vec<String>,
+}
+
+impl Marks {
+    /// Everything answered, nothing off, something proved.
+    pub fn pass(&self) -> bool {
+        self.budget_used <= 1.0 && self.faults.is_empty() && self.proving > 0
+    }
+}
+
+/// How to judge: the type, the grade, and the accuracy of elementary functions.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
+    /// What the candidate computes in.
+    pub dtype: Dtype,
+    /// Error of exp, log, sin, cos in ULP.
+    pub exp_ulp: f64,
+}
+
+impl Rules {
+    /// The arithmetic of a grade.
+    pub fn arithmetic(&self, grade: Grade) -> Arithmetic {
+        Arithmetic { elementary_ulp: self.exp_ulp, ..Arithmetic::new(self.dtype, grade) }
+    }
+
+    /// What is true in a case, and how far off an answer may be.
+    pub fn truth(&self, sheet: &Sheet, case: &Case, c: &Conventions, grade: Grade) -> (Arrays, Arrays) {
+        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+        let expected = (pass.oracle)(&case.inputs, c);
+        (expected, tolerance(pass, &case.inputs, c, &self.arithmetic(grade)))
+    }
+}
+
+/// Marks a whole sheet.
+pub fn mark(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules, grade: Grade) -> Marks {
+    let mut marks = Marks::default();
+    let answered: BTreeSet<&String> = answers.iter().flatten().flat_map(|answer| answer.keys()).collect();
+    for (case, answer) in sheet.cases.iter().zip(answers) {
+        let Some(answer) = answer else {
+            marks.faults.push(format!("{}: no answer", case.id));
+            continue;
+        };
+        let (expected, bound) = rules.truth(sheet, case, c, grade);
+        let names = sheet.ordered(expected.keys());
+        if names.iter().all(|name| !answer.contains_key(*name)) {
+            marks.faults.push(format!("{}: none of the outputs is there", case.id));
+        }
+        for name in names {
+            if !answered.contains(name) {
+                marks.missing.insert(name.clone());
+            } else {
+                marks.output(case, name, answer, (&expected[name], &bound[name]), rules.dtype);
+            }
+        }
+    }
+    marks.off = sheet.ordered(marks.off.iter().collect::<BTreeSet<_>>().into_iter()).into_iter().cloned().collect();
+    marks
+}
+
+impl Marks {
+    fn fault(&mut self, case: &Case, name: &str, what: String) {
+        self.faults.push(format!("{}: {name}: {what}", case.id));
+        self.budget_used = f64::INFINITY;
+        self.off.push(name.to_string());
+    }
+
+    fn output(
+        &mut self,
+        case: &Case,
+        name: &String,
+        answer: &Answer,
+        (expected, bound): (&ArrayD<f64>, &ArrayD<f64>),
+        dtype: Dtype,
+    ) {
+        let Some(given) = answer.get(name) else {
+            return self.fault(case, name, "absent here, but not in other cases".into());
+        };
+        if !wide_enough(name, given.dtype, dtype) {
+            self.fault(case, name, format!("{} is too narrow for {dtype}", given.dtype));
+        }
+        let Some((got, layout)) = reshaped(&given.values, expected.shape()) else {
+            let (found, wanted) = (given.values.shape(), expected.shape());
+            return self.fault(case, name, format!("wrong shape {found:?}, expected {wanted:?}"));
+        };
+        self.layouts.extend(layout.map(|layout| format!("{name}: {layout}")));
+        if got.iter().zip(expected).any(|(g, e)| g.is_nan() && !e.is_nan()) {
+            self.fault(case, name, "NaN".into());
+        }
+        for (((index, &got), &expected), &bound) in got.indexed_iter().zip(expected).zip(bound) {
+            let used = budget_used(got, expected, bound);
+            let vacuous = expected.is_finite() && bound >= expected.abs() && bound > 0.0;
+            self.vacuous += usize::from(vacuous);
+            self.proving += usize::from(!vacuous);
+            if used > 1.0 {
+                self.off.push(name.clone());
+            }
+            if used > self.worst.as_ref().map_or(-1.0, |w| budget_used(w.got, w.expected, w.bound)) {
+                self.budget_used = self.budget_used.max(used);
+                let ulp = (got - expected).abs() / dtype.ulp(expected);
+                let index = ndarray::Dimension::slice(&index).to_vec();
+                let (id, output) = (case.id.clone(), name.clone());
+                self.worst = Some(Worst { id, output, index, got, expected, bound, ulp });
+            }
+        }
+    }
+}
+
+/// Whether answers lie within bounds: the question that a search asks thousands of times, so it stops at the first that doesn't.
+pub fn within(answer: &Answer, expected: &Arrays, bound: impl FnOnce() -> Arrays) -> bool {
+    let pairs: Option<Vec<_>> = expected
+        .iter()
+        .filter_map(|(name, e)| answer.get(name).map(|given| (name, e, reshaped(&given.values, e.shape()))))
+        .map(|(name, e, got)| got.map(|(got, _)| (name, e, got)))
+        .collect();
+    let Some(pairs) = pairs.filter(|pairs| !pairs.is_empty()) else { return false };
+    // A NaN on one side only needs no bound.
+    let nan = |(_, e, got): &(&String, &ArrayD<f64>, ArrayD<f64>)| {
+        got.iter().zip(e.iter()).any(|(g, e)| g.is_nan() != e.is_nan())
+    };
+    if pairs.iter().any(nan) {
+        return false;
+    }
+    let bound = bound();
+    pairs.iter().all(|(name, e, got)| {
+        let bound = bound[*name].iter();
+        got.iter().zip(e.iter()).zip(bound).all(|((&g, &e), &b)| budget_used(g, e, b) <= 1.0)
+    })
+}

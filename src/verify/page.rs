@@ -1,0 +1,110 @@
+//! The judge's page: what a person reads in a minute.
+
+use std::fmt;
+
+use super::assignment::Partial;
+use super::diagnose::Explanation;
+use super::report::{Report, Row, Verdict};
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let how = if self.pinned { "PINNED" } else { "FOUND" };
+        writeln!(f, "CONVENTIONS {how}: {}   (answers in {})", self.profile, self.dtype)?;
+        if self.left_out > 0 {
+            writeln!(f, "{} cases aren't representable in {} and were left out", self.left_out, self.dtype)?;
+        }
+        writeln!(f, "\n{:<24}{:<12}{:>7}  {:<12}{:<7}{:>10}{:>9}", "component", "kind", "cases", "verdict", "grade", "budget", "vacuous")?;
+        for row in self.rows.iter().filter(|row| row.verdict != Verdict::Unsupported) {
+            let budget = row.budget_used.map_or(String::new(), percent);
+            let grade = row.grade.map_or("-".into(), |grade| format!("{grade:?}"));
+            let cases = format!("{}/{}", row.answered, row.cases);
+            writeln!(f, "{:<24}{:<12}{cases:>7}  {:<12}{grade:<7}{budget:>10}{:>9}", row.name, row.kind, row.verdict, row.vacuous)?;
+        }
+        let unsupported = self.rows.iter().filter(|row| row.verdict == Verdict::Unsupported);
+        let names: Vec<String> = unsupported.map(|row| format!("{} {}", row.name, row.kind)).collect();
+        if !names.is_empty() {
+            writeln!(f, "\nunsupported (nothing answered): {}", names.join(", "))?;
+        }
+        for row in self.rows.iter().filter(|row| row.verdict != Verdict::Unsupported) {
+            notes(f, row)?;
+        }
+        let (pass, fail) = (self.count(Verdict::Pass), self.count(Verdict::Fail));
+        writeln!(f, "\n{pass} passed, {fail} failed, {} unsupported", self.count(Verdict::Unsupported))
+    }
+}
+
+/// Error over bound.
+fn percent(used: f64) -> String {
+    match used {
+        u if !u.is_finite() => "inf".into(),
+        u if u < 10.0 => format!("{:.1}%", 100.0 * u),
+        u => format!("{u:.1e} x"),
+    }
+}
+
+fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
+    if row.verdict == Verdict::Pass {
+        for layout in &row.layouts {
+            writeln!(f, "\n{} {}: layout {layout}", row.name, row.kind)?;
+        }
+        if !row.missing_outputs.is_empty() {
+            writeln!(f, "\n{} {}: not credited, as not answered: {}", row.name, row.kind, row.missing_outputs.join(", "))?;
+        }
+        return Ok(());
+    }
+    writeln!(f, "\nFAIL {} {}", row.name, row.kind)?;
+    for fault in row.faults.iter().take(4) {
+        writeln!(f, "  {fault}")?;
+    }
+    if row.faults.len() > 4 {
+        writeln!(f, "  and {} more like these", row.faults.len() - 4)?;
+    }
+    if !row.missing_outputs.is_empty() {
+        writeln!(f, "  not answered: {}", row.missing_outputs.join(", "))?;
+    }
+    if let Some(w) = row.worst_case.as_ref().filter(|_| row.budget_used > Some(1.0)) {
+        writeln!(f, "  worst at case {}, {}{:?}: got {:.9e}, expected {:.9e}", w.id, w.output, w.index, w.got, w.expected)?;
+        writeln!(f, "  off by {:.2e} ({:.1} ULP), where {:.2e} is allowed", (w.got - w.expected).abs(), w.ulp, w.bound)?;
+    }
+    if !row.contradiction.is_empty() {
+        writeln!(f, "  right with {}, which contradicts the rest of this run", list(&row.contradiction))?;
+    }
+    if row.budget_used > Some(1.0) {
+        diagnosis(f, row)?;
+    }
+    Ok(())
+}
+
+fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
+    let Some(best) = row.diagnosis.first() else {
+        let first = row.off.first().map_or(String::new(), |name| format!("; the first output to differ is {name}"));
+        return writeln!(f, "  diagnosis: unknown{first}");
+    };
+    writeln!(f, "  consistent with: {}", name(best))?;
+    for same in row.diagnosis.iter().filter(|e| e.same_as_best) {
+        writeln!(f, "  or, the same on every case: {}", name(same))?;
+    }
+    for mistake in &best.mistakes {
+        writeln!(f, "    {}: {}", mistake.name, mistake.cause)?;
+        writeln!(f, "      effect: {}", mistake.effect)?;
+        writeln!(f, "      to mend: {}   (seen: {})", mistake.fix, mistake.seen)?;
+    }
+    if let Some(next) = row.diagnosis.iter().skip(1).find(|e| !e.same_as_best) {
+        writeln!(f, "  runner-up: {}", name(next))?;
+    }
+    Ok(())
+}
+
+/// An explanation on a line.
+fn name(e: &Explanation) -> String {
+    let mistakes = e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>().join(" + ");
+    match (e.mistakes.is_empty(), e.conventions.is_empty()) {
+        (false, true) => mistakes,
+        (true, _) => format!("no mistake, but the convention {}", list(&e.conventions)),
+        (false, false) => format!("{mistakes}, with {}", list(&e.conventions)),
+    }
+}
+
+fn list(partial: &Partial) -> String {
+    partial.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,144 @@
+//! The judge against right, wrong and hostile candidates. The first test is the example to copy.
+
+use nerf_oracle::COMPONENTS;
+use nerf_oracle::convention::CS180;
+use nerf_oracle::convention::profiles::PROFILES;
+use nerf_oracle::verify::answer::{Answers, Given, given};
+use nerf_oracle::verify::check::Kind;
+use nerf_oracle::verify::component::{Arrays, array, arrays, input};
+use nerf_oracle::verify::judge::{EXP_ULP, judge_answers};
+use nerf_oracle::verify::{Candidate, Dtype, Exam, Machine, Report, Verdict, judge};
+
+/// An implementation of volume rendering as anybody might have it, in f32: a running product, the textbook's alpha.
+fn my_volume_render(inputs: &Arrays) -> Arrays {
+    let (sigmas, rgbs, deltas) = (input(inputs, "sigmas"), input(inputs, "rgbs"), input(inputs, "deltas"));
+    let (rays, samples) = (sigmas.shape()[0], sigmas.shape()[1]);
+    let (mut colors, mut weights) = (vec![0.0; rays * 3], vec![]);
+    for r in 0..rays {
+        let mut transmittance = 1.0_f32;
+        for i in 0..samples {
+            let alpha = 1.0 - (-(sigmas[[r, i]] as f32) * deltas[[r, i]] as f32).exp();
+            let weight = transmittance * alpha;
+            for k in 0..3 {
+                colors[3 * r + k] += weight * rgbs[[r, i, k]] as f32;
+            }
+            transmittance *= 1.0 - alpha;
+            weights.push(f64::from(weight));
+        }
+    }
+    let colors = colors.into_iter().map(f64::from).collect();
+    arrays([("colors", array(&[rays, 3], colors)), ("weights", array(&[rays, samples], weights))])
+}
+
+#[test]
+fn an_example_to_copy() {
+    let report = judge(&Candidate::new().forward("volume_render", my_volume_render), Dtype::F32).unwrap();
+    println!("{report}");
+    let row = report.of("volume_render", "forward").unwrap();
+    assert_eq!(row.verdict, Verdict::Pass);
+    // The textbook's 1 - exp(-x) is right, but not as sharp as -expm1(-x): grade B.
+    assert_eq!(format!("{:?}", row.grade), "Some(B)");
+    assert_eq!(row.missing_outputs, ["opacity", "transmittance"]);
+}
+
+/// Answers to all of an exam by a function of (component, kind, inputs).
+fn answer_all(exam: &Exam, f: impl Fn(usize, &Arrays) -> Arrays) -> Vec<Answers> {
+    let sheet = |n: usize| exam.sheets[n].cases.iter().map(|case| Some(given(f(n, &case.inputs)))).collect();
+    (0..exam.sheets.len()).map(sheet).collect()
+}
+
+fn failures(report: &Report) -> Vec<String> {
+    let failed = report.rows.iter().filter(|row| row.verdict != Verdict::Pass);
+    failed.map(|row| format!("{} {} {:?} {:?}", row.name, row.kind, row.budget_used, row.faults)).collect()
+}
+
+#[test]
+fn right_implementations_pass_in_every_dtype() {
+    for dtype in Dtype::ALL {
+        let exam = Exam::new("", dtype, None).unwrap();
+        for n in [0, 13] {
+            let machine = Machine::number(dtype, n);
+            let answers = answer_all(&exam, |n, inputs| {
+                let sheet = &exam.sheets[n];
+                (sheet.component.pass(sheet.kind).unwrap().honest)(inputs, &CS180, &machine)
+            });
+            let report = judge_answers(&exam, &answers, EXP_ULP);
+            assert_eq!(failures(&report), [""; 0], "{dtype} {machine:?}");
+            assert_eq!(report.exit_code(), 0);
+        }
+    }
+}
+
+#[test]
+fn other_conventions_pass_without_a_profile_and_fail_with_another() {
+    for profile in PROFILES {
+        let exam = Exam::new("", Dtype::F64, None).unwrap();
+        let right = |n: usize, inputs: &Arrays| {
+            let sheet = &exam.sheets[n];
+            (sheet.component.pass(sheet.kind).unwrap().oracle)(inputs, &profile.conventions)
+        };
+        // A gradient's cotangent has the default's shape: where a profile changes a shape, its VJP needs --profile.
+        let fits = |n: usize| {
+            let sheet = &exam.sheets[n];
+            let shapes = |c| sheet.cases.iter().map(|case| {
+                (sheet.component.forward.oracle)(&case.inputs, c).into_values().map(|a| a.shape().to_vec()).collect::<Vec<_>>()
+            }).collect::<Vec<_>>();
+            sheet.kind == Kind::Forward || shapes(&CS180) == shapes(&profile.conventions)
+        };
+        let mut answers: Vec<Answers> = exam.sheets.iter().map(|sheet| vec![None; sheet.cases.len()]).collect();
+        for n in (0..exam.sheets.len()).filter(|&n| fits(n)) {
+            answers[n] = exam.sheets[n].cases.iter().map(|case| Some(given(right(n, &case.inputs)))).collect();
+        }
+        let report = judge_answers(&exam, &answers, EXP_ULP);
+        assert_eq!(report.count(Verdict::Fail), 0, "{}: {:?}", profile.name, failures(&report));
+        println!("{} found as: {}", profile.name, report.profile);
+        assert_eq!(report.profile, profile.name);
+    }
+}
+
+#[test]
+fn nothing_easy_passes() {
+    for dtype in Dtype::ALL {
+        let exam = Exam::new("", dtype, None).unwrap();
+        let oracle = |n: usize, inputs: &Arrays| {
+            let sheet = &exam.sheets[n];
+            (sheet.component.pass(sheet.kind).unwrap().oracle)(inputs, &CS180)
+        };
+        let fill = |x: f64| answer_all(&exam, |n, i| oracle(n, i).into_iter().map(|(k, a)| (k, a.mapv(|_| x))).collect());
+        let mut easiest = answer_all(&exam, oracle);
+        easiest.iter_mut().for_each(|sheet| sheet.iter_mut().skip(1).for_each(|answer| *answer = None));
+        for (name, answers) in [("zero", fill(0.0)), ("NaN", fill(f64::NAN)), ("easiest", easiest)] {
+            let report = judge_answers(&exam, &answers, EXP_ULP);
+            let passed: Vec<_> = report.rows.iter().filter(|row| row.verdict == Verdict::Pass).map(|row| row.name).collect();
+            let single = |name: &&str| exam.sheets.iter().any(|s| s.component.name == *name && s.cases.len() == 1);
+            let passed: Vec<_> = passed.into_iter().filter(|name| !single(name)).collect();
+            assert!(passed.is_empty(), "{dtype} {name}: {passed:?} passed");
+            assert_eq!(report.exit_code(), 1);
+        }
+    }
+}
+
+#[test]
+fn the_answers_themselves_are_checked() {
+    let exam = Exam::new("composite_background", Dtype::F64, None).unwrap();
+    let sheet = exam.sheets.iter().position(|s| s.component.name == "composite_background").unwrap();
+    let right = |n: usize, inputs: &Arrays| {
+        let sheet = &exam.sheets[n];
+        (sheet.component.pass(sheet.kind).unwrap().oracle)(inputs, &CS180)
+    };
+    let with = |change: &dyn Fn(&mut Given)| {
+        let mut answers = answer_all(&exam, right);
+        change(answers[sheet][0].as_mut().unwrap().get_mut("colors_out").unwrap());
+        let report = judge_answers(&exam, &answers, EXP_ULP);
+        let row = report.of("composite_background", "forward").unwrap().clone();
+        assert_eq!(row.verdict, Verdict::Fail);
+        row.faults.join("; ")
+    };
+    assert!(with(&|a| a.dtype = "f32").contains("too narrow"));
+    assert!(with(&|a| a.values[[0, 0]] = f64::NAN).contains("NaN"));
+    assert!(with(&|a| a.values = a.values.clone().insert_axis(ndarray::Axis(0))).contains("wrong shape"));
+    let nothing: Vec<Answers> = exam.sheets.iter().map(|sheet| vec![None; sheet.cases.len()]).collect();
+    assert_eq!(judge_answers(&exam, &nothing, EXP_ULP).exit_code(), 2);
+    assert!(judge(&Candidate::new().forward("no_such_thing", Clone::clone), Dtype::F64).is_err());
+    assert!(!COMPONENTS.is_empty());
+}
