@@ -8,10 +8,15 @@ use clap::{Parser, Subcommand};
 
 use crate::error::Result;
 
+mod cases;
 mod demo;
 mod evaluate;
 mod fit_image;
+<<<<<<< HEAD
 mod inspect;
+=======
+mod judge;
+>>>>>>> ed2402c (cases and judge on the command line)
 mod options;
 mod output;
 mod progress;
@@ -44,8 +49,13 @@ enum Command {
     Evaluate(evaluate::Args),
     /// Render a film or frames of a trained run.
     Render(render::Args),
+<<<<<<< HEAD
     /// Show a scene's cameras, rays and samples from outside, as numbers and as a picture.
     Inspect(inspect::Args),
+=======
+    Cases(cases::Args),
+    Judge(judge::Args),
+>>>>>>> ed2402c (cases and judge on the command line)
 }
 
 /// Parses `args`, runs the subcommand, prints an error if there is one, and says how the program ends.
@@ -72,6 +82,11 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Train(args) => train::run(args, cli.json),
         Command::Evaluate(args) => evaluate::run(args, cli.json),
         Command::Render(args) => render::run(args, cli.json),
+<<<<<<< HEAD
         Command::Inspect(args) => inspect::run(args, cli.json),
+=======
+        Command::Cases(args) => cases::run(args, cli.json),
+        Command::Judge(args) => judge::run(args, cli.json),
+>>>>>>> ed2402c (cases and judge on the command line)
     }
 }

@@ -118,6 +118,14 @@ impl Npz {
         self.names.keys().map(String::as_str)
     }
 
+    /// What the archive says all of its entries unpack to, in bytes; an entry that unpacks to more is refused when it is read.
+    pub fn unpacked_bytes(&mut self) -> u64 {
+        let entries = 0..self.archive.len();
+        let archive = &mut self.archive;
+        let size = |index| archive.by_index_raw(index).map_or(0, |entry| entry.size());
+        entries.map(size).fold(0, u64::saturating_add)
+    }
+
     /// Whether there is an array of this name.
     pub fn has(&self, name: &str) -> bool {
         self.names.contains_key(name)
