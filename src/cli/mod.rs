@@ -9,14 +9,20 @@ use clap::{Parser, Subcommand};
 use crate::error::Result;
 
 mod cases;
+mod check;
 mod demo;
 mod evaluate;
+mod explain;
 mod fit_image;
 <<<<<<< HEAD
 mod inspect;
 =======
 mod judge;
+<<<<<<< HEAD
 >>>>>>> ed2402c (cases and judge on the command line)
+=======
+mod list;
+>>>>>>> 4db1bca (list, explain, check; layouts by assignment; profiles with their sources; the catalogue page)
 mod options;
 mod output;
 mod progress;
@@ -50,9 +56,15 @@ enum Command {
     /// Render a film or frames of a trained run.
     Render(render::Args),
 <<<<<<< HEAD
+<<<<<<< HEAD
     /// Show a scene's cameras, rays and samples from outside, as numbers and as a picture.
     Inspect(inspect::Args),
 =======
+=======
+    List(list::Args),
+    Explain(explain::Args),
+    Check(check::Args),
+>>>>>>> 4db1bca (list, explain, check; layouts by assignment; profiles with their sources; the catalogue page)
     Cases(cases::Args),
     Judge(judge::Args),
 >>>>>>> ed2402c (cases and judge on the command line)
@@ -83,8 +95,14 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Evaluate(args) => evaluate::run(args, cli.json),
         Command::Render(args) => render::run(args, cli.json),
 <<<<<<< HEAD
+<<<<<<< HEAD
         Command::Inspect(args) => inspect::run(args, cli.json),
 =======
+=======
+        Command::List(args) => list::run(args, cli.json),
+        Command::Explain(args) => explain::run(args, cli.json),
+        Command::Check(args) => check::run(args, cli.json),
+>>>>>>> 4db1bca (list, explain, check; layouts by assignment; profiles with their sources; the catalogue page)
         Command::Cases(args) => cases::run(args, cli.json),
         Command::Judge(args) => judge::run(args, cli.json),
 >>>>>>> ed2402c (cases and judge on the command line)

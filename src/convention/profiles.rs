@@ -19,13 +19,22 @@ pub struct Profile {
     pub beyond: &'static str,
 }
 
-/// All of them; the default first.
+/// All of them; the default first. Where a code base has nothing to a convention (a hash grid has no bands), the default stands,
+/// and `sources` has no entry.
 pub const PROFILES: &[Profile] = &[
     Profile {
         name: "cs180",
         title: "Berkeley CS180, project on neural radiance fields: the paper's text taken literally",
         conventions: CS180,
-        sources: &[],
+        sources: &[
+            ("axes", "course page: x right, y down, z forward, c2w as given in lego_200x200.npz"),
+            ("pixel_centre", "course page: add 0.5 to the pixel grid"),
+            ("directions", "course page: r_d = (X_w - r_o) / |X_w - r_o|"),
+            ("grid", "course page: t in [near, far], perturbed by U[0, 1) times the width"),
+            ("frequency", "NeRF (2020), equation 4: sin(2^k pi x), cos(2^k pi x)"),
+            ("identity", "course page: keep the original input in front"),
+            ("skip_layer", "NeRF (2020), figure 7: the encoding again into the fifth layer"),
+        ],
         beyond: "",
     },
     Profile {
@@ -46,8 +55,156 @@ pub const PROFILES: &[Profile] = &[
             bytes: Bytes::Truncate,
             ..CS180
         },
-        sources: &[],
-        beyond: "",
+        sources: &[
+            ("axes", "run_nerf_helpers.py get_rays: [(i-W/2)/f, -(j-H/2)/f, -1]"),
+            ("pixel_centre", "run_nerf_helpers.py get_rays: range(W), range(H), centre W*.5"),
+            ("directions", "run_nerf_helpers.py get_rays: not normalised"),
+            ("grid", "run_nerf.py render_rays: linspace with both ends, bins between mids"),
+            ("delta", "run_nerf.py raw2outputs: z_vals[1:] - z_vals[:-1], times the norm of the direction"),
+            ("last_delta", "run_nerf.py raw2outputs: 1e10"),
+            ("product_eps", "run_nerf.py raw2outputs: cumprod(1 - alpha + 1e-10)"),
+            ("frequency", "run_nerf_helpers.py Embedder: 2^k without pi"),
+            ("columns", "run_nerf_helpers.py Embedder: for each frequency sin, cos of all dimensions"),
+            ("density", "run_nerf.py raw2alpha: relu"),
+            ("skip_layer", "run_nerf_helpers.py init_nerf_model: concatenated behind layer 4, read by layer 5 (from 0)"),
+            ("skip_order", "run_nerf_helpers.py init_nerf_model: [inputs_pts, outputs]"),
+            ("feature", "run_nerf_helpers.py init_nerf_model: bottleneck with act=None"),
+            ("depth", "run_nerf.py raw2outputs: sum of weights * z_vals"),
+            ("bytes", "run_nerf_helpers.py to8b: astype(uint8)"),
+        ],
+        beyond: "delta is multiplied by the direction's length; directions are unit length for the network alone",
+    },
+    Profile {
+        name: "kornia-0.8.2",
+        title: "kornia.nerf of kornia 0.8.2, the last release that has it",
+        conventions: Conventions {
+            pixel_centre: PixelCentre::Integer,
+            directions: Directions::Depth,
+            delta: Delta::Differences,
+            last_delta: LastDelta::TenToTen,
+            product_eps: ProductEps::TenToMinusTen,
+            frequency: Frequency::One,
+            bands: Bands::Linear,
+            depth: Depth::Plain,
+            ..CS180
+        },
+        sources: &[
+            ("axes", "nerf/samplers.py _calc_ray_directions_cam: ((u-cx)/fx, (v-cy)/fy, 1)"),
+            ("pixel_centre", "nerf/nerf_model.py create_meshgrid: integer pixels, the centre as given"),
+            ("directions", "nerf/samplers.py _calc_ray_params: unproject(max_depth) - unproject(min_depth)"),
+            ("delta", "nerf/volume_renderer.py IrregularRenderer: differences of t"),
+            ("last_delta", "nerf/volume_renderer.py VolumeRenderer._huge = 1e10"),
+            ("product_eps", "nerf/volume_renderer.py VolumeRenderer._eps = 1e-10"),
+            ("frequency", "nerf/positional_encoder.py _torch_sin: sin(x * freq), no pi"),
+            ("bands", "nerf/positional_encoder.py: linspace(1, 2^(L-1), L) unless log_space"),
+            ("columns", "nerf/positional_encoder.py: identity, then sin, cos for each frequency"),
+            ("density", "nerf/nerf_model.py: relu"),
+            ("skip_layer", "nerf/nerf_model.py MLP: units of four layers, concatenated in front of the second"),
+            ("skip_order", "nerf/nerf_model.py MLP: (out, x_skip)"),
+        ],
+        beyond: "its feature layer feeds the density too; its directions reach from the near to the far plane; RegularRenderer \
+                 uses the first ray's spacing for all; no depth",
+    },
+    Profile {
+        name: "nerfstudio",
+        title: "nerfstudio's vanilla NeRF",
+        conventions: Conventions {
+            axes: Axes::Opengl,
+            delta: Delta::Differences,
+            last_delta: LastDelta::ToFar,
+            frequency: Frequency::TwoPi,
+            columns: Columns::AllSinAllCos,
+            density: Density::Softplus,
+            skip_order: SkipOrder::EncodingFirst,
+            ..CS180
+        },
+        sources: &[
+            ("axes", "cameras/cameras.py: OpenGL"),
+            ("pixel_centre", "cameras/cameras.py get_image_coords: pixel_offset 0.5"),
+            ("directions", "cameras/rays.py RayBundle: unit ray direction vector"),
+            ("delta", "cameras/rays.py get_ray_samples: bin_ends - bin_starts"),
+            ("product_eps", "cameras/rays.py get_weights: exp(-cumsum), nothing added"),
+            ("frequency", "field_components/encodings.py NeRFEncoding: 2 pi x"),
+            ("columns", "field_components/encodings.py NeRFEncoding: sin of all (dimension, frequency) pairs, then cos"),
+            ("density", "field_components/field_heads.py DensityFieldHead: Softplus"),
+            ("skip_layer", "field_components/mlp.py: in front of layer 4; fields/vanilla_nerf_field.py skip_connections (4,)"),
+            ("skip_order", "field_components/mlp.py: cat([in_tensor, x])"),
+            ("last_trunk", "fields/vanilla_nerf_field.py mlp_base: out_activation ReLU"),
+            ("depth", "model_components/renderers.py DepthRenderer expected: divided by sum of weights + 1e-10"),
+        ],
+        beyond: "the identity stands behind the bands; cos is sin(x + pi / 2); vanilla NeRF's exponents run from 0 to 8 in ten \
+                 steps, not octaves; no feature layer; 1e-10 in the depth's divisor, which is clipped to the samples",
+    },
+    Profile {
+        name: "multinerf",
+        title: "google-research/multinerf (mip-NeRF 360, Ref-NeRF, RawNeRF)",
+        conventions: Conventions {
+            axes: Axes::Opengl,
+            directions: Directions::Depth,
+            delta: Delta::Differences,
+            last_delta: LastDelta::ToFar,
+            frequency: Frequency::One,
+            columns: Columns::AllSinAllCos,
+            density: Density::Softplus,
+            skip_layer: 5,
+            ..CS180
+        },
+        sources: &[
+            ("axes", "internal/camera_utils.py pixels_to_rays: diag(1, -1, -1), from OpenCV to OpenGL"),
+            ("pixel_centre", "internal/camera_utils.py pix_to_dir: x + .5, y + .5"),
+            ("directions", "internal/camera_utils.py pixels_to_rays: directions as they are, viewdirs normalised"),
+            ("delta", "internal/render.py compute_alpha_weights: differences times the norm of the direction"),
+            ("product_eps", "internal/render.py compute_alpha_weights: exp(-cumsum), nothing added"),
+            ("frequency", "internal/coord.py pos_enc: 2^arange(min_deg, max_deg)"),
+            ("identity", "internal/coord.py pos_enc: append_identity"),
+            ("columns", "internal/coord.py pos_enc: sin of all (frequency, dimension) pairs, then sin(x + pi / 2)"),
+            ("density", "internal/models.py MLP.density_activation: softplus"),
+            ("skip_layer", "internal/models.py MLP: concatenated behind layer 4, read by layer 5 (from 0)"),
+            ("skip_order", "internal/models.py MLP: [x, inputs]"),
+            ("depth", "internal/render.py volumetric_rendering: expectation divided by acc"),
+        ],
+        beyond: "positions are encoded as Gaussians; -1 is added to the raw density; colours are padded by 0.001; the pairs of \
+                 the encoding run over dimensions first; depth is the exponential of the expected logarithm",
+    },
+    Profile {
+        name: "nerfacc",
+        title: "nerfacc with the vanilla NeRF of its examples",
+        conventions: Conventions {
+            axes: Axes::Opengl,
+            delta: Delta::Differences,
+            last_delta: LastDelta::ToFar,
+            frequency: Frequency::One,
+            columns: Columns::AllSinAllCos,
+            skip_layer: 5,
+            ..CS180
+        },
+        sources: &[
+            ("axes", "examples/datasets/nerf_synthetic.py: OPENGL_CAMERA = True"),
+            ("pixel_centre", "examples/datasets/nerf_synthetic.py: x - cx + 0.5"),
+            ("directions", "examples/datasets/nerf_synthetic.py: viewdirs normalised"),
+            ("delta", "nerfacc/volrend.py render_transmittance_from_density: t_ends - t_starts"),
+            ("product_eps", "nerfacc/volrend.py: exp(-exclusive_sum), nothing added"),
+            ("frequency", "examples/radiance_fields/mlp.py SinusoidalEncoder: 2^i"),
+            ("columns", "examples/radiance_fields/mlp.py SinusoidalEncoder: all sin, then sin(x + pi / 2)"),
+            ("density", "examples/radiance_fields/mlp.py VanillaNeRFRadianceField: relu"),
+            ("skip_layer", "examples/radiance_fields/mlp.py MLP: concatenated behind layer 4"),
+            ("skip_order", "examples/radiance_fields/mlp.py MLP: [x, inputs]"),
+            ("feature", "examples/radiance_fields/mlp.py bottleneck_layer: identity"),
+            ("depth", "nerfacc/volrend.py rendering: divided by the opacity, not below eps"),
+        ],
+        beyond: "the pairs of the encoding run over dimensions first; steps come from an occupancy grid",
+    },
+    Profile {
+        name: "ngp",
+        title: "NVlabs/instant-ngp",
+        conventions: Conventions { delta: Delta::Differences, last_delta: LastDelta::Width, density: Density::Exp, ..CS180 },
+        sources: &[
+            ("density", "src/testbed_nerf.cu network_to_density: __expf (ENerfActivation::Exponential)"),
+            ("delta", "src/testbed_nerf.cu calc_dt: the step of the march"),
+            ("axes", "include/neural-graphics-primitives/nerf_loader.h nerf_matrix_to_ngp: poses are turned to z forward"),
+        ],
+        beyond: "hash grid and spherical harmonics in place of the encoding; marching stops at T < 1e-4 and renormalises; the \
+                 exponential's gradient is clamped to [-15, 15]",
     },
 ];
 

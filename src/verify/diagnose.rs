@@ -52,10 +52,22 @@ pub fn diagnose(
         let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], sheet, answers, rules));
         let fitting: Vec<_> = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect();
         if !fitting.is_empty() {
+            let mut fitting = fitting;
+            if count == 0 {
+                // A mistake may be somebody else's convention: the two are told together.
+                fitting.extend(alone(sheet, answers, base, rules));
+            }
             return ranked(fitting, sheet, answers, &home, rules);
         }
     }
     vec![]
+}
+
+/// Single mistakes in the run's own conventions that explain everything.
+fn alone(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) -> Vec<Hypothesis> {
+    let single = |mistakes| Hypothesis { mistakes, conventions: *base };
+    let hypotheses = sets(sheet, 1, &[]).into_iter().map(single);
+    hypotheses.filter(|h| explains_all(h, sheet, answers, rules)).collect()
 }
 
 /// Sets of `count` mistakes that this direction can show; pairs in both orders, as their effects needn't commute.
@@ -113,7 +125,8 @@ fn ranked(
     let mut rows: Vec<(Hypothesis, f64)> = fitting.drain(..).map(|h| (residual(&h), h)).map(|(r, h)| (h, r)).collect();
     rows.sort_by(|(a, ra), (b, rb)| {
         let seen = |h: &Hypothesis| h.mistakes.iter().map(|name| row(name).count).sum::<u32>();
-        moved(a).cmp(&moved(b)).then(seen(b).cmp(&seen(a))).then(ra.total_cmp(rb))
+        let mistakes = |h: &Hypothesis| h.mistakes.len();
+        mistakes(a).cmp(&mistakes(b)).then(moved(a).cmp(&moved(b))).then(seen(b).cmp(&seen(a))).then(ra.total_cmp(rb))
     });
     // The two orders of a pair are one explanation.
     let mut known: Vec<(Vec<&str>, Conventions)> = vec![];
@@ -124,7 +137,8 @@ fn ranked(
         known.push(key);
         new
     });
-    rows.truncate(6);
+    // So many are enough to choose from; a mistake that equals a convention stays in sight.
+    rows.truncate(8);
     let best = rows[0].0.clone();
     let same = |h: &Hypothesis| usable(h, sheet, answers).iter().all(|(case, _)| h.same_as(&best, sheet, case, rules));
     rows.iter()

@@ -21,11 +21,12 @@ use std::collections::BTreeMap;
 
 use super::answer::{Answers, given};
 use super::arithmetic::{Dtype, Grade};
-use super::assignment::{self, partial};
+use super::assignment::{self, Found, partial};
 use super::check::Kind;
 use super::component::Arrays;
 use super::diagnose::{Explanation, diagnose};
 use super::exam::{Exam, Sheet};
+use super::layout;
 use super::mark::{Marks, Rules, mark};
 use super::report::{Report, Row, Verdict};
 use crate::convention::Conventions;
@@ -98,39 +99,80 @@ pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
 /// Judges answers to an exam, a list a sheet.
 pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
     let rules = Rules { dtype: exam.dtype, exp_ulp };
-    let answered: Vec<usize> = (0..answers.len()).filter(|&n| answers[n].iter().any(Option::is_some)).collect();
-    let papers: Vec<_> = answered.iter().map(|&n| (&exam.sheets[n], &answers[n])).collect();
-    let found = match exam.profile {
-        Some(profile) => assignment::Found { conventions: profile.conventions, contradicting: vec![] },
-        None => assignment::find(&papers, &rules),
-    };
-    let marked = parallel::map(papers.len(), |n| {
-        let (sheet, answers) = papers[n];
-        marks(sheet, answers, &found.conventions, &rules)
+    let first = Round::new(exam, answers, &rules);
+    // What fails may only be laid out otherwise: then it is judged again in the contract's layout.
+    let failing = |n: &usize| first.marked[*n].as_ref().is_some_and(|(marks, _)| marks.budget_used > 1.0);
+    let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
+    let base = first.found.conventions;
+    let laid = parallel::map(failing.len(), |n| {
+        layout::normalised(&exam.sheets[failing[n]], &answers[failing[n]], &base, &rules)
     });
-    let mut report = Report::new(exam, &found.conventions);
-    // Forward explanations are suspects for the gradient of the same component.
-    let mut suspects: BTreeMap<&str, Vec<Vec<&'static str>>> = BTreeMap::new();
-    for (n, sheet) in exam.sheets.iter().enumerate() {
-        let Some(paper) = answered.iter().position(|&m| m == n) else {
-            report.rows.push(Row::unsupported(sheet));
-            continue;
-        };
-        let (marks, grade) = &marked[paper];
-        let mut row = Row::marked(sheet, &answers[n], marks, *grade, &found.conventions);
-        if let Some((_, own)) = found.contradicting.iter().find(|(m, _)| *m == paper) {
-            row.contradiction = partial(sheet.component, own);
-        }
-        if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
-            let known = suspects.get(sheet.component.name).map_or(&[][..], Vec::as_slice);
-            row.diagnosis = diagnose(sheet, &answers[n], &found.conventions, known, &rules);
-            let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
-            suspects.entry(sheet.component.name).or_default().extend(sets);
-        }
-        report.rows.push(row);
+    let laid: BTreeMap<usize, (Answers, String)> =
+        failing.into_iter().zip(laid).filter_map(|(n, laid)| Some((n, laid?))).collect();
+    if laid.is_empty() {
+        return first.report(exam, answers, &rules, &laid);
     }
-    report.settle();
-    report
+    let same = |n: usize| laid.get(&n).map_or_else(|| answers[n].clone(), |(answers, _)| answers.clone());
+    let ordered: Vec<Answers> = (0..answers.len()).map(same).collect();
+    Round::new(exam, &ordered, &rules).report(exam, &ordered, &rules, &laid)
+}
+
+/// Answers marked in the conventions of the run.
+struct Round {
+    found: Found,
+    /// Marks of each sheet; `None` where nothing was answered.
+    marked: Vec<Option<(Marks, Option<Grade>)>>,
+}
+
+impl Round {
+    fn new(exam: &Exam, answers: &[Answers], rules: &Rules) -> Round {
+        let answered = |n: &usize| answers[*n].iter().any(Option::is_some);
+        let papers: Vec<usize> = (0..answers.len()).filter(answered).collect();
+        let sheets: Vec<_> = papers.iter().map(|&n| (&exam.sheets[n], &answers[n])).collect();
+        let mut found = match exam.profile {
+            Some(profile) => Found { conventions: profile.conventions, contradicting: vec![] },
+            None => assignment::find(&sheets, rules),
+        };
+        found.contradicting.iter_mut().for_each(|(n, _)| *n = papers[*n]);
+        let marked = parallel::map(answers.len(), |n| {
+            let answered = papers.contains(&n);
+            answered.then(|| marks(&exam.sheets[n], &answers[n], &found.conventions, rules))
+        });
+        Round { found, marked }
+    }
+
+    fn report(
+        &self,
+        exam: &Exam,
+        answers: &[Answers],
+        rules: &Rules,
+        laid: &BTreeMap<usize, (Answers, String)>,
+    ) -> Report {
+        let c = &self.found.conventions;
+        let mut report = Report::new(exam, c);
+        // Forward explanations are suspects for the gradient of the same component.
+        let mut suspects: BTreeMap<&str, Vec<Vec<&'static str>>> = BTreeMap::new();
+        for (n, sheet) in exam.sheets.iter().enumerate() {
+            let Some((marks, grade)) = &self.marked[n] else {
+                report.rows.push(Row::unsupported(sheet));
+                continue;
+            };
+            let mut row = Row::marked(sheet, &answers[n], marks, *grade, c);
+            row.layouts.extend(laid.get(&n).map(|(_, layout)| layout.clone()));
+            if let Some((_, own)) = self.found.contradicting.iter().find(|(m, _)| *m == n) {
+                row.contradiction = partial(sheet.component, own);
+            }
+            if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
+                let known = suspects.get(sheet.component.name).map_or(&[][..], Vec::as_slice);
+                row.diagnosis = diagnose(sheet, &answers[n], c, known, rules);
+                let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
+                suspects.entry(sheet.component.name).or_default().extend(sets);
+            }
+            report.rows.push(row);
+        }
+        report.settle();
+        report
+    }
 }
 
 fn names(explanation: &Explanation) -> Vec<&'static str> {

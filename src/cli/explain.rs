@@ -1,0 +1,24 @@
+//! `explain`: all there is to know about a name.
+
+use std::process::ExitCode;
+
+use super::output;
+use crate::error::Result;
+use crate::verify::explain::explain;
+
+/// Explain a component, a mistake, a convention or a profile.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Its name, as `list` has it.
+    name: String,
+}
+
+/// Runs it.
+///
+/// # Errors
+/// A name that nothing has.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    let (object, text) = explain(&args.name)?;
+    output::print(json, &object, &text);
+    Ok(ExitCode::SUCCESS)
+}

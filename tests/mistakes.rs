@@ -1,0 +1,168 @@
+//! The catalogue is the test: every mistake is named first, alone and beside a convention.
+
+use nerf_oracle::COMPONENTS;
+use nerf_oracle::convention::profiles::{self, PROFILES};
+use nerf_oracle::convention::{CHOICES, CS180, Conventions};
+use nerf_oracle::random::{Key, Purpose};
+use nerf_oracle::verify::answer::{Answers, Given};
+use nerf_oracle::verify::case::Draw;
+use nerf_oracle::verify::check::Kind;
+use nerf_oracle::verify::diagnose::Explanation;
+use nerf_oracle::verify::exam::Sheet;
+use nerf_oracle::verify::judge::{EXP_ULP, judge_answers};
+use nerf_oracle::verify::report::Row;
+use nerf_oracle::verify::{Component, Dtype, Exam, Mistake, Verdict};
+
+/// What an implementation in `dtype` with this mistake answers: inputs off by a rounding, results rounded.
+fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
+    let pass = sheet.component.pass(sheet.kind).unwrap();
+    let u = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };
+    let answer = |case: &nerf_oracle::verify::Case| {
+        let mut draw = Draw::new(&case.id, 7);
+        let mut inputs = case.inputs.clone();
+        for array in inputs.values_mut().filter(|a| a.ndim() > 0) {
+            array.mapv_inplace(|x| x * (1.0 + u * (2.0 * draw.unit() - 1.0)));
+        }
+        let given = |a: ndarray::ArrayD<f64>| Given { values: a.mapv(|x| dtype.round(x)), dtype: "f64" };
+        Some((pass.wrong)(&inputs, c, mistakes).into_iter().map(|(name, a)| (name, given(a))).collect())
+    };
+    sheet.cases.iter().map(answer).collect()
+}
+
+/// The verdict on one sheet, all others unanswered.
+fn judged(exam: &Exam, n: usize, answers: Answers) -> Row {
+    let mut all: Vec<Answers> = exam.sheets.iter().map(|sheet| vec![None; sheet.cases.len()]).collect();
+    all[n] = answers;
+    let report = judge_answers(exam, &all, EXP_ULP);
+    report.rows[n].clone()
+}
+
+fn exam_of(component: &Component, dtype: Dtype, profile: Option<&str>) -> Exam {
+    Exam::new(component.name, dtype, profile.map(|name| profiles::find(name).unwrap())).unwrap()
+}
+
+fn sheet_of(exam: &Exam, component: &Component, kind: Kind) -> usize {
+    exam.sheets.iter().position(|s| s.component.name == component.name && s.kind == kind).unwrap()
+}
+
+fn names(e: &Explanation) -> Vec<&'static str> {
+    e.mistakes.iter().map(|m| m.name).collect()
+}
+
+/// Named first, or as one of those that are the same on every case.
+fn named(row: &Row, mistake: &Mistake) -> bool {
+    row.diagnosis.iter().enumerate().any(|(n, e)| (n == 0 || e.same_as_best) && names(e) == [mistake.name])
+}
+
+#[test]
+fn every_mistake_is_named_first() {
+    let (mut total, mut failures) = (0, vec![]);
+    for dtype in [Dtype::F64, Dtype::F32] {
+        for component in COMPONENTS {
+            for mistake in component.mistakes {
+                let kind = if mistake.gradient { Kind::Vjp } else { Kind::Forward };
+                let exam = exam_of(component, dtype, Some("cs180"));
+                let n = sheet_of(&exam, component, kind);
+                let row = judged(&exam, n, wrong_answers(&exam.sheets[n], &CS180, &[mistake.name], dtype));
+                if row.verdict == Verdict::Pass {
+                    println!("{dtype} {} {}: below the bound ({:.1e})", component.name, mistake.name, row.budget_used.unwrap());
+                    assert_ne!(dtype, Dtype::F64, "{} {} passes", component.name, mistake.name);
+                    continue;
+                }
+                total += 1;
+                if row.diagnosis.len() > 1 && row.diagnosis[1].same_as_best {
+                    let pair: Vec<_> = row.diagnosis.iter().map(|e| format!("{:?} {:?}", names(e), e.conventions)).collect();
+                    println!("{dtype} {} the same on every case: {}", component.name, pair.join(" | "));
+                }
+                if !named(&row, mistake) {
+                    let got: Vec<_> = row.diagnosis.iter().map(|e| (names(e), &e.conventions)).collect();
+                    failures.push(format!("{dtype} {} {}: {got:?} {:?}", component.name, mistake.name, row.faults.first()));
+                }
+            }
+        }
+    }
+    println!("{} of {total} named first", total - failures.len());
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// Draws of one convention and one mistake: `PAIRS=2000` for more.
+fn pairs() -> u64 {
+    std::env::var("PAIRS").ok().and_then(|n| n.parse().ok()).unwrap_or(200)
+}
+
+#[test]
+fn one_convention_and_one_mistake_are_named() {
+    let key = Key::new(20_261_121, Purpose::Cases);
+    let usable: Vec<_> = COMPONENTS.iter().filter(|c| !c.conventions.is_empty() && c.mistakes.iter().any(|m| !m.gradient)).collect();
+    let (mut total, mut right, mut failures, mut draw) = (0, 0, vec![], 0);
+    while total < pairs() && draw < 20 * pairs() {
+        draw += 1;
+        let pick = |n: usize, lane: u64| key.below(n as u64, draw, lane, 0) as usize;
+        let component = usable[pick(usable.len(), 0)];
+        let convention = component.conventions[pick(component.conventions.len(), 1)];
+        let (_, values) = CHOICES.iter().find(|(name, _)| *name == convention).unwrap();
+        let value = values[pick(values.len(), 2)];
+        let mistake = &component.mistakes[pick(component.mistakes.len(), 3)];
+        if CS180.get(convention) == value || mistake.gradient {
+            continue;
+        }
+        let c = CS180.with(convention, value).unwrap();
+        let dtype = [Dtype::F64, Dtype::F32][pick(2, 4)];
+        let exam = exam_of(component, dtype, None);
+        let n = sheet_of(&exam, component, Kind::Forward);
+        let row = judged(&exam, n, wrong_answers(&exam.sheets[n], &c, &[mistake.name], dtype));
+        // Where the two together are right in some conventions, or the mistake hides the convention, there is nothing to tell.
+        if row.verdict == Verdict::Pass || hidden(&exam.sheets[n], &c, mistake, dtype) {
+            continue;
+        }
+        total += 1;
+        let hit = row.diagnosis.iter().enumerate().any(|(k, e)| {
+            (k == 0 || e.same_as_best) && names(e) == [mistake.name] && e.conventions.get(convention) == Some(&value)
+        });
+        right += u64::from(hit);
+        if !hit {
+            let got: Vec<_> = row.diagnosis.iter().map(|e| (names(e), &e.conventions)).collect();
+            failures.push(format!("{dtype} {} {} {convention}={value}: {got:?}", component.name, mistake.name));
+        }
+    }
+    println!("{right} of {total} pairs named ({:.1}%)\n{}", 100.0 * right as f64 / total as f64, failures.join("\n"));
+    assert!(right as f64 >= 0.98 * total as f64, "{right} of {total}:\n{}", failures.join("\n"));
+}
+
+/// Whether the mistake makes the convention invisible, or the convention the mistake.
+fn hidden(sheet: &Sheet, c: &Conventions, mistake: &Mistake, dtype: Dtype) -> bool {
+    let both = wrong_answers(sheet, c, &[mistake.name], dtype);
+    let same = |other: Answers| {
+        both.iter().flatten().zip(other.iter().flatten()).all(|(a, b)| {
+            a.iter().all(|(name, a)| {
+                let b = &b[name].values;
+                a.values.shape() == b.shape()
+                    && a.values.iter().zip(b).all(|(x, y)| x == y || (x - y).abs() <= 1e3 * dtype.unit_roundoff() * x.abs().max(1.0))
+            })
+        })
+    };
+    same(wrong_answers(sheet, &CS180, &[mistake.name], dtype)) || same(wrong_answers(sheet, c, &[], dtype))
+}
+
+#[test]
+fn a_mistake_that_is_somebodys_convention_is_reported_as_the_pair() {
+    for component in COMPONENTS {
+        for mistake in component.mistakes.iter().filter(|m| !m.gradient) {
+            let exam = exam_of(component, Dtype::F64, Some("cs180"));
+            let n = sheet_of(&exam, component, Kind::Forward);
+            let sheet = &exam.sheets[n];
+            for profile in PROFILES {
+                let equal = sheet.cases.iter().all(|case| {
+                    let right = (component.forward.oracle)(&case.inputs, &profile.conventions);
+                    right == (component.forward.wrong)(&case.inputs, &CS180, &[mistake.name])
+                });
+                if !equal {
+                    continue;
+                }
+                let row = judged(&exam, n, wrong_answers(sheet, &CS180, &[mistake.name], Dtype::F64));
+                let convention = row.diagnosis.iter().any(|e| e.mistakes.is_empty());
+                assert!(convention && named(&row, mistake), "{} {} is {}", component.name, mistake.name, profile.name);
+            }
+        }
+    }
+}
