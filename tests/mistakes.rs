@@ -4,24 +4,27 @@ use nerf_oracle::COMPONENTS;
 use nerf_oracle::convention::profiles::{self, PROFILES};
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
 use nerf_oracle::random::{Key, Purpose};
-use nerf_oracle::verify::answer::{Answers, Given};
+use nerf_oracle::verify::answer::{Answer, Answers, Given};
 use nerf_oracle::verify::case::Draw;
 use nerf_oracle::verify::check::Kind;
 use nerf_oracle::verify::diagnose::Explanation;
 use nerf_oracle::verify::exam::Sheet;
+use nerf_oracle::verify::hypothesis::Hypothesis;
 use nerf_oracle::verify::judge::{EXP_ULP, judge_answers};
+use nerf_oracle::verify::mark::Rules;
 use nerf_oracle::verify::report::Row;
-use nerf_oracle::verify::{Component, Dtype, Exam, Mistake, Verdict};
+use nerf_oracle::verify::{Case, Component, Dtype, Exam, Mistake, Verdict};
 
 /// What an implementation in `dtype` with this mistake answers: inputs off by a rounding, results rounded.
 fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
     let pass = sheet.component.pass(sheet.kind).unwrap();
     let u = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };
-    let answer = |case: &nerf_oracle::verify::Case| {
+    let answer = |case: &Case| {
         let mut draw = Draw::new(&case.id, 7);
         let mut inputs = case.inputs.clone();
         for array in inputs.values_mut().filter(|a| a.ndim() > 0) {
-            array.mapv_inplace(|x| x * (1.0 + u * (2.0 * draw.unit() - 1.0)));
+            // 0 and 1 are exact in any arithmetic, and mean something: empty, opaque, homogeneous.
+            array.mapv_inplace(|x| if x == 1.0 { x } else { x * (1.0 + u * (2.0 * draw.unit() - 1.0)) });
         }
         let given = |a: ndarray::ArrayD<f64>| Given { values: a.mapv(|x| dtype.round(x)), dtype: "f64" };
         Some((pass.wrong)(&inputs, c, mistakes).into_iter().map(|(name, a)| (name, given(a))).collect())
@@ -76,13 +79,26 @@ fn every_mistake_is_named_first() {
                 }
                 if !named(&row, mistake) {
                     let got: Vec<_> = row.diagnosis.iter().map(|e| (names(e), &e.conventions)).collect();
-                    failures.push(format!("{dtype} {} {}: {got:?} {:?}", component.name, mistake.name, row.faults.first()));
+                    let why = unexplained(&exam.sheets[n], mistake, dtype);
+                    failures.push(format!("{dtype} {} {}: {got:?} {why}", component.name, mistake.name));
                 }
             }
         }
     }
     println!("{} of {total} named first", total - failures.len());
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+}
+
+/// The cases that the mistake alone doesn't explain.
+fn unexplained(sheet: &Sheet, mistake: &Mistake, dtype: Dtype) -> String {
+    let h = Hypothesis { mistakes: vec![mistake.name], conventions: CS180 };
+    let rules = Rules { dtype, exp_ulp: EXP_ULP };
+    let answers = wrong_answers(sheet, &CS180, &[mistake.name], dtype);
+    let used = |(case, answer): (&Case, &Option<Answer>)| {
+        let residual = h.residual(sheet, case, answer.as_ref()?, &rules);
+        (!h.explains(sheet, case, answer.as_ref()?, &rules)).then(|| format!("{} {residual:.2}", case.id))
+    };
+    sheet.cases.iter().zip(&answers).filter_map(used).collect::<Vec<_>>().join(", ")
 }
 
 /// Draws of one convention and one mistake: `PAIRS=2000` for more.

@@ -1,0 +1,137 @@
+//! Cases and answers as files: what is written, and what is refused.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use nerf_oracle::convention::CS180;
+use nerf_oracle::files::npz::{self, Array};
+use nerf_oracle::verify::exchange::{read_answers, read_exam, write_cases};
+use nerf_oracle::verify::judge::{EXP_ULP, judge_answers};
+use nerf_oracle::verify::{Dtype, Exam};
+use tempfile::TempDir;
+
+/// Cases of the background's component, and right answers to them.
+fn folders() -> (TempDir, PathBuf, PathBuf) {
+    let root = tempfile::tempdir().unwrap();
+    let (cases, answers) = (root.path().join("cases"), root.path().join("answers"));
+    let exam = Exam::new("composite_background", Dtype::F32, None).unwrap();
+    write_cases(&exam, &cases).unwrap();
+    for sheet in &exam.sheets {
+        for case in &sheet.cases {
+            let outputs = (sheet.component.pass(sheet.kind).unwrap().oracle)(&case.inputs, &CS180);
+            let narrow = outputs.into_iter().map(|(name, a)| (name, Array::F32(a.mapv(|x| x as f32)))).collect();
+            npz::write(&answers.join(sheet.path(case) + ".npz"), &narrow, false).unwrap();
+        }
+    }
+    (root, cases, answers)
+}
+
+/// The message with which a pair of folders is refused.
+fn refused(cases: &Path, answers: &Path) -> String {
+    let result = read_exam(cases).and_then(|exam| read_answers(&exam, answers));
+    result.err().expect("refused").to_string()
+}
+
+/// An answer's file.
+fn first(answers: &Path) -> PathBuf {
+    answers.join("composite_background/forward-three_opacities.npz")
+}
+
+/// A zip with one stored entry.
+fn zip_of(path: &Path, name: &str, bytes: &[u8], compress: bool) {
+    let mut zip = zip::ZipWriter::new(fs::File::create(path).unwrap());
+    let method = if compress { zip::CompressionMethod::Deflated } else { zip::CompressionMethod::Stored };
+    zip.start_file(name, zip::write::SimpleFileOptions::default().compression_method(method)).unwrap();
+    zip.write_all(bytes).unwrap();
+    zip.finish().unwrap();
+}
+
+#[test]
+fn right_answers_come_back_and_pass() {
+    let (_root, cases, answers) = folders();
+    let exam = read_exam(&cases).unwrap();
+    let report = judge_answers(&exam, &read_answers(&exam, &answers).unwrap(), EXP_ULP);
+    assert_eq!(report.exit_code(), 0, "{report}");
+    let json = report.json();
+    for field in ["name", "kind", "cases", "answered", "verdict", "grade", "budget_used", "vacuous", "missing_outputs", "worst_case", "conventions", "diagnosis"] {
+        assert!(json["components"][0].get(field).is_some(), "{field}");
+    }
+    for field in ["id", "output", "index", "got", "expected", "bound", "ulp"] {
+        assert!(json["components"][0]["worst_case"].get(field).is_some(), "{field}");
+    }
+}
+
+#[test]
+fn an_absent_answer_fails() {
+    let (_root, cases, answers) = folders();
+    fs::remove_file(first(&answers)).unwrap();
+    let exam = read_exam(&cases).unwrap();
+    let report = judge_answers(&exam, &read_answers(&exam, &answers).unwrap(), EXP_ULP);
+    assert_eq!(report.exit_code(), 1);
+    assert!(report.rows[0].faults[0].contains("three_opacities"));
+}
+
+#[test]
+fn hostile_answers_are_refused_by_name() {
+    let (_root, cases, answers) = folders();
+    let path = first(&answers);
+    let whole = fs::read(&path).unwrap();
+    let mut expect = |change: &dyn Fn(), word: &str| {
+        change();
+        let message = refused(&cases, &answers);
+        assert!(message.contains("three_opacities") && message.contains(word), "{message}");
+        fs::write(&path, &whole).unwrap();
+    };
+    expect(&|| fs::write(&path, &whole[..whole.len() / 2]).unwrap(), "archive");
+    expect(&|| fs::write(&path, b"not a zip").unwrap(), "archive");
+    expect(&|| fs::write(&path, vec![0; 1 << 20]).unwrap(), "bytes");
+    // 64 MB of zeros in a few kB.
+    expect(&|| zip_of(&path, "colors_out.npy", &vec![0; 64 << 20], true), "unpacks");
+    expect(&|| zip_of(&path, "../../climbs.npy", b"x", false), "inside the folder");
+    expect(&|| zip_of(&path, "/etc/absolute.npy", b"x", false), "inside the folder");
+    let header = b"{'descr': '|O', 'fortran_order': False, 'shape': (3, 3), }";
+    let mut object = b"\x93NUMPY\x01\x00".to_vec();
+    object.extend((header.len() as u16).to_le_bytes());
+    object.extend(header);
+    object.extend([0; 72]);
+    expect(&|| zip_of(&path, "colors_out.npy", &object, false), "colors_out");
+}
+
+#[test]
+fn what_no_case_asks_for_is_refused() {
+    let (root, cases, answers) = folders();
+    let stray = [answers.join("notes.txt"), answers.join("composite_background/forward-another.npz")];
+    for path in stray {
+        fs::write(&path, b"").unwrap();
+        assert!(refused(&cases, &answers).contains(path.file_name().unwrap().to_str().unwrap()));
+        fs::remove_file(&path).unwrap();
+    }
+    #[cfg(unix)]
+    {
+        let outside = root.path().join("outside.npz");
+        fs::rename(first(&answers), &outside).unwrap();
+        std::os::unix::fs::symlink(&outside, first(&answers)).unwrap();
+        assert!(refused(&cases, &answers).contains("a link"));
+    }
+    drop(root);
+}
+
+#[test]
+fn changed_cases_are_refused() {
+    let (_root, cases, answers) = folders();
+    let manifest = cases.join("cases.json");
+    let text = fs::read_to_string(&manifest).unwrap();
+    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    json["cases"].as_array_mut().unwrap().remove(0);
+    fs::write(&manifest, json.to_string()).unwrap();
+    assert!(refused(&cases, &answers).contains("cases.json"));
+    fs::write(&manifest, text.replacen("composite_background/", "../composite_background/", 1)).unwrap();
+    assert!(refused(&cases, &answers).contains("inside the folder"));
+    fs::write(&manifest, &text).unwrap();
+    let input = cases.join("composite_background/forward-three_opacities.npz");
+    let mut arrays = npz::read(&input).unwrap();
+    arrays.insert("opacity".into(), Array::F32(ndarray::arr1(&[0.0, 0.0, 0.0]).into_dyn()));
+    npz::write(&input, &arrays, false).unwrap();
+    assert!(refused(&cases, &answers).contains("opacity"));
+}
