@@ -15,7 +15,8 @@ use nerf_oracle::verify::mark::Rules;
 use nerf_oracle::verify::report::Row;
 use nerf_oracle::verify::{Case, Component, Dtype, Exam, Mistake, Verdict};
 
-/// What an implementation in `dtype` with this mistake answers: inputs off by a rounding, results rounded.
+/// What an implementation in `dtype` with this mistake answers: each input array off by half a rounding as a whole (so that equal
+/// steps stay equal, as they do in any arithmetic), each result by three.
 fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
     let pass = sheet.component.pass(sheet.kind).unwrap();
     let u = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };
@@ -24,10 +25,13 @@ fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype
         let mut inputs = case.inputs.clone();
         for array in inputs.values_mut().filter(|a| a.ndim() > 0) {
             // 0 and 1 are exact in any arithmetic, and mean something: empty, opaque, homogeneous.
-            array.mapv_inplace(|x| if x == 1.0 { x } else { x * (1.0 + u * (2.0 * draw.unit() - 1.0)) });
+            let factor = 1.0 + u * (2.0 * draw.unit() - 1.0);
+            array.mapv_inplace(|x| if x == 1.0 { x } else { x * factor });
         }
-        let given = |a: ndarray::ArrayD<f64>| Given { values: a.mapv(|x| dtype.round(x)), dtype: "f64" };
-        Some((pass.wrong)(&inputs, c, mistakes).into_iter().map(|(name, a)| (name, given(a))).collect())
+        let wrong = (pass.wrong)(&inputs, c, mistakes);
+        let mut noise = || 1.0 + 6.0 * u * (2.0 * draw.unit() - 1.0);
+        let mut given = |a: ndarray::ArrayD<f64>| Given { values: a.mapv(|x| dtype.round(x * noise())), dtype: "f64" };
+        Some(wrong.into_iter().map(|(name, a)| (name, given(a))).collect())
     };
     sheet.cases.iter().map(answer).collect()
 }
