@@ -80,6 +80,9 @@ fn other_conventions_pass_without_a_profile_and_fail_with_another() {
         // A gradient's cotangent has the default's shape: where a profile changes a shape, its VJP needs --profile.
         let fits = |n: usize| {
             let sheet = &exam.sheets[n];
+            if !sheet.admits(&profile.conventions) {
+                return false;
+            }
             let shapes = |c| sheet.cases.iter().map(|case| {
                 (sheet.component.forward.oracle)(&case.inputs, c).into_values().map(|a| a.shape().to_vec()).collect::<Vec<_>>()
             }).collect::<Vec<_>>();

@@ -28,6 +28,7 @@ impl Component {
     /// The cases of this direction: for the VJP the forward ones, with cotangents k / 16 (k = +-1, ..., +-16) that every type holds.
     pub fn cases_of(&self, kind: Kind, c: &Conventions) -> Vec<Case> {
         let mut cases = (self.cases)();
+        cases.iter_mut().for_each(|case| reshape(&mut case.inputs, c));
         if kind == Kind::Vjp {
             cases.retain(|case| !case.forward_only);
             for (n, case) in cases.iter_mut().enumerate() {
@@ -43,6 +44,17 @@ impl Component {
             }
         }
         cases
+    }
+}
+
+/// The network's cases are written for an encoding that enters the trunk again in layer 4: where it enters in another one, the two
+/// layers' weights change places, so that the shapes fit.
+fn reshape(inputs: &mut Arrays, c: &Conventions) {
+    let name = |layer: usize| format!("trunk{layer}_w");
+    if c.skip_layer != 4 && inputs.contains_key(&name(c.skip_layer)) {
+        let (wide, narrow) = (inputs.remove(&name(4)), inputs.remove(&name(c.skip_layer)));
+        inputs.extend(wide.map(|w| (name(c.skip_layer), w)));
+        inputs.extend(narrow.map(|w| (name(4), w)));
     }
 }
 

@@ -7,6 +7,7 @@ use super::component::Mistake;
 use super::exam::Sheet;
 use super::hypothesis::Hypothesis;
 use super::mark::Rules;
+use super::sampler;
 use crate::convention::Conventions;
 use crate::parallel;
 
@@ -41,8 +42,19 @@ pub fn diagnose(
     suspects: &[Vec<&'static str>],
     rules: &Rules,
 ) -> Vec<Explanation> {
+    if sheet.statistics() {
+        let shown = sampler::mistakes(sheet, answers, base).into_iter();
+        let each = |mistake| Explanation {
+            mistakes: vec![mistake],
+            conventions: Partial::new(),
+            residual: 0.0,
+            same_as_best: false,
+        };
+        return shown.map(each).collect();
+    }
     let home = partial(sheet.component, base);
-    let all = assignments(sheet.component, base);
+    let mut all = assignments(sheet.component, base);
+    all.retain(|p| sheet.admits(&apply(p, base)));
     for count in 0..=2 {
         let mut hypotheses = vec![];
         for mistakes in sets(sheet, count, suspects) {

@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 use super::arithmetic::Dtype;
 use super::case::Case;
 use super::check::Kind;
-use super::component::Component;
+use super::component::{Arrays, Component};
+use super::sampler::SAMPLER;
 use crate::COMPONENTS;
 use crate::convention::profiles::Profile;
 use crate::convention::{CS180, Conventions};
@@ -17,7 +18,7 @@ use crate::error::{Error, Result};
 pub const SCHEMA: &str = "nerf-oracle/cases/1";
 
 /// Inputs that count things: integers in the files, whatever the type under test.
-const INTEGERS: &[&str] = &["height", "width", "L", "count", "step"];
+const INTEGERS: &[&str] = &["height", "width", "L", "count", "step", "samples", "training", "seed"];
 
 /// One component in one direction with all of its cases.
 pub struct Sheet {
@@ -72,7 +73,9 @@ impl Exam {
         let mut exam =
             Exam { dtype, profile, filter: filter.to_string(), sheets: vec![], left_out: vec![] };
         let wanted = |c: &&Component| c.name.contains(filter) || c.folder.contains(filter);
-        for component in COMPONENTS.iter().filter(wanted) {
+        // Statistics are for the types in which a sampler's numbers are fine enough.
+        let sampler = [Dtype::F64, Dtype::F32].contains(&dtype).then_some(&SAMPLER);
+        for component in COMPONENTS.iter().chain(sampler).filter(wanted) {
             for kind in [Kind::Forward, Kind::Vjp].into_iter().filter(|&k| component.pass(k).is_some()) {
                 let (cases, out): (Vec<_>, Vec<_>) = component
                     .cases_of(kind, &exam.conventions())
@@ -83,7 +86,7 @@ impl Exam {
             }
         }
         if exam.sheets.is_empty() {
-            let names = COMPONENTS.iter().map(|c| c.name).collect::<Vec<_>>().join(", ");
+            let names = COMPONENTS.iter().chain([&SAMPLER]).map(|c| c.name).collect::<Vec<_>>().join(", ");
             return Err(Error::usage("FILTER", filter, format!("a part of one of: {names}")));
         }
         Ok(exam)
@@ -142,6 +145,16 @@ impl Sheet {
         kind_name(self.component, self.kind)
     }
 
+    /// Whether it is judged by the statistics of all of its cases together.
+    pub fn statistics(&self) -> bool {
+        self.component.name == SAMPLER.name
+    }
+
+    /// Whether the cases have the shapes that these conventions need.
+    pub fn admits(&self, c: &Conventions) -> bool {
+        self.cases.iter().all(|case| admits(self.component, &case.inputs, c))
+    }
+
     /// Where a case's arrays lie, below the folder, without the extension.
     pub fn path(&self, case: &Case) -> String {
         path(self.component, self.kind, case)
@@ -152,7 +165,7 @@ impl Sheet {
         let ports = if self.kind == Kind::Forward { self.component.outputs } else { self.component.inputs };
         let place = |name: &str| {
             let bare = name.strip_prefix("grad_").unwrap_or(name);
-            ports.iter().position(|port| port.name == bare).unwrap_or(ports.len())
+            ports.iter().position(|port| port.covers(bare)).unwrap_or(ports.len())
         };
         let mut names: Vec<_> = names.collect();
         names.sort_by_key(|name| place(name));
@@ -164,6 +177,7 @@ impl Sheet {
 pub fn kind_name(component: &Component, kind: Kind) -> &'static str {
     match kind {
         Kind::Forward if component.name == "render_trace" => "trace",
+        Kind::Forward if component.name == SAMPLER.name => "statistics",
         Kind::Forward => "forward",
         Kind::Vjp => "vjp",
     }
@@ -171,6 +185,17 @@ pub fn kind_name(component: &Component, kind: Kind) -> &'static str {
 
 fn path(component: &Component, kind: Kind, case: &Case) -> String {
     format!("{}/{}-{}", component.name, kind_name(component, kind), case.id)
+}
+
+/// A network's widths belong to conventions: which layer reads the encoding again, and whether the encoding keeps x itself.
+pub fn admits(component: &Component, inputs: &Arrays, c: &Conventions) -> bool {
+    let columns = |layer: usize| inputs.get(&format!("trunk{layer}_w")).map(|w| w.shape()[1]);
+    if component.name != "nerf_mlp" {
+        return true;
+    }
+    let identity = if c.identity { 3 } else { 0 };
+    let encoding = columns(0).unwrap_or(0);
+    encoding % 6 == identity && columns(c.skip_layer) > columns(c.skip_layer - 1) && columns(c.skip_layer) > columns(1)
 }
 
 /// Hard cases carry the name of the hazard in front of their id.
@@ -183,7 +208,7 @@ fn flags(case: &Case) -> Vec<&'static str> {
 
 fn meaning(component: &Component, name: &str) -> String {
     let ports = || component.inputs.iter().chain(component.outputs);
-    let find = |name: &str| ports().find(|port| port.name == name).map(|port| port.meaning);
+    let find = |name: &str| ports().find(|port| port.covers(name)).map(|port| port.meaning);
     match name.strip_prefix("grad_") {
         Some(bare) => format!("gradient with respect to {bare}"),
         None => find(name).unwrap_or("see the component's formula").to_string(),

@@ -86,7 +86,7 @@ impl Hypothesis {
     /// Whether it explains an answer.
     pub fn explains(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> bool {
         let (wrong, error) = self.prediction(sheet, case);
-        near(answer, &wrong) && within(answer, &wrong, || self.bound(sheet, case, &wrong, error.as_ref(), rules))
+        within(answer, &wrong, rules.dtype, || self.bound(sheet, case, &wrong, error.as_ref(), rules))
     }
 
     /// The largest error over bound on an answer.
@@ -112,18 +112,4 @@ impl Hypothesis {
         };
         a.iter().all(equal)
     }
-}
-
-/// A cheap look before any bound is computed: errors of more than the size of both numbers, beyond the output's own scale, can't be
-/// rounding in any type.
-fn near(answer: &Answer, wrong: &Arrays) -> bool {
-    wrong.iter().all(|(name, wrong)| {
-        let Some(given) = answer.get(name) else { return true };
-        let Some((got, _)) = reshaped(&given.values, wrong.shape()) else { return false };
-        let finite = || wrong.iter().filter(|w| w.is_finite());
-        let scale = finite().fold(0.0, |max: f64, w| max.max(w.abs()));
-        // What has underflowed in a short type isn't far off either.
-        let near = |g: f64, w: f64| (g - w).abs() <= 0.25 * scale + 0.5 * w.abs() + 1e-9;
-        got.iter().zip(wrong).all(|(&g, &w)| g == w || g.is_nan() && w.is_nan() || near(g, w))
-    })
 }

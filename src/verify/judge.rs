@@ -28,6 +28,7 @@ use super::diagnose::{Explanation, diagnose};
 use super::exam::{Exam, Sheet};
 use super::layout;
 use super::mark::{Marks, Rules, mark};
+use super::sampler;
 use super::report::{Report, Row, Verdict};
 use crate::convention::Conventions;
 use crate::convention::profiles::{self, Profile};
@@ -181,6 +182,9 @@ fn names(explanation: &Explanation) -> Vec<&'static str> {
 
 /// Marks by the stable formula's bound, then by the textbook's where the two differ. The grade is null where they don't.
 fn marks(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules) -> (Marks, Option<Grade>) {
+    if sheet.statistics() {
+        return (sampler::mark(sheet, answers, c), None);
+    }
     let graded = sheet.cases.iter().any(|case| {
         let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
         let bound = |grade| (pass.bound)(&case.inputs, c, &rules.arithmetic(grade));

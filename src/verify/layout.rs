@@ -15,7 +15,7 @@ use crate::convention::Conventions;
 
 /// The answers in the contract's layout, and in words what theirs was; `None` where no layout makes them right.
 pub fn normalised(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) -> Option<(Answers, String)> {
-    if sheet.kind == Kind::Vjp {
+    if sheet.kind == Kind::Vjp || sheet.statistics() {
         return None;
     }
     swapped(sheet, answers, base, rules).or_else(|| columns(sheet, answers, base, rules))
@@ -45,7 +45,7 @@ fn right_somewhere(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: 
 
 /// Columns of an encoding in an order that no convention names: one permutation for each width.
 fn columns(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) -> Option<(Answers, String)> {
-    if !sheet.component.conventions.contains(&"columns") {
+    if !sheet.component.conventions.contains(&"columns") || sheet.component.outputs.len() > 1 {
         return None;
     }
     let name = sheet.component.outputs[0].name;

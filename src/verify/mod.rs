@@ -21,6 +21,7 @@ pub mod mark;
 pub mod numeric;
 pub mod page;
 pub mod report;
+pub mod sampler;
 pub mod selfcheck;
 pub mod statistics;
 

@@ -17,26 +17,26 @@ pub fn vjp(component: &Component, inputs: &Arrays, c: &Conventions, mistakes: &[
     };
     let mut inputs_now = inputs.clone();
     let (mut gradients, mut errors) = (Arrays::new(), Arrays::new());
-    for port in component.differentiable() {
-        let x = inputs[port.name].clone();
+    for port in component.differentiable_arrays(inputs) {
+        let x = inputs[&port].clone();
         let (mut gradient, mut error) = (x.clone(), x.clone());
         for (i, &at) in x.iter().enumerate() {
             let mut moved = |step: f64| {
-                *entry(&mut inputs_now, port.name, i) = at + step;
+                *entry(&mut inputs_now, &port, i) = at + step;
                 cotangent(&(component.forward.wrong)(&inputs_now, c, mistakes))
             };
             let mut slope = |h: f64| (moved(h) - moved(-h)) / (2.0 * h);
             let h = libm::ldexp(1.0, -9) * at.abs().max(0.0625);
             let (coarse, fine) = (slope(h), slope(0.5 * h));
-            *entry(&mut inputs_now, port.name, i) = at;
+            *entry(&mut inputs_now, &port, i) = at;
             let best = (4.0 * fine - coarse) / 3.0;
             *gradient.iter_mut().nth(i).expect("same shape") = best;
             *error.iter_mut().nth(i).expect("same shape") = (fine - coarse).abs();
         }
         let scale = gradient.iter().fold(0.0, |max: f64, g| max.max(g.abs()));
         error.mapv_inplace(|e| e + 1e-9 * scale);
-        gradients.insert(format!("grad_{}", port.name), gradient);
-        errors.insert(format!("grad_{}", port.name), error);
+        gradients.insert(format!("grad_{port}"), gradient);
+        errors.insert(format!("grad_{port}"), error);
     }
     (gradients, errors)
 }
