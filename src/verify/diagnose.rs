@@ -5,7 +5,7 @@ use super::assignment::{Partial, apply, assignments, changes, partial, small_cas
 use super::check::Kind;
 use super::component::Mistake;
 use super::exam::Sheet;
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::Rules;
 use super::sampler;
 use crate::convention::Conventions;
@@ -58,7 +58,10 @@ pub fn diagnose(
     for count in 0..=2 {
         let mut hypotheses = vec![];
         for mistakes in sets(sheet, count, suspects) {
-            let near = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).take(ASSIGNMENTS[count]);
+            // Numeric gradients are too dear for all assignments: the forward answers have told the conventions.
+            let numeric = sheet.kind == Kind::Vjp && of_forward(sheet, &mistakes);
+            let limit = if numeric { 1 } else { ASSIGNMENTS[count] };
+            let near = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).take(limit);
             hypotheses
                 .extend(near.map(|p| Hypothesis { mistakes: mistakes.clone(), conventions: apply(p, base) }));
         }
@@ -118,7 +121,7 @@ fn usable<'a>(
     answers: &'a Answers,
 ) -> Vec<(&'a super::case::Case, &'a super::answer::Answer)> {
     let mut cases = small_cases(sheet, answers);
-    if sheet.kind == Kind::Vjp && h.of_forward(sheet) {
+    if sheet.kind == Kind::Vjp && of_forward(sheet, &h.mistakes) {
         cases.retain(|(case, _)| case.inputs.values().map(|a| a.len()).sum::<usize>() <= NUMERIC);
     }
     cases

@@ -31,18 +31,12 @@ impl Hypothesis {
     /// What this candidate would answer, and how far off it may be where it can't be told exactly (numeric gradients).
     pub fn prediction(&self, sheet: &Sheet, case: &Case) -> (Arrays, Option<Arrays>) {
         let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
-        if sheet.kind == Kind::Vjp && self.of_forward(sheet) {
+        if sheet.kind == Kind::Vjp && of_forward(sheet, &self.mistakes) {
             let (gradient, error) =
                 numeric::vjp(sheet.component, &case.inputs, &self.conventions, &self.mistakes);
             return (gradient, Some(error));
         }
         ((pass.wrong)(&case.inputs, &self.conventions, &self.mistakes), None)
-    }
-
-    /// Whether the mistakes lie in the forward function.
-    pub fn of_forward(&self, sheet: &Sheet) -> bool {
-        let forward = |name: &&str| sheet.component.mistakes.iter().any(|m| m.name == *name && !m.gradient);
-        self.mistakes.iter().any(|name| forward(&name))
     }
 
     /// The hypothesis' own bound: that of the right formula in these conventions, [`GENEROSITY`] times, and what the wrong function
@@ -120,4 +114,9 @@ impl Hypothesis {
         };
         a.iter().all(equal)
     }
+}
+
+/// Whether some of the mistakes lie in the forward function.
+pub fn of_forward(sheet: &Sheet, mistakes: &[&str]) -> bool {
+    sheet.component.mistakes.iter().any(|m| !m.gradient && mistakes.contains(&m.name))
 }

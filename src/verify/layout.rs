@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use ndarray::{ArrayD, Axis};
 
-use super::answer::Answers;
+use super::answer::{Answer, Answers};
 use super::arithmetic::Grade;
-use super::assignment::{apply, assignments, holds};
+use super::assignment::{apply, assignments, holds, small_cases};
 use super::case::Case;
 use super::check::{Kind, budget_used};
 use super::exam::Sheet;
-use super::mark::Rules;
+use super::mark::{Rules, within};
 use crate::convention::Conventions;
 
 /// The answers in the contract's layout, and in words what theirs was; `None` where no layout makes them right.
@@ -30,22 +30,34 @@ pub fn normalised(
 fn swapped(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) -> Option<(Answers, String)> {
     let outputs = sheet.component.outputs;
     let pairs = outputs.iter().enumerate().flat_map(|(n, a)| outputs[n + 1..].iter().map(move |b| (a, b)));
-    for (a, b) in pairs.filter(|(a, b)| a.shape == b.shape) {
-        let mut swapped = answers.clone();
-        for answer in swapped.iter_mut().flatten() {
-            let (first, second) = (answer.remove(a.name), answer.remove(b.name));
-            answer.extend(first.map(|given| (b.name.to_string(), given)));
-            answer.extend(second.map(|given| (a.name.to_string(), given)));
-        }
-        if right_somewhere(sheet, &swapped, base, rules) {
-            return Some((swapped, format!("{} and {} are in each other's place", a.name, b.name)));
+    let pairs: Vec<_> = pairs.filter(|(a, b)| a.shape == b.shape).map(|(a, b)| (a.name, b.name)).collect();
+    let (case, answer) = *small_cases(sheet, answers).first().filter(|_| !pairs.is_empty())?;
+    let exchanged: Vec<Answer> = pairs.iter().map(|&(a, b)| exchange(answer, a, b)).collect();
+    for c in assignments(sheet.component, base).iter().map(|p| apply(p, base)).filter(|c| sheet.admits(c)) {
+        let expected = (sheet.component.forward.oracle)(&case.inputs, &c);
+        for (&(a, b), answer) in pairs.iter().zip(&exchanged) {
+            if within(answer, &expected, rules.dtype, || rules.truth(sheet, case, &c, Grade::B).1) {
+                let all = answers
+                    .iter()
+                    .map(|answer| answer.as_ref().map(|answer| exchange(answer, a, b)))
+                    .collect();
+                if holds(sheet, &all, &c, rules) {
+                    return Some((all, format!("{a} and {b} are in each other's place")));
+                }
+            }
         }
     }
     None
 }
 
-fn right_somewhere(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) -> bool {
-    assignments(sheet.component, base).iter().any(|p| holds(sheet, answers, &apply(p, base), rules))
+/// The answer with two outputs' names exchanged.
+fn exchange(answer: &Answer, a: &str, b: &str) -> Answer {
+    let rename = |name: &String| match name.as_str() {
+        name if name == a => b.to_string(),
+        name if name == b => a.to_string(),
+        name => name.to_string(),
+    };
+    answer.iter().map(|(name, given)| (rename(name), given.clone())).collect()
 }
 
 /// Columns of an encoding in an order that no convention names: one permutation for each width.
