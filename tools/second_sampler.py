@@ -3,6 +3,12 @@
 import numpy as np
 from second_geometry import positions
 
+MISTAKES = (
+    "outside_the_images first_images_only images_not_uniform pixels_not_uniform rays_frozen divided_twice_by_255 wrong_colours "
+    "never_jittered jitter_frozen one_jitter_for_all_rays one_jitter_per_ray rays_jittered_together jitter_width_0.02 "
+    "jitter_width_0.1 jitter_width_1 jitter_centred_on_edges jitter_gaussian jitter_not_uniform jitter_at_evaluation not_at_rest"
+).split()
+
 
 def sample_random_rays(a, c, wrong):
     """Rays from the pool of all pixels, samples in the intervals of `c`."""
