@@ -1,0 +1,195 @@
+"""The judge, tested with answers that it didn't make: the confusion table and the figures that it must reach.
+
+    python tools/confusion.py PROGRAM [--dtype f64 --dtype f32] [--pairs 100] [--seed 1] [--only COMPONENT] > CONFUSION.md
+
+PROGRAM is the built nerf-oracle. The second implementation (second.py) answers every case: right, in every profile, with every mistake
+alone, and with a convention and a mistake drawn at random. All other components are answered right. Exit 1: a figure isn't reached.
+"""
+
+import argparse
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import second
+from candidate import write
+from second_sampler import MISTAKES
+
+
+def program(*words):
+    """JSON that the program prints."""
+    done = subprocess.run([*map(str, words), "--json"], capture_output=True, text=True, check=False)
+    if done.returncode == 2:
+        sys.exit(f"{' '.join(map(str, words))}: {done.stderr}")
+    return json.loads(done.stdout)
+
+
+def judged(tool, cases, right, mistakes=(), conventions=None):
+    """The judge's report on right answers with these components' answers in their place."""
+    with tempfile.TemporaryDirectory(dir=cases.parent) as folder:
+        answers = Path(folder)
+        shutil.copytree(right, answers, copy_function=os.link, dirs_exist_ok=True)
+        second.answer(cases, answers, mistakes, conventions, {component for component, _ in mistakes})
+        return program(tool, "judge", cases, answers)
+
+
+def named(row, name):
+    """What the judge made of a mistake: named, pair, passed, or what it said instead."""
+    if row["verdict"] == "pass":
+        return "passed"
+    found = row["diagnosis"]
+    if found and found[0]["mistakes"] == [name]:
+        return "named"
+    if any(d["mistakes"] == [name] and d["same_as_best"] for d in found):
+        return "pair"
+    if not found:
+        return "unknown"
+    return "said " + " + ".join(found[0]["mistakes"] or ["conventions alone"])
+
+
+def judgement(report, component, name):
+    """That of the component's row which suffers most."""
+    rows = [row for row in report["components"] if row["name"] == component]
+    failed = [row for row in rows if row["verdict"] == "fail"] or rows
+    return named(failed[0], name), failed[0]
+
+
+def others(report, component):
+    """Rows of other components that failed."""
+    return [row["name"] for row in report["components"] if row["verdict"] == "fail" and row["name"] != component]
+
+
+def singles(tool, cases, right, mistakes):
+    """Every mistake alone."""
+
+    def one(mistake):
+        report = judged(tool, cases, right, [mistake])
+        verdict, row = judgement(report, *mistake)
+        diagnosis = row["diagnosis"]
+        runner_up = diagnosis[1]["mistakes"] + [f"{k} = {v}" for k, v in diagnosis[1]["conventions"].items()] if len(diagnosis) > 1 else []
+        return [*mistake, verdict, row["budget_used"], " + ".join(runner_up), others(report, mistake[0])]
+
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return list(pool.map(one, mistakes))
+
+
+def drawn(tool, cases, components, pairs, seed):
+    """A convention and a mistake, drawn at random; the convention holds for the whole run."""
+    choice, choices = random.Random(seed), {c["name"]: c["values"] for c in program(tool, "list")["conventions"]}
+    rows = [c for c in components if c["conventions"]]
+
+    def one(n):
+        own = random.Random(choice_seeds[n])
+        component = own.choice(rows)
+        key = own.choice([k for k in component["conventions"] if k in second.CS180])
+        value = own.choice([v for v in choices[key] if v != second.CS180[key]])
+        name = own.choice(component["mistakes"])
+        conventions = second.CS180 | {key: value}
+        if key == "last_delta":
+            conventions["delta"] = "differences"
+        if key == "identity":
+            return None
+        with tempfile.TemporaryDirectory(dir=cases.parent) as folder:
+            second.answer(cases, folder, [(component["name"], name)], conventions)
+            report = program(tool, "judge", cases, folder)
+        verdict, row = judgement(report, component["name"], name)
+        return [component["name"], name, f"{key} = {value}", verdict, row["budget_used"]]
+
+    choice_seeds = [choice.randrange(2**32) for _ in range(pairs)]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        return [row for row in pool.map(one, range(pairs)) if row]
+
+
+def profiles(tool, cases):
+    """Every profile, nothing pinned: (profile, what failed)."""
+    out = []
+    for name, deviations in second.DEVIATIONS.items():
+        with tempfile.TemporaryDirectory(dir=cases.parent) as folder:
+            second.answer(cases, folder, conventions=second.CS180 | deviations)
+            report = program(tool, "judge", cases, folder)
+        failed = [f"{r['name']} {r['kind']}" for r in report["components"] if r["verdict"] == "fail"]
+        out.append([name, report["profile"], failed])
+    return out
+
+
+def cheats(tool, cases, right):
+    """Rows that pass with nothing but zeros, NaN, or the first case alone."""
+    passed = []
+    manifest = json.loads((cases / "cases.json").read_text(encoding="utf-8"))["cases"]
+    first = {(case["component"], case["kind"]): case["file"] for case in reversed(manifest)}
+    fills = {"zeros": 0.0, "NaN": np.nan, "first case": None}
+    for cheat, fill in fills.items():
+        with tempfile.TemporaryDirectory(dir=cases.parent) as folder:
+            for case in manifest:
+                target = Path(folder) / case["file"]
+                if fill is None and case["file"] in first.values():
+                    target.parent.mkdir(exist_ok=True)
+                    os.link(right / case["file"], target)
+                elif fill is not None:
+                    kinds = {"f64": np.float64, "f32": np.float32, "u8": np.uint8}
+                    arrays = {p["name"]: np.zeros(p["shape"], kinds[p["dtype"]]) for p in case["outputs"]}
+                    write(target, {n: x if x.dtype == np.uint8 else x + x.dtype.type(fill) for n, x in arrays.items()})
+            report = program(tool, "judge", cases, folder)
+        passed += [f"{cheat}: {r['name']} {r['kind']}" for r in report["components"] if r["verdict"] == "pass"]
+    return passed
+
+
+def share(rows, place):
+    """(right, all) of those that could be seen, where `place` holds the judgement."""
+    seen = [row for row in rows if row[place] != "passed"]
+    return sum(row[place] in ("named", "pair") for row in seen), len(seen)
+
+
+def table(head, rows):
+    """Markdown."""
+    print("\n".join(["", "| " + " | ".join(head) + " |", "|" + "---|" * len(head)]))
+    for row in rows:
+        print("| " + " | ".join(f"{x:.3g}" if isinstance(x, float) else str(x or "") for x in row) + " |")
+    print(flush=True)
+
+
+def main():
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program", type=Path)
+    parser.add_argument("--dtype", action="append", choices=["f64", "f32"])
+    parser.add_argument("--pairs", type=int, default=100)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", default="")
+    arguments = parser.parse_args()
+    tool, good = arguments.program.resolve(), True
+    components = [c for c in program(tool, "list")["components"] if arguments.only in c["name"]]
+    mistakes = [(c["name"], name) for c in components for name in c["mistakes"]]
+    if arguments.only in "sample_random_rays":
+        mistakes += [("sample_random_rays", name) for name in MISTAKES]
+    for dtype in arguments.dtype or ["f64", "f32"]:
+        with tempfile.TemporaryDirectory() as folder:
+            cases, right = Path(folder) / "cases", Path(folder) / "right"
+            program(tool, "cases", "--out", cases, "--dtype", dtype)
+            second.answer(cases, right)
+            print(f"## Answers in {dtype}")
+            rows = profiles(tool, cases)
+            table(["profile answered", "found", "failed"], [[n, f, ", ".join(x)] for n, f, x in rows])
+            cheated = cheats(tool, cases, right)
+            print(f"Zeros, NaN, or the first case alone that pass: {', '.join(cheated) or 'none'}")
+            alone = singles(tool, cases, right, mistakes)
+            right_ones, all_ones = share(alone, 2)
+            table(["component", "mistake", "judged", "error / bound", "runner-up", "others failed"], alone)
+            print(f"Single mistakes named, of those that exceed the bound: {right_ones} of {all_ones}")
+            pairs = drawn(tool, cases, components, arguments.pairs, arguments.seed)
+            right_pairs, all_pairs = share(pairs, 3)
+            table(["component", "mistake", "convention", "judged", "error / bound"], [r for r in pairs if r[3] != "named"])
+            print(f"A convention and a mistake, seed {arguments.seed}: {right_pairs} of {all_pairs}")
+            good &= right_ones == all_ones and right_pairs >= 0.98 * all_pairs and not cheated and not any(r[2] for r in rows)
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

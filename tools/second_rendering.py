@@ -1,0 +1,138 @@
+"""The second implementation's volume rendering: cumulative products. See second.py."""
+
+import numpy as np
+
+EPS = {"none": 0.0, "1e-10": 1e-10, "1e-9": 1e-9, "1e-8": 1e-8, "1e-7": 1e-7}
+
+
+def composite(alphas, rgbs, eps, wrong):
+    """Weights by the cumulative product of 1 - alpha + eps, with everything that goes wrong there."""
+    ones = np.ones((len(alphas), 1), alphas.dtype)
+    product = np.cumprod(np.concatenate([ones, 1 - alphas + alphas.dtype.type(eps)], 1), 1)
+    shade, behind = product[:, :-1].copy(), product[:, -1]
+    if "inclusive_transmittance" in wrong:
+        shade = product[:, 1:].copy()
+    if "rolled_transmittance" in wrong:
+        shade[:, 0] = behind
+    if "first_transmittance_zero" in wrong:
+        shade[:, 0] = 0
+    if "opacity_as_transmittance" in wrong:
+        shade = 1 - product[:, 1:]
+    if "transmittance_over_rays" in wrong:
+        shade = np.cumprod(np.concatenate([np.ones_like(alphas[:1]), 1 - alphas], 0), 0)[:-1]
+    weights = shade if "alpha_forgotten" in wrong else shade * alphas
+    colors, opacity = np.einsum("rn,rnk->rk", weights, rgbs), weights.sum(1)
+    if "divided_by_opacity" in wrong:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            colors = colors / opacity[:, None]
+    return {"colors": colors, "weights": weights, "opacity": opacity, "transmittance": behind}
+
+
+def volume_render(a, c, wrong):
+    """alpha = 1 - exp(-sigma delta), then the product."""
+    sigmas, deltas = a["sigmas"], a["deltas"]
+    n = sigmas.shape[1]
+    if "first_ray_deltas" in wrong:
+        deltas = np.broadcast_to(deltas[:1], deltas.shape)
+    if "delta_missing" in wrong:
+        deltas = np.ones_like(deltas)
+    if "delta_unit_interval" in wrong:
+        deltas = np.full_like(deltas, 1 / max(n, 1))
+    if "delta_over_n_minus_1" in wrong and n > 1:
+        deltas = deltas * (n / (n - 1))
+    if "backward_delta" in wrong:
+        deltas = np.concatenate([np.zeros_like(deltas[:, :1]), deltas[:, :-1]], 1)
+    if "delta_differenced_twice" in wrong:
+        deltas = np.concatenate([np.diff(deltas), np.full_like(deltas[:, :1], 1e10)], 1)
+    if "first_gap_for_all" in wrong:
+        deltas = np.broadcast_to(deltas[:, :1], deltas.shape)
+    eps = EPS[c["product_eps"]]
+    with np.errstate(over="ignore", invalid="ignore"):
+        passed = np.exp(-(sigmas * deltas))
+        alphas = 1 - (sigmas.dtype.type(0.99) * passed if "scaled_exponential" in wrong else passed)
+        if "eps_on_alpha" in wrong:
+            alphas, eps = alphas + sigmas.dtype.type(1e-10), 1e-10
+        return composite(alphas, a["rgbs"], eps, wrong)
+
+
+def volume_render_alpha(a, c, wrong):
+    """From opacities."""
+    return composite(a["alphas"], a["rgbs"], EPS[c["product_eps"]], wrong)
+
+
+def from_behind(alphas, factors, a):
+    """T in front of each sample, each weight's cotangent, and what a unit of light is worth behind each sample."""
+    ones = np.ones((len(alphas), 1), alphas.dtype)
+    front = np.cumprod(np.concatenate([ones, factors], 1), 1)[:, :-1]
+    g_w = np.einsum("rk,rnk->rn", a["grad_colors"], a["rgbs"]) + a["grad_weights"] + a["grad_opacity"][:, None]
+    worth = np.empty_like(alphas)
+    value = a["grad_transmittance"]
+    for i in reversed(range(alphas.shape[1])):
+        worth[:, i] = value
+        value = alphas[:, i] * g_w[:, i] + factors[:, i] * value
+    return front, g_w, worth
+
+
+def volume_render_vjp(a, c, wrong):
+    """d w_i / d x_i = T_i e^-x_i; everything behind is shaded by the same factor."""
+    passed = np.exp(-(a["sigmas"] * a["deltas"]))
+    alphas = -np.expm1(-(a["sigmas"] * a["deltas"]))
+    front, g_w, worth = from_behind(alphas, passed + passed.dtype.type(EPS[c["product_eps"]]), a)
+    g_x = front * passed * (g_w - worth)
+    g_rgbs = (front * alphas)[..., None] * a["grad_colors"][:, None]
+    return {"grad_sigmas": g_x * a["deltas"], "grad_rgbs": g_rgbs, "grad_deltas": g_x * a["sigmas"]}
+
+
+def volume_render_alpha_vjp(a, c, wrong):
+    """The same without the exponential."""
+    alphas = a["alphas"]
+    front, g_w, worth = from_behind(alphas, 1 - alphas + alphas.dtype.type(EPS[c["product_eps"]]), a)
+    g = front * (g_w - worth)
+    if "product_gradient_zero_at_opaque" in wrong:
+        g = np.where(alphas == 1, front * g_w, g)
+    return {"grad_alphas": g, "grad_rgbs": (front * alphas)[..., None] * a["grad_colors"][:, None]}
+
+
+def composite_background(a, c, wrong):
+    """C + (1 - A) b."""
+    colors, rest, b = a["colors"], 1 - a["opacity"], a["background"]
+    if "attenuated_twice" in wrong:
+        colors = colors * a["opacity"][:, None]
+    if "one_channel" in wrong:
+        b = b * np.array([1, 0, 0], b.dtype)
+    if "background_255" in wrong:
+        b = b * 255
+    if "background_always" in wrong:
+        rest = np.ones_like(rest)
+    return {"colors_out": colors + np.outer(rest, b)}
+
+
+def composite_background_vjp(a, c, wrong):
+    """Linear in each of the three."""
+    g = a["grad_colors_out"]
+    return {"grad_colors": g, "grad_opacity": -(g @ a["background"]), "grad_background": (1 - a["opacity"]) @ g}
+
+
+def depth(a, c, wrong):
+    """sum w t, divided by sum w or not."""
+    w, t = a["weights"], a["t"]
+    if "depth_of_index" in wrong:
+        t = np.broadcast_to(np.arange(t.shape[1], dtype=t.dtype), t.shape)
+    out = np.einsum("rn,rn->r", w, t)
+    if c["depth"] == "divided":
+        total = w.sum(1)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            out = out / total
+        if "zero_by_zero" not in wrong:
+            out = np.where(total == 0, w.dtype.type(a["far"]), out)
+    return {"depth": out}
+
+
+def depth_vjp(a, c, wrong):
+    """d/dw = (t - depth) / A, d/dt = w / A."""
+    w, t, g = a["weights"], a["t"], a["grad_depth"][:, None]
+    if c["depth"] == "plain":
+        return {"grad_weights": g * t, "grad_t": g * w}
+    total = w.sum(1, keepdims=True)
+    scale = np.divide(g, total, out=np.zeros_like(g), where=total != 0)
+    return {"grad_weights": scale * (t - depth(a, c, ())["depth"][:, None]), "grad_t": scale * w}

@@ -1,0 +1,67 @@
+"""The second implementation's loss, metric, bytes and optimiser. See second.py."""
+
+import numpy as np
+
+
+def mse(a, c, wrong):
+    """Mean of squares."""
+    p = a["prediction"]
+    scale = p.size if "sum_for_mean" in wrong else p.shape[-1] if "mean_over_rays" in wrong else 1
+    return {"value": np.vdot(p - a["target"], p - a["target"]) / p.size * scale}
+
+
+def mse_vjp(a, c, wrong):
+    """2 (p - t) / n."""
+    p = a["prediction"]
+    scale = (1 if "factor_two_missing" in wrong else 2) / (1 if "mean_forgotten" in wrong else p.size)
+    return {"grad_prediction": (p - a["target"]) * (scale * a["grad_value"])}
+
+
+def psnr(a, c, wrong):
+    """20 log10(peak) - 10 log10(mse)."""
+    p, t, peak = a["prediction"], a["target"], a["peak"]
+    if "peak_255" in wrong:
+        peak = 255.0 if peak == 1 else 1.0
+    if "few_pixels" in wrong:
+        p, t = p[:, :1], t[:, :1]
+    errors = ((p - t) ** 2).mean((1, 2, 3))
+    if c["psnr"] == "mean_error":
+        errors = errors.mean(keepdims=True)
+    with np.errstate(divide="ignore"):
+        value = p.dtype.type((20 * np.log10(peak) - 10 * np.log10(errors)).mean())
+    if "regularised_psnr" in wrong:
+        value = -10 * np.log10(10 ** (-value / 10) + 1e-3 / peak**2)
+    value = value * (2 if "doubled_psnr" in wrong else 1) * (np.log(10) if "natural_log_psnr" in wrong else 1)
+    return {"value": value}
+
+
+def to_uint8(a, c, wrong):
+    """255 x, clipped, rounded or cut off."""
+    x = a["image"] * 255
+    if "uint8_without_clipping" not in wrong:
+        x = np.clip(x, 0, 255)
+    whole = np.trunc(x) if c["bytes"] == "truncate" else np.sign(x) * np.floor(np.abs(x) + x.dtype.type(0.5))
+    x = np.mod(whole, 256).astype(np.uint8)
+    if "red_and_blue_exchanged" in wrong:
+        x = x[..., ::-1]
+    if "picture_flipped" in wrong:
+        x = x[::-1]
+    if "picture_transposed" in wrong:
+        x = np.swapaxes(x, 0, 1).reshape(x.shape)
+    return {"bytes": x}
+
+
+def adam_step(a, c, wrong):
+    """Kingma and Ba's algorithm 1."""
+    p, step, b1, b2, decay = a["params"], a["step"], a["beta1"], a["beta2"], a["weight_decay"]
+    if "step_from_zero" in wrong:
+        step = max(step - 1, 1)
+    decoupled = "decoupled_decay" in wrong
+    g = a["grad"] + (0 if decoupled else decay) * p
+    m, v = b1 * a["m"] + (1 - b1) * g, b2 * a["v"] + (1 - b2) * g**2
+    corrected = "no_bias_correction" not in wrong
+    m_hat = m / (1 - b1**step) if corrected else m
+    v_hat = v / (1 - b2**step) if corrected else v
+    root = np.sqrt(v_hat + a["eps"]) if "eps_inside_root" in wrong else np.sqrt(v_hat) + a["eps"]
+    out = p - a["lr"] * m_hat / root
+    return {"params_out": out - a["lr"] * decay * p if decoupled else out, "m_out": m, "v_out": v}
