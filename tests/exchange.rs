@@ -91,7 +91,7 @@ fn hostile_answers_are_refused_by_name() {
     let (_root, cases, answers) = folders();
     let path = first(&answers);
     let whole = fs::read(&path).unwrap();
-    let mut expect = |change: &dyn Fn(), word: &str| {
+    let expect = |change: &dyn Fn(), word: &str| {
         change();
         let message = refused(&cases, &answers);
         assert!(message.contains("three_opacities") && message.contains(word), "{message}");
