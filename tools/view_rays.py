@@ -15,17 +15,28 @@ import viser
 import viser.transforms
 
 
-def show(server: viser.ViserServer, rays: dict[str, np.ndarray], scale: float) -> None:
+def show(server: viser.ViserServer, rays: dict[str, np.ndarray]) -> None:
     """Add everything in `rays` (the arrays of rays.npz) to a server's scene."""
     c2ws, (width, height) = rays["c2ws"], rays["size"]
+    centres = c2ws[:, :3, 3]
+    middle = centres.mean(axis=0)
+    spread = float(np.linalg.norm(centres - middle, axis=1).max())
+    scale = 0.04 * spread
     # The cameras' own y axis points down.
-    server.scene.set_up_direction(tuple(-c2ws[:, :3, 1].mean(axis=0)))
+    up = -c2ws[:, :3, 1].mean(axis=0)
+    server.scene.set_up_direction(tuple(up))
+    aside = np.cross(up, c2ws[0, :3, 2])
+    away = 2.2 * aside / np.linalg.norm(aside) + up / np.linalg.norm(up)
+    server.initial_camera.position = tuple(middle + spread * away)
+    server.initial_camera.look_at = tuple(middle)
     for i, (c2w, (_, fy, _, _)) in enumerate(zip(c2ws, rays["intrinsics"])):
         server.scene.add_camera_frustum(
             f"/cameras/{i:03d}",
             fov=2 * np.arctan(0.5 * height / fy),
             aspect=width / height,
             scale=scale,
+            thickness=1.5,
+            thickness_units="screen",
             color=(230, 120, 30) if rays["is_val"][i] else (60, 70, 80),
             image=rays["thumbnails"][i],
             wxyz=viser.transforms.SO3.from_matrix(c2w[:3, :3]).wxyz,
@@ -33,10 +44,11 @@ def show(server: viser.ViserServer, rays: dict[str, np.ndarray], scale: float) -
         )
     start = rays["rays_o"]
     end = start + rays["far"] * rays["rays_d"]
-    server.scene.add_line_segments("/rays", np.stack([start, end], axis=1), colors=(150, 180, 215))
+    segments = np.stack([start, end], axis=1)
+    server.scene.add_line_segments("/rays", segments, colors=(150, 180, 215), thickness=1, thickness_units="screen")
     points = rays["points"]
     colors = np.repeat(rays["rays_rgb"], points.shape[1], axis=0)
-    server.scene.add_point_cloud("/samples", points.reshape(-1, 3), colors=colors, point_size=0.1 * scale, point_shape="circle")
+    server.scene.add_point_cloud("/samples", points.reshape(-1, 3), colors=colors, point_size=0.15 * scale, point_shape="circle")
 
 
 def main() -> None:
@@ -47,10 +59,8 @@ def main() -> None:
     arguments = parser.parse_args()
     with np.load(arguments.rays) as archive:
         rays = dict(archive)
-    centres = rays["c2ws"][:, :3, 3]
-    spread = float(np.linalg.norm(centres - centres.mean(axis=0), axis=1).max())
     server = viser.ViserServer(port=arguments.port)
-    show(server, rays, scale=0.08 * spread)
+    show(server, rays)
     print("Stop with Ctrl+C.")
     try:
         while True:
