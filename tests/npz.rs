@@ -127,6 +127,13 @@ fn a_file_cut_anywhere_or_with_any_byte_changed_never_panics() {
         // A date or a name may change without harm; what matters is that it loads or says what is wrong.
         message(&path);
     }
+    // One changed pixel of a stored picture is found by the checksum.
+    npz::write(&path, &cs180(), false).unwrap();
+    let mut bytes = std::fs::read(&path).unwrap();
+    let pixel = bytes.windows(40).position(|window| window == [51; 40]).unwrap();
+    bytes[pixel] = 52;
+    std::fs::write(&path, &bytes).unwrap();
+    assert!(message(&path).contains("scene.npz: array images_train"), "{}", message(&path));
     std::fs::write(&path, "PSNR is not an archive").unwrap();
     assert!(message(&path).contains("a whole .npz (zip) archive"));
 }
@@ -153,7 +160,8 @@ fn hostile_headers_are_refused_before_memory_is_spent() {
     for (header, word) in [
         (header("<f8", "(4611686018427387904, 4611686018427387904)"), "more elements than any memory"),
         (header("<f8", "(99999999999999999999999999,)"), "more elements than any memory"),
-        (header("<f8", "(1000000000, 1000)"), "8000000000000 bytes"),
+        (header("<f8", "(1000000000, 1000)"), "found 8000000000000 bytes"),
+        (header("<f4", "(1,)"), "found more than 4 bytes"),
         (header("<f8", "(0, 4611686018427387904, 16)"), "more elements than any memory"),
         (header("|O", "(1,)"), "Python objects"),
         (header("<U3", "(1,)"), "expected 12 bytes"),

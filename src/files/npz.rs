@@ -152,27 +152,29 @@ impl Npz {
     fn read(&mut self, index: usize) -> Result<Array, (String, String)> {
         let whole = |error: &dyn std::fmt::Display| (error.to_string(), "a whole .npy entry".to_string());
         let mut entry = self.archive.by_index(index).map_err(|error| whole(&error))?;
-        let size = entry.size();
-        if size > LARGEST {
-            return Err((format!("{size} bytes"), format!("at most {LARGEST}")));
-        }
-        let (text, length) = read_header(&mut entry)?;
-        let header = NpyHeader::from_reader(&text[..]).map_err(|error| whole(&error))?;
-        let declared = header.dtype().num_bytes().map(|bytes| bytes as u64 * header.len());
+        let header = NpyHeader::from_reader(&read_header(&mut entry)?[..]).map_err(|error| whole(&error))?;
         if header.uses_pickled_array() {
             return Err(("Python objects".into(), "an array of numbers".into()));
         }
-        let declared = declared.unwrap_or(u64::MAX);
-        let wrong =
-            |bytes: u64| (format!("{bytes} bytes for {:?}", header.shape()), format!("{declared} bytes"));
-        if size.checked_sub(length) != Some(declared) {
-            return Err(wrong(size.saturating_sub(length)));
+        let item = header.dtype().num_bytes().map_or(u64::MAX, |bytes| bytes as u64);
+        let declared = header.len().saturating_mul(item);
+        if declared > LARGEST {
+            return Err((
+                format!("{declared} bytes for {:?}", header.shape()),
+                format!("at most {LARGEST} bytes"),
+            ));
         }
-        // Grows with what arrives, so that a false declaration alone costs nothing; one byte more shows an entry that is too long.
+        // The buffer grows with what arrives, so that a false shape alone costs nothing. One byte more is asked for: it shows an
+        // entry that is too long, and makes the archive's checksum be compared.
         let mut data = Vec::new();
         entry.take(declared + 1).read_to_end(&mut data).map_err(|error| whole(&error))?;
         if data.len() as u64 != declared {
-            return Err(wrong(data.len() as u64));
+            let more = if data.len() as u64 > declared { "more than " } else { "" };
+            let found = data.len().min(declared as usize);
+            return Err((
+                format!("{more}{found} bytes for {:?}", header.shape()),
+                format!("{declared} bytes"),
+            ));
         }
         decode(header, &data)
     }
@@ -188,9 +190,9 @@ pub fn read(path: &Path) -> Result<Arrays> {
     names.into_iter().map(|name| npz.array(&name).map(|array| (name, array))).collect()
 }
 
-/// The raw header with its length, refused where parsing it could cost more than it says: too long, nested too deep (the parser
+/// The raw header, refused where parsing it could cost more than it says: too long, nested too deep (the parser
 /// recurses), or with numbers whose product overflows (the parser multiplies them).
-fn read_header(entry: &mut impl Read) -> Result<(Vec<u8>, u64), (String, String)> {
+fn read_header(entry: &mut impl Read) -> Result<Vec<u8>, (String, String)> {
     let short = |error: std::io::Error| (error.to_string(), "a whole .npy header".to_string());
     let refused = |found: &str| Err((found.to_string(), "a .npy header as NumPy writes it".to_string()));
     let mut text = vec![0; 10];
@@ -222,8 +224,7 @@ fn read_header(entry: &mut impl Read) -> Result<(Vec<u8>, u64), (String, String)
     if product.is_none() {
         return refused("a shape of more elements than any memory holds");
     }
-    let length = text.len() as u64;
-    Ok((text, length))
+    Ok(text)
 }
 
 /// Bytes to elements, by the header's type, in C order.

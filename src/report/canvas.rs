@@ -174,8 +174,9 @@ mod tests {
         let mut canvas = canvas();
         canvas.line(DVec3::new(0.0, -1.0, 20.0), DVec3::new(0.0, 0.0, 0.0), [9; 3]);
         let drawn = canvas.finish();
-        assert_eq!(drawn[(30, 22)].0, [9; 3], "below the middle, where the line comes towards the eye");
-        assert_ne!(drawn[(30, 10)].0, [9; 3]);
+        // Below the middle, where the line comes towards the eye; smaller again, it is mixed with what is beside it.
+        assert!(drawn[(30, 25)].0[0] < 150, "{:?}", drawn[(30, 25)]);
+        assert_eq!(drawn[(30, 10)].0, [250, 250, 248]);
     }
 
     #[test]
