@@ -17,21 +17,24 @@
 //!
 //! Conventions are those of the profile `cs180`, with any density activation.
 
+mod activation;
 mod chunk;
+mod descent;
 mod gradient;
 mod image;
 mod network;
 mod passes;
 mod product;
+mod rays;
 mod trunk;
 
 #[cfg(test)]
 mod tests;
 
-pub use chunk::{Rays, Rendered};
 pub use gradient::Gradient;
 pub use image::ImageNetwork;
 pub use network::{Batch, Network};
+pub use rays::{Rays, Rendered};
 
 /// Points that pass through the layers together (whole rays; one ray where it has more samples).
 pub const CHUNK: usize = 512;

@@ -2,7 +2,7 @@
 
 use pulp::Arch;
 
-use super::chunk::sigmoid;
+use super::activation::sigmoid;
 use super::gradient::{Gradient, Pool};
 use super::passes::{AddRows, Heads, HeadsBackward};
 use super::trunk::{Affine, Tape, Trunk};

@@ -2,8 +2,9 @@
 
 use pulp::Arch;
 
-use super::chunk::{Chunk, Prepared, Rays, Rendered};
+use super::chunk::{Chunk, Prepared};
 use super::gradient::{Gradient, Pool};
+use super::rays::{Rays, Rendered};
 use super::trunk::{Affine, Trunk};
 use crate::convention::Density;
 use crate::field::NerfMlp;

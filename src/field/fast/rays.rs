@@ -1,0 +1,64 @@
+//! What goes into rendering, and what comes out.
+
+/// Rays with N samples each. Geometry is f64: it costs nothing beside the network, and 2^9 pi x magnifies its rounding.
+#[derive(Clone, Copy, Debug)]
+pub struct Rays<'a> {
+    /// Origins (R, 3).
+    pub origins: &'a [f64],
+    /// Directions (R, 3); unit in the profile `cs180`.
+    pub directions: &'a [f64],
+    /// Sample distances (R, N).
+    pub t: &'a [f64],
+    /// Step lengths (R, N).
+    pub deltas: &'a [f64],
+    /// N.
+    pub samples: usize,
+}
+
+/// A picture's worth of rendered rays.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rendered {
+    /// Colours over the background (R, 3).
+    pub colors: Vec<f32>,
+    /// Opacity, the sum of the weights (R).
+    pub opacity: Vec<f32>,
+    /// sum w t (R), not divided by the opacity.
+    pub depth: Vec<f32>,
+}
+
+impl<'a> Rays<'a> {
+    /// R.
+    #[allow(clippy::len_without_is_empty, reason = "nobody asks")]
+    pub fn len(&self) -> usize {
+        self.origins.len() / 3
+    }
+
+    /// Rays that make up a chunk.
+    pub(super) fn in_chunk(&self) -> usize {
+        (super::CHUNK / self.samples).max(1)
+    }
+
+    pub(super) fn part(&self, from: usize, to: usize) -> Rays<'a> {
+        let n = self.samples;
+        Rays {
+            origins: &self.origins[from * 3..to * 3],
+            directions: &self.directions[from * 3..to * 3],
+            t: &self.t[from * n..to * n],
+            deltas: &self.deltas[from * n..to * n],
+            samples: n,
+        }
+    }
+
+    /// o + t d (R N, 3).
+    pub(super) fn positions(&self, out: &mut Vec<f64>) {
+        out.clear();
+        let rays = self
+            .origins
+            .chunks_exact(3)
+            .zip(self.directions.chunks_exact(3))
+            .zip(self.t.chunks_exact(self.samples));
+        for ((o, d), t) in rays {
+            out.extend(t.iter().flat_map(|t| [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]]));
+        }
+    }
+}
