@@ -72,6 +72,7 @@ pub const COMPONENTS: &[Component] = &[
     encoding::component::POSITIONAL_ENCODING,
     field::component::MLP,
     field::component::NERF_MLP,
+    spherical_harmonics::component::SPHERICAL_HARMONICS,
     volume_rendering::component::VOLUME_RENDER,
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,

@@ -4,7 +4,12 @@
 //! Letters: `l` band, `m` order from -l to l; the value of (l, m) stands at l (l + 1) + m.
 
 pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
 pub mod fast;
+pub mod honest;
+pub mod mistakes;
 
 #[cfg(test)]
 mod tests;

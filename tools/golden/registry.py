@@ -14,6 +14,7 @@ COMPONENTS = [
     "sample_along_rays",
     "step_sizes",
     "positional_encoding",
+    "spherical_harmonics",
     "mlp",
     "nerf_mlp",
     "volume_render",
