@@ -1,7 +1,7 @@
 //! The bounds are sound in every convention that a component depends on, not in the default profile alone.
 
 use nerf_oracle::COMPONENTS;
-use nerf_oracle::convention::{CHOICES, CS180, Conventions};
+use nerf_oracle::convention::{CHOICES, CS180, Conventions, Density};
 use nerf_oracle::verify::arithmetic::{Arithmetic, Dtype, Grade};
 use nerf_oracle::verify::check::{Kind, tolerance, worst};
 use nerf_oracle::verify::{Component, Machine};
@@ -41,7 +41,13 @@ fn no_honest_implementation_is_rejected_in_any_convention() {
                         component.name,
                         case.id
                     );
-                    for dtype in Dtype::ALL.into_iter().filter(|&dtype| case.exists_in(dtype)) {
+                    // e^z leaves f16 at z = 12 (VR6): what comes of infinity there is no number, and the judge says so.
+                    let overflows = |dtype| {
+                        component.name == "nerf_mlp" && c.density == Density::Exp && dtype == Dtype::F16
+                    };
+                    let dtypes =
+                        Dtype::ALL.into_iter().filter(|&dtype| case.exists_in(dtype) && !overflows(dtype));
+                    for dtype in dtypes {
                         // Twelve machines out of 192: 17 and 16 have no common factor, so order, fusing, formula and form all vary.
                         for n in (0..192).step_by(17) {
                             let machine = Machine::number(dtype, n);

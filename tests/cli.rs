@@ -94,7 +94,10 @@ fn cs180(file: &Path) {
     use nerf_oracle::files::npz::{Array, Arrays, write};
     let pose = |n: usize| {
         let mut pose = ndarray::Array2::<f64>::eye(4);
-        (pose[[0, 3]], pose[[2, 3]]) = (0.1 * n as f64, -4.0);
+        // On a circle around the origin, looking at it: turned about y by the angle at which it stands.
+        let (sin, cos) = (0.4 * n as f64).sin_cos();
+        (pose[[0, 0]], pose[[0, 2]], pose[[2, 0]], pose[[2, 2]]) = (cos, sin, -sin, cos);
+        (pose[[0, 3]], pose[[2, 3]]) = (-4.0 * sin, -4.0 * cos);
         pose
     };
     let poses = |count: usize| {

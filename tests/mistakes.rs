@@ -19,7 +19,11 @@ use nerf_oracle::verify::{Case, Component, Dtype, Exam, Mistake, Verdict};
 /// steps stay equal, as they do in any arithmetic), each result by three.
 fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
     let pass = sheet.component.pass(sheet.kind).unwrap();
-    let u = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };
+    // Where inputs are magnified (2^k pi x), cancel (equal pictures) or become whole numbers, one that is off is another question.
+    let exact = ["positional_encoding", "mse", "psnr", "to_uint8"].contains(&sheet.component.name);
+    let half = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };
+    let u = if exact { 0.0 } else { half };
+    let half = if sheet.component.name == "to_uint8" { 0.0 } else { half };
     let answer = |case: &Case| {
         let mut draw = Draw::new(&case.id, 7);
         let mut inputs = case.inputs.clone();
@@ -29,7 +33,7 @@ fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype
             array.mapv_inplace(|x| if x == 1.0 { x } else { x * factor });
         }
         let wrong = (pass.wrong)(&inputs, c, mistakes);
-        let mut noise = || 1.0 + 6.0 * u * (2.0 * draw.unit() - 1.0);
+        let mut noise = || 1.0 + 6.0 * half * (2.0 * draw.unit() - 1.0);
         let mut given =
             |a: ndarray::ArrayD<f64>| Given { values: a.mapv(|x| dtype.round(x * noise())), dtype: "f64" };
         Some(wrong.into_iter().map(|(name, a)| (name, given(a))).collect())

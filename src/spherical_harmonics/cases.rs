@@ -17,15 +17,26 @@ pub fn spherical_harmonics() -> Vec<Case> {
         };
         (0..n).flat_map(direction).collect::<Vec<f64>>()
     };
-    let axes = vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
+    let axes =
+        vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
     vec![
         case("axes", "along the axes, both ways: every harmonic is 0 or extreme", 4.0, axes),
         case("constant", "degree 0: 1 / sqrt(4 pi), whatever the direction", 0.0, seeded(0, 3)),
         case("linear", "degree 1: y, z, x in this order", 1.0, seeded(1, 4)),
         case("four_bands", "degree 3: the 16 values of Instant-NGP", 3.0, seeded(2, 6)),
         case("five_bands", "degree 4: all 25", 4.0, seeded(3, 6)),
-        case("PE7_unit_cube", "components in [0, 1], as if already shifted", 3.0, vec![0.5, 0.75, 1.0, 0.25, 0.0, 0.5]),
-        case("PE7_not_unit", "lengths 1/2 and 2: taken as they stand", 4.0, vec![0.25, -0.375, 0.125, 1.0, -1.5, 0.5]),
+        case(
+            "PE7_unit_cube",
+            "components in [0, 1], as if already shifted",
+            3.0,
+            vec![0.5, 0.75, 1.0, 0.25, 0.0, 0.5],
+        ),
+        case(
+            "PE7_not_unit",
+            "lengths 1/2 and 2: taken as they stand",
+            4.0,
+            vec![0.25, -0.375, 0.125, 1.0, -1.5, 0.5],
+        ),
         case("nearly_up", "beside the pole, where m > 0 vanishes", 4.0, vec![0.0078125, -0.00390625, 1.0]),
     ]
 }
