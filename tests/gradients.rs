@@ -40,7 +40,7 @@ fn directions(component: &Component, inputs: &Arrays, draw: &mut Draw) -> Vec<Ar
     for name in component.differentiable_arrays(inputs) {
         let x = &inputs[&name];
         let size = x.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
-        let v = x.mapv(|x| signed(draw) * if x == 0.0 { size.min(1.0).max(1e-3) } else { x.abs().min(1e3) });
+        let v = x.mapv(|x| signed(draw) * if x == 0.0 { size.clamp(1e-3, 1.0) } else { x.abs().min(1e3) });
         directions.push(Arrays::from([(name.clone(), v.clone())]));
         all.insert(name, v);
     }

@@ -1,4 +1,4 @@
-//! Error bounds of the networks. The law of the errors, lambda and the false-alarm probability stand in [`super::propagate`].
+//! Error bounds of the networks. The law of the errors, lambda and the false-alarm probability stand in `propagate.rs`.
 
 use super::component::{Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::mlp::Mlp;

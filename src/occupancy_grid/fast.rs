@@ -116,7 +116,7 @@ impl Occupancy {
             let c = x.map(|x| (x as i32).max(0).min(top));
             let word = self.bits[(((c[2] >> 2) * bricks + (c[1] >> 2)) * bricks + (c[0] >> 2)) as usize];
             if word >> ((c[2] & 3) << 4 | (c[1] & 3) << 2 | c[0] & 3) & 1 == 1 {
-                visit(k, x.map(|x| (x / r).max(0.0).min(1.0)));
+                visit(k, x.map(|x| (x / r).clamp(0.0, 1.0)));
                 k += 1.0;
                 continue;
             }

@@ -80,7 +80,7 @@ pub fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Optio
     };
     scene.near = choose("near", options.near, near);
     scene.far = choose("far", options.far, far);
-    if !(scene.near < scene.far) {
+    if scene.near.partial_cmp(&scene.far) != Some(std::cmp::Ordering::Less) {
         let found = match distances {
             None => "cameras whose axes meet nowhere in front of them".to_string(),
             Some(_) => format!("near {}, far {}", scene.near, scene.far),

@@ -72,6 +72,7 @@ pub struct NerfModel {
     dead: bool,
 }
 
+#[allow(clippy::large_enum_variant, reason = "one a model")]
 enum Path {
     Fast { net: Box<Network>, moments: optimiser::fast::Moments, gradient: Gradient },
     Reference { field: Box<Field>, m: NerfMlp, v: NerfMlp, steps: u64 },

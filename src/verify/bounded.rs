@@ -30,6 +30,7 @@ impl Bounded {
     }
 
     /// -y.
+    #[allow(clippy::should_implement_trait, reason = "the other operations are methods of the arithmetic")]
     pub fn neg(self) -> Bounded {
         Bounded { y: -self.y, e: self.e }
     }

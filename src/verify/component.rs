@@ -47,7 +47,7 @@ impl Port {
     }
 }
 
-/// Something wrong that people really write, runnable through [`Component::wrong`].
+/// Something wrong that people really write, runnable through [`Pass::wrong`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mistake {
     /// Name, unique within the component, e.g. `inclusive_transmittance`.

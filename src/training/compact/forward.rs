@@ -81,7 +81,7 @@ pub(super) fn exp(x: f32) -> f32 {
 /// e^x with x held to [-15, 15], forward too: the trunc_exp component's surrogate then is the derivative of neither side outside.
 #[inline(always)]
 pub(super) fn trunc_exp(x: f32) -> f32 {
-    exp(x.max(-15.0).min(15.0))
+    exp(x.clamp(-15.0, 15.0))
 }
 
 #[inline(always)]
@@ -130,7 +130,7 @@ fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
     }
     for rgb in &mut c.rgb[..n] {
         for x in &mut rgb[..4] {
-            *x = 1.0 / (1.0 + exp((-*x).max(-80.0).min(80.0)));
+            *x = 1.0 / (1.0 + exp((-*x).clamp(-80.0, 80.0)));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The compact model: a hash grid and two small networks, with an occupancy grid and early stop, so that work follows the scene.
 //!
-//! After Instant-NGP (Mueller et al. 2022). A step goes: [`step`] marches random rays through the occupancy grid and encodes the samples
-//! level by level; [`forward`] and [`backward`] take chunks of whole rays through networks, rendering and loss; the gradients are
+//! After Instant-NGP (Mueller et al. 2022). A step goes: `step` marches random rays through the occupancy grid and encodes the samples
+//! level by level; `forward` and `backward` take chunks of whole rays through networks, rendering and loss; the gradients are
 //! scattered level by level and folded chunk by chunk, in order, so that the result has the same bits on any number of threads.
 
 use pulp::Arch;

@@ -61,7 +61,7 @@ impl Views {
             let lens = known.iter().position(|k| *k == (camera.k, camera.distortion)).unwrap_or(known.len());
             if lens == known.len() {
                 known.push((camera.k, camera.distortion));
-                let upright = Camera { c2w: DMat4::IDENTITY, ..camera.clone() };
+                let upright = Camera { c2w: DMat4::IDENTITY, ..*camera };
                 lenses.push(
                     camera_rays(&upright)?.iter().map(|ray| ray.d.to_array().map(|x| x as f32)).collect(),
                 );
