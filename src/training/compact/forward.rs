@@ -65,6 +65,7 @@ pub(super) fn run(arch: Arch, pass: &Pass, chunk: &mut Chunk) {
 }
 
 /// e^x without branches or calls, so that loops over it become vector code; |x| < 87, relative error below 2e-7.
+#[allow(clippy::excessive_precision, reason = "digits as they were fitted")]
 #[inline(always)]
 pub(super) fn exp(x: f32) -> f32 {
     // Adding 1.5 * 2^23 rounds to a whole number, which then stands in the low bits.
