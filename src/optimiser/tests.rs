@@ -34,7 +34,7 @@ fn three_steps_by_hand() {
     let (c1, c2) = ([0.5, 0.75, 0.875], [0.25, 0.4375, 0.578125]);
     let mut expected = 1.0;
     for n in 0..3 {
-        expected -= m[n] / c1[n] / (v[n] / c2[n]).sqrt();
+        expected -= m[n] / c1[n] / f64::sqrt(v[n] / c2[n]);
         let state = steps(&adam, &[1.0, 3.0, -2.0][..=n]);
         assert_eq!((state.m, state.v), (m[n], v[n]));
         assert!((state.param - expected).abs() < 1e-15 * 8.0, "step {}", n + 1);
