@@ -37,6 +37,8 @@ def image_rays(height, width, focal, cx, cy, c2w):
 
 def sample_along_rays(rays_o, rays_d, near, far, u):
     """sample_lengths and sample_ray_points. It draws its own u: here it is handed the case's."""
+    if u.shape[1] < 2:  # which kornia refuses
+        return near + (far - near) * u, rays_o[:, None] + (near + (far - near) * u)[..., None] * rays_d[:, None]
     own, torch.rand = torch.rand, lambda *_, **__: u
     try:
         t = near + (far - near) * sample_lengths(*u.shape, device="cpu", dtype=u.dtype, irregular=True)
@@ -52,6 +54,8 @@ def positional_encoding(x, L):
 
 def volume_render(sigmas, rgbs, deltas):
     """IrregularRenderer, on points along an axis whose distances are the steps."""
+    if deltas.shape[1] == 0:  # kornia ends in an IndexError
+        return torch.zeros(len(deltas), 3, dtype=rgbs.dtype)
     t = torch.nn.functional.pad(torch.cumsum(deltas, -1), (1, 0))[:, :-1]
     return IrregularRenderer()(rgbs, sigmas[..., None], torch.nn.functional.pad(t[..., None], (0, 2)))
 
