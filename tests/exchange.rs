@@ -31,7 +31,7 @@ fn folders() -> (TempDir, PathBuf, PathBuf) {
 /// The message with which a pair of folders is refused.
 fn refused(cases: &Path, answers: &Path) -> String {
     let result = read_exam(cases).and_then(|exam| read_answers(&exam, answers));
-    result.err().expect("refused").to_string()
+    result.err().unwrap_or_else(|| panic!("not refused")).to_string()
 }
 
 /// An answer's file.
