@@ -1,9 +1,9 @@
 //! The judge against right, wrong and hostile candidates. The first test is the example to copy.
 
 use nerf_oracle::COMPONENTS;
-use nerf_oracle::convention::CS180;
 use nerf_oracle::convention::profiles::PROFILES;
-use nerf_oracle::verify::answer::{Answers, Given, given};
+use nerf_oracle::convention::{CS180, Conventions};
+use nerf_oracle::verify::answer::{Answer, Answers, Given, given};
 use nerf_oracle::verify::check::Kind;
 use nerf_oracle::verify::component::{Arrays, array, arrays, input};
 use nerf_oracle::verify::judge::{EXP_ULP, judge_answers};
@@ -171,4 +171,71 @@ fn the_answers_themselves_are_checked() {
     assert_eq!(judge_answers(&exam, &nothing, EXP_ULP).exit_code(), 2);
     assert!(judge(&Candidate::new().forward("no_such_thing", Clone::clone), Dtype::F64).is_err());
     assert!(!COMPONENTS.is_empty());
+}
+
+/// Right answers in `c` to one component's forward cases, changed by `change`; the report on them alone.
+fn laid_out(component: &str, c: &Conventions, change: impl Fn(&mut Answer)) -> Report {
+    let exam = Exam::new(component, Dtype::F64, None).unwrap();
+    let forward =
+        |n: usize| exam.sheets[n].component.name == component && exam.sheets[n].kind == Kind::Forward;
+    let answers = |n: usize| -> Answers {
+        let sheet = &exam.sheets[n];
+        let answer = |inputs: &Arrays| {
+            let mut answer = given((sheet.component.forward.oracle)(inputs, c));
+            change(&mut answer);
+            answer
+        };
+        sheet.cases.iter().map(|case| forward(n).then(|| answer(&case.inputs))).collect()
+    };
+    judge_answers(&exam, &(0..exam.sheets.len()).map(answers).collect::<Vec<_>>(), EXP_ULP)
+}
+
+#[test]
+fn layouts_pass_and_are_reported() {
+    let flat = laid_out("image_rays", &CS180, |answer| {
+        for given in answer.values_mut() {
+            let (rows, columns) = (given.values.len() / given.values.shape()[2], given.values.shape()[2]);
+            given.values = given.values.clone().into_shape_with_order(vec![rows, columns]).unwrap();
+        }
+    });
+    let swapped = laid_out("image_rays", &CS180, |answer| {
+        let (o, d) = (answer.remove("rays_o").unwrap(), answer.remove("rays_d").unwrap());
+        answer.insert("rays_o".into(), d);
+        answer.insert("rays_d".into(), o);
+    });
+    // The identity behind the bands, as nerfstudio has it.
+    let behind = laid_out("positional_encoding", &CS180.with("frequency", "two_pi").unwrap(), |answer| {
+        let given = answer.get_mut("encoding").unwrap();
+        let width = given.values.shape()[1];
+        given.values = given.values.select(ndarray::Axis(1), &(0..width).rev().collect::<Vec<_>>());
+    });
+    for (report, says) in
+        [(flat, "flattened"), (swapped, "each other's place"), (behind, "an order of their own")]
+    {
+        assert_eq!(report.exit_code(), 0, "{report}");
+        assert!(report.to_string().contains(says), "{report}");
+    }
+}
+
+#[test]
+fn a_run_that_contradicts_itself_fails() {
+    let opengl = CS180.with("axes", "opengl").unwrap();
+    let oracle = |name: &str, c: Conventions| {
+        let component = COMPONENTS.iter().find(|component| component.name == name).unwrap();
+        move |inputs: &Arrays| (component.forward.oracle)(inputs, &c)
+    };
+    let candidate = Candidate::new()
+        .forward("pixel_to_ray", oracle("pixel_to_ray", CS180))
+        .forward("render_trace", oracle("render_trace", CS180))
+        .forward("image_rays", oracle("image_rays", opengl));
+    let report = judge(&candidate, Dtype::F64).unwrap();
+    let row = report.of("image_rays", "forward").unwrap();
+    assert_eq!((report.exit_code(), row.verdict), (1, Verdict::Fail), "{report}");
+    assert_eq!(row.contradiction.get("axes"), Some(&"opengl"), "{report}");
+    // Pinned, the whole of it is plain.
+    let pinned =
+        Candidate::new().forward("image_rays", oracle("image_rays", opengl)).profile("cs180").unwrap();
+    let report = judge(&pinned, Dtype::F64).unwrap();
+    let best = &report.of("image_rays", "forward").unwrap().diagnosis[0];
+    assert!(best.mistakes.is_empty() && best.conventions.get("axes") == Some(&"opengl"), "{report}");
 }

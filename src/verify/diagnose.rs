@@ -60,8 +60,12 @@ pub fn diagnose(
         for mistakes in sets(sheet, count, suspects) {
             // Numeric gradients are too dear for all assignments: the forward answers have told the conventions.
             let numeric = sheet.kind == Kind::Vjp && of_forward(sheet, &mistakes);
+            // And no mistake in the run's own conventions is no explanation: it has just failed.
             let limit = if numeric { 1 } else { ASSIGNMENTS[count] };
-            let near = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).take(limit);
+            let near = all
+                .iter()
+                .filter(|p| changes(p, &home) <= CHANGES[count] && (count > 0 || **p != home))
+                .take(limit);
             hypotheses
                 .extend(near.map(|p| Hypothesis { mistakes: mistakes.clone(), conventions: apply(p, base) }));
         }

@@ -199,10 +199,14 @@ pub fn admits(component: &Component, inputs: &Arrays, c: &Conventions) -> bool {
 
 /// Hard cases carry the name of the hazard in front of their id.
 fn flags(case: &Case) -> Vec<&'static str> {
-    let hazard = case.id.split_once('_').is_some_and(|(head, _)| {
+    if hard(case) { vec!["hard"] } else { vec![] }
+}
+
+/// Whether a case is one of the hard ones, where rounding may do much.
+pub fn hard(case: &Case) -> bool {
+    case.id.split_once('_').is_some_and(|(head, _)| {
         head.chars().any(|c| c.is_ascii_digit()) && head.starts_with(|c: char| c.is_ascii_uppercase())
-    });
-    if hazard { vec!["hard"] } else { vec![] }
+    })
 }
 
 fn meaning(component: &Component, name: &str) -> String {

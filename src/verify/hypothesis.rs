@@ -51,6 +51,9 @@ impl Hypothesis {
     ) -> Arrays {
         let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
         let (_, right) = rules.truth(sheet, case, &self.conventions, Grade::B);
+        if self.mistakes.is_empty() {
+            return right;
+        }
         let u = rules.dtype.unit_roundoff();
         let moved: Vec<Arrays> = match error {
             Some(_) => vec![],
@@ -88,7 +91,9 @@ impl Hypothesis {
     /// Whether it explains an answer.
     pub fn explains(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> bool {
         let (wrong, error) = self.prediction(sheet, case);
-        within(answer, &wrong, rules.dtype, || self.bound(sheet, case, &wrong, error.as_ref(), rules))
+        within(answer, &wrong, rules.may_look(case), || {
+            self.bound(sheet, case, &wrong, error.as_ref(), rules)
+        })
     }
 
     /// The largest error over bound on an answer.

@@ -36,7 +36,7 @@ fn swapped(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) 
     for c in assignments(sheet.component, base).iter().map(|p| apply(p, base)).filter(|c| sheet.admits(c)) {
         let expected = (sheet.component.forward.oracle)(&case.inputs, &c);
         for (&(a, b), answer) in pairs.iter().zip(&exchanged) {
-            if within(answer, &expected, rules.dtype, || rules.truth(sheet, case, &c, Grade::B).1) {
+            if within(answer, &expected, rules.may_look(case), || rules.truth(sheet, case, &c, Grade::B).1) {
                 let all = answers
                     .iter()
                     .map(|answer| answer.as_ref().map(|answer| exchange(answer, a, b)))

@@ -9,7 +9,7 @@ use super::arithmetic::{Arithmetic, Dtype, Grade};
 use super::case::Case;
 use super::check::{budget_used, tolerance};
 use super::component::Arrays;
-use super::exam::Sheet;
+use super::exam::{Sheet, hard};
 use crate::convention::Conventions;
 
 /// The element that used most of its bound.
@@ -72,6 +72,12 @@ impl Rules {
     /// The arithmetic of a grade.
     pub fn arithmetic(&self, grade: Grade) -> Arithmetic {
         Arithmetic { elementary_ulp: self.exp_ulp, ..Arithmetic::new(self.dtype, grade) }
+    }
+
+    /// Whether an answer that is far off at first sight can't be right: so in f32 and f64, but for hard cases, where a textbook
+    /// formula may have no digit left.
+    pub fn may_look(&self, case: &Case) -> bool {
+        self.dtype.bits() >= 24 && !hard(case)
     }
 
     /// What is true in a case, and how far off an answer may be.
@@ -158,14 +164,15 @@ impl Marks {
     }
 }
 
-/// Whether answers lie within bounds: the question that a search asks thousands of times, so it looks before it computes bounds.
-pub fn within(answer: &Answer, expected: &Arrays, dtype: Dtype, bound: impl FnOnce() -> Arrays) -> bool {
+/// Whether answers lie within bounds: the question that a search asks thousands of times, so it may look before it computes
+/// bounds (see [`Rules::may_look`]).
+pub fn within(answer: &Answer, expected: &Arrays, look: bool, bound: impl FnOnce() -> Arrays) -> bool {
     let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
         let given = answer.get(name)?;
         Some(reshaped(&given.values, e.shape()).map(|(got, _)| (name.clone(), got)))
     };
     let Some(got) = expected.iter().filter_map(answered).collect::<Option<Arrays>>() else { return false };
-    if got.is_empty() || (dtype.bits() >= 24 && far_off(&got, expected)) {
+    if got.is_empty() || (look && far_off(&got, expected)) {
         return false;
     }
     let bound = bound();
@@ -175,8 +182,7 @@ pub fn within(answer: &Answer, expected: &Arrays, dtype: Dtype, bound: impl FnOn
     })
 }
 
-/// Whether most elements of an output are off by a quarter of its size: in f32 and f64 no rounding does that. Some elements may be:
-/// far from the camera a textbook direction has no digit left.
+/// Whether most elements of an output are off by a quarter of its size.
 fn far_off(got: &Arrays, expected: &Arrays) -> bool {
     got.iter().any(|(name, got)| {
         let expected = &expected[name];

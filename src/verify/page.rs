@@ -114,6 +114,9 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         writeln!(f, "      effect: {}", mistake.effect)?;
         writeln!(f, "      to mend: {}   (seen: {})", mistake.fix, mistake.seen)?;
     }
+    if row.kind == "vjp" && best.mistakes.iter().any(|m| !m.gradient) {
+        writeln!(f, "  a mistake of the forward function: its gradient follows from it")?;
+    }
     if let Some(next) = row.diagnosis.iter().skip(1).find(|e| !e.same_as_best) {
         writeln!(f, "  runner-up: {}", name(next))?;
     }
