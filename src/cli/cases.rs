@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use serde_json::json;
 
+use super::output;
 use crate::convention::profiles;
 use crate::error::Result;
 use crate::verify::{Dtype, Exam, exchange};
@@ -35,15 +36,13 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let exam = Exam::new(&args.filter, args.dtype, profile)?;
     let bytes = exchange::write_cases(&exam, &args.out)?;
     let cases: usize = exam.sheets.iter().map(|sheet| sheet.cases.len()).sum();
-    if json {
-        let left_out = &exam.left_out;
-        println!("{}", json!({ "out": args.out, "cases": cases, "bytes": bytes, "left_out": left_out }));
-    } else {
-        println!("{cases} cases in {} ({:.1} MB)", args.out.display(), bytes as f64 / 1e6);
-        if !exam.left_out.is_empty() {
-            println!("{} left out, as {} can't hold their inputs:", exam.left_out.len(), args.dtype);
-            exam.left_out.iter().for_each(|name| println!("  {name}"));
-        }
+    let left_out = &exam.left_out;
+    let object = json!({ "out": args.out, "cases": cases, "bytes": bytes, "left_out": left_out });
+    let mut text = format!("{cases} cases in {} ({:.1} MB)\n", args.out.display(), bytes as f64 / 1e6);
+    if !left_out.is_empty() {
+        text += &format!("{} left out, as {} can't hold their inputs:\n", left_out.len(), args.dtype);
+        text.extend(left_out.iter().map(|name| format!("  {name}\n")));
     }
+    output::print(json, &object, &text);
     Ok(ExitCode::SUCCESS)
 }

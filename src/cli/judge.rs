@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use super::output;
 use crate::error::{Error, Result};
 use crate::verify::{exchange, judge};
 
@@ -29,10 +30,6 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let exam = exchange::read_exam(&args.cases)?;
     let answers = exchange::read_answers(&exam, &args.answers)?;
     let report = judge::judge_answers(&exam, &answers, args.exp_ulp);
-    if json {
-        println!("{}", report.json())
-    } else {
-        print!("{report}")
-    }
+    output::print(json, &report.json(), &report.to_string());
     Ok(ExitCode::from(report.exit_code()))
 }
