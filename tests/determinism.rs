@@ -92,7 +92,7 @@ fn training_step() -> Vec<f64> {
 
 #[test]
 fn a_training_step_has_these_bits_everywhere() {
-    // x86-64, debug and release. A formula that is changed on purpose changes this number.
+    // x86-64, release. A formula that is changed on purpose changes this number.
     let numbers =
         Arrays::from([("training step".to_string(), array(&[training_step().len()], training_step()))]);
     let found = digest(0xcbf2_9ce4_8422_2325, &numbers);
