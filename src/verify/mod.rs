@@ -26,6 +26,7 @@ pub mod report;
 pub mod sampler;
 pub mod selfcheck;
 pub mod statistics;
+pub mod tables;
 
 pub use arithmetic::{Arithmetic, Dtype, Grade};
 pub use bounded::Bounded;
