@@ -2,24 +2,32 @@
 
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::convention::CS180;
+use nerf_oracle::parallel;
 use nerf_oracle::verify::arithmetic::{Arithmetic, Dtype, Grade};
 use nerf_oracle::verify::check::{Kind, tolerance, worst};
 use nerf_oracle::verify::{Component, Machine};
 
-/// Machines a case: 48 by default, which makes the whole suite fast; `BOUND_MACHINES=1000` for more.
-fn machines() -> u64 {
-    std::env::var("BOUND_MACHINES").ok().and_then(|n| n.parse().ok()).unwrap_or(48)
+/// Machines a case, and evaluations that each component and direction has at least (those with few cases get more machines): 48 and
+/// 0 by default, which makes the suite fast; `BOUND_MACHINES=192` for that many and 2,000.
+fn machines() -> (u64, u64) {
+    match std::env::var("BOUND_MACHINES").ok().and_then(|n| n.parse().ok()) {
+        Some(machines) => (machines, 2000),
+        None => (48, 0),
+    }
 }
 
 /// Evaluations of honest machines, and those that the bound rejects.
 fn rejections(component: &Component, kind: Kind, dtype: Dtype) -> (u64, Vec<String>) {
     let Some(pass) = component.pass(kind) else { return (0, vec![]) };
     let (mut count, mut rejected) = (0, vec![]);
-    for case in component.cases_of(kind, &CS180).iter().filter(|case| case.exists_in(dtype)) {
+    let cases = component.cases_of(kind, &CS180);
+    let (machines, at_least) = machines();
+    let machines = machines.max(at_least.div_ceil((cases.len() * Dtype::ALL.len()) as u64));
+    for case in cases.iter().filter(|case| case.exists_in(dtype)) {
         let expected = (pass.oracle)(&case.inputs, &CS180);
         let bounds =
             [Grade::A, Grade::B].map(|g| tolerance(pass, &case.inputs, &CS180, &Arithmetic::new(dtype, g)));
-        for n in 0..machines() {
+        for n in 0..machines {
             let machine = Machine::number(dtype, n);
             let got = (pass.honest)(&case.inputs, &CS180, &machine);
             let used = worst(&got, &expected, &bounds[usize::from(!machine.stable)]);
@@ -37,16 +45,22 @@ fn rejections(component: &Component, kind: Kind, dtype: Dtype) -> (u64, Vec<Stri
 
 #[test]
 fn no_honest_implementation_is_rejected() {
-    let (mut evaluations, mut rejected) = (0, vec![]);
-    for component in COMPONENTS {
-        for kind in [Kind::Forward, Kind::Vjp] {
-            for dtype in Dtype::ALL {
-                let (count, more) = rejections(component, kind, dtype);
-                evaluations += count;
-                rejected.extend(more);
-            }
-        }
+    let both = [Kind::Forward, Kind::Vjp];
+    let rows: Vec<_> = COMPONENTS.iter().flat_map(|c| both.map(|kind| (c, kind))).collect();
+    let rows: Vec<_> = rows.into_iter().filter(|(c, kind)| c.pass(*kind).is_some()).collect();
+    let types = Dtype::ALL.len();
+    let results = parallel::map(rows.len() * types, |n| {
+        let (component, kind) = rows[n / types];
+        rejections(component, kind, Dtype::ALL[n % types])
+    });
+    let mut evaluations = 0;
+    for ((component, kind), results) in rows.iter().zip(results.chunks(types)) {
+        let count: u64 = results.iter().map(|(count, _)| count).sum();
+        println!("{:<24}{kind:?}: {count} evaluations", component.name);
+        assert!(count > 0, "{} {kind:?}: nothing was evaluated", component.name);
+        evaluations += count;
     }
+    let rejected: Vec<String> = results.into_iter().flat_map(|(_, rejected)| rejected).collect();
     println!("{evaluations} evaluations, {} rejected", rejected.len());
     assert!(
         rejected.is_empty(),

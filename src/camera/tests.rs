@@ -2,7 +2,7 @@ use glam::{DMat3, DMat4, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::verify::properties;
+use crate::verify::{properties, slope};
 
 /// A rigid pose: any rotation, any place within 10 units.
 pub(crate) fn pose() -> impl Strategy<Value = DMat4> {
@@ -43,6 +43,52 @@ fn a_quarter_turn_and_a_shift() {
         backward::rotate_transposed(&c2w, DVec3::new(-20.0, 10.0, 30.0)),
         DVec3::new(10.0, 20.0, 30.0)
     );
+}
+
+/// A pose that is not rigid: gradients know nothing of orthogonality.
+pub(crate) const SKEWED: [[f64; 4]; 4] =
+    [[0.5, 1.0, -0.25, 0.0], [-1.0, 0.75, 0.5, 0.0], [0.25, -0.5, 1.5, 0.0], [1.0, 2.0, 3.0, 1.0]];
+
+#[test]
+fn gradients_of_the_transform() {
+    let (x_c, g) = (DVec3::new(0.5, -1.5, 2.0), DVec3::new(0.75, -0.25, 1.25));
+    let pulled = |c2w: [[f64; 4]; 4], x: DVec3| g.dot(transform(&DMat4::from_cols_array_2d(&c2w), x));
+    let (g_c2w, g_x) = backward::transform(&DMat4::from_cols_array_2d(&SKEWED), x_c, g);
+    for column in 0..4 {
+        for row in 0..4 {
+            let moved = |h: f64| {
+                let mut c2w = SKEWED;
+                c2w[column][row] += h;
+                pulled(c2w, x_c)
+            };
+            assert!((g_c2w.col(column)[row] - slope(moved)).abs() < 1e-11, "column {column}, row {row}");
+        }
+    }
+    for axis in 0..3 {
+        let moved = |h: f64| pulled(SKEWED, x_c + h * DVec3::AXES[axis]);
+        assert!((g_x[axis] - slope(moved)).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn gradients_of_the_lens() {
+    let k = [4.0, 8.0, 1.5, -2.5];
+    let lens = |k: [f64; 4]| Intrinsics { fx: k[0], fy: k[1], cx: k[2], cy: k[3] };
+    let (uv, s, g) = (DVec2::new(3.0, 5.0), 2.5, DVec3::new(0.75, -0.25, 1.25));
+    let (g_k, g_uv, g_s) = backward::pixel_to_camera(&lens(k), uv, s, g);
+    for (n, by_hand) in [g_k.fx, g_k.fy, g_k.cx, g_k.cy].into_iter().enumerate() {
+        let moved = |h: f64| {
+            let mut k = k;
+            k[n] += h;
+            g.dot(pixel_to_camera(&lens(k), uv, s))
+        };
+        assert!((by_hand - slope(moved)).abs() < 1e-11, "{n}: {by_hand} {}", slope(moved));
+    }
+    for axis in 0..2 {
+        let moved = |h: f64| g.dot(pixel_to_camera(&lens(k), uv + h * DVec2::AXES[axis], s));
+        assert!((g_uv[axis] - slope(moved)).abs() < 1e-11);
+    }
+    assert!((g_s - slope(|h| g.dot(pixel_to_camera(&lens(k), uv, s + h)))).abs() < 1e-11);
 }
 
 #[test]

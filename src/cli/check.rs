@@ -8,8 +8,8 @@ use serde_json::json;
 use super::output;
 use crate::error::{Error, Result};
 use crate::files;
-use crate::verify::catalogue;
 use crate::verify::selfcheck::{self, Row};
+use crate::verify::{catalogue, tables};
 
 /// Check the reference's bounds against honest machines and the catalogue of mistakes.
 #[derive(clap::Args, Debug)]
@@ -20,6 +20,9 @@ pub struct Args {
     /// Write the catalogue of conventions and mistakes to this file instead.
     #[arg(long, value_name = "FILE")]
     catalogue: Option<PathBuf>,
+    /// Write the tables of the bounds (their sharpness, and the mistakes below them) to this file instead.
+    #[arg(long, value_name = "FILE")]
+    tables: Option<PathBuf>,
 }
 
 /// Runs it. 1 where something fails.
@@ -29,6 +32,10 @@ pub struct Args {
 pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     if let Some(path) = &args.catalogue {
         files::write(path, catalogue::page())?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    if let Some(path) = &args.tables {
+        files::write(path, tables::page())?;
         return Ok(ExitCode::SUCCESS);
     }
     let rows = selfcheck::run(&args.filter);
@@ -54,7 +61,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
             format!("{}/{}", row.caught, row.mistakes)
         );
         if !row.missed.is_empty() {
-            text += &format!("    below the bound: {}\n", row.missed.join(", "));
+            text += &format!("    below the bound: {}\n", row.missed_names().join(", "));
         }
     }
     let failed = rows.iter().filter(|row| !row.pass()).count();

@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::convention::CS180;
-use crate::verify::properties;
+use crate::verify::{properties, slope};
 
 const EVERY_ORDER: [Columns; 5] = [
     Columns::BandSinCos,
@@ -52,6 +52,40 @@ fn factors_and_bands() {
     assert_eq!(band0(Frequency::Pi), [sin_pi(0.3), cos_pi(0.3)]);
     assert_eq!(positional_encoding(&[0.3, 0.4], &Encoding { levels: 0, ..base }), [0.3, 0.4]);
     assert_eq!([10, 4].map(|levels| Encoding::new(levels, &CS180).width(3)), [63, 27]);
+}
+
+#[test]
+fn gradients_in_every_convention() {
+    let (x, levels) = ([0.3, -0.7], 3);
+    for frequency in [Frequency::Pi, Frequency::One, Frequency::TwoPi] {
+        for (bands, identity) in [(Bands::Octaves, true), (Bands::Linear, false)] {
+            let encoding = Encoding { levels, identity, frequency, bands, columns: Columns::DimSinCos };
+            let g: Vec<f64> = (0..encoding.width(2)).map(|i| 0.5 - 0.375 * i as f64).collect();
+            let g_x = backward::positional_encoding(&x, &encoding, &g);
+            for d in 0..2 {
+                let pulled = |h: f64| {
+                    let mut x = x;
+                    // Period 1 in the last band: a shorter step keeps h^4 small.
+                    x[d] += h / 64.0;
+                    64.0 * positional_encoding(&x, &encoding).iter().zip(&g).map(|(y, g)| y * g).sum::<f64>()
+                };
+                let by_differences = slope(pulled);
+                assert!(
+                    (g_x[d] - by_differences).abs() < 1e-8,
+                    "{frequency:?} {bands:?}: {} {by_differences}",
+                    g_x[d]
+                );
+            }
+        }
+    }
+    // Band 1 of each factor: twice the angle.
+    let band1 = |frequency| {
+        let y = positional_encoding(&[0.3], &Encoding { frequency, ..Encoding::new(2, &CS180) });
+        [y[3], y[4]]
+    };
+    assert_eq!(band1(Frequency::One), [sin(0.6), cos(0.6)]);
+    assert_eq!(band1(Frequency::Pi), [sin_pi(0.6), cos_pi(0.6)]);
+    assert_eq!(band1(Frequency::TwoPi), [sin_pi(1.2), cos_pi(1.2)]);
 }
 
 #[test]

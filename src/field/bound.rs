@@ -86,6 +86,38 @@ pub fn mlp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     arrays([("y", from_rows(&y, net.layers.last().expect("a layer").b.len()))])
 }
 
+/// How far off the pre-activation of a hidden unit may be, over its distance from the kink: the largest of all units and points.
+/// Below 1, honest implementations agree which units are on, and the gradient is the same function for all of them.
+pub fn mlp_kink(a: &Arrays, m: &Arithmetic) -> f64 {
+    let net = network(a);
+    let hidden = net.layers.len() - 1;
+    let point = |x: &Vec<f64>| mlp_tape(&net, x, m).z[..hidden].iter().map(kink).fold(0.0, f64::max);
+    rows(a, "x").iter().map(point).fold(0.0, f64::max)
+}
+
+/// The same of the NeRF network, whose density may be a ReLU too.
+pub fn nerf_mlp_kink(a: &Arrays, c: &Conventions, m: &Arithmetic) -> f64 {
+    let nerf = Nerf::of(a, c);
+    let point = |(x, d): (&Vec<f64>, &Vec<f64>)| {
+        let mut tape = nerf_tape(&nerf, x, d, c, m);
+        if c.last_trunk == Activation::None {
+            tape.trunk.z.pop();
+        }
+        let mut units = tape.trunk.z;
+        units.push(tape.z_color0);
+        units.extend((c.feature == Activation::Relu).then_some(tape.z_feature));
+        units.extend((c.density == Density::Relu).then_some(tape.z_sigma));
+        units.iter().map(kink).fold(0.0, f64::max)
+    };
+    rows(a, "positions").iter().zip(&rows(a, "directions")).map(point).fold(0.0, f64::max)
+}
+
+/// Error over distance from 0, of a vector's worst entry; infinite at 0 itself.
+fn kink(z: &Vector) -> f64 {
+    let ratio = |z: Bounded| if z.y == 0.0 { f64::INFINITY } else { z.e / z.y.abs() };
+    z.entries().into_iter().map(ratio).fold(0.0, f64::max)
+}
+
 /// Sums g_z x^T and g_z over the points, each with its error.
 #[derive(Default)]
 struct Outer {
@@ -196,16 +228,33 @@ pub fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (positions, directions) = (rows(a, "positions"), rows(a, "directions"));
     let depth = nerf.net.trunk.len();
     let mut outer: Vec<Outer> = (0..depth + 4).map(|_| Outer::default()).collect();
-    let mut g_positions = vec![];
+    let mut g_positions: Vec<Vec<f64>> = vec![];
+    let mut overflow = false;
     for (i, (g_sigma, g_rgb)) in cotangents(a).into_iter().enumerate() {
         let tape = nerf_tape(&nerf, &positions[i], &directions[i], c, m);
         let g_x = nerf_point(&nerf, &tape, c, g_sigma, g_rgb, &mut outer, m);
         let g = encoding_gradient(&positions[i], &nerf.position, &g_x, m);
         g_positions.push(g.iter().map(|g| g.e).collect());
+        if density_gradient(&tape, c, g_sigma, m).e == f64::INFINITY {
+            overflow = true;
+            g_positions[i].fill(f64::INFINITY);
+        }
     }
     let mut errors = nerf.zeros();
     outer.iter().zip(errors.layers_mut()).for_each(|(outer, into)| outer.errors(into, m));
+    if overflow {
+        // VR6: e^z leaves f16 at z = 12. Infinity times a closed unit's 0 is NaN, so nothing in front of the head is bounded.
+        errors.trunk.iter_mut().chain([&mut errors.sigma]).for_each(|layer| {
+            layer.w.fill(f64::INFINITY);
+            layer.b.fill(f64::INFINITY);
+        });
+    }
     Nerf::gradients(&errors, &g_positions)
+}
+
+/// What reaches the density head's output from its cotangent.
+fn density_gradient(tape: &NerfTape, c: &Conventions, g_sigma: f64, m: &Arithmetic) -> Bounded {
+    m.mul(density_slope_of(tape.z_sigma.entry(0), c.density, m), exact(g_sigma))
 }
 
 /// One point back through the NeRF network: fills `outer` (trunk, sigma, feature, color0, color1) and returns g of the encoding.
@@ -234,8 +283,7 @@ fn nerf_point(
     }
     outer[depth + 1].add(&g, &tape.hidden);
     let from_color = transposed(&net.feature, &g, m);
-    let slope = m.mul(density_slope_of(tape.z_sigma.entry(0), c.density, m), exact(g_sigma));
-    let g = Vector::from_bounded(&[slope], 3, 4);
+    let g = Vector::from_bounded(&[density_gradient(tape, c, g_sigma, m)], 3, 4);
     outer[depth].add(&g, &tape.hidden);
     let mut g = from_color.plus(&transposed(&net.sigma, &g, m), m);
     let columns = net.trunk[0].w.ncols();

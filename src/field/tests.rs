@@ -6,7 +6,7 @@ use super::nerf_mlp::Shape;
 use super::*;
 use crate::convention::{Activation, CS180, Conventions, SkipOrder};
 use crate::random::Purpose;
-use crate::verify::properties;
+use crate::verify::{properties, slope};
 
 const SHAPE: Shape = Shape { position: 5, direction: 3, width: 4, depth: 8, color: 3, skip: 4 };
 
@@ -52,6 +52,100 @@ fn activations_at_their_extremes() {
     );
     // VR6: e^z overflows past 709; nothing is NaN.
     assert_eq!((trunc_exp(710.0), backward::trunc_exp(710.0, 1.0)), (f64::INFINITY, exp(15.0)));
+}
+
+/// The slope with steps so short that no ReLU opens or closes on the way.
+fn short_slope(f: impl Fn(f64) -> f64) -> f64 {
+    slope(|h| 1024.0 * f(h / 1024.0))
+}
+
+/// All parameters of layers in one row.
+fn flat(layers: &[&Layer]) -> Vec<f64> {
+    layers.iter().flat_map(|layer| layer.w.iter().chain(&layer.b).copied()).collect()
+}
+
+/// Adds h to parameter n.
+fn nudge(layers: Vec<&mut Layer>, n: usize, h: f64) {
+    *layers
+        .into_iter()
+        .flat_map(|layer| layer.w.iter_mut().chain(&mut layer.b))
+        .nth(n)
+        .expect("a parameter") += h;
+}
+
+#[test]
+fn gradients_of_the_plain_network() {
+    for output in [Output::Linear, Output::Sigmoid] {
+        let mlp = Mlp { output, ..Mlp::initial(3, 5, 2, 2, &Key::new(11, Purpose::Parameters)) };
+        let (x, g) = ([0.5, -0.25, 0.75], [0.75, -1.25]);
+        let pulled = |mlp: &Mlp, x: &[f64]| mlp.forward(x).y.iter().zip(g).map(|(y, g)| y * g).sum::<f64>();
+        let mut gradient: Vec<Layer> =
+            mlp.layers.iter().map(|l| Layer::zeros(l.w.ncols(), l.w.nrows())).collect();
+        let g_x = backward::mlp(&mlp, &mlp.forward(&x), &g, &mut gradient);
+        for (n, by_hand) in flat(&gradient.iter().collect::<Vec<_>>()).into_iter().enumerate() {
+            let moved = |h: f64| {
+                let mut mlp = mlp.clone();
+                nudge(mlp.layers.iter_mut().collect(), n, h);
+                pulled(&mlp, &x)
+            };
+            assert!((by_hand - short_slope(moved)).abs() < 1e-9, "{output:?}: parameter {n}");
+        }
+        for d in 0..3 {
+            let moved = |h: f64| {
+                let mut x = x;
+                x[d] += h;
+                pulled(&mlp, &x)
+            };
+            assert!((g_x[d] - short_slope(moved)).abs() < 1e-9, "{output:?}: x {d}");
+        }
+    }
+}
+
+#[test]
+fn gradients_of_the_nerf_network_in_every_convention() {
+    let (x, d, g_sigma, g_rgb) = ([0.3, -0.2, 0.9, 0.5, -0.7], [0.1, 0.8, -0.6], 0.75, [1.0, -0.5, 0.25]);
+    let mut net = net(5);
+    net.sigma.b.fill(1.0);
+    let others = [
+        CS180,
+        Conventions { density: Density::Softplus, skip_order: SkipOrder::EncodingFirst, ..CS180 },
+        Conventions { density: Density::Exp, last_trunk: Activation::None, ..CS180 },
+        Conventions { feature: Activation::Relu, ..CS180 },
+    ];
+    for c in others {
+        let pulled = |net: &NerfMlp, x: &[f64], d: &[f64]| {
+            let tape = net.forward(x, d, &c);
+            g_sigma * tape.sigma + (0..3).map(|k| g_rgb[k] * tape.rgb[k]).sum::<f64>()
+        };
+        let mut gradient = net.clone();
+        for layer in gradient.layers_mut() {
+            *layer = Layer::zeros(layer.w.ncols(), layer.w.nrows());
+        }
+        let (g_x, g_d) =
+            backward::nerf_mlp(&net, &net.forward(&x, &d, &c), &c, g_sigma, g_rgb, &mut gradient);
+        let layers: Vec<&Layer> = gradient.layers().into_iter().map(|(_, layer)| layer).collect();
+        for (n, by_hand) in flat(&layers).into_iter().enumerate() {
+            let moved = |h: f64| {
+                let mut net = net.clone();
+                nudge(net.layers_mut(), n, h);
+                pulled(&net, &x, &d)
+            };
+            assert!(
+                (by_hand - short_slope(moved)).abs() < 1e-9,
+                "{c:?}: parameter {n}: {by_hand} {}",
+                short_slope(moved)
+            );
+        }
+        for n in 0..8 {
+            let moved = |h: f64| {
+                let (mut x, mut d) = (x, d);
+                *(x.iter_mut().chain(&mut d).nth(n).expect("an entry")) += h;
+                pulled(&net, &x, &d)
+            };
+            let by_hand = if n < 5 { g_x[n] } else { g_d[n - 5] };
+            assert!((by_hand - short_slope(moved)).abs() < 1e-9, "{c:?}: input {n}");
+        }
+    }
 }
 
 trait Bits {

@@ -3,9 +3,9 @@ use ndarray::Array4;
 use proptest::prelude::*;
 
 use super::*;
-use crate::camera::tests::{intrinsics, pixel, pose};
+use crate::camera::tests::{SKEWED, intrinsics, pixel, pose};
 use crate::camera::{Distortion, camera_to_pixel, transform};
-use crate::verify::properties;
+use crate::verify::{properties, slope};
 
 const K: Intrinsics = Intrinsics { fx: 100.0, fy: 200.0, cx: 50.0, cy: 40.0 };
 
@@ -21,6 +21,44 @@ fn a_camera_at_identity_sees_the_axis() {
     let gl = |uv, directions| pixel_to_ray(&K, &DMat4::IDENTITY, uv, Axes::Opengl, directions).d;
     assert_eq!(gl(DVec2::new(50.0, 40.0), Directions::Unit), -DVec3::Z);
     assert_eq!(gl(DVec2::new(150.0, 240.0), Directions::Depth), DVec3::new(1.0, -1.0, -1.0));
+}
+
+#[test]
+fn gradients_of_the_ray() {
+    let (k, uv) = ([4.0, 8.0, 1.5, -2.5], DVec2::new(3.0, 5.0));
+    let (g_o, g_d) = (DVec3::new(0.5, -1.0, 0.25), DVec3::new(0.75, -0.25, 1.25));
+    let lens = |k: [f64; 4]| Intrinsics { fx: k[0], fy: k[1], cx: k[2], cy: k[3] };
+    for axes in [Axes::Opencv, Axes::Opengl] {
+        for directions in [Directions::Unit, Directions::Depth] {
+            let pulled = |k: [f64; 4], c2w: [[f64; 4]; 4], uv: DVec2| {
+                let ray = pixel_to_ray(&lens(k), &DMat4::from_cols_array_2d(&c2w), uv, axes, directions);
+                g_o.dot(ray.o) + g_d.dot(ray.d)
+            };
+            let c2w = DMat4::from_cols_array_2d(&SKEWED);
+            let (g_k, g_c2w, g_uv) = backward::pixel_to_ray(&lens(k), &c2w, uv, axes, directions, g_o, g_d);
+            for (n, by_hand) in [g_k.fx, g_k.fy, g_k.cx, g_k.cy].into_iter().enumerate() {
+                let moved = |h: f64| {
+                    let mut k = k;
+                    k[n] += h;
+                    pulled(k, SKEWED, uv)
+                };
+                assert!((by_hand - slope(moved)).abs() < 1e-10, "{axes:?} {directions:?}: parameter {n}");
+            }
+            for entry in 0..16 {
+                let moved = |h: f64| {
+                    let mut c2w = SKEWED;
+                    c2w[entry / 4][entry % 4] += h;
+                    pulled(k, c2w, uv)
+                };
+                let by_hand = g_c2w.col(entry / 4)[entry % 4];
+                assert!((by_hand - slope(moved)).abs() < 1e-10, "{axes:?} {directions:?}: entry {entry}");
+            }
+            for axis in 0..2 {
+                let moved = |h: f64| pulled(k, SKEWED, uv + h * DVec2::AXES[axis]);
+                assert!((g_uv[axis] - slope(moved)).abs() < 1e-10, "{axes:?} {directions:?}: uv");
+            }
+        }
+    }
 }
 
 #[test]
@@ -89,6 +127,9 @@ fn the_largest_u_stays_inside() {
         let draw = draw_pixel(Array4::zeros((n, 1, n, 3)).view(), [u; 3], PixelCentre::Integer);
         assert_eq!((draw.image, draw.uv), (n - 1, DVec2::new((n - 1) as f64, 0.0)));
     }
+    // Even 1 itself, which no generator of [0, 1) returns, is the last pixel.
+    let last = draw_pixel(labelled().view(), [1.0; 3], PixelCentre::Integer);
+    assert_eq!((last.image, last.uv), (2, DVec2::new(5.0, 3.0)));
     let first = draw_pixel(labelled().view(), [0.0; 3], PixelCentre::Integer);
     assert_eq!((first.image, first.uv), (0, DVec2::ZERO));
 }

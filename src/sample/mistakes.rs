@@ -66,64 +66,73 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
     ),
 ];
 
+// Wrong step lengths are seen where they are made and where they are used: volume rendering has the same seven.
+pub(crate) const DELTA_MISSING: Mistake = Mistake::new(
+    "delta_missing",
+    "delta = 1, so that alpha = 1 - exp(-sigma)",
+    "density is learned in the wrong unit and changes with the number of samples",
+    "the length of the step, in the units of t",
+    "5 public implementations",
+    5,
+);
+pub(crate) const DELTA_UNIT_INTERVAL: Mistake = Mistake::new(
+    "delta_unit_interval",
+    "delta = 1 / N, as if near and far were 0 and 1",
+    "density off by far - near; one passes the course's own test",
+    "(far - near) / N",
+    "3 public implementations",
+    3,
+);
+pub(crate) const DELTA_OVER_N_MINUS_1: Mistake = Mistake::new(
+    "delta_over_n_minus_1",
+    "delta = (far - near) / (N - 1) on a grid of N intervals",
+    "density off by N / (N - 1)",
+    "divide by N, or use the grid that includes both ends",
+    "3 public implementations",
+    3,
+);
+pub(crate) const BACKWARD_DELTA: Mistake = Mistake::new(
+    "backward_delta",
+    "delta_i = t_i - t_{i-1}, delta_0 = 0",
+    "the first sample is invisible and every density belongs to the wrong step",
+    "delta_i = t_{i+1} - t_i",
+    "3 public implementations",
+    3,
+);
+pub(crate) const DELTA_DIFFERENCED_TWICE: Mistake = Mistake::new(
+    "delta_differenced_twice",
+    "differences of the differences are taken as step lengths, last 1e10",
+    "only the last sample is visible",
+    "take the differences of t once",
+    "1 public implementation",
+    1,
+);
+pub(crate) const FIRST_GAP_FOR_ALL: Mistake = Mistake::new(
+    "first_gap_for_all",
+    "the first step of a ray, t_1 - t_0, for all of its samples",
+    "varies from call to call when samples are jittered",
+    "one step for each sample",
+    "1 public implementation",
+    1,
+);
+pub(crate) const FIRST_RAY_DELTAS: Mistake = Mistake::new(
+    "first_ray_deltas",
+    "the first ray's steps are used for every ray of the batch",
+    "jittered rays get another ray's steps",
+    "one row of steps for each ray",
+    "kornia 0.8.2 RegularRenderer (0.139 for 0.289)",
+    1,
+);
+
 /// Mistakes of step lengths.
 pub const STEP_SIZES: &[Mistake] = &[
-    Mistake::new(
-        "delta_missing",
-        "delta = 1",
-        "density is learned in the wrong unit and changes with the number of samples",
-        "the length of the step, in the units of t",
-        "5 public implementations",
-        5,
-    ),
-    Mistake::new(
-        "delta_unit_interval",
-        "delta = 1 / N, as if near and far were 0 and 1",
-        "density off by far - near; one passes the course's own test",
-        "(far - near) / N",
-        "3 public implementations",
-        3,
-    ),
-    Mistake::new(
-        "delta_over_n_minus_1",
-        "delta = (far - near) / (N - 1) on a grid of N intervals",
-        "density off by N / (N - 1)",
-        "divide by N, or use the grid that includes both ends",
-        "3 public implementations",
-        3,
-    ),
-    Mistake::new(
-        "backward_delta",
-        "delta_i = t_i - t_{i-1}, delta_0 = 0",
-        "the first sample is invisible and every density belongs to the wrong step",
-        "delta_i = t_{i+1} - t_i",
-        "3 public implementations",
-        3,
-    ),
-    Mistake::new(
-        "delta_differenced_twice",
-        "differences of the differences, last 1e10",
-        "only the last sample is visible",
-        "take the differences of t once",
-        "1 public implementation",
-        1,
-    ),
-    Mistake::new(
-        "first_gap_for_all",
-        "t_1 - t_0 for every sample of a ray",
-        "varies from call to call when samples are jittered",
-        "one step for each sample",
-        "1 public implementation",
-        1,
-    ),
-    Mistake::new(
-        "first_ray_deltas",
-        "the differences along the first ray are used for every ray of the batch",
-        "jittered rays get another ray's steps",
-        "one row of steps for each ray",
-        "kornia 0.8.2 RegularRenderer (0.139 for 0.289)",
-        1,
-    ),
+    DELTA_MISSING,
+    DELTA_UNIT_INTERVAL,
+    DELTA_OVER_N_MINUS_1,
+    BACKWARD_DELTA,
+    DELTA_DIFFERENCED_TWICE,
+    FIRST_GAP_FOR_ALL,
+    FIRST_RAY_DELTAS,
 ];
 
 /// One ray's positions as the mistakes have them.

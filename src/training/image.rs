@@ -5,13 +5,13 @@ use std::time::Instant;
 use ndarray::Array3;
 use serde::Serialize;
 
-use super::reference::image_loss_and_gradient;
+use super::reference::{adam_layer, image_loss_and_gradient};
 use crate::convention::CS180;
 use crate::encoding::{Encoding, positional_encoding};
 use crate::field::fast::{Gradient, ImageNetwork};
 use crate::field::{Layer, Mlp};
 use crate::loss::{mse, psnr};
-use crate::optimiser::{self, Adam, adam_step};
+use crate::optimiser::{self, Adam};
 use crate::parallel;
 use crate::random::{Key, Purpose};
 
@@ -137,15 +137,8 @@ impl Path {
                 let targets: Vec<[f64; 3]> =
                     targets.chunks_exact(3).map(|c| [c[0], c[1], c[2]].map(f64::from)).collect();
                 let (loss, gradient) = image_loss_and_gradient(net, encoding, &pixels, &targets);
-                for (((p, m), v), g) in net.layers.iter_mut().zip(m).zip(v).zip(gradient) {
-                    let entries = p.w.iter_mut().chain(p.b.iter_mut());
-                    let means =
-                        m.w.iter_mut().chain(m.b.iter_mut()).zip(v.w.iter_mut().chain(v.b.iter_mut()));
-                    for ((param, (m, v)), g) in entries.zip(means).zip(g.w.iter().chain(&g.b)) {
-                        let after =
-                            adam_step(adam, optimiser::Moments { param: *param, m: *m, v: *v }, *g, step);
-                        (*param, *m, *v) = (after.param, after.m, after.v);
-                    }
+                for (((p, m), v), g) in net.layers.iter_mut().zip(m).zip(v).zip(&gradient) {
+                    adam_layer(adam, step, p, m, v, g);
                 }
                 loss
             }

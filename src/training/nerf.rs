@@ -4,7 +4,7 @@ use ndarray::Array1;
 use serde_json::{Map, Value, json};
 
 use super::model::{Model, Pixel, StepReport};
-use super::reference::{Field, Target};
+use super::reference::{Field, Target, adam_layer};
 use crate::convention::CS180;
 use crate::encoding::Encoding;
 use crate::error::{Error, Result};
@@ -12,7 +12,7 @@ use crate::field::fast::{Batch, Gradient, Network, Rays};
 use crate::field::nerf_mlp::Shape;
 use crate::field::{Layer, NerfMlp};
 use crate::files::npz::{Array, Arrays};
-use crate::optimiser::{self, Adam, adam_step};
+use crate::optimiser::{self, Adam};
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray, pixel_position};
@@ -348,11 +348,6 @@ fn add(to: &mut Layer, from: Option<&Layer>, share: f64) {
 fn update(net: &mut NerfMlp, m: &mut NerfMlp, v: &mut NerfMlp, gradient: &NerfMlp, adam: &Adam, step: u64) {
     let layers = net.layers_mut().into_iter().zip(m.layers_mut()).zip(v.layers_mut()).zip(gradient.layers());
     for (((p, m), v), (_, g)) in layers {
-        let entries = p.w.iter_mut().chain(p.b.iter_mut());
-        let means = m.w.iter_mut().chain(m.b.iter_mut()).zip(v.w.iter_mut().chain(v.b.iter_mut()));
-        for ((param, (m, v)), g) in entries.zip(means).zip(g.w.iter().chain(&g.b)) {
-            let after = adam_step(adam, optimiser::Moments { param: *param, m: *m, v: *v }, *g, step);
-            (*param, *m, *v) = (after.param, after.m, after.v);
-        }
+        adam_layer(adam, step, p, m, v, g);
     }
 }

@@ -4,9 +4,13 @@
 use crate::convention::Conventions;
 use crate::encoding::{Encoding, positional_encoding};
 use crate::field::{Layer, Mlp, NerfMlp, backward as field_backward, mlp, nerf_mlp};
+use crate::optimiser::{Adam, Moments, adam_step};
 use crate::ray::Ray;
 use crate::volume_rendering::backward::Cotangent;
 use crate::volume_rendering::{self, Rendering, composite_background};
+
+#[cfg(test)]
+mod tests;
 
 /// The classical field: encodings and network.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,6 +128,16 @@ pub fn image_loss_and_gradient(
         field_backward::mlp(net, &tape, &g_y, &mut gradient);
     }
     (loss, gradient)
+}
+
+/// One Adam step for every parameter of a layer: weights row by row, then biases. `step` counts from 1.
+pub fn adam_layer(adam: &Adam, step: u64, params: &mut Layer, m: &mut Layer, v: &mut Layer, g: &Layer) {
+    let means = m.w.iter_mut().chain(&mut m.b).zip(v.w.iter_mut().chain(&mut v.b));
+    let entries = params.w.iter_mut().chain(&mut params.b).zip(means);
+    for ((param, (m, v)), g) in entries.zip(g.w.iter().chain(&g.b)) {
+        let after = adam_step(adam, Moments { param: *param, m: *m, v: *v }, *g, step);
+        (*param, *m, *v) = (after.param, after.m, after.v);
+    }
 }
 
 fn clear(layer: &mut Layer) {

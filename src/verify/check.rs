@@ -1,11 +1,11 @@
 //! The bound at work: what a candidate may be off by, and whether it is.
 
-use ndarray::{ArrayD, Zip};
+use ndarray::{ArrayD, Axis, Zip};
 
 use super::arithmetic::{Arithmetic, Dtype, Grade};
 use super::case::{Case, Draw};
 use super::component::{Arrays, Component, Pass};
-use crate::convention::Conventions;
+use crate::convention::{Conventions, SkipOrder};
 
 /// Forward or backward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -48,9 +48,22 @@ impl Component {
 }
 
 /// The network's cases are written for an encoding that enters the trunk again in layer 4: where it enters in another one, the two
-/// layers' weights change places, so that the shapes fit.
+/// layers' weights change places, so that the shapes fit. Where the encoding lacks x itself, so do the weights' columns.
 fn reshape(inputs: &mut Arrays, c: &Conventions) {
     let name = |layer: usize| format!("trunk{layer}_w");
+    if !c.identity && inputs.contains_key("trunk0_w") {
+        let rows = |inputs: &Arrays, name: &str| inputs[name].shape()[0];
+        let hidden = match c.skip_order {
+            SkipOrder::HiddenFirst => rows(inputs, "trunk3_w"),
+            SkipOrder::EncodingFirst => 0,
+        };
+        let feature = rows(inputs, "feature_w");
+        for (name, first) in [("trunk0_w", 0), ("trunk4_w", hidden), ("color0_w", feature)] {
+            let w = inputs.get_mut(name).expect("a network's arrays");
+            let kept: Vec<usize> = (0..w.shape()[1]).filter(|i| !(first..first + 3).contains(i)).collect();
+            *w = w.select(Axis(1), &kept);
+        }
+    }
     if c.skip_layer != 4 && inputs.contains_key(&name(c.skip_layer)) {
         let (wide, narrow) = (inputs.remove(&name(4)), inputs.remove(&name(c.skip_layer)));
         inputs.extend(wide.map(|w| (name(c.skip_layer), w)));

@@ -20,17 +20,41 @@ pub struct Estimate {
 /// assert!((d.value - 3.0).abs() < 1e-13 && d.error < 1e-12);
 /// ```
 pub fn richardson(mut f: impl FnMut(f64) -> f64, step: f64) -> Estimate {
+    let central = |h: f64| {
+        let (ahead, behind) = (f(h), f(-h));
+        // What one rounding of f costs: tableau entries that agree by chance are worth no more.
+        ((ahead - behind) / (2.0 * h), f64::EPSILON * ahead.abs().max(behind.abs()) / h)
+    };
+    extrapolated(central, 4.0, step)
+}
+
+/// f'(0+), or f'(0-) where `step` is negative: differences to one side, freed from one more power of h a column.
+///
+/// ```
+/// use nerf_oracle::verify::gradient::one_sided;
+/// let relu = |s: f64| s.max(0.0);
+/// assert_eq!([one_sided(relu, 0.5).value, one_sided(relu, -0.5).value], [1.0, 0.0]);
+/// ```
+pub fn one_sided(f: impl Fn(f64) -> f64, step: f64) -> Estimate {
+    let here = f(0.0);
+    let difference = |h: f64| {
+        let there = f(h);
+        ((there - here) / h, 2.0 * f64::EPSILON * there.abs().max(here.abs()) / h.abs())
+    };
+    extrapolated(difference, 2.0, step)
+}
+
+/// The limit of differences (each with its noise) whose error is a series in powers of h, h^2 where `base` is 4.
+fn extrapolated(mut difference: impl FnMut(f64) -> (f64, f64), base: f64, step: f64) -> Estimate {
     const HALVINGS: usize = 12;
     let mut best = Estimate { value: f64::NAN, error: f64::INFINITY };
     let mut above: Vec<f64> = vec![];
     let mut h = step;
     for _ in 0..HALVINGS {
-        let (ahead, behind) = (f(h), f(-h));
-        // What one rounding of f costs: tableau entries that agree by chance are worth no more.
-        let noise = f64::EPSILON * ahead.abs().max(behind.abs()) / h;
-        let mut row = vec![(ahead - behind) / (2.0 * h)];
+        let (value, noise) = difference(h);
+        let mut row = vec![value];
         for (column, &coarse) in above.iter().enumerate() {
-            let power = 4f64.powi(column as i32 + 1);
+            let power = base.powi(column as i32 + 1);
             let fine = row[column];
             let value = (power * fine - coarse) / (power - 1.0);
             let error = (value - fine).abs().max((value - coarse).abs()).max(noise);

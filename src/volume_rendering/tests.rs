@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::backward::Cotangent;
 use super::*;
-use crate::verify::properties;
+use crate::verify::{properties, slope};
 
 const EPS: f64 = f64::EPSILON;
 const ONE_HOT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -29,6 +29,112 @@ fn only_transmittance(n: usize) -> Cotangent {
 
 fn finite(gradient: &(Vec<f64>, Vec<[f64; 3]>, Vec<f64>)) -> bool {
     gradient.0.iter().chain(gradient.1.as_flattened()).chain(&gradient.2).all(|g| g.is_finite())
+}
+
+#[test]
+fn light_from_behind_by_hand() {
+    // C + (1 - A) b.
+    let (color, background) = ([0.5, 0.25, 0.125], [0.25, 0.5, 1.0]);
+    assert_eq!(composite_background(color, 0.25, background), [0.6875, 0.625, 0.875]);
+    let g = [0.75, -0.25, 1.25];
+    let (g_color, g_opacity, g_background) = backward::composite_background(0.25, background, g);
+    assert_eq!((g_color, g_background), (g, [0.5625, -0.1875, 0.9375]));
+    assert_eq!(g_opacity, -(0.75 * 0.25 - 0.25 * 0.5 + 1.25));
+}
+
+#[test]
+fn gradients_of_rendering() {
+    let (sigmas, deltas) = ([0.5, 1.25, 0.0, 2.0], [0.75, 0.5, 0.25, 1.5]);
+    let rgbs = [[0.25, 0.5, 0.75], [1.0, 0.125, 0.5], [0.5, 0.75, 0.25], [0.0, 1.0, 0.625]];
+    let g = Cotangent {
+        color: [1.0, -0.5, 0.75],
+        weights: vec![0.25, -1.0, 0.5, 0.75],
+        opacity: 0.5,
+        transmittance: -1.5,
+    };
+    let pulled = |r: &Rendering| {
+        let colors: f64 = (0..3).map(|k| g.color[k] * r.color[k]).sum();
+        let weights: f64 = (0..4).map(|i| g.weights[i] * r.weights[i]).sum();
+        colors + weights + g.opacity * r.opacity + g.transmittance * r.transmittance[4]
+    };
+    // 1e-7 is the largest number anybody adds: the slope of the whole function, far above the noise of differences.
+    for eps in [ProductEps::None, ProductEps::TenToMinusSeven] {
+        let run = |s: &[f64], c: &[[f64; 3]], d: &[f64]| pulled(&volume_render(s, c, d, eps));
+        let forward = volume_render(&sigmas, &rgbs, &deltas, eps);
+        let (g_sigmas, g_rgbs, g_deltas) =
+            backward::volume_render(&sigmas, &rgbs, &deltas, eps, &forward, &g);
+        let alphas = [0.25, 0.5, 0.0, 1.0];
+        let forward = volume_render_alpha(&alphas, &rgbs, eps);
+        let (g_alphas, g_rgbs_alpha) = backward::volume_render_alpha(&alphas, &rgbs, eps, &forward, &g);
+        for i in 0..4 {
+            let moved = |x: [f64; 4], h: f64| {
+                std::array::from_fn::<f64, 4, _>(|j| if i == j { x[j] + h } else { x[j] })
+            };
+            assert!(
+                (g_sigmas[i] - slope(|h| run(&moved(sigmas, h), &rgbs, &deltas))).abs() < 1e-11,
+                "sigma {i}"
+            );
+            assert!(
+                (g_deltas[i] - slope(|h| run(&sigmas, &rgbs, &moved(deltas, h)))).abs() < 1e-11,
+                "delta {i}"
+            );
+            let by_alpha = slope(|h| pulled(&volume_render_alpha(&moved(alphas, h), &rgbs, eps)));
+            assert!((g_alphas[i] - by_alpha).abs() < 1e-11, "alpha {i}");
+            for k in 0..3 {
+                let tinted = |h: f64| {
+                    let mut rgbs = rgbs;
+                    rgbs[i][k] += h;
+                    rgbs
+                };
+                assert!(
+                    (g_rgbs[i][k] - slope(|h| run(&sigmas, &tinted(h), &deltas))).abs() < 1e-11,
+                    "rgb {i} {k}"
+                );
+                let by_alpha = slope(|h| pulled(&volume_render_alpha(&alphas, &tinted(h), eps)));
+                assert!((g_rgbs_alpha[i][k] - by_alpha).abs() < 1e-11, "rgb {i} {k} behind alphas");
+            }
+        }
+    }
+    // What is added to the factors passes gradient on: behind an opaque sample 1e-7 of the light's, T (g_w - eps g_T).
+    let one = |eps| {
+        let forward = volume_render_alpha(&[1.0, 0.0], &[[0.0; 3]; 2], eps);
+        backward::volume_render_alpha(&[1.0, 0.0], &[[0.0; 3]; 2], eps, &forward, &only_transmittance(2)).0
+    };
+    assert_eq!(one(ProductEps::None), [-1.0, 0.0]);
+    assert!((one(ProductEps::TenToMinusSeven)[1] + 1e-7).abs() < 1e-20);
+    // From densities, e^-x + eps: behind x = 40, where e^-x is below 1e-17, the second sample still sees 1e-7.
+    let forward = volume_render(&[40.0, 0.0], &[[0.0; 3]; 2], &[1.0; 2], ProductEps::TenToMinusSeven);
+    let dense = |eps| {
+        backward::volume_render(
+            &[40.0, 0.0],
+            &[[0.0; 3]; 2],
+            &[1.0; 2],
+            eps,
+            &forward,
+            &only_transmittance(2),
+        )
+        .0
+    };
+    assert!((dense(ProductEps::TenToMinusSeven)[0] / (-exp(-40.0) * (1.0 + 1e-7)) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn gradients_of_depth() {
+    let (weights, t, far) = ([0.25, 0.125, 0.5], [2.0, 3.5, 5.0], 6.0);
+    for convention in [Depth::Divided, Depth::Plain] {
+        let (g_weights, g_t) = backward::depth(&weights, &t, convention, 0.75);
+        for i in 0..3 {
+            let moved = |x: [f64; 3], h: f64| {
+                std::array::from_fn::<f64, 3, _>(|j| if i == j { x[j] + h } else { x[j] })
+            };
+            let by_weight = slope(|h| 0.75 * depth(&moved(weights, h), &t, far, convention));
+            let by_t = slope(|h| 0.75 * depth(&weights, &moved(t, h), far, convention));
+            assert!(
+                (g_weights[i] - by_weight).abs() < 1e-10 && (g_t[i] - by_t).abs() < 1e-10,
+                "{convention:?} {i}"
+            );
+        }
+    }
 }
 
 #[test]

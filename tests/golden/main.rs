@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use nerf_oracle::COMPONENTS;
-use nerf_oracle::convention::ProductEps;
 use nerf_oracle::verify::component::Arrays;
 use nerf_oracle::verify::golden::{Fixture, Golden, load, load_all, misshapen};
 use nerf_oracle::verify::own_error::{OWN_ERRORS, limit};
@@ -83,17 +82,11 @@ fn torch_and_kornia_agree_within_their_own_error_and_ours() {
 fn excess(name: &str, case: &Golden, change: &Change) -> f64 {
     let got = answer(name, case, change);
     let outputs = case.outputs.iter().map(|(output, expected)| {
-        let budget = expected.own + own_limit(name, case);
+        let budget = expected.own + limit(name, case.vjp);
         let error = expected.errors(&got[output]).into_iter().fold(0.0, f64::max);
         if error == 0.0 { 0.0 } else { error / budget }
     });
     outputs.fold(0.0, f64::max)
-}
-
-/// The limit that holds for a case. With a number added to the product, volume_render multiplies as volume_render_alpha does.
-fn own_limit(name: &str, case: &Golden) -> f64 {
-    let eps = case.conventions.product_eps != ProductEps::None;
-    limit(if name == "volume_render" && eps { "volume_render_alpha" } else { name }, case.vjp)
 }
 
 #[test]

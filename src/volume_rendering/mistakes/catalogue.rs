@@ -1,5 +1,9 @@
 //! What people get wrong in volume rendering, in words.
 
+use crate::sample::mistakes::{
+    BACKWARD_DELTA, DELTA_DIFFERENCED_TWICE, DELTA_MISSING, DELTA_OVER_N_MINUS_1, DELTA_UNIT_INTERVAL,
+    FIRST_GAP_FOR_ALL, FIRST_RAY_DELTAS,
+};
 use crate::verify::component::Mistake;
 
 const INCLUSIVE: Mistake = Mistake::new(
@@ -68,62 +72,13 @@ pub const VOLUME_RENDER: &[Mistake] = &[
     DIVIDED,
     ALPHA_FORGOTTEN,
     OVER_RAYS,
-    Mistake::new(
-        "delta_missing",
-        "alpha = 1 - exp(-sigma)",
-        "density is learned in the wrong unit and changes with the number of samples",
-        "multiply sigma by the step length",
-        "5 public implementations",
-        5,
-    ),
-    Mistake::new(
-        "delta_unit_interval",
-        "delta = 1 / N, as if near and far were 0 and 1",
-        "density off by (far - near); one passes the course's own test",
-        "delta = (far - near) / N, or the differences of t",
-        "3 public implementations",
-        3,
-    ),
-    Mistake::new(
-        "delta_over_n_minus_1",
-        "delta = (far - near) / (N - 1) on a grid of N intervals",
-        "density off by N / (N - 1), more at fewer samples",
-        "divide by N, or use the grid that includes both ends",
-        "3 public implementations",
-        3,
-    ),
-    Mistake::new(
-        "backward_delta",
-        "delta_i = t_i - t_{i-1}, delta_0 = 0",
-        "the first sample is invisible and every density belongs to the wrong step",
-        "delta_i = t_{i+1} - t_i",
-        "3 public implementations",
-        3,
-    ),
-    Mistake::new(
-        "delta_differenced_twice",
-        "differences of the step lengths are taken as step lengths, last 1e10",
-        "only the last sample is visible",
-        "take the differences of t once",
-        "1 public implementation",
-        1,
-    ),
-    Mistake::new(
-        "first_gap_for_all",
-        "the first step of a ray is used for all of its samples",
-        "varies from call to call when samples are jittered",
-        "one step for each sample",
-        "1 public implementation",
-        1,
-    ),
-    Mistake::new(
-        "first_ray_deltas",
-        "the first ray's steps are used for every ray of the batch",
-        "rays with other bounds get wrong densities",
-        "one row of steps for each ray",
-        "kornia 0.8.2 RegularRenderer (0.139 for 0.289)",
-        1,
-    ),
+    DELTA_MISSING,
+    DELTA_UNIT_INTERVAL,
+    DELTA_OVER_N_MINUS_1,
+    BACKWARD_DELTA,
+    DELTA_DIFFERENCED_TWICE,
+    FIRST_GAP_FOR_ALL,
+    FIRST_RAY_DELTAS,
     Mistake::new(
         "eps_on_alpha",
         "1e-10 is added to alpha (and to T)",

@@ -1,0 +1,186 @@
+"""Mutation testing of the oracle files, each against its own folder's tests: writes src/verify/MUTANTS.md.
+
+    cargo install cargo-mutants --locked
+    python tools/mutants.py                 # everything, about 3 s a mutant
+    python tools/mutants.py src/ray/mod.rs  # these files; the other rows of the page stay
+
+A change to one line would rebuild the whole crate, harness and program included. So the oracle files and their tests are copied to a
+crate of their own: bounds, cases, mistakes and registry rows, which no oracle file uses, become empty files. Tests that name them
+are left out, so what is counted as killed is killed by closed forms, properties and hard cases alone.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = ROOT / "src" / "verify" / "MUTANTS.md"
+# Files of a component that are not oracle (tests/architecture.rs has the same list).
+AROUND = ["bound", "cases", "chain", "component", "fast", "honest", "mistakes", "propagate", "statistics"]
+SECONDS = 60  # a mutant whose tests take longer loops for ever
+
+# Survivors that no test can kill, and why. A survivor that isn't here is a hole in the tests.
+EQUIVALENT = json.loads((ROOT / "tools" / "mutants.json").read_text())
+
+
+def copy_folder(folder, target):
+    """Oracle files and tests as they are; what stands around them empty, unless the tests need the fast variant."""
+    tests = folder / "tests.rs"
+    text = tests.read_text() if tests.exists() else ""
+    fast = "fast::" in text and not (folder / "fast").is_dir()
+    for path in sorted(folder.rglob("*.rs")):
+        inside = path.relative_to(folder)
+        first = inside.parts[0].removesuffix(".rs")
+        to = target / "src" / folder.name / inside
+        if first in AROUND and not (fast and first == "fast"):
+            if len(inside.parts) > 1:
+                continue
+            to.parent.mkdir(parents=True, exist_ok=True)
+            to.write_text("")
+        elif inside.parts == ("tests.rs",) and "component::" in text:
+            to.write_text("")
+        else:
+            to.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(path, to)
+
+
+def copy_module(name, target):
+    """A module of the crate: one file, a component's folder, or the few lines of the others that the oracle needs."""
+    source, to = ROOT / "src" / name, target / "src" / name
+    if source.with_suffix(".rs").exists():
+        shutil.copy(source.with_suffix(".rs"), to.with_suffix(".rs"))
+        if source.is_dir():
+            shutil.copytree(source, to)
+    elif name == "training":
+        to.mkdir()
+        shutil.copy(source / "reference.rs", to / "reference.rs")
+        shutil.copytree(source / "reference", to / "reference", dirs_exist_ok=True)
+        (to / "mod.rs").write_text("pub mod reference;\n")
+    elif name == "verify":
+        to.mkdir()
+        properties = (source / "mod.rs").read_text().split("/// Properties run", 1)[1]
+        (to / "mod.rs").write_text("/// Properties run" + properties)
+    else:
+        copy_folder(source, target)
+
+
+def make_crate(target, first):
+    """The crate of the module `first` and of everything that it uses."""
+    (target / "src").mkdir(parents=True)
+    wanted, done = {first}, set()
+    while wanted - done:
+        name = min(wanted - done)
+        copy_module(name, target)
+        done.add(name)
+        files = [target / "src" / f"{name}.rs", *(target / "src" / name).rglob("*.rs")]
+        for file in files:
+            code = re.sub(r"//.*", "", file.read_text()) if file.exists() else ""
+            wanted |= {used for used in re.findall(r"crate::(\w+)", code) if used[0].islower()}
+            wanted |= {used for group in re.findall(r"crate::\{(.*?)\};", code, re.S) for used in re.findall(r"(\w+)::", group)}
+        wanted = {name for name in wanted if (ROOT / "src" / f"{name}.rs").exists() or (ROOT / "src" / name).is_dir()}
+    lines = [f"pub mod {name};" for name in sorted(done)]
+    lines += ["pub use error::{Error, Result};"] if "error" in done else []
+    (target / "src/lib.rs").write_text("\n".join(lines) + "\n")
+    manifest = (ROOT / "Cargo.toml").read_text()
+    manifest = re.sub(r"\[\[bench\]\].*?\n\n", "", manifest, flags=re.S)
+    manifest = re.sub(r"\[lints\..*", "", manifest, flags=re.S)
+    manifest = "\n".join(line for line in manifest.splitlines() if "default-run" not in line)
+    for unused in ["clap", "gemm", "image", "indicatif", "npyz", "plotters", "sha2", "zip", "tempfile", "half"]:
+        manifest = re.sub(rf"(?m)^{unused} = .*\n", "", manifest)
+    # Doctests would need the crate built twice.
+    manifest += '\n[lib]\ndoctest = false\n\n[profile.dev]\ndebug = false\n[profile.dev.package."*"]\nopt-level = 1\n'
+    (target / "Cargo.toml").write_text(manifest)
+    shutil.copy(ROOT / "Cargo.lock", target / "Cargo.lock")
+
+
+def tests_of(file):
+    """The tests that must kill a file's mutants: those of its folder, or of the file itself."""
+    parts = Path(file).with_suffix("").parts[1:]
+    return "training::reference" if parts[0] == "training" else parts[0] + "::"
+
+
+def run(target, file, cargo_mutants, output):
+    """cargo-mutants on one file: its outcomes."""
+    command = [cargo_mutants, "mutants", "--in-place", "--baseline", "skip", "--timeout", str(SECONDS), "--build-timeout", "600"]
+    # The configuration names all files; this run is for one of them.
+    command += ["--no-config", "--file", file]
+    command += ["--no-shuffle", "--colors", "never", "--dir", str(target), "--output", str(output)]
+    command += ["--", "--lib", tests_of(file)]
+    subprocess.run(command, check=False)
+    return json.loads((output / "mutants.out" / "outcomes.json").read_text())["outcomes"]
+
+
+def row(file, outcomes):
+    """Counts of a file and its survivors."""
+    summary = {"CaughtMutant": 0, "MissedMutant": 0, "Timeout": 0, "Unviable": 0}
+    survivors = []
+    for outcome in outcomes:
+        if outcome["scenario"] == "Baseline":
+            continue
+        summary[outcome["summary"]] += 1
+        if outcome["summary"] == "MissedMutant":
+            # Without line and column: they move with every edit.
+            name = outcome["scenario"]["Mutant"]["name"]
+            survivors.append(re.sub(r"^(\S+?):\d+:\d+: ", r"\1: ", name))
+    killed = summary["CaughtMutant"] + summary["Timeout"]
+    return {"killed": killed, "viable": killed + summary["MissedMutant"], "unviable": summary["Unviable"], "survivors": survivors}
+
+
+def page(rows):
+    """The page."""
+    text = "# Mutants\n\nWritten by `python tools/mutants.py` (cargo-mutants on every oracle file, against its folder's own tests).\n\n"
+    text += "| file | viable | killed | equivalent | survivors |\n|---|---|---|---|---|\n"
+    total = [0, 0, 0, 0]
+    survivors = []
+    for file in sorted(rows):
+        r = rows[file]
+        equivalent = [name for name in r["survivors"] if name in EQUIVALENT]
+        left = [name for name in r["survivors"] if name not in EQUIVALENT]
+        survivors += r["survivors"]
+        counts = [r["viable"], r["killed"], len(equivalent), len(left)]
+        total = [a + b for a, b in zip(total, counts, strict=True)]
+        text += f"| {file} | {' | '.join(map(str, counts))} |\n"
+    text += f"| all | {' | '.join(map(str, total))} |\n\n## Survivors\n\n"
+    for name in survivors:
+        text += f"* `{name}`: {EQUIVALENT.get(name, 'NOT EXPLAINED')}\n"
+    return text + ("" if survivors else "None.\n")
+
+
+def read_rows():
+    """Rows of the page as it is, so that a run of some files keeps the others."""
+    state = PAGE.with_suffix(".json")
+    return json.loads(state.read_text()) if state.exists() else {}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="*", help="oracle files (all where absent)")
+    parser.add_argument("--tool", default="cargo-mutants", help="the cargo-mutants program")
+    parser.add_argument("--work", type=Path, help="where the copy is made (a temporary folder)")
+    args = parser.parse_args()
+    work = args.work or Path(tempfile.mkdtemp())
+    target = work / "crate"
+    os.environ.setdefault("CARGO_TARGET_DIR", str(work / "target"))
+    listed = subprocess.run(
+        [args.tool, "mutants", "--list-files", "--dir", str(ROOT)], capture_output=True, text=True, check=True
+    ).stdout.split()
+    rows = read_rows()
+    for file in args.files or listed:
+        if file not in listed:
+            sys.exit(f"{file}: not an examined file; expected one of: {' '.join(listed)}")
+        shutil.rmtree(target, ignore_errors=True)
+        make_crate(target, Path(file).with_suffix("").parts[1])
+        outcomes = run(target, file, args.tool, work / "out")
+        rows[file] = row(file, outcomes)
+        PAGE.with_suffix(".json").write_text(json.dumps(rows, indent=1) + "\n")
+        PAGE.write_text(page(rows))
+
+
+if __name__ == "__main__":
+    main()
