@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import second_geometry as geometry
+import second_harmonics as harmonics
 import second_networks as networks
 import second_rendering as rendering
 import second_sampler as sampler
@@ -123,6 +124,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         geometry: "transform transform_vjp pixel_to_camera pixel_to_camera_vjp pixel_to_ray pixel_to_ray_vjp image_rays "
         "sample_along_rays step_sizes",
         networks: "positional_encoding positional_encoding_vjp mlp mlp_vjp nerf_mlp nerf_mlp_vjp",
+        harmonics: "spherical_harmonics spherical_harmonics_vjp",
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",
         training: "mse mse_vjp psnr to_uint8 adam_step",
@@ -141,7 +143,9 @@ def answer(cases, answers, mistakes=(), conventions=None, only=None):
         component = case["component"]
         if only is None or component in only:
             wrong = [name for owner, name in mistakes if owner == component]
-            function = FUNCTIONS[component + ("_vjp" if case["kind"] == "vjp" else "")]
+            function = FUNCTIONS.get(component + ("_vjp" if case["kind"] == "vjp" else ""))
+            if function is None:  # a row that is younger than this file
+                continue
             inputs = inputs_of(cases, case, manifest["dtype"], "numpy", "cpu")
             with np.errstate(under="ignore"):
                 write(answers / case["file"], function(inputs, conventions, wrong))
