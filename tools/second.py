@@ -50,7 +50,7 @@ DEVIATIONS = {
         "pixel_centre": "integer",
         "directions": "depth",
         "grid": "ends_between_midpoints",
-        "delta": "differences",
+        "delta": "differences_times_norm",
         "last_delta": "1e10",
         "product_eps": "1e-10",
         "frequency": "one",
@@ -80,7 +80,7 @@ DEVIATIONS = {
     "multinerf": {
         "axes": "opengl",
         "directions": "depth",
-        "delta": "differences",
+        "delta": "differences_times_norm",
         "last_delta": "to_far",
         "frequency": "one",
         "columns": "all_sin_all_cos",
@@ -97,6 +97,11 @@ DEVIATIONS = {
 }
 
 
+STEPS = (
+    "delta_missing delta_unit_interval delta_over_n_minus_1 backward_delta delta_differenced_twice first_gap_for_all first_ray_deltas"
+).split()
+
+
 def render_trace(a, c, wrong):
     """The rows one after the other."""
     a = dict(a)
@@ -107,12 +112,19 @@ def render_trace(a, c, wrong):
     out = geometry.image_rays(a, c, wrong)
     along = {**a, **flat, "rays_o": out["rays_o"].reshape(-1, 3), "rays_d": out["rays_d"].reshape(-1, 3)}
     t = geometry.sample_along_rays(along, c, wrong)["t"]
-    if "steps_of_rest" in wrong:
-        rest = geometry.positions(a["near"], a["far"], np.full_like(t, 0.5), c["grid"])
-        deltas = geometry.step_sizes({**a, "t": rest}, c | {"delta": "differences", "last_delta": "repeated"}, wrong)["deltas"]
-    else:
-        deltas = geometry.step_sizes({**a, "t": t}, c, wrong)["deltas"]
+    deltas = geometry.step_sizes({**a, "t": t}, c, wrong)["deltas"]
+    if c["delta"] == "differences_times_norm":
+        deltas = deltas * np.linalg.norm(along["rays_d"], axis=1, keepdims=True)
+    # Steps are made once: what is wrong with them isn't made wrong again.
+    wrong = [name for name in wrong if name not in STEPS]
     rendered = rendering.volume_render({**flat, "deltas": deltas}, c, wrong)
+    # T in front of the last sample, and what the last sample leaves of it.
+    left = 1 - rendered["opacity"]
+    front = left + rendered["weights"][:, -1]
+    if "background_before_last_sample" in wrong:
+        rendered["opacity"] = 1 - front
+    if "background_shaded_twice" in wrong:
+        rendered["opacity"] = 1 - left * np.divide(left, front, out=np.zeros_like(left), where=front != 0)
     colors = rendering.composite_background({**rendered, "background": a["background"]}, c, wrong)["colors_out"]
     last = {"t": t, "deltas": deltas, "weights": rendered["weights"]}
     return out | {name: x.reshape(shape) for name, x in last.items()} | {"colors": colors.reshape(*shape[:2], 3)}

@@ -172,7 +172,7 @@ def step_sizes(a, c, wrong):
     n = t.shape[-1]
     gaps = np.concatenate([np.diff(t), far - t[:, -1:]], 1)
     deltas = np.full_like(t, (far - near) / n)
-    if c["delta"] == "differences":
+    if c["delta"] != "width":
         between = gaps[:, :-1]
         last = {"width": (far - near) / n, "1e10": 1e10, "1e9": 1e9, "1e-3": 1e-3, "to_far": gaps[:, -1]}
         if n > 1:
