@@ -146,8 +146,33 @@ FUNCTIONS = {"render_trace": render_trace} | {
 }
 
 
-def answer(cases, answers, mistakes=(), conventions=None, only=None):
-    """Answers all cases, or those of the components in `only`. Mistakes are (component, name)."""
+def differentiated(function, a, c, wrong, wanted):
+    """What automatic differentiation makes of a wrong forward function: differences over four points, in f64."""
+    a = {n: x.astype(np.float64) if isinstance(x, np.ndarray) else x for n, x in a.items()}
+    cotangents = {n.removeprefix("grad_"): x for n, x in a.items() if n.startswith("grad_")}
+
+    def inner():
+        outputs = function(a, c, wrong)
+        return sum(float((outputs[n] * g).sum()) for n, g in cotangents.items())
+
+    out = {}
+    for name in wanted:
+        x, gradient = a[name], np.zeros_like(a[name])
+        for i in np.ndindex(x.shape):
+            at, h = x[i], 1e-5 * max(abs(x[i]), 0.1)
+            values = []
+            for step in (-2, -1, 1, 2):
+                x[i] = at + step * h
+                values.append(inner())
+            x[i] = at
+            gradient[i] = (8 * (values[2] - values[1]) - (values[3] - values[0])) / (12 * h)
+        out[f"grad_{name}"] = gradient
+    return out
+
+
+def answer(cases, answers, mistakes=(), conventions=None, only=None, autograd=False):
+    """Answers all cases, or those of the components in `only`. Mistakes are (component, name); with `autograd` gradients are those of
+    the wrong forward function."""
     cases, answers = Path(cases), Path(answers)
     manifest = read_manifest(cases)
     conventions = conventions or CS180 | DEVIATIONS[manifest["profile"] or "cs180"]
@@ -160,7 +185,13 @@ def answer(cases, answers, mistakes=(), conventions=None, only=None):
                 continue
             inputs = inputs_of(cases, case, manifest["dtype"], "numpy", "cpu")
             with np.errstate(under="ignore"):
-                write(answers / case["file"], function(inputs, conventions, wrong))
+                if autograd and wrong and case["kind"] == "vjp":
+                    wanted = [port["name"].removeprefix("grad_") for port in case["outputs"]]
+                    outputs = differentiated(FUNCTIONS[component], inputs, conventions, wrong, wanted)
+                    outputs = {n: x.astype(np.float64 if manifest["dtype"] == "f64" else np.float32) for n, x in outputs.items()}
+                else:
+                    outputs = function(inputs, conventions, wrong)
+                write(answers / case["file"], outputs)
 
 
 def main():

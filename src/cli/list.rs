@@ -45,6 +45,7 @@ fn object(c: &Component) -> Value {
         "conventions": c.conventions,
         "variants": variants(c),
         "mistakes": c.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(),
+        "gradient_mistakes": c.mistakes.iter().filter(|m| m.gradient).map(|m| m.name).collect::<Vec<_>>(),
     })
 }
 

@@ -91,7 +91,9 @@ impl Hypothesis {
     /// Whether it explains an answer.
     pub fn explains(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> bool {
         let (wrong, error) = self.prediction(sheet, case);
-        within(answer, &wrong, rules.may_look(case), || {
+        // A numeric gradient is known at some elements alone: no look at most of them.
+        let look = rules.may_look(case) && error.is_none();
+        within(answer, &wrong, look, || {
             self.bound(sheet, case, &wrong, error.as_ref(), rules)
         })
     }
@@ -111,8 +113,13 @@ impl Hypothesis {
     /// Whether two hypotheses predict the same on a case, up to rounding: no answer could tell them apart.
     pub fn same_as(&self, other: &Hypothesis, sheet: &Sheet, case: &Case, rules: &Rules) -> bool {
         let (a, error) = self.prediction(sheet, case);
-        let (b, _) = other.prediction(sheet, case);
-        let bound = self.bound(sheet, case, &a, error.as_ref(), rules);
+        let (b, other_error) = other.prediction(sheet, case);
+        let mut bound = self.bound(sheet, case, &a, error.as_ref(), rules);
+        for (name, error) in other_error.iter().flatten() {
+            if let Some(bound) = bound.get_mut(name).filter(|bound| bound.shape() == error.shape()) {
+                *bound += error;
+            }
+        }
         let equal = |(name, a): (&String, &ArrayD<f64>)| {
             b[name].shape() == a.shape()
                 && a.iter().zip(&b[name]).zip(&bound[name]).all(|((&a, &b), &e)| budget_used(b, a, e) <= 1.0)

@@ -48,6 +48,8 @@ pub struct Marks {
     pub missing: BTreeSet<String>,
     /// Layouts found and accepted.
     pub layouts: BTreeSet<String>,
+    /// Choices that are no mistake, and no convention's either.
+    pub findings: Vec<String>,
     /// The outputs that are off, in the order in which the component computes them.
     pub off: Vec<String>,
 }
