@@ -88,7 +88,8 @@ def rays(k, c2w, uv, c, wrong):
     if "origin_minus_rt" in wrong:
         o = -(np.swapaxes(c2w[..., :3, :3], -1, -2) @ o[..., None])[..., 0]
     if "origin_normalised" in wrong:
-        o = o / np.linalg.norm(o, axis=-1, keepdims=True)
+        with np.errstate(invalid="ignore"):
+            o = o / np.linalg.norm(o, axis=-1, keepdims=True)
     return o, d
 
 
