@@ -74,6 +74,9 @@ pub enum Delta {
     Width,
     /// t_{i+1} - t_i; the last one is [`LastDelta`].
     Differences,
+    /// The same times the direction's length, the last one too: a length where directions aren't unit (bmild/nerf). Whoever knows
+    /// the direction multiplies: a rendering, not the steps of `t` alone.
+    DifferencesTimesNorm,
 }
 
 /// The step of the last sample, where the others are differences.
@@ -315,7 +318,7 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("directions", &["unit", "depth"]),
     ("grid", &["intervals", "ends_plus_width", "ends_plus_spacing", "ends_between_midpoints"]),
     ("rest", &["left", "mid", "right"]),
-    ("delta", &["width", "differences"]),
+    ("delta", &["width", "differences", "differences_times_norm"]),
     ("last_delta", &["width", "repeated", "mean", "1e10", "1e9", "1e-3", "to_far"]),
     ("product_eps", &["none", "1e-10", "1e-9", "1e-8", "1e-7"]),
     ("identity", &["true", "false"]),

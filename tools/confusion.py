@@ -1,9 +1,10 @@
 """The judge, tested with answers that it didn't make: the confusion table and the figures that it must reach.
 
-    python tools/confusion.py PROGRAM [--dtype f64 --dtype f32] [--pairs 100] [--seed 1] [--only COMPONENT] > CONFUSION.md
+    python tools/confusion.py PROGRAM [--dtype f64 --dtype f32] [--pairs 100] [--seed 1] [--only COMPONENT] [--sample N] > CONFUSION.md
 
 PROGRAM is the built nerf-oracle. The second implementation (second.py) answers every case: right, in every profile, with every mistake
-alone, and with a convention and a mistake drawn at random. All other components are answered right. Exit 1: a figure isn't reached.
+alone, and with a convention and a mistake drawn at random. All other components are answered right. `--sample N` asks for N mistakes
+alone. Exit 1: a figure isn't reached.
 """
 
 import argparse
@@ -20,7 +21,7 @@ from pathlib import Path
 import numpy as np
 import second
 from candidate import write
-from second_sampler import MISTAKES
+from second_sampler import HONEST
 
 
 def program(*words):
@@ -31,12 +32,12 @@ def program(*words):
     return json.loads(done.stdout)
 
 
-def judged(tool, cases, right, mistakes=(), conventions=None):
+def judged(tool, cases, right, mistakes=(), conventions=None, autograd=False):
     """The judge's report on right answers with these components' answers in their place."""
     with tempfile.TemporaryDirectory(dir=cases.parent) as folder:
         answers = Path(folder)
         shutil.copytree(right, answers, copy_function=os.link, dirs_exist_ok=True)
-        second.answer(cases, answers, mistakes, conventions, {component for component, _ in mistakes})
+        second.answer(cases, answers, mistakes, conventions, {component for component, _ in mistakes}, autograd)
         return program(tool, "judge", cases, answers)
 
 
@@ -54,9 +55,9 @@ def named(row, name):
     return "said " + " + ".join(found[0]["mistakes"] or ["conventions alone"])
 
 
-def judgement(report, component, name):
-    """That of the component's row which suffers most."""
-    rows = [row for row in report["components"] if row["name"] == component]
+def judgement(report, component, name, kinds=("forward", "trace", "statistics", "vjp")):
+    """That of the component's first failing row."""
+    rows = [row for row in report["components"] if row["name"] == component and row["kind"] in kinds]
     failed = [row for row in rows if row["verdict"] == "fail"] or rows
     return named(failed[0], name), failed[0]
 
@@ -66,12 +67,13 @@ def others(report, component):
     return [row["name"] for row in report["components"] if row["verdict"] == "fail" and row["name"] != component]
 
 
-def singles(tool, cases, right, mistakes):
-    """Every mistake alone."""
+def singles(tool, cases, right, mistakes, autograd=False):
+    """Every mistake alone; with `autograd` as its gradient shows it."""
 
     def one(mistake):
-        report = judged(tool, cases, right, [mistake])
-        verdict, row = judgement(report, *mistake)
+        report = judged(tool, cases, right, [mistake], autograd=autograd)
+        verdict, row = judgement(report, *mistake, *([("vjp",)] if autograd else []))
+        print(*mistake, verdict, file=sys.stderr, flush=True)
         diagnosis = row["diagnosis"]
         runner_up = diagnosis[1]["mistakes"] + [f"{k} = {v}" for k, v in diagnosis[1]["conventions"].items()] if len(diagnosis) > 1 else []
         return [*mistake, verdict, row["budget_used"], " + ".join(runner_up), others(report, mistake[0])]
@@ -100,11 +102,21 @@ def drawn(tool, cases, components, pairs, seed):
             second.answer(cases, folder, [(component["name"], name)], conventions)
             report = program(tool, "judge", cases, folder)
         verdict, row = judgement(report, component["name"], name)
+        print(component["name"], name, key, value, verdict, file=sys.stderr, flush=True)
         return [component["name"], name, f"{key} = {value}", verdict, row["budget_used"]]
 
     choice_seeds = [choice.randrange(2**32) for _ in range(pairs)]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         return [row for row in pool.map(one, range(pairs)) if row]
+
+
+def honest(tool, cases, right):
+    """Choices of samplers that are no mistakes: (choice, what the judge says of it)."""
+    out = []
+    for name in HONEST:
+        row = judgement(judged(tool, cases, right, [("sample_random_rays", name)]), "sample_random_rays", name)[1]
+        out.append([name, row["verdict"], "; ".join(row["findings"])])
+    return out
 
 
 def profiles(tool, cases):
@@ -163,12 +175,22 @@ def main():
     parser.add_argument("--pairs", type=int, default=100)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", default="")
+    parser.add_argument("--sample", type=int)
     arguments = parser.parse_args()
     tool, good = arguments.program.resolve(), True
-    components = [c for c in program(tool, "list")["components"] if arguments.only in c["name"]]
+    listed = [c for c in program(tool, "list")["components"] if arguments.only in c["name"]]
+    components = [c for c in listed if c["name"] in second.FUNCTIONS]
     mistakes = [(c["name"], name) for c in components for name in c["mistakes"]]
-    if arguments.only in "sample_random_rays":
-        mistakes += [("sample_random_rays", name) for name in MISTAKES]
+    # A network has too many weights for differences.
+    small = [c["name"] for c in components if "vjp" in c["variants"] and c["name"] != "nerf_mlp"]
+    gradients = {(c["name"], name) for c in components for name in c.get("gradient_mistakes", [])}
+    forward = [m for m in mistakes if m[0] in small and m not in gradients]
+    if arguments.sample:
+        mistakes, forward = (random.Random(180).sample(m, min(len(m), arguments.sample)) for m in (mistakes, forward))
+    print(__doc__.split("\n\n")[0] + "\n\nWritten by `" + " ".join(["python tools/confusion.py PROGRAM", *sys.argv[2:]]) + "`.\n")
+    absent = [c["name"] for c in listed if c not in components]
+    if absent:
+        print(f"Not in the second implementation, so not asked: {', '.join(absent)}\n")
     for dtype in arguments.dtype or ["f64", "f32"]:
         with tempfile.TemporaryDirectory() as folder:
             cases, right = Path(folder) / "cases", Path(folder) / "right"
@@ -177,17 +199,29 @@ def main():
             print(f"## Answers in {dtype}")
             rows = profiles(tool, cases)
             table(["profile answered", "found", "failed"], [[n, f, ", ".join(x)] for n, f, x in rows])
-            cheated = cheats(tool, cases, right)
-            print(f"Zeros, NaN, or the first case alone that pass: {', '.join(cheated) or 'none'}")
+            cheated = [] if arguments.sample else cheats(tool, cases, right)
+            print("" if arguments.sample else f"Zeros, NaN, or the first case alone that pass: {', '.join(cheated) or 'none'}")
+            choices = honest(tool, cases, right) if "sample_random_rays" in [c["name"] for c in components] else []
+            table(["honest choice of a sampler", "verdict", "said"], choices)
+            head = ["component", "mistake", "judged", "error / bound", "runner-up", "others failed"]
             alone = singles(tool, cases, right, mistakes)
             right_ones, all_ones = share(alone, 2)
-            table(["component", "mistake", "judged", "error / bound", "runner-up", "others failed"], alone)
-            print(f"Single mistakes named, of those that exceed the bound: {right_ones} of {all_ones}")
+            table(head, alone)
+            print(f"**Single mistakes named, of those that exceed the bound: {right_ones} of {all_ones}**\n")
+            if dtype == "f32":
+                through = singles(tool, cases, right, forward, autograd=True)
+                right_through, all_through = share(through, 2)
+                print("Gradients of the wrong forward functions, as automatic differentiation makes them; all but these are named:")
+                table(head, [row for row in through if row[2] != "named"])
+                print(f"**Forward mistakes named by their gradients alone: {right_through} of {all_through}**\n")
+                good &= right_through == all_through
             pairs = drawn(tool, cases, components, arguments.pairs, arguments.seed)
             right_pairs, all_pairs = share(pairs, 3)
+            print("A convention and a mistake, drawn at random; all but these are named:")
             table(["component", "mistake", "convention", "judged", "error / bound"], [r for r in pairs if r[3] != "named"])
-            print(f"A convention and a mistake, seed {arguments.seed}: {right_pairs} of {all_pairs}")
+            print(f"**A convention and a mistake, seed {arguments.seed}: {right_pairs} of {all_pairs}**\n")
             good &= right_ones == all_ones and right_pairs >= 0.98 * all_pairs and not cheated and not any(r[2] for r in rows)
+            good &= not any(row[5] for row in alone) and all(verdict == "pass" and said for _, verdict, said in choices)
     return 0 if good else 1
 
 

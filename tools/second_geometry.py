@@ -88,7 +88,8 @@ def rays(k, c2w, uv, c, wrong):
     if "origin_minus_rt" in wrong:
         o = -(np.swapaxes(c2w[..., :3, :3], -1, -2) @ o[..., None])[..., 0]
     if "origin_normalised" in wrong:
-        o = o / np.linalg.norm(o, axis=-1, keepdims=True)
+        with np.errstate(invalid="ignore"):
+            o = o / np.linalg.norm(o, axis=-1, keepdims=True)
     return o, d
 
 
@@ -172,7 +173,7 @@ def step_sizes(a, c, wrong):
     n = t.shape[-1]
     gaps = np.concatenate([np.diff(t), far - t[:, -1:]], 1)
     deltas = np.full_like(t, (far - near) / n)
-    if c["delta"] == "differences":
+    if c["delta"] != "width":
         between = gaps[:, :-1]
         last = {"width": (far - near) / n, "1e10": 1e10, "1e9": 1e9, "1e-3": 1e-3, "to_far": gaps[:, -1]}
         if n > 1:

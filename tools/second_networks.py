@@ -37,7 +37,7 @@ def encode(x, levels, c, wrong=()):
     """x, then the waves."""
     angle = x[:, None, :] * bands(levels, c, wrong).astype(x.dtype)[:, None]
     waves = np.stack([np.sin(angle), np.sin(angle) if "cosine_missing" in wrong else np.cos(angle)], 1)
-    if "last_band_missing" in wrong:
+    if "last_band_missing" in wrong and levels > 0:
         waves[:, :, -1] = 0
     return np.concatenate([x, order(waves, c)] if c["identity"] == "true" else [order(waves, c)], 1)
 

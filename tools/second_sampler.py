@@ -5,9 +5,12 @@ from second_geometry import positions
 
 MISTAKES = (
     "outside_the_images first_images_only images_not_uniform pixels_not_uniform rays_frozen divided_twice_by_255 wrong_colours "
-    "never_jittered jitter_frozen one_jitter_for_all_rays one_jitter_per_ray rays_jittered_together jitter_width_0.02 "
+    "never_jittered jitter_frozen one_jitter_for_all_rays rays_jittered_together jitter_width_0.02 "
     "jitter_width_0.1 jitter_width_1 jitter_centred_on_edges jitter_gaussian jitter_not_uniform jitter_at_evaluation not_at_rest"
 ).split()
+
+# No mistakes, though draws aren't independent: NeuS shifts a ray's samples together, bmild/nerf draws from one image a step.
+HONEST = "one_jitter_per_ray one_image_per_call rays_per_image".split()
 
 
 def sample_random_rays(a, c, wrong):
@@ -21,6 +24,10 @@ def sample_random_rays(a, c, wrong):
         ids = np.minimum(pick(number), pick(number))
     else:
         ids = pick(1 if "first_images_only" in wrong else number)
+    if "one_image_per_call" in wrong:
+        ids = np.repeat(random.integers(0, number, 1), count)
+    if "rays_per_image" in wrong:
+        ids = np.repeat(random.integers(0, number, 8), count // 8)
     j, i = pick(height), pick(width)
     if "pixels_not_uniform" in wrong:
         i = np.minimum(i, pick(width))

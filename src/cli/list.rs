@@ -10,6 +10,7 @@ use crate::convention::CHOICES;
 use crate::convention::profiles::PROFILES;
 use crate::error::Result;
 use crate::verify::Component;
+use crate::verify::sampler::SAMPLER;
 
 /// List components, their mistakes, conventions and profiles.
 #[derive(clap::Args, Debug)]
@@ -21,12 +22,17 @@ pub struct Args {}
 /// None.
 pub fn run(_: &Args, json: bool) -> Result<ExitCode> {
     let object = json!({
-        "components": COMPONENTS.iter().map(object).collect::<Vec<_>>(),
+        "components": rows().map(object).collect::<Vec<_>>(),
         "conventions": CHOICES.iter().map(|(key, values)| json!({ "name": key, "values": values })).collect::<Vec<_>>(),
         "profiles": PROFILES.iter().map(|p| json!({ "name": p.name, "title": p.title })).collect::<Vec<_>>(),
     });
     output::print(json, &object, &text());
     Ok(ExitCode::SUCCESS)
+}
+
+/// The rows of the contract, and the one that is judged by statistics.
+fn rows() -> impl Iterator<Item = &'static Component> {
+    COMPONENTS.iter().chain([&SAMPLER])
 }
 
 fn object(c: &Component) -> Value {
@@ -39,17 +45,22 @@ fn object(c: &Component) -> Value {
         "conventions": c.conventions,
         "variants": variants(c),
         "mistakes": c.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(),
+        "gradient_mistakes": c.mistakes.iter().filter(|m| m.gradient).map(|m| m.name).collect::<Vec<_>>(),
     })
 }
 
 /// The directions that can be judged.
 fn variants(c: &Component) -> Vec<&'static str> {
-    if c.vjp.is_some() { vec!["forward", "vjp"] } else { vec!["forward"] }
+    match c.name {
+        name if name == SAMPLER.name => vec!["statistics"],
+        _ if c.vjp.is_some() => vec!["forward", "vjp"],
+        _ => vec!["forward"],
+    }
 }
 
 fn text() -> String {
     let mut text = String::new();
-    for c in COMPONENTS {
+    for c in rows() {
         let names = c.mistakes.iter().map(|m| m.name).collect::<Vec<_>>().join(", ");
         text += &format!("{:<24}{:<14}{}\n", c.name, variants(c).join(", "), c.formula);
         if !c.conventions.is_empty() {

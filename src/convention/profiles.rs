@@ -45,7 +45,7 @@ pub const PROFILES: &[Profile] = &[
             pixel_centre: PixelCentre::Integer,
             directions: Directions::Depth,
             grid: Grid::EndsBetweenMidpoints,
-            delta: Delta::Differences,
+            delta: Delta::DifferencesTimesNorm,
             last_delta: LastDelta::TenToTen,
             product_eps: ProductEps::TenToMinusTen,
             frequency: Frequency::One,
@@ -75,7 +75,7 @@ pub const PROFILES: &[Profile] = &[
             ("depth", "run_nerf.py raw2outputs: sum of weights * z_vals"),
             ("bytes", "run_nerf_helpers.py to8b: astype(uint8)"),
         ],
-        beyond: "delta is multiplied by the direction's length; directions are unit length for the network alone",
+        beyond: "directions are unit length for the network alone",
     },
     Profile {
         name: "kornia-0.8.2",
@@ -156,7 +156,7 @@ pub const PROFILES: &[Profile] = &[
         conventions: Conventions {
             axes: Axes::Opengl,
             directions: Directions::Depth,
-            delta: Delta::Differences,
+            delta: Delta::DifferencesTimesNorm,
             last_delta: LastDelta::ToFar,
             frequency: Frequency::One,
             columns: Columns::AllSinAllCos,

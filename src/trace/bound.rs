@@ -1,28 +1,38 @@
 //! Error bound of the trace: each row's bound, with the step lengths' own error carried into the weights.
 
-use super::chain::chain;
+use super::chain::{chain, plainly};
 use super::component::size;
+use crate::camera::component::threes;
 use crate::convention::{Conventions, Delta};
 use crate::verify::arithmetic::Arithmetic;
 use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::{Arrays, array, values};
+use crate::verify::component::{Arrays, Component, array, values};
 use crate::volume_rendering::bound::Ray;
 use crate::volume_rendering::component::rgb;
 
 /// Bound of [`super::trace_pixel`].
 pub fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let [h, w, n] = size(a);
-    let truth = chain(a, |component, a| (component.forward.oracle)(a, c));
+    let truth = chain(a, c, |component, a| (component.forward.oracle)(a, c), plainly);
     // At the true arrays, row by row; rows_o, rays_d, uv and t are final.
     let mut bound = chain_bounds(a, c, m);
     let (t, deltas) = (values(&bound, "t"), values(&truth, "deltas"));
     let mut step_errors = values(&bound, "deltas");
-    if c.delta == Delta::Differences {
+    if c.delta != Delta::Width {
         for (p, error) in step_errors.iter_mut().enumerate().filter(|_| n > 1) {
             // t_{i+1} - t_i; the last step may be made of the two positions before it.
             let i = p % n;
             let first = p - i + i.min(n - 2);
             *error += t[first] + t[first + 1];
+        }
+    }
+    if c.delta == Delta::DifferencesTimesNorm {
+        let (d, d_error) = (threes(&truth, "rays_d"), threes(&bound, "rays_d"));
+        for (p, error) in step_errors.iter_mut().enumerate() {
+            let d: [Bounded; 3] =
+                std::array::from_fn(|k| Bounded { y: d[p / n][k], e: d_error[p / n][k] });
+            let norm = m.sqrt(m.dot(&d, &d));
+            *error = m.mul(Bounded { y: deltas[p] / norm.y, e: *error }, norm).e;
         }
     }
     let (sigmas, rgbs, b) = (values(a, "sigmas"), values(a, "rgbs"), rgb(&values(a, "background")));
@@ -48,10 +58,11 @@ pub fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 /// Each row's bound at the true values of the arrays before it.
 fn chain_bounds(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let bounds = std::cell::RefCell::new(Arrays::new());
-    let truth = chain(a, |component, a| {
+    let run = |component: &Component, a: &Arrays| {
         bounds.borrow_mut().extend((component.forward.bound)(a, c, m));
         (component.forward.oracle)(a, c)
-    });
+    };
+    let truth = chain(a, c, run, plainly);
     let bounds = bounds.into_inner();
     let shaped = |(name, truth): (&String, &ndarray::ArrayD<f64>)| {
         let bound = if name == "colors" { &bounds["colors_out"] } else { &bounds[name] };

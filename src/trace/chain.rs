@@ -1,12 +1,24 @@
 //! The rows of which a trace consists, run one after the other on named arrays: how honest and wrong traces are made.
 
 use super::component::size;
+use crate::camera::component::threes;
+use crate::convention::{Conventions, Delta};
 use crate::verify::component::{Arrays, Component, arrays, input};
 use crate::{ray, sample, volume_rendering};
 
+/// delta |d|.
+pub(super) fn plainly(delta: f64, d: [f64; 3]) -> f64 {
+    delta * glam::DVec3::from(d).length()
+}
+
 /// Runs image_rays, sample_along_rays, step_sizes, volume_render and composite_background with `run`, each fed with what the one
-/// before returned.
-pub(super) fn chain(a: &Arrays, run: impl Fn(&Component, &Arrays) -> Arrays) -> Arrays {
+/// before returned. `stretch` multiplies a step by the length of its ray's direction, where that is the convention.
+pub(super) fn chain(
+    a: &Arrays,
+    c: &Conventions,
+    run: impl Fn(&Component, &Arrays) -> Arrays,
+    stretch: impl Fn(f64, [f64; 3]) -> f64,
+) -> Arrays {
     let [h, w, n] = size(a);
     let reshaped = |array: &ndarray::ArrayD<f64>, shape: &[usize]| {
         array.to_shape(shape).expect("the same number of entries").into_owned()
@@ -24,7 +36,11 @@ pub(super) fn chain(a: &Arrays, run: impl Fn(&Component, &Arrays) -> Arrays) -> 
     ]);
     let t = run(&sample::component::SAMPLE_ALONG_RAYS, &along)["t"].clone();
     let steps = arrays([("t", t.clone()), ("near", near), ("far", far)]);
-    let deltas = run(&sample::component::STEP_SIZES, &steps)["deltas"].clone();
+    let mut deltas = run(&sample::component::STEP_SIZES, &steps)["deltas"].clone();
+    if c.delta == Delta::DifferencesTimesNorm {
+        let d = threes(&out, "rays_d");
+        deltas.indexed_iter_mut().for_each(|(i, delta)| *delta = stretch(*delta, d[i[0]]));
+    }
     let rays = arrays([
         ("sigmas", reshaped(input(a, "sigmas"), &[h * w, n])),
         ("rgbs", reshaped(input(a, "rgbs"), &[h * w, n, 3])),

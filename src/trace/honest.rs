@@ -7,5 +7,6 @@ use crate::verify::machine::Machine;
 
 /// The whole way from the pixel to its colour.
 pub fn render_trace(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    chain(a, |component, a| (component.forward.honest)(a, c, m))
+    let stretch = |delta, d: [f64; 3]| m.mul(delta, m.sqrt(m.dot(&d, &d)));
+    chain(a, c, |component, a| (component.forward.honest)(a, c, m), stretch)
 }

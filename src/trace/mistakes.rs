@@ -1,12 +1,14 @@
 //! Traces, wrong on purpose: the rows' mistakes, and those that sit at the call between two rows.
 
-use super::chain::chain;
-use crate::camera::mistakes as camera;
+use super::chain::{chain, plainly};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake};
+use crate::ray::mistakes::IMAGE_RAYS;
+use crate::sample::mistakes::{SAMPLE_ALONG_RAYS, STEP_SIZES};
+use crate::verify::component::{Arrays, Component, Mistake};
+use crate::volume_rendering::mistakes::{COMPOSITE_BACKGROUND, VOLUME_RENDER};
 
-/// Mistakes at the call, and some of the rows'; each row brings all of its own besides, by name.
-pub const RENDER_TRACE: &[Mistake] = &[
+/// Mistakes at the call.
+const AT_THE_CALL: &[Mistake] = &[
     Mistake::new(
         "jitter_ignored",
         "u is ignored: the samples of training rest in the middle of their intervals",
@@ -15,10 +17,107 @@ pub const RENDER_TRACE: &[Mistake] = &[
         "3 public implementations",
         3,
     ),
-    camera::NO_HALF,
-    camera::ROW_COLUMN,
-    camera::ROTATION_TRANSPOSED,
+    Mistake::new(
+        BEFORE,
+        "C + T_N b, with T_N the transmittance in front of the last sample instead of behind it",
+        "the background shines through whatever the last sample holds",
+        "C + (1 - A) b, or the transmittance behind the last sample",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        AFTER,
+        "C + T_{N+1} (1 - alpha_N) b: the last sample shades the background twice",
+        "the background too dark behind a last sample of any density",
+        "C + (1 - A) b, or the transmittance behind the last sample",
+        "1 public implementation",
+        1,
+    ),
 ];
+
+/// The background's transmittance one sample off.
+const BEFORE: &str = "background_before_last_sample";
+const AFTER: &str = "background_shaded_twice";
+
+/// The rows of a trace, in order.
+const ROWS: [&[Mistake]; 6] =
+    [AT_THE_CALL, IMAGE_RAYS, SAMPLE_ALONG_RAYS, STEP_SIZES, VOLUME_RENDER, COMPOSITE_BACKGROUND];
+
+/// What no array of a trace shows (it holds no points), and what `jitter_ignored` says already.
+const ELSEWHERE: &[&str] = &["flattened_in_wrong_order", "points_without_origin", "never_jittered"];
+
+/// Mistakes at the call, and those of every row: the first row that has a name owns it.
+pub const RENDER_TRACE: &[Mistake] = &gathered::<{ count() }>();
+
+/// Whether mistake n of row r belongs to the trace.
+const fn belongs(r: usize, n: usize) -> bool {
+    let name = ROWS[r][n].name;
+    !ROWS[r][n].gradient && !known(ROWS, r, name) && !listed(ELSEWHERE, name)
+}
+
+const fn known(rows: [&[Mistake]; 6], before: usize, name: &str) -> bool {
+    let mut r = 0;
+    while r < before {
+        let mut n = 0;
+        while n < rows[r].len() {
+            if same(rows[r][n].name, name) {
+                return true;
+            }
+            n += 1;
+        }
+        r += 1;
+    }
+    false
+}
+
+const fn listed(names: &[&str], name: &str) -> bool {
+    let mut n = 0;
+    while n < names.len() {
+        if same(names[n], name) {
+            return true;
+        }
+        n += 1;
+    }
+    false
+}
+
+/// a == b, which a constant can't say.
+const fn same(a: &str, b: &str) -> bool {
+    let (a, b, mut i) = (a.as_bytes(), b.as_bytes(), 0);
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
+}
+
+const fn count() -> usize {
+    let (mut r, mut total) = (0, 0);
+    while r < ROWS.len() {
+        let mut n = 0;
+        while n < ROWS[r].len() {
+            total += belongs(r, n) as usize;
+            n += 1;
+        }
+        r += 1;
+    }
+    total
+}
+
+const fn gathered<const N: usize>() -> [Mistake; N] {
+    let (mut out, mut r, mut total) = ([AT_THE_CALL[0]; N], 0, 0);
+    while r < ROWS.len() {
+        let mut n = 0;
+        while n < ROWS[r].len() {
+            if belongs(r, n) {
+                out[total] = ROWS[r][n];
+                total += 1;
+            }
+            n += 1;
+        }
+        r += 1;
+    }
+    out
+}
 
 /// The whole way from the pixel to its colour, with mistakes at the call or in any of its rows.
 pub fn render_trace(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
@@ -26,5 +125,37 @@ pub fn render_trace(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.contains(&"jitter_ignored") {
         a.get_mut("u").expect("checked").fill(0.5);
     }
-    chain(&a, |component, arrays| (component.forward.wrong)(arrays, c, wrong))
+    // Steps are made once: the mistakes that they share with a rendering of given steps aren't made again there.
+    let of_steps = |name: &&&str| STEP_SIZES.iter().any(|m| m.name == **name);
+    let later: Vec<&str> = wrong.iter().filter(|name| !of_steps(name)).copied().collect();
+    let run = |component: &Component, arrays: &Arrays| match component.name {
+        "volume_render" => behind((component.forward.wrong)(arrays, c, &later), wrong),
+        "composite_background" => (component.forward.wrong)(arrays, c, &later),
+        _ => (component.forward.wrong)(arrays, c, wrong),
+    };
+    chain(&a, c, run, plainly)
+}
+
+/// The opacity that the background is told of, where its transmittance is one sample off.
+fn behind(mut rendered: Arrays, wrong: &[&str]) -> Arrays {
+    if !wrong.contains(&BEFORE) && !wrong.contains(&AFTER) {
+        return rendered;
+    }
+    let weights = rendered["weights"].clone();
+    let last = weights.shape()[1] - 1;
+    let opacity = rendered.get_mut("opacity").expect("an output");
+    for (r, opacity) in opacity.iter_mut().enumerate() {
+        let rest = 1.0 - *opacity;
+        // T_N = T_{N+1} + w_N, and 1 - alpha_N is their quotient.
+        let front = rest + weights[[r, last]];
+        let off = if wrong.contains(&BEFORE) {
+            front
+        } else if front == 0.0 {
+            0.0
+        } else {
+            rest * rest / front
+        };
+        *opacity = 1.0 - off;
+    }
+    rendered
 }

@@ -4,7 +4,7 @@
 //! the grid's, a pixel grid that differs at evaluation. A trace shows the first array in which two programs differ.
 
 use crate::camera::Camera;
-use crate::convention::Conventions;
+use crate::convention::{Conventions, Delta};
 use crate::ray::{Ray, pixel_position, pixel_to_ray};
 use crate::sample::{sample_along_ray, step_sizes};
 use crate::volume_rendering::{Rendering, composite_background, volume_render};
@@ -63,7 +63,10 @@ pub fn trace_pixel(
     let uv = pixel_position(i, j, c.pixel_centre);
     let ray = pixel_to_ray(&camera.k, &camera.c2w, uv, c.axes, c.directions);
     let t = sample_along_ray(near, far, u, c.grid);
-    let deltas = step_sizes(&t, near, far, c.delta, c.last_delta);
+    let mut deltas = step_sizes(&t, near, far, c.delta, c.last_delta);
+    if c.delta == Delta::DifferencesTimesNorm {
+        deltas.iter_mut().for_each(|delta| *delta *= ray.d.length());
+    }
     let rendering = volume_render(sigmas, rgbs, &deltas, c.product_eps);
     let color = composite_background(rendering.color, rendering.opacity, background);
     Trace { uv: uv.to_array(), ray, t, deltas, rendering, color }

@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::answer::Answers;
+use ndarray::ArrayD;
+
+use super::answer::{Answer, Answers, reshaped};
 use super::arithmetic::Grade;
 use super::case::Case;
-use super::component::Component;
+use super::component::{Arrays, Component};
 use super::exam::Sheet;
 use super::mark::{Rules, within};
 use super::sampler;
@@ -65,7 +67,7 @@ pub fn changes(a: &Partial, b: &Partial) -> usize {
 }
 
 /// The cases that a search goes by, the smallest first.
-pub fn small_cases<'a>(sheet: &'a Sheet, answers: &'a Answers) -> Vec<(&'a Case, &'a super::answer::Answer)> {
+pub fn small_cases<'a>(sheet: &'a Sheet, answers: &'a Answers) -> Vec<(&'a Case, &'a Answer)> {
     let size = |case: &Case| case.inputs.values().map(|a| a.len()).sum::<usize>();
     let pairs = sheet.cases.iter().zip(answers).filter_map(|(case, a)| a.as_ref().map(|a| (case, a)));
     let mut pairs: Vec<_> = pairs.collect();
@@ -160,4 +162,31 @@ fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
         }
     }
     joined
+}
+
+/// Assignments that are compared when nothing explains the answers.
+const COMPARED: usize = 2_000;
+
+/// The assignment in which most elements agree with the answers to a few digits, the one next to `base` of equals.
+pub fn nearest(sheet: &Sheet, answers: &Answers, base: &Conventions) -> Conventions {
+    let all = assignments(sheet.component, base).into_iter().map(|p| apply(&p, base));
+    let all: Vec<Conventions> = all.filter(|c| sheet.admits(c)).take(COMPARED).collect();
+    let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+    let cases = small_cases(sheet, answers);
+    let agreeing = parallel::map(all.len(), |n| {
+        let agree = |(case, answer): &(&Case, &Answer)| agreement(answer, &(pass.oracle)(&case.inputs, &all[n]));
+        cases.iter().take(8).map(agree).sum::<usize>()
+    });
+    // The last of equals wins in max_by_key.
+    let best = (0..all.len()).rev().max_by_key(|&n| agreeing[n]);
+    best.map_or(*base, |n| all[n])
+}
+
+/// How many elements agree to three digits.
+fn agreement(answer: &Answer, expected: &Arrays) -> usize {
+    let one = |(name, e): (&String, &ArrayD<f64>)| {
+        let (got, _) = reshaped(&answer.get(name)?.values, e.shape())?;
+        Some(got.iter().zip(e).filter(|&(g, e)| g == e || (g - e).abs() <= 1e-3 * e.abs()).count())
+    };
+    expected.iter().filter_map(one).sum()
 }

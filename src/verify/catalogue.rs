@@ -3,6 +3,7 @@
 
 use super::arithmetic::Dtype;
 use super::component::{Component, Mistake};
+use super::sampler::SAMPLER;
 use super::selfcheck;
 use crate::COMPONENTS;
 use crate::convention::CHOICES;
@@ -37,7 +38,17 @@ pub fn page() -> String {
     }
     page += "\n## Mistakes\n\n`f32`, `bf16`: whether the mistake exceeds the bound there on some case (in f64 all do).\n";
     COMPONENTS.iter().for_each(|c| page += &table(c));
-    page
+    page + &of_the_sampler()
+}
+
+/// The mistakes that only statistics over several calls show.
+fn of_the_sampler() -> String {
+    let mut text = format!("\n### {}\n\n`{}`\n\n", SAMPLER.name, SAMPLER.formula);
+    text += "| mistake | what was written | effect | to mend | seen |\n|---|---|---|---|---|\n";
+    for m in SAMPLER.mistakes {
+        text += &format!("| {} | {} |\n", m.name, [m.cause, m.effect, m.fix, m.seen].map(escaped).join(" | "));
+    }
+    text
 }
 
 fn table(c: &Component) -> String {

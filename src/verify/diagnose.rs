@@ -30,8 +30,11 @@ const CHANGES: [usize; 3] = [usize::MAX, 2, 1];
 /// Assignments that are tried beside one mistake, and beside two.
 const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 
-/// Gradients of mistakes in the forward function are numeric and dear: cases of at most so many elements.
-const NUMERIC: usize = 400;
+/// Gradients of mistakes in the forward function are numeric and dear: so many of the smallest cases.
+const NUMERIC: usize = 12;
+
+/// Explanations that are listed.
+const SHOWN: usize = 8;
 
 /// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
 /// gradient (mistakes that the forward answers showed).
@@ -56,24 +59,19 @@ pub fn diagnose(
     let mut all = assignments(sheet.component, base);
     all.retain(|p| sheet.admits(&apply(p, base)));
     for count in 0..=2 {
-        let mut hypotheses = vec![];
-        for mistakes in sets(sheet, count, suspects) {
-            // Numeric gradients are too dear for all assignments: the forward answers have told the conventions.
-            let numeric = sheet.kind == Kind::Vjp && of_forward(sheet, &mistakes);
-            // And no mistake in the run's own conventions is no explanation: it has just failed.
-            let limit = if numeric { 1 } else { ASSIGNMENTS[count] };
-            let near = all
-                .iter()
-                .filter(|p| changes(p, &home) <= CHANGES[count] && (count > 0 || **p != home))
-                .take(limit);
-            hypotheses
-                .extend(near.map(|p| Hypothesis { mistakes: mistakes.clone(), conventions: apply(p, base) }));
+        let sets = sets(sheet, count, suspects);
+        let mut near: Vec<&Partial> = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).collect();
+        near.truncate(ASSIGNMENTS[count]);
+        let mut fitting = vec![];
+        // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
+        for ring in near.chunk_by(|a, b| changes(a, &home) == changes(b, &home)) {
+            let had = !fitting.is_empty();
+            fitting.extend(explaining(&sets, ring, sheet, answers, base, rules));
+            if had {
+                break;
+            }
         }
-        let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], sheet, answers, rules));
-        let fitting: Vec<_> =
-            hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect();
         if !fitting.is_empty() {
-            let mut fitting = fitting;
             if count == 0 {
                 // A mistake may be somebody else's convention: the two are told together.
                 fitting.extend(alone(sheet, answers, base, rules));
@@ -82,6 +80,31 @@ pub fn diagnose(
         }
     }
     vec![]
+}
+
+/// The hypotheses of these sets of mistakes in these assignments that explain every answer.
+fn explaining(
+    sets: &[Vec<&'static str>],
+    ring: &[&Partial],
+    sheet: &Sheet,
+    answers: &Answers,
+    base: &Conventions,
+    rules: &Rules,
+) -> Vec<Hypothesis> {
+    let mut hypotheses = vec![];
+    for mistakes in sets {
+        // Numeric gradients are too dear for all assignments: the forward answers have told the conventions.
+        let numeric = sheet.kind == Kind::Vjp && of_forward(sheet, mistakes);
+        for conventions in ring.iter().map(|p| apply(p, base)) {
+            // And no mistake in the run's own conventions is no explanation: it has just failed.
+            let home = conventions == *base;
+            if (home || !numeric) && !(home && mistakes.is_empty()) {
+                hypotheses.push(Hypothesis { mistakes: mistakes.clone(), conventions });
+            }
+        }
+    }
+    let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], sheet, answers, rules));
+    hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect()
 }
 
 /// Single mistakes in the run's own conventions that explain everything.
@@ -113,7 +136,7 @@ fn sets(sheet: &Sheet, count: usize, suspects: &[Vec<&'static str>]) -> Vec<Vec<
     suspected
 }
 
-/// Whether a hypothesis explains every answer; gradients by numeric differentiation on the cases that are small enough.
+/// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.
 fn explains_all(h: &Hypothesis, sheet: &Sheet, answers: &Answers, rules: &Rules) -> bool {
     let cases = usable(h, sheet, answers);
     !cases.is_empty() && cases.iter().all(|(case, answer)| h.explains(sheet, case, answer, rules))
@@ -126,7 +149,7 @@ fn usable<'a>(
 ) -> Vec<(&'a super::case::Case, &'a super::answer::Answer)> {
     let mut cases = small_cases(sheet, answers);
     if sheet.kind == Kind::Vjp && of_forward(sheet, &h.mistakes) {
-        cases.retain(|(case, _)| case.inputs.values().map(|a| a.len()).sum::<usize>() <= NUMERIC);
+        cases.truncate(NUMERIC);
     }
     cases
 }
@@ -164,24 +187,33 @@ fn ranked(
         known.push(key);
         new
     });
-    // So many are enough to choose from; a mistake that equals a convention stays in sight.
-    rows.truncate(8);
-    let best = rows[0].0.clone();
-    let same = |h: &Hypothesis| {
-        usable(h, sheet, answers).iter().all(|(case, _)| h.same_as(&best, sheet, case, rules))
+    // A change of convention that these mistakes hide says nothing: the same mistakes with fewer changes rank before.
+    let predicts_same = |a: &Hypothesis, b: &Hypothesis| {
+        usable(b, sheet, answers).iter().all(|(case, _)| a.same_as(b, sheet, case, rules))
     };
+    let mut told: Vec<Hypothesis> = vec![];
+    rows.retain(|(h, _)| {
+        // So many are enough to choose from; a mistake that equals a convention stays in sight.
+        let new = told.len() < SHOWN
+            && !told.iter().any(|t| t.mistakes == h.mistakes && moved(t) < moved(h) && predicts_same(h, t));
+        if new {
+            told.push(h.clone());
+        }
+        new
+    });
+    let best = rows[0].0.clone();
     rows.iter()
         .enumerate()
         .map(|(n, (h, residual))| Explanation {
             mistakes: h.mistakes.iter().map(|name| row(name)).collect(),
             conventions: difference(&partial(sheet.component, &h.conventions), home),
             residual: *residual,
-            same_as_best: n > 0 && same(h),
+            same_as_best: n > 0 && predicts_same(h, &best),
         })
         .collect()
 }
 
 /// The entries of `a` that differ in `b`.
-fn difference(a: &Partial, b: &Partial) -> Partial {
+pub fn difference(a: &Partial, b: &Partial) -> Partial {
     a.iter().filter(|(key, value)| b.get(*key) != Some(value)).map(|(key, value)| (*key, *value)).collect()
 }

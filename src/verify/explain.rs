@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use super::arithmetic::{Arithmetic, Dtype, Grade};
 use super::check::{Kind, tolerance};
 use super::component::{Component, Mistake, Port};
+use super::sampler::SAMPLER;
 use crate::COMPONENTS;
 use crate::convention::profiles::{PROFILES, Profile};
 use crate::convention::{CHOICES, CS180};
@@ -16,8 +17,8 @@ use crate::error::{Error, Result};
 /// A name that nothing has; names that resemble it are suggested.
 pub fn explain(name: &str) -> Result<(Value, String)> {
     let mut found: Vec<(Value, String)> =
-        COMPONENTS.iter().filter(|c| c.name == name).map(component).collect();
-    let rows = COMPONENTS.iter().flat_map(|c| c.mistakes.iter().map(move |m| (c, m)));
+        all_rows().filter(|c| c.name == name).map(component).collect();
+    let rows = all_rows().flat_map(|c| c.mistakes.iter().map(move |m| (c, m)));
     found.extend(rows.filter(|(_, m)| m.name == name).map(|(c, m)| mistake(c, m)));
     found.extend(CHOICES.iter().filter(|(key, _)| *key == name).map(|(key, values)| convention(key, values)));
     found.extend(PROFILES.iter().filter(|p| p.name == name).map(profile));
@@ -28,11 +29,16 @@ pub fn explain(name: &str) -> Result<(Value, String)> {
     Ok((json!({ "name": name, "found": objects }), texts.join("\n")))
 }
 
+/// The rows of the contract, and the one that is judged by statistics.
+fn all_rows() -> impl Iterator<Item = &'static Component> {
+    COMPONENTS.iter().chain([&SAMPLER])
+}
+
 /// Names that share a part with `name`, or where to look.
 fn suggestions(name: &str) -> String {
-    let mistakes = COMPONENTS.iter().flat_map(|c| c.mistakes.iter().map(|m| m.name));
+    let mistakes = all_rows().flat_map(|c| c.mistakes.iter().map(|m| m.name));
     let others = CHOICES.iter().map(|(key, _)| *key).chain(PROFILES.iter().map(|p| p.name));
-    let all = COMPONENTS.iter().map(|c| c.name).chain(mistakes).chain(others);
+    let all = all_rows().map(|c| c.name).chain(mistakes).chain(others);
     let near = |other: &&str| name.split(['_', '-']).any(|part| part.len() > 2 && other.contains(part));
     let near: Vec<_> = all.filter(near).collect();
     if near.is_empty() { "a name that `nerf-oracle list` shows".into() } else { near.join(", ") }

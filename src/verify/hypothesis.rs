@@ -3,7 +3,7 @@
 use ndarray::ArrayD;
 
 use super::answer::{Answer, reshaped};
-use super::arithmetic::Grade;
+use super::arithmetic::{Dtype, Grade};
 use super::case::{Case, Draw};
 use super::check::{Kind, budget_used};
 use super::component::{Arrays, Pass};
@@ -21,11 +21,11 @@ pub struct Hypothesis {
     pub conventions: Conventions,
 }
 
-/// How much wider a hypothesis' bound is than what was derived for the right formula: wrong code has no derived bound of its own.
-const GENEROSITY: f64 = 8.0;
-
-/// Roundings a wrong result may carry beside those of its inputs.
-const ROUNDINGS: f64 = 64.0;
+/// How much wider a hypothesis' bound is than what was derived for the right formula, as wrong code has no derived bound of its own;
+/// and the roundings a wrong result may carry beside those of its inputs. In the short types so much would explain anything.
+fn generosity(dtype: Dtype) -> (f64, f64) {
+    if dtype.bits() >= 24 { (8.0, 64.0) } else { (4.0, 4.0) }
+}
 
 impl Hypothesis {
     /// What this candidate would answer, and how far off it may be where it can't be told exactly (numeric gradients).
@@ -39,7 +39,7 @@ impl Hypothesis {
         ((pass.wrong)(&case.inputs, &self.conventions, &self.mistakes), None)
     }
 
-    /// The hypothesis' own bound: that of the right formula in these conventions, [`GENEROSITY`] times, and what the wrong function
+    /// The hypothesis' own bound: that of the right formula in these conventions, some times over, and what the wrong function
     /// itself makes of inputs that are off by a few roundings.
     fn bound(
         &self,
@@ -50,23 +50,27 @@ impl Hypothesis {
         rules: &Rules,
     ) -> Arrays {
         let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
-        let (_, right) = rules.truth(sheet, case, &self.conventions, Grade::B);
+        let (truth, right) = rules.truth(sheet, case, &self.conventions, Grade::B);
         if self.mistakes.is_empty() {
             return right;
         }
         let u = rules.dtype.unit_roundoff();
+        let (generous, roundings) = generosity(rules.dtype);
         let moved: Vec<Arrays> = match error {
             Some(_) => vec![],
             None => (0..2).map(|n| self.nudged(pass, case, n, 4.0 * u)).collect(),
         };
         let one = |(name, w): (&String, &ArrayD<f64>)| {
-            let mut bound = w.mapv(|w| ROUNDINGS * u * w.abs() + rules.dtype.smallest_normal());
+            let mut bound = w.mapv(|w| roundings * u * w.abs() + rules.dtype.smallest_normal());
             if let Some(right) = right.get(name).filter(|b| b.shape() == w.shape()) {
-                bound.zip_mut_with(right, |b, right| *b += GENEROSITY * right);
+                // Of fractions, a mistake may hand any to any other: T, which 1 - exp(-x) leaves few digits, in the place of T alpha.
+                let fractions = truth[name].iter().all(|x| (0.0..=1.0).contains(x));
+                let largest = right.iter().filter(|b| b.is_finite() && fractions).fold(0.0, |max: f64, b| max.max(*b));
+                bound.zip_mut_with(right, |b, right| *b += generous * right.max(largest));
             }
             for moved in moved.iter().filter_map(|m| m.get(name)).filter(|m| m.shape() == w.shape()) {
                 let change = moved - w;
-                bound.zip_mut_with(&change, |b, change| *b += GENEROSITY * change.abs());
+                bound.zip_mut_with(&change, |b, change| *b += generous * change.abs());
             }
             if let Some(error) = error {
                 bound += &error[name];
@@ -91,7 +95,9 @@ impl Hypothesis {
     /// Whether it explains an answer.
     pub fn explains(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> bool {
         let (wrong, error) = self.prediction(sheet, case);
-        within(answer, &wrong, rules.may_look(case), || {
+        // A numeric gradient is known at some elements alone: no look at most of them.
+        let look = rules.may_look(case) && error.is_none();
+        within(answer, &wrong, look, || {
             self.bound(sheet, case, &wrong, error.as_ref(), rules)
         })
     }
@@ -111,8 +117,13 @@ impl Hypothesis {
     /// Whether two hypotheses predict the same on a case, up to rounding: no answer could tell them apart.
     pub fn same_as(&self, other: &Hypothesis, sheet: &Sheet, case: &Case, rules: &Rules) -> bool {
         let (a, error) = self.prediction(sheet, case);
-        let (b, _) = other.prediction(sheet, case);
-        let bound = self.bound(sheet, case, &a, error.as_ref(), rules);
+        let (b, other_error) = other.prediction(sheet, case);
+        let mut bound = self.bound(sheet, case, &a, error.as_ref(), rules);
+        for (name, error) in other_error.iter().flatten() {
+            if let Some(bound) = bound.get_mut(name).filter(|bound| bound.shape() == error.shape()) {
+                *bound += error;
+            }
+        }
         let equal = |(name, a): (&String, &ArrayD<f64>)| {
             b[name].shape() == a.shape()
                 && a.iter().zip(&b[name]).zip(&bound[name]).all(|((&a, &b), &e)| budget_used(b, a, e) <= 1.0)

@@ -24,7 +24,7 @@ use super::arithmetic::{Dtype, Grade};
 use super::assignment::{self, Found, partial};
 use super::check::Kind;
 use super::component::Arrays;
-use super::diagnose::{Explanation, diagnose};
+use super::diagnose::{Explanation, diagnose, difference};
 use super::exam::{Exam, Sheet};
 use super::layout;
 use super::mark::{Marks, Rules, mark};
@@ -168,11 +168,34 @@ impl Round {
                 row.diagnosis = diagnose(sheet, &answers[n], c, known, rules);
                 let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(sheet.component.name).or_default().extend(sets);
+                if exam.profile.is_none() {
+                    nearest(&mut row, sheet, &answers[n], c, rules);
+                }
             }
             report.rows.push(row);
         }
         report.settle();
         report
+    }
+}
+
+/// Shows what a failing row should have been in the conventions that it follows, where nothing else in the run tells them: those of
+/// the best explanation, or those in which most elements agree. A person compares with what they meant to write.
+fn nearest(row: &mut Row, sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) {
+    let near = match row.diagnosis.first() {
+        // Right in other conventions: what is wrong is that the rest of the run follows these.
+        Some(best) if best.mistakes.is_empty() => return,
+        Some(best) => assignment::apply(&best.conventions, base),
+        None => assignment::nearest(sheet, answers, base),
+    };
+    if sheet.statistics() || near == *base {
+        return;
+    }
+    let marks = mark(sheet, answers, &near, rules, Grade::B);
+    if marks.budget_used > 1.0 {
+        let shown = Row::marked(sheet, answers, &marks, None, &near);
+        *row = Row { layouts: row.layouts.clone(), diagnosis: std::mem::take(&mut row.diagnosis), ..shown };
+        row.shown_in = difference(&partial(sheet.component, &near), &partial(sheet.component, base));
     }
 }
 

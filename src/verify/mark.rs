@@ -34,7 +34,7 @@ pub struct Worst {
 /// What marking found.
 #[derive(Clone, Debug, Default)]
 pub struct Marks {
-    /// Largest error over bound: at most 1 where everything is right.
+    /// Largest error over bound among the elements that prove something: at most 1 where everything is right.
     pub budget_used: f64,
     /// Where.
     pub worst: Option<Worst>,
@@ -48,6 +48,8 @@ pub struct Marks {
     pub missing: BTreeSet<String>,
     /// Layouts found and accepted.
     pub layouts: BTreeSet<String>,
+    /// Choices that are no mistake, and no convention's either.
+    pub findings: Vec<String>,
     /// The outputs that are off, in the order in which the component computes them.
     pub off: Vec<String>,
 }
@@ -152,6 +154,10 @@ impl Marks {
             self.proving += usize::from(!vacuous);
             if used > 1.0 {
                 self.off.push(name.clone());
+            }
+            // A vacuous element says nothing about how much of the budget was used, unless it is off all the same.
+            if vacuous && used <= 1.0 {
+                continue;
             }
             if used > self.worst.as_ref().map_or(-1.0, |w| budget_used(w.got, w.expected, w.bound)) {
                 self.budget_used = self.budget_used.max(used);

@@ -51,6 +51,9 @@ fn percent(used: f64) -> String {
 }
 
 fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
+    for finding in &row.findings {
+        writeln!(f, "\n{} {}: a choice, no mistake: {finding}", row.name, row.kind)?;
+    }
     if row.verdict == Verdict::Pass {
         for layout in &row.layouts {
             writeln!(f, "\n{} {}: layout {layout}", row.name, row.kind)?;
@@ -75,6 +78,9 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     }
     if !row.missing_outputs.is_empty() {
         writeln!(f, "  not answered: {}", row.missing_outputs.join(", "))?;
+    }
+    if !row.shown_in.is_empty() {
+        writeln!(f, "  shown in the conventions next to these answers: {}", list(&row.shown_in))?;
     }
     if let Some(w) = row.worst_case.as_ref().filter(|_| row.budget_used > Some(1.0)) {
         writeln!(

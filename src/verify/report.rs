@@ -60,6 +60,8 @@ pub struct Row {
     pub worst_case: Option<Worst>,
     /// The component's conventions, as pinned or found.
     pub conventions: Partial,
+    /// Where those are not the run's: the conventions nearest to the answers, in which a failing row is shown.
+    pub shown_in: Partial,
     /// The conventions in which it would be right, though the rest of the run isn't.
     pub contradiction: Partial,
     /// Layouts that differ from the contract's, and pass.
@@ -68,6 +70,8 @@ pub struct Row {
     pub faults: Vec<String>,
     /// The outputs that are off, in the order in which they are computed.
     pub off: Vec<String>,
+    /// Choices that no convention names and that are no mistake; they pass.
+    pub findings: Vec<String>,
     /// Explanations, best first; empty where unknown.
     pub diagnosis: Vec<Explanation>,
 }
@@ -87,10 +91,12 @@ impl Row {
             missing_outputs: vec![],
             worst_case: None,
             conventions: Partial::new(),
+            shown_in: Partial::new(),
             contradiction: Partial::new(),
             layouts: vec![],
             faults: vec![],
             off: vec![],
+            findings: vec![],
             diagnosis: vec![],
         }
     }
@@ -115,6 +121,7 @@ impl Row {
             layouts: marks.layouts.iter().cloned().collect(),
             faults: marks.faults.clone(),
             off: marks.off.clone(),
+            findings: marks.findings.clone(),
             ..Row::unsupported(sheet)
         }
     }
@@ -135,8 +142,10 @@ impl Row {
                 "expected": number(w.expected), "bound": number(w.bound), "ulp": number(w.ulp),
             })),
             "conventions": self.conventions,
+            "shown_in": self.shown_in,
             "contradiction": self.contradiction,
             "layouts": self.layouts,
+            "findings": self.findings,
             "faults": self.faults,
             "first_to_differ": self.off.first(),
             "diagnosis": self.diagnosis.iter().map(|e| json!({

@@ -118,13 +118,6 @@ const MISTAKES: &[Mistake] = &[
         11,
     ),
     row(
-        "one_jitter_per_ray",
-        "noise of shape R, broadcast over samples (NeuS)",
-        "samples keep their distances: less variety",
-        "draw one u for every ray and sample",
-        1,
-    ),
-    row(
         "rays_jittered_together",
         "neighbouring rays share their noise",
         "noise in the picture",
@@ -195,8 +188,9 @@ const fn row(
 
 /// The four calls.
 fn calls() -> Vec<Case> {
-    let shape = [3, 5, 7, 3];
-    let pixel = |k: usize| ((k / 315 * 37 + k / 63 * 11 + k / 3 * 5 + k % 3 * 3) % 17) as f64 / 16.0;
+    // So many images that all four calls draw the first one alone by chance with a probability below 1e-6.
+    let shape = [32, 5, 7, 3];
+    let pixel = |k: usize| ((k / 105 * 37 + k / 21 * 11 + k / 3 * 5 + k % 3 * 3) % 17) as f64 / 16.0;
     let images: Vec<f64> = (0..shape.iter().product()).map(pixel).collect();
     let call = |(seed, id): (usize, &str)| {
         let training = if seed < 2 { 1.0 } else { 0.0 };
@@ -320,17 +314,20 @@ fn judged(sheet: &Sheet, answers: &Answers, c: &Conventions) -> (Vec<String>, Ve
 /// Whether a right sampler in these conventions could have drawn all this.
 pub fn plausible(sheet: &Sheet, answers: &Answers, c: &Conventions) -> bool {
     let (faults, found) = judged(sheet, answers, c);
-    faults.is_empty() && found.is_empty()
+    faults.is_empty() && found.iter().all(|finding| finding.honest)
 }
 
 /// The marks: all or nothing.
 pub fn mark(sheet: &Sheet, answers: &Answers, c: &Conventions) -> Marks {
     let (mut faults, found) = judged(sheet, answers, c);
-    faults.extend(found.iter().map(|finding| format!("{}: {}", finding.name, finding.says)));
+    let (choices, wrong): (Vec<&Finding>, Vec<&Finding>) = found.iter().partition(|finding| finding.honest);
+    let told = |finding: &&Finding| format!("{}: {}", finding.name, finding.says);
+    faults.extend(wrong.iter().map(told));
     let missing = answers.iter().flatten().all(|answer| !answer.contains_key("t"));
     Marks {
         budget_used: if faults.is_empty() { 0.0 } else { f64::INFINITY },
         proving: 1,
+        findings: choices.iter().map(told).collect(),
         missing: missing.then(|| "t".to_string()).into_iter().collect(),
         faults,
         ..Marks::default()

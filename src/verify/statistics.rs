@@ -18,6 +18,9 @@ pub const FALSE_ALARM: f64 = 1e-8;
 /// How far u may be off because t was rounded (f32 at t = 6 and D = 1/16 rounds u to 1e-5).
 const ROUNDING: f64 = 1e-3;
 
+/// A call that deals its rays to more drawn images than this may as well draw an image for each ray.
+const MOST_IMAGES: usize = 64;
+
 /// What one call drew.
 #[derive(Clone, Debug)]
 pub struct Call {
@@ -31,17 +34,24 @@ pub struct Call {
     pub t: Vec<Vec<f64>>,
 }
 
-/// Something that a right sampler does with a probability below [`FALSE_ALARM`].
+/// Something that a sampler of independent draws does with a probability below [`FALSE_ALARM`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// The mistake's name.
+    /// The mistake's name, or the choice's.
     pub name: &'static str,
+    /// Whether it is a choice that right programs make: told, and passed.
+    pub honest: bool,
     /// What was seen, and what should have been.
     pub says: String,
 }
 
 fn finding(name: &'static str, says: String) -> Finding {
-    Finding { name, says }
+    Finding { name, honest: false, says }
+}
+
+/// A choice that right programs make.
+fn choice(name: &'static str, says: String) -> Finding {
+    Finding { name, honest: true, says }
 }
 
 /// ln(2 n / false alarm), for n tests at once.
@@ -66,14 +76,19 @@ pub fn findings(
     [near, far]: [f64; 2],
     c: &Conventions,
 ) -> Vec<Finding> {
-    let mut found = rays(images, training, c);
+    let mut found = rays(images, training, rest, c);
     found.extend(jitter(training, [near, far], c));
     found.extend(at_rest(rest, [near, far], c));
     found
 }
 
 /// Image ids, pixels and colours: support, uniformity, and that the second call draws anew.
-pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], c: &Conventions) -> Vec<Finding> {
+pub fn rays(
+    images: ArrayView4<f64>,
+    calls: &[Call; 2],
+    rest: &[Call; 2],
+    c: &Conventions,
+) -> Vec<Finding> {
     let (count, height, width, _) = images.dim();
     let shift = if c.pixel_centre == PixelCentre::Half { 0.5 } else { 0.0 };
     let both = || calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv).zip(&call.rgbs));
@@ -96,7 +111,11 @@ pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], c: &Conventions) -> Vec<
         counts.iter().any(|&k| (f64::from(k) - n as f64 * p).abs() > count_slack(n, p, bins))
     };
     let last = ids.iter().copied().max().unwrap_or(0);
-    if uneven(count, &ids) {
+    let first_alone = calls.iter().chain(rest).all(|call| call.image_ids.iter().all(|&id| id == 0.0));
+    if let Some(per_call) = dealt(calls).filter(|_| !first_alone) {
+        // How these images were drawn can't be told from two calls.
+        found.push(choice("rays_per_image", format!("a call's rays are dealt to {per_call} drawn image(s)")));
+    } else if uneven(count, &ids) {
         let name = if last + 1 < count { "first_images_only" } else { "images_not_uniform" };
         found.push(finding(name, format!("the last of {count} images that is drawn is number {last}")));
     }
@@ -120,6 +139,17 @@ pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], c: &Conventions) -> Vec<
         found.push(finding(name, "the colours are not those of the pixels".into()));
     }
     found
+}
+
+/// Among how many drawn images a call deals its rays, by turns or in blocks (as `Draw::PerImage` does, and bmild/nerf with one
+/// image a step); `None` where each ray draws its own.
+fn dealt(calls: &[Call; 2]) -> Option<usize> {
+    let n = calls[0].image_ids.len();
+    (1..=MOST_IMAGES.min(n / 2)).find(|&images| {
+        let by_turns = |ids: &[f64]| (images..n).all(|r| ids[r] == ids[r - images]);
+        let in_blocks = |ids: &[f64]| (1..n).all(|r| ids[r] == ids[r - 1] || r * images % n < images);
+        calls.iter().all(|call| by_turns(&call.image_ids) || in_blocks(&call.image_ids))
+    })
 }
 
 /// u of every sample, from where t lies between its lowest and highest position.
@@ -165,7 +195,7 @@ pub fn jitter(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<
     let across_samples = n > 1 && pairs(u.iter().map(|u| product(u[0], u[1])).collect());
     let across_rays = pairs(u.chunks_exact(2).map(|u| product(u[0][0], u[1][0])).collect());
     if across_samples {
-        found.push(finding("one_jitter_per_ray", "the samples of a ray move together".into()));
+        found.push(choice("one_jitter_per_ray", "a ray's samples are shifted together, as in NeuS".into()));
     }
     if across_rays {
         found.push(finding("rays_jittered_together", "neighbouring rays move together".into()));
