@@ -76,6 +76,7 @@ pub const COMPONENTS: &[Component] = &[
     field::component::MLP,
     field::component::NERF_MLP,
     spherical_harmonics::component::SPHERICAL_HARMONICS,
+    trunc_exp::component::TRUNC_EXP,
     volume_rendering::component::VOLUME_RENDER,
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,

@@ -32,6 +32,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("mlp", 1.3, 12.0),
     row("nerf_mlp", 1.9, 24.0),
     row("spherical_harmonics", 3.3, 4.9),
+    row("trunc_exp", 1.0, 1.0),
     row("volume_render", 2.3, 7.1),
     row("volume_render_alpha", 29.0, 14.0),
     row("composite_background", 0.7, 0.8),

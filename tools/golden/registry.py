@@ -15,6 +15,7 @@ COMPONENTS = [
     "step_sizes",
     "positional_encoding",
     "spherical_harmonics",
+    "trunc_exp",
     "mlp",
     "nerf_mlp",
     "volume_render",
