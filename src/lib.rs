@@ -81,6 +81,7 @@ pub const COMPONENTS: &[Component] = &[
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,
     volume_rendering::component::DEPTH,
+    early_stop::component::EARLY_STOP,
     trace::component::RENDER_TRACE,
     loss::component::MSE,
     loss::component::PSNR,

@@ -37,6 +37,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("volume_render_alpha", 29.0, 14.0),
     row("composite_background", 0.7, 0.8),
     row("depth", 1.1, 2.0),
+    row("early_stop", 2.0, 5.0),
     row("render_trace", 2.2, 0.0),
     row("mse", 0.5, 1.4),
     row("psnr", 1.2, 0.0),

@@ -22,6 +22,7 @@ COMPONENTS = [
     "volume_render_alpha",
     "composite_background",
     "depth",
+    "early_stop",
     "render_trace",
     "mse",
     "psnr",
