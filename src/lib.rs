@@ -75,6 +75,7 @@ pub const COMPONENTS: &[Component] = &[
     encoding::component::POSITIONAL_ENCODING,
     field::component::MLP,
     field::component::NERF_MLP,
+    hash_grid::component::HASH_GRID,
     spherical_harmonics::component::SPHERICAL_HARMONICS,
     trunc_exp::component::TRUNC_EXP,
     volume_rendering::component::VOLUME_RENDER,

@@ -56,7 +56,7 @@ fn covering(a: &Arrays, pass: &Pass, m: &Arithmetic) -> Arrays {
         }
         rays.push(bound);
     }
-    packed(a, rays)
+    packed(rays)
 }
 
 /// Bound of [`super::render_packed`].

@@ -100,8 +100,8 @@ pub(crate) fn stopped(n: usize, length: usize, of: Arrays) -> Arrays {
 }
 
 /// The rays' arrays, one behind the other.
-pub(crate) fn packed(a: &Arrays, rays: Vec<Arrays>) -> Arrays {
-    let names: &[&str] = if a.contains_key("grad_colors") {
+pub(crate) fn packed(rays: Vec<Arrays>) -> Arrays {
+    let names: &[&str] = if rays.iter().any(|ray| ray.contains_key("grad_sigmas")) {
         &["grad_sigmas", "grad_rgbs", "grad_deltas"]
     } else {
         &["live", "colors", "weights", "opacity", "transmittance"]
@@ -126,7 +126,7 @@ fn early_stop(a: &Arrays, _: &Conventions) -> Arrays {
         let of = crate::volume_rendering::component::renderings(live, std::slice::from_ref(ray));
         stopped(live, length, of)
     };
-    packed(a, rays.iter().zip(spans(a)).map(one).collect())
+    packed(rays.iter().zip(spans(a)).map(one).collect())
 }
 
 fn early_stop_vjp(a: &Arrays, _: &Conventions) -> Arrays {

@@ -27,7 +27,7 @@ pub fn early_stop(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
         let n = live(a, r, span, m);
         stopped(n, span.1, honest::volume_render(&one_ray(a, r, span.0, n), &CS180, m))
     };
-    packed(a, spans(a).into_iter().enumerate().map(one).collect())
+    packed(spans(a).into_iter().enumerate().map(one).collect())
 }
 
 /// Its gradient.
@@ -36,5 +36,5 @@ pub fn early_stop_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
         let n = live(a, r, span, m);
         stopped(n, span.1, honest::volume_render_vjp(&one_ray(a, r, span.0, n), &CS180, m))
     };
-    packed(a, spans(a).into_iter().enumerate().map(one).collect())
+    packed(spans(a).into_iter().enumerate().map(one).collect())
 }

@@ -124,7 +124,7 @@ pub fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         // Weights that reach into the neighbour's samples have no place of their own.
         rays.push(stopped(n, length, ray));
     }
-    packed(a, rays)
+    packed(rays)
 }
 
 /// Its gradient.

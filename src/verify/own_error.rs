@@ -31,6 +31,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("positional_encoding", 1.6, 2.9),
     row("mlp", 1.3, 12.0),
     row("nerf_mlp", 1.9, 24.0),
+    row("hash_grid", 2.0, 5.0),
     row("spherical_harmonics", 3.3, 4.9),
     row("trunc_exp", 1.0, 1.0),
     row("volume_render", 2.3, 7.1),

@@ -14,6 +14,7 @@ COMPONENTS = [
     "sample_along_rays",
     "step_sizes",
     "positional_encoding",
+    "hash_grid",
     "spherical_harmonics",
     "trunc_exp",
     "mlp",
