@@ -20,12 +20,12 @@ use nerf_oracle::verify::{Case, Component, Dtype, Exam, Mistake, Verdict};
 /// equal stays equal, as it does in any arithmetic), each result by three. Bytes are whole.
 fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
     let pass = sheet.component.pass(sheet.kind).unwrap();
-    // A byte is a step function of its input: one that is off is another question.
-    let exact = dtype == Dtype::F64 || sheet.component.name == "to_uint8";
-    let u = if exact { 0.0 } else { 0.5 * dtype.unit_roundoff() };
+    let u = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };
+    // A byte is a step function of its input, and so is the cell of a point on a face: one that is off is another question.
+    let of_inputs = if ["to_uint8", "hash_grid"].contains(&sheet.component.name) { 0.0 } else { u };
     let answer = |case: &Case| {
         let mut draw = Draw::new(&case.id, 7);
-        let factor = 1.0 + u * (2.0 * draw.unit() - 1.0);
+        let factor = 1.0 + of_inputs * (2.0 * draw.unit() - 1.0);
         let mut inputs = case.inputs.clone();
         for array in inputs.values_mut().filter(|a| a.ndim() > 0) {
             // 0 and 1 are exact in any arithmetic, and mean something: empty, opaque, homogeneous.

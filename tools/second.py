@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import second_compact as compact
 import second_geometry as geometry
 import second_harmonics as harmonics
 import second_networks as networks
@@ -139,6 +140,8 @@ FUNCTIONS = {"render_trace": render_trace} | {
         harmonics: "spherical_harmonics spherical_harmonics_vjp",
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",
+        compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp spherical_harmonics "
+        "spherical_harmonics_vjp",
         training: "mse mse_vjp psnr to_uint8 adam_step",
         sampler: "sample_random_rays",
     }.items()

@@ -1,9 +1,19 @@
-//! Early stop: samples behind which almost no light comes through are left out.
+//! Early stop: samples behind which almost no light comes through are left out; rays of different lengths, packed.
 //!
 //! Letters as in volume rendering: x_i = sigma_i delta_i, T_i = exp(-sum_{j<i} x_j), `eps` the smallest transmittance that is
 //! followed. Nothing is renormalised (instant-ngp divides by the opacity, VR5): the light that is left goes on to the background.
+//! Packed: the samples of all rays in one array; those of ray r are `offsets[r] .. offsets[r + 1]`.
 
+use crate::convention::ProductEps;
 use crate::maths::{Sum, exp};
+use crate::volume_rendering::{Rendering, volume_render};
+
+pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
+pub mod honest;
+pub mod mistakes;
 
 #[cfg(test)]
 mod tests;
@@ -31,4 +41,38 @@ pub fn live_samples(sigmas: &[f64], deltas: &[f64], eps: f64) -> usize {
         }
     }
     sigmas.len()
+}
+
+/// Renders packed rays with early stop: for each ray [`live_samples`], and [`volume_render`] of so many samples.
+///
+/// # Shapes
+/// `sigmas` (S), `rgbs` (S), `deltas` (S), `offsets` (R + 1) from 0 to S, never falling; a ray may have no samples at all. The
+/// result has the live samples' weights alone: those behind are 0.
+///
+/// # Panics
+/// Where `offsets` fall or end behind S.
+///
+/// ```
+/// use nerf_oracle::early_stop::render_packed;
+/// let ln2 = std::f64::consts::LN_2;
+/// // Rays of 3, 0 and 1 samples.
+/// let rays = render_packed(&[ln2; 4], &[[1.0; 3]; 4], &[1.0; 4], &[0, 3, 3, 4], 0.3);
+/// assert_eq!([rays[0].weights.len(), rays[1].weights.len(), rays[2].weights.len()], [2, 0, 1]);
+/// assert!((rays[0].opacity - 0.75).abs() < 1e-15);
+/// ```
+pub fn render_packed(
+    sigmas: &[f64],
+    rgbs: &[[f64; 3]],
+    deltas: &[f64],
+    offsets: &[usize],
+    eps: f64,
+) -> Vec<Rendering> {
+    let mut rays = vec![];
+    for r in 0..offsets.len() - 1 {
+        let (first, end) = (offsets[r], offsets[r + 1]);
+        let last = first + live_samples(&sigmas[first..end], &deltas[first..end], eps);
+        let (s, c, d) = (&sigmas[first..last], &rgbs[first..last], &deltas[first..last]);
+        rays.push(volume_render(s, c, d, ProductEps::None));
+    }
+    rays
 }

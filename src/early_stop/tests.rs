@@ -1,6 +1,6 @@
 //! The stated error of the early stop, in colour and in gradient.
 
-use super::live_samples;
+use super::{live_samples, render_packed};
 use crate::convention::ProductEps;
 use crate::random::{Key, Purpose};
 use crate::volume_rendering::{backward, composite_background, volume_render};
@@ -64,4 +64,47 @@ fn no_samples_and_opaque_ones() {
     assert_eq!(live_samples(&[], &[], 1e-4), 0);
     assert_eq!(live_samples(&[f64::INFINITY, 1.0], &[1.0, 1.0], 1e-4), 1);
     assert_eq!(live_samples(&[0.0; 5], &[1.0; 5], 1e-4), 5);
+}
+
+/// Rays of different lengths, packed, are the rays one by one, bit for bit, and the rays of one length whose ends are empty.
+#[test]
+fn packed_rays_are_single_rays_and_padded_ones() {
+    let lengths = [7, 0, 64, 1, 33];
+    let rays: Vec<_> = (0..5).map(|i| ray(40 * i)).collect();
+    let (mut sigmas, mut rgbs, mut deltas, mut offsets) = (vec![], vec![], vec![], vec![0]);
+    for (n, (s, c, d)) in lengths.into_iter().zip(&rays) {
+        sigmas.extend(&s[..n]);
+        rgbs.extend(&c[..n]);
+        deltas.extend(&d[..n]);
+        offsets.push(sigmas.len());
+    }
+    let packed = render_packed(&sigmas, &rgbs, &deltas, &offsets, 0.0);
+    for ((n, (s, c, d)), packed) in lengths.into_iter().zip(&rays).zip(packed) {
+        assert_eq!(packed, volume_render(&s[..n], &c[..n], &d[..n], ProductEps::None));
+        let mut empty_end = s.clone();
+        empty_end[n..].fill(0.0);
+        let padded = volume_render(&empty_end, c, d, ProductEps::None);
+        assert_eq!((packed.color, packed.opacity), (padded.color, padded.opacity));
+        assert_eq!(packed.transmittance[n], padded.transmittance[64]);
+    }
+}
+
+/// VR5: a stopped ray keeps the light that is left; divided by its opacity it would be off by up to eps, and without a reason.
+#[test]
+fn nothing_is_renormalised() {
+    let rays = render_packed(&[1.375; 6], &[[1.0; 3]; 6], &[0.5; 6], &[0, 6], 0.35);
+    assert_eq!(rays[0].weights.len(), 2);
+    assert!((rays[0].color[0] - (1.0 - (-1.375f64).exp())).abs() < 1e-15);
+    assert!((rays[0].opacity + rays[0].transmittance[2] - 1.0).abs() < 1e-15);
+}
+
+/// eps = 1 takes one sample of every ray that has some density, eps = 0 all.
+#[test]
+fn between_the_extremes_fewer_samples_for_larger_eps() {
+    for i in 0..200 {
+        let (sigmas, _, deltas) = ray(i);
+        let used = [0.0, 1e-6, 1e-3, 0.1, 0.9, 1.0].map(|eps| live_samples(&sigmas, &deltas, eps));
+        assert!(used.windows(2).all(|pair| pair[0] >= pair[1]), "{used:?}");
+        assert_eq!((used[0], used[5]), (64, 1));
+    }
 }

@@ -6,7 +6,6 @@ use super::mlp::{self, Mlp, Output};
 use super::nerf_mlp::{self, NerfMlp};
 use super::{Layer, density_slope, sigmoid_slope};
 use crate::convention::{Activation, Conventions, SkipOrder};
-use crate::maths::exp;
 
 /// Adds one point's g_w and g_b to `gradient` and returns g_x.
 pub fn layer(layer: &Layer, x: &[f64], g_z: &[f64], gradient: &mut Layer) -> Vec<f64> {
@@ -25,12 +24,6 @@ pub fn layer(layer: &Layer, x: &[f64], g_z: &[f64], gradient: &mut Layer) -> Vec
 /// g where z > 0, else 0.
 pub fn relu(z: &[f64], g: &[f64]) -> Vec<f64> {
     z.iter().zip(g).map(|(&z, &g)| if z > 0.0 { g } else { 0.0 }).collect()
-}
-
-/// The surrogate of torch-ngp and nerfstudio: g exp(min(z, 15)), which keeps a large density from blowing up the step (instant-ngp
-/// clamps from below too, at -15). It is not the derivative of [`super::trunc_exp`] above 15: a check must compare it with this formula.
-pub fn trunc_exp(z: f64, g: f64) -> f64 {
-    g * exp(z.min(15.0))
 }
 
 /// Gradients of [`Mlp::forward`]: adds to `gradient` (one entry a layer) and returns g_x.

@@ -8,6 +8,7 @@ use ndarray::{Array1, Array2};
 use crate::convention::Density;
 use crate::maths::{exp, ln_1p};
 use crate::random::Key;
+use crate::trunc_exp::trunc_exp;
 
 pub mod backward;
 pub mod bound;
@@ -99,17 +100,12 @@ pub fn softplus(z: f64) -> f64 {
     z.max(0.0) + ln_1p(exp(-z.abs()))
 }
 
-/// e^z, the density of instant-ngp, whose gradient is taken at min(z, 15): see [`backward::trunc_exp`].
-pub fn trunc_exp(z: f64) -> f64 {
-    exp(z)
-}
-
 /// Density from the density head's output, by convention.
 pub fn density(z: f64, activation: Density) -> f64 {
     match activation {
         Density::Relu => positive_part(z),
         Density::Softplus => softplus(z),
-        Density::Exp => exp(z),
+        Density::Exp => trunc_exp(z),
     }
 }
 

@@ -8,7 +8,12 @@
 use crate::maths::pow;
 
 pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
 pub mod fast;
+pub mod honest;
+pub mod mistakes;
 
 #[cfg(test)]
 mod tests;

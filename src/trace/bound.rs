@@ -29,8 +29,7 @@ pub fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     if c.delta == Delta::DifferencesTimesNorm {
         let (d, d_error) = (threes(&truth, "rays_d"), threes(&bound, "rays_d"));
         for (p, error) in step_errors.iter_mut().enumerate() {
-            let d: [Bounded; 3] =
-                std::array::from_fn(|k| Bounded { y: d[p / n][k], e: d_error[p / n][k] });
+            let d: [Bounded; 3] = std::array::from_fn(|k| Bounded { y: d[p / n][k], e: d_error[p / n][k] });
             let norm = m.sqrt(m.dot(&d, &d));
             *error = m.mul(Bounded { y: deltas[p] / norm.y, e: *error }, norm).e;
         }

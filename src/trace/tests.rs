@@ -20,7 +20,8 @@ fn a_trace_is_its_rows_one_after_the_other() {
             }
             for case in (RENDER_TRACE.cases)() {
                 let traced = (RENDER_TRACE.forward.oracle)(&case.inputs, &c);
-                let chained = chain(&case.inputs, &c, |component, a| (component.forward.oracle)(a, &c), plainly);
+                let chained =
+                    chain(&case.inputs, &c, |component, a| (component.forward.oracle)(a, &c), plainly);
                 assert_eq!(traced, chained, "{key} {value} {}", case.id);
             }
         }

@@ -2,20 +2,44 @@
 
 use approx::assert_relative_eq;
 
-use super::{backward, forward};
+use super::{LIMIT, backward, trunc_exp};
+use crate::maths::exp;
+use crate::verify::gradient::richardson;
+
+/// What the surrogate is the derivative of: e^x, going on as a straight line outside of [-15, 15].
+fn stated(x: f64) -> f64 {
+    let inside = x.clamp(-LIMIT, LIMIT);
+    exp(inside) * (1.0 + x - inside)
+}
 
 #[test]
 fn is_the_derivative_inside() {
     for x in [-14.9, -3.0, 0.0, 2.5, 14.9] {
-        let slope = (forward(x + 1e-6) - forward(x - 1e-6)) / 2e-6;
-        assert_relative_eq!(backward(x, 1.0), slope, max_relative = 1e-8);
+        let slope = richardson(|s| trunc_exp(x + s), 0.0625);
+        assert_relative_eq!(backward::trunc_exp(x, 1.0), slope.value, max_relative = 1e-10);
+    }
+}
+
+/// VR6: outside, a plain check by differences fails by a factor of e and more, and the stated one passes.
+#[test]
+fn a_plain_check_fails_outside_and_the_stated_one_passes() {
+    for x in [-60.0, -16.0, 16.0, 60.0] {
+        let plain = richardson(|s| trunc_exp(x + s), 0.25).value;
+        let ratio = backward::trunc_exp(x, 1.0) / plain;
+        assert!(!(0.4..2.5).contains(&ratio), "{x}: {ratio}");
+    }
+    for x in [-60.0, -16.0, -14.0, 0.0, 14.0, 16.0, 60.0] {
+        let slope = richardson(|s| stated(x + s), 0.25).value;
+        assert_relative_eq!(backward::trunc_exp(x, 1.0), slope, max_relative = 1e-10);
     }
 }
 
 #[test]
 fn is_finite_everywhere() {
     for x in [-1e300, -800.0, 800.0, 1e300] {
-        assert!(backward(x, 1.0).is_finite() && backward(x, 1.0) > 0.0);
+        assert!(backward::trunc_exp(x, 1.0).is_finite() && backward::trunc_exp(x, 1.0) > 0.0);
     }
-    assert_eq!(forward(710.0), f64::INFINITY);
+    // VR6: e^x overflows past 709; nothing is NaN.
+    assert_eq!((trunc_exp(709.0).is_finite(), trunc_exp(710.0)), (true, f64::INFINITY));
+    assert_eq!(trunc_exp(-746.0), 0.0);
 }

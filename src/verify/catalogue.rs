@@ -46,7 +46,8 @@ fn of_the_sampler() -> String {
     let mut text = format!("\n### {}\n\n`{}`\n\n", SAMPLER.name, SAMPLER.formula);
     text += "| mistake | what was written | effect | to mend | seen |\n|---|---|---|---|---|\n";
     for m in SAMPLER.mistakes {
-        text += &format!("| {} | {} |\n", m.name, [m.cause, m.effect, m.fix, m.seen].map(escaped).join(" | "));
+        text +=
+            &format!("| {} | {} |\n", m.name, [m.cause, m.effect, m.fix, m.seen].map(escaped).join(" | "));
     }
     text
 }

@@ -16,8 +16,7 @@ use crate::error::{Error, Result};
 /// # Errors
 /// A name that nothing has; names that resemble it are suggested.
 pub fn explain(name: &str) -> Result<(Value, String)> {
-    let mut found: Vec<(Value, String)> =
-        all_rows().filter(|c| c.name == name).map(component).collect();
+    let mut found: Vec<(Value, String)> = all_rows().filter(|c| c.name == name).map(component).collect();
     let rows = all_rows().flat_map(|c| c.mistakes.iter().map(move |m| (c, m)));
     found.extend(rows.filter(|(_, m)| m.name == name).map(|(c, m)| mistake(c, m)));
     found.extend(CHOICES.iter().filter(|(key, _)| *key == name).map(|(key, values)| convention(key, values)));

@@ -65,7 +65,8 @@ impl Hypothesis {
             if let Some(right) = right.get(name).filter(|b| b.shape() == w.shape()) {
                 // Of fractions, a mistake may hand any to any other: T, which 1 - exp(-x) leaves few digits, in the place of T alpha.
                 let fractions = truth[name].iter().all(|x| (0.0..=1.0).contains(x));
-                let largest = right.iter().filter(|b| b.is_finite() && fractions).fold(0.0, |max: f64, b| max.max(*b));
+                let largest =
+                    right.iter().filter(|b| b.is_finite() && fractions).fold(0.0, |max: f64, b| max.max(*b));
                 bound.zip_mut_with(right, |b, right| *b += generous * right.max(largest));
             }
             for moved in moved.iter().filter_map(|m| m.get(name)).filter(|m| m.shape() == w.shape()) {
@@ -77,6 +78,9 @@ impl Hypothesis {
             }
             // Where the wrong value itself is no number, so may the answer be; nothing else fits.
             bound.mapv_inplace(|b| if b.is_nan() { 0.0 } else { b });
+            // And where it leaves the type, the answer may be infinite.
+            let beyond = |w: f64| w.is_finite() && w.abs() > rules.dtype.largest();
+            bound.zip_mut_with(w, |b, &w| *b = if beyond(w) { f64::INFINITY } else { *b });
             (name.clone(), bound)
         };
         wrong.iter().map(one).collect()
@@ -97,9 +101,7 @@ impl Hypothesis {
         let (wrong, error) = self.prediction(sheet, case);
         // A numeric gradient is known at some elements alone: no look at most of them.
         let look = rules.may_look(case) && error.is_none();
-        within(answer, &wrong, look, || {
-            self.bound(sheet, case, &wrong, error.as_ref(), rules)
-        })
+        within(answer, &wrong, look, || self.bound(sheet, case, &wrong, error.as_ref(), rules))
     }
 
     /// The largest error over bound on an answer.

@@ -83,12 +83,7 @@ pub fn findings(
 }
 
 /// Image ids, pixels and colours: support, uniformity, and that the second call draws anew.
-pub fn rays(
-    images: ArrayView4<f64>,
-    calls: &[Call; 2],
-    rest: &[Call; 2],
-    c: &Conventions,
-) -> Vec<Finding> {
+pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], rest: &[Call; 2], c: &Conventions) -> Vec<Finding> {
     let (count, height, width, _) = images.dim();
     let shift = if c.pixel_centre == PixelCentre::Half { 0.5 } else { 0.0 };
     let both = || calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv).zip(&call.rgbs));

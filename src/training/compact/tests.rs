@@ -132,7 +132,7 @@ fn field(w: &Weights, encoding: &[f64], direction: [f64; 3]) -> (f64, [f64; 3]) 
     let seen = layer(&spherical_harmonics::harmonics(direction, 3), &w.view);
     let hidden = layer(&geometry, &w.color0).into_iter().zip(seen).map(|(a, b)| a + b).collect();
     let raw = layer(&relu(hidden), &w.color1);
-    (trunc_exp::forward(geometry[0]), [0, 1, 2].map(|k| 1.0 / (1.0 + (-raw[k]).exp())))
+    (trunc_exp::trunc_exp(geometry[0]), [0, 1, 2].map(|k| 1.0 / (1.0 + (-raw[k]).exp())))
 }
 
 const BACKGROUND: [f64; 3] = [0.25, 0.5, 1.0];

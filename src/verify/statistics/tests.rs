@@ -13,7 +13,9 @@ const SAMPLES: usize = 16;
 const BOUNDS: [f64; 2] = [2.0, 6.0];
 
 fn images() -> Array4<f64> {
-    Array4::from_shape_fn((32, 5, 7, 3), |(n, j, i, k)| ((n * 37 + j * 11 + i * 5 + k * 3) % 17) as f64 / 16.0)
+    Array4::from_shape_fn((32, 5, 7, 3), |(n, j, i, k)| {
+        ((n * 37 + j * 11 + i * 5 + k * 3) % 17) as f64 / 16.0
+    })
 }
 
 fn color(image: usize, uv: &[f64; 2]) -> [f64; 3] {

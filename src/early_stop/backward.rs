@@ -1,0 +1,31 @@
+//! Vector-Jacobian product of packed rendering with early stop, by hand.
+
+use crate::convention::ProductEps;
+use crate::volume_rendering::Rendering;
+use crate::volume_rendering::backward::{Cotangent, volume_render};
+
+/// Gradients of [`super::render_packed`] with respect to `sigmas`, `rgbs` and `deltas`, packed.
+///
+/// Where a ray stops is piecewise constant: its live samples have the gradient of a ray of so many samples, those behind none.
+/// `rays` is what the forward pass returned; `g` has a cotangent a ray, whose weights are those of the live samples.
+pub fn render_packed(
+    sigmas: &[f64],
+    rgbs: &[[f64; 3]],
+    deltas: &[f64],
+    offsets: &[usize],
+    rays: &[Rendering],
+    g: &[Cotangent],
+) -> (Vec<f64>, Vec<[f64; 3]>, Vec<f64>) {
+    let n = sigmas.len();
+    let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![0.0; n], vec![[0.0; 3]; n], vec![0.0; n]);
+    for r in 0..rays.len() {
+        let first = offsets[r];
+        let last = first + rays[r].weights.len();
+        let (s, c, d) = (&sigmas[first..last], &rgbs[first..last], &deltas[first..last]);
+        let live = volume_render(s, c, d, ProductEps::None, &rays[r], &g[r]);
+        g_sigmas[first..last].copy_from_slice(&live.0);
+        g_rgbs[first..last].copy_from_slice(&live.1);
+        g_deltas[first..last].copy_from_slice(&live.2);
+    }
+    (g_sigmas, g_rgbs, g_deltas)
+}

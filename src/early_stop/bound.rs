@@ -1,0 +1,70 @@
+//! Error bounds of packed rendering with early stop.
+//!
+//! A transmittance that is as near to eps as it may be off itself decides nothing: an honest implementation may stop there or not.
+//! The bound covers every number of samples that it may use, each by the bound of `volume_render` and by what the
+//! oracle itself answers for so many samples.
+
+use super::component::{one_ray, packed, spans, stopped};
+use super::live_samples;
+use crate::convention::{CS180, Conventions};
+use crate::maths::{expm1, ln};
+use crate::verify::arithmetic::Arithmetic;
+use crate::verify::component::Pass;
+use crate::verify::component::{Arrays, number, values};
+use crate::volume_rendering::component::VOLUME_RENDER;
+
+/// How many of a ray's samples an honest implementation may use.
+fn candidates(a: &Arrays, r: usize, (first, length): (usize, usize), m: &Arithmetic) -> Vec<usize> {
+    let eps = number(a, "eps");
+    // eps itself rounded, or its logarithm compared with the optical depth.
+    let slack =
+        eps * (m.u + expm1(2.0 * m.u * m.elementary_ulp * if eps > 0.0 { ln(eps).abs() } else { 0.0 }));
+    let mut found = vec![];
+    for n in 1..=length {
+        let ray = one_ray(a, r, first, n);
+        let t = number(&(VOLUME_RENDER.forward.oracle)(&ray, &CS180), "transmittance");
+        let off = number(&(VOLUME_RENDER.forward.bound)(&ray, &CS180, m), "transmittance");
+        if (t - off).max(0.0) < eps + slack {
+            found.push(n);
+        }
+        if t + off < eps - slack {
+            return found;
+        }
+    }
+    if found.last() != Some(&length) {
+        found.push(length);
+    }
+    found
+}
+
+/// The bound of one direction: over all candidates, how far their exact answer lies from the oracle's, and their own bound.
+fn covering(a: &Arrays, pass: &Pass, m: &Arithmetic) -> Arrays {
+    let mut rays = vec![];
+    for (r, (first, length)) in spans(a).into_iter().enumerate() {
+        let answer = |n: usize| stopped(n, length, (pass.oracle)(&one_ray(a, r, first, n), &CS180));
+        let (sigmas, deltas) = (values(a, "sigmas"), values(a, "deltas"));
+        let span = first..first + length;
+        let right = answer(live_samples(&sigmas[span.clone()], &deltas[span], number(a, "eps")));
+        let mut bound: Arrays = right.iter().map(|(name, y)| (name.clone(), y.mapv(|_| 0.0))).collect();
+        for n in candidates(a, r, (first, length), m) {
+            let own = stopped(0, length, (pass.bound)(&one_ray(a, r, first, n), &CS180, m));
+            let other = answer(n);
+            for (name, bound) in &mut bound {
+                let far = (&other[name] - &right[name]).mapv(f64::abs) + &own[name];
+                bound.zip_mut_with(&far, |bound, &far| *bound = bound.max(far));
+            }
+        }
+        rays.push(bound);
+    }
+    packed(rays)
+}
+
+/// Bound of [`super::render_packed`].
+pub fn early_stop(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    covering(a, &VOLUME_RENDER.forward, m)
+}
+
+/// Bound of [`super::backward::render_packed`].
+pub fn early_stop_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    covering(a, &VOLUME_RENDER.vjp.expect("it has a gradient"), m)
+}

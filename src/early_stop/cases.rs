@@ -1,0 +1,78 @@
+//! Cases of packed rendering with early stop: rays of every length, and stops at every place.
+
+use crate::verify::case::{Case, Draw};
+use crate::verify::component::{array, scalar};
+
+/// Packed rendering with early stop.
+pub fn early_stop() -> Vec<Case> {
+    let case =
+        |id, comment, eps: f64, lengths: &[usize], sigmas: Vec<f64>, rgbs: Vec<f64>, deltas: Vec<f64>| {
+            let mut offsets = vec![0.0];
+            lengths.iter().for_each(|n| offsets.push(offsets[offsets.len() - 1] + *n as f64));
+            let n = sigmas.len();
+            let inputs = vec![
+                ("sigmas", array(&[n], sigmas)),
+                ("rgbs", array(&[n, 3], rgbs)),
+                ("deltas", array(&[n], deltas)),
+                ("offsets", array(&[offsets.len()], offsets)),
+                ("eps", scalar(eps)),
+            ];
+            Case::new(id, comment, inputs)
+        };
+    // Optical depths of 2/3 bring T to .51, .26, .13, .07, ...: eps lies between two of them.
+    let even = |n: usize| (vec![1.375; n], vec![0.5; n]);
+    let white = |n: usize| vec![1.0; 3 * n];
+    let plain = |id, comment, eps, lengths: &[usize]| {
+        let n = lengths.iter().sum();
+        let (sigmas, deltas) = even(n);
+        case(id, comment, eps, lengths, sigmas, white(n), deltas)
+    };
+    let mut cases = vec![
+        plain("stops", "T behind the samples: .50, .25, .13, .06: the fourth is the last", 0.09, &[8]),
+        plain("never", "eps = 0: every sample is used, as in volume_render", 0.0, &[3, 5]),
+        plain("VR9_ragged", "rays of 5, 0, 1 and 6 samples, one behind the other", 0.09, &[5, 0, 1, 6]),
+        plain(
+            "VR5_not_renormalised",
+            "the colour of a white ray that stops at T = .25 is .75, not 1",
+            0.35,
+            &[6],
+        ),
+        case(
+            "opaque_first",
+            "an opaque first sample: nothing behind it is looked at",
+            0.01,
+            &[4, 2],
+            vec![128.0, 1.0, 2.0, 1.0, 128.0, 1.0],
+            white(6),
+            vec![1.0; 6],
+        ),
+        case(
+            "empty_in_front",
+            "samples without density in front: a weight of 0 is no reason to stop",
+            0.09,
+            &[8],
+            vec![0.0, 0.0, 1.375, 1.375, 0.0, 1.375, 1.375, 1.375],
+            white(8),
+            vec![0.5; 8],
+        ),
+        case("VR9_nothing", "two rays and no sample", 0.5, &[0, 0], vec![], vec![], vec![]),
+    ];
+    for (n, (regime, comment, thick, eps)) in [
+        ("thin", "nothing stops", 0.02, 0.25),
+        ("mixed", "some rays stop", 0.4, 0.1),
+        ("opaque", "all rays stop within a few samples", 1.5, 0.01),
+        ("tiny_eps", "the usual 1e-4", 1.0, 1e-4),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let mut draw = Draw::new("early_stop", n as u64);
+        let lengths = [7, 3, 12, 1, 9];
+        let samples = 32;
+        let sigmas = (0..samples).map(|_| draw.between(0.125 * thick, 2.0 * thick)).collect();
+        let rgbs = (0..3 * samples).map(|_| draw.between(0.05, 1.0)).collect();
+        let deltas = (0..samples).map(|_| draw.between(0.5, 1.5)).collect();
+        cases.push(case(regime, comment, eps, &lengths, sigmas, rgbs, deltas));
+    }
+    cases
+}

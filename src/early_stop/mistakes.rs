@@ -1,0 +1,140 @@
+//! Packed rendering with early stop, wrong on purpose. Without a mistake every function equals the oracle.
+
+use super::component::{self, one_ray, packed, spans, stopped};
+use super::live_samples;
+use crate::convention::{CS180, Conventions, ProductEps};
+use crate::verify::component::{Arrays, Mistake, number, scalar, values};
+use crate::volume_rendering::component::VOLUME_RENDER;
+use crate::volume_rendering::volume_render;
+
+/// Mistakes of packed rendering with early stop.
+pub const EARLY_STOP: &[Mistake] = &[
+    Mistake::new(
+        "renormalised",
+        "a ray that stops is divided by its opacity, which becomes 1 (VR5)",
+        "no light is left for the background; a jump of eps in every channel where a ray begins to stop",
+        "leave the colour as it is: the error is at most eps without it",
+        "instant-ngp#384, where it is meant, and its ports",
+        3,
+    ),
+    Mistake::new(
+        "last_sample_dropped",
+        "the test comes in front of the sum: the sample that takes T below eps isn't added",
+        "up to all of the ray's light is missing: an opaque surface behind a half-transparent one isn't there",
+        "add the sample, then test what it lets through",
+        "gsplat#541",
+        1,
+    ),
+    Mistake::new(
+        "tested_too_late",
+        "T in front of the sample is tested behind it, so that one more is used",
+        "one sample too many a ray: right to within eps, but never the same numbers",
+        "test T behind the sample that was just added",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "weight_tested",
+        "the ray ends at the first sample whose weight is below eps",
+        "whatever lies behind empty space isn't there",
+        "test the transmittance, not the weight",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "ends_taken_for_counts",
+        "ray r has offsets_{r+1} samples from offsets_r on: pairs of (start, count) expected",
+        "rays reach into their neighbours' samples",
+        "count = offsets_{r+1} - offsets_r",
+        "between packed formats: nerfacc hands over (start, count), others cumulative counts",
+        1,
+    ),
+    Mistake::new(
+        "not_reset_between_rays",
+        "the transmittance runs on from ray to ray",
+        "a ray is dark when its neighbour in the batch is opaque",
+        "start every ray at T = 1: a segmented scan, or a difference of cumulative sums",
+        "cumulative products over packed arrays",
+        1,
+    ),
+    Mistake::new(
+        "gradient_behind_the_stop",
+        "samples behind the last live one have the gradient of the whole ray",
+        "work is done for samples that were left out, and the gradient belongs to another picture",
+        "0 behind the last live sample",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "light_left_forgotten",
+        "the cotangent of the transmittance behind the last sample isn't passed on",
+        "densities in front of a background learn too slowly or not at all",
+        "start the recursion from behind with grad_transmittance, not with 0",
+        "hand-written backward passes without a background",
+        1,
+    )
+    .of_gradient(),
+];
+
+/// Number of samples that are used, as the mistakes have it; `carried` is the light that arrives.
+fn live(ray: &Arrays, carried: f64, eps: f64, wrong: &[&str]) -> usize {
+    let (sigmas, deltas) = (values(ray, "sigmas"), values(ray, "deltas"));
+    let n = sigmas.len();
+    if wrong.contains(&"weight_tested") {
+        let weights = values(&(VOLUME_RENDER.forward.oracle)(ray, &CS180), "weights");
+        return weights.iter().position(|w| carried * w < eps).map_or(n, |i| i + 1);
+    }
+    let live = live_samples(&sigmas, &deltas, eps / carried);
+    // Whether it stops at its last sample, too: T behind them all.
+    let t = volume_render(&sigmas[..live], &vec![[0.0; 3]; live], &deltas[..live], ProductEps::None);
+    if carried * t.transmittance[live] >= eps {
+        return live;
+    }
+    let earlier = usize::from(wrong.contains(&"last_sample_dropped"));
+    let later = usize::from(wrong.contains(&"tested_too_late"));
+    (live + later).min(n) - earlier
+}
+
+/// Packed rendering with early stop.
+pub fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    if wrong.is_empty() {
+        return (component::EARLY_STOP.forward.oracle)(a, c);
+    }
+    let (eps, samples) = (number(a, "eps"), values(a, "sigmas").len());
+    let (mut carried, mut rays) = (1.0, vec![]);
+    for (r, (first, length)) in spans(a).into_iter().enumerate() {
+        let counts = wrong.contains(&"ends_taken_for_counts");
+        let reach = if counts { (first + length).min(samples - first) } else { length };
+        let n = live(&one_ray(a, r, first, reach), carried, eps, wrong);
+        let mut ray = (VOLUME_RENDER.forward.oracle)(&one_ray(a, r, first, n), &CS180);
+        for name in ["colors", "weights", "opacity", "transmittance"] {
+            ray.get_mut(name).expect("an output").mapv_inplace(|x| carried * x);
+        }
+        let t = number(&ray, "transmittance");
+        if wrong.contains(&"renormalised") && t < eps {
+            let opacity = number(&ray, "opacity");
+            ray.get_mut("colors").expect("an output").mapv_inplace(|x| x / opacity);
+            ray.insert("opacity".into(), scalar(1.0));
+            ray.insert("transmittance".into(), scalar(0.0));
+        }
+        if wrong.contains(&"not_reset_between_rays") {
+            carried = t;
+        }
+        // Weights that reach into the neighbour's samples have no place of their own.
+        rays.push(stopped(n, length, ray));
+    }
+    packed(rays)
+}
+
+/// Its gradient.
+pub fn early_stop_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut a = a.clone();
+    if wrong.contains(&"gradient_behind_the_stop") {
+        a.insert("eps".into(), scalar(0.0));
+    }
+    if wrong.contains(&"light_left_forgotten") {
+        a.get_mut("grad_transmittance").expect("a cotangent").fill(0.0);
+    }
+    (component::EARLY_STOP.vjp.expect("it has a gradient").oracle)(&a, c)
+}

@@ -1,0 +1,71 @@
+//! Cases of the hash grid: dense, hashed and colliding levels; points inside of cells and on their faces.
+
+use super::{Level, resolutions};
+use crate::verify::case::{Case, Draw};
+use crate::verify::component::{array, scalar};
+
+/// Cells of the coarsest and the finest level, number of levels, entries of a table at most, features.
+type Shape = (u32, u32, usize, usize, usize);
+
+/// The hash grid.
+pub fn hash_grid() -> Vec<Case> {
+    let case = |id: &'static str, comment, (base, finest, levels, entries, features): Shape, x: Vec<f64>| {
+        let mut draw = Draw::new(id, 0);
+        let mut inputs = vec![
+            ("base".to_string(), scalar(f64::from(base))),
+            ("finest".to_string(), scalar(f64::from(finest))),
+            ("x".to_string(), array(&[x.len() / 3, 3], x)),
+        ];
+        for (l, n) in resolutions(base, finest, levels).into_iter().enumerate() {
+            let entries = Level::zeros(n, entries, 1).table.len();
+            inputs.push((format!("table{l}"), draw.array(&[entries, features], -1.0, 1.0)));
+        }
+        let inputs = inputs.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();
+        Case::new(id, comment, inputs)
+    };
+    // Odd N: a short x meets no face.
+    let seeded = |stream, n: usize| {
+        let mut draw = Draw::new("hash_grid", stream);
+        (0..3 * n).map(|_| draw.between(0.0, 1.0)).collect::<Vec<f64>>()
+    };
+    let corners = (0..24).map(|i| f64::from(i / 3 >> (i % 3) & 1)).collect();
+    vec![
+        case("dense", "one level, every vertex with its own entry", (3, 3, 1, 64, 2), seeded(0, 8)),
+        case("corners", "the box's own corners read single entries", (3, 3, 1, 64, 1), corners),
+        case("hashed", "one level whose vertices share 32 entries", (7, 7, 1, 32, 2), seeded(1, 8)),
+        case("dense_and_hashed", "3 cells fit into 64 entries, 7 don't", (3, 7, 2, 64, 2), seeded(2, 8)),
+        case("three_levels", "3, 8.66 and 25 cells: the second has 9", (3, 25, 3, 64, 1), seeded(3, 8)),
+        case(
+            "four_levels",
+            "3, 6.53, 14.2 and 31 cells: 7 and 14 in between",
+            (3, 31, 4, 32, 2),
+            seeded(4, 8),
+        ),
+        case(
+            "collisions",
+            "8 entries: corners of one cell collide, gradients add up",
+            (5, 9, 2, 8, 2),
+            seeded(5, 10),
+        ),
+        case(
+            "PE6_faces",
+            "on faces, edges and vertices of cells: continuous, but for the derivative",
+            (4, 4, 1, 128, 2),
+            vec![
+                0.25, 0.3125, 0.4375, 0.6875, 0.5, 0.75, 0.25, 0.5, 0.75, 0.0, 0.0625, 1.0, 1.0, 0.75, 0.125,
+            ],
+        ),
+        case(
+            "PE6_dense_switch",
+            "4^3 vertices are just dense in 64 entries, 5^3 are not",
+            (3, 4, 2, 64, 1),
+            vec![0.5625, 0.4375, 0.1875, 0.8125, 0.5625, 0.9375, 0.0625, 0.6875, 0.4375],
+        ),
+        case(
+            "PE6_centres",
+            "centres of cells: all 8 corners count 1/8; half a cell further is a vertex",
+            (4, 8, 2, 128, 1),
+            vec![0.125, 0.375, 0.625, 0.875, 0.875, 0.125, 0.625, 0.625, 0.625],
+        ),
+    ]
+}

@@ -1,0 +1,120 @@
+//! Honest hash grids in emulated arithmetic: by weights, or by interpolating along one axis after the other.
+
+use super::component::{forward, gradients, levels, points, zeros};
+use super::{Level, corner};
+use crate::convention::Conventions;
+use crate::encoding::component::rows;
+use crate::verify::component::Arrays;
+use crate::verify::machine::Machine;
+
+/// Cell and fraction along each axis, x N rounded.
+fn cells(x: [f64; 3], resolution: u32, m: &Machine) -> [(u32, f64); 3] {
+    x.map(|x| {
+        let scaled = m.mul(x, f64::from(resolution));
+        let cell = scaled.floor().clamp(0.0, f64::from(resolution - 1));
+        (cell as u32, m.sub(scaled, cell))
+    })
+}
+
+/// The weight of corner k, its factors in either order; without that of axis `but`, but with its sign.
+fn weight(cells: [(u32, f64); 3], k: usize, but: Option<usize>, m: &Machine) -> f64 {
+    let mut weight = 1.0;
+    for n in 0..3 {
+        let a = if m.form % 3 == 1 { 2 - n } else { n };
+        let upper = k >> a & 1 == 1;
+        let side = if upper { cells[a].1 } else { m.sub(1.0, cells[a].1) };
+        weight = match but {
+            Some(axis) if axis == a => {
+                if upper {
+                    weight
+                } else {
+                    -weight
+                }
+            }
+            _ => m.mul(weight, side),
+        };
+    }
+    weight
+}
+
+/// A sum in one operation, or (every fourth form) of tensors one behind the other.
+fn sum(terms: &[f64], m: &Machine) -> f64 {
+    if m.form % 4 == 3 { terms.iter().fold(0.0, |sum, &x| m.add(sum, x)) } else { m.sum(terms) }
+}
+
+fn feature(level: &Level, cells: [(u32, f64); 3], f: usize, m: &Machine) -> f64 {
+    let entry = |k: usize| level.table[level.entry(corner(k, cells).0)][f];
+    let mut values: Vec<f64> = (0..8).map(entry).collect();
+    if m.form % 2 == 0 {
+        let weights: Vec<f64> = (0..8).map(|k| weight(cells, k, None, m)).collect();
+        return m.dot(&weights, &values);
+    }
+    if m.form % 4 == 3 {
+        let terms: Vec<f64> = (0..8).map(|k| m.mul(weight(cells, k, None, m), values[k])).collect();
+        return sum(&terms, m);
+    }
+    for (_, fraction) in cells {
+        let between = |pair: &[f64]| m.add(m.mul(m.sub(1.0, fraction), pair[0]), m.mul(fraction, pair[1]));
+        values = values.chunks_exact(2).map(between).collect();
+    }
+    values[0]
+}
+
+/// The encoding.
+pub fn hash_grid(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+    let levels = levels(a);
+    forward(a, |x| {
+        let level = |level: &Level| {
+            let cells = cells(x, level.resolution, m);
+            (0..level.table[0].len()).map(|f| feature(level, cells, f, m)).collect::<Vec<_>>()
+        };
+        levels.iter().flat_map(level).collect()
+    })
+}
+
+/// d encoding . g / d x along one axis.
+fn slope(level: &Level, cells: [(u32, f64); 3], axis: usize, g: &[f64], m: &Machine) -> f64 {
+    let corners: Vec<(&Vec<f64>, f64)> = (0..8)
+        .map(|k| (&level.table[level.entry(corner(k, cells).0)], weight(cells, k, Some(axis), m)))
+        .collect();
+    let terms: Vec<f64> = if m.form % 2 == 0 {
+        corners.iter().map(|(entry, w)| m.mul(*w, m.dot(entry, g))).collect()
+    } else {
+        let along = |f: usize| corners.iter().map(|(entry, w)| m.mul(*w, entry[f])).collect::<Vec<_>>();
+        g.iter().enumerate().map(|(f, &g)| m.mul(g, sum(&along(f), m))).collect()
+    };
+    m.mul(f64::from(level.resolution), sum(&terms, m))
+}
+
+/// Its gradient.
+pub fn hash_grid_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+    let levels = levels(a);
+    let mut terms: Vec<Vec<Vec<Vec<f64>>>> =
+        levels.iter().map(|l| l.table.iter().map(|entry| vec![vec![]; entry.len()]).collect()).collect();
+    let mut g_x = vec![];
+    for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
+        let mut first = 0;
+        let mut of_levels = [vec![], vec![], vec![]];
+        for (l, level) in levels.iter().enumerate() {
+            let g = &g[first..first + level.table[0].len()];
+            first += g.len();
+            let cells = cells(x, level.resolution, m);
+            for axis in 0..3 {
+                of_levels[axis].push(slope(level, cells, axis, g, m));
+            }
+            for k in 0..8 {
+                let weight = weight(cells, k, None, m);
+                let entry = &mut terms[l][level.entry(corner(k, cells).0)];
+                entry.iter_mut().zip(g).for_each(|(terms, &g)| terms.push(m.mul(weight, g)));
+            }
+        }
+        g_x.push(of_levels.map(|levels| sum(&levels, m)));
+    }
+    let mut g_tables = zeros(&levels);
+    for (level, terms) in g_tables.iter_mut().zip(&terms) {
+        for (entry, terms) in level.table.iter_mut().zip(terms) {
+            entry.iter_mut().zip(terms).for_each(|(g, terms)| *g = m.sum(terms));
+        }
+    }
+    gradients(&g_x, &g_tables)
+}

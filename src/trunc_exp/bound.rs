@@ -1,0 +1,18 @@
+//! Error bounds of the truncated exponential: one elementary function, and one product behind it.
+
+use super::LIMIT;
+use super::component::{forward, vjp};
+use crate::convention::Conventions;
+use crate::verify::arithmetic::Arithmetic;
+use crate::verify::bounded::exact;
+use crate::verify::component::Arrays;
+
+/// Bound of [`super::trunc_exp`].
+pub fn trunc_exp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    forward(a, |x| m.exp(exact(x)).e)
+}
+
+/// Bound of [`super::backward::trunc_exp`]: every type holds the limit, so that clamping costs nothing.
+pub fn trunc_exp_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    vjp(a, |x, g| m.mul(exact(g), m.exp(exact(x.clamp(-LIMIT, LIMIT)))).e)
+}

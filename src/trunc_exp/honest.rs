@@ -1,0 +1,24 @@
+//! Honest truncated exponentials in emulated arithmetic: the argument clamped, or the value.
+
+use super::LIMIT;
+use super::component::{forward, vjp};
+use crate::convention::Conventions;
+use crate::verify::component::Arrays;
+use crate::verify::machine::Machine;
+
+/// e^x.
+pub fn trunc_exp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+    forward(a, |x| m.exp(x))
+}
+
+/// Its surrogate gradient; in odd forms from the density that the forward pass has stored.
+pub fn trunc_exp_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+    vjp(a, |x, g| {
+        let slope = if m.form % 2 == 0 {
+            m.exp(x.clamp(-LIMIT, LIMIT))
+        } else {
+            m.exp(x).clamp(m.exp(-LIMIT), m.exp(LIMIT))
+        };
+        m.mul(g, slope)
+    })
+}

@@ -1,0 +1,250 @@
+"""The second implementation's compact components: truncated exponential, early stop, hash grid, harmonics. See second.py."""
+
+import numpy as np
+import second_rendering as rendering
+
+
+def trunc_exp(a, c, wrong):
+    """e^x."""
+    x = a["x"]
+    if "forward_clamped" in wrong:
+        x = np.clip(x, -15, 15)
+    if "bias_inside" in wrong:
+        x = x - x.dtype.type(1)
+    with np.errstate(over="ignore"):
+        return {"sigmas": np.exp2(x) if "base_two" in wrong else np.exp(x)}
+
+
+def trunc_exp_vjp(a, c, wrong):
+    """The surrogate."""
+    x = a["x"]
+    low, high = np.exp(x.dtype.type(-15)), np.exp(x.dtype.type(15))
+    with np.errstate(over="ignore", invalid="ignore"):
+        slope = np.exp(x)
+        if "gradient_not_clamped" in wrong:
+            return {"grad_x": a["grad_sigmas"] * slope}
+        if "value_clamped" in wrong:
+            return {"grad_x": a["grad_sigmas"] * np.minimum(slope, x.dtype.type(15))}
+        slope = np.minimum(slope, high) if "clamped_above_alone" in wrong else np.clip(slope, low, high)
+        if "zero_outside" in wrong:
+            slope = np.where(np.abs(x) > 15, x.dtype.type(0), slope)
+    return {"grad_x": a["grad_sigmas"] * slope}
+
+
+def live_of(weights, behind, carried, eps, wrong):
+    """How many samples a ray uses; `behind` is T behind each."""
+    if "weight_tested" in wrong:
+        low = np.flatnonzero(carried * weights < eps)
+        return int(low[0]) + 1 if len(low) else len(weights)
+    low = np.flatnonzero(carried * behind < eps)
+    if not len(low):
+        return len(behind)
+    n = int(low[0]) + 1
+    n = min(n + 1, len(behind)) if "tested_too_late" in wrong else n
+    return n - 1 if "last_sample_dropped" in wrong else n
+
+
+def one_ray(a, first, n):
+    """Some packed samples as a batch of one ray."""
+    return {name: a[name][None, first : first + n] for name in ("sigmas", "rgbs", "deltas")}
+
+
+def early_stop(a, c, wrong):
+    """Ray by ray, by products of 1 - alpha."""
+    c = c | {"product_eps": "none"}
+    ends = np.rint(a["offsets"]).astype(int)
+    kind, carried = a["sigmas"].dtype.type, a["sigmas"].dtype.type(1)
+    out = {"weights": np.zeros_like(a["sigmas"]), "live": [], "colors": [], "opacity": [], "transmittance": []}
+    for first, end in zip(ends, ends[1:]):
+        n = end if "ends_taken_for_counts" in wrong else end - first
+        ray = one_ray(a, first, n)
+        behind = np.cumprod(np.exp(-(ray["sigmas"] * ray["deltas"])), 1)[0]
+        n = live_of(rendering.volume_render(ray, c, ())["weights"][0], behind, carried, a["eps"], wrong)
+        ray = {name: carried * value[0] for name, value in rendering.volume_render(one_ray(a, first, n), c, ()).items()}
+        left = ray["transmittance"]
+        if "renormalised" in wrong and left < a["eps"]:
+            ray |= {"colors": ray["colors"] / ray["opacity"], "opacity": kind(1), "transmittance": kind(0)}
+        if "not_reset_between_rays" in wrong:
+            carried = left
+        n = min(n, end - first)
+        out["weights"][first : first + n] = ray["weights"][:n]
+        out["live"].append(kind(len(ray["weights"])))
+        for name in ("colors", "opacity", "transmittance"):
+            out[name].append(ray[name])
+    return {name: np.asarray(value, a["sigmas"].dtype) for name, value in out.items()}
+
+
+def early_stop_vjp(a, c, wrong):
+    """The gradient of so many samples."""
+    c = c | {"product_eps": "none"}
+    ends = np.rint(a["offsets"]).astype(int)
+    out = {f"grad_{name}": np.zeros_like(a[name]) for name in ("sigmas", "rgbs", "deltas")}
+    for r, (first, end) in enumerate(zip(ends, ends[1:])):
+        n = end - first
+        if "gradient_behind_the_stop" not in wrong:
+            behind = np.exp(-np.cumsum(a["sigmas"][first:end] * a["deltas"][first:end]))
+            n = live_of(None, behind, 1, a["eps"], ())
+        ray = one_ray(a, first, n) | {"grad_weights": a["grad_weights"][None, first : first + n]}
+        for name in ("colors", "opacity", "transmittance"):
+            ray[f"grad_{name}"] = a[f"grad_{name}"][r : r + 1]
+        if "light_left_forgotten" in wrong:
+            ray["grad_transmittance"] = np.zeros_like(ray["grad_transmittance"])
+        for name, g in rendering.volume_render_vjp(ray, c, ()).items():
+            out[name][first : first + n] = g[0]
+    return out
+
+
+def sizes_of(a, wrong):
+    """The tables, and N of each level."""
+    tables = [a[f"table{n}"] for n in range(sum(name.startswith("table") for name in a))]
+    steps = len(tables) if "growth_over_levels" in wrong else max(len(tables) - 1, 1)
+    exact = a["base"] * (a["finest"] / a["base"]) ** (np.arange(len(tables)) / steps)
+    if "resolution_rounded_down" in wrong:
+        return tables, np.floor(exact + 1e-9).astype(int)
+    if "resolution_rounded_up" in wrong:
+        return tables, np.ceil(exact - 1e-9).astype(int)
+    return tables, np.rint(exact).astype(int)
+
+
+def entries_of(vertices, n, size, wrong):
+    """The entries of integer vertices (..., 3)."""
+    x, y, z = np.moveaxis(vertices.astype(np.uint64), -1, 0)
+    if (n + 1) ** 3 <= size and "no_dense_levels" not in wrong:
+        side = np.uint64(n if "side_without_one" in wrong else n + 1)
+        x, z = (z, x) if "z_fastest" in wrong else (x, z)
+        return (x + side * (y + side * z)).astype(int) % size
+    primes = [1, 2654435761, 805459861]
+    if "first_prime_not_one" in wrong:
+        primes[0] = 1958374283
+    if "prime_mistyped" in wrong:
+        primes[1] = 265443567
+    if "primes_rolled" in wrong:
+        primes = [2654435761, 805459861, 1]
+    x, y, z = (axis * np.uint64(prime) % np.uint64(2**32) for axis, prime in zip((x, y, z), primes))
+    mixed = (x + y + z) % np.uint64(2**32) if "sum_for_xor" in wrong else x ^ y ^ z
+    return mixed.astype(int) % (size - 1 if "modulo_one_less" in wrong else size)
+
+
+CORNERS = np.array([[z, y, x] for x in (0, 1) for y in (0, 1) for z in (0, 1)])[:, ::-1]
+
+
+def located(x, n, wrong):
+    """Cells and fractions, (M, 3) each."""
+    scaled = x * x.dtype.type(n) + x.dtype.type(0.5 if "offset_half" in wrong else 0)
+    cells = np.minimum(np.floor(scaled), x.dtype.type(n - 1))
+    f = scaled - cells
+    if "nearest_vertex" in wrong:
+        f = (f >= 0.5).astype(x.dtype)
+    if "weights_swapped" in wrong:
+        f = 1 - f
+    if "smoothstep" in wrong:
+        f = f * f * (3 - 2 * f)
+    return cells.astype(int), f
+
+
+def sides_of(f):
+    """The three factors of each corner's weight, (M, 8, 3)."""
+    return np.where(CORNERS[None] == 1, f[:, None], 1 - f[:, None])
+
+
+def hash_grid(a, c, wrong):
+    """All points of a level at once."""
+    out = []
+    for table, n in zip(*sizes_of(a, wrong)):
+        cells, f = located(a["x"], n, wrong)
+        at = entries_of(cells[:, None] + CORNERS, n, len(table), wrong)
+        out.append(np.einsum("mk,mkf->mf", sides_of(f).prod(-1), table[at]))
+    return {"encoding": np.concatenate(out, 1)}
+
+
+def hash_grid_vjp(a, c, wrong):
+    """np.add.at for the tables; for x the weights without one of their factors."""
+    tables, sizes = sizes_of(a, ())
+    parts = np.split(a["grad_encoding"], np.cumsum([table.shape[1] for table in tables])[:-1], 1)
+    out, g_x = {}, 0
+    for level, (table, n, g) in enumerate(zip(tables, sizes, parts)):
+        cells, f = located(a["x"], n, ())
+        at, sides = entries_of(cells[:, None] + CORNERS, n, len(table), ()), sides_of(f)
+        g_table, given = np.zeros_like(table), sides.prod(-1)[..., None] * g[:, None]
+        if "collisions_overwrite" in wrong:
+            for point, (where, what) in enumerate(zip(at, given)):
+                for k, entry in enumerate(where):
+                    g_table[entry] = what[k]
+        else:
+            np.add.at(g_table, at, given)
+        out[f"grad_table{level}"] = g_table
+        worth = np.einsum("mkf,mf->mk", table[at], g)
+        others = [np.delete(sides, axis, 2).prod(-1) * np.where(CORNERS[:, axis] == 1, 1, -1) for axis in range(3)]
+        slope = np.stack([(worth * other.astype(worth.dtype)).sum(1) for other in others], 1)
+        g_x = g_x + slope * slope.dtype.type(1 if "resolution_forgotten" in wrong else n)
+    return out | {"grad_x": g_x}
+
+
+def factors(d, degree, wrong):
+    """For each harmonic its normalisation, order m, and the functions of z by |m| of its band; and x + i y.
+
+    Q_l^m = (-1)^m (d/dz)^m P_l by Legendre's recurrences, so that dQ_l^m / dz = -Q_l^(m+1). Nothing assumes |d| = 1.
+    """
+    x, y, z = d.T.astype(np.float64)
+    if "directions_in_unit_cube" in wrong:
+        x, y, z = (x + 1) / 2, (y + 1) / 2, (z + 1) / 2
+    if "polar_axis_y" in wrong:
+        y, z = z, y
+    q, rows = {(0, 0): np.ones_like(z)}, []
+    for m in range(degree + 1):
+        if m > 0:
+            q[m, m] = -(2 * m - 1) * q[m - 1, m - 1]
+        for band in range(m + 1, degree + 1):
+            lower = q.get((band - 2, m), 0)
+            q[band, m] = ((2 * band - 1) * z * q[band - 1, m] - (band + m - 1) * lower) / (band - m)
+    for band in range(degree + 1):
+        orders = range(-band, band + 1)
+        for m in reversed(orders) if "m_descending" in wrong else orders:
+            falling = np.prod([1.0 / n for n in range(band - abs(m) + 1, band + abs(m) + 1)])
+            k = np.sqrt((2 * band + 1) / (4 * np.pi) * falling) * (1 if m == 0 else np.sqrt(2))
+            rows.append((k * ((-1) ** m if "no_condon_shortley" in wrong else 1), m, band))
+    return rows, q, x + 1j * y
+
+
+def turned(plane, m):
+    """cos or sin of |m| phi, times the distance from the axis to the |m|."""
+    return np.imag(plane) if m < 0 else np.real(plane)
+
+
+def spherical_harmonics(a, c, wrong):
+    """Legendre's functions times powers of x + i y."""
+    rows, q, plane = factors(a["d"], int(a["degree"]), wrong)
+    columns = [k * q[band, abs(m)] * turned(plane ** abs(m), m) for k, m, band in rows]
+    return {"harmonics": np.stack(columns, 1).astype(a["d"].dtype)}
+
+
+def spherical_harmonics_vjp(a, c, wrong):
+    """d Q_l^m / dz = -Q_l^(m+1); d (x + i y)^m = m (x + i y)^(m-1) (dx + i dy)."""
+    d, degree, g = a["d"], int(a["degree"]), a["grad_harmonics"]
+    if "power_rule_forgotten" in wrong:
+        return {"grad_d": without_factors(d.astype(np.float64), degree, g).astype(d.dtype)}
+    rows, q, plane = factors(d, degree, ())
+    out = np.zeros((len(d), 3))
+    for (k, m, band), g_y in zip(rows, g.T):
+        n = abs(m)
+        below = n * plane ** max(n - 1, 0)
+        slopes = (q[band, n] * turned(below, m), q[band, n] * turned(1j * below, m), -q.get((band, n + 1), 0) * turned(plane**n, m))
+        out += (g_y * k * np.stack(slopes)).T
+    return {"grad_d": out.astype(d.dtype)}
+
+
+def without_factors(d, degree, g):
+    """The gradient of x^n as x^(n-1): the monomials of each harmonic are found by solving for them at 200 points."""
+    powers = [(i, j, k) for i in range(5) for j in range(5 - i) for k in range(5 - i - j)]
+    points = np.random.default_rng(0).uniform(-1, 1, (200, 3))
+    values = spherical_harmonics({"d": points, "degree": degree}, None, ())["harmonics"]
+    matrix = np.stack([np.prod(points ** np.array(power), 1) for power in powers], 1)
+    coefficients = np.linalg.lstsq(matrix, values, rcond=None)[0]
+    coefficients[np.abs(coefficients) < 1e-9] = 0
+    out = np.zeros_like(d)
+    for power, row in zip(powers, coefficients):
+        for axis in range(3):
+            if power[axis] > 0:
+                lowered = np.array(power) - (np.arange(3) == axis)
+                out[:, axis] += (g @ row) * np.prod(d**lowered, 1)
+    return out
