@@ -46,6 +46,7 @@ pub mod volume_rendering;
 
 pub mod early_stop;
 pub mod hash_grid;
+pub mod importance_sampling;
 pub mod occupancy_grid;
 pub mod ray_aabb;
 pub mod spherical_harmonics;
@@ -85,4 +86,5 @@ pub const COMPONENTS: &[Component] = &[
     loss::component::PSNR,
     loss::component::TO_UINT8,
     optimiser::component::ADAM_STEP,
+    importance_sampling::component::IMPORTANCE_SAMPLING,
 ];

@@ -44,6 +44,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("training_step", 1.8, 16.0),
     row("adam", 3.2, 0.0),
     row("loss_curve", 17.0, 0.0),
+    row("importance_sampling", 2.0, 2.0),
 ];
 
 /// The limit of a component, or of several in a row, in one direction.

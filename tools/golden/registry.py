@@ -26,6 +26,7 @@ COMPONENTS = [
     "psnr",
     "to_uint8",
     "adam_step",
+    "importance_sampling",
     # Several components in a row: no rows of the registry, but run through it.
     "training_step",
     "adam",
