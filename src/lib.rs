@@ -87,4 +87,7 @@ pub const COMPONENTS: &[Component] = &[
     loss::component::TO_UINT8,
     optimiser::component::ADAM_STEP,
     importance_sampling::component::IMPORTANCE_SAMPLING,
+    ray_aabb::component::RAY_AABB,
+    occupancy_grid::component::OCCUPANCY_GRID,
+    occupancy_grid::component::GRID_TRAVERSAL,
 ];

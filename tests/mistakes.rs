@@ -20,8 +20,9 @@ use nerf_oracle::verify::{Case, Component, Dtype, Exam, Mistake, Verdict};
 /// equal stays equal, as it does in any arithmetic), each result by three. Bytes are whole.
 fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
     let pass = sheet.component.pass(sheet.kind).unwrap();
-    // A byte is a step function of its input: one that is off is another question.
-    let exact = dtype == Dtype::F64 || sheet.component.name == "to_uint8";
+    // A byte, a cell or a bin is a step function of its input: one that is off is another question.
+    let steps = ["to_uint8", "occupancy_grid", "grid_traversal", "importance_sampling"];
+    let exact = dtype == Dtype::F64 || steps.contains(&sheet.component.name);
     let u = if exact { 0.0 } else { 0.5 * dtype.unit_roundoff() };
     let answer = |case: &Case| {
         let mut draw = Draw::new(&case.id, 7);

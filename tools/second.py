@@ -16,6 +16,7 @@ import second_geometry as geometry
 import second_networks as networks
 import second_rendering as rendering
 import second_sampler as sampler
+import second_sampling as sampling
 import second_training as training
 from candidate import inputs_of, read_manifest, write
 
@@ -127,6 +128,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         "composite_background_vjp depth depth_vjp",
         training: "mse mse_vjp psnr to_uint8 adam_step",
         sampler: "sample_random_rays",
+        sampling: "importance_sampling importance_sampling_vjp ray_aabb ray_aabb_vjp occupancy_grid grid_traversal",
     }.items()
     for name in names.split()
 }
@@ -139,9 +141,10 @@ def answer(cases, answers, mistakes=(), conventions=None, only=None):
     conventions = conventions or CS180 | DEVIATIONS[manifest["profile"] or "cs180"]
     for case in manifest["cases"]:
         component = case["component"]
-        if only is None or component in only:
+        function = FUNCTIONS.get(component + ("_vjp" if case["kind"] == "vjp" else ""))
+        # A row that this implementation hasn't got stays unanswered, which the judge reports.
+        if function and (only is None or component in only):
             wrong = [name for owner, name in mistakes if owner == component]
-            function = FUNCTIONS[component + ("_vjp" if case["kind"] == "vjp" else "")]
             inputs = inputs_of(cases, case, manifest["dtype"], "numpy", "cpu")
             with np.errstate(under="ignore"):
                 write(answers / case["file"], function(inputs, conventions, wrong))
