@@ -18,7 +18,7 @@
 //! | evaluation | [`evaluation`] | whole pictures, and how far they are from photographs |
 //!
 //! Components that let work follow the scene, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
-//! [`early_stop`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], the whole way of a pixel at once.
+//! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], the whole way of a pixel at once.
 //!
 //! Around the pipeline: [`scene`] reads cameras and photographs, [`verify`] is the harness that checks and judges,
 //! [`convention`] the choices that differ between right implementations, [`maths`], [`random`] and [`parallel`] what makes
