@@ -18,7 +18,7 @@
 //! | evaluation | [`evaluation`] | whole pictures, and how far they are from photographs |
 //!
 //! Components that let work follow the scene, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
-//! [`early_stop`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], the whole way of a pixel at once.
+//! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], the whole way of a pixel at once.
 //!
 //! Around the pipeline: [`scene`] reads cameras and photographs, [`verify`] is the harness that checks and judges,
 //! [`convention`] the choices that differ between right implementations, [`maths`], [`random`] and [`parallel`] what makes
@@ -46,6 +46,7 @@ pub mod volume_rendering;
 
 pub mod early_stop;
 pub mod hash_grid;
+pub mod importance_sampling;
 pub mod occupancy_grid;
 pub mod ray_aabb;
 pub mod spherical_harmonics;
@@ -88,4 +89,8 @@ pub const COMPONENTS: &[Component] = &[
     loss::component::PSNR,
     loss::component::TO_UINT8,
     optimiser::component::ADAM_STEP,
+    importance_sampling::component::IMPORTANCE_SAMPLING,
+    ray_aabb::component::RAY_AABB,
+    occupancy_grid::component::OCCUPANCY_GRID,
+    occupancy_grid::component::GRID_TRAVERSAL,
 ];

@@ -5,7 +5,7 @@ use nerf_oracle::COMPONENTS;
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
 use nerf_oracle::trunc_exp::{LIMIT, trunc_exp};
 use nerf_oracle::verify::component::{Arrays, Component, Function};
-use nerf_oracle::verify::gradient::{directional, inner, moved, richardson};
+use nerf_oracle::verify::gradient::{directional, inner, moved};
 use nerf_oracle::verify::{Draw, Kind};
 
 /// Relative to the largest gradient.

@@ -21,8 +21,9 @@ use nerf_oracle::verify::{Case, Component, Dtype, Exam, Mistake, Verdict};
 fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
     let pass = sheet.component.pass(sheet.kind).unwrap();
     let u = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };
-    // A byte is a step function of its input, and so is the cell of a point on a face: one that is off is another question.
-    let of_inputs = if ["to_uint8", "hash_grid"].contains(&sheet.component.name) { 0.0 } else { u };
+    // A byte, a cell or a bin is a step function of its input: one that is off is another question.
+    let steps = ["to_uint8", "hash_grid", "occupancy_grid", "grid_traversal", "importance_sampling"];
+    let of_inputs = if steps.contains(&sheet.component.name) { 0.0 } else { u };
     let answer = |case: &Case| {
         let mut draw = Draw::new(&case.id, 7);
         let factor = 1.0 + of_inputs * (2.0 * draw.unit() - 1.0);

@@ -18,6 +18,7 @@ import second_harmonics as harmonics
 import second_networks as networks
 import second_rendering as rendering
 import second_sampler as sampler
+import second_sampling as sampling
 import second_training as training
 from candidate import inputs_of, read_manifest, write
 
@@ -140,10 +141,10 @@ FUNCTIONS = {"render_trace": render_trace} | {
         harmonics: "spherical_harmonics spherical_harmonics_vjp",
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",
-        compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp spherical_harmonics "
-        "spherical_harmonics_vjp",
+        compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
         training: "mse mse_vjp psnr to_uint8 adam_step",
         sampler: "sample_random_rays",
+        sampling: "importance_sampling importance_sampling_vjp ray_aabb ray_aabb_vjp occupancy_grid grid_traversal",
     }.items()
     for name in names.split()
 }
@@ -181,11 +182,10 @@ def answer(cases, answers, mistakes=(), conventions=None, only=None, autograd=Fa
     conventions = conventions or CS180 | DEVIATIONS[manifest["profile"] or "cs180"]
     for case in manifest["cases"]:
         component = case["component"]
-        if only is None or component in only:
+        function = FUNCTIONS.get(component + ("_vjp" if case["kind"] == "vjp" else ""))
+        # A row that this implementation hasn't got stays unanswered, which the judge reports.
+        if function and (only is None or component in only):
             wrong = [name for owner, name in mistakes if owner == component]
-            function = FUNCTIONS.get(component + ("_vjp" if case["kind"] == "vjp" else ""))
-            if function is None:  # a row that is younger than this file
-                continue
             inputs = inputs_of(cases, case, manifest["dtype"], "numpy", "cpu")
             with np.errstate(under="ignore"):
                 if autograd and wrong and case["kind"] == "vjp":

@@ -1,4 +1,4 @@
-"""The second implementation's compact components: truncated exponential, early stop, hash grid, harmonics. See second.py."""
+"""The second implementation's compact components: truncated exponential, early stop, hash grid. See second.py."""
 
 import numpy as np
 import second_rendering as rendering
@@ -178,73 +178,3 @@ def hash_grid_vjp(a, c, wrong):
         slope = np.stack([(worth * other.astype(worth.dtype)).sum(1) for other in others], 1)
         g_x = g_x + slope * slope.dtype.type(1 if "resolution_forgotten" in wrong else n)
     return out | {"grad_x": g_x}
-
-
-def factors(d, degree, wrong):
-    """For each harmonic its normalisation, order m, and the functions of z by |m| of its band; and x + i y.
-
-    Q_l^m = (-1)^m (d/dz)^m P_l by Legendre's recurrences, so that dQ_l^m / dz = -Q_l^(m+1). Nothing assumes |d| = 1.
-    """
-    x, y, z = d.T.astype(np.float64)
-    if "directions_in_unit_cube" in wrong:
-        x, y, z = (x + 1) / 2, (y + 1) / 2, (z + 1) / 2
-    if "polar_axis_y" in wrong:
-        y, z = z, y
-    q, rows = {(0, 0): np.ones_like(z)}, []
-    for m in range(degree + 1):
-        if m > 0:
-            q[m, m] = -(2 * m - 1) * q[m - 1, m - 1]
-        for band in range(m + 1, degree + 1):
-            lower = q.get((band - 2, m), 0)
-            q[band, m] = ((2 * band - 1) * z * q[band - 1, m] - (band + m - 1) * lower) / (band - m)
-    for band in range(degree + 1):
-        orders = range(-band, band + 1)
-        for m in reversed(orders) if "m_descending" in wrong else orders:
-            falling = np.prod([1.0 / n for n in range(band - abs(m) + 1, band + abs(m) + 1)])
-            k = np.sqrt((2 * band + 1) / (4 * np.pi) * falling) * (1 if m == 0 else np.sqrt(2))
-            rows.append((k * ((-1) ** m if "no_condon_shortley" in wrong else 1), m, band))
-    return rows, q, x + 1j * y
-
-
-def turned(plane, m):
-    """cos or sin of |m| phi, times the distance from the axis to the |m|."""
-    return np.imag(plane) if m < 0 else np.real(plane)
-
-
-def spherical_harmonics(a, c, wrong):
-    """Legendre's functions times powers of x + i y."""
-    rows, q, plane = factors(a["d"], int(a["degree"]), wrong)
-    columns = [k * q[band, abs(m)] * turned(plane ** abs(m), m) for k, m, band in rows]
-    return {"harmonics": np.stack(columns, 1).astype(a["d"].dtype)}
-
-
-def spherical_harmonics_vjp(a, c, wrong):
-    """d Q_l^m / dz = -Q_l^(m+1); d (x + i y)^m = m (x + i y)^(m-1) (dx + i dy)."""
-    d, degree, g = a["d"], int(a["degree"]), a["grad_harmonics"]
-    if "power_rule_forgotten" in wrong:
-        return {"grad_d": without_factors(d.astype(np.float64), degree, g).astype(d.dtype)}
-    rows, q, plane = factors(d, degree, ())
-    out = np.zeros((len(d), 3))
-    for (k, m, band), g_y in zip(rows, g.T):
-        n = abs(m)
-        below = n * plane ** max(n - 1, 0)
-        slopes = (q[band, n] * turned(below, m), q[band, n] * turned(1j * below, m), -q.get((band, n + 1), 0) * turned(plane**n, m))
-        out += (g_y * k * np.stack(slopes)).T
-    return {"grad_d": out.astype(d.dtype)}
-
-
-def without_factors(d, degree, g):
-    """The gradient of x^n as x^(n-1): the monomials of each harmonic are found by solving for them at 200 points."""
-    powers = [(i, j, k) for i in range(5) for j in range(5 - i) for k in range(5 - i - j)]
-    points = np.random.default_rng(0).uniform(-1, 1, (200, 3))
-    values = spherical_harmonics({"d": points, "degree": degree}, None, ())["harmonics"]
-    matrix = np.stack([np.prod(points ** np.array(power), 1) for power in powers], 1)
-    coefficients = np.linalg.lstsq(matrix, values, rcond=None)[0]
-    coefficients[np.abs(coefficients) < 1e-9] = 0
-    out = np.zeros_like(d)
-    for power, row in zip(powers, coefficients):
-        for axis in range(3):
-            if power[axis] > 0:
-                lowered = np.array(power) - (np.arange(3) == axis)
-                out[:, axis] += (g @ row) * np.prod(d**lowered, 1)
-    return out

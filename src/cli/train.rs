@@ -45,6 +45,9 @@ pub struct Args {
     /// Samples a ray.
     #[arg(long, value_parser = positive)]
     pub samples: Option<usize>,
+    /// Samples a ray of a second network, drawn where the first one's weights are (--model nerf); 0: one network alone.
+    #[arg(long, default_value_t = 0)]
+    pub fine: usize,
     /// Where samples start.
     #[arg(long)]
     pub near: Option<f64>,
@@ -86,7 +89,7 @@ impl Args {
         #[rustfmt::skip]
         let args = Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
-            samples: None, near: None, far: None, lr: None, holdout: None, val_every: None, background: None, seed: 0,
+            samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, val_every: None, background: None, seed: 0,
             threads: None, backend: Backend::Fast, resume: false, width: None,
         };
         args
@@ -175,7 +178,7 @@ fn prepare(args: &Args) -> Result<(Scene, Map<String, Value>)> {
     });
     let recipe = json!({
         "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
-        "seed": args.seed, "rays": args.rays, "samples": args.samples, "lr": args.lr, "width": args.width,
+        "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
         "steps": args.steps,
     });
     let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
@@ -216,6 +219,13 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
                 "fast: the reference trains and renders --model nerf",
             ));
         }
+        if whole("fine").unwrap_or(0) > 0 {
+            return Err(Error::usage(
+                "--fine",
+                whole("fine").unwrap_or(0),
+                "0: a second network belongs to --model nerf",
+            ));
+        }
         let lr = recipe.get("lr").and_then(Value::as_f64);
         let [samples, rays] = ["samples", "rays"].map(|key| whole(key).map(|n| n as usize));
         return Ok(Box::new(CompactModel::new(scene, &Overrides { seed, samples, rays, lr })?));
@@ -229,6 +239,7 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
     if let Some(samples) = whole("samples") {
         settings.samples = samples as usize;
     }
+    settings.fine = whole("fine").unwrap_or(0) as usize;
     if let Some(lr) = recipe.get("lr").and_then(Value::as_f64) {
         settings.lr = lr;
     }

@@ -17,6 +17,25 @@ pub fn intersect(o: [f64; 3], d: [f64; 3], low: [f64; 3], high: [f64; 3], g: Hit
     (g_o, g_d)
 }
 
+/// The same for [`super::between`]: an end that `near` or `far` decides has no gradient, nor has a ray that misses.
+pub fn between(
+    o: [f64; 3],
+    d: [f64; 3],
+    low: [f64; 3],
+    high: [f64; 3],
+    range: [f64; 2],
+    g: Hit,
+) -> ([f64; 3], [f64; 3]) {
+    let (Some(line), Some(_)) =
+        (super::intersect(o, d, low, high), super::between(o, d, low, high, range[0], range[1]))
+    else {
+        return ([0.0; 3], [0.0; 3]);
+    };
+    let enter = if line.enter > range[0] { g.enter } else { 0.0 };
+    let leave = if line.leave < range[1] { g.leave } else { 0.0 };
+    intersect(o, d, low, high, Hit { enter, leave })
+}
+
 /// The first axis whose face lies at `t`.
 fn deciding_axis(
     o: [f64; 3],

@@ -4,6 +4,11 @@
 //! parts inside the slabs. Letters: `o` origin, `d` direction, `t` distance along it.
 
 pub mod backward;
+pub mod bound;
+pub mod cases;
+pub mod component;
+pub mod honest;
+pub mod mistakes;
 
 #[cfg(test)]
 mod tests;
@@ -47,5 +52,20 @@ pub fn intersect(o: [f64; 3], d: [f64; 3], low: [f64; 3], high: [f64; 3]) -> Opt
         let slab = slab(o[a], d[a], low[a], high[a])?;
         hit = Hit { enter: hit.enter.max(slab.enter), leave: hit.leave.min(slab.leave) };
     }
+    (hit.enter <= hit.leave).then_some(hit)
+}
+
+/// The part of [`intersect`]'s stretch that lies in [near, far]; none where there is no such part: the box is missed, behind `near` or
+/// beyond `far`.
+///
+/// ```
+/// use nerf_oracle::ray_aabb::{Hit, between};
+/// let hit = |near, far| between([0.5, 0.5, -1.0], [0.0, 0.0, 1.0], [0.0; 3], [1.0; 3], near, far);
+/// assert_eq!(hit(1.25, 6.0), Some(Hit { enter: 1.25, leave: 2.0 }));
+/// assert_eq!(hit(2.5, 6.0), None);
+/// ```
+pub fn between(o: [f64; 3], d: [f64; 3], low: [f64; 3], high: [f64; 3], near: f64, far: f64) -> Option<Hit> {
+    let line = intersect(o, d, low, high)?;
+    let hit = Hit { enter: line.enter.max(near), leave: line.leave.min(far) };
     (hit.enter <= hit.leave).then_some(hit)
 }

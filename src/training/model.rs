@@ -10,8 +10,10 @@ use crate::scene::Scene;
 /// What one optimiser step did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
-    /// Mean squared error over the batch, before the step.
+    /// What was minimised over the batch, before the step.
     pub loss: f64,
+    /// Mean squared error over the batch of the colours that a picture would show: the loss, where nothing is added to it.
+    pub mse: f64,
     /// Points that went forward and backward through the field.
     pub samples: u64,
 }

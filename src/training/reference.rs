@@ -1,11 +1,13 @@
 //! One training step of the whole pipeline in plain f64: rays -> samples -> encoding -> field -> volume rendering -> loss, and
 //! the gradient of every parameter. The fast path is checked against this file.
 
-use crate::convention::Conventions;
+use crate::convention::{Conventions, Delta, LastDelta};
 use crate::encoding::{Encoding, positional_encoding};
 use crate::field::{Layer, Mlp, NerfMlp, backward as field_backward, mlp, nerf_mlp};
+use crate::importance_sampling;
 use crate::optimiser::{Adam, Moments, adam_step};
 use crate::ray::Ray;
+use crate::sample::step_sizes;
 use crate::volume_rendering::backward::Cotangent;
 use crate::volume_rendering::{self, Rendering, composite_background};
 
@@ -105,6 +107,29 @@ impl Field {
             field_backward::nerf_mlp(&self.net, tape, &self.conventions, g_sigmas[i], g_rgbs[i], gradient);
         }
     }
+}
+
+/// The edges of the N equal intervals on [near, far], which the weights of N stratified samples belong to.
+pub fn interval_edges(near: f64, far: f64, n: usize) -> Vec<f64> {
+    let mut edges = vec![];
+    for i in 0..n {
+        edges.push(near + i as f64 * ((far - near) / n as f64));
+    }
+    edges.push(far);
+    edges
+}
+
+/// Where the fine network of a hierarchical pair is evaluated, and its step lengths: NeRF (Mildenhall et al. 2020) section 5.2.
+///
+/// The union of the coarse samples `t` with one sample for each `u` from the piecewise-constant distribution of the coarse `weights`
+/// over the intervals between `edges`. The step of a sample is the distance to the next one, that of the last to `far` (equation 3). The
+/// weights are constants here: the coarse network learns from its own colours alone, and loss = coarse + fine needs no gradient from
+/// one network to the other.
+pub fn fine_samples(t: &[f64], edges: &[f64], weights: &[f64], u: &[f64], far: f64) -> (Vec<f64>, Vec<f64>) {
+    let drawn = importance_sampling::sample(edges, weights, 0.0, u);
+    let all = importance_sampling::union(t, &drawn);
+    let deltas = step_sizes(&all, edges[0], far, Delta::Differences, LastDelta::ToFar);
+    (all, deltas)
 }
 
 /// The loss of a batch of pixels in 2D and its gradient: mean over pixels and channels of (mlp(encoding(xy)) - target)^2.

@@ -8,7 +8,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::checkpoint::RunFolder;
-use super::model::Model;
+use super::model::{Model, StepReport};
 use super::schedule::{DEAR, Schedule};
 use crate::error::{Error, Result};
 use crate::evaluation::{Scores, evaluate, over};
@@ -153,7 +153,7 @@ impl<'a> Run<'a> {
                     "Lower --lr.",
                 ));
             }
-            if self.measure(report.loss, &mut seen)? {
+            if self.measure(&report, &mut seen)? {
                 break;
             }
         }
@@ -166,7 +166,7 @@ impl<'a> Run<'a> {
     }
 
     /// Probes and validates where it is due; true when the run has reached its goal.
-    fn measure(&mut self, loss: f64, seen: &mut impl FnMut(&LogPoint)) -> Result<bool> {
+    fn measure(&mut self, report: &StepReport, seen: &mut impl FnMut(&LogPoint)) -> Result<bool> {
         let last = self.finished();
         let probe_due = self.schedule.probe(self.step);
         let full_due = self.schedule.full(self.step);
@@ -187,8 +187,8 @@ impl<'a> Run<'a> {
                 step: self.step,
                 seconds: self.seconds,
                 samples: self.samples,
-                loss,
-                train_psnr: psnr(loss, 1.0),
+                loss: report.loss,
+                train_psnr: psnr(report.mse, 1.0),
                 val_probe: probe,
                 val_psnr: full.as_ref().map(|s| s.psnr),
                 val_psnr_pooled: full.as_ref().map(|s| s.psnr_pooled),

@@ -18,7 +18,8 @@ use crate::error::{Error, Result};
 pub const SCHEMA: &str = "nerf-oracle/cases/1";
 
 /// Inputs that count things: integers in the files, whatever the type under test.
-const INTEGERS: &[&str] = &["height", "width", "L", "count", "step", "samples", "training", "seed"];
+const INTEGERS: &[&str] =
+    &["height", "width", "L", "count", "step", "samples", "training", "seed", "resolution"];
 
 /// One component in one direction with all of its cases.
 pub struct Sheet {

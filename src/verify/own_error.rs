@@ -47,6 +47,10 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("training_step", 1.8, 16.0),
     row("adam", 3.2, 0.0),
     row("loss_curve", 17.0, 0.0),
+    row("importance_sampling", 1.0, 1.8),
+    row("ray_aabb", 0.6, 1.9),
+    row("occupancy_grid", 0.6, 0.0),
+    row("grid_traversal", 1.5, 0.0),
 ];
 
 /// The limit of a component, or of several in a row, in one direction.

@@ -29,6 +29,10 @@ COMPONENTS = [
     "psnr",
     "to_uint8",
     "adam_step",
+    "importance_sampling",
+    "ray_aabb",
+    "occupancy_grid",
+    "grid_traversal",
     # Several components in a row: no rows of the registry, but run through it.
     "training_step",
     "adam",

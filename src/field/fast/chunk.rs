@@ -133,6 +133,15 @@ impl<'a> Prepared<'a> {
         self.render_active(chunk, rays, background, false)
     }
 
+    /// Densities and weights of all samples.
+    pub fn weigh(&self, chunk: &mut Chunk, rays: &Rays) {
+        rays.positions(&mut chunk.positions);
+        self.densities(chunk);
+        chunk.deltas.clear();
+        chunk.deltas.extend(rays.deltas.iter().map(|&d| d as f32));
+        chunk.rays.compute(self.net.arch, &chunk.sigmas, &chunk.deltas, rays.samples);
+    }
+
     pub(super) fn render_active(
         &self,
         chunk: &mut Chunk,
@@ -141,11 +150,7 @@ impl<'a> Prepared<'a> {
         dense: bool,
     ) -> Rendered {
         let samples = rays.samples;
-        rays.positions(&mut chunk.positions);
-        self.densities(chunk);
-        chunk.deltas.clear();
-        chunk.deltas.extend(rays.deltas.iter().map(|&d| d as f32));
-        chunk.rays.compute(self.net.arch, &chunk.sigmas, &chunk.deltas, samples);
+        self.weigh(chunk, rays);
         let (behind, z) = (&chunk.rays.behind, &chunk.z);
         // Negated, so that a NaN counts as active and comes out at the end.
         let idle =

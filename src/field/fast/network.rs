@@ -117,6 +117,20 @@ impl Network {
         all
     }
 
+    /// Weights of all samples (R, N), without colours: what a coarse network tells a fine one.
+    pub fn weights(&self, rays: &Rays) -> Vec<f32> {
+        let prepared = Prepared::new(self);
+        let size = rays.in_chunk();
+        let chunks = parallel::map(rays.len().div_ceil(size), |n| {
+            let part = rays.part(n * size, rays.len().min((n + 1) * size));
+            self.pool.with(|chunk| {
+                prepared.weigh(chunk, &part);
+                chunk.rays.weights.clone()
+            })
+        });
+        chunks.concat()
+    }
+
     /// Loss and gradient of a batch: the mean over rays and channels of (C + T_end background - target)^2.
     ///
     /// `dense` computes every sample's colour and backward pass, whether or not anything can come of it.

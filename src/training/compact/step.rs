@@ -62,7 +62,8 @@ impl CompactModel {
             (rays as f64 * wanted.clamp(0.5, 1.5)).clamp(64.0, 65_536.0) as usize
         });
         self.update_occupancy(step);
-        StepReport { loss: error / (3 * rays) as f64, samples: live as u64 }
+        let loss = error / (3 * rays) as f64;
+        StepReport { loss, mse: loss, samples: live as u64 }
     }
 
     fn march(&self, chunks: &mut [Chunk], rays_each: usize, samples: f64, step: u64) {

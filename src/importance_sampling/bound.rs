@@ -1,0 +1,141 @@
+//! Error bounds of importance sampling.
+//!
+//! All terms of the sums behind F are positive, so that every honest F has a relative error of at most gamma, at the edges and between
+//! them. The honest sample then solves F(t) = u for a u that is off by as much: it lies between the inverses of the two ends of that
+//! interval, from the left and from the right. Where F stands still (bins without weight) these are far apart: the answers that are
+//! admissible at a tie. What is local to the bin comes on top.
+
+use super::cdf;
+use super::component::{Ray, forward, vjp};
+use crate::camera::bound::any_order;
+use crate::convention::Conventions;
+use crate::verify::arithmetic::Arithmetic;
+use crate::verify::bounded::{Bounded, exact, gamma};
+use crate::verify::component::Arrays;
+
+/// Roundings of one weight on its way into F: padding, its sum, the total, the quotient, the product with u.
+const ROUNDINGS: f64 = 6.0;
+
+/// A ray's distribution, and how far off an honest one may be.
+struct Distribution<'a> {
+    ray: &'a Ray,
+    f: Vec<f64>,
+    /// Of F, relative.
+    relative: f64,
+    /// Of F, for what is flushed to zero.
+    absolute: f64,
+    m: &'a Arithmetic,
+}
+
+/// The bins that the samples of honest implementations may lie in, and between where.
+struct Reach {
+    low: f64,
+    high: f64,
+    bins: [usize; 2],
+    /// One bin, and inside [0, 1]: neither a kink nor the end of the domain.
+    smooth: bool,
+}
+
+impl<'a> Distribution<'a> {
+    fn new(ray: &'a Ray, m: &'a Arithmetic) -> Self {
+        let n = ray.weights.len() as f64;
+        let f = cdf(&ray.weights, ray.padding);
+        let relative = gamma(2.0 * n, m.u_sum) + gamma(ROUNDINGS, m.u);
+        let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
+        let scale = if total > 0.0 { 1.0 + 1.0 / total } else { 1.0 };
+        Distribution { ray, f, relative, absolute: 2.0 * (n + 4.0) * m.tiny * scale, m }
+    }
+
+    fn reach(&self, u: f64) -> Reach {
+        let low = u / (1.0 + self.relative) - self.absolute;
+        let high = if self.relative < 1.0 { u / (1.0 - self.relative) + self.absolute } else { 1.0 };
+        let last = self.ray.weights.len() - 1;
+        // From the left: the first bin that ends at or above. u = 0 is exact, and so is F in front of the first weight.
+        let first = match u {
+            0.0 => super::bin_of(&self.f, 0.0),
+            _ => (0..last).find(|&k| self.f[k + 1] >= low).unwrap_or(last),
+        };
+        // From the right: the last bin that begins at or below.
+        let end = (0..=last).rev().find(|&k| self.f[k] <= high).unwrap_or(0).max(first);
+        let (edges, ended) = (&self.ray.edges, high >= 1.0);
+        Reach {
+            low: if low <= 0.0 { edges[first] } else { self.at(first, low) },
+            high: if ended { edges[last + 1] } else { self.at(end, high) },
+            bins: [first, if ended { last } else { end }],
+            smooth: first == end && !ended,
+        }
+    }
+
+    /// Where F in bin k is u.
+    fn at(&self, k: usize, u: f64) -> f64 {
+        let (edges, f) = (&self.ray.edges, &self.f);
+        let s = if f[k + 1] > f[k] { ((u - f[k]) / (f[k + 1] - f[k])).clamp(0.0, 1.0) } else { 0.0 };
+        edges[k] + s * (edges[k + 1] - edges[k])
+    }
+
+    /// Of t = a + s (b - a), a (1 - s) + b s or a + (u - F) ((b - a) / p), in any of the bins.
+    fn local(&self, [first, last]: [usize; 2]) -> f64 {
+        let (m, edges) = (self.m, &self.ray.edges[first..=last + 1]);
+        let largest = edges.iter().fold(0.0, |max: f64, e| max.max(e.abs()));
+        let widest = edges.windows(2).fold(0.0, |max: f64, e| max.max(e[1] - e[0]));
+        largest * gamma(3.0, m.u) + widest * gamma(6.0, m.u) + 4.0 * m.tiny * (1.0 + widest)
+    }
+
+    fn error(&self, u: f64, t: f64) -> f64 {
+        let reach = self.reach(u);
+        let e = (t - reach.low).max(reach.high - t).max(0.0) + self.local(reach.bins);
+        if t.abs() + e > self.m.largest { f64::INFINITY } else { e }
+    }
+
+    /// F_{k+1} - F_k, and s inside the bin.
+    fn inside(&self, k: usize, u: f64) -> (Bounded, Bounded) {
+        let (m, [a, b]) = (self.m, [self.f[k], self.f[k + 1]].map(|f| self.honest(f)));
+        let weight = m.sub(b, a);
+        let s = m.div(m.sub(exact(u), a), weight);
+        (weight, s)
+    }
+
+    fn honest(&self, f: f64) -> Bounded {
+        // 0 in front of the first weight is exact.
+        if f == 0.0 { exact(0.0) } else { Bounded { y: f, e: f * self.relative + self.absolute } }
+    }
+}
+
+/// Bound of [`super::sample`].
+pub fn sample(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    forward(a, |ray| {
+        let d = Distribution::new(ray, m);
+        let t = super::sample(&ray.edges, &ray.weights, ray.padding, &ray.u);
+        ray.u.iter().zip(t).map(|(&u, t)| d.error(u, t)).collect()
+    })
+}
+
+/// Bound of [`super::backward::sample`]. At a kink any slope of dt / du is admissible, and of each edge that the sample may lie beside
+/// any share of the cotangent.
+pub fn sample_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+    vjp(a, |ray, g| {
+        let d = Distribution::new(ray, m);
+        let mut terms: Vec<Vec<Bounded>> = vec![vec![]; ray.edges.len()];
+        let mut g_u = vec![];
+        for (&u, &g) in ray.u.iter().zip(g) {
+            let reach = d.reach(u);
+            let k = super::bin_of(&d.f, u);
+            if !reach.smooth {
+                let share = Bounded { y: 0.5 * g, e: 0.5 * g.abs() };
+                // The sum's own roundings are those of terms of any share.
+                let [first, last] = reach.bins;
+                terms[first.min(k)..=last.max(k) + 1].iter_mut().for_each(|t| t.push(share.widened(g.abs())));
+                g_u.push(f64::INFINITY);
+                continue;
+            }
+            let (weight, s) = d.inside(k, u);
+            let width = m.sub(exact(ray.edges[k + 1]), exact(ray.edges[k]));
+            terms[k].push(m.mul(exact(g), m.sub(exact(1.0), s)));
+            // Of the lerp a + s (b - a) the gradient of a is a difference as well.
+            terms[k + 1].push(m.mul(exact(g), s));
+            let slope = m.div(m.mul(exact(g), width), weight);
+            g_u.push(slope.or(m.mul(exact(g), m.div(width, weight))).e);
+        }
+        (terms.iter().map(|terms| any_order(terms, m).e).collect(), g_u)
+    })
+}

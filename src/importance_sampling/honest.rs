@@ -1,0 +1,81 @@
+//! Honest importance sampling in emulated arithmetic: F from normalised weights, from sums that are divided, or u from the sum.
+
+use super::component::{Ray, forward, vjp};
+use crate::convention::Conventions;
+use crate::verify::component::Arrays;
+use crate::verify::machine::Machine;
+
+/// F at the edges and the u that is looked for in it.
+fn distribution(ray: &Ray, m: &Machine) -> (Vec<f64>, Vec<f64>) {
+    let mut w: Vec<f64> = ray.weights.iter().map(|&w| m.add(w, m.round(ray.padding))).collect();
+    if w.iter().all(|&w| w == 0.0) {
+        w.fill(1.0);
+    }
+    let total = m.sum(&w);
+    match m.form % 3 {
+        0 => {
+            let shares: Vec<f64> = w.iter().map(|&w| m.div(w, total)).collect();
+            (m.cumulative_sum(&shares), ray.u.clone())
+        }
+        1 => (m.cumulative_sum(&w).iter().map(|&sum| m.div(sum, total)).collect(), ray.u.clone()),
+        _ => (m.cumulative_sum(&w), ray.u.iter().map(|&u| m.mul(u, total)).collect()),
+    }
+}
+
+/// The last edge at or below u: N where F ends below it.
+fn edge_of(f: &[f64], u: f64) -> usize {
+    f.iter().rposition(|&f| f <= u).unwrap_or(0)
+}
+
+/// Samples: by s, by the slope, or by weights.
+pub fn sample(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+    forward(a, |ray| {
+        let (f, u) = distribution(ray, m);
+        let one = |&u: &f64| {
+            let k = edge_of(&f, u);
+            if k == ray.weights.len() {
+                return ray.edges[k];
+            }
+            let (a, b) = (ray.edges[k], ray.edges[k + 1]);
+            let (above, weight, width) = (m.sub(u, f[k]), m.sub(f[k + 1], f[k]), m.sub(b, a));
+            match m.form / 3 % 3 {
+                0 => m.add(a, m.mul(m.div(above, weight), width)),
+                1 => m.add(a, m.mul(above, m.div(width, weight))),
+                _ => {
+                    let s = m.div(above, weight);
+                    m.add(m.mul(a, m.sub(1.0, s)), m.mul(b, s))
+                }
+            }
+        };
+        u.iter().map(one).collect()
+    })
+}
+
+/// Their gradient.
+pub fn sample_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+    vjp(a, |ray, g| {
+        let (f, u) = distribution(ray, m);
+        let n = ray.weights.len();
+        // Looking for u S in the sums, dt / du has a factor S.
+        let scale = if m.form % 3 == 2 { f[n] } else { 1.0 };
+        let (mut terms, mut g_u) = (vec![vec![]; n + 1], vec![]);
+        for (&u, &g) in u.iter().zip(g) {
+            let k = edge_of(&f, u);
+            if k == n {
+                terms[n].push(g);
+                g_u.push(0.0);
+                continue;
+            }
+            let (weight, width) = (m.sub(f[k + 1], f[k]), m.sub(ray.edges[k + 1], ray.edges[k]));
+            let s = m.div(m.sub(u, f[k]), weight);
+            terms[k].push(m.mul(g, m.sub(1.0, s)));
+            terms[k + 1].push(m.mul(g, s));
+            let slope = match m.form / 3 % 2 {
+                0 => m.div(m.mul(g, width), weight),
+                _ => m.mul(g, m.div(width, weight)),
+            };
+            g_u.push(if scale == 1.0 { slope } else { m.mul(slope, scale) });
+        }
+        (terms.iter().map(|terms| m.sum(terms)).collect(), g_u)
+    })
+}

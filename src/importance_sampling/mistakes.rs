@@ -1,0 +1,199 @@
+//! Importance sampling, wrong on purpose. Without a mistake every function equals the oracle.
+
+use super::component::{Ray, forward, vjp};
+use super::{backward, bin_of, cdf};
+use crate::convention::Conventions;
+use crate::verify::component::{Arrays, Mistake};
+
+/// Mistakes of importance sampling.
+pub const IMPORTANCE_SAMPLING: &[Mistake] = &[
+    Mistake::new(
+        "differences_snapped",
+        "where F_{k+1} - F_k < 1e-5 it is divided by 1",
+        "samples in faint bins fall on the bin's edge: 61 of 62 bins beside an opaque one",
+        "divide by the difference as it is; a bin that is chosen has one",
+        "bmild/nerf run_nerf_helpers.py sample_pdf, and its ports",
+        30,
+    ),
+    Mistake::new(
+        "searched_from_the_left",
+        "the bin by searchsorted with side left: F_k < u in the place of F_k <= u",
+        "u = 0 gives the ray's first edge, through bins without weight",
+        "side right",
+        "torch.searchsorted's default, ports of sample_pdf",
+        3,
+    ),
+    Mistake::new(
+        "no_leading_zero",
+        "F is the cumulative sum alone, without 0 in front",
+        "every sample lies a bin too far",
+        "concatenate 0 and the cumulative sum",
+        "ports of sample_pdf",
+        2,
+    ),
+    Mistake::new(
+        "interior_alone",
+        "weights[1:-1] between the midpoints of the edges",
+        "no sample in the first and last half bin",
+        "edges and their weights as they are; midpoints belong to weights of samples",
+        "bmild's call with z_vals_mid, copied to weights of intervals",
+        4,
+    ),
+    Mistake::new(
+        "not_normalised",
+        "F isn't divided by the sum of the weights",
+        "nothing is sampled behind F = 1, or all that is left falls on the last edge",
+        "divide by the sum",
+        "ports of sample_pdf",
+        1,
+    ),
+    Mistake::new(
+        "left_edge",
+        "the chosen bin's edge, without a place inside it",
+        "samples in clumps",
+        "interpolate between the two edges",
+        "ports of sample_pdf",
+        1,
+    ),
+    Mistake::new(
+        "middle_of_bin",
+        "the chosen bin's middle",
+        "samples in clumps",
+        "interpolate between the two edges",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "weights_as_densities",
+        "weights times the widths of their bins",
+        "wide bins are sampled too often",
+        "a weight is a bin's whole share already",
+        "between histograms and densities; never seen",
+        0,
+    ),
+    Mistake::new(
+        "padding_always",
+        "1e-5 is added whatever the padding is",
+        "empty bins are sampled",
+        "add the padding that was asked for",
+        "sample_pdf has the number inside",
+        30,
+    ),
+    Mistake::new(
+        "one_u_for_all_rays",
+        "the first ray's u for all",
+        "rays share their noise",
+        "u of its own for each ray",
+        "as the jitter of coarse samples, seen 8 times there",
+        1,
+    ),
+    Mistake::new(
+        "place_detached",
+        "the place s inside the bin is taken for a constant",
+        "no gradient with respect to u",
+        "s depends on u",
+        "torch.no_grad around the search, spread too far",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "edges_half_each",
+        "both edges of a bin get half of the gradient",
+        "edges move together, whatever side the sample is on",
+        "1 - s and s",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+];
+
+/// What becomes of a ray before anything is computed.
+fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
+    let Ray { mut edges, mut weights, mut padding, u } = Ray {
+        edges: ray.edges.clone(),
+        weights: ray.weights.clone(),
+        padding: ray.padding,
+        u: ray.u.clone(),
+    };
+    if wrong.contains(&"interior_alone") && weights.len() > 2 {
+        edges = edges.windows(2).map(|e| 0.5 * (e[0] + e[1])).collect();
+        weights = weights[1..weights.len() - 1].to_vec();
+    }
+    if wrong.contains(&"weights_as_densities") {
+        weights.iter_mut().zip(edges.windows(2)).for_each(|(w, e)| *w *= e[1] - e[0]);
+    }
+    if wrong.contains(&"padding_always") {
+        padding = 1e-5;
+    }
+    Ray { edges, weights, padding, u }
+}
+
+fn cdf_of(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
+    let mut f = cdf(&ray.weights, ray.padding);
+    if wrong.contains(&"not_normalised") {
+        let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
+        f.iter_mut().for_each(|f| *f *= if total > 0.0 { total } else { 1.0 });
+    }
+    if wrong.contains(&"no_leading_zero") {
+        f.remove(0);
+        f.push(f[f.len() - 1]);
+    }
+    f
+}
+
+fn one(ray: &Ray, f: &[f64], u: f64, wrong: &[&str]) -> f64 {
+    let left = wrong.contains(&"searched_from_the_left");
+    let searched = left || wrong.contains(&"no_leading_zero") || wrong.contains(&"not_normalised");
+    let k = if searched {
+        // As searchsorted does it, clamped at both ends.
+        match f.iter().rposition(|&f| if left { f < u } else { f <= u }) {
+            None => return ray.edges[0],
+            Some(k) if k + 1 >= f.len() => return ray.edges[ray.edges.len() - 1],
+            Some(k) => k,
+        }
+    } else {
+        bin_of(f, u)
+    };
+    let (a, b) = (ray.edges[k], ray.edges[k + 1]);
+    let mut difference = f[k + 1] - f[k];
+    if difference == 0.0 || wrong.contains(&"differences_snapped") && difference < 1e-5 {
+        difference = 1.0;
+    }
+    let s = match () {
+        _ if wrong.contains(&"left_edge") => 0.0,
+        _ if wrong.contains(&"middle_of_bin") => 0.5,
+        _ => (u - f[k]) / difference,
+    };
+    a + s * (b - a)
+}
+
+/// Samples.
+pub fn sample(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+    let shared = super::component::ray(a, 0).u;
+    forward(a, |ray| {
+        let ray = changed(ray, wrong);
+        let f = cdf_of(&ray, wrong);
+        let u = if wrong.contains(&"one_u_for_all_rays") { &shared } else { &ray.u };
+        u.iter().map(|&u| one(&ray, &f, u, wrong)).collect()
+    })
+}
+
+/// Their gradient.
+pub fn sample_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+    vjp(a, |ray, g| {
+        let (mut g_edges, mut g_u) = backward::sample(&ray.edges, &ray.weights, ray.padding, &ray.u, g);
+        if wrong.contains(&"place_detached") {
+            g_u.fill(0.0);
+        }
+        if wrong.contains(&"edges_half_each") {
+            let f = cdf(&ray.weights, ray.padding);
+            g_edges.fill(0.0);
+            for (&u, g) in ray.u.iter().zip(g) {
+                let k = bin_of(&f, u);
+                g_edges[k] += 0.5 * g;
+                g_edges[k + 1] += 0.5 * g;
+            }
+        }
+        (g_edges, g_u)
+    })
+}

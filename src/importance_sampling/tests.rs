@@ -1,0 +1,105 @@
+//! Closed forms and properties of importance sampling.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::verify::properties;
+
+/// The hard cases' own numbers: what textbook code makes of them, and what is right.
+#[test]
+fn sa2_an_opaque_ray_keeps_its_faint_bins() {
+    let edges: Vec<f64> = (0..=62).map(|k| 2.0 + 4.0 * f64::from(k) / 62.0).collect();
+    let mut weights = vec![0.0; 62];
+    weights[30] = 1.0;
+    // Half-way into the first bin.
+    let u = 0.5e-5 / 1.00062;
+    let t = sample(&edges, &weights, 1e-5, &[u])[0];
+    assert!((t - 2.0323).abs() < 1e-4, "{t}");
+    // The code's repair: a difference below 1e-5 counts as 1.
+    let f = cdf(&weights, 1e-5);
+    assert!(f[1] - f[0] < 1e-5);
+    let snapped = edges[0] + (u - f[0]) * (edges[1] - edges[0]);
+    assert!((snapped - 2.000_000_2).abs() < 2e-7, "{snapped}");
+}
+
+#[test]
+fn sa3_ends_and_ties() {
+    // Ten times 0.1 in f32 end at 1.0000001; here at 1, and u = 1 is the last edge.
+    let edges: Vec<f64> = (0..=10).map(f64::from).collect();
+    assert_eq!(sample(&edges, &[0.1; 10], 0.0, &[0.0, 1.0]), [0.0, 10.0]);
+    // Nothing behind the last weight, nothing in front of the first, even at the ends and on ties.
+    let weights = [0.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+    assert_eq!(sample(&edges[..7], &weights, 0.0, &[0.0, 0.25, 0.5, 0.75, 1.0]), [1.0, 1.5, 4.0, 4.5, 5.0]);
+    // All of a bin of width 0 lies in one place.
+    assert_eq!(sample(&[0.0, 1.0, 1.0, 2.0], &[1.0, 2.0, 1.0], 0.0, &[0.25, 0.5, 0.75]), [1.0, 1.0, 1.0]);
+}
+
+/// SA1: the repairs don't agree, and each is what `padding` says; 0 is their limit.
+#[test]
+fn sa1_an_empty_ray_is_the_limit_of_any_padding() {
+    let edges = [2.0, 2.25, 3.0, 5.0];
+    let u = [0.0, 0.1, 0.5, 0.9, 1.0];
+    for padding in [1e-300, 1e-5, 1.0] {
+        let (none, some) = (sample(&edges, &[0.0; 3], 0.0, &u), sample(&edges, &[0.0; 3], padding, &u));
+        none.iter().zip(some).for_each(|(a, b)| assert!((a - b).abs() < 1e-14, "{a} {b}"));
+    }
+    assert!(backward::sample(&edges, &[0.0; 3], 0.0, &u, &[1.0; 5]).0.iter().all(|g| g.is_finite()));
+}
+
+/// At a kink the gradient is that of the bin to the right, at 1 that of the bin to the left: one-sided differences.
+#[test]
+fn gradients_at_kinks_are_one_sided() {
+    let (edges, weights) = ([2.0, 3.0, 4.0, 6.0], [1.0, 0.0, 1.0]);
+    for (u, step) in [(0.0, 1.0), (0.5, 1.0), (1.0, -1.0)] {
+        let at = |u: f64| sample(&edges, &weights, 0.0, &[u])[0];
+        let h = step / 1024.0;
+        let slope = backward::sample(&edges, &weights, 0.0, &[u], &[1.0]).1[0];
+        assert_eq!(slope, (at(u + h) - at(u)) / h, "u = {u}");
+    }
+}
+
+fn rays() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
+    let weight = prop_oneof![Just(0.0), 0.01..1.0f64];
+    prop::collection::vec((0.01..1.0f64, weight), 1..40).prop_map(|bins| {
+        let mut edges = vec![2.0];
+        bins.iter().for_each(|(width, _)| edges.push(edges[edges.len() - 1] + width));
+        (edges, bins.iter().map(|(_, w)| *w).collect())
+    })
+}
+
+proptest! {
+    #![proptest_config(properties())]
+
+    /// F(F^-1(u)) = u, samples ascend with u, and none lies inside a bin without weight.
+    #[test]
+    fn the_inverse_is_one((edges, weights) in rays(), u in prop::collection::vec(0.0..=1.0f64, 1..20)) {
+        let mut u = u;
+        u.sort_by(f64::total_cmp);
+        let f = cdf(&weights, 0.0);
+        let t = sample(&edges, &weights, 0.0, &u);
+        for (i, &t_i) in t.iter().enumerate() {
+            prop_assert!(i == 0 || t[i - 1] <= t_i);
+            prop_assert!(edges[0] <= t_i && t_i <= edges[edges.len() - 1] * (1.0 + 1e-15));
+            let k = (0..weights.len()).rfind(|&k| edges[k] <= t_i).unwrap();
+            let back = f[k] + (t_i - edges[k]) / (edges[k + 1] - edges[k]) * (f[k + 1] - f[k]);
+            // t is rounded to 2^-50, and F is at most 100 (a weight of 1 in a bin of 0.01) times as steep.
+            prop_assert!((back - u[i]).abs() < 1e-12, "{back} {}", u[i]);
+            let empty = weights[k] == 0.0 && weights.iter().any(|&w| w > 0.0);
+            prop_assert!(!empty || t_i - edges[k] < 1e-12, "{t_i} inside an empty bin");
+        }
+    }
+
+    /// Only the weights' ratios count.
+    #[test]
+    fn scale_of_the_weights_is_nothing((edges, weights) in rays(), u in 0.0..=1.0f64) {
+        let scaled: Vec<f64> = weights.iter().map(|w| 1024.0 * w).collect();
+        prop_assert_eq!(sample(&edges, &weights, 0.0, &[u]), sample(&edges, &scaled, 0.0, &[u]));
+    }
+
+    #[test]
+    fn a_union_is_sorted_and_keeps_all(a in prop::collection::vec(0.0..1.0f64, 0..9), b in prop::collection::vec(0.0..1.0f64, 0..9)) {
+        let both = union(&a, &b);
+        prop_assert!(both.len() == a.len() + b.len() && both.is_sorted());
+        prop_assert!(a.iter().chain(&b).all(|t| both.contains(t)));
+    }
+}

@@ -1,0 +1,119 @@
+//! Occupancy grids, wrong on purpose. Without a mistake every function equals the oracle.
+
+use super::OccupancyGrid;
+use super::component::{Update, asked, each_ray, lengths, updated};
+use crate::convention::Conventions;
+use crate::verify::component::{Arrays, Mistake};
+
+/// Mistakes of update and query.
+#[rustfmt::skip]
+pub const OCCUPANCY_GRID: &[Mistake] = &[
+    Mistake::new("rise_decays", "decay max(density, sigma)", "what was just seen has faded already", "decay first, then rise", "never; cheap to keep", 0),
+    Mistake::new("density_replaced", "cells that are seen take the density found there", "one empty sample clears a cell that holds something", "the maximum of both", "hand-written grids", 1),
+    Mistake::new("moving_average", "decay density + (1 - decay) sigma", "thin things fall below the threshold", "the maximum of both", "hand-written grids", 1),
+    Mistake::new("last_point_wins", "of several points in a cell the last one counts", "a scattered write without a maximum: depends on the order", "scatter with max", "index assignment in torch and numpy", 3),
+    Mistake::new("points_added", "densities of several points in a cell are added", "occupied by counting samples", "scatter with max", "never; cheap to keep", 0),
+    Mistake::new("axes_reversed", "x and z exchanged in the index", "empty space is skipped in the wrong place", "index [z, y, x], x fastest", "between grids of both orders", 2),
+    Mistake::new("nearest_cell", "round(x R) for floor(x R)", "the grid is shifted by half a cell", "floor: cells lie between faces", "align_corners and its like", 2),
+    Mistake::new("threshold_included", "occupied where density >= threshold", "with a threshold of 0 no cell is ever empty", "larger than the threshold", "hand-written grids", 1),
+    Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold behind the update", "hand-written grids", 1),
+];
+
+/// Mistakes of the traversal.
+#[rustfmt::skip]
+pub const GRID_TRAVERSAL: &[Mistake] = &[
+    Mistake::new("left_at_a_face", "a ray from the box's face, with a component outwards however small, leaves the grid at once", "one cell for 32, holes along the box", "the last cell is closed: stay in it", "nerfacc#265", 1),
+    Mistake::new("equal_steps", "a step of half a cell at a time, all of it for the cell it begins in", "lengths are multiples of the step, corners are missed", "from face to face", "ray marchers that count cells", 2),
+    Mistake::new("first_cell_missing", "the cell in which the ray begins isn't listed", "nothing is seen right in front of the camera", "list a cell before stepping out of it", "loops that step first", 1),
+    Mistake::new("near_ignored", "from t = 0 on", "samples in front of near", "start at near", "hand-written grids", 1),
+    Mistake::new("far_ignored", "to the end of the box", "samples behind far", "stop at far", "hand-written grids", 1),
+    Mistake::new("axes_reversed", "x and z exchanged in the index", "empty space is skipped in the wrong place", "index [z, y, x], x fastest", "between grids of both orders", 2),
+    Mistake::new("unit_directions", "lengths in units of the box, not of the direction", "steps of the wrong length where directions aren't unit", "t as the direction counts it", "between code with and without normalised directions", 1),
+    Mistake::new("nearest_cell", "round(x R) for floor(x R)", "the grid is shifted by half a cell", "floor: cells lie between faces", "align_corners and its like", 2),
+];
+
+fn wrong_cell(grid: &OccupancyGrid, x: [f64; 3], wrong: &[&str]) -> usize {
+    let shift = if wrong.contains(&"nearest_cell") { 0.5 / grid.resolution as f64 } else { 0.0 };
+    let [x, y, z] = x.map(|x| x + shift);
+    grid.cell(if wrong.contains(&"axes_reversed") { [z, y, x] } else { [x, y, z] })
+}
+
+/// Update and queries.
+pub fn update(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+    let Update { grid, decay, points, sigmas, queries } = asked(a);
+    let is = |name: &str| wrong.contains(&name);
+    let mut density: Vec<f64> = grid.density.iter().map(|density| density * decay).collect();
+    let mut seen: Vec<Option<f64>> = vec![None; density.len()];
+    for (&x, &sigma) in points.iter().zip(&sigmas) {
+        let seen = &mut seen[wrong_cell(&grid, x, wrong)];
+        *seen = Some(match *seen {
+            Some(before) if is("points_added") => before + sigma,
+            Some(before) if !is("last_point_wins") => before.max(sigma),
+            _ => sigma,
+        });
+    }
+    for (n, seen) in seen.iter().enumerate() {
+        let Some(sigma) = *seen else { continue };
+        density[n] = match () {
+            _ if is("density_replaced") => sigma,
+            _ if is("moving_average") => density[n] + (1.0 - decay) * sigma,
+            _ if is("rise_decays") => density[n].max(decay * sigma),
+            _ => density[n].max(sigma),
+        };
+    }
+    let source = if is("occupied_before") { &grid.density } else { &density };
+    let bit =
+        |d: f64| f64::from(u8::from(d > grid.threshold || is("threshold_included") && d == grid.threshold));
+    let occupied = source.iter().map(|&d| bit(d)).collect();
+    let found = queries.iter().map(|&x| bit(source[wrong_cell(&grid, x, wrong)])).collect();
+    updated(grid.resolution, density, occupied, found)
+}
+
+/// Traversal.
+pub fn traverse(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+    let is = |name: &str| wrong.contains(&name);
+    each_ray(a, |o, d, near, far, r| {
+        let near = if is("near_ignored") { 0.0 } else { near };
+        // The box's end, seen from inside.
+        let leaves = |a: usize| ((if d[a] > 0.0 { 1.0 } else { 0.0 }) - o[a]) / d[a];
+        let end =
+            (0..3).filter(|&a| d[a] != 0.0).map(leaves).filter(|&t| t > near).fold(f64::INFINITY, f64::min);
+        let far = if is("far_ignored") && end.is_finite() { end } else { far };
+        let outwards = |a: usize| o[a] == 0.0 && d[a] < 0.0 || o[a] == 1.0 && d[a] > 0.0;
+        if is("left_at_a_face") && (0..3).any(outwards) {
+            return (vec![0.0; r * r * r], 1.0);
+        }
+        let shift = if is("nearest_cell") { 0.5 / r as f64 } else { 0.0 };
+        let o = o.map(|o| o + shift);
+        let (mut out, mut visited) =
+            if is("equal_steps") { stepped(o, d, near, far, r) } else { lengths(o, d, near, far, r) };
+        if is("first_cell_missing") {
+            let grid = OccupancyGrid { resolution: r, density: vec![], threshold: 0.0 };
+            let first = grid.crossings(o, d, near, far)[0].cell;
+            (out[first], visited) = (0.0, visited - 1.0);
+        }
+        if is("axes_reversed") {
+            let turned = |n: usize| out[n / r / r + r * (n / r % r + r * (n % r))];
+            out = (0..out.len()).map(turned).collect();
+        }
+        if is("unit_directions") {
+            let length = d.iter().map(|d| d * d).sum::<f64>().sqrt();
+            out.iter_mut().for_each(|x| *x *= length);
+        }
+        (out, visited)
+    })
+}
+
+/// Steps of half a cell.
+fn stepped(o: [f64; 3], d: [f64; 3], near: f64, far: f64, r: usize) -> (Vec<f64>, f64) {
+    let grid = OccupancyGrid { resolution: r, density: vec![], threshold: 0.0 };
+    let step = 0.5 / r as f64 / d.iter().map(|d| d * d).sum::<f64>().sqrt();
+    let mut lengths = vec![0.0; r * r * r];
+    let mut t = near;
+    while t < far {
+        lengths[grid.cell([0, 1, 2].map(|a| o[a] + t * d[a]))] += step.min(far - t);
+        t += step;
+    }
+    let visited = lengths.iter().filter(|&&length| length > 0.0).count();
+    (lengths, visited as f64)
+}

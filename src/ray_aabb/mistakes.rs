@@ -1,0 +1,180 @@
+//! Rays and boxes, wrong on purpose. Without a mistake every function equals the oracle.
+
+use super::component::{Question, forward, outputs, vjp};
+use super::{Hit, backward, between};
+use crate::convention::Conventions;
+use crate::verify::component::{Arrays, Mistake};
+
+/// Mistakes of rays and boxes.
+pub const RAY_AABB: &[Mistake] = &[
+    Mistake::new(
+        "eps_in_direction",
+        "1 / (d + 1e-6) for 1 / d",
+        "t is off by 1e-6 / d, and a direction of -1e-6 is infinite or turned around",
+        "a case of its own for d = 0, and nothing added elsewhere",
+        "hand-written slab tests",
+        5,
+    ),
+    Mistake::new(
+        "face_is_a_miss",
+        "a ray in a face: 0 * inf is NaN, and every comparison with it false",
+        "pictures with seams along the box",
+        "where d_a = 0 compare o_a with both faces, which are inside",
+        "half of nerfacc's code paths",
+        2,
+    ),
+    Mistake::new(
+        "parallel_is_a_miss",
+        "d_a = 0 anywhere counts as a miss",
+        "no ray along an axis sees anything",
+        "inside the slab it is no condition at all",
+        "hand-written slab tests",
+        2,
+    ),
+    Mistake::new(
+        "sign_ignored",
+        "enters by the low face and leaves by the high one, whatever the sign of d",
+        "rays of negative directions miss",
+        "exchange the two where d_a < 0",
+        "hand-written slab tests",
+        3,
+    ),
+    Mistake::new(
+        "first_slab",
+        "entered where the first slab is, left where the last one is",
+        "stretches far too long",
+        "the largest entry and the smallest exit",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "near_ignored",
+        "t_near isn't cut at near",
+        "samples behind the camera where it is inside the box",
+        "max(near, t_near)",
+        "ray-box tests of lines",
+        3,
+    ),
+    Mistake::new(
+        "far_ignored",
+        "t_far isn't cut at far",
+        "samples beyond far",
+        "min(far, t_far)",
+        "ray-box tests of lines",
+        1,
+    ),
+    Mistake::new(
+        "behind_is_a_hit",
+        "a box behind near counts as hit",
+        "samples behind the camera",
+        "hit = max(near, t_near) <= min(far, t_far)",
+        "ray-box tests of lines",
+        2,
+    ),
+    Mistake::new(
+        "unit_directions",
+        "t counts in units of length, not of the direction",
+        "points o + t d lie elsewhere where directions aren't unit",
+        "leave the direction as it is",
+        "between code with and without normalised directions",
+        1,
+    ),
+    Mistake::new(
+        "centre_and_size",
+        "the box is [low - high / 2, low + high / 2]",
+        "another box",
+        "two corners",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "direction_forgotten",
+        "no gradient with respect to the direction",
+        "cameras that are optimised don't turn",
+        "dt / dd = -t / d",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "gradient_where_cut",
+        "near and far have the gradient of the face they replace",
+        "gradients of rays that begin inside the box",
+        "0 where the range decides",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+];
+
+fn wrong_hit(q: &Question, wrong: &[&str]) -> Option<Hit> {
+    let is = |name: &str| wrong.contains(&name);
+    let (low, high) = match is("centre_and_size") {
+        true => {
+            ([0, 1, 2].map(|a| q.low[a] - 0.5 * q.high[a]), [0, 1, 2].map(|a| q.low[a] + 0.5 * q.high[a]))
+        }
+        false => (q.low, q.high),
+    };
+    let mut line = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };
+    let mut any = Hit { enter: f64::INFINITY, leave: f64::NEG_INFINITY };
+    for a in 0..3 {
+        let d = if is("eps_in_direction") { q.d[a] + 1e-6 } else { q.d[a] };
+        if d == 0.0 {
+            let face = q.o[a] == low[a] || q.o[a] == high[a];
+            if q.o[a] < low[a] || q.o[a] > high[a] || is("parallel_is_a_miss") || face && is("face_is_a_miss")
+            {
+                return None;
+            }
+            continue;
+        }
+        let (x, y) = ((low[a] - q.o[a]) / d, (high[a] - q.o[a]) / d);
+        let (first, last) = if d > 0.0 || is("sign_ignored") { (x, y) } else { (y, x) };
+        line = Hit { enter: line.enter.max(first), leave: line.leave.min(last) };
+        any = Hit { enter: any.enter.min(first), leave: any.leave.max(last) };
+    }
+    if is("first_slab") && any.enter < any.leave {
+        line = any;
+    }
+    let cut = Hit {
+        enter: if is("near_ignored") { line.enter } else { line.enter.max(q.near) },
+        leave: if is("far_ignored") { line.leave } else { line.leave.min(q.far) },
+    };
+    match is("behind_is_a_hit") {
+        true => (line.enter <= line.leave).then_some(cut),
+        false => (cut.enter <= cut.leave).then_some(cut),
+    }
+}
+
+/// Where rays enter and leave a box.
+pub fn ray_aabb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+    let length = |q: &Question| match q.d.iter().map(|d| d * d).sum::<f64>() {
+        0.0 => 1.0,
+        square => square.sqrt(),
+    };
+    forward(a, |q| {
+        if wrong.is_empty() {
+            return outputs(between(q.o, q.d, q.low, q.high, q.near, q.far), q.far);
+        }
+        let mut q = *q;
+        if wrong.contains(&"unit_directions") {
+            let length = length(&q);
+            q.d = q.d.map(|d| d / length);
+        }
+        outputs(wrong_hit(&q, wrong), q.far)
+    })
+}
+
+/// Their gradient.
+pub fn ray_aabb_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+    vjp(a, |q, g| {
+        let hit = between(q.o, q.d, q.low, q.high, q.near, q.far).is_some();
+        let (o, mut d) = match hit && wrong.contains(&"gradient_where_cut") {
+            true => backward::intersect(q.o, q.d, q.low, q.high, g),
+            false => backward::between(q.o, q.d, q.low, q.high, [q.near, q.far], g),
+        };
+        if wrong.contains(&"direction_forgotten") {
+            d = [0.0; 3];
+        }
+        [o, d]
+    })
+}

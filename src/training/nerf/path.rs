@@ -1,0 +1,228 @@
+//! One network of the NeRF model with its optimiser's state: on the f32 path, or in the f64 reference.
+
+use glam::DVec3;
+
+use super::{Settings, find, flat};
+use crate::convention::{CS180, Depth};
+use crate::encoding::Encoding;
+use crate::error::Result;
+use crate::field::fast::{Batch, Gradient, Network, Rays};
+use crate::field::{Layer, NerfMlp};
+use crate::files::npz::{Array, Arrays};
+use crate::optimiser::{self, Adam};
+use crate::parallel;
+use crate::random::Key;
+use crate::ray::Ray;
+use crate::training::reference::{Field, Target, adam_layer};
+use crate::volume_rendering;
+
+/// Parameters, their running means, and the path that computes.
+#[allow(clippy::large_enum_variant, reason = "one or two a model")]
+pub(super) enum Path {
+    Fast { net: Box<Network>, moments: optimiser::fast::Moments, gradient: Gradient },
+    Reference { field: Box<Field>, m: NerfMlp, v: NerfMlp, steps: u64 },
+}
+
+/// What one optimiser step did.
+pub(super) struct Stepped {
+    /// Mean squared error before it.
+    pub loss: f64,
+    /// Whether it moved nothing.
+    pub dead: bool,
+}
+
+impl Path {
+    /// Initial parameters.
+    pub fn new(settings: &Settings, key: &Key) -> Self {
+        let net = NerfMlp::initial(&settings.shape, key);
+        if settings.reference {
+            let mut zero = net.clone();
+            zero.layers_mut().into_iter().for_each(|l| *l = Layer::zeros(l.w.ncols(), l.w.nrows()));
+            let (position, direction) =
+                (Encoding::new(settings.levels.0, &CS180), Encoding::new(settings.levels.1, &CS180));
+            let field = Box::new(Field { net, position, direction, conventions: CS180 });
+            Path::Reference { field, m: zero.clone(), v: zero, steps: 0 }
+        } else {
+            let net = Box::new(Network::new(&net, &settings.shape, CS180.density));
+            let moments = optimiser::fast::Moments::new(net.params.len());
+            Path::Fast { net, moments, gradient: Gradient::default() }
+        }
+    }
+
+    /// One step of Adam on a batch.
+    pub fn step(&mut self, rays: Rays, targets: &[f32], background: [f64; 3], adam: &Adam) -> Stepped {
+        match self {
+            Path::Fast { net, moments, gradient } => {
+                let batch = Batch { rays, targets, background: background.map(|b| b as f32) };
+                let loss = net.step(&batch, false, gradient);
+                moments.update(net.arch, adam, &mut net.params, &gradient.values);
+                Stepped { loss, dead: gradient.backward_points == 0 }
+            }
+            Path::Reference { field, m, v, steps } => {
+                let (loss, gradient) = reference_gradient(field, rays, targets, background);
+                *steps += 1;
+                update(&mut field.net, m, v, &gradient, adam, *steps);
+                let dead = gradient.layers().iter().all(|(_, l)| l.w.iter().all(|&g| g == 0.0));
+                Stepped { loss, dead }
+            }
+        }
+    }
+
+    /// Weights of all samples (R, N).
+    pub fn weights(&self, rays: Rays) -> Vec<f64> {
+        match self {
+            Path::Fast { net, .. } => net.weights(&rays).into_iter().map(f64::from).collect(),
+            Path::Reference { field, .. } => {
+                let one = |r: usize| {
+                    let (t, deltas) = samples_of(rays, r);
+                    field.render(&ray_of(rays, r), t, deltas).0.weights
+                };
+                parallel::map(rays.len(), one).concat()
+            }
+        }
+    }
+
+    /// Colour without background, opacity and sum w t of each ray.
+    pub fn render(&self, rays: Rays) -> Vec<([f32; 3], f32, f32)> {
+        match self {
+            Path::Reference { field, .. } => parallel::map(rays.len(), |r| {
+                let (t, deltas) = samples_of(rays, r);
+                let (rendering, _) = field.render(&ray_of(rays, r), t, deltas);
+                let weighted = volume_rendering::depth(&rendering.weights, t, 0.0, Depth::Plain);
+                (rendering.color.map(|c| c as f32), rendering.opacity as f32, weighted as f32)
+            }),
+            Path::Fast { net, .. } => {
+                let seen = net.render(&rays, [0.0; 3]);
+                let one = |r: usize| {
+                    let rgb = [seen.colors[3 * r], seen.colors[3 * r + 1], seen.colors[3 * r + 2]];
+                    (rgb, seen.opacity[r], seen.depth[r])
+                };
+                (0..seen.opacity.len()).map(one).collect()
+            }
+        }
+    }
+
+    /// Parameters, m and v as networks, each with the prefix of its names.
+    fn parts(&self) -> [(&'static str, NerfMlp); 3] {
+        match self {
+            Path::Fast { net, moments, .. } => [
+                ("", net.to_oracle(&net.params)),
+                ("m.", net.to_oracle(&moments.m)),
+                ("v.", net.to_oracle(&moments.v)),
+            ],
+            Path::Reference { field, m, v, .. } => {
+                [("", field.net.clone()), ("m.", m.clone()), ("v.", v.clone())]
+            }
+        }
+    }
+
+    /// All of it by name, each name behind `owner`.
+    pub fn state(&self, owner: &str) -> Arrays {
+        let mut state = Arrays::new();
+        for (prefix, net) in self.parts() {
+            for (name, layer) in net.layers() {
+                let (w, b) = (layer.w.clone().into_dyn(), layer.b.clone().into_dyn());
+                let (w, b) = match self {
+                    Path::Reference { .. } => (Array::F64(w), Array::F64(b)),
+                    Path::Fast { .. } => (Array::F32(w.mapv(|x| x as f32)), Array::F32(b.mapv(|x| x as f32))),
+                };
+                state.insert(format!("{owner}{prefix}{name}_w"), w);
+                state.insert(format!("{owner}{prefix}{name}_b"), b);
+            }
+        }
+        let steps = match self {
+            Path::Fast { moments, .. } => moments.step,
+            Path::Reference { steps, .. } => *steps,
+        };
+        let steps = ndarray::Array1::from_elem(1, steps as i64).into_dyn();
+        state.insert(format!("{owner}adam_step"), Array::I64(steps));
+        state
+    }
+
+    /// Takes what [`Self::state`] gave.
+    pub fn restore(&mut self, state: &Arrays, owner: &str, file: &str) -> Result<()> {
+        let mut parts = self.parts();
+        for (prefix, net) in &mut parts {
+            let names: Vec<String> = net.layers().into_iter().map(|(name, _)| name).collect();
+            for (name, layer) in names.iter().zip(net.layers_mut()) {
+                let w = find(state, &format!("{owner}{prefix}{name}_w"), layer.w.shape(), file)?;
+                let b = find(state, &format!("{owner}{prefix}{name}_b"), layer.b.shape(), file)?;
+                layer.w = w.into_dimensionality().expect("the shape was checked");
+                layer.b = b.into_dimensionality().expect("the shape was checked");
+            }
+        }
+        let step = find(state, &format!("{owner}adam_step"), &[1], file)?[[0]] as u64;
+        let [(_, params), (_, means), (_, squares)] = parts;
+        match self {
+            Path::Fast { net, moments, .. } => {
+                net.params = flat(&params);
+                *moments = optimiser::fast::Moments { step, m: flat(&means), v: flat(&squares) };
+            }
+            Path::Reference { field, m, v, steps } => {
+                (field.net, *m, *v, *steps) = (params, means, squares, step);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Ray r of a batch.
+fn ray_of(rays: Rays, r: usize) -> Ray {
+    let vector = |values: &[f64]| DVec3::new(values[3 * r], values[3 * r + 1], values[3 * r + 2]);
+    Ray { o: vector(rays.origins), d: vector(rays.directions) }
+}
+
+/// t and deltas of ray r.
+fn samples_of<'a>(rays: Rays<'a>, r: usize) -> (&'a [f64], &'a [f64]) {
+    let range = r * rays.samples..(r + 1) * rays.samples;
+    (&rays.t[range.clone()], &rays.deltas[range])
+}
+
+/// Loss and gradient of a step in f64: rays in fixed chunks on all threads, folded in order.
+fn reference_gradient(field: &Field, rays: Rays, targets: &[f32], background: [f64; 3]) -> (f64, NerfMlp) {
+    const CHUNK: usize = 16;
+    let count = rays.len();
+    let target = |r: usize| {
+        let (t, deltas) = samples_of(rays, r);
+        let rgb = std::array::from_fn(|k| f64::from(targets[3 * r + k]));
+        Target { ray: ray_of(rays, r), t: t.to_vec(), deltas: deltas.to_vec(), rgb }
+    };
+    let parts = parallel::map(count.div_ceil(CHUNK), |n| {
+        let batch: Vec<Target> = (n * CHUNK..count.min((n + 1) * CHUNK)).map(target).collect();
+        let (loss, gradient) = field.loss_and_gradient(&batch, background);
+        (batch.len() as f64 / count as f64, loss, gradient)
+    });
+    let mut parts = parts.into_iter();
+    let (share, loss, mut sum) = parts.next().expect("at least one ray");
+    let mut total = share * loss;
+    sum.layers_mut().into_iter().for_each(|l| add(l, None, share));
+    for (share, loss, part) in parts {
+        total += share * loss;
+        for (to, (_, from)) in sum.layers_mut().into_iter().zip(part.layers()) {
+            add(to, Some(from), share);
+        }
+    }
+    (total, sum)
+}
+
+/// to += share from; without `from`, to *= share.
+fn add(to: &mut Layer, from: Option<&Layer>, share: f64) {
+    match from {
+        None => {
+            to.w.mapv_inplace(|g| share * g);
+            to.b.mapv_inplace(|g| share * g);
+        }
+        Some(from) => {
+            to.w.zip_mut_with(&from.w, |to, g| *to += share * g);
+            to.b.zip_mut_with(&from.b, |to, g| *to += share * g);
+        }
+    }
+}
+
+/// One Adam step for every parameter, in f64.
+fn update(net: &mut NerfMlp, m: &mut NerfMlp, v: &mut NerfMlp, gradient: &NerfMlp, adam: &Adam, step: u64) {
+    let layers = net.layers_mut().into_iter().zip(m.layers_mut()).zip(v.layers_mut()).zip(gradient.layers());
+    for (((p, m), v), (_, g)) in layers {
+        adam_layer(adam, step, p, m, v, g);
+    }
+}
