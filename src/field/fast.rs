@@ -34,6 +34,7 @@ mod tests;
 pub use gradient::Gradient;
 pub use image::ImageNetwork;
 pub use network::{Batch, Network};
+pub use product::sgemm;
 pub use rays::{Rays, Rendered};
 
 /// Points that pass through the layers together (whole rays; one ray where it has more samples).

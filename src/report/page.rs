@@ -29,6 +29,18 @@ impl Page {
         self
     }
 
+    /// A paragraph.
+    pub fn paragraph(&mut self, text: &str) -> &mut Self {
+        let _ = writeln!(self.html, "<p>{}</p>", escape(text));
+        self
+    }
+
+    /// A picture as SVG text, which stands in the page itself.
+    pub fn figure(&mut self, svg: &str) -> &mut Self {
+        let _ = writeln!(self.html, "<figure>{svg}</figure>");
+        self
+    }
+
     /// A picture file beside the page, `width` pixels wide, with a caption that also stands for it in text.
     pub fn picture(&mut self, file: &str, caption: &str, width: u32) -> &mut Self {
         let (file, caption) = (escape(file), escape(caption));
@@ -59,7 +71,7 @@ impl Page {
 }
 
 /// Text as HTML shows it.
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

@@ -1,0 +1,268 @@
+//! Speed against error: every variant of a component is checked against the oracle, then timed, then its errors are measured.
+//!
+//! A [`Suite`] is one component with a workload and its variants; they live beside the component, in `variants.rs`. A [`Variant`] is
+//! prepared once, then `run` (timed) and `read` (not timed), so that conversion isn't billed to the kernel. All kernels of a report
+//! take turns in the same rounds, together with the machine's calibration and with a peer's program.
+
+pub mod calibration;
+pub mod error;
+pub mod frontier;
+pub mod page;
+pub mod peer;
+pub mod report;
+pub mod rounds;
+pub mod scaling;
+pub mod suites;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::{Errors, Promise};
+pub use report::{Report, Row};
+pub use scaling::Scaling;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use super::arithmetic::{Arithmetic, Dtype, Grade};
+use super::check::{tolerance, worst};
+use super::component::{Arrays, Component};
+use crate::convention::CS180;
+use crate::error::Result;
+use rounds::Timer;
+
+/// A variant with its inputs converted and its buffers allocated.
+pub trait Kernel {
+    /// The work, timed.
+    fn run(&mut self);
+    /// The results of the last run, not timed.
+    fn read(&self) -> Arrays;
+    /// Bytes that the kernel holds: inputs, results and what lies between them.
+    fn bytes(&self) -> usize;
+}
+
+/// Inputs -> a kernel.
+pub type Prepare = fn(&Arrays) -> Box<dyn Kernel>;
+
+struct Parts<D, F, R> {
+    data: D,
+    bytes: usize,
+    run: F,
+    read: R,
+}
+
+impl<D, F: FnMut(&mut D), R: Fn(&D) -> Arrays> Kernel for Parts<D, F, R> {
+    fn run(&mut self) {
+        (self.run)(&mut self.data);
+    }
+
+    fn read(&self) -> Arrays {
+        (self.read)(&self.data)
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes
+    }
+}
+
+/// A kernel from its data (so many bytes), what is timed, and how its results are read.
+pub fn kernel<D: 'static>(
+    data: D,
+    bytes: usize,
+    run: impl FnMut(&mut D) + 'static,
+    read: impl Fn(&D) -> Arrays + 'static,
+) -> Box<dyn Kernel> {
+    Box::new(Parts { data, bytes, run, read })
+}
+
+/// One way to compute a component.
+#[derive(Clone, Copy)]
+pub struct Variant {
+    /// Name, unique within the suite.
+    pub name: &'static str,
+    /// What it does, in a line.
+    pub about: &'static str,
+    /// What it computes in, or what its weights or results are stored in where that is shorter.
+    pub dtype: Dtype,
+    /// How far off it may be: what it is checked against before it is timed.
+    pub promise: Promise,
+    /// Makes the kernel.
+    pub prepare: Prepare,
+}
+
+/// A component with a workload and its variants.
+#[derive(Clone, Copy)]
+pub struct Suite {
+    /// Name of the component; where [`crate::COMPONENTS`] has it and `judged`, its oracle and its bound are used.
+    pub component: &'static str,
+    /// Whether the workload's arrays are those of the registry's row.
+    pub judged: bool,
+    /// What is counted: point, sample, ray, parameter.
+    pub item: &'static str,
+    /// Seeded inputs of so many items, numbers of f32.
+    pub workload: fn(usize) -> Arrays,
+    /// Items that are timed; with `--quick` a quarter of them.
+    pub items: usize,
+    /// Items that are checked, and that the oracle is timed on (its seconds are scaled to the others' items).
+    pub checked: usize,
+    /// The component's plain f64 functions.
+    pub oracle: Prepare,
+    /// Practical variants.
+    pub variants: &'static [Variant],
+}
+
+impl Suite {
+    fn registered(&self) -> Option<&'static Component> {
+        crate::COMPONENTS.iter().find(|c| self.judged && c.name == self.component)
+    }
+
+    /// The oracle as a variant of its own suite.
+    pub fn oracle_variant(&self) -> Variant {
+        Variant {
+            name: "oracle",
+            about: "plain f64, the reference",
+            dtype: Dtype::F64,
+            promise: Promise::exact(),
+            prepare: self.oracle,
+        }
+    }
+}
+
+/// What a report is to hold.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Components whose name contains this.
+    pub filter: String,
+    /// Rounds; at least 5.
+    pub rounds: usize,
+    /// Seconds that a kernel runs at least in a round.
+    pub least: f64,
+    /// A quarter of the items, smaller calibration.
+    pub quick: bool,
+    /// A program that takes part in every round.
+    pub peer: Option<String>,
+    /// A trained run for the whole-system rows.
+    pub run: Option<PathBuf>,
+}
+
+/// A variant that passed its check.
+struct Entry {
+    suite: usize,
+    variant: Variant,
+    errors: Errors,
+    kernel: Box<dyn Kernel>,
+    items: usize,
+    timer: Timer,
+}
+
+/// What a suite's variants are compared with.
+struct Truth {
+    inputs: Arrays,
+    expected: Arrays,
+    /// Bounds by dtype and by the accuracy of elementary functions.
+    bounds: BTreeMap<(Dtype, u64), Arrays>,
+}
+
+impl Truth {
+    fn new(suite: &Suite) -> Truth {
+        let inputs = (suite.workload)(suite.checked);
+        let expected = match suite.registered() {
+            Some(component) => (component.forward.oracle)(&inputs, &CS180),
+            None => output(suite.oracle, &inputs),
+        };
+        Truth { inputs, expected, bounds: BTreeMap::new() }
+    }
+
+    /// The component's bound in a type, grade B, with elementary functions within `ulp`.
+    fn bound(&mut self, suite: &Suite, dtype: Dtype, ulp: f64) -> Option<&Arrays> {
+        let component = suite.registered()?;
+        let arithmetic = Arithmetic { elementary_ulp: ulp, ..Arithmetic::new(dtype, Grade::B) };
+        let (inputs, bounds) = (&self.inputs, &mut self.bounds);
+        let make = || tolerance(&component.forward, inputs, &CS180, &arithmetic);
+        Some(bounds.entry((dtype, ulp.to_bits())).or_insert_with(make))
+    }
+
+    /// Checks a variant: its errors, or why it is refused.
+    fn check(&mut self, suite: &Suite, variant: &Variant) -> Result<Errors, String> {
+        let got = output(variant.prepare, &self.inputs);
+        error::same_shapes(&got, &self.expected)?;
+        let allowed = match variant.promise.exp_ulp {
+            Some(ulp) => self.bound(suite, Dtype::F32, ulp).cloned(),
+            None => None,
+        };
+        let allowed = variant.promise.bound(allowed.as_ref(), &self.expected);
+        let used = worst(&got, &self.expected, &allowed);
+        if used > 1.0 || used.is_nan() {
+            return Err(format!("off by {used:.3} times what it may be off by"));
+        }
+        let budget = self.bound(suite, variant.dtype, 4.0).cloned();
+        let budget = budget.map(|bound| worst(&got, &self.expected, &bound));
+        Ok(Errors::measure(&got, &self.expected, variant.dtype, budget, used))
+    }
+}
+
+fn output(prepare: Prepare, inputs: &Arrays) -> Arrays {
+    let mut kernel = prepare(inputs);
+    kernel.run();
+    kernel.read()
+}
+
+/// Checks, times and measures the suites; `tell` hears what is being done.
+///
+/// # Errors
+/// Where the peer fails.
+pub fn run(suites: &[Suite], scalings: &[Scaling], options: &Options, tell: impl Fn(&str)) -> Result<Report> {
+    let (mut entries, mut refused) = (vec![], vec![]);
+    for (s, suite) in suites.iter().enumerate() {
+        tell(&format!("check {}", suite.component));
+        let items = if options.quick { (suite.items / 4).max(suite.checked) } else { suite.items };
+        let mut truth = Truth::new(suite);
+        let big = (suite.workload)(items);
+        let all = std::iter::once(suite.oracle_variant()).chain(suite.variants.iter().copied());
+        for variant in all {
+            let oracle = variant.name == "oracle";
+            match truth.check(suite, &variant) {
+                Err(why) => refused.push(Row::refused(suite, &variant, why)),
+                Ok(errors) => {
+                    let inputs = if oracle { &truth.inputs } else { &big };
+                    let mut kernel = (variant.prepare)(inputs);
+                    let timer = Timer::new(&mut *kernel, options.least);
+                    let timed = if oracle { suite.checked } else { items };
+                    entries.push((Entry { suite: s, variant, errors, kernel, items: timed, timer }, items));
+                }
+            }
+        }
+    }
+    let mut measured = scaling::prepare(scalings, options.least);
+    let mut machine = calibration::Calibration::new(options.quick);
+    let mut peer = options.peer.as_deref().map(peer::Peer::new);
+    for round in 0..options.rounds {
+        tell(&format!("round {} of {}", round + 1, options.rounds));
+        machine.round();
+        entries.iter_mut().for_each(|(e, _)| e.timer.round(&mut *e.kernel));
+        measured.iter_mut().for_each(scaling::Measured::round);
+        if let Some(peer) = &mut peer {
+            peer.round()?;
+        }
+    }
+    let calibration = machine.json();
+    let mut rows: Vec<Row> = entries
+        .iter()
+        .map(|(e, items)| {
+            let scale = *items as f64 / e.items as f64;
+            Row::new(&suites[e.suite], &e.variant, &e.errors, (*items, scale), &e.timer, &calibration)
+        })
+        .collect();
+    rows.extend(refused);
+    rows.extend(peer.iter().flat_map(|peer| peer.rows(&calibration)));
+    report::compare(&mut rows);
+    let scaling = measured.iter().map(scaling::Measured::json).collect();
+    Ok(Report {
+        rows,
+        scaling,
+        system: vec![],
+        calibration,
+        peer: peer.map(|p| p.json()),
+        rounds: options.rounds,
+    })
+}
