@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use super::options::positive;
+use super::evaluate::open;
+use super::options::{Backend, positive};
 use super::output;
 use crate::error::{Error, Result};
 use crate::files;
@@ -47,21 +48,34 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let wanted = |name: &str| name.contains(&args.filter);
     let suites: Vec<_> = suites::SUITES.iter().copied().filter(|s| wanted(s.component)).collect();
     let scalings: Vec<_> = suites::scalings().into_iter().filter(|s| wanted(s.component)).collect();
-    if suites.is_empty() && scalings.is_empty() {
-        let names: Vec<&str> = suites::SUITES.iter().map(|s| s.component).collect();
+    let whole = wanted("system");
+    if suites.is_empty() && scalings.is_empty() && !whole {
+        let names: Vec<&str> = suites::SUITES.iter().map(|s| s.component).chain(["system"]).collect();
         return Err(Error::usage("FILTER", &args.filter, format!("a part of: {}", names.join(", "))));
     }
+    if suites.is_empty() && whole && args.run.is_none() {
+        return Err(Error::usage("FILTER", &args.filter, "--run RUN beside it, the folder of a trained run"));
+    }
+    // Opened first: a folder that can't be read shouldn't be found out behind minutes of measuring.
+    let run = args.run.as_deref().filter(|_| whole);
+    let mut trained = run.map(|run| open(run, Backend::Fast, false)).transpose()?;
     let options = Options {
-        filter: args.filter.clone(),
         rounds: if args.quick { 5 } else { args.rounds },
         least: if args.quick { 1e-3 } else { 5e-3 },
         quick: args.quick,
         peer: args.peer.clone(),
-        run: args.run.clone(),
     };
-    let report = parallel::with_threads(args.threads, || {
+    let mut report = parallel::with_threads(args.threads, || {
         bench::run(&suites, &scalings, &options, |what| eprintln!("{what}"))
     })?;
+    if let Some(trained) = &mut trained {
+        let scene = &trained.scene;
+        if let Some(mut system) = trained.model.system() {
+            let rows = || bench::system::rows(&mut *system, scene, &options, |what| eprintln!("{what}"));
+            report.system = parallel::with_threads(args.threads, rows)?;
+            report.stamp();
+        }
+    }
     let (object, text) = (report.json(), report.text());
     files::write(&args.out.join("table.txt"), &text)?;
     files::write(

@@ -6,9 +6,8 @@ use super::fast;
 use crate::approximate::{Grade, from_bf16, sin_cos_pi, to_bf16};
 use crate::convention::CS180;
 use crate::parallel;
-use crate::random::{Key, Purpose};
 use crate::verify::Dtype;
-use crate::verify::bench::{Kernel, Promise, Scaling, Suite, Variant, kernel};
+use crate::verify::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, rows, singles, uniform};
 use crate::verify::component::{Arrays, array, arrays, scalar, values};
 
 const LEVELS: usize = 10;
@@ -18,27 +17,7 @@ const TASK: usize = 1024;
 
 /// Points of [-1, 1]^3.
 fn workload(items: usize) -> Arrays {
-    let u = Key::new(0, Purpose::Cases).uniforms(0, 0, 3 * items);
-    let x = u.iter().map(|u| f64::from((2.0 * u - 1.0) as f32)).collect();
-    arrays([("x", array(&[items, 3], x)), ("L", scalar(LEVELS as f64))])
-}
-
-/// A kernel on rows of `T`, each point's own.
-fn rows<X: 'static, T: Clone + Default + 'static>(
-    x: Vec<X>,
-    run: impl Fn(&[X], &mut [T]) + 'static,
-    read: impl Fn(&T) -> f64 + 'static,
-) -> Box<dyn Kernel> {
-    let points = x.len() / 3;
-    let out = vec![T::default(); points * WIDTH];
-    let bytes = size_of_val(&x[..]) + size_of_val(&out[..]);
-    let all = move |out: &Vec<T>| out.iter().map(&read).collect();
-    let read = move |data: &(Vec<X>, Vec<T>)| arrays([("encoding", array(&[points, WIDTH], all(&data.1)))]);
-    kernel((x, out), bytes, move |(x, out)| run(x, out), read)
-}
-
-fn singles(a: &Arrays) -> Vec<f32> {
-    values(a, "x").iter().map(|&x| x as f32).collect()
+    arrays([("x", array(&[items, 3], uniform(0, 3 * items, -1.0, 1.0))), ("L", scalar(LEVELS as f64))])
 }
 
 fn oracle(a: &Arrays) -> Box<dyn Kernel> {
@@ -48,7 +27,7 @@ fn oracle(a: &Arrays) -> Box<dyn Kernel> {
             out.copy_from_slice(&super::positional_encoding(x, &encoding));
         }
     };
-    rows(values(a, "x"), run, |&y| y)
+    rows("encoding", (values(a, "x"), 3, WIDTH), run, |&y| y)
 }
 
 /// As one writes it down: sin(2^k pi x) of the library, the product rounded.
@@ -65,12 +44,12 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
             }
         }
     };
-    rows(singles(a), run, |&y| y.into())
+    rows("encoding", (singles(a, "x"), 3, WIDTH), run, |&y| y.into())
 }
 
 fn vectorised(a: &Arrays) -> Box<dyn Kernel> {
     let run = |x: &[f64], out: &mut [f32]| fast::positional_encoding(Arch::new(), x, 3, LEVELS, out, WIDTH);
-    rows(values(a, "x"), run, |&y| y.into())
+    rows("encoding", (values(a, "x"), 3, WIDTH), run, |&y| y.into())
 }
 
 fn threaded(a: &Arrays) -> Box<dyn Kernel> {
@@ -81,7 +60,7 @@ fn threaded(a: &Arrays) -> Box<dyn Kernel> {
             fast::positional_encoding(Arch::new(), x, 3, LEVELS, out, WIDTH);
         });
     };
-    rows(values(a, "x"), run, |&y| y.into())
+    rows("encoding", (values(a, "x"), 3, WIDTH), run, |&y| y.into())
 }
 
 /// What stands in the place of the exact sine.
@@ -149,11 +128,8 @@ fn traded<T: Copy + Default + Send + 'static>(
             }
         });
     };
-    rows(singles(a), run, move |&y| load(y).into())
+    rows("encoding", (singles(a, "x"), 3, WIDTH), run, move |&y| load(y).into())
 }
-
-/// 2^-9: half a unit of bf16's last place.
-const BF16: f64 = 1.0 / 512.0;
 
 /// The encoding's suite.
 pub const SUITE: Suite = Suite {

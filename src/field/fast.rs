@@ -27,6 +27,7 @@ mod passes;
 mod product;
 mod rays;
 mod trunk;
+pub mod variants;
 
 #[cfg(test)]
 mod tests;

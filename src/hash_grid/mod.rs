@@ -9,6 +9,7 @@ use crate::maths::pow;
 
 pub mod backward;
 pub mod fast;
+pub mod variants;
 
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,7 @@
 //! index i + R (j + R k); the last cell of an axis is closed. A ray is o + t d in units of the box.
 
 pub mod fast;
+pub mod variants;
 
 #[cfg(test)]
 mod tests;

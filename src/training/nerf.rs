@@ -18,7 +18,10 @@ use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray, pixel_position};
 use crate::sample::{rest_u, sample_along_ray};
 use crate::scene::Scene;
+use crate::verify::bench::system::System;
 use crate::volume_rendering;
+
+mod variants;
 
 /// Rays that are rendered together: bounds the memory of a picture.
 const RENDER_CHUNK: usize = 1024;
@@ -180,6 +183,10 @@ impl NerfModel {
 }
 
 impl Model for NerfModel {
+    fn system(&mut self) -> Option<Box<dyn System + '_>> {
+        Some(Box::new(self.trained()))
+    }
+
     fn step(&mut self, scene: &Scene, step: u64) -> Result<StepReport> {
         let drawn = self.draw(scene, step)?;
         let Settings { rays, samples, background, .. } = self.settings;

@@ -9,7 +9,7 @@ use crate::maths;
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::verify::Dtype;
-use crate::verify::bench::{Kernel, Promise, Scaling, Suite, Variant, kernel};
+use crate::verify::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, kernel};
 use crate::verify::component::{Arrays, array, arrays, input, values};
 
 const SAMPLES: usize = 64;
@@ -368,7 +368,7 @@ pub const SUITE: Suite = Suite {
             ..variant(
                 "bf16_colours",
                 "all threads, colours stored as bf16, everything else as before",
-                Promise::f32().stored(1.0 / 512.0),
+                Promise::f32().stored(BF16),
                 |a| {
                     tasks(a, true, crate::approximate::to_bf16, |task, s, c, d, n| {
                         vectorised(task, (s, c, d), n, crate::approximate::from_bf16)

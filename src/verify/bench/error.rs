@@ -6,6 +6,12 @@ use super::rounds::quantile;
 use crate::verify::arithmetic::Dtype;
 use crate::verify::component::Arrays;
 
+/// The largest relative error of rounding to bf16 (8 significant bits).
+pub const BF16: f64 = 1.0 / 256.0;
+
+/// The largest relative error of rounding to f16 (11 significant bits).
+pub const F16: f64 = 1.0 / 2048.0;
+
 /// What a variant says about its accuracy. It is checked against this before it is timed; all parts add up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promise {

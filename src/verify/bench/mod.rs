@@ -13,22 +13,23 @@ pub mod report;
 pub mod rounds;
 pub mod scaling;
 pub mod suites;
+pub mod system;
 
 #[cfg(test)]
 mod tests;
 
-pub use error::{Errors, Promise};
+pub use error::{BF16, Errors, F16, Promise};
 pub use report::{Report, Row};
 pub use scaling::Scaling;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 
 use super::arithmetic::{Arithmetic, Dtype, Grade};
 use super::check::{tolerance, worst};
-use super::component::{Arrays, Component};
+use super::component::{Arrays, Component, array, arrays, values};
 use crate::convention::CS180;
 use crate::error::Result;
+use crate::random::{Key, Purpose};
 use rounds::Timer;
 
 /// A variant with its inputs converted and its buffers allocated.
@@ -75,6 +76,32 @@ pub fn kernel<D: 'static>(
     Box::new(Parts { data, bytes, run, read })
 }
 
+/// A kernel whose input has rows of `dims` entries and whose one output, `name`, rows of `width`.
+pub fn rows<X: 'static, T: Clone + Default + 'static>(
+    name: &'static str,
+    (x, dims, width): (Vec<X>, usize, usize),
+    run: impl Fn(&[X], &mut [T]) + 'static,
+    wide: impl Fn(&T) -> f64 + 'static,
+) -> Box<dyn Kernel> {
+    let count = x.len() / dims;
+    let out = vec![T::default(); count * width];
+    let bytes = size_of_val(&x[..]) + size_of_val(&out[..]);
+    let all = move |out: &Vec<T>| array(&[count, width], out.iter().map(&wide).collect());
+    let read = move |(_, out): &(Vec<X>, Vec<T>)| arrays([(name, all(out))]);
+    kernel((x, out), bytes, move |(x, out)| run(x, out), read)
+}
+
+/// An input rounded to f32: the workloads' numbers are, so nothing is lost.
+pub fn singles(a: &Arrays, name: &str) -> Vec<f32> {
+    values(a, name).iter().map(|&x| x as f32).collect()
+}
+
+/// Seeded numbers of f32 in [low, high): draws of `stream`, `count` of them.
+pub fn uniform(stream: u64, count: usize, low: f64, high: f64) -> Vec<f64> {
+    let u = Key::new(2, Purpose::Cases).uniforms(0, stream, count);
+    u.into_iter().map(|u| f64::from((low + (high - low) * u) as f32)).collect()
+}
+
 /// One way to compute a component.
 #[derive(Clone, Copy)]
 pub struct Variant {
@@ -103,7 +130,7 @@ pub struct Suite {
     pub workload: fn(usize) -> Arrays,
     /// Items that are timed; with `--quick` a quarter of them.
     pub items: usize,
-    /// Items that are checked, and that the oracle is timed on (its seconds are scaled to the others' items).
+    /// Items that are checked; what is slow is timed on them, and its seconds are scaled.
     pub checked: usize,
     /// The component's plain f64 functions.
     pub oracle: Prepare,
@@ -131,8 +158,6 @@ impl Suite {
 /// What a report is to hold.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Components whose name contains this.
-    pub filter: String,
     /// Rounds; at least 5.
     pub rounds: usize,
     /// Seconds that a kernel runs at least in a round.
@@ -141,9 +166,10 @@ pub struct Options {
     pub quick: bool,
     /// A program that takes part in every round.
     pub peer: Option<String>,
-    /// A trained run for the whole-system rows.
-    pub run: Option<PathBuf>,
 }
+
+/// Seconds of a run above which a kernel is timed on the items that were checked.
+const SLOW: f64 = 0.05;
 
 /// A variant that passed its check.
 struct Entry {
@@ -220,15 +246,20 @@ pub fn run(suites: &[Suite], scalings: &[Scaling], options: &Options, tell: impl
         let big = (suite.workload)(items);
         let all = std::iter::once(suite.oracle_variant()).chain(suite.variants.iter().copied());
         for variant in all {
-            let oracle = variant.name == "oracle";
             match truth.check(suite, &variant) {
                 Err(why) => refused.push(Row::refused(suite, &variant, why)),
                 Ok(errors) => {
-                    let inputs = if oracle { &truth.inputs } else { &big };
-                    let mut kernel = (variant.prepare)(inputs);
+                    let mut kernel = (variant.prepare)(&truth.inputs);
+                    let few = rounds::seconds(|| kernel.run());
+                    // What is slow is timed on the items that were checked, and its seconds are scaled.
+                    let slow = few * items as f64 / suite.checked as f64 > SLOW;
+                    if !slow {
+                        kernel = (variant.prepare)(&big);
+                    }
                     let timer = Timer::new(&mut *kernel, options.least);
-                    let timed = if oracle { suite.checked } else { items };
-                    entries.push((Entry { suite: s, variant, errors, kernel, items: timed, timer }, items));
+                    let timed = if slow { suite.checked } else { items };
+                    let entry = Entry { suite: s, variant, errors, kernel, items: timed, timer };
+                    entries.push((entry, items));
                 }
             }
         }
@@ -257,12 +288,14 @@ pub fn run(suites: &[Suite], scalings: &[Scaling], options: &Options, tell: impl
     rows.extend(peer.iter().flat_map(|peer| peer.rows(&calibration)));
     report::compare(&mut rows);
     let scaling = measured.iter().map(scaling::Measured::json).collect();
-    Ok(Report {
+    let mut report = Report {
         rows,
         scaling,
         system: vec![],
         calibration,
         peer: peer.map(|p| p.json()),
         rounds: options.rounds,
-    })
+    };
+    report.stamp();
+    Ok(report)
 }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use serde_json::Value;
+
 use super::report::{HEADER, Report, Row, SCALING, SYSTEM, cells, machine, scaling_cells, system_cells};
 use crate::report::page::Page;
 use crate::report::scatter::{self, Point};
@@ -32,9 +34,27 @@ pub fn page(report: &Report) -> String {
     }
     if !report.system.is_empty() {
         page.heading("Whole pictures");
+        page.figure(&system_picture(&report.system));
         page.table(&SYSTEM, &report.system.iter().map(system_cells).collect::<Vec<_>>());
     }
     page.finish()
+}
+
+fn system_picture(rows: &[Value]) -> String {
+    let point = |row: &Value| {
+        let figure = |field: &str| row[field].as_f64().unwrap_or(f64::NAN);
+        let (x, y) = (figure("seconds"), figure("max_error"));
+        let (name, about) = (row["variant"].as_str().unwrap_or(""), row["about"].as_str().unwrap_or(""));
+        let hover = format!(
+            "{name}: {x:.3e} s a view, {:.1} dB, largest error {y:.2e}, mean {:.2e}, {:.1} samples a ray. {about}",
+            figure("psnr"),
+            figure("mean_error"),
+            figure("samples_a_ray")
+        );
+        Point { x, y, name: name.into(), hover, on_line: row["on_frontier"] == true }
+    };
+    let points: Vec<Point> = rows.iter().map(point).collect();
+    scatter::svg("whole pictures", "seconds a view", "largest error of a colour", &points)
 }
 
 fn picture(name: &str, rows: &[&Row]) -> String {

@@ -45,7 +45,7 @@ impl Row {
             "seconds": seconds, "spread": timer.spread(), "items_per_second": items as f64 / seconds,
             "speedup": null, "max_relative_error": errors.max, "p99_relative_error": errors.p99,
             "bias": errors.bias, "max_ulp": errors.max_ulp, "budget_used": errors.budget, "on_frontier": false,
-            "item": suite.item, "items": items, "rounds": timer.seconds.len(), "about": variant.about,
+            "item": suite.item, "items": items, "timed_items": (items as f64 / scale).round(), "rounds": timer.seconds.len(), "about": variant.about,
             "max_absolute_error": errors.absolute, "promise_used": errors.promise,
             "checked_items": suite.checked, "calibration": calibration,
         });
@@ -110,6 +110,12 @@ impl Report {
     /// Variants that were refused.
     pub fn refused(&self) -> usize {
         self.rows.iter().filter(|row| row.0.contains_key("refused")).count()
+    }
+
+    /// Puts the calibration beside the figures of whole pictures too.
+    pub fn stamp(&mut self) {
+        let rows = self.system.iter_mut().chain(&mut self.scaling);
+        rows.for_each(|row| row["calibration"] = self.calibration.clone());
     }
 
     /// For machines.

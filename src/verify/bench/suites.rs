@@ -1,12 +1,31 @@
 //! Every component's suite, in pipeline order. To add a variant: one entry in the component's `variants.rs`.
 
 use super::{Scaling, Suite};
-use crate::{encoding, volume_rendering};
+use crate::field::fast::variants as field;
+use crate::{encoding, hash_grid, occupancy_grid, optimiser, sample, spherical_harmonics, volume_rendering};
 
 /// All suites.
-pub const SUITES: &[Suite] = &[encoding::variants::SUITE, volume_rendering::variants::SUITE];
+pub const SUITES: &[Suite] = &[
+    sample::variants::SUITE,
+    encoding::variants::SUITE,
+    field::MLP,
+    field::NERF_MLP,
+    hash_grid::variants::SUITE,
+    spherical_harmonics::variants::SUITE,
+    occupancy_grid::variants::SUITE,
+    volume_rendering::variants::SUITE,
+    optimiser::variants::SUITE,
+];
 
 /// Time and memory against size, of all components.
 pub fn scalings() -> Vec<Scaling> {
-    [encoding::variants::SCALING, volume_rendering::variants::SCALING].concat()
+    [
+        encoding::variants::SCALING,
+        field::SCALING,
+        hash_grid::variants::SCALING,
+        occupancy_grid::variants::SCALING,
+        volume_rendering::variants::SCALING,
+        optimiser::variants::SCALING,
+    ]
+    .concat()
 }
