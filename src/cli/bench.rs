@@ -72,7 +72,9 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         let scene = &trained.scene;
         if let Some(mut system) = trained.model.system() {
             let rows = || bench::system::rows(&mut *system, scene, &options, |what| eprintln!("{what}"));
-            report.system = parallel::with_threads(args.threads, rows)?;
+            let (rows, scaling) = parallel::with_threads(args.threads, rows)?;
+            report.system = rows;
+            report.scaling.extend(scaling);
             report.stamp();
         }
     }

@@ -1,7 +1,5 @@
 //! The page: for each component a picture of speed against error, and the tables.
 
-use std::collections::BTreeMap;
-
 use serde_json::Value;
 
 use super::report::{HEADER, Report, Row, SCALING, SYSTEM, cells, machine, scaling_cells, system_cells};
@@ -17,15 +15,16 @@ pub fn page(report: &Report) -> String {
          frontier: nothing below and to the left of it. The oracle's own error is 0 and stands on the lower edge. Point at a dot to \
          read its figures.",
     );
-    let mut components: BTreeMap<usize, (&str, Vec<&Row>)> = BTreeMap::new();
+    let mut names: Vec<&str> = vec![];
     for row in &report.rows {
-        let name = row.text("component");
-        let at = components.iter().find(|(_, (n, _))| *n == name).map_or(components.len(), |(&at, _)| at);
-        components.entry(at).or_insert((name, vec![])).1.push(row);
+        if !names.contains(&row.text("component")) {
+            names.push(row.text("component"));
+        }
     }
-    for (name, rows) in components.values() {
+    for name in names {
+        let rows: Vec<&Row> = report.rows.iter().filter(|row| row.text("component") == name).collect();
         page.heading(name);
-        page.figure(&picture(name, rows));
+        page.figure(&picture(name, &rows));
         page.table(&HEADER, &rows.iter().map(|row| cells(row)).collect::<Vec<_>>());
     }
     if !report.scaling.is_empty() {

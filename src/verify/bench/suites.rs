@@ -2,7 +2,9 @@
 
 use super::{Scaling, Suite};
 use crate::field::fast::variants as field;
-use crate::{encoding, hash_grid, occupancy_grid, optimiser, sample, spherical_harmonics, volume_rendering};
+use crate::{
+    encoding, hash_grid, occupancy_grid, optimiser, sample, spherical_harmonics, training, volume_rendering,
+};
 
 /// All suites.
 pub const SUITES: &[Suite] = &[
@@ -15,6 +17,7 @@ pub const SUITES: &[Suite] = &[
     occupancy_grid::variants::SUITE,
     volume_rendering::variants::SUITE,
     optimiser::variants::SUITE,
+    training::variants::SUITE,
 ];
 
 /// Time and memory against size, of all components.

@@ -7,6 +7,8 @@ use serde_json::{Value, json};
 use super::Options;
 use super::frontier::on_frontier;
 use super::rounds::{quantile, seconds};
+use super::scaling::exponent;
+use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::evaluation::{camera_rays, over};
 use crate::loss::psnr;
@@ -74,7 +76,7 @@ pub fn rows(
     scene: &Scene,
     options: &Options,
     tell: impl Fn(&str),
-) -> Result<Vec<Value>> {
+) -> Result<(Vec<Value>, Vec<Value>)> {
     let frames = if scene.val.is_empty() { &scene.train } else { &scene.val };
     let frame = frames.first().ok_or_else(|| {
         Error::input(&scene.name, "views", "none", "at least one", "Choose a scene with views.")
@@ -102,10 +104,18 @@ pub fn rows(
         let draw = |n: usize| all[key.below(all.len() as u64, 2, n as u64, 0) as usize];
         (0..system.timed_pixels()).map(draw).collect()
     };
+    let sides: Vec<(f64, Vec<Ray>)> = [8, 4, 2, 1].map(|step| coarser(&frame.camera, all, step)).into();
     let choices = system.choices();
     let mut times = vec![vec![]; choices.len()];
+    let mut by_side = vec![vec![]; sides.len()];
     for round in 0..options.rounds {
         tell(&format!("pictures, round {} of {}", round + 1, options.rounds));
+        system.choose(0);
+        if all.len() <= system.timed_pixels() {
+            for ((_, rays), times) in sides.iter().zip(&mut by_side) {
+                times.push(seconds(|| drop(std::hint::black_box(system.render(rays)))));
+            }
+        }
         for (n, times) in times.iter_mut().enumerate() {
             system.choose(n);
             let view = seconds(|| drop(std::hint::black_box(system.render(&timed))));
@@ -125,7 +135,23 @@ pub fn rows(
     for (row, on) in rows.iter_mut().zip(on_frontier(&points)) {
         row["on_frontier"] = on.into();
     }
-    Ok(rows)
+    let values: Vec<f64> = sides.iter().map(|(side, _)| *side).collect();
+    let middle: Vec<f64> = by_side.iter().map(|times| quantile(times, 0.5)).collect();
+    let scaling = json!({
+        "component": "system", "parameter": "picture resolution", "about": "a view of the trained model, pixels along an edge",
+        "values": values, "seconds": middle, "exponent": exponent(&values, &middle), "memory_exponent": null,
+    });
+    let scaling = if by_side[0].is_empty() { vec![] } else { vec![scaling] };
+    Ok((rows, scaling))
+}
+
+/// Every `step`-th pixel of a view along both axes, with the square root of their number.
+fn coarser(camera: &Camera, rays: &[Ray], step: usize) -> (f64, Vec<Ray>) {
+    let (w, h) = (camera.width, camera.height);
+    let rows = (step / 2..h).step_by(step);
+    let chosen: Vec<Ray> =
+        rows.flat_map(|j| (step / 2..w).step_by(step).map(move |i| rays[j * w + i])).collect();
+    ((chosen.len() as f64).sqrt(), chosen)
 }
 
 fn oracle_row(seconds: f64, pixels: usize) -> Value {
