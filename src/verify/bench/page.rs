@@ -25,7 +25,8 @@ pub fn page(report: &Report) -> String {
         let rows: Vec<&Row> = report.rows.iter().filter(|row| row.text("component") == name).collect();
         page.heading(name);
         page.figure(&picture(name, &rows));
-        page.table(&HEADER, &rows.iter().map(|row| cells(row)).collect::<Vec<_>>());
+        // The component's name stands above.
+        page.table(&HEADER[1..], &rows.iter().map(|row| cells(row)[1..].to_vec()).collect::<Vec<_>>());
     }
     if !report.scaling.is_empty() {
         page.heading("Scaling");
