@@ -1,7 +1,7 @@
 //! Someone else's program, in the same rounds.
 //!
 //! The command runs once a round and prints one JSON object on stdout (other lines before it are ignored). What is read from it:
-//! `program`, its name; every field that ends in `_seconds` or `_per_second`; and, where there, `rows`, a list of objects with
+//! `program`, its name; every number with `second` in its name; and, where there, `rows`, a list of objects with
 //! `component`, `variant` and `seconds` or `items_per_second`, and whatever else our rows have. `tools/bench_torch.py` is such a program.
 
 use std::collections::BTreeMap;
@@ -70,8 +70,7 @@ impl Peer {
     fn figures(&self) -> BTreeMap<String, Vec<f64>> {
         let mut figures: BTreeMap<String, Vec<f64>> = BTreeMap::new();
         for (name, value) in self.objects.iter().flatten() {
-            let timed = name.ends_with("_seconds") || name.ends_with("_per_second");
-            if let Some(x) = value.as_f64().filter(|_| timed) {
+            if let Some(x) = value.as_f64().filter(|_| name.contains("second")) {
                 figures.entry(name.clone()).or_default().push(x);
             }
         }

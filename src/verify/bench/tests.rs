@@ -1,9 +1,13 @@
 //! The check comes first; frontier, exponents and peers on made-up figures.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 
 use super::report::{Row, compare};
 use super::scaling::exponent;
+use super::suites::SUITES;
+use super::truth::Truth;
 use super::{Kernel, Options, Promise, Suite, Variant, frontier, kernel, run};
 use crate::verify::Dtype;
 use crate::verify::component::{Arrays, array, arrays, values};
@@ -71,6 +75,24 @@ fn the_check_comes_first() {
     assert_eq!(row("oracle").number("max_relative_error"), Some(0.0));
     assert_eq!(row("oracle").number("speedup"), Some(1.0));
     assert!(report.text().contains("refused: double wrong"));
+}
+
+/// All suites of the crate: no variant is refused, and no two of a suite have one name.
+#[test]
+fn every_variant_is_what_it_says() {
+    let refused = crate::parallel::map(SUITES.len(), |n| {
+        let suite = &SUITES[n];
+        let mut truth = Truth::new(suite);
+        let all: Vec<Variant> = [suite.oracle_variant()].into_iter().chain(suite.variants.to_vec()).collect();
+        let names: BTreeSet<&str> = all.iter().map(|variant| variant.name).collect();
+        assert_eq!(names.len(), all.len(), "{}", suite.component);
+        let check = |variant: &Variant| {
+            let why = truth.check(suite, variant).err()?;
+            Some(format!("{} {}: {why}", suite.component, variant.name))
+        };
+        all.iter().filter_map(check).collect::<Vec<_>>()
+    });
+    assert!(refused.concat().is_empty(), "{refused:?}");
 }
 
 #[test]
