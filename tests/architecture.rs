@@ -17,6 +17,7 @@ const AROUND: &[&str] = &[
     "component",
     "tests",
     "fast",
+    "variants",
     "statistics",
     "propagate",
     "chain",

@@ -5,6 +5,10 @@ over chunks of 64 rays (whichever is faster counts); forward in chunks of 4,096 
 rounds of both programs can be interleaved:
 
     python tools/bench_torch.py --rounds 1 --threads 2 --fit-steps 100
+
+or, in the rounds of `bench` itself:
+
+    nerf-oracle bench nerf_mlp --out DIR --peer "python tools/bench_torch.py --rounds 1 --fit-steps 10"
 """
 
 import argparse

@@ -8,6 +8,7 @@ use clap::{Parser, Subcommand};
 
 use crate::error::Result;
 
+mod bench;
 mod cases;
 mod check;
 mod demo;
@@ -56,6 +57,7 @@ enum Command {
     Check(check::Args),
     Cases(cases::Args),
     Judge(judge::Args),
+    Bench(bench::Args),
 }
 
 /// Parses `args`, runs the subcommand, prints an error if there is one, and says how the program ends.
@@ -88,5 +90,6 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Check(args) => check::run(args, cli.json),
         Command::Cases(args) => cases::run(args, cli.json),
         Command::Judge(args) => judge::run(args, cli.json),
+        Command::Bench(args) => bench::run(args, cli.json),
     }
 }

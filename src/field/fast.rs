@@ -27,6 +27,7 @@ mod passes;
 mod product;
 mod rays;
 mod trunk;
+pub mod variants;
 
 #[cfg(test)]
 mod tests;
@@ -34,6 +35,7 @@ mod tests;
 pub use gradient::Gradient;
 pub use image::ImageNetwork;
 pub use network::{Batch, Network};
+pub use product::sgemm;
 pub use rays::{Rays, Rendered};
 
 /// Points that pass through the layers together (whole rays; one ray where it has more samples).

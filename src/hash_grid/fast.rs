@@ -15,7 +15,7 @@ pub const LEVELS: usize = 8;
 /// Columns of the encoding.
 pub const WIDTH: usize = LEVELS * FEATURES;
 /// Points whose corners are computed together.
-const BLOCK: usize = 16;
+pub(super) const BLOCK: usize = 16;
 /// Entries of a cache line, the unit of the sparse optimiser.
 const LINE: usize = 4;
 
@@ -114,7 +114,12 @@ impl Level {
 
     /// Table indices and trilinear weights of the 8 corners of up to 16 points.
     #[inline(always)]
-    fn corners(&self, points: &[[f32; 3]], index: &mut [[u32; BLOCK]; 8], weight: &mut [[f32; BLOCK]; 8]) {
+    pub(super) fn corners(
+        &self,
+        points: &[[f32; 3]],
+        index: &mut [[u32; BLOCK]; 8],
+        weight: &mut [[f32; BLOCK]; 8],
+    ) {
         let (scale, top) = (self.resolution as f32, self.resolution as i32 - 1);
         let (mut fraction, mut low) = ([[0f32; BLOCK]; 3], [[0u32; BLOCK]; 3]);
         for axis in 0..3 {

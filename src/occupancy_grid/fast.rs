@@ -43,6 +43,14 @@ impl Occupancy {
         (self.along(p[2]) * self.resolution + self.along(p[1])) * self.resolution + self.along(p[0])
     }
 
+    /// Whether the cell with this index is occupied.
+    pub fn occupied(&self, cell: usize) -> bool {
+        let (r, bricks) = (self.resolution, self.resolution / BRICK);
+        let (x, y, z) = (cell % r, cell / r % r, cell / r / r);
+        let word = self.bits[(z / BRICK * bricks + y / BRICK) * bricks + x / BRICK];
+        word >> ((z % BRICK * BRICK + y % BRICK) * BRICK + x % BRICK) & 1 == 1
+    }
+
     /// Share of the cells that are occupied.
     pub fn fraction(&self) -> f64 {
         let ones: u32 = self.bits.iter().map(|b| b.count_ones()).sum();

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::maths::{expm1, ln};
 
 pub mod fast;
+pub mod variants;
 
 pub mod bound;
 pub mod cases;

@@ -5,5 +5,6 @@ pub mod curve;
 pub mod film;
 pub mod inspect;
 pub mod page;
+pub mod scatter;
 pub mod sheet;
 pub mod table;

@@ -13,7 +13,7 @@ impl Page {
         let style = "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}\
             figure{margin:1rem 1rem 1rem 0;display:inline-block;vertical-align:top}\
             figcaption{font-size:.85rem;color:#555}img{max-width:100%;image-rendering:auto}\
-            table{border-collapse:collapse}td,th{padding:.2rem .8rem;border-bottom:1px solid #ddd;text-align:right}\
+            table{border-collapse:collapse;font-size:.85rem}td,th{padding:.2rem .5rem;white-space:nowrap;border-bottom:1px solid #ddd;text-align:right}\
             td:first-child,th:first-child{text-align:left}";
         let (title, lead) = (escape(title), escape(lead));
         let html = format!(
@@ -26,6 +26,18 @@ impl Page {
     /// A heading.
     pub fn heading(&mut self, text: &str) -> &mut Self {
         let _ = writeln!(self.html, "<h2>{}</h2>", escape(text));
+        self
+    }
+
+    /// A paragraph.
+    pub fn paragraph(&mut self, text: &str) -> &mut Self {
+        let _ = writeln!(self.html, "<p>{}</p>", escape(text));
+        self
+    }
+
+    /// A picture as SVG text, which stands in the page itself.
+    pub fn figure(&mut self, svg: &str) -> &mut Self {
+        let _ = writeln!(self.html, "<figure>{svg}</figure>");
         self
     }
 
@@ -59,7 +71,7 @@ impl Page {
 }
 
 /// Text as HTML shows it.
-fn escape(text: &str) -> String {
+pub(super) fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 

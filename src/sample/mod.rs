@@ -11,6 +11,7 @@ pub mod cases;
 pub mod component;
 pub mod honest;
 pub mod mistakes;
+pub mod variants;
 
 #[cfg(test)]
 mod tests;

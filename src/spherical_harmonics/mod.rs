@@ -10,6 +10,7 @@ pub mod component;
 pub mod fast;
 pub mod honest;
 pub mod mistakes;
+pub mod variants;
 
 #[cfg(test)]
 mod tests;

@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::files::npz::Arrays;
 use crate::ray::Ray;
 use crate::scene::Scene;
+use crate::verify::bench::system::System;
 
 /// What one optimiser step did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -48,6 +49,11 @@ pub trait Model: Sync + Send {
 
     /// Every setting, given or derived, with the reason where it was derived.
     fn settings(&self) -> Map<String, Value>;
+
+    /// The trained model's ways to render, for `bench`.
+    fn system(&mut self) -> Option<Box<dyn System + '_>> {
+        None
+    }
 
     /// Something that a user should hear about, e.g. a density head that died (TR1). Asked at every validation.
     fn warning(&self) -> Option<String> {

@@ -2,6 +2,7 @@
 //! network and a fine one.
 
 mod path;
+mod variants;
 
 #[cfg(test)]
 mod tests;
@@ -22,6 +23,7 @@ use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray, pixel_position};
 use crate::sample::{rest_u, sample_along_ray};
 use crate::scene::Scene;
+use crate::verify::bench::system::System;
 
 /// In front of the names of the fine network's arrays.
 const FINE: &str = "fine.";
@@ -184,6 +186,14 @@ impl NerfModel {
 }
 
 impl Model for NerfModel {
+    fn system(&mut self) -> Option<Box<dyn System + '_>> {
+        // A pair of networks has no one number of samples to choose.
+        if self.fine.is_some() {
+            return None;
+        }
+        Some(Box::new(self.trained()))
+    }
+
     fn step(&mut self, scene: &Scene, step: u64) -> Result<StepReport> {
         let Drawn { origins, directions, t, u, targets } = self.draw(scene, step)?;
         let (Settings { rays, background, .. }, adam) = (self.settings, self.adam());

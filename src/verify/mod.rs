@@ -3,6 +3,7 @@
 pub mod answer;
 pub mod arithmetic;
 pub mod assignment;
+pub mod bench;
 pub mod bounded;
 pub mod case;
 pub mod catalogue;

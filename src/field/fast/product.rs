@@ -30,8 +30,18 @@ impl<'a> Matrix<'a> {
 }
 
 /// c = a b, or c += a b; rows of c `stride` entries apart.
-#[allow(unsafe_code, reason = "gemm takes pointers; what it needs of them is asserted here")]
 pub(super) fn product(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumulate: bool) {
+    product_on(c, stride, a, b, accumulate, Parallelism::None);
+}
+
+/// c = a b of n x n matrices, row by row, on all threads: what the machine can do at best.
+pub fn sgemm(n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
+    let (a, b) = (Matrix::new(a, n, n, n), Matrix::new(b, n, n, n));
+    product_on(c, n, a, b, false, Parallelism::Rayon(crate::parallel::threads()));
+}
+
+#[allow(unsafe_code, reason = "gemm takes pointers; what it needs of them is asserted here")]
+fn product_on(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumulate: bool, on: Parallelism) {
     let (m, n, k) = (a.rows, b.columns, a.columns);
     assert_eq!(k, b.rows, "inner dimensions of a product");
     if m == 0 || n == 0 {
@@ -60,7 +70,7 @@ pub(super) fn product(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumu
             false,
             false,
             false,
-            Parallelism::None,
+            on,
         );
     }
 }

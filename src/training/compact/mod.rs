@@ -15,6 +15,7 @@ use crate::random::{Key, Purpose};
 use crate::ray::Ray;
 use crate::scene::Scene;
 use crate::training::{Model, Pixel, StepReport};
+use crate::verify::bench::system::System;
 
 mod backward;
 mod chunk;
@@ -22,10 +23,12 @@ mod forward;
 mod kernels;
 mod networks;
 mod occupancy;
+mod reference;
 mod render;
 mod settings;
 mod state;
 mod step;
+mod variants;
 mod views;
 
 #[cfg(test)]
@@ -100,5 +103,9 @@ impl Model for CompactModel {
 
     fn settings(&self) -> Map<String, Value> {
         self.settings.to_json()
+    }
+
+    fn system(&mut self) -> Option<Box<dyn System + '_>> {
+        Some(Box::new(self.trained()))
     }
 }

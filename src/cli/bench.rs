@@ -1,0 +1,90 @@
+//! `bench [FILTER] --out DIR`: speed against error of every component's variants.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use super::evaluate::open;
+use super::options::{Backend, positive};
+use super::output;
+use crate::error::{Error, Result};
+use crate::files;
+use crate::parallel;
+use crate::verify::bench::{self, Options, page, suites};
+
+/// Measure speed against error: variants are checked, timed, and their errors measured.
+#[derive(clap::Args, Debug)]
+pub struct Args {
+    /// Components whose name contains this (all where absent).
+    #[arg(default_value = "")]
+    filter: String,
+    /// Where table.txt, bench.json and index.html go.
+    #[arg(long)]
+    out: PathBuf,
+    /// A program that takes part in every round: it prints one JSON object, as tools/bench_torch.py --rounds 1 does.
+    #[arg(long, value_name = "COMMAND")]
+    peer: Option<String>,
+    /// A trained run, for the whole-system rows.
+    #[arg(long)]
+    run: Option<PathBuf>,
+    /// Rounds, at least 5.
+    #[arg(long, default_value_t = 7, value_parser = positive)]
+    rounds: usize,
+    /// A quarter of the work, 5 rounds, a smaller calibration.
+    #[arg(long)]
+    quick: bool,
+    /// Threads; all cores by default.
+    #[arg(long, value_parser = positive)]
+    threads: Option<usize>,
+}
+
+/// Runs it. 1 where a variant isn't what it says.
+///
+/// # Errors
+/// A filter that no component matches, a run that can't be read, a peer that fails.
+pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    if args.rounds < 5 {
+        return Err(Error::usage("--rounds", args.rounds, "at least 5"));
+    }
+    let wanted = |name: &str| name.contains(&args.filter);
+    let suites: Vec<_> = suites::SUITES.iter().copied().filter(|s| wanted(s.component)).collect();
+    let scalings: Vec<_> = suites::scalings().into_iter().filter(|s| wanted(s.component)).collect();
+    let whole = wanted("system");
+    if suites.is_empty() && scalings.is_empty() && !whole {
+        let names: Vec<&str> = suites::SUITES.iter().map(|s| s.component).chain(["system"]).collect();
+        return Err(Error::usage("FILTER", &args.filter, format!("a part of: {}", names.join(", "))));
+    }
+    if suites.is_empty() && whole && args.run.is_none() {
+        return Err(Error::usage("FILTER", &args.filter, "--run RUN beside it, the folder of a trained run"));
+    }
+    // Opened first: a folder that can't be read shouldn't be found out behind minutes of measuring.
+    let run = args.run.as_deref().filter(|_| whole);
+    let mut trained = run.map(|run| open(run, Backend::Fast, false)).transpose()?;
+    let options = Options {
+        rounds: if args.quick { 5 } else { args.rounds },
+        least: if args.quick { 1e-3 } else { 5e-3 },
+        quick: args.quick,
+        peer: args.peer.clone(),
+    };
+    let mut report = parallel::with_threads(args.threads, || {
+        bench::run(&suites, &scalings, &options, |what| eprintln!("{what}"))
+    })?;
+    if let Some(trained) = &mut trained {
+        let scene = &trained.scene;
+        if let Some(mut system) = trained.model.system() {
+            let rows = || bench::system::rows(&mut *system, scene, &options, |what| eprintln!("{what}"));
+            let (rows, scaling) = parallel::with_threads(args.threads, rows)?;
+            report.system = rows;
+            report.scaling.extend(scaling);
+            report.stamp();
+        }
+    }
+    let (object, text) = (report.json(), report.text());
+    files::write(&args.out.join("table.txt"), &text)?;
+    files::write(
+        &args.out.join("bench.json"),
+        serde_json::to_string_pretty(&object).expect("plain data") + "\n",
+    )?;
+    files::write(&args.out.join("index.html"), page::page(&report))?;
+    output::print(json, &object, &text);
+    Ok(if report.refused() == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
+}

@@ -1,0 +1,112 @@
+//! The trained model as `bench` sees it: samples a ray, early stop at several eps, occupancy thresholds.
+
+use super::CompactModel;
+use super::reference::Reference;
+use super::step::optical_step;
+use crate::occupancy_grid::fast::Occupancy;
+use crate::ray::Ray;
+use crate::training::{Model, Pixel};
+use crate::verify::bench::system::{Choice, Seen, System};
+
+/// What a variant changes.
+#[derive(Clone, Copy)]
+enum Knob {
+    Nothing,
+    /// Step lengths across the box, over those of the training.
+    Samples(f64),
+    Stop(f64),
+    /// Opacity of one step above which a cell counts as occupied.
+    Opacity(f32),
+}
+
+const KNOBS: [(&str, &str, Knob); 13] = [
+    (
+        "as_trained",
+        "the trained model's own samples, eps 1e-4, cells of an opacity above 0.01",
+        Knob::Nothing,
+    ),
+    ("samples_x1/8", "an eighth of the samples", Knob::Samples(0.125)),
+    ("samples_x1/4", "a quarter of the samples", Knob::Samples(0.25)),
+    ("samples_x1/2", "half of the samples", Knob::Samples(0.5)),
+    ("samples_x2", "twice the samples", Knob::Samples(2.0)),
+    ("samples_x4", "four times the samples", Knob::Samples(4.0)),
+    ("stop_0", "no early stop", Knob::Stop(0.0)),
+    ("stop_1e-3", "a ray ends where T < 1e-3", Knob::Stop(1e-3)),
+    ("stop_1e-2", "a ray ends where T < 1e-2", Knob::Stop(1e-2)),
+    ("stop_1e-1", "a ray ends where T < 1e-1", Knob::Stop(1e-1)),
+    ("opacity_0.001", "cells count from an opacity of 0.001 a step", Knob::Opacity(0.001)),
+    ("opacity_0.05", "cells count from an opacity of 0.05 a step", Knob::Opacity(0.05)),
+    ("opacity_0.2", "cells count from an opacity of 0.2 a step", Knob::Opacity(0.2)),
+];
+
+/// A model with one of its knobs turned; turned back when dropped.
+pub(super) struct Trained<'a> {
+    model: &'a mut CompactModel,
+    /// As trained.
+    samples: f64,
+    stop: f64,
+    occupancy: Occupancy,
+    reference: Reference,
+}
+
+impl CompactModel {
+    pub(super) fn trained(&mut self) -> Trained<'_> {
+        let (samples, stop, occupancy) = (self.settings.samples, self.settings.stop, self.occupancy.clone());
+        let reference = Reference::new(self);
+        Trained { model: self, samples, stop, occupancy, reference }
+    }
+}
+
+impl Drop for Trained<'_> {
+    fn drop(&mut self) {
+        self.choose(0);
+    }
+}
+
+impl System for Trained<'_> {
+    fn choices(&self) -> Vec<Choice> {
+        KNOBS.iter().map(|&(name, about, _)| Choice { name, about }).collect()
+    }
+
+    fn choose(&mut self, n: usize) {
+        let model = &mut *self.model;
+        (model.settings.samples, model.settings.stop) = (self.samples, self.stop);
+        model.occupancy.clone_from(&self.occupancy);
+        match KNOBS[n].2 {
+            Knob::Nothing => {}
+            Knob::Samples(factor) => model.settings.samples = factor * self.samples,
+            Knob::Stop(eps) => model.settings.stop = eps,
+            Knob::Opacity(opacity) => model.occupancy.apply_threshold(opacity / optical_step(self.samples)),
+        }
+    }
+
+    fn render(&self, rays: &[Ray]) -> Vec<Pixel> {
+        self.model.render(rays)
+    }
+
+    fn truth(&self, ray: &Ray, samples: usize) -> Seen {
+        self.seen(ray, samples as f64, &self.reference)
+    }
+
+    fn same_samples(&self, rays: &[Ray]) -> Vec<Seen> {
+        // With the cells of the choice, which may differ from those of the trained model.
+        let reference = Reference::new(self.model);
+        let samples = self.model.settings.samples_at(self.model.step);
+        crate::parallel::map(rays.len(), |n| self.seen(&rays[n], samples, &reference))
+    }
+
+    fn true_pixels(&self) -> usize {
+        512
+    }
+
+    fn timed_pixels(&self) -> usize {
+        usize::MAX
+    }
+}
+
+impl Trained<'_> {
+    fn seen(&self, ray: &Ray, samples: f64, reference: &Reference) -> Seen {
+        let seen = reference.render(ray, samples, self.model.settings.stop);
+        Seen { color: seen.color, opacity: seen.opacity, samples: seen.samples, live: seen.live }
+    }
+}

@@ -1,0 +1,88 @@
+//! The trained 8x256 network as `bench` sees it: 16 to 256 samples a ray.
+
+use super::NerfModel;
+use super::path::Path;
+use crate::convention::CS180;
+use crate::encoding::Encoding;
+use crate::ray::Ray;
+use crate::sample::{rest_u, sample_along_ray};
+use crate::training::reference::Field;
+use crate::training::{Model, Pixel};
+use crate::verify::bench::system::{Choice, Seen, System};
+
+/// Samples a ray; the first are those of the training.
+const SAMPLES: [(&str, usize); 6] = [
+    ("as_trained", 0),
+    ("samples_16", 16),
+    ("samples_32", 32),
+    ("samples_64", 64),
+    ("samples_128", 128),
+    ("samples_256", 256),
+];
+
+/// A model with another number of samples; its own again when dropped.
+pub(super) struct Trained<'a> {
+    model: &'a mut NerfModel,
+    samples: usize,
+    field: Field,
+}
+
+impl NerfModel {
+    pub(super) fn trained(&mut self) -> Trained<'_> {
+        let net = match &self.coarse {
+            Path::Fast { net, .. } => net.to_oracle(&net.params),
+            Path::Reference { field, .. } => field.net.clone(),
+        };
+        let (position, direction) = self.settings.levels;
+        let field = Field {
+            net,
+            position: Encoding::new(position, &CS180),
+            direction: Encoding::new(direction, &CS180),
+            conventions: CS180,
+        };
+        Trained { samples: self.settings.samples, model: self, field }
+    }
+}
+
+impl Drop for Trained<'_> {
+    fn drop(&mut self) {
+        self.choose(0);
+    }
+}
+
+impl System for Trained<'_> {
+    fn choices(&self) -> Vec<Choice> {
+        SAMPLES
+            .iter()
+            .map(|&(name, _)| Choice { name, about: "samples a ray, evenly spaced, all computed" })
+            .collect()
+    }
+
+    fn choose(&mut self, n: usize) {
+        self.model.settings.samples = if n == 0 { self.samples } else { SAMPLES[n].1 };
+    }
+
+    fn render(&self, rays: &[Ray]) -> Vec<Pixel> {
+        self.model.render(rays)
+    }
+
+    fn truth(&self, ray: &Ray, samples: usize) -> Seen {
+        let (near, far) = (self.model.settings.near, self.model.settings.far);
+        let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
+        let deltas = vec![(far - near) / samples as f64; samples];
+        let (seen, _) = self.field.render(ray, &t, &deltas);
+        Seen { color: seen.color, opacity: seen.opacity, samples, live: samples }
+    }
+
+    fn same_samples(&self, rays: &[Ray]) -> Vec<Seen> {
+        crate::parallel::map(rays.len(), |n| self.truth(&rays[n], self.model.settings.samples))
+    }
+
+    fn true_pixels(&self) -> usize {
+        16
+    }
+
+    fn timed_pixels(&self) -> usize {
+        1024
+    }
+}

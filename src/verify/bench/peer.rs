@@ -1,0 +1,150 @@
+//! Someone else's program, in the same rounds.
+//!
+//! The command runs once a round and prints one JSON object on stdout (other lines before it are ignored). What is read from it:
+//! `program`, its name; every number with `second` in its name; and, where there, `rows`, a list of objects with
+//! `component`, `variant` and `seconds` or `items_per_second`, and whatever else our rows have. `tools/bench_torch.py` is such a program.
+
+use std::collections::BTreeMap;
+use std::process::Command;
+
+use serde_json::{Map, Value, json};
+
+use super::report::Row;
+use super::rounds::quantile;
+use crate::error::{Error, Result};
+
+/// Figures of `tools/bench_torch.py`: the field, the suite it belongs to, and how many of that suite's items its seconds stand for.
+const FIGURES: [(&str, &str, f64); 3] = [
+    ("step_whole_batch_seconds", "training_step", 1024.0 * 64.0),
+    ("step_accumulated_seconds", "training_step", 1024.0 * 64.0),
+    ("forward_points_per_second", "nerf_mlp", 1.0),
+];
+
+/// A program that takes part.
+pub struct Peer {
+    command: String,
+    objects: Vec<Map<String, Value>>,
+}
+
+impl Peer {
+    /// A peer that hasn't run yet.
+    pub fn new(command: &str) -> Peer {
+        Peer { command: command.into(), objects: vec![] }
+    }
+
+    fn error(&self, found: impl ToString) -> Error {
+        let advice = "Run the command by itself; tools/bench_torch.py --rounds 1 is an example.";
+        let expected = "one JSON object a run, and exit code 0";
+        Error::input("--peer", &self.command, found, expected, advice)
+    }
+
+    /// Runs the program once.
+    ///
+    /// # Errors
+    /// Where it can't be started, fails, or prints no object.
+    pub fn round(&mut self) -> Result<()> {
+        let shell = if cfg!(windows) { ["cmd", "/C"] } else { ["sh", "-c"] };
+        let output = Command::new(shell[0]).args([shell[1], &self.command]).output();
+        let output = output.map_err(|e| self.error(e))?;
+        if !output.status.success() {
+            let words = String::from_utf8_lossy(&output.stderr);
+            let last = words.lines().last().unwrap_or("").to_string();
+            return Err(self.error(format!("{}; {last}", output.status)));
+        }
+        let text = String::from_utf8_lossy(&output.stdout);
+        let last = text.lines().rev().find(|line| line.trim_start().starts_with('{')).unwrap_or("");
+        match serde_json::from_str(last) {
+            Ok(Value::Object(object)) => {
+                self.objects.push(object);
+                Ok(())
+            }
+            _ => Err(self.error("no JSON object on stdout")),
+        }
+    }
+
+    fn program(&self) -> &str {
+        self.objects.first().and_then(|o| o.get("program")).and_then(Value::as_str).unwrap_or("peer")
+    }
+
+    /// The median and spread over rounds of every number that `figures` finds in the objects, by name.
+    fn figures(&self) -> BTreeMap<String, Vec<f64>> {
+        let mut figures: BTreeMap<String, Vec<f64>> = BTreeMap::new();
+        for (name, value) in self.objects.iter().flatten() {
+            if let Some(x) = value.as_f64().filter(|_| name.contains("second")) {
+                figures.entry(name.clone()).or_default().push(x);
+            }
+        }
+        figures
+    }
+
+    /// Rows beside ours.
+    pub fn rows(&self, calibration: &Value) -> Vec<Row> {
+        let mut rows: Vec<Row> = vec![];
+        let figures = self.figures();
+        for (field, component, items) in FIGURES {
+            let Some(values) = figures.get(field) else { continue };
+            let (middle, spread) = summary(values);
+            let rate = if field.ends_with("_seconds") { items / middle } else { middle };
+            let variant = format!("{}: {}", self.program(), field.trim_end_matches("_seconds"));
+            rows.push(self.row(component, &variant, rate, spread, &Map::new(), calibration));
+        }
+        // The peer's own rows: those of one name, over all rounds.
+        let mut own: BTreeMap<(String, String), (Vec<f64>, Map<String, Value>)> = BTreeMap::new();
+        for row in self.objects.iter().filter_map(|o| o.get("rows")?.as_array()).flatten() {
+            let text = |field: &str| row[field].as_str().map(String::from);
+            let rate = row["items_per_second"]
+                .as_f64()
+                .or_else(|| row["seconds"].as_f64().map(|s| row["items"].as_f64().unwrap_or(1.0) / s));
+            if let (Some(component), Some(variant), Some(rate), Some(object)) =
+                (text("component"), text("variant"), rate, row.as_object())
+            {
+                let entry = own.entry((component, variant)).or_insert_with(|| (vec![], object.clone()));
+                entry.0.push(rate);
+            }
+        }
+        for ((component, variant), (rates, object)) in &own {
+            let (rate, spread) = summary(rates);
+            let variant = format!("{}: {variant}", self.program());
+            rows.push(self.row(component, &variant, rate, spread, object, calibration));
+        }
+        rows
+    }
+
+    fn row(
+        &self,
+        component: &str,
+        variant: &str,
+        rate: f64,
+        spread: f64,
+        given: &Map<String, Value>,
+        calibration: &Value,
+    ) -> Row {
+        let of = |field: &str| given.get(field).cloned().unwrap_or(Value::Null);
+        let object = json!({
+            "component": component, "variant": variant,
+            "dtype": given.get("dtype").and_then(Value::as_str).unwrap_or("f32"),
+            "seconds": null, "spread": spread, "items_per_second": rate, "speedup": null,
+            "max_relative_error": of("max_relative_error"), "p99_relative_error": of("p99_relative_error"),
+            "bias": of("bias"), "max_ulp": of("max_ulp"), "budget_used": of("budget_used"), "on_frontier": false,
+            "rounds": self.objects.len(), "peer": self.program(), "calibration": calibration,
+        });
+        let Value::Object(row) = object else { unreachable!("an object literal") };
+        Row(row)
+    }
+
+    /// What the program printed, all rounds, with medians.
+    pub fn json(&self) -> Value {
+        let median = |(name, values): (String, Vec<f64>)| {
+            let (middle, spread) = summary(&values);
+            (name, json!({ "median": middle, "spread": spread }))
+        };
+        let figures: Map<String, Value> = self.figures().into_iter().map(median).collect();
+        json!({ "command": self.command, "program": self.program(), "figures": figures, "objects": self.objects })
+    }
+}
+
+/// Median, and the distance of the quartiles over it.
+fn summary(values: &[f64]) -> (f64, f64) {
+    let middle = quantile(values, 0.5);
+    (middle, (quantile(values, 0.75) - quantile(values, 0.25)) / middle)
+}

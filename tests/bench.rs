@@ -1,0 +1,77 @@
+//! `bench` as a user meets it: fields, files, and how bad input ends. No figure is asserted that a clock decides.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn run(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_nerf-oracle")).args(args).output().expect("the program starts")
+}
+
+fn path(dir: &Path, name: &str) -> String {
+    dir.join(name).display().to_string()
+}
+
+/// The fields of the contract, and what they hold for a cheap component.
+#[test]
+fn a_component_is_checked_timed_and_drawn() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let out = path(dir.path(), "out");
+    let output = run(&["bench", "spherical", "--out", &out, "--quick", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed: Value = serde_json::from_slice(&output.stdout).expect("one object on stdout");
+    let text = fs::read_to_string(dir.path().join("out/bench.json")).expect("bench.json");
+    assert_eq!(printed, serde_json::from_str::<Value>(&text).expect("the same object"));
+    let rows = printed["rows"].as_array().expect("rows");
+    let names: Vec<&str> = rows.iter().map(|row| row["variant"].as_str().expect("a name")).collect();
+    assert_eq!(names, ["oracle", "plain_f32", "vectorised", "threaded", "bf16"]);
+    for row in rows {
+        assert_eq!(row["component"], "spherical_harmonics");
+        assert!(row["dtype"].is_string() && row["on_frontier"].is_boolean());
+        let figures = ["seconds", "items_per_second", "speedup"];
+        assert!(figures.iter().all(|f| row[f].as_f64().is_some_and(|x| x > 0.0)), "{row}");
+        let errors = ["spread", "max_relative_error", "p99_relative_error", "max_ulp", "budget_used"];
+        assert!(errors.iter().all(|f| row[f].as_f64().is_some_and(|x| x >= 0.0)), "{row}");
+        assert!(row["bias"].is_f64() && row["rounds"].as_u64().is_some_and(|n| n >= 5));
+        assert!(row["budget_used"].as_f64() <= Some(1.0) && row["promise_used"].as_f64() <= Some(1.0));
+        for figure in ["sgemm_gflops", "random_reads_per_second"] {
+            assert!(row["calibration"][figure].as_f64().is_some_and(|x| x > 0.0), "{row}");
+        }
+    }
+    let of = |n: usize, field: &str| rows[n][field].as_f64().expect("a number");
+    assert_eq!((of(0, "max_relative_error"), of(0, "speedup")), (0.0, 1.0));
+    // bf16 keeps 8 bits: half a unit of the last place, 2^-8 at most.
+    assert!((0.4..=0.6).contains(&of(4, "max_ulp")) && of(4, "max_relative_error") < 0.004);
+    assert!(of(4, "max_relative_error") > of(3, "max_relative_error"));
+    let page = fs::read_to_string(dir.path().join("out/index.html")).expect("index.html");
+    assert!(
+        page.contains("<svg") && page.contains("class=\"frontier\"") && page.contains("<title>oracle (f64)")
+    );
+    let table = fs::read_to_string(dir.path().join("out/table.txt")).expect("table.txt");
+    assert!(table.contains("spherical_harmonics") && table.contains("GFLOP/s"));
+}
+
+#[test]
+fn bad_input_ends_with_two() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let (out, none) = (path(dir.path(), "out"), path(dir.path(), "no_run"));
+    let cases: [(&[&str], &[&str]); 7] = [
+        (&["bench"], &["--out"]),
+        (&["bench", "nothing", "--out", &out], &["FILTER", "nothing", "volume_render"]),
+        (&["bench", "--out", &out, "--rounds", "2"], &["--rounds", "at least 5"]),
+        (&["bench", "--out", &out, "--run", &none], &["run.json", "Train first"]),
+        (&["bench", "system", "--out", &out], &["--run"]),
+        (&["bench", "spherical", "--quick", "--out", &out, "--peer", "exit 3"], &["--peer", "exit 3"]),
+        (&["bench", "spherical", "--quick", "--out", &out, "--peer", "echo hello"], &["no JSON object"]),
+    ];
+    for (args, words) in cases {
+        let output = run(args);
+        let message = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {message}");
+        assert!(output.stdout.is_empty() && !message.contains("panicked"), "{args:?}: {message}");
+        assert!(words.iter().all(|word| message.contains(word)), "{args:?}: {message}");
+    }
+    assert!(!dir.path().join("out").exists(), "nothing is written before everything is measured");
+}
