@@ -45,6 +45,8 @@ fn activations_at_their_extremes() {
     );
     assert_eq!([-2.0, 3.0].map(|z| density(z, Density::Relu)), [0.0, 3.0]);
     assert_eq!([-2.0, 0.0, 3.0].map(|z| density_slope(z, Density::Relu)), [0.0, 0.0, 1.0]);
+    // At its kink a ReLU passes nothing, in front of the density or inside.
+    assert_eq!(backward::relu(&[-1e-300, 0.0, -0.0, 1e-300], &[1.0; 4]), [0.0, 0.0, 0.0, 1.0]);
     assert_eq!([density(1.5, Density::Softplus), density(1.5, Density::Exp)], [softplus(1.5), exp(1.5)]);
     assert_eq!(
         [density_slope(1.5, Density::Softplus), density_slope(1.5, Density::Exp)],

@@ -1,4 +1,7 @@
 //! Cases of volume rendering: probes that separate mistakes, hard numbers, and seeded rays in every regime.
+//!
+//! Two hard cases of rendering are not here. VR5 (stop early and renormalise, or not) concerns `early_stop`, which states that nothing is
+//! renormalised and tests it. VR8 (prefix sums of the distortion loss cancel) concerns a loss that the crate doesn't have.
 
 use std::f64::consts::LN_2;
 
