@@ -54,6 +54,8 @@ fn weight_decay_is_coupled() {
     // g' = g + 0.5 * 1: with g = -0.5 nothing moves, with 0 the step is lr.
     assert_eq!(steps(&adam, &[-0.5]).param, 1.0);
     assert!((steps(&adam, &[0.0]).param - 0.9).abs() < 1e-8);
+    let two = Moments { param: 2.0, ..START };
+    assert_eq!(adam_step(&adam, two, -1.0, 1).param, 2.0, "g' = -1 + 0.5 * 2");
 }
 
 #[test]
