@@ -130,6 +130,12 @@ impl Sum {
     pub fn value(&self) -> f64 {
         self.high + self.low
     }
+
+    /// The sum times x, with what rounding leaves of the product.
+    pub fn times(&self, x: f64) -> Sum {
+        let high = self.high * x;
+        Sum { high, low: self.high.mul_add(x, -high) + self.low * x }
+    }
 }
 
 /// A product that carries its own rounding error along, as [`Sum`] does: n factors cost 2 roundings of the result instead of n.
@@ -259,6 +265,22 @@ mod tests {
         assert!(erf(0.0) == 0.0 && ulps(erf(1.0), 0.8427007929497149) <= 1 && erf(-1.0) == -erf(1.0));
         assert!(ulps(exp(1.0), std::f64::consts::E) <= 1 && ulps(ln(10.0), std::f64::consts::LN_10) <= 1);
         assert!(ulps(sin(1.0), 0.8414709848078965) <= 1 && ulps(cos(1.0), 0.5403023058681398) <= 1);
+    }
+
+    #[test]
+    fn a_sum_times_a_number_keeps_its_digits() {
+        // (1 + 2^-60) 0.1 - 0.1: the product rounds to 0.1, 0.1 2^-60 is left.
+        let mut sum = Sum::default();
+        [1.0, power_of_two(-60)].iter().for_each(|&x| sum.add(x));
+        let mut left = sum.times(0.1);
+        left.add(-0.1);
+        assert_eq!(left.value(), 0.1 * power_of_two(-60));
+        // (1 + 2^-30)^2 = 1 + 2^-29 + 2^-60, whose last term the rounded product lacks.
+        let mut sum = Sum::default();
+        sum.add(1.0 + power_of_two(-30));
+        let mut left = sum.times(1.0 + power_of_two(-30));
+        left.add(-1.0 - power_of_two(-29));
+        assert_eq!(left.value(), power_of_two(-60));
     }
 
     #[test]

@@ -135,8 +135,8 @@ def row(outcomes):
     return {"killed": killed, "viable": killed + summary["MissedMutant"], "unviable": summary["Unviable"], "survivors": survivors}
 
 
-def page(rows):
-    """The page."""
+def page(rows, listed=()):
+    """The page: counts by file, the survivors with their reasons, and the examined files that no run has reached."""
     text = "# Mutants\n\nWritten by `python tools/mutants.py` (cargo-mutants on every oracle file, against its folder's own tests).\n\n"
     text += "| file | viable | killed | equivalent | survivors |\n|---|---|---|---|---|\n"
     total = [0, 0, 0, 0]
@@ -152,7 +152,9 @@ def page(rows):
     text += f"| all | {' | '.join(map(str, total))} |\n\n## Survivors\n\n"
     for name in survivors:
         text += f"* `{name}`: {EQUIVALENT.get(name, 'NOT EXPLAINED')}\n"
-    return text + ("" if survivors else "None.\n")
+    text += "" if survivors else "None.\n"
+    missing = [file for file in listed if file not in rows]
+    return text + ("\n## Not run yet\n\n" + "".join(f"* {file}\n" for file in missing) if missing else "")
 
 
 def read_rows():
@@ -191,7 +193,8 @@ def main():
             found = before | {"survivors": found["survivors"], "killed": before["viable"] - len(found["survivors"])}
         rows[file] = found | {"sha256": sha256}
         PAGE.with_suffix(".json").write_text(json.dumps(rows, indent=1) + "\n")
-        PAGE.write_text(page(rows))
+        PAGE.write_text(page(rows, listed))
+    PAGE.write_text(page(rows, listed))
 
 
 if __name__ == "__main__":
