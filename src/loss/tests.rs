@@ -92,6 +92,7 @@ proptest! {
         let n = p.len() as f64;
         let target: Vec<f64> = p.iter().map(|p| p - shift).collect();
         prop_assert!((mse(&p, &target) - shift * shift).abs() < 1e-14);
+        prop_assert_eq!(backward::mse(&p, &target, 3.0).len(), p.len());
         for g in backward::mse(&p, &target, 3.0) {
             prop_assert!((g - 6.0 * shift / n).abs() < 1e-14);
         }
