@@ -55,7 +55,14 @@ impl Hypothesis {
             return right;
         }
         let u = rules.dtype.unit_roundoff();
-        let (generous, roundings) = generosity(rules.dtype);
+        let (generous, mut roundings) = generosity(rules.dtype);
+        // A wrong sum or product may be as long as any axis.
+        let longest = case.inputs.values().flat_map(|a| a.shape()).max().copied().unwrap_or(0);
+        roundings = roundings.max(2.0 * longest as f64);
+        // Of fractions, a mistake may hand any to any other: T, which 1 - exp(-x) leaves few digits, in the place of T alpha.
+        let fractions = |name: &String| truth[name].iter().all(|x| (0.0..=1.0).contains(x));
+        let of_fractions = right.iter().filter(|(name, _)| fractions(name)).flat_map(|(_, bound)| bound);
+        let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
         let moved: Vec<Arrays> = match error {
             Some(_) => vec![],
             None => (0..2).map(|n| self.nudged(pass, case, n, 4.0 * u)).collect(),
@@ -63,11 +70,8 @@ impl Hypothesis {
         let one = |(name, w): (&String, &ArrayD<f64>)| {
             let mut bound = w.mapv(|w| roundings * u * w.abs() + rules.dtype.smallest_normal());
             if let Some(right) = right.get(name).filter(|b| b.shape() == w.shape()) {
-                // Of fractions, a mistake may hand any to any other: T, which 1 - exp(-x) leaves few digits, in the place of T alpha.
-                let fractions = truth[name].iter().all(|x| (0.0..=1.0).contains(x));
-                let largest =
-                    right.iter().filter(|b| b.is_finite() && fractions).fold(0.0, |max: f64, b| max.max(*b));
-                bound.zip_mut_with(right, |b, right| *b += generous * right.max(largest));
+                let least = if fractions(name) { largest } else { 0.0 };
+                bound.zip_mut_with(right, |b, right| *b += generous * right.max(least));
             }
             for moved in moved.iter().filter_map(|m| m.get(name)).filter(|m| m.shape() == w.shape()) {
                 let change = moved - w;
