@@ -13,9 +13,9 @@ def composite(alphas, rgbs, eps, wrong):
     if "inclusive_transmittance" in wrong:
         shade = product[:, 1:].copy()
     if "rolled_transmittance" in wrong:
-        shade[:, 0] = behind
+        shade[:, :1] = behind[:, None]
     if "first_transmittance_zero" in wrong:
-        shade[:, 0] = 0
+        shade[:, :1] = 0
     if "opacity_as_transmittance" in wrong:
         shade = 1 - product[:, 1:]
     if "transmittance_over_rays" in wrong:
