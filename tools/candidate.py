@@ -154,6 +154,9 @@ def differentiated(function, case, inputs, names):
     lost = [name for name, g in cotangents.items() if name not in result and bool(g.any())]
     if lost:
         raise Unsupported(f"the gradient through {lost[0]} is asked for, which isn't returned")
+    for name, x in result.items():
+        if name in cotangents and x.numel() != cotangents[name].numel():
+            raise Unsupported(f"{name} has the shape {tuple(x.shape)}, the gradient asked for {tuple(cotangents[name].shape)}")
     pairs = [(x, cotangents[name]) for name, x in result.items() if getattr(x, "requires_grad", False)]
     if not pairs:
         raise Unsupported("the result isn't differentiable")
