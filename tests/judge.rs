@@ -283,7 +283,8 @@ fn gradients_of_forward_mistakes_are_named() {
         let [g, colors, opacity] = ["grad_colors_out", "colors", "opacity"].map(|name| input(inputs, name));
         let b = input(inputs, "background");
         let (mut g_colors, mut g_opacity, mut g_b) = (g.clone(), opacity.clone(), b.clone());
-        (g_opacity.fill(0.0), g_b.fill(0.0));
+        g_opacity.fill(0.0);
+        g_b.fill(0.0);
         for (i, g) in g.indexed_iter() {
             g_colors[&i] = g * opacity[[i[0]]];
             g_opacity[[i[0]]] += g * (colors[&i] - b[[i[1]]]);
