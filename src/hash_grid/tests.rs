@@ -215,3 +215,21 @@ fn sparse_adam_agrees() {
         }
     }
 }
+
+/// PE6: at a face the value has no jump, the derivative has: from below it is the lower cell's, at the face the upper cell's.
+#[test]
+fn pe6_derivatives_jump_at_faces() {
+    let levels = random_levels(&[4], 128);
+    let g_out = [1.0; fast::FEATURES];
+    let slope = |x: f64| {
+        let mut g_tables = levels.clone();
+        backward::encode(&levels, [x, 0.3, 0.7], &g_out, &mut g_tables)[0]
+    };
+    let value = |x: f64| encode(&levels, [x, 0.3, 0.7]).iter().sum::<f64>();
+    let one_sided = |h: f64| (value(0.5 + h) - value(0.5)) / h;
+    assert_abs_diff_eq!(slope(0.5), one_sided(0.01), epsilon = 1e-10);
+    assert_abs_diff_eq!(slope(0.5 - 1e-9), one_sided(-0.01), epsilon = 1e-6);
+    assert!((slope(0.5) - slope(0.5 - 1e-9)).abs() > 0.1);
+    // The box ends in its last cell, not in one behind it.
+    assert_abs_diff_eq!(slope(1.0), (value(1.0) - value(0.99)) / 0.01, epsilon = 1e-10);
+}
