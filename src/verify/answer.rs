@@ -27,14 +27,18 @@ pub fn given(arrays: Arrays) -> Answer {
     arrays.into_iter().map(|(name, values)| (name, Given { values, dtype: "f64" })).collect()
 }
 
-/// Whether a float type can hold all that `dtype` computes. Pixel positions and bytes may be integers too.
+/// Outputs that are small whole numbers: bytes, bits and counts.
+const WHOLE: [&str; 5] = ["bytes", "hit", "occupied", "found", "visited"];
+
+/// Whether a float type can hold all that `dtype` computes. Pixel positions, bytes, bits and counts may be integers too.
 pub fn wide_enough(name: &str, given: &str, dtype: Dtype) -> bool {
+    let whole = WHOLE.contains(&name);
     match given {
         "f64" => true,
-        "f32" => dtype != Dtype::F64 || name == "bytes",
-        "f16" => dtype == Dtype::F16 || name == "bytes",
-        "i64" => ["bytes", "uv", "image_ids"].contains(&name),
-        _ => name == "bytes",
+        "f32" => dtype != Dtype::F64 || whole,
+        "f16" => dtype == Dtype::F16 || whole,
+        "i64" => whole || ["uv", "image_ids"].contains(&name),
+        _ => whole,
     }
 }
 
@@ -80,6 +84,7 @@ mod tests {
     fn narrow_types_are_named() {
         assert!(!wide_enough("colors", "f32", Dtype::F64) && !wide_enough("colors", "f16", Dtype::Bf16));
         assert!(wide_enough("colors", "f32", Dtype::Bf16) && wide_enough("bytes", "u8", Dtype::F64));
-        assert!(!wide_enough("colors", "i64", Dtype::F32));
+        assert!(!wide_enough("colors", "i64", Dtype::F32) && !wide_enough("t_near", "u8", Dtype::F32));
+        assert!(wide_enough("hit", "u8", Dtype::F64) && wide_enough("visited", "i64", Dtype::F64));
     }
 }
