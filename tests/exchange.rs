@@ -104,21 +104,6 @@ fn hostile_answers_are_refused_by_name() {
     expect(&|| zip_of(&path, "colors_out.npy", &vec![0; 64 << 20], true), "unpacks");
     expect(&|| zip_of(&path, "../../climbs.npy", b"x", false), "inside the folder");
     expect(&|| zip_of(&path, "/etc/absolute.npy", b"x", false), "inside the folder");
-    // The directory says 200 bytes, the entry unpacks to 8.8 MB.
-    let bomb = || {
-        let (size, said) = (8_765_431_u32.to_le_bytes(), 200_u32.to_le_bytes());
-        zip_of(&path, "colors_out.npy", &vec![0; 8_765_431], true);
-        let mut bytes = fs::read(&path).unwrap();
-        while let Some(at) = bytes.windows(4).position(|window| window == size) {
-            bytes[at..at + 4].copy_from_slice(&said);
-        }
-        fs::write(&path, bytes).unwrap();
-    };
-    expect(&bomb, "colors_out");
-    expect(
-        &|| zip_of(&path, "colors_out.npy", b"\x93NUMPY\x02\x00\xff\xff\xff\xff{}", false),
-        "4294967295 characters",
-    );
     let header = b"{'descr': '|O', 'fortran_order': False, 'shape': (3, 3), }";
     let mut object = b"\x93NUMPY\x01\x00".to_vec();
     object.extend((header.len() as u16).to_le_bytes());
@@ -141,12 +126,6 @@ fn what_no_case_asks_for_is_refused() {
         let outside = root.path().join("outside.npz");
         fs::rename(first(&answers), &outside).unwrap();
         std::os::unix::fs::symlink(&outside, first(&answers)).unwrap();
-        assert!(refused(&cases, &answers).contains("a link"));
-        fs::remove_file(first(&answers)).unwrap();
-        fs::rename(&outside, first(&answers)).unwrap();
-        let (folder, elsewhere) = (answers.join("composite_background"), root.path().join("elsewhere"));
-        fs::rename(&folder, &elsewhere).unwrap();
-        std::os::unix::fs::symlink(&elsewhere, &folder).unwrap();
         assert!(refused(&cases, &answers).contains("a link"));
     }
     drop(root);

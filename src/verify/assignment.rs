@@ -105,30 +105,14 @@ pub struct Found {
 /// Looks for the one assignment in which all sheets are right that are right in any.
 pub fn find(sheets: &[(&Sheet, &Answers)], rules: &Rules) -> Found {
     let holds_in = |n: usize, c: &Conventions| holds(sheets[n].0, sheets[n].1, c, rules);
-    let mut most = (Conventions::default(), vec![false; sheets.len()]);
-    for profile in PROFILES {
-        let right = parallel::map(sheets.len(), |n| holds_in(n, &profile.conventions));
-        let count = |right: &[bool]| right.iter().filter(|right| **right).count();
-        if count(&right) == sheets.len() {
-            return Found { conventions: profile.conventions, contradicting: vec![] };
-        }
-        if count(&right) > count(&most.1) {
-            most = (profile.conventions, right);
-        }
+    let named = |c: &Conventions| parallel::map(sheets.len(), |n| holds_in(n, c)).into_iter().all(|ok| ok);
+    if let Some(profile) = PROFILES.iter().find(|profile| named(&profile.conventions)) {
+        return Found { conventions: profile.conventions, contradicting: vec![] };
     }
-    let of = |n: usize| -> Vec<Partial> {
+    let survivors: Vec<Vec<Partial>> = parallel::map(sheets.len(), |n| {
         let all = assignments(sheets[n].0.component, &CS180);
         all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
-    };
-    // What is wrong in every assignment has no say: where that is all that the best profile gets wrong, it is the profile.
-    let (conventions, right) = most;
-    let off: Vec<usize> = (0..sheets.len()).filter(|&n| !right[n]).collect();
-    let of_off = parallel::map(off.len(), |k| of(off[k]));
-    if of_off.iter().all(Vec::is_empty) {
-        return Found { conventions, contradicting: vec![] };
-    }
-    let of_off: BTreeMap<usize, Vec<Partial>> = off.into_iter().zip(of_off).collect();
-    let survivors = parallel::map(sheets.len(), |n| of_off.get(&n).cloned().unwrap_or_else(|| of(n)));
+    });
     let mut order: Vec<usize> = (0..sheets.len()).filter(|&n| !survivors[n].is_empty()).collect();
     order.sort_by_key(|&n| survivors[n].len());
     let mut patience = PATIENCE;
@@ -190,8 +174,7 @@ pub fn nearest(sheet: &Sheet, answers: &Answers, base: &Conventions) -> Conventi
     let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
     let cases = small_cases(sheet, answers);
     let agreeing = parallel::map(all.len(), |n| {
-        let agree =
-            |(case, answer): &(&Case, &Answer)| agreement(answer, &(pass.oracle)(&case.inputs, &all[n]));
+        let agree = |(case, answer): &(&Case, &Answer)| agreement(answer, &(pass.oracle)(&case.inputs, &all[n]));
         cases.iter().take(8).map(agree).sum::<usize>()
     });
     // The last of equals wins in max_by_key.

@@ -6,12 +6,11 @@ use super::answer::{Answer, reshaped};
 use super::arithmetic::{Dtype, Grade};
 use super::case::{Case, Draw};
 use super::check::{Kind, budget_used};
-use super::component::{Arrays, array};
+use super::component::{Arrays, Pass};
 use super::exam::Sheet;
 use super::mark::{Rules, within};
 use super::numeric;
 use crate::convention::Conventions;
-use crate::maths::exp;
 
 /// An assignment of conventions with mistakes, in the order in which they were made.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,13 +63,10 @@ impl Hypothesis {
         let fractions = |name: &String| truth[name].iter().all(|x| (0.0..=1.0).contains(x));
         let of_fractions = right.iter().filter(|(name, _)| fractions(name)).flat_map(|(_, bound)| bound);
         let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
-        let inputs = (0..2).map(|n| nudged(case, n, 4.0 * u)).chain(textbook(case, u));
         let moved: Vec<Arrays> = match error {
             Some(_) => vec![],
-            None => inputs.map(|inputs| (pass.wrong)(&inputs, &self.conventions, &self.mistakes)).collect(),
+            None => (0..2).map(|n| self.nudged(pass, case, n, 4.0 * u)).collect(),
         };
-        // What overflows in the type under test, and what is made of it, may be anything there.
-        let overflows = wrong.values().flatten().any(|w| !w.is_nan() && w.abs() > rules.dtype.largest());
         let one = |(name, w): (&String, &ArrayD<f64>)| {
             let mut bound = w.mapv(|w| roundings * u * w.abs() + rules.dtype.smallest_normal());
             if let Some(right) = right.get(name).filter(|b| b.shape() == w.shape()) {
@@ -78,29 +74,27 @@ impl Hypothesis {
                 bound.zip_mut_with(right, |b, right| *b += generous * right.max(least));
             }
             for moved in moved.iter().filter_map(|m| m.get(name)).filter(|m| m.shape() == w.shape()) {
-                // No number on the other side (0 / 0 of a digit that is lost): nothing is said.
-                let change = |(moved, w): (&f64, &f64)| {
-                    if moved.is_nan() != w.is_nan() { f64::INFINITY } else { (moved - w).abs() }
-                };
-                let changes: Vec<f64> = moved.iter().zip(w).map(change).collect();
-                bound.iter_mut().zip(changes).for_each(|(b, change)| *b += generous * change);
+                let change = moved - w;
+                bound.zip_mut_with(&change, |b, change| *b += generous * change.abs());
             }
             if let Some(error) = error {
                 bound += &error[name];
             }
             // Where the wrong value itself is no number, so may the answer be; nothing else fits.
-            bound.mapv_inplace(|b| {
-                if overflows {
-                    f64::INFINITY
-                } else if b.is_nan() {
-                    0.0
-                } else {
-                    b
-                }
-            });
+            bound.mapv_inplace(|b| if b.is_nan() { 0.0 } else { b });
             (name.clone(), bound)
         };
         wrong.iter().map(one).collect()
+    }
+
+    /// The wrong function on inputs that are off by up to `relative`.
+    fn nudged(&self, pass: &Pass, case: &Case, n: u64, relative: f64) -> Arrays {
+        let mut draw = Draw::new(&case.id, n);
+        let mut inputs = case.inputs.clone();
+        for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
+            array.mapv_inplace(|x| x * (1.0 + relative * if draw.below(2) == 0 { 1.0 } else { -1.0 }));
+        }
+        (pass.wrong)(&inputs, &self.conventions, &self.mistakes)
     }
 
     /// Whether it explains an answer.
@@ -139,30 +133,6 @@ impl Hypothesis {
         };
         a.iter().all(equal)
     }
-}
-
-/// The inputs, off by up to `relative`.
-fn nudged(case: &Case, n: u64, relative: f64) -> Arrays {
-    let mut draw = Draw::new(&case.id, n);
-    let mut inputs = case.inputs.clone();
-    for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
-        array.mapv_inplace(|x| x * (1.0 + relative * if draw.below(2) == 0 { 1.0 } else { -1.0 }));
-    }
-    inputs
-}
-
-/// The densities that the textbook's alpha = 1 - exp(-x) stands for when it is rounded to the type: most of its digits are lost where x is
-/// small, and wrong code may divide by what is left.
-fn textbook(case: &Case, u: f64) -> Option<Arrays> {
-    let (sigmas, deltas) = (case.inputs.get("sigmas")?, case.inputs.get("deltas")?);
-    let mut inputs = case.inputs.clone();
-    let rounded = |(&sigma, &delta): (&f64, &f64)| {
-        let alpha = u * libm::rint((1.0 - exp(-sigma * delta)) / u);
-        if delta == 0.0 || alpha >= 1.0 { sigma } else { -libm::log1p(-alpha) / delta }
-    };
-    let moved = sigmas.iter().zip(deltas).map(rounded).collect();
-    inputs.insert("sigmas".into(), array(sigmas.shape(), moved));
-    Some(inputs)
 }
 
 /// Whether some of the mistakes lie in the forward function.

@@ -90,9 +90,9 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         )?;
         writeln!(
             f,
-            "  off by {:.2e} ({}), where {:.2e} is allowed",
+            "  off by {:.2e} ({:.1} ULP), where {:.2e} is allowed",
             (w.got - w.expected).abs(),
-            ulps(w.ulp),
+            w.ulp,
             w.bound
         )?;
     }
@@ -103,11 +103,6 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         diagnosis(f, row)?;
     }
     Ok(())
-}
-
-/// Units of the last place: counted where there are not too many, as at an expected 0.
-fn ulps(ulp: f64) -> String {
-    if ulp < 1e6 { format!("{ulp:.1} ULP") } else { format!("{ulp:.0e} ULP") }
 }
 
 fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
