@@ -208,7 +208,7 @@ def main():
             right_ones, all_ones = share(alone, 2)
             table(head, alone)
             print(f"**Single mistakes named, of those that exceed the bound: {right_ones} of {all_ones}**\n")
-            if dtype == "f32":
+            if dtype == "f32" and not arguments.sample:
                 through = singles(tool, cases, right, forward, autograd=True)
                 right_through, all_through = share(through, 2)
                 print("Gradients of the wrong forward functions, as automatic differentiation makes them; all but these are named:")

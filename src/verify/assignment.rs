@@ -174,7 +174,8 @@ pub fn nearest(sheet: &Sheet, answers: &Answers, base: &Conventions) -> Conventi
     let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
     let cases = small_cases(sheet, answers);
     let agreeing = parallel::map(all.len(), |n| {
-        let agree = |(case, answer): &(&Case, &Answer)| agreement(answer, &(pass.oracle)(&case.inputs, &all[n]));
+        let agree =
+            |(case, answer): &(&Case, &Answer)| agreement(answer, &(pass.oracle)(&case.inputs, &all[n]));
         cases.iter().take(8).map(agree).sum::<usize>()
     });
     // The last of equals wins in max_by_key.
