@@ -82,6 +82,9 @@ impl Hypothesis {
             }
             // Where the wrong value itself is no number, so may the answer be; nothing else fits.
             bound.mapv_inplace(|b| if b.is_nan() { 0.0 } else { b });
+            // And where it leaves the type, the answer may be infinite.
+            let beyond = |w: f64| w.is_finite() && w.abs() > rules.dtype.largest();
+            bound.zip_mut_with(w, |b, &w| *b = if beyond(w) { f64::INFINITY } else { *b });
             (name.clone(), bound)
         };
         wrong.iter().map(one).collect()
