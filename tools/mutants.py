@@ -148,7 +148,8 @@ def page(rows, listed=()):
         survivors += r["survivors"]
         counts = [r["viable"], r["killed"], len(equivalent), len(left)]
         total = [a + b for a, b in zip(total, counts, strict=True)]
-        text += f"| {file} | {' | '.join(map(str, counts))} |\n"
+        current = (ROOT / file).exists() and hashlib.sha256((ROOT / file).read_bytes()).hexdigest() == r["sha256"]
+        text += f"| {file}{'' if current else ' (before its last change)'} | {' | '.join(map(str, counts))} |\n"
     text += f"| all | {' | '.join(map(str, total))} |\n\n## Survivors\n\n"
     for name in survivors:
         text += f"* `{name}`: {EQUIVALENT.get(name, 'NOT EXPLAINED')}\n"
