@@ -24,6 +24,8 @@ struct Distribution<'a> {
     relative: f64,
     /// Of F, for what is flushed to zero.
     absolute: f64,
+    /// Sum of the padded weights, at most 1: sums needn't be divided by it.
+    total: f64,
     m: &'a Arithmetic,
 }
 
@@ -43,7 +45,8 @@ impl<'a> Distribution<'a> {
         let relative = gamma(2.0 * n, m.u_sum) + gamma(ROUNDINGS, m.u);
         let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
         let scale = if total > 0.0 { 1.0 + 1.0 / total } else { 1.0 };
-        Distribution { ray, f, relative, absolute: 2.0 * (n + 4.0) * m.tiny * scale, m }
+        let absolute = 2.0 * (n + 4.0) * m.tiny * scale;
+        Distribution { ray, f, relative, absolute, total: if total > 0.0 { total.min(1.0) } else { 1.0 }, m }
     }
 
     fn reach(&self, u: f64) -> Reach {
@@ -81,8 +84,21 @@ impl<'a> Distribution<'a> {
         largest * gamma(3.0, m.u) + widest * gamma(6.0, m.u) + 4.0 * m.tiny * (1.0 + widest)
     }
 
+    /// Whether a quotient by the weight of one of these bins may leave the type: what is divided by may be flushed to zero, or the
+    /// bin's width over it overflow.
+    fn overflows(&self, [first, last]: [usize; 2]) -> bool {
+        (first..=last).any(|k| {
+            let (weight, width) =
+                ((self.f[k + 1] - self.f[k]) * self.total, self.ray.edges[k + 1] - self.ray.edges[k]);
+            weight > 0.0 && (weight < 2.0 * self.m.tiny || width / weight > 0.5 * self.m.largest)
+        })
+    }
+
     fn error(&self, u: f64, t: f64) -> f64 {
         let reach = self.reach(u);
+        if self.overflows(reach.bins) {
+            return f64::INFINITY;
+        }
         let e = (t - reach.low).max(reach.high - t).max(0.0) + self.local(reach.bins);
         if t.abs() + e > self.m.largest { f64::INFINITY } else { e }
     }

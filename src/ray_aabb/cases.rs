@@ -118,7 +118,9 @@ pub fn ray_aabb() -> Vec<Case> {
             ],
             unit,
             [0.0, 4194304.0],
-        ),
+        )
+        // No difference step is short enough beside 2^-20: tests.rs has this gradient in closed form.
+        .forward_only(),
         case("CG9_far_away", "origins at 1,000 sizes of the box", &far_away, unit, [0.0, 65536.0]),
     ]
 }

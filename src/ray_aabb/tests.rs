@@ -60,6 +60,10 @@ fn rays_in_slab_planes() {
 fn tiny_directions() {
     let hit = intersect([0.5, 0.5, -1.0], [-1e-6, 0.0, 1.0], [0.0; 3], [1.0; 3]);
     assert_eq!(hit, Some(Hit { enter: 1.0, leave: 2.0 }));
+    // From x = 2 along -2^-20: t = 2^20 to the face at 1 and 2^21 to the one at 0. dt / do = -1 / d, dt / dd = -t / d.
+    let (o, d) = ([2.0, 0.5, 0.5], [-(2f64.powi(-20)), 0.0, 0.0]);
+    let (g_o, g_d) = backward::intersect(o, d, [0.0; 3], [1.0; 3], Hit { enter: 1.0, leave: 0.25 });
+    assert_eq!((g_o[0], g_d[0]), (1.25 * 2f64.powi(20), 1.5 * 2f64.powi(40)));
 }
 
 #[test]
