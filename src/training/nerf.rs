@@ -81,6 +81,8 @@ pub struct NerfModel {
     fine: Option<Path>,
     /// Whether the last step moved nothing in one of them: every density was 0 (TR1).
     dead: bool,
+    /// Whether a density head's sign was turned at the start.
+    turned: bool,
 }
 
 /// One step's rays as flat arrays.
@@ -111,7 +113,7 @@ impl NerfModel {
     pub fn new(settings: Settings) -> Self {
         let of = |seed: u64| Path::new(&settings, &Key::new(seed, Purpose::Parameters));
         let fine = (settings.fine > 0).then(|| of(!settings.seed));
-        NerfModel { coarse: of(settings.seed), fine, settings, dead: false }
+        NerfModel { coarse: of(settings.seed), fine, settings, dead: false, turned: false }
     }
 
     fn adam(&self) -> Adam {
@@ -162,6 +164,21 @@ impl NerfModel {
         found
     }
 
+    /// Before the first step: a density head that gives less than half of the samples a density gets the other sign (TR1).
+    ///
+    /// ReLU passes no gradient where z <= 0, and at the start z has nearly the same sign everywhere: as drawn, the network is dead for
+    /// ever with about one seed in two (bmild/nerf#29). Both signs of the head are equally likely draws; the one that sees something
+    /// is taken.
+    fn wake(&mut self, rays: Rays) {
+        for network in [Some(&mut self.coarse), self.fine.as_mut()].into_iter().flatten() {
+            let weights = network.weights(rays);
+            if 2 * weights.iter().filter(|&&w| w > 0.0).count() < weights.len() {
+                network.turn_density_head();
+                self.turned = true;
+            }
+        }
+    }
+
     fn render_chunk(&self, rays: &[Ray]) -> Vec<Pixel> {
         let Settings { near, far, samples, fine, .. } = self.settings;
         let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
@@ -198,6 +215,9 @@ impl Model for NerfModel {
         let Drawn { origins, directions, t, u, targets } = self.draw(scene, step)?;
         let (Settings { rays, background, .. }, adam) = (self.settings, self.adam());
         let coarse = self.coarse_samples(t);
+        if step == 1 {
+            self.wake(coarse.rays(&origins, &directions));
+        }
         // Before the step: the two networks see the same parameters of the first, whose weights are constants to the second.
         let fine = self.fine.is_some().then(|| self.fine_samples(coarse.rays(&origins, &directions), &u));
         let first = self.coarse.step(coarse.rays(&origins, &directions), &targets, background, &adam);
@@ -245,13 +265,21 @@ impl Model for NerfModel {
             "near": near, "far": far, "rays": rays, "samples": samples, "fine": fine, "lr": lr,
             "width": shape.width, "depth": shape.depth, "color_width": shape.color, "skip": shape.skip,
             "levels_position": levels.0, "levels_direction": levels.1, "profile": "cs180",
+            "density_head": "at step 1 the sign that gives at least half of the samples a density",
         });
         value.as_object().expect("an object literal").clone()
     }
 
     fn warning(&self) -> Option<String> {
-        self.dead.then(|| {
-            "every density is 0, so no gradient flows and pictures stay empty (a dead density head). Try another --seed.".into()
+        if self.dead {
+            return Some(
+                "every density is 0, so no gradient flows and pictures stay empty (a dead density head). Try another --seed, or a \
+                 smaller --lr."
+                    .into(),
+            );
+        }
+        self.turned.then(|| {
+            "the density head was drawn with hardly a density above 0; its other sign, as likely a draw, was taken.".into()
         })
     }
 }

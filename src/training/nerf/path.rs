@@ -49,6 +49,22 @@ impl Path {
         }
     }
 
+    /// The density head with the other sign: as likely a draw as the one it has.
+    pub fn turn_density_head(&mut self) {
+        let turn = |net: &mut NerfMlp| {
+            net.sigma.w.mapv_inplace(|w| -w);
+            net.sigma.b.mapv_inplace(|b| -b);
+        };
+        match self {
+            Path::Reference { field, .. } => turn(&mut field.net),
+            Path::Fast { net, .. } => {
+                let mut oracle = net.to_oracle(&net.params);
+                turn(&mut oracle);
+                net.params = flat(&oracle);
+            }
+        }
+    }
+
     /// One step of Adam on a batch.
     pub fn step(&mut self, rays: Rays, targets: &[f32], background: [f64; 3], adam: &Adam) -> Stepped {
         match self {

@@ -104,3 +104,27 @@ fn fine_samples_follow_the_weights() {
     assert_eq!(t, [2.5, 3.5, 4.125, 4.5, 4.625, 4.875, 5.5]);
     assert_eq!(deltas, [1.0, 0.625, 0.375, 0.125, 0.25, 0.625, 0.5]);
 }
+
+/// TR1: about one seed in two draws a density head that is 0 everywhere. None starts with it, on either path.
+#[test]
+fn no_seed_starts_dead() {
+    let scene = scene();
+    let mut turned = 0;
+    for seed in 0..16 {
+        let settings = Settings { seed, ..settings(0, false) };
+        let drawn = Path::new(&settings, &Key::new(seed, Purpose::Parameters)).state("");
+        let (model, _) = trained(settings.clone(), &scene, 1);
+        assert!(!model.dead, "seed {seed}");
+        turned += usize::from(model.turned);
+        let (reference, _) = trained(Settings { reference: true, ..settings }, &scene, 1);
+        assert_eq!(model.turned, reference.turned, "seed {seed}");
+        // One step of Adam moves a parameter by lr at most: its sign still shows whether the head was turned.
+        let [before, after] = [drawn, model.state()].map(|state| state["sigma_w"].to_f64());
+        let kept = before.iter().zip(&after).filter(|(a, b)| (*a - *b).abs() <= 6e-4).count();
+        assert!(
+            if model.turned { kept < before.len() } else { kept == before.len() },
+            "seed {seed}: {kept} kept"
+        );
+    }
+    assert!((3..=13).contains(&turned), "{turned} of 16");
+}
