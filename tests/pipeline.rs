@@ -98,7 +98,7 @@ fn load(path: &Path) -> Scene {
 fn model(scene: &Scene, reference: bool) -> NerfModel {
     let settings =
         Settings { rays: 4, samples: 16, seed: 1, ..Settings::new(scene.near, scene.far, scene.background) };
-    let mut start = NerfModel::new(settings.clone()).state();
+    let mut start = NerfModel::new(settings).state();
     start.insert("sigma_b".into(), Array::F32(ndarray::arr1(&[0.3]).into_dyn()));
     let mut model = NerfModel::new(Settings { reference, ..settings });
     model.restore(&start, "the start").unwrap();

@@ -28,7 +28,7 @@ pub fn hash_grid() -> Vec<Case> {
         let mut draw = Draw::new("hash_grid", stream);
         (0..3 * n).map(|_| draw.between(0.0, 1.0)).collect::<Vec<f64>>()
     };
-    let corners = (0..24).map(|i| f64::from(i / 3 >> (i % 3) & 1)).collect();
+    let corners = (0..24).map(|i| f64::from((i / 3) >> (i % 3) & 1)).collect();
     vec![
         case("dense", "one level, every vertex with its own entry", (3, 3, 1, 64, 2), seeded(0, 8)),
         case("corners", "the box's own corners read single entries", (3, 3, 1, 64, 1), corners),

@@ -65,13 +65,13 @@ pub fn importance_sampling() -> Vec<Case> {
         case(
             "SA1_zero_weights",
             "bins without weight in front, between and behind: no sample in them",
-            [&[uneven(&mut draw, 8)], &[empty_between], &[inner.clone()]],
+            [&[uneven(&mut draw, 8)], &[empty_between], std::slice::from_ref(&inner)],
             0.0,
         ),
         case(
             "SA1_empty_ray",
             "no weight anywhere: all bins weigh the same, whatever their width",
-            [&[vec![2.0, 2.25, 3.0, 5.0]], &[vec![0.0; 3]], &[steps.clone()]],
+            [&[vec![2.0, 2.25, 3.0, 5.0]], &[vec![0.0; 3]], std::slice::from_ref(&steps)],
             0.0,
         ),
         case(
@@ -99,7 +99,11 @@ pub fn importance_sampling() -> Vec<Case> {
         case(
             "SA3_ties",
             "u on every edge of F, and between: the sample is the edge",
-            [&[quarters.clone()], &[vec![0.5, 1.0, 0.25, 0.25]], &[vec![0.0, 0.25, 0.75, 0.875, 1.0, 0.5]]],
+            [
+                std::slice::from_ref(&quarters),
+                &[vec![0.5, 1.0, 0.25, 0.25]],
+                &[vec![0.0, 0.25, 0.75, 0.875, 1.0, 0.5]],
+            ],
             0.0,
         )
         // The slope has a kink at each: one-sided differences in the tests.

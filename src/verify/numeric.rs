@@ -9,7 +9,7 @@ use crate::convention::Conventions;
 const SAMPLED: usize = 32;
 
 /// The vector-Jacobian product of the component's forward function with `mistakes`, and an estimate of its error: central
-/// differences at h and h / 2, combined so that the error falls with h^4 (Richardson). Of arrays longer than [`SAMPLED`] every n-th
+/// differences at h and h / 2, combined so that the error falls with h^4 (Richardson). Of arrays longer than `SAMPLED` every n-th
 /// element alone; the others' error is infinite.
 pub fn vjp(component: &Component, inputs: &Arrays, c: &Conventions, mistakes: &[&str]) -> (Arrays, Arrays) {
     let cotangent = |outputs: &Arrays| -> f64 {

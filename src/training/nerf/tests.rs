@@ -113,7 +113,7 @@ fn no_seed_starts_dead() {
     for seed in 0..16 {
         let settings = Settings { seed, ..settings(0, false) };
         let drawn = Path::new(&settings, &Key::new(seed, Purpose::Parameters)).state("");
-        let (model, _) = trained(settings.clone(), &scene, 1);
+        let (model, _) = trained(settings, &scene, 1);
         assert!(!model.dead, "seed {seed}");
         turned += usize::from(model.turned);
         let (reference, _) = trained(Settings { reference: true, ..settings }, &scene, 1);
