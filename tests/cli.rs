@@ -41,6 +41,16 @@ fn usage_errors_end_with_two() {
     refused(&["train", "builtin:spheres"], &["--out"]);
     refused(&["train", "builtin:spheres", "--out", "x", "--steps", "0"], &["--steps", "above 0"]);
     refused(&["train", "builtin:spheres", "--out", "x", "--background", "red"], &["black, white"]);
+    let most = "18446744073709551615";
+    for option in ["--rays", "--samples", "--fine", "--width", "--steps"] {
+        refused(&["train", "builtin:spheres", "--out", "x", option, most], &[option, "at most"]);
+    }
+    refused(
+        &["train", "builtin:spheres", "--out", "x", "--stop-at-psnr", "nan"],
+        &["--stop-at-psnr", "finite"],
+    );
+    refused(&["train", "builtin:spheres", "--out", "x", "--width", "8"], &["--width", "--model nerf"]);
+    refused(&["fit-image", "x.png", "--out", "x", "--steps", "0"], &["--steps", "above 0"]);
     refused(&["render", "x", "--out", "y.gif", "--path", "circle"], &["orbit:N"]);
 }
 
@@ -87,6 +97,59 @@ fn a_run_can_be_trained_resumed_measured_and_rendered() {
     let film = object(&["render", &run, "--out", &gif, "--path", "orbit:3", "--size", "24x16", "--json"]);
     assert_eq!(film["frames"], 3);
     assert_eq!(&fs::read(&gif).expect("a film")[..6], b"GIF89a");
+}
+
+#[test]
+fn a_run_goes_on_with_what_it_was_begun_with() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let run = path(dir.path(), "run");
+    let common =
+        ["train", "builtin:blob", "--out", &run, "--model", "nerf", "--rays", "16", "--samples", "4"];
+    fn joined<'a>(common: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
+        [common, more].concat()
+    }
+    let train = |more: &[&'static str]| joined(&common, more);
+    object(&train(&["--width", "8", "--steps", "2", "--json"]));
+    let before = fs::read(dir.path().join("run/run.json")).expect("settings");
+    refused(&train(&["--width", "12", "--steps", "4", "--resume"]), &["run.json", "width", "12", "8"]);
+    refused(&train(&["--width", "8", "--steps", "4", "--seed", "1", "--resume"]), &["run.json", "seed"]);
+    assert_eq!(
+        fs::read(dir.path().join("run/run.json")).expect("settings"),
+        before,
+        "the run stays as it was"
+    );
+    // Half a line, as a stop in the middle of writing leaves it, and a batch that was met exactly.
+    let log = dir.path().join("run/log.jsonl");
+    let text = fs::read_to_string(&log).expect("a log").replacen(
+        "\"train_psnr\":",
+        "\"train_psnr\":null,\"was\":",
+        1,
+    );
+    fs::write(&log, text + "{\"step\":3,\"sec").expect("written");
+    assert_eq!(object(&train(&["--width", "8", "--steps", "4", "--resume", "--json"]))["step"], 4);
+}
+
+#[test]
+fn a_sweep_makes_a_table_and_a_film_a_folder_with_depth() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let (sweep, run) = (path(dir.path(), "sweep"), path(dir.path(), "run"));
+    let small = ["--size", "16", "--levels", "2,3", "--width", "8", "--lr", "1e-2", "--steps", "2", "--json"];
+    object(&[&["sweep-image", "builtin:card", "--out", &sweep], &small[..]].concat());
+    for file in ["contact_sheet.png", "table.txt", "table.json", "index.html"] {
+        assert!(Path::new(&sweep).join(file).exists(), "no {file}");
+    }
+    let reference =
+        ["--backend", "reference", "--width", "8", "--rays", "4", "--samples", "4", "--steps", "1"];
+    object(
+        &[&["train", "builtin:blob", "--out", &run, "--model", "nerf", "--json"], &reference[..]].concat(),
+    );
+    let frames = path(dir.path(), "frames");
+    let view = ["--path", "orbit:2", "--size", "8x6", "--depth", "--background", "white", "--json"];
+    object(&[&["render", &run, "--out", &frames], &view[..]].concat());
+    assert!(
+        Path::new(&frames).join("frame_0000.png").exists() && Path::new(&frames).join("film.gif").exists()
+    );
+    refused(&["render", &run, "--out", &path(dir.path(), "sweep/table.txt/x.gif")], &["table.txt"]);
 }
 
 /// A scene in the layout of the CS180 course, whose test split has cameras but no photographs.

@@ -59,6 +59,10 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     // Opened first: a folder that can't be read shouldn't be found out behind minutes of measuring.
     let run = args.run.as_deref().filter(|_| whole);
     let mut trained = run.map(|run| open(run, Backend::Fast, false)).transpose()?;
+    if trained.as_mut().is_some_and(|trained| trained.model.system().is_none()) {
+        let got = args.run.as_deref().map_or_else(String::new, |run| run.display().to_string());
+        return Err(Error::usage("--run", got, "a run of one field: compact, or nerf without --fine"));
+    }
     let options = Options {
         rounds: if args.quick { 5 } else { args.rounds },
         least: if args.quick { 1e-3 } else { 5e-3 },

@@ -67,6 +67,16 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         let bar = progress::bar(Some(settings.steps), "fit");
         let mut pictures = vec![];
         let keep = |point: &LogPoint, fitted: &Array3<f32>| {
+            if !point.loss.is_finite() {
+                let (file, field) = (args.image.clone(), format!("loss at step {}", point.step));
+                return Err(Error::input(
+                    file,
+                    field,
+                    point.loss,
+                    "a finite number",
+                    "Lower --lr or --levels.",
+                ));
+            }
             picture::write_png(&args.out.join(format!("step_{:04}.png", point.step)), fitted.view())?;
             pictures.push(picture::to_rgb(fitted.view()));
             Ok::<(), Error>(())

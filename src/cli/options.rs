@@ -36,9 +36,26 @@ pub fn size(text: &str) -> Result<(usize, usize), String> {
     }
 }
 
-/// A whole number above 0.
+/// A whole number above 0, and not so large that memory would end before the work does.
 pub fn positive(text: &str) -> Result<usize, String> {
-    text.parse().ok().filter(|&n| n > 0).ok_or_else(|| "expected a whole number above 0".into())
+    at_most::<{ 1 << 24 }>(text)
+}
+
+/// A whole number from 1 to `MOST`.
+pub fn at_most<const MOST: usize>(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|n| (1..=MOST).contains(n));
+    number.ok_or_else(|| format!("expected a whole number above 0 and at most {MOST}"))
+}
+
+/// A whole number from 0 to `MOST`.
+pub fn none_or<const MOST: usize>(text: &str) -> Result<usize, String> {
+    if text == "0" { Ok(0) } else { at_most::<MOST>(text) }
+}
+
+/// A finite number.
+pub fn finite_number(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|n: &f64| n.is_finite());
+    number.ok_or_else(|| "expected a finite number".into())
 }
 
 /// A finite number above 0.
@@ -58,6 +75,8 @@ mod tests {
         assert!(color("0,0.5").is_err() && color("2,0,0").is_err() && color("red").is_err());
         assert_eq!(size("4x3"), Ok((4, 3)));
         assert!(size("0x3").is_err() && size("4").is_err());
-        assert!(positive("0").is_err() && positive_number("nan").is_err());
+        assert!(positive("0").is_err() && positive_number("nan").is_err() && finite_number("inf").is_err());
+        assert_eq!((at_most::<4>("4"), none_or::<4>("0")), (Ok(4), Ok(0)));
+        assert!(positive("18446744073709551615").is_err() && none_or::<4>("5").is_err());
     }
 }

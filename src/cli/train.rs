@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::options::{Backend, color, positive, positive_number};
+use super::options::{Backend, at_most, color, finite_number, none_or, positive, positive_number};
 use super::{output, progress};
 use crate::error::{Error, Result};
 use crate::parallel;
@@ -37,16 +37,16 @@ pub struct Args {
     #[arg(long, value_parser = positive_number)]
     pub seconds: Option<f64>,
     /// Stop when validation reaches this PSNR, in dB.
-    #[arg(long)]
+    #[arg(long, value_parser = finite_number)]
     pub stop_at_psnr: Option<f64>,
     /// Rays a step.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = at_most::<{ 1 << 20 }>)]
     pub rays: Option<usize>,
     /// Samples a ray.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = at_most::<16384>)]
     pub samples: Option<usize>,
     /// Samples a ray of a second network, drawn where the first one's weights are (--model nerf); 0: one network alone.
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_parser = none_or::<16384>)]
     pub fine: usize,
     /// Where samples start.
     #[arg(long)]
@@ -79,7 +79,7 @@ pub struct Args {
     #[arg(long)]
     pub resume: bool,
     /// Width of the 8x256 network's layers (--model nerf).
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = at_most::<4096>)]
     pub width: Option<usize>,
 }
 
@@ -130,14 +130,22 @@ pub fn train(args: &Args) -> Result<Summary> {
     let (scene, recipe) = prepare(args)?;
     scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let folder = if args.resume { RunFolder::open(&args.out)? } else { RunFolder::create(&args.out)? };
+    let mut warnings = if args.resume {
+        same_recipe(&folder, &recipe)?
+    } else {
+        json!(scene.warnings).as_array().cloned().unwrap_or_default()
+    };
     let mut model = build(&recipe, &scene)?;
     left_out(&model.settings()).iter().for_each(|line| eprintln!("{line}"));
-    folder.write_settings(&run_json(args, &recipe, &scene, &*model))?;
+    let mut settings = run_json(args, &recipe, &scene, &*model);
     let options = end(args);
     let mut run = Run::new(&mut *model, &scene, &folder, &options)?;
     if args.resume {
         run.resume()?;
     }
+    // Only now: a run that can't go on stays as it was.
+    settings.insert("warnings".into(), json!(warnings));
+    folder.write_settings(&settings)?;
     let bar = progress::bar(options.steps, "train");
     run.go(|point| {
         bar.set_position(point.step);
@@ -145,8 +153,28 @@ pub fn train(args: &Args) -> Result<Summary> {
     })?;
     bar.finish_and_clear();
     run.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    warnings.extend(run.warnings.iter().map(|warning| json!(warning)));
+    settings.insert("warnings".into(), json!(warnings));
+    folder.write_settings(&settings)?;
     write_curve(&folder, &scene, &run.log)?;
     Ok(summary(&run.log, &run.warnings, args))
+}
+
+/// That a run goes on with what it was begun with; the warnings that it had so far.
+fn same_recipe(folder: &RunFolder, recipe: &Map<String, Value>) -> Result<Vec<Value>> {
+    let before = folder.settings()?;
+    for name in
+        ["scene", "scene_options", "model", "backend", "seed", "rays", "samples", "fine", "lr", "width"]
+    {
+        // A field that an older run lacks was at its default.
+        if let Some(had) = before.get(name).filter(|had| **had != recipe[name]) {
+            let advice =
+                "Give --resume the options that the run was begun with; --steps and --seconds may differ.";
+            let file = folder.file("run.json").display().to_string();
+            return Err(Error::input(file, name, &recipe[name], had, advice));
+        }
+    }
+    Ok(before.get("warnings").and_then(Value::as_array).cloned().unwrap_or_default())
 }
 
 /// What the model does without in this scene, and why: the reasons that say so.
@@ -226,6 +254,13 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
                 "0: a second network belongs to --model nerf",
             ));
         }
+        if let Some(width) = whole("width") {
+            return Err(Error::usage(
+                "--width",
+                width,
+                "no width: --model nerf has it, compact's networks are fixed",
+            ));
+        }
         let lr = recipe.get("lr").and_then(Value::as_f64);
         let [samples, rays] = ["samples", "rays"].map(|key| whole(key).map(|n| n as usize));
         return Ok(Box::new(CompactModel::new(scene, &Overrides { seed, samples, rays, lr })?));
@@ -268,7 +303,6 @@ fn run_json(
         }),
     );
     run.insert("reasons".into(), Value::Object(scene.reasons.clone()));
-    run.insert("warnings".into(), json!(scene.warnings));
     run.insert("settings".into(), Value::Object(model.settings()));
     run.insert(
         "end".into(),

@@ -83,6 +83,8 @@ pub struct NerfModel {
     dead: bool,
     /// Whether a density head's sign was turned at the start.
     turned: bool,
+    /// Whether the parameters come from a checkpoint.
+    restored: bool,
 }
 
 /// One step's rays as flat arrays.
@@ -113,7 +115,7 @@ impl NerfModel {
     pub fn new(settings: Settings) -> Self {
         let of = |seed: u64| Path::new(&settings, &Key::new(seed, Purpose::Parameters));
         let fine = (settings.fine > 0).then(|| of(!settings.seed));
-        NerfModel { coarse: of(settings.seed), fine, settings, dead: false, turned: false }
+        NerfModel { coarse: of(settings.seed), fine, settings, dead: false, turned: false, restored: false }
     }
 
     fn adam(&self) -> Adam {
@@ -215,7 +217,7 @@ impl Model for NerfModel {
         let Drawn { origins, directions, t, u, targets } = self.draw(scene, step)?;
         let (Settings { rays, background, .. }, adam) = (self.settings, self.adam());
         let coarse = self.coarse_samples(t);
-        if step == 1 {
+        if step == 1 && !self.restored {
             self.wake(coarse.rays(&origins, &directions));
         }
         // Before the step: the two networks see the same parameters of the first, whose weights are constants to the second.
@@ -247,6 +249,7 @@ impl Model for NerfModel {
 
     fn restore(&mut self, state: &Arrays, file: &str) -> Result<()> {
         self.coarse.restore(state, "", file)?;
+        self.restored = true;
         match &mut self.fine {
             Some(fine) => fine.restore(state, FINE, file),
             None => match state.keys().find(|name| name.starts_with(FINE)) {

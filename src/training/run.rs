@@ -52,7 +52,8 @@ pub struct LogPoint {
     pub samples: u64,
     /// Loss of this step's batch, before the step.
     pub loss: f64,
-    /// Its PSNR.
+    /// Its PSNR; infinite (null in the file) where the batch was met exactly.
+    #[serde(deserialize_with = "decibels")]
     pub train_psnr: f64,
     /// PSNR over 4,096 seeded pixels of all validation views.
     pub val_probe: Option<f64>,
@@ -109,7 +110,10 @@ impl<'a> Run<'a> {
         self.model.restore(&state, &file.display().to_string())?;
         (self.step, self.seconds, self.samples) = (step, seconds, samples);
         let path = self.folder.file("log.jsonl");
-        for (n, line) in files::read_text(&path)?.lines().enumerate() {
+        let text = files::read_text(&path)?;
+        // A last line without its end was being written when the run was stopped: its step will be done again.
+        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        for (n, line) in whole.lines().enumerate() {
             let point: LogPoint = serde_json::from_str(line).map_err(|e| {
                 let advice = "Delete the line, or train from the start without --resume.";
                 Error::input(
@@ -137,6 +141,8 @@ impl<'a> Run<'a> {
     pub fn go(&mut self, mut seen: impl FnMut(&LogPoint)) -> Result<()> {
         if self.step == 0 {
             files::write(&self.folder.file("log.jsonl"), "")?;
+            // At once, so that an earlier run's parameters don't lie beside this one's settings.
+            self.save()?;
         }
         while !self.finished() {
             let start = Instant::now();
@@ -238,6 +244,11 @@ impl<'a> Run<'a> {
         self.saved_at = Instant::now();
         self.folder.save(self.model.state(), self.step, self.seconds, self.samples)
     }
+}
+
+/// Decibels as [`line`] writes them: null is infinite.
+fn decibels<'de, D: serde::Deserializer<'de>>(from: D) -> std::result::Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::INFINITY))
 }
 
 /// One line of the log. Infinite figures (a perfect picture) become null, as JSON has no word for them.
