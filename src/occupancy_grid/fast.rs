@@ -1,34 +1,56 @@
-//! f32 occupancy bits, and a traversal that skips empty cells and empty bricks of cells.
+//! f32 occupancy bits; `march` walks rays over them, past empty cells, bricks and blocks of cells.
+
+mod march;
+
+pub use march::{LANES, Steps, Way};
 
 /// Cells along a brick's edge: 4^3 bits are a word, so that an empty word lets a ray skip 64 cells.
 const BRICK: usize = 4;
+/// Cells along a block's edge: its 4^3 bricks are a word too.
+const BLOCK: usize = 16;
 
 /// A cubic grid of cells over the unit box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Occupancy {
-    /// Cells along an edge, a multiple of 4.
+    /// Cells along an edge, a multiple of 16.
     pub resolution: usize,
     /// The largest density of late, (R^3), index x + R (y + R z).
     pub density: Vec<f32>,
-    bits: Vec<u64>,
+    /// Of each brick the occupied cells, and those of them that are opaque.
+    words: Vec<[u64; 2]>,
+    /// Of each block the bricks with occupied cells.
+    blocks: Vec<u64>,
 }
 
 impl Occupancy {
     /// Every cell occupied, no density known.
     pub fn full(resolution: usize) -> Self {
-        let bricks = (resolution / BRICK).pow(3);
-        Occupancy { resolution, density: vec![0.0; resolution.pow(3)], bits: vec![!0; bricks] }
+        let words = vec![[!0, 0]; (resolution / BRICK).pow(3)];
+        let blocks = vec![!0; (resolution / BLOCK).pow(3)];
+        Occupancy { resolution, density: vec![0.0; resolution.pow(3)], words, blocks }
     }
 
     /// A grid from its parts, as [`Self::density`] and [`Self::bits`] gave them; none where lengths don't fit.
-    pub fn from_parts(resolution: usize, density: Vec<f32>, bits: Vec<u64>) -> Option<Self> {
-        let fits = density.len() == resolution.pow(3) && bits.len() == (resolution / BRICK).pow(3);
-        fits.then_some(Occupancy { resolution, density, bits })
+    pub fn from_parts(
+        resolution: usize,
+        density: Vec<f32>,
+        occupied: &[u64],
+        opaque: &[u64],
+    ) -> Option<Self> {
+        let bricks = (resolution / BRICK).pow(3);
+        let fits =
+            density.len() == resolution.pow(3) && [occupied, opaque].iter().all(|bits| bits.len() == bricks);
+        fits.then(|| {
+            let words = occupied.iter().zip(opaque).map(|(&a, &b)| [a, b]).collect();
+            let mut grid = Occupancy { resolution, density, words, blocks: vec![] };
+            grid.fill_blocks();
+            grid
+        })
     }
 
-    /// The occupied cells, a word for each brick of 4^3.
-    pub fn bits(&self) -> &[u64] {
-        &self.bits
+    /// The occupied cells, and the opaque ones, a word for each brick of 4^3.
+    pub fn bits(&self) -> [Vec<u64>; 2] {
+        [0, 1].map(|kind| self.words.iter().map(|words| words[kind]).collect())
     }
 
     #[inline(always)]
@@ -47,13 +69,13 @@ impl Occupancy {
     pub fn occupied(&self, cell: usize) -> bool {
         let (r, bricks) = (self.resolution, self.resolution / BRICK);
         let (x, y, z) = (cell % r, cell / r % r, cell / r / r);
-        let word = self.bits[(z / BRICK * bricks + y / BRICK) * bricks + x / BRICK];
+        let [word, _] = self.words[(z / BRICK * bricks + y / BRICK) * bricks + x / BRICK];
         word >> ((z % BRICK * BRICK + y % BRICK) * BRICK + x % BRICK) & 1 == 1
     }
 
     /// Share of the cells that are occupied.
     pub fn fraction(&self) -> f64 {
-        let ones: u32 = self.bits.iter().map(|b| b.count_ones()).sum();
+        let ones: u32 = self.words.iter().map(|[occupied, _]| occupied.count_ones()).sum();
         f64::from(ones) / self.density.len() as f64
     }
 
@@ -70,18 +92,31 @@ impl Occupancy {
         self.density.iter_mut().for_each(|d| *d *= decay);
     }
 
-    /// Occupied are from now on the cells denser than `threshold`.
-    pub fn apply_threshold(&mut self, threshold: f32) {
+    /// Occupied are from now on the cells denser than the first threshold, opaque those denser than the second, which is larger.
+    pub fn apply_thresholds(&mut self, thresholds: [f32; 2]) {
         let (r, bricks) = (self.resolution, self.resolution / BRICK);
-        self.bits.fill(0);
+        self.words.fill([0; 2]);
         for (row, densities) in self.density.chunks_exact(r).enumerate() {
             let (y, z) = (row % r, row / r);
             let first = (z / BRICK * bricks + y / BRICK) * bricks;
             let shift = (z % BRICK * BRICK + y % BRICK) * BRICK;
             for (brick, four) in densities.chunks_exact(BRICK).enumerate() {
-                let nibble = (0..BRICK).fold(0, |bits, x| bits | u64::from(four[x] > threshold) << x);
-                self.bits[first + brick] |= nibble << shift;
+                for (word, threshold) in self.words[first + brick].iter_mut().zip(thresholds) {
+                    let nibble = (0..BRICK).fold(0, |bits, x| bits | u64::from(four[x] > threshold) << x);
+                    *word |= nibble << shift;
+                }
             }
+        }
+        self.fill_blocks();
+    }
+
+    fn fill_blocks(&mut self) {
+        let (bricks, blocks) = (self.resolution / BRICK, self.resolution / BLOCK);
+        self.blocks = vec![0; blocks.pow(3)];
+        for (i, _) in self.words.iter().enumerate().filter(|(_, [occupied, _])| *occupied != 0) {
+            let (x, y, z) = (i % bricks, i / bricks % bricks, i / bricks / bricks);
+            let block = (z / 4 * blocks + y / 4) * blocks + x / 4;
+            self.blocks[block] |= 1 << ((z % 4 * 4 + y % 4) * 4 + x % 4);
         }
     }
 
@@ -95,50 +130,6 @@ impl Occupancy {
             *density = self.density[(z * self.resolution + y) * self.resolution + x];
         }
         out
-    }
-
-    /// Calls `visit(k, p)` for the points t = (k + u) step, t in [near, far), that lie in occupied cells.
-    ///
-    /// `o` and `d` are in units of the box; p is clamped to it.
-    #[inline(always)]
-    pub fn march(
-        &self,
-        o: [f32; 3],
-        d: [f32; 3],
-        near: f32,
-        far: f32,
-        step: f32,
-        u: f32,
-        mut visit: impl FnMut(f32, [f32; 3]),
-    ) {
-        // From here on lengths are cells and time is steps.
-        let r = self.resolution as f32;
-        let start: [f32; 3] = std::array::from_fn(|a| (o[a] + u * step * d[a]) * r);
-        let speed: [f32; 3] = std::array::from_fn(|a| d[a] * step * r);
-        let inverse = speed.map(|s| if s == 0.0 { f32::MAX } else { 1.0 / s });
-        let ahead = speed.map(|s| i32::from(s >= 0.0));
-        let (top, bricks) = (self.resolution as i32 - 1, (self.resolution / BRICK) as i32);
-        let (mut k, last) = ((near / step - u).ceil(), far / step - u);
-        while k < last {
-            let x: [f32; 3] = std::array::from_fn(|a| start[a] + k * speed[a]);
-            let c = x.map(|x| (x as i32).max(0).min(top));
-            let word = self.bits[(((c[2] >> 2) * bricks + (c[1] >> 2)) * bricks + (c[0] >> 2)) as usize];
-            if word >> ((c[2] & 3) << 4 | (c[1] & 3) << 2 | c[0] & 3) & 1 == 1 {
-                visit(k, x.map(|x| (x / r).clamp(0.0, 1.0)));
-                k += 1.0;
-                continue;
-            }
-            // On to the first lattice point behind the empty cell, or brick.
-            let edge = if word == 0 { BRICK as i32 } else { 1 };
-            let mut exit = f32::INFINITY;
-            for a in 0..3 {
-                let face = (c[a] & -edge) + ahead[a] * edge;
-                let at = (face as f32 - start[a]) * inverse[a];
-                exit = if at < exit { at } else { exit };
-            }
-            let next = exit.ceil();
-            k = if next > k { next } else { k + 1.0 };
-        }
     }
 }
 

@@ -95,37 +95,92 @@ fn samples_lie_in_occupied_crossings() {
     assert!(kept > 1000);
 }
 
-/// The f32 traversal visits what the oracle visits, but for lattice points within rounding of a face or of an end.
+/// The f32 traversal visits what the oracle visits, but for lattice points within rounding of a face or of an end. Lanes are filled
+/// in part and in full.
 #[test]
 fn fast_traversal_agrees() {
     let oracle = random_grid(16, 0.2);
     let mut grid = fast::Occupancy::full(16);
     grid.density = oracle.density.iter().map(|&x| x as f32).collect();
-    grid.apply_threshold(oracle.threshold as f32);
+    grid.apply_thresholds([oracle.threshold as f32, f32::INFINITY]);
     let (mut checked, mut skipped) = (0, 0);
-    for i in 0..500 {
-        let (o, d, near, far) = ray(i);
-        let step = f64::from(0.004f32);
-        let u = f64::from(key().uniform(2, i, 0) as f32);
-        let mut got = vec![];
-        let f = |v: [f64; 3]| v.map(|x| x as f32);
-        grid.march(f(o), f(d), near as f32, far as f32, step as f32, u as f32, |k, _| got.push(k as i64));
-        let mut k = (near / step - u).ceil();
-        while (k + u) * step < far {
-            let t = (k + u) * step;
-            let x = [0, 1, 2].map(|a| o[a] + t * d[a]);
-            let to_face = x.map(|x| (16.0 * x - (16.0 * x).round()).abs()).into_iter().fold(1.0, f64::min);
-            let to_end = ((t - near) / step).min((far - t) / step);
-            if to_face > 1e-3 && to_end > 1e-3 {
-                assert_eq!(got.contains(&(k as i64)), oracle.occupied(x), "ray {i}, k {k}, x {x:?}");
-                checked += 1;
-            } else {
-                skipped += 1;
+    let step = f64::from(0.004f32);
+    let numbers: Vec<u64> = (0..500).collect();
+    let mut steps = fast::Steps::default();
+    for numbers in numbers.chunk_by(|a, b| a % 97 != 0 && b % fast::LANES as u64 != 0) {
+        let ways: Vec<_> = numbers.iter().map(|&i| way(i, u32::MAX)).collect();
+        grid.march(&ways, step as f32, &mut steps);
+        for (lane, (&i, way)) in numbers.iter().zip(&ways).enumerate() {
+            let (o, d, near, far) = ray(i);
+            let u = f64::from(way.u);
+            let got: Vec<i64> = steps.of(lane).iter().map(|&k| k as i64).collect();
+            let mut k = (near / step - u).ceil();
+            while (k + u) * step < far {
+                let t = (k + u) * step;
+                let x = [0, 1, 2].map(|a| o[a] + t * d[a]);
+                let to_face =
+                    x.map(|x| (16.0 * x - (16.0 * x).round()).abs()).into_iter().fold(1.0, f64::min);
+                let to_end = ((t - near) / step).min((far - t) / step);
+                if to_face > 1e-3 && to_end > 1e-3 {
+                    assert_eq!(got.contains(&(k as i64)), oracle.occupied(x), "ray {i}, k {k}, x {x:?}");
+                    let at = way.at(k as f32, step as f32);
+                    (0..3).for_each(|a| assert_abs_diff_eq!(f64::from(at[a]), x[a], epsilon = 1e-5));
+                    checked += 1;
+                } else {
+                    skipped += 1;
+                }
+                k += 1.0;
             }
-            k += 1.0;
         }
     }
     assert!(checked > 10_000 && skipped < checked / 20, "{checked} {skipped}");
+}
+
+fn way(i: u64, patience: u32) -> fast::Way {
+    let (o, d, near, far) = ray(i);
+    let f = |v: [f64; 3]| v.map(|x| x as f32);
+    fast::Way {
+        o: f(o),
+        d: f(d),
+        near: near as f32,
+        far: far as f32,
+        u: key().uniform(2, i, 0) as f32,
+        patience,
+    }
+}
+
+/// A ray ends behind as many samples in opaque cells as it has patience for, and has seen what it sees with more of it.
+#[test]
+fn patience_ends_a_ray() {
+    let mut grid = fast::Occupancy::full(16);
+    grid.density = random_grid(16, 0.2).density.iter().map(|&x| x as f32).collect();
+    grid.apply_thresholds([0.3, 0.6]);
+    let [_, opaque] = grid.bits();
+    let is_opaque = |p: [f32; 3]| {
+        let [x, y, z] = p.map(|x| ((16.0 * x) as usize).min(15));
+        opaque[(z / 4 * 4 + y / 4) * 4 + x / 4] >> (z % 4 * 16 + y % 4 * 4 + x % 4) & 1 == 1
+    };
+    let (mut all, mut some, mut cut) = (fast::Steps::default(), fast::Steps::default(), 0);
+    for first in (0..500).step_by(fast::LANES) {
+        let [ways, short] =
+            [u32::MAX, 25].map(|p| (first..first + 16).map(|i| way(i, p)).collect::<Vec<_>>());
+        grid.march(&ways, 0.004, &mut all);
+        grid.march(&short, 0.004, &mut some);
+        for (lane, way) in ways.iter().enumerate() {
+            let mut left = 25;
+            let patient = all.of(lane).iter().take_while(|k| {
+                let before = left;
+                left -= usize::from(left > 0 && is_opaque(way.at(**k, 0.004)));
+                before > 0
+            });
+            let patient: Vec<f32> = patient.copied().collect();
+            assert_eq!(some.of(lane), patient);
+            assert_eq!(some.cut(lane), left == 0);
+            assert!(!all.cut(lane));
+            cut += usize::from(left == 0);
+        }
+    }
+    assert!((50..480).contains(&cut), "{cut}");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::networks::{GEOMETRY, HIDDEN, Weights};
 use super::views::BoxRay;
 use crate::hash_grid::fast::WIDTH;
+use crate::occupancy_grid::fast::Way;
 use crate::spherical_harmonics::fast::{self as harmonics, harmonics};
 
 /// Rows of a block: the kernels take whole blocks.
@@ -15,6 +16,10 @@ pub(super) struct Ray {
     pub count: usize,
     pub target: [f32; 3],
     pub harmonics: [f32; harmonics::WIDTH],
+    /// The training pixel that it comes from.
+    pub pixel: u32,
+    /// Whether it may go on behind its last sample.
+    pub cut: bool,
     /// Colour over the background.
     pub color: [f32; 3],
     /// T behind the last sample.
@@ -46,6 +51,8 @@ pub(super) struct Chunk {
     pub gradient: Weights,
     /// Sum of squared errors over rays and channels.
     pub error: f64,
+    /// Pixels of the rays that aren't in that sum, because they were given up too early.
+    pub again: Vec<u32>,
 }
 
 impl Default for Chunk {
@@ -64,6 +71,7 @@ impl Default for Chunk {
             rgb: vec![],
             gradient: Weights::zeros(),
             error: 0.0,
+            again: vec![],
         }
     }
 }
@@ -79,12 +87,14 @@ impl Chunk {
 
     /// The next ray; samples pushed from now on are its own.
     #[inline(always)]
-    pub fn push_ray(&mut self, ray: &BoxRay, target: [f32; 3]) {
+    pub fn push_ray(&mut self, ray: &BoxRay, target: [f32; 3], pixel: u32, cut: bool) {
         self.rays.push(Ray {
             first: self.points.len(),
             count: 0,
             target,
             harmonics: harmonics(ray.unit),
+            pixel,
+            cut,
             color: [0.0; 3],
             transmittance: 1.0,
             depth: 0.0,
@@ -92,14 +102,14 @@ impl Chunk {
         });
     }
 
-    /// The next sample of the last ray.
+    /// The samples of the last ray.
     #[inline(always)]
-    pub fn push_sample(&mut self, p: [f32; 3], t: f32) {
+    pub fn push_samples(&mut self, way: &Way, k: &[f32], step: f32) {
         let ray = self.rays.len() - 1;
-        self.points.push(p);
-        self.t.push(t);
-        self.ray_of.push(ray as u32);
-        self.rays[ray].count += 1;
+        self.points.extend(k.iter().map(|&k| way.at(k, step)));
+        self.t.extend(k.iter().map(|&k| (k + way.u) * step));
+        self.ray_of.extend(k.iter().map(|_| ray as u32));
+        self.rays[ray].count = k.len();
     }
 
     /// Room for the activations of the samples pushed so far.

@@ -141,6 +141,7 @@ fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
 #[inline(always)]
 fn composite(pass: &Pass, c: &mut Chunk) {
     c.error = 0.0;
+    c.again.clear();
     for ray in &mut c.rays {
         let (mut transmittance, mut color, mut depth) = (1.0f32, [0f32; 3], 0f32);
         for p in ray.first..ray.first + ray.count {
@@ -156,10 +157,15 @@ fn composite(pass: &Pass, c: &mut Chunk) {
             transmittance = next;
         }
         (ray.transmittance, ray.depth) = (transmittance, depth);
+        // A ray that was given up too early doesn't know its colour.
+        let counts = !(ray.cut && transmittance > pass.stop);
+        if !counts {
+            c.again.push(ray.pixel);
+        }
         let mut g_color = [0f32; 3];
         for k in 0..3 {
             ray.color[k] = color[k] + transmittance * pass.background[k];
-            let error = ray.color[k] - ray.target[k];
+            let error = if counts { ray.color[k] - ray.target[k] } else { 0.0 };
             c.error += f64::from(error * error);
             g_color[k] = pass.gradient.unwrap_or(0.0) * error;
         }

@@ -21,6 +21,7 @@ mod backward;
 mod chunk;
 mod forward;
 mod kernels;
+mod march;
 mod networks;
 mod occupancy;
 mod reference;
@@ -50,6 +51,8 @@ pub struct CompactModel {
     chunks: Vec<Chunk>,
     /// Rays of the next step: as many as filled a batch before.
     rays: usize,
+    /// Pixels whose rays were given up too early in the last step: the first rays of the next.
+    again: Vec<u32>,
     /// Steps done.
     step: u64,
     arch: Arch,
@@ -68,7 +71,18 @@ impl CompactModel {
         let occupancy = Occupancy::full(occupancy::FIRST_RESOLUTION);
         let rays = settings.rays.unwrap_or(step::FIRST_RAYS);
         let arch = step::arch();
-        Ok(CompactModel { settings, views, levels, nets, occupancy, chunks: vec![], rays, step: 0, arch })
+        Ok(CompactModel {
+            settings,
+            views,
+            levels,
+            nets,
+            occupancy,
+            chunks: vec![],
+            rays,
+            again: vec![],
+            step: 0,
+            arch,
+        })
     }
 }
 

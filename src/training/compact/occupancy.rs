@@ -4,7 +4,6 @@ use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::densities;
 use super::step::{clear_unused, optical_step};
-use super::views::BoxRay;
 use crate::hash_grid::fast as hash_grid;
 use crate::parallel;
 use crate::random::{Key, Purpose};
@@ -21,8 +20,10 @@ const DECAY: f32 = 0.9;
 const RANDOM_CELLS: usize = 1 << 15;
 /// Opacity of one step above which a cell is occupied.
 const OPACITY: f32 = 0.01;
+/// Optical depth of one step above which a cell is opaque.
+pub(super) const OPAQUE: f32 = 1.0;
 /// Cells of a task.
-const TASK: usize = 4096;
+const TASK: usize = 2048;
 
 impl CompactModel {
     /// Every 16 steps: densities decay, random cells (at first all) are looked at, and what is dense enough counts as occupied.
@@ -41,35 +42,38 @@ impl CompactModel {
         let cells = self.occupancy.density.len();
         let all = step == EVERY;
         let count = if all { cells } else { RANDOM_CELLS.min(cells) };
-        let tasks = parallel::map(count.div_ceil(TASK), |task| {
-            let draws = task * TASK..((task + 1) * TASK).min(count);
-            self.look(draws, all, step)
+        let mut tasks = std::mem::take(&mut self.chunks);
+        tasks.resize_with(tasks.len().max(count.div_ceil(TASK)), Chunk::default);
+        let chunks = &mut tasks[..count.div_ceil(TASK)];
+        parallel::for_chunks(chunks, 1, |n, chunk| {
+            let draws = n * TASK..((n + 1) * TASK).min(count);
+            self.look(draws, all, step, &mut chunk[0]);
         });
-        for chunk in &tasks {
+        for chunk in chunks {
             self.occupancy.raise(&chunk.points, &chunk.sigma);
         }
-        self.occupancy.apply_threshold(OPACITY / optical_step(self.settings.samples));
+        self.chunks = tasks;
+        let delta = optical_step(self.settings.samples);
+        self.occupancy.apply_thresholds([OPACITY / delta, OPAQUE / delta]);
     }
 
     /// Densities at random points of cells: of cell n itself where `all`, else of a random one.
-    fn look(&self, draws: std::ops::Range<usize>, all: bool, step: u64) -> Chunk {
+    fn look(&self, draws: std::ops::Range<usize>, all: bool, step: u64, chunk: &mut Chunk) {
         let key = Key::new(self.settings.seed, Purpose::Occupancy);
         let r = self.occupancy.resolution;
-        let mut chunk = Chunk::default();
-        chunk.push_ray(&BoxRay { o: [0.0; 3], d: [0.0; 3], unit: [0.0, 0.0, 1.0] }, [0.0; 3]);
+        chunk.clear();
         for n in draws {
             let u = key.uniforms(step, n as u64, 4);
             let cell = if all { n } else { (u[3] * (r * r * r) as f64) as usize };
             let corner = [cell % r, cell / r % r, cell / r / r];
-            chunk.push_sample(std::array::from_fn(|a| ((corner[a] as f64 + u[a]) / r as f64) as f32), 0.0);
+            chunk.points.push(std::array::from_fn(|a| ((corner[a] as f64 + u[a]) / r as f64) as f32));
         }
         chunk.reserve();
         let active = self.settings.levels_at(step);
         for (l, level) in self.levels.iter().enumerate().take(active) {
             hash_grid::encode_level(self.arch, level, l, &chunk.points, &mut chunk.encoding);
         }
-        clear_unused(std::slice::from_mut(&mut chunk), active);
-        densities(self.arch, &self.pass(self.settings.samples, None), &mut chunk);
-        chunk
+        clear_unused(std::slice::from_mut(chunk), active);
+        densities(self.arch, &self.pass(self.settings.samples, None), chunk);
     }
 }

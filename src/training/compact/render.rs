@@ -3,7 +3,8 @@
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::run;
-use super::step::{MarchAtRest, clear_unused};
+use super::march::MarchAtRest;
+use super::step::clear_unused;
 use crate::hash_grid::fast as hash_grid;
 use crate::parallel;
 use crate::ray::Ray;

@@ -44,7 +44,7 @@ pub struct Settings {
     pub occupancy: usize,
     /// A ray ends where its transmittance falls below this.
     pub stop: f64,
-    /// Samples a step.
+    /// Samples a step at first; see [`Settings::batch_at`].
     pub batch: usize,
     /// Rays a step, where given.
     pub rays: Option<usize>,
@@ -90,7 +90,7 @@ impl Settings {
         because("stop", "a colour moves by at most 1e-4, a fortieth of an 8-bit step".into());
         because(
             "batch",
-            "16,384 samples: half of a step's time goes to the samples, half to what every step costs".into(),
+            "16,384 samples, from step 1000 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs".into(),
         );
         let spread = direction_spread(scene);
         let view_dependent = spread > 10f64.to_radians();
@@ -138,6 +138,13 @@ impl Settings {
     /// Levels of the hash grid in use at a training step: the coarse ones first, one more every 100 steps.
     pub fn levels_at(&self, step: u64) -> usize {
         (4 + step as usize / 100).min(LEVELS)
+    }
+
+    /// Samples of a training step: as learning slows down, more samples average out more of their noise, and share what every step
+    /// costs. Constant up to step 1000, then in proportion to it, up to 4 times the first.
+    pub fn batch_at(&self, step: u64) -> usize {
+        let growth = (step as f64 / 1000.0).clamp(1.0, 4.0);
+        ((growth * self.batch as f64) as usize).next_multiple_of(1024)
     }
 
     /// The learning rates' factor at a training step: 1 / sqrt(1 + step / 1500).

@@ -65,7 +65,10 @@ impl CompactModel {
         }
         let r = self.occupancy.resolution;
         out.insert("occupancy_density".into(), f32s(&[r, r, r], &self.occupancy.density));
-        out.insert("occupancy_bits".into(), i64s(self.occupancy.bits().iter().map(|&b| b as i64).collect()));
+        for (name, bits) in ["occupancy_bits", "occupancy_opaque"].into_iter().zip(self.occupancy.bits()) {
+            out.insert(name.into(), i64s(bits.into_iter().map(|b| b as i64).collect()));
+        }
+        out.insert("compact_again".into(), i64s(self.again.iter().map(|&pixel| i64::from(pixel)).collect()));
         out.insert("compact_progress".into(), i64s(vec![self.step as i64, self.rays as i64]));
         out
     }
@@ -90,9 +93,19 @@ impl CompactModel {
         }
         let mut density = vec![0.0; resolution.pow(3)];
         copy(state, "occupancy_density", file, &mut density)?;
-        let bits = whole(state, "occupancy_bits", file)?.into_iter().map(|b| b as u64).collect();
-        self.occupancy = Occupancy::from_parts(resolution, density, bits)
-            .ok_or_else(|| wrong(file, "occupancy_bits", "another length", "64 cells a word"))?;
+        let bits = |name| Ok(whole(state, name, file)?.into_iter().map(|b| b as u64).collect::<Vec<_>>());
+        let (occupied, opaque) = (bits("occupancy_bits")?, bits("occupancy_opaque")?);
+        self.occupancy = Occupancy::from_parts(resolution, density, &occupied, &opaque).ok_or_else(|| {
+            wrong(file, "occupancy_bits or occupancy_opaque", "another length", "64 cells a word")
+        })?;
+        let pixels = self.views.len();
+        self.again = whole(state, "compact_again", file)?
+            .into_iter()
+            .map(|pixel| u32::try_from(pixel).ok().filter(|&pixel| (pixel as usize) < pixels))
+            .collect::<Option<_>>()
+            .ok_or_else(|| {
+                wrong(file, "compact_again", "other numbers", format!("pixels, below {pixels}"))
+            })?;
         let [step, rays] = whole(state, "compact_progress", file)?[..] else {
             return Err(wrong(file, "compact_progress", "another length", "step and rays"));
         };

@@ -1,15 +1,13 @@
 //! One training step: march rays, encode, networks forward and backward, scatter, Adam.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::{Pass, run};
+use super::march::March;
 use super::networks::Weights;
-use super::settings::Settings;
-use super::views::Views;
 use crate::hash_grid::fast::{self as hash_grid, AdamRates, FEATURES, Level};
-use crate::occupancy_grid::fast::{Occupancy, ray_box};
 use crate::optimiser::Adam;
 use crate::parallel;
 use crate::random::{Key, Purpose};
@@ -42,7 +40,8 @@ impl CompactModel {
 
     /// Step `step`, counted from 1.
     pub(super) fn train_step(&mut self, step: u64) -> StepReport {
-        let count = (self.settings.batch / CHUNK).max(1);
+        let batch = self.settings.batch_at(step);
+        let count = batch / CHUNK;
         let mut chunks = std::mem::take(&mut self.chunks);
         chunks.resize_with(count, Chunk::default);
         let rays_each = self.rays.div_ceil(count);
@@ -55,14 +54,16 @@ impl CompactModel {
         self.apply(&mut chunks, step);
         let seen: usize = chunks.iter().map(|c| c.visited.len()).sum();
         let live: usize = chunks.iter().map(|c| c.points.len()).sum();
+        self.again = chunks.iter().flat_map(|c| c.again.iter().copied()).collect();
+        let counted = (rays - self.again.len()).max(1);
         let error: f64 = chunks.iter().map(|c| c.error).sum();
         self.chunks = chunks;
         self.rays = self.settings.rays.unwrap_or_else(|| {
-            let wanted = self.settings.batch as f64 / seen.max(1) as f64;
+            let wanted = batch as f64 / seen.max(1) as f64;
             (rays as f64 * wanted.clamp(0.5, 1.5)).clamp(64.0, 65_536.0) as usize
         });
         self.update_occupancy(step);
-        let loss = error / (3 * rays) as f64;
+        let loss = error / (3 * counted) as f64;
         StepReport { loss, mse: loss, samples: live as u64 }
     }
 
@@ -71,9 +72,7 @@ impl CompactModel {
         let keys = [Purpose::Rays, Purpose::Samples].map(|purpose| Key::new(self.settings.seed, purpose));
         parallel::for_chunks(chunks, 1, |c, chunk| {
             let rays = c * rays_each..(c + 1) * rays_each;
-            let (occupancy, settings, views) = (&self.occupancy, &self.settings, &self.views);
-            let chunk = &mut chunk[0];
-            self.arch.dispatch(March { occupancy, settings, views, keys, step, length, rays, chunk });
+            self.arch.dispatch(March { model: self, keys, step, length, rays, chunk: &mut chunk[0] });
         });
     }
 
@@ -137,67 +136,6 @@ fn balanced(levels: &mut [Level], active: usize) -> Vec<(usize, &mut Level)> {
         out.extend(left.pop_front());
     }
     out
-}
-
-struct March<'a> {
-    occupancy: &'a Occupancy,
-    settings: &'a Settings,
-    views: &'a Views,
-    /// Of pixels and of jitter.
-    keys: [Key; 2],
-    step: u64,
-    length: f32,
-    rays: std::ops::Range<usize>,
-    chunk: &'a mut Chunk,
-}
-
-impl WithSimd for March<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let March { occupancy, settings, views, keys: [pixels, jitter], step, length, rays, chunk } = self;
-        chunk.clear();
-        for r in rays {
-            let n = pixels.below(views.len() as u64, step, r as u64, 0) as usize;
-            let u = jitter.uniform(step, r as u64, 0) as f32;
-            let (ray, target) = views.pixel(n);
-            chunk.push_ray(&ray, target);
-            let (enter, leave) = ray_box(ray.o, ray.d);
-            let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
-            occupancy
-                .march(ray.o, ray.d, near, far, length, u, |k, p| chunk.push_sample(p, (k + u) * length));
-        }
-        chunk.reserve();
-    }
-}
-
-/// Marches rays that are given, at rest: u = 1/2.
-pub(super) struct MarchAtRest<'a> {
-    pub model: &'a CompactModel,
-    pub length: f32,
-    pub rays: &'a [crate::ray::Ray],
-    pub chunk: &'a mut Chunk,
-}
-
-impl WithSimd for MarchAtRest<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let MarchAtRest { model, length, rays, chunk } = self;
-        let settings = &model.settings;
-        chunk.clear();
-        for ray in rays {
-            let ray = super::views::BoxRay::new(ray, settings);
-            chunk.push_ray(&ray, [0.0; 3]);
-            let (enter, leave) = ray_box(ray.o, ray.d);
-            let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
-            let visit = |k: f32, p| chunk.push_sample(p, (k + 0.5) * length);
-            model.occupancy.march(ray.o, ray.d, near, far, length, 0.5, visit);
-        }
-        chunk.reserve();
-    }
 }
 
 /// The instruction set of a model: the machine's best.

@@ -13,6 +13,7 @@ use super::{CompactModel, Overrides};
 use crate::camera::{Camera, Intrinsics};
 use crate::convention::ProductEps;
 use crate::loss::psnr;
+use crate::occupancy_grid::fast::Way;
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::scene::{Frame, Scene};
@@ -162,8 +163,9 @@ fn chunk_of(encodings: &[[f32; 32]]) -> Chunk {
     let mut chunk = Chunk::default();
     for (r, count) in COUNTS.into_iter().enumerate() {
         let unit = direction(r).map(|x| x as f32);
-        chunk.push_ray(&BoxRay { o: [0.0; 3], d: [1.0; 3], unit }, [0.3; 3]);
-        (0..count).for_each(|_| chunk.push_sample([0.5; 3], 1.0));
+        chunk.push_ray(&BoxRay { o: [0.0; 3], d: [1.0; 3], unit }, [0.3; 3], 0, false);
+        let way = Way { o: [0.5; 3], d: [0.0; 3], near: 0.0, far: 1.0, u: 0.5, patience: u32::MAX };
+        chunk.push_samples(&way, &vec![0.5; count], 1.0);
     }
     chunk.reserve();
     chunk.encoding[..encodings.len()].copy_from_slice(encodings);
@@ -247,6 +249,42 @@ fn early_stop_keeps_its_word() {
     let moved = full.iter().zip(&short).flat_map(|(a, b)| (0..3).map(move |k| (a[k] - b[k]).abs()));
     let worst = moved.fold(0.0, f32::max);
     assert!(worst <= 1e-2 && worst > 0.0, "{worst}");
+}
+
+/// A ray that was given up while there was light left teaches nothing now, and is the first of the next step, seen to its end.
+#[test]
+fn a_ray_that_was_given_up_too_early_is_drawn_again() {
+    let nets = Networks::new(Weights::random(&Key::new(4, Purpose::Parameters)));
+    let encodings = rows::<32>(5, COUNTS.iter().sum());
+    let gradient = |cut: [bool; 5]| {
+        let mut chunk = chunk_of(&encodings);
+        (0..5).for_each(|r| (chunk.rays[r].cut, chunk.rays[r].pixel) = (cut[r], 70 + r as u32));
+        let pass = Pass {
+            nets: &nets,
+            delta: 0.05,
+            stop: 1e-4,
+            background: [1.0; 3],
+            view_dependent: true,
+            gradient: Some(1.0),
+        };
+        run(Arch::new(), &pass, &mut chunk);
+        let light: Vec<f32> = chunk.rays.iter().map(|ray| ray.transmittance).collect();
+        (chunk, light)
+    };
+    let (all, light) = gradient([false; 5]);
+    assert!(light[0] > 0.1 && all.again.is_empty());
+    let (less, _) = gradient([true, false, false, false, false]);
+    assert_eq!(less.again, [70]);
+    assert!(less.error < all.error && less.gradient.density0 != all.gradient.density0);
+    assert!(less.encoding[..7].as_flattened().iter().all(|&g| g == 0.0));
+    assert!(all.encoding[..7].as_flattened().iter().any(|&g| g != 0.0));
+
+    let scene = ball();
+    let mut model = CompactModel::new(&scene, &Overrides::default()).unwrap();
+    model.again = vec![77, 5];
+    model.step(&scene, 1).unwrap();
+    let first = &model.chunks[0].rays[..2];
+    assert!(first.iter().map(|ray| ray.pixel).eq([77, 5]) && first.iter().all(|ray| !ray.cut));
 }
 
 fn bits(model: &CompactModel) -> Vec<u32> {

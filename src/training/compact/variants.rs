@@ -76,7 +76,10 @@ impl System for Trained<'_> {
             Knob::Nothing => {}
             Knob::Samples(factor) => model.settings.samples = factor * self.samples,
             Knob::Stop(eps) => model.settings.stop = eps,
-            Knob::Opacity(opacity) => model.occupancy.apply_threshold(opacity / optical_step(self.samples)),
+            Knob::Opacity(opacity) => {
+                let threshold = opacity / optical_step(self.samples);
+                model.occupancy.apply_thresholds([threshold, f32::INFINITY]);
+            }
         }
     }
 

@@ -1,0 +1,116 @@
+//! Rays into a chunk: drawn and marched through the occupancy grid, 16 side by side.
+
+use pulp::{Simd, WithSimd};
+
+use super::CompactModel;
+use super::chunk::Chunk;
+use super::views::BoxRay;
+use crate::occupancy_grid::fast::{LANES, Steps, Way, ray_box};
+use crate::random::Key;
+use crate::ray::Ray;
+
+/// Samples in opaque cells behind which a training ray is given up. Each takes at least [`super::occupancy::OPAQUE`] of optical depth
+/// if the grid is right, together more than the early stop asks for; where the grid is out of date and light is left, the
+/// ray is drawn again in the next step, and then seen to its end.
+const PATIENCE: u32 = 12;
+
+/// A ray, the training pixel that it comes from and its colour, jitter and patience.
+struct Drawn {
+    ray: BoxRay,
+    pixel: u32,
+    target: [f32; 3],
+    u: f32,
+    patience: u32,
+}
+
+/// Up to 16 rays and their samples, into the chunk.
+#[inline(always)]
+fn push(model: &CompactModel, steps: &mut Steps, length: f32, rays: &[Drawn], chunk: &mut Chunk) {
+    let settings = &model.settings;
+    let mut ways = [Way { o: [0.0; 3], d: [0.0; 3], near: 0.0, far: 0.0, u: 0.0, patience: 0 }; LANES];
+    for (way, Drawn { ray, u, patience, .. }) in ways.iter_mut().zip(rays) {
+        let (enter, leave) = ray_box(ray.o, ray.d);
+        let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
+        *way = Way { o: ray.o, d: ray.d, near, far, u: *u, patience: *patience };
+    }
+    let ways = &ways[..rays.len()];
+    model.occupancy.march(ways, length, steps);
+    for (lane, (way, drawn)) in ways.iter().zip(rays).enumerate() {
+        chunk.push_ray(&drawn.ray, drawn.target, drawn.pixel, steps.cut(lane));
+        chunk.push_samples(way, steps.of(lane), length);
+    }
+}
+
+/// Draws rays of training pixels and marches them.
+pub(super) struct March<'a> {
+    pub model: &'a CompactModel,
+    /// Of pixels and of jitter.
+    pub keys: [Key; 2],
+    pub step: u64,
+    pub length: f32,
+    pub rays: std::ops::Range<usize>,
+    pub chunk: &'a mut Chunk,
+}
+
+impl WithSimd for March<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let March { model, keys: [pixels, jitter], step, length, rays, chunk } = self;
+        chunk.clear();
+        let mut steps = Steps::default();
+        let mut drawn = Vec::with_capacity(LANES);
+        let again = &model.again[..];
+        for first in rays.clone().step_by(LANES) {
+            let last = (first + LANES).min(rays.end);
+            // All numbers first: the pictures are far away in memory, and sixteen pixels of them come at once.
+            let mut numbers = [(0, 0.0, 0); LANES];
+            for (number, r) in numbers.iter_mut().zip(first..last) {
+                let u = jitter.uniform(step, r as u64, 0) as f32;
+                *number = match again.get(r) {
+                    Some(&pixel) => (pixel, u, u32::MAX),
+                    None => (pixels.below(model.views.len() as u64, step, r as u64, 0) as u32, u, PATIENCE),
+                };
+            }
+            drawn.clear();
+            for &(pixel, u, patience) in &numbers[..last - first] {
+                let (ray, target) = model.views.pixel(pixel as usize);
+                drawn.push(Drawn { ray, pixel, target, u, patience });
+            }
+            push(model, &mut steps, length, &drawn, chunk);
+        }
+        chunk.reserve();
+    }
+}
+
+/// Marches rays that are given, at rest: u = 1/2, to the end.
+pub(super) struct MarchAtRest<'a> {
+    pub model: &'a CompactModel,
+    pub length: f32,
+    pub rays: &'a [Ray],
+    pub chunk: &'a mut Chunk,
+}
+
+impl WithSimd for MarchAtRest<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let MarchAtRest { model, length, rays, chunk } = self;
+        chunk.clear();
+        let mut steps = Steps::default();
+        for rays in rays.chunks(LANES) {
+            let at_rest = |ray| Drawn {
+                ray: BoxRay::new(ray, &model.settings),
+                pixel: 0,
+                target: [0.0; 3],
+                u: 0.5,
+                patience: u32::MAX,
+            };
+            let rays: Vec<Drawn> = rays.iter().map(at_rest).collect();
+            push(model, &mut steps, length, &rays, chunk);
+        }
+        chunk.reserve();
+    }
+}
