@@ -14,7 +14,7 @@ use crate::parallel;
 use crate::report::{curve, table};
 use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
-use crate::training::compact::{CompactModel, Overrides};
+use crate::training::compact::{CompactModel, Overrides, Part};
 use crate::training::model::Model;
 use crate::training::nerf::{NerfModel, Settings};
 use crate::training::run::{LogPoint, Options, Run};
@@ -81,6 +81,9 @@ pub struct Args {
     /// Width of the 8x256 network's layers (--model nerf).
     #[arg(long, value_parser = at_most::<4096>)]
     pub width: Option<usize>,
+    /// Parts of the compact model to do without, to see what they are worth.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub without: Vec<Part>,
 }
 
 impl Args {
@@ -91,6 +94,7 @@ impl Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
             samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, val_every: None, background: None, seed: 0,
             threads: None, backend: Backend::Fast, resume: false, width: None,
+            without: vec![],
         };
         args
     }
@@ -163,9 +167,19 @@ pub fn train(args: &Args) -> Result<Summary> {
 /// That a run goes on with what it was begun with; the warnings that it had so far.
 fn same_recipe(folder: &RunFolder, recipe: &Map<String, Value>) -> Result<Vec<Value>> {
     let before = folder.settings()?;
-    for name in
-        ["scene", "scene_options", "model", "backend", "seed", "rays", "samples", "fine", "lr", "width"]
-    {
+    for name in [
+        "scene",
+        "scene_options",
+        "model",
+        "backend",
+        "seed",
+        "rays",
+        "samples",
+        "fine",
+        "lr",
+        "width",
+        "without",
+    ] {
         // A field that an older run lacks was at its default.
         if let Some(had) = before.get(name).filter(|had| **had != recipe[name]) {
             let advice =
@@ -207,7 +221,7 @@ fn prepare(args: &Args) -> Result<(Scene, Map<String, Value>)> {
     let recipe = json!({
         "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
         "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
-        "steps": args.steps,
+        "steps": args.steps, "without": args.without,
     });
     let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
     Ok((load_scene(&recipe, false, "arguments")?, recipe))
@@ -239,6 +253,11 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
     let whole = |key: &str| recipe.get(key).and_then(Value::as_u64);
     let named = |key: &str, value: &str| recipe.get(key).and_then(Value::as_str) == Some(value);
     let seed = whole("seed").unwrap_or(0);
+    // A run of before this option has none.
+    let without = recipe.get("without").cloned().unwrap_or_else(|| json!([]));
+    let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {
+        Error::input("run.json", "without", error, "names of parts", "Train the run again.")
+    })?;
     if named("model", "compact") {
         if named("backend", "reference") {
             return Err(Error::usage(
@@ -263,7 +282,10 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
         }
         let lr = recipe.get("lr").and_then(Value::as_f64);
         let [samples, rays] = ["samples", "rays"].map(|key| whole(key).map(|n| n as usize));
-        return Ok(Box::new(CompactModel::new(scene, &Overrides { seed, samples, rays, lr })?));
+        return Ok(Box::new(CompactModel::new(scene, &Overrides { seed, samples, rays, lr, without })?));
+    }
+    if !without.is_empty() {
+        return Err(Error::usage("--without", "given", "no --without: its parts are the compact model's"));
     }
     let mut settings = Settings::new(scene.near, scene.far, scene.background);
     settings.seed = seed;

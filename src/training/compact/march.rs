@@ -9,11 +9,6 @@ use crate::occupancy_grid::fast::{LANES, Steps, Way, ray_box};
 use crate::random::Key;
 use crate::ray::Ray;
 
-/// Samples in opaque cells behind which a training ray is given up. Each takes at least [`super::occupancy::OPAQUE`] of optical depth
-/// if the grid is right, together more than the early stop asks for; where the grid is out of date and light is left, the
-/// ray is drawn again in the next step, and then seen to its end.
-const PATIENCE: u32 = 12;
-
 /// A ray, the training pixel that it comes from and its colour, jitter and patience.
 struct Drawn {
     ray: BoxRay,
@@ -61,7 +56,7 @@ impl WithSimd for March<'_> {
         chunk.clear();
         let mut steps = Steps::default();
         let mut drawn = Vec::with_capacity(LANES);
-        let again = &model.again[..];
+        let (again, patience) = (&model.again[..], model.settings.patience());
         for first in rays.clone().step_by(LANES) {
             let last = (first + LANES).min(rays.end);
             // All numbers first: the pictures are far away in memory, and sixteen pixels of them come at once.
@@ -70,7 +65,7 @@ impl WithSimd for March<'_> {
                 let u = jitter.uniform(step, r as u64, 0) as f32;
                 *number = match again.get(r) {
                     Some(&pixel) => (pixel, u, u32::MAX),
-                    None => (pixels.below(model.views.len() as u64, step, r as u64, 0) as u32, u, PATIENCE),
+                    None => (pixels.below(model.views.len() as u64, step, r as u64, 0) as u32, u, patience),
                 };
             }
             drawn.clear();

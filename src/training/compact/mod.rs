@@ -37,7 +37,7 @@ mod tests;
 
 use chunk::Chunk;
 use networks::{Networks, Weights};
-pub use settings::{Overrides, Settings};
+pub use settings::{Overrides, Part, Settings};
 use views::Views;
 
 /// Hash grid, networks and occupancy grid, with all that training needs.

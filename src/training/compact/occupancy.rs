@@ -3,6 +3,7 @@
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::densities;
+use super::settings::Part;
 use super::step::{clear_unused, optical_step};
 use crate::hash_grid::fast as hash_grid;
 use crate::parallel;
@@ -28,7 +29,7 @@ const TASK: usize = 2048;
 impl CompactModel {
     /// Every 16 steps: densities decay, random cells (at first all) are looked at, and what is dense enough counts as occupied.
     pub(super) fn update_occupancy(&mut self, step: u64) {
-        if !step.is_multiple_of(EVERY) {
+        if !step.is_multiple_of(EVERY) || self.settings.without.contains(&Part::Occupancy) {
             return;
         }
         if step == EVERY {

@@ -8,6 +8,29 @@ use crate::hash_grid;
 use crate::hash_grid::fast::LEVELS;
 use crate::scene::Scene;
 
+/// What a compact model can do without, to see what it is worth (`--without`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[value(rename_all = "snake_case")]
+pub enum Part {
+    /// The occupancy grid: every cell counts as occupied.
+    Occupancy,
+    /// The early stop: every sample of a ray counts.
+    Stop,
+    /// Ending rays behind opaque cells, before their samples are looked at.
+    Patience,
+    /// Coarse steps along the rays at first.
+    CoarseSteps,
+    /// Coarse levels of the hash grid first.
+    CoarseLevels,
+    /// Batches that grow with the step.
+    Growth,
+    /// Learning rates that fall.
+    Decay,
+    /// Colours that depend on the direction.
+    ViewDependence,
+}
+
 /// What a user may decide instead.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
@@ -19,6 +42,8 @@ pub struct Overrides {
     pub rays: Option<usize>,
     /// Learning rate of the grid (`--lr`).
     pub lr: Option<f64>,
+    /// Parts to do without (`--without`).
+    pub without: Vec<Part>,
 }
 
 /// All settings of a [`super::CompactModel`].
@@ -54,12 +79,19 @@ pub struct Settings {
     pub seed: u64,
     /// Whether colour depends on the direction.
     pub view_dependent: bool,
+    /// Parts that are switched off.
+    pub without: Vec<Part>,
     /// Why each value is what it is.
     pub reasons: Map<String, Value>,
 }
 
 /// Steps over which learning rates fall by the square root of 2.
 pub const LR_HALF_LIFE: f64 = 1500.0;
+
+/// Samples in opaque cells behind which a training ray is given up. Each takes at least [`super::occupancy::OPAQUE`] of optical depth
+/// if the grid is right, together more than the early stop asks for; where the grid is out of date and light is left, the
+/// ray is drawn again in the next step, and then seen to its end.
+const PATIENCE: u32 = 12;
 
 impl Settings {
     /// The settings of a scene.
@@ -93,12 +125,14 @@ impl Settings {
             "16,384 samples, from step 1000 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs".into(),
         );
         let spread = direction_spread(scene);
-        let view_dependent = spread > 10f64.to_radians();
+        let without = |part| overrides.without.contains(&part);
+        let view_dependent = spread > 10f64.to_radians() && !without(Part::ViewDependence);
         because(
             "view_dependence",
             format!(
-                "{}: the cameras' axes differ by up to {:.0} degrees",
+                "{}: {}the cameras' axes differ by up to {:.0} degrees",
                 if view_dependent { "kept" } else { "left out" },
+                if without(Part::ViewDependence) { "as asked for; " } else { "" },
                 spread.to_degrees()
             ),
         );
@@ -120,35 +154,54 @@ impl Settings {
             resolutions: hash_grid::resolutions(16, finest, LEVELS),
             table: 1 << 17,
             occupancy: 128,
-            stop: 1e-4,
+            stop: if without(Part::Stop) { 0.0 } else { 1e-4 },
             batch: 16_384,
             rays: overrides.rays,
             lr: overrides.lr.map_or([2e-2, 1e-2], |lr| [lr, 0.5 * lr]),
             seed: overrides.seed,
             view_dependent,
+            without: overrides.without.clone(),
             reasons,
         }
     }
 
     /// Step lengths across the box at a training step: coarse at first, while there is nothing fine to see.
     pub fn samples_at(&self, step: u64) -> f64 {
+        if self.without.contains(&Part::CoarseSteps) {
+            return self.samples;
+        }
         self.samples * (0.3 + 0.7 * (step as f64 / 300.0).min(1.0))
     }
 
     /// Levels of the hash grid in use at a training step: the coarse ones first, one more every 100 steps.
     pub fn levels_at(&self, step: u64) -> usize {
+        if self.without.contains(&Part::CoarseLevels) {
+            return LEVELS;
+        }
         (4 + step as usize / 100).min(LEVELS)
     }
 
     /// Samples of a training step: as learning slows down, more samples average out more of their noise, and share what every step
     /// costs. Constant up to step 1000, then in proportion to it, up to 4 times the first.
     pub fn batch_at(&self, step: u64) -> usize {
+        if self.without.contains(&Part::Growth) {
+            return self.batch;
+        }
         let growth = (step as f64 / 1000.0).clamp(1.0, 4.0);
         ((growth * self.batch as f64) as usize).next_multiple_of(1024)
     }
 
+    /// Samples in opaque cells behind which a training ray is given up.
+    pub fn patience(&self) -> u32 {
+        let off = [Part::Patience, Part::Stop].iter().any(|part| self.without.contains(part));
+        if off { u32::MAX } else { PATIENCE }
+    }
+
     /// The learning rates' factor at a training step: 1 / sqrt(1 + step / 1500).
     pub fn lr_factor(&self, step: u64) -> f64 {
+        if self.without.contains(&Part::Decay) {
+            return 1.0;
+        }
         1.0 / (1.0 + step as f64 / LR_HALF_LIFE).sqrt()
     }
 
@@ -159,7 +212,7 @@ impl Settings {
             "background": self.background, "samples": self.samples, "resolutions": self.resolutions, "table": self.table,
             "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop, "batch": self.batch,
             "rays": self.rays, "lr": self.lr, "lr_half_life": LR_HALF_LIFE, "seed": self.seed,
-            "view_dependent": self.view_dependent, "reasons": self.reasons,
+            "view_dependent": self.view_dependent, "without": self.without, "reasons": self.reasons,
         });
         let Value::Object(map) = object else { unreachable!("an object literal") };
         map
