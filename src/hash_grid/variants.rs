@@ -169,16 +169,6 @@ fn short<T: Copy + Send + Sync + 'static>(
     })
 }
 
-const fn variant(
-    name: &'static str,
-    about: &'static str,
-    dtype: Dtype,
-    promise: Promise,
-    prepare: fn(&Arrays) -> Box<dyn Kernel>,
-) -> Variant {
-    Variant { name, about, dtype, promise, prepare }
-}
-
 /// What f32 costs: a position is rounded against 512 cells (2^-24 of 512 cells is 2^-15 of a cell, for each of three axes, and
 /// neighbours differ by at most 2), and 8 corners are added up, each with a few roundings.
 const F32: Promise = Promise::exact().within(3.0 * 2.0 / 32768.0 + 20.0 / 16_777_216.0);
@@ -193,23 +183,29 @@ pub const SUITE: Suite = Suite {
     checked: 1 << 12,
     oracle,
     variants: &[
-        variant("plain_f32", "one thread, a point, a level and a corner at a time", Dtype::F32, F32, plain),
-        variant(
+        Variant::new(
+            "plain_f32",
+            "one thread, a point, a level and a corner at a time",
+            Dtype::F32,
+            F32,
+            plain,
+        ),
+        Variant::new(
             "vectorised",
             "one thread, level by level, addresses and weights of 16 points together",
             Dtype::F32,
             F32,
             |a| vectorised(a, false, TABLE),
         ),
-        variant("threaded", "the same on all threads", Dtype::F32, F32, |a| vectorised(a, true, TABLE)),
-        variant(
+        Variant::new("threaded", "the same on all threads", Dtype::F32, F32, |a| vectorised(a, true, TABLE)),
+        Variant::new(
             "bf16_table",
             "threaded, features stored as bf16: half the cache",
             Dtype::Bf16,
             F32.of_largest(BF16),
             |a| short(a, to_bf16, from_bf16),
         ),
-        variant("f16_table", "threaded, features stored as f16", Dtype::F16, F32.of_largest(F16), |a| {
+        Variant::new("f16_table", "threaded, features stored as f16", Dtype::F16, F32.of_largest(F16), |a| {
             short(a, f16::from_f32, f16::to_f32)
         }),
     ],

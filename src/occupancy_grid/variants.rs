@@ -6,7 +6,6 @@ use super::OccupancyGrid;
 use super::fast::{LANES, Occupancy, Steps, Way, ray_box};
 use crate::parallel;
 use crate::ray_aabb;
-use crate::verify::Dtype;
 use crate::verify::bench::{Kernel, Promise, Scaling, Suite, Variant, kernel, singles, uniform};
 use crate::verify::component::{Arrays, array, arrays, values};
 
@@ -162,15 +161,6 @@ fn coarse(a: &Arrays, resolution: usize) -> Box<dyn Kernel> {
     skipping(a, grid, true)
 }
 
-const fn variant(
-    name: &'static str,
-    about: &'static str,
-    promise: Promise,
-    prepare: fn(&Arrays) -> Box<dyn Kernel>,
-) -> Variant {
-    Variant { name, about, dtype: Dtype::F32, promise, prepare }
-}
-
 /// A sample that lies on a face but for rounding may go either way; a ray through the ball's stairs grazes a few faces at most.
 const F32: Promise = Promise::exact().within(3.0);
 
@@ -189,21 +179,23 @@ pub const SUITE: Suite = Suite {
     checked: 1 << 11,
     oracle,
     variants: &[
-        variant("plain_f32", "one thread, every step is looked up", F32, plain),
-        variant(
+        Variant::f32("plain_f32", "one thread, every step is looked up", F32, plain),
+        Variant::f32(
             "skipping",
             "one thread, 16 rays side by side over bits, past empty cells, bricks of 4^3 and blocks of 16^3",
             F32,
             |a| skipping(a, grid(RESOLUTION, SHARE), false),
         ),
-        variant("threaded", "the same on all threads", F32, |a| skipping(a, grid(RESOLUTION, SHARE), true)),
-        variant(
+        Variant::f32("threaded", "the same on all threads", F32, |a| {
+            skipping(a, grid(RESOLUTION, SHARE), true)
+        }),
+        Variant::f32(
             "coarse_64",
             "threaded, 64^3 cells, occupied where any part is: more samples",
             COARSE[0],
             |a| coarse(a, 64),
         ),
-        variant("coarse_32", "threaded, 32^3 cells", COARSE[1], |a| coarse(a, 32)),
+        Variant::f32("coarse_32", "threaded, 32^3 cells", COARSE[1], |a| coarse(a, 32)),
     ],
 };
 

@@ -203,16 +203,6 @@ fn bold<M: Copy + Send + 'static>(
     })
 }
 
-const fn variant(
-    name: &'static str,
-    about: &'static str,
-    dtype: Dtype,
-    promise: Promise,
-    prepare: fn(&Arrays) -> Box<dyn Kernel>,
-) -> Variant {
-    Variant { name, about, dtype, promise, prepare }
-}
-
 /// The optimiser's suite.
 pub const SUITE: Suite = Suite {
     component: "adam_step",
@@ -223,14 +213,14 @@ pub const SUITE: Suite = Suite {
     checked: 1 << 14,
     oracle,
     variants: &[
-        variant(
+        Variant::new(
             "plain_f32",
             "one thread, elements in f32, 1 - beta and 1 - beta^t in f64",
             Dtype::F32,
             Promise::f32(),
             |a| plain(a, false),
         ),
-        variant(
+        Variant::new(
             "f32_betas",
             "the same with beta rounded to f32 before 1 - beta is formed, as code in f32 alone does",
             Dtype::F32,
@@ -238,15 +228,21 @@ pub const SUITE: Suite = Suite {
             Promise::f32().stored(6e-5).within(2e-3 * 6e-5),
             |a| plain(a, true),
         ),
-        variant(
+        Variant::new(
             "vectorised",
             "one thread, what depends on the step alone in f64, one reciprocal",
             Dtype::F32,
             Promise::f32(),
             vectorised,
         ),
-        variant("threaded", "as PyTorch defines it, on all threads", Dtype::F32, Promise::f32(), threaded),
-        variant(
+        Variant::new(
+            "threaded",
+            "as PyTorch defines it, on all threads",
+            Dtype::F32,
+            Promise::f32(),
+            threaded,
+        ),
+        Variant::new(
             "root_by_bits",
             "all threads, 1 / sqrt by a shifted exponent and one Newton step (0.18%), eps left out",
             Dtype::F32,
@@ -254,7 +250,7 @@ pub const SUITE: Suite = Suite {
             Promise::f32().within(2e-3 * 0.002),
             |a| bold(a, Trade::RootByBits, |x| x, |x| x),
         ),
-        variant(
+        Variant::new(
             "bf16_means",
             "all threads, both means stored as bf16",
             Dtype::Bf16,

@@ -154,16 +154,6 @@ fn threaded<T: Copy + Default + Send + Sync + 'static>(
     Samples::new(a).kernel(run, wide)
 }
 
-const fn variant(
-    name: &'static str,
-    about: &'static str,
-    dtype: Dtype,
-    promise: Promise,
-    prepare: fn(&Arrays) -> Box<dyn Kernel>,
-) -> Variant {
-    Variant { name, about, dtype, promise, prepare }
-}
-
 /// The suite of samples along rays.
 pub const SUITE: Suite = Suite {
     component: "sample_along_rays",
@@ -174,18 +164,18 @@ pub const SUITE: Suite = Suite {
     checked: 256 * SAMPLES,
     oracle,
     variants: &[
-        variant("plain_f32", "one thread, the formula in f32", Dtype::F32, Promise::f32(), plain),
-        variant(
+        Variant::new("plain_f32", "one thread, the formula in f32", Dtype::F32, Promise::f32(), plain),
+        Variant::new(
             "vectorised",
             "one thread, the machine's widest instructions",
             Dtype::F32,
             Promise::f32(),
             vectorised,
         ),
-        variant("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
+        Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
             threaded(a, |x| x, f64::from)
         }),
-        variant(
+        Variant::new(
             "f16",
             "the same, stored as f16: half the memory",
             Dtype::F16,

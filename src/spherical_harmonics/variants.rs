@@ -87,16 +87,6 @@ fn threaded<T: Copy + Default + Send + 'static>(
     rows("harmonics", (singles(a, "d"), 3, WIDTH), run, move |&y| load(y).into())
 }
 
-const fn variant(
-    name: &'static str,
-    about: &'static str,
-    dtype: Dtype,
-    promise: Promise,
-    prepare: fn(&Arrays) -> Box<dyn Kernel>,
-) -> Variant {
-    Variant { name, about, dtype, promise, prepare }
-}
-
 /// The suite of the spherical harmonics.
 pub const SUITE: Suite = Suite {
     component: "spherical_harmonics",
@@ -107,12 +97,18 @@ pub const SUITE: Suite = Suite {
     checked: 1 << 12,
     oracle,
     variants: &[
-        variant("plain_f32", "one thread, the polynomials term by term", Dtype::F32, Promise::f32(), plain),
-        variant("vectorised", "one thread, common products shared", Dtype::F32, Promise::f32(), shared),
-        variant("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
+        Variant::new(
+            "plain_f32",
+            "one thread, the polynomials term by term",
+            Dtype::F32,
+            Promise::f32(),
+            plain,
+        ),
+        Variant::new("vectorised", "one thread, common products shared", Dtype::F32, Promise::f32(), shared),
+        Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
             threaded(a, |x| x, |x| x)
         }),
-        variant(
+        Variant::new(
             "bf16",
             "the same, results stored as bf16: half the memory",
             Dtype::Bf16,

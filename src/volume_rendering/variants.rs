@@ -305,15 +305,6 @@ fn stopped(a: &Arrays, eps: f32) -> Box<dyn Kernel> {
     )
 }
 
-const fn variant(
-    name: &'static str,
-    about: &'static str,
-    promise: Promise,
-    prepare: fn(&Arrays) -> Box<dyn Kernel>,
-) -> Variant {
-    Variant { name, about, dtype: Dtype::F32, promise, prepare }
-}
-
 /// Vectorised on all threads.
 fn threaded(a: &Arrays) -> Box<dyn Kernel> {
     tasks(a, true, |c| c, |task, s, c, d, n| vectorised(task, (s, c, d), n, |c| c))
@@ -329,43 +320,52 @@ pub const SUITE: Suite = Suite {
     checked: 512 * SAMPLES,
     oracle,
     variants: &[
-        variant(
+        Variant::f32(
             "plain_f32",
             "one thread, 1 - exp(-x) of the library, a running product",
             Promise::f32(),
             |a| tasks(a, false, |c| c, plain),
         ),
-        variant(
+        Variant::f32(
             "vectorised",
             "one thread, one polynomial for e^-x and 1 - e^-x over all samples, then one scan a ray",
             Promise::f32(),
             |a| tasks(a, false, |c| c, |task, s, c, d, n| vectorised(task, (s, c, d), n, |c| c)),
         ),
-        variant("threaded", "the same on all threads", Promise::f32(), threaded),
-        variant(
+        Variant::f32("threaded", "the same on all threads", Promise::f32(), threaded),
+        Variant::f32(
             "exp_256_ulp",
             "all threads, exponential within 256 ULP",
             Promise::grade(Grade::Middle.exp_ulp()),
             |a| graded(a, Grade::Middle),
         ),
-        variant(
+        Variant::f32(
             "exp_8192_ulp",
             "all threads, exponential within 8,192 ULP (11 bits)",
             Promise::grade(Grade::Low.exp_ulp()),
             |a| graded(a, Grade::Low),
         ),
-        variant("stop_1e-4", "all threads, a ray ends where T < 1e-4", Promise::f32().within(1e-4), |a| {
-            stopped(a, 1e-4)
-        }),
-        variant("stop_1e-3", "all threads, a ray ends where T < 1e-3", Promise::f32().within(1e-3), |a| {
-            stopped(a, 1e-3)
-        }),
-        variant("stop_1e-2", "all threads, a ray ends where T < 1e-2", Promise::f32().within(1e-2), |a| {
-            stopped(a, 1e-2)
-        }),
+        Variant::f32(
+            "stop_1e-4",
+            "all threads, a ray ends where T < 1e-4",
+            Promise::f32().within(1e-4),
+            |a| stopped(a, 1e-4),
+        ),
+        Variant::f32(
+            "stop_1e-3",
+            "all threads, a ray ends where T < 1e-3",
+            Promise::f32().within(1e-3),
+            |a| stopped(a, 1e-3),
+        ),
+        Variant::f32(
+            "stop_1e-2",
+            "all threads, a ray ends where T < 1e-2",
+            Promise::f32().within(1e-2),
+            |a| stopped(a, 1e-2),
+        ),
         Variant {
             dtype: Dtype::Bf16,
-            ..variant(
+            ..Variant::f32(
                 "bf16_colours",
                 "all threads, colours stored as bf16, everything else as before",
                 Promise::f32().stored(BF16),

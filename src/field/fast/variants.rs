@@ -5,9 +5,7 @@ use half::slice::HalfFloatSliceExt;
 
 use crate::approximate::{from_bf16, to_bf16};
 use crate::field::Layer;
-use crate::verify::Dtype;
-use crate::verify::bench::{Kernel, Promise, Variant};
-use crate::verify::component::Arrays;
+use crate::verify::bench::Promise;
 
 mod mlp;
 mod nerf;
@@ -67,16 +65,6 @@ impl Store {
             Store::F16(short) => short.convert_to_f32_slice(params),
         }
     }
-}
-
-pub(super) const fn variant(
-    name: &'static str,
-    about: &'static str,
-    dtype: Dtype,
-    promise: Promise,
-    prepare: fn(&Arrays) -> Box<dyn Kernel>,
-) -> Variant {
-    Variant { name, about, dtype, promise, prepare }
 }
 
 /// What weights of a short type cost: each of the layers moves what passes by at most half a unit of its last place, as a share of the

@@ -116,6 +116,22 @@ pub struct Variant {
 }
 
 impl Variant {
+    /// A variant from its fields, in a `const`.
+    pub const fn new(
+        name: &'static str,
+        about: &'static str,
+        dtype: Dtype,
+        promise: Promise,
+        prepare: Prepare,
+    ) -> Self {
+        Variant { name, about, dtype, promise, prepare }
+    }
+
+    /// The same computed in f32.
+    pub const fn f32(name: &'static str, about: &'static str, promise: Promise, prepare: Prepare) -> Self {
+        Variant::new(name, about, Dtype::F32, promise, prepare)
+    }
+
     /// Whether an item costs the same however many there are: no batches, no threads.
     fn point_by_point(&self) -> bool {
         matches!(self.name, "oracle" | "plain_f32")

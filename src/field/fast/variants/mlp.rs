@@ -2,7 +2,7 @@
 
 use pulp::Arch;
 
-use super::{Plain, Store, plain_forward, plain_layer, rounded, short, variant};
+use super::{Plain, Store, plain_forward, plain_layer, rounded, short};
 use crate::field::Mlp;
 use crate::field::component::network;
 use crate::field::fast::ImageNetwork;
@@ -12,7 +12,7 @@ use crate::field::fast::product::{Matrix, product, transposed};
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::verify::Dtype;
-use crate::verify::bench::{BF16, F16, Kernel, Promise, Suite, kernel, rows, singles, uniform};
+use crate::verify::bench::{BF16, F16, Kernel, Promise, Suite, Variant, kernel, rows, singles, uniform};
 use crate::verify::component::{Arrays, array, arrays, values};
 
 const INPUTS: usize = 42;
@@ -116,38 +116,38 @@ pub const MLP: Suite = Suite {
     checked: 64,
     oracle: mlp_oracle,
     variants: &[
-        variant(
+        Variant::new(
             "plain_f32",
             "one thread, a point and an output at a time",
             Dtype::F32,
             Promise::f32(),
             mlp_plain,
         ),
-        variant(
+        Variant::new(
             "batched",
             "one thread, matrix products over 512 points, all layers of a chunk in the cache",
             Dtype::F32,
             Promise::f32(),
             |a| mlp_batched(a, 1, |_| Store::F32),
         ),
-        variant("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
+        Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
             mlp_batched(a, 0, |_| Store::F32)
         }),
-        variant(
+        Variant::new(
             "layer_by_layer",
             "all threads, without that fusion: each layer over the whole batch",
             Dtype::F32,
             Promise::f32(),
             mlp_unfused,
         ),
-        variant(
+        Variant::new(
             "bf16_weights",
             "threaded, parameters stored as bf16 and unpacked in every call",
             Dtype::Bf16,
             short(4.0, BF16),
             |a| mlp_batched(a, 0, Store::bf16),
         ),
-        variant(
+        Variant::new(
             "f16_weights",
             "threaded, parameters stored as f16 and unpacked in every call",
             Dtype::F16,

@@ -1,6 +1,6 @@
 //! The network of the NeRF paper (8 x 256).
 
-use super::{Plain, Store, plain_forward, plain_layer, rounded, short, variant};
+use super::{Plain, Store, plain_forward, plain_layer, rounded, short};
 use crate::convention::{CS180, Density};
 use crate::encoding::{Encoding, positional_encoding};
 use crate::field::component::Nerf;
@@ -9,7 +9,7 @@ use crate::field::nerf_mlp::{NerfMlp, Shape};
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::verify::Dtype;
-use crate::verify::bench::{BF16, F16, Kernel, Promise, Scaling, Suite, kernel, uniform};
+use crate::verify::bench::{BF16, F16, Kernel, Promise, Scaling, Suite, Variant, kernel, uniform};
 use crate::verify::component::{Arrays, array, arrays, values};
 
 /// Points that share a direction.
@@ -131,31 +131,31 @@ pub const NERF_MLP: Suite = Suite {
     checked: 64,
     oracle: nerf_oracle,
     variants: &[
-        variant(
+        Variant::new(
             "plain_f32",
             "one thread, a point and an output at a time",
             Dtype::F32,
             Promise::f32(),
             nerf_plain,
         ),
-        variant(
+        Variant::new(
             "batched",
             "one thread, matrix products over 512 points, feature and colour layer folded into one, one direction for 64 points",
             Dtype::F32,
             Promise::f32(),
             |a| nerf_batched(a, &Shape::PAPER, 1, |_| Store::F32),
         ),
-        variant("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
+        Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
             nerf_batched(a, &Shape::PAPER, 0, |_| Store::F32)
         }),
-        variant(
+        Variant::new(
             "bf16_weights",
             "threaded, parameters stored as bf16 and unpacked in every call",
             Dtype::Bf16,
             short(11.0, BF16),
             |a| nerf_batched(a, &Shape::PAPER, 0, Store::bf16),
         ),
-        variant(
+        Variant::new(
             "f16_weights",
             "threaded, parameters stored as f16 and unpacked in every call",
             Dtype::F16,
