@@ -240,6 +240,25 @@ fn conventions_change_what_they_name() {
     assert_eq!(run(&net, Conventions { density: Density::Exp, ..CS180 }).sigma, exp(base.z_sigma));
 }
 
+/// The first layer's input is the encoding already: a skip into layer 0 is no skip, forward and backward.
+#[test]
+fn a_skip_into_the_first_layer_is_none() {
+    let mut plain = NerfMlp::initial(&Shape { skip: 0, ..SHAPE }, &Key::new(5, Purpose::Parameters));
+    plain.trunk.iter_mut().for_each(|layer| layer.b.fill(0.5));
+    assert!(plain.trunk[1..].iter().all(|layer| layer.w.dim() == (4, 4)));
+    let (x, d) = ([0.3, -0.2, 0.9, 0.5, -0.7], [0.1, 0.8, -0.6]);
+    let run = |skip_layer| {
+        let c = Conventions { density: Density::Softplus, skip_layer, ..CS180 };
+        let tape = plain.forward(&x, &d, &c);
+        let mut gradient = plain.clone();
+        let g = backward::nerf_mlp(&plain, &tape, &c, 0.75, [1.0, -0.5, 0.25], &mut gradient);
+        (tape, g, gradient)
+    };
+    // Layer 9 doesn't exist.
+    assert_eq!(run(0), run(9));
+    assert!(run(0).1.0.iter().any(|g| *g != 0.0));
+}
+
 proptest! {
     #![proptest_config(properties())]
 
