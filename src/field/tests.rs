@@ -170,6 +170,14 @@ fn initial_values_are_uniform_within_one_over_the_root_of_the_inputs() {
     assert!((values.iter().map(|v| v * v).sum::<f64>() / n * 300.0 - 1.0).abs() < 4.0 * 0.894 / n.sqrt());
     assert_eq!(layer.w[[0, 1]], 0.1 * (2.0 * key.uniform(0, 2, 1) - 1.0));
     assert_eq!(layer.b[3], 0.1 * (2.0 * key.uniform(0, 2, 5003) - 1.0));
+    // Each layer has its own stream: no two begin alike.
+    let net = NerfMlp::initial(&SHAPE, &key);
+    assert_eq!(net.trunk[7], Layer::initial(4, 4, &key, 7));
+    assert_eq!([&net.sigma, &net.feature], [&Layer::initial(4, 1, &key, 8), &Layer::initial(4, 4, &key, 9)]);
+    assert_eq!(
+        [&net.color0, &net.color1],
+        [&Layer::initial(7, 3, &key, 10), &Layer::initial(3, 3, &key, 11)]
+    );
     let mlp = Mlp::initial(7, 5, 3, 2, &key);
     assert_eq!(mlp.layers.iter().map(|l| l.w.dim()).collect::<Vec<_>>(), [(5, 7), (5, 5), (5, 5), (2, 5)]);
 }

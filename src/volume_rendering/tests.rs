@@ -34,12 +34,12 @@ fn finite(gradient: &(Vec<f64>, Vec<[f64; 3]>, Vec<f64>)) -> bool {
 #[test]
 fn light_from_behind_by_hand() {
     // C + (1 - A) b.
-    let (color, background) = ([0.5, 0.25, 0.125], [0.25, 0.5, 1.0]);
-    assert_eq!(composite_background(color, 0.25, background), [0.6875, 0.625, 0.875]);
+    let (color, background) = ([0.5, 0.25, 0.125], [0.25, 0.5, 2.0]);
+    assert_eq!(composite_background(color, 0.25, background), [0.6875, 0.625, 1.625]);
     let g = [0.75, -0.25, 1.25];
     let (g_color, g_opacity, g_background) = backward::composite_background(0.25, background, g);
     assert_eq!((g_color, g_background), (g, [0.5625, -0.1875, 0.9375]));
-    assert_eq!(g_opacity, -(0.75 * 0.25 - 0.25 * 0.5 + 1.25));
+    assert_eq!(g_opacity, -(0.75 * 0.25 - 0.25 * 0.5 + 1.25 * 2.0));
 }
 
 #[test]
