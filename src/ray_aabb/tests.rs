@@ -51,6 +51,8 @@ fn rays_in_slab_planes() {
         assert_eq!(unit([x, 0.5, -1.0], [0.0, 0.0, 1.0]), through);
         assert_eq!(unit([x, x, -1.0], [-0.0, 0.0, 1.0]), through);
     }
+    // The textbook multiplies by 1 / d: 0 times infinity.
+    assert!((0.0 * (1.0 / 0.0f64)).is_nan());
     assert_eq!(unit([-f64::MIN_POSITIVE, 0.5, -1.0], [0.0, 0.0, 1.0]), None);
     assert_eq!(unit([1.0 + f64::EPSILON, 0.5, -1.0], [0.0, 0.0, 1.0]), None);
 }
@@ -60,6 +62,7 @@ fn rays_in_slab_planes() {
 fn tiny_directions() {
     let hit = intersect([0.5, 0.5, -1.0], [-1e-6, 0.0, 1.0], [0.0; 3], [1.0; 3]);
     assert_eq!(hit, Some(Hit { enter: 1.0, leave: 2.0 }));
+    assert_eq!(1.0 / (-1e-6 + 1e-6), f64::INFINITY, "the textbook's");
     // From x = 2 along -2^-20: t = 2^20 to the face at 1 and 2^21 to the one at 0. dt / do = -1 / d, dt / dd = -t / d.
     let (o, d) = ([2.0, 0.5, 0.5], [-(2f64.powi(-20)), 0.0, 0.0]);
     let (g_o, g_d) = backward::intersect(o, d, [0.0; 3], [1.0; 3], Hit { enter: 1.0, leave: 0.25 });

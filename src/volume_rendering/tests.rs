@@ -218,6 +218,10 @@ fn vr4_the_gradient_at_an_opaque_sample() {
     let weights = (0..4).map(|j| -cotangent[j + 1..].iter().sum::<f64>()).collect();
     let g = Cotangent { color: [0.0; 3], weights, opacity: 0.0, transmittance: 0.0 };
     let forward = volume_render_alpha(&alphas, &[[0.0; 3]; 4], ProductEps::None);
+    // The textbook: sum_{j>1} g_j T_j over the factor, which is 0, or over a clamped one: 0 for 2.9, whose T are without it.
+    let t = &forward.transmittance;
+    let sum = cotangent[2] * t[2] + cotangent[3] * t[3];
+    assert!((sum / (1.0 - alphas[1])).is_nan() && sum / f64::max(1.0 - alphas[1], 1e-10) == 0.0);
     let (g_alphas, _) =
         backward::volume_render_alpha(&alphas, &[[0.0; 3]; 4], ProductEps::None, &forward, &g);
     for (g, expected) in g_alphas.iter().zip([2.0, 2.9, 0.0, 0.0]) {
