@@ -223,7 +223,7 @@ def one(target, file, mutant):
 
 def page(rows, listed=()):
     """The page: counts by file, the survivors with their reasons, and the examined files that no run has reached."""
-    text = "# Mutants\n\nWritten by `python tools/mutants.py` (cargo-mutants on every oracle file, against its folder's own tests).\n\n"
+    text = "# Mutants\n\nWritten by `python tools/mutants.py`: every mutant that cargo-mutants lists for an oracle file, against the tests of its folder.\n\n"
     text += "| file | viable | killed | equivalent | survivors |\n|---|---|---|---|---|\n"
     total = [0, 0, 0, 0]
     survivors = []
