@@ -7,9 +7,9 @@
 cargo-mutants lists the mutants. All of a file are built together (tools/mutants/), each switched on by the environment variable
 MUTANT; those that don't fit in there (in constants, or of a type that the compiler refuses) are built one by one.
 
-A change to one line would rebuild the whole crate, harness and program included. So the oracle files and their tests are copied to a
-crate of their own: bounds, cases, mistakes and registry rows, which no oracle file uses, become empty files. Tests that name them
-are left out, so what is counted as killed is killed by closed forms, properties and hard cases alone.
+A change to one line would rebuild the whole crate, harness and program included. So the oracle files and their tests are copied
+to a crate of their own: bounds, cases, mistakes and registry rows, which no oracle file uses, become empty files. Tests that name
+them are left out, so what is counted as killed is killed by closed forms, properties and hard cases alone.
 """
 
 import argparse
@@ -172,8 +172,8 @@ def together(target, file, mutants, tool):
             return program, sorted(refused | set(missing))
         # The mutant in front of an error is the one that the compiler means.
         code, before = source.read_bytes(), len(refused)
-        for span in (span for error in errors for span in error["spans"] if span["is_primary"]):
-            found = re.findall(rb"crate :: mutant \((\d+)usize\)", code[: span["byte_start"]]) if span["file_name"] == file else []
+        for span in (span for error in errors for span in error["spans"] if span["is_primary"] and span["file_name"] == file):
+            found = re.findall(rb"crate :: mutant \((\d+)usize\)", code[: span["byte_start"]])
             refused |= {int(number) for number in found[-1:]}
         if len(refused) == before:
             sys.exit(f"{file}: its mutants don't build together: {errors[0]['rendered'] if errors else 'no message'}")
@@ -223,7 +223,8 @@ def one(target, file, mutant):
 
 def page(rows, listed=()):
     """The page: counts by file, the survivors with their reasons, and the examined files that no run has reached."""
-    text = "# Mutants\n\nWritten by `python tools/mutants.py`: every mutant that cargo-mutants lists for an oracle file, against the tests of its folder.\n\n"
+    text = "# Mutants\n\nWritten by `python tools/mutants.py`: every mutant that cargo-mutants lists for an oracle file, against "
+    text += "the tests of its folder.\n\n"
     text += "| file | viable | killed | equivalent | survivors |\n|---|---|---|---|---|\n"
     total = [0, 0, 0, 0]
     survivors = []
