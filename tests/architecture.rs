@@ -16,6 +16,7 @@ const AROUND: &[&str] = &[
     "mistakes",
     "component",
     "tests",
+    "by_hand",
     "fast",
     "variants",
     "statistics",
@@ -110,6 +111,26 @@ fn oracle_files_are_plain() {
         }
         let lines = fs::read_to_string(&file).expect("readable source").lines().count();
         assert!(lines <= 300, "{}: {lines} lines; an oracle file has at most 300", file.display());
+    }
+}
+
+/// The mutants of every oracle file were run, and each survivor is explained.
+#[test]
+fn mutants_are_killed_or_explained() {
+    let read = |path: &str| fs::read_to_string(root().join(path)).expect("a readable file");
+    let rows: serde_json::Value = serde_json::from_str(&read("src/verify/MUTANTS.json")).expect("JSON");
+    let equivalent: serde_json::Value = serde_json::from_str(&read("tools/mutants.json")).expect("JSON");
+    let mut files: Vec<PathBuf> = folders().iter().flat_map(|folder| oracle_files(folder)).collect();
+    files
+        .extend(["maths.rs", "random.rs", "training/reference.rs"].map(|file| root().join("src").join(file)));
+    for file in files {
+        let file = file.strip_prefix(root()).expect("below the root").display().to_string();
+        let row = &rows[&file];
+        assert!(row.is_object(), "{file} has no row: python tools/mutants.py {file}");
+        for survivor in row["survivors"].as_array().expect("a list") {
+            let name = survivor.as_str().expect("a name");
+            assert!(equivalent[name].is_string(), "{name} survives without a reason in tools/mutants.json");
+        }
     }
 }
 

@@ -22,7 +22,7 @@ fn rejections(component: &Component, kind: Kind, dtype: Dtype) -> (u64, Vec<Stri
     let (mut count, mut rejected) = (0, vec![]);
     let cases = component.cases_of(kind, &CS180);
     let (machines, at_least) = machines();
-    let machines = machines.max(at_least.div_ceil((cases.len() * Dtype::ALL.len()) as u64));
+    let machines = machines.max(at_least.div_ceil((cases.len() * Dtype::ALL.len()).max(1) as u64));
     for case in cases.iter().filter(|case| case.exists_in(dtype)) {
         let expected = (pass.oracle)(&case.inputs, &CS180);
         let bounds =

@@ -1,12 +1,15 @@
 """Mutation testing of the oracle files, each against its own folder's tests: writes src/verify/MUTANTS.md.
 
     cargo install cargo-mutants --locked
-    python tools/mutants.py                 # everything, about 3 s a mutant
+    python tools/mutants.py                 # everything, a few minutes
     python tools/mutants.py src/ray/mod.rs  # these files; the other rows of the page stay
 
-A change to one line would rebuild the whole crate, harness and program included. So the oracle files and their tests are copied to a
-crate of their own: bounds, cases, mistakes and registry rows, which no oracle file uses, become empty files. Tests that name them
-are left out, so what is counted as killed is killed by closed forms, properties and hard cases alone.
+cargo-mutants lists the mutants. All of a file are built together (tools/mutants/), each switched on by the environment variable
+MUTANT; those that don't fit in there (in constants, or of a type that the compiler refuses) are built one by one.
+
+A change to one line would rebuild the whole crate, harness and program included. So the oracle files and their tests are copied
+to a crate of their own: bounds, cases, mistakes and registry rows, which no oracle file uses, become empty files. Tests that name
+them are left out, so what is counted as killed is killed by closed forms, properties and hard cases alone.
 """
 
 import argparse
@@ -14,6 +17,7 @@ import hashlib
 import json
 import os
 import re
+import resource
 import shutil
 import subprocess
 import sys
@@ -23,14 +27,22 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "src" / "verify" / "MUTANTS.md"
 # Files of a component that are not oracle (tests/architecture.rs has the same list).
-AROUND = ["bound", "cases", "chain", "component", "fast", "honest", "mistakes", "propagate", "statistics"]
+AROUND = ["bound", "cases", "chain", "component", "fast", "honest", "mistakes", "propagate", "statistics", "variants"]
 SECONDS = 60  # a mutant whose tests take longer loops for ever
+
+# What is added to the crate: which mutant is switched on.
+SWITCH = """
+pub fn mutant(id: usize) -> bool {
+    static ON: std::sync::OnceLock<usize> = std::sync::OnceLock::new();
+    *ON.get_or_init(|| std::env::var("MUTANT").ok().and_then(|m| m.parse().ok()).unwrap_or(usize::MAX)) == id
+}
+"""
 
 # Survivors that no test can kill, and why. A survivor that isn't here is a hole in the tests.
 EQUIVALENT = json.loads((ROOT / "tools" / "mutants.json").read_text())
 
 
-def copy_folder(folder, target):
+def copy_folder(folder, target, tested):
     """Oracle files and tests as they are; what stands around them empty, unless the tests need the fast variant."""
     tests = folder / "tests.rs"
     text = tests.read_text() if tests.exists() else ""
@@ -44,18 +56,21 @@ def copy_folder(folder, target):
                 continue
             to.parent.mkdir(parents=True, exist_ok=True)
             to.write_text("")
-        elif inside.parts == ("tests.rs",) and "component::" in text:
+        elif inside.parts == ("tests.rs",) and ("component::" in text or not tested):
             to.write_text("")
         else:
             to.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(path, to)
 
 
-def copy_module(name, target):
-    """A module of the crate: one file, a component's folder, or the few lines of the others that the oracle needs."""
+def copy_module(name, target, tested):
+    """A module of the crate: one file, a component's folder, or the few lines of the others that the oracle needs.
+
+    Only `tested` ones keep their tests: the others' would be built with every mutant, and never run."""
     source, to = ROOT / "src" / name, target / "src" / name
     if source.with_suffix(".rs").exists():
-        shutil.copy(source.with_suffix(".rs"), to.with_suffix(".rs"))
+        text = source.with_suffix(".rs").read_text()
+        to.with_suffix(".rs").write_text(text if tested else text.split("#[cfg(test)]\nmod tests {")[0])
         if source.is_dir():
             shutil.copytree(source, to)
     elif name == "training":
@@ -68,7 +83,7 @@ def copy_module(name, target):
         properties = (source / "mod.rs").read_text().split("/// Properties run", 1)[1]
         (to / "mod.rs").write_text("/// Properties run" + properties)
     else:
-        copy_folder(source, target)
+        copy_folder(source, target, tested)
 
 
 def make_crate(target, first):
@@ -77,7 +92,8 @@ def make_crate(target, first):
     wanted, done = {first}, set()
     while wanted - done:
         name = min(wanted - done)
-        copy_module(name, target)
+        helpers = f"crate::{name}::tests::" in "".join(path.read_text() for path in (ROOT / "src" / first).rglob("tests.rs"))
+        copy_module(name, target, name == first or helpers)
         done.add(name)
         files = [target / "src" / f"{name}.rs", *(target / "src" / name).rglob("*.rs")]
         for file in files:
@@ -106,38 +122,109 @@ def tests_of(file):
     return "training::reference" if parts[0] == "training" else parts[0] + "::"
 
 
-def run(target, file, cargo_mutants, output, only):
-    """cargo-mutants on one file, or on those of its mutants that are described in `only`: the outcomes."""
-    command = [cargo_mutants, "mutants", "--in-place", "--baseline", "skip", "--timeout", str(SECONDS), "--build-timeout", "600"]
-    # The configuration names all files; this run is for one of them.
-    command += ["--no-config", "--file", file]
-    command += ["--no-shuffle", "--colors", "never", "--dir", str(target), "--output", str(output)]
-    for name in sorted({name.split(": ", 1)[1] for name in only}):
-        command += ["--re", re.escape(name) + "$"]
-    command += ["--", "--lib", tests_of(file)]
-    subprocess.run(command, check=False)
-    return json.loads((output / "mutants.out" / "outcomes.json").read_text())["outcomes"]
+def build(target):
+    """The crate's test program (none where it doesn't build), and what the compiler says."""
+    cargo = [os.environ.get("CARGO", "cargo"), "test", "--lib", "--no-run", "--message-format", "json"]
+    said = subprocess.run(cargo, cwd=target, capture_output=True, text=True, check=False)
+    messages = [json.loads(line) for line in said.stdout.splitlines()]
+    errors = [m["message"] for m in messages if m["reason"] == "compiler-message" and m["message"]["level"] == "error"]
+    programs = [m["executable"] for m in messages if m["reason"] == "compiler-artifact" and m.get("executable")]
+    return (programs[-1] if programs and not errors else None), errors
 
 
-def row(outcomes):
-    """Counts of a file and its survivors."""
-    summary = {"CaughtMutant": 0, "MissedMutant": 0, "Timeout": 0, "Unviable": 0}
-    survivors = []
-    for outcome in outcomes:
-        if outcome["scenario"] == "Baseline":
-            continue
-        summary[outcome["summary"]] += 1
-        if outcome["summary"] == "MissedMutant":
+def survives(program, target, file, mutant=None):
+    """Whether the file's tests pass, with this mutant switched on."""
+
+    def limit_memory():
+        resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
+
+    switch = {} if mutant is None else {"MUTANT": str(mutant)}
+    environment = os.environ | switch | {"CARGO_MANIFEST_DIR": str(target), "RUST_BACKTRACE": "0"}
+    try:
+        done = subprocess.run(
+            [program, tests_of(file), "-q"],
+            cwd=target,
+            env=environment,
+            capture_output=True,
+            timeout=SECONDS,
+            preexec_fn=limit_memory,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return False
+    return done.returncode == 0
+
+
+def together(target, file, mutants, tool):
+    """A program with all mutants in it but those that it returns: those have to be built one by one."""
+    source = target / file
+    original, listed = source.read_text(), target / "mutants.json"
+    (target / "original.rs").write_text(original)
+    refused = set()
+    while True:
+        listed.write_text(json.dumps([m for m in mutants if m["id"] not in refused]))
+        command = [tool, target / "original.rs", listed, source]
+        missing = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+        program, errors = build(target)
+        if program is not None:
+            program = shutil.copy(program, target / "together")
+            source.write_text(original)
+            return program, sorted(refused | set(missing))
+        # The mutant in front of an error is the one that the compiler means.
+        code, before = source.read_bytes(), len(refused)
+        for span in (span for error in errors for span in error["spans"] if span["is_primary"] and span["file_name"] == file):
+            found = re.findall(rb"crate :: mutant \((\d+)usize\)", code[: span["byte_start"]])
+            refused |= {int(number) for number in found[-1:]}
+        if len(refused) == before:
+            sys.exit(f"{file}: its mutants don't build together: {errors[0]['rendered'] if errors else 'no message'}")
+
+
+def run(target, file, cargo_mutants, tool):
+    """Every mutant of one file: the row of its counts and survivors."""
+    lib = target / "src/lib.rs"
+    lib.write_text("#![allow(warnings)]\n" + lib.read_text() + SWITCH)
+    command = [cargo_mutants, "mutants", "--list", "--json", "--no-config", "--file", file, "--dir", str(target)]
+    mutants = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    mutants = [m | {"id": number} for number, m in enumerate(mutants)]
+    program, apart = together(target, file, mutants, tool)
+    if not survives(program, target, file):
+        sys.exit(f"{file}: its tests fail without any mutant")
+    counts = {"killed": 0, "viable": 0, "unviable": 0, "survivors": []}
+    for mutant in mutants:
+        alive = None
+        if mutant["id"] not in apart:
+            alive = survives(program, target, file, mutant["id"])
+        elif (alone := one(target, file, mutant)) is not None:
+            alive = survives(alone, target, file)
+        counts["unviable" if alive is None else "viable"] += 1
+        counts["killed"] += alive is False
+        if alive:
+            print(f"survives: {mutant['name']}", file=sys.stderr)
             # Without line and column: they move with every edit.
-            name = outcome["scenario"]["Mutant"]["name"]
-            survivors.append(re.sub(r"^(\S+?):\d+:\d+: ", r"\1: ", name))
-    killed = summary["CaughtMutant"] + summary["Timeout"]
-    return {"killed": killed, "viable": killed + summary["MissedMutant"], "unviable": summary["Unviable"], "survivors": survivors}
+            counts["survivors"].append(re.sub(r"^(\S+?):\d+:\d+: ", r"\1: ", mutant["name"]))
+    return counts
+
+
+def one(target, file, mutant):
+    """A program with this mutant written into the file; none where it doesn't build."""
+    source = target / file
+    original = source.read_text()
+    lines = original.splitlines(keepends=True)
+
+    def offset(place):
+        return sum(map(len, lines[: place["line"] - 1])) + place["column"] - 1
+
+    start, end = offset(mutant["span"]["start"]), offset(mutant["span"]["end"])
+    source.write_text(original[:start] + mutant["replacement"] + original[end:])
+    program, _ = build(target)
+    source.write_text(original)
+    return program
 
 
 def page(rows, listed=()):
     """The page: counts by file, the survivors with their reasons, and the examined files that no run has reached."""
-    text = "# Mutants\n\nWritten by `python tools/mutants.py` (cargo-mutants on every oracle file, against its folder's own tests).\n\n"
+    text = "# Mutants\n\nWritten by `python tools/mutants.py`: every mutant that cargo-mutants lists for an oracle file, against "
+    text += "the tests of its folder.\n\n"
     text += "| file | viable | killed | equivalent | survivors |\n|---|---|---|---|---|\n"
     total = [0, 0, 0, 0]
     survivors = []
@@ -167,7 +254,6 @@ def read_rows():
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="*", help="oracle files (all where absent)")
-    parser.add_argument("--survivors", action="store_true", help="of files that didn't change, the survivors alone")
     parser.add_argument("--tool", default="cargo-mutants", help="the cargo-mutants program")
     parser.add_argument("--work", type=Path, help="where the copy is made (a temporary folder)")
     args = parser.parse_args()
@@ -178,21 +264,16 @@ def main():
         [args.tool, "mutants", "--list-files", "--dir", str(ROOT)], capture_output=True, text=True, check=True
     ).stdout.split()
     rows = read_rows()
+    subprocess.run(["cargo", "build", "--quiet", "--manifest-path", ROOT / "tools/mutants/Cargo.toml"], check=True)
+    tool = Path(os.environ["CARGO_TARGET_DIR"]) / "debug/mutants-in-one"
     for file in args.files or listed:
         if file not in listed:
             sys.exit(f"{file}: not an examined file; expected one of: {' '.join(listed)}")
         shutil.rmtree(target, ignore_errors=True)
         make_crate(target, Path(file).with_suffix("").parts[1])
-        # Tests only become more: where the file is the same, what was killed stays killed.
-        sha256 = hashlib.sha256((ROOT / file).read_bytes()).hexdigest()
-        before = rows.get(file, {})
-        again = args.survivors and before.get("sha256") == sha256
-        if again and not before["survivors"]:
-            continue
-        found = row(run(target, file, args.tool, work / "out", before["survivors"] if again else []))
-        if again:
-            found = before | {"survivors": found["survivors"], "killed": before["viable"] - len(found["survivors"])}
-        rows[file] = found | {"sha256": sha256}
+        found = run(target, file, args.tool, tool)
+        print(f"{file}: {found['killed']} of {found['viable']} killed", file=sys.stderr)
+        rows[file] = found | {"sha256": hashlib.sha256((ROOT / file).read_bytes()).hexdigest()}
         PAGE.with_suffix(".json").write_text(json.dumps(rows, indent=1) + "\n")
         PAGE.write_text(page(rows, listed))
     PAGE.write_text(page(rows, listed))

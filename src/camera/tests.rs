@@ -1,4 +1,4 @@
-use glam::{DMat3, DMat4, DQuat, DVec2, DVec3};
+use glam::{DMat2, DMat3, DMat4, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 
 use super::*;
@@ -148,6 +148,15 @@ fn cg5_a_lens_without_inverse_says_so() {
     // The point with a singular Jacobian itself: r = sqrt(1 / 0.9).
     let fold = DVec2::new((1.0f64 / 0.9).sqrt(), 0.0);
     assert!(barrel.jacobian(fold).determinant().abs() < 1e-15);
+    // A fold right at the point itself: its image is known, and still nobody can trust it.
+    let touching = Distortion { k1: 0.5, k2: -0.5, ..barrel };
+    assert_eq!(touching.distort(DVec2::Y), DVec2::Y);
+    assert_eq!(touching.jacobian(DVec2::Y), DMat2::from_cols(DVec2::X, DVec2::ZERO));
+    assert!(touching.undistort(DVec2::Y).is_err());
+    // A residual of 1e-12 isn't below 1e-12: one more step.
+    let shift = Distortion { k1: 0.0, p1: 1e-12, ..barrel };
+    assert_eq!(shift.distort(DVec2::X), DVec2::new(1.0, 1e-12));
+    assert!(shift.undistort(DVec2::X).unwrap().y < 0.0);
     // A third branch behind two folds, with a positive determinant, where the picture would be mirrored through the centre.
     let behind = barrel.distort(DVec2::new(-2.5, 0.0));
     assert!(barrel.jacobian(DVec2::new(-2.5, 0.0)).determinant() > 0.0);

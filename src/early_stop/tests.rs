@@ -64,6 +64,8 @@ fn no_samples_and_opaque_ones() {
     assert_eq!(live_samples(&[], &[], 1e-4), 0);
     assert_eq!(live_samples(&[f64::INFINITY, 1.0], &[1.0, 1.0], 1e-4), 1);
     assert_eq!(live_samples(&[0.0; 5], &[1.0; 5], 1e-4), 5);
+    // T = 1 = eps isn't below eps.
+    assert_eq!(live_samples(&[0.0; 5], &[1.0; 5], 1.0), 5);
 }
 
 /// Rays of different lengths, packed, are the rays one by one, bit for bit, and the rays of one length whose ends are empty.
@@ -87,6 +89,36 @@ fn packed_rays_are_single_rays_and_padded_ones() {
         assert_eq!((packed.color, packed.opacity), (padded.color, padded.opacity));
         assert_eq!(packed.transmittance[n], padded.transmittance[64]);
     }
+}
+
+/// Packed gradients are those of each ray's live samples; samples behind a stop have none.
+#[test]
+fn packed_gradients_are_those_of_single_rays() {
+    let (mut s, c, d) = ray(1000);
+    s.iter_mut().zip(1..).for_each(|(s, i)| *s += 0.01 * f64::from(i));
+    let offsets = [0, 30, 30, 64];
+    let stops = live_samples(&s[30..], &d[30..], 0.05);
+    let rays = render_packed(&s, &c, &d, &offsets, 0.05);
+    assert!(stops > 1 && stops < 34, "{stops}");
+    let cotangent = |r: usize| backward::Cotangent {
+        color: [1.0, -0.5, 0.25 + r as f64],
+        weights: (0..rays[r].weights.len()).map(|i| i as f64 - 3.0).collect(),
+        opacity: 0.5,
+        transmittance: -0.75,
+    };
+    let g: Vec<_> = (0..3).map(cotangent).collect();
+    let packed = super::backward::render_packed(&s, &c, &d, &offsets, &rays, &g);
+    let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![0.0; 64], vec![[0.0; 3]; 64], vec![0.0; 64]);
+    for (r, first) in [(0, 0), (2, 30)] {
+        let live = first..first + rays[r].weights.len();
+        let (s, c, d) = (&s[live.clone()], &c[live.clone()], &d[live.clone()]);
+        let single = backward::volume_render(s, c, d, ProductEps::None, &rays[r], &g[r]);
+        g_sigmas[live.clone()].copy_from_slice(&single.0);
+        g_rgbs[live.clone()].copy_from_slice(&single.1);
+        g_deltas[live].copy_from_slice(&single.2);
+    }
+    assert_eq!(packed, (g_sigmas, g_rgbs, g_deltas));
+    assert!(packed.0[..30].iter().any(|g| *g != 0.0) && packed.0[30] != 0.0);
 }
 
 /// VR5: a stopped ray keeps the light that is left; divided by its opacity it would be off by up to eps, and without a reason.

@@ -170,6 +170,14 @@ fn initial_values_are_uniform_within_one_over_the_root_of_the_inputs() {
     assert!((values.iter().map(|v| v * v).sum::<f64>() / n * 300.0 - 1.0).abs() < 4.0 * 0.894 / n.sqrt());
     assert_eq!(layer.w[[0, 1]], 0.1 * (2.0 * key.uniform(0, 2, 1) - 1.0));
     assert_eq!(layer.b[3], 0.1 * (2.0 * key.uniform(0, 2, 5003) - 1.0));
+    // Each layer has its own stream: no two begin alike.
+    let net = NerfMlp::initial(&SHAPE, &key);
+    assert_eq!(net.trunk[7], Layer::initial(4, 4, &key, 7));
+    assert_eq!([&net.sigma, &net.feature], [&Layer::initial(4, 1, &key, 8), &Layer::initial(4, 4, &key, 9)]);
+    assert_eq!(
+        [&net.color0, &net.color1],
+        [&Layer::initial(7, 3, &key, 10), &Layer::initial(3, 3, &key, 11)]
+    );
     let mlp = Mlp::initial(7, 5, 3, 2, &key);
     assert_eq!(mlp.layers.iter().map(|l| l.w.dim()).collect::<Vec<_>>(), [(5, 7), (5, 5), (5, 5), (2, 5)]);
 }
@@ -238,6 +246,25 @@ fn conventions_change_what_they_name() {
     );
     assert_eq!(base.color_input[4..], d);
     assert_eq!(run(&net, Conventions { density: Density::Exp, ..CS180 }).sigma, exp(base.z_sigma));
+}
+
+/// The first layer's input is the encoding already: a skip into layer 0 is no skip, forward and backward.
+#[test]
+fn a_skip_into_the_first_layer_is_none() {
+    let mut plain = NerfMlp::initial(&Shape { skip: 0, ..SHAPE }, &Key::new(5, Purpose::Parameters));
+    plain.trunk.iter_mut().for_each(|layer| layer.b.fill(0.5));
+    assert!(plain.trunk[1..].iter().all(|layer| layer.w.dim() == (4, 4)));
+    let (x, d) = ([0.3, -0.2, 0.9, 0.5, -0.7], [0.1, 0.8, -0.6]);
+    let run = |skip_layer| {
+        let c = Conventions { density: Density::Softplus, skip_layer, ..CS180 };
+        let tape = plain.forward(&x, &d, &c);
+        let mut gradient = plain.clone();
+        let g = backward::nerf_mlp(&plain, &tape, &c, 0.75, [1.0, -0.5, 0.25], &mut gradient);
+        (tape, g, gradient)
+    };
+    // Layer 9 doesn't exist.
+    assert_eq!(run(0), run(9));
+    assert!(run(0).1.0.iter().any(|g| *g != 0.0));
 }
 
 proptest! {

@@ -58,6 +58,19 @@ fn gradients_at_kinks_are_one_sided() {
     }
 }
 
+/// Edges move their samples by 1 - s and s; several samples of a bin add up.
+#[test]
+fn gradients_of_edges_by_hand() {
+    let (edges, weights) = ([2.0, 3.0, 5.0], [1.0, 3.0]);
+    // F is 0, 1/4, 1: s = 1/2 in the first bin; 1/4 and 3/4 in the second.
+    let u = [0.125, 0.4375, 0.8125];
+    assert_eq!(sample(&edges, &weights, 0.0, &u), [2.5, 3.5, 4.5]);
+    let (g_edges, g_u) = backward::sample(&edges, &weights, 0.0, &u, &[1.0, -2.0, 8.0]);
+    assert_eq!(g_edges, [0.5, 0.5 - 1.5 + 2.0, -0.5 + 6.0]);
+    // (e_{k+1} - e_k) / (F_{k+1} - F_k): 1 / (1/4) and 2 / (3/4).
+    assert_eq!(g_u, [4.0, -4.0 / 0.75, 16.0 / 0.75]);
+}
+
 fn rays() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
     let weight = prop_oneof![Just(0.0), 0.01..1.0f64];
     prop::collection::vec((0.01..1.0f64, weight), 1..40).prop_map(|bins| {

@@ -2,7 +2,7 @@
 
 use approx::assert_abs_diff_eq;
 
-use super::{OccupancyGrid, fast};
+use super::{Crossing, OccupancyGrid, fast};
 use crate::random::{Key, Purpose};
 use crate::ray_aabb;
 
@@ -72,6 +72,59 @@ fn update_decays_and_rises() {
     grid.update(0.5, &[[0.1, 0.1, 0.1], [0.2, 0.2, 0.2], [0.9, 0.1, 0.1]], &[2.0, 3.0, 0.1]);
     assert_eq!(grid.density, [3.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]);
     assert!(grid.occupied([0.49, 0.0, 0.3]) && !grid.occupied([0.5, 0.0, 0.3]));
+}
+
+/// A ray that starts in a face and goes down never was in the cell above, nor is a stretch of length 0 one.
+#[test]
+fn cells_that_are_only_touched_are_not_crossed() {
+    let grid = OccupancyGrid { resolution: 2, density: vec![0.0; 8], threshold: 0.5 };
+    let down = grid.crossings([0.5, 0.25, 0.25], [-1.0, 0.0, 0.0], 0.0, 0.5);
+    assert_eq!(down, [Crossing { cell: 0, enter: 0.0, leave: 0.5 }]);
+    let up = grid.crossings([0.25, 0.25, 0.25], [1.0, 0.0, 0.0], 0.0, 0.25);
+    assert_eq!(up, [Crossing { cell: 0, enter: 0.0, leave: 0.25 }]);
+    assert_eq!(grid.crossings([0.25; 3], [1.0; 3], 0.125, 0.125), []);
+}
+
+/// All t = (k + u) step in [near, far): the near end belongs to it, the far end doesn't.
+#[test]
+fn samples_by_hand() {
+    let mut grid = OccupancyGrid { resolution: 1, density: vec![1.0], threshold: 0.5 };
+    let samples = |grid: &OccupancyGrid, near, far, u| {
+        grid.samples([0.0, 0.5, 0.5], [1.0, 0.0, 0.0], near, far, 0.25, u)
+    };
+    assert_eq!(samples(&grid, 0.25, 0.75, 0.0), [0.25, 0.5]);
+    assert_eq!(samples(&grid, 0.3, 1.0, 0.5), [0.375, 0.625, 0.875]);
+    // A density that is the threshold's isn't above it.
+    grid.density[0] = 0.5;
+    assert!(samples(&grid, 0.25, 0.75, 0.0).is_empty() && !grid.occupied([0.5; 3]));
+    // Two cells along x: of t = 1/8, 3/8, 5/8, 7/8 those behind the middle.
+    let half = OccupancyGrid { resolution: 2, density: [0.0, 1.0].repeat(4), threshold: 0.5 };
+    assert_eq!(samples(&half, 0.0, 1.0, 0.5), [0.625, 0.875]);
+    // Along y and z too.
+    let at = |o, d| half.samples(o, d, 0.0, 1.0, 0.25, 0.5).len();
+    assert_eq!([at([0.75, 0.0, 0.5], [0.0, 1.0, 0.0]), at([0.25, 0.0, 0.0], [0.0, 1.0, 1.0])], [4, 0]);
+}
+
+/// Through the edges of cells, where the planes of two axes lie an ULP apart: no cell comes twice in a row.
+#[test]
+fn a_cell_is_crossed_once() {
+    let grid = OccupancyGrid { resolution: 32, density: vec![0.0; 32 * 32 * 32], threshold: 0.5 };
+    for n in 1..200 {
+        let a = f64::from(n) / 201.0;
+        let (o, d) = ([0.0, 0.0, 0.5], [a, a * (1.0 + f64::EPSILON), 0.0]);
+        let cells = grid.crossings(o, d, 0.0, 1.0 / a);
+        assert!(cells.windows(2).all(|pair| pair[0].cell != pair[1].cell), "{a}");
+        assert!(cells.iter().all(|c| c.enter < c.leave) && cells.len() >= 32, "{a}");
+    }
+}
+
+/// Points on faces and beside the box.
+#[test]
+fn cells_by_hand() {
+    let grid = OccupancyGrid { resolution: 4, density: vec![0.0; 64], threshold: 0.5 };
+    assert_eq!(grid.cell([0.25, 0.5, 0.75]), 1 + 4 * (2 + 4 * 3));
+    assert_eq!(grid.cell([0.999, 1.0, 1.5]), 3 + 4 * (3 + 4 * 3));
+    assert_eq!(grid.cell([-0.5, 1e300, -1e300]), 4 * 3);
 }
 
 /// Samples are the lattice points inside occupied crossings.

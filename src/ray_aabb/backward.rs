@@ -46,7 +46,7 @@ fn deciding_axis(
     entering: bool,
 ) -> Option<usize> {
     (0..3).find(|&a| {
-        let face = if (d[a] > 0.0) == entering { low[a] } else { high[a] };
+        let face = if d[a].is_sign_positive() == entering { low[a] } else { high[a] };
         d[a] != 0.0 && (face - o[a]) / d[a] == t
     })
 }

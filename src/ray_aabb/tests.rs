@@ -2,7 +2,7 @@
 
 use approx::assert_abs_diff_eq;
 
-use super::{Hit, backward, intersect};
+use super::{Hit, backward, between, intersect};
 use crate::random::{Key, Purpose};
 
 const LOW: [f64; 3] = [-1.0, -2.0, 0.5];
@@ -51,6 +51,8 @@ fn rays_in_slab_planes() {
         assert_eq!(unit([x, 0.5, -1.0], [0.0, 0.0, 1.0]), through);
         assert_eq!(unit([x, x, -1.0], [-0.0, 0.0, 1.0]), through);
     }
+    // The textbook multiplies by 1 / d: 0 times infinity.
+    assert!((0.0 * (1.0 / 0.0f64)).is_nan());
     assert_eq!(unit([-f64::MIN_POSITIVE, 0.5, -1.0], [0.0, 0.0, 1.0]), None);
     assert_eq!(unit([1.0 + f64::EPSILON, 0.5, -1.0], [0.0, 0.0, 1.0]), None);
 }
@@ -60,6 +62,7 @@ fn rays_in_slab_planes() {
 fn tiny_directions() {
     let hit = intersect([0.5, 0.5, -1.0], [-1e-6, 0.0, 1.0], [0.0; 3], [1.0; 3]);
     assert_eq!(hit, Some(Hit { enter: 1.0, leave: 2.0 }));
+    assert_eq!(1.0 / (-1e-6 + 1e-6), f64::INFINITY, "the textbook's");
     // From x = 2 along -2^-20: t = 2^20 to the face at 1 and 2^21 to the one at 0. dt / do = -1 / d, dt / dd = -t / d.
     let (o, d) = ([2.0, 0.5, 0.5], [-(2f64.powi(-20)), 0.0, 0.0]);
     let (g_o, g_d) = backward::intersect(o, d, [0.0; 3], [1.0; 3], Hit { enter: 1.0, leave: 0.25 });
@@ -71,6 +74,41 @@ fn origin_inside_and_box_behind() {
     let hit = |o| intersect(o, [1.0, 0.0, 0.0], [0.0; 3], [1.0; 3]).unwrap();
     assert_eq!(hit([0.25, 0.5, 0.5]), Hit { enter: -0.25, leave: 0.75 });
     assert_eq!(hit([3.0, 0.5, 0.5]), Hit { enter: -3.0, leave: -2.0 });
+}
+
+/// The box is entered at 1.5 and left at 2, whatever part of that `near` and `far` leave; one point is a part too.
+#[test]
+fn near_and_far_cut_the_stretch() {
+    let (o, d) = ([0.25, 0.5, -3.0], [0.0, 0.0, 2.0]);
+    let hit = |near, far| between(o, d, [0.0; 3], [1.0; 3], near, far).map(|h| [h.enter, h.leave]);
+    assert_eq!(
+        [hit(0.0, 9.0), hit(1.75, 9.0), hit(0.0, 1.625)].map(Option::unwrap),
+        [[1.5, 2.0], [1.75, 2.0], [1.5, 1.625]]
+    );
+    assert_eq!([hit(2.0, 9.0), hit(0.0, 1.5)].map(Option::unwrap), [[2.0, 2.0], [1.5, 1.5]]);
+    assert_eq!([hit(2.5, 9.0), hit(0.0, 1.25)], [None, None]);
+    assert_eq!(between([1.5, 0.5, -3.0], d, [0.0; 3], [1.0; 3], 0.0, 9.0), None, "beside the box");
+    // t = (face - o) / d: dt / do = -1 / d, dt / dd = -t / d; an end that near or far decides is a constant, at a tie too.
+    let gradient = |near, far| {
+        let (g_o, g_d) =
+            backward::between(o, d, [0.0; 3], [1.0; 3], [near, far], Hit { enter: 1.0, leave: 4.0 });
+        assert_eq!([g_o[0], g_o[1], g_d[0], g_d[1]], [0.0; 4]);
+        [g_o[2], g_d[2]]
+    };
+    let (enter, leave) = ([-0.5, -0.75], [-2.0, -4.0]);
+    assert_eq!(gradient(0.0, 9.0), [enter[0] + leave[0], enter[1] + leave[1]]);
+    assert_eq!([gradient(1.75, 9.0), gradient(1.5, 9.0)], [leave; 2]);
+    assert_eq!([gradient(0.0, 1.75), gradient(0.0, 2.0)], [enter; 2]);
+    assert_eq!([gradient(1.5, 2.0), gradient(2.5, 9.0), gradient(0.0, 1.25)], [[0.0; 2]; 3]);
+}
+
+/// Where nothing moves no axis decides: all of the line is inside, and nothing is divided by 0.
+#[test]
+fn a_direction_of_zero_has_no_gradient() {
+    let all = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };
+    assert_eq!(intersect([0.5; 3], [0.0; 3], [0.0; 3], [1.0; 3]), Some(all));
+    let g = Hit { enter: 1.0, leave: 1.0 };
+    assert_eq!(backward::intersect([0.5; 3], [0.0; 3], [0.0; 3], [1.0; 3], g), ([0.0; 3], [0.0; 3]));
 }
 
 #[test]

@@ -17,6 +17,8 @@ pub mod honest;
 pub mod mistakes;
 
 #[cfg(test)]
+mod by_hand;
+#[cfg(test)]
 mod tests;
 
 /// Everything about one pixel.

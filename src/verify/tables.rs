@@ -33,12 +33,26 @@ pub fn page() -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeMap;
+
     use super::*;
 
     #[test]
     fn the_page_is_current() {
         let current = page() == include_str!("BOUNDS.md");
         assert!(current, "write it again: nerf-oracle check --tables src/verify/BOUNDS.md");
+    }
+
+    /// Of every component and direction some honest machine, in some type, uses a 25th of the bound: a hundred times as loose none would.
+    #[test]
+    fn no_bound_is_a_hundred_times_too_loose() {
+        let mut used: BTreeMap<String, f64> = BTreeMap::new();
+        for row in selfcheck::all() {
+            let most = used.entry(format!("{} {}", row.name, row.kind)).or_default();
+            *most = most.max(row.error_over_bound);
+        }
+        let loose: Vec<_> = used.iter().filter(|(_, most)| **most < 0.04).collect();
+        assert!(loose.is_empty(), "error over bound in no type above {loose:?}");
     }
 
     #[test]

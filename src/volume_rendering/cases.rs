@@ -82,7 +82,7 @@ pub fn volume_render() -> Vec<Case> {
             grey(5),
             vec![1.0; 5],
         ),
-        one_ray("one_sample", "VR9: a ray with one sample", vec![0.75], grey(1), vec![0.5]),
+        one_ray("VR9_one_sample", "a ray with one sample", vec![0.75], grey(1), vec![0.5]),
         one_ray(
             "VR1_tiny_alpha",
             "x = 2^-20: 1 - exp(-x) loses every digit in f32",
@@ -106,7 +106,16 @@ pub fn volume_render() -> Vec<Case> {
             grey(256),
             vec![0.0625; 256],
         ),
-        one_ray("no_samples", "VR9: no samples: colour 0, T 1", vec![], array(&[1, 0, 3], vec![]), vec![]),
+        one_ray("VR9_no_samples", "no samples: colour 0, T 1", vec![], array(&[1, 0, 3], vec![]), vec![]),
+        Case::new(
+            "VR10_unequal_steps",
+            "two rays alike but for their steps: those of ray 0 for both would show",
+            vec![
+                ("sigmas", array(&[2, 2], vec![1.0; 4])),
+                ("rgbs", array(&[2, 2, 3], vec![0.5; 12])),
+                ("deltas", array(&[2, 2], vec![0.15625, 0.15625, 0.3125, 0.0390625])),
+            ],
+        ),
     ];
     cases.extend(seeded("volume_render", |draw, low, high| {
         let (rays, samples) = (3, 12);

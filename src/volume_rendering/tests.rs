@@ -34,12 +34,12 @@ fn finite(gradient: &(Vec<f64>, Vec<[f64; 3]>, Vec<f64>)) -> bool {
 #[test]
 fn light_from_behind_by_hand() {
     // C + (1 - A) b.
-    let (color, background) = ([0.5, 0.25, 0.125], [0.25, 0.5, 1.0]);
-    assert_eq!(composite_background(color, 0.25, background), [0.6875, 0.625, 0.875]);
+    let (color, background) = ([0.5, 0.25, 0.125], [0.25, 0.5, 2.0]);
+    assert_eq!(composite_background(color, 0.25, background), [0.6875, 0.625, 1.625]);
     let g = [0.75, -0.25, 1.25];
     let (g_color, g_opacity, g_background) = backward::composite_background(0.25, background, g);
     assert_eq!((g_color, g_background), (g, [0.5625, -0.1875, 0.9375]));
-    assert_eq!(g_opacity, -(0.75 * 0.25 - 0.25 * 0.5 + 1.25));
+    assert_eq!(g_opacity, -(0.75 * 0.25 - 0.25 * 0.5 + 1.25 * 2.0));
 }
 
 #[test]
@@ -218,6 +218,10 @@ fn vr4_the_gradient_at_an_opaque_sample() {
     let weights = (0..4).map(|j| -cotangent[j + 1..].iter().sum::<f64>()).collect();
     let g = Cotangent { color: [0.0; 3], weights, opacity: 0.0, transmittance: 0.0 };
     let forward = volume_render_alpha(&alphas, &[[0.0; 3]; 4], ProductEps::None);
+    // The textbook: sum_{j>1} g_j T_j over the factor, which is 0, or over a clamped one: 0 for 2.9, whose T are without it.
+    let t = &forward.transmittance;
+    let sum = cotangent[2] * t[2] + cotangent[3] * t[3];
+    assert!((sum / (1.0 - alphas[1])).is_nan() && sum / f64::max(1.0 - alphas[1], 1e-10) == 0.0);
     let (g_alphas, _) =
         backward::volume_render_alpha(&alphas, &[[0.0; 3]; 4], ProductEps::None, &forward, &g);
     for (g, expected) in g_alphas.iter().zip([2.0, 2.9, 0.0, 0.0]) {

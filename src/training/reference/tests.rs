@@ -144,3 +144,15 @@ fn adam_moves_every_parameter_of_a_layer() {
         );
     }
 }
+
+/// Four intervals of 1 on [2, 6]; all light from the third, so that the fine samples lie there at the places that u says. A step
+/// goes to the next sample, the last one to the end.
+#[test]
+fn fine_samples_by_hand() {
+    let edges = interval_edges(2.0, 6.0, 4);
+    assert_eq!(edges, [2.0, 3.0, 4.0, 5.0, 6.0]);
+    assert_eq!(interval_edges(2.0, 4.0, 4), [2.0, 2.5, 3.0, 3.5, 4.0]);
+    let (t, deltas) = fine_samples(&[2.5, 3.5, 4.5, 5.5], &edges, &[0.0, 0.0, 1.0, 0.0], &[0.25, 0.75], 6.0);
+    assert_eq!(t, [2.5, 3.5, 4.25, 4.5, 4.75, 5.5]);
+    assert_eq!(deltas, [1.0, 0.75, 0.25, 0.25, 0.75, 0.5]);
+}
