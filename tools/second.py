@@ -151,19 +151,21 @@ FUNCTIONS = {"render_trace": render_trace} | {
 
 
 def differentiated(function, a, c, wrong, wanted):
-    """What automatic differentiation makes of a wrong forward function: differences over four points, in f64."""
-    a = {n: x.astype(np.float64) if isinstance(x, np.ndarray) else x for n, x in a.items()}
+    """What automatic differentiation makes of a wrong forward function: differences over four points, in the longest type there is, as
+    a camera may be a million units away. At a kink, where automatic differentiation takes a side, they take the mean of both."""
+    long = np.longdouble
+    a = {n: x.astype(long) if isinstance(x, np.ndarray) else x for n, x in a.items()}
     cotangents = {n.removeprefix("grad_"): x for n, x in a.items() if n.startswith("grad_")}
 
     def inner():
         outputs = function(a, c, wrong)
-        return sum(float((outputs[n] * g).sum()) for n, g in cotangents.items())
+        return sum((outputs[n] * g).sum() for n, g in cotangents.items())
 
     out = {}
     for name in wanted:
         x, gradient = a[name], np.zeros_like(a[name])
         for i in np.ndindex(x.shape):
-            at, h = x[i], 1e-5 * max(abs(x[i]), 0.1)
+            at, h = x[i], long(1e-6) * min(max(abs(x[i]), long(0.1)), long(1))
             values = []
             for step in (-2, -1, 1, 2):
                 x[i] = at + step * h
