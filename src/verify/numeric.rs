@@ -30,25 +30,29 @@ pub fn vjp(component: &Component, inputs: &Arrays, c: &Conventions, mistakes: &[
         let (mut gradient, mut error) = (x.mapv(|_| 0.0), x.mapv(|_| f64::INFINITY));
         // An odd stride, so that every column of a matrix has its turn.
         for (i, &at) in x.iter().enumerate().step_by((x.len() / SAMPLED) | 1) {
-            let mut moved = |step: f64| {
-                *entry(&mut inputs_now, &port, i) = at + step;
+            let mut moved = |to: f64| {
+                *entry(&mut inputs_now, &port, i) = to;
                 cotangent(&(component.forward.wrong)(&inputs_now, c, mistakes))[0]
             };
             // The slope, and by how much it is steeper ahead than behind: as h where the function is smooth.
             let mut slopes = |h: f64| {
-                let (ahead, behind) = (moved(h), moved(-h));
-                ((ahead - behind) / (2.0 * h), (ahead - 2.0 * here + behind) / h)
+                let (ahead, behind) = (moved(at + h), moved(at - h));
+                ((ahead - behind) / ((at + h) - (at - h)), (ahead - 2.0 * here + behind) / h)
             };
-            let h = libm::ldexp(1.0, -13) * at.abs().max(0.0625);
+            // A wave's length doesn't grow with x; but h has to be seen in x.
+            let h = libm::ldexp(at.abs().min(1.0).max(0.0625).max(libm::ldexp(at.abs(), -20)), -13);
             let ((coarse, bend), (fine, half_bend)) = (slopes(h), slopes(0.5 * h));
             *entry(&mut inputs_now, &port, i) = at;
             let best = (4.0 * fine - coarse) / 3.0;
-            *gradient.iter_mut().nth(i).expect("same shape") = best;
-            let kink = (2.0 * half_bend - bend).abs();
-            let rounding = 16.0 * f64::EPSILON * size / h;
+            let rounding = 64.0 * f64::EPSILON * size / h;
             // A kink below what rounding makes of it is none.
-            let kink = if kink > 4.0 * rounding { kink } else { 0.0 };
-            *error.iter_mut().nth(i).expect("same shape") = (fine - coarse).abs() + kink + rounding;
+            let kink = Some((2.0 * half_bend - bend).abs()).filter(|kink| *kink > rounding).unwrap_or(0.0);
+            let off = (fine - coarse).abs() + kink + rounding;
+            // Where the function itself leaves the numbers, or bends within h, differences say nothing.
+            let bent = (fine - coarse).abs() > 0.5 * fine.abs().max(coarse.abs()).max(rounding);
+            let known = best.is_finite() && off.is_finite() && !bent;
+            *gradient.iter_mut().nth(i).expect("same shape") = if known { best } else { 0.0 };
+            *error.iter_mut().nth(i).expect("same shape") = if known { off } else { f64::INFINITY };
         }
         let scale = gradient.iter().fold(0.0, |max: f64, g| max.max(g.abs()));
         error.mapv_inplace(|e| e + 1e-9 * scale);

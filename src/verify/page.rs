@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::assignment::Partial;
 use super::diagnose::Explanation;
+use super::mark::Worst;
 use super::report::{Report, Row, Verdict};
 
 impl fmt::Display for Report {
@@ -88,13 +89,8 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             "  worst at case {}, {}{:?}: got {:.9e}, expected {:.9e}",
             w.id, w.output, w.index, w.got, w.expected
         )?;
-        writeln!(
-            f,
-            "  off by {:.2e} ({:.1} ULP), where {:.2e} is allowed",
-            (w.got - w.expected).abs(),
-            w.ulp,
-            w.bound
-        )?;
+        let allowed = if w.bound == 0.0 { "nothing".into() } else { format!("{:.2e}", w.bound) };
+        writeln!(f, "  off by {:.2e}{}, where {allowed} is allowed", (w.got - w.expected).abs(), places(w))?;
     }
     if !row.contradiction.is_empty() {
         writeln!(f, "  right with {}, which contradicts the rest of this run", list(&row.contradiction))?;
@@ -127,6 +123,15 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         writeln!(f, "  runner-up: {}", name(next))?;
     }
     Ok(())
+}
+
+/// How many units in the last place that is, where such a number says something.
+fn places(w: &Worst) -> String {
+    match w.ulp {
+        ulp if w.expected == 0.0 || !ulp.is_finite() => String::new(),
+        ulp if ulp < 1e6 => format!(" ({ulp:.1} ULP)"),
+        ulp => format!(" ({ulp:.1e} ULP)"),
+    }
 }
 
 /// An explanation on a line.
