@@ -42,7 +42,7 @@ impl Hypothesis {
 
     /// The hypothesis' own bound: that of the right formula in these conventions, some times over, and what the wrong function
     /// itself makes of inputs that are off by a few roundings.
-    pub fn bound(
+    fn bound(
         &self,
         sheet: &Sheet,
         case: &Case,

@@ -66,3 +66,48 @@ fn entry<'a>(arrays: &'a mut Arrays, name: &str, i: usize) -> &'a mut f64 {
     let array = arrays.get_mut(name).expect("the component's own inputs");
     array.iter_mut().nth(i).expect("an index of the array")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::COMPONENTS;
+    use crate::convention::CS180;
+    use crate::verify::check::Kind;
+
+    /// Far cameras, waves at 65536, faces of cells, steps of 1e10: differences say there what they know, and no more.
+    #[test]
+    fn hand_written_gradients_lie_within_the_estimated_error() {
+        let rows = [
+            "transform",
+            "pixel_to_ray",
+            "positional_encoding",
+            "hash_grid",
+            "volume_render",
+            "volume_render_alpha",
+        ];
+        for component in COMPONENTS.iter().filter(|component| rows.contains(&component.name)) {
+            let (mut known, mut all) = (0, 0);
+            for case in component.cases_of(Kind::Vjp, &CS180) {
+                if case.inputs.values().map(|a| a.len()).sum::<usize>() > 2_000 {
+                    continue;
+                }
+                let right = (component.vjp.expect("it has one").oracle)(&case.inputs, &CS180);
+                let (gradient, error) = vjp(component, &case.inputs, &CS180, &[]);
+                for (name, gradient) in &gradient {
+                    for ((g, e), right) in gradient.iter().zip(&error[name]).zip(&right[name]) {
+                        let off = (g - right).abs();
+                        assert!(
+                            off <= 4.0 * e,
+                            "{} {} {name}: {g} for {right}, error {e}",
+                            component.name,
+                            case.id
+                        );
+                        all += 1;
+                        known += usize::from(*e <= 1e-3 * right.abs().max(1e-3));
+                    }
+                }
+            }
+            assert!(10 * known > 3 * all, "{}: {known} of {all} known", component.name);
+        }
+    }
+}

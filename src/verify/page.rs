@@ -29,6 +29,11 @@ impl fmt::Display for Report {
                 row.name, row.kind, row.verdict, row.vacuous
             )?;
         }
+        writeln!(
+            f,
+            "\nbudget: the largest error, of what is allowed; grade: A, the stable formula's bound held, B, the textbook's;\n\
+             vacuous: elements of which anything is allowed, so that they prove nothing"
+        )?;
         let unsupported = self.rows.iter().filter(|row| row.verdict == Verdict::Unsupported);
         let names: Vec<String> = unsupported.map(|row| format!("{} {}", row.name, row.kind)).collect();
         if !names.is_empty() {
@@ -103,9 +108,14 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
 
 fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     let Some(best) = row.diagnosis.first() else {
-        let first =
-            row.off.first().map_or(String::new(), |name| format!("; the first output to differ is {name}"));
-        return writeln!(f, "  diagnosis: unknown{first}");
+        writeln!(
+            f,
+            "  diagnosis: unknown: no mistake of the catalogue, nor two together, give these numbers"
+        )?;
+        return match row.off.first() {
+            Some(name) => writeln!(f, "    the first output to differ is {name}: begin there"),
+            None => Ok(()),
+        };
     };
     writeln!(f, "  consistent with: {}", name(best))?;
     for same in row.diagnosis.iter().filter(|e| e.same_as_best) {
