@@ -295,7 +295,7 @@ fn a_failing_row_is_shown_in_the_conventions_next_to_its_answers() {
     };
     // A mistake that is known: its conventions come with it.
     let wrong = component("render_trace").forward.wrong;
-    let moved = CS180.with("axes", "opengl").unwrap().with("grid", "ends_between_midpoints").unwrap();
+    let moved = CS180.with("grid", "ends_between_midpoints").unwrap();
     let report = alone("render_trace", Dtype::F64, |inputs| {
         given(wrong(inputs, &moved, &["inclusive_transmittance"]))
     });
@@ -303,7 +303,7 @@ fn a_failing_row_is_shown_in_the_conventions_next_to_its_answers() {
     let names: Vec<_> =
         row.diagnosis.iter().take(1).flat_map(|e| e.mistakes.iter().map(|m| m.name)).collect();
     assert_eq!((row.verdict, names), (Verdict::Fail, vec!["inclusive_transmittance"]), "{report}");
-    expect(row, &report, &[("axes", "opengl"), ("grid", "ends_between_midpoints")]);
+    expect(row, &report, &[("grid", "ends_between_midpoints")]);
     // One that nobody knows: the conventions in which most elements agree.
     let report = alone("image_rays", Dtype::F64, |inputs| {
         let mut answer = given((component("image_rays").forward.oracle)(inputs, &nerf2020));
