@@ -5,10 +5,9 @@
 //! searches when no profile is pinned.
 
 pub mod profiles;
+mod spelling;
 
 use serde::{Deserialize, Serialize};
-
-use crate::error::{Error, Result};
 
 /// Where the camera looks, in its own frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -334,57 +333,3 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("psnr", &["images", "mean_error"]),
     ("bytes", &["round", "truncate"]),
 ];
-
-impl Conventions {
-    /// The same with `key` set to `value`, both spelled as in [`CHOICES`].
-    ///
-    /// # Errors
-    /// An unknown key or a value that isn't in its list.
-    ///
-    /// ```
-    /// use nerf_oracle::convention::{CS180, ProductEps};
-    /// let c = CS180.with("product_eps", "1e-10").unwrap();
-    /// assert_eq!(c.product_eps, ProductEps::TenToMinusTen);
-    /// assert!(CS180.with("product_eps", "0.1").is_err());
-    /// ```
-    pub fn with(&self, key: &str, value: &str) -> Result<Self> {
-        let choices = CHOICES.iter().find(|(name, _)| *name == key).map(|(_, values)| *values);
-        if !choices.is_some_and(|values| values.contains(&value)) {
-            let expected = choices.map_or("a convention's name".into(), |values| values.join(" | "));
-            return Err(Error::usage(format!("convention {key}"), value, expected));
-        }
-        let mut json = serde_json::to_value(self).expect("conventions are plain data");
-        // Flags and numbers are themselves in JSON, names are strings.
-        json[key] = serde_json::from_str(value)
-            .ok()
-            .filter(|v: &serde_json::Value| v.is_boolean() || v.is_u64())
-            .unwrap_or_else(|| value.into());
-        Ok(serde_json::from_value(json).expect("every listed value parses"))
-    }
-
-    /// The value of `key`, spelled as in [`CHOICES`].
-    ///
-    /// # Panics
-    /// Where `key` is no convention.
-    pub fn get(&self, key: &str) -> String {
-        let json = serde_json::to_value(self).expect("conventions are plain data");
-        let value = json.get(key).unwrap_or_else(|| panic!("{key} is no convention"));
-        value.as_str().map_or_else(|| value.to_string(), str::to_string)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_choice_can_be_set_and_read_back() {
-        for (key, values) in CHOICES {
-            for value in *values {
-                assert_eq!(CS180.with(key, value).unwrap().get(key), *value);
-            }
-        }
-        let fields = serde_json::to_value(CS180).unwrap();
-        assert_eq!(fields.as_object().unwrap().len(), CHOICES.len());
-    }
-}

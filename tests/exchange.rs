@@ -110,6 +110,29 @@ fn hostile_answers_are_refused_by_name() {
     object.extend(header);
     object.extend([0; 72]);
     expect(&|| zip_of(&path, "colors_out.npy", &object, false), "colors_out");
+    // The same 64 MB under a directory that says they are 128 bytes: what arrives is counted, not what is said.
+    let mut long = b"\x93NUMPY\x01\x00".to_vec();
+    let header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (3, 3), }";
+    long.extend((header.len() as u16).to_le_bytes());
+    long.extend(header);
+    long.resize(64 << 20, 0);
+    expect(
+        &|| {
+            zip_of(&path, "colors_out.npy", &long, true);
+            understate(&path, 128);
+        },
+        "colors_out",
+    );
+}
+
+/// Writes another unpacked size into an archive of one entry, in both places.
+fn understate(path: &Path, size: u32) {
+    let mut bytes = fs::read(path).unwrap();
+    for (signature, at) in [(b"PK\x03\x04", 22), (b"PK\x01\x02", 24)] {
+        let start = bytes.windows(4).position(|window| window == signature).unwrap() + at;
+        bytes[start..start + 4].copy_from_slice(&size.to_le_bytes());
+    }
+    fs::write(path, bytes).unwrap();
 }
 
 #[test]

@@ -239,3 +239,105 @@ fn a_run_that_contradicts_itself_fails() {
     let best = &report.of("image_rays", "forward").unwrap().diagnosis[0];
     assert!(best.mistakes.is_empty() && best.conventions.get("axes") == Some(&"opengl"), "{report}");
 }
+
+#[test]
+fn vacuous_elements_use_no_budget_and_still_have_to_fit() {
+    let exam = Exam::new("positional_encoding", Dtype::F32, None).unwrap();
+    let sheet = &exam.sheets[0];
+    let rules = Rules { dtype: Dtype::F32, exp_ulp: EXP_ULP };
+    let oracle = |inputs: &Arrays| given((sheet.component.forward.oracle)(inputs, &CS180));
+    let answers: Answers = sheet.cases.iter().map(|case| Some(oracle(&case.inputs))).collect();
+    let right = mark(sheet, &answers, &CS180, &rules, Grade::B);
+    // An element that proves nothing, and one that does.
+    let find = |vacuous: bool| {
+        let places = sheet.cases.iter().enumerate().flat_map(|(n, case)| {
+            let (expected, bound) = rules.truth(sheet, case, &CS180, Grade::B);
+            let pairs = expected["encoding"].iter().zip(&bound["encoding"]).enumerate();
+            let all: Vec<_> = pairs.map(|(i, (&e, &b))| (n, i, e, b)).collect();
+            all.into_iter()
+                .filter(move |(_, _, e, b)| *b > 0.0 && b.is_finite() && (*b >= e.abs()) == vacuous)
+        });
+        places.into_iter().next().unwrap()
+    };
+    let moved = |(n, i, e, b): (usize, usize, f64, f64), by: f64| {
+        let mut answers = answers.clone();
+        let values = &mut answers[n].as_mut().unwrap().get_mut("encoding").unwrap().values;
+        *values.iter_mut().nth(i).unwrap() = e + by * b;
+        mark(sheet, &answers, &CS180, &rules, Grade::B)
+    };
+    let (empty, proving) = (find(true), find(false));
+    let within = moved(empty, 0.9);
+    assert_eq!((within.budget_used, within.vacuous, within.pass()), (right.budget_used, right.vacuous, true));
+    assert!((moved(proving, 0.9).budget_used - 0.9).abs() < 1e-3);
+    assert!(!moved(empty, 1.1).pass() && !moved(proving, 1.1).pass());
+}
+
+/// One component's forward answers alone, with nothing pinned.
+fn alone(component: &str, dtype: Dtype, answer: impl Fn(&Arrays) -> Answer) -> Report {
+    let exam = Exam::new(component, dtype, None).unwrap();
+    let forward =
+        |n: usize| exam.sheets[n].component.name == component && exam.sheets[n].kind == Kind::Forward;
+    let answers = |n: usize| -> Answers {
+        exam.sheets[n].cases.iter().map(|case| forward(n).then(|| answer(&case.inputs))).collect()
+    };
+    judge_answers(&exam, &(0..exam.sheets.len()).map(answers).collect::<Vec<_>>(), EXP_ULP)
+}
+
+#[test]
+fn a_failing_row_is_shown_in_the_conventions_next_to_its_answers() {
+    let nerf2020 = PROFILES.iter().find(|profile| profile.name == "nerf2020").unwrap().conventions;
+    let component = |name: &str| COMPONENTS.iter().find(|component| component.name == name).unwrap();
+    let expect = |row: &nerf_oracle::verify::report::Row, report: &Report, pairs: &[(&str, &str)]| {
+        for (key, value) in pairs {
+            assert_eq!(row.shown_in.get(key), Some(value), "{report}");
+        }
+        assert!(report.to_string().contains("shown in the conventions next to these answers"), "{report}");
+    };
+    // A mistake that is known: its conventions come with it.
+    let wrong = component("render_trace").forward.wrong;
+    let moved = CS180.with("grid", "ends_between_midpoints").unwrap();
+    let report = alone("render_trace", Dtype::F64, |inputs| {
+        given(wrong(inputs, &moved, &["inclusive_transmittance"]))
+    });
+    let row = report.of("render_trace", "trace").unwrap();
+    let names: Vec<_> =
+        row.diagnosis.iter().take(1).flat_map(|e| e.mistakes.iter().map(|m| m.name)).collect();
+    assert_eq!((row.verdict, names), (Verdict::Fail, vec!["inclusive_transmittance"]), "{report}");
+    expect(row, &report, &[("grid", "ends_between_midpoints")]);
+    // One that nobody knows: the conventions in which most elements agree.
+    let report = alone("image_rays", Dtype::F64, |inputs| {
+        let mut answer = given((component("image_rays").forward.oracle)(inputs, &nerf2020));
+        answer.get_mut("rays_d").unwrap().values[[0, 0, 0]] += 0.125;
+        answer
+    });
+    let row = report.of("image_rays", "forward").unwrap();
+    assert!(row.diagnosis.is_empty() && row.verdict == Verdict::Fail, "{report}");
+    expect(row, &report, &[("axes", "opengl"), ("directions", "depth"), ("pixel_centre", "integer")]);
+    let worst = row.worst_case.as_ref().unwrap();
+    assert_eq!((&worst.output[..], &worst.index[..]), ("rays_d", &[0, 0, 0][..]));
+}
+
+#[test]
+fn what_the_textbook_loses_may_be_magnified_by_a_mistake() {
+    // 1 - exp(-x) is off by a rounding of 1; C / A on a thin ray makes thousands of it.
+    let textbook = |inputs: &Arrays| {
+        let (sigmas, rgbs) = (input(inputs, "sigmas"), input(inputs, "rgbs"));
+        let depths = sigmas * input(inputs, "deltas");
+        let (rays, samples) = (sigmas.shape()[0], sigmas.shape()[1]);
+        let mut colors = vec![];
+        for r in 0..rays {
+            let (mut t, mut c, mut a) = (1.0_f32, [0.0_f32; 3], 0.0_f32);
+            for i in 0..samples {
+                let alpha = 1.0 - (-(depths[[r, i]] as f32)).exp();
+                (0..3).for_each(|k| c[k] += t * alpha * rgbs[[r, i, k]] as f32);
+                a += t * alpha;
+                t *= 1.0 - alpha;
+            }
+            colors.extend(c.map(|c| f64::from(c / a)));
+        }
+        given(arrays([("colors", array(&[rays, 3], colors))]))
+    };
+    let report = alone("volume_render", Dtype::F32, textbook);
+    let best = report.of("volume_render", "forward").unwrap().diagnosis.first();
+    assert!(best.is_some_and(|best| best.mistakes[0].name == "divided_by_opacity"), "{report}");
+}

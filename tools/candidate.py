@@ -144,8 +144,10 @@ def called(function, case, inputs, outputs):
 def differentiated(function, case, inputs, names):
     """Gradients of a torch function by autograd."""
     torch = sys.modules.get("torch")
-    cotangents = {name.removeprefix("grad_"): g for name, g in inputs.items() if name.startswith("grad_")}
     wanted = {port["name"]: port["name"].removeprefix("grad_") for port in case["outputs"]}
+    # A scalar's cotangent came as a number, which a tensor of its own type would round to f32.
+    whole = lambda g: g if isinstance(g, torch.Tensor) else torch.tensor(g, dtype=torch.float64)  # noqa: E731
+    cotangents = {name.removeprefix("grad_"): whole(g) for name, g in inputs.items() if torch and name.startswith("grad_")}
     inputs = {name: x for name, x in inputs.items() if not name.startswith("grad_")}
     if torch is None or not all(isinstance(inputs[name], torch.Tensor) for name in wanted.values()):
         raise Unsupported("no function of torch tensors")

@@ -151,26 +151,32 @@ FUNCTIONS = {"render_trace": render_trace} | {
 
 
 def differentiated(function, a, c, wrong, wanted):
-    """What automatic differentiation makes of a wrong forward function: differences over four points, in f64."""
-    a = {n: x.astype(np.float64) if isinstance(x, np.ndarray) else x for n, x in a.items()}
+    """What automatic differentiation makes of a wrong forward function: differences over five points, in the longest type there is, as
+    a camera may be a million units away. All lie to the right: at a face or a step, it takes the side that the function is on."""
+    long = np.longdouble
+    a = {n: x.astype(long) if isinstance(x, np.ndarray) else x for n, x in a.items()}
     cotangents = {n.removeprefix("grad_"): x for n, x in a.items() if n.startswith("grad_")}
 
     def inner():
         outputs = function(a, c, wrong)
-        return sum(float((outputs[n] * g).sum()) for n, g in cotangents.items())
+        return sum((outputs[n] * g).sum() for n, g in cotangents.items())
 
     out = {}
     for name in wanted:
         x, gradient = a[name], np.zeros_like(a[name])
         for i in np.ndindex(x.shape):
-            at, h = x[i], 1e-5 * max(abs(x[i]), 0.1)
-            values = []
-            for step in (-2, -1, 1, 2):
+            at = x[i]
+            h = long(2.0**-20) * max(long(0.1), min(abs(at), long(1)), abs(at) * long(2.0**-10))
+            slope = long(0)
+            for step, factor in enumerate((-25, 48, -36, 16, -3)):
                 x[i] = at + step * h
-                values.append(inner())
+                slope += factor * inner()
             x[i] = at
-            gradient[i] = (8 * (values[2] - values[1]) - (values[3] - values[0])) / (12 * h)
+            gradient[i] = slope / (12 * h)
         out[f"grad_{name}"] = gradient
+    if "grad_K" in out:
+        # The contract's K is (fx, fy, cx, cy) alone.
+        out["grad_K"] = out["grad_K"] * np.array([[1, 0, 1], [0, 1, 1], [0, 0, 0]])
     return out
 
 

@@ -131,7 +131,7 @@ CORNERS = np.array([[z, y, x] for x in (0, 1) for y in (0, 1) for z in (0, 1)])[
 def located(x, n, wrong):
     """Cells and fractions, (M, 3) each."""
     scaled = x * x.dtype.type(n) + x.dtype.type(0.5 if "offset_half" in wrong else 0)
-    cells = np.minimum(np.floor(scaled), x.dtype.type(n - 1))
+    cells = np.clip(np.floor(scaled), x.dtype.type(0), x.dtype.type(n - 1))
     f = scaled - cells
     if "nearest_vertex" in wrong:
         f = (f >= 0.5).astype(x.dtype)

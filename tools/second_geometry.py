@@ -16,11 +16,19 @@ def flip(x, wrong):
     return x * np.array([-1 if axis in axes else 1 for axis in "xyz"], x.dtype)
 
 
+def inverse(m):
+    """Inverse matrices; in a longer type, which LAPACK hasn't got, by Newton's steps from its own."""
+    out = np.linalg.inv(m.astype(m.dtype if m.dtype != np.longdouble else np.float64)).astype(m.dtype)
+    for _ in range(2 if m.dtype == np.longdouble else 0):
+        out = out @ (2 * np.eye(m.shape[-1], dtype=m.dtype) - m @ out)
+    return out
+
+
 def transform(a, c, wrong):
     """x_w = R x_c + o."""
     m = turned(a["c2w"]) if "rotation_transposed" in wrong else a["c2w"].copy()
     if "inverse_pose" in wrong:
-        m = np.linalg.inv(m)
+        m = inverse(m)
     if "translation_missing" in wrong:
         m[:, :3, 3] = 0
     x = np.concatenate([flip(a["x_c"], wrong), np.ones_like(a["x_c"][:, :1])], 1)

@@ -4,6 +4,7 @@ use super::component::size;
 use crate::camera::component::threes;
 use crate::convention::{Conventions, Delta};
 use crate::verify::component::{Arrays, Component, arrays, input};
+use crate::volume_rendering::mistakes::ALPHA_ERROR;
 use crate::{ray, sample, volume_rendering};
 
 /// delta |d|.
@@ -41,11 +42,12 @@ pub(super) fn chain(
         let d = threes(&out, "rays_d");
         deltas.indexed_iter_mut().for_each(|(i, delta)| *delta = stretch(*delta, d[i[0]]));
     }
-    let rays = arrays([
+    let mut rays = arrays([
         ("sigmas", reshaped(input(a, "sigmas"), &[h * w, n])),
         ("rgbs", reshaped(input(a, "rgbs"), &[h * w, n, 3])),
         ("deltas", deltas.clone()),
     ]);
+    rays.extend(a.get(ALPHA_ERROR).map(|e| (ALPHA_ERROR.to_string(), reshaped(e, &[h * w, n]))));
     let rendered = run(&volume_rendering::component::VOLUME_RENDER, &rays);
     let behind = arrays([
         ("colors", rendered["colors"].clone()),

@@ -11,6 +11,15 @@ const fn plain(name: &'static str, shape: &'static str, meaning: &'static str) -
     Port { name, shape, meaning, gradient: false }
 }
 
+/// The conventions that each output depends on, where these aren't all: a search for conventions rules them out output by output.
+pub const READS: &[(&str, &[&str])] = &[
+    ("uv", &["pixel_centre"]),
+    ("rays_o", &[]),
+    ("rays_d", &["axes", "pixel_centre", "directions"]),
+    ("t", &["grid"]),
+    ("deltas", &["axes", "pixel_centre", "directions", "grid", "delta", "last_delta"]),
+];
+
 /// The whole way from the pixel to its colour.
 pub const RENDER_TRACE: Component = Component {
     name: "render_trace",

@@ -1,8 +1,8 @@
 //! The trace against the rows that it consists of.
 
 use super::chain::{chain, plainly};
-use super::component::RENDER_TRACE;
-use crate::convention::{CHOICES, CS180};
+use super::component::{READS, RENDER_TRACE};
+use crate::convention::{CHOICES, CS180, Conventions};
 
 /// In every convention, the pixel-by-pixel trace and the chain of rows agree bit for bit.
 #[test]
@@ -23,6 +23,31 @@ fn a_trace_is_its_rows_one_after_the_other() {
                 let chained =
                     chain(&case.inputs, &c, |component, a| (component.forward.oracle)(a, &c), plainly);
                 assert_eq!(traced, chained, "{key} {value} {}", case.id);
+            }
+        }
+    }
+}
+
+/// Changing a convention that an output isn't said to read leaves its bits alone, from wherever one starts.
+#[test]
+fn an_output_reads_no_other_conventions() {
+    let case = &(RENDER_TRACE.cases)()[2];
+    let values = |key: &str| CHOICES.iter().find(|(name, _)| *name == key).expect("a convention").1;
+    let mut starts: Vec<Conventions> = vec![CS180];
+    for key in RENDER_TRACE.conventions.iter().filter(|key| **key != "product_eps") {
+        let with =
+            |c: &Conventions| values(key).iter().map(|v| c.with(key, v).expect("listed")).collect::<Vec<_>>();
+        starts = starts.iter().flat_map(with).collect();
+    }
+    for (n, start) in starts.iter().enumerate() {
+        let traced = (RENDER_TRACE.forward.oracle)(&case.inputs, start);
+        // One convention from each start, in turn.
+        let key = RENDER_TRACE.conventions[n % RENDER_TRACE.conventions.len()];
+        for value in values(key) {
+            let other = start.with(key, value).expect("listed");
+            let other = (RENDER_TRACE.forward.oracle)(&case.inputs, &other);
+            for (output, _) in READS.iter().filter(|(_, keys)| !keys.contains(&key)) {
+                assert_eq!(traced[*output], other[*output], "{output} reads {key} {value}");
             }
         }
     }

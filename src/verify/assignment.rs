@@ -14,6 +14,7 @@ use super::sampler;
 use crate::convention::profiles::PROFILES;
 use crate::convention::{CHOICES, CS180, Conventions};
 use crate::parallel;
+use crate::trace::component::{READS, RENDER_TRACE};
 
 /// Values of some conventions, spelled as in [`CHOICES`].
 pub type Partial = BTreeMap<&'static str, &'static str>;
@@ -77,6 +78,32 @@ pub fn small_cases<'a>(sheet: &'a Sheet, answers: &'a Answers) -> Vec<(&'a Case,
     pairs
 }
 
+/// Those of the assignments that no output of the smallest case alone rules out. A row of thousands of assignments says which
+/// conventions an output reads ([`READS`]): what differs in others alone needs one look.
+pub fn possible(
+    sheet: &Sheet,
+    answers: &Answers,
+    mut all: Vec<Partial>,
+    base: &Conventions,
+    rules: &Rules,
+) -> Vec<Partial> {
+    let first = small_cases(sheet, answers).first().copied();
+    let (Some((case, answer)), true) = (first, sheet.component.name == RENDER_TRACE.name) else { return all };
+    for (output, keys) in READS {
+        let Some(given) = answer.get(*output) else { continue };
+        let alone: Answer = [(output.to_string(), given.clone())].into();
+        let fits = |p: &Partial| {
+            let c = apply(p, base);
+            let mut expected = (sheet.component.forward.oracle)(&case.inputs, &c);
+            expected.retain(|name, _| name == output);
+            within(&alone, &expected, rules.may_look(case), || rules.truth(sheet, case, &c, Grade::B).1)
+        };
+        let mut known: BTreeMap<Vec<&str>, bool> = BTreeMap::new();
+        all.retain(|p| *known.entry(keys.iter().map(|key| p[key]).collect()).or_insert_with(|| fits(p)));
+    }
+    all
+}
+
 /// Whether all small cases are right in these conventions.
 pub fn holds(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules) -> bool {
     if sheet.statistics() {
@@ -110,7 +137,8 @@ pub fn find(sheets: &[(&Sheet, &Answers)], rules: &Rules) -> Found {
         return Found { conventions: profile.conventions, contradicting: vec![] };
     }
     let survivors: Vec<Vec<Partial>> = parallel::map(sheets.len(), |n| {
-        let all = assignments(sheets[n].0.component, &CS180);
+        let (sheet, answers) = sheets[n];
+        let all = possible(sheet, answers, assignments(sheet.component, &CS180), &CS180, rules);
         all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
     });
     let mut order: Vec<usize> = (0..sheets.len()).filter(|&n| !survivors[n].is_empty()).collect();

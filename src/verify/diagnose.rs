@@ -1,9 +1,9 @@
 //! Diagnosis: which conventions and which mistakes explain the answers of a component that failed.
 
 use super::answer::Answers;
-use super::assignment::{Partial, apply, assignments, changes, partial, small_cases};
+use super::assignment::{Partial, apply, assignments, changes, partial, possible, small_cases};
 use super::check::Kind;
-use super::component::Mistake;
+use super::component::{Arrays, Mistake};
 use super::exam::Sheet;
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::Rules;
@@ -60,6 +60,9 @@ pub fn diagnose(
     all.retain(|p| sheet.admits(&apply(p, base)));
     for count in 0..=2 {
         let sets = sets(sheet, count, suspects);
+        // Without a mistake an output may tell its conventions by itself.
+        let right = if count == 0 { possible(sheet, answers, all.clone(), base, rules) } else { vec![] };
+        let all = if count == 0 { &right } else { &all };
         let mut near: Vec<&Partial> = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).collect();
         near.truncate(ASSIGNMENTS[count]);
         let mut fitting = vec![];
@@ -167,6 +170,17 @@ fn ranked(
         let cases = usable(h, sheet, answers);
         cases.iter().map(|(case, answer)| h.residual(sheet, case, answer, rules)).fold(0.0, f64::max)
     };
+    // What a mistake hides needs no further look: the same numbers, bit for bit, with fewer changes.
+    fitting.sort_by_key(moved);
+    let mut seen: Vec<(Hypothesis, Vec<Arrays>)> = vec![];
+    fitting.retain(|h| {
+        let now: Vec<Arrays> =
+            usable(h, sheet, answers).iter().map(|(case, _)| h.prediction(sheet, case).0).collect();
+        let hidden =
+            seen.iter().any(|(t, had)| t.mistakes == h.mistakes && moved(t) < moved(h) && *had == now);
+        seen.extend((!hidden).then(|| (h.clone(), now)));
+        !hidden
+    });
     let mut rows: Vec<(Hypothesis, f64)> =
         fitting.drain(..).map(|h| (residual(&h), h)).map(|(r, h)| (h, r)).collect();
     rows.sort_by(|(a, ra), (b, rb)| {

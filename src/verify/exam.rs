@@ -19,7 +19,7 @@ pub const SCHEMA: &str = "nerf-oracle/cases/1";
 
 /// Inputs that count things: integers in the files, whatever the type under test.
 const INTEGERS: &[&str] =
-    &["height", "width", "L", "count", "step", "samples", "training", "seed", "resolution"];
+    &["height", "width", "L", "count", "step", "samples", "training", "seed", "resolution", "degree"];
 
 /// One component in one direction with all of its cases.
 pub struct Sheet {

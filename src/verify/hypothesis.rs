@@ -11,6 +11,7 @@ use super::exam::Sheet;
 use super::mark::{Rules, within};
 use super::numeric;
 use crate::convention::Conventions;
+use crate::volume_rendering::mistakes::ALPHA_ERROR;
 
 /// An assignment of conventions with mistakes, in the order in which they were made.
 #[derive(Clone, Debug, PartialEq)]
@@ -97,6 +98,11 @@ impl Hypothesis {
         for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
             array.mapv_inplace(|x| x * (1.0 + relative * if draw.below(2) == 0 { 1.0 } else { -1.0 }));
         }
+        // The textbook's opacity is off by a rounding of 1 however small it is, which wrong code may magnify (C / A on a thin ray).
+        if let Some(sigmas) = case.inputs.get("sigmas") {
+            let error = sigmas.mapv(|_| if draw.below(2) == 0 { relative } else { -relative });
+            inputs.insert(ALPHA_ERROR.into(), error);
+        }
         (pass.wrong)(&inputs, &self.conventions, &self.mistakes)
     }
 
@@ -124,6 +130,9 @@ impl Hypothesis {
     pub fn same_as(&self, other: &Hypothesis, sheet: &Sheet, case: &Case, rules: &Rules) -> bool {
         let (a, error) = self.prediction(sheet, case);
         let (b, other_error) = other.prediction(sheet, case);
+        if a == b {
+            return true;
+        }
         let mut bound = self.bound(sheet, case, &a, error.as_ref(), rules);
         for (name, error) in other_error.iter().flatten() {
             if let Some(bound) = bound.get_mut(name).filter(|bound| bound.shape() == error.shape()) {

@@ -213,11 +213,11 @@ fn marks(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules) -> (M
         let bound = |grade| (pass.bound)(&case.inputs, c, &rules.arithmetic(grade));
         bound(Grade::A) != bound(Grade::B)
     });
-    let stable = mark(sheet, answers, c, rules, Grade::A);
-    if !graded || stable.pass() {
-        return (stable, graded.then_some(Grade::A));
+    // The wider bound first: what exceeds it needs no second look.
+    let textbook = mark(sheet, answers, c, rules, if graded { Grade::B } else { Grade::A });
+    if !graded || !textbook.pass() {
+        return (textbook, None);
     }
-    let textbook = mark(sheet, answers, c, rules, Grade::B);
-    let grade = textbook.pass().then_some(Grade::B);
-    (textbook, grade)
+    let stable = mark(sheet, answers, c, rules, Grade::A);
+    if stable.pass() { (stable, Some(Grade::A)) } else { (textbook, Some(Grade::B)) }
 }

@@ -6,11 +6,11 @@ use ndarray::{ArrayD, Axis};
 
 use super::answer::{Answer, Answers};
 use super::arithmetic::Grade;
-use super::assignment::{apply, assignments, holds, small_cases};
+use super::assignment::{apply, assignments, holds, possible};
 use super::case::Case;
 use super::check::{Kind, budget_used};
 use super::exam::Sheet;
-use super::mark::{Rules, within};
+use super::mark::Rules;
 use crate::convention::Conventions;
 
 /// The answers in the contract's layout, and in words what theirs was; `None` where no layout makes them right.
@@ -31,20 +31,16 @@ fn swapped(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) 
     let outputs = sheet.component.outputs;
     let pairs = outputs.iter().enumerate().flat_map(|(n, a)| outputs[n + 1..].iter().map(move |b| (a, b)));
     let pairs: Vec<_> = pairs.filter(|(a, b)| a.shape == b.shape).map(|(a, b)| (a.name, b.name)).collect();
-    let (case, answer) = *small_cases(sheet, answers).first().filter(|_| !pairs.is_empty())?;
-    let exchanged: Vec<Answer> = pairs.iter().map(|&(a, b)| exchange(answer, a, b)).collect();
-    for c in assignments(sheet.component, base).iter().map(|p| apply(p, base)).filter(|c| sheet.admits(c)) {
-        let expected = (sheet.component.forward.oracle)(&case.inputs, &c);
-        for (&(a, b), answer) in pairs.iter().zip(&exchanged) {
-            if within(answer, &expected, rules.may_look(case), || rules.truth(sheet, case, &c, Grade::B).1) {
-                let all = answers
-                    .iter()
-                    .map(|answer| answer.as_ref().map(|answer| exchange(answer, a, b)))
-                    .collect();
-                if holds(sheet, &all, &c, rules) {
-                    return Some((all, format!("{a} and {b} are in each other's place")));
-                }
-            }
+    let all: Vec<_> = assignments(sheet.component, base);
+    let all: Vec<_> = all.into_iter().filter(|p| sheet.admits(&apply(p, base))).collect();
+    for (a, b) in pairs {
+        let change = |answer: &Option<Answer>| answer.as_ref().map(|answer| exchange(answer, a, b));
+        let exchanged: Answers = answers.iter().map(change).collect();
+        let right = possible(sheet, &exchanged, all.clone(), base, rules)
+            .iter()
+            .any(|p| holds(sheet, &exchanged, &apply(p, base), rules));
+        if right {
+            return Some((exchanged, format!("{a} and {b} are in each other's place")));
         }
     }
     None

@@ -4,6 +4,7 @@ use std::fmt;
 
 use super::assignment::Partial;
 use super::diagnose::Explanation;
+use super::mark::Worst;
 use super::report::{Report, Row, Verdict};
 
 impl fmt::Display for Report {
@@ -28,6 +29,11 @@ impl fmt::Display for Report {
                 row.name, row.kind, row.verdict, row.vacuous
             )?;
         }
+        writeln!(
+            f,
+            "\nbudget: the largest error, of what is allowed; grade: A, the stable formula's bound held, B, the textbook's;\n\
+             vacuous: elements of which anything is allowed, so that they prove nothing"
+        )?;
         let unsupported = self.rows.iter().filter(|row| row.verdict == Verdict::Unsupported);
         let names: Vec<String> = unsupported.map(|row| format!("{} {}", row.name, row.kind)).collect();
         if !names.is_empty() {
@@ -88,13 +94,8 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             "  worst at case {}, {}{:?}: got {:.9e}, expected {:.9e}",
             w.id, w.output, w.index, w.got, w.expected
         )?;
-        writeln!(
-            f,
-            "  off by {:.2e} ({:.1} ULP), where {:.2e} is allowed",
-            (w.got - w.expected).abs(),
-            w.ulp,
-            w.bound
-        )?;
+        let allowed = if w.bound == 0.0 { "nothing".into() } else { format!("{:.2e}", w.bound) };
+        writeln!(f, "  off by {:.2e}{}, where {allowed} is allowed", (w.got - w.expected).abs(), places(w))?;
     }
     if !row.contradiction.is_empty() {
         writeln!(f, "  right with {}, which contradicts the rest of this run", list(&row.contradiction))?;
@@ -107,9 +108,14 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
 
 fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     let Some(best) = row.diagnosis.first() else {
-        let first =
-            row.off.first().map_or(String::new(), |name| format!("; the first output to differ is {name}"));
-        return writeln!(f, "  diagnosis: unknown{first}");
+        writeln!(
+            f,
+            "  diagnosis: unknown: no mistake of the catalogue, nor two together, give these numbers"
+        )?;
+        return match row.off.first() {
+            Some(name) => writeln!(f, "    the first output to differ is {name}: begin there"),
+            None => Ok(()),
+        };
     };
     writeln!(f, "  consistent with: {}", name(best))?;
     for same in row.diagnosis.iter().filter(|e| e.same_as_best) {
@@ -127,6 +133,15 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         writeln!(f, "  runner-up: {}", name(next))?;
     }
     Ok(())
+}
+
+/// How many units in the last place that is, where such a number says something.
+fn places(w: &Worst) -> String {
+    match w.ulp {
+        ulp if w.expected == 0.0 || !ulp.is_finite() => String::new(),
+        ulp if ulp < 1e6 => format!(" ({ulp:.1} ULP)"),
+        ulp => format!(" ({ulp:.1e} ULP)"),
+    }
 }
 
 /// An explanation on a line.

@@ -10,6 +10,9 @@ mod catalogue;
 
 pub use catalogue::{COMPOSITE_BACKGROUND, DEPTH, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 
+/// What the textbook's 1 - exp(-x) is off by, as a further input (R,N): the diagnosis asks what wrong code makes of it.
+pub const ALPHA_ERROR: &str = "alpha_error";
+
 /// The steps as the mistakes have them.
 fn wrong_deltas(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<f64> {
     let mut deltas = row(a, "deltas", if wrong.contains(&"first_ray_deltas") { 0 } else { r });
@@ -115,6 +118,18 @@ pub fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
                 let k = if wrong.contains(&"scaled_exponential") { 0.99 } else { 1.0 };
                 *alpha = 1.0 - k * exp(-x);
             }
+        }
+        let textbook = a.contains_key(ALPHA_ERROR);
+        if textbook {
+            // Nothing is lost where there is nothing: 1 - exp(-0) is 0.
+            let errors = row(a, ALPHA_ERROR, r);
+            alphas
+                .iter_mut()
+                .zip(errors)
+                .filter(|(alpha, _)| **alpha != 0.0)
+                .for_each(|(alpha, e)| *alpha += e);
+        }
+        if touched || textbook {
             ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
         }
         if wrong.contains(&"eps_on_alpha") {

@@ -1,0 +1,105 @@
+//! Conventions by name: set and read as [`CHOICES`] spells them.
+
+use serde::de::IntoDeserializer;
+use serde::de::value::{Error as Unlisted, StrDeserializer};
+use serde::{Deserialize, Serialize};
+
+use super::{CHOICES, Conventions};
+use crate::error::{Error, Result};
+
+/// A convention's name, how its value is read, and how it is set.
+type Field = (&'static str, fn(&Conventions) -> String, fn(&mut Conventions, &str));
+
+/// One line a field: a search asks for them by the hundred thousand, so none goes by way of the whole struct.
+const FIELDS: &[Field] = &[
+    ("axes", |c| name(&c.axes), |c, v| c.axes = listed(v)),
+    ("pixel_centre", |c| name(&c.pixel_centre), |c, v| c.pixel_centre = listed(v)),
+    ("directions", |c| name(&c.directions), |c, v| c.directions = listed(v)),
+    ("grid", |c| name(&c.grid), |c, v| c.grid = listed(v)),
+    ("rest", |c| name(&c.rest), |c, v| c.rest = listed(v)),
+    ("delta", |c| name(&c.delta), |c, v| c.delta = listed(v)),
+    ("last_delta", |c| name(&c.last_delta), |c, v| c.last_delta = listed(v)),
+    ("product_eps", |c| name(&c.product_eps), |c, v| c.product_eps = listed(v)),
+    ("identity", |c| c.identity.to_string(), |c, v| c.identity = v == "true"),
+    ("frequency", |c| name(&c.frequency), |c, v| c.frequency = listed(v)),
+    ("bands", |c| name(&c.bands), |c, v| c.bands = listed(v)),
+    ("columns", |c| name(&c.columns), |c, v| c.columns = listed(v)),
+    ("density", |c| name(&c.density), |c, v| c.density = listed(v)),
+    ("skip_layer", |c| c.skip_layer.to_string(), |c, v| c.skip_layer = v.parse().expect("a listed number")),
+    ("skip_order", |c| name(&c.skip_order), |c, v| c.skip_order = listed(v)),
+    ("last_trunk", |c| name(&c.last_trunk), |c, v| c.last_trunk = listed(v)),
+    ("feature", |c| name(&c.feature), |c, v| c.feature = listed(v)),
+    ("depth", |c| name(&c.depth), |c, v| c.depth = listed(v)),
+    ("psnr", |c| name(&c.psnr), |c, v| c.psnr = listed(v)),
+    ("bytes", |c| name(&c.bytes), |c, v| c.bytes = listed(v)),
+];
+
+/// As serde spells it.
+fn name(value: &impl Serialize) -> String {
+    let value = serde_json::to_value(value).expect("conventions are plain data");
+    value.as_str().expect("a name").to_string()
+}
+
+/// Out of serde's spelling.
+fn listed<T: for<'a> Deserialize<'a>>(value: &str) -> T {
+    let value: StrDeserializer<Unlisted> = value.into_deserializer();
+    T::deserialize(value).expect("every listed value parses")
+}
+
+impl Conventions {
+    /// The same with `key` set to `value`, both spelled as in [`CHOICES`].
+    ///
+    /// # Errors
+    /// An unknown key or a value that isn't in its list.
+    ///
+    /// ```
+    /// use nerf_oracle::convention::{CS180, ProductEps};
+    /// let c = CS180.with("product_eps", "1e-10").unwrap();
+    /// assert_eq!(c.product_eps, ProductEps::TenToMinusTen);
+    /// assert!(CS180.with("product_eps", "0.1").is_err());
+    /// ```
+    pub fn with(&self, key: &str, value: &str) -> Result<Self> {
+        let choices = CHOICES.iter().find(|(name, _)| *name == key).map(|(_, values)| *values);
+        if !choices.is_some_and(|values| values.contains(&value)) {
+            let expected = choices.map_or("a convention's name".into(), |values| values.join(" | "));
+            return Err(Error::usage(format!("convention {key}"), value, expected));
+        }
+        let mut c = *self;
+        let (_, _, set) = FIELDS.iter().find(|(name, ..)| *name == key).expect("every choice is a field");
+        set(&mut c, value);
+        Ok(c)
+    }
+
+    /// The value of `key`, spelled as in [`CHOICES`].
+    ///
+    /// # Panics
+    /// Where `key` is no convention.
+    pub fn get(&self, key: &str) -> String {
+        let field = FIELDS.iter().find(|(name, ..)| *name == key);
+        let (_, read, _) = field.unwrap_or_else(|| panic!("{key} is no convention"));
+        read(self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{CHOICES, CS180};
+
+    #[test]
+    fn every_choice_can_be_set_and_read_back() {
+        for (key, values) in CHOICES {
+            for value in *values {
+                let c = CS180.with(key, value).unwrap();
+                assert_eq!(c.get(key), *value);
+                // And nothing but this field has changed.
+                for (other, _) in CHOICES.iter().filter(|(other, _)| other != key) {
+                    assert_eq!(c.get(other), CS180.get(other));
+                }
+                let json = serde_json::to_value(c).unwrap();
+                assert_eq!(json[*key].to_string().trim_matches('"'), *value);
+            }
+        }
+        let fields = serde_json::to_value(CS180).unwrap();
+        assert_eq!(fields.as_object().unwrap().len(), CHOICES.len());
+    }
+}
