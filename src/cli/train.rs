@@ -78,6 +78,9 @@ pub struct Args {
     /// Go on from the run's checkpoint.
     #[arg(long)]
     pub resume: bool,
+    /// Leave out samples where nothing is and where no light comes from, once that is known (--model nerf; compact always does).
+    #[arg(long)]
+    pub skip: bool,
     /// Width of the 8x256 network's layers (--model nerf).
     #[arg(long, value_parser = at_most::<4096>)]
     pub width: Option<usize>,
@@ -90,7 +93,7 @@ impl Args {
         let args = Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
             samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, val_every: None, background: None, seed: 0,
-            threads: None, backend: Backend::Fast, resume: false, width: None,
+            threads: None, backend: Backend::Fast, resume: false, skip: false, width: None,
         };
         args
     }
@@ -163,9 +166,19 @@ pub fn train(args: &Args) -> Result<Summary> {
 /// That a run goes on with what it was begun with; the warnings that it had so far.
 fn same_recipe(folder: &RunFolder, recipe: &Map<String, Value>) -> Result<Vec<Value>> {
     let before = folder.settings()?;
-    for name in
-        ["scene", "scene_options", "model", "backend", "seed", "rays", "samples", "fine", "lr", "width"]
-    {
+    for name in [
+        "scene",
+        "scene_options",
+        "model",
+        "backend",
+        "seed",
+        "rays",
+        "samples",
+        "fine",
+        "lr",
+        "width",
+        "skip",
+    ] {
         // A field that an older run lacks was at its default.
         if let Some(had) = before.get(name).filter(|had| **had != recipe[name]) {
             let advice =
@@ -207,7 +220,7 @@ fn prepare(args: &Args) -> Result<(Scene, Map<String, Value>)> {
     let recipe = json!({
         "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
         "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
-        "steps": args.steps,
+        "skip": args.skip, "steps": args.steps,
     });
     let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
     Ok((load_scene(&recipe, false, "arguments")?, recipe))
@@ -239,6 +252,7 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
     let whole = |key: &str| recipe.get(key).and_then(Value::as_u64);
     let named = |key: &str, value: &str| recipe.get(key).and_then(Value::as_str) == Some(value);
     let seed = whole("seed").unwrap_or(0);
+    let skip = recipe.get("skip") == Some(&Value::Bool(true));
     if named("model", "compact") {
         if named("backend", "reference") {
             return Err(Error::usage(
@@ -261,6 +275,13 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
                 "no width: --model nerf has it, compact's networks are fixed",
             ));
         }
+        if skip {
+            return Err(Error::usage(
+                "--skip",
+                "given",
+                "no --skip: the compact model always leaves empty space out",
+            ));
+        }
         let lr = recipe.get("lr").and_then(Value::as_f64);
         let [samples, rays] = ["samples", "rays"].map(|key| whole(key).map(|n| n as usize));
         return Ok(Box::new(CompactModel::new(scene, &Overrides { seed, samples, rays, lr })?));
@@ -275,6 +296,14 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
         settings.samples = samples as usize;
     }
     settings.fine = whole("fine").unwrap_or(0) as usize;
+    settings.skip = skip;
+    if skip && settings.fine > 0 {
+        return Err(Error::usage(
+            "--skip",
+            "given",
+            "no --fine beside it: one network has a grid, a pair has none",
+        ));
+    }
     if let Some(lr) = recipe.get("lr").and_then(Value::as_f64) {
         settings.lr = lr;
     }

@@ -116,6 +116,14 @@ impl<'a> Prepared<'a> {
         }
     }
 
+    /// Densities of `positions`.
+    pub fn densities_of(&self, chunk: &mut Chunk, positions: &[f64]) -> Vec<f32> {
+        chunk.positions.clear();
+        chunk.positions.extend(positions);
+        self.densities(chunk);
+        chunk.sigmas.clone()
+    }
+
     pub fn forward(
         &self,
         chunk: &mut Chunk,
@@ -123,13 +131,11 @@ impl<'a> Prepared<'a> {
         directions: &[f64],
         samples: usize,
     ) -> (Vec<f32>, Vec<f32>) {
-        chunk.positions.clear();
-        chunk.positions.extend(positions);
-        self.densities(chunk);
+        let sigmas = self.densities_of(chunk, positions);
         chunk.active.clear();
         chunk.active.extend(0..positions.len() / 3);
         self.colors(chunk, directions, samples);
-        (chunk.sigmas.clone(), chunk.rgbs.clone())
+        (sigmas, chunk.rgbs.clone())
     }
 
     /// Weights of all samples, colours of the active ones; colours of the rays in the result.

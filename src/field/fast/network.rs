@@ -101,6 +101,15 @@ impl Network {
         (sigmas, rgbs)
     }
 
+    /// Densities (M) of points (M, 3), without colours.
+    pub fn densities(&self, positions: &[f64]) -> Vec<f32> {
+        let prepared = Prepared::new(self);
+        let chunks: Vec<&[f64]> = positions.chunks(3 * super::CHUNK).collect();
+        let densities =
+            parallel::map(chunks.len(), |n| self.pool.with(|chunk| prepared.densities_of(chunk, chunks[n])));
+        densities.concat()
+    }
+
     /// Colours, opacities and depths of rays, for pictures.
     pub fn render(&self, rays: &Rays, background: [f32; 3]) -> Rendered {
         self.render_skipping(rays, Skipping::default(), background)

@@ -19,6 +19,11 @@ pub struct Skipping<'a> {
 }
 
 impl Skipping<'_> {
+    /// Samples that are evaluated, of `all`.
+    pub fn points(&self, all: usize) -> usize {
+        self.live.map_or(all, |live| live.iter().filter(|&&l| l).count())
+    }
+
     /// The same for rays `from` to `to`, with `samples` samples each.
     pub(super) fn part(&self, from: usize, to: usize, samples: usize) -> Self {
         Skipping { live: self.live.map(|live| &live[from * samples..to * samples]), ..*self }

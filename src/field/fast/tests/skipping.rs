@@ -47,8 +47,8 @@ fn what_is_left_agrees_with_the_oracle() {
         let conventions = Conventions { density, skip_layer: SMALL.skip, ..CS180 };
         let mut net = network(&SMALL);
         // So dense that rays end.
-        net.sigma.w *= 4.0;
-        net.sigma.b *= 4.0;
+        net.sigma.w *= 8.0;
+        net.sigma.b *= 8.0;
         for live in [None, Some(&live[..])] {
             let skipping = Skipping { live, stop };
             let (colors, loss, gradient) = oracle(&net, &conventions, &scene.batch(), skipping);
@@ -58,9 +58,12 @@ fn what_is_left_agrees_with_the_oracle() {
                 assert!((f64::from(*got) - want).abs() < 1e-5, "colour {got}, expected {want}");
             }
             let mut got = Gradient::default();
+            fast.step_skipping(&scene.batch(), Skipping { live, stop: 0.0 }, &mut got);
+            let unended = got.backward_points;
             let got_loss = fast.step_skipping(&scene.batch(), skipping, &mut got);
             assert!((got_loss - loss).abs() < 1e-5, "loss {got_loss}, expected {loss}");
             assert_eq!(got.forward_points, live.map_or(192, |live| live.iter().filter(|&&l| l).count()));
+            assert_eq!(got.backward_points < unended, stop > 0.0, "rays end early");
             let got = fast.to_oracle(&got.values);
             for ((name, want), (_, got)) in gradient.layers().into_iter().zip(got.layers()) {
                 let difference = difference(got, want);
@@ -78,8 +81,8 @@ fn what_is_left_agrees_with_the_oracle() {
 fn an_early_end_costs_at_most_its_transmittance() {
     let scene = Scene::new(40, 32);
     let mut net = network(&SMALL);
-    net.sigma.w *= 4.0;
-    net.sigma.b *= 4.0;
+    net.sigma.w *= 30.0;
+    net.sigma.b *= 30.0;
     let net = Network::new(&net, &SMALL, Density::Relu);
     let whole = net.render(&scene.batch().rays, BACKGROUND);
     let mut seen = 0;
