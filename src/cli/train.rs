@@ -16,7 +16,7 @@ use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
 use crate::training::compact::{CompactModel, Overrides};
 use crate::training::model::Model;
-use crate::training::nerf::{NerfModel, Settings};
+use crate::training::nerf::{NerfModel, Settings, Skip};
 use crate::training::run::{LogPoint, Options, Run};
 
 /// Options of `train`.
@@ -296,7 +296,7 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
         settings.samples = samples as usize;
     }
     settings.fine = whole("fine").unwrap_or(0) as usize;
-    settings.skip = skip;
+    settings.skip = skip.then(Skip::default);
     if skip && settings.fine > 0 {
         return Err(Error::usage(
             "--skip",

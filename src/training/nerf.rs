@@ -14,6 +14,7 @@ use serde_json::{Map, Value, json};
 
 use self::grid::Grid;
 use self::path::Path;
+pub use self::skipping::Skip;
 use self::skipping::skipping;
 use super::model::{Model, Pixel, StepReport};
 use super::reference::{fine_samples, interval_edges};
@@ -61,8 +62,8 @@ pub struct Settings {
     pub levels: (usize, usize),
     /// The f64 reference instead of the f32 path.
     pub reference: bool,
-    /// Whether an occupancy grid and early stop leave samples out (of one network alone).
-    pub skip: bool,
+    /// Whether, and from when on, an occupancy grid and early stop leave samples out (of one network alone).
+    pub skip: Option<Skip>,
 }
 
 impl Settings {
@@ -70,7 +71,7 @@ impl Settings {
     pub fn new(near: f64, far: f64, background: [f64; 3]) -> Self {
         #[rustfmt::skip]
         let settings = Settings {
-            near, far, background, rays: 1024, samples: 64, fine: 0, lr: 5e-4, seed: 0, shape: Shape::PAPER, levels: (10, 4), reference: false, skip: false,
+            near, far, background, rays: 1024, samples: 64, fine: 0, lr: 5e-4, seed: 0, shape: Shape::PAPER, levels: (10, 4), reference: false, skip: None,
         };
         settings
     }

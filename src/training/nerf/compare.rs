@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 
-use super::grid::{self, Grid};
+use super::grid::Grid;
 use super::path::Path;
 use super::skipping::skipping;
-use super::{Drawn, NerfModel, Samples};
+use super::{Drawn, NerfModel, Samples, Skip};
 use crate::error::Result;
 use crate::field::fast::{Batch, Gradient, Network, Skipping};
 use crate::loss::psnr;
@@ -69,12 +69,13 @@ impl NerfModel {
     }
 
     fn compared(&mut self, scene: &Scene, rounds: usize) -> Result<Value> {
+        let Skip { every, resolution, .. } = self.settings.skip.unwrap_or_default();
         let (key, length) = (Key::new(self.settings.seed, Purpose::Occupancy), self.step_length());
         let mut fill_seconds = None;
         let grid = match &self.grid {
             Some(grid) => grid.clone(),
             None => {
-                let mut grid = Grid::new(scene, self.settings.near, self.settings.far)?;
+                let mut grid = Grid::new(scene, self.settings.near, self.settings.far, resolution)?;
                 let ask = |points: &[f64]| self.coarse.densities(points);
                 fill_seconds = Some(seconds(|| grid.fill(&key, STEP, length, &ask)));
                 grid
@@ -82,7 +83,7 @@ impl NerfModel {
         };
         let ask = |points: &[f64]| self.coarse.densities(points);
         let mut later = grid.clone();
-        let update_seconds = seconds(|| later.update(&key, STEP + 1, length, &ask));
+        let update_seconds = seconds(|| later.update(&key, (STEP, 1), length, &ask));
         let background = self.settings.background.map(|b| b as f32);
         let mut others = vec![];
         for n in 1..=OTHERS {
@@ -116,14 +117,14 @@ impl NerfModel {
             }
         }
         let all = rays.t.len() as f64;
-        let figures = Figures { dense, usual, skip, all, update: update_seconds / grid::EVERY as f64 };
+        let figures = Figures { dense, usual, skip, all, update: update_seconds / every as f64 };
         let mut object = figures.json();
         object["rays"] = rays.len().into();
         object["samples"] = rays.samples.into();
         object["occupied_cells"] = grid.fraction().into();
         object["grid_fill_seconds"] = fill_seconds.into();
         object["grid_update_seconds"] = update_seconds.into();
-        object["grid_update_every"] = grid::EVERY.into();
+        object["grid_update_every"] = every.into();
         object["other_rays"] = (OTHERS as usize * rays.len()).into();
         object["other_loss_db"] = (others.iter().sum::<f64>() / others.len() as f64).into();
         object["other_loss_db_worst"] = others.iter().copied().fold(f64::NEG_INFINITY, f64::max).into();

@@ -12,13 +12,7 @@ use crate::random::Key;
 use crate::ray::{camera_ray, pixel_position};
 use crate::scene::Scene;
 
-/// Steps at which every sample is computed, before the grid is first filled: until then densities are the initial network's.
-pub(super) const FROM: u64 = 256;
-/// Steps between updates.
-pub(super) const EVERY: u64 = 64;
-/// Cells along an edge.
-pub(super) const RESOLUTION: usize = 64;
-/// An update looks at every cell whose index is its number modulo this.
+/// An update looks at every cell whose index is its turn modulo this.
 const PARTS: usize = 8;
 /// Looks at occupied cells and their neighbours when the grid is filled.
 const FIRST_LOOKS: u64 = 4;
@@ -42,11 +36,11 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Over the box of all training rays between `near` and `far`; no density known.
+    /// Over the box of all training rays between `near` and `far`, with so many cells along an edge (a multiple of 4); no density known.
     ///
     /// # Errors
     /// Where a training pixel has no ray.
-    pub fn new(scene: &Scene, near: f64, far: f64) -> Result<Self> {
+    pub fn new(scene: &Scene, near: f64, far: f64, resolution: usize) -> Result<Self> {
         // Every eighth pixel and the last ones: a sample outside the box counts as live, so that nothing depends on the rest.
         const STRIDE: usize = 8;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -63,12 +57,12 @@ impl Grid {
                 }
             }
         }
-        Ok(Grid { low, high, cells: Occupancy::full(RESOLUTION) })
+        Ok(Grid { low, high, cells: Occupancy::full(resolution) })
     }
 
     /// A grid as [`Self::corners`] and [`Self::densities`] gave it; `step` is a sample's step length.
-    pub fn from_parts(corners: &[f64], densities: Vec<f32>, step: f64) -> Option<Self> {
-        let cells = Occupancy::from_parts(RESOLUTION, densities, vec![0; (RESOLUTION / 4).pow(3)])?;
+    pub fn from_parts(corners: &[f64], resolution: usize, densities: Vec<f32>, step: f64) -> Option<Self> {
+        let cells = Occupancy::from_parts(resolution, densities, vec![0; (resolution / 4).pow(3)])?;
         let corner = |n: usize| <[f64; 3]>::try_from(corners.get(3 * n..3 * n + 3)?).ok();
         let mut grid = Grid { low: corner(0)?, high: corner(1)?, cells };
         grid.cells.apply_threshold(threshold(step));
@@ -79,6 +73,11 @@ impl Grid {
     pub fn corners(&self) -> [f64; 6] {
         let ([a, b, c], [d, e, f]) = (self.low, self.high);
         [a, b, c, d, e, f]
+    }
+
+    /// Cells along an edge.
+    pub fn resolution(&self) -> usize {
+        self.cells.resolution
     }
 
     /// The largest density of late in each cell.
@@ -121,10 +120,10 @@ impl Grid {
         self.cells.apply_threshold(threshold(step));
     }
 
-    /// A later look: at a part of all cells and around what is occupied.
-    pub fn update(&mut self, key: &Key, number: u64, step: f64, ask: Ask) {
+    /// A later look, the `turn`-th: at a part of all cells and around what is occupied.
+    pub fn update(&mut self, key: &Key, (number, turn): (u64, u64), step: f64, ask: Ask) {
         self.cells.decay(DECAY);
-        let part = (number / EVERY) as usize % PARTS;
+        let part = turn as usize % PARTS;
         let some: Vec<usize> = (part..self.cells.density.len()).step_by(PARTS).collect();
         self.look(&some, key, number, 0, ask);
         self.look(&self.surroundings(), key, number, 1, ask);
@@ -139,7 +138,7 @@ impl Grid {
                 let cell = cells[task * TASK + n];
                 for (a, index) in self.indices(cell).into_iter().enumerate() {
                     let u = key.uniform(number, cell as u64, 4 * round + a as u64);
-                    let share = (index as f64 + u) / RESOLUTION as f64;
+                    let share = (index as f64 + u) / self.cells.resolution as f64;
                     x[a] = self.low[a] + share * (self.high[a] - self.low[a]);
                 }
             }
@@ -152,17 +151,18 @@ impl Grid {
     }
 
     fn indices(&self, cell: usize) -> [usize; 3] {
-        [cell % RESOLUTION, cell / RESOLUTION % RESOLUTION, cell / RESOLUTION / RESOLUTION]
+        let r = self.cells.resolution;
+        [cell % r, cell / r % r, cell / r / r]
     }
 
     /// Occupied cells and all that touch them.
     fn surroundings(&self) -> Vec<usize> {
-        let mut found = vec![false; self.cells.density.len()];
+        let (mut found, r) = (vec![false; self.cells.density.len()], self.cells.resolution);
         for cell in (0..found.len()).filter(|&cell| self.cells.occupied(cell)) {
-            let [x, y, z] = self.indices(cell).map(|i| i.saturating_sub(1)..=(i + 1).min(RESOLUTION - 1));
+            let [x, y, z] = self.indices(cell).map(|i| i.saturating_sub(1)..=(i + 1).min(r - 1));
             for k in z {
                 for j in y.clone() {
-                    x.clone().for_each(|i| found[(k * RESOLUTION + j) * RESOLUTION + i] = true);
+                    x.clone().for_each(|i| found[(k * r + j) * r + i] = true);
                 }
             }
         }

@@ -11,6 +11,23 @@ use crate::files::npz::{Array, Arrays};
 use crate::random::{Key, Purpose};
 use crate::scene::Scene;
 
+/// When a model begins to leave samples out, and how fine its grid is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Skip {
+    /// Steps at which every sample is computed: until then densities are the initial network's.
+    pub behind: u64,
+    /// Steps between updates of the grid.
+    pub every: u64,
+    /// Cells of the grid along an edge, a multiple of 4.
+    pub resolution: usize,
+}
+
+impl Default for Skip {
+    fn default() -> Self {
+        Skip { behind: 256, every: 64, resolution: 64 }
+    }
+}
+
 /// A ray ends where less light than this comes through.
 const STOP: f32 = 0.01;
 
@@ -26,18 +43,19 @@ pub(super) fn skipping(live: Option<&[bool]>) -> Skipping<'_> {
 impl NerfModel {
     /// Before a step: fills the grid when it is time, and looks after it now and then.
     pub(super) fn look(&mut self, scene: &Scene, step: u64) -> Result<()> {
-        if !self.settings.skip || self.fine.is_some() || step <= grid::FROM {
+        let Some(skip) = self.settings.skip.filter(|skip| self.fine.is_none() && step > skip.behind) else {
             return Ok(());
-        }
+        };
         let key = Key::new(self.settings.seed, Purpose::Occupancy);
         let length = self.step_length();
         let ask = |points: &[f64]| self.coarse.densities(points);
         if let Some(grid) = &mut self.grid {
-            if (step - grid::FROM - 1).is_multiple_of(grid::EVERY) {
-                grid.update(&key, step, length, &ask);
+            let since = step - skip.behind - 1;
+            if since.is_multiple_of(skip.every) {
+                grid.update(&key, (step, since / skip.every), length, &ask);
             }
         } else {
-            let mut grid = Grid::new(scene, self.settings.near, self.settings.far)?;
+            let mut grid = Grid::new(scene, self.settings.near, self.settings.far, skip.resolution)?;
             grid.fill(&key, step, length, &ask);
             self.grid = Some(grid);
         }
@@ -57,8 +75,7 @@ impl NerfModel {
     pub(super) fn grid_state(&self) -> Arrays {
         let mut state = Arrays::new();
         if let Some(grid) = &self.grid {
-            let shape = [grid::RESOLUTION; 3];
-            let density = ArrayD::from_shape_vec(IxDyn(&shape), grid.densities().to_vec());
+            let density = ArrayD::from_shape_vec(IxDyn(&[grid.resolution(); 3]), grid.densities().to_vec());
             let corners = ArrayD::from_shape_vec(IxDyn(&[2, 3]), grid.corners().to_vec());
             state.insert(DENSITY.into(), Array::F32(density.expect("a value a cell")));
             state.insert(BOX.into(), Array::F64(corners.expect("two corners")));
@@ -69,9 +86,10 @@ impl NerfModel {
     /// Takes what [`Self::grid_state`] gave; a checkpoint from before the grid was filled has none.
     pub(super) fn restore_grid(&mut self, state: &Arrays, file: &str) -> Result<()> {
         self.grid = None;
-        if self.settings.skip && [BOX, DENSITY].iter().any(|name| state.contains_key(*name)) {
+        let held = [BOX, DENSITY].iter().any(|name| state.contains_key(*name));
+        if let Some(Skip { resolution, .. }) = self.settings.skip.filter(|_| held) {
             let corners: Vec<f64> = find(state, BOX, &[2, 3], file)?.into_iter().collect();
-            let density = find(state, DENSITY, &[grid::RESOLUTION; 3], file)?;
+            let density = find(state, DENSITY, &[resolution; 3], file)?;
             let density = density.into_iter().map(|x| x as f32).collect();
             let wrong = || {
                 let advice = "Use the checkpoint of this very run, or train it again.";
@@ -79,7 +97,8 @@ impl NerfModel {
             };
             let whole =
                 (0..3).all(|a| corners[a] < corners[3 + a] && (corners[3 + a] - corners[a]).is_finite());
-            self.grid = whole.then(|| Grid::from_parts(&corners, density, self.step_length())).flatten();
+            self.grid =
+                whole.then(|| Grid::from_parts(&corners, resolution, density, self.step_length())).flatten();
             self.grid.as_ref().ok_or_else(wrong)?;
         }
         Ok(())
@@ -87,13 +106,20 @@ impl NerfModel {
 
     /// What `run.json` says of it.
     pub(super) fn skipping_settings(&self) -> Map<String, Value> {
-        let settings = if self.settings.skip {
+        let settings = if let Some(Skip { behind, every, resolution }) = self.settings.skip {
             json!({
-                "skip": true, "skip_from_step": grid::FROM + 1, "skip_update_every": grid::EVERY,
-                "occupancy": grid::RESOLUTION, "occupancy_opacity": grid::OPACITY, "stop": STOP,
+                "skip": true, "skip_behind_step": behind, "skip_update_every": every, "occupancy": resolution,
+                "occupancy_opacity": grid::OPACITY, "stop": STOP,
+                "reasons": {
+                    "skip": "asked for: cells where a step's opacity is below occupancy_opacity have density 0, not evaluated",
+                    "skip_behind_step": "before it densities are still the initial network's",
+                    "stop": "a colour moves by at most this",
+                },
             })
         } else {
-            json!({"skip": false})
+            let why =
+                "not asked for: every sample is evaluated, as in the paper; --skip leaves empty space out";
+            json!({"skip": false, "reasons": {"skip": why}})
         };
         settings.as_object().expect("an object literal").clone()
     }
