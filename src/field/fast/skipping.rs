@@ -48,13 +48,13 @@ impl Skipping<'_> {
         spans
     }
 
-    /// Ends every ray behind the first sample with T < `stop`.
+    /// Ends every ray behind the first sample with T < `stop`: no more light is lost. The samples behind it are not active, so that
+    /// nobody reads their weights.
     pub(super) fn end(&self, rays: &mut Weights, samples: usize) {
-        for (weights, behind) in rays.weights.chunks_mut(samples).zip(rays.behind.chunks_mut(samples)) {
+        for behind in rays.behind.chunks_mut(samples) {
             // A NaN is not below: it stays, and comes out at the end.
             if let Some(last) = behind.iter().position(|&t| t < self.stop) {
                 let rest = behind[last];
-                weights[last + 1..].fill(0.0);
                 behind[last + 1..].fill(rest);
             }
         }

@@ -36,6 +36,22 @@ fn everything_live_is_the_dense_step_bit_for_bit() {
     }
 }
 
+/// The dense step's chunks: whole rays, 512 points or one ray; live samples are packed as densely.
+#[test]
+fn chunks_hold_whole_rays() {
+    for (rays, samples, each) in [(20, 64, 8), (11, 100, 5), (3, 700, 1)] {
+        let scene = Scene::new(rays, samples);
+        let spans = Skipping::default().spans(&scene.batch().rays);
+        let want: Vec<_> = (0..rays).step_by(each).map(|from| (from, rays.min(from + each))).collect();
+        assert_eq!(spans, want);
+    }
+    let scene = Scene::new(30, 64);
+    // Ten, none and all of a ray's samples by turns: 74 in three rays.
+    let live: Vec<bool> = (0..30 * 64).map(|n| n % 64 < [10, 0, 64][n / 64 % 3]).collect();
+    let skipping = Skipping { live: Some(&live), stop: 0.0 };
+    assert_eq!(skipping.spans(&scene.batch().rays), [(0, 20), (20, 30)]);
+}
+
 /// Colours, loss and every layer's gradient against f64 with the same samples left out and the same early end.
 #[test]
 fn what_is_left_agrees_with_the_oracle() {
