@@ -108,10 +108,10 @@ impl NerfModel {
     pub(super) fn skipping_settings(&self) -> Map<String, Value> {
         let settings = if let Some(Skip { behind, every, resolution }) = self.settings.skip {
             json!({
-                "skip": true, "skip_behind_step": behind, "skip_update_every": every, "occupancy": resolution,
+                "skip_samples": true, "skip_behind_step": behind, "skip_update_every": every, "occupancy": resolution,
                 "occupancy_opacity": grid::OPACITY, "stop": STOP,
                 "reasons": {
-                    "skip": "asked for: cells where a step's opacity is below occupancy_opacity have density 0, not evaluated",
+                    "skip_samples": "asked for: cells where a step's opacity is below occupancy_opacity have density 0, not evaluated",
                     "skip_behind_step": "before it densities are still the initial network's",
                     "stop": "a colour moves by at most this",
                 },
@@ -119,7 +119,7 @@ impl NerfModel {
         } else {
             let why =
                 "not asked for: every sample is evaluated, as in the paper; --skip leaves empty space out";
-            json!({"skip": false, "reasons": {"skip": why}})
+            json!({"skip_samples": false, "reasons": {"skip_samples": why}})
         };
         settings.as_object().expect("an object literal").clone()
     }
