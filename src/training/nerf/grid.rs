@@ -15,7 +15,7 @@ use crate::scene::Scene;
 /// An update looks at every cell whose index is its turn modulo this.
 const PARTS: usize = 8;
 /// Looks at occupied cells and their neighbours when the grid is filled.
-const FIRST_LOOKS: u64 = 4;
+const FIRST_LOOKS: u64 = 12;
 /// What an update leaves of a cell's density where it doesn't find more.
 const DECAY: f32 = 0.8;
 /// Opacity of one step above which a cell is occupied.

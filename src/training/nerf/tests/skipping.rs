@@ -114,7 +114,7 @@ fn a_model_works_where_something_is() {
     let squares =
         seen.iter().zip(&all).flat_map(|(a, b)| (0..3).map(|k| f64::from(a.rgb[k] - b.rgb[k]).powi(2)));
     let decibels = crate::loss::psnr(squares.sum::<f64>() / (3 * rays.len()) as f64, 1.0);
-    assert!(decibels > 25.0, "{decibels} dB: cells of a quarter of the scene, five looks at most at each");
+    assert!(decibels > 25.0, "{decibels} dB: cells of a quarter of the scene, few looks at each");
 }
 
 /// The grid goes with the checkpoint: to the bit, on any number of threads, through an update.
