@@ -57,12 +57,13 @@ fn a_component_is_checked_timed_and_drawn() {
 fn bad_input_ends_with_two() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let (out, none) = (path(dir.path(), "out"), path(dir.path(), "no_run"));
-    let cases: [(&[&str], &[&str]); 7] = [
+    let cases: [(&[&str], &[&str]); 8] = [
         (&["bench"], &["--out"]),
         (&["bench", "nothing", "--out", &out], &["FILTER", "nothing", "volume_render"]),
         (&["bench", "--out", &out, "--rounds", "2"], &["--rounds", "at least 5"]),
         (&["bench", "--out", &out, "--run", &none], &["run.json", "Train first"]),
         (&["bench", "system", "--out", &out], &["--run"]),
+        (&["bench", "nerf_step", "--out", &out], &["--run"]),
         (&["bench", "spherical", "--quick", "--out", &out, "--peer", "exit 3"], &["--peer", "exit 3"]),
         (&["bench", "spherical", "--quick", "--out", &out, "--peer", "echo hello"], &["no JSON object"]),
     ];

@@ -50,6 +50,9 @@ fn usage_errors_end_with_two() {
         &["--stop-at-psnr", "finite"],
     );
     refused(&["train", "builtin:spheres", "--out", "x", "--width", "8"], &["--width", "--model nerf"]);
+    refused(&["train", "builtin:spheres", "--out", "x", "--skip"], &["--skip", "compact"]);
+    let pair = ["train", "builtin:spheres", "--out", "x", "--model", "nerf", "--skip", "--fine", "8"];
+    refused(&pair, &["--skip", "--fine"]);
     refused(&["fit-image", "x.png", "--out", "x", "--steps", "0"], &["--steps", "above 0"]);
     refused(&["render", "x", "--out", "y.gif", "--path", "circle"], &["orbit:N"]);
 }

@@ -48,16 +48,17 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let wanted = |name: &str| name.contains(&args.filter);
     let suites: Vec<_> = suites::SUITES.iter().copied().filter(|s| wanted(s.component)).collect();
     let scalings: Vec<_> = suites::scalings().into_iter().filter(|s| wanted(s.component)).collect();
-    let whole = wanted("system");
-    if suites.is_empty() && scalings.is_empty() && !whole {
-        let names: Vec<&str> = suites::SUITES.iter().map(|s| s.component).chain(["system"]).collect();
+    let (whole, steps) = (wanted("system"), wanted("nerf_step"));
+    if suites.is_empty() && scalings.is_empty() && !whole && !steps {
+        let names: Vec<&str> =
+            suites::SUITES.iter().map(|s| s.component).chain(["system", "nerf_step"]).collect();
         return Err(Error::usage("FILTER", &args.filter, format!("a part of: {}", names.join(", "))));
     }
-    if suites.is_empty() && whole && args.run.is_none() {
+    if suites.is_empty() && (whole || steps) && args.run.is_none() {
         return Err(Error::usage("FILTER", &args.filter, "--run RUN beside it, the folder of a trained run"));
     }
     // Opened first: a folder that can't be read shouldn't be found out behind minutes of measuring.
-    let run = args.run.as_deref().filter(|_| whole);
+    let run = args.run.as_deref().filter(|_| whole || steps);
     let mut trained = run.map(|run| open(run, Backend::Fast, false)).transpose()?;
     if trained.as_mut().is_some_and(|trained| trained.model.system().is_none()) {
         let got = args.run.as_deref().map_or_else(String::new, |run| run.display().to_string());
@@ -74,7 +75,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     })?;
     if let Some(trained) = &mut trained {
         let scene = &trained.scene;
-        if let Some(mut system) = trained.model.system() {
+        if let Some(mut system) = trained.model.system().filter(|_| whole) {
             let rows = || bench::system::rows(&mut *system, scene, &options, |what| eprintln!("{what}"));
             let (rows, scaling) = parallel::with_threads(args.threads, rows)?;
             report.system = rows;
@@ -82,7 +83,14 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
             report.stamp();
         }
     }
-    let (object, text) = (report.json(), report.text());
+    let (mut object, mut text) = (report.json(), report.text());
+    if let Some(trained) = trained.as_mut().filter(|_| steps) {
+        let compare = || trained.model.compare_steps(&trained.scene, options.rounds).transpose();
+        if let Some(step) = parallel::with_threads(args.threads, compare)? {
+            text += &step["text"].as_str().map_or_else(String::new, |line| format!("\n{line}\n"));
+            object["nerf_step"] = step;
+        }
+    }
     files::write(&args.out.join("table.txt"), &text)?;
     files::write(
         &args.out.join("bench.json"),

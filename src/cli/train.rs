@@ -16,7 +16,7 @@ use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
 use crate::training::compact::{CompactModel, Overrides, Part};
 use crate::training::model::Model;
-use crate::training::nerf::{NerfModel, Settings};
+use crate::training::nerf::{NerfModel, Settings, Skip};
 use crate::training::run::{LogPoint, Options, Run};
 
 /// Options of `train`.
@@ -78,6 +78,9 @@ pub struct Args {
     /// Go on from the run's checkpoint.
     #[arg(long)]
     pub resume: bool,
+    /// Leave out samples where nothing is and where no light comes from, once that is known (--model nerf; compact always does).
+    #[arg(long)]
+    pub skip: bool,
     /// Width of the 8x256 network's layers (--model nerf).
     #[arg(long, value_parser = at_most::<4096>)]
     pub width: Option<usize>,
@@ -93,7 +96,7 @@ impl Args {
         let args = Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
             samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, val_every: None, background: None, seed: 0,
-            threads: None, backend: Backend::Fast, resume: false, width: None,
+            threads: None, backend: Backend::Fast, resume: false, skip: false, width: None,
             without: vec![],
         };
         args
@@ -179,6 +182,7 @@ fn same_recipe(folder: &RunFolder, recipe: &Map<String, Value>) -> Result<Vec<Va
         "lr",
         "width",
         "without",
+        "skip",
     ] {
         // A field that an older run lacks was at its default.
         if let Some(had) = before.get(name).filter(|had| **had != recipe[name]) {
@@ -221,7 +225,7 @@ fn prepare(args: &Args) -> Result<(Scene, Map<String, Value>)> {
     let recipe = json!({
         "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
         "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
-        "steps": args.steps, "without": args.without,
+        "skip": args.skip, "steps": args.steps, "without": args.without,
     });
     let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
     Ok((load_scene(&recipe, false, "arguments")?, recipe))
@@ -258,6 +262,7 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
     let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {
         Error::input("run.json", "without", error, "names of parts", "Train the run again.")
     })?;
+    let skip = recipe.get("skip") == Some(&Value::Bool(true));
     if named("model", "compact") {
         if named("backend", "reference") {
             return Err(Error::usage(
@@ -280,6 +285,13 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
                 "no width: --model nerf has it, compact's networks are fixed",
             ));
         }
+        if skip {
+            return Err(Error::usage(
+                "--skip",
+                "given",
+                "no --skip: the compact model always leaves empty space out",
+            ));
+        }
         let lr = recipe.get("lr").and_then(Value::as_f64);
         let [samples, rays] = ["samples", "rays"].map(|key| whole(key).map(|n| n as usize));
         return Ok(Box::new(CompactModel::new(scene, &Overrides { seed, samples, rays, lr, without })?));
@@ -297,6 +309,14 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
         settings.samples = samples as usize;
     }
     settings.fine = whole("fine").unwrap_or(0) as usize;
+    settings.skip = skip.then(Skip::default);
+    if skip && settings.fine > 0 {
+        return Err(Error::usage(
+            "--skip",
+            "given",
+            "no --fine beside it: one network has a grid, a pair has none",
+        ));
+    }
     if let Some(lr) = recipe.get("lr").and_then(Value::as_f64) {
         settings.lr = lr;
     }

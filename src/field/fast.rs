@@ -14,6 +14,8 @@
 //! * **Nothing for nothing.** A sample whose density has slope 0, or that stands behind T = 0, has weight 0 and passes no
 //!   gradient: its colour is not computed, and it takes no part in the backward pass. Exact; `dense: true` does it all the
 //!   same, for measurements.
+//! * **Nothing where nothing is.** [`Skipping`] leaves out samples that an occupancy grid calls empty, before they are evaluated, and
+//!   those behind which no light comes from. Costs what the grid misses, and `stop` a colour.
 //!
 //! Conventions are those of the profile `cs180`, with any density activation.
 
@@ -26,6 +28,7 @@ mod network;
 mod passes;
 mod product;
 mod rays;
+mod skipping;
 mod trunk;
 pub mod variants;
 
@@ -37,6 +40,7 @@ pub use image::ImageNetwork;
 pub use network::{Batch, Network};
 pub use product::sgemm;
 pub use rays::{Rays, Rendered};
+pub use skipping::Skipping;
 
 /// Points that pass through the layers together (whole rays; one ray where it has more samples).
 pub const CHUNK: usize = 512;

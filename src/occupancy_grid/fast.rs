@@ -92,6 +92,11 @@ impl Occupancy {
         self.density.iter_mut().for_each(|d| *d *= decay);
     }
 
+    /// Occupied are from now on the cells denser than `threshold`; none is opaque.
+    pub fn apply_threshold(&mut self, threshold: f32) {
+        self.apply_thresholds([threshold, f32::INFINITY]);
+    }
+
     /// Occupied are from now on the cells denser than the first threshold, opaque those denser than the second, which is larger.
     pub fn apply_thresholds(&mut self, thresholds: [f32; 2]) {
         let (r, bricks) = (self.resolution, self.resolution / BRICK);

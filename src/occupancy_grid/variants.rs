@@ -47,7 +47,7 @@ fn densities(resolution: usize, share: f64) -> Vec<f64> {
 fn grid(resolution: usize, share: f64) -> Occupancy {
     let mut grid = Occupancy::full(resolution);
     grid.density = densities(resolution, share).iter().map(|&x| x as f32).collect();
-    grid.apply_thresholds([0.5, f32::INFINITY]);
+    grid.apply_threshold(0.5);
     grid
 }
 
@@ -157,7 +157,7 @@ fn coarse(a: &Arrays, resolution: usize) -> Box<dyn Kernel> {
         let at = (z / n * resolution + y / n) * resolution + x / n;
         grid.density[at] = grid.density[at].max(*density as f32);
     }
-    grid.apply_thresholds([0.5, f32::INFINITY]);
+    grid.apply_threshold(0.5);
     skipping(a, grid, true)
 }
 

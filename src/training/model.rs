@@ -55,6 +55,11 @@ pub trait Model: Sync + Send {
         None
     }
 
+    /// A dense training step against one that leaves samples out, for `bench`: none where the model has no such pair.
+    fn compare_steps(&mut self, _scene: &Scene, _rounds: usize) -> Option<Result<Value>> {
+        None
+    }
+
     /// Something that a user should hear about, e.g. a density head that died (TR1). Asked at every validation.
     fn warning(&self) -> Option<String> {
         None

@@ -1,7 +1,10 @@
 //! The NeRF paper's network as a trainable model, on the f32 path or in the f64 reference; on demand the paper's pair of a coarse
 //! network and a fine one.
 
+mod compare;
+mod grid;
 mod path;
+mod skipping;
 mod variants;
 
 #[cfg(test)]
@@ -9,13 +12,16 @@ mod tests;
 
 use serde_json::{Map, Value, json};
 
+use self::grid::Grid;
 use self::path::Path;
+pub use self::skipping::Skip;
+use self::skipping::skipping;
 use super::model::{Model, Pixel, StepReport};
 use super::reference::{fine_samples, interval_edges};
 use crate::convention::CS180;
 use crate::error::{Error, Result};
 use crate::field::NerfMlp;
-use crate::field::fast::Rays;
+use crate::field::fast::{Rays, Skipping};
 use crate::field::nerf_mlp::Shape;
 use crate::files::npz::Arrays;
 use crate::optimiser::Adam;
@@ -56,6 +62,8 @@ pub struct Settings {
     pub levels: (usize, usize),
     /// The f64 reference instead of the f32 path.
     pub reference: bool,
+    /// Whether, and from when on, an occupancy grid and early stop leave samples out (of one network alone).
+    pub skip: Option<Skip>,
 }
 
 impl Settings {
@@ -63,7 +71,7 @@ impl Settings {
     pub fn new(near: f64, far: f64, background: [f64; 3]) -> Self {
         #[rustfmt::skip]
         let settings = Settings {
-            near, far, background, rays: 1024, samples: 64, fine: 0, lr: 5e-4, seed: 0, shape: Shape::PAPER, levels: (10, 4), reference: false,
+            near, far, background, rays: 1024, samples: 64, fine: 0, lr: 5e-4, seed: 0, shape: Shape::PAPER, levels: (10, 4), reference: false, skip: None,
         };
         settings
     }
@@ -79,6 +87,8 @@ pub struct NerfModel {
     settings: Settings,
     coarse: Path,
     fine: Option<Path>,
+    /// Where the network may have something, once it is known.
+    grid: Option<Grid>,
     /// Whether the last step moved nothing in one of them: every density was 0 (TR1).
     dead: bool,
     /// Whether a density head's sign was turned at the start.
@@ -115,7 +125,8 @@ impl NerfModel {
     pub fn new(settings: Settings) -> Self {
         let of = |seed: u64| Path::new(&settings, &Key::new(seed, Purpose::Parameters));
         let fine = (settings.fine > 0).then(|| of(!settings.seed));
-        NerfModel { coarse: of(settings.seed), fine, settings, dead: false, turned: false, restored: false }
+        let coarse = of(settings.seed);
+        NerfModel { coarse, fine, settings, grid: None, dead: false, turned: false, restored: false }
     }
 
     fn adam(&self) -> Adam {
@@ -188,12 +199,15 @@ impl NerfModel {
         let directions: Vec<f64> = rays.iter().flat_map(|r| r.d.to_array()).collect();
         let coarse = self.coarse_samples(t.repeat(rays.len()));
         let seen = match &self.fine {
-            None => self.coarse.render(coarse.rays(&origins, &directions)),
+            None => {
+                let rays = coarse.rays(&origins, &directions);
+                self.coarse.render(rays, skipping(self.mask(&rays).as_deref()))
+            }
             Some(network) => {
                 // At rest u lies in the middles of equal parts, as the samples of the first network do.
                 let u = sample_along_ray(0.0, 1.0, &vec![rest_u(CS180.rest); fine], CS180.grid);
                 let samples = self.fine_samples(coarse.rays(&origins, &directions), &u.repeat(rays.len()));
-                network.render(samples.rays(&origins, &directions))
+                network.render(samples.rays(&origins, &directions), Skipping::default())
             }
         };
         let pixel = |(rgb, opacity, weighted): ([f32; 3], f32, f32)| {
@@ -213,23 +227,30 @@ impl Model for NerfModel {
         Some(Box::new(self.trained()))
     }
 
+    fn compare_steps(&mut self, scene: &Scene, rounds: usize) -> Option<Result<Value>> {
+        self.compare(scene, rounds)
+    }
+
     fn step(&mut self, scene: &Scene, step: u64) -> Result<StepReport> {
         let Drawn { origins, directions, t, u, targets } = self.draw(scene, step)?;
-        let (Settings { rays, background, .. }, adam) = (self.settings, self.adam());
+        let (background, adam) = (self.settings.background, self.adam());
         let coarse = self.coarse_samples(t);
         if step == 1 && !self.restored {
             self.wake(coarse.rays(&origins, &directions));
         }
         // Before the step: the two networks see the same parameters of the first, whose weights are constants to the second.
         let fine = self.fine.is_some().then(|| self.fine_samples(coarse.rays(&origins, &directions), &u));
-        let first = self.coarse.step(coarse.rays(&origins, &directions), &targets, background, &adam);
+        self.look(scene, step)?;
+        let rays = coarse.rays(&origins, &directions);
+        let live = self.mask(&rays);
+        let first = self.coarse.step(rays, skipping(live.as_deref()), &targets, background, &adam);
         self.dead = first.dead;
-        let mut report =
-            StepReport { loss: first.loss, mse: first.loss, samples: (rays * coarse.count) as u64 };
+        let mut report = StepReport { loss: first.loss, mse: first.loss, samples: first.points as u64 };
         if let (Some(network), Some(fine)) = (&mut self.fine, fine) {
-            let second = network.step(fine.rays(&origins, &directions), &targets, background, &adam);
+            let rays = fine.rays(&origins, &directions);
+            let second = network.step(rays, Skipping::default(), &targets, background, &adam);
             self.dead |= second.dead;
-            report.samples += (rays * fine.count) as u64;
+            report.samples += second.points as u64;
             (report.loss, report.mse) = (first.loss + second.loss, second.loss);
         }
         Ok(report)
@@ -244,12 +265,14 @@ impl Model for NerfModel {
         if let Some(fine) = &self.fine {
             state.extend(fine.state(FINE));
         }
+        state.extend(self.grid_state());
         state
     }
 
     fn restore(&mut self, state: &Arrays, file: &str) -> Result<()> {
         self.coarse.restore(state, "", file)?;
         self.restored = true;
+        self.restore_grid(state, file)?;
         match &mut self.fine {
             Some(fine) => fine.restore(state, FINE, file),
             None => match state.keys().find(|name| name.starts_with(FINE)) {
@@ -270,7 +293,9 @@ impl Model for NerfModel {
             "levels_position": levels.0, "levels_direction": levels.1, "profile": "cs180",
             "density_head": "at step 1 the sign that gives at least half of the samples a density",
         });
-        value.as_object().expect("an object literal").clone()
+        let mut value = value.as_object().expect("an object literal").clone();
+        value.extend(self.skipping_settings());
+        value
     }
 
     fn warning(&self) -> Option<String> {

@@ -5,6 +5,7 @@ use super::network::Network;
 use super::passes::{BiasRelu, Heads};
 use super::product::{Matrix, product, transposed};
 use super::rays::{Rays, Rendered};
+use super::skipping::{Skipping, spread};
 use super::trunk::Tape;
 use crate::encoding::fast::positional_encoding;
 use crate::volume_rendering::fast::Weights;
@@ -14,13 +15,16 @@ use crate::volume_rendering::fast::Weights;
 pub(super) struct Chunk {
     pub tape: Tape,
     pub positions: Vec<f64>,
-    /// Output of the density head (P), and the density.
+    /// Samples that are evaluated, (P) of them: a row of the tape each.
+    pub live: Vec<usize>,
+    /// Output of the density head (P), and the density; spread to all samples where rays are rendered, 0 where nothing was evaluated.
     pub z: Vec<f32>,
     pub sigmas: Vec<f32>,
     pub deltas: Vec<f32>,
     pub rays: Weights,
-    /// Samples whose colour is wanted.
+    /// Samples whose colour is wanted, and their rows of the tape.
     pub active: Vec<usize>,
+    pub rows: Vec<usize>,
     /// Encoded directions (R, direction), and what they and the biases add to the colour layer (R, color).
     pub directions: Vec<f32>,
     pub ray_terms: Vec<f32>,
@@ -29,7 +33,7 @@ pub(super) struct Chunk {
     pub g_hidden: Vec<f32>,
     pub rgbs: Vec<f32>,
     pub g_z_rgb: Vec<f32>,
-    /// Gradients of the density by sample (P), and before its activation (active).
+    /// Gradients of the density by sample, and before its activation (active).
     pub g_sigma: Vec<f32>,
     pub g_z: Vec<f32>,
     /// Gradients of the colour layer summed over each ray (R, color).
@@ -82,8 +86,8 @@ impl<'a> Prepared<'a> {
         let net = self.net;
         let (width, color, columns) = (net.shape.width, net.shape.color, net.shape.direction);
         let (count, rays) = (chunk.active.len(), directions.len() / 3);
-        if count < chunk.z.len() {
-            net.trunk.compact(&mut chunk.tape, &chunk.active);
+        if count < chunk.positions.len() / 3 {
+            net.trunk.compact(&mut chunk.tape, &chunk.rows);
         }
         chunk.directions.resize(rays * columns, 0.0);
         positional_encoding(net.arch, directions, 3, columns / 6, &mut chunk.directions, columns);
@@ -112,6 +116,14 @@ impl<'a> Prepared<'a> {
         }
     }
 
+    /// Densities of `positions`.
+    pub fn densities_of(&self, chunk: &mut Chunk, positions: &[f64]) -> Vec<f32> {
+        chunk.positions.clear();
+        chunk.positions.extend(positions);
+        self.densities(chunk);
+        chunk.sigmas.clone()
+    }
+
     pub fn forward(
         &self,
         chunk: &mut Chunk,
@@ -119,44 +131,62 @@ impl<'a> Prepared<'a> {
         directions: &[f64],
         samples: usize,
     ) -> (Vec<f32>, Vec<f32>) {
-        chunk.positions.clear();
-        chunk.positions.extend(positions);
-        self.densities(chunk);
+        let sigmas = self.densities_of(chunk, positions);
         chunk.active.clear();
         chunk.active.extend(0..positions.len() / 3);
         self.colors(chunk, directions, samples);
-        (chunk.sigmas.clone(), chunk.rgbs.clone())
+        (sigmas, chunk.rgbs.clone())
     }
 
     /// Weights of all samples, colours of the active ones; colours of the rays in the result.
-    pub fn render(&self, chunk: &mut Chunk, rays: &Rays, background: [f32; 3]) -> Rendered {
-        self.render_active(chunk, rays, background, false)
+    pub fn render(
+        &self,
+        chunk: &mut Chunk,
+        rays: &Rays,
+        skipping: Skipping,
+        background: [f32; 3],
+    ) -> Rendered {
+        self.render_active(chunk, rays, skipping, background, false)
     }
 
-    /// Densities and weights of all samples.
-    pub fn weigh(&self, chunk: &mut Chunk, rays: &Rays) {
-        rays.positions(&mut chunk.positions);
+    /// Densities of the live samples, and weights of all.
+    pub fn weigh(&self, chunk: &mut Chunk, rays: &Rays, skipping: Skipping) {
+        let all = rays.t.len();
+        chunk.live.clear();
+        chunk.live.extend((0..all).filter(|&n| skipping.live.is_none_or(|live| live[n])));
+        rays.positions(&chunk.live, &mut chunk.positions);
         self.densities(chunk);
+        spread(&mut chunk.z, &chunk.live, all);
+        spread(&mut chunk.sigmas, &chunk.live, all);
         chunk.deltas.clear();
         chunk.deltas.extend(rays.deltas.iter().map(|&d| d as f32));
         chunk.rays.compute(self.net.arch, &chunk.sigmas, &chunk.deltas, rays.samples);
+        skipping.end(&mut chunk.rays, rays.samples);
     }
 
     pub(super) fn render_active(
         &self,
         chunk: &mut Chunk,
         rays: &Rays,
+        skipping: Skipping,
         background: [f32; 3],
         dense: bool,
     ) -> Rendered {
         let samples = rays.samples;
-        self.weigh(chunk, rays);
+        self.weigh(chunk, rays, skipping);
         let (behind, z) = (&chunk.rays.behind, &chunk.z);
         // Negated, so that a NaN counts as active and comes out at the end.
+        let dark = |t: f32| t == 0.0 || t < skipping.stop;
         let idle =
-            |&n: &usize| slope(z[n], self.net.density) == 0.0 || (n % samples > 0 && behind[n - 1] == 0.0);
+            |n: usize| slope(z[n], self.net.density) == 0.0 || (n % samples > 0 && dark(behind[n - 1]));
         chunk.active.clear();
-        chunk.active.extend((0..z.len()).filter(|n| dense || !idle(n)));
+        chunk.rows.clear();
+        for (row, &n) in chunk.live.iter().enumerate() {
+            if dense || !idle(n) {
+                chunk.active.push(n);
+                chunk.rows.push(row);
+            }
+        }
         self.colors(chunk, rays.directions, samples);
 
         let mut out =

@@ -7,16 +7,25 @@ use super::network::Batch;
 use super::passes::{AddRows, HeadsBackward, JoinBackward};
 use super::product::{Matrix, product};
 use super::rays::Rays;
+use super::skipping::Skipping;
 use crate::volume_rendering::fast::{Weights, density_gradient};
 
 impl Prepared<'_> {
     /// Adds gradient and loss of a chunk to `group`; `scale` is the weight of one channel of one ray in the loss.
-    pub fn step(&self, chunk: &mut Chunk, batch: &Batch, dense: bool, scale: f64, group: &mut Group) {
-        let rendered = self.render_active(chunk, &batch.rays, batch.background, dense);
+    pub fn step(
+        &self,
+        chunk: &mut Chunk,
+        batch: &Batch,
+        skipping: Skipping,
+        dense: bool,
+        scale: f64,
+        group: &mut Group,
+    ) {
+        let rendered = self.render_active(chunk, &batch.rays, skipping, batch.background, dense);
         let residuals: Vec<f32> =
             rendered.colors.iter().zip(batch.targets).map(|(c, target)| c - target).collect();
         group.loss += residuals.iter().map(|&r| f64::from(r) * f64::from(r)).sum::<f64>();
-        group.forward_points += chunk.z.len();
+        group.forward_points += chunk.live.len();
         group.backward_points += chunk.active.len();
         let g_colors: Vec<f32> = residuals.iter().map(|r| (2.0 * scale) as f32 * r).collect();
         self.render_backward(chunk, &batch.rays, &g_colors, batch.background);

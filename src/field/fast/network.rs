@@ -5,6 +5,7 @@ use pulp::Arch;
 use super::chunk::{Chunk, Prepared};
 use super::gradient::{Gradient, Pool};
 use super::rays::{Rays, Rendered};
+use super::skipping::Skipping;
 use super::trunk::{Affine, Trunk};
 use crate::convention::Density;
 use crate::field::NerfMlp;
@@ -100,13 +101,28 @@ impl Network {
         (sigmas, rgbs)
     }
 
+    /// Densities (M) of points (M, 3), without colours.
+    pub fn densities(&self, positions: &[f64]) -> Vec<f32> {
+        let prepared = Prepared::new(self);
+        let chunks: Vec<&[f64]> = positions.chunks(3 * super::CHUNK).collect();
+        let densities =
+            parallel::map(chunks.len(), |n| self.pool.with(|chunk| prepared.densities_of(chunk, chunks[n])));
+        densities.concat()
+    }
+
     /// Colours, opacities and depths of rays, for pictures.
     pub fn render(&self, rays: &Rays, background: [f32; 3]) -> Rendered {
+        self.render_skipping(rays, Skipping::default(), background)
+    }
+
+    /// [`Self::render`] without the samples that `skipping` leaves out.
+    pub fn render_skipping(&self, rays: &Rays, skipping: Skipping, background: [f32; 3]) -> Rendered {
         let prepared = Prepared::new(self);
-        let size = rays.in_chunk();
-        let chunks = parallel::map(rays.len().div_ceil(size), |n| {
-            let part = rays.part(n * size, rays.len().min((n + 1) * size));
-            self.pool.with(|chunk| prepared.render(chunk, &part, background))
+        let spans = skipping.spans(rays);
+        let chunks = parallel::map(spans.len(), |n| {
+            let (from, to) = spans[n];
+            let (part, skipping) = (rays.part(from, to), skipping.part(from, to, rays.samples));
+            self.pool.with(|chunk| prepared.render(chunk, &part, skipping, background))
         });
         let mut all = Rendered::default();
         for part in chunks {
@@ -124,7 +140,7 @@ impl Network {
         let chunks = parallel::map(rays.len().div_ceil(size), |n| {
             let part = rays.part(n * size, rays.len().min((n + 1) * size));
             self.pool.with(|chunk| {
-                prepared.weigh(chunk, &part);
+                prepared.weigh(chunk, &part, Skipping::default());
                 chunk.rays.weights.clone()
             })
         });
@@ -135,18 +151,28 @@ impl Network {
     ///
     /// `dense` computes every sample's colour and backward pass, whether or not anything can come of it.
     pub fn step(&self, batch: &Batch, dense: bool, gradient: &mut Gradient) -> f64 {
+        self.step_in_chunks(batch, Skipping::default(), dense, gradient)
+    }
+
+    /// [`Self::step`] (not `dense`) without the samples that `skipping` leaves out; the same bits where it leaves out none.
+    pub fn step_skipping(&self, batch: &Batch, skipping: Skipping, gradient: &mut Gradient) -> f64 {
+        self.step_in_chunks(batch, skipping, false, gradient)
+    }
+
+    fn step_in_chunks(&self, batch: &Batch, skipping: Skipping, dense: bool, gradient: &mut Gradient) -> f64 {
         let prepared = Prepared::new(self);
         let rays = &batch.rays;
-        let size = rays.in_chunk();
+        let spans = skipping.spans(rays);
         let scale = 1.0 / (3 * rays.len()) as f64;
         let len = self.params.len();
         // Behind the parameters: the gradient of the folded matrix M.
         let folded = self.shape.color * self.shape.width;
-        let loss = gradient.accumulate(len + folded, rays.len().div_ceil(size), |n, group| {
-            let (from, to) = (n * size, rays.len().min((n + 1) * size));
+        let loss = gradient.accumulate(len + folded, spans.len(), |n, group| {
+            let (from, to) = spans[n];
             let part =
                 Batch { rays: rays.part(from, to), targets: &batch.targets[from * 3..to * 3], ..*batch };
-            self.pool.with(|chunk| prepared.step(chunk, &part, dense, scale, group));
+            let skipping = skipping.part(from, to, rays.samples);
+            self.pool.with(|chunk| prepared.step(chunk, &part, skipping, dense, scale, group));
         });
         prepared.unfold(&mut gradient.values);
         gradient.values.truncate(len);

@@ -49,16 +49,16 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// o + t d (R N, 3).
-    pub(super) fn positions(&self, out: &mut Vec<f64>) {
+    /// o + t d of sample n of all samples (R, N).
+    pub fn position(&self, n: usize) -> [f64; 3] {
+        let (ray, t) = (n / self.samples * 3, self.t[n]);
+        let (o, d) = (&self.origins[ray..ray + 3], &self.directions[ray..ray + 3]);
+        [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]]
+    }
+
+    /// Positions of the samples named (M, 3).
+    pub(super) fn positions(&self, samples: &[usize], out: &mut Vec<f64>) {
         out.clear();
-        let rays = self
-            .origins
-            .chunks_exact(3)
-            .zip(self.directions.chunks_exact(3))
-            .zip(self.t.chunks_exact(self.samples));
-        for ((o, d), t) in rays {
-            out.extend(t.iter().flat_map(|t| [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]]));
-        }
+        out.extend(samples.iter().flat_map(|&n| self.position(n)));
     }
 }

@@ -2,14 +2,17 @@
 
 use pulp::Arch;
 
-use super::{Batch, Gradient, ImageNetwork, Network, Rays};
+use super::{Batch, Gradient, ImageNetwork, Network, Rays, Skipping};
 use crate::convention::{CS180, Conventions, Density, ProductEps};
+use crate::early_stop::live_samples;
 use crate::encoding::{Encoding, positional_encoding};
 use crate::field::nerf_mlp::Shape;
 use crate::field::{Layer, Mlp, NerfMlp, backward};
 use crate::parallel::with_threads;
 use crate::random::{Key, Purpose};
 use crate::volume_rendering as volume;
+
+mod skipping;
 
 const SMALL: Shape = Shape { position: 63, direction: 27, width: 24, depth: 5, color: 20, skip: 2 };
 const BACKGROUND: [f32; 3] = [0.25, 0.5, 1.0];
@@ -83,8 +86,8 @@ fn positions(scene: &Scene, i: usize) -> Vec<f64> {
     positional_encoding(&x, &Encoding::new(10, &CS180))
 }
 
-/// Colours, loss and gradient of a batch, point by point in f64.
-fn oracle(net: &NerfMlp, c: &Conventions, batch: &Batch) -> (Vec<f64>, f64, NerfMlp) {
+/// Colours, loss and gradient of a batch, point by point in f64: of the samples that aren't left out.
+fn oracle(net: &NerfMlp, c: &Conventions, batch: &Batch, skipping: Skipping) -> (Vec<f64>, f64, NerfMlp) {
     let (positions, directions) = (Encoding::new(10, c), Encoding::new(4, c));
     let mut gradient = net.clone();
     for layer in gradient.layers_mut() {
@@ -95,15 +98,19 @@ fn oracle(net: &NerfMlp, c: &Conventions, batch: &Batch) -> (Vec<f64>, f64, Nerf
     let (mut colors, mut loss) = (vec![], 0.0);
     for ray in 0..rays.len() {
         let (o, d) = (&rays.origins[3 * ray..][..3], &rays.directions[3 * ray..][..3]);
-        let (t, deltas) = (&rays.t[ray * n..][..n], &rays.deltas[ray * n..][..n]);
+        let live = (ray * n..(ray + 1) * n).filter(|&i| skipping.live.is_none_or(|live| live[i]));
+        let (t, deltas): (Vec<f64>, Vec<f64>) = live.map(|i| (rays.t[i], rays.deltas[i])).unzip();
         let direction = positional_encoding(d, &directions);
         let point = |t: f64| [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]];
         let tapes: Vec<_> = t
             .iter()
             .map(|&t| net.forward(&positional_encoding(&point(t), &positions), &direction, c))
             .collect();
-        let sigmas: Vec<f64> = tapes.iter().map(|t| t.sigma).collect();
-        let rgbs: Vec<[f64; 3]> = tapes.iter().map(|t| t.rgb).collect();
+        let mut sigmas: Vec<f64> = tapes.iter().map(|t| t.sigma).collect();
+        let end = live_samples(&sigmas, &deltas, f64::from(skipping.stop));
+        sigmas.truncate(end);
+        let rgbs: Vec<[f64; 3]> = tapes[..end].iter().map(|t| t.rgb).collect();
+        let deltas = &deltas[..end];
         let rendering = volume::volume_render(&sigmas, &rgbs, deltas, ProductEps::None);
         let color = volume::composite_background(rendering.color, rendering.opacity, background);
         let r: [f64; 3] = std::array::from_fn(|k| color[k] - f64::from(batch.targets[3 * ray + k]));
@@ -112,10 +119,10 @@ fn oracle(net: &NerfMlp, c: &Conventions, batch: &Batch) -> (Vec<f64>, f64, Nerf
         let g_color = r.map(|r| 2.0 * r / count as f64);
         let (color, opacity, _) =
             volume::backward::composite_background(rendering.opacity, background, g_color);
-        let g = volume::backward::Cotangent { color, weights: vec![0.0; n], opacity, transmittance: 0.0 };
+        let g = volume::backward::Cotangent { color, weights: vec![0.0; end], opacity, transmittance: 0.0 };
         let (g_sigmas, g_rgbs, _) =
             volume::backward::volume_render(&sigmas, &rgbs, deltas, ProductEps::None, &rendering, &g);
-        for i in 0..n {
+        for i in 0..end {
             backward::nerf_mlp(net, &tapes[i], c, g_sigmas[i], g_rgbs[i], &mut gradient);
         }
     }
@@ -135,7 +142,7 @@ fn agrees(shape: &Shape, density: Density, dense: bool, arch: Arch) {
     let batch = scene.batch();
     let net = network(shape);
     let conventions = Conventions { density, skip_layer: shape.skip, ..CS180 };
-    let (colors, loss, gradient) = oracle(&net, &conventions, &batch);
+    let (colors, loss, gradient) = oracle(&net, &conventions, &batch, Skipping::default());
 
     let mut fast = Network::new(&net, shape, density);
     fast.arch = arch;

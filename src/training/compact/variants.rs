@@ -78,7 +78,7 @@ impl System for Trained<'_> {
             Knob::Stop(eps) => model.settings.stop = eps,
             Knob::Opacity(opacity) => {
                 let threshold = opacity / optical_step(self.samples);
-                model.occupancy.apply_thresholds([threshold, f32::INFINITY]);
+                model.occupancy.apply_threshold(threshold);
             }
         }
     }

@@ -4,9 +4,10 @@ use glam::DVec3;
 
 use super::{Settings, find, flat};
 use crate::convention::{CS180, Depth};
+use crate::early_stop::live_samples;
 use crate::encoding::Encoding;
 use crate::error::Result;
-use crate::field::fast::{Batch, Gradient, Network, Rays};
+use crate::field::fast::{Batch, Gradient, Network, Rays, Skipping};
 use crate::field::{Layer, NerfMlp};
 use crate::files::npz::{Array, Arrays};
 use crate::optimiser::{self, Adam};
@@ -29,6 +30,8 @@ pub(super) struct Stepped {
     pub loss: f64,
     /// Whether it moved nothing.
     pub dead: bool,
+    /// Samples that were evaluated.
+    pub points: usize,
 }
 
 impl Path {
@@ -66,20 +69,27 @@ impl Path {
     }
 
     /// One step of Adam on a batch.
-    pub fn step(&mut self, rays: Rays, targets: &[f32], background: [f64; 3], adam: &Adam) -> Stepped {
+    pub fn step(
+        &mut self,
+        rays: Rays,
+        skipping: Skipping,
+        targets: &[f32],
+        background: [f64; 3],
+        adam: &Adam,
+    ) -> Stepped {
         match self {
             Path::Fast { net, moments, gradient } => {
                 let batch = Batch { rays, targets, background: background.map(|b| b as f32) };
-                let loss = net.step(&batch, false, gradient);
+                let loss = net.step_skipping(&batch, skipping, gradient);
                 moments.update(net.arch, adam, &mut net.params, &gradient.values);
-                Stepped { loss, dead: gradient.backward_points == 0 }
+                Stepped { loss, dead: gradient.backward_points == 0, points: gradient.forward_points }
             }
             Path::Reference { field, m, v, steps } => {
-                let (loss, gradient) = reference_gradient(field, rays, targets, background);
+                let (loss, gradient) = reference_gradient(field, rays, skipping, targets, background);
                 *steps += 1;
                 update(&mut field.net, m, v, &gradient, adam, *steps);
                 let dead = gradient.layers().iter().all(|(_, l)| l.w.iter().all(|&g| g == 0.0));
-                Stepped { loss, dead }
+                Stepped { loss, dead, points: skipping.points(rays.t.len()) }
             }
         }
     }
@@ -98,17 +108,29 @@ impl Path {
         }
     }
 
+    /// Densities of points (M, 3).
+    pub fn densities(&self, points: &[f64]) -> Vec<f32> {
+        match self {
+            Path::Fast { net, .. } => net.densities(points),
+            Path::Reference { field, .. } => parallel::map(points.len() / 3, |n| {
+                // At t = 0 of a ray that starts there; the density doesn't depend on the direction.
+                let ray = Ray { o: DVec3::from_slice(&points[3 * n..]), d: DVec3::Z };
+                field.at(&ray, 0.0).sigma as f32
+            }),
+        }
+    }
+
     /// Colour without background, opacity and sum w t of each ray.
-    pub fn render(&self, rays: Rays) -> Vec<([f32; 3], f32, f32)> {
+    pub fn render(&self, rays: Rays, skipping: Skipping) -> Vec<([f32; 3], f32, f32)> {
         match self {
             Path::Reference { field, .. } => parallel::map(rays.len(), |r| {
-                let (t, deltas) = samples_of(rays, r);
-                let (rendering, _) = field.render(&ray_of(rays, r), t, deltas);
-                let weighted = volume_rendering::depth(&rendering.weights, t, 0.0, Depth::Plain);
+                let (t, deltas) = followed(field, rays, skipping, r);
+                let (rendering, _) = field.render(&ray_of(rays, r), &t, &deltas);
+                let weighted = volume_rendering::depth(&rendering.weights, &t, 0.0, Depth::Plain);
                 (rendering.color.map(|c| c as f32), rendering.opacity as f32, weighted as f32)
             }),
             Path::Fast { net, .. } => {
-                let seen = net.render(&rays, [0.0; 3]);
+                let seen = net.render_skipping(&rays, skipping, [0.0; 3]);
                 let one = |r: usize| {
                     let rgb = [seen.colors[3 * r], seen.colors[3 * r + 1], seen.colors[3 * r + 2]];
                     (rgb, seen.opacity[r], seen.depth[r])
@@ -194,14 +216,35 @@ fn samples_of<'a>(rays: Rays<'a>, r: usize) -> (&'a [f64], &'a [f64]) {
     (&rays.t[range.clone()], &rays.deltas[range])
 }
 
+/// t and deltas of the samples of ray r that aren't left out: their step lengths stay what they are.
+fn followed(field: &Field, rays: Rays, skipping: Skipping, r: usize) -> (Vec<f64>, Vec<f64>) {
+    let samples = r * rays.samples..(r + 1) * rays.samples;
+    let live = samples.filter(|&n| skipping.live.is_none_or(|live| live[n]));
+    let (mut t, mut deltas): (Vec<f64>, Vec<f64>) = live.map(|n| (rays.t[n], rays.deltas[n])).unzip();
+    if skipping.stop > 0.0 {
+        let ray = ray_of(rays, r);
+        let sigmas: Vec<f64> = t.iter().map(|&t| field.at(&ray, t).sigma).collect();
+        let end = live_samples(&sigmas, &deltas, f64::from(skipping.stop));
+        t.truncate(end);
+        deltas.truncate(end);
+    }
+    (t, deltas)
+}
+
 /// Loss and gradient of a step in f64: rays in fixed chunks on all threads, folded in order.
-fn reference_gradient(field: &Field, rays: Rays, targets: &[f32], background: [f64; 3]) -> (f64, NerfMlp) {
+fn reference_gradient(
+    field: &Field,
+    rays: Rays,
+    skipping: Skipping,
+    targets: &[f32],
+    background: [f64; 3],
+) -> (f64, NerfMlp) {
     const CHUNK: usize = 16;
     let count = rays.len();
     let target = |r: usize| {
-        let (t, deltas) = samples_of(rays, r);
+        let (t, deltas) = followed(field, rays, skipping, r);
         let rgb = std::array::from_fn(|k| f64::from(targets[3 * r + k]));
-        Target { ray: ray_of(rays, r), t: t.to_vec(), deltas: deltas.to_vec(), rgb }
+        Target { ray: ray_of(rays, r), t, deltas, rgb }
     };
     let parts = parallel::map(count.div_ceil(CHUNK), |n| {
         let batch: Vec<Target> = (n * CHUNK..count.min((n + 1) * CHUNK)).map(target).collect();

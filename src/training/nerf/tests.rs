@@ -1,5 +1,7 @@
 //! A coarse and a fine network: what one owes to the other, on both paths.
 
+mod skipping;
+
 use super::*;
 use crate::parallel;
 use crate::scene;

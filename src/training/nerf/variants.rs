@@ -69,9 +69,12 @@ impl System for Trained<'_> {
     fn truth(&self, ray: &Ray, samples: usize) -> Seen {
         let (near, far) = (self.model.settings.near, self.model.settings.far);
         let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
-        let deltas = vec![(far - near) / samples as f64; samples];
-        let (seen, _) = self.field.render(ray, &t, &deltas);
-        Seen { color: seen.color, opacity: seen.opacity, samples, live: samples }
+        let delta = (far - near) / samples as f64;
+        // A run's own grid is part of its model: density 0 in empty cells.
+        let live = |t: &f64| self.model.grid.as_ref().is_none_or(|grid| grid.live(ray.at(*t).to_array()));
+        let t: Vec<f64> = t.into_iter().filter(live).collect();
+        let (seen, _) = self.field.render(ray, &t, &vec![delta; t.len()]);
+        Seen { color: seen.color, opacity: seen.opacity, samples, live: t.len() }
     }
 
     fn same_samples(&self, rays: &[Ray]) -> Vec<Seen> {

@@ -1,0 +1,204 @@
+//! A dense step of the 8x256 network against one that leaves samples out: time, work and loss on the same rays.
+
+use serde_json::{Value, json};
+
+use super::grid::Grid;
+use super::path::Path;
+use super::skipping::skipping;
+use super::{Drawn, NerfModel, Samples, Skip};
+use crate::error::Result;
+use crate::field::fast::{Batch, Gradient, Network, Skipping};
+use crate::loss::psnr;
+use crate::optimiser::{Adam, fast::Moments};
+use crate::random::{Key, Purpose};
+use crate::scene::Scene;
+use crate::verify::bench::rounds::{quantile, seconds};
+
+/// The step whose rays are drawn: no training comes so far. Batches that follow it are only rendered.
+const STEP: u64 = 1 << 40;
+/// Batches beside the timed one on which the losses are compared.
+const OTHERS: u64 = 8;
+
+/// One way to take a step, with the memory that it needs.
+#[derive(Default)]
+struct Way {
+    gradient: Gradient,
+    loss: f64,
+    seconds: Vec<f64>,
+}
+
+impl Way {
+    /// Loss, gradient and Adam, timed; the parameters stay what they were.
+    fn round(
+        &mut self,
+        (net, moments, adam): (&mut Network, &Moments, &Adam),
+        step: impl Fn(&Network, &mut Gradient) -> f64,
+    ) {
+        let (before, mut moments) = (net.params.clone(), moments.clone());
+        let took = seconds(|| {
+            self.loss = step(net, &mut self.gradient);
+            moments.update(net.arch, adam, &mut net.params, &self.gradient.values);
+        });
+        net.params = before;
+        self.seconds.push(took);
+    }
+
+    fn points(&self) -> [usize; 2] {
+        [self.gradient.forward_points, self.gradient.backward_points]
+    }
+}
+
+/// Mean squared error of a rendered batch.
+fn error(net: &Network, batch: &Batch, skipping: Skipping) -> f64 {
+    let seen = net.render_skipping(&batch.rays, skipping, batch.background);
+    let squares = seen.colors.iter().zip(batch.targets).map(|(c, t)| f64::from(c - t).powi(2));
+    squares.sum::<f64>() / batch.targets.len() as f64
+}
+
+impl NerfModel {
+    /// See [`crate::training::Model::compare_steps`]; none for a pair of networks, and for the reference.
+    pub(super) fn compare(&mut self, scene: &Scene, rounds: usize) -> Option<Result<Value>> {
+        let alone = self.fine.is_none() && matches!(self.coarse, Path::Fast { .. });
+        alone.then(|| self.compared(scene, rounds))
+    }
+
+    fn drawn(&self, scene: &Scene, step: u64) -> Result<(Drawn, Samples)> {
+        let mut drawn = self.draw(scene, step)?;
+        let samples = self.coarse_samples(std::mem::take(&mut drawn.t));
+        Ok((drawn, samples))
+    }
+
+    fn compared(&mut self, scene: &Scene, rounds: usize) -> Result<Value> {
+        let Skip { every, resolution, .. } = self.settings.skip.unwrap_or_default();
+        let (key, length) = (Key::new(self.settings.seed, Purpose::Occupancy), self.step_length());
+        let mut fill_seconds = None;
+        let grid = match &self.grid {
+            Some(grid) => grid.clone(),
+            None => {
+                let mut grid = Grid::new(scene, self.settings.near, self.settings.far, resolution)?;
+                let ask = |points: &[f64]| self.coarse.densities(points);
+                fill_seconds = Some(seconds(|| grid.fill(&key, STEP, length, &ask)));
+                grid
+            }
+        };
+        let ask = |points: &[f64]| self.coarse.densities(points);
+        let mut later = grid.clone();
+        let update_seconds = seconds(|| later.update(&key, (STEP, 1), length, &ask));
+        let background = self.settings.background.map(|b| b as f32);
+        let mut others = vec![];
+        for n in 1..=OTHERS {
+            let (drawn, samples) = self.drawn(scene, STEP + n)?;
+            let rays = samples.rays(&drawn.origins, &drawn.directions);
+            let batch = Batch { rays, targets: &drawn.targets, background };
+            let Path::Fast { net, .. } = &self.coarse else { unreachable!("a fast path") };
+            let whole = error(net, &batch, Skipping::default());
+            others.push(psnr(whole, 1.0) - psnr(error(net, &batch, skipping(Some(&grid.mask(&rays)))), 1.0));
+        }
+        let (drawn, samples) = self.drawn(scene, STEP)?;
+        let rays = samples.rays(&drawn.origins, &drawn.directions);
+        let batch = Batch { rays, targets: &drawn.targets, background };
+        let adam = self.adam();
+        let Path::Fast { net, moments, .. } = &mut self.coarse else { unreachable!("a fast path") };
+        let [mut dense, mut usual, mut skip] = [(); 3].map(|()| Way::default());
+        // The first round warms up and doesn't count.
+        for round in 0..=rounds {
+            let mut of = |way: &mut Way, step: &dyn Fn(&Network, &mut Gradient) -> f64| {
+                way.round((&mut *net, &*moments, &adam), step);
+            };
+            of(&mut dense, &|net, gradient| net.step(&batch, true, gradient));
+            of(&mut usual, &|net, gradient| net.step(&batch, false, gradient));
+            of(&mut skip, &|net, gradient| {
+                net.step_skipping(&batch, skipping(Some(&grid.mask(&rays))), gradient)
+            });
+            if round == 0 {
+                for way in [&mut dense, &mut usual, &mut skip] {
+                    way.seconds.clear();
+                }
+            }
+        }
+        let all = rays.t.len() as f64;
+        let figures = Figures { dense, usual, skip, all, update: update_seconds / every as f64 };
+        let mut object = figures.json();
+        object["rays"] = rays.len().into();
+        object["samples"] = rays.samples.into();
+        object["occupied_cells"] = grid.fraction().into();
+        object["grid_fill_seconds"] = fill_seconds.into();
+        object["grid_update_seconds"] = update_seconds.into();
+        object["grid_update_every"] = every.into();
+        object["other_rays"] = (OTHERS as usize * rays.len()).into();
+        object["other_loss_db"] = (others.iter().sum::<f64>() / others.len() as f64).into();
+        object["other_loss_db_worst"] = others.iter().copied().fold(f64::NEG_INFINITY, f64::max).into();
+        object["text"] = text(&object).into();
+        Ok(object)
+    }
+}
+
+/// What was measured.
+struct Figures {
+    dense: Way,
+    usual: Way,
+    skip: Way,
+    /// Samples of the batch.
+    all: f64,
+    /// Seconds of the grid's updates, a step.
+    update: f64,
+}
+
+impl Figures {
+    /// Quartiles and extremes over the rounds of `of` over the skipping step, with `more` seconds in each of the latter.
+    fn ratios(&self, of: &Way, more: f64) -> [f64; 3] {
+        let pairs = of.seconds.iter().zip(&self.skip.seconds);
+        let ratios: Vec<f64> = pairs.map(|(of, skip)| of / (skip + more)).collect();
+        [0.5, 0.0, 1.0].map(|q| quantile(&ratios, q))
+    }
+
+    fn json(&self) -> Value {
+        let [forward, backward] = self.skip.points().map(|n| n as f64 / self.all);
+        let median = |way: &Way| quantile(&way.seconds, 0.5);
+        json!({
+            "rounds": self.skip.seconds.len(),
+            "dense_seconds": median(&self.dense), "train_seconds": median(&self.usual), "skip_seconds": median(&self.skip),
+            "ratio": self.ratios(&self.dense, 0.0), "ratio_with_updates": self.ratios(&self.dense, self.update),
+            "ratio_to_train": self.ratios(&self.usual, self.update),
+            "evaluated": forward, "backward": backward,
+            // A backward pass is two products where a forward pass is one.
+            "ceiling": 3.0 / (forward + 2.0 * backward),
+            "dense_loss": self.dense.loss, "skip_loss": self.skip.loss,
+            "loss_db": psnr(self.dense.loss, 1.0) - psnr(self.skip.loss, 1.0),
+        })
+    }
+}
+
+/// For people.
+fn text(object: &Value) -> String {
+    let number = |name: &str| object[name].as_f64().unwrap_or(f64::NAN);
+    let ratio = |name: &str| {
+        let [middle, low, high] = [0, 1, 2].map(|n| object[name][n].as_f64().unwrap_or(f64::NAN));
+        format!("{middle:.2} times ({low:.2} to {high:.2})")
+    };
+    let seconds = |name: &str| format!("{:.4} s", number(name));
+    let rows = [
+        ("every sample computed", seconds("dense_seconds")),
+        ("as train computes it: no backward pass where the density is 0", seconds("train_seconds")),
+        ("with occupancy grid and early stop", seconds("skip_seconds")),
+        ("every sample / skipping", ratio("ratio")),
+        ("the same with the grid's updates", ratio("ratio_with_updates")),
+        ("as train computes it / skipping with updates", ratio("ratio_to_train")),
+        (
+            "samples evaluated; with backward pass",
+            format!("{:.2}%; {:.2}%", 100.0 * number("evaluated"), 100.0 * number("backward")),
+        ),
+        ("ceiling: work that is left out", format!("{:.2} times", number("ceiling"))),
+        (
+            "loss, the same rays; other rays, mean and worst batch",
+            format!(
+                "{:+.4} dB; {:+.4}, {:+.4} dB",
+                number("loss_db"),
+                number("other_loss_db"),
+                number("other_loss_db_worst")
+            ),
+        ),
+    ];
+    let rows = rows.map(|(name, value)| vec![name.to_string(), value]);
+    crate::report::table::text(&["8x256 step with Adam", ""], &rows)
+}

@@ -1,0 +1,177 @@
+//! Where the 8x256 network may have something: an occupancy grid over all that the training rays can reach.
+//!
+//! The network itself is asked, at random points of cells: every cell at first, then a part of them now and then, and the occupied ones
+//! with their neighbours each time, because content moves by a cell, not across the scene. A cell keeps the largest density of late.
+
+use crate::convention::CS180;
+use crate::error::Result;
+use crate::field::fast::Rays;
+use crate::occupancy_grid::fast::Occupancy;
+use crate::parallel;
+use crate::random::Key;
+use crate::ray::{camera_ray, pixel_position};
+use crate::scene::Scene;
+
+/// An update looks at every cell whose index is its turn modulo this.
+const PARTS: usize = 8;
+/// Looks at occupied cells and their neighbours when the grid is filled.
+const FIRST_LOOKS: u64 = 12;
+/// What an update leaves of a cell's density where it doesn't find more.
+const DECAY: f32 = 0.8;
+/// Opacity of one step above which a cell is occupied.
+pub(super) const OPACITY: f64 = 0.01;
+/// Points of a task.
+const TASK: usize = 1 << 13;
+
+/// Densities at points (M, 3).
+pub(super) type Ask<'a> = &'a dyn Fn(&[f64]) -> Vec<f32>;
+
+/// The grid, and the box of the scene that it fills.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Grid {
+    /// Its corners.
+    low: [f64; 3],
+    high: [f64; 3],
+    cells: Occupancy,
+}
+
+impl Grid {
+    /// Over the box of all training rays between `near` and `far`, with so many cells along an edge (a multiple of 4); no density known.
+    ///
+    /// # Errors
+    /// Where a training pixel has no ray.
+    pub fn new(scene: &Scene, near: f64, far: f64, resolution: usize) -> Result<Self> {
+        // Every eighth pixel and the last ones: a sample outside the box counts as live, so that nothing depends on the rest.
+        const STRIDE: usize = 8;
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for frame in &scene.train {
+            let camera = &frame.camera;
+            let along = |n: usize| (0..n).step_by(STRIDE).chain([n - 1]);
+            for (i, j) in along(camera.height).flat_map(|i| along(camera.width).map(move |j| (i, j))) {
+                let ray = camera_ray(camera, pixel_position(i, j, CS180.pixel_centre))?;
+                for t in [near, far] {
+                    let x = ray.at(t).to_array();
+                    for a in 0..3 {
+                        (low[a], high[a]) = (low[a].min(x[a]), high[a].max(x[a]));
+                    }
+                }
+            }
+        }
+        Ok(Grid { low, high, cells: Occupancy::full(resolution) })
+    }
+
+    /// A grid as [`Self::corners`] and [`Self::densities`] gave it; `step` is a sample's step length.
+    pub fn from_parts(corners: &[f64], resolution: usize, densities: Vec<f32>, step: f64) -> Option<Self> {
+        let none = vec![0; (resolution / 4).pow(3)];
+        let cells = Occupancy::from_parts(resolution, densities, &none, &none)?;
+        let corner = |n: usize| <[f64; 3]>::try_from(corners.get(3 * n..3 * n + 3)?).ok();
+        let mut grid = Grid { low: corner(0)?, high: corner(1)?, cells };
+        grid.cells.apply_threshold(threshold(step));
+        Some(grid)
+    }
+
+    /// The box, (2, 3).
+    pub fn corners(&self) -> [f64; 6] {
+        let ([a, b, c], [d, e, f]) = (self.low, self.high);
+        [a, b, c, d, e, f]
+    }
+
+    /// Cells along an edge.
+    pub fn resolution(&self) -> usize {
+        self.cells.resolution
+    }
+
+    /// The largest density of late in each cell.
+    pub fn densities(&self) -> &[f32] {
+        &self.cells.density
+    }
+
+    /// Share of the cells that are occupied.
+    pub fn fraction(&self) -> f64 {
+        self.cells.fraction()
+    }
+
+    /// Whether a point may have a density: it lies in an occupied cell, or outside the grid.
+    pub fn live(&self, x: [f64; 3]) -> bool {
+        let inside = (0..3).all(|a| self.low[a] <= x[a] && x[a] <= self.high[a]);
+        let unit = std::array::from_fn(|a| ((x[a] - self.low[a]) / (self.high[a] - self.low[a])) as f32);
+        !inside || self.cells.occupied(self.cells.cell(unit))
+    }
+
+    /// The samples of rays that may have a density (R, N).
+    pub fn mask(&self, rays: &Rays) -> Vec<bool> {
+        let mut mask = vec![false; rays.t.len()];
+        parallel::for_chunks(&mut mask, TASK, |chunk, mask| {
+            for (n, live) in mask.iter_mut().enumerate() {
+                *live = self.live(rays.position(chunk * TASK + n));
+            }
+        });
+        mask
+    }
+
+    /// The first look: at every cell once, then around what was found. `step` is a sample's step length, `number` the training step.
+    pub fn fill(&mut self, key: &Key, number: u64, step: f64, ask: Ask) {
+        self.cells.density.fill(0.0);
+        let all: Vec<usize> = (0..self.cells.density.len()).collect();
+        self.look(&all, key, number, 0, ask);
+        for round in 1..=FIRST_LOOKS {
+            self.cells.apply_threshold(threshold(step));
+            self.look(&self.surroundings(), key, number, round, ask);
+        }
+        self.cells.apply_threshold(threshold(step));
+    }
+
+    /// A later look, the `turn`-th: at a part of all cells and around what is occupied.
+    pub fn update(&mut self, key: &Key, (number, turn): (u64, u64), step: f64, ask: Ask) {
+        self.cells.decay(DECAY);
+        let part = turn as usize % PARTS;
+        let some: Vec<usize> = (part..self.cells.density.len()).step_by(PARTS).collect();
+        self.look(&some, key, number, 0, ask);
+        self.look(&self.surroundings(), key, number, 1, ask);
+        self.cells.apply_threshold(threshold(step));
+    }
+
+    /// Raises cells to the network's density at a random point in each of them.
+    fn look(&mut self, cells: &[usize], key: &Key, number: u64, round: u64, ask: Ask) {
+        let mut points = vec![0.0; 3 * cells.len()];
+        parallel::for_chunks(&mut points, 3 * TASK, |task, points| {
+            for (n, x) in points.chunks_exact_mut(3).enumerate() {
+                let cell = cells[task * TASK + n];
+                for (a, index) in self.indices(cell).into_iter().enumerate() {
+                    let u = key.uniform(number, cell as u64, 4 * round + a as u64);
+                    let share = (index as f64 + u) / self.cells.resolution as f64;
+                    x[a] = self.low[a] + share * (self.high[a] - self.low[a]);
+                }
+            }
+        });
+        let densities = ask(&points);
+        for (&cell, sigma) in cells.iter().zip(densities) {
+            // A NaN raises nothing here; it comes out in the loss.
+            self.cells.density[cell] = self.cells.density[cell].max(sigma);
+        }
+    }
+
+    fn indices(&self, cell: usize) -> [usize; 3] {
+        let r = self.cells.resolution;
+        [cell % r, cell / r % r, cell / r / r]
+    }
+
+    /// Occupied cells and all that touch them.
+    fn surroundings(&self) -> Vec<usize> {
+        let (mut found, r) = (vec![false; self.cells.density.len()], self.cells.resolution);
+        for cell in (0..found.len()).filter(|&cell| self.cells.occupied(cell)) {
+            let [x, y, z] = self.indices(cell).map(|i| i.saturating_sub(1)..=(i + 1).min(r - 1));
+            for k in z {
+                for j in y.clone() {
+                    x.clone().for_each(|i| found[(k * r + j) * r + i] = true);
+                }
+            }
+        }
+        (0..found.len()).filter(|&cell| found[cell]).collect()
+    }
+}
+
+/// The density whose opacity over a step is [`OPACITY`]: 1 - e^(-sigma step).
+fn threshold(step: f64) -> f32 {
+    (-crate::maths::ln_1p(-OPACITY) / step) as f32
+}

@@ -1,0 +1,126 @@
+//! A model that works only where its scene has something: when the grid is looked after, and what a checkpoint holds of it.
+
+use ndarray::{ArrayD, IxDyn};
+use serde_json::{Map, Value, json};
+
+use super::grid::{self, Grid};
+use super::{NerfModel, find};
+use crate::error::{Error, Result};
+use crate::field::fast::{Rays, Skipping};
+use crate::files::npz::{Array, Arrays};
+use crate::random::{Key, Purpose};
+use crate::scene::Scene;
+
+/// When a model begins to leave samples out, and how fine its grid is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Skip {
+    /// Steps at which every sample is computed: until then densities are the initial network's.
+    pub behind: u64,
+    /// Steps between updates of the grid.
+    pub every: u64,
+    /// Cells of the grid along an edge, a multiple of 4.
+    pub resolution: usize,
+}
+
+impl Default for Skip {
+    fn default() -> Self {
+        Skip { behind: 256, every: 64, resolution: 64 }
+    }
+}
+
+/// A ray ends where less light than this comes through.
+const STOP: f32 = 0.01;
+
+/// Names in a checkpoint.
+const BOX: &str = "occupancy_box";
+const DENSITY: &str = "occupancy_density";
+
+/// What is left out where so many samples are live; nothing where no grid says.
+pub(super) fn skipping(live: Option<&[bool]>) -> Skipping<'_> {
+    Skipping { live, stop: if live.is_some() { STOP } else { 0.0 } }
+}
+
+impl NerfModel {
+    /// Before a step: fills the grid when it is time, and looks after it now and then.
+    pub(super) fn look(&mut self, scene: &Scene, step: u64) -> Result<()> {
+        let Some(skip) = self.settings.skip.filter(|skip| self.fine.is_none() && step > skip.behind) else {
+            return Ok(());
+        };
+        let key = Key::new(self.settings.seed, Purpose::Occupancy);
+        let length = self.step_length();
+        let ask = |points: &[f64]| self.coarse.densities(points);
+        if let Some(grid) = &mut self.grid {
+            let since = step - skip.behind - 1;
+            if since.is_multiple_of(skip.every) {
+                grid.update(&key, (step, since / skip.every), length, &ask);
+            }
+        } else {
+            let mut grid = Grid::new(scene, self.settings.near, self.settings.far, skip.resolution)?;
+            grid.fill(&key, step, length, &ask);
+            self.grid = Some(grid);
+        }
+        Ok(())
+    }
+
+    /// The samples that may have a density; none of this without a grid.
+    pub(super) fn mask(&self, rays: &Rays) -> Option<Vec<bool>> {
+        self.grid.as_ref().map(|grid| grid.mask(rays))
+    }
+
+    pub(super) fn step_length(&self) -> f64 {
+        (self.settings.far - self.settings.near) / self.settings.samples as f64
+    }
+
+    /// What a checkpoint holds of the grid.
+    pub(super) fn grid_state(&self) -> Arrays {
+        let mut state = Arrays::new();
+        if let Some(grid) = &self.grid {
+            let density = ArrayD::from_shape_vec(IxDyn(&[grid.resolution(); 3]), grid.densities().to_vec());
+            let corners = ArrayD::from_shape_vec(IxDyn(&[2, 3]), grid.corners().to_vec());
+            state.insert(DENSITY.into(), Array::F32(density.expect("a value a cell")));
+            state.insert(BOX.into(), Array::F64(corners.expect("two corners")));
+        }
+        state
+    }
+
+    /// Takes what [`Self::grid_state`] gave; a checkpoint from before the grid was filled has none.
+    pub(super) fn restore_grid(&mut self, state: &Arrays, file: &str) -> Result<()> {
+        self.grid = None;
+        let held = [BOX, DENSITY].iter().any(|name| state.contains_key(*name));
+        if let Some(Skip { resolution, .. }) = self.settings.skip.filter(|_| held) {
+            let corners: Vec<f64> = find(state, BOX, &[2, 3], file)?.into_iter().collect();
+            let density = find(state, DENSITY, &[resolution; 3], file)?;
+            let density = density.into_iter().map(|x| x as f32).collect();
+            let wrong = || {
+                let advice = "Use the checkpoint of this very run, or train it again.";
+                Error::input(file, BOX, format!("{corners:?}"), "a lower and an upper corner", advice)
+            };
+            let whole =
+                (0..3).all(|a| corners[a] < corners[3 + a] && (corners[3 + a] - corners[a]).is_finite());
+            self.grid =
+                whole.then(|| Grid::from_parts(&corners, resolution, density, self.step_length())).flatten();
+            self.grid.as_ref().ok_or_else(wrong)?;
+        }
+        Ok(())
+    }
+
+    /// What `run.json` says of it.
+    pub(super) fn skipping_settings(&self) -> Map<String, Value> {
+        let settings = if let Some(Skip { behind, every, resolution }) = self.settings.skip {
+            json!({
+                "skip_samples": true, "skip_behind_step": behind, "skip_update_every": every, "occupancy": resolution,
+                "occupancy_opacity": grid::OPACITY, "stop": STOP,
+                "reasons": {
+                    "skip_samples": "asked for: cells where a step's opacity is below occupancy_opacity have density 0, not evaluated",
+                    "skip_behind_step": "before it densities are still the initial network's",
+                    "stop": "a colour moves by at most this",
+                },
+            })
+        } else {
+            let why =
+                "not asked for: every sample is evaluated, as in the paper; --skip leaves empty space out";
+            json!({"skip_samples": false, "reasons": {"skip_samples": why}})
+        };
+        settings.as_object().expect("an object literal").clone()
+    }
+}
