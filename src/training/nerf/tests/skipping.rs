@@ -12,7 +12,7 @@ const BEHIND: u64 = 2;
 const EVERY: u64 = 3;
 
 fn skipping_settings(skip: bool) -> Settings {
-    let skip = skip.then_some(Skip { behind: BEHIND, every: EVERY, resolution: 16 });
+    let skip = skip.then_some(Skip { behind: BEHIND, every: EVERY, resolution: 32 });
     Settings { skip, ..settings(0, false) }
 }
 
@@ -101,7 +101,7 @@ fn a_model_works_where_something_is() {
     let mut model = half_empty(skipping_settings(true), &scene);
     let mut dense = copy(&model, skipping_settings(false));
     let (report, all) = (model.step(&scene, BEHIND + 1).unwrap(), dense.step(&scene, BEHIND + 1).unwrap());
-    assert!((24..180).contains(&report.samples) && all.samples == 192, "{} samples", report.samples);
+    assert!((24..192).contains(&report.samples) && all.samples == 192, "{} samples", report.samples);
     assert!((report.loss - all.loss).abs() < 0.1 * all.loss, "{} {}", report.loss, all.loss);
     let grid = model.grid.clone().unwrap();
     // Pictures: the same grid.
@@ -114,7 +114,7 @@ fn a_model_works_where_something_is() {
     let squares =
         seen.iter().zip(&all).flat_map(|(a, b)| (0..3).map(|k| f64::from(a.rgb[k] - b.rgb[k]).powi(2)));
     let decibels = crate::loss::psnr(squares.sum::<f64>() / (3 * rays.len()) as f64, 1.0);
-    assert!(decibels > 25.0, "{decibels} dB: cells of a quarter of the scene, few looks at each");
+    assert!(decibels > 25.0, "{decibels} dB: cells of an eighth of the scene, few looks at each");
 }
 
 /// The grid goes with the checkpoint: to the bit, on any number of threads, through an update.
@@ -125,7 +125,7 @@ fn a_checkpoint_holds_the_grid_and_threads_change_nothing() {
     let run = |mut model: NerfModel, steps: std::ops::RangeInclusive<u64>| {
         for step in steps {
             let report = model.step(&scene, step).unwrap();
-            assert!((12..180).contains(&report.samples), "{} samples", report.samples);
+            assert!((12..192).contains(&report.samples), "{} samples", report.samples);
         }
         model
     };
