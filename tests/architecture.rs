@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::convention::CS180;
 use nerf_oracle::verify::check::Kind;
+use sha2::{Digest, Sha256};
 
 /// Files of a component folder that are not oracle: harness, tests and fast variants.
 const AROUND: &[&str] = &[
@@ -127,6 +128,10 @@ fn mutants_are_killed_or_explained() {
         let file = file.strip_prefix(root()).expect("below the root").display().to_string();
         let row = &rows[&file];
         assert!(row.is_object(), "{file} has no row: python tools/mutants.py {file}");
+        let hash = Sha256::digest(fs::read(root().join(&file)).expect("readable source"));
+        let hash: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+        assert_eq!(row["sha256"], hash, "{file} has changed since: python tools/mutants.py {file}");
+        assert!(row["viable"].as_u64().is_some_and(|viable| viable > 0), "{file}: no mutant was tried");
         for survivor in row["survivors"].as_array().expect("a list") {
             let name = survivor.as_str().expect("a name");
             assert!(equivalent[name].is_string(), "{name} survives without a reason in tools/mutants.json");

@@ -105,16 +105,7 @@ fn every_mistake_is_named_first() {
         (0..pairs.len()).flat_map(|n| pairs[n].1.mistakes.iter().map(move |m| (n, m))).collect();
     let outcomes = parallel::map(jobs.len(), |k| {
         let (n, mistake) = jobs[k];
-        let t0 = std::time::Instant::now();
-        let o = outcome(&exams[n], pairs[n].1, mistake, pairs[n].0);
-        println!(
-            "TIME {:.4} {} {} {}",
-            t0.elapsed().as_secs_f64(),
-            pairs[n].0,
-            pairs[n].1.name,
-            mistake.name
-        );
-        o
+        outcome(&exams[n], pairs[n].1, mistake, pairs[n].0)
     });
     let total = outcomes.iter().flatten().count();
     let failures: Vec<String> = outcomes.into_iter().flatten().filter_map(Result::err).collect();

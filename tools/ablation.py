@@ -17,7 +17,7 @@ from pathlib import Path
 PARTS = {
     "nothing": "the default",
     "occupancy": "occupancy grid",
-    "stop": "early stop",
+    "stop": "early stop (and rays ending behind opaque cells)",
     "patience": "rays ending behind opaque cells",
     "coarse_steps": "coarse steps at first",
     "coarse_levels": "coarse levels first",

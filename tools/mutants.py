@@ -264,7 +264,7 @@ def main():
         [args.tool, "mutants", "--list-files", "--dir", str(ROOT)], capture_output=True, text=True, check=True
     ).stdout.split()
     rows = read_rows()
-    subprocess.run(["cargo", "build", "--quiet", "--manifest-path", ROOT / "tools/mutants/Cargo.toml"], check=True)
+    subprocess.run(["cargo", "build", "--quiet", "--locked", "--manifest-path", ROOT / "tools/mutants/Cargo.toml"], check=True)
     tool = Path(os.environ["CARGO_TARGET_DIR"]) / "debug/mutants-in-one"
     for file in args.files or listed:
         if file not in listed:

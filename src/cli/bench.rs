@@ -86,7 +86,16 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let (mut object, mut text) = (report.json(), report.text());
     if let Some(trained) = trained.as_mut().filter(|_| steps) {
         let compare = || trained.model.compare_steps(&trained.scene, options.rounds).transpose();
-        if let Some(step) = parallel::with_threads(args.threads, compare)? {
+        let step = parallel::with_threads(args.threads, compare)?;
+        if step.is_none() && suites.is_empty() && !whole {
+            let got = args.run.as_deref().map_or_else(String::new, |run| run.display().to_string());
+            return Err(Error::usage(
+                "--run",
+                got,
+                "a run of --model nerf without --fine: nerf_step compares its steps",
+            ));
+        }
+        if let Some(step) = step {
             text += &step["text"].as_str().map_or_else(String::new, |line| format!("\n{line}\n"));
             object["nerf_step"] = step;
         }

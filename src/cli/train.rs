@@ -170,6 +170,8 @@ pub fn train(args: &Args) -> Result<Summary> {
 /// That a run goes on with what it was begun with; the warnings that it had so far.
 fn same_recipe(folder: &RunFolder, recipe: &Map<String, Value>) -> Result<Vec<Value>> {
     let before = folder.settings()?;
+    // A field that an older run lacks was at its default.
+    let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
     for name in [
         "scene",
         "scene_options",
@@ -184,8 +186,7 @@ fn same_recipe(folder: &RunFolder, recipe: &Map<String, Value>) -> Result<Vec<Va
         "without",
         "skip",
     ] {
-        // A field that an older run lacks was at its default.
-        if let Some(had) = before.get(name).filter(|had| **had != recipe[name]) {
+        if let Some(had) = before.get(name).or(defaults.get(name)).filter(|had| **had != recipe[name]) {
             let advice =
                 "Give --resume the options that the run was begun with; --steps and --seconds may differ.";
             let file = folder.file("run.json").display().to_string();

@@ -76,7 +76,7 @@ pub fn nerf_mlp(
         let linear = n + 1 == net.trunk.len() && c.last_trunk == Activation::None;
         let g_z = if linear { g_h } else { relu(&tape.z[n], &g_h) };
         g_h = layer(&net.trunk[n], &tape.inputs[n], &g_z, &mut gradient.trunk[n]);
-        // (Of layer 0, all of it goes there, and it doesn't matter by which way.)
+        // A skip into layer 0, whose input is the encoding alone, splits off all of it.
         if n == c.skip_layer {
             let g_encoding = match c.skip_order {
                 SkipOrder::HiddenFirst => g_h.split_off(g_h.len() - columns),

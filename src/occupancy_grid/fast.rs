@@ -24,7 +24,14 @@ pub struct Occupancy {
 
 impl Occupancy {
     /// Every cell occupied, no density known.
+    ///
+    /// # Panics
+    /// Where the resolution isn't a multiple of 16.
     pub fn full(resolution: usize) -> Self {
+        assert!(
+            resolution > 0 && resolution.is_multiple_of(BLOCK),
+            "{resolution} cells an edge: whole blocks of {BLOCK} are needed"
+        );
         let words = vec![[!0, 0]; (resolution / BRICK).pow(3)];
         let blocks = vec![!0; (resolution / BLOCK).pow(3)];
         Occupancy { resolution, density: vec![0.0; resolution.pow(3)], words, blocks }
@@ -38,8 +45,10 @@ impl Occupancy {
         opaque: &[u64],
     ) -> Option<Self> {
         let bricks = (resolution / BRICK).pow(3);
-        let fits =
-            density.len() == resolution.pow(3) && [occupied, opaque].iter().all(|bits| bits.len() == bricks);
+        let whole = resolution > 0 && resolution.is_multiple_of(BLOCK);
+        let fits = whole
+            && density.len() == resolution.pow(3)
+            && [occupied, opaque].iter().all(|bits| bits.len() == bricks);
         fits.then(|| {
             let words = occupied.iter().zip(opaque).map(|(&a, &b)| [a, b]).collect();
             let mut grid = Occupancy { resolution, density, words, blocks: vec![] };

@@ -92,8 +92,9 @@ impl OccupancyGrid {
         for a in 0..3 {
             for n in 1..r {
                 let t = (n as f64 / r as f64 - o[a]) / d[a];
-                // Outside (also for d = 0, where t is infinite or NaN): at an end, where it bounds nothing.
-                faces.push(t.max(near).min(far));
+                if near < t && t < far {
+                    faces.push(t);
+                }
             }
         }
         faces.sort_by(f64::total_cmp);

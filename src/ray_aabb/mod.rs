@@ -29,7 +29,7 @@ fn slab(o: f64, d: f64, low: f64, high: f64) -> Option<Hit> {
         return inside.then_some(Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY });
     }
     let (a, b) = ((low - o) / d, (high - o) / d);
-    Some(Hit { enter: a.min(b), leave: a.max(b) })
+    Some(if d.is_sign_positive() { Hit { enter: a, leave: b } } else { Hit { enter: b, leave: a } })
 }
 
 /// Where the line o + t d meets the closed box [low, high]; none where it misses.

@@ -142,7 +142,12 @@ fn sets(sheet: &Sheet, count: usize, suspects: &[Vec<&'static str>]) -> Vec<Vec<
 /// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.
 fn explains_all(h: &Hypothesis, sheet: &Sheet, answers: &Answers, rules: &Rules) -> bool {
     let cases = usable(h, sheet, answers);
-    !cases.is_empty() && cases.iter().all(|(case, answer)| h.explains(sheet, case, answer, rules))
+    // Numeric gradients that are known nowhere would explain anything.
+    let says = |case| {
+        h.prediction(sheet, case).1.is_none_or(|error| error.values().flatten().any(|e| e.is_finite()))
+    };
+    cases.iter().all(|(case, answer)| h.explains(sheet, case, answer, rules))
+        && cases.iter().any(|(case, _)| says(case))
 }
 
 fn usable<'a>(

@@ -100,7 +100,8 @@ impl Hypothesis {
         }
         // The textbook's opacity is off by a rounding of 1 however small it is, which wrong code may magnify (C / A on a thin ray).
         if let Some(sigmas) = case.inputs.get("sigmas") {
-            let error = sigmas.mapv(|_| if draw.below(2) == 0 { relative } else { -relative });
+            let rounding = 0.25 * relative;
+            let error = sigmas.mapv(|_| if draw.below(2) == 0 { rounding } else { -rounding });
             inputs.insert(ALPHA_ERROR.into(), error);
         }
         (pass.wrong)(&inputs, &self.conventions, &self.mistakes)

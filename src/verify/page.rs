@@ -32,7 +32,7 @@ impl fmt::Display for Report {
         writeln!(
             f,
             "\nbudget: the largest error, of what is allowed; grade: A, the stable formula's bound held, B, the textbook's;\n\
-             vacuous: elements of which anything is allowed, so that they prove nothing"
+             vacuous: elements whose bound reaches their own size, so that 0 would pass too"
         )?;
         let unsupported = self.rows.iter().filter(|row| row.verdict == Verdict::Unsupported);
         let names: Vec<String> = unsupported.map(|row| format!("{} {}", row.name, row.kind)).collect();
@@ -110,7 +110,7 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     let Some(best) = row.diagnosis.first() else {
         writeln!(
             f,
-            "  diagnosis: unknown: no mistake of the catalogue, nor two together, give these numbers"
+            "  diagnosis: unknown: no mistake of the catalogue, nor any two that were tried together, give these numbers"
         )?;
         return match row.off.first() {
             Some(name) => writeln!(f, "    the first output to differ is {name}: begin there"),

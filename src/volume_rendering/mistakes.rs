@@ -127,7 +127,7 @@ pub fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
                 .iter_mut()
                 .zip(errors)
                 .filter(|(alpha, _)| **alpha != 0.0)
-                .for_each(|(alpha, e)| *alpha += e);
+                .for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
         }
         if touched || textbook {
             ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);

@@ -20,7 +20,7 @@ pub struct Way {
     pub far: f32,
     /// Jitter in [0, 1).
     pub u: f32,
-    /// The ray ends behind so many samples in opaque cells.
+    /// The ray ends behind so many samples in opaque cells, at least 1.
     pub patience: u32,
 }
 
@@ -189,7 +189,9 @@ impl Occupancy {
         for i in 0..LANES {
             let (next, far) = (walk.k[i] + 1.0, exit[i].ceil());
             let jump = if occupied[i] == 0 && far > next { far } else { next };
-            walk.k[i] = if steps.patience[i] == 0 { f32::INFINITY } else { jump };
+            // From 2^24 on k + 1 is k: so far from the box there are no samples to tell apart.
+            let over = steps.patience[i] == 0 || jump == walk.k[i];
+            walk.k[i] = if over { f32::INFINITY } else { jump };
         }
     }
 }

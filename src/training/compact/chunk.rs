@@ -49,6 +49,8 @@ pub(super) struct Chunk {
     /// Columns 0 to 2: the raw colour, then the colour, then the raw colour's gradient. See `composite` for the others.
     pub rgb: Vec<[f32; 16]>,
     pub gradient: Weights,
+    /// Samples of the rays whose errors count.
+    pub counted: usize,
     /// Sum of squared errors over rays and channels.
     pub error: f64,
     /// Pixels of the rays that aren't in that sum, because they were given up too early.
@@ -72,6 +74,7 @@ impl Default for Chunk {
             gradient: Weights::zeros(),
             error: 0.0,
             again: vec![],
+            counted: 0,
         }
     }
 }

@@ -140,7 +140,7 @@ fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
 /// column 3.
 #[inline(always)]
 fn composite(pass: &Pass, c: &mut Chunk) {
-    c.error = 0.0;
+    (c.error, c.counted) = (0.0, 0);
     c.again.clear();
     for ray in &mut c.rays {
         let (mut transmittance, mut color, mut depth) = (1.0f32, [0f32; 3], 0f32);
@@ -159,7 +159,9 @@ fn composite(pass: &Pass, c: &mut Chunk) {
         (ray.transmittance, ray.depth) = (transmittance, depth);
         // A ray that was given up too early doesn't know its colour.
         let counts = !(ray.cut && transmittance > pass.stop);
-        if !counts {
+        if counts {
+            c.counted += ray.count;
+        } else {
             c.again.push(ray.pixel);
         }
         let mut g_color = [0f32; 3];

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 pub enum Part {
     /// The occupancy grid: every cell counts as occupied.
     Occupancy,
-    /// The early stop: every sample of a ray counts.
+    /// The early stop, and with it the end of rays behind opaque cells: every sample of a ray counts.
     Stop,
     /// Ending rays behind opaque cells, before their samples are looked at.
     Patience,
@@ -119,13 +119,34 @@ impl Settings {
             ),
         );
         because("table", "2^17 entries of 16 bytes: a level fits into a core's 2 MiB of L2".into());
-        because("stop", "a colour moves by at most 1e-4, a fortieth of an 8-bit step".into());
+        let without = |part| overrides.without.contains(&part);
+        let or = |part, why: &str| if without(part) { "left out: as asked for" } else { why }.to_string();
+        because("stop", or(Part::Stop, "a colour moves by at most 1e-4, a fortieth of an 8-bit step"));
+        because(
+            "patience",
+            or(
+                Part::Patience,
+                "a training ray ends behind so many samples in cells of optical depth 1 a step",
+            ),
+        );
+        because(
+            "occupancy",
+            or(
+                Part::Occupancy,
+                "128 cells an edge: about two steps a cell, and bits that fit into a core's L2 cache",
+            ),
+        );
+        because("coarse_steps", or(Part::CoarseSteps, "0.3 of the samples at first, all from step 300 on"));
+        because("coarse_levels", or(Part::CoarseLevels, "4 levels at first, one more every 100 steps"));
+        because("lr_half_life", or(Part::Decay, "rates fall by 1 / sqrt(1 + step / 1500)"));
         because(
             "batch",
-            "16,384 samples, from step 1000 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs".into(),
+            or(
+                Part::Growth,
+                "16,384 samples, from step 1000 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs",
+            ),
         );
         let spread = direction_spread(scene);
-        let without = |part| overrides.without.contains(&part);
         let view_dependent = spread > 10f64.to_radians() && !without(Part::ViewDependence);
         because(
             "view_dependence",
@@ -184,7 +205,8 @@ impl Settings {
     /// Samples of a training step: as learning slows down, more samples average out more of their noise, and share what every step
     /// costs. Constant up to step 1000, then in proportion to it, up to 4 times the first.
     pub fn batch_at(&self, step: u64) -> usize {
-        if self.without.contains(&Part::Growth) {
+        // Rays that are given stay as many.
+        if self.rays.is_some() || self.without.contains(&Part::Growth) {
             return self.batch;
         }
         let growth = (step as f64 / 1000.0).clamp(1.0, 4.0);
@@ -210,7 +232,8 @@ impl Settings {
         let object = json!({
             "model": "compact", "box_low": self.low.to_array(), "box_size": self.size, "near": self.near, "far": self.far,
             "background": self.background, "samples": self.samples, "resolutions": self.resolutions, "table": self.table,
-            "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop, "batch": self.batch,
+            "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop,
+            "patience": Some(self.patience()).filter(|n| *n < u32::MAX), "batch": self.batch, "batch_most": self.batch_at(u64::MAX),
             "rays": self.rays, "lr": self.lr, "lr_half_life": LR_HALF_LIFE, "seed": self.seed,
             "view_dependent": self.view_dependent, "without": self.without, "reasons": self.reasons,
         });

@@ -94,12 +94,16 @@ impl CompactModel {
         let mut density = vec![0.0; resolution.pow(3)];
         copy(state, "occupancy_density", file, &mut density)?;
         let bits = |name| Ok(whole(state, name, file)?.into_iter().map(|b| b as u64).collect::<Vec<_>>());
-        let (occupied, opaque) = (bits("occupancy_bits")?, bits("occupancy_opaque")?);
+        let occupied = bits("occupancy_bits")?;
+        // A run of before rays ended behind opaque cells has no such cells, and no rays to draw again.
+        let known = state.contains_key("occupancy_opaque");
+        let opaque = if known { bits("occupancy_opaque")? } else { vec![0; occupied.len()] };
         self.occupancy = Occupancy::from_parts(resolution, density, &occupied, &opaque).ok_or_else(|| {
             wrong(file, "occupancy_bits or occupancy_opaque", "another length", "64 cells a word")
         })?;
         let pixels = self.views.len();
-        self.again = whole(state, "compact_again", file)?
+        let again = if known { whole(state, "compact_again", file)? } else { vec![] };
+        self.again = again
             .into_iter()
             .map(|pixel| u32::try_from(pixel).ok().filter(|&pixel| (pixel as usize) < pixels))
             .collect::<Option<_>>()

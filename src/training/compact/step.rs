@@ -53,7 +53,7 @@ impl CompactModel {
         parallel::for_each(&mut chunks, |chunk| run(self.arch, &pass, chunk));
         self.apply(&mut chunks, step);
         let seen: usize = chunks.iter().map(|c| c.visited.len()).sum();
-        let live: usize = chunks.iter().map(|c| c.points.len()).sum();
+        let live: usize = chunks.iter().map(|c| c.counted).sum();
         self.again = chunks.iter().flat_map(|c| c.again.iter().copied()).collect();
         let counted = (rays - self.again.len()).max(1);
         let error: f64 = chunks.iter().map(|c| c.error).sum();

@@ -12,6 +12,7 @@ use super::views::BoxRay;
 use super::{CompactModel, Overrides};
 use crate::camera::{Camera, Intrinsics};
 use crate::convention::ProductEps;
+use crate::files::npz::Array;
 use crate::loss::psnr;
 use crate::occupancy_grid::fast::Way;
 use crate::parallel;
@@ -303,16 +304,29 @@ fn same_bits_on_any_number_of_threads() {
 
 #[test]
 fn resumes_where_it_stood() {
-    let whole = trained(40);
-    let half = trained(23);
     let scene = ball();
+    let mut half = trained(23);
+    // All that a step depends on: rays to draw again, and opaque cells.
+    half.again = vec![7, 9];
+    half.occupancy.apply_thresholds([1.0, 1.5]);
+    assert!(half.occupancy.bits()[1].iter().any(|&word| word != 0), "some cell is opaque");
+    let state = half.state();
+    let mut whole = half;
+    for step in 24..=40 {
+        whole.step(&scene, step).unwrap();
+    }
     let mut resumed = CompactModel::new(&scene, &Overrides::default()).unwrap();
-    resumed.restore(&half.state(), "checkpoint").unwrap();
+    resumed.restore(&state, "checkpoint").unwrap();
     for step in 24..=40 {
         resumed.step(&scene, step).unwrap();
     }
     assert!(bits(&whole) == bits(&resumed));
-    let mut short = half.state();
+    let mut beyond = state.clone();
+    let pixels = Array::I64(ndarray::arr1(&[12 * 24 * 24]).into_dyn());
+    beyond.insert("compact_again".into(), pixels);
+    let error = resumed.restore(&beyond, "checkpoint").unwrap_err().to_string();
+    assert!(error.contains("compact_again") && error.contains("below 6336"), "{error}");
+    let mut short = state;
     short.remove("level3_m");
     let error = resumed.restore(&short, "checkpoint").unwrap_err().to_string();
     assert!(error.contains("level3_m") && error.contains("checkpoint"), "{error}");

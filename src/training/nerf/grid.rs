@@ -77,6 +77,11 @@ impl Grid {
     }
 
     /// Cells along an edge.
+    pub fn any(&self) -> bool {
+        self.cells.fraction() > 0.0
+    }
+
+    /// Cells along an edge.
     pub fn resolution(&self) -> usize {
         self.cells.resolution
     }

@@ -18,7 +18,7 @@ pub struct Skip {
     pub behind: u64,
     /// Steps between updates of the grid.
     pub every: u64,
-    /// Cells of the grid along an edge, a multiple of 4.
+    /// Cells of the grid along an edge, a multiple of 16.
     pub resolution: usize,
 }
 
@@ -64,7 +64,17 @@ impl NerfModel {
 
     /// The samples that may have a density; none of this without a grid.
     pub(super) fn mask(&self, rays: &Rays) -> Option<Vec<bool>> {
-        self.grid.as_ref().map(|grid| grid.mask(rays))
+        self.used_grid().map(|grid| grid.mask(rays))
+    }
+
+    /// The grid, but for one that calls everything empty: the field would never get a gradient again.
+    pub(super) fn used_grid(&self) -> Option<&Grid> {
+        self.grid.as_ref().filter(|grid| grid.any())
+    }
+
+    /// Rays end where less light than this comes through.
+    pub(super) fn skipping_stop(&self) -> f64 {
+        if self.used_grid().is_some() { f64::from(STOP) } else { 0.0 }
     }
 
     pub(super) fn step_length(&self) -> f64 {

@@ -3,6 +3,7 @@
 use super::NerfModel;
 use super::path::Path;
 use crate::convention::CS180;
+use crate::early_stop::live_samples;
 use crate::encoding::Encoding;
 use crate::ray::Ray;
 use crate::sample::{rest_u, sample_along_ray};
@@ -54,7 +55,7 @@ impl System for Trained<'_> {
     fn choices(&self) -> Vec<Choice> {
         SAMPLES
             .iter()
-            .map(|&(name, _)| Choice { name, about: "samples a ray, evenly spaced, all computed" })
+            .map(|&(name, _)| Choice { name, about: "samples a ray, evenly spaced; all computed, or those that the run's own grid and early stop leave" })
             .collect()
     }
 
@@ -67,18 +68,12 @@ impl System for Trained<'_> {
     }
 
     fn truth(&self, ray: &Ray, samples: usize) -> Seen {
-        let (near, far) = (self.model.settings.near, self.model.settings.far);
-        let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
-        let delta = (far - near) / samples as f64;
-        // A run's own grid is part of its model: density 0 in empty cells.
-        let live = |t: &f64| self.model.grid.as_ref().is_none_or(|grid| grid.live(ray.at(*t).to_array()));
-        let t: Vec<f64> = t.into_iter().filter(live).collect();
-        let (seen, _) = self.field.render(ray, &t, &vec![delta; t.len()]);
-        Seen { color: seen.color, opacity: seen.opacity, samples, live: t.len() }
+        self.seen(ray, samples, 0.0)
     }
 
     fn same_samples(&self, rays: &[Ray]) -> Vec<Seen> {
-        crate::parallel::map(rays.len(), |n| self.truth(&rays[n], self.model.settings.samples))
+        let stop = self.model.skipping_stop();
+        crate::parallel::map(rays.len(), |n| self.seen(&rays[n], self.model.settings.samples, stop))
     }
 
     fn true_pixels(&self) -> usize {
@@ -87,5 +82,23 @@ impl System for Trained<'_> {
 
     fn timed_pixels(&self) -> usize {
         1024
+    }
+}
+
+impl Trained<'_> {
+    /// What a ray sees in f64 with so many samples, to its end or until less light than `stop` comes through.
+    fn seen(&self, ray: &Ray, samples: usize, stop: f64) -> Seen {
+        let (near, far) = (self.model.settings.near, self.model.settings.far);
+        let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
+        let delta = (far - near) / samples as f64;
+        // A run's own grid is part of its model: density 0 in empty cells.
+        let live = |t: &f64| self.model.used_grid().is_none_or(|grid| grid.live(ray.at(*t).to_array()));
+        let mut t: Vec<f64> = t.into_iter().filter(live).collect();
+        if stop > 0.0 {
+            let sigmas: Vec<f64> = t.iter().map(|&t| self.field.at(ray, t).sigma).collect();
+            t.truncate(live_samples(&sigmas, &vec![delta; t.len()], stop));
+        }
+        let (seen, _) = self.field.render(ray, &t, &vec![delta; t.len()]);
+        Seen { color: seen.color, opacity: seen.opacity, samples, live: t.len() }
     }
 }
