@@ -168,8 +168,9 @@ def hash_grid_vjp(a, c, wrong):
         g_table, given = np.zeros_like(table), sides.prod(-1)[..., None] * g[:, None]
         if "collisions_overwrite" in wrong:
             for point, (where, what) in enumerate(zip(at, given)):
-                for k, entry in enumerate(where):
-                    g_table[entry] = what[k]
+                # Two corners of one point may share an entry too: the contract's order, x fastest.
+                for k in sorted(range(8), key=lambda k: tuple(CORNERS[k][::-1])):
+                    g_table[where[k]] = what[k]
         else:
             np.add.at(g_table, at, given)
         out[f"grad_table{level}"] = g_table

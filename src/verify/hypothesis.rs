@@ -83,8 +83,8 @@ impl Hypothesis {
             }
             // Where the wrong value itself is no number, so may the answer be; nothing else fits.
             bound.mapv_inplace(|b| if b.is_nan() { 0.0 } else { b });
-            // And where it leaves the type, the answer may be infinite.
-            let beyond = |w: f64| w.is_finite() && w.abs() > rules.dtype.largest();
+            // And where it leaves the type, or a factor of it does, the answer may be infinite.
+            let beyond = |w: f64| w.is_finite() && w.abs() > rules.dtype.largest() / 4.0;
             bound.zip_mut_with(w, |b, &w| *b = if beyond(w) { f64::INFINITY } else { *b });
             (name.clone(), bound)
         };
