@@ -31,7 +31,7 @@ def train(program, scene, part, seconds, more, seed):
     """Step, million points a second and validation PSNR at the end of one run."""
     with tempfile.TemporaryDirectory() as folder:
         without = [] if part == "nothing" else ["--without", part]
-        command = [program, "train", scene, "--out", f"{folder}/run", "--seconds", str(seconds), "--val-every", "100000000"]
+        command = [program, "train", scene, "--out", f"{folder}/run", "--seconds", str(seconds), "--val-every", "10000000"]
         done = subprocess.run([*command, "--seed", str(seed), *without, *more], capture_output=True, text=True)
         if done.returncode != 0:
             sys.exit(done.stderr)
