@@ -36,7 +36,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Over the box of all training rays between `near` and `far`, with so many cells along an edge (a multiple of 4); no density known.
+    /// Over the box of all training rays between `near` and `far`, with so many cells along an edge (a multiple of 16); no density known.
     ///
     /// # Errors
     /// Where a training pixel has no ray.
@@ -76,7 +76,7 @@ impl Grid {
         [a, b, c, d, e, f]
     }
 
-    /// Cells along an edge.
+    /// Whether some cell is occupied.
     pub fn any(&self) -> bool {
         self.cells.fraction() > 0.0
     }
