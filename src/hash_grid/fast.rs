@@ -120,16 +120,17 @@ impl Level {
         index: &mut [[u32; BLOCK]; 8],
         weight: &mut [[f32; BLOCK]; 8],
     ) {
-        let (scale, top) = (self.resolution as f32, self.resolution as i32 - 1);
+        let (scale, top) = (self.resolution as f32, (self.resolution - 1) as f32);
         let (mut fraction, mut low) = ([[0f32; BLOCK]; 3], [[0u32; BLOCK]; 3]);
         for axis in 0..3 {
             let mut x = [0f32; BLOCK];
             x.iter_mut().zip(points).for_each(|(x, p)| *x = p[axis]);
             for i in 0..BLOCK {
                 let scaled = x[i] * scale;
-                let cell = (scaled as i32).min(top);
-                low[axis][i] = cell as u32;
-                fraction[axis][i] = scaled - cell as f32;
+                let cell = if scaled < top { scaled } else { top }.trunc();
+                // From 2^23 on a float's low bits are its whole part; a conversion that saturates isn't vector code.
+                low[axis][i] = (cell + 8_388_608.0).to_bits() & 0x7f_ffff;
+                fraction[axis][i] = scaled - cell;
             }
         }
         let side = self.resolution + 1;

@@ -2,7 +2,7 @@
 
 mod march;
 
-pub use march::{LANES, Steps, Way};
+pub use march::{Steps, Way};
 
 /// Cells along a brick's edge: 4^3 bits are a word, so that an empty word lets a ray skip 64 cells.
 const BRICK: usize = 4;

@@ -148,8 +148,8 @@ fn samples_lie_in_occupied_crossings() {
     assert!(kept > 1000);
 }
 
-/// The f32 traversal visits what the oracle visits, but for lattice points within rounding of a face or of an end. Lanes are filled
-/// in part and in full.
+/// The f32 traversal visits what the oracle visits, but for lattice points within rounding of a face or of an end. Alone, in
+/// lanes that are filled in part, and in lanes that are filled again.
 #[test]
 fn fast_traversal_agrees() {
     let oracle = random_grid(16, 0.2);
@@ -160,7 +160,7 @@ fn fast_traversal_agrees() {
     let step = f64::from(0.004f32);
     let numbers: Vec<u64> = (0..500).collect();
     let mut steps = fast::Steps::default();
-    for numbers in numbers.chunk_by(|a, b| a % 97 != 0 && b % fast::LANES as u64 != 0) {
+    for numbers in numbers.chunk_by(|_, b| ![1, 10, 80, 300].contains(b)) {
         let ways: Vec<_> = numbers.iter().map(|&i| way(i, u32::MAX)).collect();
         grid.march(&ways, step as f32, &mut steps);
         for (lane, (&i, way)) in numbers.iter().zip(&ways).enumerate() {
@@ -214,9 +214,9 @@ fn patience_ends_a_ray() {
         opaque[(z / 4 * 4 + y / 4) * 4 + x / 4] >> (z % 4 * 16 + y % 4 * 4 + x % 4) & 1 == 1
     };
     let (mut all, mut some, mut cut) = (fast::Steps::default(), fast::Steps::default(), 0);
-    for first in (0..500).step_by(fast::LANES) {
+    for first in (0..500).step_by(50) {
         let [ways, short] =
-            [u32::MAX, 25].map(|p| (first..first + 16).map(|i| way(i, p)).collect::<Vec<_>>());
+            [u32::MAX, 25].map(|p| (first..first + 50).map(|i| way(i, p)).collect::<Vec<_>>());
         grid.march(&ways, 0.004, &mut all);
         grid.march(&short, 0.004, &mut some);
         for (lane, way) in ways.iter().enumerate() {

@@ -3,7 +3,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::OccupancyGrid;
-use super::fast::{LANES, Occupancy, Steps, Way, ray_box};
+use super::fast::{Occupancy, Steps, Way, ray_box};
 use crate::parallel;
 use crate::ray_aabb;
 use crate::verify::bench::{Kernel, Promise, Scaling, Suite, Variant, kernel, singles, uniform};
@@ -111,6 +111,9 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
     })
 }
 
+/// Rays of a call: while there are more, no lane is idle.
+const TOGETHER: usize = 128;
+
 struct March<'a> {
     grid: &'a Occupancy,
     rays: &'a [([f32; 3], [f32; 3])],
@@ -123,18 +126,16 @@ impl WithSimd for March<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let mut steps = Steps::default();
-        for (rays, out) in self.rays.chunks(LANES).zip(self.out.chunks_mut(LANES)) {
-            let mut ways =
-                [Way { o: [0.0; 3], d: [0.0; 3], near: 0.0, far: 0.0, u: 0.5, patience: u32::MAX }; LANES];
-            for (way, &(o, d)) in ways.iter_mut().zip(rays) {
+        for (rays, out) in self.rays.chunks(TOGETHER).zip(self.out.chunks_mut(TOGETHER)) {
+            let way = |&(o, d): &([f32; 3], [f32; 3])| {
                 let (enter, leave) = ray_box(o, d);
-                *way = Way { o, d, near: enter.max(0.0), far: leave, ..*way };
-            }
-            let ways = &ways[..rays.len()];
-            self.grid.march(ways, STEP as f32, &mut steps);
-            for (lane, (way, out)) in ways.iter().zip(out).enumerate() {
-                *out = steps.of(lane).len() as f64;
-                steps.of(lane).iter().for_each(|&k| {
+                Way { o, d, near: enter.max(0.0), far: leave, u: 0.5, patience: u32::MAX }
+            };
+            let ways: Vec<Way> = rays.iter().map(way).collect();
+            self.grid.march(&ways, STEP as f32, &mut steps);
+            for (ray, (way, out)) in ways.iter().zip(out).enumerate() {
+                *out = steps.of(ray).len() as f64;
+                steps.of(ray).iter().for_each(|&k| {
                     std::hint::black_box(way.at(k, STEP as f32));
                 });
             }

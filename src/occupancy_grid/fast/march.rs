@@ -1,11 +1,12 @@
 //! The traversal in f32: sixteen rays walk side by side, a lane each, over bits, past empty cells, bricks and blocks.
 //!
-//! A ray alone waits: each step needs the bit that the step before led to. Sixteen rays wait together, in vector registers.
+//! A ray alone waits: each step needs the bit that the step before led to. Sixteen rays wait together, in vector registers; a lane
+//! whose ray has ended takes the next.
 
 use super::{BLOCK, BRICK, Occupancy};
 
 /// Rays that walk together.
-pub const LANES: usize = 16;
+const LANES: usize = 16;
 
 /// A ray's samples: the points t = (k + u) step, t in [near, far), in units of the box.
 #[derive(Clone, Copy, Debug)]
@@ -35,26 +36,41 @@ impl Way {
     }
 }
 
-/// The samples of up to 16 rays that lie in occupied cells; buffers that are used again.
+/// The samples of rays that lie in occupied cells; buffers that are used again.
 #[derive(Default)]
 pub struct Steps {
     room: usize,
     k: Vec<f32>,
-    count: [usize; LANES],
-    patience: [u32; LANES],
+    count: Vec<usize>,
+    patience: Vec<u32>,
 }
 
 impl Steps {
     /// k of a ray's samples, ascending.
     #[inline(always)]
-    pub fn of(&self, lane: usize) -> &[f32] {
-        &self.k[lane * self.room..][..self.count[lane]]
+    pub fn of(&self, ray: usize) -> &[f32] {
+        &self.k[ray * self.room..][..self.count[ray]]
     }
 
     /// Whether the ray ran out of patience: there may be more samples behind the last one.
     #[inline(always)]
-    pub fn cut(&self, lane: usize) -> bool {
-        self.patience[lane] == 0
+    pub fn cut(&self, ray: usize) -> bool {
+        self.patience[ray] == 0
+    }
+
+    /// No samples yet; room for the longest way.
+    #[inline(always)]
+    fn begin(&mut self, ways: &[Way], step: f32) {
+        let longest = ways.iter().map(|way| (way.far - way.near) / step).fold(0.0, f32::max);
+        // One more for each end's rounding, one to write to behind the last.
+        self.room = longest as usize + 3;
+        if self.k.len() < ways.len() * self.room {
+            self.k.resize(ways.len() * self.room, 0.0);
+        }
+        self.count.clear();
+        self.count.resize(ways.len(), 0);
+        self.patience.clear();
+        self.patience.extend(ways.iter().map(|way| way.patience));
     }
 }
 
@@ -97,55 +113,102 @@ fn bit([x, y, z]: &[Whole; 3], shift: u32) -> Whole {
     out
 }
 
-/// Rays in units of cells and steps.
+/// The rays that walk, in units of cells and steps.
 struct Walk {
     start: [Lanes; 3],
     speed: [Lanes; 3],
     inverse: [Lanes; 3],
     k: Lanes,
     last: Lanes,
+    patience: Whole,
+    /// Where the next sample goes among all rays' k.
+    next: Whole,
+    /// Which ray walks in the lane.
+    ray: [usize; LANES],
+    /// The lanes in which one walks or has just ended, a bit each.
+    held: u32,
+}
+
+impl Walk {
+    fn new() -> Self {
+        let (lanes, whole) = ([0f32; LANES], [0; LANES]);
+        Walk {
+            start: [lanes; 3],
+            speed: [lanes; 3],
+            inverse: [lanes; 3],
+            k: lanes,
+            last: lanes,
+            patience: whole,
+            next: whole,
+            ray: [0; LANES],
+            held: 0,
+        }
+    }
+
+    /// The lanes in which no ray walks, a bit each.
+    #[inline(always)]
+    fn idle(&self) -> u32 {
+        let mut walking = 0;
+        for i in 0..LANES {
+            walking |= u32::from(self.k[i] < self.last[i]) << i;
+        }
+        walking ^ ((1 << LANES) - 1)
+    }
+
+    /// Notes what the lane's ray has found, if it has one.
+    #[inline(always)]
+    fn leave(&mut self, lane: usize, steps: &mut Steps) {
+        if self.held >> lane & 1 == 1 {
+            let ray = self.ray[lane];
+            steps.count[ray] = self.next[lane] as usize - ray * steps.room;
+            steps.patience[ray] = self.patience[lane];
+            self.held ^= 1 << lane;
+        }
+    }
+
+    /// Puts a ray into a lane.
+    #[inline(always)]
+    fn enter(&mut self, lane: usize, (ray, way): (usize, &Way), step: f32, cells: f32, room: usize) {
+        for a in 0..3 {
+            let speed = way.d[a] * step * cells;
+            self.start[a][lane] = (way.o[a] + way.u * step * way.d[a]) * cells;
+            self.speed[a][lane] = speed;
+            self.inverse[a][lane] = if speed == 0.0 { f32::MAX } else { 1.0 / speed };
+        }
+        (self.k[lane], self.last[lane]) = ((way.near / step - way.u).ceil(), way.far / step - way.u);
+        self.patience[lane] = way.patience;
+        self.next[lane] = (ray * room) as u32;
+        self.ray[lane] = ray;
+        self.held |= 1 << lane;
+    }
 }
 
 impl Occupancy {
-    /// Walks up to 16 rays.
+    /// Walks rays; where one has ended, the next that meets the box takes its lane.
     #[inline(always)]
     pub fn march(&self, ways: &[Way], step: f32, steps: &mut Steps) {
-        let r = self.resolution as f32;
-        let (zero, never) = ([0f32; LANES], [f32::NEG_INFINITY; LANES]);
-        let mut walk = Walk { start: [zero; 3], speed: [zero; 3], inverse: [zero; 3], k: zero, last: never };
-        let mut room = 0f32;
-        for (i, way) in ways.iter().enumerate() {
-            for a in 0..3 {
-                let speed = way.d[a] * step * r;
-                walk.start[a][i] = (way.o[a] + way.u * step * way.d[a]) * r;
-                walk.speed[a][i] = speed;
-                walk.inverse[a][i] = if speed == 0.0 { f32::MAX } else { 1.0 / speed };
-            }
-            (walk.k[i], walk.last[i]) = ((way.near / step - way.u).ceil(), way.far / step - way.u);
-            steps.patience[i] = way.patience;
-            room = room.max(walk.last[i] - walk.k[i]);
-        }
-        // One more for rounding, one to write to behind the last.
-        steps.room = room as usize + 3;
-        if steps.k.len() < LANES * steps.room {
-            steps.k.resize(LANES * steps.room, 0.0);
-        }
-        steps.count = [0; LANES];
+        steps.begin(ways, step);
+        let mut walk = Walk::new();
+        let mut waiting = ways.iter().enumerate().filter(|(_, way)| way.near < way.far);
         loop {
-            let mut walking = 0;
-            for i in 0..LANES {
-                walking |= u32::from(walk.k[i] < walk.last[i]);
+            let mut idle = walk.idle();
+            while idle != 0 {
+                let lane = idle.trailing_zeros() as usize;
+                idle &= idle - 1;
+                walk.leave(lane, steps);
+                match waiting.next() {
+                    Some(way) => walk.enter(lane, way, step, self.resolution as f32, steps.room),
+                    None if walk.held == 0 => return,
+                    None => {}
+                }
             }
-            if walking == 0 {
-                break;
-            }
-            self.advance(&mut walk, steps);
+            self.advance(&mut walk, &mut steps.k);
         }
     }
 
     /// Every lane by one lattice point or, out of an empty cell, brick or block, to the first behind it.
     #[inline(always)]
-    fn advance(&self, walk: &mut Walk, steps: &mut Steps) {
+    fn advance(&self, walk: &mut Walk, k: &mut [f32]) {
         let (top, side) = ((self.resolution - 1) as f32, self.resolution as u32);
         let mut cell = [[0; LANES]; 3];
         for a in 0..3 {
@@ -180,17 +243,17 @@ impl Occupancy {
         let mut here = [0; LANES];
         for i in 0..LANES {
             here[i] = occupied[i] & u32::from(walk.k[i] < walk.last[i]);
-            steps.patience[i] -= here[i] & opaque[i];
+            walk.patience[i] -= here[i] & opaque[i];
         }
         for i in 0..LANES {
-            steps.k[i * steps.room + steps.count[i]] = walk.k[i];
-            steps.count[i] += here[i] as usize;
+            k[walk.next[i] as usize] = walk.k[i];
+            walk.next[i] += here[i];
         }
         for i in 0..LANES {
             let (next, far) = (walk.k[i] + 1.0, exit[i].ceil());
             let jump = if occupied[i] == 0 && far > next { far } else { next };
             // From 2^24 on k + 1 is k: so far from the box there are no samples to tell apart.
-            let over = steps.patience[i] == 0 || jump == walk.k[i];
+            let over = walk.patience[i] == 0 || jump == walk.k[i];
             walk.k[i] = if over { f32::INFINITY } else { jump };
         }
     }

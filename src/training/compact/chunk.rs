@@ -3,7 +3,7 @@
 use super::networks::{GEOMETRY, HIDDEN, Weights};
 use super::views::BoxRay;
 use crate::hash_grid::fast::WIDTH;
-use crate::occupancy_grid::fast::Way;
+use crate::occupancy_grid::fast::{Steps, Way};
 use crate::spherical_harmonics::fast::{self as harmonics, harmonics};
 
 /// Rows of a block: the kernels take whole blocks.
@@ -33,6 +33,8 @@ pub(super) struct Ray {
 /// Rays, samples and activations. Rows beyond the samples pad the last block and hold anything finite.
 pub(super) struct Chunk {
     pub rays: Vec<Ray>,
+    /// Where the march found them.
+    pub steps: Steps,
     /// Samples in the unit box; behind [`Chunk::keep`] the live ones alone.
     pub points: Vec<[f32; 3]>,
     /// Their distances along the ray.
@@ -61,6 +63,7 @@ impl Default for Chunk {
     fn default() -> Self {
         Chunk {
             rays: vec![],
+            steps: Steps::default(),
             points: vec![],
             t: vec![],
             ray_of: vec![],

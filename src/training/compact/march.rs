@@ -1,13 +1,16 @@
-//! Rays into a chunk: drawn and marched through the occupancy grid, 16 side by side.
+//! Rays into a chunk: drawn, and marched through the occupancy grid.
 
 use pulp::{Simd, WithSimd};
 
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::views::BoxRay;
-use crate::occupancy_grid::fast::{LANES, Steps, Way, ray_box};
+use crate::occupancy_grid::fast::{Way, ray_box};
 use crate::random::Key;
 use crate::ray::Ray;
+
+/// Pixels that are looked up together.
+const TOGETHER: usize = 16;
 
 /// A ray, the training pixel that it comes from and its colour, jitter and patience.
 struct Drawn {
@@ -18,22 +21,23 @@ struct Drawn {
     patience: u32,
 }
 
-/// Up to 16 rays and their samples, into the chunk.
+/// Rays and their samples, into the chunk.
 #[inline(always)]
-fn push(model: &CompactModel, steps: &mut Steps, length: f32, rays: &[Drawn], chunk: &mut Chunk) {
+fn push(model: &CompactModel, length: f32, rays: &[Drawn], chunk: &mut Chunk) {
     let settings = &model.settings;
-    let mut ways = [Way { o: [0.0; 3], d: [0.0; 3], near: 0.0, far: 0.0, u: 0.0, patience: 0 }; LANES];
-    for (way, Drawn { ray, u, patience, .. }) in ways.iter_mut().zip(rays) {
+    let way = |Drawn { ray, u, patience, .. }: &Drawn| {
         let (enter, leave) = ray_box(ray.o, ray.d);
         let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
-        *way = Way { o: ray.o, d: ray.d, near, far, u: *u, patience: *patience };
+        Way { o: ray.o, d: ray.d, near, far, u: *u, patience: *patience }
+    };
+    let ways: Vec<Way> = rays.iter().map(way).collect();
+    let mut steps = std::mem::take(&mut chunk.steps);
+    model.occupancy.march(&ways, length, &mut steps);
+    for (n, (way, drawn)) in ways.iter().zip(rays).enumerate() {
+        chunk.push_ray(&drawn.ray, drawn.target, drawn.pixel, steps.cut(n));
+        chunk.push_samples(way, steps.of(n), length);
     }
-    let ways = &ways[..rays.len()];
-    model.occupancy.march(ways, length, steps);
-    for (lane, (way, drawn)) in ways.iter().zip(rays).enumerate() {
-        chunk.push_ray(&drawn.ray, drawn.target, drawn.pixel, steps.cut(lane));
-        chunk.push_samples(way, steps.of(lane), length);
-    }
+    chunk.steps = steps;
 }
 
 /// Draws rays of training pixels and marches them.
@@ -54,13 +58,12 @@ impl WithSimd for March<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let March { model, keys: [pixels, jitter], step, length, rays, chunk } = self;
         chunk.clear();
-        let mut steps = Steps::default();
-        let mut drawn = Vec::with_capacity(LANES);
+        let mut drawn = Vec::with_capacity(rays.len());
         let (again, patience) = (&model.again[..], model.settings.patience());
-        for first in rays.clone().step_by(LANES) {
-            let last = (first + LANES).min(rays.end);
-            // All numbers first: the pictures are far away in memory, and sixteen pixels of them come at once.
-            let mut numbers = [(0, 0.0, 0); LANES];
+        for first in rays.clone().step_by(TOGETHER) {
+            let last = (first + TOGETHER).min(rays.end);
+            // All numbers first: the pictures are far away in memory, and a few pixels of them come at once.
+            let mut numbers = [(0, 0.0, 0); TOGETHER];
             for (number, r) in numbers.iter_mut().zip(first..last) {
                 let u = jitter.uniform(step, r as u64, 0) as f32;
                 *number = match again.get(r) {
@@ -68,13 +71,12 @@ impl WithSimd for March<'_> {
                     None => (pixels.below(model.views.len() as u64, step, r as u64, 0) as u32, u, patience),
                 };
             }
-            drawn.clear();
             for &(pixel, u, patience) in &numbers[..last - first] {
                 let (ray, target) = model.views.pixel(pixel as usize);
                 drawn.push(Drawn { ray, pixel, target, u, patience });
             }
-            push(model, &mut steps, length, &drawn, chunk);
         }
+        push(model, length, &drawn, chunk);
         chunk.reserve();
     }
 }
@@ -94,18 +96,15 @@ impl WithSimd for MarchAtRest<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let MarchAtRest { model, length, rays, chunk } = self;
         chunk.clear();
-        let mut steps = Steps::default();
-        for rays in rays.chunks(LANES) {
-            let at_rest = |ray| Drawn {
-                ray: BoxRay::new(ray, &model.settings),
-                pixel: 0,
-                target: [0.0; 3],
-                u: 0.5,
-                patience: u32::MAX,
-            };
-            let rays: Vec<Drawn> = rays.iter().map(at_rest).collect();
-            push(model, &mut steps, length, &rays, chunk);
-        }
+        let at_rest = |ray| Drawn {
+            ray: BoxRay::new(ray, &model.settings),
+            pixel: 0,
+            target: [0.0; 3],
+            u: 0.5,
+            patience: u32::MAX,
+        };
+        let rays: Vec<Drawn> = rays.iter().map(at_rest).collect();
+        push(model, length, &rays, chunk);
         chunk.reserve();
     }
 }
