@@ -27,6 +27,7 @@
 //! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
 //! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper.
 
+pub mod aligned;
 pub mod approximate;
 pub mod convention;
 pub mod error;

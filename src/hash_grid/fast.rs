@@ -6,13 +6,14 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::aligned::{Aligned, copied, repeated};
 use crate::optimiser::{Adam, bias_correction};
 
 /// F.
 pub const FEATURES: usize = 4;
 /// Levels; the encoding has `LEVELS * FEATURES` columns.
 pub const LEVELS: usize = 8;
-/// Columns of the encoding.
+/// Columns of the encoding, all levels side by side.
 pub const WIDTH: usize = LEVELS * FEATURES;
 /// Points whose corners are computed together.
 pub(super) const BLOCK: usize = 16;
@@ -27,10 +28,10 @@ pub type Entry = [f32; FEATURES];
 pub struct Level {
     resolution: u32,
     dense: bool,
-    table: Vec<Entry>,
-    gradient: Vec<Entry>,
-    m: Vec<Entry>,
-    v: Vec<Entry>,
+    table: Aligned<Entry>,
+    gradient: Aligned<Entry>,
+    m: Aligned<Entry>,
+    v: Aligned<Entry>,
     /// The cache lines of `gradient` that got something.
     touched: Vec<bool>,
 }
@@ -77,7 +78,7 @@ impl Level {
     /// A level with this table: of (N + 1)^3 entries where `dense`, else of a power of two.
     pub fn new(resolution: u32, mut table: Vec<Entry>, dense: bool) -> Self {
         table.resize(table.len().next_multiple_of(LINE), [0.0; FEATURES]);
-        let zeros = vec![[0.0; FEATURES]; table.len()];
+        let (zeros, table) = (repeated([0.0; FEATURES], table.len()), copied(&table));
         let touched = vec![false; table.len() / LINE];
         Level { resolution, dense, gradient: zeros.clone(), m: zeros.clone(), v: zeros, touched, table }
     }
@@ -159,9 +160,8 @@ pub(crate) fn multiply_add<S: Simd>(a: f32, b: f32, c: f32) -> f32 {
 
 struct Encode<'a> {
     level: &'a Level,
-    first: usize,
     points: &'a [[f32; 3]],
-    out: &'a mut [[f32; WIDTH]],
+    out: &'a mut [Entry],
 }
 
 impl WithSimd for Encode<'_> {
@@ -180,7 +180,7 @@ impl WithSimd for Encode<'_> {
                         sum[f] = multiply_add::<S>(weight[corner][i], entry[f], sum[f]);
                     }
                 }
-                out[self.first..self.first + FEATURES].copy_from_slice(&sum);
+                *out = sum;
             }
         }
     }
@@ -188,9 +188,8 @@ impl WithSimd for Encode<'_> {
 
 struct Scatter<'a> {
     level: &'a mut Level,
-    first: usize,
     points: &'a [[f32; 3]],
-    g_out: &'a [[f32; WIDTH]],
+    g_out: &'a [Entry],
 }
 
 impl WithSimd for Scatter<'_> {
@@ -202,8 +201,7 @@ impl WithSimd for Scatter<'_> {
         for (points, g_out) in self.points.chunks(BLOCK).zip(self.g_out.chunks(BLOCK)) {
             self.level.corners(points, &mut index, &mut weight);
             let (gradient, touched) = (&mut self.level.gradient[..], &mut self.level.touched[..]);
-            for (i, g_out) in g_out.iter().enumerate().take(points.len()) {
-                let g_out: [f32; FEATURES] = std::array::from_fn(|f| g_out[self.first + f]);
+            for (i, &g_out) in g_out.iter().enumerate().take(points.len()) {
                 for corner in 0..8 {
                     let entry = index[corner][i] as usize;
                     for f in 0..FEATURES {
@@ -243,14 +241,14 @@ impl WithSimd for Update<'_> {
     }
 }
 
-/// Encodes `points` of the unit box by level `l` into its columns of `out`, which may be longer.
-pub fn encode_level(arch: Arch, level: &Level, l: usize, points: &[[f32; 3]], out: &mut [[f32; WIDTH]]) {
-    arch.dispatch(Encode { level, first: l * FEATURES, points, out });
+/// A level's features at `points` of the unit box, into `out`, which may be longer.
+pub fn encode_level(arch: Arch, level: &Level, points: &[[f32; 3]], out: &mut [Entry]) {
+    arch.dispatch(Encode { level, points, out });
 }
 
-/// Adds the gradients of `points`, in order, to level `l`.
-pub fn scatter(arch: Arch, level: &mut Level, l: usize, points: &[[f32; 3]], g_out: &[[f32; WIDTH]]) {
-    arch.dispatch(Scatter { level, first: l * FEATURES, points, g_out });
+/// Adds the gradients of a level's features at `points`, in order, to its table's.
+pub fn scatter(arch: Arch, level: &mut Level, points: &[[f32; 3]], g_out: &[Entry]) {
+    arch.dispatch(Scatter { level, points, g_out });
 }
 
 /// Adam on the parameters that have a gradient, which is cleared. The others keep their running means, as in Instant-NGP.

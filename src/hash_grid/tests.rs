@@ -140,12 +140,12 @@ fn fast_path_agrees() {
         points(1000).into_iter().chain([[0.0; 3], [1.0; 3], [1.0, 0.0, 0.5]]).collect();
     let points: Vec<[f32; 3]> = exact.iter().map(|p| p.map(|x| x as f32)).collect();
     for arch in [Arch::new(), Arch::Scalar] {
-        let mut out = vec![[0.0; fast::WIDTH]; points.len()];
-        for l in 0..fast::LEVELS {
-            fast::encode_level(arch, &fast[l], l, &points, &mut out);
+        let mut out = vec![vec![[0.0; fast::FEATURES]; points.len()]; fast::LEVELS];
+        for (level, out) in fast.iter().zip(&mut out) {
+            fast::encode_level(arch, level, &points, out);
         }
-        for (p, out) in exact.iter().zip(&out) {
-            for (a, b) in encode(&levels, *p).iter().zip(out) {
+        for (n, p) in exact.iter().enumerate() {
+            for (a, b) in encode(&levels, *p).iter().zip(out.iter().flat_map(|level| &level[n])) {
                 assert_abs_diff_eq!(*a, f64::from(*b), epsilon = 16.0 * f64::from(f32::EPSILON));
             }
         }
@@ -167,7 +167,8 @@ fn fast_gradient_agrees() {
     for arch in [Arch::new(), Arch::Scalar] {
         let mut fast = fast_levels(&levels);
         for l in 0..fast::LEVELS {
-            fast::scatter(arch, &mut fast[l], l, &points, &g_out);
+            let g_level: Vec<fast::Entry> = g_out.iter().map(|g| g.as_chunks().0[l]).collect();
+            fast::scatter(arch, &mut fast[l], &points, &g_level);
             for (entry, got) in expected[l].table.iter().zip(fast[l].gradient()) {
                 for f in 0..fast::FEATURES {
                     // At most 800 terms below 1/2 meet in one entry.
@@ -198,7 +199,7 @@ fn sparse_adam_agrees() {
             .map(|&p| Moments { param: f64::from(p), m: 0.0, v: 0.0 })
             .collect();
         for step in 1..=3 {
-            fast::scatter(arch, &mut level, l, &points, &[[0.25 * step as f32; fast::WIDTH]; 2]);
+            fast::scatter(arch, &mut level, &points, &[[0.25 * step as f32; fast::FEATURES]; 2]);
             let mut moved = 0;
             for (e, &g) in expected.iter_mut().zip(level.gradient().as_flattened()) {
                 if g != 0.0 {

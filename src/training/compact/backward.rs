@@ -6,6 +6,8 @@ use super::chunk::Chunk;
 use super::forward::{Pass, TILE};
 use super::kernels::{outer, product};
 use super::networks::{GEOMETRY, HIDDEN};
+use crate::aligned::OnLine;
+use crate::hash_grid::fast::WIDTH;
 
 /// ReLU's gradient: 0 where the activation is 0.
 #[inline(always)]
@@ -22,10 +24,12 @@ pub(super) fn backward<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
     c.gradient.clear();
     c.rgb[n..rows].fill([0.0; 16]);
     c.rays.iter_mut().for_each(|ray| ray.view = [0.0; HIDDEN]);
-    let (mut hidden, mut geometry) = ([[0f32; HIDDEN]; TILE], [[0f32; GEOMETRY]; TILE]);
+    let (mut hidden, mut geometry) = (OnLine([[0f32; HIDDEN]; TILE]), OnLine([[0f32; GEOMETRY]; TILE]));
+    let mut encoding = OnLine([[0f32; WIDTH]; TILE]);
     for first in (0..rows).step_by(TILE) {
         let tile = first..(first + TILE).min(rows);
-        let (hidden, geometry) = (&mut hidden[..tile.len()], &mut geometry[..tile.len()]);
+        let (hidden, geometry) = (&mut hidden.0[..tile.len()], &mut geometry.0[..tile.len()]);
+        let encoding = &mut encoding.0[..tile.len()];
         let rgb = &mut c.rgb[tile.clone()];
         product(s, rgb, 3, &nets.color1_t, hidden, false, false);
         mask(hidden, &c.hidden1[tile.clone()]);
@@ -42,11 +46,13 @@ pub(super) fn backward<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
         product(s, geometry, GEOMETRY, &nets.density1_t, hidden, false, false);
         mask(hidden, &c.hidden0[tile.clone()]);
         outer(s, &c.hidden0[tile.clone()], geometry, &mut c.gradient.density1);
-        outer(s, &c.encoding[tile.clone()], hidden, &mut c.gradient.density0);
-        product(s, hidden, HIDDEN, &nets.density0_t, &mut c.encoding[tile], false, false);
+        c.gather(first, encoding);
+        outer(s, encoding, hidden, &mut c.gradient.density0);
+        product(s, hidden, HIDDEN, &nets.density0_t, encoding, false, false);
+        c.spread(first, encoding);
     }
     for ray in c.rays.iter().filter(|ray| ray.count > 0 && pass.view_dependent) {
-        for (&h, row) in ray.harmonics.iter().zip(&mut c.gradient.view) {
+        for (&h, row) in ray.harmonics.iter().zip(c.gradient.view.iter_mut()) {
             row.iter_mut().zip(&ray.view).for_each(|(r, v)| *r += h * v);
         }
     }

@@ -2,7 +2,8 @@
 
 use super::networks::{GEOMETRY, HIDDEN, Weights};
 use super::views::BoxRay;
-use crate::hash_grid::fast::WIDTH;
+use crate::aligned::{Aligned, repeated};
+use crate::hash_grid::fast::{Entry, FEATURES, LEVELS, WIDTH};
 use crate::occupancy_grid::fast::{Steps, Way};
 use crate::spherical_harmonics::fast::{self as harmonics, harmonics};
 
@@ -40,16 +41,16 @@ pub(super) struct Chunk {
     /// Their distances along the ray.
     pub t: Vec<f32>,
     pub ray_of: Vec<u32>,
-    /// Encodings; behind the backward pass their gradients.
-    pub encoding: Vec<[f32; WIDTH]>,
+    /// Encodings, level by level; behind the backward pass their gradients.
+    pub encoding: [Aligned<Entry>; LEVELS],
     /// All samples before the early stop, with their densities.
     pub visited: Vec<[f32; 3]>,
     pub sigma: Vec<f32>,
-    pub hidden0: Vec<[f32; HIDDEN]>,
-    pub geometry: Vec<[f32; GEOMETRY]>,
-    pub hidden1: Vec<[f32; HIDDEN]>,
+    pub hidden0: Aligned<[f32; HIDDEN]>,
+    pub geometry: Aligned<[f32; GEOMETRY]>,
+    pub hidden1: Aligned<[f32; HIDDEN]>,
     /// Columns 0 to 2: the raw colour, then the colour, then the raw colour's gradient. See `composite` for the others.
-    pub rgb: Vec<[f32; 16]>,
+    pub rgb: Aligned<[f32; 16]>,
     pub gradient: Weights,
     /// Samples of the rays whose errors count.
     pub counted: usize,
@@ -67,13 +68,13 @@ impl Default for Chunk {
             points: vec![],
             t: vec![],
             ray_of: vec![],
-            encoding: vec![],
+            encoding: std::array::from_fn(|_| repeated([0.0; FEATURES], 0)),
             visited: vec![],
             sigma: vec![],
-            hidden0: vec![],
-            geometry: vec![],
-            hidden1: vec![],
-            rgb: vec![],
+            hidden0: repeated([0.0; HIDDEN], 0),
+            geometry: repeated([0.0; GEOMETRY], 0),
+            hidden1: repeated([0.0; HIDDEN], 0),
+            rgb: repeated([0.0; 16], 0),
             gradient: Weights::zeros(),
             error: 0.0,
             again: vec![],
@@ -121,12 +122,38 @@ impl Chunk {
     /// Room for the activations of the samples pushed so far.
     pub fn reserve(&mut self) {
         let rows = self.rows();
-        if self.encoding.len() < rows {
-            self.encoding.resize(rows, [0.0; WIDTH]);
+        if self.rgb.len() < rows {
+            self.encoding.iter_mut().for_each(|level| level.resize(rows, [0.0; FEATURES]));
             self.hidden0.resize(rows, [0.0; HIDDEN]);
             self.geometry.resize(rows, [0.0; GEOMETRY]);
             self.hidden1.resize(rows, [0.0; HIDDEN]);
             self.rgb.resize(rows, [0.0; 16]);
+        }
+    }
+
+    /// Levels that aren't in use yet say 0.
+    pub fn clear_levels(&mut self, active: usize) {
+        let rows = self.rows();
+        self.encoding[active..].iter_mut().for_each(|level| level[..rows].fill([0.0; FEATURES]));
+    }
+
+    /// The encodings of some rows, all levels side by side.
+    #[inline(always)]
+    pub fn gather(&self, first: usize, rows: &mut [[f32; WIDTH]]) {
+        for (l, level) in self.encoding.iter().enumerate() {
+            for (row, entry) in rows.iter_mut().zip(&level[first..]) {
+                row.as_chunks_mut().0[l] = *entry;
+            }
+        }
+    }
+
+    /// Puts rows back, level by level.
+    #[inline(always)]
+    pub fn spread(&mut self, first: usize, rows: &[[f32; WIDTH]]) {
+        for (l, level) in self.encoding.iter_mut().enumerate() {
+            for (row, entry) in rows.iter().zip(&mut level[first..]) {
+                *entry = row.as_chunks().0[l];
+            }
         }
     }
 
@@ -147,7 +174,7 @@ impl Chunk {
                 self.points.copy_within(from.clone(), kept);
                 self.t.copy_within(from.clone(), kept);
                 self.ray_of.copy_within(from.clone(), kept);
-                self.encoding.copy_within(from.clone(), kept);
+                self.encoding.iter_mut().for_each(|level| level.copy_within(from.clone(), kept));
                 self.hidden0.copy_within(from.clone(), kept);
                 self.geometry.copy_within(from, kept);
             }

@@ -6,6 +6,7 @@ use super::backward::backward;
 use super::chunk::Chunk;
 use super::kernels::product;
 use super::networks::{GEOMETRY, HIDDEN, Networks};
+use crate::aligned::OnLine;
 use crate::hash_grid::fast::WIDTH;
 
 /// Samples that pass through a network together: their activations fill the L1 cache.
@@ -89,9 +90,12 @@ pub(super) fn trunc_exp(x: f32) -> f32 {
 fn density<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
     let w = &pass.nets.weights;
     let rows = c.rows();
+    let mut encoding = OnLine([[0f32; WIDTH]; TILE]);
     for first in (0..rows).step_by(TILE) {
         let tile = first..(first + TILE).min(rows);
-        product(s, &c.encoding[tile.clone()], WIDTH, &w.density0, &mut c.hidden0[tile.clone()], false, true);
+        let encoding = &mut encoding.0[..tile.len()];
+        c.gather(first, encoding);
+        product(s, encoding, WIDTH, &w.density0, &mut c.hidden0[tile.clone()], false, true);
         product(s, &c.hidden0[tile.clone()], HIDDEN, &w.density1, &mut c.geometry[tile], false, false);
     }
     c.sigma.clear();
@@ -116,7 +120,7 @@ fn early_stop(pass: &Pass, c: &mut Chunk) {
 fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
     let w = &pass.nets.weights;
     for ray in c.rays.iter_mut().filter(|ray| ray.count > 0 && pass.view_dependent) {
-        for (&h, row) in ray.harmonics.iter().zip(&w.view) {
+        for (&h, row) in ray.harmonics.iter().zip(w.view.iter()) {
             ray.view.iter_mut().zip(row).for_each(|(v, r)| *v += h * r);
         }
     }
@@ -129,10 +133,11 @@ fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
         product(s, &c.geometry[tile.clone()], GEOMETRY, &w.color0, &mut c.hidden1[tile.clone()], true, true);
         product(s, &c.hidden1[tile.clone()], HIDDEN, &w.color1, &mut c.rgb[tile], false, false);
     }
-    for rgb in &mut c.rgb[..n] {
-        for x in &mut rgb[..4] {
-            *x = 1.0 / (1.0 + exp((-*x).clamp(-80.0, 80.0)));
-        }
+    // Four samples fill a vector; rows behind the last are padding.
+    for four in c.rgb[..rows].as_chunks_mut::<4>().0 {
+        let mut x: [f32; 16] = std::array::from_fn(|i| four[i / 4][i % 4]);
+        x.iter_mut().for_each(|x| *x = 1.0 / (1.0 + exp((-*x).clamp(-80.0, 80.0))));
+        (0..16).for_each(|i| four[i / 4][i % 4] = x[i]);
     }
 }
 

@@ -1,5 +1,6 @@
 //! The two small networks: density 32 -> 64 -> 16, colour (16 + 16 harmonics) -> 64 -> 3. No biases, as in Instant-NGP.
 
+use crate::aligned::{Aligned, copied, repeated};
 use crate::hash_grid::fast::{AdamRates, WIDTH};
 use crate::random::Key;
 use crate::spherical_harmonics::fast as harmonics;
@@ -14,23 +15,23 @@ pub(super) const NAMES: [&str; 5] = ["density0", "density1", "color0", "view", "
 /// The weights, one row an input.
 #[derive(Clone)]
 pub(super) struct Weights {
-    pub density0: Vec<[f32; HIDDEN]>,
-    pub density1: Vec<[f32; GEOMETRY]>,
-    pub color0: Vec<[f32; HIDDEN]>,
+    pub density0: Aligned<[f32; HIDDEN]>,
+    pub density1: Aligned<[f32; GEOMETRY]>,
+    pub color0: Aligned<[f32; HIDDEN]>,
     /// From the direction's harmonics to the colour network's hidden layer.
-    pub view: Vec<[f32; HIDDEN]>,
+    pub view: Aligned<[f32; HIDDEN]>,
     /// 3 of 16 columns are used, so that a row is a vector; the others stay 0.
-    pub color1: Vec<[f32; 16]>,
+    pub color1: Aligned<[f32; 16]>,
 }
 
 impl Weights {
     pub fn zeros() -> Self {
         Weights {
-            density0: vec![[0.0; HIDDEN]; WIDTH],
-            density1: vec![[0.0; GEOMETRY]; HIDDEN],
-            color0: vec![[0.0; HIDDEN]; GEOMETRY],
-            view: vec![[0.0; HIDDEN]; harmonics::WIDTH],
-            color1: vec![[0.0; 16]; HIDDEN],
+            density0: repeated([0.0; HIDDEN], WIDTH),
+            density1: repeated([0.0; GEOMETRY], HIDDEN),
+            color0: repeated([0.0; HIDDEN], GEOMETRY),
+            view: repeated([0.0; HIDDEN], harmonics::WIDTH),
+            color1: repeated([0.0; 16], HIDDEN),
         }
     }
 
@@ -76,31 +77,25 @@ pub(super) struct Networks {
     pub weights: Weights,
     pub m: Weights,
     pub v: Weights,
-    pub density0_t: Vec<[f32; WIDTH]>,
-    pub density1_t: Vec<[f32; HIDDEN]>,
-    pub color0_t: Vec<[f32; GEOMETRY]>,
-    pub color1_t: Vec<[f32; HIDDEN]>,
+    pub density0_t: Aligned<[f32; WIDTH]>,
+    pub density1_t: Aligned<[f32; HIDDEN]>,
+    pub color0_t: Aligned<[f32; GEOMETRY]>,
+    pub color1_t: Aligned<[f32; HIDDEN]>,
 }
 
 /// B rows of A columns from A rows of B columns.
-fn transpose<const A: usize, const B: usize>(x: &[[f32; B]]) -> Vec<[f32; A]> {
-    (0..B).map(|b| std::array::from_fn(|a| x[a][b])).collect()
+fn transpose<const A: usize, const B: usize>(x: &[[f32; B]]) -> Aligned<[f32; A]> {
+    copied(&std::array::from_fn::<[f32; A], B, _>(|b| std::array::from_fn(|a| x[a][b])))
 }
 
 impl Networks {
     pub fn new(weights: Weights) -> Self {
         let (m, v) = (Weights::zeros(), Weights::zeros());
-        let mut nets = Networks {
-            weights,
-            m,
-            v,
-            density0_t: vec![],
-            density1_t: vec![],
-            color0_t: vec![],
-            color1_t: vec![],
-        };
-        nets.transpose();
-        nets
+        let density0_t = transpose(&weights.density0);
+        let density1_t = transpose(&weights.density1);
+        let color0_t = transpose(&weights.color0);
+        let color1_t = transpose(&weights.color1);
+        Networks { weights, m, v, density0_t, density1_t, color0_t, color1_t }
     }
 
     /// To be called whenever the weights have changed.

@@ -4,7 +4,7 @@ use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::densities;
 use super::settings::Part;
-use super::step::{clear_unused, optical_step};
+use super::step::optical_step;
 use crate::hash_grid::fast as hash_grid;
 use crate::parallel;
 use crate::random::{Key, Purpose};
@@ -71,10 +71,10 @@ impl CompactModel {
         }
         chunk.reserve();
         let active = self.settings.levels_at(step);
-        for (l, level) in self.levels.iter().enumerate().take(active) {
-            hash_grid::encode_level(self.arch, level, l, &chunk.points, &mut chunk.encoding);
+        for (level, out) in self.levels.iter().zip(&mut chunk.encoding).take(active) {
+            hash_grid::encode_level(self.arch, level, &chunk.points, out);
         }
-        clear_unused(std::slice::from_mut(chunk), active);
+        chunk.clear_levels(active);
         densities(self.arch, &self.pass(self.settings.samples, None), chunk);
     }
 }

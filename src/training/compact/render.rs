@@ -4,7 +4,6 @@ use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::run;
 use super::march::MarchAtRest;
-use super::step::clear_unused;
 use crate::hash_grid::fast as hash_grid;
 use crate::parallel;
 use crate::ray::Ray;
@@ -33,10 +32,10 @@ impl CompactModel {
         let length = (self.settings.size / samples) as f32;
         self.arch.dispatch(MarchAtRest { model: self, length, rays, chunk });
         let active = self.settings.levels_at(self.step);
-        for (l, level) in self.levels.iter().enumerate().take(active) {
-            hash_grid::encode_level(self.arch, level, l, &chunk.points, &mut chunk.encoding);
+        for (level, out) in self.levels.iter().zip(&mut chunk.encoding).take(active) {
+            hash_grid::encode_level(self.arch, level, &chunk.points, out);
         }
-        clear_unused(std::slice::from_mut(chunk), active);
+        chunk.clear_levels(active);
         let mut pass = self.pass(samples, None);
         pass.background = [0.0; 3];
         run(self.arch, &pass, chunk);

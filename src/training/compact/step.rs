@@ -7,7 +7,7 @@ use super::chunk::Chunk;
 use super::forward::{Pass, run};
 use super::march::March;
 use super::networks::Weights;
-use crate::hash_grid::fast::{self as hash_grid, AdamRates, FEATURES, Level};
+use crate::hash_grid::fast::{self as hash_grid, AdamRates, Level};
 use crate::optimiser::Adam;
 use crate::parallel;
 use crate::random::{Key, Purpose};
@@ -83,10 +83,10 @@ impl CompactModel {
         parallel::for_chunks(chunks, share, |_, chunks| {
             for (l, level) in self.levels.iter().enumerate().take(active) {
                 for chunk in &mut *chunks {
-                    hash_grid::encode_level(self.arch, level, l, &chunk.points, &mut chunk.encoding);
+                    hash_grid::encode_level(self.arch, level, &chunk.points, &mut chunk.encoding[l]);
                 }
             }
-            clear_unused(chunks, active);
+            chunks.iter_mut().for_each(|chunk| chunk.clear_levels(active));
         });
     }
 
@@ -105,7 +105,7 @@ impl CompactModel {
                 let mut levels = balanced(levels, active);
                 parallel::for_each(&mut levels, |(l, level)| {
                     for chunk in chunks {
-                        hash_grid::scatter(arch, level, *l, &chunk.points, &chunk.encoding);
+                        hash_grid::scatter(arch, level, &chunk.points, &chunk.encoding[*l]);
                     }
                     hash_grid::update(arch, level, rates);
                 });
@@ -118,13 +118,6 @@ impl CompactModel {
 /// starts with e^-3 of the light coming through, whatever the scene's unit.
 pub(super) fn optical_step(samples: f64) -> f32 {
     (3.0 / samples) as f32
-}
-
-/// The columns of levels that aren't in use yet are 0.
-pub(super) fn clear_unused(chunks: &mut [Chunk], active: usize) {
-    for row in chunks.iter_mut().flat_map(|chunk| &mut chunk.encoding) {
-        row[active * FEATURES..].fill(0.0);
-    }
 }
 
 /// The first `active` levels, fine and coarse by turns: fine ones cost more, and neighbours go to the same thread.

@@ -13,6 +13,7 @@ use super::{CompactModel, Overrides};
 use crate::camera::{Camera, Intrinsics};
 use crate::convention::ProductEps;
 use crate::files::npz::Array;
+use crate::hash_grid::fast::FEATURES;
 use crate::loss::psnr;
 use crate::occupancy_grid::fast::Way;
 use crate::parallel;
@@ -169,7 +170,7 @@ fn chunk_of(encodings: &[[f32; 32]]) -> Chunk {
         chunk.push_samples(&way, &vec![0.5; count], 1.0);
     }
     chunk.reserve();
-    chunk.encoding[..encodings.len()].copy_from_slice(encodings);
+    chunk.spread(0, encodings);
     chunk
 }
 
@@ -221,7 +222,7 @@ fn gradients_agree_with_the_oracle() {
                 oracle_loss(&nets.weights, &moved, delta)
             };
             let slope = (at(1e-3) - at(-1e-3)) / 2e-3;
-            let got = f64::from(chunk.encoding[p][f]);
+            let got = f64::from(chunk.encoding[f / FEATURES][p][f % FEATURES]);
             assert!((slope - got).abs() < 1e-6 + 2e-2 * got.abs(), "{p} {f}: {slope} {got}");
         }
     }
@@ -277,8 +278,13 @@ fn a_ray_that_was_given_up_too_early_is_drawn_again() {
     let (less, _) = gradient([true, false, false, false, false]);
     assert_eq!(less.again, [70]);
     assert!(less.error < all.error && less.gradient.density0 != all.gradient.density0);
-    assert!(less.encoding[..7].as_flattened().iter().all(|&g| g == 0.0));
-    assert!(all.encoding[..7].as_flattened().iter().any(|&g| g != 0.0));
+    let first_rays = |chunk: &Chunk| {
+        let mut rows = [[0.0; 32]; 7];
+        chunk.gather(0, &mut rows);
+        rows
+    };
+    assert!(first_rays(&less).as_flattened().iter().all(|&g| g == 0.0));
+    assert!(first_rays(&all).as_flattened().iter().any(|&g| g != 0.0));
 
     let scene = ball();
     let mut model = CompactModel::new(&scene, &Overrides::default()).unwrap();
