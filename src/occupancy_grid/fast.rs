@@ -9,6 +9,9 @@ const BRICK: usize = 4;
 /// Cells along a block's edge: its 4^3 bricks are a word too.
 const BLOCK: usize = 16;
 
+/// What the bounds leave around occupied bricks, so that no ray loses a cell to rounding.
+const MARGIN: f32 = 1e-4;
+
 /// A cubic grid of cells over the unit box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Occupancy {
@@ -20,6 +23,8 @@ pub struct Occupancy {
     words: Vec<[u64; 2]>,
     /// Of each block the bricks with occupied cells.
     blocks: Vec<u64>,
+    /// Two corners of a box that holds all occupied bricks.
+    bounds: [[f32; 3]; 2],
 }
 
 impl Occupancy {
@@ -34,7 +39,8 @@ impl Occupancy {
         );
         let words = vec![[!0, 0]; (resolution / BRICK).pow(3)];
         let blocks = vec![!0; (resolution / BLOCK).pow(3)];
-        Occupancy { resolution, density: vec![0.0; resolution.pow(3)], words, blocks }
+        let bounds = [[0.0; 3], [1.0; 3]];
+        Occupancy { resolution, density: vec![0.0; resolution.pow(3)], words, blocks, bounds }
     }
 
     /// A grid from its parts, as [`Self::density`] and [`Self::bits`] gave them; none where lengths don't fit.
@@ -51,8 +57,8 @@ impl Occupancy {
             && [occupied, opaque].iter().all(|bits| bits.len() == bricks);
         fits.then(|| {
             let words = occupied.iter().zip(opaque).map(|(&a, &b)| [a, b]).collect();
-            let mut grid = Occupancy { resolution, density, words, blocks: vec![] };
-            grid.fill_blocks();
+            let mut grid = Occupancy { density, words, ..Occupancy::full(resolution) };
+            grid.sum_up();
             grid
         })
     }
@@ -121,17 +127,35 @@ impl Occupancy {
                 }
             }
         }
-        self.fill_blocks();
+        self.sum_up();
     }
 
-    fn fill_blocks(&mut self) {
+    /// What follows from the words: blocks and bounds.
+    fn sum_up(&mut self) {
         let (bricks, blocks) = (self.resolution / BRICK, self.resolution / BLOCK);
         self.blocks = vec![0; blocks.pow(3)];
+        self.bounds = [[1.0; 3], [0.0; 3]];
         for (i, _) in self.words.iter().enumerate().filter(|(_, [occupied, _])| *occupied != 0) {
             let (x, y, z) = (i % bricks, i / bricks % bricks, i / bricks / bricks);
             let block = (z / 4 * blocks + y / 4) * blocks + x / 4;
             self.blocks[block] |= 1 << ((z % 4 * 4 + y % 4) * 4 + x % 4);
+            for (a, at) in [x, y, z].into_iter().enumerate() {
+                let [low, high] = &mut self.bounds;
+                low[a] = low[a].min(at as f32 / bricks as f32 - MARGIN).max(0.0);
+                high[a] = high[a].max((at + 1) as f32 / bricks as f32 + MARGIN).min(1.0);
+            }
         }
+    }
+
+    /// Distances between which a ray of the unit box can meet occupied cells; near > far where it can't.
+    #[inline(always)]
+    pub fn span(&self, o: [f32; 3], d: [f32; 3]) -> (f32, f32) {
+        let [low, high] = self.bounds;
+        if low[0] > high[0] {
+            return (f32::INFINITY, f32::NEG_INFINITY);
+        }
+        let size: [f32; 3] = std::array::from_fn(|a| high[a] - low[a]);
+        ray_box(std::array::from_fn(|a| (o[a] - low[a]) / size[a]), std::array::from_fn(|a| d[a] / size[a]))
     }
 
     /// The same densities in cells of another size.

@@ -236,6 +236,34 @@ fn patience_ends_a_ray() {
     assert!((50..480).contains(&cut), "{cut}");
 }
 
+/// Between the ends of the span a ray meets all the occupied cells that it meets in the box; a ray that passes by has none.
+#[test]
+fn a_span_holds_all_occupied_cells() {
+    let mut grid = fast::Occupancy::full(64);
+    for z in 20..31 {
+        for y in 0..7 {
+            (40..45).for_each(|x| grid.density[(z * 64 + y) * 64 + x] = 1.0);
+        }
+    }
+    grid.apply_threshold(0.5);
+    let (mut met, mut passed) = (0, 0);
+    let [mut all, mut some] = [(); 2].map(|()| fast::Steps::default());
+    for i in 0..5000 {
+        let whole = way(i, u32::MAX);
+        let (near, far) = grid.span(whole.o, whole.d);
+        let part = fast::Way { near: near.max(whole.near), far: far.min(whole.far), ..whole };
+        grid.march(&[whole], 0.004, &mut all);
+        grid.march(&[part], 0.004, &mut some);
+        assert_eq!(all.of(0), some.of(0), "ray {i}");
+        met += usize::from(!all.of(0).is_empty());
+        passed += usize::from(near > far);
+    }
+    assert!(met > 50 && passed > 3000, "{met} {passed}");
+    grid.apply_threshold(2.0);
+    let (near, far) = grid.span([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0]);
+    assert!(near > far, "nothing is occupied");
+}
+
 #[test]
 fn fast_box_agrees() {
     for i in 0..500 {

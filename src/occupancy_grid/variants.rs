@@ -128,7 +128,7 @@ impl WithSimd for March<'_> {
         let mut steps = Steps::default();
         for (rays, out) in self.rays.chunks(TOGETHER).zip(self.out.chunks_mut(TOGETHER)) {
             let way = |&(o, d): &([f32; 3], [f32; 3])| {
-                let (enter, leave) = ray_box(o, d);
+                let (enter, leave) = self.grid.span(o, d);
                 Way { o, d, near: enter.max(0.0), far: leave, u: 0.5, patience: u32::MAX }
             };
             let ways: Vec<Way> = rays.iter().map(way).collect();

@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::views::BoxRay;
-use crate::occupancy_grid::fast::{Way, ray_box};
+use crate::occupancy_grid::fast::Way;
 use crate::random::Key;
 use crate::ray::Ray;
 
@@ -26,7 +26,7 @@ struct Drawn {
 fn push(model: &CompactModel, length: f32, rays: &[Drawn], chunk: &mut Chunk) {
     let settings = &model.settings;
     let way = |Drawn { ray, u, patience, .. }: &Drawn| {
-        let (enter, leave) = ray_box(ray.o, ray.d);
+        let (enter, leave) = model.occupancy.span(ray.o, ray.d);
         let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
         Way { o: ray.o, d: ray.d, near, far, u: *u, patience: *patience }
     };

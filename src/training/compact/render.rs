@@ -16,7 +16,7 @@ const CHUNKS: usize = 16;
 
 impl CompactModel {
     pub(super) fn render_rays(&self, rays: &[Ray]) -> Vec<Pixel> {
-        let samples = self.settings.samples_at(self.step);
+        let samples = self.settings.samples_at_rest(self.step);
         let tasks = parallel::map(rays.len().div_ceil(RAYS * CHUNKS), |task| {
             let first = task * RAYS * CHUNKS;
             let mut chunk = Chunk::default();
@@ -37,7 +37,7 @@ impl CompactModel {
         }
         chunk.clear_levels(active);
         let mut pass = self.pass(samples, None);
-        pass.background = [0.0; 3];
+        (pass.background, pass.stop) = ([0.0; 3], self.settings.stop_at_rest as f32);
         run(self.arch, &pass, chunk);
         let far = self.settings.far as f32;
         let pixel = |ray: &super::chunk::Ray| {

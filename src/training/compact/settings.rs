@@ -67,8 +67,10 @@ pub struct Settings {
     pub table: usize,
     /// Cells along an edge of the occupancy grid.
     pub occupancy: usize,
-    /// A ray ends where its transmittance falls below this.
+    /// A training ray ends where its transmittance falls below this.
     pub stop: f64,
+    /// A picture's ray does so here.
+    pub stop_at_rest: f64,
     /// Samples a step at first; see [`Settings::batch_at`].
     pub batch: usize,
     /// Rays a step, where given.
@@ -87,6 +89,9 @@ pub struct Settings {
 
 /// Steps over which learning rates fall by the square root of 2.
 pub const LR_HALF_LIFE: f64 = 1500.0;
+
+/// Samples of a picture over those of training, along the same ray.
+pub(super) const AT_REST: f64 = 2.0;
 
 /// Samples in opaque cells behind which a training ray is given up. Each takes at least [`super::occupancy::OPAQUE`] of optical depth
 /// if the grid is right, together more than the early stop asks for; where the grid is out of date and light is left, the
@@ -111,6 +116,10 @@ impl Settings {
                 ),
             },
         );
+        because(
+            "samples_at_rest",
+            "a picture's samples lie twice as close as training's: nearer to the field's own integral".into(),
+        );
         let finest = (2.0 * size / footprint).clamp(64.0, 2048.0) as u32;
         because(
             "resolutions",
@@ -122,6 +131,10 @@ impl Settings {
         let without = |part| overrides.without.contains(&part);
         let or = |part, why: &str| if without(part) { "left out: as asked for" } else { why }.to_string();
         because("stop", or(Part::Stop, "a colour moves by at most 1e-4, a fortieth of an 8-bit step"));
+        because(
+            "stop_at_rest",
+            or(Part::Stop, "a picture's colour moves by at most 1e-6: so near to f64 at the same samples"),
+        );
         because(
             "patience",
             or(
@@ -176,6 +189,7 @@ impl Settings {
             table: 1 << 17,
             occupancy: 128,
             stop: if without(Part::Stop) { 0.0 } else { 1e-4 },
+            stop_at_rest: if without(Part::Stop) { 0.0 } else { 1e-6 },
             batch: 16_384,
             rays: overrides.rays,
             lr: overrides.lr.map_or([2e-2, 1e-2], |lr| [lr, 0.5 * lr]),
@@ -192,6 +206,11 @@ impl Settings {
             return self.samples;
         }
         self.samples * (0.3 + 0.7 * (step as f64 / 300.0).min(1.0))
+    }
+
+    /// The same for a picture of the model as it was behind that step.
+    pub fn samples_at_rest(&self, step: u64) -> f64 {
+        AT_REST * self.samples_at(step)
     }
 
     /// Levels of the hash grid in use at a training step: the coarse ones first, one more every 100 steps.
@@ -231,8 +250,8 @@ impl Settings {
     pub fn to_json(&self) -> Map<String, Value> {
         let object = json!({
             "model": "compact", "box_low": self.low.to_array(), "box_size": self.size, "near": self.near, "far": self.far,
-            "background": self.background, "samples": self.samples, "resolutions": self.resolutions, "table": self.table,
-            "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop,
+            "background": self.background, "samples": self.samples, "samples_at_rest": AT_REST * self.samples,
+            "resolutions": self.resolutions, "table": self.table, "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop, "stop_at_rest": self.stop_at_rest,
             "patience": Some(self.patience()).filter(|n| *n < u32::MAX), "batch": self.batch, "batch_most": self.batch_at(u64::MAX),
             "rays": self.rays, "lr": self.lr, "lr_half_life": LR_HALF_LIFE, "seed": self.seed,
             "view_dependent": self.view_dependent, "without": self.without, "reasons": self.reasons,

@@ -2,6 +2,7 @@
 
 use super::CompactModel;
 use super::reference::Reference;
+use super::settings::AT_REST;
 use super::step::optical_step;
 use crate::occupancy_grid::fast::Occupancy;
 use crate::ray::Ray;
@@ -12,25 +13,26 @@ use crate::verify::bench::system::{Choice, Seen, System};
 #[derive(Clone, Copy)]
 enum Knob {
     Nothing,
-    /// Step lengths across the box, over those of the training.
+    /// Samples along a ray, over those of training.
     Samples(f64),
     Stop(f64),
     /// Opacity of one step above which a cell counts as occupied.
     Opacity(f32),
 }
 
-const KNOBS: [(&str, &str, Knob); 13] = [
+const KNOBS: [(&str, &str, Knob); 14] = [
     (
-        "as_trained",
-        "the trained model's own samples, eps 1e-4, cells of an opacity above 0.01",
+        "at_rest",
+        "as render and evaluate do: twice the training's samples, eps 1e-6, cells of an opacity above 0.01",
         Knob::Nothing,
     ),
-    ("samples_x1/8", "an eighth of the samples", Knob::Samples(0.125)),
-    ("samples_x1/4", "a quarter of the samples", Knob::Samples(0.25)),
-    ("samples_x1/2", "half of the samples", Knob::Samples(0.5)),
-    ("samples_x2", "twice the samples", Knob::Samples(2.0)),
-    ("samples_x4", "four times the samples", Knob::Samples(4.0)),
+    ("samples_x1/8", "an eighth of the training's samples", Knob::Samples(0.125)),
+    ("samples_x1/4", "a quarter of the training's samples", Knob::Samples(0.25)),
+    ("samples_x1/2", "half of the training's samples", Knob::Samples(0.5)),
+    ("as_trained", "the training's own samples", Knob::Samples(1.0)),
+    ("samples_x4", "four times the training's samples", Knob::Samples(4.0)),
     ("stop_0", "no early stop", Knob::Stop(0.0)),
+    ("stop_1e-4", "a ray ends where T < 1e-4, as in training", Knob::Stop(1e-4)),
     ("stop_1e-3", "a ray ends where T < 1e-3", Knob::Stop(1e-3)),
     ("stop_1e-2", "a ray ends where T < 1e-2", Knob::Stop(1e-2)),
     ("stop_1e-1", "a ray ends where T < 1e-1", Knob::Stop(1e-1)),
@@ -51,7 +53,7 @@ pub(super) struct Trained<'a> {
 
 impl CompactModel {
     pub(super) fn trained(&mut self) -> Trained<'_> {
-        let (samples, stop, occupancy) = (self.settings.samples, self.settings.stop, self.occupancy.clone());
+        let (samples, stop, occupancy) = (self.settings.samples, self.settings.stop_at_rest, self.occupancy.clone());
         let reference = Reference::new(self);
         Trained { model: self, samples, stop, occupancy, reference }
     }
@@ -70,12 +72,12 @@ impl System for Trained<'_> {
 
     fn choose(&mut self, n: usize) {
         let model = &mut *self.model;
-        (model.settings.samples, model.settings.stop) = (self.samples, self.stop);
+        (model.settings.samples, model.settings.stop_at_rest) = (self.samples, self.stop);
         model.occupancy.clone_from(&self.occupancy);
         match KNOBS[n].2 {
             Knob::Nothing => {}
-            Knob::Samples(factor) => model.settings.samples = factor * self.samples,
-            Knob::Stop(eps) => model.settings.stop = eps,
+            Knob::Samples(factor) => model.settings.samples = factor / AT_REST * self.samples,
+            Knob::Stop(eps) => model.settings.stop_at_rest = eps,
             Knob::Opacity(opacity) => {
                 let threshold = opacity / optical_step(self.samples);
                 model.occupancy.apply_threshold(threshold);
@@ -94,7 +96,7 @@ impl System for Trained<'_> {
     fn same_samples(&self, rays: &[Ray]) -> Vec<Seen> {
         // With the cells of the choice, which may differ from those of the trained model.
         let reference = Reference::new(self.model);
-        let samples = self.model.settings.samples_at(self.model.step);
+        let samples = self.model.settings.samples_at_rest(self.model.step);
         crate::parallel::map(rays.len(), |n| self.seen(&rays[n], samples, &reference))
     }
 
@@ -109,7 +111,7 @@ impl System for Trained<'_> {
 
 impl Trained<'_> {
     fn seen(&self, ray: &Ray, samples: f64, reference: &Reference) -> Seen {
-        let seen = reference.render(ray, samples, self.model.settings.stop);
+        let seen = reference.render(ray, samples, self.model.settings.stop_at_rest);
         Seen { color: seen.color, opacity: seen.opacity, samples: seen.samples, live: seen.live }
     }
 }
