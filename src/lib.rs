@@ -27,7 +27,6 @@
 //! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
 //! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper.
 
-pub mod aligned;
 pub mod approximate;
 pub mod convention;
 pub mod error;
@@ -35,6 +34,7 @@ pub mod files;
 pub mod maths;
 pub mod parallel;
 pub mod random;
+pub mod simd;
 
 pub mod camera;
 pub mod encoding;

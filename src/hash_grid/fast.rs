@@ -6,8 +6,8 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::aligned::{Aligned, copied, repeated};
 use crate::optimiser::{Adam, bias_correction};
+use crate::simd::{Aligned, copied, multiply_add, repeated};
 
 /// F.
 pub const FEATURES: usize = 4;
@@ -150,12 +150,6 @@ impl Level {
             }
         }
     }
-}
-
-/// a b + c, fused where the machine has it; without it, `mul_add` would be a library call.
-#[inline(always)]
-pub(crate) fn multiply_add<S: Simd>(a: f32, b: f32, c: f32) -> f32 {
-    if S::IS_SCALAR { a * b + c } else { a.mul_add(b, c) }
 }
 
 struct Encode<'a> {

@@ -3,11 +3,12 @@
 use half::f16;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::fast::{BLOCK, Entry, FEATURES, LEVELS, Level, WIDTH, encode_level, multiply_add};
+use super::fast::{BLOCK, Entry, FEATURES, LEVELS, Level, WIDTH, encode_level};
 use super::{cell, corner, is_dense, resolutions};
 use crate::approximate::{from_bf16, to_bf16};
 use crate::parallel;
 use crate::random::{Key, Purpose};
+use crate::simd::multiply_add;
 use crate::verify::Dtype;
 use crate::verify::bench::{
     BF16, F16, Kernel, Promise, Scaling, Suite, Variant, kernel, rows, singles, uniform,

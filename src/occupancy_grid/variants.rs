@@ -1,6 +1,6 @@
 //! Variants of the occupancy grid's traversal for `bench`: rays through a ball in 128^3 cells, 512 steps across the box.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::Arch;
 
 use super::OccupancyGrid;
 use super::fast::{Occupancy, Steps, Way, ray_box};
@@ -114,31 +114,21 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
 /// Rays of a call: while there are more, no lane is idle.
 const TOGETHER: usize = 128;
 
-struct March<'a> {
-    grid: &'a Occupancy,
-    rays: &'a [([f32; 3], [f32; 3])],
-    out: &'a mut [f64],
-}
-
-impl WithSimd for March<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let mut steps = Steps::default();
-        for (rays, out) in self.rays.chunks(TOGETHER).zip(self.out.chunks_mut(TOGETHER)) {
-            let way = |&(o, d): &([f32; 3], [f32; 3])| {
-                let (enter, leave) = self.grid.span(o, d);
-                Way { o, d, near: enter.max(0.0), far: leave, u: 0.5, patience: u32::MAX }
-            };
-            let ways: Vec<Way> = rays.iter().map(way).collect();
-            self.grid.march(&ways, STEP as f32, &mut steps);
-            for (ray, (way, out)) in ways.iter().zip(out).enumerate() {
-                *out = steps.of(ray).len() as f64;
-                steps.of(ray).iter().for_each(|&k| {
-                    std::hint::black_box(way.at(k, STEP as f32));
-                });
-            }
+/// Counts the samples of some rays, and looks at each.
+fn walk(arch: Arch, grid: &Occupancy, rays: &[([f32; 3], [f32; 3])], out: &mut [f64]) {
+    let mut steps = Steps::default();
+    for (rays, out) in rays.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
+        let way = |&(o, d): &([f32; 3], [f32; 3])| {
+            let (enter, leave) = grid.span(o, d);
+            Way { o, d, near: enter.max(0.0), far: leave, u: 0.5, patience: u32::MAX }
+        };
+        let ways: Vec<Way> = rays.iter().map(way).collect();
+        grid.march(arch, &ways, STEP as f32, &mut steps);
+        for (ray, (way, out)) in ways.iter().zip(out).enumerate() {
+            *out = steps.of(ray).len() as f64;
+            steps.of(ray).iter().for_each(|&k| {
+                std::hint::black_box(way.at(k, STEP as f32));
+            });
         }
     }
 }
@@ -146,7 +136,7 @@ impl WithSimd for March<'_> {
 fn skipping(a: &Arrays, grid: Occupancy, threads: bool) -> Box<dyn Kernel> {
     let arch = Arch::new();
     let bytes = 16 * grid.bits()[0].len();
-    counts(narrow(a), bytes, threads, move |rays, out| arch.dispatch(March { grid: &grid, rays, out }))
+    counts(narrow(a), bytes, threads, move |rays, out| walk(arch, &grid, rays, out))
 }
 
 /// A coarser grid, occupied wherever one of its cells' parts is: nothing is missed, more is looked at.

@@ -3,7 +3,11 @@
 //! A ray alone waits: each step needs the bit that the step before led to. Sixteen rays wait together, in vector registers; a lane
 //! whose ray has ended takes the next.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::{BLOCK, BRICK, Occupancy};
+use crate::simd::OnLine;
+use crate::simd::fma;
 
 /// Rays that walk together.
 const LANES: usize = 16;
@@ -74,46 +78,15 @@ impl Steps {
     }
 }
 
-/// One number a lane.
-type Lanes = [f32; LANES];
+/// One number a lane, on a cache line of its own.
+type Lanes = OnLine<[f32; LANES]>;
 /// The same of whole numbers.
-type Whole = [u32; LANES];
+type Whole = OnLine<[u32; LANES]>;
 
-/// The whole part of each of x, clamped to [0, top]; NaN becomes 0. Without conversions that saturate, which aren't vector code.
-#[inline(always)]
-fn whole(x: &Lanes, top: f32) -> Whole {
-    // 2^23: from here on a float's low bits are its whole part.
-    const MAGIC: f32 = 8_388_608.0;
-    let mut out = [0; LANES];
-    for i in 0..LANES {
-        let x = if x[i] > 0.0 { x[i] } else { 0.0 };
-        let x = if x < top { x } else { top };
-        out[i] = (x.trunc() + MAGIC).to_bits() & 0x7f_ffff;
-    }
-    out
-}
+/// 2^23: a float from here on has its whole part in its low bits.
+const MAGIC: f32 = 8_388_608.0;
 
-/// Where cells, or bricks (shift 2) or blocks (shift 4) of them, stand among `side`^3 of their kind.
-#[inline(always)]
-fn place([x, y, z]: &[Whole; 3], shift: u32, side: u32) -> Whole {
-    let mut out = [0; LANES];
-    for i in 0..LANES {
-        out[i] = ((z[i] >> shift) * side + (y[i] >> shift)) * side + (x[i] >> shift);
-    }
-    out
-}
-
-/// The bit of a cell in its brick's word, or of a brick (shift 2) in its block's.
-#[inline(always)]
-fn bit([x, y, z]: &[Whole; 3], shift: u32) -> Whole {
-    let mut out = [0; LANES];
-    for i in 0..LANES {
-        out[i] = (z[i] >> shift & 3) << 4 | (y[i] >> shift & 3) << 2 | (x[i] >> shift & 3);
-    }
-    out
-}
-
-/// The rays that walk, in units of cells and steps.
+/// The rays that walk, in units of cells and steps, and what a step finds out about them.
 struct Walk {
     start: [Lanes; 3],
     speed: [Lanes; 3],
@@ -123,6 +96,15 @@ struct Walk {
     patience: Whole,
     /// Where the next sample goes among all rays' k.
     next: Whole,
+    /// The cell, its brick and its block, and the bits of the cell in the brick and (from bit 8 on) of the brick in the block.
+    cell: [Whole; 3],
+    brick: Whole,
+    block: Whole,
+    bits: Whole,
+    /// Bit 0: occupied; bit 1: opaque; from bit 2 on the edge of what can be skipped.
+    state: Whole,
+    /// Whether the lane's point is a sample.
+    here: Whole,
     /// Which ray walks in the lane.
     ray: [usize; LANES],
     /// The lanes in which one walks or has just ended, a bit each.
@@ -131,7 +113,7 @@ struct Walk {
 
 impl Walk {
     fn new() -> Self {
-        let (lanes, whole) = ([0f32; LANES], [0; LANES]);
+        let (lanes, whole) = (OnLine([0f32; LANES]), OnLine([0; LANES]));
         Walk {
             start: [lanes; 3],
             speed: [lanes; 3],
@@ -140,6 +122,12 @@ impl Walk {
             last: lanes,
             patience: whole,
             next: whole,
+            cell: [whole; 3],
+            brick: whole,
+            block: whole,
+            bits: whole,
+            state: whole,
+            here: whole,
             ray: [0; LANES],
             held: 0,
         }
@@ -150,7 +138,7 @@ impl Walk {
     fn idle(&self) -> u32 {
         let mut walking = 0;
         for i in 0..LANES {
-            walking |= u32::from(self.k[i] < self.last[i]) << i;
+            walking |= u32::from(self.k.0[i] < self.last.0[i]) << i;
         }
         walking ^ ((1 << LANES) - 1)
     }
@@ -160,8 +148,8 @@ impl Walk {
     fn leave(&mut self, lane: usize, steps: &mut Steps) {
         if self.held >> lane & 1 == 1 {
             let ray = self.ray[lane];
-            steps.count[ray] = self.next[lane] as usize - ray * steps.room;
-            steps.patience[ray] = self.patience[lane];
+            steps.count[ray] = self.next.0[lane] as usize - ray * steps.room;
+            steps.patience[ray] = self.patience.0[lane];
             self.held ^= 1 << lane;
         }
     }
@@ -171,23 +159,161 @@ impl Walk {
     fn enter(&mut self, lane: usize, (ray, way): (usize, &Way), step: f32, cells: f32, room: usize) {
         for a in 0..3 {
             let speed = way.d[a] * step * cells;
-            self.start[a][lane] = (way.o[a] + way.u * step * way.d[a]) * cells;
-            self.speed[a][lane] = speed;
-            self.inverse[a][lane] = if speed == 0.0 { f32::MAX } else { 1.0 / speed };
+            self.start[a].0[lane] = (way.o[a] + way.u * step * way.d[a]) * cells;
+            self.speed[a].0[lane] = speed;
+            self.inverse[a].0[lane] = if speed == 0.0 { f32::MAX } else { 1.0 / speed };
         }
-        (self.k[lane], self.last[lane]) = ((way.near / step - way.u).ceil(), way.far / step - way.u);
-        self.patience[lane] = way.patience;
-        self.next[lane] = (ray * room) as u32;
+        (self.k.0[lane], self.last.0[lane]) = ((way.near / step - way.u).ceil(), way.far / step - way.u);
+        self.patience.0[lane] = way.patience;
+        self.next.0[lane] = (ray * room) as u32;
         self.ray[lane] = ray;
         self.held |= 1 << lane;
     }
+
+    /// Where the rays are: cells, bricks, blocks and their bits.
+    #[inline(always)]
+    fn locate<S: Simd>(&mut self, s: S, resolution: usize) {
+        for v in 0..LANES / S::F32_LANES {
+            let k = floats::<S>(&self.k)[v];
+            let none = [s.splat_u32s(0); 3];
+            let (mut cell, mut brick, mut block) = (none, none, none);
+            for a in 0..3 {
+                let (start, speed) = (floats::<S>(&self.start[a])[v], floats::<S>(&self.speed[a])[v]);
+                cell[a] = whole(s, fma(s, k, speed, start), (resolution - 1) as f32);
+                brick[a] = s.wrapping_dyn_shr_u32s(cell[a], s.splat_u32s(2));
+                block[a] = s.wrapping_dyn_shr_u32s(cell[a], s.splat_u32s(4));
+                numbers_mut::<S>(&mut self.cell[a])[v] = cell[a];
+            }
+            numbers_mut::<S>(&mut self.brick)[v] = place(s, brick, resolution / BRICK);
+            numbers_mut::<S>(&mut self.block)[v] = place(s, block, resolution / BLOCK);
+            let of_brick = s.wrapping_dyn_shl_u32s(bit(s, brick), s.splat_u32s(8));
+            numbers_mut::<S>(&mut self.bits)[v] = s.or_u32s(bit(s, cell), of_brick);
+        }
+    }
+
+    /// Which of the points are samples, and patience; whether any of them is.
+    #[inline(always)]
+    fn judge<S: Simd>(&mut self, s: S) -> bool {
+        let (one, mut any) = (s.splat_u32s(1), false);
+        for v in 0..LANES / S::F32_LANES {
+            let walks = s.less_than_f32s(floats::<S>(&self.k)[v], floats::<S>(&self.last)[v]);
+            let state = numbers::<S>(&self.state)[v];
+            let occupied = s.equal_u32s(s.and_u32s(state, one), one);
+            let here = s.and_m32s(walks, occupied);
+            any |= s.first_true_m32s(here) < S::F32_LANES;
+            let here = s.select_u32s(here, one, s.splat_u32s(0));
+            let opaque = s.and_u32s(here, s.wrapping_dyn_shr_u32s(state, one));
+            let patience = &mut numbers_mut::<S>(&mut self.patience)[v];
+            *patience = s.sub_u32s(*patience, opaque);
+            numbers_mut::<S>(&mut self.here)[v] = here;
+        }
+        any
+    }
+
+    /// To the next lattice point or, out of an empty cell, brick or block, to the first behind it. Out of patience: to the end.
+    #[inline(always)]
+    fn advance<S: Simd>(&mut self, s: S) {
+        let (zero, one) = (s.splat_u32s(0), s.splat_u32s(1));
+        let never = s.splat_f32s(f32::INFINITY);
+        for v in 0..LANES / S::F32_LANES {
+            let state = numbers::<S>(&self.state)[v];
+            let edge = s.wrapping_dyn_shr_u32s(state, s.splat_u32s(2));
+            let mut exit = never;
+            for a in 0..3 {
+                let (start, speed) = (floats::<S>(&self.start[a])[v], floats::<S>(&self.speed[a])[v]);
+                let inverse = floats::<S>(&self.inverse[a])[v];
+                // The face ahead.
+                let low = s.and_u32s(numbers::<S>(&self.cell[a])[v], s.sub_u32s(zero, edge));
+                let up = s.greater_than_or_equal_f32s(speed, s.splat_f32s(0.0));
+                let face = s.select_u32s(up, s.add_u32s(low, edge), low);
+                let face = s.or_u32s(face, s.splat_u32s(MAGIC.to_bits()));
+                let face = s.sub_f32s(s.transmute_f32s_u32s(face), s.splat_f32s(MAGIC));
+                exit = s.min_f32s(s.mul_f32s(s.sub_f32s(face, start), inverse), exit);
+            }
+            let k = &mut floats_mut::<S>(&mut self.k)[v];
+            let (next, far) = (s.add_f32s(*k, s.splat_f32s(1.0)), ceil(s, exit));
+            let empty = s.equal_u32s(s.and_u32s(state, one), zero);
+            let skips = s.and_m32s(empty, s.greater_than_f32s(far, next));
+            let jump = s.select_f32s(skips, far, next);
+            // From 2^24 on k + 1 is k: so far from the box there are no samples to tell apart.
+            let stuck = s.equal_f32s(jump, *k);
+            let over = s.or_m32s(s.equal_u32s(numbers::<S>(&self.patience)[v], zero), stuck);
+            *k = s.select_f32s(over, never, jump);
+        }
+    }
 }
 
-impl Occupancy {
-    /// Walks rays; where one has ended, the next that meets the box takes its lane.
+#[inline(always)]
+fn floats<S: Simd>(lanes: &Lanes) -> &[S::f32s] {
+    S::as_simd_f32s(&lanes.0).0
+}
+
+#[inline(always)]
+fn floats_mut<S: Simd>(lanes: &mut Lanes) -> &mut [S::f32s] {
+    S::as_mut_simd_f32s(&mut lanes.0).0
+}
+
+#[inline(always)]
+fn numbers<S: Simd>(lanes: &Whole) -> &[S::u32s] {
+    S::as_simd_u32s(&lanes.0).0
+}
+
+#[inline(always)]
+fn numbers_mut<S: Simd>(lanes: &mut Whole) -> &mut [S::u32s] {
+    S::as_mut_simd_u32s(&mut lanes.0).0
+}
+
+/// The whole part of each of x, clamped to [0, top]; NaN becomes 0.
+#[inline(always)]
+fn whole<S: Simd>(s: S, x: S::f32s, top: f32) -> S::u32s {
+    let (zero, one, magic) = (s.splat_f32s(0.0), s.splat_f32s(1.0), s.splat_f32s(MAGIC));
+    let x = s.min_f32s(s.max_f32s(x, zero), s.splat_f32s(top));
+    let nearest = s.add_f32s(x, magic);
+    let above = s.greater_than_f32s(s.sub_f32s(nearest, magic), x);
+    let below = s.sub_f32s(nearest, s.select_f32s(above, one, zero));
+    s.and_u32s(s.transmute_u32s_f32s(below), s.splat_u32s(0x7f_ffff))
+}
+
+/// Where cells, bricks or blocks stand among `side`^3 of their kind.
+#[inline(always)]
+fn place<S: Simd>(s: S, [x, y, z]: [S::u32s; 3], side: usize) -> S::u32s {
+    let side = s.splat_u32s(side as u32);
+    s.add_u32s(s.mul_u32s(s.add_u32s(s.mul_u32s(z, side), y), side), x)
+}
+
+/// The bit of a cell in its brick's word, or of a brick in its block's: two bits of each coordinate.
+#[inline(always)]
+fn bit<S: Simd>(s: S, [x, y, z]: [S::u32s; 3]) -> S::u32s {
+    let low = s.splat_u32s(3);
+    let y = s.wrapping_dyn_shl_u32s(s.and_u32s(y, low), s.splat_u32s(2));
+    let z = s.wrapping_dyn_shl_u32s(s.and_u32s(z, low), s.splat_u32s(4));
+    s.or_u32s(s.and_u32s(x, low), s.or_u32s(y, z))
+}
+
+/// The next whole number from x on, |x| < 2^22; infinity stays.
+#[inline(always)]
+fn ceil<S: Simd>(s: S, x: S::f32s) -> S::f32s {
+    let magic = s.splat_f32s(1.5 * MAGIC);
+    let nearest = s.sub_f32s(s.add_f32s(x, magic), magic);
+    let up = s.add_f32s(nearest, s.splat_f32s(1.0));
+    s.select_f32s(s.less_than_f32s(nearest, x), up, nearest)
+}
+
+/// Walks rays over a grid.
+struct March<'a> {
+    grid: &'a Occupancy,
+    ways: &'a [Way],
+    step: f32,
+    steps: &'a mut Steps,
+}
+
+impl WithSimd for March<'_> {
+    type Output = ();
+
+    /// Where a ray has ended, the next that meets the grid takes its lane.
     #[inline(always)]
-    pub fn march(&self, ways: &[Way], step: f32, steps: &mut Steps) {
-        steps.begin(ways, step);
+    fn with_simd<S: Simd>(self, s: S) {
+        let March { grid, ways, step, steps } = self;
         let mut walk = Walk::new();
         let mut waiting = ways.iter().enumerate().filter(|(_, way)| way.near < way.far);
         loop {
@@ -197,64 +323,44 @@ impl Occupancy {
                 idle &= idle - 1;
                 walk.leave(lane, steps);
                 match waiting.next() {
-                    Some(way) => walk.enter(lane, way, step, self.resolution as f32, steps.room),
+                    Some(way) => walk.enter(lane, way, step, grid.resolution as f32, steps.room),
                     None if walk.held == 0 => return,
                     None => {}
                 }
             }
-            self.advance(&mut walk, &mut steps.k);
+            walk.locate(s, grid.resolution);
+            grid.look(&mut walk);
+            if walk.judge(s) {
+                for i in 0..LANES {
+                    steps.k[walk.next.0[i] as usize] = walk.k.0[i];
+                    walk.next.0[i] += walk.here.0[i];
+                }
+            }
+            walk.advance(s);
         }
     }
+}
 
-    /// Every lane by one lattice point or, out of an empty cell, brick or block, to the first behind it.
+impl Occupancy {
+    /// Walks rays, so that `steps` has their samples.
+    pub fn march(&self, arch: Arch, ways: &[Way], step: f32, steps: &mut Steps) {
+        steps.begin(ways, step);
+        arch.dispatch(March { grid: self, ways, step, steps });
+    }
+
+    /// What lies where the rays are.
     #[inline(always)]
-    fn advance(&self, walk: &mut Walk, k: &mut [f32]) {
-        let (top, side) = ((self.resolution - 1) as f32, self.resolution as u32);
-        let mut cell = [[0; LANES]; 3];
-        for a in 0..3 {
-            let mut x = [0f32; LANES];
-            for i in 0..LANES {
-                x[i] = walk.start[a][i] + walk.k[i] * walk.speed[a][i];
-            }
-            cell[a] = whole(&x, top);
-        }
-        let (block, brick) = (place(&cell, 4, side >> 4), place(&cell, 2, side >> 2));
-        let (brick_bit, cell_bit) = (bit(&cell, 2), bit(&cell, 0));
-        let (mut occupied, mut opaque, mut edge) = ([0; LANES], [0; LANES], [1; LANES]);
+    fn look(&self, walk: &mut Walk) {
         for i in 0..LANES {
-            let bricks = self.blocks[block[i] as usize];
-            let any = bricks >> brick_bit[i] & 1;
+            let bits = walk.bits.0[i];
+            let bricks = self.blocks[walk.block.0[i] as usize];
+            let any = (bricks >> (bits >> 8)) as u32 & 1;
             // Word 0 where there is nothing to read.
-            let [first, second] = self.words[any as usize * brick[i] as usize];
-            occupied[i] = (any & first >> cell_bit[i]) as u32;
-            opaque[i] = (any & second >> cell_bit[i]) as u32;
-            edge[i] = if bricks == 0 { BLOCK as u32 } else { [BRICK as u32, 1][any as usize] };
-        }
-        let mut exit = [f32::INFINITY; LANES];
-        for a in 0..3 {
-            for i in 0..LANES {
-                // The face ahead.
-                let low = cell[a][i] & edge[i].wrapping_neg();
-                let face = if walk.speed[a][i] >= 0.0 { low + edge[i] } else { low };
-                let at = (face as i32 as f32 - walk.start[a][i]) * walk.inverse[a][i];
-                exit[i] = if at < exit[i] { at } else { exit[i] };
-            }
-        }
-        let mut here = [0; LANES];
-        for i in 0..LANES {
-            here[i] = occupied[i] & u32::from(walk.k[i] < walk.last[i]);
-            walk.patience[i] -= here[i] & opaque[i];
-        }
-        for i in 0..LANES {
-            k[walk.next[i] as usize] = walk.k[i];
-            walk.next[i] += here[i];
-        }
-        for i in 0..LANES {
-            let (next, far) = (walk.k[i] + 1.0, exit[i].ceil());
-            let jump = if occupied[i] == 0 && far > next { far } else { next };
-            // From 2^24 on k + 1 is k: so far from the box there are no samples to tell apart.
-            let over = walk.patience[i] == 0 || jump == walk.k[i];
-            walk.k[i] = if over { f32::INFINITY } else { jump };
+            let [first, second] = self.words[(any * walk.brick.0[i]) as usize];
+            let (occupied, opaque) =
+                (any & (first >> (bits & 63)) as u32, any & (second >> (bits & 63)) as u32);
+            let edge = if bricks == 0 { BLOCK as u32 } else { [BRICK as u32, 1][any as usize] };
+            walk.state.0[i] = edge << 2 | opaque << 1 | occupied;
         }
     }
 }

@@ -6,8 +6,8 @@ use super::chunk::Chunk;
 use super::forward::{Pass, TILE};
 use super::kernels::{outer, product};
 use super::networks::{GEOMETRY, HIDDEN};
-use crate::aligned::OnLine;
 use crate::hash_grid::fast::WIDTH;
+use crate::simd::OnLine;
 
 /// ReLU's gradient: 0 where the activation is 0.
 #[inline(always)]

@@ -2,9 +2,9 @@
 
 use super::networks::{GEOMETRY, HIDDEN, Weights};
 use super::views::BoxRay;
-use crate::aligned::{Aligned, repeated};
 use crate::hash_grid::fast::{Entry, FEATURES, LEVELS, WIDTH};
 use crate::occupancy_grid::fast::{Steps, Way};
+use crate::simd::{Aligned, repeated};
 use crate::spherical_harmonics::fast::{self as harmonics, harmonics};
 
 /// Rows of a block: the kernels take whole blocks.

@@ -6,8 +6,8 @@ use super::backward::backward;
 use super::chunk::Chunk;
 use super::kernels::product;
 use super::networks::{GEOMETRY, HIDDEN, Networks};
-use crate::aligned::OnLine;
 use crate::hash_grid::fast::WIDTH;
+use crate::simd::OnLine;
 
 /// Samples that pass through a network together: their activations fill the L1 cache.
 pub(super) const TILE: usize = 64;
@@ -136,7 +136,7 @@ fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
     // Four samples fill a vector; rows behind the last are padding.
     for four in c.rgb[..rows].as_chunks_mut::<4>().0 {
         let mut x: [f32; 16] = std::array::from_fn(|i| four[i / 4][i % 4]);
-        x.iter_mut().for_each(|x| *x = 1.0 / (1.0 + exp((-*x).clamp(-80.0, 80.0))));
+        x.iter_mut().for_each(|x| *x = 1.0 / (1.0 + exp((-*x).clamp(-40.0, 40.0))));
         (0..16).for_each(|i| four[i / 4][i % 4] = x[i]);
     }
 }
@@ -151,7 +151,7 @@ fn composite(pass: &Pass, c: &mut Chunk) {
         let (mut transmittance, mut color, mut depth) = (1.0f32, [0f32; 3], 0f32);
         for p in ray.first..ray.first + ray.count {
             let sigma = trunc_exp(c.geometry[p][0]);
-            let next = transmittance * exp((-sigma * pass.delta).max(-80.0));
+            let next = transmittance * exp((-sigma * pass.delta).max(-40.0));
             let weight = transmittance - next;
             for k in 0..3 {
                 color[k] += weight * c.rgb[p][k];

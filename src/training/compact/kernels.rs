@@ -3,10 +3,7 @@
 //! Rows are points, features are contiguous, so that no product needs a transposed operand or a horizontal sum.
 use pulp::Simd;
 
-#[inline(always)]
-fn fma<S: Simd>(s: S, a: S::f32s, b: S::f32s, c: S::f32s) -> S::f32s {
-    if S::IS_SCALAR { s.add_f32s(s.mul_f32s(a, b), c) } else { s.mul_add_f32s(a, b, c) }
-}
+use crate::simd::fma;
 
 #[inline(always)]
 fn tile<S: Simd, const K: usize, const N: usize, const R: usize, const V: usize>(

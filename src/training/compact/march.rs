@@ -32,7 +32,7 @@ fn push(model: &CompactModel, length: f32, rays: &[Drawn], chunk: &mut Chunk) {
     };
     let ways: Vec<Way> = rays.iter().map(way).collect();
     let mut steps = std::mem::take(&mut chunk.steps);
-    model.occupancy.march(&ways, length, &mut steps);
+    model.occupancy.march(model.arch, &ways, length, &mut steps);
     for (n, (way, drawn)) in ways.iter().zip(rays).enumerate() {
         chunk.push_ray(&drawn.ray, drawn.target, drawn.pixel, steps.cut(n));
         chunk.push_samples(way, steps.of(n), length);

@@ -1,8 +1,8 @@
 //! The two small networks: density 32 -> 64 -> 16, colour (16 + 16 harmonics) -> 64 -> 3. No biases, as in Instant-NGP.
 
-use crate::aligned::{Aligned, copied, repeated};
 use crate::hash_grid::fast::{AdamRates, WIDTH};
 use crate::random::Key;
+use crate::simd::{Aligned, copied, repeated};
 use crate::spherical_harmonics::fast as harmonics;
 
 /// Hidden units.

@@ -53,7 +53,8 @@ pub(super) struct Trained<'a> {
 
 impl CompactModel {
     pub(super) fn trained(&mut self) -> Trained<'_> {
-        let (samples, stop, occupancy) = (self.settings.samples, self.settings.stop_at_rest, self.occupancy.clone());
+        let (samples, stop, occupancy) =
+            (self.settings.samples, self.settings.stop_at_rest, self.occupancy.clone());
         let reference = Reference::new(self);
         Trained { model: self, samples, stop, occupancy, reference }
     }
