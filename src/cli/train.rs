@@ -150,7 +150,7 @@ pub fn train(args: &Args) -> Result<Summary> {
     if args.resume {
         run.resume()?;
     }
-    // Only now: a run that can't go on stays as it was.
+    // Not earlier: a run that can't go on stays as it was. Not later: one that is stopped is resumed and rendered with these.
     settings.insert("warnings".into(), json!(warnings));
     folder.write_settings(&settings)?;
     let bar = progress::bar(options.steps, "train");
@@ -160,9 +160,13 @@ pub fn train(args: &Args) -> Result<Summary> {
     })?;
     bar.finish_and_clear();
     run.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    warnings.extend(run.warnings.iter().map(|warning| json!(warning)));
-    settings.insert("warnings".into(), json!(warnings));
-    folder.write_settings(&settings)?;
+    let new: Vec<Value> = run.warnings.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
+    if !new.is_empty() {
+        // What training had to say is all that wasn't known then.
+        warnings.extend(new);
+        settings.insert("warnings".into(), json!(warnings));
+        folder.write_settings(&settings)?;
+    }
     write_curve(&folder, &scene, &run.log)?;
     Ok(summary(&run.log, &run.warnings, args))
 }
