@@ -1,5 +1,7 @@
 //! A run's recipe: the options of `train` that say what is trained. `run.json` keeps it; whoever opens a run builds from it again.
 
+use std::path::Path;
+
 use serde_json::{Map, Value, json};
 
 use super::train::Args;
@@ -40,8 +42,9 @@ pub fn given(args: &Args) -> Map<String, Value> {
     recipe
 }
 
-/// That a run goes on with what it was begun with; the warnings that it had so far.
-pub fn same(folder: &RunFolder, recipe: &Map<String, Value>) -> Result<Vec<Value>> {
+/// The run to go on with, which must have been begun with this recipe, and the warnings that it had so far.
+pub fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Vec<Value>)> {
+    let folder = RunFolder::open(run)?;
     let before = folder.settings()?;
     // A field that an older run lacks was at its default.
     let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
@@ -53,7 +56,8 @@ pub fn same(folder: &RunFolder, recipe: &Map<String, Value>) -> Result<Vec<Value
             return Err(Error::input(file, name, &recipe[name], had, advice));
         }
     }
-    Ok(before.get("warnings").and_then(Value::as_array).cloned().unwrap_or_default())
+    let warnings = before.get("warnings").and_then(Value::as_array).cloned().unwrap_or_default();
+    Ok((folder, warnings))
 }
 
 /// The scene that a recipe (given on the command line, or read from `run.json`) names.

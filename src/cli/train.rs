@@ -136,13 +136,13 @@ pub fn train(args: &Args) -> Result<Summary> {
     let recipe = recipe::given(args);
     let scene = recipe::load_scene(&recipe, false, "arguments")?;
     scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    let folder = if args.resume { RunFolder::open(&args.out)? } else { RunFolder::create(&args.out)? };
-    let mut warnings = if args.resume {
-        recipe::same(&folder, &recipe)?
-    } else {
-        json!(scene.warnings).as_array().cloned().unwrap_or_default()
-    };
+    let resumed = args.resume.then(|| recipe::resumed(&args.out, &recipe)).transpose()?;
     let mut model = recipe::build(&recipe, &scene)?;
+    // Not earlier: options that don't fit together leave no folder.
+    let (folder, mut warnings) = match resumed {
+        Some(resumed) => resumed,
+        None => (RunFolder::create(&args.out)?, scene.warnings.iter().map(|w| json!(w)).collect()),
+    };
     left_out(&model.settings()).iter().for_each(|line| eprintln!("{line}"));
     let mut settings = run_json(args, &recipe, &scene, &*model);
     let options = end(args);
