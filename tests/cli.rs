@@ -103,6 +103,65 @@ fn a_run_can_be_trained_resumed_measured_and_rendered() {
 }
 
 #[test]
+fn a_run_that_leaves_empty_space_out_says_so_and_goes_on() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let run = path(dir.path(), "run");
+    let common = ["train", "builtin:slab", "--out", &run, "--rays", "16", "--samples", "8", "--lr", "5e-3"];
+    let nerf = [&common[..], &["--model", "nerf", "--width", "8", "--threads", "2", "--json"]].concat();
+    let train = |more: &[&str]| object(&[&nerf[..], more].concat());
+    // The grid is filled behind step 256.
+    let whole = train(&["--skip", "--steps", "264"]);
+    assert!(whole["samples"].as_u64() < Some(264 * 16 * 8), "every sample was evaluated: {whole}");
+    train(&["--skip", "--steps", "258"]);
+    let file = Path::new(&run).join("run.json");
+    let settings: Value = serde_json::from_slice(&fs::read(&file).expect("settings")).expect("JSON");
+    assert_eq!((&settings["skip"], &settings["settings"]["skip_samples"]), (&true.into(), &true.into()));
+    assert_eq!(settings["settings"]["skip_behind_step"], 256);
+    refused(&[&nerf[..], &["--steps", "264", "--resume"]].concat(), &["run.json", "skip", "true"]);
+    let resumed = train(&["--skip", "--steps", "264", "--resume"]);
+    for figure in ["step", "samples", "loss", "val_psnr"] {
+        assert_eq!(whole[figure], resumed[figure], "{figure} differs behind --resume");
+    }
+    assert_eq!(
+        object(&["evaluate", &run, "--json"])["psnr"],
+        resumed["val_psnr"],
+        "the grid is in the checkpoint"
+    );
+}
+
+#[test]
+fn options_that_do_not_fit_together_leave_no_folder() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let run = path(dir.path(), "run");
+    let train = ["train", "builtin:blob", "--out", &run];
+    let with = |more: &[&'static str]| [&train[..], more].concat();
+    refused(&with(&["--model", "compact", "--skip"]), &["--skip", "compact model always"]);
+    refused(&with(&["--model", "nerf", "--without", "stop"]), &["--without", "compact model's"]);
+    let parts = ["stops", "occupancy", "stop", "patience", "coarse_steps", "view_dependence"];
+    refused(&with(&["--without", "stops"]), &parts);
+    assert!(!Path::new(&run).exists());
+}
+
+/// What validation has to say is in `run.json`, and there once, however often a run goes on.
+#[test]
+fn a_warning_is_kept_once() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let run = path(dir.path(), "run");
+    let tiny = ["--model", "nerf", "--width", "8", "--rays", "16", "--samples", "4"];
+    let train = |steps: &str, more: &[&str]| {
+        let dead = ["train", "builtin:blob", "--out", &run, "--lr", "1", "--steps", steps, "--json"];
+        let printed = object(&[&dead[..], &tiny, more].concat())["warnings"].clone();
+        let settings = fs::read(Path::new(&run).join("run.json")).expect("settings");
+        (printed, serde_json::from_slice::<Value>(&settings).expect("JSON")["warnings"].clone())
+    };
+    let (first, kept) = train("4", &[]);
+    assert!(first[0].as_str().expect("a warning").contains("every density is 0"), "{first}");
+    assert_eq!(kept, first);
+    let (again, kept) = train("8", &["--resume"]);
+    assert_eq!((&again, &kept), (&first, &first));
+}
+
+#[test]
 fn a_run_goes_on_with_what_it_was_begun_with() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let run = path(dir.path(), "run");
@@ -153,6 +212,26 @@ fn a_sweep_makes_a_table_and_a_film_a_folder_with_depth() {
         Path::new(&frames).join("frame_0000.png").exists() && Path::new(&frames).join("film.gif").exists()
     );
     refused(&["render", &run, "--out", &path(dir.path(), "sweep/table.txt/x.gif")], &["table.txt"]);
+}
+
+#[test]
+fn a_fit_that_diverges_is_called_so() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let sweep = path(dir.path(), "sweep");
+    let small =
+        ["--size", "16", "--levels", "2", "--width", "8", "--lr", "1e-2,1e38", "--steps", "3", "--json"];
+    let printed = object(&[&["sweep-image", "builtin:card", "--out", &sweep], &small[..]].concat());
+    let read = |name: &str| fs::read_to_string(Path::new(&sweep).join(name)).expect(name);
+    let rows: Value = serde_json::from_str(&read("table.json")).expect("JSON");
+    assert_eq!(rows, printed["rows"]);
+    assert_eq!(rows[0]["diverged"], false);
+    assert!(rows[0]["psnr"].is_f64() && rows[0]["loss"].is_f64(), "{}", rows[0]);
+    assert_eq!((&rows[1]["diverged"], &rows[1]["psnr"]), (&true.into(), &Value::Null));
+    assert_eq!(printed["best_psnr"], rows[0]["psnr"]);
+    for file in ["table.txt", "index.html"] {
+        let text = read(file);
+        assert!(text.matches("diverged").count() == 1 && !text.contains("NaN"), "{file}: {text}");
+    }
 }
 
 /// A scene in the layout of the CS180 course, whose test split has cameras but no photographs.

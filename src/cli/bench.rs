@@ -60,10 +60,14 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     // Opened first: a folder that can't be read shouldn't be found out behind minutes of measuring.
     let run = args.run.as_deref().filter(|_| whole || steps);
     let mut trained = run.map(|run| open(run, Backend::Fast, false)).transpose()?;
-    if trained.as_mut().is_some_and(|trained| trained.model.system().is_none()) {
-        let got = args.run.as_deref().map_or_else(String::new, |run| run.display().to_string());
-        return Err(Error::usage("--run", got, "a run of one field: compact, or nerf without --fine"));
-    }
+    let folder = || args.run.as_deref().map_or_else(String::new, |run| run.display().to_string());
+    let system = trained.as_mut().map(|trained| {
+        let system = trained.model.system().map(|system| (system, &trained.scene));
+        system.ok_or_else(|| {
+            Error::usage("--run", folder(), "a run of one field: compact, or nerf without --fine")
+        })
+    });
+    let system = system.transpose()?;
     let options = Options {
         rounds: if args.quick { 5 } else { args.rounds },
         least: if args.quick { 1e-3 } else { 5e-3 },
@@ -73,25 +77,21 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let mut report = parallel::with_threads(args.threads, || {
         bench::run(&suites, &scalings, &options, |what| eprintln!("{what}"))
     })?;
-    if let Some(trained) = &mut trained {
-        let scene = &trained.scene;
-        if let Some(mut system) = trained.model.system().filter(|_| whole) {
-            let rows = || bench::system::rows(&mut *system, scene, &options, |what| eprintln!("{what}"));
-            let (rows, scaling) = parallel::with_threads(args.threads, rows)?;
-            report.system = rows;
-            report.scaling.extend(scaling);
-            report.stamp();
-        }
+    if let Some((mut system, scene)) = system.filter(|_| whole) {
+        let rows = || bench::system::rows(&mut *system, scene, &options, |what| eprintln!("{what}"));
+        let (rows, scaling) = parallel::with_threads(args.threads, rows)?;
+        report.system = rows;
+        report.scaling.extend(scaling);
+        report.stamp();
     }
     let (mut object, mut text) = (report.json(), report.text());
     if let Some(trained) = trained.as_mut().filter(|_| steps) {
         let compare = || trained.model.compare_steps(&trained.scene, options.rounds).transpose();
         let step = parallel::with_threads(args.threads, compare)?;
         if step.is_none() && suites.is_empty() && !whole {
-            let got = args.run.as_deref().map_or_else(String::new, |run| run.display().to_string());
             return Err(Error::usage(
                 "--run",
-                got,
+                folder(),
                 "a run of --model nerf without --fine: nerf_step compares its steps",
             ));
         }

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use serde_json::{Value, json};
 
 use super::options::{Backend, positive};
-use super::train::{build, load_scene};
+use super::recipe::{build, load_scene};
 use super::{output, progress};
 use crate::error::{Error, Result};
 use crate::evaluation::{self, Scores};

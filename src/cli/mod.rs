@@ -21,6 +21,7 @@ mod list;
 mod options;
 mod output;
 mod progress;
+mod recipe;
 mod render;
 mod sweep_image;
 mod train;

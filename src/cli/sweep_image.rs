@@ -58,6 +58,13 @@ struct Row {
     last: LogPoint,
 }
 
+impl Row {
+    /// Whether the fit has left the numbers: such a row has no figures.
+    fn diverged(&self) -> bool {
+        !self.last.loss.is_finite() || self.last.psnr.is_nan()
+    }
+}
+
 /// Runs `sweep-image`.
 pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
@@ -112,10 +119,13 @@ fn combinations(args: &Args) -> Vec<Settings> {
 
 fn cells(row: &Row) -> Vec<String> {
     let Settings { levels, width, lr, .. } = row.settings;
-    let (psnr, seconds) = (format!("{:.2}", row.last.psnr), format!("{:.1}", row.last.seconds));
+    let psnr = if row.diverged() { "diverged".into() } else { format!("{:.2}", row.last.psnr) };
+    let seconds = format!("{:.1}", row.last.seconds);
     vec![levels.to_string(), width.to_string(), format!("{lr:e}"), psnr, seconds]
 }
 
+/// PSNR and loss are null where they aren't finite, as JSON has no word for that.
 fn object(row: &Row) -> Value {
-    json!({"settings": row.settings, "psnr": row.last.psnr, "seconds": row.last.seconds, "loss": row.last.loss})
+    let LogPoint { psnr, seconds, loss, .. } = row.last;
+    json!({"settings": row.settings, "psnr": psnr, "seconds": seconds, "loss": loss, "diverged": row.diverged()})
 }

@@ -8,15 +8,14 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::options::{Backend, at_most, color, finite_number, none_or, positive, positive_number};
-use super::{output, progress};
-use crate::error::{Error, Result};
+use super::{output, progress, recipe};
+use crate::error::Result;
 use crate::parallel;
 use crate::report::{curve, table};
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 use crate::training::checkpoint::RunFolder;
-use crate::training::compact::{CompactModel, Overrides, Part};
+use crate::training::compact::Part;
 use crate::training::model::Model;
-use crate::training::nerf::{NerfModel, Settings, Skip};
 use crate::training::run::{LogPoint, Options, Run};
 
 /// Options of `train`.
@@ -134,15 +133,16 @@ pub struct Summary {
 
 /// Trains as `args` say.
 pub fn train(args: &Args) -> Result<Summary> {
-    let (scene, recipe) = prepare(args)?;
+    let recipe = recipe::given(args);
+    let scene = recipe::load_scene(&recipe, false, "arguments")?;
     scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    let folder = if args.resume { RunFolder::open(&args.out)? } else { RunFolder::create(&args.out)? };
-    let mut warnings = if args.resume {
-        same_recipe(&folder, &recipe)?
-    } else {
-        json!(scene.warnings).as_array().cloned().unwrap_or_default()
+    let resumed = args.resume.then(|| recipe::resumed(&args.out, &recipe)).transpose()?;
+    let mut model = recipe::build(&recipe, &scene)?;
+    // Not earlier: options that don't fit together leave no folder.
+    let (folder, mut warnings) = match resumed {
+        Some(resumed) => resumed,
+        None => (RunFolder::create(&args.out)?, scene.warnings.iter().map(|w| json!(w)).collect()),
     };
-    let mut model = build(&recipe, &scene)?;
     left_out(&model.settings()).iter().for_each(|line| eprintln!("{line}"));
     let mut settings = run_json(args, &recipe, &scene, &*model);
     let options = end(args);
@@ -150,7 +150,7 @@ pub fn train(args: &Args) -> Result<Summary> {
     if args.resume {
         run.resume()?;
     }
-    // Only now: a run that can't go on stays as it was.
+    // Not earlier: a run that can't go on stays as it was. Not later: one that is stopped is resumed and rendered with these.
     settings.insert("warnings".into(), json!(warnings));
     folder.write_settings(&settings)?;
     let bar = progress::bar(options.steps, "train");
@@ -160,40 +160,15 @@ pub fn train(args: &Args) -> Result<Summary> {
     })?;
     bar.finish_and_clear();
     run.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    warnings.extend(run.warnings.iter().map(|warning| json!(warning)));
-    settings.insert("warnings".into(), json!(warnings));
-    folder.write_settings(&settings)?;
+    let new: Vec<Value> = run.warnings.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
+    if !new.is_empty() {
+        // What training had to say is all that wasn't known then.
+        warnings.extend(new);
+        settings.insert("warnings".into(), json!(warnings));
+        folder.write_settings(&settings)?;
+    }
     write_curve(&folder, &scene, &run.log)?;
     Ok(summary(&run.log, &run.warnings, args))
-}
-
-/// That a run goes on with what it was begun with; the warnings that it had so far.
-fn same_recipe(folder: &RunFolder, recipe: &Map<String, Value>) -> Result<Vec<Value>> {
-    let before = folder.settings()?;
-    // A field that an older run lacks was at its default.
-    let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
-    for name in [
-        "scene",
-        "scene_options",
-        "model",
-        "backend",
-        "seed",
-        "rays",
-        "samples",
-        "fine",
-        "lr",
-        "width",
-        "without",
-        "skip",
-    ] {
-        if let Some(had) = before.get(name).or(defaults.get(name)).filter(|had| **had != recipe[name]) {
-            let advice =
-                "Give --resume the options that the run was begun with; --steps and --seconds may differ.";
-            let file = folder.file("run.json").display().to_string();
-            return Err(Error::input(file, name, &recipe[name], had, advice));
-        }
-    }
-    Ok(before.get("warnings").and_then(Value::as_array).cloned().unwrap_or_default())
 }
 
 /// What the model does without in this scene, and why: the reasons that say so.
@@ -217,114 +192,6 @@ fn end(args: &Args) -> Options {
         seed: args.seed,
         dear: args.model == Kind::Nerf,
     }
-}
-
-fn prepare(args: &Args) -> Result<(Scene, Map<String, Value>)> {
-    let scene_options = json!({
-        "near": args.near, "far": args.far, "holdout": args.holdout, "background": args.background,
-    });
-    let recipe = json!({
-        "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
-        "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
-        "skip": args.skip, "steps": args.steps, "without": args.without,
-    });
-    let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
-    Ok((load_scene(&recipe, false, "arguments")?, recipe))
-}
-
-/// The scene that a recipe (given on the command line, or read from `run.json`) names.
-pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) -> Result<Scene> {
-    let given = &recipe.get("scene_options").cloned().unwrap_or_default();
-    let name = recipe.get("scene").and_then(Value::as_str).ok_or_else(|| {
-        Error::input(file, "scene", "no name", "the scene that was trained", "Train the run again.")
-    })?;
-    let number = |key: &str| given[key].as_f64();
-    let background = given["background"].as_array().map(|b| {
-        let channel = |k: usize| b.get(k).and_then(Value::as_f64).unwrap_or(0.0);
-        [channel(0), channel(1), channel(2)]
-    });
-    let options = scene::Options {
-        near: number("near"),
-        far: number("far"),
-        holdout: given["holdout"].as_u64().map(|n| n as usize),
-        background,
-        test_images,
-    };
-    scene::load(name, &options)
-}
-
-/// The model that a recipe describes, with its initial parameters.
-pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
-    let whole = |key: &str| recipe.get(key).and_then(Value::as_u64);
-    let named = |key: &str, value: &str| recipe.get(key).and_then(Value::as_str) == Some(value);
-    let seed = whole("seed").unwrap_or(0);
-    // A run of before this option has none.
-    let without = recipe.get("without").cloned().unwrap_or_else(|| json!([]));
-    let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {
-        Error::input("run.json", "without", error, "names of parts", "Train the run again.")
-    })?;
-    let skip = recipe.get("skip") == Some(&Value::Bool(true));
-    if named("model", "compact") {
-        if named("backend", "reference") {
-            return Err(Error::usage(
-                "--backend",
-                "reference",
-                "fast: the reference trains and renders --model nerf",
-            ));
-        }
-        if whole("fine").unwrap_or(0) > 0 {
-            return Err(Error::usage(
-                "--fine",
-                whole("fine").unwrap_or(0),
-                "0: a second network belongs to --model nerf",
-            ));
-        }
-        if let Some(width) = whole("width") {
-            return Err(Error::usage(
-                "--width",
-                width,
-                "no width: --model nerf has it, compact's networks are fixed",
-            ));
-        }
-        if skip {
-            return Err(Error::usage(
-                "--skip",
-                "given",
-                "no --skip: the compact model always leaves empty space out",
-            ));
-        }
-        let lr = recipe.get("lr").and_then(Value::as_f64);
-        let [samples, rays] = ["samples", "rays"].map(|key| whole(key).map(|n| n as usize));
-        return Ok(Box::new(CompactModel::new(scene, &Overrides { seed, samples, rays, lr, without })?));
-    }
-    if !without.is_empty() {
-        return Err(Error::usage("--without", "given", "no --without: its parts are the compact model's"));
-    }
-    let mut settings = Settings::new(scene.near, scene.far, scene.background);
-    settings.seed = seed;
-    settings.reference = named("backend", "reference");
-    if let Some(rays) = whole("rays") {
-        settings.rays = rays as usize;
-    }
-    if let Some(samples) = whole("samples") {
-        settings.samples = samples as usize;
-    }
-    settings.fine = whole("fine").unwrap_or(0) as usize;
-    settings.skip = skip.then(Skip::default);
-    if skip && settings.fine > 0 {
-        return Err(Error::usage(
-            "--skip",
-            "given",
-            "no --fine beside it: one network has a grid, a pair has none",
-        ));
-    }
-    if let Some(lr) = recipe.get("lr").and_then(Value::as_f64) {
-        settings.lr = lr;
-    }
-    if let Some(width) = whole("width") {
-        settings.set_width(width as usize);
-    }
-    Ok(Box::new(NerfModel::new(settings)))
 }
 
 /// All settings, given and derived, with the reasons; version, machine, seed.

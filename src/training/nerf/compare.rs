@@ -71,17 +71,16 @@ impl NerfModel {
     fn compared(&mut self, scene: &Scene, rounds: usize) -> Result<Value> {
         let Skip { every, resolution, .. } = self.settings.skip.unwrap_or_default();
         let (key, length) = (Key::new(self.settings.seed, Purpose::Occupancy), self.step_length());
+        let ask = |points: &[f64]| self.coarse.densities(points);
         let mut fill_seconds = None;
         let grid = match &self.grid {
             Some(grid) => grid.clone(),
             None => {
                 let mut grid = Grid::new(scene, self.settings.near, self.settings.far, resolution)?;
-                let ask = |points: &[f64]| self.coarse.densities(points);
                 fill_seconds = Some(seconds(|| grid.fill(&key, STEP, length, &ask)));
                 grid
             }
         };
-        let ask = |points: &[f64]| self.coarse.densities(points);
         let mut later = grid.clone();
         let update_seconds = seconds(|| later.update(&key, (STEP, 1), length, &ask));
         let background = self.settings.background.map(|b| b as f32);

@@ -1,0 +1,175 @@
+//! A run's recipe: the options of `train` that say what is trained. `run.json` keeps it; whoever opens a run builds from it again.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+
+use super::train::Args;
+use crate::error::{Error, Result};
+use crate::scene::{self, Scene};
+use crate::training::checkpoint::RunFolder;
+use crate::training::compact::{CompactModel, Overrides, Part};
+use crate::training::model::Model;
+use crate::training::nerf::{NerfModel, Settings, Skip};
+
+/// What `--resume` may not change.
+const KEPT: [&str; 12] = [
+    "scene",
+    "scene_options",
+    "model",
+    "backend",
+    "seed",
+    "rays",
+    "samples",
+    "fine",
+    "lr",
+    "width",
+    "without",
+    "skip",
+];
+
+/// The recipe that the command line gives.
+pub fn given(args: &Args) -> Map<String, Value> {
+    let scene_options = json!({
+        "near": args.near, "far": args.far, "holdout": args.holdout, "background": args.background,
+    });
+    let recipe = json!({
+        "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
+        "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
+        "skip": args.skip, "steps": args.steps, "without": args.without,
+    });
+    let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
+    recipe
+}
+
+/// The run to go on with, which must have been begun with this recipe, and the warnings that it had so far.
+pub fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Vec<Value>)> {
+    let folder = RunFolder::open(run)?;
+    let before = folder.settings()?;
+    // A field that an older run lacks was at its default.
+    let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
+    for name in KEPT {
+        if let Some(had) = before.get(name).or(defaults.get(name)).filter(|had| **had != recipe[name]) {
+            let advice =
+                "Give --resume the options that the run was begun with; --steps and --seconds may differ.";
+            let file = folder.file("run.json").display().to_string();
+            return Err(Error::input(file, name, &recipe[name], had, advice));
+        }
+    }
+    let warnings = before.get("warnings").and_then(Value::as_array).cloned().unwrap_or_default();
+    Ok((folder, warnings))
+}
+
+/// The scene that a recipe (given on the command line, or read from `run.json`) names.
+pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) -> Result<Scene> {
+    let given = &recipe.get("scene_options").cloned().unwrap_or_default();
+    let name = recipe.get("scene").and_then(Value::as_str).ok_or_else(|| {
+        Error::input(file, "scene", "no name", "the scene that was trained", "Train the run again.")
+    })?;
+    let number = |key: &str| given[key].as_f64();
+    let background = given["background"].as_array().map(|b| {
+        let channel = |k: usize| b.get(k).and_then(Value::as_f64).unwrap_or(0.0);
+        [channel(0), channel(1), channel(2)]
+    });
+    let options = scene::Options {
+        near: number("near"),
+        far: number("far"),
+        holdout: given["holdout"].as_u64().map(|n| n as usize),
+        background,
+        test_images,
+    };
+    scene::load(name, &options)
+}
+
+/// The model that a recipe describes, with its initial parameters.
+pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
+    // A run of before this option has none.
+    let without = recipe.get("without").cloned().unwrap_or_else(|| json!([]));
+    let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {
+        Error::input("run.json", "without", error, "names of parts", "Train the run again.")
+    })?;
+    if named(recipe, "model", "compact") {
+        return Ok(Box::new(compact(recipe, scene, without)?));
+    }
+    if !without.is_empty() {
+        return Err(Error::usage("--without", "given", "no --without: its parts are the compact model's"));
+    }
+    Ok(Box::new(nerf(recipe, scene)?))
+}
+
+fn compact(recipe: &Map<String, Value>, scene: &Scene, without: Vec<Part>) -> Result<CompactModel> {
+    if named(recipe, "backend", "reference") {
+        return Err(Error::usage(
+            "--backend",
+            "reference",
+            "fast: the reference trains and renders --model nerf",
+        ));
+    }
+    if let Some(fine) = whole(recipe, "fine").filter(|&fine| fine > 0) {
+        return Err(Error::usage("--fine", fine, "0: a second network belongs to --model nerf"));
+    }
+    if let Some(width) = whole(recipe, "width") {
+        return Err(Error::usage(
+            "--width",
+            width,
+            "no width: --model nerf has it, compact's networks are fixed",
+        ));
+    }
+    if skip(recipe) {
+        return Err(Error::usage(
+            "--skip",
+            "given",
+            "no --skip: the compact model always leaves empty space out",
+        ));
+    }
+    let [samples, rays] = ["samples", "rays"].map(|key| whole(recipe, key).map(|n| n as usize));
+    CompactModel::new(scene, &Overrides { seed: seed(recipe), samples, rays, lr: lr(recipe), without })
+}
+
+fn nerf(recipe: &Map<String, Value>, scene: &Scene) -> Result<NerfModel> {
+    let mut settings = Settings::new(scene.near, scene.far, scene.background);
+    settings.seed = seed(recipe);
+    settings.reference = named(recipe, "backend", "reference");
+    if let Some(rays) = whole(recipe, "rays") {
+        settings.rays = rays as usize;
+    }
+    if let Some(samples) = whole(recipe, "samples") {
+        settings.samples = samples as usize;
+    }
+    settings.fine = whole(recipe, "fine").unwrap_or(0) as usize;
+    settings.skip = skip(recipe).then(Skip::default);
+    if settings.skip.is_some() && settings.fine > 0 {
+        return Err(Error::usage(
+            "--skip",
+            "given",
+            "no --fine beside it: one network has a grid, a pair has none",
+        ));
+    }
+    if let Some(lr) = lr(recipe) {
+        settings.lr = lr;
+    }
+    if let Some(width) = whole(recipe, "width") {
+        settings.set_width(width as usize);
+    }
+    Ok(NerfModel::new(settings))
+}
+
+fn whole(recipe: &Map<String, Value>, key: &str) -> Option<u64> {
+    recipe.get(key).and_then(Value::as_u64)
+}
+
+fn named(recipe: &Map<String, Value>, key: &str, value: &str) -> bool {
+    recipe.get(key).and_then(Value::as_str) == Some(value)
+}
+
+fn seed(recipe: &Map<String, Value>) -> u64 {
+    whole(recipe, "seed").unwrap_or(0)
+}
+
+fn lr(recipe: &Map<String, Value>) -> Option<f64> {
+    recipe.get("lr").and_then(Value::as_f64)
+}
+
+fn skip(recipe: &Map<String, Value>) -> bool {
+    recipe.get("skip") == Some(&Value::Bool(true))
+}
