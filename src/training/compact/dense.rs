@@ -351,13 +351,16 @@ mod tests {
         assert!(live > 12 * CHUNK, "{live}");
         let more = work.pass / work.products;
         assert!((1.0..1.5).contains(&more), "{more}");
-        // Nothing that arithmetic is slow with or that costs nothing: no tiny numbers, and gradients everywhere.
-        let first = &step.filled[0].chunk;
-        let normal = |x: &f32| *x == 0.0 || x.is_normal();
-        assert!(first.gradient.parts().into_iter().flatten().all(normal));
-        assert!(
-            first.hidden0.as_flattened().iter().all(normal) && first.rgb.as_flattened().iter().all(normal)
-        );
+        // No numbers below the normal ones, with which arithmetic is slow.
+        for Filled { chunk, encoding, .. } in &step.filled {
+            let rows = ..chunk.points.len();
+            let (forward, backward) = (encoding[rows].as_flattened(), chunk.encoding[rows].as_flattened());
+            let colors = chunk.rgb[rows].as_flattened();
+            let buffers = [forward, chunk.hidden0[rows].as_flattened(), colors, backward];
+            assert!(!buffers.into_iter().flatten().any(|x| x.is_subnormal()));
+            assert!(!chunk.gradient.parts().into_iter().flatten().any(|x| x.is_subnormal()));
+            assert!(colors.iter().any(|&x| x != 0.0) && backward.iter().any(|&x| x != 0.0));
+        }
     }
 
     /// Activations and the colours' gradient come out with the training's bits, as often as they run.
