@@ -9,6 +9,10 @@ rounds of both programs can be interleaved:
 or, in the rounds of `bench` itself:
 
     nerf-oracle bench nerf_mlp --out DIR --peer "python tools/bench_torch.py --rounds 1 --fit-steps 10"
+
+With `--only sgemm`, a 4096^3 product alone, best of 5: what PyTorch's library adds to the ceiling of the dense layers.
+
+    nerf-oracle bench dense --out DIR --peer "python tools/bench_torch.py --rounds 1 --only sgemm"
 """
 
 import argparse
@@ -115,18 +119,34 @@ def fit_image(steps: int) -> float:
     return (time.perf_counter() - start) * 1000 / steps
 
 
+def sgemm(size: int, runs: int = 5) -> dict[str, float | int | str]:
+    """GFLOP/s of a size^3 product in f32, the best of `runs` behind one that warms up, and the library that computes it."""
+    a, b, c = torch.rand(size, size), torch.rand(size, size), torch.empty(size, size)
+    seconds = []
+    for _ in range(1 + runs):
+        start = time.perf_counter()
+        torch.matmul(a, b, out=c)
+        seconds.append(time.perf_counter() - start)
+    library = "MKL" if torch.backends.mkl.is_available() else "sgemm"
+    return {"sgemm_gflops": 2 * size**3 / min(seconds[1:]) / 1e9, "sgemm_size": size, "sgemm_library": library}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--fit-steps", type=int, default=100)
+    parser.add_argument("--only", choices=["sgemm"], help="this alone")
+    parser.add_argument("--sgemm-size", type=int, default=4096)
     arguments = parser.parse_args()
     torch.set_num_threads(arguments.threads)
     for number in range(arguments.rounds):
-        report = {
-            "program": f"torch {torch.__version__}",
-            "round": number,
-            "threads": arguments.threads,
+        report = {"program": f"torch {torch.__version__}", "round": number, "threads": arguments.threads}
+        report |= sgemm(arguments.sgemm_size)
+        if arguments.only:
+            print(json.dumps(report), flush=True)
+            continue
+        report |= {
             "step_whole_batch_seconds": training_step(RAYS),
             "step_accumulated_seconds": training_step(64),
             "forward_points_per_second": forward(),

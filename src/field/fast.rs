@@ -21,6 +21,7 @@
 
 mod activation;
 mod chunk;
+mod dense;
 mod descent;
 mod gradient;
 mod image;
@@ -35,10 +36,11 @@ pub mod variants;
 #[cfg(test)]
 mod tests;
 
+pub use dense::DENSE;
 pub use gradient::Gradient;
 pub use image::ImageNetwork;
 pub use network::{Batch, Network};
-pub use product::sgemm;
+pub use product::{sgemm, sgemm_layer};
 pub use rays::{Rays, Rendered};
 pub use skipping::Skipping;
 

@@ -27,6 +27,16 @@ impl<'a> Matrix<'a> {
         let Matrix { data, rows, columns, row_stride, column_stride } = self;
         Matrix { data, rows: columns, columns: rows, row_stride: column_stride, column_stride: row_stride }
     }
+
+    /// (rows, columns).
+    pub fn shape(&self) -> (usize, usize) {
+        (self.rows, self.columns)
+    }
+
+    /// Entry (i, j).
+    pub fn at(&self, i: usize, j: usize) -> f32 {
+        self.data[i * self.row_stride + j * self.column_stride]
+    }
 }
 
 /// c = a b, or c += a b; rows of c `stride` entries apart.
@@ -38,6 +48,11 @@ pub(super) fn product(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumu
 pub fn sgemm(n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
     let (a, b) = (Matrix::new(a, n, n, n), Matrix::new(b, n, n, n));
     product_on(c, n, a, b, false, Parallelism::Rayon(crate::parallel::threads()));
+}
+
+/// c = a b of shapes (m, k) and (k, n), row by row, on the thread that calls: a layer as a chunk computes it.
+pub fn sgemm_layer([m, n, k]: [usize; 3], a: &[f32], b: &[f32], c: &mut [f32]) {
+    product(c, n, Matrix::new(a, m, k, k), Matrix::new(b, k, n, n), false);
 }
 
 #[allow(unsafe_code, reason = "gemm takes pointers; what it needs of them is asserted here")]

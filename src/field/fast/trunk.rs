@@ -50,10 +50,10 @@ pub(super) struct Tape {
     /// Encoded input (P, encoding).
     pub encoding: Vec<f32>,
     /// Behind each layer; rows hold the encoding too where the next layer is the skip.
-    h: Vec<Vec<f32>>,
+    pub h: Vec<Vec<f32>>,
     /// Gradient before the ReLU of the layer at hand (P, width).
     pub g: Vec<f32>,
-    g_next: Vec<f32>,
+    pub g_next: Vec<f32>,
 }
 
 impl Trunk {
@@ -74,7 +74,7 @@ impl Trunk {
     }
 
     /// Entries between two rows of h behind layer n.
-    fn stride(&self, n: usize) -> usize {
+    pub fn stride(&self, n: usize) -> usize {
         self.width + if n + 1 == self.skip && self.skip < self.layers.len() { self.encoding } else { 0 }
     }
 

@@ -19,6 +19,7 @@ use crate::verify::bench::system::System;
 
 mod backward;
 mod chunk;
+mod dense;
 mod forward;
 mod kernels;
 mod march;
@@ -36,6 +37,7 @@ mod views;
 mod tests;
 
 use chunk::Chunk;
+pub use dense::DENSE;
 use networks::{Networks, Weights};
 pub use settings::{Overrides, Part, Settings};
 use views::Views;

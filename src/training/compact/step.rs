@@ -14,7 +14,7 @@ use crate::random::{Key, Purpose};
 use crate::training::StepReport;
 
 /// Samples of a chunk, about: their activations stay in a core's L2 cache.
-const CHUNK: usize = 1024;
+pub(super) const CHUNK: usize = 1024;
 
 /// Rays of the first step, before anything is known about samples a ray.
 pub(super) const FIRST_RAYS: usize = 512;
@@ -67,7 +67,7 @@ impl CompactModel {
         StepReport { loss, mse: loss, samples: live as u64 }
     }
 
-    fn march(&self, chunks: &mut [Chunk], rays_each: usize, samples: f64, step: u64) {
+    pub(super) fn march(&self, chunks: &mut [Chunk], rays_each: usize, samples: f64, step: u64) {
         let length = (self.settings.size / samples) as f32;
         let keys = [Purpose::Rays, Purpose::Samples].map(|purpose| Key::new(self.settings.seed, purpose));
         parallel::for_chunks(chunks, 1, |c, chunk| {
@@ -77,7 +77,7 @@ impl CompactModel {
     }
 
     /// Level by level over many chunks, so that a level's table stays in the L2 cache while it is read.
-    fn encode(&self, chunks: &mut [Chunk], step: u64) {
+    pub(super) fn encode(&self, chunks: &mut [Chunk], step: u64) {
         let active = self.settings.levels_at(step);
         let share = chunks.len().div_ceil(parallel::threads());
         parallel::for_chunks(chunks, share, |_, chunks| {

@@ -5,6 +5,7 @@
 //! take turns in the same rounds, together with the machine's calibration and with a peer's program.
 
 pub mod calibration;
+pub mod dense;
 pub mod error;
 pub mod frontier;
 pub mod page;
@@ -19,6 +20,7 @@ mod truth;
 #[cfg(test)]
 mod tests;
 
+pub use dense::Dense;
 pub use error::{BF16, Errors, F16, Promise};
 pub use report::{Report, Row};
 pub use scaling::Scaling;
@@ -202,11 +204,17 @@ struct Entry {
     timer: Timer,
 }
 
-/// Checks, times and measures the suites; `tell` hears what is being done.
+/// Checks, times and measures suites and dense layers; `tell` hears what is being done.
 ///
 /// # Errors
 /// Where the peer fails.
-pub fn run(suites: &[Suite], scalings: &[Scaling], options: &Options, tell: impl Fn(&str)) -> Result<Report> {
+pub fn run(
+    suites: &[Suite],
+    scalings: &[Scaling],
+    layers: &[Dense],
+    options: &Options,
+    tell: impl Fn(&str),
+) -> Result<Report> {
     let (mut entries, mut refused) = (vec![], vec![]);
     for (s, suite) in suites.iter().enumerate() {
         tell(&format!("check {}", suite.component));
@@ -234,6 +242,7 @@ pub fn run(suites: &[Suite], scalings: &[Scaling], options: &Options, tell: impl
         }
     }
     let mut measured = scaling::prepare(scalings, options.least);
+    let mut layers = dense::prepare(layers, options.least, options.quick);
     let mut machine = calibration::Calibration::new(options.quick);
     let mut peer = options.peer.as_deref().map(peer::Peer::new);
     for round in 0..options.rounds {
@@ -241,6 +250,7 @@ pub fn run(suites: &[Suite], scalings: &[Scaling], options: &Options, tell: impl
         machine.round();
         entries.iter_mut().for_each(|(e, _)| e.timer.round(&mut *e.kernel));
         measured.iter_mut().for_each(scaling::Measured::round);
+        layers.iter_mut().for_each(dense::Measured::round);
         if let Some(peer) = &mut peer {
             peer.round()?;
         }
@@ -256,11 +266,21 @@ pub fn run(suites: &[Suite], scalings: &[Scaling], options: &Options, tell: impl
     rows.extend(refused);
     rows.extend(peer.iter().flat_map(|peer| peer.rows(&calibration)));
     report::compare(&mut rows);
+    let mut candidates = machine.candidates();
+    let left_out = match peer.as_ref().map(peer::Peer::candidate) {
+        Some(Ok(candidate)) => {
+            candidates.push(candidate);
+            None
+        }
+        Some(Err(why)) => Some(why),
+        None => Some("another library's product (--peer)".into()),
+    };
     let scaling = measured.iter().map(scaling::Measured::json).collect();
     let mut report = Report {
         rows,
         scaling,
         system: vec![],
+        dense: dense::section(&layers, &candidates, left_out),
         calibration,
         peer: peer.map(|p| p.json()),
         rounds: options.rounds,

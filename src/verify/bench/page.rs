@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use super::dense;
 use super::report::{HEADER, Report, Row, SCALING, SYSTEM, cells, machine, scaling_cells, system_cells};
 use crate::report::page::Page;
 use crate::report::scatter::{self, Point};
@@ -31,6 +32,10 @@ pub fn page(report: &Report) -> String {
     if !report.scaling.is_empty() {
         page.heading("Scaling");
         page.table(&SCALING, &report.scaling.iter().map(scaling_cells).collect::<Vec<_>>());
+    }
+    if !report.dense.is_null() {
+        page.heading("Dense layers").paragraph(&dense::ceiling_text(&report.dense)).paragraph(dense::NOTE);
+        page.table(&dense::HEADER, &report.dense_rows().iter().map(dense::cells).collect::<Vec<_>>());
     }
     if !report.system.is_empty() {
         page.heading("Whole pictures");

@@ -2,13 +2,17 @@
 //!
 //! The command runs once a round and prints one JSON object on stdout (other lines before it are ignored). What is read from it:
 //! `program`, its name; every number with `second` in its name; and, where there, `rows`, a list of objects with
-//! `component`, `variant` and `seconds` or `items_per_second`, and whatever else our rows have. `tools/bench_torch.py` is such a program.
+//! `component`, `variant` and `seconds` or `items_per_second`, and whatever else our rows have. A program that knows what its library
+//! reaches in a large f32 product on as many threads as ours prints `sgemm_gflops`, the best that it saw (and `threads`, `sgemm_size`,
+//! `sgemm_library`): it takes part in the ceiling of the dense layers. `tools/bench_torch.py` is such a program; with `--only sgemm` it
+//! measures nothing else.
 
 use std::collections::BTreeMap;
 use std::process::Command;
 
 use serde_json::{Map, Value, json};
 
+use super::dense::Candidate;
 use super::report::Row;
 use super::rounds::quantile;
 use crate::error::{Error, Result};
@@ -64,6 +68,23 @@ impl Peer {
 
     fn program(&self) -> &str {
         self.objects.first().and_then(|o| o.get("program")).and_then(Value::as_str).unwrap_or("peer")
+    }
+
+    /// The best of its large products, for the ceiling of dense layers; or why it isn't among the candidates.
+    pub fn candidate(&self) -> Result<Candidate, String> {
+        let number = |name: &'static str| self.objects.iter().filter_map(move |o| o.get(name)?.as_f64());
+        let best = number("sgemm_gflops").filter(|&x| x > 0.0 && x.is_finite()).fold(0.0, f64::max);
+        if best == 0.0 {
+            return Err(format!("{}, which reports no sgemm_gflops", self.program()));
+        }
+        let ours = crate::parallel::threads();
+        if let Some(threads) = number("threads").find(|&threads| threads != ours as f64) {
+            return Err(format!("{}, which ran on {threads} threads", self.program()));
+        }
+        let library = self.objects.iter().find_map(|o| o.get("sgemm_library")?.as_str());
+        let size = number("sgemm_size").next().map_or_else(String::new, |n| format!(" {n}^3"));
+        let name = format!("{}: {}{size}", self.program(), library.unwrap_or("sgemm"));
+        Ok(Candidate { name, gflops: best })
     }
 
     /// The median and spread over rounds of every number that `figures` finds in the objects, by name.

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::error::Errors;
 use super::frontier::on_frontier;
 use super::rounds::Timer;
-use super::{Suite, Variant};
+use super::{Suite, Variant, dense};
 use crate::report::table;
 
 /// One variant's figures, as `bench --json` prints them.
@@ -21,6 +21,8 @@ pub struct Report {
     pub scaling: Vec<Value>,
     /// Whole pictures of a trained run.
     pub system: Vec<Value>,
+    /// Dense layers and their ceiling, see [`super::dense`]; null where they weren't asked for.
+    pub dense: Value,
     /// The machine in the same minutes.
     pub calibration: Value,
     /// The peer's own objects.
@@ -107,9 +109,15 @@ pub fn compare(rows: &mut [Row]) {
 }
 
 impl Report {
-    /// Variants that were refused.
+    /// Variants and dense layers that were refused.
     pub fn refused(&self) -> usize {
-        self.rows.iter().filter(|row| row.0.contains_key("refused")).count()
+        let layers = self.dense_rows().iter().filter(|row| row["refused"].is_string()).count();
+        self.rows.iter().filter(|row| row.0.contains_key("refused")).count() + layers
+    }
+
+    /// The rows of the dense layers.
+    pub fn dense_rows(&self) -> &[Value] {
+        self.dense["rows"].as_array().map_or(&[], |rows| rows)
     }
 
     /// Puts the calibration beside the figures of whole pictures too.
@@ -123,14 +131,16 @@ impl Report {
         json!({
             "version": env!("CARGO_PKG_VERSION"), "calibration": self.calibration, "rounds": self.rounds,
             "rows": self.rows.iter().map(|row| &row.0).collect::<Vec<_>>(), "scaling": self.scaling,
-            "system": self.system, "peer": self.peer,
+            "system": self.system, "dense": self.dense, "peer": self.peer,
         })
     }
 
     /// For people.
     pub fn text(&self) -> String {
         let mut text = machine(&self.calibration) + "\n\n";
-        text += &table::text(&HEADER, &self.rows.iter().map(cells).collect::<Vec<_>>());
+        if !self.rows.is_empty() {
+            text += &table::text(&HEADER, &self.rows.iter().map(cells).collect::<Vec<_>>());
+        }
         for row in self.rows.iter().filter(|row| row.0.contains_key("refused")) {
             let (component, variant) = (row.text("component"), row.text("variant"));
             text += &format!("refused: {component} {variant}: {}\n", row.text("refused"));
@@ -142,6 +152,19 @@ impl Report {
         if !self.system.is_empty() {
             text += "\n";
             text += &table::text(&SYSTEM, &self.system.iter().map(system_cells).collect::<Vec<_>>());
+        }
+        if !self.dense.is_null() {
+            text += &format!("\n{}\n\n", dense::ceiling_text(&self.dense));
+            text +=
+                &table::text(&dense::HEADER, &self.dense_rows().iter().map(dense::cells).collect::<Vec<_>>());
+            for row in self.dense_rows().iter().filter(|row| row["refused"].is_string()) {
+                let text_of = |field: &str| row[field].as_str().unwrap_or("");
+                text += &format!("refused: {}: {}\n", text_of("network"), text_of("refused"));
+            }
+            text += &format!("{}\n", dense::NOTE);
+        }
+        if self.rows.is_empty() && self.scaling.is_empty() && self.system.is_empty() {
+            return text;
         }
         text + "\n* on the frontier: nothing is both as fast and as accurate. Errors are relative; an element below a 1024th of\n  its output's largest counts as that large. budget: largest error over the component's bound in the row's type.\n"
     }

@@ -1,6 +1,6 @@
 //! Every component's suite, in pipeline order. To add a variant: one entry in the component's `variants.rs`.
 
-use super::{Scaling, Suite};
+use super::{Dense, Scaling, Suite};
 use crate::field::fast::variants as field;
 use crate::{
     encoding, hash_grid, occupancy_grid, optimiser, sample, spherical_harmonics, training, volume_rendering,
@@ -19,6 +19,9 @@ pub const SUITES: &[Suite] = &[
     optimiser::variants::SUITE,
     training::variants::SUITE,
 ];
+
+/// The networks whose dense layers are measured.
+pub const DENSE: &[Dense] = &[crate::field::fast::DENSE, training::compact::DENSE];
 
 /// Time and memory against size, of all components.
 pub fn scalings() -> Vec<Scaling> {

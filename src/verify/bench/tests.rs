@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
+use super::dense::{self, Candidate, Dense, Layers, Work};
 use super::report::{Row, compare};
 use super::scaling::exponent;
 use super::suites::SUITES;
@@ -57,7 +58,7 @@ fn options() -> Options {
 /// A variant that isn't what it says is refused: no seconds, a reason. The others are measured.
 #[test]
 fn the_check_comes_first() {
-    let report = run(&[DOUBLE], &[], &options(), |_| {}).unwrap();
+    let report = run(&[DOUBLE], &[], &[], &options(), |_| {}).unwrap();
     let row = |name: &str| report.rows.iter().find(|row| row.text("variant") == name).unwrap();
     for name in ["wrong", "shapeless", "nan"] {
         assert!(!row(name).text("refused").is_empty() && row(name).number("seconds").is_none(), "{name}");
@@ -146,7 +147,7 @@ fn exponents_of_known_data() {
 fn a_peer_takes_part_in_every_round() {
     let peer = r#"echo warming up; echo '{"program": "p", "step_seconds": 2, "rows": [{"component": "double", "variant": "v", "seconds": 0.5, "items": 64}]}'"#;
     let options = Options { peer: Some(peer.into()), ..options() };
-    let report = run(&[DOUBLE], &[], &options, |_| {}).unwrap();
+    let report = run(&[DOUBLE], &[], &[], &options, |_| {}).unwrap();
     let row = report.rows.iter().find(|row| row.text("variant") == "p: v").unwrap();
     assert_eq!((row.number("items_per_second"), row.number("seconds")), (Some(128.0), Some(0.5)));
     assert!(row.number("speedup").is_some());
@@ -155,7 +156,91 @@ fn a_peer_takes_part_in_every_round() {
     assert_eq!(printed["figures"]["step_seconds"]["median"], 2.0);
     for (bad, word) in [("exit 3", "3"), ("echo nothing", "no JSON"), ("echo '[1]'", "no JSON")] {
         let options = Options { peer: Some(bad.into()), ..options.clone() };
-        let error = run(&[DOUBLE], &[], &options, |_| {}).unwrap_err().to_string();
+        let error = run(&[DOUBLE], &[], &[], &options, |_| {}).unwrap_err().to_string();
         assert!(error.contains("--peer") && error.contains(word), "{error}");
+    }
+}
+
+/// Layers whose seconds and flops are made up: 2e9 flops in half a second, a pass of 3e9 in two.
+struct MadeUp(f64);
+
+impl Layers for MadeUp {
+    fn check(&mut self) -> f64 {
+        self.0
+    }
+
+    fn work(&self) -> Work {
+        Work { points: 10, products: 2e9, pass: 3e9 }
+    }
+
+    fn products(&mut self) -> f64 {
+        0.5
+    }
+
+    fn pass(&mut self) -> f64 {
+        2.0
+    }
+}
+
+const MADE_UP: [Dense; 3] = [
+    Dense { name: "right", about: "", prepare: |_| Box::new(MadeUp(0.9)) },
+    Dense { name: "wrong", about: "", prepare: |_| Box::new(MadeUp(1.1)) },
+    Dense { name: "nan", about: "", prepare: |_| Box::new(MadeUp(f64::NAN)) },
+];
+
+/// 4 GFLOP/s under a ceiling of 5 are 80%, 1.5 GFLOP/s 30%. What fails its check isn't timed.
+#[test]
+fn shares_of_a_made_up_ceiling() {
+    let mut measured = dense::prepare(&MADE_UP, 0.0, true);
+    measured.iter_mut().for_each(dense::Measured::round);
+    let candidates = [("slow", 3.0), ("fast", 5.0), ("nan", f64::NAN), ("middle", 4.0)];
+    let candidates = candidates.map(|(name, gflops)| Candidate { name: name.into(), gflops });
+    let section = dense::section(&measured, &candidates, Some("one that was away".into()));
+    assert_eq!((&section["ceiling_gflops"], &section["ceiling_of"]), (&json!(5.0), &json!("fast")));
+    let row = &section["rows"][0];
+    for (field, figure) in [
+        ("products_gflops", 4.0),
+        ("share_products", 0.8),
+        ("best_share_products", 0.8),
+        ("pass_gflops", 1.5),
+        ("share_pass", 0.3),
+        ("products_spread", 0.0),
+    ] {
+        assert!((row[field].as_f64().unwrap() - figure).abs() < 1e-12, "{field}");
+    }
+    for n in [1, 2] {
+        let row = &section["rows"][n];
+        assert!(row["refused"].is_string() && row["share_products"].is_null(), "{row}");
+    }
+    assert!(dense::ceiling_text(&section).contains("slow 3, fast 5") && dense::cells(row)[4] == "80.0%");
+    let report = run(&[], &[], &MADE_UP, &options(), |_| {}).unwrap();
+    assert_eq!(report.refused(), 2);
+    assert!(report.text().contains("refused: wrong") && super::page::page(&report).contains("Dense layers"));
+    assert!(run(&[], &[], &[], &options(), |_| {}).unwrap().dense.is_null());
+}
+
+/// A peer's product is a candidate where it ran on as many threads; where not, the report says so.
+#[test]
+#[cfg(unix)]
+fn a_peers_product_takes_part_in_the_ceiling() {
+    let ceiling = |printed: &str| {
+        let options = Options { peer: Some(format!("echo '{printed}'")), ..options() };
+        run(&[], &[], &MADE_UP, &options, |_| {}).unwrap().dense
+    };
+    let threads = crate::parallel::threads();
+    let more = threads + 1;
+    let dense = ceiling(&format!(
+        r#"{{"program": "p", "threads": {threads}, "sgemm_gflops": 1e9, "sgemm_size": 64, "sgemm_library": "L"}}"#
+    ));
+    assert_eq!((&dense["ceiling_gflops"], &dense["ceiling_of"]), (&json!(1e9), &json!("p: L 64^3")));
+    assert!(dense["ceiling_left_out"].is_null());
+    for (printed, word) in [
+        (r#"{"program": "p"}"#.into(), "sgemm_gflops"),
+        (r#"{"program": "p", "sgemm_gflops": -1}"#.into(), "sgemm_gflops"),
+        (format!(r#"{{"program": "p", "threads": {more}, "sgemm_gflops": 1e9}}"#), "threads"),
+    ] {
+        let dense = ceiling(&printed);
+        assert!(dense["ceiling_left_out"].as_str().unwrap().contains(word), "{dense}");
+        assert_eq!(dense["ceiling_candidates"].as_array().unwrap().len(), 2);
     }
 }
