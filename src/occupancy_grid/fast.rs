@@ -1,6 +1,7 @@
 //! f32 occupancy bits; `march` walks rays over them, past empty cells, bricks and blocks of cells.
 
 mod march;
+mod walk;
 
 pub use march::{Steps, Way};
 
