@@ -66,9 +66,10 @@ impl Steps {
         // One more for each end's rounding, one to write to behind the last.
         self.room = longest as usize + 3;
         let places = ways.len() * self.room;
-        assert!(places <= u32::MAX as usize, "{} rays of {longest} steps: at most 2^32 at once", ways.len());
-        if self.k.len() < places {
-            self.k.resize(places, 0.0);
+        assert!(places < u32::MAX as usize, "{} rays of {longest} steps: at most 2^32 at once", ways.len());
+        // The last place is for lanes that no ray has entered yet.
+        if self.k.len() <= places {
+            self.k.resize(places + 1, 0.0);
         }
         self.count.clear();
         self.count.resize(ways.len(), 0);
@@ -92,7 +93,7 @@ impl WithSimd for March<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
         let March { grid, ways, step, steps } = self;
-        let mut walk = Walk::new();
+        let mut walk = Walk::new(steps.k.len() - 1);
         let mut waiting = ways.iter().enumerate().filter(|(_, way)| way.near < way.far);
         loop {
             let mut idle = walk.idle();

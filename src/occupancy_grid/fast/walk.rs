@@ -43,7 +43,8 @@ pub(super) struct Walk {
 }
 
 impl Walk {
-    pub fn new() -> Self {
+    /// No rays yet; `spare` is where lanes without a ray write to.
+    pub fn new(spare: usize) -> Self {
         let (lanes, whole) = (OnLine([0f32; LANES]), OnLine([0; LANES]));
         Walk {
             start: [lanes; 3],
@@ -52,7 +53,7 @@ impl Walk {
             k: lanes,
             last: lanes,
             patience: whole,
-            next: whole,
+            next: OnLine([spare as u32; LANES]),
             cell: [whole; 3],
             brick: whole,
             block: whole,
