@@ -254,16 +254,55 @@ fn a_span_holds_all_occupied_cells() {
         let whole = way(i, u32::MAX);
         let (near, far) = grid.span(whole.o, whole.d);
         let part = fast::Way { near: near.max(whole.near), far: far.min(whole.far), ..whole };
+        // Alone in its lanes, and among others.
         grid.march(Arch::new(), &[whole], 0.004, &mut all);
-        grid.march(Arch::new(), &[part], 0.004, &mut some);
+        grid.march(Arch::new(), &[part; 40], 0.004, &mut some);
+        assert!((0..40).all(|n| some.of(n) == some.of(0)));
         assert_eq!(all.of(0), some.of(0), "ray {i}");
         met += usize::from(!all.of(0).is_empty());
         passed += usize::from(near > far);
     }
     assert!(met > 50 && passed > 3000, "{met} {passed}");
+    let [occupied, opaque] = grid.bits();
+    let parts = fast::Occupancy::from_parts(64, grid.density.clone(), &occupied, &opaque);
+    assert!(parts.as_ref() == Some(&grid), "blocks and bounds follow from the bits");
     grid.apply_threshold(2.0);
     let (near, far) = grid.span([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0]);
     assert!(near > far, "nothing is occupied");
+}
+
+/// Rays along an axis, whose other speeds are 0, on a face of cells too: by hand, in a grid of 16 cells with one occupied.
+#[test]
+fn rays_along_an_axis() {
+    let mut grid = fast::Occupancy::full(16);
+    grid.density[(3 * 16 + 2) * 16 + 5] = 1.0;
+    grid.apply_threshold(0.5);
+    let mut steps = fast::Steps::default();
+    // Cell (5, 2, 3) is [5, 6) x [2, 3) x [3, 4) sixteenths; samples at (k + 1/2) / 64, four to a cell.
+    let way = |o: [f32; 3], d: [f32; 3]| fast::Way { o, d, near: 0.0, far: 1.0, u: 0.5, patience: u32::MAX };
+    let sixteenths = |x: [f32; 3]| x.map(|x| x / 16.0);
+    let ways = [
+        way(sixteenths([0.0, 2.5, 3.5]), [1.0, 0.0, 0.0]),
+        way(sixteenths([16.0, 2.0, 3.0]), [-1.0, 0.0, 0.0]),
+        way(sixteenths([5.5, 0.0, 3.5]), [0.0, 1.0, 0.0]),
+        way(sixteenths([5.5, 2.5, 0.0]), [0.0, 0.0, 1.0]),
+        way(sixteenths([0.0, 3.0, 3.5]), [1.0, 0.0, 0.0]),
+    ];
+    for arch in [Arch::new(), Arch::Scalar] {
+        grid.march(arch, &ways, 1.0 / 64.0, &mut steps);
+        let found: Vec<&[f32]> = (0..5).map(|ray| steps.of(ray)).collect();
+        let none: &[f32] = &[];
+        assert_eq!(
+            found,
+            [
+                &[20.0, 21.0, 22.0, 23.0][..],
+                &[40.0, 41.0, 42.0, 43.0],
+                &[8.0, 9.0, 10.0, 11.0],
+                &[12.0, 13.0, 14.0, 15.0],
+                none
+            ]
+        );
+    }
 }
 
 #[test]

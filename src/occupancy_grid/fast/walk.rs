@@ -199,7 +199,8 @@ fn numbers_mut<S: Simd>(lanes: &mut Whole) -> &mut [S::u32s] {
 #[inline(always)]
 fn whole<S: Simd>(s: S, x: S::f32s, top: f32) -> S::u32s {
     let (zero, one, magic) = (s.splat_f32s(0.0), s.splat_f32s(1.0), s.splat_f32s(MAGIC));
-    let x = s.min_f32s(s.max_f32s(x, zero), s.splat_f32s(top));
+    // A comparison, not a maximum: what that makes of NaN depends on the machine.
+    let x = s.min_f32s(s.select_f32s(s.greater_than_f32s(x, zero), x, zero), s.splat_f32s(top));
     let nearest = s.add_f32s(x, magic);
     let above = s.greater_than_f32s(s.sub_f32s(nearest, magic), x);
     let below = s.sub_f32s(nearest, s.select_f32s(above, one, zero));
@@ -222,7 +223,7 @@ fn bit<S: Simd>(s: S, [x, y, z]: [S::u32s; 3]) -> S::u32s {
     s.or_u32s(s.and_u32s(x, low), s.or_u32s(y, z))
 }
 
-/// The next whole number from x on, |x| < 2^22; infinity stays.
+/// The next whole number from x on for |x| < 2^22, from there on one more at most; infinity stays.
 #[inline(always)]
 fn ceil<S: Simd>(s: S, x: S::f32s) -> S::f32s {
     let magic = s.splat_f32s(1.5 * MAGIC);

@@ -8,6 +8,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::backward::turn_colors;
 use super::chunk::{Chunk, Ray};
 use super::forward::{TILE, run};
 use super::kernels::{outer, product};
@@ -50,6 +51,7 @@ trait Multiply {
         &mut self,
         s: S,
         x: &[[f32; K]],
+        inner: usize,
         dy: &[[f32; N]],
         dw: &mut [[f32; N]],
     );
@@ -77,10 +79,11 @@ impl Multiply for Timed {
         &mut self,
         s: S,
         x: &[[f32; K]],
+        inner: usize,
         dy: &[[f32; N]],
         dw: &mut [[f32; N]],
     ) {
-        outer(s, x, dy, dw);
+        outer(s, x, inner, dy, dw);
     }
 }
 
@@ -137,14 +140,15 @@ impl Multiply for Checked {
         &mut self,
         s: S,
         x: &[[f32; K]],
+        inner: usize,
         dy: &[[f32; N]],
         dw: &mut [[f32; N]],
     ) {
         let before = dw.to_vec();
-        outer(s, x, dy, dw);
+        outer(s, x, inner, dy, dw);
         dw[0][0] += self.wrong;
-        self.flops += 2.0 * (x.len() * K * N) as f64;
-        for (i, row) in dw.iter().enumerate() {
+        self.flops += 2.0 * (x.len() * inner * N) as f64;
+        for (i, row) in dw.iter().enumerate().take(inner) {
             for (o, &got) in row.iter().enumerate() {
                 self.entry((0..x.len()).map(|p| (x[p][i], dy[p][o])), before[i][o], false, got);
             }
@@ -219,6 +223,7 @@ impl<M: Multiply> WithSimd for Products<'_, M> {
             on.product(s, hidden, HIDDEN, &w.color1, &mut raw[tile], false, false);
         }
         c.gradient.clear();
+        let mut color1_t = OnLine([[0f32; HIDDEN]; 16]);
         let (mut hidden, mut geometry) = (OnLine([[0f32; HIDDEN]; TILE]), OnLine([[0f32; GEOMETRY]; TILE]));
         for tile in tiles() {
             let (hidden, geometry) = (&mut hidden.0[..tile.len()], &mut geometry.0[..tile.len()]);
@@ -226,15 +231,16 @@ impl<M: Multiply> WithSimd for Products<'_, M> {
             let rgb = &c.rgb[tile.clone()];
             on.product(s, rgb, 3, &nets.color1_t, hidden, false, false);
             on.product(s, hidden, HIDDEN, &nets.color0_t, geometry, false, false);
-            on.outer(s, &c.hidden1[tile.clone()], rgb, &mut c.gradient.color1);
-            on.outer(s, &c.geometry[tile.clone()], hidden, &mut c.gradient.color0);
+            on.outer(s, rgb, 3, &c.hidden1[tile.clone()], &mut color1_t.0);
+            on.outer(s, &c.geometry[tile.clone()], GEOMETRY, hidden, &mut c.gradient.color0);
             on.product(s, geometry, GEOMETRY, &nets.density1_t, hidden, false, false);
-            on.outer(s, &c.hidden0[tile.clone()], geometry, &mut c.gradient.density1);
+            on.outer(s, &c.hidden0[tile.clone()], HIDDEN, geometry, &mut c.gradient.density1);
             c.gather(tile.start, encoding);
-            on.outer(s, encoding, hidden, &mut c.gradient.density0);
+            on.outer(s, encoding, WIDTH, hidden, &mut c.gradient.density0);
             on.product(s, hidden, HIDDEN, &nets.density0_t, encoding, false, false);
             c.spread(tile.start, encoding);
         }
+        turn_colors(&color1_t.0, &mut c.gradient.color1);
     }
 }
 

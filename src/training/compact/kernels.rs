@@ -84,10 +84,11 @@ pub(super) fn product<S: Simd, const K: usize, const N: usize>(
 fn outer_tiles<S: Simd, const K: usize, const N: usize, const R: usize, const V: usize>(
     s: S,
     x: &[[f32; K]],
+    inner: usize,
     dy: &[[f32; N]],
     dw: &mut [[f32; N]; K],
 ) {
-    for k in (0..K).step_by(R) {
+    for k in (0..inner).step_by(R) {
         for c in 0..N / (V * S::F32_LANES) {
             let mut sum = [[s.splat_f32s(0.0); V]; R];
             for (x, dy) in x.iter().zip(dy) {
@@ -111,19 +112,20 @@ fn outer_tiles<S: Simd, const K: usize, const N: usize, const R: usize, const V:
     }
 }
 
-/// `dW[k] += sum over points of x[p][k] dy[p]`.
+/// `dW[k] += sum over points of x[p][k] dy[p]` for k < `inner`, and for a few more that fill a register tile.
 #[inline(always)]
 pub(super) fn outer<S: Simd, const K: usize, const N: usize>(
     s: S,
     x: &[[f32; K]],
+    inner: usize,
     dy: &[[f32; N]],
     dw: &mut [[f32; N]],
 ) {
     let dw: &mut [[f32; N]; K] = dw.try_into().unwrap();
     match (S::F32_LANES, N) {
-        (16, 16) => outer_tiles::<S, K, N, 16, 1>(s, x, dy, dw),
-        (16, 32) => outer_tiles::<S, K, N, 8, 2>(s, x, dy, dw),
-        (16, 64) => outer_tiles::<S, K, N, 4, 4>(s, x, dy, dw),
-        _ => outer_tiles::<S, K, N, 4, 2>(s, x, dy, dw),
+        (16, 16) => outer_tiles::<S, K, N, 16, 1>(s, x, inner, dy, dw),
+        (16, 32) => outer_tiles::<S, K, N, 8, 2>(s, x, inner, dy, dw),
+        (16, 64) => outer_tiles::<S, K, N, 4, 4>(s, x, inner, dy, dw),
+        _ => outer_tiles::<S, K, N, 4, 2>(s, x, inner, dy, dw),
     }
 }

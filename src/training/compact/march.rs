@@ -12,6 +12,9 @@ use crate::ray::Ray;
 /// Pixels that are looked up together.
 const TOGETHER: usize = 16;
 
+/// Rays of a march: enough that lanes are seldom idle, few enough that their samples stay in the cache.
+const WALKING: usize = 128;
+
 /// A ray, the training pixel that it comes from and its colour, jitter and patience.
 struct Drawn {
     ray: BoxRay,
@@ -30,12 +33,14 @@ fn push(model: &CompactModel, length: f32, rays: &[Drawn], chunk: &mut Chunk) {
         let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
         Way { o: ray.o, d: ray.d, near, far, u: *u, patience: *patience }
     };
-    let ways: Vec<Way> = rays.iter().map(way).collect();
     let mut steps = std::mem::take(&mut chunk.steps);
-    model.occupancy.march(model.arch, &ways, length, &mut steps);
-    for (n, (way, drawn)) in ways.iter().zip(rays).enumerate() {
-        chunk.push_ray(&drawn.ray, drawn.target, drawn.pixel, steps.cut(n));
-        chunk.push_samples(way, steps.of(n), length);
+    for rays in rays.chunks(WALKING) {
+        let ways: Vec<Way> = rays.iter().map(way).collect();
+        model.occupancy.march(model.arch, &ways, length, &mut steps);
+        for (n, (way, drawn)) in ways.iter().zip(rays).enumerate() {
+            chunk.push_ray(&drawn.ray, drawn.target, drawn.pixel, steps.cut(n));
+            chunk.push_samples(way, steps.of(n), length);
+        }
     }
     chunk.steps = steps;
 }

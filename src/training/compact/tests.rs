@@ -93,7 +93,7 @@ impl pulp::WithSimd for Kernels<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, s: S) {
         product(s, self.x, 32, self.w, self.y, true, true);
-        outer(s, self.x, self.y, self.dw);
+        outer(s, self.x, 32, self.y, self.dw);
     }
 }
 

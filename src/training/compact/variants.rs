@@ -16,6 +16,8 @@ enum Knob {
     /// Samples along a ray, over those of training.
     Samples(f64),
     Stop(f64),
+    /// Samples and eps of training.
+    Training,
     /// Opacity of one step above which a cell counts as occupied.
     Opacity(f32),
 }
@@ -29,7 +31,7 @@ const KNOBS: [(&str, &str, Knob); 14] = [
     ("samples_x1/8", "an eighth of the training's samples", Knob::Samples(0.125)),
     ("samples_x1/4", "a quarter of the training's samples", Knob::Samples(0.25)),
     ("samples_x1/2", "half of the training's samples", Knob::Samples(0.5)),
-    ("as_trained", "the training's own samples", Knob::Samples(1.0)),
+    ("as_trained", "the training's own samples, eps 1e-4", Knob::Training),
     ("samples_x4", "four times the training's samples", Knob::Samples(4.0)),
     ("stop_0", "no early stop", Knob::Stop(0.0)),
     ("stop_1e-4", "a ray ends where T < 1e-4, as in training", Knob::Stop(1e-4)),
@@ -78,6 +80,10 @@ impl System for Trained<'_> {
         match KNOBS[n].2 {
             Knob::Nothing => {}
             Knob::Samples(factor) => model.settings.samples = factor / AT_REST * self.samples,
+            Knob::Training => {
+                (model.settings.samples, model.settings.stop_at_rest) =
+                    (self.samples / AT_REST, model.settings.stop);
+            }
             Knob::Stop(eps) => model.settings.stop_at_rest = eps,
             Knob::Opacity(opacity) => {
                 let threshold = opacity / optical_step(self.samples);

@@ -151,11 +151,11 @@ impl Measured {
 /// A run that isn't counted where runs are short, because others have used the caches meanwhile; then the mean of runs that take `least`
 /// seconds together.
 fn mean(least: f64, mut run: impl FnMut() -> f64) -> f64 {
-    let (mut sum, mut count) = (run(), 1.0);
-    if sum >= least {
-        return sum;
+    let first = run();
+    if first >= least {
+        return first;
     }
-    (sum, count) = (0.0, 0.0 * count);
+    let (mut sum, mut count) = (0.0, 0.0);
     while sum < least || count == 0.0 {
         sum += run();
         count += 1.0;

@@ -51,7 +51,7 @@ impl Seen {
 
 /// A trained model with several ways to render it.
 pub trait System: Send + Sync {
-    /// All of them; the first is the model as it was trained.
+    /// All of them; the first is as `render` and `evaluate` do.
     fn choices(&self) -> Vec<Choice>;
     /// Renders like choice `n` from now on.
     fn choose(&mut self, n: usize);

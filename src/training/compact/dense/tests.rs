@@ -3,7 +3,7 @@
 use super::*;
 
 /// By hand: 32 * 64 + 64 * 16 and 16 * 64 + 64 * 3 weights are 4,288, each with 6 flops. What runs has 13 more columns of 64 in the
-/// colour layer forward and in its weights' gradient.
+/// colour layer forward.
 #[test]
 fn flops_are_those_that_run() {
     assert_eq!(SAMPLE, 6.0 * 4288.0);
@@ -11,7 +11,7 @@ fn flops_are_those_that_run() {
     let checked = step.checked(Checked::default());
     assert!(checked.worst > 0.0 && checked.worst <= 1.0, "{}", checked.worst);
     let rows = step.filled[0].chunk.rows() as f64;
-    assert_eq!(checked.flops, rows * (SAMPLE + 2.0 * 2.0 * 13.0 * 64.0));
+    assert_eq!(checked.flops, rows * (SAMPLE + 2.0 * 13.0 * 64.0));
     let live: usize = step.filled.iter().map(|f| f.chunk.points.len()).sum();
     let work = step.work();
     assert_eq!((work.points, work.products), (live, live as f64 * SAMPLE));
