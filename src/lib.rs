@@ -22,7 +22,7 @@
 //!
 //! Around the pipeline: [`scene`] reads cameras and photographs, [`verify`] is the harness that checks and judges,
 //! [`convention`] the choices that differ between right implementations, [`maths`], [`random`] and [`parallel`] what makes
-//! results the same everywhere, [`report`] and [`files`] what is written, [`cli`] the program.
+//! results the same everywhere, [`simd`] what vector code shares, [`report`] and [`files`] what is written, [`cli`] the program.
 //!
 //! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
 //! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper.

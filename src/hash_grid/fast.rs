@@ -2,7 +2,7 @@
 //!
 //! A level belongs to one task at a time, which adds gradients in the order of the points: same bits on any number of threads, and
 //! faster than atomics or private copies. Corner indices and weights of 16 points are computed together, in vectors; an entry is
-//! 16 bytes: one load and one multiply-add a corner.
+//! 16 bytes: one load and one multiply-add a corner. Features come level by level too, a buffer each: four points fill a cache line.
 
 use pulp::{Arch, Simd, WithSimd};
 

@@ -225,6 +225,7 @@ impl Layers for Step {
         seconds(|| {
             parallel::map(chunks.div_ceil(each), |group| {
                 this.pool.with(|filled| {
+                    // In the first run alone: a median doesn't see it.
                     if filled.gradient.is_empty() {
                         *filled = this.filled(&prepared);
                     }

@@ -3,8 +3,7 @@
 //!
 //! In them: the four matrices that every sample passes, forward (with the ReLU that the kernel applies) and backward, and the ray's part
 //! of the colour network's hidden layer copied to its samples, because a product adds to it; encodings are moved between levels and
-//! tiles, as in training. Not in them: that part itself (once a ray),
-//! ReLU's masks, activations, rendering, the early stop, encodings.
+//! tiles, as in training. Not in them: that part itself (once a ray), ReLU's masks, activations, rendering, the early stop, encodings.
 
 use pulp::{Arch, Simd, WithSimd};
 

@@ -5,7 +5,7 @@
 //!
 //! **share_products** = useful flops / seconds / ceiling of the products of a training batch alone: the very kernels, in the order of
 //! the training, on the chunks that it works on, one chunk behind the other on each thread, so that weights and activations lie where
-//! training finds them. ReLU is in it where the kernel applies it while it writes; biases, masks, encodings, activations, rendering
+//! training finds them (for 8x256 a thread's one chunk of 512 points again and again, as training uses its buffers again). ReLU is in it where the kernel applies it while it writes; biases, masks, encodings, activations, rendering
 //! and the sums over chunks are not. **share_pass** is the same for the whole forward and backward pass with all of these.
 //!
 //! Useful flops are 2 a multiplication with a weight that is really there, once for the forward pass, once for the weights' gradient,
@@ -46,7 +46,7 @@ pub struct Dense {
     pub name: &'static str,
     /// What runs, in a line.
     pub about: &'static str,
-    /// The batch; a smaller one where `quick`.
+    /// The batch; for the 8x256 network a smaller one where `quick`.
     pub prepare: fn(quick: bool) -> Box<dyn Layers>,
 }
 
@@ -94,7 +94,7 @@ pub struct Measured {
     pass: Vec<f64>,
 }
 
-/// All networks, checked and run once.
+/// All networks, checked.
 pub fn prepare(dense: &[Dense], least: f64, quick: bool) -> Vec<Measured> {
     let one = |dense: &Dense| {
         let mut layers = (dense.prepare)(quick);
