@@ -22,9 +22,8 @@ use crate::training::Model;
 use crate::verify::bench::dense::{Dense, Layers, Work, bound, worse};
 use crate::verify::bench::rounds::seconds;
 
-/// The step whose batch it is: from step 4000 on batches are as large as they get, and there training spends most of its time. Steps
-/// before it that are trained.
-const STEP: u64 = 4001;
+/// The step whose batch it is, the first with full step lengths and all levels; steps before it that are trained.
+const STEP: u64 = 401;
 const TRAINED: u64 = 40;
 
 /// The dense layers of a step.
