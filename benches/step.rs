@@ -10,7 +10,7 @@ use nerf_oracle::encoding::fast::positional_encoding;
 use nerf_oracle::field::fast::{Batch, Gradient, ImageNetwork, Network, Rays};
 use nerf_oracle::field::nerf_mlp::Shape;
 use nerf_oracle::field::{Mlp, NerfMlp};
-use nerf_oracle::optimiser::{Adam, fast::Moments};
+use nerf_oracle::optimizer::{Adam, fast::Moments};
 use nerf_oracle::parallel::with_threads;
 use nerf_oracle::random::{Key, Purpose};
 
@@ -89,7 +89,7 @@ fn network() -> Network {
     Network::new(&oracle, &Shape::PAPER, Density::Relu)
 }
 
-/// Points a second, densities and colours, one direction for 64 points.
+/// Points a second, densities and colors, one direction for 64 points.
 fn forward() -> f64 {
     let points = RAYS * SAMPLES;
     let key = Key::new(1, Purpose::Cases);

@@ -1,7 +1,7 @@
 //! Exponential and sine of a stated grade in f32: shorter polynomials than full accuracy needs, free of branches, so that loops over
 //! them become vector code. For the bolder variants that `bench` compares; the oracle has nothing from here.
 //!
-//! A grade is the largest relative error in units of f32's last place. Coefficients minimise the largest relative error (weighted
+//! A grade is the largest relative error in units of f32's last place. Coefficients minimize the largest relative error (weighted
 //! least squares, repeated until the error is level); the tests measure what is stated.
 
 /// A stated accuracy.
@@ -92,7 +92,7 @@ pub fn from_bf16(bits: u16) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::maths;
+    use crate::math;
 
     fn ulps(got: f32, exact: f64) -> f64 {
         let size = exact.abs().max(f64::from(f32::MIN_POSITIVE));
@@ -105,11 +105,11 @@ mod tests {
         for grade in [Grade::Low, Grade::Middle] {
             let mut worst = 0.0f64;
             for i in 0..200_000 {
-                let x = maths::exp(f64::from(i) * 1e-4 - 15.6) as f32;
+                let x = math::exp(f64::from(i) * 1e-4 - 15.6) as f32;
                 let (keep, alpha) = attenuation(x, grade);
-                worst = worst.max(ulps(alpha, -maths::expm1(-f64::from(x))));
+                worst = worst.max(ulps(alpha, -math::expm1(-f64::from(x))));
                 if x < 87.0 {
-                    worst = worst.max(ulps(keep, maths::exp(-f64::from(x))));
+                    worst = worst.max(ulps(keep, math::exp(-f64::from(x))));
                 }
             }
             let stated = grade.exp_ulp();
@@ -126,7 +126,7 @@ mod tests {
             for i in -100_000..100_000 {
                 let y = i as f32 * 0.012_345_6;
                 let (sin, cos) = sin_cos_pi(y, grade);
-                worst = worst.max(ulps(sin, maths::sin_pi(y.into()))).max(ulps(cos, maths::cos_pi(y.into())));
+                worst = worst.max(ulps(sin, math::sin_pi(y.into()))).max(ulps(cos, math::cos_pi(y.into())));
             }
             let stated = grade.sin_ulp();
             assert!(worst <= stated && worst > 0.5 * stated, "{grade:?}: {worst} ULP");

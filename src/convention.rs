@@ -7,6 +7,8 @@
 pub mod profiles;
 mod spelling;
 
+pub use spelling::american;
+
 use serde::{Deserialize, Serialize};
 
 /// Where the camera looks, in its own frame.
@@ -22,8 +24,8 @@ pub enum Axes {
 /// Where pixel (i, j) has its ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum PixelCentre {
-    /// (i + 0.5, j + 0.5): the centre, when the picture spans [0, W] x [0, H].
+pub enum PixelCenter {
+    /// (i + 0.5, j + 0.5): the center, when the picture spans [0, W] x [0, H].
     Half,
     /// (i, j).
     Integer,
@@ -49,7 +51,7 @@ pub enum Grid {
     EndsPlusWidth,
     /// t_i = near + (i + u_i) S: both ends, jittered over their spacing.
     EndsPlusSpacing,
-    /// Both ends, bins between the midpoints of neighbours, half-width bins at the ends (bmild/nerf).
+    /// Both ends, bins between the midpoints of neighbors, half-width bins at the ends (bmild/nerf).
     EndsBetweenMidpoints,
 }
 
@@ -240,8 +242,9 @@ pub enum Bytes {
 pub struct Conventions {
     /// Camera axes.
     pub axes: Axes,
-    /// Pixel centres.
-    pub pixel_centre: PixelCentre,
+    /// Pixel centers.
+    #[serde(alias = "pixel_centre")]
+    pub pixel_center: PixelCenter,
     /// Direction lengths.
     pub directions: Directions,
     /// Sample grid and what `u` scales.
@@ -276,14 +279,14 @@ pub struct Conventions {
     pub depth: Depth,
     /// PSNR aggregation.
     pub psnr: PsnrOf,
-    /// Quantisation.
+    /// Quantization.
     pub bytes: Bytes,
 }
 
 /// The default: Berkeley's CS180 course, which is the paper's text taken literally.
 pub const CS180: Conventions = Conventions {
     axes: Axes::Opencv,
-    pixel_centre: PixelCentre::Half,
+    pixel_center: PixelCenter::Half,
     directions: Directions::Unit,
     grid: Grid::Intervals,
     rest: Rest::Mid,
@@ -313,7 +316,7 @@ impl Default for Conventions {
 /// Every convention with the closed list of its values, as they stand in JSON.
 pub const CHOICES: &[(&str, &[&str])] = &[
     ("axes", &["opencv", "opengl"]),
-    ("pixel_centre", &["half", "integer"]),
+    ("pixel_center", &["half", "integer"]),
     ("directions", &["unit", "depth"]),
     ("grid", &["intervals", "ends_plus_width", "ends_plus_spacing", "ends_between_midpoints"]),
     ("rest", &["left", "mid", "right"]),

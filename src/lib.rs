@@ -10,10 +10,10 @@
 //! | ray | [`ray`] | pixel -> origin and direction; random rays of a training set |
 //! | sample | [`sample`] | positions t along a ray, step lengths delta |
 //! | encoding | [`encoding`] | x -> x, sin 2^k pi x, cos 2^k pi x |
-//! | field | [`field`] | encoded position and direction -> density sigma and colour |
-//! | volume rendering | [`volume_rendering`] | densities and colours along a ray -> one colour |
-//! | loss | [`loss`] | colours against photographs |
-//! | optimiser | [`optimiser`] | gradients -> new parameters |
+//! | field | [`field`] | encoded position and direction -> density sigma and color |
+//! | volume rendering | [`volume_rendering`] | densities and colors along a ray -> one color |
+//! | loss | [`loss`] | colors against photographs |
+//! | optimizer | [`optimizer`] | gradients -> new parameters |
 //! | training | [`training`] | the loop around all of this, in 3D and in 2D |
 //! | evaluation | [`evaluation`] | whole pictures, and how far they are from photographs |
 //!
@@ -21,7 +21,7 @@
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], the whole way of a pixel at once.
 //!
 //! Around the pipeline: [`scene`] reads cameras and photographs, [`verify`] is the harness that checks and judges,
-//! [`convention`] the choices that differ between right implementations, [`maths`], [`random`] and [`parallel`] what makes
+//! [`convention`] the choices that differ between right implementations, [`math`], [`random`] and [`parallel`] what makes
 //! results the same everywhere, [`simd`] what vector code shares, [`report`] and [`files`] what is written, [`cli`] the program.
 //!
 //! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
@@ -31,7 +31,7 @@ pub mod approximate;
 pub mod convention;
 pub mod error;
 pub mod files;
-pub mod maths;
+pub mod math;
 pub mod parallel;
 pub mod random;
 pub mod simd;
@@ -40,7 +40,7 @@ pub mod camera;
 pub mod encoding;
 pub mod field;
 pub mod loss;
-pub mod optimiser;
+pub mod optimizer;
 pub mod ray;
 pub mod sample;
 pub mod trace;
@@ -90,7 +90,7 @@ pub const COMPONENTS: &[Component] = &[
     loss::component::MSE,
     loss::component::PSNR,
     loss::component::TO_UINT8,
-    optimiser::component::ADAM_STEP,
+    optimizer::component::ADAM_STEP,
     importance_sampling::component::IMPORTANCE_SAMPLING,
     ray_aabb::component::RAY_AABB,
     occupancy_grid::component::OCCUPANCY_GRID,

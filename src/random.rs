@@ -22,7 +22,7 @@ pub enum Purpose {
     Probe = 6,
     /// Seeded test cases.
     Cases = 7,
-    /// Hash table initialisation.
+    /// Hash table initialization.
     HashTable = 8,
 }
 
@@ -51,7 +51,7 @@ impl Key {
     /// assert_ne!(key.uniform(0, 0, 3), key.uniform(0, 1, 3));
     /// ```
     pub fn uniform(&self, step: u64, ray: u64, sample: u64) -> f64 {
-        (self.bits(step, ray, sample) >> 11) as f64 * crate::maths::power_of_two(-53)
+        (self.bits(step, ray, sample) >> 11) as f64 * crate::math::power_of_two(-53)
     }
 
     /// The first `count` numbers of `ray` in `step`, four to a block.
@@ -59,7 +59,7 @@ impl Key {
         (0..count.div_ceil(4) as u64)
             .flat_map(|block| philox([block + 1, ray, step, 0], self.0))
             .take(count)
-            .map(|bits| (bits >> 11) as f64 * crate::maths::power_of_two(-53))
+            .map(|bits| (bits >> 11) as f64 * crate::math::power_of_two(-53))
             .collect()
     }
 

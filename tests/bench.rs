@@ -26,7 +26,7 @@ fn a_component_is_checked_timed_and_drawn() {
     assert_eq!(printed, serde_json::from_str::<Value>(&text).expect("the same object"));
     let rows = printed["rows"].as_array().expect("rows");
     let names: Vec<&str> = rows.iter().map(|row| row["variant"].as_str().expect("a name")).collect();
-    assert_eq!(names, ["oracle", "plain_f32", "vectorised", "threaded", "bf16"]);
+    assert_eq!(names, ["oracle", "plain_f32", "vectorized", "threaded", "bf16"]);
     for row in rows {
         assert_eq!(row["component"], "spherical_harmonics");
         assert!(row["dtype"].is_string() && row["on_frontier"].is_boolean());

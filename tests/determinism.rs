@@ -3,7 +3,7 @@
 use nerf_oracle::convention::{CS180, Conventions, Density, Grid};
 use nerf_oracle::encoding::{Encoding, positional_encoding};
 use nerf_oracle::field::nerf_mlp::{NerfMlp, Shape};
-use nerf_oracle::optimiser::{Adam, Moments, adam_step};
+use nerf_oracle::optimizer::{Adam, Moments, adam_step};
 use nerf_oracle::random::{Key, Purpose};
 use nerf_oracle::sample::sample_along_ray;
 use nerf_oracle::verify::{Arrays, Component, Kind, component::array};
@@ -48,7 +48,7 @@ fn a_second_run_and_other_threads_give_the_same_bits() {
     assert_eq!(alone, beside);
 }
 
-/// The numbers of one fixed training step: network, encoding, rendering, gradient and Adam, through every function of `maths`.
+/// The numbers of one fixed training step: network, encoding, rendering, gradient and Adam, through every function of `math`.
 fn training_step() -> Vec<f64> {
     let c = Conventions { density: Density::Softplus, ..CS180 };
     let (position, direction) = (Encoding::new(6, &c), Encoding::new(2, &c));
@@ -86,7 +86,7 @@ fn training_step() -> Vec<f64> {
             numbers.extend([g, state.param, state.v]);
         }
     }
-    numbers.extend([loss::psnr(0.037, 1.0), nerf_oracle::optimiser::decayed_lr(5e-4, 0.1, 37, 100)]);
+    numbers.extend([loss::psnr(0.037, 1.0), nerf_oracle::optimizer::decayed_lr(5e-4, 0.1, 37, 100)]);
     numbers
 }
 

@@ -312,7 +312,7 @@ fn a_failing_row_is_shown_in_the_conventions_next_to_its_answers() {
     });
     let row = report.of("image_rays", "forward").unwrap();
     assert!(row.diagnosis.is_empty() && row.verdict == Verdict::Fail, "{report}");
-    expect(row, &report, &[("axes", "opengl"), ("directions", "depth"), ("pixel_centre", "integer")]);
+    expect(row, &report, &[("axes", "opengl"), ("directions", "depth"), ("pixel_center", "integer")]);
     let worst = row.worst_case.as_ref().unwrap();
     assert_eq!((&worst.output[..], &worst.index[..]), ("rays_d", &[0, 0, 0][..]));
 }

@@ -33,7 +33,7 @@ fn poses() -> Vec<DMat4> {
     eyes.map(pose).into()
 }
 
-/// What camera n sees: colours that differ from pixel to pixel, in whole 255ths.
+/// What camera n sees: colors that differ from pixel to pixel, in whole 255ths.
 fn picture(n: usize) -> Array3<f32> {
     Array3::from_shape_fn((HEIGHT, WIDTH, 3), |(j, i, k)| {
         ((40 * n + 17 * i + 9 * j + 60 * k) % 256) as f32 / 255.0
@@ -136,7 +136,7 @@ fn the_fast_path_agrees_with_the_reference_on_every_readers_scene() {
         for (got, want) in four_pixels(&fast, camera).iter().zip(four_pixels(&reference, camera)) {
             opacity = opacity.max(want.opacity);
             for (got, want) in got.rgb.iter().zip(want.rgb) {
-                assert!((got - want).abs() < 1e-5, "{name}: colour {got}, expected {want}");
+                assert!((got - want).abs() < 1e-5, "{name}: color {got}, expected {want}");
             }
         }
         assert!(opacity > 0.1, "{name}: something has to be seen, not {opacity}");

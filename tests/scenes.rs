@@ -46,7 +46,7 @@ fn tiny_nerf_is_the_same_scene_in_other_axes() {
 }
 
 #[test]
-fn fox_has_a_lens_an_off_centre_axis_and_every_eighth_frame_held_out() {
+fn fox_has_a_lens_an_off_center_axis_and_every_eighth_frame_held_out() {
     let Some(path) = shared("fox_capture") else { return };
     let scene = scene::load(path.to_str().unwrap(), &Options::default()).unwrap();
     assert_eq!((scene.train.len(), scene.val.len(), scene.size()), (43, 7, (135, 240)));

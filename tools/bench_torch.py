@@ -1,6 +1,6 @@
 """Seconds a training step, points a second forward, seconds to fit a picture, with PyTorch: the peer of `benches/step.rs`.
 
-The same network, batch and optimiser, as one would write them in PyTorch: the whole batch at once, and gradients accumulated
+The same network, batch and optimizer, as one would write them in PyTorch: the whole batch at once, and gradients accumulated
 over chunks of 64 rays (whichever is faster counts); forward in chunks of 4,096 points. One JSON object a round, so that
 rounds of both programs can be interleaved:
 
@@ -54,7 +54,7 @@ class Nerf(nn.Module):
 
 
 def render(net: Nerf, o: torch.Tensor, d: torch.Tensor, t: torch.Tensor, delta: float) -> torch.Tensor:
-    """Colours (R, 3) of rays with samples at t (R, N)."""
+    """Colors (R, 3) of rays with samples at t (R, N)."""
     x = o[:, None] + t[..., None] * d[:, None]
     sigma, rgb = net(x.reshape(-1, 3), d[:, None].expand_as(x).reshape(-1, 3))
     depth = sigma.view(t.shape) * delta
@@ -77,18 +77,18 @@ def training_step(chunk: int) -> float:
     """Seconds a step of 1024 rays x 64 samples with Adam, gradients accumulated over chunks of `chunk` rays."""
     torch.manual_seed(0)
     net, width = Nerf(), 4 / SAMPLES
-    optimiser = torch.optim.Adam(net.parameters(), lr=5e-4)
+    optimizer = torch.optim.Adam(net.parameters(), lr=5e-4)
     o, d = 4 * torch.rand(RAYS, 3) - 2, 1.16 * torch.rand(RAYS, 3) - 0.58
     t = 2 + (torch.arange(SAMPLES) + torch.rand(RAYS, SAMPLES)) * width
     targets = torch.rand(RAYS, 3)
 
     def step() -> None:
-        optimiser.zero_grad(set_to_none=True)
+        optimizer.zero_grad(set_to_none=True)
         for i in range(0, RAYS, chunk):
             s = slice(i, i + chunk)
             loss = ((render(net, o[s], d[s], t[s], width) - targets[s]) ** 2).sum() / (3 * RAYS)
             loss.backward()
-        optimiser.step()
+        optimizer.step()
 
     return fastest(step)
 
@@ -108,14 +108,14 @@ def fit_image(steps: int) -> float:
     sizes = [42, 256, 256, 256]
     hidden = [m for a, b in zip(sizes, sizes[1:]) for m in (nn.Linear(a, b), nn.ReLU())]
     net = nn.Sequential(*hidden, nn.Linear(256, 3), nn.Sigmoid())
-    optimiser = torch.optim.Adam(net.parameters(), lr=5e-3)
+    optimizer = torch.optim.Adam(net.parameters(), lr=5e-3)
     start = time.perf_counter()
     for _ in range(steps):
         x, targets = torch.rand(PIXELS, 2), torch.rand(PIXELS, 3)
         loss = nn.functional.mse_loss(net(encode(x, 10)), targets)
-        optimiser.zero_grad(set_to_none=True)
+        optimizer.zero_grad(set_to_none=True)
         loss.backward()
-        optimiser.step()
+        optimizer.step()
     return (time.perf_counter() - start) * 1000 / steps
 
 

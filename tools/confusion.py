@@ -55,7 +55,7 @@ def named(row, name):
     return "said " + " + ".join(found[0]["mistakes"] or ["conventions alone"])
 
 
-def judgement(report, component, name, kinds=("forward", "trace", "statistics", "vjp")):
+def judgment(report, component, name, kinds=("forward", "trace", "statistics", "vjp")):
     """That of the component's first failing row."""
     rows = [row for row in report["components"] if row["name"] == component and row["kind"] in kinds]
     failed = [row for row in rows if row["verdict"] == "fail"] or rows
@@ -72,7 +72,7 @@ def singles(tool, cases, right, mistakes, autograd=False):
 
     def one(mistake):
         report = judged(tool, cases, right, [mistake], autograd=autograd)
-        verdict, row = judgement(report, *mistake, *([("vjp",)] if autograd else []))
+        verdict, row = judgment(report, *mistake, *([("vjp",)] if autograd else []))
         print(*mistake, verdict, file=sys.stderr, flush=True)
         diagnosis = row["diagnosis"]
         runner_up = diagnosis[1]["mistakes"] + [f"{k} = {v}" for k, v in diagnosis[1]["conventions"].items()] if len(diagnosis) > 1 else []
@@ -101,7 +101,7 @@ def drawn(tool, cases, components, pairs, seed):
         with tempfile.TemporaryDirectory(dir=cases.parent) as folder:
             second.answer(cases, folder, [(component["name"], name)], conventions)
             report = program(tool, "judge", cases, folder)
-        verdict, row = judgement(report, component["name"], name)
+        verdict, row = judgment(report, component["name"], name)
         print(component["name"], name, key, value, verdict, file=sys.stderr, flush=True)
         return [component["name"], name, f"{key} = {value}", verdict, row["budget_used"]]
 
@@ -114,7 +114,7 @@ def honest(tool, cases, right):
     """Choices of samplers that are no mistakes: (choice, what the judge says of it)."""
     out = []
     for name in HONEST:
-        row = judgement(judged(tool, cases, right, [("sample_random_rays", name)]), "sample_random_rays", name)[1]
+        row = judgment(judged(tool, cases, right, [("sample_random_rays", name)]), "sample_random_rays", name)[1]
         out.append([name, row["verdict"], "; ".join(row["findings"])])
     return out
 
@@ -154,7 +154,7 @@ def cheats(tool, cases, right):
 
 
 def share(rows, place):
-    """(right, all) of those that could be seen, where `place` holds the judgement."""
+    """(right, all) of those that could be seen, where `place` holds the judgment."""
     seen = [row for row in rows if row[place] != "passed"]
     return sum(row[place] in ("named", "pair") for row in seen), len(seen)
 

@@ -24,7 +24,7 @@ from candidate import inputs_of, read_manifest, write
 
 CS180 = {
     "axes": "opencv",
-    "pixel_centre": "half",
+    "pixel_center": "half",
     "directions": "unit",
     "grid": "intervals",
     "rest": "mid",
@@ -49,7 +49,7 @@ DEVIATIONS = {
     "cs180": {},
     "nerf2020": {
         "axes": "opengl",
-        "pixel_centre": "integer",
+        "pixel_center": "integer",
         "directions": "depth",
         "grid": "ends_between_midpoints",
         "delta": "differences_times_norm",
@@ -61,7 +61,7 @@ DEVIATIONS = {
         "bytes": "truncate",
     },
     "kornia-0.8.2": {
-        "pixel_centre": "integer",
+        "pixel_center": "integer",
         "directions": "depth",
         "delta": "differences",
         "last_delta": "1e10",

@@ -62,7 +62,7 @@ def early_stop(a, c, wrong):
         n = live_of(rendering.volume_render(ray, c, ())["weights"][0], behind, carried, a["eps"], wrong)
         ray = {name: carried * value[0] for name, value in rendering.volume_render(one_ray(a, first, n), c, ()).items()}
         left = ray["transmittance"]
-        if "renormalised" in wrong and left < a["eps"]:
+        if "renormalized" in wrong and left < a["eps"]:
             ray |= {"colors": ray["colors"] / ray["opacity"], "opacity": kind(1), "transmittance": kind(0)}
         if "not_reset_between_rays" in wrong:
             carried = left

@@ -47,9 +47,9 @@ def transform_vjp(a, c, wrong):
 def point(k, uv, wrong):
     """K^-1 (u, v, 1) by the matrix."""
     k = k.copy()
-    if "centre_swapped" in wrong:
+    if "center_swapped" in wrong:
         k[0, 2], k[1, 2] = k[1, 2], k[0, 2]
-    if "centre_floored" in wrong:
+    if "center_floored" in wrong:
         k[:2, 2] = np.floor(k[:2, 2])
     if "focal_ignored" in wrong:
         k[0, 0] = k[1, 1] = 1
@@ -74,8 +74,8 @@ def pixel_to_camera(a, c, wrong):
 
 def pixel_to_camera_vjp(a, c, wrong):
     """By the chain rule through x = (u - cx) / fx."""
-    focal, centre, s, g = np.diag(a["K"])[:2], a["K"][:2, 2], a["s"][:, None], a["grad_x_c"]
-    x = (a["uv"] - centre) / focal
+    focal, center, s, g = np.diag(a["K"])[:2], a["K"][:2, 2], a["s"][:, None], a["grad_x_c"]
+    x = (a["uv"] - center) / focal
     g_uv = g[:, :2] * s / focal
     g_k = np.zeros_like(a["K"])
     g_k[0, 0], g_k[1, 1] = -(g_uv * x).sum(0)
@@ -95,7 +95,7 @@ def rays(k, c2w, uv, c, wrong):
         d = d / (norms[..., 0] if "norm_without_axis" in wrong and d.shape == (3, 3) else norms)
     if "origin_minus_rt" in wrong:
         o = -(np.swapaxes(c2w[..., :3, :3], -1, -2) @ o[..., None])[..., 0]
-    if "origin_normalised" in wrong:
+    if "origin_normalized" in wrong:
         with np.errstate(invalid="ignore"):
             o = o / np.linalg.norm(o, axis=-1, keepdims=True)
     return o, d
@@ -131,7 +131,7 @@ def pixel_to_ray_vjp(a, c, wrong):
 def image_rays(a, c, wrong):
     """Rays of all pixels."""
     kind = a["c2w"].dtype
-    v, u = np.indices((a["height"], a["width"])).astype(kind) + (0.5 if c["pixel_centre"] == "half" else 0)
+    v, u = np.indices((a["height"], a["width"])).astype(kind) + (0.5 if c["pixel_center"] == "half" else 0)
     uv = np.stack([u, v], -1)
     k = np.array([[a["focal"], 0, a["cx"]], [0, a["focal"], a["cy"]], [0, 0, 1]], kind)
     o, d = rays(k, a["c2w"], uv, c, wrong)
@@ -162,7 +162,7 @@ def sample_along_rays(a, c, wrong):
         u = np.broadcast_to(u[:1], u.shape)
     if "never_jittered" in wrong:
         u = np.full_like(u, 0.5)
-    if "jitter_centred_on_edges" in wrong:
+    if "jitter_centered_on_edges" in wrong:
         u = u - 0.5
     for name in wrong:
         if name.startswith("jitter_width_"):

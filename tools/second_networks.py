@@ -73,7 +73,7 @@ def sigmoid(z):
 
 
 def head(z, wrong):
-    """The colour head's activation."""
+    """The color head's activation."""
     if "relu_before_sigmoid" in wrong:
         z = np.maximum(z, 0)
     return z if "sigmoid_missing" in wrong else sigmoid(z)

@@ -4,9 +4,9 @@ import numpy as np
 from second_geometry import positions
 
 MISTAKES = (
-    "outside_the_images first_images_only images_not_uniform pixels_not_uniform rays_frozen divided_twice_by_255 wrong_colours "
+    "outside_the_images first_images_only images_not_uniform pixels_not_uniform rays_frozen divided_twice_by_255 wrong_colors "
     "never_jittered jitter_frozen one_jitter_for_all_rays rays_jittered_together jitter_width_0.02 "
-    "jitter_width_0.1 jitter_width_1 jitter_centred_on_edges jitter_gaussian jitter_not_uniform jitter_at_evaluation not_at_rest"
+    "jitter_width_0.1 jitter_width_1 jitter_centered_on_edges jitter_gaussian jitter_not_uniform jitter_at_evaluation not_at_rest"
 ).split()
 
 # No mistakes, though draws aren't independent: NeuS shifts a ray's samples together, bmild/nerf draws from one image a step.
@@ -34,14 +34,14 @@ def sample_random_rays(a, c, wrong):
     if "outside_the_images" in wrong:
         i = i + 1
     rgbs = images[ids, j % height, i % width]
-    if "wrong_colours" in wrong:
+    if "wrong_colors" in wrong:
         rgbs = images[ids, i % height, j % width]
     if "divided_twice_by_255" in wrong:
         rgbs = rgbs / 255
-    uv = np.stack([i, j], 1).astype(images.dtype) + (0.5 if c["pixel_centre"] == "half" else 0)
+    uv = np.stack([i, j], 1).astype(images.dtype) + (0.5 if c["pixel_center"] == "half" else 0)
     jitter = np.random.default_rng([7, 0 if "jitter_frozen" in wrong else a["seed"]])
     u = drawn(jitter, count, n, wrong)
-    if "jitter_centred_on_edges" in wrong:
+    if "jitter_centered_on_edges" in wrong:
         u = u - 0.5
     for name in wrong:
         if name.startswith("jitter_width_"):

@@ -4,7 +4,7 @@ import numpy as np
 
 
 def distribution(weights, padding, kind):
-    """F at the edges, by normalised weights."""
+    """F at the edges, by normalized weights."""
     padded = weights + kind(padding)
     if not padded.any():
         padded = np.ones_like(padded)
@@ -39,7 +39,7 @@ def importance_sampling(a, c, wrong):
             weights = weights * np.diff(edges)
         padding = 1e-5 if "padding_always" in wrong else a["padding"]
         f = distribution(weights, padding, kind)
-        if "not_normalised" in wrong and (weights + padding).any():
+        if "not_normalized" in wrong and (weights + padding).any():
             f = f * (weights + kind(padding)).sum()
             t[r] = np.where(u >= f[-1], edges[-1], take(edges, *places(edges, f, np.minimum(u, f[-1]), wrong)))
         elif "no_leading_zero" in wrong:
@@ -81,7 +81,7 @@ def slabs(a, wrong):
     if "unit_directions" in wrong:
         length = np.sqrt((d * d).sum(1, keepdims=True))
         d = d / np.where(length == 0, kind(1), length)
-    if "centre_and_size" in wrong:
+    if "center_and_size" in wrong:
         low, high = low - high / 2, low + high / 2
     if "eps_in_direction" in wrong:
         d = d + kind(1e-6)

@@ -1,4 +1,4 @@
-"""The second implementation's loss, metric, bytes and optimiser. See second.py."""
+"""The second implementation's loss, metric, bytes and optimizer. See second.py."""
 
 import numpy as np
 
@@ -29,7 +29,7 @@ def psnr(a, c, wrong):
         errors = errors.mean(keepdims=True)
     with np.errstate(divide="ignore"):
         value = p.dtype.type((20 * np.log10(peak) - 10 * np.log10(errors)).mean())
-    if "regularised_psnr" in wrong:
+    if "regularized_psnr" in wrong:
         value = -10 * np.log10(10 ** (-value / 10) + 1e-3 / peak**2)
     value = value * (2 if "doubled_psnr" in wrong else 1) * (np.log(10) if "natural_log_psnr" in wrong else 1)
     return {"value": value}

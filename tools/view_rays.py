@@ -4,7 +4,7 @@
     python tools/view_rays.py out/spheres/rays.npz [--port 8080]
 
 Frustums carry their photographs (orange frames: validation); lines are rays from their cameras to far; dots are samples, in the
-colour of the pixel that their ray goes through.
+color of the pixel that their ray goes through.
 """
 
 import argparse
@@ -18,9 +18,9 @@ import viser.transforms
 def show(server: viser.ViserServer, rays: dict[str, np.ndarray]) -> None:
     """Add everything in `rays` (the arrays of rays.npz) to a server's scene."""
     c2ws, (width, height) = rays["c2ws"], rays["size"]
-    centres = c2ws[:, :3, 3]
-    middle = centres.mean(axis=0)
-    spread = float(np.linalg.norm(centres - middle, axis=1).max())
+    centers = c2ws[:, :3, 3]
+    middle = centers.mean(axis=0)
+    spread = float(np.linalg.norm(centers - middle, axis=1).max())
     scale = 0.04 * spread
     # The cameras' own y axis points down.
     up = -c2ws[:, :3, 1].mean(axis=0)

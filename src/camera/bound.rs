@@ -67,7 +67,7 @@ impl Axis {
 /// Gathers what the pixels of a batch bring to K.
 #[derive(Default)]
 pub(crate) struct Gather {
-    centre: [Vec<Bounded>; 2],
+    center: [Vec<Bounded>; 2],
     focal: [[Vec<Bounded>; 4]; 2],
 }
 
@@ -86,7 +86,7 @@ impl Gather {
         for k in 0..2 {
             let (g_u, g_f) = axes[k].gradient(uv[k], s, g[k], m);
             g_uv[k] = g_u.e;
-            self.centre[k].push(g_u.neg());
+            self.center[k].push(g_u.neg());
             g_f.iter().zip(&mut self.focal[k]).for_each(|(&g, gathered)| gathered.push(g));
             self.focal[k][3].push(m.add(g_f[1], g_f[2]));
             whole.push(m.mul(axes[k].point(uv[k], exact(1.0), m), g[k]));
@@ -105,7 +105,7 @@ impl Gather {
             let [whole, u, c, pairs] = self.focal[k].each_ref().map(|terms| total(terms));
             whole.or(pairs).or(m.add(u, c)).e
         };
-        matrix([focal(0), focal(1), total(&self.centre[0]).e, total(&self.centre[1]).e])
+        matrix([focal(0), focal(1), total(&self.center[0]).e, total(&self.center[1]).e])
     }
 }
 

@@ -5,7 +5,7 @@ use ndarray::ArrayD;
 use crate::verify::case::{Case, Draw, short};
 use crate::verify::component::array;
 
-/// fx, fy, cx, cy that differ, with the centre off the middle and between pixels.
+/// fx, fy, cx, cy that differ, with the center off the middle and between pixels.
 pub(crate) const LENS: [f64; 4] = [40.0, 28.0, 17.5, 11.5];
 /// The pose that does nothing.
 pub(crate) const IDENTITY: [f64; 16] =
@@ -87,10 +87,10 @@ pub(crate) fn random_poses(draw: &mut Draw, n: usize) -> ArrayD<f64> {
     array(&[n, 4, 4], (0..n).flat_map(|_| random_pose(draw)).collect())
 }
 
-/// n pixel positions in a picture of 36 x 24 pixels: centres, exact in every type.
+/// n pixel positions in a picture of 36 x 24 pixels: centers, exact in every type.
 pub(crate) fn pixels(draw: &mut Draw, n: usize) -> ArrayD<f64> {
-    let centres = (0..n).flat_map(|_| [draw.below(36) as f64 + 0.5, draw.below(24) as f64 + 0.5]);
-    array(&[n, 2], centres.collect())
+    let centers = (0..n).flat_map(|_| [draw.below(36) as f64 + 0.5, draw.below(24) as f64 + 0.5]);
+    array(&[n, 2], centers.collect())
 }
 
 /// Camera space to world space.
@@ -123,7 +123,7 @@ pub fn pixel_to_camera() -> Vec<Case> {
     };
     let mut cases = vec![
         case(
-            "centre",
+            "center",
             "the principal point, at any depth, lies on the axis",
             LENS,
             &[17.5, 11.5, 17.5, 11.5],
@@ -145,7 +145,7 @@ pub fn pixel_to_camera() -> Vec<Case> {
             vec![0.0, 2.0, -4.0],
         ),
         case(
-            "near_the_centre",
+            "near_the_center",
             "u - cx = 2^-4: a matrix inverse cancels, the difference doesn't",
             LENS,
             &[17.5625, 11.5625],

@@ -100,11 +100,11 @@ impl Gather {
             let (u, c) = (m.sum(&self.through_u[n]), m.sum(&self.through_c[n]));
             -m.mul(inverse[n][n], dot(&[u, c], &[inverse[n][n], inverse[n][2]], m))
         };
-        let centre = |n: usize| {
+        let center = |n: usize| {
             let matrix = m.form % 2 == 1;
             if matrix { -m.mul(inverse[n][n], m.sum(&self.through_c[n])) } else { -m.sum(g_u[n]) }
         };
-        matrix([focal(0), focal(1), centre(0), centre(1)])
+        matrix([focal(0), focal(1), center(0), center(1)])
     }
 }
 

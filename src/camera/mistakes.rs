@@ -45,16 +45,16 @@ pub(crate) const ROW_COLUMN: Mistake = Mistake::new(
     "3 public implementations",
     3,
 );
-pub(crate) const CENTRE_SWAPPED: Mistake = Mistake::new(
-    "centre_swapped",
+pub(crate) const CENTER_SWAPPED: Mistake = Mistake::new(
+    "center_swapped",
     "cx = H / 2 and cy = W / 2: height and width exchanged in K",
     "nothing on a square picture; a shift on any other",
     "images.shape is (count, height, width, 3): cx = W / 2, cy = H / 2",
     "2 public implementations",
     2,
 );
-pub(crate) const CENTRE_FLOORED: Mistake = Mistake::new(
-    "centre_floored",
+pub(crate) const CENTER_FLOORED: Mistake = Mistake::new(
+    "center_floored",
     "cx = W // 2: integer division",
     "half a pixel of shift, on odd sizes alone",
     "divide by 2.0",
@@ -72,7 +72,7 @@ pub(crate) const FOCAL_IGNORED: Mistake = Mistake::new(
 pub(crate) const NOT_RESCALED: Mistake = Mistake::new(
     "intrinsics_not_rescaled",
     "the pictures were halved, K was not: it is twice the right one",
-    "a quarter of the view, off centre",
+    "a quarter of the view, off center",
     "scale fx, fy, cx, cy with the picture",
     "1 public implementation",
     1,
@@ -142,8 +142,8 @@ pub const PIXEL_TO_CAMERA: &[Mistake] = &[
     NO_HALF,
     MINUS_HALF,
     ROW_COLUMN,
-    CENTRE_SWAPPED,
-    CENTRE_FLOORED,
+    CENTER_SWAPPED,
+    CENTER_FLOORED,
     FOCAL_IGNORED,
     NOT_RESCALED,
     K_TRANSPOSED,
@@ -175,8 +175,8 @@ pub(crate) fn flip(x: DVec3, wrong: &[&str]) -> DVec3 {
 fn wrong_lens(mut k: Intrinsics, wrong: &[&str]) -> Intrinsics {
     for name in wrong {
         match *name {
-            "centre_swapped" => (k.cx, k.cy) = (k.cy, k.cx),
-            "centre_floored" => (k.cx, k.cy) = (libm::floor(k.cx), libm::floor(k.cy)),
+            "center_swapped" => (k.cx, k.cy) = (k.cy, k.cx),
+            "center_floored" => (k.cx, k.cy) = (libm::floor(k.cx), libm::floor(k.cy)),
             "focal_ignored" => (k.fx, k.fy) = (1.0, 1.0),
             "intrinsics_not_rescaled" => {
                 k = Intrinsics { fx: 2.0 * k.fx, fy: 2.0 * k.fy, cx: 2.0 * k.cx, cy: 2.0 * k.cy }

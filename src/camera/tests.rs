@@ -13,7 +13,7 @@ pub(crate) fn pose() -> impl Strategy<Value = DMat4> {
         .prop_map(|(q, o)| DMat4::from_rotation_translation(DQuat::from_array(q).normalize(), o.into()))
 }
 
-/// Intrinsics with fx != fy and the principal point off the centre of a 640 x 360 picture.
+/// Intrinsics with fx != fy and the principal point off the center of a 640 x 360 picture.
 pub(crate) fn intrinsics() -> impl Strategy<Value = Intrinsics> {
     (100.0..2000.0, 1.05..2.0, 100.0..500.0, 50.0..300.0).prop_map(|(fx, ratio, cx, cy)| Intrinsics {
         fx,
@@ -157,7 +157,7 @@ fn cg5_a_lens_without_inverse_says_so() {
     let shift = Distortion { k1: 0.0, p1: 1e-12, ..barrel };
     assert_eq!(shift.distort(DVec2::X), DVec2::new(1.0, 1e-12));
     assert!(shift.undistort(DVec2::X).unwrap().y < 0.0);
-    // A third branch behind two folds, with a positive determinant, where the picture would be mirrored through the centre.
+    // A third branch behind two folds, with a positive determinant, where the picture would be mirrored through the center.
     let behind = barrel.distort(DVec2::new(-2.5, 0.0));
     assert!(barrel.jacobian(DVec2::new(-2.5, 0.0)).determinant() > 0.0);
     assert!(barrel.undistort(behind).is_err());

@@ -28,7 +28,7 @@ pub struct Args {
 /// The scene that the demo trains.
 const SCENE: &str = "builtin:spheres";
 
-/// Largest difference of a colour between the f32 path and the f64 reference that the demo accepts.
+/// Largest difference of a color between the f32 path and the f64 reference that the demo accepts.
 const TOLERANCE: f64 = 1e-5;
 
 /// Seconds of training unless told otherwise, and the validation PSNR that they must reach.
@@ -56,7 +56,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         vec!["validation PSNR, dB".into(), output::decibels(summary.val_psnr)],
         vec!["steps".into(), trained.step.to_string()],
         vec![
-            "largest difference of a colour, f32 path against f64 reference".into(),
+            "largest difference of a color, f32 path against f64 reference".into(),
             format!("{difference:.1e}"),
         ],
     ];
@@ -129,7 +129,7 @@ fn write_comparison(trained: &Trained, path: &Path) -> Result<()> {
 }
 
 fn write_page(out: &Path, rows: &[Vec<String>]) -> Result<()> {
-    let lead = "A neural radiance field, trained on pictures of a scene with closed-form density and colour, checked \
+    let lead = "A neural radiance field, trained on pictures of a scene with closed-form density and color, checked \
                 against the f64 reference, and rendered from cameras that it has never seen.";
     let mut page = Page::new("nerf-oracle demo", lead);
     page.table(&["figure", "value"], rows)

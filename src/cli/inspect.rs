@@ -10,7 +10,7 @@ use serde_json::json;
 use super::options::positive;
 use super::output;
 use crate::camera::Camera;
-use crate::convention::{Grid, PixelCentre};
+use crate::convention::{Grid, PixelCenter};
 use crate::error::Result;
 use crate::files::npz::{self, Arrays};
 use crate::files::{self, picture};
@@ -89,7 +89,7 @@ fn draw_rays(scene: &Scene, args: &Args) -> Result<Vec<Drawn>> {
         let j = pixels.below(height as u64, 0, n, 1) as usize;
         let i = pixels.below(width as u64, 0, n, 2) as usize;
         let frame = &scene.train[image];
-        let uv = pixel_position(i, j, PixelCentre::Half);
+        let uv = pixel_position(i, j, PixelCenter::Half);
         let rgb =
             frame.image.as_ref().map_or([0.0; 3], |image| [0, 1, 2].map(|k| f64::from(image[[j, i, k]])));
         let t =
@@ -99,7 +99,7 @@ fn draw_rays(scene: &Scene, args: &Args) -> Result<Vec<Drawn>> {
     Ok(drawn)
 }
 
-/// A small version of a frame's photograph; grey where it has none.
+/// A small version of a frame's photograph; gray where it has none.
 fn thumbnail(frame: &Frame) -> RgbImage {
     let (w, h) = (frame.camera.width as f64, frame.camera.height as f64);
     let shrink = (f64::from(THUMBNAIL) / w.max(h)).min(1.0);

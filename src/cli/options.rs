@@ -13,7 +13,7 @@ pub enum Backend {
     Reference,
 }
 
-/// A colour: `black`, `white`, or `R,G,B` in [0, 1].
+/// A color: `black`, `white`, or `R,G,B` in [0, 1].
 pub fn color(text: &str) -> Result<[f64; 3], String> {
     match text {
         "black" => return Ok([0.0; 3]),
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colours_and_sizes() {
+    fn colors_and_sizes() {
         assert_eq!(color("white"), Ok([1.0; 3]));
         assert_eq!(color("0,0.5,1"), Ok([0.0, 0.5, 1.0]));
         assert!(color("0,0.5").is_err() && color("2,0,0").is_err() && color("red").is_err());

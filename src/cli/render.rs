@@ -30,13 +30,13 @@ pub struct Args {
     /// The cameras: the scene's test path, or a circle of N around the scene. The test path where there is one.
     #[arg(long, value_parser = path)]
     pub path: Option<CameraPath>,
-    /// The colour behind everything: black, white or R,G,B.
+    /// The color behind everything: black, white or R,G,B.
     #[arg(long, value_parser = color)]
     pub background: Option<[f64; 3]>,
     /// Picture size; the photographs' by default.
     #[arg(long, value_parser = size)]
     pub size: Option<(usize, usize)>,
-    /// Depth (near white, far black) in the place of colour.
+    /// Depth (near white, far black) in the place of color.
     #[arg(long)]
     pub depth: bool,
     /// Threads; all cores by default.
@@ -147,7 +147,7 @@ fn orbit(scene: &Scene, count: usize) -> Vec<Camera> {
     let offset = mean - scene.focus;
     let distance = places.iter().map(|p| (*p - scene.focus).length()).sum::<f64>() / n;
     let around = (offset - up * offset.dot(up)).length() < 0.5 * distance;
-    let (centre, a, b) = if around {
+    let (center, a, b) = if around {
         let height = up * offset.dot(up);
         let radius = (distance * distance - height.length_squared()).max(0.0).sqrt();
         let (x, y) = up.any_orthonormal_pair();
@@ -161,7 +161,7 @@ fn orbit(scene: &Scene, count: usize) -> Vec<Camera> {
     };
     let place = |k: usize| {
         let angle = std::f64::consts::TAU * k as f64 / count as f64;
-        centre + a * angle.cos() + b * angle.sin()
+        center + a * angle.cos() + b * angle.sin()
     };
     (0..count).map(|k| Camera { c2w: look_at(place(k), scene.focus, up), ..first }).collect()
 }

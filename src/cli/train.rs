@@ -62,7 +62,7 @@ pub struct Args {
     /// Full validation every N steps.
     #[arg(long, value_parser = positive)]
     pub val_every: Option<usize>,
-    /// The colour behind everything: black, white or R,G,B.
+    /// The color behind everything: black, white or R,G,B.
     #[arg(long, value_parser = color)]
     pub background: Option<[f64; 3]>,
     /// Seed of everything random.

@@ -28,7 +28,7 @@ pub const PROFILES: &[Profile] = &[
         conventions: CS180,
         sources: &[
             ("axes", "course page: x right, y down, z forward, c2w as given in lego_200x200.npz"),
-            ("pixel_centre", "course page: add 0.5 to the pixel grid"),
+            ("pixel_center", "course page: add 0.5 to the pixel grid"),
             ("directions", "course page: r_d = (X_w - r_o) / |X_w - r_o|"),
             ("grid", "course page: t in [near, far], perturbed by U[0, 1) times the width"),
             ("frequency", "NeRF (2020), equation 4: sin(2^k pi x), cos(2^k pi x)"),
@@ -42,7 +42,7 @@ pub const PROFILES: &[Profile] = &[
         title: "the original NeRF (bmild/nerf)",
         conventions: Conventions {
             axes: Axes::Opengl,
-            pixel_centre: PixelCentre::Integer,
+            pixel_center: PixelCenter::Integer,
             directions: Directions::Depth,
             grid: Grid::EndsBetweenMidpoints,
             delta: Delta::DifferencesTimesNorm,
@@ -57,8 +57,8 @@ pub const PROFILES: &[Profile] = &[
         },
         sources: &[
             ("axes", "run_nerf_helpers.py get_rays: [(i-W/2)/f, -(j-H/2)/f, -1]"),
-            ("pixel_centre", "run_nerf_helpers.py get_rays: range(W), range(H), centre W*.5"),
-            ("directions", "run_nerf_helpers.py get_rays: not normalised"),
+            ("pixel_center", "run_nerf_helpers.py get_rays: range(W), range(H), center W*.5"),
+            ("directions", "run_nerf_helpers.py get_rays: not normalized"),
             ("grid", "run_nerf.py render_rays: linspace with both ends, bins between mids"),
             ("delta", "run_nerf.py raw2outputs: z_vals[1:] - z_vals[:-1], times the norm of the direction"),
             ("last_delta", "run_nerf.py raw2outputs: 1e10"),
@@ -81,7 +81,7 @@ pub const PROFILES: &[Profile] = &[
         name: "kornia-0.8.2",
         title: "kornia.nerf of kornia 0.8.2, the last release that has it",
         conventions: Conventions {
-            pixel_centre: PixelCentre::Integer,
+            pixel_center: PixelCenter::Integer,
             directions: Directions::Depth,
             delta: Delta::Differences,
             last_delta: LastDelta::TenToTen,
@@ -93,7 +93,7 @@ pub const PROFILES: &[Profile] = &[
         },
         sources: &[
             ("axes", "nerf/samplers.py _calc_ray_directions_cam: ((u-cx)/fx, (v-cy)/fy, 1)"),
-            ("pixel_centre", "nerf/nerf_model.py create_meshgrid: integer pixels, the centre as given"),
+            ("pixel_center", "nerf/nerf_model.py create_meshgrid: integer pixels, the center as given"),
             ("directions", "nerf/samplers.py _calc_ray_params: unproject(max_depth) - unproject(min_depth)"),
             ("delta", "nerf/volume_renderer.py IrregularRenderer: differences of t"),
             ("last_delta", "nerf/volume_renderer.py VolumeRenderer._huge = 1e10"),
@@ -126,7 +126,7 @@ pub const PROFILES: &[Profile] = &[
         },
         sources: &[
             ("axes", "cameras/cameras.py: OpenGL"),
-            ("pixel_centre", "cameras/cameras.py get_image_coords: pixel_offset 0.5"),
+            ("pixel_center", "cameras/cameras.py get_image_coords: pixel_offset 0.5"),
             ("directions", "cameras/rays.py RayBundle: unit ray direction vector"),
             ("delta", "cameras/rays.py get_ray_samples: bin_ends - bin_starts"),
             ("product_eps", "cameras/rays.py get_weights: exp(-cumsum), nothing added"),
@@ -166,10 +166,10 @@ pub const PROFILES: &[Profile] = &[
         },
         sources: &[
             ("axes", "internal/camera_utils.py pixels_to_rays: diag(1, -1, -1), from OpenCV to OpenGL"),
-            ("pixel_centre", "internal/camera_utils.py pix_to_dir: x + .5, y + .5"),
+            ("pixel_center", "internal/camera_utils.py pix_to_dir: x + .5, y + .5"),
             (
                 "directions",
-                "internal/camera_utils.py pixels_to_rays: directions as they are, viewdirs normalised",
+                "internal/camera_utils.py pixels_to_rays: directions as they are, viewdirs normalized",
             ),
             (
                 "delta",
@@ -187,7 +187,7 @@ pub const PROFILES: &[Profile] = &[
             ("skip_order", "internal/models.py MLP: [x, inputs]"),
             ("depth", "internal/render.py volumetric_rendering: expectation divided by acc"),
         ],
-        beyond: "positions are encoded as Gaussians; -1 is added to the raw density; colours are padded by 0.001; the pairs of \
+        beyond: "positions are encoded as Gaussians; -1 is added to the raw density; colors are padded by 0.001; the pairs of \
                  the encoding run over dimensions first; depth is the exponential of the expected logarithm",
     },
     Profile {
@@ -204,8 +204,8 @@ pub const PROFILES: &[Profile] = &[
         },
         sources: &[
             ("axes", "examples/datasets/nerf_synthetic.py: OPENGL_CAMERA = True"),
-            ("pixel_centre", "examples/datasets/nerf_synthetic.py: x - cx + 0.5"),
-            ("directions", "examples/datasets/nerf_synthetic.py: viewdirs normalised"),
+            ("pixel_center", "examples/datasets/nerf_synthetic.py: x - cx + 0.5"),
+            ("directions", "examples/datasets/nerf_synthetic.py: viewdirs normalized"),
             ("delta", "nerfacc/volrend.py render_transmittance_from_density: t_ends - t_starts"),
             ("product_eps", "nerfacc/volrend.py: exp(-exclusive_sum), nothing added"),
             ("frequency", "examples/radiance_fields/mlp.py SinusoidalEncoder: 2^i"),
@@ -235,7 +235,7 @@ pub const PROFILES: &[Profile] = &[
                 "include/neural-graphics-primitives/nerf_loader.h nerf_matrix_to_ngp: poses are turned to z forward",
             ),
         ],
-        beyond: "hash grid and spherical harmonics in place of the encoding; marching stops at T < 1e-4 and renormalises; the \
+        beyond: "hash grid and spherical harmonics in place of the encoding; marching stops at T < 1e-4 and renormalizes; the \
                  exponential's gradient is clamped to [-15, 15]",
     },
 ];

@@ -13,7 +13,7 @@ type Field = (&'static str, fn(&Conventions) -> String, fn(&mut Conventions, &st
 /// One line a field: a search asks for them by the hundred thousand, so none goes by way of the whole struct.
 const FIELDS: &[Field] = &[
     ("axes", |c| name(&c.axes), |c, v| c.axes = listed(v)),
-    ("pixel_centre", |c| name(&c.pixel_centre), |c, v| c.pixel_centre = listed(v)),
+    ("pixel_center", |c| name(&c.pixel_center), |c, v| c.pixel_center = listed(v)),
     ("directions", |c| name(&c.directions), |c, v| c.directions = listed(v)),
     ("grid", |c| name(&c.grid), |c, v| c.grid = listed(v)),
     ("rest", |c| name(&c.rest), |c, v| c.rest = listed(v)),
@@ -46,6 +46,18 @@ fn listed<T: for<'a> Deserialize<'a>>(value: &str) -> T {
     T::deserialize(value).expect("every listed value parses")
 }
 
+/// A name in American spelling, as all names here are written: `pixel_centre` is read as `pixel_center`, `wrong_colours` as
+/// `wrong_colors`.
+///
+/// ```
+/// assert_eq!(nerf_oracle::convention::american("origin_normalised"), "origin_normalized");
+/// ```
+pub fn american(name: &str) -> String {
+    const SPELLINGS: [(&str, &str); 4] =
+        [("colour", "color"), ("centred", "centered"), ("centre", "center"), ("normalis", "normaliz")];
+    SPELLINGS.iter().fold(name.to_string(), |name, (old, new)| name.replace(old, new))
+}
+
 impl Conventions {
     /// The same with `key` set to `value`, both spelled as in [`CHOICES`].
     ///
@@ -59,6 +71,7 @@ impl Conventions {
     /// assert!(CS180.with("product_eps", "0.1").is_err());
     /// ```
     pub fn with(&self, key: &str, value: &str) -> Result<Self> {
+        let key = american(key);
         let choices = CHOICES.iter().find(|(name, _)| *name == key).map(|(_, values)| *values);
         if !choices.is_some_and(|values| values.contains(&value)) {
             let expected = choices.map_or("a convention's name".into(), |values| values.join(" | "));
@@ -84,6 +97,15 @@ impl Conventions {
 #[cfg(test)]
 mod tests {
     use super::super::{CHOICES, CS180};
+
+    #[test]
+    fn the_old_spelling_is_read() {
+        assert_eq!(CS180.with("pixel_centre", "integer").unwrap(), CS180.with("pixel_center", "integer").unwrap());
+        let mut json = serde_json::to_value(CS180).unwrap();
+        let center = json.as_object_mut().unwrap().remove("pixel_center").unwrap();
+        json["pixel_centre"] = center;
+        assert_eq!(serde_json::from_value::<super::super::Conventions>(json).unwrap(), CS180);
+    }
 
     #[test]
     fn every_choice_can_be_set_and_read_back() {

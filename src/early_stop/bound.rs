@@ -7,7 +7,7 @@
 use super::component::{one_ray, packed, spans, stopped};
 use super::live_samples;
 use crate::convention::{CS180, Conventions};
-use crate::maths::{expm1, ln};
+use crate::math::{expm1, ln};
 use crate::verify::arithmetic::Arithmetic;
 use crate::verify::component::Pass;
 use crate::verify::component::{Arrays, number, values};

@@ -32,8 +32,8 @@ pub fn early_stop() -> Vec<Case> {
         plain("never", "eps = 0: every sample is used, as in volume_render", 0.0, &[3, 5]),
         plain("VR9_ragged", "rays of 5, 0, 1 and 6 samples, one behind the other", 0.09, &[5, 0, 1, 6]),
         plain(
-            "VR5_not_renormalised",
-            "the colour of a white ray that stops at T = .25 is .75, not 1",
+            "VR5_not_renormalized",
+            "the color of a white ray that stops at T = .25 is .75, not 1",
             0.35,
             &[6],
         ),

@@ -11,11 +11,11 @@ use crate::volume_rendering::backward::Cotangent;
 pub const EARLY_STOP: Component = Component {
     name: "early_stop",
     folder: "early_stop",
-    formula: "ray r has samples offsets_r, ..., offsets_{r+1} - 1; live_r = up to and with the first behind which T < eps; volume_render of these, not renormalised",
+    formula: "ray r has samples offsets_r, ..., offsets_{r+1} - 1; live_r = up to and with the first behind which T < eps; volume_render of these, not renormalized",
     source: "Instant-NGP (Mueller et al. 2022) appendix C.1, without its division by the opacity",
     inputs: &[
         Port::smooth("sigmas", "S", "densities of all rays' samples, 1 / length"),
-        Port::smooth("rgbs", "S,3", "colours"),
+        Port::smooth("rgbs", "S,3", "colors"),
         Port::smooth("deltas", "S", "step lengths"),
         Port::plain("offsets", "R+1", "where each ray's samples begin, and S; whole numbers"),
         Port::plain("eps", "", "smallest transmittance that is followed; 0: never stop"),

@@ -2,7 +2,7 @@
 
 use super::component::{one_ray, packed, spans, stopped};
 use crate::convention::{CS180, Conventions};
-use crate::maths::ln;
+use crate::math::ln;
 use crate::verify::component::{Arrays, number};
 use crate::verify::machine::Machine;
 use crate::volume_rendering::honest;

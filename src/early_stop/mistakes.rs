@@ -10,10 +10,10 @@ use crate::volume_rendering::volume_render;
 /// Mistakes of packed rendering with early stop.
 pub const EARLY_STOP: &[Mistake] = &[
     Mistake::new(
-        "renormalised",
+        "renormalized",
         "a ray that stops is divided by its opacity, which becomes 1 (VR5)",
         "no light is left for the background; a jump of eps in every channel where a ray begins to stop",
-        "leave the colour as it is: the error is at most eps without it",
+        "leave the color as it is: the error is at most eps without it",
         "instant-ngp#384, where it is meant, and its ports",
         3,
     ),
@@ -44,7 +44,7 @@ pub const EARLY_STOP: &[Mistake] = &[
     Mistake::new(
         "ends_taken_for_counts",
         "ray r has offsets_{r+1} samples from offsets_r on: pairs of (start, count) expected",
-        "rays reach into their neighbours' samples",
+        "rays reach into their neighbors' samples",
         "count = offsets_{r+1} - offsets_r",
         "between packed formats: nerfacc hands over (start, count), others cumulative counts",
         1,
@@ -52,7 +52,7 @@ pub const EARLY_STOP: &[Mistake] = &[
     Mistake::new(
         "not_reset_between_rays",
         "the transmittance runs on from ray to ray",
-        "a ray is dark when its neighbour in the batch is opaque",
+        "a ray is dark when its neighbor in the batch is opaque",
         "start every ray at T = 1: a segmented scan, or a difference of cumulative sums",
         "cumulative products over packed arrays",
         1,
@@ -112,7 +112,7 @@ pub fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             ray.get_mut(name).expect("an output").mapv_inplace(|x| carried * x);
         }
         let t = number(&ray, "transmittance");
-        if wrong.contains(&"renormalised") && t < eps {
+        if wrong.contains(&"renormalized") && t < eps {
             let opacity = number(&ray, "opacity");
             ray.get_mut("colors").expect("an output").mapv_inplace(|x| x / opacity);
             ray.insert("opacity".into(), scalar(1.0));
@@ -121,7 +121,7 @@ pub fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         if wrong.contains(&"not_reset_between_rays") {
             carried = t;
         }
-        // Weights that reach into the neighbour's samples have no place of their own.
+        // Weights that reach into the neighbor's samples have no place of their own.
         rays.push(stopped(n, length, ray));
     }
     packed(rays)

@@ -1,11 +1,11 @@
 //! Early stop: samples behind which almost no light comes through are left out; rays of different lengths, packed.
 //!
 //! Letters as in volume rendering: x_i = sigma_i delta_i, T_i = exp(-sum_{j<i} x_j), `eps` the smallest transmittance that is
-//! followed. Nothing is renormalised (instant-ngp divides by the opacity, VR5): the light that is left goes on to the background.
+//! followed. Nothing is renormalized (instant-ngp divides by the opacity, VR5): the light that is left goes on to the background.
 //! Packed: the samples of all rays in one array; those of ray r are `offsets[r] .. offsets[r + 1]`.
 
 use crate::convention::ProductEps;
-use crate::maths::{Sum, exp};
+use crate::math::{Sum, exp};
 use crate::volume_rendering::{Rendering, volume_render};
 
 pub mod backward;
@@ -21,8 +21,8 @@ mod tests;
 /// How many samples of a ray are used: up to and including the first behind which T < `eps`; all where there is none.
 ///
 /// # Error
-/// Let n be the result, c_i in [0, 1] and b in [0, 1] the background. The colour of the first n samples over the background differs
-/// from the full one, channel by channel, by at most T_n < eps: what is behind changes from some colour in [0, 1] to b, and
+/// Let n be the result, c_i in [0, 1] and b in [0, 1] the background. The color of the first n samples over the background differs
+/// from the full one, channel by channel, by at most T_n < eps: what is behind changes from some color in [0, 1] to b, and
 /// contributes T_n times that.
 ///
 /// ```

@@ -1,4 +1,4 @@
-//! The stated error of the early stop, in colour and in gradient.
+//! The stated error of the early stop, in color and in gradient.
 
 use super::{live_samples, render_packed};
 use crate::convention::ProductEps;
@@ -14,9 +14,9 @@ fn ray(i: u64) -> (Vec<f64>, Vec<[f64; 3]>, Vec<f64>) {
     (sigmas, rgbs, vec![0.5; 64])
 }
 
-/// The colour moves by at most eps, whatever the background; some ray comes within a tenth of it, so the bound isn't idle.
+/// The color moves by at most eps, whatever the background; some ray comes within a tenth of it, so the bound isn't idle.
 #[test]
-fn colour_error_is_at_most_eps() {
+fn color_error_is_at_most_eps() {
     for eps in [1e-2, 1e-4] {
         let (mut worst, mut stopped) = (0f64, 0);
         for i in 0..2000 {
@@ -123,7 +123,7 @@ fn packed_gradients_are_those_of_single_rays() {
 
 /// VR5: a stopped ray keeps the light that is left; divided by its opacity it would be off by up to eps, and without a reason.
 #[test]
-fn nothing_is_renormalised() {
+fn nothing_is_renormalized() {
     let rays = render_packed(&[1.375; 6], &[[1.0; 3]; 6], &[0.5; 6], &[0, 6], 0.35);
     assert_eq!(rays[0].weights.len(), 2);
     assert!((rays[0].color[0] - (1.0 - (-1.375f64).exp())).abs() < 1e-15);

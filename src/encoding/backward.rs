@@ -1,7 +1,7 @@
 //! Vector-Jacobian product of the positional encoding, by hand.
 
 use super::{Encoding, factor, wave};
-use crate::maths::Sum;
+use crate::math::Sum;
 
 /// Gradient of [`super::positional_encoding`] with respect to `x`.
 ///

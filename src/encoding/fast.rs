@@ -1,4 +1,4 @@
-//! Positional encoding in f32, vectorised over points: x, then per band sin 2^k pi x and cos 2^k pi x.
+//! Positional encoding in f32, vectorized over points: x, then per band sin 2^k pi x and cos 2^k pi x.
 //!
 //! 2^k x mod 2 is exact in binary, so it is taken in f64 before anything is rounded; what is left, r in [-pi/4, pi/4], is
 //! rounded once to f32, and sin r and cos r are short polynomials (Cephes `sinf`, `cosf`). Every band is therefore as good as

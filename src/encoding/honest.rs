@@ -3,7 +3,7 @@
 use super::component::{dims, from_rows, rows, settings};
 use super::{Encoding, factor};
 use crate::convention::{Conventions, Frequency};
-use crate::maths::{cos, sin};
+use crate::math::{cos, sin};
 use crate::verify::component::{Arrays, arrays};
 use crate::verify::machine::Machine;
 

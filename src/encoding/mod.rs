@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use crate::convention::{Bands, Columns, Conventions, Frequency};
-use crate::maths::{cos, cos_pi, power_of_two, sin, sin_pi};
+use crate::math::{cos, cos_pi, power_of_two, sin, sin_pi};
 
 pub mod backward;
 pub mod bound;

@@ -47,7 +47,7 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
     rows("encoding", (singles(a, "x"), 3, WIDTH), run, |&y| y.into())
 }
 
-fn vectorised(a: &Arrays) -> Box<dyn Kernel> {
+fn vectorized(a: &Arrays) -> Box<dyn Kernel> {
     let run = |x: &[f64], out: &mut [f32]| fast::positional_encoding(Arch::new(), x, 3, LEVELS, out, WIDTH);
     rows("encoding", (values(a, "x"), 3, WIDTH), run, |&y| y.into())
 }
@@ -149,11 +149,11 @@ pub const SUITE: Suite = Suite {
             prepare: plain,
         },
         Variant {
-            name: "vectorised",
+            name: "vectorized",
             about: "one thread, exact reduction in f64, short polynomials over 64 points at a time",
             dtype: Dtype::F32,
             promise: Promise::f32(),
-            prepare: vectorised,
+            prepare: vectorized,
         },
         Variant {
             name: "threaded",

@@ -22,7 +22,7 @@ pub struct View {
     pub depth: Array2<f32>,
 }
 
-/// The rays of all pixel centres of a camera, row by row.
+/// The rays of all pixel centers of a camera, row by row.
 ///
 /// # Errors
 /// Where the lens has no inverse at some pixel.
@@ -58,7 +58,7 @@ pub fn over(pixel: Pixel, background: [f32; 3]) -> [f32; 3] {
 pub struct ViewScore {
     /// The frame's name.
     pub name: String,
-    /// Mean squared error over pixels and channels, the view clipped to [0, 1] and not quantised.
+    /// Mean squared error over pixels and channels, the view clipped to [0, 1] and not quantized.
     pub mse: f64,
     /// Its PSNR in dB, peak 1; null in JSON where it is infinite.
     pub psnr: f64,

@@ -53,7 +53,7 @@ pub fn nerf_mlp(
     g_rgb: [f64; 3],
     gradient: &mut NerfMlp,
 ) -> (Vec<f64>, Vec<f64>) {
-    // Colour head, colour layer, feature.
+    // Color head, color layer, feature.
     let g_z1: Vec<f64> = (0..3).map(|k| sigmoid_slope(tape.z_color1[k]) * g_rgb[k]).collect();
     let g = layer(&net.color1, &tape.color_hidden, &g_z1, &mut gradient.color1);
     let g = relu(&tape.z_color0, &g);

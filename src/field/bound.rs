@@ -272,7 +272,7 @@ fn nerf_point(
     let head = tape.z_color1.entries();
     let slopes: Vec<Bounded> =
         head.iter().zip(g_rgb).map(|(&z, g)| m.mul(sigmoid_slope_of(z, m), exact(g))).collect();
-    // Four errors without a law: three of the colours, one of the density.
+    // Four errors without a law: three of the colors, one of the density.
     let g = Vector::from_bounded(&slopes, 0, 4);
     outer[depth + 3].add(&g, &tape.color_hidden);
     let g = transposed(&net.color1, &g, m).masked(&tape.z_color0);

@@ -21,7 +21,7 @@ pub const MLP: Component = Component {
         Port::smooth("w*", "out,in", "weights of layer 0, 1, ..."),
         Port::smooth("b*", "out", "biases of layer 0, 1, ..."),
     ],
-    outputs: &[Port::smooth("y", "M,O", "colours in [0, 1]")],
+    outputs: &[Port::smooth("y", "M,O", "colors in [0, 1]")],
     conventions: &[],
     forward: Pass { oracle: mlp, bound: bound::mlp, honest: honest::mlp, wrong: mistakes::mlp },
     vjp: Some(Pass {
@@ -43,7 +43,7 @@ pub const NERF_MLP: Component = Component {
     inputs: &NERF_PORTS,
     outputs: &[
         Port::smooth("sigmas", "M", "densities, 1 / length"),
-        Port::smooth("rgbs", "M,3", "colours in [0, 1]"),
+        Port::smooth("rgbs", "M,3", "colors in [0, 1]"),
     ],
     conventions: &[
         "identity",
@@ -198,7 +198,7 @@ impl Nerf {
     }
 }
 
-/// Densities and colours as arrays.
+/// Densities and colors as arrays.
 pub(crate) fn field(sigmas: Vec<f64>, rgbs: &[[f64; 3]]) -> Arrays {
     let rows: Vec<Vec<f64>> = rgbs.iter().map(|rgb| rgb.to_vec()).collect();
     let sigmas = ArrayD::from(Array1::from(sigmas).into_dyn());

@@ -6,16 +6,16 @@
 //!   result while it is in the cache. Chunks of [`CHUNK`] points keep the activations small. Costs nothing.
 //! * **Whole chunks on one thread each.** Forward, rendering, loss and backward of a chunk follow each other, so that nothing
 //!   of it is stored; partial gradients are added up in a fixed order. The same bits on any number of threads.
-//! * **Folded feature.** No activation stands between the feature layer and the colour layer, so their product
+//! * **Folded feature.** No activation stands between the feature layer and the color layer, so their product
 //!   M = w_color w_feature is formed once a step, and a point is charged (128, 256) instead of (256, 256) and (128, 256).
 //!   Both gradients follow from that of M: g_color = g_M w_feature^T + g_b b^T, g_feature = w_color^T g_M. Exact, in another
 //!   order of summation.
-//! * **One direction a ray.** Its columns of the colour layer are multiplied once a ray instead of once a sample. Exact.
+//! * **One direction a ray.** Its columns of the color layer are multiplied once a ray instead of once a sample. Exact.
 //! * **Nothing for nothing.** A sample whose density has slope 0, or that stands behind T = 0, has weight 0 and passes no
-//!   gradient: its colour is not computed, and it takes no part in the backward pass. Exact; `dense: true` does it all the
+//!   gradient: its color is not computed, and it takes no part in the backward pass. Exact; `dense: true` does it all the
 //!   same, for measurements.
 //! * **Nothing where nothing is.** [`Skipping`] leaves out samples that an occupancy grid calls empty, before they are evaluated, and
-//!   those behind which no light comes from. Costs what the grid misses, and `stop` a colour.
+//!   those behind which no light comes from. Costs what the grid misses, and `stop` a color.
 //!
 //! Conventions are those of the profile `cs180`, with any density activation.
 

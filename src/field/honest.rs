@@ -5,7 +5,7 @@ use super::{Layer, density_slope};
 use crate::convention::{Activation, Conventions, Density, SkipOrder};
 use crate::encoding::component::{from_rows, rows};
 use crate::encoding::honest::{encode, gradient as encoding_gradient};
-use crate::maths::{exp, ln_1p};
+use crate::math::{exp, ln_1p};
 use crate::verify::component::Arrays;
 use crate::verify::machine::Machine;
 
@@ -48,7 +48,7 @@ fn density(z: f64, activation: Density, m: &Machine) -> f64 {
         Density::Relu => z.max(0.0),
         Density::Exp => m.exp(z),
         Density::Softplus if m.stable => m.add(z.max(0.0), m.elementary(ln_1p(exp(-z.abs())))),
-        Density::Softplus => m.elementary(crate::maths::ln(m.add(1.0, m.exp(z)))),
+        Density::Softplus => m.elementary(crate::math::ln(m.add(1.0, m.exp(z)))),
     }
 }
 

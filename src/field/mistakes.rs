@@ -16,8 +16,8 @@ use crate::verify::component::{Arrays, Mistake, arrays};
 
 const SIGMOID_MISSING: Mistake = Mistake::new(
     "sigmoid_missing",
-    "the colour head's output is handed over as it is",
-    "colours below 0 and above 1",
+    "the color head's output is handed over as it is",
+    "colors below 0 and above 1",
     "1 / (1 + e^-z)",
     "never; cheap to keep",
     0,
@@ -25,7 +25,7 @@ const SIGMOID_MISSING: Mistake = Mistake::new(
 const RELU_BEFORE_SIGMOID: Mistake = Mistake::new(
     "relu_before_sigmoid",
     "the last layer has a ReLU too: sigmoid(max(z, 0))",
-    "no colour is darker than 1/2",
+    "no color is darker than 1/2",
     "no ReLU behind the last layer",
     "never; cheap to keep",
     0,
@@ -57,7 +57,7 @@ const NEVER_APPLIED: Mistake = Mistake::new(
 const SIGMOID_GRADIENT: Mistake = Mistake::new(
     "sigmoid_gradient_missing",
     "the gradient passes the sigmoid unchanged",
-    "dark and bright colours overshoot",
+    "dark and bright colors overshoot",
     "multiply by y (1 - y)",
     "hand-written backward passes",
     0,
@@ -102,9 +102,9 @@ pub const NERF_MLP: &[Mistake] = &[
     ),
     Mistake::new(
         "no_view_direction",
-        "the direction never reaches the colour layer",
+        "the direction never reaches the color layer",
         "no highlights: a point looks the same from everywhere",
-        "[feature, encoded direction] into the colour layer",
+        "[feature, encoded direction] into the color layer",
         "3 public implementations",
         3,
     ),

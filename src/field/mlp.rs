@@ -6,7 +6,7 @@ use crate::random::Key;
 /// What stands behind the last layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// sigmoid: colours.
+    /// sigmoid: colors.
     Sigmoid,
     /// Nothing.
     Linear,

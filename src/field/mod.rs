@@ -1,4 +1,4 @@
-//! The field: encoded position and direction -> density and colour; and the 2D field of an image.
+//! The field: encoded position and direction -> density and color; and the 2D field of an image.
 //!
 //! Letters: `w` weights (out, in), `b` biases (out), `x` input, `z` = w x + b before an activation, `h` behind it.
 //! `mlp` is the plain network of the 2D experiment, `nerf_mlp` the network of the NeRF paper (figure 7).
@@ -6,7 +6,7 @@
 use ndarray::{Array1, Array2};
 
 use crate::convention::Density;
-use crate::maths::{exp, ln_1p};
+use crate::math::{exp, ln_1p};
 use crate::random::Key;
 use crate::trunc_exp::trunc_exp;
 

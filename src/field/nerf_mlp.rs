@@ -1,11 +1,11 @@
-//! The network of the NeRF paper: density from the position alone, colour from position and direction.
+//! The network of the NeRF paper: density from the position alone, color from position and direction.
 
 use super::{Layer, density, relu, sigmoid};
 use crate::convention::{Activation, Conventions, SkipOrder};
 use crate::random::Key;
 
 /// Parameters. In the paper: 8 trunk layers of 256, the encoding (63 columns) concatenated again into the input of the fifth,
-/// a feature of 256, a colour layer of 128.
+/// a feature of 256, a color layer of 128.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NerfMlp {
     /// Trunk layers, ReLU behind each.
@@ -14,9 +14,9 @@ pub struct NerfMlp {
     pub sigma: Layer,
     /// Feature, (width, width).
     pub feature: Layer,
-    /// Colour layer on [feature, encoded direction].
+    /// Color layer on [feature, encoded direction].
     pub color0: Layer,
-    /// Colour head, (3, width of color0).
+    /// Color head, (3, width of color0).
     pub color1: Layer,
 }
 
@@ -31,14 +31,14 @@ pub struct Shape {
     pub width: usize,
     /// Trunk depth.
     pub depth: usize,
-    /// Width of the colour layer.
+    /// Width of the color layer.
     pub color: usize,
     /// Index (from 0) of the trunk layer whose input holds the encoding again.
     pub skip: usize,
 }
 
 impl Shape {
-    /// The paper's: L = 10 and 4, 8 layers of 256, 128 for the colour, skip into the fifth layer.
+    /// The paper's: L = 10 and 4, 8 layers of 256, 128 for the color, skip into the fifth layer.
     pub const PAPER: Shape = Shape { position: 63, direction: 27, width: 256, depth: 8, color: 128, skip: 4 };
 
     /// Columns that go into trunk layer n.
@@ -66,15 +66,15 @@ pub struct Tape {
     pub z_feature: Vec<f64>,
     /// [feature, encoded direction].
     pub color_input: Vec<f64>,
-    /// z of the colour layer.
+    /// z of the color layer.
     pub z_color0: Vec<f64>,
     /// Behind it.
     pub color_hidden: Vec<f64>,
-    /// z of the colour head.
+    /// z of the color head.
     pub z_color1: Vec<f64>,
     /// Density.
     pub sigma: f64,
-    /// Colour.
+    /// Color.
     pub rgb: [f64; 3],
 }
 

@@ -62,8 +62,8 @@ pub fn hash_grid() -> Vec<Case> {
             vec![0.5625, 0.4375, 0.1875, 0.8125, 0.5625, 0.9375, 0.0625, 0.6875, 0.4375],
         ),
         case(
-            "PE6_centres",
-            "centres of cells: all 8 corners count 1/8; half a cell further is a vertex",
+            "PE6_centers",
+            "centers of cells: all 8 corners count 1/8; half a cell further is a vertex",
             (4, 8, 2, 128, 1),
             vec![0.125, 0.375, 0.625, 0.875, 0.875, 0.125, 0.625, 0.625, 0.625],
         ),

@@ -6,7 +6,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::optimiser::{Adam, bias_correction};
+use crate::optimizer::{Adam, bias_correction};
 use crate::simd::{Aligned, copied, multiply_add, repeated};
 
 /// F.
@@ -17,13 +17,13 @@ pub const LEVELS: usize = 8;
 pub const WIDTH: usize = LEVELS * FEATURES;
 /// Points whose corners are computed together.
 pub(super) const BLOCK: usize = 16;
-/// Entries of a cache line, the unit of the sparse optimiser.
+/// Entries of a cache line, the unit of the sparse optimizer.
 const LINE: usize = 4;
 
 /// Features at a vertex.
 pub type Entry = [f32; FEATURES];
 
-/// One grid, its table, and its optimiser's state.
+/// One grid, its table, and its optimizer's state.
 #[derive(Clone, Debug)]
 pub struct Level {
     resolution: u32,

@@ -4,7 +4,7 @@ use super::component::{self, count, forward, gradients, levels, levels_of, point
 use super::{Level, PRIMES, backward, cell, corner, encode as oracle, resolutions};
 use crate::convention::Conventions;
 use crate::encoding::component::rows;
-use crate::maths::pow;
+use crate::math::pow;
 use crate::verify::component::{Arrays, number};
 
 mod catalogue;

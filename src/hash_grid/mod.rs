@@ -5,7 +5,7 @@
 //! A level whose vertices fit into T entries is dense: every vertex has its own entry. Others share entries by a hash, and training
 //! sorts out who is heard: vertices in empty space have no gradient.
 
-use crate::maths::pow;
+use crate::math::pow;
 
 pub mod backward;
 pub mod bound;
@@ -28,7 +28,7 @@ pub struct Level {
     pub table: Vec<Vec<f64>>,
 }
 
-/// Factors of the hash, equation 4. The first is 1, so that neighbours along x stay neighbours in memory.
+/// Factors of the hash, equation 4. The first is 1, so that neighbors along x stay neighbors in memory.
 pub const PRIMES: [u32; 3] = [1, 2_654_435_761, 805_459_861];
 
 /// The levels' resolutions: N_l = base * growth^l with growth = (finest / base)^(1 / (levels - 1)), equations 2 and 3.

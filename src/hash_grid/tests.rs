@@ -4,7 +4,7 @@ use approx::assert_abs_diff_eq;
 use pulp::Arch;
 
 use super::{Level, backward, encode, fast, is_dense, resolutions};
-use crate::optimiser::{Adam, Moments, adam_step};
+use crate::optimizer::{Adam, Moments, adam_step};
 use crate::random::{Key, Purpose};
 
 const KEY: fn() -> Key = || Key::new(0, Purpose::Cases);

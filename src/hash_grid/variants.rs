@@ -86,7 +86,7 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
     rows("features", (singles(a, "points"), 3, WIDTH), run, |&y| y.into())
 }
 
-/// Points of the vectorised path, with their features level by level.
+/// Points of the vectorized path, with their features level by level.
 struct Part {
     points: Vec<[f32; 3]>,
     out: [Vec<Entry>; LEVELS],
@@ -123,7 +123,7 @@ fn by_level(
     })
 }
 
-fn vectorised(a: &Arrays, threads: bool, largest: usize) -> Box<dyn Kernel> {
+fn vectorized(a: &Arrays, threads: bool, largest: usize) -> Box<dyn Kernel> {
     let (arch, levels) = (Arch::new(), levels(largest));
     let bytes = levels.iter().map(|level| size_of_val(level.table())).sum();
     by_level(a, threads, bytes, move |l, points, out| encode_level(arch, &levels[l], points, out))
@@ -184,7 +184,7 @@ fn short<T: Copy + Send + Sync + 'static>(
 }
 
 /// What f32 costs: a position is rounded against 512 cells (2^-24 of 512 cells is 2^-15 of a cell, for each of three axes, and
-/// neighbours differ by at most 2), and 8 corners are added up, each with a few roundings.
+/// neighbors differ by at most 2), and 8 corners are added up, each with a few roundings.
 const F32: Promise = Promise::exact().within(3.0 * 2.0 / 32768.0 + 20.0 / 16_777_216.0);
 
 /// The hash grid's suite.
@@ -205,13 +205,13 @@ pub const SUITE: Suite = Suite {
             plain,
         ),
         Variant::new(
-            "vectorised",
+            "vectorized",
             "one thread, level by level, addresses and weights of 16 points together",
             Dtype::F32,
             F32,
-            |a| vectorised(a, false, TABLE),
+            |a| vectorized(a, false, TABLE),
         ),
-        Variant::new("threaded", "the same on all threads", Dtype::F32, F32, |a| vectorised(a, true, TABLE)),
+        Variant::new("threaded", "the same on all threads", Dtype::F32, F32, |a| vectorized(a, true, TABLE)),
         Variant::new(
             "bf16_table",
             "threaded, features stored as bf16: half the cache",
@@ -232,7 +232,7 @@ pub const SCALING: &[Scaling] = &[
         parameter: "points",
         about: "threaded, 8 levels, tables of 2^17 entries",
         values: &[4096.0, 8192.0, 16384.0, 32768.0, 65536.0],
-        prepare: |points| vectorised(&workload(points as usize), true, TABLE),
+        prepare: |points| vectorized(&workload(points as usize), true, TABLE),
         memory: false,
     },
     Scaling {
@@ -240,7 +240,7 @@ pub const SCALING: &[Scaling] = &[
         parameter: "table",
         about: "threaded, 16,384 points, against entries of a table: work stays, until tables leave the caches",
         values: &[4096.0, 16384.0, 65536.0, 262_144.0, 1_048_576.0],
-        prepare: |entries| vectorised(&workload(16384), true, entries as usize),
+        prepare: |entries| vectorized(&workload(16384), true, entries as usize),
         memory: true,
     },
 ];

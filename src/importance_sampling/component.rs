@@ -13,7 +13,7 @@ pub const IMPORTANCE_SAMPLING: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) section 5.2",
     inputs: &[
         Port::smooth("edges", "R,E", "edges of the N = E - 1 bins of a ray, ascending"),
-        Port::plain("weights", "R,N", "weights of the bins, not normalised; detached, as in the paper"),
+        Port::plain("weights", "R,N", "weights of the bins, not normalized; detached, as in the paper"),
         Port::plain("padding", "", "added to every weight; 0 as in the paper, 1e-5 as in its code"),
         Port::smooth("u", "R,M", "numbers in [0, 1], in any order"),
     ],

@@ -1,4 +1,4 @@
-//! Honest importance sampling in emulated arithmetic: F from normalised weights, from sums that are divided, or u from the sum.
+//! Honest importance sampling in emulated arithmetic: F from normalized weights, from sums that are divided, or u from the sum.
 
 use super::component::{Ray, forward, vjp};
 use crate::convention::Conventions;

@@ -40,7 +40,7 @@ pub const IMPORTANCE_SAMPLING: &[Mistake] = &[
         4,
     ),
     Mistake::new(
-        "not_normalised",
+        "not_normalized",
         "F isn't divided by the sum of the weights",
         "nothing is sampled behind F = 1, or all that is left falls on the last edge",
         "divide by the sum",
@@ -130,7 +130,7 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
 
 fn cdf_of(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
     let mut f = cdf(&ray.weights, ray.padding);
-    if wrong.contains(&"not_normalised") {
+    if wrong.contains(&"not_normalized") {
         let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
         f.iter_mut().for_each(|f| *f *= if total > 0.0 { total } else { 1.0 });
     }
@@ -143,7 +143,7 @@ fn cdf_of(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
 
 fn one(ray: &Ray, f: &[f64], u: f64, wrong: &[&str]) -> f64 {
     let left = wrong.contains(&"searched_from_the_left");
-    let searched = left || wrong.contains(&"no_leading_zero") || wrong.contains(&"not_normalised");
+    let searched = left || wrong.contains(&"no_leading_zero") || wrong.contains(&"not_normalized");
     let k = if searched {
         // As searchsorted does it, clamped at both ends.
         match f.iter().rposition(|&f| if left { f < u } else { f <= u }) {

@@ -3,7 +3,7 @@
 //! Letters: N bins between the `edges` e_0 <= ... <= e_N on a ray, `weights` w of the bins, F the cumulative distribution at the
 //! edges, `u` in [0, 1], `t` the sample, s its place inside a bin.
 
-use crate::maths::Sum;
+use crate::math::Sum;
 
 pub mod backward;
 pub mod bound;
@@ -17,7 +17,7 @@ mod tests;
 
 /// The cumulative distribution at the edges: F_k = sum_{j<k} (w_j + padding) / sum_j (w_j + padding), N + 1 values from 0 to 1.
 ///
-/// NeRF (Mildenhall et al. 2020) section 5.2 normalises the weights; `padding` is what code adds to each of them beforehand (1e-5 in
+/// NeRF (Mildenhall et al. 2020) section 5.2 normalizes the weights; `padding` is what code adds to each of them beforehand (1e-5 in
 /// the original's, 0.01 in nerfstudio's), and 0 in the paper. Where all of it is 0 nothing is known, and all bins weigh the same:
 /// the limit of any padding that goes to 0 (SA1).
 ///

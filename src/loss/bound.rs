@@ -4,7 +4,7 @@ use std::f64::consts::LN_10;
 
 use super::component::{like, pictures};
 use crate::convention::{Bytes, Conventions, PsnrOf};
-use crate::maths::{ln_1p, log10};
+use crate::math::{ln_1p, log10};
 use crate::verify::arithmetic::Arithmetic;
 use crate::verify::bounded::{Bounded, exact};
 use crate::verify::component::{Arrays, arrays, input, number, scalar, values};

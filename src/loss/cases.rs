@@ -19,18 +19,18 @@ fn pair(
 pub fn mse() -> Vec<Case> {
     let mut draw = Draw::new("mse", 0);
     let shape = [4, 3];
-    let grey = array(&shape, vec![0.5; 12]);
-    let close = grey.mapv(|x| x + 0.00390625);
+    let gray = array(&shape, vec![0.5; 12]);
+    let close = gray.mapv(|x| x + 0.00390625);
     [
-        pair("batch", "random colours", draw.array(&[8, 3], 0.0, 1.0), draw.array(&[8, 3], 0.0, 1.0)),
+        pair("batch", "random colors", draw.array(&[8, 3], 0.0, 1.0), draw.array(&[8, 3], 0.0, 1.0)),
         pair(
             "picture",
             "two pictures",
             draw.array(&[2, 3, 5, 3], 0.0, 1.0),
             draw.array(&[2, 3, 5, 3], 0.0, 1.0),
         ),
-        pair("close", "differences of 2^-8 are exact", close, grey.clone()),
-        pair("ME1_equal", "equal pictures: exactly 0, gradient too", grey.clone(), grey),
+        pair("close", "differences of 2^-8 are exact", close, gray.clone()),
+        pair("ME1_equal", "equal pictures: exactly 0, gradient too", gray.clone(), gray),
         pair("tiny", "squares underflow", array(&[2], vec![1e-170, 0.0]), array(&[2], vec![0.0, 2e-200])),
     ]
     .into_iter()

@@ -13,8 +13,8 @@ pub const MSE: Component = Component {
     formula: "mean of (prediction - target)^2 over all entries",
     source: "NeRF (Mildenhall et al. 2020) equation 6, with the mean of its code",
     inputs: &[
-        Port::smooth("prediction", "...", "rendered colours"),
-        Port::plain("target", "...", "photographed colours"),
+        Port::smooth("prediction", "...", "rendered colors"),
+        Port::plain("target", "...", "photographed colors"),
     ],
     outputs: &[Port::smooth("value", "", "mean squared error")],
     conventions: &[],
@@ -38,7 +38,7 @@ pub const PSNR: Component = Component {
     inputs: &[
         Port::plain("prediction", "B,H,W,3", "rendered pictures"),
         Port::plain("target", "B,H,W,3", "photographs"),
-        Port::plain("peak", "", "largest colour value"),
+        Port::plain("peak", "", "largest color value"),
     ],
     outputs: &[Port::plain("value", "", "decibels; infinite where a picture is reproduced exactly")],
     conventions: &["psnr"],
@@ -48,13 +48,13 @@ pub const PSNR: Component = Component {
     mistakes: mistakes::PSNR,
 };
 
-/// Colours as bytes.
+/// Colors as bytes.
 pub const TO_UINT8: Component = Component {
     name: "to_uint8",
     folder: "loss",
     formula: "round(255 clip(x, 0, 1)), halves away from 0; or floor",
     source: "bmild/nerf run_nerf_helpers.py to8b (floor); imageio and torchvision (round)",
-    inputs: &[Port::plain("image", "H,W,3", "colours, beyond [0, 1] too")],
+    inputs: &[Port::plain("image", "H,W,3", "colors, beyond [0, 1] too")],
     outputs: &[Port::plain("bytes", "H,W,3", "0, ..., 255")],
     conventions: &["bytes"],
     forward: Pass {

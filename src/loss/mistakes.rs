@@ -25,7 +25,7 @@ pub const MSE: &[Mistake] = &[
     ),
     Mistake::new(
         "mean_over_rays",
-        "the sum over colours is divided by the number of rays, not of entries",
+        "the sum over colors is divided by the number of rays, not of entries",
         "loss three times too large, PSNR 4.77 dB too low",
         "divide by all entries, channels too",
         "never; cheap to keep",
@@ -54,9 +54,9 @@ pub const PSNR: &[Mistake] = &[
         1,
     ),
     Mistake::new(
-        "regularised_psnr",
-        "PSNR of a training loss that holds a regulariser (here 1e-3)",
-        "figures too low, capped by the regulariser",
+        "regularized_psnr",
+        "PSNR of a training loss that holds a regularizer (here 1e-3)",
+        "figures too low, capped by the regularizer",
         "take the mean squared error alone",
         "1 public implementation",
         1,
@@ -79,9 +79,9 @@ pub const PSNR: &[Mistake] = &[
     ),
     Mistake::new(
         "peak_255",
-        "peak 255 for colours in [0, 1] (or 1 for bytes)",
+        "peak 255 for colors in [0, 1] (or 1 for bytes)",
         "48.13 dB too many (or too few)",
-        "peak is the largest value that a colour may have",
+        "peak is the largest value that a color may have",
         "never; cheap to keep",
         0,
     ),
@@ -167,9 +167,9 @@ pub fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         }
     }
     let mut value = input(&(PSNR_ROW.forward.oracle)(&a, c), "value").sum();
-    if wrong.contains(&"regularised_psnr") {
+    if wrong.contains(&"regularized_psnr") {
         let peak = input(&a, "peak").sum();
-        let error = peak * peak * crate::maths::pow(10.0, -value / 10.0);
+        let error = peak * peak * crate::math::pow(10.0, -value / 10.0);
         value = super::psnr(error + 1e-3, peak);
     }
     if wrong.contains(&"doubled_psnr") {

@@ -3,7 +3,7 @@
 use ndarray::ArrayView3;
 
 use crate::convention::{Bytes, PsnrOf};
-use crate::maths::{Sum, exp, log10};
+use crate::math::{Sum, exp, log10};
 
 pub mod backward;
 pub mod bound;
@@ -88,9 +88,9 @@ pub fn ssim(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64) -> f64 {
 
 /// The weights of a Gaussian window along one axis; they sum to 1.
 fn gaussian_window<const N: usize>(deviation: f64) -> [f64; N] {
-    let centre = (N - 1) as f64 / 2.0;
+    let center = (N - 1) as f64 / 2.0;
     let weights: [f64; N] = std::array::from_fn(|i| {
-        let x = (i as f64 - centre) / deviation;
+        let x = (i as f64 - center) / deviation;
         exp(-0.5 * x * x)
     });
     let mut sum = Sum::default();
@@ -128,7 +128,7 @@ fn ssim_window(
         / ((mean_a * mean_a + mean_b * mean_b + c1) * (var_a + var_b + c2))
 }
 
-/// A colour value as a byte: clipped to [0, 1], times 255, rounded (halves away from 0) or cut off.
+/// A color value as a byte: clipped to [0, 1], times 255, rounded (halves away from 0) or cut off.
 ///
 /// ```
 /// use nerf_oracle::{convention::Bytes, loss::to_uint8};

@@ -28,7 +28,7 @@ pub const GRID_TRAVERSAL: &[Mistake] = &[
     Mistake::new("near_ignored", "from t = 0 on", "samples in front of near", "start at near", "hand-written grids", 1),
     Mistake::new("far_ignored", "to the end of the box", "samples behind far", "stop at far", "hand-written grids", 1),
     Mistake::new("axes_reversed", "x and z exchanged in the index", "empty space is skipped in the wrong place", "index [z, y, x], x fastest", "between grids of both orders", 2),
-    Mistake::new("unit_directions", "lengths in units of the box, not of the direction", "steps of the wrong length where directions aren't unit", "t as the direction counts it", "between code with and without normalised directions", 1),
+    Mistake::new("unit_directions", "lengths in units of the box, not of the direction", "steps of the wrong length where directions aren't unit", "t as the direction counts it", "between code with and without normalized directions", 1),
     Mistake::new("nearest_cell", "round(x R) for floor(x R)", "the grid is shifted by half a cell", "floor: cells lie between faces", "align_corners and its like", 2),
 ];
 

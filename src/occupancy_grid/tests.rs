@@ -43,7 +43,7 @@ fn crossings_cover_the_ray_once() {
         assert_eq!((cells[0].enter, cells.last().unwrap().leave), (near, far));
         for pair in cells.windows(2) {
             assert_eq!(pair[0].leave, pair[1].enter);
-            // Neighbours share a face: exactly one index differs, by one.
+            // Neighbors share a face: exactly one index differs, by one.
             let distance = [1, 8, 64].map(|n| (pair[0].cell / n % 8).abs_diff(pair[1].cell / n % 8));
             assert_eq!(distance.iter().sum::<usize>(), 1, "{pair:?}");
         }

@@ -120,7 +120,7 @@ pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     ])
 }
 
-/// Bound of the rays of a picture: focal length and centre are rounded to the type, pixel centres are exact as far as it counts.
+/// Bound of the rays of a picture: focal length and center are rounded to the type, pixel centers are exact as far as it counts.
 pub fn image_rays(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (height, width, k, _) = picture(a);
     let rows = rows34(&values(a, "c2w"), 0);

@@ -65,7 +65,7 @@ pub fn image_rays() -> Vec<Case> {
         let size = [2.0 + draw.below(4) as f64, 7.0 + draw.below(4) as f64];
         let k = [draw.between(4.0, 12.0), draw.between(3.0, 5.0), draw.between(1.0, 2.5)];
         let pose = random_pose(&mut draw);
-        cases.push(case(&format!("random_{n}"), "wide pictures, the centre off the middle", size, k, &pose));
+        cases.push(case(&format!("random_{n}"), "wide pictures, the center off the middle", size, k, &pose));
     }
     cases
 }

@@ -55,7 +55,7 @@ pub const IMAGE_RAYS: Component = Component {
         Port { name: "rays_o", shape: "H,W,3", meaning: "origins", gradient: false },
         Port { name: "rays_d", shape: "H,W,3", meaning: "directions", gradient: false },
     ],
-    conventions: &["axes", "pixel_centre", "directions"],
+    conventions: &["axes", "pixel_center", "directions"],
     forward: Pass {
         oracle: image_rays,
         bound: bound::image_rays,
@@ -114,7 +114,7 @@ pub(crate) fn picture(a: &Arrays) -> (usize, usize, Intrinsics, DMat4) {
 /// Positions of all pixels, row by row.
 pub(crate) fn positions(a: &Arrays, c: &Conventions) -> Vec<DVec2> {
     let (height, width, ..) = picture(a);
-    (0..height * width).map(|n| pixel_position(n % width, n / width, c.pixel_centre)).collect()
+    (0..height * width).map(|n| pixel_position(n % width, n / width, c.pixel_center)).collect()
 }
 
 fn image_rays(a: &Arrays, c: &Conventions) -> Arrays {

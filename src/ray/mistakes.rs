@@ -1,7 +1,7 @@
 //! Rays, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
 //!
-//! In `image_rays` a grid of uv without the half pixel, and rays that agree with it, are the convention `pixel_centre`; the mistake
-//! `no_half_pixel` says the centre (or is not asked) and shoots through the corner. Undivided directions are the convention
+//! In `image_rays` a grid of uv without the half pixel, and rays that agree with it, are the convention `pixel_center`; the mistake
+//! `no_half_pixel` says the center (or is not asked) and shoots through the corner. Undivided directions are the convention
 //! `directions`. The two don't mix: a norm that is taken over the wrong axis is a mistake.
 
 use glam::{DMat4, DVec2, DVec3};
@@ -32,10 +32,10 @@ const TRANSLATION_IN_DIRECTION: Mistake = Mistake::new(
     1,
 );
 const ORIGIN_NORMALISED: Mistake = Mistake::new(
-    "origin_normalised",
-    "o / |o|: the origin was normalised along with the direction",
+    "origin_normalized",
+    "o / |o|: the origin was normalized along with the direction",
     "all cameras on the unit sphere",
-    "normalise the direction alone",
+    "normalize the direction alone",
     "never; cheap to keep",
     0,
 );
@@ -45,8 +45,8 @@ pub const PIXEL_TO_RAY: &[Mistake] = &[
     mistakes::NO_HALF,
     mistakes::MINUS_HALF,
     mistakes::ROW_COLUMN,
-    mistakes::CENTRE_SWAPPED,
-    mistakes::CENTRE_FLOORED,
+    mistakes::CENTER_SWAPPED,
+    mistakes::CENTER_FLOORED,
     mistakes::FOCAL_IGNORED,
     mistakes::NOT_RESCALED,
     mistakes::K_TRANSPOSED,
@@ -76,8 +76,8 @@ pub const IMAGE_RAYS: &[Mistake] = &[
     mistakes::NO_HALF,
     mistakes::MINUS_HALF,
     mistakes::ROW_COLUMN,
-    mistakes::CENTRE_SWAPPED,
-    mistakes::CENTRE_FLOORED,
+    mistakes::CENTER_SWAPPED,
+    mistakes::CENTER_FLOORED,
     mistakes::FOCAL_IGNORED,
     mistakes::NOT_RESCALED,
     mistakes::K_TRANSPOSED,
@@ -106,7 +106,7 @@ fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&
     for name in wrong {
         match *name {
             "origin_minus_rt" => ray.o = -rotate(&with_transposed_rotation(c2w), ray.o),
-            "origin_normalised" => ray.o /= ray.o.length(),
+            "origin_normalized" => ray.o /= ray.o.length(),
             "translation_in_direction" => ray.d += c2w.w_axis.truncate(),
             _ => {}
         }
@@ -115,7 +115,7 @@ fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&
 }
 
 /// Directions divided by their norms, or by those of other rays.
-fn normalise(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
+fn normalize(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
     if c.directions == Directions::Depth {
         return;
     }
@@ -131,7 +131,7 @@ pub fn pixel_to_ray(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (k, c2w) = (intrinsics(&values(a, "K")), values(a, "c2w"));
     let ray = |(m, uv): (usize, [f64; 2])| wrong_ray(&k, &pose(&c2w, m), DVec2::from(uv), c, wrong);
     let mut rays: Vec<Ray> = twos(a, "uv").into_iter().enumerate().map(ray).collect();
-    normalise(&mut rays, c, wrong);
+    normalize(&mut rays, c, wrong);
     bundle(&rays, &[rays.len(), 3])
 }
 
@@ -145,7 +145,7 @@ pub fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (height, width, k, c2w) = picture(a);
     let uv = positions(a, c);
     let mut rays: Vec<Ray> = uv.iter().map(|&uv| wrong_ray(&k, &c2w, uv, c, wrong)).collect();
-    normalise(&mut rays, c, wrong);
+    normalize(&mut rays, c, wrong);
     let mut out = bundle(&rays, &[height, width, 3]);
     let swapped = wrong.contains(&"row_column_swapped");
     let said = uv.iter().flat_map(|uv| if swapped { [uv.y, uv.x] } else { uv.to_array() });

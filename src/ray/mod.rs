@@ -5,7 +5,7 @@
 use glam::{DMat4, DVec2, DVec3};
 
 use crate::camera::{Camera, Intrinsics, pixel_to_camera, rotate};
-use crate::convention::{Axes, Directions, PixelCentre};
+use crate::convention::{Axes, Directions, PixelCenter};
 use crate::error::Result;
 
 pub mod backward;
@@ -24,7 +24,7 @@ pub use random::{Draw, PixelDraw, draw_pixel, sample_random_rays};
 /// r(t) = o + t d.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Origin: the camera's centre, world space.
+    /// Origin: the camera's center, world space.
     pub o: DVec3,
     /// Direction, world space.
     pub d: DVec3,
@@ -37,7 +37,7 @@ impl Ray {
     }
 }
 
-/// Direction in camera space through pixel `uv`, not normalised: `K^-1 (u, v, 1)`, turned to the axes of the pose.
+/// Direction in camera space through pixel `uv`, not normalized: `K^-1 (u, v, 1)`, turned to the axes of the pose.
 pub fn camera_direction(k: &Intrinsics, uv: DVec2, axes: Axes) -> DVec3 {
     let d = pixel_to_camera(k, uv, 1.0);
     match axes {
@@ -46,13 +46,13 @@ pub fn camera_direction(k: &Intrinsics, uv: DVec2, axes: Axes) -> DVec3 {
     }
 }
 
-/// The ray through pixel `uv`: `o` is the camera's centre, `d = R K^-1 (u, v, 1)`, divided by its norm.
+/// The ray through pixel `uv`: `o` is the camera's center, `d = R K^-1 (u, v, 1)`, divided by its norm.
 ///
 /// The textbook's `(x_w - o) / |x_w - o|` is the same over the reals, but loses `|o| / |x_w - o|` in relative accuracy; the
 /// translation never enters here.
 ///
 /// # Convention
-/// `uv` counts from the picture's upper left corner: the centre of pixel (i, j) is (i + 0.5, j + 0.5). With
+/// `uv` counts from the picture's upper left corner: the center of pixel (i, j) is (i + 0.5, j + 0.5). With
 /// [`Directions::Depth`] the division is left out.
 ///
 /// ```
@@ -74,10 +74,10 @@ pub fn pixel_to_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, axes: Axes, directio
 }
 
 /// Where pixel in column `i` and row `j` has its ray.
-pub fn pixel_position(i: usize, j: usize, centre: PixelCentre) -> DVec2 {
-    let shift = match centre {
-        PixelCentre::Half => 0.5,
-        PixelCentre::Integer => 0.0,
+pub fn pixel_position(i: usize, j: usize, center: PixelCenter) -> DVec2 {
+    let shift = match center {
+        PixelCenter::Half => 0.5,
+        PixelCenter::Integer => 0.0,
     };
     DVec2::new(i as f64 + shift, j as f64 + shift)
 }

@@ -1,10 +1,10 @@
-//! The rays of a training step: pixels drawn at random, with their colours.
+//! The rays of a training step: pixels drawn at random, with their colors.
 
 use glam::DVec2;
 use ndarray::ArrayView4;
 
 use super::pixel_position;
-use crate::convention::PixelCentre;
+use crate::convention::PixelCenter;
 
 /// How pixels are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,9 +23,9 @@ pub enum Draw {
 pub struct PixelDraw {
     /// Which image.
     pub image: usize,
-    /// Where its ray goes through, in pixels: column and row plus the pixel centre's shift.
+    /// Where its ray goes through, in pixels: column and row plus the pixel center's shift.
     pub uv: DVec2,
-    /// The photograph's colour there.
+    /// The photograph's color there.
     pub rgb: [f64; 3],
 }
 
@@ -33,17 +33,17 @@ pub struct PixelDraw {
 ///
 /// ```
 /// use ndarray::Array4;
-/// use nerf_oracle::{convention::PixelCentre, ray::draw_pixel};
+/// use nerf_oracle::{convention::PixelCenter, ray::draw_pixel};
 /// let images = Array4::zeros((2, 4, 6, 3));
-/// let draw = draw_pixel(images.view(), [0.5, 0.25, 0.99], PixelCentre::Half);
+/// let draw = draw_pixel(images.view(), [0.5, 0.25, 0.99], PixelCenter::Half);
 /// assert_eq!((draw.image, draw.uv.x, draw.uv.y), (1, 5.5, 1.5));
 /// ```
-pub fn draw_pixel(images: ArrayView4<f64>, u: [f64; 3], centre: PixelCentre) -> PixelDraw {
+pub fn draw_pixel(images: ArrayView4<f64>, u: [f64; 3], center: PixelCenter) -> PixelDraw {
     let (count, height, width, _) = images.dim();
     let index = |u: f64, n: usize| ((u * n as f64) as usize).min(n - 1);
     let (image, j, i) = (index(u[0], count), index(u[1], height), index(u[2], width));
     let rgb = [images[[image, j, i, 0]], images[[image, j, i, 1]], images[[image, j, i, 2]]];
-    PixelDraw { image, uv: pixel_position(i, j, centre), rgb }
+    PixelDraw { image, uv: pixel_position(i, j, center), rgb }
 }
 
 /// N pixels of an (I, H, W, 3) stack, with replacement. `u` holds N rows of three numbers in [0, 1): image, row, column.
@@ -56,7 +56,7 @@ pub fn sample_random_rays(
     images: ArrayView4<f64>,
     draw: Draw,
     u: &[[f64; 3]],
-    centre: PixelCentre,
+    center: PixelCenter,
 ) -> Vec<PixelDraw> {
     let mut rays = Vec::with_capacity(u.len());
     for (n, &[u_image, u_row, u_column]) in u.iter().enumerate() {
@@ -64,7 +64,7 @@ pub fn sample_random_rays(
             Draw::Pool => u_image,
             Draw::PerImage { images } => u[n % images][0],
         };
-        rays.push(draw_pixel(images, [u_image, u_row, u_column], centre));
+        rays.push(draw_pixel(images, [u_image, u_row, u_column], center));
     }
     rays
 }

@@ -62,9 +62,9 @@ fn gradients_of_the_ray() {
 }
 
 #[test]
-fn pixel_centres() {
-    assert_eq!(pixel_position(3, 5, PixelCentre::Half), DVec2::new(3.5, 5.5));
-    assert_eq!(pixel_position(3, 5, PixelCentre::Integer), DVec2::new(3.0, 5.0));
+fn pixel_centers() {
+    assert_eq!(pixel_position(3, 5, PixelCenter::Half), DVec2::new(3.5, 5.5));
+    assert_eq!(pixel_position(3, 5, PixelCenter::Integer), DVec2::new(3.0, 5.0));
 }
 
 #[test]
@@ -96,18 +96,18 @@ fn cg5_a_ray_without_inverse_lens_is_an_error() {
     assert_eq!(camera_ray(&plain, uv).unwrap(), unit(&K, &DMat4::IDENTITY, uv));
 }
 
-/// A stack in which every pixel's colour tells where it is.
-fn labelled() -> Array4<f64> {
+/// A stack in which every pixel's color tells where it is.
+fn labeled() -> Array4<f64> {
     Array4::from_shape_fn((3, 4, 6, 3), |(n, j, i, k)| [n, j, i][k] as f64)
 }
 
 #[test]
-fn random_rays_carry_the_colour_under_their_pixel() {
-    let images = labelled();
+fn random_rays_carry_the_color_under_their_pixel() {
+    let images = labeled();
     let u: Vec<[f64; 3]> =
         (0..60).map(|n| [0.37, 0.61, 0.83].map(|step| (f64::from(n) * step).fract())).collect();
     for draw in [Draw::Pool, Draw::PerImage { images: 4 }] {
-        let rays = sample_random_rays(images.view(), draw, &u, PixelCentre::Half);
+        let rays = sample_random_rays(images.view(), draw, &u, PixelCenter::Half);
         assert_eq!(rays.len(), u.len());
         for (n, ray) in rays.iter().enumerate() {
             assert_eq!(ray.rgb, [ray.image as f64, ray.uv.y - 0.5, ray.uv.x - 0.5]);
@@ -124,13 +124,13 @@ fn random_rays_carry_the_colour_under_their_pixel() {
 fn the_largest_u_stays_inside() {
     let u = 1.0 - f64::EPSILON / 2.0;
     for n in [1, 2, 3, 7, 1000] {
-        let draw = draw_pixel(Array4::zeros((n, 1, n, 3)).view(), [u; 3], PixelCentre::Integer);
+        let draw = draw_pixel(Array4::zeros((n, 1, n, 3)).view(), [u; 3], PixelCenter::Integer);
         assert_eq!((draw.image, draw.uv), (n - 1, DVec2::new((n - 1) as f64, 0.0)));
     }
     // Even 1 itself, which no generator of [0, 1) returns, is the last pixel.
-    let last = draw_pixel(labelled().view(), [1.0; 3], PixelCentre::Integer);
+    let last = draw_pixel(labeled().view(), [1.0; 3], PixelCenter::Integer);
     assert_eq!((last.image, last.uv), (2, DVec2::new(5.0, 3.0)));
-    let first = draw_pixel(labelled().view(), [0.0; 3], PixelCentre::Integer);
+    let first = draw_pixel(labeled().view(), [0.0; 3], PixelCenter::Integer);
     assert_eq!((first.image, first.uv), (0, DVec2::ZERO));
 }
 

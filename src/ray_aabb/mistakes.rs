@@ -76,11 +76,11 @@ pub const RAY_AABB: &[Mistake] = &[
         "t counts in units of length, not of the direction",
         "points o + t d lie elsewhere where directions aren't unit",
         "leave the direction as it is",
-        "between code with and without normalised directions",
+        "between code with and without normalized directions",
         1,
     ),
     Mistake::new(
-        "centre_and_size",
+        "center_and_size",
         "the box is [low - high / 2, low + high / 2]",
         "another box",
         "two corners",
@@ -90,7 +90,7 @@ pub const RAY_AABB: &[Mistake] = &[
     Mistake::new(
         "direction_forgotten",
         "no gradient with respect to the direction",
-        "cameras that are optimised don't turn",
+        "cameras that are optimized don't turn",
         "dt / dd = -t / d",
         "never; cheap to keep",
         0,
@@ -109,7 +109,7 @@ pub const RAY_AABB: &[Mistake] = &[
 
 fn wrong_hit(q: &Question, wrong: &[&str]) -> Option<Hit> {
     let is = |name: &str| wrong.contains(&name);
-    let (low, high) = match is("centre_and_size") {
+    let (low, high) = match is("center_and_size") {
         true => {
             ([0, 1, 2].map(|a| q.low[a] - 0.5 * q.high[a]), [0, 1, 2].map(|a| q.low[a] + 0.5 * q.high[a]))
         }

@@ -4,7 +4,7 @@ use glam::{DMat4, DVec2, DVec3};
 use image::{Rgb, RgbImage, imageops};
 
 use crate::camera::{Camera, Intrinsics, camera_to_pixel};
-use crate::convention::PixelCentre;
+use crate::convention::PixelCenter;
 use crate::ray::{camera_ray, pixel_position};
 
 /// How many drawn pixels, along each side, become one that is shown.
@@ -107,7 +107,7 @@ impl Canvas {
         }
     }
 
-    /// A photograph as a plane at `depth` in front of its camera; `pixel(u, v)` is its colour at a share of its width and height.
+    /// A photograph as a plane at `depth` in front of its camera; `pixel(u, v)` is its color at a share of its width and height.
     pub fn photograph(&mut self, shot: &Camera, depth: f64, pixel: impl Fn(f64, f64) -> [u8; 3]) {
         let corners = corners(shot, depth).map(|corner| self.seen(corner));
         if corners.iter().any(|corner| corner.z < self.nearest) {
@@ -117,13 +117,13 @@ impl Canvas {
         let low = corners.iter().fold(corners[0], |low, c| low.min(*c)).max(DVec2::ZERO);
         let end = DVec2::new(self.camera.width as f64, self.camera.height as f64);
         let high = corners.iter().fold(corners[0], |high, c| high.max(*c)).min(end);
-        let (centre, axis) = (shot.c2w.w_axis.truncate(), shot.c2w.z_axis.truncate());
+        let (center, axis) = (shot.c2w.w_axis.truncate(), shot.c2w.z_axis.truncate());
         for j in low.y as usize..high.y.ceil().max(0.0) as usize {
             for i in low.x as usize..high.x.ceil().max(0.0) as usize {
-                let Ok(ray) = camera_ray(&self.camera, pixel_position(i, j, PixelCentre::Half)) else {
+                let Ok(ray) = camera_ray(&self.camera, pixel_position(i, j, PixelCenter::Half)) else {
                     continue;
                 };
-                let t = (depth - (ray.o - centre).dot(axis)) / ray.d.dot(axis);
+                let t = (depth - (ray.o - center).dot(axis)) / ray.d.dot(axis);
                 let seen = shot.c2w.inverse().transform_point3(ray.at(t));
                 let uv = camera_to_pixel(&shot.k, seen);
                 let (u, v) = (uv.x / shot.width as f64, uv.y / shot.height as f64);

@@ -15,7 +15,7 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
-/// Writes a line chart: title, names of both axes, one colour a series.
+/// Writes a line chart: title, names of both axes, one color a series.
 ///
 /// # Errors
 /// Where the file can't be written.

@@ -26,16 +26,16 @@ const FRUSTUM: [u8; 3] = [60, 70, 80];
 const RAY: [u8; 3] = [150, 180, 215];
 const SAMPLE: [u8; 3] = [220, 95, 30];
 
-/// Draws frustums in grey, rays in blue, samples in orange.
+/// Draws frustums in gray, rays in blue, samples in orange.
 pub fn draw(scene: &Outside) -> RgbImage {
     let (eye, target, up) = viewpoint(scene);
     let mut canvas = Canvas::new(SIZE.0, SIZE.1, eye, target, up);
     let depth = 0.04 * (eye - target).length();
     for (camera, photograph) in scene.cameras {
-        let centre = camera.c2w.w_axis.truncate();
+        let center = camera.c2w.w_axis.truncate();
         let around = corners(camera, depth);
         for k in 0..4 {
-            canvas.line(centre, around[k], FRUSTUM);
+            canvas.line(center, around[k], FRUSTUM);
             canvas.line(around[k], around[(k + 1) % 4], FRUSTUM);
         }
         let (w, h) = (f64::from(photograph.width()), f64::from(photograph.height()));
@@ -52,17 +52,17 @@ pub fn draw(scene: &Outside) -> RgbImage {
 
 /// A point from which cameras and focus are all seen: to the side of where the cameras stand, and a little higher.
 fn viewpoint(scene: &Outside) -> (DVec3, DVec3, DVec3) {
-    let centres: Vec<DVec3> = scene.cameras.iter().map(|(camera, _)| camera.c2w.w_axis.truncate()).collect();
+    let centers: Vec<DVec3> = scene.cameras.iter().map(|(camera, _)| camera.c2w.w_axis.truncate()).collect();
     let mut up = DVec3::ZERO;
     for (camera, _) in scene.cameras {
         up -= camera.c2w.y_axis.truncate();
     }
     let up = up.try_normalize().unwrap_or(DVec3::Z);
-    let low = centres.iter().fold(scene.focus, |low, c| low.min(*c));
-    let high = centres.iter().fold(scene.focus, |high, c| high.max(*c));
+    let low = centers.iter().fold(scene.focus, |low, c| low.min(*c));
+    let high = centers.iter().fold(scene.focus, |high, c| high.max(*c));
     let target = 0.5 * (low + high);
     // From the cameras' side of the focus, turned by 50 degrees about `up`; any level direction where they stand all around.
-    let mean = centres.iter().fold(DVec3::ZERO, |sum, c| sum + (*c - scene.focus)) / centres.len() as f64;
+    let mean = centers.iter().fold(DVec3::ZERO, |sum, c| sum + (*c - scene.focus)) / centers.len() as f64;
     let level = mean - up * mean.dot(up);
     let level =
         if level.length() > 0.1 * mean.length() { level.normalize() } else { up.any_orthonormal_vector() };
@@ -72,8 +72,8 @@ fn viewpoint(scene: &Outside) -> (DVec3, DVec3, DVec3) {
     let right = up.cross(away).normalize();
     let above = away.cross(right);
     let mut distance: f64 = 1e-6;
-    for centre in centres.iter().chain([&scene.focus]) {
-        let offset = *centre - target;
+    for center in centers.iter().chain([&scene.focus]) {
+        let offset = *center - target;
         let aside = offset.dot(above).abs().max(offset.dot(right).abs() * 0.75);
         distance = distance.max(offset.dot(away) + 1.2 * aside / 0.364);
     }

@@ -38,7 +38,7 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         3,
     ),
     Mistake::new(
-        "jitter_centred_on_edges",
+        "jitter_centered_on_edges",
         "t = near + (i + u - 0.5) D: noise in [-0.5, 0.5) around left edges",
         "samples in front of near",
         "noise in [0, 1) from left edges, or in [-0.5, 0.5) around the middles",
@@ -144,7 +144,7 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
     for name in wrong {
         match *name {
             "never_jittered" => u.fill(0.5),
-            "jitter_centred_on_edges" => u.iter_mut().for_each(|u| *u -= 0.5),
+            "jitter_centered_on_edges" => u.iter_mut().for_each(|u| *u -= 0.5),
             _ => {
                 if let Some(fixed) = name.strip_prefix("jitter_width_").and_then(|w| w.parse::<f64>().ok()) {
                     u.iter_mut().for_each(|u| *u *= fixed / width);

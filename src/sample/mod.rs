@@ -4,7 +4,7 @@
 //! an interval, S = (far - near) / (N - 1) the spacing of a grid that includes both ends.
 
 use crate::convention::{Delta, Grid, LastDelta, Rest};
-use crate::maths::Sum;
+use crate::math::Sum;
 
 pub mod bound;
 pub mod cases;

@@ -129,7 +129,7 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
     Samples::new(a).kernel(run, f64::from)
 }
 
-fn vectorised(a: &Arrays) -> Box<dyn Kernel> {
+fn vectorized(a: &Arrays) -> Box<dyn Kernel> {
     let run = |s: &mut Samples<f32>| {
         let Samples { o, d, u, near, width, out } = s;
         Arch::new().dispatch(Task { o, d, u, near: *near, width: *width, out, store: |x| x });
@@ -166,11 +166,11 @@ pub const SUITE: Suite = Suite {
     variants: &[
         Variant::new("plain_f32", "one thread, the formula in f32", Dtype::F32, Promise::f32(), plain),
         Variant::new(
-            "vectorised",
+            "vectorized",
             "one thread, the machine's widest instructions",
             Dtype::F32,
             Promise::f32(),
-            vectorised,
+            vectorized,
         ),
         Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
             threaded(a, |x| x, f64::from)

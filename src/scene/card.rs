@@ -2,7 +2,7 @@
 
 use ndarray::Array3;
 
-use crate::maths::cos_pi;
+use crate::math::cos_pi;
 
 /// Columns of a letter, five wide, seven high; bit 6 is the top row.
 const LETTERS: [(char, [u8; 5]); 8] = [

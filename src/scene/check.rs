@@ -30,7 +30,7 @@ pub fn options(options: &Options) -> Result<()> {
 /// A pose from a 4x4 matrix, (row, column): finite, rigid, last row (0, 0, 0, 1).
 pub fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<DMat4> {
     let bad = |found: String, expected: &str| {
-        let advice = "Write camera-to-world matrices without scale; undo any normalisation of the rotation.";
+        let advice = "Write camera-to-world matrices without scale; undo any normalization of the rotation.";
         Err(Error::input(file, field, found, expected, advice))
     };
     if matrix.dim() != (4, 4) {

@@ -13,7 +13,7 @@ use crate::error::{Error, Result};
 pub fn common_focus(cameras: &[&Camera]) -> Option<DVec3> {
     let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
     for camera in cameras {
-        let (o, d) = (centre(camera), axis(camera));
+        let (o, d) = (center(camera), axis(camera));
         let across = DMat3::IDENTITY - DMat3::from_cols(d * d.x, d * d.y, d * d.z);
         normal += across;
         right += across * o;
@@ -24,12 +24,12 @@ pub fn common_focus(cameras: &[&Camera]) -> Option<DVec3> {
         return None;
     }
     let focus = normal.inverse() * right;
-    let in_front = cameras.iter().filter(|camera| (focus - centre(camera)).dot(axis(camera)) > 0.0).count();
+    let in_front = cameras.iter().filter(|camera| (focus - center(camera)).dot(axis(camera)) > 0.0).count();
     (2 * in_front > cameras.len()).then_some(focus)
 }
 
-/// The camera's centre.
-fn centre(camera: &Camera) -> DVec3 {
+/// The camera's center.
+fn center(camera: &Camera) -> DVec3 {
     camera.c2w.w_axis.truncate()
 }
 
@@ -41,7 +41,7 @@ fn axis(camera: &Camera) -> DVec3 {
 /// What lies behind the object decides how far samples must reach.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Backdrop {
-    /// One colour: rendered objects cut out of nothing.
+    /// One color: rendered objects cut out of nothing.
     Plain,
     /// The world: photographs.
     World,
@@ -57,7 +57,7 @@ pub fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Optio
     let cameras: Vec<&Camera> = scene.train.iter().chain(&scene.val).map(|frame| &frame.camera).collect();
     let focus = common_focus(&cameras);
     let distances = focus.map(|focus| {
-        let distances = cameras.iter().map(|camera| (focus - centre(camera)).length());
+        let distances = cameras.iter().map(|camera| (focus - center(camera)).length());
         distances.fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)))
     });
     let (near, far, why) = match (distances, backdrop) {
@@ -89,7 +89,7 @@ pub fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Optio
         return Err(Error::input(file, "near and far", found, "near < far", advice));
     }
     let middle = 0.5 * (scene.near + scene.far);
-    scene.focus = focus.unwrap_or_else(|| centre(cameras[0]) + axis(cameras[0]) * middle);
+    scene.focus = focus.unwrap_or_else(|| center(cameras[0]) + axis(cameras[0]) * middle);
     let why = if focus.is_some() {
         "point closest to all cameras' axes"
     } else {

@@ -1,4 +1,4 @@
-//! Intrinsics and lens of a `transforms.json`: a frame's own value before the file's, and only lenses that are modelled.
+//! Intrinsics and lens of a `transforms.json`: a frame's own value before the file's, and only lenses that are modeled.
 
 use serde_json::Value;
 
@@ -75,7 +75,7 @@ pub fn intrinsics(
 /// The lens, where any coefficient isn't 0.
 ///
 /// # Errors
-/// Where the file names a camera that isn't modelled, or has coefficients beyond k1, k2, p1, p2: leaving them out would bend every ray.
+/// Where the file names a camera that isn't modeled, or has coefficients beyond k1, k2, p1, p2: leaving them out would bend every ray.
 pub fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result<Option<Distortion>> {
     let refuse = |field: &str, found: String| {
         let advice =

@@ -1,6 +1,6 @@
 //! Scenes: cameras with their photographs, from built-in formulas or from files.
 //!
-//! Whatever a file's own convention, a [`Scene`] has OpenCV axes (x right, y down, z forward), pixels as intrinsics and colours
+//! Whatever a file's own convention, a [`Scene`] has OpenCV axes (x right, y down, z forward), pixels as intrinsics and colors
 //! in [0, 1]. `near` and `far` are distances along unit directions.
 
 use std::path::Path;
@@ -51,7 +51,7 @@ pub struct Scene {
     pub near: f64,
     /// Where they end.
     pub far: f64,
-    /// The colour behind everything, red, green, blue in [0, 1]: what transparent pixels were composited over.
+    /// The color behind everything, red, green, blue in [0, 1]: what transparent pixels were composited over.
     pub background: [f64; 3],
     /// The box that holds everything of interest, lower and upper corner, where the scene says so.
     pub bounds: Option<(DVec3, DVec3)>,
@@ -72,7 +72,7 @@ pub struct Options {
     pub far: Option<f64>,
     /// `--holdout N`: every Nth frame, sorted by file_path and from index 0, is for validation where the scene has no split.
     pub holdout: Option<usize>,
-    /// `--background`: the colour under transparent pixels (black by default).
+    /// `--background`: the color under transparent pixels (black by default).
     pub background: Option<[f64; 3]>,
     /// Whether photographs of a test split are loaded too; they are many, and only an evaluation on them needs them.
     pub test_images: bool,

@@ -128,7 +128,7 @@ fn images_of(npz: &mut Npz, file: &str, name: &str) -> Result<Array4<f32>> {
         }
     };
     if let Some(x) = floats.iter().find(|x| !(-1e-3..=1.001).contains(*x)) {
-        return Err(Error::input(file, name, x, "colours in [0, 1]", advice));
+        return Err(Error::input(file, name, x, "colors in [0, 1]", advice));
     }
     Ok(floats.into_dimensionality::<Ix4>().expect("four axes were just counted"))
 }

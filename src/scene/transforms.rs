@@ -191,8 +191,8 @@ impl Reader<'_> {
 fn ngp_box(transforms: &Transforms, scene: &mut Scene) -> Option<(DVec3, DVec3)> {
     let side = transforms.json["aabb_scale"].as_f64().filter(|side| *side > 0.0)?;
     let scale = transforms.json["scale"].as_f64().filter(|scale| *scale > 0.0).unwrap_or(0.33);
-    let centred = transforms.json["offset"].is_null();
-    if !centred {
+    let centered = transforms.json["offset"].is_null();
+    if !centered {
         // The offset is in axes that instant-ngp permutes; a box in the wrong place is worse than none.
         return None;
     }

@@ -1,4 +1,4 @@
-//! Real spherical harmonics of a direction, bands 0 to 4: how a colour varies with the direction it is seen from.
+//! Real spherical harmonics of a direction, bands 0 to 4: how a color varies with the direction it is seen from.
 //!
 //! Y_l^m(d) = K P_l^|m|(z) (cos or sin of m phi), as polynomials of x, y, z (Sloan, "Stupid Spherical Harmonics Tricks", 2008, A2).
 //! Letters: `l` band, `m` order from -l to l; the value of (l, m) stands at l (l + 1) + m.
@@ -23,7 +23,7 @@ pub type Polynomial = &'static [(f64, [u32; 3])];
 
 /// The harmonics as polynomials in x, y, z with the Condon-Shortley sign (-1)^m, in the order of their index.
 ///
-/// Normalised so that the integral of Y^2 over the sphere is 1.
+/// Normalized so that the integral of Y^2 over the sphere is 1.
 #[rustfmt::skip]
 pub const POLYNOMIALS: [Polynomial; MAX_WIDTH] = [
     // l = 0: sqrt(1 / 4 pi).
@@ -73,7 +73,7 @@ pub(crate) fn power(x: f64, n: u32) -> f64 {
 /// `d` (3), result ((degree + 1)^2).
 ///
 /// # Convention
-/// `d` lies in [-1, 1]^3 and has length 1 (instant-ngp's code takes (d + 1) / 2 instead, PE7). Other lengths aren't normalised:
+/// `d` lies in [-1, 1]^3 and has length 1 (instant-ngp's code takes (d + 1) / 2 instead, PE7). Other lengths aren't normalized:
 /// the polynomials are taken as they stand. Instant-NGP's "degree 4" means four bands, 0 to 3: here that is `degree` 3.
 ///
 /// ```

@@ -104,7 +104,7 @@ pub const SUITE: Suite = Suite {
             Promise::f32(),
             plain,
         ),
-        Variant::new("vectorised", "one thread, common products shared", Dtype::F32, Promise::f32(), shared),
+        Variant::new("vectorized", "one thread, common products shared", Dtype::F32, Promise::f32(), shared),
         Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
             threaded(a, |x| x, |x| x)
         }),

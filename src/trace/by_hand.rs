@@ -19,7 +19,7 @@ fn steps_are_stretched_by_the_length_of_the_direction_where_that_is_the_conventi
     assert_eq!((plain.ray.d.to_array(), &plain.t), ([0.75, 0.0, 1.0], &vec![3.0, 5.0]));
     assert_eq!((plain.deltas[0], stretched.deltas[0]), (2.0, 2.5));
     assert_eq!(stretched.deltas[1], 1.25 * plain.deltas[1]);
-    // Colours are white: what is seen is the opacity of the stretched steps.
-    let opacity = 1.0 - crate::maths::exp(-stretched.deltas[0] - stretched.deltas[1]);
+    // Colors are white: what is seen is the opacity of the stretched steps.
+    let opacity = 1.0 - crate::math::exp(-stretched.deltas[0] - stretched.deltas[1]);
     assert!((stretched.color[0] - opacity).abs() < 1e-15 && opacity < 1.0);
 }

@@ -1,4 +1,4 @@
-//! Cases of the trace: a picture that isn't square, a centre off the middle, a random pose, at rest and jittered.
+//! Cases of the trace: a picture that isn't square, a center off the middle, a random pose, at rest and jittered.
 
 use crate::camera::cases::random_pose;
 use crate::verify::case::{Case, Draw};
@@ -7,7 +7,7 @@ use crate::verify::component::{array, scalar};
 /// H, W and N: small, and all different.
 const SIZE: [usize; 3] = [3, 4, 6];
 
-/// The whole way from the pixel to its colour.
+/// The whole way from the pixel to its color.
 pub fn render_trace() -> Vec<Case> {
     vec![
         traced("at_rest", "evaluation: u = 1/2 everywhere", Some(0.5), 0),

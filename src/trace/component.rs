@@ -13,14 +13,14 @@ const fn plain(name: &'static str, shape: &'static str, meaning: &'static str) -
 
 /// The conventions that each output depends on, where these aren't all: a search for conventions rules them out output by output.
 pub const READS: &[(&str, &[&str])] = &[
-    ("uv", &["pixel_centre"]),
+    ("uv", &["pixel_center"]),
     ("rays_o", &[]),
-    ("rays_d", &["axes", "pixel_centre", "directions"]),
+    ("rays_d", &["axes", "pixel_center", "directions"]),
     ("t", &["grid"]),
-    ("deltas", &["axes", "pixel_centre", "directions", "grid", "delta", "last_delta"]),
+    ("deltas", &["axes", "pixel_center", "directions", "grid", "delta", "last_delta"]),
 ];
 
-/// The whole way from the pixel to its colour.
+/// The whole way from the pixel to its color.
 pub const RENDER_TRACE: Component = Component {
     name: "render_trace",
     folder: "trace",
@@ -37,8 +37,8 @@ pub const RENDER_TRACE: Component = Component {
         plain("far", "", "where rays end"),
         plain("u", "H,W,N", "numbers in [0, 1), one for every sample"),
         plain("sigmas", "H,W,N", "densities of the samples"),
-        plain("rgbs", "H,W,N,3", "colours of the samples"),
-        plain("background", "3", "colour behind everything"),
+        plain("rgbs", "H,W,N,3", "colors of the samples"),
+        plain("background", "3", "color behind everything"),
     ],
     outputs: &[
         plain("uv", "H,W,2", "pixel positions"),
@@ -49,7 +49,7 @@ pub const RENDER_TRACE: Component = Component {
         plain("weights", "H,W,N", "T alpha"),
         plain("colors", "H,W,3", "over the background"),
     ],
-    conventions: &["axes", "pixel_centre", "directions", "grid", "delta", "last_delta", "product_eps"],
+    conventions: &["axes", "pixel_center", "directions", "grid", "delta", "last_delta", "product_eps"],
     forward: Pass {
         oracle: render_trace,
         bound: bound::render_trace,

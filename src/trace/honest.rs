@@ -5,7 +5,7 @@ use crate::convention::Conventions;
 use crate::verify::component::Arrays;
 use crate::verify::machine::Machine;
 
-/// The whole way from the pixel to its colour.
+/// The whole way from the pixel to its color.
 pub fn render_trace(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let stretch = |delta, d: [f64; 3]| m.mul(delta, m.sqrt(m.dot(&d, &d)));
     chain(a, c, |component, a| (component.forward.honest)(a, c, m), stretch)

@@ -119,7 +119,7 @@ const fn gathered<const N: usize>() -> [Mistake; N] {
     out
 }
 
-/// The whole way from the pixel to its colour, with mistakes at the call or in any of its rows.
+/// The whole way from the pixel to its color, with mistakes at the call or in any of its rows.
 pub fn render_trace(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"jitter_ignored") {

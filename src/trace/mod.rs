@@ -1,4 +1,4 @@
-//! The trace of a picture: every intermediate array from the pixel to its colour, for given densities and colours.
+//! The trace of a picture: every intermediate array from the pixel to its color, for given densities and colors.
 //!
 //! Tests of one function miss the errors that sit at the call: step lengths in another unit than t, jitter of another width than
 //! the grid's, a pixel grid that differs at evaluation. A trace shows the first array in which two programs differ.
@@ -38,7 +38,7 @@ pub struct Trace {
     pub color: [f64; 3],
 }
 
-/// Traces pixel (column i, row j), whose samples have these densities and colours.
+/// Traces pixel (column i, row j), whose samples have these densities and colors.
 ///
 /// # Shapes
 /// `u`, `sigmas`, `rgbs` (N).
@@ -62,7 +62,7 @@ pub fn trace_pixel(
     background: [f64; 3],
     c: &Conventions,
 ) -> Trace {
-    let uv = pixel_position(i, j, c.pixel_centre);
+    let uv = pixel_position(i, j, c.pixel_center);
     let ray = pixel_to_ray(&camera.k, &camera.c2w, uv, c.axes, c.directions);
     let t = sample_along_ray(near, far, u, c.grid);
     let mut deltas = step_sizes(&t, near, far, c.delta, c.last_delta);

@@ -1,4 +1,4 @@
-//! The 2D experiment: a network from pixel position to colour, fitted to one picture.
+//! The 2D experiment: a network from pixel position to color, fitted to one picture.
 
 use std::time::Instant;
 
@@ -11,7 +11,7 @@ use crate::encoding::{Encoding, positional_encoding};
 use crate::field::fast::{Gradient, ImageNetwork};
 use crate::field::{Layer, Mlp};
 use crate::loss::{mse, psnr};
-use crate::optimiser::{self, Adam};
+use crate::optimizer::{self, Adam};
 use crate::parallel;
 use crate::random::{Key, Purpose};
 
@@ -54,12 +54,12 @@ pub struct LogPoint {
     pub seconds: f64,
     /// Loss of this step's batch, before the step.
     pub loss: f64,
-    /// PSNR of the whole picture behind the step, not quantised.
+    /// PSNR of the whole picture behind the step, not quantized.
     pub psnr: f64,
 }
 
 enum Path {
-    Fast { net: Box<ImageNetwork>, moments: optimiser::fast::Moments, gradient: Gradient },
+    Fast { net: Box<ImageNetwork>, moments: optimizer::fast::Moments, gradient: Gradient },
     Reference { net: Mlp, encoding: Encoding, m: Vec<Layer>, v: Vec<Layer> },
 }
 
@@ -106,7 +106,7 @@ pub fn fit<E>(
     Ok(log)
 }
 
-/// The centre of pixel n, counted row by row, in [0, 1]^2.
+/// The center of pixel n, counted row by row, in [0, 1]^2.
 fn position(n: usize, h: usize, w: usize) -> [f64; 2] {
     [((n % w) as f64 + 0.5) / w as f64, ((n / w) as f64 + 0.5) / h as f64]
 }
@@ -120,7 +120,7 @@ fn start(settings: &Settings) -> Path {
         return Path::Reference { net, encoding, m: zero.clone(), v: zero };
     }
     let net = Box::new(ImageNetwork::new(&net, 2));
-    let moments = optimiser::fast::Moments::new(net.params.len());
+    let moments = optimizer::fast::Moments::new(net.params.len());
     Path::Fast { net, moments, gradient: Gradient::default() }
 }
 

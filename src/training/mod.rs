@@ -1,4 +1,4 @@
-//! Training: the optimisation loops of the 2D and the 3D experiment, and what they leave on disk.
+//! Training: the optimization loops of the 2D and the 3D experiment, and what they leave on disk.
 //!
 //! [`mod@reference`] is the whole step in plain f64; [`model`] what a trainable field is to the loop; [`run`] the loop over a scene;
 //! [`image`] the loop over a picture.

@@ -8,12 +8,12 @@ use crate::ray::Ray;
 use crate::scene::Scene;
 use crate::verify::bench::system::System;
 
-/// What one optimiser step did.
+/// What one optimizer step did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
-    /// What was minimised over the batch, before the step.
+    /// What was minimized over the batch, before the step.
     pub loss: f64,
-    /// Mean squared error over the batch of the colours that a picture would show: the loss, where nothing is added to it.
+    /// Mean squared error over the batch of the colors that a picture would show: the loss, where nothing is added to it.
     pub mse: f64,
     /// Points that went forward and backward through the field.
     pub samples: u64,
@@ -22,7 +22,7 @@ pub struct StepReport {
 /// What a ray sees.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pixel {
-    /// Premultiplied colour, without background.
+    /// Premultiplied color, without background.
     pub rgb: [f32; 3],
     /// A.
     pub opacity: f32,
@@ -30,9 +30,9 @@ pub struct Pixel {
     pub depth: f32,
 }
 
-/// A field with its parameters, its optimiser's state, and its settings.
+/// A field with its parameters, its optimizer's state, and its settings.
 pub trait Model: Sync + Send {
-    /// One optimiser step, number `step` counted from 1: a function of step, seed and scene, never of the clock or of threads.
+    /// One optimizer step, number `step` counted from 1: a function of step, seed and scene, never of the clock or of threads.
     fn step(&mut self, scene: &Scene, step: u64) -> Result<StepReport>;
 
     /// Renders rays in evaluation mode: nothing random.

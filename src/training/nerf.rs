@@ -24,7 +24,7 @@ use crate::field::NerfMlp;
 use crate::field::fast::{Rays, Skipping};
 use crate::field::nerf_mlp::Shape;
 use crate::files::npz::Arrays;
-use crate::optimiser::Adam;
+use crate::optimizer::Adam;
 use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray, pixel_position};
 use crate::sample::{rest_u, sample_along_ray};
@@ -44,7 +44,7 @@ pub struct Settings {
     pub near: f64,
     /// Where they end.
     pub far: f64,
-    /// The colour behind everything.
+    /// The color behind everything.
     pub background: [f64; 3],
     /// Rays a step.
     pub rays: usize,
@@ -76,7 +76,7 @@ impl Settings {
         settings
     }
 
-    /// Another trunk width; the colour layer has half of it, as in the paper.
+    /// Another trunk width; the color layer has half of it, as in the paper.
     pub fn set_width(&mut self, width: usize) {
         (self.shape.width, self.shape.color) = (width, (width / 2).max(1));
     }
@@ -142,7 +142,7 @@ impl NerfModel {
             let index = |range: usize, n| pixels.below(range as u64, step, r, n) as usize;
             let frame = &scene.train[index(scene.train.len(), 0)];
             let (j, i) = (index(frame.camera.height, 1), index(frame.camera.width, 2));
-            let ray = camera_ray(&frame.camera, pixel_position(i, j, CS180.pixel_centre))?;
+            let ray = camera_ray(&frame.camera, pixel_position(i, j, CS180.pixel_center))?;
             let image = frame.image.as_ref().expect("training frames have pictures");
             drawn.origins.extend(ray.o.to_array());
             drawn.directions.extend(ray.d.to_array());

@@ -5,7 +5,7 @@ use crate::convention::{Conventions, Delta, LastDelta};
 use crate::encoding::{Encoding, positional_encoding};
 use crate::field::{Layer, Mlp, NerfMlp, backward as field_backward, mlp, nerf_mlp};
 use crate::importance_sampling;
-use crate::optimiser::{Adam, Moments, adam_step};
+use crate::optimizer::{Adam, Moments, adam_step};
 use crate::ray::Ray;
 use crate::sample::step_sizes;
 use crate::volume_rendering::backward::Cotangent;
@@ -36,12 +36,12 @@ pub struct Target {
     pub t: Vec<f64>,
     /// Step lengths, (N).
     pub deltas: Vec<f64>,
-    /// The photograph's colour.
+    /// The photograph's color.
     pub rgb: [f64; 3],
 }
 
 impl Field {
-    /// Density and colour at r(t).
+    /// Density and color at r(t).
     pub fn at(&self, ray: &Ray, t: f64) -> nerf_mlp::Tape {
         let position = positional_encoding(&ray.at(t).to_array(), &self.position);
         // The direction of view, unit length whatever the length of the ray's direction.
@@ -123,7 +123,7 @@ pub fn interval_edges(near: f64, far: f64, n: usize) -> Vec<f64> {
 ///
 /// The union of the coarse samples `t` with one sample for each `u` from the piecewise-constant distribution of the coarse `weights`
 /// over the intervals between `edges`. The step of a sample is the distance to the next one, that of the last to `far` (equation 3). The
-/// weights are constants here: the coarse network learns from its own colours alone, and loss = coarse + fine needs no gradient from
+/// weights are constants here: the coarse network learns from its own colors alone, and loss = coarse + fine needs no gradient from
 /// one network to the other.
 pub fn fine_samples(t: &[f64], edges: &[f64], weights: &[f64], u: &[f64], far: f64) -> (Vec<f64>, Vec<f64>) {
     let drawn = importance_sampling::sample(edges, weights, 0.0, u);

@@ -256,7 +256,7 @@ fn line(point: &LogPoint) -> String {
     serde_json::to_string(point).expect("plain data") + "\n"
 }
 
-/// Seeded pixels of all validation views, with their rays and colours.
+/// Seeded pixels of all validation views, with their rays and colors.
 fn probe_pixels(scene: &Scene, seed: u64) -> Result<Vec<(Ray, [f32; 3])>> {
     let frames: Vec<_> = scene.val.iter().filter(|frame| frame.image.is_some()).collect();
     if frames.is_empty() {

@@ -8,7 +8,7 @@ use crate::encoding::Encoding;
 use crate::field::NerfMlp;
 use crate::field::fast::{Batch, Gradient, Network, Rays};
 use crate::field::nerf_mlp::Shape;
-use crate::optimiser::{Adam, fast::Moments};
+use crate::optimizer::{Adam, fast::Moments};
 use crate::random::{Key, Purpose};
 use crate::ray::Ray;
 use crate::verify::Dtype;

@@ -1,7 +1,7 @@
 //! The surrogate gradient of the truncated exponential, by hand.
 
 use super::LIMIT;
-use crate::maths::exp;
+use crate::math::exp;
 
 /// g e^clamp(x, -15, 15): the derivative inside [-15, 15], a bounded stand-in outside.
 ///

@@ -3,7 +3,7 @@
 use super::component::{forward, vjp};
 use super::{LIMIT, backward, trunc_exp as oracle};
 use crate::convention::Conventions;
-use crate::maths::{exp, pow};
+use crate::math::{exp, pow};
 use crate::verify::component::{Arrays, Mistake};
 
 /// Mistakes of the truncated exponential.

@@ -3,7 +3,7 @@
 //! Instant-NGP's density activation, as torch-ngp and nerfstudio call it: forward e^x, backward with the argument held to
 //! [-15, 15]. The gradient is a surrogate and says so (VR6): outside that range it isn't the derivative.
 
-use crate::maths::exp;
+use crate::math::exp;
 
 pub mod backward;
 pub mod bound;

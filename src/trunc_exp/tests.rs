@@ -3,7 +3,7 @@
 use approx::assert_relative_eq;
 
 use super::{LIMIT, backward, trunc_exp};
-use crate::maths::exp;
+use crate::math::exp;
 use crate::verify::slope;
 
 /// What the surrogate is the derivative of: e^x, going on as a straight line outside of [-15, 15].

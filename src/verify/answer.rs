@@ -56,7 +56,7 @@ pub fn reshaped(values: &ArrayD<f64>, expected: &[usize]) -> Option<(ArrayD<f64>
     Some((array, Some(format!("{:?} flattened to {:?}", expected, values.shape()))))
 }
 
-/// Whether `short` comes from `long` by multiplying neighbouring axes.
+/// Whether `short` comes from `long` by multiplying neighboring axes.
 fn merges(short: &[usize], long: &[usize]) -> bool {
     match short.split_first() {
         None => long.is_empty(),
@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn flattening_merges_neighbours_only() {
+    fn flattening_merges_neighbors_only() {
         assert!(merges(&[20, 3], &[4, 5, 3]) && merges(&[60], &[4, 5, 3]));
         assert!(!merges(&[12, 5], &[4, 5, 3]) && !merges(&[4, 3, 5], &[4, 5, 3]));
         assert!(

@@ -82,7 +82,7 @@ impl Dtype {
         x.is_nan() || self.round(x) == x
     }
 
-    /// The distance of neighbouring numbers at the size of x.
+    /// The distance of neighboring numbers at the size of x.
     pub fn ulp(self, x: f64) -> f64 {
         let (_, exponent) = libm::frexp(x.abs().max(self.smallest_normal()));
         libm::ldexp(1.0, exponent - self.bits())

@@ -5,7 +5,7 @@
 //! Numerical Algorithms", 2nd ed., section 3.3). The values themselves are computed in f64: what that costs is the f64 bound, which
 //! the judge adds.
 
-use crate::maths::{cos, exp, expm1, sin};
+use crate::math::{cos, exp, expm1, sin};
 
 use super::arithmetic::Arithmetic;
 
@@ -123,7 +123,7 @@ impl Arithmetic {
 
     /// A sum of n terms in any order: gamma_(n-1) of the accumulator times the sum of sizes, then one rounding to the type.
     pub fn sum(&self, terms: &[Bounded]) -> Bounded {
-        let (mut y, mut e, mut size) = (crate::maths::Sum::default(), 0.0, 0.0);
+        let (mut y, mut e, mut size) = (crate::math::Sum::default(), 0.0, 0.0);
         for term in terms {
             y.add(term.y);
             e += term.e;

@@ -70,7 +70,7 @@ impl Draw {
 
     /// 10^x with x in [low, high]: sizes spread evenly over decades.
     pub fn decades(&mut self, low: f64, high: f64) -> f64 {
-        short(crate::maths::pow(10.0, low + (high - low) * self.unit()))
+        short(crate::math::pow(10.0, low + (high - low) * self.unit()))
     }
 
     /// An array of numbers in [low, high].

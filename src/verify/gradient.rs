@@ -88,7 +88,7 @@ pub fn moved(x: &Arrays, v: &Arrays, s: f64) -> Arrays {
 
 /// The sum of products of all entries of the arrays that both have.
 pub fn inner(a: &Arrays, b: &Arrays) -> f64 {
-    let mut sum = crate::maths::Sum::default();
+    let mut sum = crate::math::Sum::default();
     for (name, a) in a {
         for (a, b) in a.iter().zip(b.get(name).into_iter().flatten()) {
             sum.add(a * b);

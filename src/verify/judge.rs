@@ -106,7 +106,7 @@ pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
     let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
     let base = first.found.conventions;
     let laid = parallel::map(failing.len(), |n| {
-        layout::normalised(&exam.sheets[failing[n]], &answers[failing[n]], &base, &rules)
+        layout::normalized(&exam.sheets[failing[n]], &answers[failing[n]], &base, &rules)
     });
     let laid: BTreeMap<usize, (Answers, String)> =
         failing.into_iter().zip(laid).filter_map(|(n, laid)| Some((n, laid?))).collect();

@@ -14,7 +14,7 @@ use super::mark::Rules;
 use crate::convention::Conventions;
 
 /// The answers in the contract's layout, and in words what theirs was; `None` where no layout makes them right.
-pub fn normalised(
+pub fn normalized(
     sheet: &Sheet,
     answers: &Answers,
     base: &Conventions,

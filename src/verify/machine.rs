@@ -80,13 +80,13 @@ impl Machine {
 
     /// e^x; whatever its error, not above 1 for x <= 0.
     pub fn exp(&self, x: f64) -> f64 {
-        let y = self.elementary(crate::maths::exp(x));
+        let y = self.elementary(crate::math::exp(x));
         if x <= 0.0 { y.min(1.0) } else { y }
     }
 
     /// e^x - 1, not below -1.
     pub fn expm1(&self, x: f64) -> f64 {
-        self.elementary(crate::maths::expm1(x)).max(-1.0)
+        self.elementary(crate::math::expm1(x)).max(-1.0)
     }
 
     /// What sums accumulate in.

@@ -51,6 +51,6 @@ pub(crate) fn properties() -> proptest::test_runner::Config {
 #[cfg(test)]
 pub(crate) fn slope(f: impl Fn(f64) -> f64) -> f64 {
     let central = |h: f64| (f(h) - f(-h)) / (2.0 * h);
-    let h = crate::maths::power_of_two(-9);
+    let h = crate::math::power_of_two(-9);
     (4.0 * central(0.5 * h) - central(h)) / 3.0
 }

@@ -41,10 +41,10 @@ pub const SAMPLER: Component = Component {
     outputs: &[
         Port::plain("image_ids", "R", "the image of each ray"),
         Port::plain("uv", "R,2", "its pixel position"),
-        Port::plain("rgbs", "R,3", "its colour"),
+        Port::plain("rgbs", "R,3", "its color"),
         Port::plain("t", "R,N", "its samples"),
     ],
-    conventions: &["pixel_centre", "grid", "rest"],
+    conventions: &["pixel_center", "grid", "rest"],
     forward: Pass { oracle: drawn, bound: unbounded, honest: honestly, wrong: wrongly },
     vjp: None,
     cases: calls,
@@ -56,7 +56,7 @@ const MISTAKES: &[Mistake] = &[
     row(
         "outside_the_images",
         "a position that is no pixel",
-        "colours of other pixels",
+        "colors of other pixels",
         "check the ranges of image, row and column",
         0,
     ),
@@ -90,8 +90,8 @@ const MISTAKES: &[Mistake] = &[
     ),
     row("divided_twice_by_255", "c / 255^2", "black targets", "divide once", 2),
     row(
-        "wrong_colours",
-        "colours of other pixels than uv says",
+        "wrong_colors",
+        "colors of other pixels than uv says",
         "nothing is learned",
         "index images by [image, row, column]",
         1,
@@ -113,13 +113,13 @@ const MISTAKES: &[Mistake] = &[
     row(
         "one_jitter_for_all_rays",
         "noise of shape N, broadcast over rays",
-        "neighbouring rays err together: noise in the picture",
+        "neighboring rays err together: noise in the picture",
         "draw one u for every ray and sample",
         11,
     ),
     row(
         "rays_jittered_together",
-        "neighbouring rays share their noise",
+        "neighboring rays share their noise",
         "noise in the picture",
         "draw one u for every ray and sample",
         0,
@@ -145,7 +145,7 @@ const MISTAKES: &[Mistake] = &[
         "scale u by the interval",
         1,
     ),
-    row("jitter_centred_on_edges", "u in [-0.5, 0.5)", "t below near", "u in [0, 1)", 1),
+    row("jitter_centered_on_edges", "u in [-0.5, 0.5)", "t below near", "u in [0, 1)", 1),
     row(
         "jitter_gaussian",
         "normal instead of uniform",
@@ -219,7 +219,7 @@ fn drawn(a: &Arrays, c: &Conventions) -> Arrays {
     let (rays, jitter) = (Key::new(seed, Purpose::Rays), Key::new(seed, Purpose::Samples));
     let u: Vec<[f64; 3]> =
         (0..count as u64).map(|r| std::array::from_fn(|k| rays.uniform(0, r, k as u64))).collect();
-    let pixels = sample_random_rays(images, Draw::Pool, &u, c.pixel_centre);
+    let pixels = sample_random_rays(images, Draw::Pool, &u, c.pixel_center);
     let t = |r: usize| {
         let resting = number(a, "training") == 0.0;
         let u = |i: usize| if resting { rest_u(c.rest) } else { jitter.uniform(0, r as u64, i as u64) };
@@ -265,7 +265,7 @@ fn fault(case: &Case, answer: Option<&Answer>) -> Option<String> {
     ];
     for (name, shape) in shapes {
         let Some(given) = answer.get(name) else {
-            // Jitter is judged where there is any; pixels without colours or images can't be.
+            // Jitter is judged where there is any; pixels without colors or images can't be.
             if name == "t" {
                 continue;
             }

@@ -6,7 +6,7 @@
 
 use ndarray::ArrayView4;
 
-use crate::convention::{Conventions, PixelCentre};
+use crate::convention::{Conventions, PixelCenter};
 use crate::sample::{rest_u, sample_along_ray};
 
 #[cfg(test)]
@@ -28,7 +28,7 @@ pub struct Call {
     pub image_ids: Vec<f64>,
     /// Pixel positions, (R).
     pub uv: Vec<[f64; 2]>,
-    /// Target colours, (R).
+    /// Target colors, (R).
     pub rgbs: Vec<[f64; 3]>,
     /// Positions along each ray, (R, N).
     pub t: Vec<Vec<f64>>,
@@ -56,7 +56,7 @@ fn choice(name: &'static str, says: String) -> Finding {
 
 /// ln(2 n / false alarm), for n tests at once.
 fn confidence(n: usize) -> f64 {
-    crate::maths::ln(2.0 * n as f64 / FALSE_ALARM)
+    crate::math::ln(2.0 * n as f64 / FALSE_ALARM)
 }
 
 /// Bernstein: how far a count of n draws with probability p may be from n p, for any of `bins` bins.
@@ -82,10 +82,10 @@ pub fn findings(
     found
 }
 
-/// Image ids, pixels and colours: support, uniformity, and that the second call draws anew.
+/// Image ids, pixels and colors: support, uniformity, and that the second call draws anew.
 pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], rest: &[Call; 2], c: &Conventions) -> Vec<Finding> {
     let (count, height, width, _) = images.dim();
-    let shift = if c.pixel_centre == PixelCentre::Half { 0.5 } else { 0.0 };
+    let shift = if c.pixel_center == PixelCenter::Half { 0.5 } else { 0.0 };
     let both = || calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv).zip(&call.rgbs));
     let mut found = vec![];
     let inside = |x: f64, n: usize| x == libm::floor(x) && x >= 0.0 && x < n as f64;
@@ -130,8 +130,8 @@ pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], rest: &[Call; 2], c: &Co
         })
     };
     if !agrees(1.0) {
-        let name = if agrees(1.0 / 255.0) { "divided_twice_by_255" } else { "wrong_colours" };
-        found.push(finding(name, "the colours are not those of the pixels".into()));
+        let name = if agrees(1.0 / 255.0) { "divided_twice_by_255" } else { "wrong_colors" };
+        found.push(finding(name, "the colors are not those of the pixels".into()));
     }
     found
 }
@@ -181,7 +181,7 @@ pub fn jitter(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<
     let means: Vec<f64> = u.iter().map(|u| u.iter().sum::<f64>() / n as f64).collect();
     let mean = means.iter().sum::<f64>() / means.len() as f64;
     let variance = u.iter().flatten().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (u.len() * n) as f64;
-    // Correlations of neighbours, scaled so that one common number gives 1; each product is at most 3 in size.
+    // Correlations of neighbors, scaled so that one common number gives 1; each product is at most 3 in size.
     let pairs = |products: Vec<f64>| {
         let slack = 3.0 * (2.0 * confidence(1) / products.len() as f64).sqrt();
         products.iter().sum::<f64>() / products.len() as f64 / variance > slack
@@ -193,7 +193,7 @@ pub fn jitter(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<
         found.push(choice("one_jitter_per_ray", "a ray's samples are shifted together, as in NeuS".into()));
     }
     if across_rays {
-        found.push(finding("rays_jittered_together", "neighbouring rays move together".into()));
+        found.push(finding("rays_jittered_together", "neighboring rays move together".into()));
     }
     // The law can be told from independent draws alone.
     if !across_rays {
@@ -226,7 +226,7 @@ fn law(mut sorted: Vec<f64>, width: f64) -> Option<Finding> {
         }
     }
     if distance(-0.5, 1.0) <= slack {
-        return Some(finding("jitter_centred_on_edges", "u is uniform on [-0.5, 0.5)".into()));
+        return Some(finding("jitter_centered_on_edges", "u is uniform on [-0.5, 0.5)".into()));
     }
     let mean = sorted.iter().sum::<f64>() / total;
     let moment = |k: i32| sorted.iter().map(|x| (x - mean).powi(k)).sum::<f64>() / total;

@@ -2,7 +2,7 @@
 
 use super::{Rendering, optical_depths};
 use crate::convention::{Depth, ProductEps};
-use crate::maths::{Sum, exp, expm1};
+use crate::math::{Sum, exp, expm1};
 
 /// Gradients of the loss with respect to what a ray returns.
 #[derive(Clone, Debug, PartialEq)]

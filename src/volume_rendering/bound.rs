@@ -72,7 +72,7 @@ impl Ray {
         Ray { alphas, slopes, rgbs, transmittance, weights }
     }
 
-    /// The outputs: colour, opacity, transmittance.
+    /// The outputs: color, opacity, transmittance.
     pub(crate) fn outputs(&self, eps: ProductEps, m: &Arithmetic) -> ([Bounded; 3], Bounded, Bounded) {
         let behind = self.transmittance[self.alphas.len()];
         let color = |k: usize| {
@@ -248,7 +248,7 @@ fn divided(a: &Arrays, r: usize, m: &Arithmetic) -> (Bounded, Bounded, Bounded) 
     (weighted, opacity, m.div(weighted, opacity))
 }
 
-/// Bound of [`super::depth`]: the quotient of two sums, or the sum of normalised weights times t.
+/// Bound of [`super::depth`]: the quotient of two sums, or the sum of normalized weights times t.
 pub fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, samples) = size(a, "weights");
     let error = |r: usize| {
@@ -256,7 +256,7 @@ pub fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
         match c.depth {
             Depth::Plain => weighted.e,
             Depth::Divided if opacity.y == 0.0 => m.rounded(number(a, "far"), 0.0).e,
-            // Normalising first rounds each weight once more.
+            // Normalizing first rounds each weight once more.
             Depth::Divided => z.e + m.u * samples.min(3) as f64 * z.size(),
         }
     };

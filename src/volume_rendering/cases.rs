@@ -1,7 +1,7 @@
 //! Cases of volume rendering: probes that separate mistakes, hard numbers, and seeded rays in every regime.
 //!
-//! Two hard cases of rendering are not here. VR5 (stop early and renormalise, or not) concerns `early_stop`, which states that nothing is
-//! renormalised and tests it. VR8 (prefix sums of the distortion loss cancel) concerns a loss that the crate doesn't have.
+//! Two hard cases of rendering are not here. VR5 (stop early and renormalize, or not) concerns `early_stop`, which states that nothing is
+//! renormalized and tests it. VR8 (prefix sums of the distortion loss cancel) concerns a loss that the crate doesn't have.
 
 use std::f64::consts::LN_2;
 
@@ -33,7 +33,7 @@ fn seeded(
     cases
 }
 
-/// Red, green, blue at samples 0, 1 and N-1: the colour reads the weights.
+/// Red, green, blue at samples 0, 1 and N-1: the color reads the weights.
 fn one_hot(samples: usize) -> ArrayD<f64> {
     let mut rgbs = vec![0.0; 3 * samples];
     for (k, i) in [0, 1, samples - 1].into_iter().enumerate() {
@@ -50,12 +50,12 @@ pub fn volume_render() -> Vec<Case> {
             vec![("sigmas", array(&[1, n], sigmas)), ("rgbs", rgbs), ("deltas", array(&[1, n], deltas))];
         Case::new(id, comment, inputs)
     };
-    let grey = |n: usize| array(&[1, n, 3], vec![0.5; 3 * n]);
+    let gray = |n: usize| array(&[1, n, 3], vec![0.5; 3 * n]);
     let spikes = |ln2: f64| vec![ln2, ln2, 0.0, 0.0, 0.0, 0.0, 0.0, ln2];
     let mut cases = vec![
         one_ray(
             "spikes",
-            "three spikes of x = ln 2: the colour reads (.5, .25, .125)",
+            "three spikes of x = ln 2: the color reads (.5, .25, .125)",
             spikes(LN_2),
             one_hot(8),
             vec![1.0; 8],
@@ -67,46 +67,46 @@ pub fn volume_render() -> Vec<Case> {
             one_hot(8),
             vec![1.0; 8],
         ),
-        one_ray("slab", "constant density: 1 - exp(-sigma L)", vec![0.25; 16], grey(16), vec![0.25; 16]),
+        one_ray("slab", "constant density: 1 - exp(-sigma L)", vec![0.25; 16], gray(16), vec![0.25; 16]),
         one_ray(
             "empty_ray",
-            "nothing on the ray: colour, weights and opacity are 0",
+            "nothing on the ray: color, weights and opacity are 0",
             vec![0.0; 6],
-            grey(6),
+            gray(6),
             vec![0.0625; 6],
         ),
         one_ray(
             "opaque_sample",
             "one opaque sample: its weight is 1, those behind it 0",
             vec![0.0, 0.0, 128.0, 1.0, 1.0],
-            grey(5),
+            gray(5),
             vec![1.0; 5],
         ),
-        one_ray("VR9_one_sample", "a ray with one sample", vec![0.75], grey(1), vec![0.5]),
+        one_ray("VR9_one_sample", "a ray with one sample", vec![0.75], gray(1), vec![0.5]),
         one_ray(
             "VR1_tiny_alpha",
             "x = 2^-20: 1 - exp(-x) loses every digit in f32",
             vec![9.5367431640625e-7; 8],
-            grey(8),
+            gray(8),
             vec![1.0; 8],
         ),
         one_ray(
             "VR2_last_delta",
             "a last step of 1e10 on an empty end",
             vec![0.5, 1.0, 0.0, 0.0],
-            grey(4),
+            gray(4),
             vec![0.25, 0.25, 0.25, 1e10],
         ),
-        one_ray("VR9_underflow", "T underflows behind x = 800", vec![800.0, 1.0, 1.0], grey(3), vec![1.0; 3]),
-        one_ray("VR9_huge", "sigma = 1e300 and 1e-300", vec![1e-300, 0.5, 1e300, 1.0], grey(4), vec![1.0; 4]),
+        one_ray("VR9_underflow", "T underflows behind x = 800", vec![800.0, 1.0, 1.0], gray(3), vec![1.0; 3]),
+        one_ray("VR9_huge", "sigma = 1e300 and 1e-300", vec![1e-300, 0.5, 1e300, 1.0], gray(4), vec![1.0; 4]),
         one_ray(
             "VR3_many_empty",
             "256 nearly empty samples: a number added to the product shows",
             vec![0.0009765625; 256],
-            grey(256),
+            gray(256),
             vec![0.0625; 256],
         ),
-        one_ray("VR9_no_samples", "no samples: colour 0, T 1", vec![], array(&[1, 0, 3], vec![]), vec![]),
+        one_ray("VR9_no_samples", "no samples: color 0, T 1", vec![], array(&[1, 0, 3], vec![]), vec![]),
         Case::new(
             "VR10_unequal_steps",
             "two rays alike but for their steps: those of ray 0 for both would show",
@@ -149,7 +149,7 @@ pub fn volume_render_alpha() -> Vec<Case> {
     let mut cases = vec![
         one_ray(
             "spikes",
-            "three opacities of 1/2: the colour reads (.5, .25, .125)",
+            "three opacities of 1/2: the color reads (.5, .25, .125)",
             vec![0.5, 0.5, 0.0, 0.0, 0.5],
             one_hot(5),
         ),

@@ -9,7 +9,7 @@ use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, inp
 
 const SIGMAS: Port = Port { name: "sigmas", shape: "R,N", meaning: "densities, 1 / length", gradient: true };
 const ALPHAS: Port = Port { name: "alphas", shape: "R,N", meaning: "opacities in [0, 1]", gradient: true };
-const RGBS: Port = Port { name: "rgbs", shape: "R,N,3", meaning: "colours", gradient: true };
+const RGBS: Port = Port { name: "rgbs", shape: "R,N,3", meaning: "colors", gradient: true };
 const DELTAS: Port = Port { name: "deltas", shape: "R,N", meaning: "step lengths", gradient: true };
 const COLORS: Port = Port { name: "colors", shape: "R,3", meaning: "sum of w c", gradient: true };
 const WEIGHTS: Port = Port { name: "weights", shape: "R,N", meaning: "T alpha", gradient: true };
@@ -74,11 +74,11 @@ pub const COMPOSITE_BACKGROUND: Component = Component {
     formula: "C' = C + (1 - A) b",
     source: "Porter and Duff 1984, premultiplied over",
     inputs: &[
-        Port { name: "colors", shape: "R,3", meaning: "rendered colours, premultiplied", gradient: true },
+        Port { name: "colors", shape: "R,3", meaning: "rendered colors, premultiplied", gradient: true },
         Port { name: "opacity", shape: "R", meaning: "A", gradient: true },
         Port { name: "background", shape: "3", meaning: "b", gradient: true },
     ],
-    outputs: &[Port { name: "colors_out", shape: "R,3", meaning: "colours over b", gradient: true }],
+    outputs: &[Port { name: "colors_out", shape: "R,3", meaning: "colors over b", gradient: true }],
     conventions: &[],
     forward: Pass {
         oracle: background,
@@ -245,7 +245,7 @@ fn depths_vjp(a: &Arrays, c: &Conventions) -> Arrays {
     ])
 }
 
-/// Three numbers as a colour.
+/// Three numbers as a color.
 pub(crate) fn rgb(values: &[f64]) -> [f64; 3] {
     [values[0], values[1], values[2]]
 }

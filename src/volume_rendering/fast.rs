@@ -1,4 +1,4 @@
-//! Volume rendering in f32 for many rays: exponentials vectorised over all samples, then one scan a ray.
+//! Volume rendering in f32 for many rays: exponentials vectorized over all samples, then one scan a ray.
 //!
 //! x = sigma delta optical depth, alpha = 1 - e^-x, T transmittance, w = T alpha.
 //! One polynomial gives both e^-x and alpha = -expm1(-x), so that thin samples keep their relative accuracy and T is a

@@ -174,7 +174,7 @@ pub fn composite_background_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arr
     ])
 }
 
-/// Sum of w t over sum of w, or the sum of normalised weights times t.
+/// Sum of w t over sum of w, or the sum of normalized weights times t.
 pub fn depth(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, _) = size(a, "weights");
     let ray = |r: usize| {
@@ -202,8 +202,8 @@ pub fn depth_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
                 Depth::Plain => (m.mul(g, t[i]), m.mul(g, w[i])),
                 Depth::Divided if opacity == 0.0 => (0.0, 0.0),
                 Depth::Divided if m.form % 2 == 0 => {
-                    let centred = m.sub(t[i], m.div(weighted, opacity));
-                    (m.div(m.mul(g, centred), opacity), m.div(m.mul(g, w[i]), opacity))
+                    let centered = m.sub(t[i], m.div(weighted, opacity));
+                    (m.div(m.mul(g, centered), opacity), m.div(m.mul(g, w[i]), opacity))
                 }
                 Depth::Divided => {
                     let square = m.mul(opacity, opacity);

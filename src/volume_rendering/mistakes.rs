@@ -3,7 +3,7 @@
 use super::component::{self, renderings, row, rows3, size};
 use super::{Rendering, volume_render as oracle, volume_render_alpha as oracle_alpha};
 use crate::convention::{Conventions, ProductEps};
-use crate::maths::exp;
+use crate::math::exp;
 use crate::verify::component::{Arrays, input};
 
 mod catalogue;
@@ -80,7 +80,7 @@ fn over_rays(alphas: &[Vec<f64>], rays: &mut [Rendering], wrong: &[&str]) {
     }
 }
 
-/// Recomputes weights, colour and opacity from T.
+/// Recomputes weights, color and opacity from T.
 fn recompose(rendering: Rendering, alphas: &[f64], rgbs: &[[f64; 3]]) -> Rendering {
     let weights: Vec<f64> = alphas.iter().zip(&rendering.transmittance).map(|(a, t)| a * t).collect();
     let color = std::array::from_fn(|k| weights.iter().zip(rgbs).map(|(w, c)| w * c[k]).sum());
@@ -110,7 +110,7 @@ pub fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     for r in 0..count {
         let (sigmas, deltas) = (row(a, "sigmas", r), wrong_deltas(a, r, wrong));
         let mut alphas: Vec<f64> =
-            super::optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::maths::expm1(-x)).collect();
+            super::optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(-x)).collect();
         let mut ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
         let touched = wrong.contains(&"eps_on_alpha") || wrong.contains(&"scaled_exponential");
         if touched {

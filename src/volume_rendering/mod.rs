@@ -1,12 +1,12 @@
-//! Volume rendering: densities and colours along a ray -> one colour.
+//! Volume rendering: densities and colors along a ray -> one color.
 //!
 //! NeRF (Mildenhall et al. 2020) equation 3, after Max, "Optical models for direct volume rendering" (1995).
 //! Letters, for sample i of N: `sigma` density, `delta` step length, x = sigma delta optical depth, `alpha` = 1 - e^-x
-//! opacity, `T` = product of (1 - alpha) of the samples before = transmittance, `w` = T alpha weight, `c` colour,
+//! opacity, `T` = product of (1 - alpha) of the samples before = transmittance, `w` = T alpha weight, `c` color,
 //! A = sum of w, the ray's opacity.
 
 use crate::convention::{Depth, ProductEps};
-use crate::maths::{Product, Sum, exp, expm1};
+use crate::math::{Product, Sum, exp, expm1};
 
 pub mod backward;
 pub mod bound;

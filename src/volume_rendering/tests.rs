@@ -280,7 +280,7 @@ fn vr10_each_ray_has_its_own_steps() {
     assert!((a.weights[0] + expm1(-0.15)).abs() < EPS && (b.weights[0] + expm1(-0.3)).abs() < EPS);
 }
 
-/// A ray: densities, colours, steps.
+/// A ray: densities, colors, steps.
 fn ray() -> impl Strategy<Value = Vec<(f64, [f64; 3], f64)>> {
     prop::collection::vec(
         ((-3.0..2.0).prop_map(|x: f64| x.exp()), prop::array::uniform3(0.0..1.0), 0.01..1.0),

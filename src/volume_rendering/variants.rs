@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::fast::Weights;
 use crate::approximate::{Grade, attenuation};
 use crate::convention::ProductEps;
-use crate::maths;
+use crate::math;
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::verify::Dtype;
@@ -31,7 +31,7 @@ fn rays(count: usize, samples: usize) -> Arrays {
         let meets = key.below(4, 0, r, 1) > 0;
         for i in 0..samples {
             let off = ((i as f64 + 0.5) / samples as f64 - surface) / 0.06;
-            let bump = if meets { 60.0 * maths::exp(-off * off) } else { 0.0 };
+            let bump = if meets { 60.0 * math::exp(-off * off) } else { 0.0 };
             sigmas.push(single(bump + 0.02 * u[4 * i]));
             rgbs.extend(u[4 * i + 1..4 * i + 4].iter().map(|&u| single(u)));
         }
@@ -44,7 +44,7 @@ fn rays(count: usize, samples: usize) -> Arrays {
     ])
 }
 
-/// Inputs in f32 (colours perhaps shorter), and all results.
+/// Inputs in f32 (colors perhaps shorter), and all results.
 struct Rays<C> {
     samples: usize,
     sigmas: Vec<f32>,
@@ -57,7 +57,7 @@ struct Rays<C> {
 #[derive(Default)]
 struct Task {
     rays: Weights,
-    /// Colour, opacity, transmittance behind the last sample.
+    /// Color, opacity, transmittance behind the last sample.
     seen: Vec<[f32; 5]>,
 }
 
@@ -74,7 +74,7 @@ impl<C> Rays<C> {
 
     fn bytes(&self) -> usize {
         let n = self.sigmas.len();
-        // Densities, steps, weights, transmittances, opacities; colours; what is seen.
+        // Densities, steps, weights, transmittances, opacities; colors; what is seen.
         5 * 4 * n + size_of_val(&self.rgbs[..]) + n / self.samples * 20
     }
 
@@ -186,7 +186,7 @@ impl<C: Copy> WithSimd for Composite<'_, C> {
     }
 }
 
-fn vectorised<C: Copy>(
+fn vectorized<C: Copy>(
     task: &mut Task,
     (sigmas, rgbs, deltas): (&[f32], &[C], &[f32]),
     samples: usize,
@@ -305,9 +305,9 @@ fn stopped(a: &Arrays, eps: f32) -> Box<dyn Kernel> {
     )
 }
 
-/// Vectorised on all threads.
+/// Vectorized on all threads.
 fn threaded(a: &Arrays) -> Box<dyn Kernel> {
-    tasks(a, true, |c| c, |task, s, c, d, n| vectorised(task, (s, c, d), n, |c| c))
+    tasks(a, true, |c| c, |task, s, c, d, n| vectorized(task, (s, c, d), n, |c| c))
 }
 
 /// The suite of volume rendering.
@@ -327,10 +327,10 @@ pub const SUITE: Suite = Suite {
             |a| tasks(a, false, |c| c, plain),
         ),
         Variant::f32(
-            "vectorised",
+            "vectorized",
             "one thread, one polynomial for e^-x and 1 - e^-x over all samples, then one scan a ray",
             Promise::f32(),
-            |a| tasks(a, false, |c| c, |task, s, c, d, n| vectorised(task, (s, c, d), n, |c| c)),
+            |a| tasks(a, false, |c| c, |task, s, c, d, n| vectorized(task, (s, c, d), n, |c| c)),
         ),
         Variant::f32("threaded", "the same on all threads", Promise::f32(), threaded),
         Variant::f32(
@@ -366,12 +366,12 @@ pub const SUITE: Suite = Suite {
         Variant {
             dtype: Dtype::Bf16,
             ..Variant::f32(
-                "bf16_colours",
-                "all threads, colours stored as bf16, everything else as before",
+                "bf16_colors",
+                "all threads, colors stored as bf16, everything else as before",
                 Promise::f32().stored(BF16),
                 |a| {
                     tasks(a, true, crate::approximate::to_bf16, |task, s, c, d, n| {
-                        vectorised(task, (s, c, d), n, crate::approximate::from_bf16)
+                        vectorized(task, (s, c, d), n, crate::approximate::from_bf16)
                     })
                 },
             )

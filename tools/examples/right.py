@@ -19,7 +19,7 @@ def positional_encoding(x, L):
 
 
 def volume_render(sigmas, rgbs, deltas):
-    """Colours, weights, opacity, and what is left behind the last sample."""
+    """Colors, weights, opacity, and what is left behind the last sample."""
     depth = sigmas * deltas
     alpha = -torch.expm1(-depth)
     # What lies in front of each sample. Not cumsum(depth) - depth, which is 0 in front of a last step of 1e10.

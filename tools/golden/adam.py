@@ -51,10 +51,10 @@ def in_torch(x):
     params = torch.nn.Parameter(x["params"].clone())
     settings = {name: x[name].item() for name in adam_step.DEFAULTS}
     betas = settings.pop("beta1"), settings.pop("beta2")
-    optimiser = torch.optim.Adam([params], betas=betas, **settings)
+    optimizer = torch.optim.Adam([params], betas=betas, **settings)
     history = []
     for grad in x["grads"]:
         params.grad = grad.clone()
-        optimiser.step()
+        optimizer.step()
         history.append(params.detach().clone())
     return {"params_out": torch.stack(history)}

@@ -18,7 +18,7 @@ DEFAULTS = {"lr": 5e-4, "beta1": 0.9, "beta2": 0.999, "eps": 1e-8, "weight_decay
 def cases():
     """First, late and coupled-decay steps; gradients of every size (TR3)."""
     yield case("first", 1, "from zero moments: lr sign(g) but for eps", zero=True)
-    yield case("tenth", 10, "moments of a running optimisation")
+    yield case("tenth", 10, "moments of a running optimization")
     yield case("late", 100_000, "beta1^step has vanished, beta2^step is 3.5e-44")
     yield case("weight-decay", 3, "coupled: the penalty enters the moments", {"weight_decay": 0.0625})
     yield case("eps-matters-TR3", 2, "eps of 1 stands outside the root", {"eps": 1.0, "lr": 0.5})
@@ -60,10 +60,10 @@ def in_torch(x):
     params = torch.nn.Parameter(x["params"].clone())
     settings = {name: x[name].item() for name in DEFAULTS}
     betas = settings.pop("beta1"), settings.pop("beta2")
-    optimiser = torch.optim.Adam([params], betas=betas, **settings)
+    optimizer = torch.optim.Adam([params], betas=betas, **settings)
     params.grad = x["grad"].clone()
     before = torch.tensor(x["step"].item() - 1.0, dtype=torch.float64)
-    optimiser.state[params] = {"step": before, "exp_avg": x["m"].clone(), "exp_avg_sq": x["v"].clone()}
-    optimiser.step()
-    state = optimiser.state[params]
+    optimizer.state[params] = {"step": before, "exp_avg": x["m"].clone(), "exp_avg_sq": x["v"].clone()}
+    optimizer.step()
+    state = optimizer.state[params]
     return {"params_out": params.detach(), "m_out": state["exp_avg"], "v_out": state["exp_avg_sq"]}

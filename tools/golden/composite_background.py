@@ -10,7 +10,7 @@ DIFFERENTIABLE = ("colors", "opacity", "background")
 
 
 def cases():
-    """Random rays; A of 0, 1/2 and 1 over a background of three colours."""
+    """Random rays; A of 0, 1/2 and 1 over a background of three colors."""
     draw = Draw(PURPOSE, "random")
     yield case("random", draw.uniform((6, 3)), draw.uniform((6,)), draw.uniform((3,)), "any opacity")
     colors = np.array([[0.0, 0.0, 0.0], [0.25, 0.5, 0.125], [1.0, 0.25, 0.0]])

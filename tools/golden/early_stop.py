@@ -1,6 +1,6 @@
 """early_stop(sigmas, rgbs, deltas, offsets, eps): packed rays, each up to the first sample behind which T < eps.
 
-The samples that are left are rendered as volume_render does (Max 1995); nothing is renormalised. Where a ray stops is piecewise
+The samples that are left are rendered as volume_render does (Max 1995); nothing is renormalized. Where a ray stops is piecewise
 constant, so that samples behind have no gradient.
 """
 
@@ -24,13 +24,13 @@ def cases():
     yield random("never", [5, 9], (0.0, 8.0), 0.0, "eps = 0: packed volume_render")
     yield random("ragged-VR9", [0, 5, 0, 0, 1, 6, 0], (0.0, 8.0), 0.05, "rays without samples, and with one")
     white = np.ones((6, 3))
-    yield case("white-VR5", np.full(6, 1.375), white, np.full(6, 0.5), [6], 0.35, "stops at T = .25: the colour is .75, not 1")
+    yield case("white-VR5", np.full(6, 1.375), white, np.full(6, 0.5), [6], 0.35, "stops at T = .25: the color is .75, not 1")
     front = np.array([0.0, 0.0, 0.7, 1e4, 0.3, 0.2])
     yield case("wall", front, white, np.ones(6), [6], 0.01, "empty space, then a wall")
 
 
 def random(name, lengths, sigma_range, eps, comment):
-    """Uniform densities, colours and steps."""
+    """Uniform densities, colors and steps."""
     draw, n = Draw(PURPOSE, name), sum(lengths)
     sigmas, rgbs = draw.uniform((n,), *sigma_range), draw.uniform((n, 3))
     return case(name, sigmas, rgbs, draw.uniform((n,), 0.05, 0.25), lengths, eps, comment)

@@ -1,4 +1,4 @@
-"""image_rays(height, width, focal, cx, cy, c2w): pixel_to_ray through every pixel's centre, uv[j, i] = (i + 0.5, j + 0.5)."""
+"""image_rays(height, width, focal, cx, cy, c2w): pixel_to_ray through every pixel's center, uv[j, i] = (i + 0.5, j + 0.5)."""
 
 import numpy as np
 import torch
@@ -13,10 +13,10 @@ DIFFERENTIABLE = KORNIA_DIFFERENTIABLE = ()
 
 
 def cases():
-    """Pictures that are not square, with their centre off the middle."""
+    """Pictures that are not square, with their center off the middle."""
     for name, height, width, cx, comment in [
         ("wide", 3, 5, 2.75, "swapped height and width show"),
-        ("tall", 4, 2, 1.0, "centre in the middle"),
+        ("tall", 4, 2, 1.0, "center in the middle"),
         ("one-pixel", 1, 1, 0.5, "the pixel looks down the axis"),
     ]:
         inputs = {"height": height, "width": width, "focal": 4.375, "cx": cx, "cy": 0.5 * height}
@@ -33,7 +33,7 @@ def kornia_cases():
         "cy": 1.5,
         "c2w": pixel_to_ray.poses(Draw(PURPOSE, "kornia"), 1)[0],
     }
-    conventions = {"pixel_centre": "integer", "directions": "depth"}
+    conventions = {"pixel_center": "integer", "directions": "depth"}
     quirks = {"rays_from_near_to_far": [2.0, 6.0], "homogeneous_eps": 1e-8}
     yield Case("uniform-sampler", inputs, "calc_ray_params over all pixels", conventions=conventions, quirks=quirks)
 
@@ -45,10 +45,10 @@ def over_reals(x):
     focal, cx, cy = x["focal"].item(), x["cx"].item(), x["cy"].item()
     k = np.array([[focal, zero, cx], [zero, focal, cy], [zero, zero, one]], dtype=object)
     uv, rays_o, rays_d = (np.empty((height, width, n), object) for n in (2, 3, 3))
-    centre = 0.0 if x["conventions"].get("pixel_centre") == "integer" else 0.5
+    center = 0.0 if x["conventions"].get("pixel_center") == "integer" else 0.5
     unit = x["conventions"].get("directions") != "depth"
     for j, i in np.ndindex(height, width):
-        uv[j, i] = [Real(i + centre), Real(j + centre)]
+        uv[j, i] = [Real(i + center), Real(j + center)]
         rays_o[j, i] = x["c2w"][:3, 3]
         rays_d[j, i] = pixel_to_ray.direction(k, x["c2w"], uv[j, i], unit)
         if "rays_from_near_to_far" in x["quirks"]:
@@ -64,7 +64,7 @@ def kornia_ray(o, d, quirks):
 
 
 def in_torch(x):
-    """A mesh of centres, then the batched rays."""
+    """A mesh of centers, then the batched rays."""
     height, width = int(x["height"]), int(x["width"])
     v, u = torch.meshgrid(torch.arange(height) + 0.5, torch.arange(width) + 0.5, indexing="ij")
     uv = torch.stack([u, v], -1).double()

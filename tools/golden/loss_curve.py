@@ -55,12 +55,12 @@ def in_torch(x):
     params = {name: torch.nn.Parameter(value.clone()) for name, value in parameters(x).items()}
     settings = {name: x[name].item() for name in adam_step.DEFAULTS}
     betas = settings.pop("beta1"), settings.pop("beta2")
-    optimiser = torch.optim.Adam(params.values(), betas=betas, **settings)
+    optimizer = torch.optim.Adam(params.values(), betas=betas, **settings)
     losses = []
     for u in x["u"]:
-        optimiser.zero_grad()
+        optimizer.zero_grad()
         loss = training_step.in_torch(x | params | {"u": u})["value"]
         losses.append(loss.detach())
         loss.backward()
-        optimiser.step()
+        optimizer.step()
     return {"losses": torch.stack(losses)} | {name: value.detach() for name, value in params.items()}

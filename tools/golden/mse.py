@@ -11,7 +11,7 @@ DIFFERENTIABLE = ("prediction",)
 
 
 def cases():
-    """A batch of colours, a picture, nearly equal and equal ones."""
+    """A batch of colors, a picture, nearly equal and equal ones."""
     draw = Draw(PURPOSE, "batch")
     yield case("batch", draw.uniform((8, 3)), draw.uniform((8, 3)), "eight rays")
     draw = Draw(PURPOSE, "picture")

@@ -36,7 +36,7 @@ def kornia_cases():
 
 
 def inputs(name, points, width, position_levels, direction_levels):
-    """Parameters, positions in [-1, 1) and directions, which are not normalised here."""
+    """Parameters, positions in [-1, 1) and directions, which are not normalized here."""
     draw = Draw(PURPOSE, name)
     position, direction = 3 + 6 * position_levels, 3 + 6 * direction_levels
     arrays = {"positions": draw.uniform((points, 3), -1.0, 1.0), "directions": draw.uniform((points, 3), -1.0, 1.0)}

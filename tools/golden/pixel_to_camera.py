@@ -11,14 +11,14 @@ DIFFERENTIABLE = ("K", "uv", "s")
 
 
 def cases():
-    """fx != fy, the centre off the middle; depths of 0, behind the camera and far away."""
+    """fx != fy, the center off the middle; depths of 0, behind the camera and far away."""
     draw = Draw(PURPOSE, "random")
     yield case("random", intrinsics(), draw.uniform((6, 2), 0.0, 100.0), draw.uniform((6,), 0.5, 6.0), "random pixels")
     uv = np.array([[32.5, 20.25], [32.5, 0.5], [0.0, 0.0], [-10.0, 200.0]])
     yield case("depths-CG9", intrinsics(), uv, np.array([1.0, 0.0, -2.0, 1e6]), "the axis itself; depth 0, negative, 1e6")
-    draw = Draw(PURPOSE, "beside-the-centre")
+    draw = Draw(PURPOSE, "beside-the-center")
     near = np.array([32.5, 20.25]) * (1.0 + draw.uniform((4, 2), -1e-12, 1e-12))
-    yield case("beside-the-centre", intrinsics(1111.1, 0.001), near, np.ones(4), "u - cx is exact; fx is large, fy small")
+    yield case("beside-the-center", intrinsics(1111.1, 0.001), near, np.ones(4), "u - cx is exact; fx is large, fy small")
 
 
 def case(name, k, uv, s, comment):

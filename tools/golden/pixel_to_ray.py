@@ -1,6 +1,6 @@
 """pixel_to_ray(K, c2w, uv): o = c2w[:3, 3], d = v / |v| with v = R K^-1 (u, v, 1), R = c2w[:3, :3].
 
-K^-1 (u, v, 1) = ((u - cx) / fx, (v - cy) / fy, 1): OpenCV axes, pixel centres are in uv already.
+K^-1 (u, v, 1) = ((u - cx) / fx, (v - cy) / fy, 1): OpenCV axes, pixel centers are in uv already.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ DIFFERENTIABLE = ("K", "c2w", "uv")
 
 
 def cases():
-    """A camera per ray, fx != fy, the centre off the middle; poses that no capture should have (CG9)."""
+    """A camera per ray, fx != fy, the center off the middle; poses that no capture should have (CG9)."""
     draw = Draw(PURPOSE, "random")
     yield case("random", intrinsics(), poses(draw, 6), draw.uniform((6, 2), 0.0, 100.0), "random poses, non-square pixels")
     identity = np.tile(np.eye(4), (3, 1, 1))
@@ -38,11 +38,11 @@ def cases():
 
 def kornia_cases():
     """NerfModelRenderer, right for a camera at the world's origin alone."""
-    centred = poses(Draw(PURPOSE, "centred"), 1)
-    centred[:, :3, 3] = 0.0
+    centered = poses(Draw(PURPOSE, "centered"), 1)
+    centered[:, :3, 3] = 0.0
     corners = np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 2.0], [3.0, 2.0]])
     k = intrinsics(4.5, 4.25, 1.75, 1.5)
-    yield case("centred", k, np.tile(centred, (4, 1, 1)), corners, "camera at the origin: nothing to confuse")
+    yield case("centered", k, np.tile(centered, (4, 1, 1)), corners, "camera at the origin: nothing to confuse")
     moved = np.tile(poses(Draw(PURPOSE, "moved"), 1), (4, 1, 1))
     wrong = case("moved", k, moved, corners, "camera elsewhere: the origin is that of the inverse pose, and directions follow it")
     wrong.quirks = {"origin_from_w2c": True, "homogeneous_eps": 1e-8}
@@ -107,10 +107,10 @@ def kornia_rays(x):
 
 
 def in_torch(x):
-    """Inverse intrinsics, rotation and normalisation as batched tensor operations."""
+    """Inverse intrinsics, rotation and normalization as batched tensor operations."""
     k, uv, rotation = x["K"], x["uv"], x["c2w"][:, :3, :3]
-    centred = uv - torch.stack([k[0, 2], k[1, 2]])
-    camera = centred / torch.stack([k[0, 0], k[1, 1]])
+    centered = uv - torch.stack([k[0, 2], k[1, 2]])
+    camera = centered / torch.stack([k[0, 0], k[1, 1]])
     camera = torch.cat([camera, torch.ones_like(camera[:, :1])], -1)
     world = torch.einsum("mij,mj->mi", rotation, camera)
     return {"rays_o": x["c2w"][:, :3, 3], "rays_d": torch.nn.functional.normalize(world, dim=-1, eps=0.0)}

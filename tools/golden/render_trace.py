@@ -12,14 +12,14 @@ DIFFERENCES = {"delta": "differences", "last_delta": "to_far"}
 
 
 def cases():
-    """A picture that is not square, its centre off the middle, under a random pose, over a background of three colours."""
+    """A picture that is not square, its center off the middle, under a random pose, over a background of three colors."""
     yield case("jittered", (3, 4, 5), "an independent u for every pixel and sample")
     yield case("differences", (2, 3, 4), "steps by differences, the last one to far", DIFFERENCES)
     yield case("dense", (1, 2, 32), "32 samples at rest", u=0.5)
 
 
 def case(name, shape, comment, conventions=None, u=None):
-    """Densities in [0, 3), random colours."""
+    """Densities in [0, 3), random colors."""
     draw, (height, width, _) = Draw(PURPOSE, name), shape
     inputs = {"height": height, "width": width, "focal": 4.375, "cx": 0.625 * width, "cy": 0.375 * height}
     inputs |= {"c2w": pixel_to_ray.poses(draw, 1)[0], "near": 2.0, "far": 6.0}

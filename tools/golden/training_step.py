@@ -17,7 +17,7 @@ def cases():
 
 
 def inputs(name, rays, samples, position_levels, direction_levels):
-    """Rays through the box [-1, 1]^3, a draw for every sample, colours to meet, and a network."""
+    """Rays through the box [-1, 1]^3, a draw for every sample, colors to meet, and a network."""
     arrays = nerf_mlp.inputs(name, rays, 16, position_levels, direction_levels)
     arrays["rays_o"], arrays["rays_d"] = arrays.pop("positions"), unit(arrays.pop("directions"))
     draw = Draw(PURPOSE, name)

@@ -23,13 +23,13 @@ def cases():
     far = poses(draw, 3)
     far[:, :3, 3] *= 1e6
     yield case("far-away-CG9", far, draw.uniform((3, 3), -1e6, 1e6), "R x_c + o cancels: measured on its largest term")
-    draw = Draw(PURPOSE, "cancelling-CG9")
+    draw = Draw(PURPOSE, "canceling-CG9")
     near = poses(draw, 2)
     points = draw.uniform((2, 3), -2.0, 2.0)
     for m in range(2):
         for i in range(3):
             near[m, i, 3] = -(near[m, i, 0] * points[m, 0] + near[m, i, 1] * points[m, 1] + near[m, i, 2] * points[m, 2])
-    yield case("cancelling-CG9", near, points, "the point falls on the world's origin, to rounding")
+    yield case("canceling-CG9", near, points, "the point falls on the world's origin, to rounding")
 
 
 def case(name, c2w, x_c, comment):

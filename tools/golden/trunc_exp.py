@@ -16,7 +16,7 @@ def cases():
     yield case("usual", Draw(PURPOSE, "usual").uniform((16,), -8.0, 8.0), "raw densities of a trained field")
     yield case("zero", np.array([0.0, -0.0, 2.0**-30, -(2.0**-30)]), "beside 0")
     beside = np.array([np.nextafter(LIMIT, 0.0), LIMIT, np.nextafter(LIMIT, 20.0)])
-    yield case("limits", np.concatenate([-beside, beside]), "the limits and their neighbours")
+    yield case("limits", np.concatenate([-beside, beside]), "the limits and their neighbors")
     yield case("outside", np.concatenate([Draw(PURPOSE, "outside").uniform((8,), 15.0, 80.0), np.array([-16.0, -40.0])]), "")
     yield case("extremes-VR6", np.array([88.0, 89.0, 709.0, -708.0, -740.0]), "where single and double precision end")
     overflow = case("overflow-VR6", np.array([710.0, 1e300, -746.0, -1e300]), "infinite and 0, the gradient finite")

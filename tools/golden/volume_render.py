@@ -68,7 +68,7 @@ def kornia_cases():
 
 
 def random(name, shape, sigma_range, comment, step_range=(0.005, 0.25), vjp=True):
-    """Uniform densities, colours and steps."""
+    """Uniform densities, colors and steps."""
     draw = Draw(PURPOSE, name)
     rays, samples = shape
     sigmas, rgbs = draw.uniform(shape, *sigma_range), draw.uniform((rays, samples, 3))
@@ -81,7 +81,7 @@ def case(name, sigmas, rgbs, deltas, comment, **more):
 
 
 def random_colors(name, rays, samples):
-    """Random colours for a case whose densities are written out."""
+    """Random colors for a case whose densities are written out."""
     return Draw(PURPOSE, name).uniform((rays, samples, 3))
 
 

@@ -29,7 +29,7 @@ def cases():
 
 
 def case(name, alphas, comment, **more):
-    """Random colours to given opacities."""
+    """Random colors to given opacities."""
     return Case(name, {"alphas": alphas, "rgbs": Draw(PURPOSE, name).uniform((*alphas.shape, 3))}, comment, **more)
 
 

@@ -22,13 +22,13 @@ pub(super) struct Chunk {
     pub sigmas: Vec<f32>,
     pub deltas: Vec<f32>,
     pub rays: Weights,
-    /// Samples whose colour is wanted, and their rows of the tape.
+    /// Samples whose color is wanted, and their rows of the tape.
     pub active: Vec<usize>,
     pub rows: Vec<usize>,
-    /// Encoded directions (R, direction), and what they and the biases add to the colour layer (R, color).
+    /// Encoded directions (R, direction), and what they and the biases add to the color layer (R, color).
     pub directions: Vec<f32>,
     pub ray_terms: Vec<f32>,
-    /// Colour layer (active, color) and its gradient; colours (active, 3) and their gradient before the sigmoid.
+    /// Color layer (active, color) and its gradient; colors (active, 3) and their gradient before the sigmoid.
     pub hidden: Vec<f32>,
     pub g_hidden: Vec<f32>,
     pub rgbs: Vec<f32>,
@@ -36,7 +36,7 @@ pub(super) struct Chunk {
     /// Gradients of the density by sample, and before its activation (active).
     pub g_sigma: Vec<f32>,
     pub g_z: Vec<f32>,
-    /// Gradients of the colour layer summed over each ray (R, color).
+    /// Gradients of the color layer summed over each ray (R, color).
     pub g_rays: Vec<f32>,
 }
 
@@ -81,7 +81,7 @@ impl<'a> Prepared<'a> {
         chunk.sigmas.extend(chunk.z.iter().map(|&z| density(z, net.density)));
     }
 
-    /// Colours of the active samples; their activations move to the front.
+    /// Colors of the active samples; their activations move to the front.
     fn colors(&self, chunk: &mut Chunk, directions: &[f64], samples: usize) {
         let net = self.net;
         let (width, color, columns) = (net.shape.width, net.shape.color, net.shape.direction);
@@ -138,7 +138,7 @@ impl<'a> Prepared<'a> {
         (sigmas, chunk.rgbs.clone())
     }
 
-    /// Weights of all samples, colours of the active ones; colours of the rays in the result.
+    /// Weights of all samples, colors of the active ones; colors of the rays in the result.
     pub fn render(
         &self,
         chunk: &mut Chunk,

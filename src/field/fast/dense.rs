@@ -1,6 +1,6 @@
 //! The matrix products of a training step of the 8x256 network alone, for `bench`'s share of the ceiling.
 //!
-//! Per point: the trunk, the folded colour layer M (what is computed; feature and colour layer apart would be 65,536 multiplications
+//! Per point: the trunk, the folded color layer M (what is computed; feature and color layer apart would be 65,536 multiplications
 //! more), both with their gradients. Per ray: the direction's columns. The heads of 1 and 3 outputs (0.1% of the work) are loops of
 //! their own, not products, and stand in the pass.
 
@@ -28,7 +28,7 @@ const GROUPS: usize = 16;
 /// A step's dense layers, rays as `benches/step.rs` draws them.
 pub const DENSE: Dense = Dense {
     name: "nerf_mlp",
-    about: "8x256, 64 samples a ray, chunks of 512 points, every sample with its colour and backward pass; 1,024 rays, 128 where quick",
+    about: "8x256, 64 samples a ray, chunks of 512 points, every sample with its color and backward pass; 1,024 rays, 128 where quick",
     prepare: |quick| Box::new(Step::new(if quick { 128 } else { 1024 })),
 };
 

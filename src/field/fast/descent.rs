@@ -32,7 +32,7 @@ impl Prepared<'_> {
         self.network_backward(chunk, batch.rays.samples, &mut group.partial);
     }
 
-    /// From the colours of rays to what stands before sigmoid and density activation of the active samples.
+    /// From the colors of rays to what stands before sigmoid and density activation of the active samples.
     fn render_backward(&self, chunk: &mut Chunk, rays: &Rays, g_colors: &[f32], background: [f32; 3]) {
         let samples = rays.samples;
         chunk.g_sigma.clear();
@@ -99,7 +99,7 @@ impl Prepared<'_> {
         net.trunk.backward(net.arch, &net.params, &mut chunk.tape, count, gradient);
     }
 
-    /// Gradients of feature and colour layer from those of M (behind the parameters) and of the colour layer's bias:
+    /// Gradients of feature and color layer from those of M (behind the parameters) and of the color layer's bias:
     /// g_color = g_M w_feature^T + g_b b_feature^T, g_feature = w_color^T g_M, g_b_feature = w_color^T g_b.
     pub fn unfold(&self, gradient: &mut [f32]) {
         let net = self.net;

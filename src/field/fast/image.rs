@@ -1,4 +1,4 @@
-//! The 2D network: pixel -> colour, for fitting pictures.
+//! The 2D network: pixel -> color, for fitting pictures.
 
 use pulp::Arch;
 
@@ -57,7 +57,7 @@ impl ImageNetwork {
         }
     }
 
-    /// Colours (M, 3) of points `x` (M, dims).
+    /// Colors (M, 3) of points `x` (M, dims).
     pub fn forward(&self, x: &[f64]) -> Vec<f32> {
         let transposed = self.trunk.transposed(&self.params);
         let size = super::CHUNK * self.dims;
@@ -72,7 +72,7 @@ impl ImageNetwork {
         colors
     }
 
-    /// Loss and gradient of a batch: the mean over points and channels of (colour - target)^2.
+    /// Loss and gradient of a batch: the mean over points and channels of (color - target)^2.
     ///
     /// # Shapes
     /// `x` (M, dims), `targets` (M, 3).

@@ -31,14 +31,14 @@ pub struct Network {
     pool: Pool<Chunk>,
 }
 
-/// What a training step sees: rays, and the colours that they should have.
+/// What a training step sees: rays, and the colors that they should have.
 #[derive(Clone, Copy, Debug)]
 pub struct Batch<'a> {
     /// R rays.
     pub rays: Rays<'a>,
-    /// Colours (R, 3) in [0, 1].
+    /// Colors (R, 3) in [0, 1].
     pub targets: &'a [f32],
-    /// The colour behind everything.
+    /// The color behind everything.
     pub background: [f32; 3],
 }
 
@@ -80,7 +80,7 @@ impl Network {
         oracle
     }
 
-    /// Densities (M) and colours (M, 3) of points (M, 3), where `samples` consecutive points share a direction.
+    /// Densities (M) and colors (M, 3) of points (M, 3), where `samples` consecutive points share a direction.
     ///
     /// # Shapes
     /// `positions` (M, 3), `directions` (M / `samples`, 3).
@@ -101,7 +101,7 @@ impl Network {
         (sigmas, rgbs)
     }
 
-    /// Densities (M) of points (M, 3), without colours.
+    /// Densities (M) of points (M, 3), without colors.
     pub fn densities(&self, positions: &[f64]) -> Vec<f32> {
         let prepared = Prepared::new(self);
         let chunks: Vec<&[f64]> = positions.chunks(3 * super::CHUNK).collect();
@@ -110,7 +110,7 @@ impl Network {
         densities.concat()
     }
 
-    /// Colours, opacities and depths of rays, for pictures.
+    /// Colors, opacities and depths of rays, for pictures.
     pub fn render(&self, rays: &Rays, background: [f32; 3]) -> Rendered {
         self.render_skipping(rays, Skipping::default(), background)
     }
@@ -133,7 +133,7 @@ impl Network {
         all
     }
 
-    /// Weights of all samples (R, N), without colours: what a coarse network tells a fine one.
+    /// Weights of all samples (R, N), without colors: what a coarse network tells a fine one.
     pub fn weights(&self, rays: &Rays) -> Vec<f32> {
         let prepared = Prepared::new(self);
         let size = rays.in_chunk();
@@ -149,7 +149,7 @@ impl Network {
 
     /// Loss and gradient of a batch: the mean over rays and channels of (C + T_end background - target)^2.
     ///
-    /// `dense` computes every sample's colour and backward pass, whether or not anything can come of it.
+    /// `dense` computes every sample's color and backward pass, whether or not anything can come of it.
     pub fn step(&self, batch: &Batch, dense: bool, gradient: &mut Gradient) -> f64 {
         self.step_in_chunks(batch, Skipping::default(), dense, gradient)
     }

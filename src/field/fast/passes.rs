@@ -1,4 +1,4 @@
-//! What happens to a chunk between two matrix products: one pass over it while it is in the cache, vectorised at run time.
+//! What happens to a chunk between two matrix products: one pass over it while it is in the cache, vectorized at run time.
 //!
 //! Rows are points. A gradient `g` is masked where the activation behind the ReLU is 0, which is where its input was not
 //! positive. Each pass is a struct, because only `with_simd` is sure to be compiled for the instructions it is called with;

@@ -18,7 +18,7 @@ pub struct Rays<'a> {
 /// A picture's worth of rendered rays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rendered {
-    /// Colours over the background (R, 3).
+    /// Colors over the background (R, 3).
     pub colors: Vec<f32>,
     /// Opacity, the sum of the weights (R).
     pub opacity: Vec<f32>,

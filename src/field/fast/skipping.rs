@@ -8,7 +8,7 @@ use crate::volume_rendering::fast::Weights;
 ///
 /// A sample that is not live has density 0 and is never evaluated; its density gets no gradient, which is the whole approximation. The
 /// step lengths of the others stay what they are. A ray ends behind the first sample with T < `stop` (see
-/// [`live_samples`](crate::early_stop::live_samples)): the light that is left goes on to the background, and a colour moves by at most
+/// [`live_samples`](crate::early_stop::live_samples)): the light that is left goes on to the background, and a color moves by at most
 /// `stop`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Skipping<'a> {

@@ -86,7 +86,7 @@ fn positions(scene: &Scene, i: usize) -> Vec<f64> {
     positional_encoding(&x, &Encoding::new(10, &CS180))
 }
 
-/// Colours, loss and gradient of a batch, point by point in f64: of the samples that aren't left out.
+/// Colors, loss and gradient of a batch, point by point in f64: of the samples that aren't left out.
 fn oracle(net: &NerfMlp, c: &Conventions, batch: &Batch, skipping: Skipping) -> (Vec<f64>, f64, NerfMlp) {
     let (positions, directions) = (Encoding::new(10, c), Encoding::new(4, c));
     let mut gradient = net.clone();
@@ -148,7 +148,7 @@ fn agrees(shape: &Shape, density: Density, dense: bool, arch: Arch) {
     fast.arch = arch;
     let rendered = fast.render(&batch.rays, BACKGROUND);
     for (got, want) in rendered.colors.iter().zip(&colors) {
-        assert!((f64::from(*got) - want).abs() < 1e-5, "colour {got}, expected {want}");
+        assert!((f64::from(*got) - want).abs() < 1e-5, "color {got}, expected {want}");
     }
     let mut got = Gradient::default();
     let got_loss = fast.step(&batch, dense, &mut got);
@@ -259,7 +259,7 @@ fn forward_agrees_with_the_oracle() {
     }
 }
 
-/// The 2D network: colours, loss, gradients, threads, scalar path.
+/// The 2D network: colors, loss, gradients, threads, scalar path.
 #[test]
 fn the_image_network_agrees_with_the_oracle() {
     let encoding = Encoding::new(10, &CS180);

@@ -7,7 +7,7 @@ pub const HASH_GRID: &[Mistake] = &[
     Mistake::new(
         "first_prime_not_one",
         "the factor of x is 1958374283 instead of 1",
-        "another hash: tables can't be exchanged; neighbours along x are no neighbours in memory any more",
+        "another hash: tables can't be exchanged; neighbors along x are no neighbors in memory any more",
         "1, 2654435761, 805459861",
         "tiny-cuda-nn's hash type Prime, where it is meant; its default, CoherentPrime, is the paper's",
         1,

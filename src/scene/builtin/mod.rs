@@ -1,10 +1,10 @@
-//! Scenes by formula: density, colour and the optical depth of any ray in closed form, so that a picture needs no file and a
+//! Scenes by formula: density, color and the optical depth of any ray in closed form, so that a picture needs no file and a
 //! rendering has an exact answer.
 
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::maths::{erf, exp, pow, sin_pi};
+use crate::math::{erf, exp, pow, sin_pi};
 use crate::ray::Ray;
 
 mod views;
@@ -31,23 +31,23 @@ pub enum Body {
     Blob {
         /// s, the standard deviation.
         deviation: f64,
-        /// sigma at the centre.
+        /// sigma at the center.
         density: f64,
     },
     /// A ball that fades out: sigma(x) = density (1 - |x - c|^2 / R^2)^2 inside, 0 outside; the density and its slope are continuous.
     SoftSphere {
         /// c.
-        centre: DVec3,
+        center: DVec3,
         /// R.
         radius: f64,
-        /// sigma at the centre.
+        /// sigma at the center.
         density: f64,
-        /// Its colour in plain light.
+        /// Its color in plain light.
         color: [f64; 3],
     },
 }
 
-/// A built-in scene: bodies whose densities add up and whose colours mix by density.
+/// A built-in scene: bodies whose densities add up and whose colors mix by density.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
     /// What it is made of.
@@ -89,7 +89,7 @@ impl Medium {
         sigma
     }
 
-    /// c(x, d) in [0, 1], seen along unit direction `d`: the bodies' colours weighed by their densities; black where there is nothing.
+    /// c(x, d) in [0, 1], seen along unit direction `d`: the bodies' colors weighed by their densities; black where there is nothing.
     pub fn color(&self, x: DVec3, d: DVec3) -> [f64; 3] {
         let (mut sum, mut weight) = ([0.0; 3], 0.0);
         for body in &self.bodies {
@@ -121,11 +121,11 @@ impl Medium {
     }
 }
 
-/// Five balls that reach into each other, of different colours.
+/// Five balls that reach into each other, of different colors.
 fn spheres() -> Vec<Body> {
     let ball = |x: f64, y: f64, z: f64, radius: f64, color: [f64; 3]| {
-        let centre = DVec3::new(x, y, z);
-        Body::SoftSphere { centre, radius, density: 20.0, color }
+        let center = DVec3::new(x, y, z);
+        Body::SoftSphere { center, radius, density: 20.0, color }
     };
     vec![
         ball(0.0, 0.0, 0.1, 0.65, [0.85, 0.25, 0.2]),
@@ -150,8 +150,8 @@ impl Body {
             Body::Blob { deviation, density } => {
                 density * exp(-x.length_squared() / (2.0 * deviation * deviation))
             }
-            Body::SoftSphere { centre, radius, density, .. } => {
-                let inside = 1.0 - (x - centre).length_squared() / (radius * radius);
+            Body::SoftSphere { center, radius, density, .. } => {
+                let inside = 1.0 - (x - center).length_squared() / (radius * radius);
                 if inside > 0.0 { density * inside * inside } else { 0.0 }
             }
         }
@@ -164,7 +164,7 @@ impl Body {
             Body::Blob { .. } => {
                 (DVec3::splat(0.5) + x.clamp(DVec3::splat(-0.45), DVec3::splat(0.45))).to_array()
             }
-            Body::SoftSphere { centre, color, .. } => lit(x - centre, d, color),
+            Body::SoftSphere { center, color, .. } => lit(x - center, d, color),
         }
     }
 
@@ -184,8 +184,8 @@ impl Body {
                 peak * scale * std::f64::consts::PI.sqrt() / 2.0 * across
             }
             // With q = 1 - b^2 / R^2 and s = t - m, sigma is density (q - s^2 / R^2)^2 for |s| < R sqrt q: a polynomial.
-            Body::SoftSphere { centre, radius, density, .. } => {
-                let (m, b2) = closest(ray, centre);
+            Body::SoftSphere { center, radius, density, .. } => {
+                let (m, b2) = closest(ray, center);
                 let r2 = radius * radius;
                 let q = 1.0 - b2 / r2;
                 if q <= 0.0 {
@@ -202,16 +202,16 @@ impl Body {
     }
 }
 
-/// Where a ray of unit direction passes closest to `centre`: t there, and the square of the distance.
-fn closest(ray: &Ray, centre: DVec3) -> (f64, f64) {
-    let m = (centre - ray.o).dot(ray.d);
-    (m, (ray.at(m) - centre).length_squared())
+/// Where a ray of unit direction passes closest to `center`: t there, and the square of the distance.
+fn closest(ray: &Ray, center: DVec3) -> (f64, f64) {
+    let m = (center - ray.o).dot(ray.d);
+    (m, (ray.at(m) - center).length_squared())
 }
 
 /// Half ambient, half diffuse light, and a highlight (Blinn 1977: the half vector between light and eye, to the power 20).
-fn lit(from_centre: DVec3, d: DVec3, color: [f64; 3]) -> [f64; 3] {
+fn lit(from_center: DVec3, d: DVec3, color: [f64; 3]) -> [f64; 3] {
     let light = DVec3::new(0.48, 0.36, 0.8);
-    let normal = from_centre.normalize_or_zero();
+    let normal = from_center.normalize_or_zero();
     let diffuse = 0.5 + 0.5 * normal.dot(light).max(0.0);
     let highlight = 0.5 * pow(normal.dot((light - d).normalize_or_zero()).max(0.0), 20.0);
     color.map(|c| (c * diffuse + highlight).min(1.0))

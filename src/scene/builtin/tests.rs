@@ -36,11 +36,11 @@ fn a_slab_through_its_middle_is_one_minus_e_to_the_minus_sigma_l() {
     let slab = Medium::named("slab").unwrap();
     let ray = Ray { o: DVec3::new(0.1, 0.2, 4.0), d: -DVec3::Z };
     let seen = render(&slab, &ray, 2.0, 6.0, 64);
-    assert_relative_eq!(seen.opacity, -crate::maths::expm1(-2.0 * 0.6), max_relative = 64.0 * f64::EPSILON);
+    assert_relative_eq!(seen.opacity, -crate::math::expm1(-2.0 * 0.6), max_relative = 64.0 * f64::EPSILON);
 }
 
 #[test]
-fn a_blob_through_its_centre_is_a_full_gaussian() {
+fn a_blob_through_its_center_is_a_full_gaussian() {
     let blob = Medium::named("blob").unwrap();
     let ray = Ray { o: DVec3::new(0.0, 4.0, 0.0), d: -DVec3::Y };
     // density s sqrt(2 pi), cut at two units, which is eight deviations.
@@ -50,16 +50,16 @@ fn a_blob_through_its_centre_is_a_full_gaussian() {
 }
 
 #[test]
-fn a_soft_sphere_through_its_centre_is_sixteen_fifteenths_of_radius_times_density() {
+fn a_soft_sphere_through_its_center_is_sixteen_fifteenths_of_radius_times_density() {
     let color = [0.5; 3];
-    let ball = Body::SoftSphere { centre: DVec3::ZERO, radius: 0.5, density: 3.0, color };
+    let ball = Body::SoftSphere { center: DVec3::ZERO, radius: 0.5, density: 3.0, color };
     let ray = Ray { o: DVec3::new(-4.0, 0.0, 0.0), d: DVec3::X };
     assert_relative_eq!(ball.optical_depth(&ray, 0.0, 8.0), 16.0 / 15.0 * 0.5 * 3.0, max_relative = 1e-14);
     assert_relative_eq!(ball.optical_depth(&ray, 4.0, 8.0), 8.0 / 15.0 * 0.5 * 3.0, max_relative = 1e-14);
 }
 
 #[test]
-fn colours_stay_in_range_and_highlights_move_with_the_eye() {
+fn colors_stay_in_range_and_highlights_move_with_the_eye() {
     let spheres = Medium::named("spheres").unwrap();
     let mut moved: f64 = 0.0;
     for ray in rays() {

@@ -5,9 +5,9 @@ use ndarray::Array3;
 
 use super::{Medium, ray_box};
 use crate::camera::{Camera, Intrinsics};
-use crate::convention::{Delta, Grid, LastDelta, PixelCentre, ProductEps, Rest};
+use crate::convention::{Delta, Grid, LastDelta, PixelCenter, ProductEps, Rest};
 use crate::error::Result;
-use crate::maths::{cos_pi, sin_pi};
+use crate::math::{cos_pi, sin_pi};
 use crate::parallel;
 use crate::ray::{Ray, camera_ray, pixel_position};
 use crate::sample::{rest_u, sample_along_ray, step_sizes};
@@ -76,14 +76,14 @@ fn photograph(
     let rows = parallel::map(camera.height, |j| {
         let mut row = Vec::with_capacity(3 * camera.width);
         for i in 0..camera.width {
-            let ray = camera_ray(camera, pixel_position(i, j, PixelCentre::Half))?;
+            let ray = camera_ray(camera, pixel_position(i, j, PixelCenter::Half))?;
             let seen = render(medium, &ray, near, far, SAMPLES);
             row.extend(composite_background(seen.color, seen.opacity, background).map(|c| c as f32));
         }
         Ok(row)
     });
     let rows: Vec<Vec<f32>> = rows.into_iter().collect::<Result<_>>()?;
-    Ok(Array3::from_shape_vec((camera.height, camera.width, 3), rows.concat()).expect("H rows of W colours"))
+    Ok(Array3::from_shape_vec((camera.height, camera.width, 3), rows.concat()).expect("H rows of W colors"))
 }
 
 /// What a ray sees between `near` and `far`, by the reference: `samples` in the middles of equal intervals of the part inside the box.

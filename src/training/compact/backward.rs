@@ -1,4 +1,4 @@
-//! Backward: from the gradients of raw colours and densities to those of all weights and of the encodings.
+//! Backward: from the gradients of raw colors and densities to those of all weights and of the encodings.
 
 use pulp::Simd;
 
@@ -17,7 +17,7 @@ fn mask<const N: usize>(gradient: &mut [[f32; N]], activation: &[[f32; N]]) {
     }
 }
 
-/// The colours' three rows into the three columns that are used.
+/// The colors' three rows into the three columns that are used.
 #[inline(always)]
 pub(super) fn turn_colors(rows: &[[f32; HIDDEN]; 16], columns: &mut [[f32; 16]]) {
     for (k, row) in columns.iter_mut().enumerate() {

@@ -21,13 +21,13 @@ pub(super) struct Ray {
     pub pixel: u32,
     /// Whether it may go on behind its last sample.
     pub cut: bool,
-    /// Colour over the background.
+    /// Color over the background.
     pub color: [f32; 3],
     /// T behind the last sample.
     pub transmittance: f32,
     /// sum of w t.
     pub depth: f32,
-    /// Forward: the harmonics' part of the colour network's hidden layer, the same for all samples. Backward: its gradient.
+    /// Forward: the harmonics' part of the color network's hidden layer, the same for all samples. Backward: its gradient.
     pub view: [f32; HIDDEN],
 }
 
@@ -49,7 +49,7 @@ pub(super) struct Chunk {
     pub hidden0: Aligned<[f32; HIDDEN]>,
     pub geometry: Aligned<[f32; GEOMETRY]>,
     pub hidden1: Aligned<[f32; HIDDEN]>,
-    /// Columns 0 to 2: the raw colour, then the colour, then the raw colour's gradient. See `composite` for the others.
+    /// Columns 0 to 2: the raw color, then the color, then the raw color's gradient. See `composite` for the others.
     pub rgb: Aligned<[f32; 16]>,
     pub gradient: Weights,
     /// Samples of the rays whose errors count.

@@ -2,7 +2,7 @@
 //! their order, tile by tile, chunk by chunk, on the chunks of a step.
 //!
 //! In them: the four matrices that every sample passes, forward (with the ReLU that the kernel applies) and backward, and the ray's part
-//! of the colour network's hidden layer copied to its samples, because a product adds to it; encodings are moved between levels and
+//! of the color network's hidden layer copied to its samples, because a product adds to it; encodings are moved between levels and
 //! tiles, as in training. Not in them: that part itself (once a ray), ReLU's masks, activations, rendering, the early stop, encodings.
 
 use pulp::{Arch, Simd, WithSimd};
@@ -166,13 +166,13 @@ struct Marched {
 
 /// A chunk, and what passes and products overwrite of it.
 struct Filled {
-    /// Behind a pass: `rgb` holds the gradients of the raw colours.
+    /// Behind a pass: `rgb` holds the gradients of the raw colors.
     chunk: Chunk,
     marched: Marched,
     /// Encodings of the live samples, and their rays' part of the hidden layer.
     encoding: [Aligned<Entry>; LEVELS],
     views: Vec<[f32; HIDDEN]>,
-    /// Raw colours of the products: where `rgb` would be, which holds gradients.
+    /// Raw colors of the products: where `rgb` would be, which holds gradients.
     raw: Aligned<[f32; 16]>,
 }
 
@@ -243,7 +243,7 @@ impl<M: Multiply> WithSimd for Products<'_, M> {
     }
 }
 
-/// Weights that a sample meets: in the density network, in the colour network.
+/// Weights that a sample meets: in the density network, in the color network.
 const WEIGHTS: [usize; 2] = [WIDTH * HIDDEN + HIDDEN * GEOMETRY, GEOMETRY * HIDDEN + HIDDEN * 3];
 
 /// Useful flops of the products of a live sample: forward, weights, inputs.

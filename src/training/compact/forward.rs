@@ -141,7 +141,7 @@ fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
     }
 }
 
-/// Colours and errors; where the pass wants gradients, those of the raw colours in columns 0 to 2 of `rgb`, and of the raw density in
+/// Colors and errors; where the pass wants gradients, those of the raw colors in columns 0 to 2 of `rgb`, and of the raw density in
 /// column 3.
 #[inline(always)]
 fn composite(pass: &Pass, c: &mut Chunk) {
@@ -162,7 +162,7 @@ fn composite(pass: &Pass, c: &mut Chunk) {
             transmittance = next;
         }
         (ray.transmittance, ray.depth) = (transmittance, depth);
-        // A ray that was given up too early doesn't know its colour.
+        // A ray that was given up too early doesn't know its color.
         let counts = !(ray.cut && transmittance > pass.stop);
         if counts {
             c.counted += ray.count;

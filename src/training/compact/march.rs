@@ -15,7 +15,7 @@ const TOGETHER: usize = 16;
 /// Rays of a march: enough that lanes are seldom idle, few enough that their samples stay in the cache.
 const WALKING: usize = 128;
 
-/// A ray, the training pixel that it comes from and its colour, jitter and patience.
+/// A ray, the training pixel that it comes from and its color, jitter and patience.
 struct Drawn {
     ray: BoxRay,
     pixel: u32,

@@ -1,4 +1,4 @@
-//! The two small networks: density 32 -> 64 -> 16, colour (16 + 16 harmonics) -> 64 -> 3. No biases, as in Instant-NGP.
+//! The two small networks: density 32 -> 64 -> 16, color (16 + 16 harmonics) -> 64 -> 3. No biases, as in Instant-NGP.
 
 use crate::hash_grid::fast::{AdamRates, WIDTH};
 use crate::random::Key;
@@ -18,7 +18,7 @@ pub(super) struct Weights {
     pub density0: Aligned<[f32; HIDDEN]>,
     pub density1: Aligned<[f32; GEOMETRY]>,
     pub color0: Aligned<[f32; HIDDEN]>,
-    /// From the direction's harmonics to the colour network's hidden layer.
+    /// From the direction's harmonics to the color network's hidden layer.
     pub view: Aligned<[f32; HIDDEN]>,
     /// 3 of 16 columns are used, so that a row is a vector; the others stay 0.
     pub color1: Aligned<[f32; 16]>,

@@ -5,7 +5,7 @@ use super::CompactModel;
 use super::step::optical_step;
 use crate::convention::ProductEps;
 use crate::hash_grid;
-use crate::maths::{Sum, exp};
+use crate::math::{Sum, exp};
 use crate::ray::Ray;
 use crate::ray_aabb::intersect;
 use crate::spherical_harmonics::harmonics;
@@ -35,7 +35,7 @@ pub(super) struct Reference {
 
 /// What a ray sees, and how many samples of it count.
 pub(super) struct Seen {
-    /// Premultiplied colour.
+    /// Premultiplied color.
     pub color: [f64; 3],
     /// A.
     pub opacity: f64,
@@ -94,7 +94,7 @@ impl Reference {
         }
     }
 
-    /// Density in the unit of [`optical_step`], and colour, at a point of the unit box.
+    /// Density in the unit of [`optical_step`], and color, at a point of the unit box.
     fn field(&self, p: [f64; 3], view: &[f64]) -> (f64, [f64; 3]) {
         // Levels that aren't in use yet are columns of zeros: their rows of the weights are never reached.
         let encoding = hash_grid::encode(&self.levels, p);
@@ -175,7 +175,7 @@ mod tests {
         (model, some)
     }
 
-    /// At the same samples f32 and f64 agree to some roundings; the early stop moves a colour by at most its eps; nothing sticks.
+    /// At the same samples f32 and f64 agree to some roundings; the early stop moves a color by at most its eps; nothing sticks.
     #[test]
     fn the_f32_path_agrees_with_it_and_knobs_turn_back() {
         let (mut model, rays) = trained();

@@ -27,7 +27,7 @@ pub enum Part {
     Growth,
     /// Learning rates that fall.
     Decay,
-    /// Colours that depend on the direction.
+    /// Colors that depend on the direction.
     ViewDependence,
 }
 
@@ -57,7 +57,7 @@ pub struct Settings {
     pub near: f64,
     /// Where they end.
     pub far: f64,
-    /// The colour behind everything.
+    /// The color behind everything.
     pub background: [f64; 3],
     /// Step lengths across the box, once training has warmed up.
     pub samples: f64,
@@ -79,7 +79,7 @@ pub struct Settings {
     pub lr: [f64; 2],
     /// Seed of everything random.
     pub seed: u64,
-    /// Whether colour depends on the direction.
+    /// Whether color depends on the direction.
     pub view_dependent: bool,
     /// Parts that are switched off.
     pub without: Vec<Part>,
@@ -130,10 +130,10 @@ impl Settings {
         because("table", "2^17 entries of 16 bytes: a level fits into a core's 2 MiB of L2".into());
         let without = |part| overrides.without.contains(&part);
         let or = |part, why: &str| if without(part) { "left out: as asked for" } else { why }.to_string();
-        because("stop", or(Part::Stop, "a colour moves by at most 1e-4, a fortieth of an 8-bit step"));
+        because("stop", or(Part::Stop, "a color moves by at most 1e-4, a fortieth of an 8-bit step"));
         because(
             "stop_at_rest",
-            or(Part::Stop, "a picture's colour moves by at most 1e-6: so near to f64 at the same samples"),
+            or(Part::Stop, "a picture's color moves by at most 1e-6: so near to f64 at the same samples"),
         );
         because(
             "patience",
@@ -177,7 +177,7 @@ impl Settings {
                 None => "left out: the scene has no distortion coefficients".to_string(),
             },
         );
-        because("background_model", "left out: what lies beyond the box has one colour".into());
+        because("background_model", "left out: what lies beyond the box has one color".into());
         Settings {
             low,
             size,
@@ -261,12 +261,12 @@ impl Settings {
     }
 }
 
-fn centre(camera: &Camera) -> DVec3 {
+fn center(camera: &Camera) -> DVec3 {
     camera.c2w.w_axis.truncate()
 }
 
 fn distances(scene: &Scene) -> impl Iterator<Item = f64> {
-    scene.train.iter().map(|frame| (centre(&frame.camera) - scene.focus).length())
+    scene.train.iter().map(|frame| (center(&frame.camera) - scene.focus).length())
 }
 
 /// The cube that samples are taken in, with its reason.

@@ -8,7 +8,7 @@ use super::forward::{Pass, run};
 use super::march::March;
 use super::networks::Weights;
 use crate::hash_grid::fast::{self as hash_grid, AdamRates, Level};
-use crate::optimiser::Adam;
+use crate::optimizer::Adam;
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::training::StepReport;
@@ -120,7 +120,7 @@ pub(super) fn optical_step(samples: f64) -> f32 {
     (3.0 / samples) as f32
 }
 
-/// The first `active` levels, fine and coarse by turns: fine ones cost more, and neighbours go to the same thread.
+/// The first `active` levels, fine and coarse by turns: fine ones cost more, and neighbors go to the same thread.
 fn balanced(levels: &mut [Level], active: usize) -> Vec<(usize, &mut Level)> {
     let mut left: std::collections::VecDeque<_> = levels.iter_mut().enumerate().take(active).collect();
     let mut out = vec![];

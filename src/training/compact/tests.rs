@@ -129,7 +129,7 @@ fn relu(mut x: Vec<f64>) -> Vec<f64> {
     x
 }
 
-/// sigma and colour of an encoded sample, from the formulas.
+/// sigma and color of an encoded sample, from the formulas.
 fn field(w: &Weights, encoding: &[f64], direction: [f64; 3]) -> (f64, [f64; 3]) {
     let geometry = layer(&relu(layer(encoding, &w.density0)), &w.density1);
     let seen = layer(&spherical_harmonics::harmonics(direction, 3), &w.view);
@@ -174,7 +174,7 @@ fn chunk_of(encodings: &[[f32; 32]]) -> Chunk {
     chunk
 }
 
-/// Loss and gradients of a chunk against the oracle's loss and its central differences, vectorised and scalar.
+/// Loss and gradients of a chunk against the oracle's loss and its central differences, vectorized and scalar.
 #[test]
 fn gradients_agree_with_the_oracle() {
     let nets = Networks::new(Weights::random(&Key::new(4, Purpose::Parameters)));
@@ -228,7 +228,7 @@ fn gradients_agree_with_the_oracle() {
     }
 }
 
-/// The early stop moves no colour by more than its eps.
+/// The early stop moves no color by more than its eps.
 #[test]
 fn early_stop_keeps_its_word() {
     let nets = Networks::new(Weights::random(&Key::new(4, Purpose::Parameters)));

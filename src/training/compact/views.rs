@@ -1,4 +1,4 @@
-//! The training pictures, laid out for drawing single pixels: colours, and directions through a table a lens.
+//! The training pictures, laid out for drawing single pixels: colors, and directions through a table a lens.
 
 use glam::{DMat4, DVec3};
 
@@ -82,7 +82,7 @@ impl Views {
         self.views.len() * self.pixels
     }
 
-    /// The ray and the colour of pixel `n` of all.
+    /// The ray and the color of pixel `n` of all.
     #[inline(always)]
     pub fn pixel(&self, n: usize) -> (BoxRay, [f32; 3]) {
         let (view, pixel) = (&self.views[n / self.pixels], n % self.pixels);

@@ -9,7 +9,7 @@ use super::{Drawn, NerfModel, Samples, Skip};
 use crate::error::Result;
 use crate::field::fast::{Batch, Gradient, Network, Skipping};
 use crate::loss::psnr;
-use crate::optimiser::{Adam, fast::Moments};
+use crate::optimizer::{Adam, fast::Moments};
 use crate::random::{Key, Purpose};
 use crate::scene::Scene;
 use crate::verify::bench::rounds::{quantile, seconds};

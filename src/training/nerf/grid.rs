@@ -1,7 +1,7 @@
 //! Where the 8x256 network may have something: an occupancy grid over all that the training rays can reach.
 //!
 //! The network itself is asked, at random points of cells: every cell at first, then a part of them now and then, and the occupied ones
-//! with their neighbours each time, because content moves by a cell, not across the scene. A cell keeps the largest density of late.
+//! with their neighbors each time, because content moves by a cell, not across the scene. A cell keeps the largest density of late.
 
 use crate::convention::CS180;
 use crate::error::Result;
@@ -14,7 +14,7 @@ use crate::scene::Scene;
 
 /// An update looks at every cell whose index is its turn modulo this.
 const PARTS: usize = 8;
-/// Looks at occupied cells and their neighbours when the grid is filled.
+/// Looks at occupied cells and their neighbors when the grid is filled.
 const FIRST_LOOKS: u64 = 12;
 /// What an update leaves of a cell's density where it doesn't find more.
 const DECAY: f32 = 0.8;
@@ -48,7 +48,7 @@ impl Grid {
             let camera = &frame.camera;
             let along = |n: usize| (0..n).step_by(STRIDE).chain([n - 1]);
             for (i, j) in along(camera.height).flat_map(|i| along(camera.width).map(move |j| (i, j))) {
-                let ray = camera_ray(camera, pixel_position(i, j, CS180.pixel_centre))?;
+                let ray = camera_ray(camera, pixel_position(i, j, CS180.pixel_center))?;
                 for t in [near, far] {
                     let x = ray.at(t).to_array();
                     for a in 0..3 {
@@ -178,5 +178,5 @@ impl Grid {
 
 /// The density whose opacity over a step is [`OPACITY`]: 1 - e^(-sigma step).
 fn threshold(step: f64) -> f32 {
-    (-crate::maths::ln_1p(-OPACITY) / step) as f32
+    (-crate::math::ln_1p(-OPACITY) / step) as f32
 }

@@ -1,4 +1,4 @@
-//! One network of the NeRF model with its optimiser's state: on the f32 path, or in the f64 reference.
+//! One network of the NeRF model with its optimizer's state: on the f32 path, or in the f64 reference.
 
 use glam::DVec3;
 
@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::field::fast::{Batch, Gradient, Network, Rays, Skipping};
 use crate::field::{Layer, NerfMlp};
 use crate::files::npz::{Array, Arrays};
-use crate::optimiser::{self, Adam};
+use crate::optimizer::{self, Adam};
 use crate::parallel;
 use crate::random::Key;
 use crate::ray::Ray;
@@ -20,11 +20,11 @@ use crate::volume_rendering;
 /// Parameters, their running means, and the path that computes.
 #[allow(clippy::large_enum_variant, reason = "one or two a model")]
 pub(super) enum Path {
-    Fast { net: Box<Network>, moments: optimiser::fast::Moments, gradient: Gradient },
+    Fast { net: Box<Network>, moments: optimizer::fast::Moments, gradient: Gradient },
     Reference { field: Box<Field>, m: NerfMlp, v: NerfMlp, steps: u64 },
 }
 
-/// What one optimiser step did.
+/// What one optimizer step did.
 pub(super) struct Stepped {
     /// Mean squared error before it.
     pub loss: f64,
@@ -47,7 +47,7 @@ impl Path {
             Path::Reference { field, m: zero.clone(), v: zero, steps: 0 }
         } else {
             let net = Box::new(Network::new(&net, &settings.shape, CS180.density));
-            let moments = optimiser::fast::Moments::new(net.params.len());
+            let moments = optimizer::fast::Moments::new(net.params.len());
             Path::Fast { net, moments, gradient: Gradient::default() }
         }
     }
@@ -120,7 +120,7 @@ impl Path {
         }
     }
 
-    /// Colour without background, opacity and sum w t of each ray.
+    /// Color without background, opacity and sum w t of each ray.
     pub fn render(&self, rays: Rays, skipping: Skipping) -> Vec<([f32; 3], f32, f32)> {
         match self {
             Path::Reference { field, .. } => parallel::map(rays.len(), |r| {
@@ -194,7 +194,7 @@ impl Path {
         match self {
             Path::Fast { net, moments, .. } => {
                 net.params = flat(&params);
-                *moments = optimiser::fast::Moments { step, m: flat(&means), v: flat(&squares) };
+                *moments = optimizer::fast::Moments { step, m: flat(&means), v: flat(&squares) };
             }
             Path::Reference { field, m, v, steps } => {
                 (field.net, *m, *v, *steps) = (params, means, squares, step);

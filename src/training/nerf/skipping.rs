@@ -123,7 +123,7 @@ impl NerfModel {
                 "reasons": {
                     "skip_samples": "asked for: cells where a step's opacity is below occupancy_opacity have density 0, not evaluated",
                     "skip_behind_step": "before it densities are still the initial network's",
-                    "stop": "a colour moves by at most this",
+                    "stop": "a color moves by at most this",
                 },
             })
         } else {

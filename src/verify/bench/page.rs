@@ -59,7 +59,7 @@ fn system_picture(rows: &[Value]) -> String {
         Point { x, y, name: name.into(), hover, on_line: row["on_frontier"] == true }
     };
     let points: Vec<Point> = rows.iter().map(point).collect();
-    scatter::svg("whole pictures", "seconds a view", "largest error of a colour", &points)
+    scatter::svg("whole pictures", "seconds a view", "largest error of a color", &points)
 }
 
 fn picture(name: &str, rows: &[&Row]) -> String {

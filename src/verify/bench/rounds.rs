@@ -1,4 +1,4 @@
-//! Rounds: every kernel takes its turn in each of them, so that a busy neighbour hits all alike; medians and quartiles over rounds.
+//! Rounds: every kernel takes its turn in each of them, so that a busy neighbor hits all alike; medians and quartiles over rounds.
 
 use std::time::Instant;
 
@@ -48,7 +48,7 @@ pub fn seconds(work: impl FnOnce()) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// The q-quantile, linear between neighbours; NaN of nothing.
+/// The q-quantile, linear between neighbors; NaN of nothing.
 ///
 /// ```
 /// assert_eq!(nerf_oracle::verify::bench::rounds::quantile(&[4.0, 1.0, 2.0], 0.5), 2.0);

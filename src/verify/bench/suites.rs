@@ -3,7 +3,7 @@
 use super::{Dense, Scaling, Suite};
 use crate::field::fast::variants as field;
 use crate::{
-    encoding, hash_grid, occupancy_grid, optimiser, sample, spherical_harmonics, training, volume_rendering,
+    encoding, hash_grid, occupancy_grid, optimizer, sample, spherical_harmonics, training, volume_rendering,
 };
 
 /// All suites.
@@ -16,7 +16,7 @@ pub const SUITES: &[Suite] = &[
     spherical_harmonics::variants::SUITE,
     occupancy_grid::variants::SUITE,
     volume_rendering::variants::SUITE,
-    optimiser::variants::SUITE,
+    optimizer::variants::SUITE,
     training::variants::SUITE,
 ];
 
@@ -31,7 +31,7 @@ pub fn scalings() -> Vec<Scaling> {
         hash_grid::variants::SCALING,
         occupancy_grid::variants::SCALING,
         volume_rendering::variants::SCALING,
-        optimiser::variants::SCALING,
+        optimizer::variants::SCALING,
     ]
     .concat()
 }

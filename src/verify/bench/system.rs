@@ -33,7 +33,7 @@ pub struct Choice {
 /// What the oracle sees along a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
-    /// Premultiplied colour.
+    /// Premultiplied color.
     pub color: [f64; 3],
     /// A.
     pub opacity: f64,

@@ -3,7 +3,7 @@
 use ndarray::Array4;
 
 use super::{Call, findings};
-use crate::convention::{CS180, PixelCentre};
+use crate::convention::{CS180, PixelCenter};
 use crate::random::{Key, Purpose};
 use crate::ray::{Draw, sample_random_rays};
 use crate::sample::sample_along_ray;
@@ -29,7 +29,7 @@ fn call(seed: u64, step: u64, number: impl Fn(u64, u64) -> f64) -> Call {
     let u: Vec<[f64; 3]> =
         (0..RAYS as u64).map(|r| std::array::from_fn(|k| key.uniform(step, r, k as u64))).collect();
     let images = images();
-    let drawn = sample_random_rays(images.view(), Draw::Pool, &u, PixelCentre::Half);
+    let drawn = sample_random_rays(images.view(), Draw::Pool, &u, PixelCenter::Half);
     let t = |r: u64| {
         let u: Vec<f64> = (0..SAMPLES as u64).map(|i| number(r, i)).collect();
         sample_along_ray(BOUNDS[0], BOUNDS[1], &u, CS180.grid)
@@ -105,7 +105,7 @@ fn mistakes_of_the_rays_are_named() {
     assert_eq!(names(&left, &resting()), ["pixels_not_uniform"]);
     let mut swapped = right(7);
     swapped.iter_mut().for_each(|call| call.rgbs.rotate_left(1));
-    assert_eq!(names(&swapped, &resting()), ["wrong_colours"]);
+    assert_eq!(names(&swapped, &resting()), ["wrong_colors"]);
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn mistakes_of_the_jitter_are_named() {
     let width = (BOUNDS[1] - BOUNDS[0]) / SAMPLES as f64;
     let gaussian = |key: Key, step: u64, r: u64, i: u64| {
         let (a, b) = (key.uniform(step, r, 2 * i), key.uniform(step, r, 2 * i + 1));
-        (-2.0 * crate::maths::ln(1.0 - a)).sqrt() * crate::maths::cos(std::f64::consts::TAU * b)
+        (-2.0 * crate::math::ln(1.0 - a)).sqrt() * crate::math::cos(std::f64::consts::TAU * b)
     };
     type Number = Box<dyn Fn(Key, u64, u64, u64) -> f64>;
     let fixed = |w: f64| -> Number { Box::new(move |key, step, r, i| key.uniform(step, r, i) * w / width) };
@@ -126,7 +126,7 @@ fn mistakes_of_the_jitter_are_named() {
         ("jitter_width_0.02", fixed(0.02)),
         ("jitter_width_0.1", fixed(0.1)),
         ("jitter_width_1", fixed(1.0)),
-        ("jitter_centred_on_edges", Box::new(|key, step, r, i| key.uniform(step, r, i) - 0.5)),
+        ("jitter_centered_on_edges", Box::new(|key, step, r, i| key.uniform(step, r, i) - 0.5)),
     ];
     for (name, number) in &mistakes {
         for seed in 0..3 {

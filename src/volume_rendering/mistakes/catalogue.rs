@@ -40,7 +40,7 @@ const OPACITY_AS_T: Mistake = Mistake::new(
 );
 const DIVIDED: Mistake = Mistake::new(
     "divided_by_opacity",
-    "C / A: the weights are normalised",
+    "C / A: the weights are normalized",
     "half-transparent rays as bright as opaque ones; NaN on an empty ray",
     "leave the weights as they are",
     "2 public implementations",
@@ -57,7 +57,7 @@ const ALPHA_FORGOTTEN: Mistake = Mistake::new(
 const OVER_RAYS: Mistake = Mistake::new(
     "transmittance_over_rays",
     "the cumulative sum or product runs over rays instead of samples (axis 0 for axis 1)",
-    "a ray's colour depends on its neighbours in the batch",
+    "a ray's color depends on its neighbors in the batch",
     "accumulate along the sample axis",
     "1 public implementation",
     1,
@@ -121,7 +121,7 @@ pub const VOLUME_RENDER_ALPHA: &[Mistake] = &[
 pub const COMPOSITE_BACKGROUND: &[Mistake] = &[
     Mistake::new(
         "attenuated_twice",
-        "A C + (1 - A) b: the rendered colour is premultiplied already",
+        "A C + (1 - A) b: the rendered color is premultiplied already",
         "half-transparent edges too dark; right only at A = 0 or 1",
         "C + (1 - A) b",
         "instant-nsr-pl#54, nerfstudio#2165",

@@ -52,7 +52,7 @@ fn chunks_hold_whole_rays() {
     assert_eq!(skipping.spans(&scene.batch().rays), [(0, 20), (20, 30)]);
 }
 
-/// Colours, loss and every layer's gradient against f64 with the same samples left out and the same early end.
+/// Colors, loss and every layer's gradient against f64 with the same samples left out and the same early end.
 #[test]
 fn what_is_left_agrees_with_the_oracle() {
     let scene = Scene::new(6, 32);
@@ -71,7 +71,7 @@ fn what_is_left_agrees_with_the_oracle() {
             let fast = Network::new(&net, &SMALL, density);
             let rendered = fast.render_skipping(&scene.batch().rays, skipping, BACKGROUND);
             for (got, want) in rendered.colors.iter().zip(&colors) {
-                assert!((f64::from(*got) - want).abs() < 1e-5, "colour {got}, expected {want}");
+                assert!((f64::from(*got) - want).abs() < 1e-5, "color {got}, expected {want}");
             }
             let mut got = Gradient::default();
             fast.step_skipping(&scene.batch(), Skipping { live, stop: 0.0 }, &mut got);
@@ -92,7 +92,7 @@ fn what_is_left_agrees_with_the_oracle() {
     }
 }
 
-/// A ray that ends early changes its colour by at most `stop`, and leaves samples out of the backward pass.
+/// A ray that ends early changes its color by at most `stop`, and leaves samples out of the backward pass.
 #[test]
 fn an_early_end_costs_at_most_its_transmittance() {
     let scene = Scene::new(40, 32);

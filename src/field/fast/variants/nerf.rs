@@ -39,7 +39,7 @@ fn field_arrays(sigmas: Vec<f64>, rgbs: Vec<f64>) -> Arrays {
     arrays([("sigmas", array(&[points], sigmas)), ("rgbs", array(&[points, 3], rgbs))])
 }
 
-/// Densities and colours that one point after the other gives.
+/// Densities and colors that one point after the other gives.
 fn point_by_point(
     a: &Arrays,
     point: impl Fn(&[f64], &[f64]) -> (f64, [f64; 3]) + 'static,
@@ -140,7 +140,7 @@ pub const NERF_MLP: Suite = Suite {
         ),
         Variant::new(
             "batched",
-            "one thread, matrix products over 512 points, feature and colour layer folded into one, one direction for 64 points",
+            "one thread, matrix products over 512 points, feature and color layer folded into one, one direction for 64 points",
             Dtype::F32,
             Promise::f32(),
             |a| nerf_batched(a, &Shape::PAPER, 1, |_| Store::F32),

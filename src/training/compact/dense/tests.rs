@@ -3,7 +3,7 @@
 use super::*;
 
 /// By hand: 32 * 64 + 64 * 16 and 16 * 64 + 64 * 3 weights are 4,288, each with 6 flops. What runs has 13 more columns of 64 in the
-/// colour layer forward.
+/// color layer forward.
 #[test]
 fn flops_are_those_that_run() {
     assert_eq!(SAMPLE, 6.0 * 4288.0);
@@ -33,7 +33,7 @@ fn flops_are_those_that_run() {
     }
 }
 
-/// Activations and the colours' gradient come out with the training's bits, as often as they run.
+/// Activations and the colors' gradient come out with the training's bits, as often as they run.
 #[test]
 fn they_are_the_trainings_own() {
     let mut step = Step::new();

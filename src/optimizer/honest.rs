@@ -3,7 +3,7 @@
 use super::component::{each, settings};
 use super::{Moments, bias_correction};
 use crate::convention::Conventions;
-use crate::maths::pow;
+use crate::math::pow;
 use crate::verify::Dtype;
 use crate::verify::component::Arrays;
 use crate::verify::machine::Machine;

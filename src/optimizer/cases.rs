@@ -39,7 +39,7 @@ pub fn adam_step() -> Vec<Case> {
         case("first", "from zero moments: lr sign(g) but for eps", 1.0, usual, fresh(0)),
         case("first_long", "a first step of 1/8", 1.0, [0.125, 1e-8, 0.0], fresh(1)),
         case("second", "the second step", 2.0, [0.125, 1e-8, 0.0], running(2)),
-        case("tenth", "moments of a running optimisation", 10.0, [0.125, 1e-8, 0.0], running(3)),
+        case("tenth", "moments of a running optimization", 10.0, [0.125, 1e-8, 0.0], running(3)),
         case("thousandth", "the corrections have nearly vanished", 1000.0, [0.0625, 1e-8, 0.0], running(4)),
         case("late", "beta1^step has vanished", 100_000.0, usual, running(5)),
         case(

@@ -90,7 +90,7 @@ impl WithSimd for Task<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::optimiser::{Moments as Oracle, adam_step};
+    use crate::optimizer::{Moments as Oracle, adam_step};
 
     /// Twenty steps with gradients of all sizes stay within a few roundings of the oracle, decayed weights too.
     #[test]

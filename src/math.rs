@@ -61,7 +61,7 @@ pub fn erf(x: f64) -> f64 {
 /// `sin(PI * 512.0)` is -6e-14 and at x = 2^9 + 1/3 thousands of ULP are lost.
 ///
 /// ```
-/// use nerf_oracle::maths::sin_pi;
+/// use nerf_oracle::math::sin_pi;
 /// assert_eq!(sin_pi(512.0), 0.0);
 /// assert_eq!(sin_pi(0.5), 1.0);
 /// assert_eq!(sin_pi(-1.5), 1.0);
@@ -79,7 +79,7 @@ pub fn sin_pi(x: f64) -> f64 {
 /// cos(pi x), exact where it is 0, +-1, and within 4 ULP elsewhere.
 ///
 /// ```
-/// use nerf_oracle::maths::cos_pi;
+/// use nerf_oracle::math::cos_pi;
 /// assert_eq!(cos_pi(512.0), 1.0);
 /// assert_eq!(cos_pi(0.5), 0.0);
 /// ```
@@ -104,7 +104,7 @@ fn reduce(x: f64) -> (i64, f64) {
 /// A sum that carries its own rounding error along (Neumaier 1974): n terms cost 2 roundings of the result instead of n.
 ///
 /// ```
-/// let mut sum = nerf_oracle::maths::Sum::default();
+/// let mut sum = nerf_oracle::math::Sum::default();
 /// for x in [1.0, 1e100, 1.0, -1e100] { sum.add(x); }
 /// assert_eq!(sum.value(), 2.0);
 /// ```
@@ -142,7 +142,7 @@ impl Sum {
 /// Factors are sums, since what is left of a sum's rounding counts as much as that of the product (1 - alpha near alpha = 0).
 ///
 /// ```
-/// use nerf_oracle::maths::{Product, Sum};
+/// use nerf_oracle::math::{Product, Sum};
 /// let mut nine_tenths = Sum::default();
 /// [1.0, -0.1].iter().for_each(|&x| nine_tenths.add(x));
 /// let mut product = Product::default();

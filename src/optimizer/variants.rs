@@ -105,7 +105,7 @@ impl WithSimd for Apply<'_> {
     }
 }
 
-fn vectorised(a: &Arrays) -> Box<dyn Kernel> {
+fn vectorized(a: &Arrays) -> Box<dyn Kernel> {
     let (adam, number) = settings(a);
     let rates = AdamRates::new(&adam, number);
     let run = move |p: &mut [f32], g: &[f32], m: &mut [f32], v: &mut [f32]| {
@@ -203,7 +203,7 @@ fn bold<M: Copy + Send + 'static>(
     })
 }
 
-/// The optimiser's suite.
+/// The optimizer's suite.
 pub const SUITE: Suite = Suite {
     component: "adam_step",
     judged: true,
@@ -229,11 +229,11 @@ pub const SUITE: Suite = Suite {
             |a| plain(a, true),
         ),
         Variant::new(
-            "vectorised",
+            "vectorized",
             "one thread, what depends on the step alone in f64, one reciprocal",
             Dtype::F32,
             Promise::f32(),
-            vectorised,
+            vectorized,
         ),
         Variant::new(
             "threaded",

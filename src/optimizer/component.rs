@@ -1,4 +1,4 @@
-//! Registry row of the optimiser.
+//! Registry row of the optimizer.
 
 use super::{Adam, Moments, bound, cases, honest, mistakes};
 use crate::convention::Conventions;
@@ -7,7 +7,7 @@ use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, inp
 /// One step of Adam.
 pub const ADAM_STEP: Component = Component {
     name: "adam_step",
-    folder: "optimiser",
+    folder: "optimizer",
     formula: "m' = b1 m + (1 - b1) g, v' = b2 v + (1 - b2) g^2, p' = p - lr m' / (1 - b1^t) / (sqrt(v' / (1 - b2^t)) + eps)",
     source: "Kingma and Ba 2015, algorithm 1; torch.optim.Adam",
     inputs: &[

@@ -6,7 +6,7 @@
 use super::component::{each, settings};
 use super::{Adam, Moments, bias_correction};
 use crate::convention::Conventions;
-use crate::maths::ln;
+use crate::math::ln;
 use crate::verify::arithmetic::{Arithmetic, Grade};
 use crate::verify::bounded::{Bounded, exact};
 use crate::verify::component::Arrays;

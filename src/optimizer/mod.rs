@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::maths::{expm1, ln};
+use crate::math::{expm1, ln};
 
 pub mod fast;
 pub mod variants;
@@ -59,7 +59,7 @@ pub struct Moments {
 /// size of g, as long as it is well above eps.
 ///
 /// ```
-/// use nerf_oracle::optimiser::{Adam, Moments, adam_step};
+/// use nerf_oracle::optimizer::{Adam, Moments, adam_step};
 /// let before = Moments { param: 1.0, m: 0.0, v: 0.0 };
 /// let after = adam_step(&Adam { lr: 0.1, ..Adam::default() }, before, 4.0, 1);
 /// assert!((after.param - 0.9).abs() < 1e-8);
@@ -82,8 +82,8 @@ pub fn bias_correction(beta: f64, step: u64) -> f64 {
 /// Exponential decay: the learning rate behind `step` of `steps`, from `lr` down to `lr * final_factor`.
 ///
 /// ```
-/// assert_eq!(nerf_oracle::optimiser::decayed_lr(1e-2, 0.01, 50, 100), 1e-3);
+/// assert_eq!(nerf_oracle::optimizer::decayed_lr(1e-2, 0.01, 50, 100), 1e-3);
 /// ```
 pub fn decayed_lr(lr: f64, final_factor: f64, step: u64, steps: u64) -> f64 {
-    lr * crate::maths::pow(final_factor, step as f64 / steps as f64)
+    lr * crate::math::pow(final_factor, step as f64 / steps as f64)
 }

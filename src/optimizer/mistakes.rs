@@ -5,14 +5,14 @@ use super::{Moments, adam_step as oracle, bias_correction};
 use crate::convention::Conventions;
 use crate::verify::component::{Arrays, Mistake};
 
-/// Mistakes of the optimiser.
+/// Mistakes of the optimizer.
 pub const ADAM_STEP: &[Mistake] = &[
     Mistake::new(
         "no_bias_correction",
         "m and v are used as they are",
         "the first steps are about 3 times too long (0.1 / sqrt(0.001))",
         "divide by 1 - beta^step",
-        "hand-written optimisers",
+        "hand-written optimizers",
         0,
     ),
     Mistake::new(
@@ -20,15 +20,15 @@ pub const ADAM_STEP: &[Mistake] = &[
         "sqrt(v + eps)",
         "small gradients take steps that are far too short: eps acts as its root, 1e-4",
         "sqrt(v) + eps",
-        "hand-written optimisers",
+        "hand-written optimizers",
         0,
     ),
     Mistake::new(
         "decoupled_decay",
         "p is shrunk by lr * weight_decay (AdamW) where the penalty belongs to the gradient",
-        "another optimiser: the decay isn't scaled by the root",
+        "another optimizer: the decay isn't scaled by the root",
         "add weight_decay * p to the gradient, or compare with AdamW",
-        "hand-written optimisers",
+        "hand-written optimizers",
         0,
     ),
     Mistake::new(
@@ -36,7 +36,7 @@ pub const ADAM_STEP: &[Mistake] = &[
         "the corrections use step - 1 (with the first clamped to 1)",
         "early steps too long",
         "count steps from 1",
-        "hand-written optimisers",
+        "hand-written optimizers",
         0,
     ),
 ];
