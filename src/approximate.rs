@@ -96,7 +96,7 @@ mod tests {
 
     fn ulps(got: f32, exact: f64) -> f64 {
         let size = exact.abs().max(f64::from(f32::MIN_POSITIVE));
-        (f64::from(got) - exact).abs() / crate::verify::Dtype::F32.ulp(size)
+        (f64::from(got) - exact).abs() / crate::contract::Dtype::F32.ulp(size)
     }
 
     /// What is stated is kept, and isn't stated loosely: more than half of it is used.

@@ -20,7 +20,8 @@
 //! Components that let work follow the scene, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], the whole way of a pixel at once.
 //!
-//! Around the pipeline: [`scene`] reads cameras and photographs, [`verify`] is the harness that checks and judges,
+//! Around the pipeline: [`scene`] reads cameras and photographs, [`contract`] says what a component is, [`judge`] gives verdicts on
+//! others, [`proof`] is what our own tests need, [`bench`] measures speed against error,
 //! [`convention`] the choices that differ between right implementations, [`math`], [`random`] and [`parallel`] what makes
 //! results the same everywhere, [`simd`] what vector code shares, [`report`] and [`files`] what is written, [`cli`] the program.
 //!
@@ -35,6 +36,8 @@ pub mod math;
 pub mod parallel;
 pub mod random;
 pub mod simd;
+
+pub mod contract;
 
 pub mod camera;
 pub mod encoding;
@@ -54,45 +57,19 @@ pub mod ray_aabb;
 pub mod spherical_harmonics;
 pub mod trunc_exp;
 
+pub mod registry;
+
+pub mod judge;
+pub mod proof;
+
 pub mod evaluation;
 pub mod training;
 
+pub mod bench;
 pub mod scene;
-pub mod verify;
 
 pub mod cli;
 pub mod report;
 
 pub use error::{Error, Result};
-
-use verify::Component;
-
-/// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
-pub const COMPONENTS: &[Component] = &[
-    camera::component::TRANSFORM,
-    camera::component::PIXEL_TO_CAMERA,
-    ray::component::PIXEL_TO_RAY,
-    ray::component::IMAGE_RAYS,
-    sample::component::SAMPLE_ALONG_RAYS,
-    sample::component::STEP_SIZES,
-    encoding::component::POSITIONAL_ENCODING,
-    field::component::MLP,
-    field::component::NERF_MLP,
-    hash_grid::component::HASH_GRID,
-    spherical_harmonics::component::SPHERICAL_HARMONICS,
-    trunc_exp::component::TRUNC_EXP,
-    volume_rendering::component::VOLUME_RENDER,
-    volume_rendering::component::VOLUME_RENDER_ALPHA,
-    volume_rendering::component::COMPOSITE_BACKGROUND,
-    volume_rendering::component::DEPTH,
-    early_stop::component::EARLY_STOP,
-    trace::component::RENDER_TRACE,
-    loss::component::MSE,
-    loss::component::PSNR,
-    loss::component::TO_UINT8,
-    optimizer::component::ADAM_STEP,
-    importance_sampling::component::IMPORTANCE_SAMPLING,
-    ray_aabb::component::RAY_AABB,
-    occupancy_grid::component::OCCUPANCY_GRID,
-    occupancy_grid::component::GRID_TRAVERSAL,
-];
+pub use registry::COMPONENTS;

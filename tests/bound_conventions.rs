@@ -1,11 +1,11 @@
 //! The bounds are sound in every convention that a component depends on, not in the default profile alone.
 
 use nerf_oracle::COMPONENTS;
+use nerf_oracle::contract::arithmetic::{Arithmetic, Dtype, Grade};
+use nerf_oracle::contract::check::{Kind, tolerance, worst};
+use nerf_oracle::contract::{Component, Machine};
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
 use nerf_oracle::parallel;
-use nerf_oracle::verify::arithmetic::{Arithmetic, Dtype, Grade};
-use nerf_oracle::verify::check::{Kind, tolerance, worst};
-use nerf_oracle::verify::{Component, Machine};
 
 /// All combinations of a component's conventions; where these are more than three, one at a time.
 fn assignments(component: &Component) -> Vec<Conventions> {

@@ -1,11 +1,11 @@
 //! The bound is sound (no honest implementation is rejected), sharp (the all-zero answer is), and every mistake exceeds it.
 
 use nerf_oracle::COMPONENTS;
+use nerf_oracle::contract::arithmetic::{Arithmetic, Dtype, Grade};
+use nerf_oracle::contract::check::{Kind, tolerance, worst};
+use nerf_oracle::contract::{Component, Machine};
 use nerf_oracle::convention::CS180;
 use nerf_oracle::parallel;
-use nerf_oracle::verify::arithmetic::{Arithmetic, Dtype, Grade};
-use nerf_oracle::verify::check::{Kind, tolerance, worst};
-use nerf_oracle::verify::{Component, Machine};
 
 /// Machines a case, and evaluations that each component and direction has at least (those with few cases get more machines): 48 and
 /// 0 by default, which makes the suite fast; `BOUND_MACHINES=192` for that many and 2,000.

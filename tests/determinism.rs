@@ -1,12 +1,12 @@
 //! The oracle's bits: the same on every machine, in every build.
 
+use nerf_oracle::contract::{Arrays, Component, Kind, component::array};
 use nerf_oracle::convention::{CS180, Conventions, Density, Grid};
 use nerf_oracle::encoding::{Encoding, positional_encoding};
 use nerf_oracle::field::nerf_mlp::{NerfMlp, Shape};
 use nerf_oracle::optimizer::{Adam, Moments, adam_step};
 use nerf_oracle::random::{Key, Purpose};
 use nerf_oracle::sample::sample_along_ray;
-use nerf_oracle::verify::{Arrays, Component, Kind, component::array};
 use nerf_oracle::{COMPONENTS, field, loss, volume_rendering as render};
 
 /// Of [`training_step`].

@@ -4,11 +4,12 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use nerf_oracle::contract::Dtype;
 use nerf_oracle::convention::CS180;
 use nerf_oracle::files::npz::{self, Array};
-use nerf_oracle::verify::exchange::{read_answers, read_exam, write_cases};
-use nerf_oracle::verify::judge::{EXP_ULP, judge_answers};
-use nerf_oracle::verify::{Dtype, Exam};
+use nerf_oracle::judge::Exam;
+use nerf_oracle::judge::exchange::{read_answers, read_exam, write_cases};
+use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
 use tempfile::TempDir;
 
 /// Cases of the background's component, and right answers to them.

@@ -3,14 +3,14 @@
 use std::collections::BTreeSet;
 
 use nerf_oracle::COMPONENTS;
+use nerf_oracle::bench::suites::SUITES;
+use nerf_oracle::bench::{Promise, Suite};
+use nerf_oracle::contract::arithmetic::{Arithmetic, Dtype, Grade};
+use nerf_oracle::contract::case::Case;
+use nerf_oracle::contract::check::{Kind, tolerance, worst};
+use nerf_oracle::contract::component::{Arrays, Component, array, scalar, values};
 use nerf_oracle::convention::CS180;
 use nerf_oracle::random::{Key, Purpose};
-use nerf_oracle::verify::arithmetic::{Arithmetic, Dtype, Grade};
-use nerf_oracle::verify::bench::suites::SUITES;
-use nerf_oracle::verify::bench::{Promise, Suite};
-use nerf_oracle::verify::case::Case;
-use nerf_oracle::verify::check::{Kind, tolerance, worst};
-use nerf_oracle::verify::component::{Arrays, Component, array, scalar, values};
 use nerf_oracle::volume_rendering::fast::{Weights, density_gradient};
 use pulp::Arch;
 

@@ -1,15 +1,16 @@
 //! The judge against right, wrong and hostile candidates. The first test is the example to copy.
 
 use nerf_oracle::COMPONENTS;
+use nerf_oracle::contract::check::Kind;
+use nerf_oracle::contract::component::{Arrays, array, arrays, input};
+use nerf_oracle::contract::{Dtype, Grade, Machine};
 use nerf_oracle::convention::profiles::PROFILES;
 use nerf_oracle::convention::{CS180, Conventions};
-use nerf_oracle::verify::answer::{Answer, Answers, Given, given};
-use nerf_oracle::verify::check::Kind;
-use nerf_oracle::verify::component::{Arrays, array, arrays, input};
-use nerf_oracle::verify::judge::{EXP_ULP, judge_answers};
-use nerf_oracle::verify::mark::{Rules, mark};
-use nerf_oracle::verify::sampler;
-use nerf_oracle::verify::{Candidate, Dtype, Exam, Grade, Machine, Report, Verdict, judge};
+use nerf_oracle::judge::answer::{Answer, Answers, Given, given};
+use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
+use nerf_oracle::judge::mark::{Rules, mark};
+use nerf_oracle::judge::sampler;
+use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge};
 
 /// An implementation of volume rendering as anybody might have it, in f32: a running product, the textbook's alpha.
 fn my_volume_render(inputs: &Arrays) -> Arrays {
@@ -287,7 +288,7 @@ fn alone(component: &str, dtype: Dtype, answer: impl Fn(&Arrays) -> Answer) -> R
 fn a_failing_row_is_shown_in_the_conventions_next_to_its_answers() {
     let nerf2020 = PROFILES.iter().find(|profile| profile.name == "nerf2020").unwrap().conventions;
     let component = |name: &str| COMPONENTS.iter().find(|component| component.name == name).unwrap();
-    let expect = |row: &nerf_oracle::verify::report::Row, report: &Report, pairs: &[(&str, &str)]| {
+    let expect = |row: &nerf_oracle::judge::report::Row, report: &Report, pairs: &[(&str, &str)]| {
         for (key, value) in pairs {
             assert_eq!(row.shown_in.get(key), Some(value), "{report}");
         }

@@ -2,13 +2,13 @@
 
 use ndarray::{arr1, arr2};
 use nerf_oracle::COMPONENTS;
+use nerf_oracle::contract::{Arithmetic, Component, Dtype, Grade, Kind};
 use nerf_oracle::convention::{CHOICES, CS180, Conventions, Density, Depth, ProductEps};
 use nerf_oracle::field::bound::{mlp_kink, nerf_mlp_kink};
 use nerf_oracle::field::mlp::Output;
 use nerf_oracle::field::{Layer, Mlp, backward as field_backward, density, density_slope, sigmoid_slope};
-use nerf_oracle::verify::exam::admits;
-use nerf_oracle::verify::gradient::one_sided;
-use nerf_oracle::verify::{Arithmetic, Component, Dtype, Grade, Kind};
+use nerf_oracle::judge::exam::admits;
+use nerf_oracle::proof::gradient::one_sided;
 use nerf_oracle::volume_rendering::backward::Cotangent;
 use nerf_oracle::volume_rendering::{self as render, Rendering};
 

@@ -2,20 +2,21 @@
 
 use ndarray::ArrayD;
 use nerf_oracle::COMPONENTS;
+use nerf_oracle::contract::case::Draw;
+use nerf_oracle::contract::check::Kind;
+use nerf_oracle::contract::{Case, Component, Dtype, Mistake};
 use nerf_oracle::convention::profiles::{self, PROFILES};
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
+use nerf_oracle::judge::answer::{Answer, Answers, Given};
+use nerf_oracle::judge::diagnose::Explanation;
+use nerf_oracle::judge::exam::Sheet;
+use nerf_oracle::judge::hypothesis::Hypothesis;
+use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
+use nerf_oracle::judge::mark::Rules;
+use nerf_oracle::judge::report::Row;
+use nerf_oracle::judge::{Exam, Verdict};
 use nerf_oracle::parallel;
 use nerf_oracle::random::{Key, Purpose};
-use nerf_oracle::verify::answer::{Answer, Answers, Given};
-use nerf_oracle::verify::case::Draw;
-use nerf_oracle::verify::check::Kind;
-use nerf_oracle::verify::diagnose::Explanation;
-use nerf_oracle::verify::exam::Sheet;
-use nerf_oracle::verify::hypothesis::Hypothesis;
-use nerf_oracle::verify::judge::{EXP_ULP, judge_answers};
-use nerf_oracle::verify::mark::Rules;
-use nerf_oracle::verify::report::Row;
-use nerf_oracle::verify::{Case, Component, Dtype, Exam, Mistake, Verdict};
 
 /// What an implementation in `dtype` with this mistake answers: the inputs of a case off by half a rounding together (so that what is
 /// equal stays equal, as it does in any arithmetic), each result by three. Bytes are whole.

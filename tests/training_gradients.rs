@@ -1,13 +1,13 @@
 //! The gradient of a whole training step, by the oracle's own VJPs, against differences.
 
+use nerf_oracle::contract::Draw;
 use nerf_oracle::convention::{CS180, Conventions, Density};
 use nerf_oracle::encoding::{self, Encoding, positional_encoding};
 use nerf_oracle::field::backward as field_backward;
 use nerf_oracle::field::nerf_mlp::{NerfMlp, Shape, Tape};
 use nerf_oracle::loss;
+use nerf_oracle::proof::gradient::richardson;
 use nerf_oracle::random::{Key, Purpose};
-use nerf_oracle::verify::Draw;
-use nerf_oracle::verify::gradient::richardson;
 use nerf_oracle::volume_rendering as render;
 
 /// Relative to the largest gradient.

@@ -1,4 +1,4 @@
-"""Mutation testing of the oracle files, each against its own folder's tests: writes src/verify/MUTANTS.md.
+"""Mutation testing of the oracle files, each against its own folder's tests: writes tests/pages/MUTANTS.md.
 
     cargo install cargo-mutants --locked
     python tools/mutants.py                 # everything, a few minutes
@@ -25,7 +25,7 @@ import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PAGE = ROOT / "src" / "verify" / "MUTANTS.md"
+PAGE = ROOT / "tests" / "pages" / "MUTANTS.md"
 # Files of a component that are not oracle (tests/architecture.rs has the same list).
 AROUND = ["bound", "cases", "chain", "component", "fast", "honest", "mistakes", "propagate", "statistics", "variants"]
 SECONDS = 60  # a mutant whose tests take longer loops for ever
@@ -78,7 +78,7 @@ def copy_module(name, target, tested):
         shutil.copy(source / "reference.rs", to / "reference.rs")
         shutil.copytree(source / "reference", to / "reference", dirs_exist_ok=True)
         (to / "mod.rs").write_text("pub mod reference;\n")
-    elif name == "verify":
+    elif name == "contract":
         to.mkdir()
         properties = (source / "mod.rs").read_text().split("/// Properties run", 1)[1]
         (to / "mod.rs").write_text("/// Properties run" + properties)

@@ -4,10 +4,10 @@
 //! 3-vectors or in homogeneous coordinates; every order of sums, as one operation or one addition at a time, fused or not.
 
 use super::component::{intrinsics, matrix, rows34, threes, twos};
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::{Arrays, array, arrays, values};
 use crate::convention::Conventions;
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::{Arrays, array, arrays, values};
 
 /// A sum in any order: inside one operation, or by additions that each round to the type.
 pub(crate) fn any_order(terms: &[Bounded], m: &Arithmetic) -> Bounded {

@@ -3,8 +3,8 @@
 use glam::{DMat4, DVec2, DVec3};
 
 use super::{Intrinsics, backward, bound, cases, honest, mistakes};
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, values};
 
 /// The pose of each point or ray.
 pub(crate) const C2W: Port =

@@ -2,9 +2,9 @@
 
 use super::Intrinsics;
 use super::component::{intrinsics, matrix, rows34, threes, twos};
+use crate::contract::component::{Arrays, array, arrays, values};
+use crate::contract::machine::Machine;
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, array, arrays, values};
-use crate::verify::machine::Machine;
 
 /// A short sum of products: as one operation, or written out with every step rounded.
 pub(crate) fn dot(a: &[f64], b: &[f64], m: &Machine) -> f64 {

@@ -7,8 +7,8 @@ use glam::{DMat4, DVec2, DVec3};
 
 use super::component::{self, intrinsics, pose, threes, twos};
 use super::{Intrinsics, transform as oracle};
+use crate::contract::component::{Arrays, Mistake, array, arrays, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake, array, arrays, values};
 
 const fn flipped(name: &'static str, cause: &'static str) -> Mistake {
     Mistake::new(

@@ -2,7 +2,7 @@ use glam::{DMat2, DMat3, DMat4, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 
 use super::*;
-use crate::verify::{properties, slope};
+use crate::contract::testing::{properties, slope};
 
 /// A rigid pose: any rotation, any place within 10 units.
 pub(crate) fn pose() -> impl Strategy<Value = DMat4> {

@@ -6,10 +6,10 @@ use std::process::ExitCode;
 use super::evaluate::open;
 use super::options::{Backend, positive};
 use super::output;
+use crate::bench::{self, Options, page, suites};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::parallel;
-use crate::verify::bench::{self, Options, page, suites};
 
 /// Measure speed against error: variants are checked, timed, and their errors measured.
 #[derive(clap::Args, Debug)]

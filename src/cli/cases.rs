@@ -6,9 +6,10 @@ use std::process::ExitCode;
 use serde_json::json;
 
 use super::output;
+use crate::contract::Dtype;
 use crate::convention::profiles;
 use crate::error::Result;
-use crate::verify::{Dtype, Exam, exchange};
+use crate::judge::{Exam, exchange};
 
 /// Write the cases that an implementation is judged by: cases.json and one npz a case, with the inputs alone.
 #[derive(clap::Args, Debug)]

@@ -8,8 +8,8 @@ use serde_json::json;
 use super::output;
 use crate::error::{Error, Result};
 use crate::files;
-use crate::verify::selfcheck::{self, Row};
-use crate::verify::{catalogue, tables};
+use crate::proof::selfcheck::{self, Row};
+use crate::proof::{catalogue, tables};
 
 /// Check the reference's bounds against honest machines and the catalogue of mistakes.
 #[derive(clap::Args, Debug)]

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use super::output;
 use crate::error::Result;
-use crate::verify::explain::explain;
+use crate::judge::explain::explain;
 
 /// Explain a component, a mistake, a convention or a profile.
 #[derive(clap::Args, Debug)]

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use super::output;
 use crate::error::{Error, Result};
-use crate::verify::{exchange, judge};
+use crate::judge::{exchange, judging};
 
 /// Judge answers: right or wrong, component by component, and what the mistake probably is.
 #[derive(clap::Args, Debug)]
@@ -15,7 +15,7 @@ pub struct Args {
     /// The folder of answers: one npz a case, at the same relative path.
     answers: PathBuf,
     /// How far off exp, log, sin and cos may be, in ULP of the type.
-    #[arg(long, default_value_t = judge::EXP_ULP)]
+    #[arg(long, default_value_t = judging::EXP_ULP)]
     exp_ulp: f64,
 }
 
@@ -29,7 +29,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     }
     let exam = exchange::read_exam(&args.cases)?;
     let answers = exchange::read_answers(&exam, &args.answers)?;
-    let report = judge::judge_answers(&exam, &answers, args.exp_ulp);
+    let report = judging::judge_answers(&exam, &answers, args.exp_ulp);
     output::print(json, &report.json(), &report.to_string());
     Ok(ExitCode::from(report.exit_code()))
 }

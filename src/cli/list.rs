@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 
 use super::output;
 use crate::COMPONENTS;
+use crate::contract::Component;
 use crate::convention::CHOICES;
 use crate::convention::profiles::PROFILES;
 use crate::error::Result;
-use crate::verify::Component;
-use crate::verify::sampler::SAMPLER;
+use crate::judge::sampler::SAMPLER;
 
 /// List components, their mistakes, conventions and profiles.
 #[derive(clap::Args, Debug)]

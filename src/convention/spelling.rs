@@ -100,7 +100,10 @@ mod tests {
 
     #[test]
     fn the_old_spelling_is_read() {
-        assert_eq!(CS180.with("pixel_centre", "integer").unwrap(), CS180.with("pixel_center", "integer").unwrap());
+        assert_eq!(
+            CS180.with("pixel_centre", "integer").unwrap(),
+            CS180.with("pixel_center", "integer").unwrap()
+        );
         let mut json = serde_json::to_value(CS180).unwrap();
         let center = json.as_object_mut().unwrap().remove("pixel_center").unwrap();
         json["pixel_centre"] = center;

@@ -6,11 +6,11 @@
 
 use super::component::{one_ray, packed, spans, stopped};
 use super::live_samples;
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::component::Pass;
+use crate::contract::component::{Arrays, number, values};
 use crate::convention::{CS180, Conventions};
 use crate::math::{expm1, ln};
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::component::Pass;
-use crate::verify::component::{Arrays, number, values};
 use crate::volume_rendering::component::VOLUME_RENDER;
 
 /// How many of a ray's samples an honest implementation may use.

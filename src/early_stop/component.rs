@@ -3,8 +3,8 @@
 //! Around the oracle, a ray with n live samples is a ray of n samples of `volume_render`: its bound and its honest forms are used here.
 
 use super::{backward, bound, cases, honest, mistakes, render_packed};
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, number, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, number, values};
 use crate::volume_rendering::backward::Cotangent;
 
 /// Packed rays, each as far as light comes through.

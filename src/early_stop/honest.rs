@@ -1,10 +1,10 @@
 //! Honest packed rendering with early stop in emulated arithmetic: `volume_render`'s honest forms, ray by ray.
 
 use super::component::{one_ray, packed, spans, stopped};
+use crate::contract::component::{Arrays, number};
+use crate::contract::machine::Machine;
 use crate::convention::{CS180, Conventions};
 use crate::math::ln;
-use crate::verify::component::{Arrays, number};
-use crate::verify::machine::Machine;
 use crate::volume_rendering::honest;
 
 /// Where this machine stops: T behind a sample against eps, or (every fourth form) the optical depth against -ln eps.

@@ -2,8 +2,8 @@
 
 use super::component::{self, one_ray, packed, spans, stopped};
 use super::live_samples;
+use crate::contract::component::{Arrays, Mistake, number, scalar, values};
 use crate::convention::{CS180, Conventions, ProductEps};
-use crate::verify::component::{Arrays, Mistake, number, scalar, values};
 use crate::volume_rendering::component::VOLUME_RENDER;
 use crate::volume_rendering::volume_render;
 

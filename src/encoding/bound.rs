@@ -5,10 +5,10 @@
 
 use super::component::{dims, from_rows, rows, settings};
 use super::{Encoding, factor, wave};
+use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::{Arrays, arrays};
 use crate::convention::{Bands, Conventions, Frequency};
-use crate::verify::arithmetic::{Arithmetic, Grade};
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::{Arrays, arrays};
 
 /// (sin, cos) of factor f_k x with their errors.
 pub(crate) fn waves(encoding: &Encoding, k: usize, x: f64, m: &Arithmetic) -> (Bounded, Bounded) {

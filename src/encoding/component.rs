@@ -3,8 +3,8 @@
 use ndarray::{Array2, ArrayD, Axis, Ix2};
 
 use super::{Encoding, backward, bound, cases, honest, mistakes};
+use crate::contract::component::{Arrays, Component, Pass, Port, arrays, input, number};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, arrays, input, number};
 
 /// Positional encoding.
 pub const POSITIONAL_ENCODING: Component = Component {

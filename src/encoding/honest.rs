@@ -2,10 +2,10 @@
 
 use super::component::{dims, from_rows, rows, settings};
 use super::{Encoding, factor};
+use crate::contract::component::{Arrays, arrays};
+use crate::contract::machine::Machine;
 use crate::convention::{Conventions, Frequency};
 use crate::math::{cos, sin};
-use crate::verify::component::{Arrays, arrays};
-use crate::verify::machine::Machine;
 
 /// (sin, cos) behind an exact reduction (stable), or of the rounded product, factor first or last.
 pub(crate) fn waves(encoding: &Encoding, k: usize, x: f64, m: &Machine) -> (f64, f64) {

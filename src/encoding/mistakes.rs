@@ -5,8 +5,8 @@
 
 use super::component::{POSITIONAL_ENCODING as ROW, dims, from_rows, rows, settings};
 use super::{Encoding, factor, wave};
+use crate::contract::component::{Arrays, Mistake, arrays};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake, arrays};
 
 /// Mistakes of the encoding.
 pub const POSITIONAL_ENCODING: &[Mistake] = &[

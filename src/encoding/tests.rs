@@ -1,8 +1,8 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::contract::testing::{properties, slope};
 use crate::convention::CS180;
-use crate::verify::{properties, slope};
 
 const EVERY_ORDER: [Columns; 5] = [
     Columns::BandSinCos,

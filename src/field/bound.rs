@@ -4,12 +4,12 @@ use super::component::{Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::mlp::Mlp;
 use super::propagate::{Vector, affine, transposed};
 use super::{Layer, density, density_slope, sigmoid, sigmoid_slope};
+use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::{Arrays, arrays};
 use crate::convention::{Activation, Conventions, Density, SkipOrder};
 use crate::encoding::bound::{encode, gradient as encoding_gradient};
 use crate::encoding::component::{from_rows, rows};
-use crate::verify::arithmetic::{Arithmetic, Grade};
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::{Arrays, arrays};
 
 /// 1 / (1 + e^-z), or e^z / (1 + e^z) where z < 0.
 fn sigmoid_of(z: Bounded, m: &Arithmetic) -> Bounded {

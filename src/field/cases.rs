@@ -3,9 +3,9 @@
 use ndarray::ArrayD;
 
 use super::nerf_mlp::{NerfMlp, Shape};
+use crate::contract::case::{Case, Draw};
+use crate::contract::component::array;
 use crate::random::{Key, Purpose};
-use crate::verify::case::{Case, Draw};
-use crate::verify::component::array;
 
 /// Weights of the size of PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
 fn layer(draw: &mut Draw, inputs: usize, outputs: usize, bias: f64) -> [ArrayD<f64>; 2] {

@@ -5,10 +5,10 @@ use ndarray::{Array1, Array2, ArrayD, Ix1, Ix2};
 use super::mlp::{Mlp, Output};
 use super::nerf_mlp::NerfMlp;
 use super::{Layer, backward, bound, cases, honest, mistakes};
+use crate::contract::component::{Arrays, Component, Pass, Port, arrays, input, values};
 use crate::convention::Conventions;
 use crate::encoding::component::{from_rows, rows};
 use crate::encoding::{Encoding, backward::positional_encoding as encoding_vjp, positional_encoding};
-use crate::verify::component::{Arrays, Component, Pass, Port, arrays, input, values};
 
 /// The plain network.
 pub const MLP: Component = Component {

@@ -19,19 +19,18 @@
 //!
 //! Conventions are those of the profile `cs180`, with any density activation.
 
-mod activation;
+pub(crate) mod activation;
 mod chunk;
 mod dense;
 mod descent;
 mod gradient;
 mod image;
 mod network;
-mod passes;
-mod product;
+pub(crate) mod passes;
+pub(crate) mod product;
 mod rays;
 mod skipping;
 mod trunk;
-pub mod variants;
 
 #[cfg(test)]
 mod tests;

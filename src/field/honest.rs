@@ -2,12 +2,12 @@
 
 use super::component::{Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::{Layer, density_slope};
+use crate::contract::component::Arrays;
+use crate::contract::machine::Machine;
 use crate::convention::{Activation, Conventions, Density, SkipOrder};
 use crate::encoding::component::{from_rows, rows};
 use crate::encoding::honest::{encode, gradient as encoding_gradient};
 use crate::math::{exp, ln_1p};
-use crate::verify::component::Arrays;
-use crate::verify::machine::Machine;
 
 /// w x, then + b; in f32 and f64 the bias is one more term of the sum.
 fn affine(layer: &Layer, x: &[f64], m: &Machine) -> Vec<f64> {
@@ -95,7 +95,7 @@ pub fn mlp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
         z.last().expect("a layer").iter().map(|&z| sigmoid(z, m)).collect()
     };
     let y: Vec<Vec<f64>> = rows(a, "x").iter().map(point).collect();
-    crate::verify::component::arrays([("y", from_rows(&y, net.layers.last().expect("a layer").b.len()))])
+    crate::contract::component::arrays([("y", from_rows(&y, net.layers.last().expect("a layer").b.len()))])
 }
 
 /// Its gradients.

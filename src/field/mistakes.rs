@@ -7,12 +7,12 @@ use super::component::{
     MLP as MLP_ROW, NERF_MLP as NERF_ROW, Nerf, cotangents, field, mlp_gradients, network, zeros,
 };
 use super::{Layer, backward, sigmoid_slope};
+use crate::contract::component::{Arrays, Mistake, arrays};
 use crate::convention::{Conventions, SkipOrder};
 use crate::encoding::component::{from_rows, rows};
 use crate::encoding::{
     backward::positional_encoding as encoding_vjp, mistakes as encoding, positional_encoding,
 };
-use crate::verify::component::{Arrays, Mistake, arrays};
 
 const SIGMOID_MISSING: Mistake = Mistake::new(
     "sigmoid_missing",

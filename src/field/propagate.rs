@@ -10,8 +10,8 @@
 use ndarray::{Array1, Array2, Axis, concatenate, s};
 
 use super::Layer;
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::{Bounded, gamma};
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::{Bounded, gamma};
 
 /// Standard deviations that an honest error stays within.
 pub const LAMBDA: f64 = 8.0;

@@ -4,9 +4,9 @@ use proptest::prelude::*;
 use super::mlp::Output;
 use super::nerf_mlp::Shape;
 use super::*;
+use crate::contract::testing::{properties, slope};
 use crate::convention::{Activation, CS180, Conventions, SkipOrder};
 use crate::random::Purpose;
-use crate::verify::{properties, slope};
 
 const SHAPE: Shape = Shape { position: 5, direction: 3, width: 4, depth: 8, color: 3, skip: 4 };
 

@@ -5,11 +5,11 @@
 
 use super::component::{forward, gradients, levels, points, zeros};
 use super::{Level, corner};
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::{Bounded, exact, gamma};
+use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 use crate::encoding::component::rows;
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::{Bounded, exact, gamma};
-use crate::verify::component::Arrays;
 
 /// A cell that a point may be put into: along each axis its lower vertex and where in it the point lies.
 type Cell = [(u32, Bounded); 3];

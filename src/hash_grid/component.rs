@@ -1,9 +1,9 @@
 //! Registry row of the hash grid.
 
 use super::{Level, backward, bound, cases, encode, honest, mistakes, resolutions};
+use crate::contract::component::{Arrays, Component, Pass, Port, arrays, number};
 use crate::convention::Conventions;
 use crate::encoding::component::{from_rows, rows};
-use crate::verify::component::{Arrays, Component, Pass, Port, arrays, number};
 
 /// The multi-resolution hash grid.
 pub const HASH_GRID: Component = Component {

@@ -16,7 +16,7 @@ pub const LEVELS: usize = 8;
 /// Columns of the encoding, all levels side by side.
 pub const WIDTH: usize = LEVELS * FEATURES;
 /// Points whose corners are computed together.
-pub(super) const BLOCK: usize = 16;
+pub(crate) const BLOCK: usize = 16;
 /// Entries of a cache line, the unit of the sparse optimizer.
 const LINE: usize = 4;
 
@@ -115,7 +115,7 @@ impl Level {
 
     /// Table indices and trilinear weights of the 8 corners of up to 16 points.
     #[inline(always)]
-    pub(super) fn corners(
+    pub(crate) fn corners(
         &self,
         points: &[[f32; 3]],
         index: &mut [[u32; BLOCK]; 8],

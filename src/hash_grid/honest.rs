@@ -2,10 +2,10 @@
 
 use super::component::{forward, gradients, levels, points, zeros};
 use super::{Level, corner};
+use crate::contract::component::Arrays;
+use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 use crate::encoding::component::rows;
-use crate::verify::component::Arrays;
-use crate::verify::machine::Machine;
 
 /// Cell and fraction along each axis, x N rounded.
 fn cells(x: [f64; 3], resolution: u32, m: &Machine) -> [(u32, f64); 3] {

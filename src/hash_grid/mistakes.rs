@@ -2,10 +2,10 @@
 
 use super::component::{self, count, forward, gradients, levels, levels_of, points, zeros};
 use super::{Level, PRIMES, backward, cell, corner, encode as oracle, resolutions};
+use crate::contract::component::{Arrays, number};
 use crate::convention::Conventions;
 use crate::encoding::component::rows;
 use crate::math::pow;
-use crate::verify::component::{Arrays, number};
 
 mod catalogue;
 

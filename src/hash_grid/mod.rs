@@ -14,7 +14,6 @@ pub mod component;
 pub mod fast;
 pub mod honest;
 pub mod mistakes;
-pub mod variants;
 
 #[cfg(test)]
 mod tests;

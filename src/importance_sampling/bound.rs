@@ -8,10 +8,10 @@
 use super::cdf;
 use super::component::{Ray, forward, vjp};
 use crate::camera::bound::any_order;
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::{Bounded, exact, gamma};
+use crate::contract::component::Arrays;
 use crate::convention::Conventions;
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::{Bounded, exact, gamma};
-use crate::verify::component::Arrays;
 
 /// Roundings of one weight on its way into F: padding, its sum, the total, the quotient, the product with u.
 const ROUNDINGS: f64 = 6.0;

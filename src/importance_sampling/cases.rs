@@ -1,7 +1,7 @@
 //! Cases of importance sampling: random rays, empty and opaque ones, ties, ends and bins of width 0.
 
-use crate::verify::case::{Case, Draw};
-use crate::verify::component::{array, scalar};
+use crate::contract::case::{Case, Draw};
+use crate::contract::component::{array, scalar};
 
 /// Rows of equal length as an array.
 fn table(rows: &[Vec<f64>]) -> ndarray::ArrayD<f64> {
@@ -51,7 +51,7 @@ pub fn importance_sampling() -> Vec<Case> {
     let mut opaque = vec![0.0; 62];
     opaque[40] = 1.0;
     let faint =
-        (0..8).map(|k| crate::verify::case::short((5.0 * f64::from(k) + 0.5) * 1e-5 / 1.00062)).collect();
+        (0..8).map(|k| crate::contract::case::short((5.0 * f64::from(k) + 0.5) * 1e-5 / 1.00062)).collect();
     let mut empty_between = numbers(&mut draw, 8, 0.25, 1.0);
     [0, 1, 4, 7].into_iter().for_each(|k| empty_between[k] = 0.0);
     let inner = numbers(&mut draw, 6, 0.0625, 0.9375);

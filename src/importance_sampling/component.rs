@@ -1,8 +1,8 @@
 //! Registry row of importance sampling.
 
 use super::{backward, bound, cases, honest, mistakes};
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, number};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, number};
 use crate::volume_rendering::component::{row, size};
 
 /// Samples of a piecewise-constant distribution.

@@ -1,9 +1,9 @@
 //! Honest importance sampling in emulated arithmetic: F from normalized weights, from sums that are divided, or u from the sum.
 
 use super::component::{Ray, forward, vjp};
+use crate::contract::component::Arrays;
+use crate::contract::machine::Machine;
 use crate::convention::Conventions;
-use crate::verify::component::Arrays;
-use crate::verify::machine::Machine;
 
 /// F at the edges and the u that is looked for in it.
 fn distribution(ray: &Ray, m: &Machine) -> (Vec<f64>, Vec<f64>) {

@@ -2,8 +2,8 @@
 
 use super::component::{Ray, forward, vjp};
 use super::{backward, bin_of, cdf};
+use crate::contract::component::{Arrays, Mistake};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake};
 
 /// Mistakes of importance sampling.
 pub const IMPORTANCE_SAMPLING: &[Mistake] = &[

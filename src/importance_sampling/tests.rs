@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::verify::properties;
+use crate::contract::testing::properties;
 
 /// The hard cases' own numbers: what textbook code makes of them, and what is right.
 #[test]

@@ -3,11 +3,11 @@
 use std::f64::consts::LN_10;
 
 use super::component::{like, pictures};
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::{Arrays, arrays, input, number, scalar, values};
 use crate::convention::{Bytes, Conventions, PsnrOf};
 use crate::math::{ln_1p, log10};
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::{Arrays, arrays, input, number, scalar, values};
 
 /// The mean of squared differences: differences, squares, a sum in any order, one division (or a product with 1 / n).
 fn mean_square(p: &[f64], t: &[f64], m: &Arithmetic) -> Bounded {

@@ -2,8 +2,8 @@
 
 use ndarray::ArrayD;
 
-use crate::verify::case::{Case, Draw};
-use crate::verify::component::{array, scalar};
+use crate::contract::case::{Case, Draw};
+use crate::contract::component::{array, scalar};
 
 fn pair(
     id: &str,
@@ -45,7 +45,7 @@ pub fn psnr() -> Vec<Case> {
     let target = draw.array(&shape, 0.25, 0.5);
     let mut noise = draw.array(&shape, 0.0625, 0.25);
     noise.index_axis_mut(ndarray::Axis(0), 1).mapv_inplace(|x| x / 16.0);
-    let two = (&target + &noise).mapv(crate::verify::case::short);
+    let two = (&target + &noise).mapv(crate::contract::case::short);
     let tenth = array(&[1, 2, 3, 3], vec![0.625; 18]);
     let half = array(&[1, 2, 3, 3], vec![0.5; 18]);
     let with_peak = |id: &str, comment, prediction: &ArrayD<f64>, target: &ArrayD<f64>, peak| {

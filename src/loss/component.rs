@@ -3,8 +3,8 @@
 use ndarray::Axis;
 
 use super::{backward, bound, cases, honest, mistakes};
+use crate::contract::component::{Arrays, Component, Pass, Port, arrays, input, number, scalar, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, arrays, input, number, scalar, values};
 
 /// Mean squared error.
 pub const MSE: Component = Component {
@@ -95,5 +95,5 @@ fn to_uint8(a: &Arrays, c: &Conventions) -> Arrays {
 
 /// Entries in the shape of an input.
 pub(crate) fn like(a: &Arrays, name: &str, entries: Vec<f64>) -> ndarray::ArrayD<f64> {
-    crate::verify::component::array(input(a, name).shape(), entries)
+    crate::contract::component::array(input(a, name).shape(), entries)
 }

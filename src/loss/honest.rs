@@ -3,10 +3,10 @@
 use std::f64::consts::LN_10;
 
 use super::component::{like, pictures};
+use crate::contract::component::{Arrays, arrays, input, number, scalar, values};
+use crate::contract::machine::Machine;
 use crate::convention::{Bytes, Conventions, PsnrOf};
 use crate::math::{ln, log10};
-use crate::verify::component::{Arrays, arrays, input, number, scalar, values};
-use crate::verify::machine::Machine;
 
 /// The sum over n, or times 1 / n.
 fn mean(terms: &[f64], m: &Machine) -> f64 {

@@ -1,8 +1,8 @@
 //! Loss, metric and bytes, wrong on purpose. Without a mistake every function equals the oracle.
 
 use super::component::{MSE as MSE_ROW, PSNR as PSNR_ROW, TO_UINT8 as TO_UINT8_ROW, like};
+use crate::contract::component::{Arrays, Mistake, arrays, input, scalar};
 use crate::convention::{Bytes, Conventions};
-use crate::verify::component::{Arrays, Mistake, arrays, input, scalar};
 
 const MEAN_FORGOTTEN: Mistake = Mistake::new(
     "mean_forgotten",

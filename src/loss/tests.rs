@@ -2,7 +2,7 @@ use ndarray::Array3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::verify::properties;
+use crate::contract::testing::properties;
 
 #[test]
 fn psnr_of_known_errors() {

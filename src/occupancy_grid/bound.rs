@@ -5,10 +5,10 @@
 
 use super::component::{Update, asked, each_ray, updated};
 use crate::camera::bound::hyper;
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::Arrays;
 use crate::convention::Conventions;
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::Arrays;
 
 /// Whether every honest evaluation finds the same cell: x R is exact where R is a power of two, and off by three roundings elsewhere
 /// (x / (1 / R)), faces at the ends of the box aside.

@@ -1,7 +1,7 @@
 //! Cases of the occupancy grid: points in and on cells, several in one, at the threshold; rays from faces, along them, through corners.
 
-use crate::verify::case::{Case, Draw};
-use crate::verify::component::{array, scalar};
+use crate::contract::case::{Case, Draw};
+use crate::contract::component::{array, scalar};
 
 /// (R, R, R) densities, points with their sigmas, queries.
 fn update_case(
@@ -33,7 +33,7 @@ pub fn update() -> Vec<Case> {
     let mut inside = |r: u64| {
         [0, 1, 2].map(|_| {
             let cell = draw.below(r) as f64;
-            crate::verify::case::short((cell + 0.125 + 0.75 * draw.unit()) / r as f64)
+            crate::contract::case::short((cell + 0.125 + 0.75 * draw.unit()) / r as f64)
         })
     };
     let mut random = |r: u64, n: usize| {
@@ -130,7 +130,9 @@ pub fn traverse() -> Vec<Case> {
     let mut through = || {
         let mut place = || draw.between(0.0625, 0.9375);
         let (o, end): (Vec<f64>, Vec<f64>) = (0..3).map(|_| (place(), place())).unzip();
-        std::array::from_fn(|n| if n < 3 { o[n] } else { crate::verify::case::short(end[n - 3] - o[n - 3]) })
+        std::array::from_fn(
+            |n| if n < 3 { o[n] } else { crate::contract::case::short(end[n - 3] - o[n - 3]) },
+        )
     };
     let mut some = |n: usize| (0..n).map(|_| through()).collect::<Vec<[f64; 6]>>();
     let tiny = libm::ldexp(-1.0, -50);

@@ -2,8 +2,8 @@
 
 use super::{OccupancyGrid, bound, cases, honest, mistakes};
 use crate::camera::component::threes;
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
 
 /// Update and queries.
 pub const OCCUPANCY_GRID: Component = Component {

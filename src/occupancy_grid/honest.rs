@@ -1,9 +1,9 @@
 //! Honest occupancy grids in emulated arithmetic: cells by product or quotient, traversal face by face or by a running sum.
 
 use super::component::{Update, asked, each_ray, updated};
+use crate::contract::component::Arrays;
+use crate::contract::machine::Machine;
 use crate::convention::Conventions;
-use crate::verify::component::Arrays;
-use crate::verify::machine::Machine;
 
 /// Index of a coordinate's cell.
 fn along(x: f64, r: usize, m: &Machine) -> usize {

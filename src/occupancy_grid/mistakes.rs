@@ -2,8 +2,8 @@
 
 use super::OccupancyGrid;
 use super::component::{Update, asked, each_ray, lengths, updated};
+use crate::contract::component::{Arrays, Mistake};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake};
 
 /// Mistakes of update and query.
 #[rustfmt::skip]

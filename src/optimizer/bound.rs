@@ -5,11 +5,11 @@
 
 use super::component::{each, settings};
 use super::{Adam, Moments, bias_correction};
+use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 use crate::math::ln;
-use crate::verify::arithmetic::{Arithmetic, Grade};
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::Arrays;
 
 /// Numbers made of hyper-parameters alone.
 struct Scalars {

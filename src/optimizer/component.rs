@@ -1,8 +1,8 @@
 //! Registry row of the optimizer.
 
 use super::{Adam, Moments, bound, cases, honest, mistakes};
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
 
 /// One step of Adam.
 pub const ADAM_STEP: Component = Component {

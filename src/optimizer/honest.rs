@@ -2,11 +2,11 @@
 
 use super::component::{each, settings};
 use super::{Moments, bias_correction};
+use crate::contract::Dtype;
+use crate::contract::component::Arrays;
+use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 use crate::math::pow;
-use crate::verify::Dtype;
-use crate::verify::component::Arrays;
-use crate::verify::machine::Machine;
 
 /// Adam's step, as PyTorch's `lerp` and `addcdiv` have it, or as the paper's algorithm reads.
 pub fn adam_step(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {

@@ -2,8 +2,8 @@
 
 use super::component::{each, settings};
 use super::{Moments, adam_step as oracle, bias_correction};
+use crate::contract::component::{Arrays, Mistake};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake};
 
 /// Mistakes of the optimizer.
 pub const ADAM_STEP: &[Mistake] = &[

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use crate::math::{expm1, ln};
 
 pub mod fast;
-pub mod variants;
 
 pub mod bound;
 pub mod cases;

@@ -6,10 +6,10 @@
 use super::component::{picture, positions};
 use crate::camera::bound::{Axis, Gather, any_order, hyper, pose_errors, rotate_transposed};
 use crate::camera::component::{rows34, threes, twos};
+use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::{Arrays, array, arrays, values};
 use crate::convention::{Axes, Conventions, Directions};
-use crate::verify::arithmetic::{Arithmetic, Grade};
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::{Arrays, array, arrays, values};
 
 type Vector = [Bounded; 3];
 

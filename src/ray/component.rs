@@ -5,8 +5,8 @@ use glam::{DMat4, DVec2, DVec3};
 use super::{Ray, backward, bound, cases, honest, mistakes, pixel_position};
 use crate::camera::Intrinsics;
 use crate::camera::component::{C2W, K, UV, flat, intrinsics, matrix, pose, threes, twos};
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, number, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, number, values};
 
 /// The ray through a pixel.
 pub const PIXEL_TO_RAY: Component = Component {

@@ -4,9 +4,9 @@ use super::component::{picture, positions};
 use crate::camera::Intrinsics;
 use crate::camera::component::{intrinsics, rows34, threes, twos};
 use crate::camera::honest::{Gather, dot, inverse, point, pose_gradient, rotate_transposed, transformed};
+use crate::contract::component::{Arrays, array, arrays, values};
+use crate::contract::machine::Machine;
 use crate::convention::{Axes, Conventions, Directions};
-use crate::verify::component::{Arrays, array, arrays, values};
-use crate::verify::machine::Machine;
 
 /// One ray: its direction in camera space, before and after the division, and the norm.
 struct Direction {

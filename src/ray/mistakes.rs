@@ -12,8 +12,8 @@ use crate::camera::Intrinsics;
 use crate::camera::component::{intrinsics, pose, twos};
 use crate::camera::mistakes::{self, FLIPS, flip, with_transposed_rotation, wrong_point};
 use crate::camera::rotate;
+use crate::contract::component::{Arrays, Mistake, array, values};
 use crate::convention::{Axes, Conventions, Directions};
-use crate::verify::component::{Arrays, Mistake, array, values};
 
 const ORIGIN_MINUS_RT: Mistake = Mistake::new(
     "origin_minus_rt",

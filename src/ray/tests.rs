@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::camera::tests::{SKEWED, intrinsics, pixel, pose};
 use crate::camera::{Distortion, camera_to_pixel, transform};
-use crate::verify::{properties, slope};
+use crate::contract::testing::{properties, slope};
 
 const K: Intrinsics = Intrinsics { fx: 100.0, fy: 200.0, cx: 50.0, cy: 40.0 };
 

@@ -5,10 +5,10 @@
 
 use super::component::{Question, forward, vjp};
 use crate::camera::bound::{any_order, hyper};
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::Arrays;
 use crate::convention::Conventions;
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::Arrays;
 
 /// An end of the stretch: its candidates, by axis, and the range's own end.
 struct End {

@@ -1,7 +1,7 @@
 //! Cases of rays and boxes: random hits among misses, origins inside and beyond, rays in faces, directions of nearly 0.
 
-use crate::verify::case::{Case, Draw};
-use crate::verify::component::{array, scalar};
+use crate::contract::case::{Case, Draw};
+use crate::contract::component::{array, scalar};
 
 /// Rows of (o, d), a box, a range.
 fn case(
@@ -30,11 +30,11 @@ fn case(
 fn towards(draw: &mut Draw, [low, high]: [[f64; 3]; 2], scale: f64) -> [f64; 6] {
     let inside: Vec<f64> = (0..3).map(|a| low[a] + (high[a] - low[a]) * (0.25 + 0.5 * draw.unit())).collect();
     let away: Vec<f64> = (0..3).map(|_| draw.between(-1.0, 1.0)).collect();
-    let o: Vec<f64> = (0..3).map(|a| crate::verify::case::short(inside[a] + scale * away[a])).collect();
+    let o: Vec<f64> = (0..3).map(|a| crate::contract::case::short(inside[a] + scale * away[a])).collect();
     let speed = 0.25 + draw.unit();
     std::array::from_fn(|n| match n {
         0..3 => o[n],
-        _ => crate::verify::case::short((inside[n - 3] - o[n - 3]) / scale * speed),
+        _ => crate::contract::case::short((inside[n - 3] - o[n - 3]) / scale * speed),
     })
 }
 

@@ -2,8 +2,8 @@
 
 use super::{Hit, backward, between, bound, cases, honest, mistakes};
 use crate::camera::component::threes;
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, number, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, number, values};
 
 /// Where rays enter and leave a box.
 pub const RAY_AABB: Component = Component {

@@ -2,9 +2,9 @@
 
 use super::component::{Question, forward, outputs, vjp};
 use super::{Hit, component};
+use crate::contract::component::Arrays;
+use crate::contract::machine::Machine;
 use crate::convention::Conventions;
-use crate::verify::component::Arrays;
-use crate::verify::machine::Machine;
 
 /// The stretch with the axes that decide its ends (3: the range).
 fn stretch(q: &Question, m: &Machine) -> Option<(Hit, [usize; 2])> {

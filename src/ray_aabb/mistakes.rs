@@ -2,8 +2,8 @@
 
 use super::component::{Question, forward, outputs, vjp};
 use super::{Hit, backward, between};
+use crate::contract::component::{Arrays, Mistake};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake};
 
 /// Mistakes of rays and boxes.
 pub const RAY_AABB: &[Mistake] = &[

@@ -5,10 +5,10 @@
 
 use crate::camera::bound::{any_order, hyper};
 use crate::camera::component::threes;
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::{Arrays, array, arrays, number};
 use crate::convention::{Conventions, Delta, Grid, LastDelta};
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::{Arrays, array, arrays, number};
 use crate::volume_rendering::component::{row, size};
 
 /// The interval that all rays share.

@@ -4,9 +4,9 @@ use glam::DVec3;
 
 use super::{bound, cases, honest, mistakes, sample_along_ray};
 use crate::camera::component::threes;
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, number};
 use crate::convention::Conventions;
 use crate::ray::Ray;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, number};
 use crate::volume_rendering::component::{row, size};
 
 const NEAR: Port = Port { name: "near", shape: "", meaning: "where rays begin", gradient: false };

@@ -1,9 +1,9 @@
 //! Honest implementations of samples in emulated arithmetic: what the bound must never reject.
 
 use crate::camera::component::threes;
+use crate::contract::component::{Arrays, array, arrays, number};
+use crate::contract::machine::Machine;
 use crate::convention::{Conventions, Delta, Grid, LastDelta};
-use crate::verify::component::{Arrays, array, arrays, number};
-use crate::verify::machine::Machine;
 use crate::volume_rendering::component::{row, size};
 
 /// (far - near) / cells.

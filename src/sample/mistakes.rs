@@ -4,8 +4,8 @@
 //! only repeated calls can show (jitter at evaluation, frozen, Gaussian) is found by statistics over repeated calls.
 
 use super::{component, sample_along_ray, step_sizes as oracle_steps};
+use crate::contract::component::{Arrays, Mistake, array, arrays, input, number};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake, array, arrays, input, number};
 use crate::volume_rendering::component::{row, size};
 
 const fn fixed(name: &'static str, cause: &'static str) -> Mistake {

@@ -11,7 +11,6 @@ pub mod cases;
 pub mod component;
 pub mod honest;
 pub mod mistakes;
-pub mod variants;
 
 #[cfg(test)]
 mod tests;

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::verify::properties;
+use crate::contract::testing::properties;
 
 const GRIDS: [Grid; 4] =
     [Grid::Intervals, Grid::EndsPlusWidth, Grid::EndsPlusSpacing, Grid::EndsBetweenMidpoints];

@@ -6,10 +6,10 @@
 
 use super::component::{degree, forward, vjp, width};
 use super::{POLYNOMIALS, power};
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::gamma;
+use crate::contract::component::Arrays;
 use crate::convention::Conventions;
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::gamma;
-use crate::verify::component::Arrays;
 
 /// Roundings that a monomial of degree 4 at most can pass through: coefficient (also of a factored form) 2, powers 4, sums 2.
 const ROUNDINGS: f64 = 8.0;

@@ -1,7 +1,7 @@
 //! Cases of the spherical harmonics: axes, diagonals, random directions, and directions that aren't unit.
 
-use crate::verify::case::{Case, Draw};
-use crate::verify::component::{array, scalar};
+use crate::contract::case::{Case, Draw};
+use crate::contract::component::{array, scalar};
 
 /// Spherical harmonics.
 pub fn spherical_harmonics() -> Vec<Case> {
@@ -13,7 +13,7 @@ pub fn spherical_harmonics() -> Vec<Case> {
         let direction = |_| {
             let d = [0, 1, 2].map(|_| draw.between(-1.0, 1.0));
             let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
-            d.map(|x| crate::verify::case::short(x / length))
+            d.map(|x| crate::contract::case::short(x / length))
         };
         (0..n).flat_map(direction).collect::<Vec<f64>>()
     };

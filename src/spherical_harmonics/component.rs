@@ -1,9 +1,9 @@
 //! Registry row of the spherical harmonics.
 
 use super::{backward, bound, cases, honest, mistakes};
+use crate::contract::component::{Arrays, Component, Pass, Port, arrays, number};
 use crate::convention::Conventions;
 use crate::encoding::component::{from_rows, rows};
-use crate::verify::component::{Arrays, Component, Pass, Port, arrays, number};
 
 /// Spherical harmonics of directions.
 pub const SPHERICAL_HARMONICS: Component = Component {

@@ -2,9 +2,9 @@
 
 use super::POLYNOMIALS;
 use super::component::{degree, forward, vjp, width};
+use crate::contract::component::Arrays;
+use crate::contract::machine::Machine;
 use crate::convention::Conventions;
-use crate::verify::component::Arrays;
-use crate::verify::machine::Machine;
 
 /// c x^i y^j z^k: the coefficient first (form 0), or last, behind products of squares.
 fn monomial(coefficient: f64, d: [f64; 3], exponents: [u32; 3], m: &Machine) -> f64 {

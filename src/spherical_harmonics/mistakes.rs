@@ -2,8 +2,8 @@
 
 use super::component::{degree, forward, vjp};
 use super::{POLYNOMIALS, backward, power};
+use crate::contract::component::{Arrays, Mistake};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Mistake};
 
 /// Mistakes of the spherical harmonics.
 pub const SPHERICAL_HARMONICS: &[Mistake] = &[

@@ -3,10 +3,10 @@
 use super::chain::{chain, plainly};
 use super::component::size;
 use crate::camera::component::threes;
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::{Arrays, Component, array, values};
 use crate::convention::{Conventions, Delta};
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::{Arrays, Component, array, values};
 use crate::volume_rendering::bound::Ray;
 use crate::volume_rendering::component::rgb;
 

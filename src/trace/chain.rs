@@ -2,8 +2,8 @@
 
 use super::component::size;
 use crate::camera::component::threes;
+use crate::contract::component::{Arrays, Component, arrays, input};
 use crate::convention::{Conventions, Delta};
-use crate::verify::component::{Arrays, Component, arrays, input};
 use crate::volume_rendering::mistakes::ALPHA_ERROR;
 use crate::{ray, sample, volume_rendering};
 

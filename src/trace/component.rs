@@ -2,9 +2,9 @@
 
 use super::{Trace, bound, cases, honest, mistakes, trace_pixel};
 use crate::camera::Camera;
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
 use crate::convention::Conventions;
 use crate::ray::component::picture;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
 use crate::volume_rendering::component::rgb;
 
 const fn plain(name: &'static str, shape: &'static str, meaning: &'static str) -> Port {

@@ -1,9 +1,9 @@
 //! Honest traces in emulated arithmetic: honest rows one after the other.
 
 use super::chain::chain;
+use crate::contract::component::Arrays;
+use crate::contract::machine::Machine;
 use crate::convention::Conventions;
-use crate::verify::component::Arrays;
-use crate::verify::machine::Machine;
 
 /// The whole way from the pixel to its color.
 pub fn render_trace(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {

@@ -1,10 +1,10 @@
 //! Traces, wrong on purpose: the rows' mistakes, and those that sit at the call between two rows.
 
 use super::chain::{chain, plainly};
+use crate::contract::component::{Arrays, Component, Mistake};
 use crate::convention::Conventions;
 use crate::ray::mistakes::IMAGE_RAYS;
 use crate::sample::mistakes::{SAMPLE_ALONG_RAYS, STEP_SIZES};
-use crate::verify::component::{Arrays, Component, Mistake};
 use crate::volume_rendering::mistakes::{COMPOSITE_BACKGROUND, VOLUME_RENDER};
 
 /// Mistakes at the call.

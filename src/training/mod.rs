@@ -11,6 +11,5 @@ pub mod nerf;
 pub mod reference;
 pub mod run;
 pub mod schedule;
-pub mod variants;
 
 pub use model::{Model, Pixel, StepReport};

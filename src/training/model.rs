@@ -2,11 +2,11 @@
 
 use serde_json::{Map, Value};
 
+use crate::bench::system::System;
 use crate::error::Result;
 use crate::files::npz::Arrays;
 use crate::ray::Ray;
 use crate::scene::Scene;
-use crate::verify::bench::system::System;
 
 /// What one optimizer step did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

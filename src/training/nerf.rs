@@ -18,6 +18,7 @@ pub use self::skipping::Skip;
 use self::skipping::skipping;
 use super::model::{Model, Pixel, StepReport};
 use super::reference::{fine_samples, interval_edges};
+use crate::bench::system::System;
 use crate::convention::CS180;
 use crate::error::{Error, Result};
 use crate::field::NerfMlp;
@@ -29,7 +30,6 @@ use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray, pixel_position};
 use crate::sample::{rest_u, sample_along_ray};
 use crate::scene::Scene;
-use crate::verify::bench::system::System;
 
 /// In front of the names of the fine network's arrays.
 const FINE: &str = "fine.";

@@ -2,10 +2,10 @@
 
 use super::LIMIT;
 use super::component::{forward, vjp};
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::bounded::exact;
+use crate::contract::component::Arrays;
 use crate::convention::Conventions;
-use crate::verify::arithmetic::Arithmetic;
-use crate::verify::bounded::exact;
-use crate::verify::component::Arrays;
 
 /// Bound of [`super::trunc_exp`].
 pub fn trunc_exp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {

@@ -1,8 +1,8 @@
 //! Registry row of the truncated exponential.
 
 use super::{backward, bound, cases, honest, mistakes};
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, values};
 
 /// Density from a network's last number, with a surrogate gradient.
 pub const TRUNC_EXP: Component = Component {

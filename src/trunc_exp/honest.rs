@@ -2,9 +2,9 @@
 
 use super::LIMIT;
 use super::component::{forward, vjp};
+use crate::contract::component::Arrays;
+use crate::contract::machine::Machine;
 use crate::convention::Conventions;
-use crate::verify::component::Arrays;
-use crate::verify::machine::Machine;
 
 /// e^x.
 pub fn trunc_exp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {

@@ -2,9 +2,9 @@
 
 use super::component::{forward, vjp};
 use super::{LIMIT, backward, trunc_exp as oracle};
+use crate::contract::component::{Arrays, Mistake};
 use crate::convention::Conventions;
 use crate::math::{exp, pow};
-use crate::verify::component::{Arrays, Mistake};
 
 /// Mistakes of the truncated exponential.
 pub const TRUNC_EXP: &[Mistake] = &[

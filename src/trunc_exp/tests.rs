@@ -3,8 +3,8 @@
 use approx::assert_relative_eq;
 
 use super::{LIMIT, backward, trunc_exp};
+use crate::contract::testing::slope;
 use crate::math::exp;
-use crate::verify::slope;
 
 /// What the surrogate is the derivative of: e^x, going on as a straight line outside of [-15, 15].
 fn stated(x: f64) -> f64 {

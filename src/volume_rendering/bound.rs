@@ -5,10 +5,10 @@
 
 use super::backward::Cotangent;
 use super::component::{cotangent, rgb, row, rows3, size};
+use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::bounded::{Bounded, exact};
+use crate::contract::component::{Arrays, array, arrays, number, values};
 use crate::convention::{Conventions, Depth, ProductEps};
-use crate::verify::arithmetic::{Arithmetic, Grade};
-use crate::verify::bounded::{Bounded, exact};
-use crate::verify::component::{Arrays, array, arrays, number, values};
 
 /// One ray with its errors.
 pub(crate) struct Ray {

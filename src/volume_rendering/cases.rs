@@ -7,8 +7,8 @@ use std::f64::consts::LN_2;
 
 use ndarray::ArrayD;
 
-use crate::verify::case::{Case, Draw};
-use crate::verify::component::{array, scalar};
+use crate::contract::case::{Case, Draw};
+use crate::contract::component::{array, scalar};
 
 /// Seeded regimes: typical optical depth of one sample.
 const REGIMES: [(&str, &str, f64, f64); 4] = [
@@ -127,7 +127,7 @@ pub fn volume_render() -> Vec<Case> {
                 let delta = if ray == 0 { constant } else { draw.between(0.03, 0.1) };
                 let empty = draw.unit() < 0.2;
                 let sigma = draw.decades(low, high) / delta;
-                sigmas.push(if empty { 0.0 } else { crate::verify::case::short(sigma) });
+                sigmas.push(if empty { 0.0 } else { crate::contract::case::short(sigma) });
                 deltas.push(delta);
             }
         }

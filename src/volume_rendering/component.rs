@@ -4,8 +4,8 @@ use ndarray::Axis;
 
 use super::backward::Cotangent;
 use super::{Rendering, backward, bound, cases, composite_background, depth, honest, mistakes};
+use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
 use crate::convention::Conventions;
-use crate::verify::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
 
 const SIGMAS: Port = Port { name: "sigmas", shape: "R,N", meaning: "densities, 1 / length", gradient: true };
 const ALPHAS: Port = Port { name: "alphas", shape: "R,N", meaning: "opacities in [0, 1]", gradient: true };

@@ -3,9 +3,9 @@
 use super::Rendering;
 use super::backward::Cotangent;
 use super::component::{cotangent, renderings, rgb, row, rows3, size};
+use crate::contract::component::{Arrays, array, arrays, number, values};
+use crate::contract::machine::Machine;
 use crate::convention::{Conventions, Depth, ProductEps};
-use crate::verify::component::{Arrays, array, arrays, number, values};
-use crate::verify::machine::Machine;
 
 fn alphas(x: &[f64], m: &Machine) -> Vec<f64> {
     x.iter().map(|&x| if m.stable { -m.expm1(-x) } else { m.sub(1.0, m.exp(-x)) }).collect()

@@ -2,9 +2,9 @@
 
 use super::component::{self, renderings, row, rows3, size};
 use super::{Rendering, volume_render as oracle, volume_render_alpha as oracle_alpha};
+use crate::contract::component::{Arrays, input};
 use crate::convention::{Conventions, ProductEps};
 use crate::math::exp;
-use crate::verify::component::{Arrays, input};
 
 mod catalogue;
 
@@ -205,7 +205,7 @@ pub fn composite_background_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arra
 pub fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"zero_by_zero") {
-        a.insert("far".into(), crate::verify::component::scalar(f64::NAN));
+        a.insert("far".into(), crate::contract::component::scalar(f64::NAN));
     }
     if wrong.contains(&"depth_of_index") {
         a.get_mut("t").expect("checked").indexed_iter_mut().for_each(|(i, t)| *t = i[1] as f64);

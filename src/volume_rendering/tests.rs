@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::backward::Cotangent;
 use super::*;
-use crate::verify::{properties, slope};
+use crate::contract::testing::{properties, slope};
 
 const EPS: f64 = f64::EPSILON;
 const ONE_HOT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

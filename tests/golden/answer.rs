@@ -4,10 +4,10 @@ use std::borrow::Cow;
 
 use ndarray::{ArrayD, Axis, IxDyn};
 use nerf_oracle::COMPONENTS;
+use nerf_oracle::contract::Component;
+use nerf_oracle::contract::component::{Arrays, number, scalar};
 use nerf_oracle::convention::{CS180, Conventions, Directions};
-use nerf_oracle::verify::Component;
-use nerf_oracle::verify::component::{Arrays, number, scalar};
-use nerf_oracle::verify::golden::Golden;
+use nerf_oracle::proof::golden::Golden;
 
 /// Fixtures of several components in a row.
 pub const SYSTEMS: &[&str] = &["training_step", "adam", "loss_curve"];

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use nerf_oracle::verify::golden::{load, load_all};
+use nerf_oracle::proof::golden::{load, load_all};
 
 /// A copy of one fixture, changed by `damage`, and what loading it says.
 fn message(damage: impl Fn(&Path, &mut String)) -> String {

@@ -4,7 +4,7 @@ use crate::convention::Density;
 use crate::volume_rendering::fast::attenuation;
 
 /// Density from the density head's output; see [`crate::field::density`].
-pub(super) fn density(z: f32, activation: Density) -> f32 {
+pub(crate) fn density(z: f32, activation: Density) -> f32 {
     match activation {
         Density::Relu if z < 0.0 => 0.0,
         Density::Relu => z,
@@ -14,7 +14,7 @@ pub(super) fn density(z: f32, activation: Density) -> f32 {
 }
 
 /// d density / dz.
-pub(super) fn slope(z: f32, activation: Density) -> f32 {
+pub(crate) fn slope(z: f32, activation: Density) -> f32 {
     match activation {
         Density::Relu if z <= 0.0 => 0.0,
         Density::Relu => 1.0,
@@ -24,7 +24,7 @@ pub(super) fn slope(z: f32, activation: Density) -> f32 {
 }
 
 /// 1 / (1 + e^-z), without overflow on either side.
-pub(super) fn sigmoid(z: f32) -> f32 {
+pub(crate) fn sigmoid(z: f32) -> f32 {
     let e = attenuation(z.abs()).0;
     if z < 0.0 { e / (1.0 + e) } else { 1.0 / (1.0 + e) }
 }

@@ -11,14 +11,14 @@ use super::network::{Batch, Network};
 use super::product::{Matrix, product};
 use super::rays::Rays;
 use super::skipping::Skipping;
+use crate::bench::dense::{Dense, Layers, Work, bound, worse};
+use crate::bench::rounds::seconds;
+use crate::bench::uniform;
 use crate::convention::Density;
 use crate::field::NerfMlp;
 use crate::field::nerf_mlp::Shape;
 use crate::parallel;
 use crate::random::{Key, Purpose};
-use crate::verify::bench::dense::{Dense, Layers, Work, bound, worse};
-use crate::verify::bench::rounds::seconds;
-use crate::verify::bench::uniform;
 
 /// Samples of a ray.
 const SAMPLES: usize = 64;

@@ -7,7 +7,7 @@
 use pulp::{Simd, WithSimd};
 
 /// x = relu(x + bias). A NaN stays one.
-pub(super) struct BiasRelu<'a> {
+pub(crate) struct BiasRelu<'a> {
     pub x: &'a mut [f32],
     pub stride: usize,
     pub bias: &'a [f32],
@@ -28,7 +28,7 @@ impl WithSimd for BiasRelu<'_> {
 }
 
 /// g = g where h > 0, else 0; adds the sum over points to `g_bias`.
-pub(super) struct ReluBackward<'a> {
+pub(crate) struct ReluBackward<'a> {
     pub g: &'a mut [f32],
     pub h: &'a [f32],
     pub stride: usize,
@@ -51,7 +51,7 @@ impl WithSimd for ReluBackward<'_> {
 
 /// The gradient of one linear output z = w h, joined with `g` and masked: g = (g + g_z w) where h > 0. Adds g_z h to `g_w`
 /// and the sum over points to `g_bias`.
-pub(super) struct JoinBackward<'a> {
+pub(crate) struct JoinBackward<'a> {
     pub g: &'a mut [f32],
     pub h: &'a [f32],
     pub g_z: &'a [f32],
@@ -78,7 +78,7 @@ impl WithSimd for JoinBackward<'_> {
 }
 
 /// K linear outputs of every row: z = w x + bias.
-pub(super) struct Heads<'a, const K: usize> {
+pub(crate) struct Heads<'a, const K: usize> {
     pub x: &'a [f32],
     pub w: &'a [f32],
     pub bias: &'a [f32],
@@ -122,7 +122,7 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
 }
 
 /// Backward of [`Heads`] behind a ReLU: g_x = w^T g_z where x > 0; adds g_z x to `g_w` and g_z to `g_bias`.
-pub(super) struct HeadsBackward<'a, const K: usize> {
+pub(crate) struct HeadsBackward<'a, const K: usize> {
     pub x: &'a [f32],
     pub g_z: &'a [f32],
     pub w: &'a [f32],
@@ -160,7 +160,7 @@ impl<const K: usize> WithSimd for HeadsBackward<'_, K> {
 }
 
 /// sum += each row of `rows`.
-pub(super) struct AddRows<'a> {
+pub(crate) struct AddRows<'a> {
     pub sum: &'a mut [f32],
     pub rows: &'a [f32],
 }

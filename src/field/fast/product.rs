@@ -4,7 +4,7 @@ use gemm::{Parallelism, gemm};
 
 /// A matrix inside a slice: entry (i, j) lies at `i * row_stride + j * column_stride`.
 #[derive(Clone, Copy)]
-pub(super) struct Matrix<'a> {
+pub(crate) struct Matrix<'a> {
     data: &'a [f32],
     rows: usize,
     columns: usize,
@@ -40,7 +40,7 @@ impl<'a> Matrix<'a> {
 }
 
 /// c = a b, or c += a b; rows of c `stride` entries apart.
-pub(super) fn product(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumulate: bool) {
+pub(crate) fn product(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumulate: bool) {
     product_on(c, stride, a, b, accumulate, Parallelism::None);
 }
 
@@ -91,7 +91,7 @@ fn product_on(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumulate: bo
 }
 
 /// The transpose of a (rows, columns) matrix as a matrix of its own: products run faster on it than on a strided view.
-pub(super) fn transposed(data: &[f32], rows: usize, columns: usize) -> Vec<f32> {
+pub(crate) fn transposed(data: &[f32], rows: usize, columns: usize) -> Vec<f32> {
     let mut out = vec![0.0; rows * columns];
     for (i, row) in data.chunks_exact(columns).enumerate() {
         for (x, out) in row.iter().zip(out[i..].iter_mut().step_by(rows)) {

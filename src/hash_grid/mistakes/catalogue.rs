@@ -1,6 +1,6 @@
 //! What people get wrong in hash grids, in words. Some of it is tiny-cuda-nn's own choice: another encoding than the paper's text.
 
-use crate::verify::component::Mistake;
+use crate::contract::component::Mistake;
 
 /// Mistakes of the hash grid.
 pub const HASH_GRID: &[Mistake] = &[

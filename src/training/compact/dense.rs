@@ -14,13 +14,13 @@ use super::kernels::{outer, product};
 use super::networks::{GEOMETRY, HIDDEN, Networks};
 use super::step::CHUNK;
 use super::{CompactModel, Overrides};
+use crate::bench::dense::{Dense, Layers, Work, bound, worse};
+use crate::bench::rounds::seconds;
 use crate::hash_grid::fast::{Entry, LEVELS, WIDTH};
 use crate::scene;
 use crate::simd::{Aligned, OnLine, repeated};
 use crate::spherical_harmonics::fast as harmonics;
 use crate::training::Model;
-use crate::verify::bench::dense::{Dense, Layers, Work, bound, worse};
-use crate::verify::bench::rounds::seconds;
 
 /// The step whose batch it is, the first with full step lengths and all levels; steps before it that are trained.
 const STEP: u64 = 401;

@@ -7,6 +7,7 @@
 use pulp::Arch;
 use serde_json::{Map, Value};
 
+use crate::bench::system::System;
 use crate::error::Result;
 use crate::files::npz::Arrays;
 use crate::hash_grid::{self, fast::Level};
@@ -15,7 +16,6 @@ use crate::random::{Key, Purpose};
 use crate::ray::Ray;
 use crate::scene::Scene;
 use crate::training::{Model, Pixel, StepReport};
-use crate::verify::bench::system::System;
 
 mod backward;
 mod chunk;

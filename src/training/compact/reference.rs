@@ -157,12 +157,12 @@ impl Reference {
 
 #[cfg(test)]
 mod tests {
+    use crate::bench::system::System;
     use crate::evaluation::camera_rays;
     use crate::ray::Ray;
     use crate::scene;
     use crate::training::Model;
     use crate::training::compact::{CompactModel, Overrides};
-    use crate::verify::bench::system::System;
 
     fn trained() -> (CompactModel, Vec<Ray>) {
         let scene = scene::load("builtin:blob", &scene::Options::default()).unwrap();

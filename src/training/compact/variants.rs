@@ -4,10 +4,10 @@ use super::CompactModel;
 use super::reference::Reference;
 use super::settings::AT_REST;
 use super::step::optical_step;
+use crate::bench::system::{Choice, Seen, System};
 use crate::occupancy_grid::fast::Occupancy;
 use crate::ray::Ray;
 use crate::training::{Model, Pixel};
-use crate::verify::bench::system::{Choice, Seen, System};
 
 /// What a variant changes.
 #[derive(Clone, Copy)]

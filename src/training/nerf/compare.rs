@@ -6,13 +6,13 @@ use super::grid::Grid;
 use super::path::Path;
 use super::skipping::skipping;
 use super::{Drawn, NerfModel, Samples, Skip};
+use crate::bench::rounds::{quantile, seconds};
 use crate::error::Result;
 use crate::field::fast::{Batch, Gradient, Network, Skipping};
 use crate::loss::psnr;
 use crate::optimizer::{Adam, fast::Moments};
 use crate::random::{Key, Purpose};
 use crate::scene::Scene;
-use crate::verify::bench::rounds::{quantile, seconds};
 
 /// The step whose rays are drawn: no training comes so far. Batches that follow it are only rendered.
 const STEP: u64 = 1 << 40;

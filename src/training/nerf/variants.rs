@@ -2,6 +2,7 @@
 
 use super::NerfModel;
 use super::path::Path;
+use crate::bench::system::{Choice, Seen, System};
 use crate::convention::CS180;
 use crate::early_stop::live_samples;
 use crate::encoding::Encoding;
@@ -9,7 +10,6 @@ use crate::ray::Ray;
 use crate::sample::{rest_u, sample_along_ray};
 use crate::training::reference::Field;
 use crate::training::{Model, Pixel};
-use crate::verify::bench::system::{Choice, Seen, System};
 
 /// Samples a ray; the first are those of the training.
 const SAMPLES: [(&str, usize); 6] = [

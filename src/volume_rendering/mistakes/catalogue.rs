@@ -1,10 +1,10 @@
 //! What people get wrong in volume rendering, in words.
 
+use crate::contract::component::Mistake;
 use crate::sample::mistakes::{
     BACKWARD_DELTA, DELTA_DIFFERENCED_TWICE, DELTA_MISSING, DELTA_OVER_N_MINUS_1, DELTA_UNIT_INTERVAL,
     FIRST_GAP_FOR_ALL, FIRST_RAY_DELTAS,
 };
-use crate::verify::component::Mistake;
 
 const INCLUSIVE: Mistake = Mistake::new(
     "inclusive_transmittance",

@@ -1,0 +1,234 @@
+//! Dense layers: how much of what the machine can do is left in the matrix products of training.
+//!
+//! The **ceiling** is the best round of all products in the calibration, on all threads: `gemm` on 4096^3, `gemm` on 1024 x 256 x 256 (one a
+//! thread, as layers of a chunk are computed), and what a peer's library reaches on 4096^3 where the peer reports it (`sgemm_gflops`).
+//!
+//! **share_products** = useful flops / seconds / ceiling of the products of a training batch alone: the very kernels, in the order of
+//! the training, on the chunks that it works on, one chunk behind the other on each thread, so that weights and activations lie where
+//! training finds them (for 8x256 a thread's one chunk of 512 points again and again, as training uses its buffers again). ReLU is in it where the kernel applies it while it writes; biases, masks, encodings, activations, rendering
+//! and the sums over chunks are not. **share_pass** is the same for the whole forward and backward pass with all of these.
+//!
+//! Useful flops are 2 a multiplication with a weight that is really there, once for the forward pass, once for the weights' gradient,
+//! and once for the inputs' gradient where somebody needs it. Columns that pad a vector count for nothing.
+
+use serde_json::{Value, json};
+
+use super::rounds::quantile;
+
+/// The networks of a training step with a batch, ready to run.
+pub trait Layers {
+    /// Runs the products of a chunk and compares each with plain f64 loops over its own inputs: the largest error over what f32 sums
+    /// in any order may be off by; not above 1.
+    fn check(&mut self) -> f64;
+    /// What one run does.
+    fn work(&self) -> Work;
+    /// Seconds of the products alone.
+    fn products(&mut self) -> f64;
+    /// Seconds of the whole pass.
+    fn pass(&mut self) -> f64;
+}
+
+/// What one run does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Work {
+    /// Points with a backward pass.
+    pub points: usize,
+    /// Useful flops of the products.
+    pub products: f64,
+    /// Useful flops of the pass.
+    pub pass: f64,
+}
+
+/// A network whose layers are measured.
+#[derive(Clone, Copy)]
+pub struct Dense {
+    /// Its name.
+    pub name: &'static str,
+    /// What runs, in a line.
+    pub about: &'static str,
+    /// The batch; for the 8x256 network a smaller one where `quick`.
+    pub prepare: fn(quick: bool) -> Box<dyn Layers>,
+}
+
+/// What a product is allowed to be off by: half a unit of the last place for each of its `terms` and additions, relative to the sum of
+/// absolute terms; and the smallest normal number, below which f32 has fewer digits.
+pub fn bound(terms: usize, absolute: f64) -> f64 {
+    let unit = f64::from(f32::EPSILON) / 2.0;
+    (terms + 2) as f64 * (unit * absolute + f64::from(f32::MIN_POSITIVE))
+}
+
+/// The larger of both; a NaN stays one.
+pub fn worse(worst: f64, error: f64) -> f64 {
+    if error > worst || error.is_nan() { error } else { worst }
+}
+
+/// One figure that the ceiling is the largest of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// What ran.
+    pub name: String,
+    /// Its best round.
+    pub gflops: f64,
+}
+
+/// The best of the candidates; what isn't finite doesn't count.
+///
+/// ```
+/// use nerf_oracle::bench::dense::{Candidate, ceiling};
+/// let all = [("a", 170.0), ("b", 301.5), ("c", f64::NAN)].map(|(n, gflops)| Candidate { name: n.into(), gflops });
+/// assert_eq!(ceiling(&all), Some(&all[1]));
+/// assert_eq!(ceiling(&all[2..]), None);
+/// ```
+pub fn ceiling(candidates: &[Candidate]) -> Option<&Candidate> {
+    let finite = candidates.iter().filter(|c| c.gflops.is_finite());
+    finite.max_by(|a, b| a.gflops.total_cmp(&b.gflops))
+}
+
+/// A network under measurement.
+pub struct Measured {
+    dense: Dense,
+    layers: Box<dyn Layers>,
+    used: f64,
+    least: f64,
+    products: Vec<f64>,
+    pass: Vec<f64>,
+}
+
+/// All networks, checked.
+pub fn prepare(dense: &[Dense], least: f64, quick: bool) -> Vec<Measured> {
+    let one = |dense: &Dense| {
+        let mut layers = (dense.prepare)(quick);
+        let used = layers.check();
+        Measured { dense: *dense, layers, used, least, products: vec![], pass: vec![] }
+    };
+    dense.iter().map(one).collect()
+}
+
+impl Measured {
+    /// Whether its products are what they are supposed to be.
+    fn right(&self) -> bool {
+        self.used <= 1.0
+    }
+
+    /// One round of both; nothing where the check failed.
+    pub fn round(&mut self) {
+        if self.right() {
+            let layers = &mut self.layers;
+            self.pass.push(mean(self.least, || layers.pass()));
+            self.products.push(mean(self.least, || layers.products()));
+        }
+    }
+
+    /// The row, with its shares of a ceiling in GFLOP/s.
+    pub fn json(&self, ceiling: f64) -> Value {
+        let Work { points, products, pass } = self.layers.work();
+        let mut row = json!({ "network": self.dense.name, "about": self.dense.about, "points": points, "check_used": self.used });
+        if !self.right() {
+            row["refused"] =
+                format!("a product is off by {:.3} times what it may be off by", self.used).into();
+            return row;
+        }
+        for (name, flops, seconds) in [("products", products, &self.products), ("pass", pass, &self.pass)] {
+            let (middle, best) = (quantile(seconds, 0.5), quantile(seconds, 0.0));
+            let spread = (quantile(seconds, 0.75) - quantile(seconds, 0.25)) / middle;
+            let figures = [
+                ("flops", flops),
+                ("seconds", middle),
+                ("best_seconds", best),
+                ("spread", spread),
+                ("gflops", flops / middle / 1e9),
+            ];
+            for (what, value) in figures {
+                row[format!("{name}_{what}")] = value.into();
+            }
+            row[format!("share_{name}")] = (flops / middle / 1e9 / ceiling).into();
+            row[format!("best_share_{name}")] = (flops / best / 1e9 / ceiling).into();
+        }
+        row
+    }
+}
+
+/// A run that isn't counted where runs are short, because others have used the caches meanwhile; then the mean of runs that take `least`
+/// seconds together.
+fn mean(least: f64, mut run: impl FnMut() -> f64) -> f64 {
+    let first = run();
+    if first >= least {
+        return first;
+    }
+    let (mut sum, mut count) = (0.0, 0.0);
+    while sum < least || count == 0.0 {
+        sum += run();
+        count += 1.0;
+    }
+    sum / count
+}
+
+/// The section of the report.
+pub fn section(measured: &[Measured], candidates: &[Candidate], left_out: Option<String>) -> Value {
+    if measured.is_empty() {
+        return Value::Null;
+    }
+    let best = ceiling(candidates).map_or(f64::NAN, |c| c.gflops);
+    let list = candidates.iter().map(|c| json!({ "name": c.name, "gflops": c.gflops })).collect::<Vec<_>>();
+    json!({
+        "ceiling_gflops": best, "ceiling_of": ceiling(candidates).map(|c| &c.name), "ceiling_candidates": list,
+        "ceiling_left_out": left_out, "threads": crate::parallel::threads(),
+        "rows": measured.iter().map(|m| m.json(best)).collect::<Vec<_>>(),
+    })
+}
+
+/// The ceiling in a line.
+pub fn ceiling_text(section: &Value) -> String {
+    let candidate = |c: &Value| {
+        format!("{} {:.0}", c["name"].as_str().unwrap_or(""), c["gflops"].as_f64().unwrap_or(f64::NAN))
+    };
+    let list: Vec<String> =
+        section["ceiling_candidates"].as_array().into_iter().flatten().map(candidate).collect();
+    let left_out = section["ceiling_left_out"].as_str();
+    format!(
+        "Dense layers on {} threads; ceiling {:.0} GFLOP/s, the best round of: {}.{}",
+        section["threads"],
+        section["ceiling_gflops"].as_f64().unwrap_or(f64::NAN),
+        list.join(", "),
+        left_out.map_or_else(String::new, |why| format!(" Not among them: {why}.")),
+    )
+}
+
+/// What the shares are, for table and page.
+pub const NOTE: &str = "share: useful flops / seconds / ceiling, median and best round. Products: the kernels of a training batch alone, \
+     forward and backward, without biases, masks, encodings, rendering and sums over chunks. Pass: with all of these.";
+
+/// Columns of the table.
+pub const HEADER: [&str; 9] = [
+    "network",
+    "points",
+    "products s",
+    "GFLOP/s",
+    "share products",
+    "best",
+    "pass s",
+    "GFLOP/s",
+    "share pass",
+];
+
+/// A row as text.
+pub fn cells(row: &Value) -> Vec<String> {
+    let name = row["network"].as_str().unwrap_or("").to_string();
+    let points = row["points"].to_string();
+    let number = |field: &str, digits: usize| {
+        row[field].as_f64().map_or_else(|| "-".into(), |x| format!("{x:.digits$}"))
+    };
+    let percent =
+        |field: &str| row[field].as_f64().map_or_else(|| "-".into(), |x| format!("{:.1}%", 100.0 * x));
+    vec![
+        name,
+        points,
+        number("products_seconds", 4),
+        number("products_gflops", 0),
+        percent("share_products"),
+        percent("best_share_products"),
+        number("pass_seconds", 4),
+        number("pass_gflops", 0),
+        percent("share_pass"),
+    ]
+}

@@ -1,0 +1,64 @@
+//! The check that comes first: a variant's results against the oracle's.
+
+use std::collections::BTreeMap;
+
+use super::error::same_shapes;
+use super::{Errors, Prepare, Suite, Variant};
+use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
+use crate::contract::check::{tolerance, worst};
+use crate::contract::component::Arrays;
+use crate::convention::CS180;
+
+/// What a suite's variants are compared with.
+pub(super) struct Truth {
+    /// The inputs that are checked.
+    pub inputs: Arrays,
+    expected: Arrays,
+    /// Bounds by dtype and by the accuracy of elementary functions.
+    bounds: BTreeMap<(Dtype, u64), Arrays>,
+}
+
+impl Truth {
+    /// The oracle's results on the suite's inputs.
+    pub fn new(suite: &Suite) -> Truth {
+        let inputs = (suite.workload)(suite.checked);
+        let expected = match suite.registered() {
+            Some(component) => (component.forward.oracle)(&inputs, &CS180),
+            None => output(suite.oracle, &inputs),
+        };
+        Truth { inputs, expected, bounds: BTreeMap::new() }
+    }
+
+    /// The component's bound in a type, grade B, with elementary functions within `ulp`.
+    fn bound(&mut self, suite: &Suite, dtype: Dtype, ulp: f64) -> Option<&Arrays> {
+        let component = suite.registered()?;
+        let arithmetic = Arithmetic { elementary_ulp: ulp, ..Arithmetic::new(dtype, Grade::B) };
+        let (inputs, bounds) = (&self.inputs, &mut self.bounds);
+        let make = || tolerance(&component.forward, inputs, &CS180, &arithmetic);
+        Some(bounds.entry((dtype, ulp.to_bits())).or_insert_with(make))
+    }
+
+    /// Checks a variant: its errors, or why it is refused.
+    pub fn check(&mut self, suite: &Suite, variant: &Variant) -> Result<Errors, String> {
+        let got = output(variant.prepare, &self.inputs);
+        same_shapes(&got, &self.expected)?;
+        let allowed = match variant.promise.exp_ulp {
+            Some(ulp) => self.bound(suite, Dtype::F32, ulp).cloned(),
+            None => None,
+        };
+        let allowed = variant.promise.bound(allowed.as_ref(), &self.expected);
+        let used = worst(&got, &self.expected, &allowed);
+        if used > 1.0 || used.is_nan() {
+            return Err(format!("off by {used:.3} times what it may be off by"));
+        }
+        let budget = self.bound(suite, variant.dtype, 4.0).cloned();
+        let budget = budget.map(|bound| worst(&got, &self.expected, &bound));
+        Ok(Errors::measure(&got, &self.expected, variant.dtype, budget, used))
+    }
+}
+
+fn output(prepare: Prepare, inputs: &Arrays) -> Arrays {
+    let mut kernel = prepare(inputs);
+    kernel.run();
+    kernel.read()
+}

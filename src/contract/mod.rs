@@ -1,0 +1,18 @@
+//! What a component is: named arrays, cases, types and how far an honest implementation in them may be off. Knows no component.
+
+pub mod arithmetic;
+pub mod bounded;
+pub mod case;
+pub mod check;
+pub mod component;
+pub mod machine;
+
+#[cfg(test)]
+pub(crate) mod testing;
+
+pub use arithmetic::{Arithmetic, Dtype, Grade};
+pub use bounded::Bounded;
+pub use case::{Case, Draw};
+pub use check::Kind;
+pub use component::{Arrays, Component, Mistake, Pass, Port};
+pub use machine::Machine;

@@ -1,0 +1,221 @@
+//! Which conventions a run follows: one assignment over all of its components, from closed lists, nothing fitted.
+
+use std::collections::BTreeMap;
+
+use ndarray::ArrayD;
+
+use super::answer::{Answer, Answers, reshaped};
+use super::exam::Sheet;
+use super::mark::{Rules, within};
+use super::sampler;
+use crate::contract::arithmetic::Grade;
+use crate::contract::case::Case;
+use crate::contract::component::{Arrays, Component};
+use crate::convention::profiles::PROFILES;
+use crate::convention::{CHOICES, CS180, Conventions};
+use crate::parallel;
+use crate::trace::component::{READS, RENDER_TRACE};
+
+/// Values of some conventions, spelled as in [`CHOICES`].
+pub type Partial = BTreeMap<&'static str, &'static str>;
+
+/// Inputs of more elements than this are left to the final marking: a search needs the small cases only.
+const LARGE: usize = 20_000;
+
+/// Steps of backtracking before the search settles for the best it has.
+const PATIENCE: usize = 20_000;
+
+/// The value of a convention as its static name.
+pub fn value(c: &Conventions, key: &str) -> &'static str {
+    let (_, values) =
+        CHOICES.iter().find(|(name, _)| *name == key).expect("components name known conventions");
+    let value = c.get(key);
+    values.iter().find(|v| **v == value).expect("every value is listed")
+}
+
+/// The conventions of `component` in `c`.
+pub fn partial(component: &Component, c: &Conventions) -> Partial {
+    component.conventions.iter().map(|key| (*key, value(c, key))).collect()
+}
+
+/// `base` with the values of `partial`.
+pub fn apply(partial: &Partial, base: &Conventions) -> Conventions {
+    partial.iter().fold(*base, |c, (key, value)| c.with(key, value).expect("listed values"))
+}
+
+/// All assignments of a component's conventions, those next to `base` first.
+pub fn assignments(component: &Component, base: &Conventions) -> Vec<Partial> {
+    let mut all = vec![Partial::new()];
+    for key in component.conventions {
+        let (_, values) = CHOICES.iter().find(|(name, _)| name == key).expect("known conventions");
+        let extend = |p: &Partial| values.iter().map(|v| with(p, key, v)).collect::<Vec<_>>();
+        all = all.iter().flat_map(extend).collect();
+    }
+    let base = partial(component, base);
+    all.sort_by_key(|p| changes(p, &base));
+    all
+}
+
+fn with(partial: &Partial, key: &'static str, value: &'static str) -> Partial {
+    let mut partial = partial.clone();
+    partial.insert(key, value);
+    partial
+}
+
+/// In how many conventions `a` differs from `b`.
+pub fn changes(a: &Partial, b: &Partial) -> usize {
+    a.iter().filter(|(key, value)| b.get(*key).is_some_and(|other| other != *value)).count()
+}
+
+/// The cases that a search goes by, the smallest first.
+pub fn small_cases<'a>(sheet: &'a Sheet, answers: &'a Answers) -> Vec<(&'a Case, &'a Answer)> {
+    let size = |case: &Case| case.inputs.values().map(|a| a.len()).sum::<usize>();
+    let pairs = sheet.cases.iter().zip(answers).filter_map(|(case, a)| a.as_ref().map(|a| (case, a)));
+    let mut pairs: Vec<_> = pairs.collect();
+    pairs.sort_by_key(|(case, _)| size(case));
+    let first_large = pairs.iter().position(|(case, _)| size(case) > LARGE).unwrap_or(pairs.len());
+    pairs.truncate(first_large.max(1));
+    pairs
+}
+
+/// Those of the assignments that no output of the smallest case alone rules out. A row of thousands of assignments says which
+/// conventions an output reads ([`READS`]): what differs in others alone needs one look.
+pub fn possible(
+    sheet: &Sheet,
+    answers: &Answers,
+    mut all: Vec<Partial>,
+    base: &Conventions,
+    rules: &Rules,
+) -> Vec<Partial> {
+    let first = small_cases(sheet, answers).first().copied();
+    let (Some((case, answer)), true) = (first, sheet.component.name == RENDER_TRACE.name) else { return all };
+    for (output, keys) in READS {
+        let Some(given) = answer.get(*output) else { continue };
+        let alone: Answer = [(output.to_string(), given.clone())].into();
+        let fits = |p: &Partial| {
+            let c = apply(p, base);
+            let mut expected = (sheet.component.forward.oracle)(&case.inputs, &c);
+            expected.retain(|name, _| name == output);
+            within(&alone, &expected, rules.may_look(case), || rules.truth(sheet, case, &c, Grade::B).1)
+        };
+        let mut known: BTreeMap<Vec<&str>, bool> = BTreeMap::new();
+        all.retain(|p| *known.entry(keys.iter().map(|key| p[key]).collect()).or_insert_with(|| fits(p)));
+    }
+    all
+}
+
+/// Whether all small cases are right in these conventions.
+pub fn holds(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules) -> bool {
+    if sheet.statistics() {
+        return sampler::plausible(sheet, answers, c);
+    }
+    if !sheet.admits(c) {
+        return false;
+    }
+    let cases = small_cases(sheet, answers);
+    let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+    !cases.is_empty()
+        && cases.iter().all(|(case, answer)| {
+            let expected = (pass.oracle)(&case.inputs, c);
+            within(answer, &expected, rules.may_look(case), || rules.truth(sheet, case, c, Grade::B).1)
+        })
+}
+
+/// One assignment over the whole run.
+pub struct Found {
+    /// The assignment.
+    pub conventions: Conventions,
+    /// Sheets that are right in some conventions, but not in the run's, with those conventions.
+    pub contradicting: Vec<(usize, Conventions)>,
+}
+
+/// Looks for the one assignment in which all sheets are right that are right in any.
+pub fn find(sheets: &[(&Sheet, &Answers)], rules: &Rules) -> Found {
+    let holds_in = |n: usize, c: &Conventions| holds(sheets[n].0, sheets[n].1, c, rules);
+    let named = |c: &Conventions| parallel::map(sheets.len(), |n| holds_in(n, c)).into_iter().all(|ok| ok);
+    if let Some(profile) = PROFILES.iter().find(|profile| named(&profile.conventions)) {
+        return Found { conventions: profile.conventions, contradicting: vec![] };
+    }
+    let survivors: Vec<Vec<Partial>> = parallel::map(sheets.len(), |n| {
+        let (sheet, answers) = sheets[n];
+        let all = possible(sheet, answers, assignments(sheet.component, &CS180), &CS180, rules);
+        all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
+    });
+    let mut order: Vec<usize> = (0..sheets.len()).filter(|&n| !survivors[n].is_empty()).collect();
+    order.sort_by_key(|&n| survivors[n].len());
+    let mut patience = PATIENCE;
+    let joined = join(&order, &survivors, &Partial::new(), &mut patience)
+        .unwrap_or_else(|| majority(&order, &survivors));
+    let contradicts = |n: &usize| survivors[*n].iter().all(|p| changes(p, &joined) > 0);
+    let contradicting = order.iter().filter(|n| contradicts(n));
+    Found {
+        conventions: apply(&joined, &CS180),
+        contradicting: contradicting.map(|&n| (n, apply(&survivors[n][0], &CS180))).collect(),
+    }
+}
+
+/// Backtracking: the assignment that agrees with one survivor of every sheet.
+fn join(
+    order: &[usize],
+    survivors: &[Vec<Partial>],
+    so_far: &Partial,
+    patience: &mut usize,
+) -> Option<Partial> {
+    let Some((&n, rest)) = order.split_first() else { return Some(so_far.clone()) };
+    for survivor in survivors[n].iter().filter(|p| changes(p, so_far) == 0) {
+        *patience = patience.checked_sub(1)?;
+        let mut joined = so_far.clone();
+        joined.extend(survivor.iter());
+        if let Some(found) = join(rest, survivors, &joined, patience) {
+            return Some(found);
+        }
+    }
+    None
+}
+
+/// Where no assignment holds for all: each value that most sheets can live with, in turn.
+fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
+    let mut joined = Partial::new();
+    for (key, values) in CHOICES {
+        let agrees = |n: usize, v: &str| {
+            survivors[n]
+                .iter()
+                .any(|p| changes(p, &joined) == 0 && p.get(key).is_none_or(|other| *other == v))
+        };
+        let votes = |v: &&&str| order.iter().filter(|&&n| agrees(n, v)).count();
+        // The last of equals wins in max_by_key: from behind, so that the default does.
+        if order.iter().any(|&n| survivors[n].iter().any(|p| p.contains_key(key))) {
+            let best = values.iter().rev().max_by_key(votes).expect("lists aren't empty");
+            joined.insert(key, best);
+        }
+    }
+    joined
+}
+
+/// Assignments that are compared when nothing explains the answers.
+const COMPARED: usize = 2_000;
+
+/// The assignment in which most elements agree with the answers to a few digits, the one next to `base` of equals.
+pub fn nearest(sheet: &Sheet, answers: &Answers, base: &Conventions) -> Conventions {
+    let all = assignments(sheet.component, base).into_iter().map(|p| apply(&p, base));
+    let all: Vec<Conventions> = all.filter(|c| sheet.admits(c)).take(COMPARED).collect();
+    let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+    let cases = small_cases(sheet, answers);
+    let agreeing = parallel::map(all.len(), |n| {
+        let agree =
+            |(case, answer): &(&Case, &Answer)| agreement(answer, &(pass.oracle)(&case.inputs, &all[n]));
+        cases.iter().take(8).map(agree).sum::<usize>()
+    });
+    // The last of equals wins in max_by_key.
+    let best = (0..all.len()).rev().max_by_key(|&n| agreeing[n]);
+    best.map_or(*base, |n| all[n])
+}
+
+/// How many elements agree to three digits.
+fn agreement(answer: &Answer, expected: &Arrays) -> usize {
+    let one = |(name, e): (&String, &ArrayD<f64>)| {
+        let (got, _) = reshaped(&answer.get(name)?.values, e.shape())?;
+        Some(got.iter().zip(e).filter(|&(g, e)| g == e || (g - e).abs() <= 1e-3 * e.abs()).count())
+    };
+    expected.iter().filter_map(one).sum()
+}

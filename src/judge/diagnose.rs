@@ -1,0 +1,238 @@
+//! Diagnosis: which conventions and which mistakes explain the answers of a component that failed.
+
+use super::answer::Answers;
+use super::assignment::{Partial, apply, assignments, changes, partial, possible, small_cases};
+use super::exam::Sheet;
+use super::hypothesis::{Hypothesis, of_forward};
+use super::mark::Rules;
+use super::sampler;
+use crate::contract::check::Kind;
+use crate::contract::component::{Arrays, Mistake};
+use crate::convention::Conventions;
+use crate::parallel;
+
+/// A hypothesis that explains every answered element.
+#[derive(Clone, Debug)]
+pub struct Explanation {
+    /// The mistakes.
+    pub mistakes: Vec<&'static Mistake>,
+    /// Conventions in which the candidate differs from the run's.
+    pub conventions: Partial,
+    /// Largest error over the hypothesis' own bound.
+    pub residual: f64,
+    /// Whether it predicts the same as the best explanation on every case: no answer can tell the two apart.
+    pub same_as_best: bool,
+}
+
+/// The conventions may differ in so many places beside one mistake, and beside two.
+const CHANGES: [usize; 3] = [usize::MAX, 2, 1];
+
+/// Assignments that are tried beside one mistake, and beside two.
+const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
+
+/// Gradients of mistakes in the forward function are numeric and dear: so many of the smallest cases.
+const NUMERIC: usize = 12;
+
+/// Explanations that are listed.
+const SHOWN: usize = 8;
+
+/// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
+/// gradient (mistakes that the forward answers showed).
+pub fn diagnose(
+    sheet: &Sheet,
+    answers: &Answers,
+    base: &Conventions,
+    suspects: &[Vec<&'static str>],
+    rules: &Rules,
+) -> Vec<Explanation> {
+    if sheet.statistics() {
+        let shown = sampler::mistakes(sheet, answers, base).into_iter();
+        let each = |mistake| Explanation {
+            mistakes: vec![mistake],
+            conventions: Partial::new(),
+            residual: 0.0,
+            same_as_best: false,
+        };
+        return shown.map(each).collect();
+    }
+    let home = partial(sheet.component, base);
+    let mut all = assignments(sheet.component, base);
+    all.retain(|p| sheet.admits(&apply(p, base)));
+    for count in 0..=2 {
+        let sets = sets(sheet, count, suspects);
+        // Without a mistake an output may tell its conventions by itself.
+        let right = if count == 0 { possible(sheet, answers, all.clone(), base, rules) } else { vec![] };
+        let all = if count == 0 { &right } else { &all };
+        let mut near: Vec<&Partial> = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).collect();
+        near.truncate(ASSIGNMENTS[count]);
+        let mut fitting = vec![];
+        // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
+        for ring in near.chunk_by(|a, b| changes(a, &home) == changes(b, &home)) {
+            let had = !fitting.is_empty();
+            fitting.extend(explaining(&sets, ring, sheet, answers, base, rules));
+            if had {
+                break;
+            }
+        }
+        if !fitting.is_empty() {
+            if count == 0 {
+                // A mistake may be somebody else's convention: the two are told together.
+                fitting.extend(alone(sheet, answers, base, rules));
+            }
+            return ranked(fitting, sheet, answers, &home, rules);
+        }
+    }
+    vec![]
+}
+
+/// The hypotheses of these sets of mistakes in these assignments that explain every answer.
+fn explaining(
+    sets: &[Vec<&'static str>],
+    ring: &[&Partial],
+    sheet: &Sheet,
+    answers: &Answers,
+    base: &Conventions,
+    rules: &Rules,
+) -> Vec<Hypothesis> {
+    let mut hypotheses = vec![];
+    for mistakes in sets {
+        // Numeric gradients are too dear for all assignments: the forward answers have told the conventions.
+        let numeric = sheet.kind == Kind::Vjp && of_forward(sheet, mistakes);
+        for conventions in ring.iter().map(|p| apply(p, base)) {
+            // And no mistake in the run's own conventions is no explanation: it has just failed.
+            let home = conventions == *base;
+            if (home || !numeric) && !(home && mistakes.is_empty()) {
+                hypotheses.push(Hypothesis { mistakes: mistakes.clone(), conventions });
+            }
+        }
+    }
+    let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], sheet, answers, rules));
+    hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect()
+}
+
+/// Single mistakes in the run's own conventions that explain everything.
+fn alone(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) -> Vec<Hypothesis> {
+    let single = |mistakes| Hypothesis { mistakes, conventions: *base };
+    let hypotheses = sets(sheet, 1, &[]).into_iter().map(single);
+    hypotheses.filter(|h| explains_all(h, sheet, answers, rules)).collect()
+}
+
+/// Sets of `count` mistakes that this direction can show; pairs in both orders, as their effects needn't commute.
+fn sets(sheet: &Sheet, count: usize, suspects: &[Vec<&'static str>]) -> Vec<Vec<&'static str>> {
+    let mut suspected: Vec<_> =
+        suspects.iter().filter(|set| set.len() == count && count > 0).cloned().collect();
+    let shown = |m: &&Mistake| sheet.kind == Kind::Vjp || !m.gradient;
+    let names: Vec<_> = sheet.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
+    // Numeric gradients of pairs would take minutes: only pairs that the forward answers suggest.
+    let pairs = sheet.kind == Kind::Forward;
+    let sets: Vec<Vec<&'static str>> = match count {
+        0 => vec![vec![]],
+        1 => names.iter().map(|name| vec![*name]).collect(),
+        _ if pairs => {
+            let others = |a| names.iter().filter(move |b| **b != a).map(move |b| vec![a, *b]);
+            names.iter().flat_map(|a| others(*a)).collect()
+        }
+        _ => vec![],
+    };
+    suspected.extend(sets);
+    suspected.dedup();
+    suspected
+}
+
+/// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.
+fn explains_all(h: &Hypothesis, sheet: &Sheet, answers: &Answers, rules: &Rules) -> bool {
+    let cases = usable(h, sheet, answers);
+    // Numeric gradients that are known nowhere would explain anything.
+    let says = |case| {
+        h.prediction(sheet, case).1.is_none_or(|error| error.values().flatten().any(|e| e.is_finite()))
+    };
+    cases.iter().all(|(case, answer)| h.explains(sheet, case, answer, rules))
+        && cases.iter().any(|(case, _)| says(case))
+}
+
+fn usable<'a>(
+    h: &Hypothesis,
+    sheet: &'a Sheet,
+    answers: &'a Answers,
+) -> Vec<(&'a crate::contract::case::Case, &'a super::answer::Answer)> {
+    let mut cases = small_cases(sheet, answers);
+    if sheet.kind == Kind::Vjp && of_forward(sheet, &h.mistakes) {
+        cases.truncate(NUMERIC);
+    }
+    cases
+}
+
+fn ranked(
+    mut fitting: Vec<Hypothesis>,
+    sheet: &Sheet,
+    answers: &Answers,
+    home: &Partial,
+    rules: &Rules,
+) -> Vec<Explanation> {
+    let row = |name: &str| sheet.component.mistakes.iter().find(|m| m.name == name).expect("its own mistake");
+    let moved = |h: &Hypothesis| changes(&partial(sheet.component, &h.conventions), home);
+    let residual = |h: &Hypothesis| {
+        let cases = usable(h, sheet, answers);
+        cases.iter().map(|(case, answer)| h.residual(sheet, case, answer, rules)).fold(0.0, f64::max)
+    };
+    // What a mistake hides needs no further look: the same numbers, bit for bit, with fewer changes.
+    fitting.sort_by_key(moved);
+    let mut seen: Vec<(Hypothesis, Vec<Arrays>)> = vec![];
+    fitting.retain(|h| {
+        let now: Vec<Arrays> =
+            usable(h, sheet, answers).iter().map(|(case, _)| h.prediction(sheet, case).0).collect();
+        let hidden =
+            seen.iter().any(|(t, had)| t.mistakes == h.mistakes && moved(t) < moved(h) && *had == now);
+        seen.extend((!hidden).then(|| (h.clone(), now)));
+        !hidden
+    });
+    let mut rows: Vec<(Hypothesis, f64)> =
+        fitting.drain(..).map(|h| (residual(&h), h)).map(|(r, h)| (h, r)).collect();
+    rows.sort_by(|(a, ra), (b, rb)| {
+        let seen = |h: &Hypothesis| h.mistakes.iter().map(|name| row(name).count).sum::<u32>();
+        let mistakes = |h: &Hypothesis| h.mistakes.len();
+        mistakes(a)
+            .cmp(&mistakes(b))
+            .then(moved(a).cmp(&moved(b)))
+            .then(seen(b).cmp(&seen(a)))
+            .then(ra.total_cmp(rb))
+    });
+    // The two orders of a pair are one explanation.
+    let mut known: Vec<(Vec<&str>, Conventions)> = vec![];
+    rows.retain(|(h, _)| {
+        let mut key = (h.mistakes.clone(), h.conventions);
+        key.0.sort_unstable();
+        let new = !known.contains(&key);
+        known.push(key);
+        new
+    });
+    // A change of convention that these mistakes hide says nothing: the same mistakes with fewer changes rank before.
+    let predicts_same = |a: &Hypothesis, b: &Hypothesis| {
+        usable(b, sheet, answers).iter().all(|(case, _)| a.same_as(b, sheet, case, rules))
+    };
+    let mut told: Vec<Hypothesis> = vec![];
+    rows.retain(|(h, _)| {
+        // So many are enough to choose from; a mistake that equals a convention stays in sight.
+        let new = told.len() < SHOWN
+            && !told.iter().any(|t| t.mistakes == h.mistakes && moved(t) < moved(h) && predicts_same(h, t));
+        if new {
+            told.push(h.clone());
+        }
+        new
+    });
+    let best = rows[0].0.clone();
+    rows.iter()
+        .enumerate()
+        .map(|(n, (h, residual))| Explanation {
+            mistakes: h.mistakes.iter().map(|name| row(name)).collect(),
+            conventions: difference(&partial(sheet.component, &h.conventions), home),
+            residual: *residual,
+            same_as_best: n > 0 && predicts_same(h, &best),
+        })
+        .collect()
+}
+
+/// The entries of `a` that differ in `b`.
+pub fn difference(a: &Partial, b: &Partial) -> Partial {
+    a.iter().filter(|(key, value)| b.get(*key) != Some(value)).map(|(key, value)| (*key, *value)).collect()
+}

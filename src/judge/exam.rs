@@ -1,0 +1,279 @@
+//! The exam: every case of every component and direction for one type, and its manifest.
+
+use ndarray::ArrayD;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::sampler::SAMPLER;
+use crate::COMPONENTS;
+use crate::contract::arithmetic::Dtype;
+use crate::contract::case::Case;
+use crate::contract::check::Kind;
+use crate::contract::component::{Arrays, Component};
+use crate::convention::profiles::Profile;
+use crate::convention::{CS180, Conventions};
+use crate::error::{Error, Result};
+
+/// The manifest's schema.
+pub const SCHEMA: &str = "nerf-oracle/cases/1";
+
+/// Inputs that count things: integers in the files, whatever the type under test.
+const INTEGERS: &[&str] =
+    &["height", "width", "L", "count", "step", "samples", "training", "seed", "resolution", "degree"];
+
+/// One component in one direction with all of its cases.
+pub struct Sheet {
+    /// The row of the contract.
+    pub component: &'static Component,
+    /// Forward or VJP.
+    pub kind: Kind,
+    /// Its cases in the exam's type.
+    pub cases: Vec<Case>,
+}
+
+/// All questions that a candidate is asked.
+pub struct Exam {
+    /// What the candidate computes in.
+    pub dtype: Dtype,
+    /// The pinned profile, if there is one.
+    pub profile: Option<&'static Profile>,
+    /// Which components: a part of their name or folder.
+    pub filter: String,
+    /// The questions, in pipeline order.
+    pub sheets: Vec<Sheet>,
+    /// Cases whose inputs the type can't hold, by `component/kind-id`.
+    pub left_out: Vec<String>,
+}
+
+/// `cases.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Manifest {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// The crate's version: another one may ask other questions.
+    pub version: String,
+    /// What the candidate computes in.
+    pub dtype: String,
+    /// The pinned profile, or null.
+    pub profile: Option<String>,
+    /// The filter that chose the components.
+    pub filter: String,
+    /// Cases that the type can't hold.
+    pub left_out: Vec<String>,
+    /// One entry a case.
+    pub cases: Vec<Value>,
+}
+
+impl Exam {
+    /// The questions on the components whose name or folder contains `filter`, in `dtype`.
+    ///
+    /// # Errors
+    /// A filter that no component matches.
+    pub fn new(filter: &str, dtype: Dtype, profile: Option<&'static Profile>) -> Result<Exam> {
+        let mut exam = Exam { dtype, profile, filter: filter.to_string(), sheets: vec![], left_out: vec![] };
+        let wanted = |c: &&Component| c.name.contains(filter) || c.folder.contains(filter);
+        // Statistics are for the types in which a sampler's numbers are fine enough.
+        let sampler = [Dtype::F64, Dtype::F32].contains(&dtype).then_some(&SAMPLER);
+        for component in COMPONENTS.iter().chain(sampler).filter(wanted) {
+            for kind in [Kind::Forward, Kind::Vjp].into_iter().filter(|&k| component.pass(k).is_some()) {
+                let (cases, out): (Vec<_>, Vec<_>) = component
+                    .cases_of(kind, &exam.conventions())
+                    .into_iter()
+                    .partition(|case| case.exists_in(dtype));
+                exam.left_out.extend(out.iter().map(|case| path(component, kind, case)));
+                exam.sheets.push(Sheet { component, kind, cases });
+            }
+        }
+        if exam.sheets.is_empty() {
+            let names = COMPONENTS.iter().chain([&SAMPLER]).map(|c| c.name).collect::<Vec<_>>().join(", ");
+            return Err(Error::usage("FILTER", filter, format!("a part of one of: {names}")));
+        }
+        Ok(exam)
+    }
+
+    /// The pinned conventions, or the default's.
+    pub fn conventions(&self) -> Conventions {
+        self.profile.map_or(CS180, |profile| profile.conventions)
+    }
+
+    /// What `cases.json` says.
+    pub fn manifest(&self) -> Manifest {
+        Manifest {
+            schema: SCHEMA.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            dtype: self.dtype.to_string(),
+            profile: self.profile.map(|profile| profile.name.to_string()),
+            filter: self.filter.clone(),
+            left_out: self.left_out.clone(),
+            cases: self.sheets.iter().flat_map(|s| s.cases.iter().map(|case| self.entry(s, case))).collect(),
+        }
+    }
+
+    fn entry(&self, sheet: &Sheet, case: &Case) -> Value {
+        let Sheet { component, kind, .. } = sheet;
+        let c = self.conventions();
+        let pass = component.pass(*kind).expect("a sheet has its direction");
+        let outputs = (pass.oracle)(&case.inputs, &c);
+        let port = |name: &String, shape: &[usize], dtype: &str| json!({ "name": name, "shape": shape, "dtype": dtype, "meaning": meaning(component, name) });
+        let pinned = component.conventions.iter().map(|key| (key.to_string(), c.get(key)));
+        let inputs = case.inputs.iter().map(|(n, a)| port(n, a.shape(), stored(n, a, self.dtype).name()));
+        let outputs = sheet.ordered(outputs.keys()).into_iter().map(|n| (n, outputs[n].shape()));
+        json!({
+            "id": case.id,
+            "component": component.name,
+            "kind": sheet.kind_name(),
+            "file": path(component, *kind, case) + ".npz",
+            "inputs": inputs.collect::<Vec<_>>(),
+            "outputs": outputs.map(|(n, s)| port(n, s, answer_type(n, self.dtype).name())).collect::<Vec<_>>(),
+            // Without a profile nothing is pinned, and the judge looks for the assignment that holds.
+            "conventions": match self.profile {
+                Some(_) => json!(pinned.collect::<std::collections::BTreeMap<_, _>>()),
+                None => json!({}),
+            },
+            "flags": flags(case),
+            "comment": case.comment,
+        })
+    }
+}
+
+impl Sheet {
+    /// `forward`, `vjp` or `trace`.
+    pub fn kind_name(&self) -> &'static str {
+        kind_name(self.component, self.kind)
+    }
+
+    /// Whether it is judged by the statistics of all of its cases together.
+    pub fn statistics(&self) -> bool {
+        self.component.name == SAMPLER.name
+    }
+
+    /// Whether the cases have the shapes that these conventions need.
+    pub fn admits(&self, c: &Conventions) -> bool {
+        self.cases.iter().all(|case| admits(self.component, &case.inputs, c))
+    }
+
+    /// Where a case's arrays lie, below the folder, without the extension.
+    pub fn path(&self, case: &Case) -> String {
+        path(self.component, self.kind, case)
+    }
+
+    /// Output names in the contract's order, which is the order in which a mistake travels.
+    pub fn ordered<'a>(&self, names: impl Iterator<Item = &'a String>) -> Vec<&'a String> {
+        let ports = if self.kind == Kind::Forward { self.component.outputs } else { self.component.inputs };
+        let place = |name: &str| {
+            let bare = name.strip_prefix("grad_").unwrap_or(name);
+            ports.iter().position(|port| port.covers(bare)).unwrap_or(ports.len())
+        };
+        let mut names: Vec<_> = names.collect();
+        names.sort_by_key(|name| place(name));
+        names
+    }
+}
+
+/// `forward`, `vjp` or `trace`.
+pub fn kind_name(component: &Component, kind: Kind) -> &'static str {
+    match kind {
+        Kind::Forward if component.name == "render_trace" => "trace",
+        Kind::Forward if component.name == SAMPLER.name => "statistics",
+        Kind::Forward => "forward",
+        Kind::Vjp => "vjp",
+    }
+}
+
+fn path(component: &Component, kind: Kind, case: &Case) -> String {
+    format!("{}/{}-{}", component.name, kind_name(component, kind), case.id)
+}
+
+/// A network's widths belong to conventions: which layer reads the encoding again, and whether the encoding keeps x itself.
+pub fn admits(component: &Component, inputs: &Arrays, c: &Conventions) -> bool {
+    let columns = |layer: usize| inputs.get(&format!("trunk{layer}_w")).map(|w| w.shape()[1]);
+    if component.name != "nerf_mlp" {
+        return true;
+    }
+    let identity = if c.identity { 3 } else { 0 };
+    let encoding = columns(0).unwrap_or(0);
+    encoding % 6 == identity
+        && columns(c.skip_layer) > columns(c.skip_layer - 1)
+        && columns(c.skip_layer) > columns(1)
+}
+
+/// Hard cases carry the name of the hazard in front of their id.
+fn flags(case: &Case) -> Vec<&'static str> {
+    if hard(case) { vec!["hard"] } else { vec![] }
+}
+
+/// Whether a case is one of the hard ones, where rounding may do much.
+pub fn hard(case: &Case) -> bool {
+    case.id.split_once('_').is_some_and(|(head, _)| {
+        head.chars().any(|c| c.is_ascii_digit()) && head.starts_with(|c: char| c.is_ascii_uppercase())
+    })
+}
+
+fn meaning(component: &Component, name: &str) -> String {
+    let ports = || component.inputs.iter().chain(component.outputs);
+    let find = |name: &str| ports().find(|port| port.covers(name)).map(|port| port.meaning);
+    match name.strip_prefix("grad_") {
+        Some(bare) => format!("gradient with respect to {bare}"),
+        None => find(name).unwrap_or("see the component's formula").to_string(),
+    }
+}
+
+/// A type in the files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stored {
+    /// float64.
+    F64,
+    /// float32; tf32 and bf16 too.
+    F32,
+    /// float16.
+    F16,
+    /// int64.
+    I64,
+    /// uint8.
+    U8,
+}
+
+impl Stored {
+    /// As the manifest spells it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stored::F64 => "f64",
+            Stored::F32 => "f32",
+            Stored::F16 => "f16",
+            Stored::I64 => "i64",
+            Stored::U8 => "u8",
+        }
+    }
+
+    /// Bytes of an element.
+    pub fn bytes(self) -> usize {
+        match self {
+            Stored::F64 | Stored::I64 => 8,
+            Stored::F32 => 4,
+            Stored::F16 => 2,
+            Stored::U8 => 1,
+        }
+    }
+}
+
+/// What an input is stored as: counts as integers, other scalars (hyper-parameters) as f64, arrays in the type under test.
+pub fn stored(name: &str, array: &ArrayD<f64>, dtype: Dtype) -> Stored {
+    if INTEGERS.contains(&name) {
+        Stored::I64
+    } else if array.ndim() == 0 {
+        Stored::F64
+    } else {
+        answer_type(name, dtype)
+    }
+}
+
+/// The narrowest type an answer may be given in.
+pub fn answer_type(name: &str, dtype: Dtype) -> Stored {
+    match dtype {
+        _ if name == "bytes" => Stored::U8,
+        Dtype::F64 => Stored::F64,
+        Dtype::F32 | Dtype::Tf32 | Dtype::Bf16 => Stored::F32,
+        Dtype::F16 => Stored::F16,
+    }
+}

@@ -1,0 +1,226 @@
+//! Files between the judge and other people's programs. Nothing is trusted: every size is checked before it is unpacked, nothing
+//! is executed, nothing outside the two folders is touched.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Component as Part, Path};
+
+use half::f16;
+use ndarray::ArrayD;
+
+use super::answer::{Answer, Answers, Given};
+use super::exam::{Exam, Manifest, SCHEMA, Sheet, Stored, stored};
+use crate::contract::case::Case;
+use crate::contract::component::Arrays;
+use crate::convention::profiles;
+use crate::error::{Error, Result};
+use crate::files::{self, npz};
+use crate::parallel;
+
+/// A manifest longer than this isn't one of ours.
+const LONGEST_MANIFEST: u64 = 16 << 20;
+
+/// What an archive may be larger than its arrays by: headers, the directory, a few small extras.
+const SLACK: u64 = 64 << 10;
+
+/// Writes `cases.json` and one npz a case. Returns the bytes written.
+///
+/// # Errors
+/// Where the folder can't be written.
+pub fn write_cases(exam: &Exam, folder: &Path) -> Result<u64> {
+    for sheet in &exam.sheets {
+        files::make_folder(&folder.join(sheet.component.name))?;
+    }
+    let manifest = serde_json::to_string_pretty(&exam.manifest()).expect("a manifest is plain data");
+    files::write(&folder.join("cases.json"), &manifest)?;
+    let questions: Vec<(&Sheet, &Case)> =
+        exam.sheets.iter().flat_map(|s| s.cases.iter().map(move |case| (s, case))).collect();
+    let written = parallel::map(questions.len(), |n| {
+        let (sheet, case) = questions[n];
+        let path = folder.join(sheet.path(case) + ".npz");
+        let arrays = |(name, a): (&String, &ArrayD<f64>)| (name.clone(), packed(name, a, exam));
+        npz::write(&path, &case.inputs.iter().map(arrays).collect(), false)?;
+        fs::metadata(&path).map(|data| data.len()).map_err(Error::reading(&path))
+    });
+    written.into_iter().try_fold(manifest.len() as u64, |sum, bytes| Ok(sum + bytes?))
+}
+
+/// An input in the type that the files have it in.
+fn packed(name: &str, array: &ArrayD<f64>, exam: &Exam) -> npz::Array {
+    match stored(name, array, exam.dtype) {
+        Stored::F64 => array.clone().into(),
+        Stored::F32 => array.mapv(|x| x as f32).into(),
+        Stored::F16 => array.mapv(f16::from_f64).into(),
+        Stored::I64 => array.mapv(|x| x as i64).into(),
+        Stored::U8 => array.mapv(|x| x as u8).into(),
+    }
+}
+
+/// The exam that a folder of cases holds: asked again here, then compared, so that neither a question nor an input can have been
+/// left out or changed.
+///
+/// # Errors
+/// A manifest or an npz that isn't what [`write_cases`] writes, named with its file.
+pub fn read_exam(folder: &Path) -> Result<Exam> {
+    let path = folder.join("cases.json");
+    let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
+    let again = "Write the cases again with `nerf-oracle cases`, into an empty folder.";
+    let wrong = |field: &str, found: String, expected: &str| {
+        Error::input(path.display(), field, found, expected, again)
+    };
+    if size > LONGEST_MANIFEST {
+        return Err(wrong("size", format!("{size} bytes"), "a manifest that `nerf-oracle cases` wrote"));
+    }
+    let found: Manifest = serde_json::from_str(&files::read_text(&path)?)
+        .map_err(|error| wrong("JSON", error.to_string(), "a manifest that `nerf-oracle cases` wrote"))?;
+    if found.schema != SCHEMA || found.version != env!("CARGO_PKG_VERSION") {
+        let here = format!("{SCHEMA} of version {}", env!("CARGO_PKG_VERSION"));
+        return Err(wrong("schema", format!("{} of version {}", found.schema, found.version), &here));
+    }
+    for entry in &found.cases {
+        inside(&path, entry["file"].as_str().unwrap_or_default())?;
+    }
+    let profile = found.profile.as_deref().map(profiles::find).transpose()?;
+    let exam = Exam::new(&found.filter, found.dtype.parse()?, profile)?;
+    let expected = exam.manifest();
+    if let Some(entry) = expected.cases.iter().find(|entry| !found.cases.contains(entry)) {
+        return Err(wrong("cases", format!("no entry like {}", entry["file"]), "every case, unchanged"));
+    }
+    if found.cases.len() != expected.cases.len() {
+        return Err(wrong("cases", format!("{} entries", found.cases.len()), "each case once"));
+    }
+    unchanged(&exam, folder)?;
+    Ok(exam)
+}
+
+/// The inputs in the files are the inputs that the truth is computed from.
+fn unchanged(exam: &Exam, folder: &Path) -> Result<()> {
+    let sheets = parallel::map(exam.sheets.len(), |n| {
+        let sheet = &exam.sheets[n];
+        sheet.cases.iter().try_for_each(|case| {
+            let path = folder.join(sheet.path(case) + ".npz");
+            let allowed = bytes(&case.inputs);
+            let found = read_arrays(&path, case.inputs.keys().collect(), allowed)?;
+            match case
+                .inputs
+                .iter()
+                .find(|(name, input)| found.get(*name).is_none_or(|f| !same(&f.values, input)))
+            {
+                None => Ok(()),
+                Some((name, _)) => Err(Error::input(
+                    path.display(),
+                    format!("array {name}"),
+                    "other numbers than the case has",
+                    "the inputs as they were written",
+                    "Write the cases again with `nerf-oracle cases`.",
+                )),
+            }
+        })
+    });
+    sheets.into_iter().collect()
+}
+
+fn same(a: &ArrayD<f64>, b: &ArrayD<f64>) -> bool {
+    a.shape() == b.shape() && a.iter().zip(b).all(|(a, b)| a == b)
+}
+
+fn bytes(arrays: &Arrays) -> u64 {
+    arrays.values().map(|array| 8 * array.len() as u64).sum()
+}
+
+/// All answers below a folder, a list a sheet.
+///
+/// # Errors
+/// Anything in the folder that the manifest doesn't ask for, links, files that are damaged, too large, or hold other than numbers.
+pub fn read_answers(exam: &Exam, folder: &Path) -> Result<Vec<Answers>> {
+    nothing_else(exam, folder)?;
+    let c = exam.conventions();
+    let sheets = parallel::map(exam.sheets.len(), |n| {
+        let sheet = &exam.sheets[n];
+        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+        let read = |case: &Case| -> Result<Option<Answer>> {
+            let path = folder.join(sheet.path(case) + ".npz");
+            if !path.exists() {
+                return Ok(None);
+            }
+            let outputs = (pass.oracle)(&case.inputs, &c);
+            // Twice: an encoding may be wider in other conventions; inputs may be handed back beside the outputs.
+            let allowed = 2 * bytes(&outputs) + bytes(&case.inputs);
+            read_arrays(&path, outputs.keys().collect(), allowed).map(Some)
+        };
+        sheet.cases.iter().map(read).collect::<Result<Answers>>()
+    });
+    sheets.into_iter().collect()
+}
+
+/// Reads the arrays of these names, if all that the archive unpacks to stays within `allowed` bytes (and some slack).
+fn read_arrays(path: &Path, names: BTreeSet<&String>, allowed: u64) -> Result<BTreeMap<String, Given>> {
+    let expected = format!("at most {} bytes, as the manifest has it", allowed + SLACK);
+    let advice = "Store the outputs that cases.json lists, uncompressed (numpy.savez), and nothing else.";
+    let refuse =
+        |what: &str, found: String| Err(Error::input(path.display(), what, found, &expected, advice));
+    let size = fs::metadata(path).map_err(Error::reading(path))?.len();
+    if size > allowed + SLACK {
+        return refuse("file", format!("{size} bytes"));
+    }
+    let mut archive = npz::Npz::open(path)?;
+    let unpacked = archive.unpacked_bytes();
+    if unpacked > allowed + SLACK {
+        return refuse("archive", format!("unpacks to {unpacked} bytes"));
+    }
+    let there: Vec<String> = archive.names().map(String::from).collect();
+    for name in &there {
+        inside(path, name)?;
+    }
+    let wanted = there.into_iter().filter(|name| names.contains(name));
+    wanted
+        .map(|name| {
+            let array = archive.array(&name)?;
+            Ok((name, Given { values: array.to_f64(), dtype: array.dtype() }))
+        })
+        .collect()
+}
+
+/// Refuses names that climb out of their folder.
+fn inside(file: &Path, name: &str) -> Result<()> {
+    let plain = Path::new(name).components().all(|part| matches!(part, Part::Normal(_)));
+    if plain && !name.is_empty() && !name.contains(['\\', '\0']) {
+        return Ok(());
+    }
+    let advice = "Use the names that cases.json lists.";
+    Err(Error::input(file.display(), "name", name, "a name inside the folder", advice))
+}
+
+/// Refuses whatever else lies in the folder of answers: a file in the wrong place would silently not be judged.
+fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
+    let paths = exam.sheets.iter().flat_map(|s| s.cases.iter().map(|case| s.path(case) + ".npz"));
+    let asked: BTreeSet<_> = paths.map(|path| folder.join(path)).collect();
+    let folders: BTreeSet<_> = exam.sheets.iter().map(|s| folder.join(s.component.name)).collect();
+    let entries = |folder: &Path| -> Result<Vec<fs::DirEntry>> {
+        let list = fs::read_dir(folder).map_err(Error::reading(folder))?;
+        list.collect::<std::io::Result<_>>().map_err(Error::reading(folder))
+    };
+    let refuse = |path: &Path, found: &str| {
+        let advice = "Remove it, or store it at the `file` that cases.json gives.";
+        Err(Error::input(path.display(), "answers", found, "only files that cases.json lists", advice))
+    };
+    for entry in entries(folder)? {
+        let (path, kind) = (entry.path(), entry.file_type().map_err(Error::reading(folder))?);
+        if kind.is_symlink() {
+            return refuse(&path, "a link");
+        }
+        if !kind.is_dir() || !folders.contains(&path) {
+            return refuse(&path, "something that no case asks for");
+        }
+        for entry in entries(&path)? {
+            let kind = entry.file_type().map_err(Error::reading(&path))?;
+            if kind.is_symlink() {
+                return refuse(&entry.path(), "a link");
+            }
+            if !kind.is_file() || !asked.contains(&entry.path()) {
+                return refuse(&entry.path(), "something that no case asks for");
+            }
+        }
+    }
+    Ok(())
+}

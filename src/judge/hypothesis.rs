@@ -1,0 +1,154 @@
+//! Hypotheses: what a candidate would answer if it followed some conventions and made some mistakes.
+
+use ndarray::ArrayD;
+
+use super::answer::{Answer, reshaped};
+use super::exam::Sheet;
+use super::mark::{Rules, within};
+use super::numeric;
+use crate::contract::arithmetic::{Dtype, Grade};
+use crate::contract::case::{Case, Draw};
+use crate::contract::check::{Kind, budget_used};
+use crate::contract::component::{Arrays, Pass};
+use crate::convention::Conventions;
+use crate::volume_rendering::mistakes::ALPHA_ERROR;
+
+/// An assignment of conventions with mistakes, in the order in which they were made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hypothesis {
+    /// Names of the component's mistakes.
+    pub mistakes: Vec<&'static str>,
+    /// The assignment.
+    pub conventions: Conventions,
+}
+
+/// How much wider a hypothesis' bound is than what was derived for the right formula, as wrong code has no derived bound of its own;
+/// and the roundings a wrong result may carry beside those of its inputs. In the short types so much would explain anything.
+fn generosity(dtype: Dtype) -> (f64, f64) {
+    if dtype.bits() >= 24 { (8.0, 64.0) } else { (4.0, 4.0) }
+}
+
+impl Hypothesis {
+    /// What this candidate would answer, and how far off it may be where it can't be told exactly (numeric gradients).
+    pub fn prediction(&self, sheet: &Sheet, case: &Case) -> (Arrays, Option<Arrays>) {
+        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+        if sheet.kind == Kind::Vjp && of_forward(sheet, &self.mistakes) {
+            let (gradient, error) =
+                numeric::vjp(sheet.component, &case.inputs, &self.conventions, &self.mistakes);
+            return (gradient, Some(error));
+        }
+        ((pass.wrong)(&case.inputs, &self.conventions, &self.mistakes), None)
+    }
+
+    /// The hypothesis' own bound: that of the right formula in these conventions, some times over, and what the wrong function
+    /// itself makes of inputs that are off by a few roundings.
+    fn bound(
+        &self,
+        sheet: &Sheet,
+        case: &Case,
+        wrong: &Arrays,
+        error: Option<&Arrays>,
+        rules: &Rules,
+    ) -> Arrays {
+        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+        let (truth, right) = rules.truth(sheet, case, &self.conventions, Grade::B);
+        if self.mistakes.is_empty() {
+            return right;
+        }
+        let u = rules.dtype.unit_roundoff();
+        let (generous, mut roundings) = generosity(rules.dtype);
+        // A wrong sum or product may be as long as any axis.
+        let longest = case.inputs.values().flat_map(|a| a.shape()).max().copied().unwrap_or(0);
+        roundings = roundings.max(2.0 * longest as f64);
+        // Of fractions, a mistake may hand any to any other: T, which 1 - exp(-x) leaves few digits, in the place of T alpha.
+        let fractions = |name: &String| truth[name].iter().all(|x| (0.0..=1.0).contains(x));
+        let of_fractions = right.iter().filter(|(name, _)| fractions(name)).flat_map(|(_, bound)| bound);
+        let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
+        let moved: Vec<Arrays> = match error {
+            Some(_) => vec![],
+            None => (0..2).map(|n| self.nudged(pass, case, n, 4.0 * u)).collect(),
+        };
+        let one = |(name, w): (&String, &ArrayD<f64>)| {
+            let mut bound = w.mapv(|w| roundings * u * w.abs() + rules.dtype.smallest_normal());
+            if let Some(right) = right.get(name).filter(|b| b.shape() == w.shape()) {
+                let least = if fractions(name) { largest } else { 0.0 };
+                bound.zip_mut_with(right, |b, right| *b += generous * right.max(least));
+            }
+            for moved in moved.iter().filter_map(|m| m.get(name)).filter(|m| m.shape() == w.shape()) {
+                let change = moved - w;
+                bound.zip_mut_with(&change, |b, change| *b += generous * change.abs());
+            }
+            if let Some(error) = error {
+                bound += &error[name];
+            }
+            // Where the wrong value itself is no number, so may the answer be; nothing else fits.
+            bound.mapv_inplace(|b| if b.is_nan() { 0.0 } else { b });
+            // And where it leaves the type, or a factor of it does, the answer may be infinite.
+            let beyond = |w: f64| w.is_finite() && w.abs() > rules.dtype.largest() / 4.0;
+            bound.zip_mut_with(w, |b, &w| *b = if beyond(w) { f64::INFINITY } else { *b });
+            (name.clone(), bound)
+        };
+        wrong.iter().map(one).collect()
+    }
+
+    /// The wrong function on inputs that are off by up to `relative`.
+    fn nudged(&self, pass: &Pass, case: &Case, n: u64, relative: f64) -> Arrays {
+        let mut draw = Draw::new(&case.id, n);
+        let mut inputs = case.inputs.clone();
+        for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
+            array.mapv_inplace(|x| x * (1.0 + relative * if draw.below(2) == 0 { 1.0 } else { -1.0 }));
+        }
+        // The textbook's opacity is off by a rounding of 1 however small it is, which wrong code may magnify (C / A on a thin ray).
+        if let Some(sigmas) = case.inputs.get("sigmas") {
+            let rounding = 0.25 * relative;
+            let error = sigmas.mapv(|_| if draw.below(2) == 0 { rounding } else { -rounding });
+            inputs.insert(ALPHA_ERROR.into(), error);
+        }
+        (pass.wrong)(&inputs, &self.conventions, &self.mistakes)
+    }
+
+    /// Whether it explains an answer.
+    pub fn explains(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> bool {
+        let (wrong, error) = self.prediction(sheet, case);
+        // A numeric gradient is known at some elements alone: no look at most of them.
+        let look = rules.may_look(case) && error.is_none();
+        within(answer, &wrong, look, || self.bound(sheet, case, &wrong, error.as_ref(), rules))
+    }
+
+    /// The largest error over bound on an answer.
+    pub fn residual(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> f64 {
+        let (wrong, error) = self.prediction(sheet, case);
+        let bound = self.bound(sheet, case, &wrong, error.as_ref(), rules);
+        let one = |(name, wrong): (&String, &ArrayD<f64>)| {
+            let (got, _) = reshaped(&answer.get(name)?.values, wrong.shape())?;
+            let used = got.iter().zip(wrong).zip(&bound[name]).map(|((&g, &w), &b)| budget_used(g, w, b));
+            Some(used.fold(0.0, f64::max))
+        };
+        wrong.iter().filter_map(one).fold(0.0, f64::max)
+    }
+
+    /// Whether two hypotheses predict the same on a case, up to rounding: no answer could tell them apart.
+    pub fn same_as(&self, other: &Hypothesis, sheet: &Sheet, case: &Case, rules: &Rules) -> bool {
+        let (a, error) = self.prediction(sheet, case);
+        let (b, other_error) = other.prediction(sheet, case);
+        if a == b {
+            return true;
+        }
+        let mut bound = self.bound(sheet, case, &a, error.as_ref(), rules);
+        for (name, error) in other_error.iter().flatten() {
+            if let Some(bound) = bound.get_mut(name).filter(|bound| bound.shape() == error.shape()) {
+                *bound += error;
+            }
+        }
+        let equal = |(name, a): (&String, &ArrayD<f64>)| {
+            b[name].shape() == a.shape()
+                && a.iter().zip(&b[name]).zip(&bound[name]).all(|((&a, &b), &e)| budget_used(b, a, e) <= 1.0)
+        };
+        a.iter().all(equal)
+    }
+}
+
+/// Whether some of the mistakes lie in the forward function.
+pub fn of_forward(sheet: &Sheet, mistakes: &[&str]) -> bool {
+    sheet.component.mistakes.iter().any(|m| !m.gradient && mistakes.contains(&m.name))
+}

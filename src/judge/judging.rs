@@ -1,0 +1,224 @@
+//! The judge: answers in, verdicts and diagnoses out.
+//!
+//! From Rust, a candidate is a set of closures over named arrays:
+//!
+//! ```
+//! use nerf_oracle::contract::component::{array, arrays, input};
+//! use nerf_oracle::judge::{Candidate, Verdict, judge};
+//! use nerf_oracle::contract::Dtype;
+//!
+//! // C' = C + (1 - A) b, as somebody might write it.
+//! let candidate = Candidate::new().forward("composite_background", |inputs| {
+//!     let (colors, opacity) = (input(inputs, "colors"), input(inputs, "opacity"));
+//!     let b = input(inputs, "background");
+//!     let out = colors.indexed_iter().map(|(i, c)| c + (1.0 - opacity[[i[0]]]) * b[[i[1]]]).collect();
+//!     arrays([("colors_out", array(colors.shape(), out))])
+//! });
+//! let report = judge(&candidate, Dtype::F64).unwrap();
+//! assert_eq!(report.of("composite_background", "forward").unwrap().verdict, Verdict::Pass);
+//! ```
+
+use std::collections::BTreeMap;
+
+use super::answer::{Answers, given};
+use super::assignment::{self, Found, partial};
+use super::diagnose::{Explanation, diagnose, difference};
+use super::exam::{Exam, Sheet};
+use super::layout;
+use super::mark::{Marks, Rules, mark};
+use super::report::{Report, Row, Verdict};
+use super::sampler;
+use crate::contract::arithmetic::{Dtype, Grade};
+use crate::contract::check::Kind;
+use crate::contract::component::Arrays;
+use crate::convention::Conventions;
+use crate::convention::profiles::{self, Profile};
+use crate::error::{Error, Result};
+use crate::parallel;
+
+/// The contract's accuracy of exp, log, sin and cos, in ULP.
+pub const EXP_ULP: f64 = 4.0;
+
+/// A function under test.
+type Closure<'a> = Box<dyn Fn(&Arrays) -> Arrays + Sync + 'a>;
+
+/// Somebody's implementation: closures by component, forward or VJP.
+#[derive(Default)]
+pub struct Candidate<'a> {
+    functions: BTreeMap<(String, Kind), Closure<'a>>,
+    profile: Option<&'static Profile>,
+}
+
+impl<'a> Candidate<'a> {
+    /// A candidate that implements nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a component's forward function (its trace, for `render_trace`): inputs by name -> outputs by name.
+    pub fn forward(mut self, component: &str, f: impl Fn(&Arrays) -> Arrays + Sync + 'a) -> Self {
+        self.functions.insert((component.into(), Kind::Forward), Box::new(f));
+        self
+    }
+
+    /// Adds a component's vector-Jacobian product: inputs and `grad_<output>` by name -> `grad_<input>` by name.
+    pub fn vjp(mut self, component: &str, f: impl Fn(&Arrays) -> Arrays + Sync + 'a) -> Self {
+        self.functions.insert((component.into(), Kind::Vjp), Box::new(f));
+        self
+    }
+
+    /// Pins the conventions: deviating from them fails.
+    ///
+    /// # Errors
+    /// An unknown profile.
+    pub fn profile(mut self, name: &str) -> Result<Self> {
+        self.profile = Some(profiles::find(name)?);
+        Ok(self)
+    }
+}
+
+/// Asks a candidate that computes in `dtype` every question on the components it has, and judges its answers.
+///
+/// # Errors
+/// A component that isn't in the contract.
+pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
+    let exam = Exam::new("", dtype, candidate.profile)?;
+    for (name, kind) in candidate.functions.keys() {
+        if !exam.sheets.iter().any(|sheet| sheet.component.name == name && sheet.kind == *kind) {
+            let there = exam.sheets.iter().map(|s| format!("{}/{}", s.component.name, s.kind_name()));
+            let expected = there.collect::<Vec<_>>().join(", ");
+            return Err(Error::usage("component", format!("{name} ({kind:?})"), expected));
+        }
+    }
+    let answers = |sheet: &Sheet| -> Answers {
+        let f = candidate.functions.get(&(sheet.component.name.to_string(), sheet.kind));
+        sheet.cases.iter().map(|case| f.map(|f| given(f(&case.inputs)))).collect()
+    };
+    let answers = exam.sheets.iter().map(answers).collect::<Vec<_>>();
+    Ok(judge_answers(&exam, &answers, EXP_ULP))
+}
+
+/// Judges answers to an exam, a list a sheet.
+pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
+    let rules = Rules { dtype: exam.dtype, exp_ulp };
+    let first = Round::new(exam, answers, &rules);
+    // What fails may only be laid out otherwise: then it is judged again in the contract's layout.
+    let failing = |n: &usize| first.marked[*n].as_ref().is_some_and(|(marks, _)| marks.budget_used > 1.0);
+    let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
+    let base = first.found.conventions;
+    let laid = parallel::map(failing.len(), |n| {
+        layout::normalized(&exam.sheets[failing[n]], &answers[failing[n]], &base, &rules)
+    });
+    let laid: BTreeMap<usize, (Answers, String)> =
+        failing.into_iter().zip(laid).filter_map(|(n, laid)| Some((n, laid?))).collect();
+    if laid.is_empty() {
+        return first.report(exam, answers, &rules, &laid);
+    }
+    let same = |n: usize| laid.get(&n).map_or_else(|| answers[n].clone(), |(answers, _)| answers.clone());
+    let ordered: Vec<Answers> = (0..answers.len()).map(same).collect();
+    Round::new(exam, &ordered, &rules).report(exam, &ordered, &rules, &laid)
+}
+
+/// Answers marked in the conventions of the run.
+struct Round {
+    found: Found,
+    /// Marks of each sheet; `None` where nothing was answered.
+    marked: Vec<Option<(Marks, Option<Grade>)>>,
+}
+
+impl Round {
+    fn new(exam: &Exam, answers: &[Answers], rules: &Rules) -> Round {
+        let answered = |n: &usize| answers[*n].iter().any(Option::is_some);
+        let papers: Vec<usize> = (0..answers.len()).filter(answered).collect();
+        let sheets: Vec<_> = papers.iter().map(|&n| (&exam.sheets[n], &answers[n])).collect();
+        let mut found = match exam.profile {
+            Some(profile) => Found { conventions: profile.conventions, contradicting: vec![] },
+            None => assignment::find(&sheets, rules),
+        };
+        found.contradicting.iter_mut().for_each(|(n, _)| *n = papers[*n]);
+        let marked = parallel::map(answers.len(), |n| {
+            let answered = papers.contains(&n);
+            answered.then(|| marks(&exam.sheets[n], &answers[n], &found.conventions, rules))
+        });
+        Round { found, marked }
+    }
+
+    fn report(
+        &self,
+        exam: &Exam,
+        answers: &[Answers],
+        rules: &Rules,
+        laid: &BTreeMap<usize, (Answers, String)>,
+    ) -> Report {
+        let c = &self.found.conventions;
+        let mut report = Report::new(exam, c);
+        // Forward explanations are suspects for the gradient of the same component.
+        let mut suspects: BTreeMap<&str, Vec<Vec<&'static str>>> = BTreeMap::new();
+        for (n, sheet) in exam.sheets.iter().enumerate() {
+            let Some((marks, grade)) = &self.marked[n] else {
+                report.rows.push(Row::unsupported(sheet));
+                continue;
+            };
+            let mut row = Row::marked(sheet, &answers[n], marks, *grade, c);
+            row.layouts.extend(laid.get(&n).map(|(_, layout)| layout.clone()));
+            if let Some((_, own)) = self.found.contradicting.iter().find(|(m, _)| *m == n) {
+                row.contradiction = partial(sheet.component, own);
+            }
+            if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
+                let known = suspects.get(sheet.component.name).map_or(&[][..], Vec::as_slice);
+                row.diagnosis = diagnose(sheet, &answers[n], c, known, rules);
+                let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
+                suspects.entry(sheet.component.name).or_default().extend(sets);
+                if exam.profile.is_none() {
+                    nearest(&mut row, sheet, &answers[n], c, rules);
+                }
+            }
+            report.rows.push(row);
+        }
+        report.settle();
+        report
+    }
+}
+
+/// Shows what a failing row should have been in the conventions that it follows, where nothing else in the run tells them: those of
+/// the best explanation, or those in which most elements agree. A person compares with what they meant to write.
+fn nearest(row: &mut Row, sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) {
+    let near = match row.diagnosis.first() {
+        // Right in other conventions: what is wrong is that the rest of the run follows these.
+        Some(best) if best.mistakes.is_empty() => return,
+        Some(best) => assignment::apply(&best.conventions, base),
+        None => assignment::nearest(sheet, answers, base),
+    };
+    if sheet.statistics() || near == *base {
+        return;
+    }
+    let marks = mark(sheet, answers, &near, rules, Grade::B);
+    if marks.budget_used > 1.0 {
+        let shown = Row::marked(sheet, answers, &marks, None, &near);
+        *row = Row { layouts: row.layouts.clone(), diagnosis: std::mem::take(&mut row.diagnosis), ..shown };
+        row.shown_in = difference(&partial(sheet.component, &near), &partial(sheet.component, base));
+    }
+}
+
+fn names(explanation: &Explanation) -> Vec<&'static str> {
+    explanation.mistakes.iter().map(|mistake| mistake.name).collect()
+}
+
+/// Marks by the stable formula's bound, then by the textbook's where the two differ. The grade is null where they don't.
+fn marks(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules) -> (Marks, Option<Grade>) {
+    if sheet.statistics() {
+        return (sampler::mark(sheet, answers, c), None);
+    }
+    let graded = sheet.cases.iter().any(|case| {
+        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+        let bound = |grade| (pass.bound)(&case.inputs, c, &rules.arithmetic(grade));
+        bound(Grade::A) != bound(Grade::B)
+    });
+    // The wider bound first: what exceeds it needs no second look.
+    let textbook = mark(sheet, answers, c, rules, if graded { Grade::B } else { Grade::A });
+    if !graded || !textbook.pass() {
+        return (textbook, None);
+    }
+    let stable = mark(sheet, answers, c, rules, Grade::A);
+    if stable.pass() { (stable, Some(Grade::A)) } else { (textbook, Some(Grade::B)) }
+}

@@ -1,0 +1,200 @@
+//! Marking: one sheet of answers against the truth in given conventions.
+
+use std::collections::BTreeSet;
+
+use ndarray::ArrayD;
+
+use super::answer::{Answer, Answers, reshaped, wide_enough};
+use super::exam::{Sheet, hard};
+use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
+use crate::contract::case::Case;
+use crate::contract::check::{budget_used, tolerance};
+use crate::contract::component::Arrays;
+use crate::convention::Conventions;
+
+/// The element that used most of its bound.
+#[derive(Clone, Debug)]
+pub struct Worst {
+    /// Case.
+    pub id: String,
+    /// Output.
+    pub output: String,
+    /// Position in the array.
+    pub index: Vec<usize>,
+    /// What was answered.
+    pub got: f64,
+    /// What is true.
+    pub expected: f64,
+    /// How far off an honest answer may be.
+    pub bound: f64,
+    /// The error in units of the last place of the type, at the expected size.
+    pub ulp: f64,
+}
+
+/// What marking found.
+#[derive(Clone, Debug, Default)]
+pub struct Marks {
+    /// Largest error over bound among the elements that prove something: at most 1 where everything is right.
+    pub budget_used: f64,
+    /// Where.
+    pub worst: Option<Worst>,
+    /// Elements whose bound reaches their size: they prove nothing.
+    pub vacuous: usize,
+    /// Elements that prove something.
+    pub proving: usize,
+    /// What is wrong with the answers as files: absent, of a wrong shape, of a type too narrow, NaN.
+    pub faults: Vec<String>,
+    /// Outputs that no case answers.
+    pub missing: BTreeSet<String>,
+    /// Layouts found and accepted.
+    pub layouts: BTreeSet<String>,
+    /// Choices that are no mistake, and no convention's either.
+    pub findings: Vec<String>,
+    /// The outputs that are off, in the order in which the component computes them.
+    pub off: Vec<String>,
+}
+
+impl Marks {
+    /// Everything answered, nothing off, something proved.
+    pub fn pass(&self) -> bool {
+        self.budget_used <= 1.0 && self.faults.is_empty() && self.proving > 0
+    }
+}
+
+/// How to judge: the type, the grade, and the accuracy of elementary functions.
+#[derive(Clone, Copy, Debug)]
+pub struct Rules {
+    /// What the candidate computes in.
+    pub dtype: Dtype,
+    /// Error of exp, log, sin, cos in ULP.
+    pub exp_ulp: f64,
+}
+
+impl Rules {
+    /// The arithmetic of a grade.
+    pub fn arithmetic(&self, grade: Grade) -> Arithmetic {
+        Arithmetic { elementary_ulp: self.exp_ulp, ..Arithmetic::new(self.dtype, grade) }
+    }
+
+    /// Whether an answer that is far off at first sight can't be right: so in f32 and f64, but for hard cases, where a textbook
+    /// formula may have no digit left.
+    pub fn may_look(&self, case: &Case) -> bool {
+        self.dtype.bits() >= 24 && !hard(case)
+    }
+
+    /// What is true in a case, and how far off an answer may be.
+    pub fn truth(&self, sheet: &Sheet, case: &Case, c: &Conventions, grade: Grade) -> (Arrays, Arrays) {
+        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+        let expected = (pass.oracle)(&case.inputs, c);
+        (expected, tolerance(pass, &case.inputs, c, &self.arithmetic(grade)))
+    }
+}
+
+/// Marks a whole sheet.
+pub fn mark(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules, grade: Grade) -> Marks {
+    let mut marks = Marks::default();
+    let answered: BTreeSet<&String> = answers.iter().flatten().flat_map(|answer| answer.keys()).collect();
+    for (case, answer) in sheet.cases.iter().zip(answers) {
+        let Some(answer) = answer else {
+            marks.faults.push(format!("{}: no answer", case.id));
+            continue;
+        };
+        let (expected, bound) = rules.truth(sheet, case, c, grade);
+        let names = sheet.ordered(expected.keys());
+        if names.iter().all(|name| !answer.contains_key(*name)) {
+            marks.faults.push(format!("{}: none of the outputs is there", case.id));
+        }
+        for name in names {
+            if !answered.contains(name) {
+                marks.missing.insert(name.clone());
+            } else {
+                marks.output(case, name, answer, (&expected[name], &bound[name]), rules.dtype);
+            }
+        }
+    }
+    marks.off =
+        sheet.ordered(marks.off.iter().collect::<BTreeSet<_>>().into_iter()).into_iter().cloned().collect();
+    marks
+}
+
+impl Marks {
+    fn fault(&mut self, case: &Case, name: &str, what: String) {
+        self.faults.push(format!("{}: {name}: {what}", case.id));
+        self.budget_used = f64::INFINITY;
+        self.off.push(name.to_string());
+    }
+
+    fn output(
+        &mut self,
+        case: &Case,
+        name: &String,
+        answer: &Answer,
+        (expected, bound): (&ArrayD<f64>, &ArrayD<f64>),
+        dtype: Dtype,
+    ) {
+        let Some(given) = answer.get(name) else {
+            return self.fault(case, name, "absent here, but not in other cases".into());
+        };
+        if !wide_enough(name, given.dtype, dtype) {
+            self.fault(case, name, format!("{} is too narrow for {dtype}", given.dtype));
+        }
+        let Some((got, layout)) = reshaped(&given.values, expected.shape()) else {
+            let (found, wanted) = (given.values.shape(), expected.shape());
+            return self.fault(case, name, format!("wrong shape {found:?}, expected {wanted:?}"));
+        };
+        self.layouts.extend(layout.map(|layout| format!("{name}: {layout}")));
+        // Where the bound is infinite (a textbook formula that overflows in a short type) not even a NaN is ruled out.
+        if got.iter().zip(bound).any(|(g, b)| g.is_nan() && *b < f64::INFINITY) {
+            self.fault(case, name, "NaN".into());
+        }
+        for (((index, &got), &expected), &bound) in got.indexed_iter().zip(expected).zip(bound) {
+            let used = budget_used(got, expected, bound);
+            let vacuous = expected.is_finite() && bound >= expected.abs() && bound > 0.0;
+            self.vacuous += usize::from(vacuous);
+            self.proving += usize::from(!vacuous);
+            if used > 1.0 {
+                self.off.push(name.clone());
+            }
+            // A vacuous element says nothing about how much of the budget was used, unless it is off all the same.
+            if vacuous && used <= 1.0 {
+                continue;
+            }
+            if used > self.worst.as_ref().map_or(-1.0, |w| budget_used(w.got, w.expected, w.bound)) {
+                self.budget_used = self.budget_used.max(used);
+                let ulp = (got - expected).abs() / dtype.ulp(expected);
+                let index = ndarray::Dimension::slice(&index).to_vec();
+                let (id, output) = (case.id.clone(), name.clone());
+                self.worst = Some(Worst { id, output, index, got, expected, bound, ulp });
+            }
+        }
+    }
+}
+
+/// Whether answers lie within bounds: the question that a search asks thousands of times, so it may look before it computes
+/// bounds (see [`Rules::may_look`]).
+pub fn within(answer: &Answer, expected: &Arrays, look: bool, bound: impl FnOnce() -> Arrays) -> bool {
+    let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
+        let given = answer.get(name)?;
+        Some(reshaped(&given.values, e.shape()).map(|(got, _)| (name.clone(), got)))
+    };
+    let Some(got) = expected.iter().filter_map(answered).collect::<Option<Arrays>>() else { return false };
+    if got.is_empty() || (look && far_off(&got, expected)) {
+        return false;
+    }
+    let bound = bound();
+    got.iter().all(|(name, got)| {
+        let pairs = got.iter().zip(&expected[name]).zip(&bound[name]);
+        pairs.into_iter().all(|((&g, &e), &b)| budget_used(g, e, b) <= 1.0)
+    })
+}
+
+/// Whether most elements of an output are off by a quarter of its size.
+fn far_off(got: &Arrays, expected: &Arrays) -> bool {
+    got.iter().any(|(name, got)| {
+        let expected = &expected[name];
+        let scale = expected.iter().filter(|e| e.is_finite()).fold(0.0, |max: f64, e| max.max(e.abs()));
+        let near =
+            |g: f64, e: f64| g == e || g.is_nan() && e.is_nan() || (g - e).abs() <= 0.25 * scale + 1e-9;
+        2 * got.iter().zip(expected).filter(|&(&g, &e)| !near(g, e)).count() > got.len()
+    })
+}

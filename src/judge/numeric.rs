@@ -1,0 +1,115 @@
+//! Numeric gradients of wrong code: what automatic differentiation makes of a mistake in the forward function.
+
+use ndarray::ArrayD;
+
+use crate::contract::component::{Arrays, Component};
+use crate::convention::Conventions;
+
+/// Elements of each array that are differentiated: enough to tell two mistakes apart, few enough for a network's weights.
+const SAMPLED: usize = 32;
+
+/// The vector-Jacobian product of the component's forward function with `mistakes`, and an estimate of its error: central
+/// differences at h and h / 2, combined so that the error falls with h^4 (Richardson), what rounding makes of them, and at a kink
+/// the difference between the slopes of its sides, either of which is a gradient. Of arrays longer than `SAMPLED` every n-th
+/// element alone; the others' error is infinite.
+pub fn vjp(component: &Component, inputs: &Arrays, c: &Conventions, mistakes: &[&str]) -> (Arrays, Arrays) {
+    // The sum that is differentiated, and the same without signs.
+    let cotangent = |outputs: &Arrays| -> [f64; 2] {
+        let inner = |(name, out): (&String, &ArrayD<f64>)| -> [f64; 2] {
+            let Some(g) = inputs.get(&format!("grad_{name}")) else { return [0.0; 2] };
+            let terms = out.iter().zip(g).map(|(out, g)| out * g);
+            terms.fold([0.0; 2], |[sum, size], term| [sum + term, size + term.abs()])
+        };
+        outputs.iter().map(inner).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
+    };
+    let [here, size] = cotangent(&(component.forward.wrong)(inputs, c, mistakes));
+    let mut inputs_now = inputs.clone();
+    let (mut gradients, mut errors) = (Arrays::new(), Arrays::new());
+    for port in component.differentiable_arrays(inputs) {
+        let x = inputs[&port].clone();
+        let (mut gradient, mut error) = (x.mapv(|_| 0.0), x.mapv(|_| f64::INFINITY));
+        // An odd stride, so that every column of a matrix has its turn.
+        for (i, &at) in x.iter().enumerate().step_by((x.len() / SAMPLED) | 1) {
+            let mut moved = |to: f64| {
+                *entry(&mut inputs_now, &port, i) = to;
+                cotangent(&(component.forward.wrong)(&inputs_now, c, mistakes))[0]
+            };
+            // The slope, and by how much it is steeper ahead than behind: as h where the function is smooth.
+            let mut slopes = |h: f64| {
+                let (ahead, behind) = (moved(at + h), moved(at - h));
+                ((ahead - behind) / ((at + h) - (at - h)), (ahead - 2.0 * here + behind) / h)
+            };
+            // A wave's length doesn't grow with x; but h has to be seen in x.
+            let h = libm::ldexp(at.abs().clamp(0.0625, 1.0).max(libm::ldexp(at.abs(), -20)), -13);
+            let ((coarse, bend), (fine, half_bend)) = (slopes(h), slopes(0.5 * h));
+            *entry(&mut inputs_now, &port, i) = at;
+            let best = (4.0 * fine - coarse) / 3.0;
+            let rounding = 64.0 * f64::EPSILON * size / h;
+            // A kink below what rounding makes of it is none.
+            let kink = Some((2.0 * half_bend - bend).abs()).filter(|kink| *kink > rounding).unwrap_or(0.0);
+            let off = (fine - coarse).abs() + kink + rounding;
+            // Where the function itself leaves the numbers, or bends within h, differences say nothing.
+            let bent = (fine - coarse).abs() > 0.5 * fine.abs().max(coarse.abs()).max(rounding);
+            let known = best.is_finite() && off.is_finite() && !bent;
+            *gradient.iter_mut().nth(i).expect("same shape") = if known { best } else { 0.0 };
+            *error.iter_mut().nth(i).expect("same shape") = if known { off } else { f64::INFINITY };
+        }
+        let scale = gradient.iter().fold(0.0, |max: f64, g| max.max(g.abs()));
+        error.mapv_inplace(|e| e + 1e-9 * scale);
+        gradients.insert(format!("grad_{port}"), gradient);
+        errors.insert(format!("grad_{port}"), error);
+    }
+    (gradients, errors)
+}
+
+fn entry<'a>(arrays: &'a mut Arrays, name: &str, i: usize) -> &'a mut f64 {
+    let array = arrays.get_mut(name).expect("the component's own inputs");
+    array.iter_mut().nth(i).expect("an index of the array")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::COMPONENTS;
+    use crate::contract::check::Kind;
+    use crate::convention::CS180;
+
+    /// Far cameras, waves at 65536, faces of cells, steps of 1e10: differences say there what they know, and no more. Waves shorter
+    /// than h are beyond them.
+    #[test]
+    fn hand_written_gradients_lie_within_the_estimated_error() {
+        let rows = [
+            "transform",
+            "pixel_to_ray",
+            "positional_encoding",
+            "hash_grid",
+            "volume_render",
+            "volume_render_alpha",
+        ];
+        for component in COMPONENTS.iter().filter(|component| rows.contains(&component.name)) {
+            let (mut known, mut all) = (0, 0);
+            for case in component.cases_of(Kind::Vjp, &CS180) {
+                let short = case.inputs.get("L").is_some_and(|levels| levels.iter().any(|l| *l > 8.0));
+                if short || case.inputs.values().map(|a| a.len()).sum::<usize>() > 2_000 {
+                    continue;
+                }
+                let right = (component.vjp.expect("it has one").oracle)(&case.inputs, &CS180);
+                let (gradient, error) = vjp(component, &case.inputs, &CS180, &[]);
+                for (name, gradient) in &gradient {
+                    for ((g, e), right) in gradient.iter().zip(&error[name]).zip(&right[name]) {
+                        let off = (g - right).abs();
+                        assert!(
+                            off <= 4.0 * e,
+                            "{} {} {name}: {g} for {right}, error {e}",
+                            component.name,
+                            case.id
+                        );
+                        all += 1;
+                        known += usize::from(*e <= 1e-3 * right.abs().max(1e-3));
+                    }
+                }
+            }
+            assert!(10 * known > 3 * all, "{}: {known} of {all} known", component.name);
+        }
+    }
+}

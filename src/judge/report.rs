@@ -1,0 +1,236 @@
+//! What the judge found: rows for machines, a page for people.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde_json::{Value, json};
+
+use super::answer::Answers;
+use super::assignment::{Partial, partial};
+use super::diagnose::Explanation;
+use super::exam::{Exam, Sheet};
+use super::mark::{Marks, Worst};
+use crate::contract::arithmetic::Grade;
+use crate::convention::profiles;
+use crate::convention::{CHOICES, Conventions};
+
+/// The verdict on a component in one direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// Every answer is within its bound.
+    Pass,
+    /// Something isn't.
+    Fail,
+    /// Nothing was answered.
+    Unsupported,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.pad(match self {
+            Verdict::Pass => "pass",
+            Verdict::Fail => "fail",
+            Verdict::Unsupported => "unsupported",
+        })
+    }
+}
+
+/// One component in one direction.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Component.
+    pub name: &'static str,
+    /// `forward`, `vjp`, `trace` or `statistics`.
+    pub kind: &'static str,
+    /// Cases asked.
+    pub cases: usize,
+    /// Cases answered.
+    pub answered: usize,
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Which formula's bound held, where two differ.
+    pub grade: Option<Grade>,
+    /// Largest error over bound.
+    pub budget_used: Option<f64>,
+    /// Elements that prove nothing.
+    pub vacuous: usize,
+    /// Outputs without an answer.
+    pub missing_outputs: Vec<String>,
+    /// The element that used most.
+    pub worst_case: Option<Worst>,
+    /// The component's conventions, as pinned or found.
+    pub conventions: Partial,
+    /// Where those are not the run's: the conventions nearest to the answers, in which a failing row is shown.
+    pub shown_in: Partial,
+    /// The conventions in which it would be right, though the rest of the run isn't.
+    pub contradiction: Partial,
+    /// Layouts that differ from the contract's, and pass.
+    pub layouts: Vec<String>,
+    /// Faults of the answers themselves.
+    pub faults: Vec<String>,
+    /// The outputs that are off, in the order in which they are computed.
+    pub off: Vec<String>,
+    /// Choices that no convention names and that are no mistake; they pass.
+    pub findings: Vec<String>,
+    /// Explanations, best first; empty where unknown.
+    pub diagnosis: Vec<Explanation>,
+}
+
+impl Row {
+    /// Nothing was answered.
+    pub fn unsupported(sheet: &Sheet) -> Row {
+        Row {
+            name: sheet.component.name,
+            kind: sheet.kind_name(),
+            cases: sheet.cases.len(),
+            answered: 0,
+            verdict: Verdict::Unsupported,
+            grade: None,
+            budget_used: None,
+            vacuous: 0,
+            missing_outputs: vec![],
+            worst_case: None,
+            conventions: Partial::new(),
+            shown_in: Partial::new(),
+            contradiction: Partial::new(),
+            layouts: vec![],
+            faults: vec![],
+            off: vec![],
+            findings: vec![],
+            diagnosis: vec![],
+        }
+    }
+
+    /// A sheet with its marks.
+    pub fn marked(
+        sheet: &Sheet,
+        answers: &Answers,
+        marks: &Marks,
+        grade: Option<Grade>,
+        c: &Conventions,
+    ) -> Row {
+        Row {
+            answered: answers.iter().flatten().count(),
+            verdict: if marks.pass() { Verdict::Pass } else { Verdict::Fail },
+            grade,
+            budget_used: Some(marks.budget_used),
+            vacuous: marks.vacuous,
+            missing_outputs: marks.missing.iter().cloned().collect(),
+            worst_case: marks.worst.clone(),
+            conventions: partial(sheet.component, c),
+            layouts: marks.layouts.iter().cloned().collect(),
+            faults: marks.faults.clone(),
+            off: marks.off.clone(),
+            findings: marks.findings.clone(),
+            ..Row::unsupported(sheet)
+        }
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "name": self.name,
+            "kind": self.kind,
+            "cases": self.cases,
+            "answered": self.answered,
+            "verdict": self.verdict.to_string(),
+            "grade": self.grade.map(|grade| format!("{grade:?}")),
+            "budget_used": self.budget_used.map(number),
+            "vacuous": self.vacuous,
+            "missing_outputs": self.missing_outputs,
+            "worst_case": self.worst_case.as_ref().map(|w| json!({
+                "id": w.id, "output": w.output, "index": w.index, "got": number(w.got),
+                "expected": number(w.expected), "bound": number(w.bound), "ulp": number(w.ulp),
+            })),
+            "conventions": self.conventions,
+            "shown_in": self.shown_in,
+            "contradiction": self.contradiction,
+            "layouts": self.layouts,
+            "findings": self.findings,
+            "faults": self.faults,
+            "first_to_differ": self.off.first(),
+            "diagnosis": self.diagnosis.iter().map(|e| json!({
+                "mistakes": e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(),
+                "conventions": e.conventions,
+                "residual": number(e.residual),
+                "same_as_best": e.same_as_best,
+            })).collect::<Vec<_>>(),
+        })
+    }
+}
+
+/// JSON has no infinity and no NaN: they are spelled out.
+fn number(x: f64) -> Value {
+    if x.is_finite() { json!(x) } else { json!(x.to_string()) }
+}
+
+/// The whole run.
+#[derive(Clone, Debug)]
+pub struct Report {
+    /// The type under test.
+    pub dtype: String,
+    /// The profile that was pinned, or the one found with its deviations.
+    pub profile: String,
+    /// Whether it was pinned.
+    pub pinned: bool,
+    /// The conventions that the run was judged by.
+    pub assignment: BTreeMap<&'static str, String>,
+    /// Cases that the type can't hold.
+    pub left_out: usize,
+    /// One row a component and direction, in pipeline order.
+    pub rows: Vec<Row>,
+}
+
+impl Report {
+    /// Without any row yet.
+    pub fn new(exam: &Exam, c: &Conventions) -> Report {
+        Report {
+            dtype: exam.dtype.to_string(),
+            profile: exam.profile.map_or_else(String::new, |profile| profile.name.to_string()),
+            pinned: exam.profile.is_some(),
+            assignment: CHOICES.iter().map(|(key, _)| (*key, c.get(key))).collect(),
+            left_out: exam.left_out.len(),
+            rows: vec![],
+        }
+    }
+
+    /// When all rows are there: names what was found, by the conventions that the answered components depend on.
+    pub fn settle(&mut self) {
+        let answered = self.rows.iter().filter(|row| row.verdict != Verdict::Unsupported);
+        let keys: Vec<&str> = answered.flat_map(|row| row.conventions.keys().copied()).collect();
+        self.assignment.retain(|key, _| keys.contains(key));
+        if !self.pinned {
+            self.profile = profiles::describe(&self.assignment);
+        }
+    }
+
+    /// The row of a component in a direction.
+    pub fn of(&self, name: &str, kind: &str) -> Option<&Row> {
+        self.rows.iter().find(|row| row.name == name && row.kind == kind)
+    }
+
+    /// How many rows have this verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.rows.iter().filter(|row| row.verdict == verdict).count()
+    }
+
+    /// 0: something passed and nothing failed; 1: something failed; 2: nothing was answered.
+    pub fn exit_code(&self) -> u8 {
+        match (self.count(Verdict::Fail), self.count(Verdict::Pass)) {
+            (0, 0) => 2,
+            (0, _) => 0,
+            _ => 1,
+        }
+    }
+
+    /// The contract's JSON.
+    pub fn json(&self) -> Value {
+        json!({
+            "dtype": self.dtype,
+            "profile": self.profile,
+            "pinned": self.pinned,
+            "assignment": self.assignment,
+            "left_out": self.left_out,
+            "components": self.rows.iter().map(Row::json).collect::<Vec<_>>(),
+        })
+    }
+}

@@ -1,0 +1,343 @@
+//! The row of the contract that is judged by statistics: random rays, and the jitter of their samples.
+
+use std::collections::BTreeMap;
+
+use ndarray::{ArrayD, Ix4};
+
+use super::answer::{Answer, Answers};
+use super::exam::Sheet;
+use super::mark::Marks;
+use super::statistics::{Call, Finding, findings};
+use crate::contract::arithmetic::Arithmetic;
+use crate::contract::case::Case;
+use crate::contract::component::{
+    Arrays, Component, Mistake, Pass, Port, array, arrays, input, number, scalar,
+};
+use crate::contract::machine::Machine;
+use crate::convention::Conventions;
+use crate::random::{Key, Purpose};
+use crate::ray::{Draw, sample_random_rays};
+use crate::sample::{rest_u, sample_along_ray};
+
+/// Rays a call.
+const RAYS: usize = 4096;
+
+/// Samples a ray.
+const SAMPLES: usize = 16;
+
+/// Random rays: four calls, two in training and two at rest, judged together.
+pub const SAMPLER: Component = Component {
+    name: "sample_random_rays",
+    folder: "ray",
+    formula: "image, row and column uniform over all pixels; t_i by its grid, u_i uniform in training, at rest in evaluation",
+    source: "NeRF (Mildenhall et al. 2020) section 4 and equation 2",
+    inputs: &[
+        Port::plain("images", "I,H,W,3", "photographs in [0, 1]"),
+        Port::plain("count", "", "how many rays to draw"),
+        Port::plain("samples", "", "N, samples a ray"),
+        Port::plain("near", "", "where rays begin"),
+        Port::plain("far", "", "where rays end"),
+        Port::plain("training", "", "1: samples are jittered; 0: they rest"),
+        Port::plain("seed", "", "another number for every call; to be used or not"),
+    ],
+    outputs: &[
+        Port::plain("image_ids", "R", "the image of each ray"),
+        Port::plain("uv", "R,2", "its pixel position"),
+        Port::plain("rgbs", "R,3", "its color"),
+        Port::plain("t", "R,N", "its samples"),
+    ],
+    conventions: &["pixel_center", "grid", "rest"],
+    forward: Pass { oracle: drawn, bound: unbounded, honest: honestly, wrong: wrongly },
+    vjp: None,
+    cases: calls,
+    mistakes: MISTAKES,
+};
+
+/// What [`findings`] can name.
+const MISTAKES: &[Mistake] = &[
+    row(
+        "outside_the_images",
+        "a position that is no pixel",
+        "colors of other pixels",
+        "check the ranges of image, row and column",
+        0,
+    ),
+    row(
+        "first_images_only",
+        "an index in [0, H W) of a flat list of N H W pixels",
+        "the other views are never trained",
+        "draw from all N H W pixels",
+        2,
+    ),
+    row(
+        "images_not_uniform",
+        "some images are drawn more often",
+        "views of unequal quality",
+        "draw the image uniformly",
+        0,
+    ),
+    row(
+        "pixels_not_uniform",
+        "some pixels are drawn more often",
+        "regions of unequal quality",
+        "draw rows and columns uniformly",
+        0,
+    ),
+    row(
+        "rays_frozen",
+        "every call draws the same pixels",
+        "the network sees one batch",
+        "draw anew in every call",
+        1,
+    ),
+    row("divided_twice_by_255", "c / 255^2", "black targets", "divide once", 2),
+    row(
+        "wrong_colors",
+        "colors of other pixels than uv says",
+        "nothing is learned",
+        "index images by [image, row, column]",
+        1,
+    ),
+    row(
+        "never_jittered",
+        "u is the same for every ray, sample and call",
+        "rings at the sample distances",
+        "draw u in training",
+        3,
+    ),
+    row(
+        "jitter_frozen",
+        "the jitter is drawn once for the run",
+        "fixed sample positions, rings",
+        "draw u anew in every step",
+        1,
+    ),
+    row(
+        "one_jitter_for_all_rays",
+        "noise of shape N, broadcast over rays",
+        "neighboring rays err together: noise in the picture",
+        "draw one u for every ray and sample",
+        11,
+    ),
+    row(
+        "rays_jittered_together",
+        "neighboring rays share their noise",
+        "noise in the picture",
+        "draw one u for every ray and sample",
+        0,
+    ),
+    row(
+        "jitter_width_0.02",
+        "jitter over a fixed 0.02",
+        "gaps between samples that are never seen",
+        "scale u by the interval",
+        1,
+    ),
+    row(
+        "jitter_width_0.1",
+        "jitter over a fixed 0.1",
+        "samples out of order or gaps",
+        "scale u by the interval",
+        1,
+    ),
+    row(
+        "jitter_width_1",
+        "jitter over a fixed 1",
+        "samples out of order, beyond far",
+        "scale u by the interval",
+        1,
+    ),
+    row("jitter_centered_on_edges", "u in [-0.5, 0.5)", "t below near", "u in [0, 1)", 1),
+    row(
+        "jitter_gaussian",
+        "normal instead of uniform",
+        "samples out of their intervals",
+        "draw u uniformly",
+        3,
+    ),
+    row(
+        "jitter_not_uniform",
+        "u of another law",
+        "some depths are seen less",
+        "draw u uniformly in [0, 1)",
+        0,
+    ),
+    row(
+        "jitter_at_evaluation",
+        "jitter is left on when nothing is trained",
+        "two renders of a view differ",
+        "rest at u = 0.5 in evaluation",
+        6,
+    ),
+    row(
+        "not_at_rest",
+        "samples rest elsewhere than in training's intervals",
+        "a shift between training and evaluation",
+        "one grid for both",
+        1,
+    ),
+];
+
+const fn row(
+    name: &'static str,
+    cause: &'static str,
+    effect: &'static str,
+    fix: &'static str,
+    count: u32,
+) -> Mistake {
+    Mistake::new(name, cause, effect, fix, "public implementations, see the count", count)
+}
+
+/// The four calls.
+fn calls() -> Vec<Case> {
+    // So many images that all four calls draw the first one alone by chance with a probability below 1e-6.
+    let shape = [32, 5, 7, 3];
+    let pixel = |k: usize| ((k / 105 * 37 + k / 21 * 11 + k / 3 * 5 + k % 3 * 3) % 17) as f64 / 16.0;
+    let images: Vec<f64> = (0..shape.iter().product()).map(pixel).collect();
+    let call = |(seed, id): (usize, &str)| {
+        let training = if seed < 2 { 1.0 } else { 0.0 };
+        Case::new(
+            id,
+            "one of four calls that are judged together",
+            vec![
+                ("images", array(&shape, images.clone())),
+                ("count", scalar(RAYS as f64)),
+                ("samples", scalar(SAMPLES as f64)),
+                ("near", scalar(2.0)),
+                ("far", scalar(6.0)),
+                ("training", scalar(training)),
+                ("seed", scalar(seed as f64)),
+            ],
+        )
+    };
+    ["training_a", "training_b", "rest_a", "rest_b"].into_iter().enumerate().map(call).collect()
+}
+
+/// A right sampler.
+fn drawn(a: &Arrays, c: &Conventions) -> Arrays {
+    let seed = number(a, "seed") as u64;
+    let (count, samples) = (number(a, "count") as usize, number(a, "samples") as usize);
+    let images = input(a, "images").view().into_dimensionality::<Ix4>().expect("(I, H, W, 3)");
+    let (rays, jitter) = (Key::new(seed, Purpose::Rays), Key::new(seed, Purpose::Samples));
+    let u: Vec<[f64; 3]> =
+        (0..count as u64).map(|r| std::array::from_fn(|k| rays.uniform(0, r, k as u64))).collect();
+    let pixels = sample_random_rays(images, Draw::Pool, &u, c.pixel_center);
+    let t = |r: usize| {
+        let resting = number(a, "training") == 0.0;
+        let u = |i: usize| if resting { rest_u(c.rest) } else { jitter.uniform(0, r as u64, i as u64) };
+        sample_along_ray(
+            number(a, "near"),
+            number(a, "far"),
+            &(0..samples).map(u).collect::<Vec<_>>(),
+            c.grid,
+        )
+    };
+    arrays([
+        ("image_ids", array(&[count], pixels.iter().map(|p| p.image as f64).collect())),
+        ("uv", array(&[count, 2], pixels.iter().flat_map(|p| [p.uv.x, p.uv.y]).collect())),
+        ("rgbs", array(&[count, 3], pixels.iter().flat_map(|p| p.rgb).collect())),
+        ("t", array(&[count, samples], (0..count).flat_map(t).collect())),
+    ])
+}
+
+/// No draw is wrong by itself.
+fn unbounded(a: &Arrays, c: &Conventions, _: &Arithmetic) -> Arrays {
+    drawn(a, c).into_iter().map(|(name, a)| (name, a.mapv(|_| f64::INFINITY))).collect()
+}
+
+fn honestly(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    drawn(a, c).into_iter().map(|(name, a)| (name, a.mapv(|x| m.round(x)))).collect()
+}
+
+/// The mistakes of samplers live in the tests of the statistics: here nothing is wrong.
+fn wrongly(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
+    drawn(a, c)
+}
+
+/// What is wrong with the answers as arrays: absent, of a wrong shape, or not finite.
+fn fault(case: &Case, answer: Option<&Answer>) -> Option<String> {
+    let Some(answer) = answer else { return Some(format!("{}: no answer", case.id)) };
+    let samples = number(&case.inputs, "samples") as usize;
+    let count = number(&case.inputs, "count") as usize;
+    let shapes: [(&str, Vec<usize>); 4] = [
+        ("image_ids", vec![count]),
+        ("uv", vec![count, 2]),
+        ("rgbs", vec![count, 3]),
+        ("t", vec![count, samples]),
+    ];
+    for (name, shape) in shapes {
+        let Some(given) = answer.get(name) else {
+            // Jitter is judged where there is any; pixels without colors or images can't be.
+            if name == "t" {
+                continue;
+            }
+            return Some(format!("{}: {name}: absent", case.id));
+        };
+        if given.values.shape() != shape {
+            return Some(format!(
+                "{}: {name}: wrong shape {:?}, expected {shape:?}",
+                case.id,
+                given.values.shape()
+            ));
+        }
+        if given.values.iter().any(|x| !x.is_finite()) {
+            return Some(format!("{}: {name}: NaN or infinity", case.id));
+        }
+    }
+    None
+}
+
+/// An answer as a call.
+fn call(answer: &Answer) -> Call {
+    let flat = |name: &str| answer[name].values.iter().copied().collect::<Vec<f64>>();
+    let rows = |a: &ArrayD<f64>| a.outer_iter().map(|row| row.iter().copied().collect()).collect();
+    Call {
+        image_ids: flat("image_ids"),
+        uv: flat("uv").chunks_exact(2).map(|c| [c[0], c[1]]).collect(),
+        rgbs: flat("rgbs").chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
+        t: answer.get("t").map_or(vec![], |given| rows(&given.values)),
+    }
+}
+
+/// Faults of the answers, or what the statistics of the four calls say.
+fn judged(sheet: &Sheet, answers: &Answers, c: &Conventions) -> (Vec<String>, Vec<Finding>) {
+    let pairs = sheet.cases.iter().zip(answers);
+    let faults: Vec<String> = pairs.filter_map(|(case, answer)| fault(case, answer.as_ref())).collect();
+    if !faults.is_empty() {
+        return (faults, vec![]);
+    }
+    let calls: Vec<Call> = answers.iter().flatten().map(call).collect();
+    let Ok([a, b, c1, c2]) = <[Call; 4]>::try_from(calls) else { return (vec!["four calls".into()], vec![]) };
+    let inputs = &sheet.cases[0].inputs;
+    let images = input(inputs, "images").view().into_dimensionality::<Ix4>().expect("(I, H, W, 3)");
+    (vec![], findings(images, &[a, b], &[c1, c2], [number(inputs, "near"), number(inputs, "far")], c))
+}
+
+/// Whether a right sampler in these conventions could have drawn all this.
+pub fn plausible(sheet: &Sheet, answers: &Answers, c: &Conventions) -> bool {
+    let (faults, found) = judged(sheet, answers, c);
+    faults.is_empty() && found.iter().all(|finding| finding.honest)
+}
+
+/// The marks: all or nothing.
+pub fn mark(sheet: &Sheet, answers: &Answers, c: &Conventions) -> Marks {
+    let (mut faults, found) = judged(sheet, answers, c);
+    let (choices, wrong): (Vec<&Finding>, Vec<&Finding>) = found.iter().partition(|finding| finding.honest);
+    let told = |finding: &&Finding| format!("{}: {}", finding.name, finding.says);
+    faults.extend(wrong.iter().map(told));
+    let missing = answers.iter().flatten().all(|answer| !answer.contains_key("t"));
+    Marks {
+        budget_used: if faults.is_empty() { 0.0 } else { f64::INFINITY },
+        proving: 1,
+        findings: choices.iter().map(told).collect(),
+        missing: missing.then(|| "t".to_string()).into_iter().collect(),
+        faults,
+        ..Marks::default()
+    }
+}
+
+/// The mistakes that the statistics show.
+pub fn mistakes(sheet: &Sheet, answers: &Answers, c: &Conventions) -> Vec<&'static Mistake> {
+    let rows: BTreeMap<&str, &'static Mistake> = MISTAKES.iter().map(|m| (m.name, m)).collect();
+    judged(sheet, answers, c).1.iter().filter_map(|finding| rows.get(finding.name).copied()).collect()
+}
