@@ -27,7 +27,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "tests" / "pages" / "MUTANTS.md"
 # Files of a component that are not oracle (tests/architecture.rs has the same list).
-AROUND = ["bound", "cases", "chain", "component", "fast", "honest", "mistakes", "propagate", "statistics", "variants"]
+AROUND = [
+    "arrays", "bound", "by_hand", "cases", "chain", "component", "fast", "honest", "judge", "mistakes", "propagate", "statistics",
+]
 SECONDS = 60  # a mutant whose tests take longer loops for ever
 
 # What is added to the crate: which mutant is switched on.
@@ -80,8 +82,8 @@ def copy_module(name, target, tested):
         (to / "mod.rs").write_text("pub mod reference;\n")
     elif name == "contract":
         to.mkdir()
-        properties = (source / "mod.rs").read_text().split("/// Properties run", 1)[1]
-        (to / "mod.rs").write_text("/// Properties run" + properties)
+        shutil.copy(source / "testing.rs", to / "testing.rs")
+        (to / "mod.rs").write_text("#[cfg(test)]\npub(crate) mod testing;\n")
     else:
         copy_folder(source, target, tested)
 
