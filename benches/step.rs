@@ -20,7 +20,7 @@ const PIXELS: usize = 10_000;
 /// Steps timed in one round; the fastest counts, as it does for the peer.
 const REPEATS: usize = 3;
 
-/// The value behind `--name`, or the default.
+/// The value after `--name`, or the default.
 fn argument(name: &str, default: usize) -> usize {
     let mut arguments = std::env::args().skip_while(|a| a != name);
     arguments.nth(1).map_or(default, |value| value.parse().expect("a whole number"))

@@ -158,7 +158,7 @@ pub enum Bands {
     Linear,
 }
 
-/// The order of the encoding's columns (behind the identity, where it is kept). A matter of layout.
+/// The order of the encoding's columns (after the identity, where it is kept). A matter of layout.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Columns {
@@ -271,7 +271,7 @@ pub struct Conventions {
     pub skip_layer: usize,
     /// Order of that concatenation.
     pub skip_order: SkipOrder,
-    /// Activation behind the last trunk layer.
+    /// Activation after the last trunk layer.
     pub last_trunk: Activation,
     /// Activation of the feature layer.
     pub feature: Activation,

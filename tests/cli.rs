@@ -89,7 +89,7 @@ fn a_run_can_be_trained_resumed_measured_and_rendered() {
     train(&["--steps", "4"]);
     let resumed = train(&["--steps", "8", "--resume"]);
     for figure in ["step", "samples", "loss", "val_psnr"] {
-        assert_eq!(whole[figure], resumed[figure], "{figure} differs behind --resume");
+        assert_eq!(whole[figure], resumed[figure], "{figure} differs after --resume");
     }
     for file in ["run.json", "checkpoint.npz", "log.jsonl", "psnr.svg", "views"] {
         assert!(Path::new(&run).join(file).exists(), "no {file}");
@@ -109,18 +109,18 @@ fn a_run_that_leaves_empty_space_out_says_so_and_goes_on() {
     let common = ["train", "builtin:slab", "--out", &run, "--rays", "16", "--samples", "8", "--lr", "5e-3"];
     let nerf = [&common[..], &["--model", "nerf", "--width", "8", "--threads", "2", "--json"]].concat();
     let train = |more: &[&str]| object(&[&nerf[..], more].concat());
-    // The grid is filled behind step 256.
+    // The grid is filled after step 256.
     let whole = train(&["--skip", "--steps", "264"]);
     assert!(whole["samples"].as_u64() < Some(264 * 16 * 8), "every sample was evaluated: {whole}");
     train(&["--skip", "--steps", "258"]);
     let file = Path::new(&run).join("run.json");
     let settings: Value = serde_json::from_slice(&fs::read(&file).expect("settings")).expect("JSON");
     assert_eq!((&settings["skip"], &settings["settings"]["skip_samples"]), (&true.into(), &true.into()));
-    assert_eq!(settings["settings"]["skip_behind_step"], 256);
+    assert_eq!(settings["settings"]["skip_after_step"], 256);
     refused(&[&nerf[..], &["--steps", "264", "--resume"]].concat(), &["run.json", "skip", "true"]);
     let resumed = train(&["--skip", "--steps", "264", "--resume"]);
     for figure in ["step", "samples", "loss", "val_psnr"] {
-        assert_eq!(whole[figure], resumed[figure], "{figure} differs behind --resume");
+        assert_eq!(whole[figure], resumed[figure], "{figure} differs after --resume");
     }
     assert_eq!(
         object(&["evaluate", &run, "--json"])["psnr"],

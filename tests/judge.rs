@@ -204,14 +204,14 @@ fn layouts_pass_and_are_reported() {
         answer.insert("rays_o".into(), d);
         answer.insert("rays_d".into(), o);
     });
-    // The identity behind the bands, as nerfstudio has it.
-    let behind = laid_out("positional_encoding", &CS180.with("frequency", "two_pi").unwrap(), |answer| {
+    // The identity after the bands, as nerfstudio has it.
+    let after = laid_out("positional_encoding", &CS180.with("frequency", "two_pi").unwrap(), |answer| {
         let given = answer.get_mut("encoding").unwrap();
         let width = given.values.shape()[1];
         given.values = given.values.select(ndarray::Axis(1), &(0..width).rev().collect::<Vec<_>>());
     });
     for (report, says) in
-        [(flat, "flattened"), (swapped, "each other's place"), (behind, "an order of their own")]
+        [(flat, "flattened"), (swapped, "each other's place"), (after, "an order of their own")]
     {
         assert_eq!(report.exit_code(), 0, "{report}");
         assert!(report.to_string().contains(says), "{report}");

@@ -118,7 +118,7 @@ fn difference(got: &Array, want: &Array) -> f64 {
     largest(got - &want) / largest(want).max(f64::MIN_POSITIVE)
 }
 
-/// The fields `m.*` of a state: behind one step of Adam they are the gradient, times 1 - beta1.
+/// The fields `m.*` of a state: after one step of Adam they are the gradient, times 1 - beta1.
 fn gradients(state: &Arrays) -> impl Iterator<Item = (&String, &Array)> {
     state.iter().filter(|(name, _)| name.starts_with("m."))
 }
@@ -195,7 +195,7 @@ fn error(model: &dyn Model, scene: &Scene) -> f64 {
     squares.sum::<f64>() / (3 * rays.len()) as f64
 }
 
-/// Steps 1 to `steps`: the error on a view that isn't learnt from, before and behind them.
+/// Steps 1 to `steps`: the error on a view that isn't learned from, before and after them.
 fn learnt(model: &mut dyn Model, scene: &Scene, steps: u64) -> (f64, f64) {
     let before = error(model, scene);
     for step in 1..=steps {
@@ -210,11 +210,11 @@ fn a_few_steps_on_photographs() {
         let Some(scene) = shared(name) else { continue };
         let overrides = Overrides { rays: Some(128), ..Overrides::default() };
         let (before, after) = learnt(&mut CompactModel::new(&scene, &overrides).unwrap(), &scene, steps);
-        assert!(after < 0.7 * before, "{name}, compact: {before} before, {after} behind {steps} steps");
+        assert!(after < 0.7 * before, "{name}, compact: {before} before, {after} after {steps} steps");
     }
     let Some(scene) = shared("lego_200x200.npz") else { return };
     let settings =
         Settings { rays: 64, samples: 32, ..Settings::new(scene.near, scene.far, scene.background) };
     let (before, after) = learnt(&mut NerfModel::new(settings), &scene, 40);
-    assert!(after < 0.9 * before, "8x256: {before} before, {after} behind 40 steps");
+    assert!(after < 0.9 * before, "8x256: {before} before, {after} after 40 steps");
 }

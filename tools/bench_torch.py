@@ -120,7 +120,7 @@ def fit_image(steps: int) -> float:
 
 
 def sgemm(size: int, runs: int = 5) -> dict[str, float | int | str]:
-    """GFLOP/s of a size^3 product in f32, the best of `runs` behind one that warms up, and the library that computes it."""
+    """GFLOP/s of a size^3 product in f32, the best of `runs` after one that warms up, and the library that computes it."""
     a, b, c = torch.rand(size, size), torch.rand(size, size), torch.empty(size, size)
     seconds = []
     for _ in range(1 + runs):

@@ -99,7 +99,7 @@ def plain_layers(a):
 
 
 def mlp(a, c, wrong):
-    """ReLU between, sigmoid behind."""
+    """ReLU between, sigmoid after."""
     h = a["x"]
     *hidden, (w, b) = spoiled(plain_layers(a), wrong)
     for v, d in hidden:
@@ -115,7 +115,7 @@ def back(name, g_z, h, w, out):
 
 
 def mlp_vjp(a, c, wrong):
-    """From behind."""
+    """From the last layer to the first."""
     layers, hs, zs = plain_layers(a), [a["x"]], []
     for w, b in layers:
         zs.append(hs[-1] @ w.T + b)
@@ -176,7 +176,7 @@ def nerf_mlp(a, c, wrong):
 
 
 def nerf_mlp_vjp(a, c, wrong):
-    """From behind."""
+    """From the last layer to the first."""
     tape, out = nerf_tape(a, c, ()), {}
     opened = "relu_mask_on_output" in wrong
     g = a["grad_rgbs"]

@@ -4,7 +4,7 @@
 //! thread, as layers of a chunk are computed), and what a peer's library reaches on 4096^3 where the peer reports it (`sgemm_gflops`).
 //!
 //! **share_products** = useful flops / seconds / ceiling of the products of a training batch alone: the very kernels, in the order of
-//! the training, on the chunks that it works on, one chunk behind the other on each thread, so that weights and activations lie where
+//! the training, on the chunks that it works on, one chunk after the other on each thread, so that weights and activations lie where
 //! training finds them (for 8x256 a thread's one chunk of 512 points again and again, as training uses its buffers again). ReLU is in it where the kernel applies it while it writes; biases, masks, encodings, activations, rendering
 //! and the sums over chunks are not. **share_pass** is the same for the whole forward and backward pass with all of these.
 //!

@@ -58,7 +58,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     if suites.is_empty() && layers.is_empty() && (whole || steps) && args.run.is_none() {
         return Err(Error::usage("FILTER", &args.filter, "--run RUN beside it, the folder of a trained run"));
     }
-    // Opened first: a folder that can't be read shouldn't be found out behind minutes of measuring.
+    // Opened first: a folder that can't be read shouldn't be found out after minutes of measuring.
     let run = args.run.as_deref().filter(|_| whole || steps);
     let mut trained = run.map(|run| open(run, Backend::Fast, false)).transpose()?;
     let folder = || args.run.as_deref().map_or_else(String::new, |run| run.display().to_string());

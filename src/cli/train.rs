@@ -29,10 +29,10 @@ pub struct Args {
     /// Which field.
     #[arg(long, value_enum, default_value_t = Kind::Compact)]
     pub model: Kind,
-    /// Stop behind this many steps.
+    /// Stop after this many steps.
     #[arg(long, value_parser = positive)]
     pub steps: Option<usize>,
-    /// Stop behind this many seconds of training.
+    /// Stop after this many seconds of training.
     #[arg(long, value_parser = positive_number)]
     pub seconds: Option<f64>,
     /// Stop when validation reaches this PSNR, in dB.
@@ -181,7 +181,7 @@ fn left_out(settings: &Map<String, Value>) -> Vec<String> {
     reasons.into_iter().flatten().filter_map(line).collect()
 }
 
-/// When the run ends: by default behind 5,000 steps.
+/// When the run ends: by default after 5,000 steps.
 fn end(args: &Args) -> Options {
     let open = args.seconds.is_some() || args.stop_at_psnr.is_some();
     Options {

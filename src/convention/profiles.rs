@@ -68,7 +68,7 @@ pub const PROFILES: &[Profile] = &[
             ("density", "run_nerf.py raw2alpha: relu"),
             (
                 "skip_layer",
-                "run_nerf_helpers.py init_nerf_model: concatenated behind layer 4, read by layer 5 (from 0)",
+                "run_nerf_helpers.py init_nerf_model: concatenated after layer 4, read by layer 5 (from 0)",
             ),
             ("skip_order", "run_nerf_helpers.py init_nerf_model: [inputs_pts, outputs]"),
             ("feature", "run_nerf_helpers.py init_nerf_model: bottleneck with act=None"),
@@ -147,7 +147,7 @@ pub const PROFILES: &[Profile] = &[
                 "model_components/renderers.py DepthRenderer expected: divided by sum of weights + 1e-10",
             ),
         ],
-        beyond: "the identity stands behind the bands; cos is sin(x + pi / 2); vanilla NeRF's exponents run from 0 to 8 in ten \
+        beyond: "the identity comes after the bands; cos is sin(x + pi / 2); vanilla NeRF's exponents run from 0 to 8 in ten \
                  steps, not octaves; no feature layer; 1e-10 in the depth's divisor, which is clipped to the samples",
     },
     Profile {
@@ -183,7 +183,7 @@ pub const PROFILES: &[Profile] = &[
                 "internal/coord.py pos_enc: sin of all (frequency, dimension) pairs, then sin(x + pi / 2)",
             ),
             ("density", "internal/models.py MLP.density_activation: softplus"),
-            ("skip_layer", "internal/models.py MLP: concatenated behind layer 4, read by layer 5 (from 0)"),
+            ("skip_layer", "internal/models.py MLP: concatenated after layer 4, read by layer 5 (from 0)"),
             ("skip_order", "internal/models.py MLP: [x, inputs]"),
             ("depth", "internal/render.py volumetric_rendering: expectation divided by acc"),
         ],
@@ -211,7 +211,7 @@ pub const PROFILES: &[Profile] = &[
             ("frequency", "examples/radiance_fields/mlp.py SinusoidalEncoder: 2^i"),
             ("columns", "examples/radiance_fields/mlp.py SinusoidalEncoder: all sin, then sin(x + pi / 2)"),
             ("density", "examples/radiance_fields/mlp.py VanillaNeRFRadianceField: relu"),
-            ("skip_layer", "examples/radiance_fields/mlp.py MLP: concatenated behind layer 4"),
+            ("skip_layer", "examples/radiance_fields/mlp.py MLP: concatenated after layer 4"),
             ("skip_order", "examples/radiance_fields/mlp.py MLP: [x, inputs]"),
             ("feature", "examples/radiance_fields/mlp.py bottleneck_layer: identity"),
             ("depth", "nerfacc/volrend.py rendering: divided by the opacity, not below eps"),

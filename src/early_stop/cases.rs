@@ -30,7 +30,7 @@ pub fn early_stop() -> Vec<Case> {
     let mut cases = vec![
         plain("stops", "T behind the samples: .50, .25, .13, .06: the fourth is the last", 0.09, &[8]),
         plain("never", "eps = 0: every sample is used, as in volume_render", 0.0, &[3, 5]),
-        plain("VR9_ragged", "rays of 5, 0, 1 and 6 samples, one behind the other", 0.09, &[5, 0, 1, 6]),
+        plain("VR9_ragged", "rays of 5, 0, 1 and 6 samples, one after the other", 0.09, &[5, 0, 1, 6]),
         plain(
             "VR5_not_renormalized",
             "the color of a white ray that stops at T = .25 is .75, not 1",

@@ -44,7 +44,7 @@ pub const EARLY_STOP: Component = Component {
     mistakes: mistakes::EARLY_STOP,
 };
 
-/// Where each ray begins, and the end. Made whole and in order, so that no inputs, however disturbed, read behind the arrays.
+/// Where each ray begins, and the end. Made whole and in order, so that no inputs, however disturbed, read after the arrays.
 pub(crate) fn offsets(a: &Arrays) -> Vec<usize> {
     let (samples, mut least) = (values(a, "sigmas").len(), 0);
     let mut next = |x: f64| {
@@ -99,7 +99,7 @@ pub(crate) fn stopped(n: usize, length: usize, of: Arrays) -> Arrays {
     all
 }
 
-/// The rays' arrays, one behind the other.
+/// The rays' arrays, one after the other.
 pub(crate) fn packed(rays: Vec<Arrays>) -> Arrays {
     let names: &[&str] = if rays.iter().any(|ray| ray.contains_key("grad_sigmas")) {
         &["grad_sigmas", "grad_rgbs", "grad_deltas"]

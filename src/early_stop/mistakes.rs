@@ -27,9 +27,9 @@ pub const EARLY_STOP: &[Mistake] = &[
     ),
     Mistake::new(
         "tested_too_late",
-        "T in front of the sample is tested behind it, so that one more is used",
+        "T in front of the sample is tested after it, so that one more is used",
         "one sample too many a ray: right to within eps, but never the same numbers",
-        "test T behind the sample that was just added",
+        "test T after the sample that was just added",
         "never; cheap to keep",
         0,
     ),
@@ -70,7 +70,7 @@ pub const EARLY_STOP: &[Mistake] = &[
         "light_left_forgotten",
         "the cotangent of the transmittance behind the last sample isn't passed on",
         "densities in front of a background learn too slowly or not at all",
-        "start the recursion from behind with grad_transmittance, not with 0",
+        "start the recursion at the last sample with grad_transmittance, not with 0",
         "hand-written backward passes without a background",
         1,
     )

@@ -50,7 +50,7 @@ pub fn live_samples(sigmas: &[f64], deltas: &[f64], eps: f64) -> usize {
 /// result has the live samples' weights alone: those behind are 0.
 ///
 /// # Panics
-/// Where `offsets` fall or end behind S.
+/// Where `offsets` fall or end after S.
 ///
 /// ```
 /// use nerf_oracle::early_stop::render_packed;

@@ -9,7 +9,7 @@ use pulp::{Arch, Simd, WithSimd};
 /// Points that are encoded together: their sines stay in the first-level cache until they are stored row by row.
 const BLOCK: usize = 64;
 
-/// Encodes the points of `x` into rows of `out`, `stride` entries apart (what lies behind the encoding stays as it is).
+/// Encodes the points of `x` into rows of `out`, `stride` entries apart (what lies after the encoding stays as it is).
 ///
 /// # Shapes
 /// `x` (M, `dims`), `out` (M, `stride`) with `stride` at least `dims` (1 + 2 `levels`).
@@ -118,7 +118,7 @@ mod tests {
                 let ulp = f64::from((e as f32).abs().next_up() - (e as f32).abs());
                 worst = worst.max((f64::from(f) - e).abs() / ulp.max((-48f64).exp2()));
             }
-            assert!(fast[63].is_nan(), "nothing is written behind the encoding");
+            assert!(fast[63].is_nan(), "nothing is written after the encoding");
         }
         assert!((0.5..2.0).contains(&worst), "{worst} ULP");
     }

@@ -7,7 +7,7 @@ use crate::contract::machine::Machine;
 use crate::convention::{Conventions, Frequency};
 use crate::math::{cos, sin};
 
-/// (sin, cos) behind an exact reduction (stable), or of the rounded product, factor first or last.
+/// (sin, cos) after an exact reduction (stable), or of the rounded product, factor first or last.
 pub(crate) fn waves(encoding: &Encoding, k: usize, x: f64, m: &Machine) -> (f64, f64) {
     let band = m.round(encoding.band(k));
     let scale = factor(encoding.frequency);

@@ -58,18 +58,18 @@ impl Encoding {
     /// The column of (band k, dimension d, 0 for sin or 1 for cos).
     pub fn column(&self, dims: usize, k: usize, d: usize, cosine: usize) -> usize {
         let levels = self.levels;
-        let behind = match self.columns {
+        let encoded = match self.columns {
             Columns::BandSinCos => (2 * k + cosine) * dims + d,
             Columns::DimSinCos => (2 * d + cosine) * levels + k,
             Columns::DimInterleaved => (d * levels + k) * 2 + cosine,
             Columns::AllSinAllCos => (cosine * dims + d) * levels + k,
             Columns::BandInterleaved => (k * dims + d) * 2 + cosine,
         };
-        behind + if self.identity { dims } else { 0 }
+        encoded + if self.identity { dims } else { 0 }
     }
 }
 
-/// (sin, cos) of factor * f * x. Multiplying by pi happens inside [`sin_pi`], behind an exact range reduction.
+/// (sin, cos) of factor * f * x. Multiplying by pi happens inside [`sin_pi`], after an exact range reduction.
 pub(crate) fn wave(frequency: Frequency, f: f64, x: f64) -> (f64, f64) {
     match frequency {
         Frequency::Pi => (sin_pi(f * x), cos_pi(f * x)),

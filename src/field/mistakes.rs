@@ -26,7 +26,7 @@ const RELU_BEFORE_SIGMOID: Mistake = Mistake::new(
     "relu_before_sigmoid",
     "the last layer has a ReLU too: sigmoid(max(z, 0))",
     "no color is darker than 1/2",
-    "no ReLU behind the last layer",
+    "no ReLU after the last layer",
     "never; cheap to keep",
     0,
 );

@@ -3,7 +3,7 @@
 use super::{Layer, relu, sigmoid};
 use crate::random::Key;
 
-/// What stands behind the last layer.
+/// The activation after the last layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
     /// sigmoid: colors.

@@ -1,6 +1,6 @@
 //! The field: encoded position and direction -> density and color; and the 2D field of an image.
 //!
-//! Letters: `w` weights (out, in), `b` biases (out), `x` input, `z` = w x + b before an activation, `h` behind it.
+//! Letters: `w` weights (out, in), `b` biases (out), `x` input, `z` = w x + b before an activation, `h` after it.
 //! `mlp` is the plain network of the 2D experiment, `nerf_mlp` the network of the NeRF paper (figure 7).
 
 use ndarray::{Array1, Array2};

@@ -8,7 +8,7 @@ use crate::random::Key;
 /// a feature of 256, a color layer of 128.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NerfMlp {
-    /// Trunk layers, ReLU behind each.
+    /// Trunk layers, ReLU after each.
     pub trunk: Vec<Layer>,
     /// Density head, (1, width).
     pub sigma: Layer,

@@ -117,7 +117,7 @@ impl Vector {
     }
 
     /// Adds what entry o costs as a dot product: each product rounded or fused, a sum in any order, the result rounded, and once more
-    /// behind the bias in the short types.
+    /// after the bias in the short types.
     fn round_dot(&mut self, o: usize, terms: &[f64], bias: f64, m: &Arithmetic) {
         let sum: f64 = terms.iter().sum::<f64>() + bias;
         let n = terms.len() as f64;
@@ -157,7 +157,7 @@ impl Vector {
         out
     }
 
-    /// The gradient behind a ReLU of `z`: where the unit may be on or off, the whole of it is uncertain.
+    /// The gradient passed back through a ReLU of `z`: where the unit may be on or off, the whole of it is uncertain.
     pub fn masked(&self, z: &Vector) -> Vector {
         let mut out = self.clone();
         for i in 0..self.y.len() {

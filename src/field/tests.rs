@@ -224,7 +224,7 @@ fn conventions_change_what_they_name() {
     net.sigma.b.fill(1.0);
     let run = |net: &NerfMlp, c: Conventions| net.forward(&x, &d, &c);
     let base = run(&net, CS180);
-    // The encoding stands behind h in the fifth layer's input, or in front of it.
+    // The encoding comes after h in the fifth layer's input, or before it.
     assert_eq!((base.inputs[4].len(), &base.inputs[4][4..]), (9, x.as_slice()));
     let first = Conventions { skip_order: SkipOrder::EncodingFirst, ..CS180 };
     assert_eq!(run(&net, first).inputs[4][..5], x);

@@ -34,7 +34,7 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<()> {
     write_with(path, |file| file.write_all(bytes.as_ref()))
 }
 
-/// Lets `fill` write a file beside `path` (its name with `.partial` behind), forces it to the disk, then renames it to `path`.
+/// Lets `fill` write a file beside `path` (its name and `.partial`), forces it to the disk, then renames it to `path`.
 ///
 /// A reader therefore sees the old file whole or the new file whole, whenever the program is stopped. Folders above are made.
 ///

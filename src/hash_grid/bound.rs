@@ -59,7 +59,7 @@ fn weighted(level: &Level, cell: &Cell, k: usize, but: Option<usize>, m: &Arithm
     (level.entry(vertex), weight)
 }
 
-/// A sum inside of one operation, or of tensors, one behind the other.
+/// A sum inside of one operation, or of tensors, one after the other.
 fn any_sum(terms: &[Bounded], m: &Arithmetic) -> Bounded {
     let sum = m.sum(terms);
     let size: f64 = terms.iter().map(|term| term.size()).sum();

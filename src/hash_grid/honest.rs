@@ -37,7 +37,7 @@ fn weight(cells: [(u32, f64); 3], k: usize, but: Option<usize>, m: &Machine) -> 
     weight
 }
 
-/// A sum in one operation, or (every fourth form) of tensors one behind the other.
+/// A sum in one operation, or (every fourth form) of tensors one after the other.
 fn sum(terms: &[f64], m: &Machine) -> f64 {
     if m.form % 4 == 3 { terms.iter().fold(0.0, |sum, &x| m.add(sum, x)) } else { m.sum(terms) }
 }

@@ -231,6 +231,6 @@ fn pe6_derivatives_jump_at_faces() {
     assert_abs_diff_eq!(slope(0.5), one_sided(0.01), epsilon = 1e-10);
     assert_abs_diff_eq!(slope(0.5 - 1e-9), one_sided(-0.01), epsilon = 1e-6);
     assert!((slope(0.5) - slope(0.5 - 1e-9)).abs() > 0.1);
-    // The box ends in its last cell, not in one behind it.
+    // The box ends in its last cell, not in one after it.
     assert_abs_diff_eq!(slope(1.0), (value(1.0) - value(0.99)) / 0.01, epsilon = 1e-10);
 }

@@ -1,6 +1,6 @@
 //! Error bounds of importance sampling.
 //!
-//! All terms of the sums behind F are positive, so that every honest F has a relative error of at most gamma, at the edges and between
+//! All terms of the sums that make up F are positive, so that every honest F has a relative error of at most gamma, at the edges and between
 //! them. The honest sample then solves F(t) = u for a u that is off by as much: it lies between the inverses of the two ends of that
 //! interval, from the left and from the right. Where F stands still (bins without weight) these are far apart: the answers that are
 //! admissible at a tie. What is local to the bin comes on top.

@@ -47,7 +47,7 @@ pub fn importance_sampling() -> Vec<Case> {
     let mut draw = Draw::new("importance_sampling", 100);
     let even = |bins: i32| (0..=bins).map(|k| 2.0 + f64::from(k) / 16.0).collect::<Vec<f64>>();
     let quarters = vec![2.0, 3.0, 4.0, 5.0, 6.0];
-    // A weight of 1 among empty bins, as they are behind the code's + 1e-5, and samples in the empty ones.
+    // A weight of 1 among empty bins, as they are after the code's + 1e-5, and samples in the empty ones.
     let mut opaque = vec![0.0; 62];
     opaque[40] = 1.0;
     let faint =
@@ -64,7 +64,7 @@ pub fn importance_sampling() -> Vec<Case> {
         random("padded", "0.01 added to every weight, as in nerfstudio", [2, 7, 6], 0.0078125),
         case(
             "SA1_zero_weights",
-            "bins without weight in front, between and behind: no sample in them",
+            "bins without weight before, between and after: no sample in them",
             [&[uneven(&mut draw, 8)], &[empty_between], std::slice::from_ref(&inner)],
             0.0,
         ),
@@ -116,7 +116,7 @@ pub fn importance_sampling() -> Vec<Case> {
         ),
         case(
             "SA3_empty_start",
-            "u = 0 behind empty bins: where the first weight begins, not where the ray does",
+            "u = 0 after empty bins: where the first weight begins, not where the ray does",
             [&[quarters], &[vec![0.0, 0.0, 0.75, 1.25]], &[vec![0.0, 0.25, 0.6875]]],
             0.0,
         ),

@@ -42,7 +42,7 @@ pub const IMPORTANCE_SAMPLING: &[Mistake] = &[
     Mistake::new(
         "not_normalized",
         "F isn't divided by the sum of the weights",
-        "nothing is sampled behind F = 1, or all that is left falls on the last edge",
+        "nothing is sampled after F = 1, or all that is left falls on the last edge",
         "divide by the sum",
         "ports of sample_pdf",
         1,

@@ -27,7 +27,7 @@ fn sa3_ends_and_ties() {
     // Ten times 0.1 in f32 end at 1.0000001; here at 1, and u = 1 is the last edge.
     let edges: Vec<f64> = (0..=10).map(f64::from).collect();
     assert_eq!(sample(&edges, &[0.1; 10], 0.0, &[0.0, 1.0]), [0.0, 10.0]);
-    // Nothing behind the last weight, nothing in front of the first, even at the ends and on ties.
+    // Nothing after the last weight, nothing before the first, even at the ends and on ties.
     let weights = [0.0, 1.0, 0.0, 0.0, 1.0, 0.0];
     assert_eq!(sample(&edges[..7], &weights, 0.0, &[0.0, 0.25, 0.5, 0.75, 1.0]), [1.0, 1.5, 4.0, 4.5, 5.0]);
     // All of a bin of width 0 lies in one place.

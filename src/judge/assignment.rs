@@ -183,7 +183,7 @@ fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
                 .any(|p| changes(p, &joined) == 0 && p.get(key).is_none_or(|other| *other == v))
         };
         let votes = |v: &&&str| order.iter().filter(|&&n| agrees(n, v)).count();
-        // The last of equals wins in max_by_key: from behind, so that the default does.
+        // The last of equals wins in max_by_key: reversed, so that the default does.
         if order.iter().any(|&n| survivors[n].iter().any(|p| p.contains_key(key))) {
             let best = values.iter().rev().max_by_key(votes).expect("lists aren't empty");
             joined.insert(key, best);

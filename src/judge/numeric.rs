@@ -34,10 +34,10 @@ pub fn vjp(component: &Component, inputs: &Arrays, c: &Conventions, mistakes: &[
                 *entry(&mut inputs_now, &port, i) = to;
                 cotangent(&(component.forward.wrong)(&inputs_now, c, mistakes))[0]
             };
-            // The slope, and by how much it is steeper ahead than behind: as h where the function is smooth.
+            // The slope, and by how much it is steeper ahead than back: as h where the function is smooth.
             let mut slopes = |h: f64| {
-                let (ahead, behind) = (moved(at + h), moved(at - h));
-                ((ahead - behind) / ((at + h) - (at - h)), (ahead - 2.0 * here + behind) / h)
+                let (ahead, back) = (moved(at + h), moved(at - h));
+                ((ahead - back) / ((at + h) - (at - h)), (ahead - 2.0 * here + back) / h)
             };
             // A wave's length doesn't grow with x; but h has to be seen in x.
             let h = libm::ldexp(at.abs().clamp(0.0625, 1.0).max(libm::ldexp(at.abs(), -20)), -13);

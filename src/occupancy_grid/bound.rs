@@ -21,7 +21,7 @@ pub(crate) fn surely_in_its_cell(x: [f64; 3], resolution: usize, m: &Arithmetic)
         })
 }
 
-/// Bound of [`super::OccupancyGrid::update`] and of what is occupied behind it.
+/// Bound of [`super::OccupancyGrid::update`] and of what is occupied after it.
 pub fn update(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let Update { grid, decay, points, sigmas, queries } = asked(a);
     let r = grid.resolution;

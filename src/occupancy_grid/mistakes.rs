@@ -16,7 +16,7 @@ pub const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("axes_reversed", "x and z exchanged in the index", "empty space is skipped in the wrong place", "index [z, y, x], x fastest", "between grids of both orders", 2),
     Mistake::new("nearest_cell", "round(x R) for floor(x R)", "the grid is shifted by half a cell", "floor: cells lie between faces", "align_corners and its like", 2),
     Mistake::new("threshold_included", "occupied where density >= threshold", "with a threshold of 0 no cell is ever empty", "larger than the threshold", "hand-written grids", 1),
-    Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold behind the update", "hand-written grids", 1),
+    Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
 ];
 
 /// Mistakes of the traversal.

@@ -204,7 +204,7 @@ fn way(i: u64, patience: u32) -> fast::Way {
     }
 }
 
-/// A ray ends behind as many samples in opaque cells as it has patience for, and has seen what it sees with more of it.
+/// A ray ends after as many samples in opaque cells as it has patience for, and has seen what it sees with more of it.
 #[test]
 fn patience_ends_a_ray() {
     let mut grid = fast::Occupancy::full(16);

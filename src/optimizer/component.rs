@@ -23,7 +23,7 @@ pub const ADAM_STEP: Component = Component {
         Port::plain("weight_decay", "", "times the parameter, added to the gradient (coupled)"),
     ],
     outputs: &[
-        Port::plain("params_out", "P", "parameters behind the step"),
+        Port::plain("params_out", "P", "parameters after the step"),
         Port::plain("m_out", "P", "m'"),
         Port::plain("v_out", "P", "v'"),
     ],

@@ -78,7 +78,7 @@ pub fn bias_correction(beta: f64, step: u64) -> f64 {
     -expm1(step as f64 * ln(beta))
 }
 
-/// Exponential decay: the learning rate behind `step` of `steps`, from `lr` down to `lr * final_factor`.
+/// Exponential decay: the learning rate after `step` of `steps`, from `lr` down to `lr * final_factor`.
 ///
 /// ```
 /// assert_eq!(nerf_oracle::optimizer::decayed_lr(1e-2, 0.01, 50, 100), 1e-3);

@@ -1,7 +1,7 @@
 //! Fixtures: what mpmath, torch and kornia say about a component, read from `fixtures/<component>/<basis>.{json,npz}`.
 //!
 //! `fixtures/README.md` has the format. `tools/golden.py` makes the files; nothing here needs Python. The truth of an mpmath
-//! fixture is `hi + lo`, and an error counts in ULP of the largest term behind an element (the element itself where no sum
+//! fixture is `hi + lo`, and an error counts in ULP of the largest term that an element sums (the element itself where no sum
 //! cancels).
 
 use std::collections::BTreeMap;

@@ -21,9 +21,9 @@ pub struct Estimate {
 /// ```
 pub fn richardson(mut f: impl FnMut(f64) -> f64, step: f64) -> Estimate {
     let central = |h: f64| {
-        let (ahead, behind) = (f(h), f(-h));
+        let (ahead, back) = (f(h), f(-h));
         // What one rounding of f costs: tableau entries that agree by chance are worth no more.
-        ((ahead - behind) / (2.0 * h), f64::EPSILON * ahead.abs().max(behind.abs()) / h)
+        ((ahead - back) / (2.0 * h), f64::EPSILON * ahead.abs().max(back.abs()) / h)
     };
     extrapolated(central, 4.0, step)
 }

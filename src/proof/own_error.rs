@@ -2,7 +2,7 @@
 //!
 //! `tests/golden` fails when a measured error exceeds its limit, and when a limit is looser than twice the measured error.
 
-/// The largest error of a component over all its fixtures, in ULP of the largest term behind an element.
+/// The largest error of a component over all its fixtures, in ULP of the largest term that an element sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OwnError {
     /// The component, or several in a row.

@@ -93,7 +93,7 @@ impl Canvas {
             b = a + (b - a) * ((a.z - self.nearest) / (a.z - b.z));
         }
         let (p, q) = (camera_to_pixel(&self.camera.k, a), camera_to_pixel(&self.camera.k, b));
-        // A line that leaves the picture far behind is still drawn in steps of a pixel, but not in more than this many.
+        // A line that reaches far outside of the picture is still drawn in steps of a pixel, but not in more than this many.
         let steps = (q - p).abs().max_element().ceil().clamp(1.0, 50_000.0) as usize;
         for step in 0..=steps {
             let share = step as f64 / steps as f64;
@@ -128,8 +128,8 @@ impl Canvas {
                 let uv = camera_to_pixel(&shot.k, seen);
                 let (u, v) = (uv.x / shot.width as f64, uv.y / shot.height as f64);
                 if t > 0.0 && (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v) {
-                    let behind = self.seen(ray.at(t)).z;
-                    self.dot(i as i64, j as i64, behind, pixel(u, v));
+                    let depth = self.seen(ray.at(t)).z;
+                    self.dot(i as i64, j as i64, depth, pixel(u, v));
                 }
             }
         }

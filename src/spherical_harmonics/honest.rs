@@ -6,7 +6,7 @@ use crate::contract::component::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
-/// c x^i y^j z^k: the coefficient first (form 0), or last, behind products of squares.
+/// c x^i y^j z^k: the coefficient first (form 0), or last, after products of squares.
 fn monomial(coefficient: f64, d: [f64; 3], exponents: [u32; 3], m: &Machine) -> f64 {
     let coefficient = m.round(coefficient);
     let times = |product: f64, x: f64, n: u32| (0..n).fold(product, |product, _| m.mul(product, x));

@@ -49,12 +49,12 @@ pub(super) fn chain(
     ]);
     rays.extend(a.get(ALPHA_ERROR).map(|e| (ALPHA_ERROR.to_string(), reshaped(e, &[h * w, n]))));
     let rendered = run(&volume_rendering::component::VOLUME_RENDER, &rays);
-    let behind = arrays([
+    let over = arrays([
         ("colors", rendered["colors"].clone()),
         ("opacity", rendered["opacity"].clone()),
         ("background", input(a, "background").clone()),
     ]);
-    let colors = run(&volume_rendering::component::COMPOSITE_BACKGROUND, &behind)["colors_out"].clone();
+    let colors = run(&volume_rendering::component::COMPOSITE_BACKGROUND, &over)["colors_out"].clone();
     out.insert("t".into(), reshaped(&t, &[h, w, n]));
     out.insert("deltas".into(), reshaped(&deltas, &[h, w, n]));
     out.insert("weights".into(), reshaped(&rendered["weights"], &[h, w, n]));

@@ -62,7 +62,7 @@ impl RunFolder {
         })
     }
 
-    /// Writes the model's state behind `step`, aside first: a stop in the middle leaves the previous checkpoint whole.
+    /// Writes the model's state after `step`, aside first: a stop in the middle leaves the previous checkpoint whole.
     pub fn save(&self, mut state: npz::Arrays, step: u64, seconds: f64, samples: u64) -> Result<()> {
         let number = |x| npz::Array::F64(ArrayD::from_elem(IxDyn(&[]), x));
         let whole = |x| npz::Array::I64(ArrayD::from_elem(IxDyn(&[]), x));
@@ -73,7 +73,7 @@ impl RunFolder {
         npz::write(&self.file("checkpoint.npz"), &state, false)
     }
 
-    /// Reads the checkpoint: the model's state, the step behind which it was written, seconds and samples so far.
+    /// Reads the checkpoint: the model's state, the step after which it was written, seconds and samples so far.
     ///
     /// # Errors
     /// Where it is unreadable or of another version.

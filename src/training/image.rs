@@ -54,7 +54,7 @@ pub struct LogPoint {
     pub seconds: f64,
     /// Loss of this step's batch, before the step.
     pub loss: f64,
-    /// PSNR of the whole picture behind the step, not quantized.
+    /// PSNR of the whole picture after the step, not quantized.
     pub psnr: f64,
 }
 
@@ -63,7 +63,7 @@ enum Path {
     Reference { net: Mlp, encoding: Encoding, m: Vec<Layer>, v: Vec<Layer> },
 }
 
-/// Whether the picture is kept behind `step` of `steps`: 1, 101, 201, ..., and the last.
+/// Whether the picture is kept after `step` of `steps`: 1, 101, 201, ..., and the last.
 pub fn kept(step: u64, steps: u64) -> bool {
     step % 100 == 1 || step == steps
 }

@@ -27,9 +27,9 @@ const SAVE_EVERY: f64 = 60.0;
 /// When a run ends and how it is measured.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Stop behind this step.
+    /// Stop after this step.
     pub steps: Option<u64>,
-    /// Stop behind this many seconds of training.
+    /// Stop after this many seconds of training.
     pub seconds: Option<f64>,
     /// Stop when the full validation reaches this PSNR, in dB.
     pub stop_at_psnr: Option<f64>,

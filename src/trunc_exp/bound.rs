@@ -1,4 +1,4 @@
-//! Error bounds of the truncated exponential: one elementary function, and one product behind it.
+//! Error bounds of the truncated exponential: one elementary function, and one product after it.
 
 use super::LIMIT;
 use super::component::{forward, vjp};

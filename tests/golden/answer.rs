@@ -180,7 +180,7 @@ fn start(params: Arrays) -> [Arrays; 3] {
     [params, zeros.clone(), zeros]
 }
 
-/// The parameters behind every step, the gradients given.
+/// The parameters after every step, the gradients given.
 fn adam(inputs: &Arrays) -> Arrays {
     let settings = pick(inputs, &HYPER);
     let mut state = start([("p".to_string(), inputs["params"].clone())].into());

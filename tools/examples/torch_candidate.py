@@ -43,7 +43,7 @@ def step_sizes(t, near, far):
 
 
 def mlp(x, **parameters):
-    """Linear layers, ReLU between, sigmoid behind."""
+    """Linear layers, ReLU between, sigmoid after."""
     count = sum(name.startswith("w") for name in parameters)
     for n in range(count):
         x = F.linear(x if n == 0 else F.relu(x), parameters[f"w{n}"], parameters[f"b{n}"])

@@ -254,7 +254,7 @@ pub const SUITE: Suite = Suite {
             "bf16_means",
             "all threads, both means stored as bf16",
             Dtype::Bf16,
-            // Each mean is rounded before the step and behind it.
+            // Each mean is rounded before the step and after it.
             Promise::f32().of_largest(2.0 * BF16),
             |a| bold(a, Trade::ShortMeans, to_bf16, from_bf16),
         ),

@@ -252,7 +252,7 @@ fn graded(a: &Arrays, grade: Grade) -> Box<dyn Kernel> {
 /// Samples that are looked at together before the transmittance is compared with eps.
 const STRIDE: usize = 16;
 
-/// A ray ends behind the block of samples that takes its transmittance below eps.
+/// A ray ends after the block of samples that takes its transmittance below eps.
 struct Stopped<'a> {
     task: &'a mut Task,
     sigmas: &'a [f32],

@@ -81,7 +81,7 @@ impl Multiply for Checked {
 }
 
 /// The products of a chunk that has been through a step, in the step's order, without what lies between them. Inputs are what the step
-/// left or what the products before wrote; adds to `gradient`, the folded matrix's behind the parameters.
+/// left or what the products before wrote; adds to `gradient`, the folded matrix's after the parameters.
 fn products(net: &Prepared, chunk: &mut Chunk, gradient: &mut [f32], on: &mut impl Multiply) {
     let Prepared { net, trunk: transposed, folded, folded_t, bias } = net;
     let (trunk, points) = (&net.trunk, chunk.active.len());
@@ -137,7 +137,7 @@ fn flops(net: &Network) -> [f64; 2] {
     [2 * forward + to_inputs, 2 * color * net.shape.direction].map(|macs| 2.0 * macs as f64)
 }
 
-/// A chunk's buffers behind a step, and a group's gradient.
+/// A chunk's buffers after a step, and a group's gradient.
 #[derive(Default)]
 struct Filled {
     chunk: Chunk,
@@ -186,7 +186,7 @@ impl Step {
         self.origins.len() / 3
     }
 
-    /// A chunk's buffers behind its step, with its gradient.
+    /// A chunk's buffers after its step, with its gradient.
     fn filled(&self, prepared: &Prepared) -> Filled {
         let (mut chunk, mut group) = (Chunk::default(), Group::default());
         group.partial.resize(self.net.params.len() + prepared.folded.len(), 0.0);

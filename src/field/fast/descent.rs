@@ -57,7 +57,7 @@ impl Prepared<'_> {
             .extend(chunk.active.iter().map(|&n| chunk.g_sigma[n] * slope(chunk.z[n], self.net.density)));
     }
 
-    /// From there to the parameters; the folded matrix's gradient goes behind them.
+    /// From there to the parameters; the folded matrix's gradient goes after them.
     fn network_backward(&self, chunk: &mut Chunk, samples: usize, gradient: &mut [f32]) {
         let net = self.net;
         let (width, color, columns) = (net.shape.width, net.shape.color, net.shape.direction);
@@ -99,7 +99,7 @@ impl Prepared<'_> {
         net.trunk.backward(net.arch, &net.params, &mut chunk.tape, count, gradient);
     }
 
-    /// Gradients of feature and color layer from those of M (behind the parameters) and of the color layer's bias:
+    /// Gradients of feature and color layer from those of M (after the parameters) and of the color layer's bias:
     /// g_color = g_M w_feature^T + g_b b_feature^T, g_feature = w_color^T g_M, g_b_feature = w_color^T g_b.
     pub fn unfold(&self, gradient: &mut [f32]) {
         let net = self.net;

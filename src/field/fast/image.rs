@@ -10,7 +10,7 @@ use crate::encoding::fast::positional_encoding;
 use crate::field::Mlp;
 use crate::parallel;
 
-/// An [`Mlp`] in f32 with its encoding: hidden layers of one width with ReLU, a sigmoid behind three outputs.
+/// An [`Mlp`] in f32 with its encoding: hidden layers of one width with ReLU, a sigmoid after three outputs.
 #[derive(Debug)]
 pub struct ImageNetwork {
     /// All parameters: for each layer its weights (out, in), row by row, then its biases.

@@ -1,6 +1,6 @@
 //! What happens to a chunk between two matrix products: one pass over it while it is in the cache, vectorized at run time.
 //!
-//! Rows are points. A gradient `g` is masked where the activation behind the ReLU is 0, which is where its input was not
+//! Rows are points. A gradient `g` is masked where the activation after the ReLU is 0, which is where its input was not
 //! positive. Each pass is a struct, because only `with_simd` is sure to be compiled for the instructions it is called with;
 //! the loops are plain and left to the compiler.
 
@@ -121,7 +121,7 @@ fn dot(a: &[f32], b: &[f32]) -> f32 {
     sums[0] + rest
 }
 
-/// Backward of [`Heads`] behind a ReLU: g_x = w^T g_z where x > 0; adds g_z x to `g_w` and g_z to `g_bias`.
+/// Backward of [`Heads`] after a ReLU: g_x = w^T g_z where x > 0; adds g_z x to `g_w` and g_z to `g_bias`.
 pub(crate) struct HeadsBackward<'a, const K: usize> {
     pub x: &'a [f32],
     pub g_z: &'a [f32],

@@ -1,4 +1,4 @@
-//! Matrix products on the `gemm` crate, behind a bounds check; always on one thread, because threads take whole chunks.
+//! Matrix products on the `gemm` crate, after a bounds check; always on one thread, because threads take whole chunks.
 
 use gemm::{Parallelism, gemm};
 

@@ -7,7 +7,7 @@ use crate::volume_rendering::fast::Weights;
 /// What is left out of a batch of rays; nothing by default.
 ///
 /// A sample that is not live has density 0 and is never evaluated; its density gets no gradient, which is the whole approximation. The
-/// step lengths of the others stay what they are. A ray ends behind the first sample with T < `stop` (see
+/// step lengths of the others stay what they are. A ray ends after the first sample with T < `stop` (see
 /// [`live_samples`](crate::early_stop::live_samples)): the light that is left goes on to the background, and a color moves by at most
 /// `stop`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -48,7 +48,7 @@ impl Skipping<'_> {
         spans
     }
 
-    /// Ends every ray behind the first sample with T < `stop`: no more light is lost. The samples behind it are not active, so that
+    /// Ends every ray after the first sample with T < `stop`: no more light is lost. The samples behind it are not active, so that
     /// nobody reads their weights.
     pub(super) fn end(&self, rays: &mut Weights, samples: usize) {
         for behind in rays.behind.chunks_mut(samples) {

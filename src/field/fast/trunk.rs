@@ -14,7 +14,7 @@ pub(super) struct Affine {
 }
 
 impl Affine {
-    /// The layer that starts at `*at`, which is moved behind it.
+    /// The layer that starts at `*at`, which is moved past it.
     pub fn next(at: &mut usize, inputs: usize, outputs: usize) -> Self {
         let layer = Affine { inputs, outputs, at: *at };
         *at += outputs * (inputs + 1);
@@ -57,7 +57,7 @@ pub(super) struct Tape {
 }
 
 impl Trunk {
-    /// `depth` layers that start at `*at` in the parameters, which is moved behind them.
+    /// `depth` layers that start at `*at` in the parameters, which is moved past them.
     pub fn next(at: &mut usize, encoding: usize, width: usize, depth: usize, skip: usize) -> Self {
         let inputs = |n| match n {
             0 => encoding,
@@ -73,7 +73,7 @@ impl Trunk {
         self.layers.iter().map(|l| transposed(l.of(params).0, l.outputs, l.inputs)).collect()
     }
 
-    /// Entries between two rows of h behind layer n.
+    /// Entries between two rows of h after layer n.
     pub fn stride(&self, n: usize) -> usize {
         self.width + if n + 1 == self.skip && self.skip < self.layers.len() { self.encoding } else { 0 }
     }
@@ -133,7 +133,7 @@ impl Trunk {
     }
 
     /// Adds the gradients of all layers to `gradient`. `tape.g` holds the gradient before the last layer's ReLU, whose
-    /// bias gradient has been added already. The encoding gets none: nothing behind it is trained.
+    /// bias gradient has been added already. The encoding gets none: nothing after it is trained.
     pub fn backward(&self, arch: Arch, params: &[f32], tape: &mut Tape, points: usize, gradient: &mut [f32]) {
         for (n, layer) in self.layers.iter().enumerate().rev() {
             let g = Matrix::new(&tape.g, points, self.width, self.width);

@@ -21,7 +21,7 @@ pub struct Way {
     pub far: f32,
     /// Jitter in [0, 1).
     pub u: f32,
-    /// The ray ends behind so many samples in opaque cells, at least 1.
+    /// The ray ends after so many samples in opaque cells, at least 1.
     pub patience: u32,
 }
 
@@ -53,7 +53,7 @@ impl Steps {
         &self.k[ray * self.room..][..self.count[ray]]
     }
 
-    /// Whether the ray ran out of patience: there may be more samples behind the last one.
+    /// Whether the ray ran out of patience: there may be more samples after the last one.
     #[inline(always)]
     pub fn cut(&self, ray: usize) -> bool {
         self.patience[ray] == 0
@@ -63,7 +63,7 @@ impl Steps {
     #[inline(always)]
     fn begin(&mut self, ways: &[Way], step: f32) {
         let longest = ways.iter().map(|way| (way.far - way.near) / step).fold(0.0, f32::max);
-        // One more for each end's rounding, one to write to behind the last.
+        // One more for each end's rounding, one to write to after the last.
         self.room = longest as usize + 3;
         let places = ways.len() * self.room;
         assert!(places < u32::MAX as usize, "{} rays of {longest} steps: at most 2^32 at once", ways.len());

@@ -142,7 +142,7 @@ impl Walk {
         any
     }
 
-    /// To the next lattice point or, out of an empty cell, brick or block, to the first behind it. Out of patience: to the end.
+    /// To the next lattice point or, out of an empty cell, brick or block, to the first after it. Out of patience: to the end.
     #[inline(always)]
     pub fn advance<S: Simd>(&mut self, s: S) {
         let (zero, one) = (s.splat_u32s(0), s.splat_u32s(1));

@@ -14,7 +14,7 @@ mod tests;
 
 pub use views::{load, render};
 
-/// The names behind `builtin:`.
+/// The names after `builtin:`.
 pub const NAMES: [&str; 3] = ["slab", "blob", "spheres"];
 
 /// One body of a built-in scene.

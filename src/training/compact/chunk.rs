@@ -19,7 +19,7 @@ pub(super) struct Ray {
     pub harmonics: [f32; harmonics::WIDTH],
     /// The training pixel that it comes from.
     pub pixel: u32,
-    /// Whether it may go on behind its last sample.
+    /// Whether it may go on after its last sample.
     pub cut: bool,
     /// Color over the background.
     pub color: [f32; 3],
@@ -36,12 +36,12 @@ pub(super) struct Chunk {
     pub rays: Vec<Ray>,
     /// Where the march found them.
     pub steps: Steps,
-    /// Samples in the unit box; behind [`Chunk::keep`] the live ones alone.
+    /// Samples in the unit box; after [`Chunk::keep`] the live ones alone.
     pub points: Vec<[f32; 3]>,
     /// Their distances along the ray.
     pub t: Vec<f32>,
     pub ray_of: Vec<u32>,
-    /// Encodings, level by level; behind the backward pass their gradients.
+    /// Encodings, level by level; after the backward pass their gradients.
     pub encoding: [Aligned<Entry>; LEVELS],
     /// All samples before the early stop, with their densities.
     pub visited: Vec<[f32; 3]>,

@@ -322,7 +322,7 @@ impl Layers for Step {
         };
         let (seen, live) = (sum(|c| c.visited.len()), sum(|c| c.points.len()));
         let products = live * SAMPLE;
-        // Samples behind the early stop have a density, and no more.
+        // Samples after the early stop have a density, and no more.
         let stopped = 2.0 * (seen - live) * WEIGHTS[0] as f64;
         let rays = sum(|c| c.rays.iter().filter(|ray| ray.count > 0).count());
         let per_ray =

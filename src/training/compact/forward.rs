@@ -133,7 +133,7 @@ fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
         product(s, &c.geometry[tile.clone()], GEOMETRY, &w.color0, &mut c.hidden1[tile.clone()], true, true);
         product(s, &c.hidden1[tile.clone()], HIDDEN, &w.color1, &mut c.rgb[tile], false, false);
     }
-    // Four samples fill a vector; rows behind the last are padding.
+    // Four samples fill a vector; rows after the last are padding.
     for four in c.rgb[..rows].as_chunks_mut::<4>().0 {
         let mut x: [f32; 16] = std::array::from_fn(|i| four[i / 4][i % 4]);
         x.iter_mut().for_each(|x| *x = 1.0 / (1.0 + exp((-*x).clamp(-40.0, 40.0))));

@@ -139,7 +139,7 @@ impl Settings {
             "patience",
             or(
                 Part::Patience,
-                "a training ray ends behind so many samples in cells of optical depth 1 a step",
+                "a training ray ends after so many samples in cells of optical depth 1 a step",
             ),
         );
         because(
@@ -208,7 +208,7 @@ impl Settings {
         self.samples * (0.3 + 0.7 * (step as f64 / 300.0).min(1.0))
     }
 
-    /// The same for a picture of the model as it was behind that step.
+    /// The same for a picture of the model as it was after that step.
     pub fn samples_at_rest(&self, step: u64) -> f64 {
         AT_REST * self.samples_at(step)
     }

@@ -95,7 +95,7 @@ impl CompactModel {
         copy(state, "occupancy_density", file, &mut density)?;
         let bits = |name| Ok(whole(state, name, file)?.into_iter().map(|b| b as u64).collect::<Vec<_>>());
         let occupied = bits("occupancy_bits")?;
-        // A run of before rays ended behind opaque cells has no such cells, and no rays to draw again.
+        // A checkpoint from before rays ended behind opaque cells has no such cells, and no rays to draw again.
         let known = state.contains_key("occupancy_opaque");
         let opaque = if known { bits("occupancy_opaque")? } else { vec![0; occupied.len()] };
         self.occupancy = Occupancy::from_parts(resolution, density, &occupied, &opaque).ok_or_else(|| {

@@ -154,7 +154,7 @@ impl Path {
         }
     }
 
-    /// All of it by name, each name behind `owner`.
+    /// All of it by name, each name after `owner`.
     pub fn state(&self, owner: &str) -> Arrays {
         let mut state = Arrays::new();
         for (prefix, net) in self.parts() {

@@ -15,7 +15,7 @@ use crate::scene::Scene;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Skip {
     /// Steps at which every sample is computed: until then densities are the initial network's.
-    pub behind: u64,
+    pub after: u64,
     /// Steps between updates of the grid.
     pub every: u64,
     /// Cells of the grid along an edge, a multiple of 16.
@@ -24,7 +24,7 @@ pub struct Skip {
 
 impl Default for Skip {
     fn default() -> Self {
-        Skip { behind: 256, every: 64, resolution: 64 }
+        Skip { after: 256, every: 64, resolution: 64 }
     }
 }
 
@@ -43,14 +43,14 @@ pub(super) fn skipping(live: Option<&[bool]>) -> Skipping<'_> {
 impl NerfModel {
     /// Before a step: fills the grid when it is time, and looks after it now and then.
     pub(super) fn look(&mut self, scene: &Scene, step: u64) -> Result<()> {
-        let Some(skip) = self.settings.skip.filter(|skip| self.fine.is_none() && step > skip.behind) else {
+        let Some(skip) = self.settings.skip.filter(|skip| self.fine.is_none() && step > skip.after) else {
             return Ok(());
         };
         let key = Key::new(self.settings.seed, Purpose::Occupancy);
         let length = self.step_length();
         let ask = |points: &[f64]| self.coarse.densities(points);
         if let Some(grid) = &mut self.grid {
-            let since = step - skip.behind - 1;
+            let since = step - skip.after - 1;
             if since.is_multiple_of(skip.every) {
                 grid.update(&key, (step, since / skip.every), length, &ask);
             }
@@ -116,13 +116,13 @@ impl NerfModel {
 
     /// What `run.json` says of it.
     pub(super) fn skipping_settings(&self) -> Map<String, Value> {
-        let settings = if let Some(Skip { behind, every, resolution }) = self.settings.skip {
+        let settings = if let Some(Skip { after, every, resolution }) = self.settings.skip {
             json!({
-                "skip_samples": true, "skip_behind_step": behind, "skip_update_every": every, "occupancy": resolution,
+                "skip_samples": true, "skip_after_step": after, "skip_update_every": every, "occupancy": resolution,
                 "occupancy_opacity": grid::OPACITY, "stop": STOP,
                 "reasons": {
                     "skip_samples": "asked for: cells where a step's opacity is below occupancy_opacity have density 0, not evaluated",
-                    "skip_behind_step": "before it densities are still the initial network's",
+                    "skip_after_step": "before it densities are still the initial network's",
                     "stop": "a color moves by at most this",
                 },
             })

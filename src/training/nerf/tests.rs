@@ -22,7 +22,7 @@ fn scene() -> Scene {
     scene::load("builtin:spheres", &options).unwrap()
 }
 
-/// A model behind some steps, and the last report.
+/// A model after some steps, and the last report.
 fn trained(settings: Settings, scene: &Scene, steps: u64) -> (NerfModel, StepReport) {
     let mut model = NerfModel::new(settings);
     let mut report = StepReport::default();
@@ -51,7 +51,7 @@ fn the_coarse_network_doesnt_know_of_the_fine_one() {
     }
 }
 
-/// Parameters behind three steps, and pictures, in f32 and in f64.
+/// Parameters after three steps, and pictures, in f32 and in f64.
 #[test]
 fn fast_path_and_reference_agree() {
     let scene = scene();

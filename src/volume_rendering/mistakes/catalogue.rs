@@ -18,7 +18,7 @@ const ROLLED: Mistake = Mistake::new(
     "rolled_transmittance",
     "T = roll(cumprod(1 - alpha), 1), whose first entry is the last product instead of 1",
     "the first sample is attenuated by the whole ray; spikes read (.0625, .25, .125)",
-    "set T_0 = 1 behind the roll",
+    "set T_0 = 1 after the roll",
     "2 public implementations",
     2,
 );
@@ -111,7 +111,7 @@ pub const VOLUME_RENDER_ALPHA: &[Mistake] = &[
         cause: "the product's gradient divides by 1 - alpha and is set to 0 where that is 0",
         effect: "an opaque sample can never become transparent again",
         seen: "nerfacc FIXME; alpha = [.5, 1, .3, .2], cotangent [1, 2, 3, 4]: [2, 0, 0, 0] for [2, 2.9, 0, 0]",
-        fix: "use the recursion from behind, which divides by nothing",
+        fix: "use the recursion from the last sample, which divides by nothing",
         count: 1,
         gradient: true,
     },

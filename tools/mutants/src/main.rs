@@ -1,4 +1,4 @@
-//! All mutants of a file in one file, each behind `crate::mutant(id)`: one build instead of one a mutant.
+//! All mutants of a file in one file, each chosen by `crate::mutant(id)`: one build instead of one a mutant.
 //!
 //! `mutants-in-one FILE LIST OUT` reads LIST, the mutants of FILE as `cargo mutants --list --json` has them with an `id` added, writes
 //! OUT, and prints the ids that it found no place for (in constants, say). `tools/mutants.py` builds those one by one.

@@ -48,7 +48,7 @@ fn they_are_the_trainings_own() {
     let rows = chunk.points.len();
     assert!(chunk.hidden0[..rows] == before.0[..rows] && chunk.geometry[..rows] == before.1[..rows]);
     assert!(chunk.hidden1[..rows] == before.2[..rows] && chunk.gradient.color1 == color);
-    // A pass behind products is a pass.
+    // A pass after products is a pass.
     step.pass();
     assert!(step.filled[1].chunk.gradient.color1 == color);
 }

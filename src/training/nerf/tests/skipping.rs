@@ -8,17 +8,17 @@ use super::*;
 const STEP: f64 = 0.5;
 
 /// Steps without a grid, and between its updates.
-const BEHIND: u64 = 2;
+const AFTER: u64 = 2;
 const EVERY: u64 = 3;
 
 fn skipping_settings(skip: bool) -> Settings {
-    let skip = skip.then_some(Skip { behind: BEHIND, every: EVERY, resolution: 32 });
+    let skip = skip.then_some(Skip { after: AFTER, every: EVERY, resolution: 32 });
     Settings { skip, ..settings(0, false) }
 }
 
-/// A model behind its first steps, with a density head that gives half of the space between near and far no density.
+/// A model after its first steps, with a density head that gives half of the space between near and far no density.
 fn half_empty(settings: Settings, scene: &Scene) -> NerfModel {
-    let (mut model, report) = trained(settings, scene, BEHIND);
+    let (mut model, report) = trained(settings, scene, AFTER);
     assert!(model.grid.is_none() && report.samples == 24 * 8, "the first steps are dense");
     let Path::Fast { net, .. } = &mut model.coarse else { panic!("the fast path") };
     let mut oracle = net.to_oracle(&net.params);
@@ -64,7 +64,7 @@ fn share(live: &[bool]) -> f64 {
 }
 
 /// What is in a ball is found, what is a cell or more beside it is not; when the ball moves by a cell, the grid follows at the next
-/// update, and it finds a new one anywhere behind as many updates as it has parts.
+/// update, and it finds a new one anywhere after as many updates as it has parts.
 #[test]
 fn the_grid_follows_what_it_is_asked_about() {
     let key = Key::new(0, Purpose::Occupancy);
@@ -100,7 +100,7 @@ fn a_model_works_where_something_is() {
     let scene = scene();
     let mut model = half_empty(skipping_settings(true), &scene);
     let mut dense = copy(&model, skipping_settings(false));
-    let (report, all) = (model.step(&scene, BEHIND + 1).unwrap(), dense.step(&scene, BEHIND + 1).unwrap());
+    let (report, all) = (model.step(&scene, AFTER + 1).unwrap(), dense.step(&scene, AFTER + 1).unwrap());
     assert!((24..192).contains(&report.samples) && all.samples == 192, "{} samples", report.samples);
     assert!((report.loss - all.loss).abs() < 0.1 * all.loss, "{} {}", report.loss, all.loss);
     let grid = model.grid.clone().unwrap();
@@ -129,7 +129,7 @@ fn a_checkpoint_holds_the_grid_and_threads_change_nothing() {
         }
         model
     };
-    let (from, end) = (BEHIND + 1, BEHIND + EVERY + 3);
+    let (from, end) = (AFTER + 1, AFTER + EVERY + 3);
     let whole = run(copy(&start, settings), from..=end);
     assert!(whole.state().contains_key("occupancy_density"));
     for stop in [from, from + EVERY - 1, from + EVERY] {
@@ -137,7 +137,7 @@ fn a_checkpoint_holds_the_grid_and_threads_change_nothing() {
         let resumed = copy(&half, settings);
         assert!(resumed.grid == half.grid);
         let resumed = run(resumed, stop + 1..=end);
-        assert!(values(&whole.state()) == values(&resumed.state()), "resumed behind {stop}");
+        assert!(values(&whole.state()) == values(&resumed.state()), "resumed after {stop}");
     }
     let again = || -> crate::Result<NerfModel> { Ok(run(copy(&start, settings), from..=end)) };
     let one = parallel::with_threads(Some(1), again).unwrap();
@@ -189,7 +189,7 @@ fn both_paths_leave_out_the_same() {
 fn a_comparison_of_steps() {
     let scene = scene();
     let mut model = half_empty(skipping_settings(true), &scene);
-    model.step(&scene, BEHIND + 1).unwrap();
+    model.step(&scene, AFTER + 1).unwrap();
     let before = values(&model.state());
     let found = model.compare_steps(&scene, 2).unwrap().unwrap();
     assert_eq!(before, values(&model.state()), "measuring trains nothing");
