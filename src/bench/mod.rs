@@ -8,6 +8,7 @@ pub mod calibration;
 pub mod dense;
 pub mod error;
 pub mod frontier;
+pub mod nerf_step;
 pub mod page;
 pub mod peer;
 pub mod report;
@@ -15,6 +16,7 @@ pub mod rounds;
 pub mod scaling;
 pub mod suites;
 pub mod system;
+pub mod systems;
 mod truth;
 mod variants;
 

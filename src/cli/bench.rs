@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use super::evaluate::open;
 use super::options::{Backend, positive};
 use super::output;
-use crate::bench::{self, Options, page, suites};
+use crate::bench::{self, Options, nerf_step, page, suites, systems};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::parallel;
@@ -63,7 +63,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let mut trained = run.map(|run| open(run, Backend::Fast, false)).transpose()?;
     let folder = || args.run.as_deref().map_or_else(String::new, |run| run.display().to_string());
     let system = trained.as_mut().map(|trained| {
-        let system = trained.model.system().map(|system| (system, &trained.scene));
+        let system = systems::of(&mut *trained.model).map(|system| (system, &trained.scene));
         system.ok_or_else(|| {
             Error::usage("--run", folder(), "a run of one field: compact, or nerf without --fine")
         })
@@ -87,7 +87,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     }
     let (mut object, mut text) = (report.json(), report.text());
     if let Some(trained) = trained.as_mut().filter(|_| steps) {
-        let compare = || trained.model.compare_steps(&trained.scene, options.rounds).transpose();
+        let compare = || nerf_step::compare(&mut *trained.model, &trained.scene, options.rounds);
         let step = parallel::with_threads(args.threads, compare)?;
         if step.is_none() && suites.is_empty() && layers.is_empty() && !whole {
             return Err(Error::usage(

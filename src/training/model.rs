@@ -1,8 +1,9 @@
 //! What a trainable field is to the training loop, whatever is inside.
 
+use std::any::Any;
+
 use serde_json::{Map, Value};
 
-use crate::bench::system::System;
 use crate::error::Result;
 use crate::files::npz::Arrays;
 use crate::ray::Ray;
@@ -30,8 +31,8 @@ pub struct Pixel {
     pub depth: f32,
 }
 
-/// A field with its parameters, its optimizer's state, and its settings.
-pub trait Model: Sync + Send {
+/// A field with its parameters, its optimizer's state, and its settings. `Any`, so that whoever measures one kind of model can ask for it.
+pub trait Model: Any + Sync + Send {
     /// One optimizer step, number `step` counted from 1: a function of step, seed and scene, never of the clock or of threads.
     fn step(&mut self, scene: &Scene, step: u64) -> Result<StepReport>;
 
@@ -49,16 +50,6 @@ pub trait Model: Sync + Send {
 
     /// Every setting, given or derived, with the reason where it was derived.
     fn settings(&self) -> Map<String, Value>;
-
-    /// The trained model's ways to render, for `bench`.
-    fn system(&mut self) -> Option<Box<dyn System + '_>> {
-        None
-    }
-
-    /// A dense training step against one that leaves samples out, for `bench`: none where the model has no such pair.
-    fn compare_steps(&mut self, _scene: &Scene, _rounds: usize) -> Option<Result<Value>> {
-        None
-    }
 
     /// Something that a user should hear about, e.g. a density head that died (TR1). Asked at every validation.
     fn warning(&self) -> Option<String> {

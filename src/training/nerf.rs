@@ -1,11 +1,9 @@
 //! The NeRF paper's network as a trainable model, on the f32 path or in the f64 reference; on demand the paper's pair of a coarse
 //! network and a fine one.
 
-mod compare;
-mod grid;
-mod path;
-mod skipping;
-mod variants;
+pub(crate) mod grid;
+pub(crate) mod path;
+pub(crate) mod skipping;
 
 #[cfg(test)]
 mod tests;
@@ -18,7 +16,6 @@ pub use self::skipping::Skip;
 use self::skipping::skipping;
 use super::model::{Model, Pixel, StepReport};
 use super::reference::{fine_samples, interval_edges};
-use crate::bench::system::System;
 use crate::convention::CS180;
 use crate::error::{Error, Result};
 use crate::field::NerfMlp;
@@ -84,11 +81,11 @@ impl Settings {
 
 /// One network, or two.
 pub struct NerfModel {
-    settings: Settings,
-    coarse: Path,
-    fine: Option<Path>,
+    pub(crate) settings: Settings,
+    pub(crate) coarse: Path,
+    pub(crate) fine: Option<Path>,
     /// Where the network may have something, once it is known.
-    grid: Option<Grid>,
+    pub(crate) grid: Option<Grid>,
     /// Whether the last step moved nothing in one of them: every density was 0 (TR1).
     dead: bool,
     /// Whether a density head's sign was turned at the start.
@@ -98,24 +95,24 @@ pub struct NerfModel {
 }
 
 /// One step's rays as flat arrays.
-struct Drawn {
-    origins: Vec<f64>,
-    directions: Vec<f64>,
-    t: Vec<f64>,
+pub(crate) struct Drawn {
+    pub origins: Vec<f64>,
+    pub directions: Vec<f64>,
+    pub t: Vec<f64>,
     /// Where among the first network's weights the second one's samples are drawn.
     u: Vec<f64>,
-    targets: Vec<f32>,
+    pub targets: Vec<f32>,
 }
 
 /// Sample positions and step lengths (R, N).
-struct Samples {
+pub(crate) struct Samples {
     t: Vec<f64>,
     deltas: Vec<f64>,
     count: usize,
 }
 
 impl Samples {
-    fn rays<'a>(&'a self, origins: &'a [f64], directions: &'a [f64]) -> Rays<'a> {
+    pub fn rays<'a>(&'a self, origins: &'a [f64], directions: &'a [f64]) -> Rays<'a> {
         Rays { origins, directions, t: &self.t, deltas: &self.deltas, samples: self.count }
     }
 }
@@ -129,12 +126,12 @@ impl NerfModel {
         NerfModel { coarse, fine, settings, grid: None, dead: false, turned: false, restored: false }
     }
 
-    fn adam(&self) -> Adam {
+    pub(crate) fn adam(&self) -> Adam {
         Adam { lr: self.settings.lr, ..Adam::default() }
     }
 
     /// The rays of a step: pixels from one stream, jitter from another, each ray its own counter.
-    fn draw(&self, scene: &Scene, step: u64) -> Result<Drawn> {
+    pub(crate) fn draw(&self, scene: &Scene, step: u64) -> Result<Drawn> {
         let Settings { near, far, rays, samples, fine, seed, .. } = self.settings;
         let (pixels, jitter) = (Key::new(seed, Purpose::Rays), Key::new(seed, Purpose::Samples));
         let mut drawn = Drawn { origins: vec![], directions: vec![], t: vec![], u: vec![], targets: vec![] };
@@ -155,7 +152,7 @@ impl NerfModel {
     }
 
     /// The first network's samples: steps D = (far - near) / N.
-    fn coarse_samples(&self, t: Vec<f64>) -> Samples {
+    pub(crate) fn coarse_samples(&self, t: Vec<f64>) -> Samples {
         let Settings { near, far, samples, .. } = self.settings;
         let deltas = vec![(far - near) / samples as f64; t.len()];
         Samples { t, deltas, count: samples }
@@ -219,18 +216,6 @@ impl NerfModel {
 }
 
 impl Model for NerfModel {
-    fn system(&mut self) -> Option<Box<dyn System + '_>> {
-        // A pair of networks has no one number of samples to choose.
-        if self.fine.is_some() {
-            return None;
-        }
-        Some(Box::new(self.trained()))
-    }
-
-    fn compare_steps(&mut self, scene: &Scene, rounds: usize) -> Option<Result<Value>> {
-        self.compare(scene, rounds)
-    }
-
     fn step(&mut self, scene: &Scene, step: u64) -> Result<StepReport> {
         let Drawn { origins, directions, t, u, targets } = self.draw(scene, step)?;
         let (background, adam) = (self.settings.background, self.adam());

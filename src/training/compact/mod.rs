@@ -7,7 +7,6 @@
 use pulp::Arch;
 use serde_json::{Map, Value};
 
-use crate::bench::system::System;
 use crate::error::Result;
 use crate::files::npz::Arrays;
 use crate::hash_grid::{self, fast::Level};
@@ -25,12 +24,11 @@ mod kernels;
 mod march;
 mod networks;
 mod occupancy;
-mod reference;
+pub(crate) mod reference;
 mod render;
-mod settings;
+pub(crate) mod settings;
 mod state;
-mod step;
-mod variants;
+pub(crate) mod step;
 mod views;
 
 #[cfg(test)]
@@ -44,11 +42,11 @@ use views::Views;
 
 /// Hash grid, networks and occupancy grid, with all that training needs.
 pub struct CompactModel {
-    settings: Settings,
+    pub(crate) settings: Settings,
     views: Views,
     levels: Vec<Level>,
     nets: Networks,
-    occupancy: Occupancy,
+    pub(crate) occupancy: Occupancy,
     /// Buffers, used again step after step.
     chunks: Vec<Chunk>,
     /// Rays of the next step: as many as filled a batch before.
@@ -56,7 +54,7 @@ pub struct CompactModel {
     /// Pixels whose rays were given up too early in the last step: the first rays of the next.
     again: Vec<u32>,
     /// Steps done.
-    step: u64,
+    pub(crate) step: u64,
     arch: Arch,
 }
 
@@ -119,9 +117,5 @@ impl Model for CompactModel {
 
     fn settings(&self) -> Map<String, Value> {
         self.settings.to_json()
-    }
-
-    fn system(&mut self) -> Option<Box<dyn System + '_>> {
-        Some(Box::new(self.trained()))
     }
 }

@@ -16,7 +16,7 @@ use crate::volume_rendering::volume_render;
 type Matrix = Vec<Vec<f64>>;
 
 /// Parameters and grid of a model, in f64.
-pub(super) struct Reference {
+pub(crate) struct Reference {
     levels: Vec<hash_grid::Level>,
     density0: Matrix,
     density1: Matrix,
@@ -34,7 +34,7 @@ pub(super) struct Reference {
 }
 
 /// What a ray sees, and how many samples of it count.
-pub(super) struct Seen {
+pub(crate) struct Seen {
     /// Premultiplied color.
     pub color: [f64; 3],
     /// A.
@@ -152,61 +152,5 @@ impl Reference {
         }
         let seen = volume_render(&sigmas, &rgbs, &vec![delta; sigmas.len()], ProductEps::None);
         Seen { color: seen.color, opacity: seen.opacity, samples: sigmas.len(), live }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use crate::bench::system::System;
-    use crate::evaluation::camera_rays;
-    use crate::ray::Ray;
-    use crate::scene;
-    use crate::training::Model;
-    use crate::training::compact::{CompactModel, Overrides};
-
-    fn trained() -> (CompactModel, Vec<Ray>) {
-        let scene = scene::load("builtin:blob", &scene::Options::default()).unwrap();
-        let mut model = CompactModel::new(&scene, &Overrides::default()).unwrap();
-        for step in 1..=40 {
-            model.step(&scene, step).unwrap();
-        }
-        let rays = camera_rays(&scene.val[0].camera).unwrap();
-        let some = rays.iter().copied().step_by(rays.len() / 60).collect();
-        (model, some)
-    }
-
-    /// At the same samples f32 and f64 agree to some roundings; the early stop moves a color by at most its eps; nothing sticks.
-    #[test]
-    fn the_f32_path_agrees_with_it_and_knobs_turn_back() {
-        let (mut model, rays) = trained();
-        let before = model.render(&rays);
-        let mut system = model.system().unwrap();
-        let names: Vec<&str> = system.choices().iter().map(|c| c.name).collect();
-        let at = |name: &str| names.iter().position(|n| *n == name).unwrap();
-        let off = |system: &dyn System| {
-            let same = system.same_samples(&rays);
-            let pairs = system.render(&rays).into_iter().zip(same);
-            pairs.fold(0f64, |max, (got, want)| {
-                (0..3).fold(max, |max, k| max.max((f64::from(got.rgb[k]) - want.color[k]).abs()))
-            })
-        };
-        system.choose(at("stop_0"));
-        assert!(off(&*system) < 1e-4, "{}", off(&*system));
-        let seen = system.same_samples(&rays);
-        assert!(seen.iter().all(|s| s.live == s.samples) && seen.iter().any(|s| s.samples > 10));
-        assert!(seen.iter().any(|s| s.opacity > 0.3), "something is there");
-        system.choose(at("stop_1e-1"));
-        assert!((1e-3..=0.1 + 1e-4).contains(&off(&*system)), "{}", off(&*system));
-        let samples = |system: &dyn System| {
-            system.same_samples(&rays).iter().map(|seen| seen.samples).sum::<usize>() as f64
-        };
-        system.choose(at("at_rest"));
-        let at_rest = samples(&*system);
-        system.choose(at("as_trained"));
-        assert!((at_rest / samples(&*system) - 2.0).abs() < 0.05, "pictures take twice the samples");
-        system.choose(at("samples_x1/8"));
-        assert!(off(&*system) < 1e-4, "its own samples are an eighth too");
-        drop(system);
-        assert!(model.render(&rays) == before);
     }
 }

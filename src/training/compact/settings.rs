@@ -91,7 +91,7 @@ pub struct Settings {
 pub const LR_HALF_LIFE: f64 = 1500.0;
 
 /// Samples of a picture over those of training, along the same ray.
-pub(super) const AT_REST: f64 = 2.0;
+pub(crate) const AT_REST: f64 = 2.0;
 
 /// Samples in opaque cells behind which a training ray is given up. Each takes at least [`super::occupancy::OPAQUE`] of optical depth
 /// if the grid is right, together more than the early stop asks for; where the grid is out of date and light is left, the

@@ -116,7 +116,7 @@ impl CompactModel {
 
 /// The step length in the unit in which densities are 1 / length: a third of the box, so that a network that starts at density 1
 /// starts with e^-3 of the light coming through, whatever the scene's unit.
-pub(super) fn optical_step(samples: f64) -> f32 {
+pub(crate) fn optical_step(samples: f64) -> f32 {
     (3.0 / samples) as f32
 }
 

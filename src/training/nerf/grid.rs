@@ -24,11 +24,11 @@ pub(super) const OPACITY: f64 = 0.01;
 const TASK: usize = 1 << 13;
 
 /// Densities at points (M, 3).
-pub(super) type Ask<'a> = &'a dyn Fn(&[f64]) -> Vec<f32>;
+pub(crate) type Ask<'a> = &'a dyn Fn(&[f64]) -> Vec<f32>;
 
 /// The grid, and the box of the scene that it fills.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     /// Its corners.
     low: [f64; 3],
     high: [f64; 3],

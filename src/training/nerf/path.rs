@@ -19,13 +19,13 @@ use crate::volume_rendering;
 
 /// Parameters, their running means, and the path that computes.
 #[allow(clippy::large_enum_variant, reason = "one or two a model")]
-pub(super) enum Path {
+pub(crate) enum Path {
     Fast { net: Box<Network>, moments: optimizer::fast::Moments, gradient: Gradient },
     Reference { field: Box<Field>, m: NerfMlp, v: NerfMlp, steps: u64 },
 }
 
 /// What one optimizer step did.
-pub(super) struct Stepped {
+pub(crate) struct Stepped {
     /// Mean squared error before it.
     pub loss: f64,
     /// Whether it moved nothing.

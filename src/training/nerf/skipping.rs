@@ -36,7 +36,7 @@ const BOX: &str = "occupancy_box";
 const DENSITY: &str = "occupancy_density";
 
 /// What is left out where so many samples are live; nothing where no grid says.
-pub(super) fn skipping(live: Option<&[bool]>) -> Skipping<'_> {
+pub(crate) fn skipping(live: Option<&[bool]>) -> Skipping<'_> {
     Skipping { live, stop: if live.is_some() { STOP } else { 0.0 } }
 }
 
@@ -68,16 +68,16 @@ impl NerfModel {
     }
 
     /// The grid, but for one that calls everything empty: the field would never get a gradient again.
-    pub(super) fn used_grid(&self) -> Option<&Grid> {
+    pub(crate) fn used_grid(&self) -> Option<&Grid> {
         self.grid.as_ref().filter(|grid| grid.any())
     }
 
     /// Rays end where less light than this comes through.
-    pub(super) fn skipping_stop(&self) -> f64 {
+    pub(crate) fn skipping_stop(&self) -> f64 {
         if self.used_grid().is_some() { f64::from(STOP) } else { 0.0 }
     }
 
-    pub(super) fn step_length(&self) -> f64 {
+    pub(crate) fn step_length(&self) -> f64 {
         (self.settings.far - self.settings.near) / self.settings.samples as f64
     }
 

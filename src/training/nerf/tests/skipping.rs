@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use super::*;
+use crate::bench::nerf_step;
 
 /// Samples' step length of [`settings`].
 const STEP: f64 = 0.5;
@@ -191,10 +192,11 @@ fn a_comparison_of_steps() {
     let mut model = half_empty(skipping_settings(true), &scene);
     model.step(&scene, AFTER + 1).unwrap();
     let before = values(&model.state());
-    let found = model.compare_steps(&scene, 2).unwrap().unwrap();
+    let found = nerf_step::compare(&mut model, &scene, 2).unwrap().unwrap();
     assert_eq!(before, values(&model.state()), "measuring trains nothing");
     let number = |name: &str| found[name].as_f64().unwrap();
     assert!(number("evaluated") < 1.0 && number("backward") <= number("evaluated"));
     assert!(number("ceiling") > 1.0 && number("loss_db").abs() < 1.0 && number("skip_seconds") > 0.0);
-    assert!(NerfModel::new(settings(12, false)).compare_steps(&scene, 2).is_none(), "a pair");
+    let pair = &mut NerfModel::new(settings(12, false));
+    assert!(nerf_step::compare(pair, &scene, 2).unwrap().is_none(), "a pair");
 }

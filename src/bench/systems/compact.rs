@@ -1,12 +1,12 @@
 //! The trained model as `bench` sees it: samples a ray, early stop at several eps, occupancy thresholds.
 
-use super::CompactModel;
-use super::reference::Reference;
-use super::settings::AT_REST;
-use super::step::optical_step;
 use crate::bench::system::{Choice, Seen, System};
 use crate::occupancy_grid::fast::Occupancy;
 use crate::ray::Ray;
+use crate::training::compact::CompactModel;
+use crate::training::compact::reference::Reference;
+use crate::training::compact::settings::AT_REST;
+use crate::training::compact::step::optical_step;
 use crate::training::{Model, Pixel};
 
 /// What a variant changes.
@@ -44,7 +44,7 @@ const KNOBS: [(&str, &str, Knob); 14] = [
 ];
 
 /// A model with one of its knobs turned; turned back when dropped.
-pub(super) struct Trained<'a> {
+pub struct Trained<'a> {
     model: &'a mut CompactModel,
     /// As trained.
     samples: f64,
@@ -53,12 +53,12 @@ pub(super) struct Trained<'a> {
     reference: Reference,
 }
 
-impl CompactModel {
-    pub(super) fn trained(&mut self) -> Trained<'_> {
-        let (samples, stop, occupancy) =
-            (self.settings.samples, self.settings.stop_at_rest, self.occupancy.clone());
-        let reference = Reference::new(self);
-        Trained { model: self, samples, stop, occupancy, reference }
+impl<'a> Trained<'a> {
+    /// The model as it is.
+    pub fn new(model: &'a mut CompactModel) -> Self {
+        let (samples, stop) = (model.settings.samples, model.settings.stop_at_rest);
+        let (occupancy, reference) = (model.occupancy.clone(), Reference::new(model));
+        Trained { model, samples, stop, occupancy, reference }
     }
 }
 
@@ -120,5 +120,62 @@ impl Trained<'_> {
     fn seen(&self, ray: &Ray, samples: f64, reference: &Reference) -> Seen {
         let seen = reference.render(ray, samples, self.model.settings.stop_at_rest);
         Seen { color: seen.color, opacity: seen.opacity, samples: seen.samples, live: seen.live }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Trained;
+    use crate::bench::system::System;
+    use crate::evaluation::camera_rays;
+    use crate::ray::Ray;
+    use crate::scene;
+    use crate::training::Model;
+    use crate::training::compact::{CompactModel, Overrides};
+
+    fn trained() -> (CompactModel, Vec<Ray>) {
+        let scene = scene::load("builtin:blob", &scene::Options::default()).unwrap();
+        let mut model = CompactModel::new(&scene, &Overrides::default()).unwrap();
+        for step in 1..=40 {
+            model.step(&scene, step).unwrap();
+        }
+        let rays = camera_rays(&scene.val[0].camera).unwrap();
+        let some = rays.iter().copied().step_by(rays.len() / 60).collect();
+        (model, some)
+    }
+
+    /// At the same samples f32 and f64 agree to some roundings; the early stop moves a color by at most its eps; nothing sticks.
+    #[test]
+    fn the_f32_path_agrees_with_it_and_knobs_turn_back() {
+        let (mut model, rays) = trained();
+        let before = model.render(&rays);
+        let mut system: Box<dyn System + '_> = Box::new(Trained::new(&mut model));
+        let names: Vec<&str> = system.choices().iter().map(|c| c.name).collect();
+        let at = |name: &str| names.iter().position(|n| *n == name).unwrap();
+        let off = |system: &dyn System| {
+            let same = system.same_samples(&rays);
+            let pairs = system.render(&rays).into_iter().zip(same);
+            pairs.fold(0f64, |max, (got, want)| {
+                (0..3).fold(max, |max, k| max.max((f64::from(got.rgb[k]) - want.color[k]).abs()))
+            })
+        };
+        system.choose(at("stop_0"));
+        assert!(off(&*system) < 1e-4, "{}", off(&*system));
+        let seen = system.same_samples(&rays);
+        assert!(seen.iter().all(|s| s.live == s.samples) && seen.iter().any(|s| s.samples > 10));
+        assert!(seen.iter().any(|s| s.opacity > 0.3), "something is there");
+        system.choose(at("stop_1e-1"));
+        assert!((1e-3..=0.1 + 1e-4).contains(&off(&*system)), "{}", off(&*system));
+        let samples = |system: &dyn System| {
+            system.same_samples(&rays).iter().map(|seen| seen.samples).sum::<usize>() as f64
+        };
+        system.choose(at("at_rest"));
+        let at_rest = samples(&*system);
+        system.choose(at("as_trained"));
+        assert!((at_rest / samples(&*system) - 2.0).abs() < 0.05, "pictures take twice the samples");
+        system.choose(at("samples_x1/8"));
+        assert!(off(&*system) < 1e-4, "its own samples are an eighth too");
+        drop(system);
+        assert!(model.render(&rays) == before);
     }
 }

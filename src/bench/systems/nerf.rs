@@ -1,13 +1,13 @@
 //! The trained 8x256 network as `bench` sees it: 16 to 256 samples a ray.
 
-use super::NerfModel;
-use super::path::Path;
 use crate::bench::system::{Choice, Seen, System};
 use crate::convention::CS180;
 use crate::early_stop::live_samples;
 use crate::encoding::Encoding;
 use crate::ray::Ray;
 use crate::sample::{rest_u, sample_along_ray};
+use crate::training::nerf::NerfModel;
+use crate::training::nerf::path::Path;
 use crate::training::reference::Field;
 use crate::training::{Model, Pixel};
 
@@ -22,26 +22,27 @@ const SAMPLES: [(&str, usize); 6] = [
 ];
 
 /// A model with another number of samples; its own again when dropped.
-pub(super) struct Trained<'a> {
+pub struct Trained<'a> {
     model: &'a mut NerfModel,
     samples: usize,
     field: Field,
 }
 
-impl NerfModel {
-    pub(super) fn trained(&mut self) -> Trained<'_> {
-        let net = match &self.coarse {
+impl<'a> Trained<'a> {
+    /// The model as it is.
+    pub fn new(model: &'a mut NerfModel) -> Self {
+        let net = match &model.coarse {
             Path::Fast { net, .. } => net.to_oracle(&net.params),
             Path::Reference { field, .. } => field.net.clone(),
         };
-        let (position, direction) = self.settings.levels;
+        let (position, direction) = model.settings.levels;
         let field = Field {
             net,
             position: Encoding::new(position, &CS180),
             direction: Encoding::new(direction, &CS180),
             conventions: CS180,
         };
-        Trained { samples: self.settings.samples, model: self, field }
+        Trained { samples: model.settings.samples, model, field }
     }
 }
 

@@ -2,17 +2,18 @@
 
 use serde_json::{Value, json};
 
-use super::grid::Grid;
-use super::path::Path;
-use super::skipping::skipping;
-use super::{Drawn, NerfModel, Samples, Skip};
-use crate::bench::rounds::{quantile, seconds};
+use super::rounds::{quantile, seconds};
 use crate::error::Result;
 use crate::field::fast::{Batch, Gradient, Network, Skipping};
 use crate::loss::psnr;
 use crate::optimizer::{Adam, fast::Moments};
 use crate::random::{Key, Purpose};
 use crate::scene::Scene;
+use crate::training::Model;
+use crate::training::nerf::grid::Grid;
+use crate::training::nerf::path::Path;
+use crate::training::nerf::skipping::skipping;
+use crate::training::nerf::{Drawn, NerfModel, Samples, Skip};
 
 /// The step whose rays are drawn: no training comes so far. Batches that follow it are only rendered.
 const STEP: u64 = 1 << 40;
@@ -55,81 +56,84 @@ fn error(net: &Network, batch: &Batch, skipping: Skipping) -> f64 {
     squares.sum::<f64>() / batch.targets.len() as f64
 }
 
-impl NerfModel {
-    /// See [`crate::training::Model::compare_steps`]; none for a pair of networks, and for the reference.
-    pub(super) fn compare(&mut self, scene: &Scene, rounds: usize) -> Option<Result<Value>> {
-        let alone = self.fine.is_none() && matches!(self.coarse, Path::Fast { .. });
-        alone.then(|| self.compared(scene, rounds))
-    }
+/// A dense training step against one that leaves samples out; none for the compact model, a pair of networks, and the reference.
+///
+/// # Errors
+/// Where a training pixel has no ray.
+pub fn compare(model: &mut dyn Model, scene: &Scene, rounds: usize) -> Result<Option<Value>> {
+    let any: &mut dyn std::any::Any = model;
+    let model = any.downcast_mut::<NerfModel>();
+    let alone = model.filter(|model| model.fine.is_none() && matches!(model.coarse, Path::Fast { .. }));
+    alone.map(|model| compared(model, scene, rounds)).transpose()
+}
 
-    fn drawn(&self, scene: &Scene, step: u64) -> Result<(Drawn, Samples)> {
-        let mut drawn = self.draw(scene, step)?;
-        let samples = self.coarse_samples(std::mem::take(&mut drawn.t));
-        Ok((drawn, samples))
-    }
+fn drawn(model: &NerfModel, scene: &Scene, step: u64) -> Result<(Drawn, Samples)> {
+    let mut drawn = model.draw(scene, step)?;
+    let samples = model.coarse_samples(std::mem::take(&mut drawn.t));
+    Ok((drawn, samples))
+}
 
-    fn compared(&mut self, scene: &Scene, rounds: usize) -> Result<Value> {
-        let Skip { every, resolution, .. } = self.settings.skip.unwrap_or_default();
-        let (key, length) = (Key::new(self.settings.seed, Purpose::Occupancy), self.step_length());
-        let ask = |points: &[f64]| self.coarse.densities(points);
-        let mut fill_seconds = None;
-        let grid = match &self.grid {
-            Some(grid) => grid.clone(),
-            None => {
-                let mut grid = Grid::new(scene, self.settings.near, self.settings.far, resolution)?;
-                fill_seconds = Some(seconds(|| grid.fill(&key, STEP, length, &ask)));
-                grid
-            }
-        };
-        let mut later = grid.clone();
-        let update_seconds = seconds(|| later.update(&key, (STEP, 1), length, &ask));
-        let background = self.settings.background.map(|b| b as f32);
-        let mut others = vec![];
-        for n in 1..=OTHERS {
-            let (drawn, samples) = self.drawn(scene, STEP + n)?;
-            let rays = samples.rays(&drawn.origins, &drawn.directions);
-            let batch = Batch { rays, targets: &drawn.targets, background };
-            let Path::Fast { net, .. } = &self.coarse else { unreachable!("a fast path") };
-            let whole = error(net, &batch, Skipping::default());
-            others.push(psnr(whole, 1.0) - psnr(error(net, &batch, skipping(Some(&grid.mask(&rays)))), 1.0));
+fn compared(model: &mut NerfModel, scene: &Scene, rounds: usize) -> Result<Value> {
+    let Skip { every, resolution, .. } = model.settings.skip.unwrap_or_default();
+    let (key, length) = (Key::new(model.settings.seed, Purpose::Occupancy), model.step_length());
+    let ask = |points: &[f64]| model.coarse.densities(points);
+    let mut fill_seconds = None;
+    let grid = match &model.grid {
+        Some(grid) => grid.clone(),
+        None => {
+            let mut grid = Grid::new(scene, model.settings.near, model.settings.far, resolution)?;
+            fill_seconds = Some(seconds(|| grid.fill(&key, STEP, length, &ask)));
+            grid
         }
-        let (drawn, samples) = self.drawn(scene, STEP)?;
+    };
+    let mut later = grid.clone();
+    let update_seconds = seconds(|| later.update(&key, (STEP, 1), length, &ask));
+    let background = model.settings.background.map(|b| b as f32);
+    let mut others = vec![];
+    for n in 1..=OTHERS {
+        let (drawn, samples) = drawn(model, scene, STEP + n)?;
         let rays = samples.rays(&drawn.origins, &drawn.directions);
         let batch = Batch { rays, targets: &drawn.targets, background };
-        let adam = self.adam();
-        let Path::Fast { net, moments, .. } = &mut self.coarse else { unreachable!("a fast path") };
-        let [mut dense, mut usual, mut skip] = [(); 3].map(|()| Way::default());
-        // The first round warms up and doesn't count.
-        for round in 0..=rounds {
-            let mut of = |way: &mut Way, step: &dyn Fn(&Network, &mut Gradient) -> f64| {
-                way.round((&mut *net, &*moments, &adam), step);
-            };
-            of(&mut dense, &|net, gradient| net.step(&batch, true, gradient));
-            of(&mut usual, &|net, gradient| net.step(&batch, false, gradient));
-            of(&mut skip, &|net, gradient| {
-                net.step_skipping(&batch, skipping(Some(&grid.mask(&rays))), gradient)
-            });
-            if round == 0 {
-                for way in [&mut dense, &mut usual, &mut skip] {
-                    way.seconds.clear();
-                }
+        let Path::Fast { net, .. } = &model.coarse else { unreachable!("a fast path") };
+        let whole = error(net, &batch, Skipping::default());
+        others.push(psnr(whole, 1.0) - psnr(error(net, &batch, skipping(Some(&grid.mask(&rays)))), 1.0));
+    }
+    let (drawn, samples) = drawn(model, scene, STEP)?;
+    let rays = samples.rays(&drawn.origins, &drawn.directions);
+    let batch = Batch { rays, targets: &drawn.targets, background };
+    let adam = model.adam();
+    let Path::Fast { net, moments, .. } = &mut model.coarse else { unreachable!("a fast path") };
+    let [mut dense, mut usual, mut skip] = [(); 3].map(|()| Way::default());
+    // The first round warms up and doesn't count.
+    for round in 0..=rounds {
+        let mut of = |way: &mut Way, step: &dyn Fn(&Network, &mut Gradient) -> f64| {
+            way.round((&mut *net, &*moments, &adam), step);
+        };
+        of(&mut dense, &|net, gradient| net.step(&batch, true, gradient));
+        of(&mut usual, &|net, gradient| net.step(&batch, false, gradient));
+        of(&mut skip, &|net, gradient| {
+            net.step_skipping(&batch, skipping(Some(&grid.mask(&rays))), gradient)
+        });
+        if round == 0 {
+            for way in [&mut dense, &mut usual, &mut skip] {
+                way.seconds.clear();
             }
         }
-        let all = rays.t.len() as f64;
-        let figures = Figures { dense, usual, skip, all, update: update_seconds / every as f64 };
-        let mut object = figures.json();
-        object["rays"] = rays.len().into();
-        object["samples"] = rays.samples.into();
-        object["occupied_cells"] = grid.fraction().into();
-        object["grid_fill_seconds"] = fill_seconds.into();
-        object["grid_update_seconds"] = update_seconds.into();
-        object["grid_update_every"] = every.into();
-        object["other_rays"] = (OTHERS as usize * rays.len()).into();
-        object["other_loss_db"] = (others.iter().sum::<f64>() / others.len() as f64).into();
-        object["other_loss_db_worst"] = others.iter().copied().fold(f64::NEG_INFINITY, f64::max).into();
-        object["text"] = text(&object).into();
-        Ok(object)
     }
+    let all = rays.t.len() as f64;
+    let figures = Figures { dense, usual, skip, all, update: update_seconds / every as f64 };
+    let mut object = figures.json();
+    object["rays"] = rays.len().into();
+    object["samples"] = rays.samples.into();
+    object["occupied_cells"] = grid.fraction().into();
+    object["grid_fill_seconds"] = fill_seconds.into();
+    object["grid_update_seconds"] = update_seconds.into();
+    object["grid_update_every"] = every.into();
+    object["other_rays"] = (OTHERS as usize * rays.len()).into();
+    object["other_loss_db"] = (others.iter().sum::<f64>() / others.len() as f64).into();
+    object["other_loss_db_worst"] = others.iter().copied().fold(f64::NEG_INFINITY, f64::max).into();
+    object["text"] = text(&object).into();
+    Ok(object)
 }
 
 /// What was measured.
