@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 
 /// Files of a component folder that are not oracle: harness, tests and fast variants.
 const AROUND: &[&str] = &[
+    "arrays",
     "bound",
     "honest",
     "cases",
@@ -163,7 +164,7 @@ fn every_component_is_complete() {
     for component in COMPONENTS {
         let label = component.name;
         let folder = root().join("src").join(component.folder);
-        for file in ["mod.rs", "bound", "honest", "cases", "mistakes", "component.rs", "tests"] {
+        for file in ["mod.rs", "arrays.rs", "bound", "honest", "cases", "mistakes", "component.rs", "tests"] {
             let found = folder.join(file).exists() || folder.join(format!("{file}.rs")).exists();
             assert!(found, "{label}: no {file} in src/{}", component.folder);
         }

@@ -1,6 +1,6 @@
 //! The oracle's bits: the same on every machine, in every build.
 
-use nerf_oracle::contract::{Arrays, Component, Kind, component::array};
+use nerf_oracle::contract::{Arrays, Component, Kind, arrays::array};
 use nerf_oracle::convention::{CS180, Conventions, Density, Grid};
 use nerf_oracle::encoding::{Encoding, positional_encoding};
 use nerf_oracle::field::nerf_mlp::{NerfMlp, Shape};

@@ -2,7 +2,8 @@
 //! tests/kinks.rs.
 
 use nerf_oracle::COMPONENTS;
-use nerf_oracle::contract::component::{Arrays, Component, Function};
+use nerf_oracle::contract::arrays::Arrays;
+use nerf_oracle::contract::component::{Component, Function};
 use nerf_oracle::contract::{Draw, Kind};
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
 use nerf_oracle::proof::gradient::{directional, inner, moved};
@@ -128,8 +129,8 @@ fn vr6_a_surrogate_gradient_fails_the_plain_check_and_passes_its_own() {
 
 #[test]
 fn the_check_itself_sees_an_error_in_the_eighth_digit() {
-    let x = Arrays::from([("x".to_string(), nerf_oracle::contract::component::scalar(0.7))]);
-    let v = Arrays::from([("x".to_string(), nerf_oracle::contract::component::scalar(1.0))]);
+    let x = Arrays::from([("x".to_string(), nerf_oracle::contract::arrays::scalar(0.7))]);
+    let v = Arrays::from([("x".to_string(), nerf_oracle::contract::arrays::scalar(1.0))]);
     let sine = |x: &Arrays| nerf_oracle::math::sin(x["x"].iter().copied().next().unwrap());
     let difference = directional(sine, &x, &v, 0.125);
     assert!((difference.value / nerf_oracle::math::cos(0.7) - 1.0).abs() < 1e-11 && difference.error < 1e-11);

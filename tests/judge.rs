@@ -1,16 +1,15 @@
 //! The judge against right, wrong and hostile candidates. The first test is the example to copy.
 
 use nerf_oracle::COMPONENTS;
+use nerf_oracle::contract::arrays::{Arrays, array, arrays, input};
 use nerf_oracle::contract::check::Kind;
-use nerf_oracle::contract::component::{Arrays, array, arrays, input};
 use nerf_oracle::contract::{Dtype, Grade, Machine};
 use nerf_oracle::convention::profiles::PROFILES;
 use nerf_oracle::convention::{CS180, Conventions};
 use nerf_oracle::judge::answer::{Answer, Answers, Given, given};
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
 use nerf_oracle::judge::mark::{Rules, mark};
-use nerf_oracle::judge::sampler;
-use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge};
+use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge, sampler};
 
 /// An implementation of volume rendering as anybody might have it, in f32: a running product, the textbook's alpha.
 fn my_volume_render(inputs: &Arrays) -> Arrays {

@@ -4,7 +4,7 @@ use ndarray::ArrayD;
 
 use super::rounds::quantile;
 use crate::contract::arithmetic::Dtype;
-use crate::contract::component::Arrays;
+use crate::contract::arrays::Arrays;
 
 /// The largest relative error of rounding to bf16 (8 significant bits).
 pub const BF16: f64 = 1.0 / 256.0;

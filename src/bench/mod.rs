@@ -28,12 +28,14 @@ pub use error::{BF16, Errors, F16, Promise};
 pub use report::{Report, Row};
 pub use scaling::Scaling;
 
-use crate::contract::Dtype;
-use crate::contract::component::{Arrays, Component, array, arrays, values};
-use crate::error::Result;
-use crate::random::{Key, Purpose};
 use rounds::Timer;
 use truth::Truth;
+
+use crate::contract::Dtype;
+use crate::contract::arrays::{Arrays, array, arrays, values};
+use crate::contract::component::Component;
+use crate::error::Result;
+use crate::random::{Key, Purpose};
 
 /// A variant with its inputs converted and its buffers allocated.
 pub trait Kernel {

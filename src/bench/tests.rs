@@ -11,7 +11,7 @@ use super::suites::SUITES;
 use super::truth::Truth;
 use super::{Kernel, Options, Promise, Suite, Variant, frontier, kernel, run};
 use crate::contract::Dtype;
-use crate::contract::component::{Arrays, array, arrays, values};
+use crate::contract::arrays::{Arrays, array, arrays, values};
 
 fn workload(items: usize) -> Arrays {
     arrays([("x", array(&[items], (0..items).map(|i| 1.0 + i as f64 / 8.0).collect()))])

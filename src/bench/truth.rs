@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::error::same_shapes;
 use super::{Errors, Prepare, Suite, Variant};
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
+use crate::contract::arrays::Arrays;
 use crate::contract::check::{tolerance, worst};
-use crate::contract::component::Arrays;
 use crate::convention::CS180;
 
 /// What a suite's variants are compared with.

@@ -3,10 +3,10 @@
 //! Covered: K inverted as a matrix (by elimination, or adjugate over determinant) or the pinhole formula written out; points as
 //! 3-vectors or in homogeneous coordinates; every order of sums, as one operation or one addition at a time, fused or not.
 
-use super::component::{intrinsics, matrix, rows34, threes, twos};
+use super::arrays::{intrinsics, matrix, rows34};
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::{Arrays, array, arrays, values};
 use crate::convention::Conventions;
 
 /// A sum in any order: inside one operation, or by additions that each round to the type.

@@ -2,8 +2,8 @@
 
 use ndarray::ArrayD;
 
+use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, short};
-use crate::contract::component::array;
 
 /// fx, fy, cx, cy that differ, with the center off the middle and between pixels.
 pub(crate) const LENS: [f64; 4] = [40.0, 28.0, 17.5, 11.5];

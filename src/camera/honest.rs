@@ -1,8 +1,8 @@
 //! Honest implementations of the camera in emulated arithmetic: what the bound must never reject.
 
 use super::Intrinsics;
-use super::component::{intrinsics, matrix, rows34, threes, twos};
-use crate::contract::component::{Arrays, array, arrays, values};
+use super::arrays::{intrinsics, matrix, rows34};
+use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 

@@ -5,9 +5,10 @@
 
 use glam::{DMat4, DVec2, DVec3};
 
-use super::component::{self, intrinsics, pose, threes, twos};
+use super::arrays::{self, intrinsics, pose};
 use super::{Intrinsics, transform as oracle};
-use crate::contract::component::{Arrays, Mistake, array, arrays, values};
+use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 const fn flipped(name: &'static str, cause: &'static str) -> Mistake {
@@ -240,7 +241,7 @@ pub fn transform(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
 
 /// Its gradient: no mistakes of its own.
 pub fn transform_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    (component::TRANSFORM.vjp.expect("registered").oracle)(a, c)
+    arrays::transform_vjp(a, c)
 }
 
 /// Pixel and depth to camera space.
@@ -255,5 +256,5 @@ pub fn pixel_to_camera(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
 
 /// Its gradient: no mistakes of its own.
 pub fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    (component::PIXEL_TO_CAMERA.vjp.expect("registered").oracle)(a, c)
+    arrays::pixel_to_camera_vjp(a, c)
 }

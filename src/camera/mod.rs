@@ -6,6 +6,7 @@
 use glam::{DMat4, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

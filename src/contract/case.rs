@@ -3,7 +3,7 @@
 use ndarray::ArrayD;
 
 use super::arithmetic::Dtype;
-use super::component::{Arrays, array};
+use super::arrays::{Arrays, array};
 use crate::random::{Key, Purpose};
 
 /// One case of a component.

@@ -3,8 +3,9 @@
 use ndarray::{ArrayD, Axis, Zip};
 
 use super::arithmetic::{Arithmetic, Dtype, Grade};
+use super::arrays::Arrays;
 use super::case::{Case, Draw};
-use super::component::{Arrays, Component, Pass};
+use super::component::{Component, Pass};
 use crate::convention::{Conventions, SkipOrder};
 
 /// Forward or backward.

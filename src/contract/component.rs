@@ -1,16 +1,10 @@
 //! What a component is to the harness: a plain struct of functions over named arrays.
 
-use std::collections::BTreeMap;
-
-use ndarray::{ArrayD, IxDyn};
-
 use super::arithmetic::Arithmetic;
+use super::arrays::Arrays;
 use super::case::Case;
 use super::machine::Machine;
 use crate::convention::Conventions;
-
-/// Name -> array: the only thing that crosses the harness boundary. Row-major.
-pub type Arrays = BTreeMap<String, ArrayD<f64>>;
 
 /// One input or output array.
 #[derive(Clone, Copy, Debug)]
@@ -153,43 +147,4 @@ impl Component {
         let smooth = |name: &&String| self.input_port(name).is_some_and(|port| port.gradient);
         inputs.keys().filter(smooth).cloned().collect()
     }
-}
-
-/// A scalar as an array.
-pub fn scalar(x: f64) -> ArrayD<f64> {
-    ArrayD::from_elem(IxDyn(&[]), x)
-}
-
-/// An array from its shape and its entries, row by row.
-///
-/// # Panics
-/// Where their numbers differ.
-pub fn array(shape: &[usize], data: Vec<f64>) -> ArrayD<f64> {
-    ArrayD::from_shape_vec(IxDyn(shape), data).expect("as many entries as the shape says")
-}
-
-/// An input by name, as rows of its last axis.
-///
-/// # Panics
-/// Where it is missing: the judge has checked the names before.
-pub fn values(arrays: &Arrays, name: &str) -> Vec<f64> {
-    input(arrays, name).iter().copied().collect()
-}
-
-/// An input by name.
-///
-/// # Panics
-/// Where it is missing: the judge has checked the names before.
-pub fn input<'a>(arrays: &'a Arrays, name: &str) -> &'a ArrayD<f64> {
-    arrays.get(name).unwrap_or_else(|| panic!("no array {name}"))
-}
-
-/// A scalar input by name.
-pub fn number(arrays: &Arrays, name: &str) -> f64 {
-    input(arrays, name).iter().copied().next().unwrap_or_else(|| panic!("{name} is empty"))
-}
-
-/// Arrays from pairs.
-pub fn arrays<const N: usize>(pairs: [(&str, ArrayD<f64>); N]) -> Arrays {
-    pairs.into_iter().map(|(name, array)| (name.to_string(), array)).collect()
 }

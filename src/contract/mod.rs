@@ -1,6 +1,7 @@
 //! What a component is: named arrays, cases, types and how far an honest implementation in them may be off. Knows no component.
 
 pub mod arithmetic;
+pub mod arrays;
 pub mod bounded;
 pub mod case;
 pub mod check;
@@ -11,8 +12,9 @@ pub mod machine;
 pub(crate) mod testing;
 
 pub use arithmetic::{Arithmetic, Dtype, Grade};
+pub use arrays::Arrays;
 pub use bounded::Bounded;
 pub use case::{Case, Draw};
 pub use check::Kind;
-pub use component::{Arrays, Component, Mistake, Pass, Port};
+pub use component::{Component, Mistake, Pass, Port};
 pub use machine::Machine;

@@ -4,11 +4,11 @@
 //! The bound covers every number of samples that it may use, each by the bound of `volume_render` and by what the
 //! oracle itself answers for so many samples.
 
-use super::component::{one_ray, packed, spans, stopped};
+use super::arrays::{one_ray, packed, spans, stopped};
 use super::live_samples;
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::{Arrays, number, values};
 use crate::contract::component::Pass;
-use crate::contract::component::{Arrays, number, values};
 use crate::convention::{CS180, Conventions};
 use crate::math::{expm1, ln};
 use crate::volume_rendering::component::VOLUME_RENDER;

@@ -1,7 +1,7 @@
 //! Cases of packed rendering with early stop: rays of every length, and stops at every place.
 
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// Packed rendering with early stop.
 pub fn early_stop() -> Vec<Case> {

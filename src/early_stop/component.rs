@@ -2,10 +2,8 @@
 //!
 //! Around the oracle, a ray with n live samples is a ray of n samples of `volume_render`: its bound and its honest forms are used here.
 
-use super::{backward, bound, cases, honest, mistakes, render_packed};
-use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, number, values};
-use crate::convention::Conventions;
-use crate::volume_rendering::backward::Cotangent;
+use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::component::{Component, Pass, Port};
 
 /// Packed rays, each as far as light comes through.
 pub const EARLY_STOP: Component = Component {
@@ -29,13 +27,13 @@ pub const EARLY_STOP: Component = Component {
     ],
     conventions: &[],
     forward: Pass {
-        oracle: early_stop,
+        oracle: arrays::early_stop,
         bound: bound::early_stop,
         honest: honest::early_stop,
         wrong: mistakes::early_stop,
     },
     vjp: Some(Pass {
-        oracle: early_stop_vjp,
+        oracle: arrays::early_stop_vjp,
         bound: bound::early_stop_vjp,
         honest: honest::early_stop_vjp,
         wrong: mistakes::early_stop_vjp,
@@ -43,107 +41,3 @@ pub const EARLY_STOP: Component = Component {
     cases: cases::early_stop,
     mistakes: mistakes::EARLY_STOP,
 };
-
-/// Where each ray begins, and the end. Made whole and in order, so that no inputs, however disturbed, read after the arrays.
-pub(crate) fn offsets(a: &Arrays) -> Vec<usize> {
-    let (samples, mut least) = (values(a, "sigmas").len(), 0);
-    let mut next = |x: f64| {
-        least = (x.round() as usize).clamp(least, samples);
-        least
-    };
-    values(a, "offsets").into_iter().map(&mut next).collect()
-}
-
-/// (first sample, number of samples) of each ray.
-pub(crate) fn spans(a: &Arrays) -> Vec<(usize, usize)> {
-    offsets(a).windows(2).map(|pair| (pair[0], pair[1] - pair[0])).collect()
-}
-
-fn threes(a: &Arrays, name: &str) -> Vec<[f64; 3]> {
-    values(a, name).chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
-}
-
-/// Samples `first`, ..., `first + n - 1` as one ray of `volume_render`; with ray r's cotangents where the case has some.
-pub(crate) fn one_ray(a: &Arrays, r: usize, first: usize, n: usize) -> Arrays {
-    let part = |name: &str| values(a, name)[first..first + n].to_vec();
-    let mut ray = arrays([
-        ("sigmas", array(&[1, n], part("sigmas"))),
-        ("rgbs", array(&[1, n, 3], values(a, "rgbs")[3 * first..3 * (first + n)].to_vec())),
-        ("deltas", array(&[1, n], part("deltas"))),
-    ]);
-    if a.contains_key("grad_colors") {
-        ray.insert("grad_colors".into(), array(&[1, 3], values(a, "grad_colors")[3 * r..3 * r + 3].to_vec()));
-        ray.insert("grad_weights".into(), array(&[1, n], part("grad_weights")));
-        for name in ["grad_opacity", "grad_transmittance"] {
-            ray.insert(name.into(), array(&[1], vec![values(a, name)[r]]));
-        }
-    }
-    ray
-}
-
-/// What `volume_render` says of a ray's first n samples (`of`), with zeros for the samples behind, `length` in all.
-pub(crate) fn stopped(n: usize, length: usize, of: Arrays) -> Arrays {
-    let pad = |(name, values): (String, ndarray::ArrayD<f64>)| {
-        let mut values: Vec<f64> = values.into_iter().collect();
-        match name.as_str() {
-            "weights" | "grad_sigmas" | "grad_deltas" => values.resize(length, 0.0),
-            "grad_rgbs" => values.resize(3 * length, 0.0),
-            _ => {}
-        }
-        (name, array(&[values.len()], values))
-    };
-    let mut all: Arrays = of.into_iter().map(pad).collect();
-    if all.contains_key("weights") {
-        all.insert("live".into(), array(&[1], vec![n as f64]));
-    }
-    all
-}
-
-/// The rays' arrays, one after the other.
-pub(crate) fn packed(rays: Vec<Arrays>) -> Arrays {
-    let names: &[&str] = if rays.iter().any(|ray| ray.contains_key("grad_sigmas")) {
-        &["grad_sigmas", "grad_rgbs", "grad_deltas"]
-    } else {
-        &["live", "colors", "weights", "opacity", "transmittance"]
-    };
-    let join = |name: &&str| {
-        let all: Vec<f64> = rays.iter().flat_map(|ray| values(ray, name)).collect();
-        let shape = if name.ends_with("rgbs") || *name == "colors" {
-            vec![all.len() / 3, 3]
-        } else {
-            vec![all.len()]
-        };
-        (name.to_string(), array(&shape, all))
-    };
-    names.iter().map(join).collect()
-}
-
-fn early_stop(a: &Arrays, _: &Conventions) -> Arrays {
-    let (sigmas, deltas) = (values(a, "sigmas"), values(a, "deltas"));
-    let rays = render_packed(&sigmas, &threes(a, "rgbs"), &deltas, &offsets(a), number(a, "eps"));
-    let one = |(ray, (_, length)): (&crate::volume_rendering::Rendering, (usize, usize))| {
-        let live = ray.weights.len();
-        let of = crate::volume_rendering::component::renderings(live, std::slice::from_ref(ray));
-        stopped(live, length, of)
-    };
-    packed(rays.iter().zip(spans(a)).map(one).collect())
-}
-
-fn early_stop_vjp(a: &Arrays, _: &Conventions) -> Arrays {
-    let (sigmas, rgbs, deltas, offsets) =
-        (values(a, "sigmas"), threes(a, "rgbs"), values(a, "deltas"), offsets(a));
-    let rays = render_packed(&sigmas, &rgbs, &deltas, &offsets, number(a, "eps"));
-    let g = |r: usize| Cotangent {
-        color: threes(a, "grad_colors")[r],
-        weights: values(a, "grad_weights")[offsets[r]..offsets[r] + rays[r].weights.len()].to_vec(),
-        opacity: values(a, "grad_opacity")[r],
-        transmittance: values(a, "grad_transmittance")[r],
-    };
-    let g: Vec<Cotangent> = (0..rays.len()).map(g).collect();
-    let (g_sigmas, g_rgbs, g_deltas) = backward::render_packed(&sigmas, &rgbs, &deltas, &offsets, &rays, &g);
-    arrays([
-        ("grad_sigmas", array(&[g_sigmas.len()], g_sigmas)),
-        ("grad_rgbs", array(&[g_rgbs.len(), 3], g_rgbs.concat())),
-        ("grad_deltas", array(&[g_deltas.len()], g_deltas)),
-    ])
-}

@@ -1,7 +1,7 @@
 //! Honest packed rendering with early stop in emulated arithmetic: `volume_render`'s honest forms, ray by ray.
 
-use super::component::{one_ray, packed, spans, stopped};
-use crate::contract::component::{Arrays, number};
+use super::arrays::{one_ray, packed, spans, stopped};
+use crate::contract::arrays::{Arrays, number};
 use crate::contract::machine::Machine;
 use crate::convention::{CS180, Conventions};
 use crate::math::ln;

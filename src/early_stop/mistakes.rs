@@ -1,8 +1,9 @@
 //! Packed rendering with early stop, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::component::{self, one_ray, packed, spans, stopped};
+use super::arrays::{self, one_ray, packed, spans, stopped};
 use super::live_samples;
-use crate::contract::component::{Arrays, Mistake, number, scalar, values};
+use crate::contract::arrays::{Arrays, number, scalar, values};
+use crate::contract::component::Mistake;
 use crate::convention::{CS180, Conventions, ProductEps};
 use crate::volume_rendering::component::VOLUME_RENDER;
 use crate::volume_rendering::volume_render;
@@ -99,7 +100,7 @@ fn live(ray: &Arrays, carried: f64, eps: f64, wrong: &[&str]) -> usize {
 /// Packed rendering with early stop.
 pub fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
-        return (component::EARLY_STOP.forward.oracle)(a, c);
+        return arrays::early_stop(a, c);
     }
     let (eps, samples) = (number(a, "eps"), values(a, "sigmas").len());
     let (mut carried, mut rays) = (1.0, vec![]);
@@ -136,5 +137,5 @@ pub fn early_stop_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.contains(&"light_left_forgotten") {
         a.get_mut("grad_transmittance").expect("a cotangent").fill(0.0);
     }
-    (component::EARLY_STOP.vjp.expect("it has a gradient").oracle)(&a, c)
+    arrays::early_stop_vjp(&a, c)
 }

@@ -8,6 +8,7 @@ use crate::convention::ProductEps;
 use crate::math::{Sum, exp};
 use crate::volume_rendering::{Rendering, volume_render};
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

@@ -3,11 +3,11 @@
 //! Grade A reduces 2^k x exactly before anything is multiplied by pi; grade B forms the product 2^k pi x, whose rounding, times the
 //! slope, is the error: 2^9 pi x in f32 is off by up to 2e-4. cos as sin(x + pi/2) is not covered: it loses what it adds.
 
-use super::component::{dims, from_rows, rows, settings};
+use super::arrays::{dims, settings};
 use super::{Encoding, factor, wave};
 use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::{Arrays, arrays};
 use crate::convention::{Bands, Conventions, Frequency};
 
 /// (sin, cos) of factor f_k x with their errors.

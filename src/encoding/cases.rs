@@ -1,7 +1,7 @@
 //! Cases of the positional encoding: zeros and ones of sin and cos, high bands, large and tiny x.
 
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, short};
-use crate::contract::component::{array, scalar};
 
 /// Positional encoding.
 pub fn positional_encoding() -> Vec<Case> {

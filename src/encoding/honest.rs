@@ -1,8 +1,8 @@
 //! Honest implementations of the positional encoding in emulated arithmetic.
 
-use super::component::{dims, from_rows, rows, settings};
+use super::arrays::{dims, settings};
 use super::{Encoding, factor};
-use crate::contract::component::{Arrays, arrays};
+use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::machine::Machine;
 use crate::convention::{Conventions, Frequency};
 use crate::math::{cos, sin};

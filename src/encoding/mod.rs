@@ -7,6 +7,7 @@ use std::f64::consts::PI;
 use crate::convention::{Bands, Columns, Conventions, Frequency};
 use crate::math::{cos, cos_pi, power_of_two, sin, sin_pi};
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

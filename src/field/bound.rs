@@ -1,15 +1,14 @@
 //! Error bounds of the networks. The law of the errors, lambda and the false-alarm probability stand in `propagate.rs`.
 
-use super::component::{Nerf, cotangents, field, mlp_gradients, network, zeros};
+use super::arrays::{Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::mlp::Mlp;
 use super::propagate::{Vector, affine, transposed};
 use super::{Layer, density, density_slope, sigmoid, sigmoid_slope};
 use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::{Arrays, arrays};
 use crate::convention::{Activation, Conventions, Density, SkipOrder};
 use crate::encoding::bound::{encode, gradient as encoding_gradient};
-use crate::encoding::component::{from_rows, rows};
 
 /// 1 / (1 + e^-z), or e^z / (1 + e^z) where z < 0.
 fn sigmoid_of(z: Bounded, m: &Arithmetic) -> Bounded {

@@ -3,8 +3,8 @@
 use ndarray::ArrayD;
 
 use super::nerf_mlp::{NerfMlp, Shape};
+use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::array;
 use crate::random::{Key, Purpose};
 
 /// Weights of the size of PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.

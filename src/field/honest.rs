@@ -1,11 +1,10 @@
 //! Honest implementations of the networks in emulated arithmetic.
 
-use super::component::{Nerf, cotangents, field, mlp_gradients, network, zeros};
+use super::arrays::{Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::{Layer, density_slope};
-use crate::contract::component::Arrays;
+use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::machine::Machine;
 use crate::convention::{Activation, Conventions, Density, SkipOrder};
-use crate::encoding::component::{from_rows, rows};
 use crate::encoding::honest::{encode, gradient as encoding_gradient};
 use crate::math::{exp, ln_1p};
 
@@ -95,7 +94,7 @@ pub fn mlp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
         z.last().expect("a layer").iter().map(|&z| sigmoid(z, m)).collect()
     };
     let y: Vec<Vec<f64>> = rows(a, "x").iter().map(point).collect();
-    crate::contract::component::arrays([("y", from_rows(&y, net.layers.last().expect("a layer").b.len()))])
+    arrays([("y", from_rows(&y, net.layers.last().expect("a layer").b.len()))])
 }
 
 /// Its gradients.

@@ -3,13 +3,11 @@
 //! What changes the number of layers or columns (7 or 9 trunk layers, the skip in another layer, the position's bands for the
 //! direction) shows in the shapes and has no row here; a ReLU on the feature is a convention.
 
-use super::component::{
-    MLP as MLP_ROW, NERF_MLP as NERF_ROW, Nerf, cotangents, field, mlp_gradients, network, zeros,
-};
+use super::arrays::{self, Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::{Layer, backward, sigmoid_slope};
-use crate::contract::component::{Arrays, Mistake, arrays};
+use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
+use crate::contract::component::Mistake;
 use crate::convention::{Conventions, SkipOrder};
-use crate::encoding::component::{from_rows, rows};
 use crate::encoding::{
     backward::positional_encoding as encoding_vjp, mistakes as encoding, positional_encoding,
 };
@@ -153,7 +151,7 @@ fn head(y: f64, z: f64, wrong: &[&str]) -> f64 {
 /// The plain network.
 pub fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
-        return (MLP_ROW.forward.oracle)(a, c);
+        return arrays::mlp(a, c);
     }
     let mut net = network(a);
     spoil(net.layers.iter_mut().collect(), 1, wrong);
@@ -203,7 +201,7 @@ fn cut_skip(nerf: &mut Nerf, c: &Conventions) {
 /// The NeRF network.
 pub fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
-        return (NERF_ROW.forward.oracle)(a, c);
+        return arrays::nerf(a, c);
     }
     let mut nerf = Nerf::of(a, c);
     spoil(nerf.net.layers_mut(), 1, wrong);

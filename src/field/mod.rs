@@ -10,6 +10,7 @@ use crate::math::{exp, ln_1p};
 use crate::random::Key;
 use crate::trunc_exp::trunc_exp;
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

@@ -3,13 +3,12 @@
 //! x N is rounded, so that a point beside a cell's face may be put into either cell. The value is continuous there; the derivative
 //! jumps (PE6), and the gradient of the tables goes to other entries. The bound covers every cell that x N may round into.
 
-use super::component::{forward, gradients, levels, points, zeros};
+use super::arrays::{forward, gradients, levels, points, zeros};
 use super::{Level, corner};
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::{Arrays, rows};
 use crate::contract::bounded::{Bounded, exact, gamma};
-use crate::contract::component::Arrays;
 use crate::convention::Conventions;
-use crate::encoding::component::rows;
 
 /// A cell that a point may be put into: along each axis its lower vertex and where in it the point lies.
 type Cell = [(u32, Bounded); 3];

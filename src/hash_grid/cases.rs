@@ -1,8 +1,8 @@
 //! Cases of the hash grid: dense, hashed and colliding levels; points inside of cells and on their faces.
 
 use super::{Level, resolutions};
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// Cells of the coarsest and the finest level, number of levels, entries of a table at most, features.
 type Shape = (u32, u32, usize, usize, usize);

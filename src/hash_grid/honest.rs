@@ -1,11 +1,10 @@
 //! Honest hash grids in emulated arithmetic: by weights, or by interpolating along one axis after the other.
 
-use super::component::{forward, gradients, levels, points, zeros};
+use super::arrays::{forward, gradients, levels, points, zeros};
 use super::{Level, corner};
-use crate::contract::component::Arrays;
+use crate::contract::arrays::{Arrays, rows};
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
-use crate::encoding::component::rows;
 
 /// Cell and fraction along each axis, x N rounded.
 fn cells(x: [f64; 3], resolution: u32, m: &Machine) -> [(u32, f64); 3] {

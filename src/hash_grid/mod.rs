@@ -7,6 +7,7 @@
 
 use crate::math::pow;
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

@@ -5,12 +5,12 @@
 //! interval, from the left and from the right. Where F stands still (bins without weight) these are far apart: the answers that are
 //! admissible at a tie. What is local to the bin comes on top.
 
+use super::arrays::{Ray, forward, vjp};
 use super::cdf;
-use super::component::{Ray, forward, vjp};
 use crate::camera::bound::any_order;
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact, gamma};
-use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 
 /// Roundings of one weight on its way into F: padding, its sum, the total, the quotient, the product with u.

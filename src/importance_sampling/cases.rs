@@ -1,7 +1,7 @@
 //! Cases of importance sampling: random rays, empty and opaque ones, ties, ends and bins of width 0.
 
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// Rows of equal length as an array.
 fn table(rows: &[Vec<f64>]) -> ndarray::ArrayD<f64> {

@@ -1,7 +1,7 @@
 //! Honest importance sampling in emulated arithmetic: F from normalized weights, from sums that are divided, or u from the sum.
 
-use super::component::{Ray, forward, vjp};
-use crate::contract::component::Arrays;
+use super::arrays::{Ray, forward, vjp};
+use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 

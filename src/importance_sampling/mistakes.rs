@@ -1,8 +1,9 @@
 //! Importance sampling, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::component::{Ray, forward, vjp};
+use super::arrays::{Ray, forward, vjp};
 use super::{backward, bin_of, cdf};
-use crate::contract::component::{Arrays, Mistake};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Mistakes of importance sampling.
@@ -169,7 +170,7 @@ fn one(ray: &Ray, f: &[f64], u: f64, wrong: &[&str]) -> f64 {
 
 /// Samples.
 pub fn sample(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
-    let shared = super::component::ray(a, 0).u;
+    let shared = super::arrays::ray(a, 0).u;
     forward(a, |ray| {
         let ray = changed(ray, wrong);
         let f = cdf_of(&ray, wrong);

@@ -5,6 +5,7 @@
 
 use crate::math::Sum;
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ndarray::{ArrayD, IxDyn};
 
 use crate::contract::arithmetic::Dtype;
-use crate::contract::component::Arrays;
+use crate::contract::arrays::Arrays;
 
 /// One array of an answer.
 #[derive(Clone, Debug)]

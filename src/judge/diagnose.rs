@@ -6,8 +6,9 @@ use super::exam::Sheet;
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::Rules;
 use super::sampler;
+use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
-use crate::contract::component::{Arrays, Mistake};
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 use crate::parallel;
 

@@ -10,8 +10,8 @@ use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, Given};
 use super::exam::{Exam, Manifest, SCHEMA, Sheet, Stored, stored};
+use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
-use crate::contract::component::Arrays;
 use crate::convention::profiles;
 use crate::error::{Error, Result};
 use crate::files::{self, npz};

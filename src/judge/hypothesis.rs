@@ -7,9 +7,10 @@ use super::exam::Sheet;
 use super::mark::{Rules, within};
 use super::numeric;
 use crate::contract::arithmetic::{Dtype, Grade};
+use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
 use crate::contract::check::{Kind, budget_used};
-use crate::contract::component::{Arrays, Pass};
+use crate::contract::component::Pass;
 use crate::convention::Conventions;
 use crate::volume_rendering::mistakes::ALPHA_ERROR;
 

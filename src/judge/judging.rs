@@ -3,7 +3,7 @@
 //! From Rust, a candidate is a set of closures over named arrays:
 //!
 //! ```
-//! use nerf_oracle::contract::component::{array, arrays, input};
+//! use crate::contract::arrays::{array, arrays, input};
 //! use nerf_oracle::judge::{Candidate, Verdict, judge};
 //! use nerf_oracle::contract::Dtype;
 //!
@@ -24,13 +24,12 @@ use super::answer::{Answers, given};
 use super::assignment::{self, Found, partial};
 use super::diagnose::{Explanation, diagnose, difference};
 use super::exam::{Exam, Sheet};
-use super::layout;
 use super::mark::{Marks, Rules, mark};
 use super::report::{Report, Row, Verdict};
-use super::sampler;
+use super::{layout, sampler};
 use crate::contract::arithmetic::{Dtype, Grade};
+use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
-use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 use crate::convention::profiles::{self, Profile};
 use crate::error::{Error, Result};

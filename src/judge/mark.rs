@@ -7,9 +7,9 @@ use ndarray::ArrayD;
 use super::answer::{Answer, Answers, reshaped, wide_enough};
 use super::exam::{Sheet, hard};
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
+use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::{budget_used, tolerance};
-use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 
 /// The element that used most of its bound.

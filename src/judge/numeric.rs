@@ -2,7 +2,8 @@
 
 use ndarray::ArrayD;
 
-use crate::contract::component::{Arrays, Component};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Component;
 use crate::convention::Conventions;
 
 /// Elements of each array that are differentiated: enough to tell two mistakes apart, few enough for a network's weights.

@@ -9,10 +9,9 @@ use super::exam::Sheet;
 use super::mark::Marks;
 use super::statistics::{Call, Finding, findings};
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::{Arrays, array, arrays, input, number, scalar};
 use crate::contract::case::Case;
-use crate::contract::component::{
-    Arrays, Component, Mistake, Pass, Port, array, arrays, input, number, scalar,
-};
+use crate::contract::component::{Component, Mistake, Pass, Port};
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 use crate::random::{Key, Purpose};

@@ -2,10 +2,10 @@
 
 use std::f64::consts::LN_10;
 
-use super::component::{like, pictures};
+use super::arrays::{like, pictures};
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::{Arrays, arrays, input, number, scalar, values};
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::{Arrays, arrays, input, number, scalar, values};
 use crate::convention::{Bytes, Conventions, PsnrOf};
 use crate::math::{ln_1p, log10};
 

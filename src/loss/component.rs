@@ -1,10 +1,7 @@
 //! Registry rows of loss, metric and bytes.
 
-use ndarray::Axis;
-
-use super::{backward, bound, cases, honest, mistakes};
-use crate::contract::component::{Arrays, Component, Pass, Port, arrays, input, number, scalar, values};
-use crate::convention::Conventions;
+use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::component::{Component, Pass, Port};
 
 /// Mean squared error.
 pub const MSE: Component = Component {
@@ -18,9 +15,9 @@ pub const MSE: Component = Component {
     ],
     outputs: &[Port::smooth("value", "", "mean squared error")],
     conventions: &[],
-    forward: Pass { oracle: mse, bound: bound::mse, honest: honest::mse, wrong: mistakes::mse },
+    forward: Pass { oracle: arrays::mse, bound: bound::mse, honest: honest::mse, wrong: mistakes::mse },
     vjp: Some(Pass {
-        oracle: mse_vjp,
+        oracle: arrays::mse_vjp,
         bound: bound::mse_vjp,
         honest: honest::mse_vjp,
         wrong: mistakes::mse_vjp,
@@ -42,7 +39,7 @@ pub const PSNR: Component = Component {
     ],
     outputs: &[Port::plain("value", "", "decibels; infinite where a picture is reproduced exactly")],
     conventions: &["psnr"],
-    forward: Pass { oracle: psnr, bound: bound::psnr, honest: honest::psnr, wrong: mistakes::psnr },
+    forward: Pass { oracle: arrays::psnr, bound: bound::psnr, honest: honest::psnr, wrong: mistakes::psnr },
     vjp: None,
     cases: cases::psnr,
     mistakes: mistakes::PSNR,
@@ -58,7 +55,7 @@ pub const TO_UINT8: Component = Component {
     outputs: &[Port::plain("bytes", "H,W,3", "0, ..., 255")],
     conventions: &["bytes"],
     forward: Pass {
-        oracle: to_uint8,
+        oracle: arrays::to_uint8,
         bound: bound::to_uint8,
         honest: honest::to_uint8,
         wrong: mistakes::to_uint8,
@@ -67,33 +64,3 @@ pub const TO_UINT8: Component = Component {
     cases: cases::to_uint8,
     mistakes: mistakes::TO_UINT8,
 };
-
-/// The pictures of a batch, each a flat slice.
-pub(crate) fn pictures(a: &Arrays, name: &str) -> Vec<Vec<f64>> {
-    input(a, name).axis_iter(Axis(0)).map(|picture| picture.iter().copied().collect()).collect()
-}
-
-fn mse(a: &Arrays, _: &Conventions) -> Arrays {
-    arrays([("value", scalar(super::mse(&values(a, "prediction"), &values(a, "target"))))])
-}
-
-fn mse_vjp(a: &Arrays, _: &Conventions) -> Arrays {
-    let g = backward::mse(&values(a, "prediction"), &values(a, "target"), number(a, "grad_value"));
-    arrays([("grad_prediction", like(a, "prediction", g))])
-}
-
-fn psnr(a: &Arrays, c: &Conventions) -> Arrays {
-    let (predictions, targets) = (pictures(a, "prediction"), pictures(a, "target"));
-    let predictions: Vec<&[f64]> = predictions.iter().map(Vec::as_slice).collect();
-    let targets: Vec<&[f64]> = targets.iter().map(Vec::as_slice).collect();
-    arrays([("value", scalar(super::psnr_of_images(&predictions, &targets, number(a, "peak"), c.psnr)))])
-}
-
-fn to_uint8(a: &Arrays, c: &Conventions) -> Arrays {
-    arrays([("bytes", input(a, "image").mapv(|x| f64::from(super::to_uint8(x, c.bytes))))])
-}
-
-/// Entries in the shape of an input.
-pub(crate) fn like(a: &Arrays, name: &str, entries: Vec<f64>) -> ndarray::ArrayD<f64> {
-    crate::contract::component::array(input(a, name).shape(), entries)
-}

@@ -2,8 +2,8 @@
 
 use std::f64::consts::LN_10;
 
-use super::component::{like, pictures};
-use crate::contract::component::{Arrays, arrays, input, number, scalar, values};
+use super::arrays::{like, pictures};
+use crate::contract::arrays::{Arrays, arrays, input, number, scalar, values};
 use crate::contract::machine::Machine;
 use crate::convention::{Bytes, Conventions, PsnrOf};
 use crate::math::{ln, log10};

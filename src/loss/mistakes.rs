@@ -1,7 +1,8 @@
 //! Loss, metric and bytes, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::component::{MSE as MSE_ROW, PSNR as PSNR_ROW, TO_UINT8 as TO_UINT8_ROW, like};
-use crate::contract::component::{Arrays, Mistake, arrays, input, scalar};
+use super::arrays::{self, like};
+use crate::contract::arrays::{Arrays, arrays, input, scalar};
+use crate::contract::component::Mistake;
 use crate::convention::{Bytes, Conventions};
 
 const MEAN_FORGOTTEN: Mistake = Mistake::new(
@@ -125,7 +126,7 @@ pub const TO_UINT8: &[Mistake] = &[
 
 /// Mean squared error.
 pub fn mse(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut out = (MSE_ROW.forward.oracle)(a, c);
+    let mut out = arrays::mse(a, c);
     let entries = input(a, "prediction").len() as f64;
     let channels = input(a, "prediction").shape().last().copied().unwrap_or(1) as f64;
     for name in wrong {
@@ -141,7 +142,7 @@ pub fn mse(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 
 /// Its gradient.
 pub fn mse_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut out = (MSE_ROW.vjp.expect("registered").oracle)(a, c);
+    let mut out = arrays::mse_vjp(a, c);
     let entries = input(a, "prediction").len() as f64;
     for name in wrong {
         let factor = match *name {
@@ -166,7 +167,7 @@ pub fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             a.insert(name.into(), row);
         }
     }
-    let mut value = input(&(PSNR_ROW.forward.oracle)(&a, c), "value").sum();
+    let mut value = input(&arrays::psnr(&a, c), "value").sum();
     if wrong.contains(&"regularized_psnr") {
         let peak = input(&a, "peak").sum();
         let error = peak * peak * crate::math::pow(10.0, -value / 10.0);
@@ -183,7 +184,7 @@ pub fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 
 /// Bytes.
 pub fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut bytes = input(&(TO_UINT8_ROW.forward.oracle)(a, c), "bytes").clone();
+    let mut bytes = input(&arrays::to_uint8(a, c), "bytes").clone();
     if wrong.contains(&"uint8_without_clipping") {
         let wrapped = |x: f64| match c.bytes {
             Bytes::Round => libm::round(255.0 * x).rem_euclid(256.0),

@@ -5,6 +5,7 @@ use ndarray::ArrayView3;
 use crate::convention::{Bytes, PsnrOf};
 use crate::math::{Sum, exp, log10};
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

@@ -3,11 +3,11 @@
 //! Bits and counts are whole: 0 where every honest evaluation decides alike, else as far as the other answer is. A point that rounding
 //! may put into another cell leaves everything open; the cases have none, which a test asserts.
 
-use super::component::{Update, asked, each_ray, updated};
+use super::arrays::{Update, asked, each_ray, updated};
 use crate::camera::bound::hyper;
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 
 /// Whether every honest evaluation finds the same cell: x R is exact where R is a power of two, and off by three roundings elsewhere

@@ -1,7 +1,7 @@
 //! Cases of the occupancy grid: points in and on cells, several in one, at the threshold; rays from faces, along them, through corners.
 
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// (R, R, R) densities, points with their sigmas, queries.
 fn update_case(

@@ -1,7 +1,7 @@
 //! Honest occupancy grids in emulated arithmetic: cells by product or quotient, traversal face by face or by a running sum.
 
-use super::component::{Update, asked, each_ray, updated};
-use crate::contract::component::Arrays;
+use super::arrays::{Update, asked, each_ray, updated};
+use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 

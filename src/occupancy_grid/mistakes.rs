@@ -1,8 +1,9 @@
 //! Occupancy grids, wrong on purpose. Without a mistake every function equals the oracle.
 
 use super::OccupancyGrid;
-use super::component::{Update, asked, each_ray, lengths, updated};
-use crate::contract::component::{Arrays, Mistake};
+use super::arrays::{Update, asked, each_ray, lengths, updated};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Mistakes of update and query.

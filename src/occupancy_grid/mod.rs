@@ -3,6 +3,7 @@
 //! Instant-NGP (Mueller et al. 2022) appendix C. Letters: `R` cells along an edge; cell (i, j, k) is [i, i+1) x [j, j+1) x [k, k+1) over R,
 //! index i + R (j + R k); the last cell of an axis is closed. A ray is o + t d in units of the box.
 
+pub(crate) mod arrays;
 pub mod bound;
 pub mod cases;
 pub mod component;

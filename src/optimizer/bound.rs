@@ -3,11 +3,11 @@
 //! Hyper-parameters are f64 in every number type, and what is made of them alone (1 - beta, the bias corrections, lr / correction)
 //! is made at least in f32; where it meets an array it is rounded to the type.
 
-use super::component::{each, settings};
+use super::arrays::{each, settings};
 use super::{Adam, Moments, bias_correction};
 use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 use crate::math::ln;
 

@@ -1,7 +1,7 @@
 //! Cases of Adam's step: early and late steps, gradients of every size, both decays.
 
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 fn case(id: &str, comment: &'static str, step: f64, settings: [f64; 3], arrays: [Vec<f64>; 4]) -> Case {
     let [lr, eps, weight_decay] = settings;

@@ -1,8 +1,7 @@
 //! Registry row of the optimizer.
 
-use super::{Adam, Moments, bound, cases, honest, mistakes};
-use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
-use crate::convention::Conventions;
+use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::component::{Component, Pass, Port};
 
 /// One step of Adam.
 pub const ADAM_STEP: Component = Component {
@@ -29,7 +28,7 @@ pub const ADAM_STEP: Component = Component {
     ],
     conventions: &[],
     forward: Pass {
-        oracle: adam_step,
+        oracle: arrays::adam_step,
         bound: bound::adam_step,
         honest: honest::adam_step,
         wrong: mistakes::adam_step,
@@ -38,34 +37,3 @@ pub const ADAM_STEP: Component = Component {
     cases: cases::adam_step,
     mistakes: mistakes::ADAM_STEP,
 };
-
-/// The hyper-parameters and the number of the step.
-pub(crate) fn settings(a: &Arrays) -> (Adam, u64) {
-    let adam = Adam {
-        lr: number(a, "lr"),
-        beta1: number(a, "beta1"),
-        beta2: number(a, "beta2"),
-        eps: number(a, "eps"),
-        weight_decay: number(a, "weight_decay"),
-    };
-    (adam, number(a, "step") as u64)
-}
-
-/// Applies `step` to each parameter: (before, gradient) -> after.
-pub(crate) fn each(a: &Arrays, step: impl Fn(Moments, f64) -> Moments) -> Arrays {
-    let (params, m, v) = (values(a, "params"), values(a, "m"), values(a, "v"));
-    let grad = values(a, "grad");
-    let after: Vec<Moments> =
-        (0..params.len()).map(|i| step(Moments { param: params[i], m: m[i], v: v[i] }, grad[i])).collect();
-    let output = |f: fn(&Moments) -> f64| array(input(a, "params").shape(), after.iter().map(f).collect());
-    arrays([
-        ("params_out", output(|after| after.param)),
-        ("m_out", output(|after| after.m)),
-        ("v_out", output(|after| after.v)),
-    ])
-}
-
-fn adam_step(a: &Arrays, _: &Conventions) -> Arrays {
-    let (adam, step) = settings(a);
-    each(a, |before, grad| super::adam_step(&adam, before, grad, step))
-}

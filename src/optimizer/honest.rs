@@ -1,9 +1,9 @@
 //! Honest implementations of Adam's step in emulated arithmetic.
 
-use super::component::{each, settings};
+use super::arrays::{each, settings};
 use super::{Moments, bias_correction};
 use crate::contract::Dtype;
-use crate::contract::component::Arrays;
+use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 use crate::math::pow;

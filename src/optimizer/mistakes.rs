@@ -1,8 +1,9 @@
 //! Adam's step, wrong on purpose. Without a mistake it equals the oracle.
 
-use super::component::{each, settings};
+use super::arrays::{each, settings};
 use super::{Moments, adam_step as oracle, bias_correction};
-use crate::contract::component::{Arrays, Mistake};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Mistakes of the optimizer.

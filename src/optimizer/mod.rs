@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::math::{expm1, ln};
 
+pub(crate) mod arrays;
 pub mod fast;
 
 pub mod bound;

@@ -11,7 +11,8 @@ use ndarray::ArrayD;
 use serde::Deserialize;
 use sha2::{Digest, Sha256};
 
-use crate::contract::component::{Arrays, Component, Port};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::{Component, Port};
 use crate::convention::{CS180, Conventions};
 use crate::error::{Error, Result};
 use crate::files::npz::{Array, Npz};
@@ -302,7 +303,7 @@ fn ports(component: &Component) -> impl Iterator<Item = &'static Port> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contract::component::{array, arrays};
+    use crate::contract::arrays::{array, arrays};
 
     fn note(flags: &str) -> CaseNote {
         serde_json::from_str(&format!(r#"{{"name": "a", "kind": "forward", "flags": [{flags}]}}"#)).unwrap()

@@ -1,6 +1,6 @@
 //! Gradients by differences: the judge of every hand-written backward.
 
-use crate::contract::component::Arrays;
+use crate::contract::arrays::Arrays;
 
 /// A derivative, and by how much its last two estimates differ.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,14 +5,14 @@ use std::sync::OnceLock;
 
 use serde_json::{Value, json};
 
-use crate::COMPONENTS;
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
+use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::{Kind, tolerance, worst};
-use crate::contract::component::{Arrays, Component, Pass};
+use crate::contract::component::{Component, Pass};
 use crate::contract::machine::Machine;
 use crate::convention::CS180;
-use crate::parallel;
+use crate::{COMPONENTS, parallel};
 
 /// Honest machines a case.
 const MACHINES: u64 = 8;

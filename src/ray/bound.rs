@@ -3,12 +3,12 @@
 //! Grade A covers d = R K^-1 (u, v, 1) / norm with the matrices applied one after the other or multiplied first, K inverted or
 //! written out, the norm divided by or its reciprocal multiplied with; grade B the textbook's (x_w - o) / |x_w - o| at depth 1 too.
 
-use super::component::{picture, positions};
+use super::arrays::{picture, positions};
+use crate::camera::arrays::rows34;
 use crate::camera::bound::{Axis, Gather, any_order, hyper, pose_errors, rotate_transposed};
-use crate::camera::component::{rows34, threes, twos};
 use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::{Arrays, array, arrays, values};
 use crate::convention::{Axes, Conventions, Directions};
 
 type Vector = [Bounded; 3];

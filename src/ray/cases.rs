@@ -1,8 +1,8 @@
 //! Cases of rays: cameras that tell mistakes apart, and seeded ones.
 
 use crate::camera::cases::{LENS, lens, pixels, poses, random_pose, random_poses, repeated};
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// The ray through a pixel.
 pub fn pixel_to_ray() -> Vec<Case> {

@@ -1,10 +1,10 @@
 //! Honest implementations of rays in emulated arithmetic: what the bound must never reject.
 
-use super::component::{picture, positions};
+use super::arrays::{picture, positions};
 use crate::camera::Intrinsics;
-use crate::camera::component::{intrinsics, rows34, threes, twos};
+use crate::camera::arrays::{intrinsics, rows34};
 use crate::camera::honest::{Gather, dot, inverse, point, pose_gradient, rotate_transposed, transformed};
-use crate::contract::component::{Arrays, array, arrays, values};
+use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
 use crate::contract::machine::Machine;
 use crate::convention::{Axes, Conventions, Directions};
 

@@ -6,13 +6,13 @@
 
 use glam::{DMat4, DVec2, DVec3};
 
-use super::component::{self, bundle, picture, positions};
+use super::arrays::{self, bundle, picture, positions};
 use super::{Ray, camera_direction};
-use crate::camera::Intrinsics;
-use crate::camera::component::{intrinsics, pose, twos};
+use crate::camera::arrays::{intrinsics, pose};
 use crate::camera::mistakes::{self, FLIPS, flip, with_transposed_rotation, wrong_point};
-use crate::camera::rotate;
-use crate::contract::component::{Arrays, Mistake, array, values};
+use crate::camera::{Intrinsics, rotate};
+use crate::contract::arrays::{Arrays, array, twos, values};
+use crate::contract::component::Mistake;
 use crate::convention::{Axes, Conventions, Directions};
 
 const ORIGIN_MINUS_RT: Mistake = Mistake::new(
@@ -137,7 +137,7 @@ pub fn pixel_to_ray(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 
 /// Its gradient: no mistakes of its own.
 pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    (component::PIXEL_TO_RAY.vjp.expect("registered").oracle)(a, c)
+    arrays::pixel_to_ray_vjp(a, c)
 }
 
 /// The rays of a picture. A grid whose rows and columns are exchanged says so in uv.

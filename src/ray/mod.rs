@@ -8,6 +8,7 @@ use crate::camera::{Camera, Intrinsics, pixel_to_camera, rotate};
 use crate::convention::{Axes, Directions, PixelCenter};
 use crate::error::Result;
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

@@ -3,11 +3,11 @@
 //! Whether a ray hits is decided where the two ends lie further apart than both may be off; where they don't, either answer is
 //! admissible. On a miss there is no t, and any is admissible.
 
-use super::component::{Question, forward, vjp};
+use super::arrays::{Question, forward, vjp};
 use crate::camera::bound::{any_order, hyper};
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 
 /// An end of the stretch: its candidates, by axis, and the range's own end.

@@ -1,7 +1,7 @@
 //! Cases of rays and boxes: random hits among misses, origins inside and beyond, rays in faces, directions of nearly 0.
 
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// Rows of (o, d), a box, a range.
 fn case(

@@ -1,8 +1,8 @@
 //! Honest rays and boxes in emulated arithmetic: divided, or multiplied by the inverse; faces by sign, or sorted.
 
-use super::component::{Question, forward, outputs, vjp};
-use super::{Hit, component};
-use crate::contract::component::Arrays;
+use super::arrays::{Question, forward, outputs, vjp};
+use super::{Hit, arrays};
+use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
@@ -36,7 +36,7 @@ fn stretch(q: &Question, m: &Machine) -> Option<(Hit, [usize; 2])> {
 
 /// Where rays enter and leave a box. What is said of a miss is free.
 pub fn ray_aabb(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
-    let miss = [component::questions(a)[0].far, 0.0, f64::INFINITY][(m.form % 3) as usize];
+    let miss = [arrays::questions(a)[0].far, 0.0, f64::INFINITY][(m.form % 3) as usize];
     forward(a, |q| outputs(stretch(q, m).map(|(hit, _)| hit), miss))
 }
 

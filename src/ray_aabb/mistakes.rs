@@ -1,8 +1,9 @@
 //! Rays and boxes, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::component::{Question, forward, outputs, vjp};
+use super::arrays::{Question, forward, outputs, vjp};
 use super::{Hit, backward, between};
-use crate::contract::component::{Arrays, Mistake};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Mistakes of rays and boxes.

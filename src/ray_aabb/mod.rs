@@ -3,6 +3,7 @@
 //! The slab method (Kay and Kajiya 1986): a box is the intersection of three slabs, a ray's part inside it the intersection of its
 //! parts inside the slabs. Letters: `o` origin, `d` direction, `t` distance along it.
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

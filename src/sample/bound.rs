@@ -4,12 +4,10 @@
 //! two edges by their difference or by weights; all hyper-parameters rounded first.
 
 use crate::camera::bound::{any_order, hyper};
-use crate::camera::component::threes;
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::{Arrays, array, arrays, number, row, size, threes};
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::{Arrays, array, arrays, number};
 use crate::convention::{Conventions, Delta, Grid, LastDelta};
-use crate::volume_rendering::component::{row, size};
 
 /// The interval that all rays share.
 struct Interval<'a> {

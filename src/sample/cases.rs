@@ -2,8 +2,8 @@
 
 use ndarray::ArrayD;
 
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// Positions and points.
 pub fn sample_along_rays() -> Vec<Case> {

@@ -1,13 +1,7 @@
 //! Registry rows of samples along rays.
 
-use glam::DVec3;
-
-use super::{bound, cases, honest, mistakes, sample_along_ray};
-use crate::camera::component::threes;
-use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, number};
-use crate::convention::Conventions;
-use crate::ray::Ray;
-use crate::volume_rendering::component::{row, size};
+use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::component::{Component, Pass, Port};
 
 const NEAR: Port = Port { name: "near", shape: "", meaning: "where rays begin", gradient: false };
 const FAR: Port = Port { name: "far", shape: "", meaning: "where rays end", gradient: false };
@@ -31,7 +25,7 @@ pub const SAMPLE_ALONG_RAYS: Component = Component {
     ],
     conventions: &["grid"],
     forward: Pass {
-        oracle: sample_along_rays,
+        oracle: arrays::sample_along_rays,
         bound: bound::sample_along_rays,
         honest: honest::sample_along_rays,
         wrong: mistakes::sample_along_rays,
@@ -55,7 +49,7 @@ pub const STEP_SIZES: Component = Component {
     outputs: &[Port { name: "deltas", shape: "R,N", meaning: "step lengths", gradient: false }],
     conventions: &["delta", "last_delta"],
     forward: Pass {
-        oracle: step_sizes,
+        oracle: arrays::step_sizes,
         bound: bound::step_sizes,
         honest: honest::step_sizes,
         wrong: mistakes::step_sizes,
@@ -64,29 +58,3 @@ pub const STEP_SIZES: Component = Component {
     cases: cases::step_sizes,
     mistakes: mistakes::STEP_SIZES,
 };
-
-/// Positions and their points, as arrays.
-pub(crate) fn samples(a: &Arrays, t: &[Vec<f64>]) -> Arrays {
-    let (rays, count) = size(a, "u");
-    let (o, d) = (threes(a, "rays_o"), threes(a, "rays_d"));
-    let mut points = vec![];
-    for r in 0..rays {
-        let ray = Ray { o: DVec3::from(o[r]), d: DVec3::from(d[r]) };
-        points.extend(t[r].iter().flat_map(|&t| ray.at(t).to_array()));
-    }
-    arrays([("t", array(&[rays, count], t.concat())), ("points", array(&[rays, count, 3], points))])
-}
-
-fn sample_along_rays(a: &Arrays, c: &Conventions) -> Arrays {
-    let (near, far) = (number(a, "near"), number(a, "far"));
-    let (rays, _) = size(a, "u");
-    let t: Vec<_> = (0..rays).map(|r| sample_along_ray(near, far, &row(a, "u", r), c.grid)).collect();
-    samples(a, &t)
-}
-
-fn step_sizes(a: &Arrays, c: &Conventions) -> Arrays {
-    let (near, far) = (number(a, "near"), number(a, "far"));
-    let (rays, count) = size(a, "t");
-    let ray = |r: usize| super::step_sizes(&row(a, "t", r), near, far, c.delta, c.last_delta);
-    arrays([("deltas", array(&[rays, count], (0..rays).flat_map(ray).collect()))])
-}

@@ -1,10 +1,8 @@
 //! Honest implementations of samples in emulated arithmetic: what the bound must never reject.
 
-use crate::camera::component::threes;
-use crate::contract::component::{Arrays, array, arrays, number};
+use crate::contract::arrays::{Arrays, array, arrays, number, row, size, threes};
 use crate::contract::machine::Machine;
 use crate::convention::{Conventions, Delta, Grid, LastDelta};
-use crate::volume_rendering::component::{row, size};
 
 /// (far - near) / cells.
 fn width(near: f64, far: f64, cells: f64, m: &Machine) -> f64 {

@@ -3,10 +3,10 @@
 //! Grids with both ends, jitter over their spacing, differences for widths and the choices of the last step are conventions. What
 //! only repeated calls can show (jitter at evaluation, frozen, Gaussian) is found by statistics over repeated calls.
 
-use super::{component, sample_along_ray, step_sizes as oracle_steps};
-use crate::contract::component::{Arrays, Mistake, array, arrays, input, number};
+use super::{arrays, sample_along_ray, step_sizes as oracle_steps};
+use crate::contract::arrays::{Arrays, array, arrays, input, number, row, size};
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
-use crate::volume_rendering::component::{row, size};
 
 const fn fixed(name: &'static str, cause: &'static str) -> Mistake {
     Mistake::new(
@@ -163,7 +163,7 @@ pub fn sample_along_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     if wrong.contains(&"points_without_origin") {
         a.get_mut("rays_o").expect("checked").fill(0.0);
     }
-    let mut out = component::samples(&a, &t);
+    let mut out = arrays::samples(&a, &t);
     if wrong.contains(&"flattened_in_wrong_order") {
         let points = input(&out, "points");
         let turned = points.view().permuted_axes(vec![1, 0, 2]).iter().copied().collect();

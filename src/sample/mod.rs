@@ -6,6 +6,7 @@
 use crate::convention::{Delta, Grid, LastDelta, Rest};
 use crate::math::Sum;
 
+pub(crate) mod arrays;
 pub mod bound;
 pub mod cases;
 pub mod component;

@@ -4,11 +4,11 @@
 //! [`POLYNOMIALS`], each with at most one rounding a factor, one of its coefficient and one a sum it passes through: an error of
 //! gamma_k times the sum of the monomials' sizes (Higham, section 5.1).
 
-use super::component::{degree, forward, vjp, width};
+use super::arrays::{degree, forward, vjp, width};
 use super::{POLYNOMIALS, power};
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::Arrays;
 use crate::contract::bounded::gamma;
-use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 
 /// Roundings that a monomial of degree 4 at most can pass through: coefficient (also of a factored form) 2, powers 4, sums 2.

@@ -1,7 +1,7 @@
 //! Cases of the spherical harmonics: axes, diagonals, random directions, and directions that aren't unit.
 
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// Spherical harmonics.
 pub fn spherical_harmonics() -> Vec<Case> {

@@ -1,8 +1,8 @@
 //! Honest spherical harmonics in emulated arithmetic: monomials factor by factor, or from squares.
 
 use super::POLYNOMIALS;
-use super::component::{degree, forward, vjp, width};
-use crate::contract::component::Arrays;
+use super::arrays::{degree, forward, vjp, width};
+use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 

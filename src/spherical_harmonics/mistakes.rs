@@ -1,8 +1,9 @@
 //! Spherical harmonics, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::component::{degree, forward, vjp};
+use super::arrays::{degree, forward, vjp};
 use super::{POLYNOMIALS, backward, power};
-use crate::contract::component::{Arrays, Mistake};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Mistakes of the spherical harmonics.

@@ -3,6 +3,7 @@
 //! Y_l^m(d) = K P_l^|m|(z) (cos or sin of m phi), as polynomials of x, y, z (Sloan, "Stupid Spherical Harmonics Tricks", 2008, A2).
 //! Letters: `l` band, `m` order from -l to l; the value of (l, m) stands at l (l + 1) + m.
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

@@ -1,14 +1,13 @@
 //! Error bound of the trace: each row's bound, with the step lengths' own error carried into the weights.
 
+use super::arrays::size;
 use super::chain::{chain, plainly};
-use super::component::size;
-use crate::camera::component::threes;
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::{Arrays, array, rgb, threes, values};
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::{Arrays, Component, array, values};
+use crate::contract::component::Component;
 use crate::convention::{Conventions, Delta};
 use crate::volume_rendering::bound::Ray;
-use crate::volume_rendering::component::rgb;
 
 /// Bound of [`super::trace_pixel`].
 pub fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {

@@ -1,8 +1,8 @@
 //! Cases of the trace: a picture that isn't square, a center off the middle, a random pose, at rest and jittered.
 
 use crate::camera::cases::random_pose;
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// H, W and N: small, and all different.
 const SIZE: [usize; 3] = [3, 4, 6];

@@ -1,8 +1,8 @@
 //! The rows of which a trace consists, run one after the other on named arrays: how honest and wrong traces are made.
 
-use super::component::size;
-use crate::camera::component::threes;
-use crate::contract::component::{Arrays, Component, arrays, input};
+use super::arrays::size;
+use crate::contract::arrays::{Arrays, arrays, input, threes};
+use crate::contract::component::Component;
 use crate::convention::{Conventions, Delta};
 use crate::volume_rendering::mistakes::ALPHA_ERROR;
 use crate::{ray, sample, volume_rendering};

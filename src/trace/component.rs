@@ -1,11 +1,7 @@
 //! The registry row of the trace.
 
-use super::{Trace, bound, cases, honest, mistakes, trace_pixel};
-use crate::camera::Camera;
-use crate::contract::component::{Arrays, Component, Pass, Port, array, arrays, input, number, values};
-use crate::convention::Conventions;
-use crate::ray::component::picture;
-use crate::volume_rendering::component::rgb;
+use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::component::{Component, Pass, Port};
 
 const fn plain(name: &'static str, shape: &'static str, meaning: &'static str) -> Port {
     Port { name, shape, meaning, gradient: false }
@@ -51,7 +47,7 @@ pub const RENDER_TRACE: Component = Component {
     ],
     conventions: &["axes", "pixel_center", "directions", "grid", "delta", "last_delta", "product_eps"],
     forward: Pass {
-        oracle: render_trace,
+        oracle: arrays::render_trace,
         bound: bound::render_trace,
         honest: honest::render_trace,
         wrong: mistakes::render_trace,
@@ -60,34 +56,3 @@ pub const RENDER_TRACE: Component = Component {
     cases: cases::render_trace,
     mistakes: mistakes::RENDER_TRACE,
 };
-
-/// Height, width and number of samples.
-pub(crate) fn size(a: &Arrays) -> [usize; 3] {
-    let shape = input(a, "u").shape();
-    [shape[0], shape[1], shape[2]]
-}
-
-fn render_trace(a: &Arrays, c: &Conventions) -> Arrays {
-    let [h, w, n] = size(a);
-    let (height, width, k, c2w) = picture(a);
-    let camera = Camera { width, height, k, c2w, distortion: None };
-    let bounds = (number(a, "near"), number(a, "far"));
-    let (u, sigmas, rgbs) = (values(a, "u"), values(a, "sigmas"), values(a, "rgbs"));
-    let background = rgb(&values(a, "background"));
-    let pixel = |p: usize| {
-        let rgbs: Vec<[f64; 3]> = rgbs[3 * p * n..3 * (p + 1) * n].chunks_exact(3).map(rgb).collect();
-        let (u, sigmas) = (&u[p * n..(p + 1) * n], &sigmas[p * n..(p + 1) * n]);
-        trace_pixel(&camera, (p % w, p / w), bounds, u, sigmas, &rgbs, background, c)
-    };
-    let traces: Vec<Trace> = (0..h * w).map(pixel).collect();
-    let each = |f: fn(&Trace) -> Vec<f64>| traces.iter().flat_map(f).collect::<Vec<_>>();
-    arrays([
-        ("uv", array(&[h, w, 2], each(|t| t.uv.to_vec()))),
-        ("rays_o", array(&[h, w, 3], each(|t| t.ray.o.to_array().to_vec()))),
-        ("rays_d", array(&[h, w, 3], each(|t| t.ray.d.to_array().to_vec()))),
-        ("t", array(&[h, w, n], each(|t| t.t.clone()))),
-        ("deltas", array(&[h, w, n], each(|t| t.deltas.clone()))),
-        ("weights", array(&[h, w, n], each(|t| t.rendering.weights.clone()))),
-        ("colors", array(&[h, w, 3], each(|t| t.color.to_vec()))),
-    ])
-}

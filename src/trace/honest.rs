@@ -1,7 +1,7 @@
 //! Honest traces in emulated arithmetic: honest rows one after the other.
 
 use super::chain::chain;
-use crate::contract::component::Arrays;
+use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 

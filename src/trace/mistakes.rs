@@ -1,7 +1,8 @@
 //! Traces, wrong on purpose: the rows' mistakes, and those that sit at the call between two rows.
 
 use super::chain::{chain, plainly};
-use crate::contract::component::{Arrays, Component, Mistake};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::{Component, Mistake};
 use crate::convention::Conventions;
 use crate::ray::mistakes::IMAGE_RAYS;
 use crate::sample::mistakes::{SAMPLE_ALONG_RAYS, STEP_SIZES};

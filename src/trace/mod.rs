@@ -9,6 +9,7 @@ use crate::ray::{Ray, pixel_position, pixel_to_ray};
 use crate::sample::{sample_along_ray, step_sizes};
 use crate::volume_rendering::{Rendering, composite_background, volume_render};
 
+pub(crate) mod arrays;
 pub mod bound;
 pub mod cases;
 mod chain;

@@ -1,10 +1,10 @@
 //! Error bounds of the truncated exponential: one elementary function, and one product after it.
 
 use super::LIMIT;
-use super::component::{forward, vjp};
+use super::arrays::{forward, vjp};
 use crate::contract::arithmetic::Arithmetic;
+use crate::contract::arrays::Arrays;
 use crate::contract::bounded::exact;
-use crate::contract::component::Arrays;
 use crate::convention::Conventions;
 
 /// Bound of [`super::trunc_exp`].

@@ -1,7 +1,7 @@
 //! Cases of the truncated exponential: inside, at and beyond the limits of its gradient, and where each type overflows.
 
+use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::array;
 
 /// Truncated exponential.
 pub fn trunc_exp() -> Vec<Case> {

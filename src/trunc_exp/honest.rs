@@ -1,8 +1,8 @@
 //! Honest truncated exponentials in emulated arithmetic: the argument clamped, or the value.
 
 use super::LIMIT;
-use super::component::{forward, vjp};
-use crate::contract::component::Arrays;
+use super::arrays::{forward, vjp};
+use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 

@@ -1,8 +1,9 @@
 //! The truncated exponential, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::component::{forward, vjp};
+use super::arrays::{forward, vjp};
 use super::{LIMIT, backward, trunc_exp as oracle};
-use crate::contract::component::{Arrays, Mistake};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 use crate::math::{exp, pow};
 

@@ -5,6 +5,7 @@
 
 use crate::math::exp;
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

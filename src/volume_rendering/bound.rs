@@ -3,11 +3,11 @@
 //! Every way to write them that the contract calls honest is covered: T as the exponential of a cumulative sum or as a cumulative
 //! product, sums in any order, the light behind a sample as a recursion, as a suffix sum, or as the total less a prefix sum.
 
+use super::arrays::cotangent;
 use super::backward::Cotangent;
-use super::component::{cotangent, rgb, row, rows3, size};
 use crate::contract::arithmetic::{Arithmetic, Grade};
+use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::bounded::{Bounded, exact};
-use crate::contract::component::{Arrays, array, arrays, number, values};
 use crate::convention::{Conventions, Depth, ProductEps};
 
 /// One ray with its errors.

@@ -7,8 +7,8 @@ use std::f64::consts::LN_2;
 
 use ndarray::ArrayD;
 
+use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{array, scalar};
 
 /// Seeded regimes: typical optical depth of one sample.
 const REGIMES: [(&str, &str, f64, f64); 4] = [

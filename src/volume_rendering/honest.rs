@@ -1,9 +1,9 @@
 //! Honest implementations of volume rendering in emulated arithmetic: what the bound must never reject.
 
 use super::Rendering;
+use super::arrays::{cotangent, renderings};
 use super::backward::Cotangent;
-use super::component::{cotangent, renderings, rgb, row, rows3, size};
-use crate::contract::component::{Arrays, array, arrays, number, values};
+use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::machine::Machine;
 use crate::convention::{Conventions, Depth, ProductEps};
 

@@ -1,8 +1,8 @@
 //! Volume rendering, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
 
-use super::component::{self, renderings, row, rows3, size};
+use super::arrays::{self, renderings};
 use super::{Rendering, volume_render as oracle, volume_render_alpha as oracle_alpha};
-use crate::contract::component::{Arrays, input};
+use crate::contract::arrays::{Arrays, input, row, rows3, scalar, size};
 use crate::convention::{Conventions, ProductEps};
 use crate::math::exp;
 
@@ -152,18 +152,18 @@ pub fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Array
 
 /// Gradient from densities: none of its own.
 pub fn volume_render_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    (component::VOLUME_RENDER.vjp.expect("registered").oracle)(a, c)
+    arrays::render_vjp(a, c)
 }
 
 /// Gradient from opacities.
 pub fn volume_render_alpha_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut gradients = (component::VOLUME_RENDER_ALPHA.vjp.expect("registered").oracle)(a, c);
+    let mut gradients = arrays::render_alpha_vjp(a, c);
     if wrong.contains(&"product_gradient_zero_at_opaque") {
         // What reaches alpha through the product is lost where alpha = 1; what its own weight brings stays.
         let (rays, samples) = size(a, "alphas");
         let mut g_alphas = input(&gradients, "grad_alphas").clone();
         for r in 0..rays {
-            let (alphas, g) = (row(a, "alphas", r), component::cotangent(a, r));
+            let (alphas, g) = (row(a, "alphas", r), arrays::cotangent(a, r));
             let ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
             for i in (0..samples).filter(|&i| alphas[i] == 1.0) {
                 let rgb = rows3(a, "rgbs", r)[i];
@@ -193,27 +193,27 @@ pub fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
     if wrong.contains(&"background_always") {
         a.get_mut("opacity").expect("checked").fill(0.0);
     }
-    (component::COMPOSITE_BACKGROUND.forward.oracle)(&a, c)
+    arrays::background(&a, c)
 }
 
 /// Gradient of the background: none of its own.
 pub fn composite_background_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    (component::COMPOSITE_BACKGROUND.vjp.expect("registered").oracle)(a, c)
+    arrays::background_vjp(a, c)
 }
 
 /// Expected distance.
 pub fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"zero_by_zero") {
-        a.insert("far".into(), crate::contract::component::scalar(f64::NAN));
+        a.insert("far".into(), scalar(f64::NAN));
     }
     if wrong.contains(&"depth_of_index") {
         a.get_mut("t").expect("checked").indexed_iter_mut().for_each(|(i, t)| *t = i[1] as f64);
     }
-    (component::DEPTH.forward.oracle)(&a, c)
+    arrays::depths(&a, c)
 }
 
 /// Gradient of the expected distance: none of its own.
 pub fn depth_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    (component::DEPTH.vjp.expect("registered").oracle)(a, c)
+    arrays::depths_vjp(a, c)
 }

@@ -8,6 +8,7 @@
 use crate::convention::{Depth, ProductEps};
 use crate::math::{Product, Sum, exp, expm1};
 
+pub(crate) mod arrays;
 pub mod backward;
 pub mod bound;
 pub mod cases;

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use ndarray::{ArrayD, Axis, IxDyn};
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::contract::Component;
-use nerf_oracle::contract::component::{Arrays, number, scalar};
+use nerf_oracle::contract::arrays::{Arrays, number, scalar};
 use nerf_oracle::convention::{CS180, Conventions, Directions};
 use nerf_oracle::proof::golden::Golden;
 

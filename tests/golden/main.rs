@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use nerf_oracle::COMPONENTS;
-use nerf_oracle::contract::component::Arrays;
+use nerf_oracle::contract::arrays::Arrays;
 use nerf_oracle::proof::golden::{Fixture, Golden, load, load_all, misshapen};
 use nerf_oracle::proof::own_error::{OWN_ERRORS, limit};
 

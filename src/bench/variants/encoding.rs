@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::approximate::{Grade, from_bf16, sin_cos_pi, to_bf16};
 use crate::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, rows, singles, uniform};
 use crate::contract::Dtype;
-use crate::contract::component::{Arrays, array, arrays, scalar, values};
+use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
 use crate::convention::CS180;
 use crate::encoding::fast;
 use crate::parallel;

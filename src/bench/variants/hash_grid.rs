@@ -6,7 +6,7 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::approximate::{from_bf16, to_bf16};
 use crate::bench::{BF16, F16, Kernel, Promise, Scaling, Suite, Variant, kernel, rows, singles, uniform};
 use crate::contract::Dtype;
-use crate::contract::component::{Arrays, array, arrays, values};
+use crate::contract::arrays::{Arrays, array, arrays, values};
 use crate::hash_grid::fast::{BLOCK, Entry, FEATURES, LEVELS, Level, WIDTH, encode_level};
 use crate::hash_grid::{cell, corner, is_dense, resolutions};
 use crate::parallel;

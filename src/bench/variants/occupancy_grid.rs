@@ -3,11 +3,10 @@
 use pulp::Arch;
 
 use crate::bench::{Kernel, Promise, Scaling, Suite, Variant, kernel, singles, uniform};
-use crate::contract::component::{Arrays, array, arrays, values};
+use crate::contract::arrays::{Arrays, array, arrays, values};
 use crate::occupancy_grid::OccupancyGrid;
 use crate::occupancy_grid::fast::{Occupancy, Steps, Way, ray_box};
-use crate::parallel;
-use crate::ray_aabb;
+use crate::{parallel, ray_aabb};
 
 const RESOLUTION: usize = 128;
 /// Length of a step, in units of the box.

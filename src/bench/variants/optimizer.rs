@@ -5,9 +5,9 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::approximate::{from_bf16, to_bf16};
 use crate::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, kernel, singles, uniform};
 use crate::contract::Dtype;
-use crate::contract::component::{Arrays, array, arrays, scalar, values};
+use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
 use crate::hash_grid::fast::AdamRates;
-use crate::optimizer::component::settings;
+use crate::optimizer::arrays::settings;
 use crate::optimizer::{Adam, fast};
 use crate::parallel;
 

@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::bench::{F16, Kernel, Promise, Suite, Variant, kernel, singles, uniform};
 use crate::contract::Dtype;
-use crate::contract::component::{Arrays, array, arrays, number, scalar, values};
+use crate::contract::arrays::{Arrays, array, arrays, number, scalar, values};
 use crate::convention::Grid;
 use crate::parallel;
 use crate::sample::sample_along_ray;

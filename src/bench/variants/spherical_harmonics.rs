@@ -5,7 +5,7 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::approximate::{from_bf16, to_bf16};
 use crate::bench::{BF16, Kernel, Promise, Suite, Variant, rows, singles, uniform};
 use crate::contract::Dtype;
-use crate::contract::component::{Arrays, array, arrays, scalar, values};
+use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
 use crate::parallel;
 use crate::spherical_harmonics::{POLYNOMIALS, fast};
 

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::bench::{Kernel, Promise, Suite, Variant, kernel, singles, uniform};
 use crate::contract::Dtype;
-use crate::contract::component::{Arrays, array, arrays, scalar, values};
+use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
 use crate::convention::{CS180, Density};
 use crate::encoding::Encoding;
 use crate::field::NerfMlp;

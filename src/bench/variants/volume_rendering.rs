@@ -5,12 +5,11 @@ use pulp::{Arch, Simd, WithSimd};
 use crate::approximate::{Grade, attenuation};
 use crate::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, kernel};
 use crate::contract::Dtype;
-use crate::contract::component::{Arrays, array, arrays, input, values};
+use crate::contract::arrays::{Arrays, array, arrays, input, values};
 use crate::convention::ProductEps;
-use crate::math;
-use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::volume_rendering::fast::Weights;
+use crate::{math, parallel};
 
 const SAMPLES: usize = 64;
 /// Rays of a task.
@@ -139,7 +138,7 @@ fn oracle(a: &Arrays) -> Box<dyn Kernel> {
                 ));
             }
         };
-    kernel(data, bytes, run, move |data| crate::volume_rendering::component::renderings(samples, &data.3))
+    kernel(data, bytes, run, move |data| crate::volume_rendering::arrays::renderings(samples, &data.3))
 }
 
 /// As one writes it down: alpha = 1 - exp(-x), T as a running product.

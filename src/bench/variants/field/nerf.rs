@@ -3,10 +3,10 @@
 use super::{Plain, Store, plain_forward, plain_layer, rounded, short};
 use crate::bench::{BF16, F16, Kernel, Promise, Scaling, Suite, Variant, kernel, uniform};
 use crate::contract::Dtype;
-use crate::contract::component::{Arrays, array, arrays, values};
+use crate::contract::arrays::{Arrays, array, arrays, values};
 use crate::convention::{CS180, Density};
 use crate::encoding::{Encoding, positional_encoding};
-use crate::field::component::Nerf;
+use crate::field::arrays::Nerf;
 use crate::field::fast::Network;
 use crate::field::nerf_mlp::{NerfMlp, Shape};
 use crate::parallel;

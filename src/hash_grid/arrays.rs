@@ -1,0 +1,63 @@
+//! The oracle of this folder on named arrays, and what turns these into its types and back.
+
+use super::{Level, backward, encode, resolutions};
+use crate::contract::arrays::{Arrays, arrays, from_rows, number, rows};
+use crate::convention::Conventions;
+
+/// The number of levels: table0, table1, ...
+pub(crate) fn count(a: &Arrays) -> usize {
+    (0..).take_while(|l| a.contains_key(&format!("table{l}"))).count()
+}
+
+/// The tables, each with its level's resolution.
+pub(crate) fn levels_of(a: &Arrays, resolutions: &[u32]) -> Vec<Level> {
+    let level = |(l, &resolution)| Level { resolution, table: rows(a, &format!("table{l}")) };
+    resolutions.iter().enumerate().map(level).collect()
+}
+
+/// The grid of a case.
+pub(crate) fn levels(a: &Arrays) -> Vec<Level> {
+    levels_of(a, &resolutions(number(a, "base") as u32, number(a, "finest") as u32, count(a)))
+}
+
+/// The points.
+pub(crate) fn points(a: &Arrays) -> Vec<[f64; 3]> {
+    rows(a, "x").iter().map(|x| [x[0], x[1], x[2]]).collect()
+}
+
+/// Tables of zeros.
+pub(crate) fn zeros(levels: &[Level]) -> Vec<Level> {
+    let mut zeros = levels.to_vec();
+    zeros.iter_mut().flat_map(|level| &mut level.table).for_each(|entry| entry.fill(0.0));
+    zeros
+}
+
+/// `f(point)` for each point, as the output.
+pub(crate) fn forward(a: &Arrays, f: impl Fn([f64; 3]) -> Vec<f64>) -> Arrays {
+    let width = levels(a).iter().map(|level| level.table[0].len()).sum();
+    arrays([("encoding", from_rows(&points(a).into_iter().map(f).collect::<Vec<_>>(), width))])
+}
+
+/// Gradients as arrays.
+pub(crate) fn gradients(g_x: &[[f64; 3]], g_tables: &[Level]) -> Arrays {
+    let g_x: Vec<Vec<f64>> = g_x.iter().map(|g| g.to_vec()).collect();
+    let mut all = arrays([("grad_x", from_rows(&g_x, 3))]);
+    for (l, level) in g_tables.iter().enumerate() {
+        all.insert(format!("grad_table{l}"), from_rows(&level.table, level.table[0].len()));
+    }
+    all
+}
+
+pub(super) fn hash_grid(a: &Arrays, _: &Conventions) -> Arrays {
+    let levels = levels(a);
+    forward(a, |x| encode(&levels, x))
+}
+
+pub(super) fn hash_grid_vjp(a: &Arrays, _: &Conventions) -> Arrays {
+    let levels = levels(a);
+    let (mut g_tables, mut g_x) = (zeros(&levels), vec![]);
+    for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
+        g_x.push(backward::encode(&levels, x, &g, &mut g_tables));
+    }
+    gradients(&g_x, &g_tables)
+}

@@ -1,0 +1,54 @@
+//! The oracle of this folder on named arrays, and what turns these into its types and back.
+
+use super::backward;
+use crate::contract::arrays::{Arrays, array, arrays, number, row, size};
+use crate::convention::Conventions;
+
+/// What belongs to one ray.
+pub(crate) struct Ray {
+    /// e, (N + 1).
+    pub edges: Vec<f64>,
+    /// w, (N).
+    pub weights: Vec<f64>,
+    /// Added to each weight.
+    pub padding: f64,
+    /// (M).
+    pub u: Vec<f64>,
+}
+
+/// Ray r of the arrays.
+pub(crate) fn ray(a: &Arrays, r: usize) -> Ray {
+    Ray {
+        edges: row(a, "edges", r),
+        weights: row(a, "weights", r),
+        padding: number(a, "padding"),
+        u: row(a, "u", r),
+    }
+}
+
+/// `f(ray)`, its samples or how far off they may be, as the output.
+pub(crate) fn forward(a: &Arrays, f: impl Fn(&Ray) -> Vec<f64>) -> Arrays {
+    let (rays, samples) = size(a, "u");
+    arrays([("t", array(&[rays, samples], (0..rays).flat_map(|r| f(&ray(a, r))).collect()))])
+}
+
+/// `f(ray, cotangent)`, gradients of edges and u, as the gradient.
+pub(crate) fn vjp(a: &Arrays, f: impl Fn(&Ray, &[f64]) -> (Vec<f64>, Vec<f64>)) -> Arrays {
+    let (rays, samples) = size(a, "u");
+    let (mut edges, mut u) = (vec![], vec![]);
+    for r in 0..rays {
+        let (g_edges, g_u) = f(&ray(a, r), &row(a, "grad_t", r));
+        edges.extend(g_edges);
+        u.extend(g_u);
+    }
+    let width = size(a, "edges").1;
+    arrays([("grad_edges", array(&[rays, width], edges)), ("grad_u", array(&[rays, samples], u))])
+}
+
+pub(super) fn sample(a: &Arrays, _: &Conventions) -> Arrays {
+    forward(a, |ray| super::sample(&ray.edges, &ray.weights, ray.padding, &ray.u))
+}
+
+pub(super) fn sample_vjp(a: &Arrays, _: &Conventions) -> Arrays {
+    vjp(a, |ray, g| backward::sample(&ray.edges, &ray.weights, ray.padding, &ray.u, g))
+}

@@ -1,0 +1,116 @@
+//! Volume rendering on named arrays: batches on one side, slices of one ray on the other.
+
+use super::backward::Cotangent;
+use super::{Rendering, backward, composite_background, depth};
+use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
+use crate::convention::Conventions;
+
+/// The outputs of R rays as arrays.
+pub(crate) fn renderings(samples: usize, rays: &[Rendering]) -> Arrays {
+    let each = |f: fn(&Rendering) -> Vec<f64>| rays.iter().flat_map(f).collect::<Vec<_>>();
+    arrays([
+        ("colors", array(&[rays.len(), 3], each(|r| r.color.to_vec()))),
+        ("weights", array(&[rays.len(), samples], each(|r| r.weights.clone()))),
+        ("opacity", array(&[rays.len()], each(|r| vec![r.opacity]))),
+        ("transmittance", array(&[rays.len()], each(|r| r.transmittance[r.weights.len()..].to_vec()))),
+    ])
+}
+
+/// The cotangent of ray r.
+pub(crate) fn cotangent(arrays: &Arrays, r: usize) -> Cotangent {
+    Cotangent {
+        color: rows3(arrays, "grad_colors", r)[0],
+        weights: row(arrays, "grad_weights", r),
+        opacity: row(arrays, "grad_opacity", r)[0],
+        transmittance: row(arrays, "grad_transmittance", r)[0],
+    }
+}
+
+pub(super) fn render(a: &Arrays, c: &Conventions) -> Arrays {
+    let (rays, samples) = size(a, "sigmas");
+    let ray = |r| {
+        super::volume_render(&row(a, "sigmas", r), &rows3(a, "rgbs", r), &row(a, "deltas", r), c.product_eps)
+    };
+    renderings(samples, &(0..rays).map(ray).collect::<Vec<_>>())
+}
+
+pub(super) fn render_vjp(a: &Arrays, c: &Conventions) -> Arrays {
+    let (rays, samples) = size(a, "sigmas");
+    let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
+    for r in 0..rays {
+        let (sigmas, rgbs, deltas) = (row(a, "sigmas", r), rows3(a, "rgbs", r), row(a, "deltas", r));
+        let forward = super::volume_render(&sigmas, &rgbs, &deltas, c.product_eps);
+        let g = backward::volume_render(&sigmas, &rgbs, &deltas, c.product_eps, &forward, &cotangent(a, r));
+        g_sigmas.extend(g.0);
+        g_rgbs.extend(g.1.concat());
+        g_deltas.extend(g.2);
+    }
+    arrays([
+        ("grad_sigmas", array(&[rays, samples], g_sigmas)),
+        ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
+        ("grad_deltas", array(&[rays, samples], g_deltas)),
+    ])
+}
+
+pub(super) fn render_alpha(a: &Arrays, c: &Conventions) -> Arrays {
+    let (rays, samples) = size(a, "alphas");
+    let ray = |r| super::volume_render_alpha(&row(a, "alphas", r), &rows3(a, "rgbs", r), c.product_eps);
+    renderings(samples, &(0..rays).map(ray).collect::<Vec<_>>())
+}
+
+pub(super) fn render_alpha_vjp(a: &Arrays, c: &Conventions) -> Arrays {
+    let (rays, samples) = size(a, "alphas");
+    let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
+    for r in 0..rays {
+        let (alphas, rgbs) = (row(a, "alphas", r), rows3(a, "rgbs", r));
+        let forward = super::volume_render_alpha(&alphas, &rgbs, c.product_eps);
+        let g = backward::volume_render_alpha(&alphas, &rgbs, c.product_eps, &forward, &cotangent(a, r));
+        g_alphas.extend(g.0);
+        g_rgbs.extend(g.1.concat());
+    }
+    arrays([
+        ("grad_alphas", array(&[rays, samples], g_alphas)),
+        ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
+    ])
+}
+
+pub(super) fn background(a: &Arrays, _: &Conventions) -> Arrays {
+    let opacity = values(a, "opacity");
+    let b = rgb(&values(a, "background"));
+    let ray = |r: usize| composite_background(rows3(a, "colors", r)[0], opacity[r], b);
+    arrays([("colors_out", array(&[opacity.len(), 3], (0..opacity.len()).flat_map(ray).collect()))])
+}
+
+pub(super) fn background_vjp(a: &Arrays, _: &Conventions) -> Arrays {
+    let opacity = values(a, "opacity");
+    let b = rgb(&values(a, "background"));
+    let (mut g_colors, mut g_opacity, mut g_b) = (vec![], vec![], [0.0; 3]);
+    for (r, &opacity) in opacity.iter().enumerate() {
+        let g = backward::composite_background(opacity, b, rows3(a, "grad_colors_out", r)[0]);
+        g_colors.extend(g.0);
+        g_opacity.push(g.1);
+        (0..3).for_each(|k| g_b[k] += g.2[k]);
+    }
+    arrays([
+        ("grad_colors", array(&[opacity.len(), 3], g_colors)),
+        ("grad_opacity", array(&[opacity.len()], g_opacity)),
+        ("grad_background", array(&[3], g_b.to_vec())),
+    ])
+}
+
+pub(super) fn depths(a: &Arrays, c: &Conventions) -> Arrays {
+    let (rays, _) = size(a, "weights");
+    let ray = |r| depth(&row(a, "weights", r), &row(a, "t", r), number(a, "far"), c.depth);
+    arrays([("depth", array(&[rays], (0..rays).map(ray).collect()))])
+}
+
+pub(super) fn depths_vjp(a: &Arrays, c: &Conventions) -> Arrays {
+    let (rays, samples) = size(a, "weights");
+    let g = values(a, "grad_depth");
+    let ray = |r: usize| backward::depth(&row(a, "weights", r), &row(a, "t", r), c.depth, g[r]);
+    let (g_weights, g_t): (Vec<_>, Vec<_>) = (0..rays).map(ray).unzip();
+    arrays([
+        ("grad_weights", array(&[rays, samples], g_weights.concat())),
+        ("grad_t", array(&[rays, samples], g_t.concat())),
+    ])
+}
