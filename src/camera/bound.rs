@@ -14,7 +14,7 @@ pub(crate) fn any_order(terms: &[Bounded], m: &Arithmetic) -> Bounded {
     m.sum(terms).or(Arithmetic { u_sum: m.u, ..*m }.sum(terms))
 }
 
-/// A hyper-parameter: handed over in f64, rounded to the type where it isn't one of its numbers.
+/// A hyper-parameter: handed over in f64, rounded to the type where the type can't represent it.
 pub(crate) fn hyper(x: f64, m: &Arithmetic) -> Bounded {
     let digits = libm::frexp(x).0 / m.u;
     if digits == libm::rint(digits) && x.abs() <= m.largest { exact(x) } else { m.rounded(x, 0.0) }
@@ -28,7 +28,7 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// The two axes of a K that is handed over exactly.
+    /// The two axes of a K that is exact.
     pub fn of(k: &[f64]) -> [Axis; 2] {
         let k = intrinsics(k);
         [Axis { f: exact(k.fx), c: exact(k.cx) }, Axis { f: exact(k.fy), c: exact(k.cy) }]
@@ -64,7 +64,7 @@ impl Axis {
     }
 }
 
-/// Gathers what the pixels of a batch bring to K.
+/// Accumulates the gradient of K over the pixels of a batch.
 #[derive(Default)]
 pub(crate) struct Gather {
     center: [Vec<Bounded>; 2],
@@ -72,7 +72,7 @@ pub(crate) struct Gather {
 }
 
 impl Gather {
-    /// Errors of the gradients of uv and s of one pixel; its share of K is kept.
+    /// Errors of the gradients of uv and s of one pixel; its contribution to the gradient of K is kept.
     pub fn pixel(
         &mut self,
         axes: &[Axis; 2],
@@ -161,7 +161,7 @@ pub(crate) fn rotate_transposed(rows: &[[f64; 4]; 3], g: [Bounded; 3], m: &Arith
     })
 }
 
-/// Bound of [`super::pixel_to_camera`]. The depth is handed through.
+/// Bound of [`super::pixel_to_camera`]. The depth is passed through unchanged.
 pub fn pixel_to_camera(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let (axes, uv, s) = (Axis::of(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let point = |n: usize| {

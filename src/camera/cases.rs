@@ -7,7 +7,7 @@ use crate::contract::case::{Case, Draw, short};
 
 /// fx, fy, cx, cy that differ, with the center off the middle and between pixels.
 pub(crate) const LENS: [f64; 4] = [40.0, 28.0, 17.5, 11.5];
-/// The pose that does nothing.
+/// The identity pose.
 pub(crate) const IDENTITY: [f64; 16] =
     [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
@@ -26,7 +26,7 @@ pub(crate) fn posed(r: [f64; 9], o: [f64; 3]) -> [f64; 16] {
     c2w
 }
 
-/// A random rotation, its entries rounded to short numbers (so that it is one within 1 part in 100), within 4 of the origin.
+/// A random rotation whose entries are rounded to short numbers (so it is a rotation to within 1 part in 100), within 4 of the origin.
 pub(crate) fn random_pose(draw: &mut Draw) -> [f64; 16] {
     let q: [f64; 4] = std::array::from_fn(|_| draw.between(-1.0, 1.0));
     let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
@@ -45,7 +45,7 @@ pub(crate) fn random_pose(draw: &mut Draw) -> [f64; 16] {
     posed(r.map(short), std::array::from_fn(|_| draw.between(-4.0, 4.0)))
 }
 
-/// Poses by name that several rows share; each is used for all points or rays of its case.
+/// Named poses that several rows share; a case uses one of them for all of its points or rays.
 pub(crate) fn poses() -> Vec<(&'static str, &'static str, [f64; 16])> {
     let turn = [0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let far = 1_048_576.0;

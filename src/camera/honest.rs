@@ -48,7 +48,7 @@ pub(crate) fn point(k: &Intrinsics, [u, v]: [f64; 2], s: f64, m: &Machine) -> [f
     }
 }
 
-/// What one pixel brings: its gradients of uv and s; and, gathered over the batch, of K.
+/// The gradients of uv and s of one pixel and, accumulated over the batch, of K.
 #[derive(Default)]
 pub(crate) struct Gather {
     focal: [Vec<f64>; 2],

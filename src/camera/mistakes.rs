@@ -1,7 +1,7 @@
 //! The camera, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
 //!
 //! Two rows of the catalogue are not here because no case can show them: K read from the wrong array axes (cy = I / 2, with I the
-//! number of images, which no row is told), and the sign pattern (+, -, -), which is the other value of the convention `axes`.
+//! number of images, which no row receives), and the sign pattern (+, -, -), which is the other value of the convention `axes`.
 
 use glam::{DMat4, DVec2, DVec3};
 
@@ -165,7 +165,7 @@ pub const PIXEL_TO_CAMERA: &[Mistake] = &[
     FLIPS[5],
 ];
 
-/// Axes turned around.
+/// Flips axes.
 pub(crate) fn flip(x: DVec3, wrong: &[&str]) -> DVec3 {
     let Some(axes) = wrong.iter().find_map(|name| name.strip_prefix("flipped_")) else { return x };
     let sign = |axis: char| if axes.contains(axis) { -1.0 } else { 1.0 };

@@ -95,13 +95,13 @@ fn gradients_of_the_lens() {
 fn the_principal_point_looks_along_the_axis() {
     let k = Intrinsics { fx: 300.0, fy: 500.0, cx: 31.0, cy: 17.0 };
     assert_eq!(pixel_to_camera(&k, DVec2::new(31.0, 17.0), 7.0), DVec3::new(0.0, 0.0, 7.0));
-    // One focal length beside it: 45 degrees.
+    // One focal length off the center: 45 degrees.
     assert_eq!(pixel_to_camera(&k, DVec2::new(331.0, -483.0), 2.0), DVec3::new(2.0, -2.0, 2.0));
 }
 
 #[test]
 fn cg9_a_pose_is_applied_as_it_is() {
-    // A mirror (det -1) or a scale of 2 is not repaired here: readers refuse it, the formula doesn't hide it.
+    // A mirror (det -1) or a scale of 2 is not repaired here: the file readers refuse it, the formula doesn't hide it.
     for (s, x) in [
         (DVec3::new(-1.0, 1.0, 1.0), DVec3::new(-1.0, 2.0, 3.0)),
         (DVec3::splat(2.0), DVec3::new(2.0, 4.0, 6.0)),
@@ -148,12 +148,12 @@ fn cg5_a_lens_without_inverse_says_so() {
     // The point with a singular Jacobian itself: r = sqrt(1 / 0.9).
     let fold = DVec2::new((1.0f64 / 0.9).sqrt(), 0.0);
     assert!(barrel.jacobian(fold).determinant().abs() < 1e-15);
-    // A fold right at the point itself: its image is known, and still nobody can trust it.
+    // A fold exactly at the point: its image is known, but the inverse can't be trusted.
     let touching = Distortion { k1: 0.5, k2: -0.5, ..barrel };
     assert_eq!(touching.distort(DVec2::Y), DVec2::Y);
     assert_eq!(touching.jacobian(DVec2::Y), DMat2::from_cols(DVec2::X, DVec2::ZERO));
     assert!(touching.undistort(DVec2::Y).is_err());
-    // A residual of 1e-12 isn't below 1e-12: one more step.
+    // A residual of exactly 1e-12 is not below 1e-12, so one more step is taken.
     let shift = Distortion { k1: 0.0, p1: 1e-12, ..barrel };
     assert_eq!(shift.distort(DVec2::X), DVec2::new(1.0, 1e-12));
     assert!(shift.undistort(DVec2::X).unwrap().y < 0.0);

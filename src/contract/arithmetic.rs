@@ -69,7 +69,7 @@ impl Dtype {
         if self == Dtype::F64 || x == 0.0 || !x.is_finite() {
             return x;
         }
-        // The weight of the last bit at x's size, or that of subnormal numbers; scaling by it is exact.
+        // The weight of the last bit at the size of x, or that of subnormal numbers; scaling by it is exact.
         let (_, exponent) = libm::frexp(x);
         let (_, smallest) = libm::frexp(self.smallest_normal());
         let last = exponent.max(smallest) - self.bits();
@@ -162,7 +162,7 @@ mod tests {
             let x = (key.uniform(0, n, 0) - 0.5) * scale;
             assert_eq!(Dtype::F32.round(x), f64::from(x as f32), "{x:e}");
             assert_eq!(Dtype::F16.round(x), half::f16::from_f64(x).to_f64(), "{x:e}");
-            // From f32: `half` looks at the upper 32 bits of an f64 alone, and takes 1 in 2^20 for a tie that is none.
+            // From f32: `half` looks only at the upper 32 bits of an f64, and so rounds 1 in 2^20 numbers as a tie that isn't one.
             let x = x as f32;
             assert_eq!(Dtype::Bf16.round(f64::from(x)), half::bf16::from_f32(x).to_f64(), "{x:e}");
         }

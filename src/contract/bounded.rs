@@ -1,8 +1,8 @@
 //! Running error analysis: a number together with how far an honest implementation may be from it.
 //!
-//! A `bound.rs` is the component's formula once more, in these operations. Each carries the errors of its operands to its result
-//! with the second-order terms kept, and adds what its own rounding may cost (Wilkinson 1963; Higham, "Accuracy and Stability of
-//! Numerical Algorithms", 2nd ed., section 3.3). The values themselves are computed in f64: what that costs is the f64 bound, which
+//! A `bound.rs` is the component's formula once more, in these operations. Each carries the errors of its operands to its result,
+//! second-order terms included, and adds the error of its own rounding (Wilkinson 1963; Higham, "Accuracy and Stability of
+//! Numerical Algorithms", 2nd ed., section 3.3). The values themselves are computed in f64: the error of that is the f64 bound, which
 //! the judge adds.
 
 use crate::math::{cos, exp, expm1, sin};
@@ -18,7 +18,7 @@ pub struct Bounded {
     pub e: f64,
 }
 
-/// A number that is handed over exactly.
+/// A number without error.
 pub fn exact(y: f64) -> Bounded {
     Bounded { y, e: 0.0 }
 }
@@ -52,7 +52,7 @@ impl Bounded {
 }
 
 impl Arithmetic {
-    /// A value with its operands' error `e`, rounded once. Where an honest result may overflow, nothing is said.
+    /// A value with its operands' error `e`, rounded once. Where an honest result may overflow, the error is infinite.
     pub fn rounded(&self, y: f64, e: f64) -> Bounded {
         self.with_relative(y, e, self.u)
     }
@@ -96,7 +96,7 @@ impl Arithmetic {
 
     /// The square root.
     pub fn sqrt(&self, a: Bounded) -> Bounded {
-        // |sqrt(a + e) - sqrt(a)| is largest downwards, and at most sqrt(e).
+        // |sqrt(a + e) - sqrt(a)| is largest for negative e, and at most sqrt(|e|).
         let e = a.y.sqrt() - (a.y - a.e).max(0.0).sqrt();
         self.rounded(a.y.sqrt(), e.max((a.y + a.e).sqrt() - a.y.sqrt()))
     }
@@ -151,7 +151,7 @@ fn flush(n: f64, tiny: f64) -> f64 {
     n * tiny
 }
 
-/// gamma_n = n u / (1 - n u): what n roundings cost (Higham, lemma 3.1). Past n u = 1 nothing is said.
+/// gamma_n = n u / (1 - n u): what n roundings cost (Higham, lemma 3.1). Infinite from n u = 1 on.
 pub fn gamma(n: f64, u: f64) -> f64 {
     if n * u < 1.0 { n * u / (1.0 - n * u) } else { f64::INFINITY }
 }

@@ -1,4 +1,4 @@
-//! Cases: inputs by name, made from a seed, exactly representable in the types that they are for.
+//! Cases: named inputs, generated from a seed, exactly representable in the types that they are for.
 
 use ndarray::ArrayD;
 
@@ -45,7 +45,7 @@ pub struct Draw {
 }
 
 impl Draw {
-    /// Stream `stream` of the cases of a component (by its name, so that adding a component changes no other's cases).
+    /// Stream `stream` of the cases of a component; keyed by its name, so that adding a component changes no other's cases.
     pub fn new(component: &str, stream: u64) -> Self {
         let seed =
             component.bytes().fold(0, |hash: u64, byte| hash.wrapping_mul(31).wrapping_add(byte.into()));
@@ -68,7 +68,7 @@ impl Draw {
         short(low + (high - low) * self.unit())
     }
 
-    /// 10^x with x in [low, high]: sizes spread evenly over decades.
+    /// 10^x with x uniform in [low, high].
     pub fn decades(&mut self, low: f64, high: f64) -> f64 {
         short(crate::math::pow(10.0, low + (high - low) * self.unit()))
     }

@@ -1,4 +1,4 @@
-//! The bound at work: what a candidate may be off by, and whether it is.
+//! Comparing answers with the truth: the error that a candidate may have, and whether it exceeds that.
 
 use ndarray::{ArrayD, Axis, Zip};
 
@@ -48,8 +48,8 @@ impl Component {
     }
 }
 
-/// The network's cases are written for an encoding that enters the trunk again in layer 4: where it enters in another one, the two
-/// layers' weights change places, so that the shapes fit. Where the encoding lacks x itself, so do the weights' columns.
+/// The network's cases are written for an encoding that enters the trunk again in layer 4. Where it enters in another layer, the two
+/// layers' weights are exchanged, so that the shapes fit; where the encoding lacks x itself, the weights lack those columns.
 fn reshape(inputs: &mut Arrays, c: &Conventions) {
     let name = |layer: usize| format!("trunk{layer}_w");
     if !c.identity && inputs.contains_key("trunk0_w") {
@@ -72,7 +72,7 @@ fn reshape(inputs: &mut Arrays, c: &Conventions) {
     }
 }
 
-/// What an answer in `arithmetic` may be off by: its own bound, and the oracle's (which rounds in f64).
+/// The error that an answer in `arithmetic` may have: its own bound, plus the oracle's (which rounds in f64).
 pub fn tolerance(pass: &Pass, inputs: &Arrays, c: &Conventions, arithmetic: &Arithmetic) -> Arrays {
     let own = (pass.bound)(inputs, c, arithmetic);
     let oracle = (pass.bound)(inputs, c, &Arithmetic::new(Dtype::F64, Grade::A));
@@ -113,7 +113,7 @@ pub fn budget_used(got: f64, expected: f64, bound: f64) -> f64 {
         return 0.0;
     }
     let error = (got - expected).abs();
-    // An exact element (bound 0) that is off, or a NaN, uses all there is and more.
+    // An exact element (bound 0) that is off, or a NaN, exceeds any bound.
     if error.is_nan() || bound == 0.0 { f64::INFINITY } else { error / bound }
 }
 

@@ -41,7 +41,7 @@ impl Port {
     }
 }
 
-/// Something wrong that people really write, runnable through [`Pass::wrong`].
+/// A mistake that people really make, runnable through [`Pass::wrong`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mistake {
     /// Name, unique within the component, e.g. `inclusive_transmittance`.
@@ -52,7 +52,7 @@ pub struct Mistake {
     pub effect: &'static str,
     /// Where it has been seen, and how often.
     pub seen: &'static str,
-    /// How to mend it.
+    /// How to fix it.
     pub fix: &'static str,
     /// How often it was seen: ranks hypotheses that explain equally well.
     pub count: u32,
@@ -114,7 +114,7 @@ pub struct Component {
     pub vjp: Option<Pass>,
     /// Seeded and hard cases. Those of the VJP are the same with cotangents added.
     pub cases: fn() -> Vec<Case>,
-    /// What people get wrong.
+    /// Mistakes that people make in it.
     pub mistakes: &'static [Mistake],
 }
 

@@ -36,7 +36,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Machine number n for `dtype`: walks through all combinations.
+    /// Machine number n for `dtype`: enumerates all combinations.
     pub fn number(dtype: Dtype, n: u64) -> Self {
         let order = [Order::Forward, Order::Reverse, Order::Pairwise, Order::Blocked][(n % 4) as usize];
         Machine { dtype, order, fused: n / 4 % 2 == 1, stable: n / 8 % 2 == 1, form: n / 16, noise: n }
@@ -89,7 +89,7 @@ impl Machine {
         self.elementary(crate::math::expm1(x)).max(-1.0)
     }
 
-    /// What sums accumulate in.
+    /// The type in which sums accumulate.
     fn accumulator(&self) -> Dtype {
         if self.dtype == Dtype::F64 { Dtype::F64 } else { Dtype::F32 }
     }
@@ -123,7 +123,7 @@ impl Machine {
         }
     }
 
-    /// Running sums: entry i is the sum of the first i terms, rounded to the type when it is handed out (N + 1 entries).
+    /// Running sums: entry i is the sum of the first i terms, rounded to the type when it is returned (N + 1 entries).
     pub fn cumulative_sum(&self, terms: &[f64]) -> Vec<f64> {
         (0..=terms.len()).map(|n| self.sum(&terms[..n])).collect()
     }

@@ -1,4 +1,4 @@
-//! What components' own tests share.
+//! Helpers that the components' tests share.
 
 /// Properties run 64 times from a fixed seed, or `PROPTEST_CASES` times.
 pub(crate) fn properties() -> proptest::test_runner::Config {

@@ -13,14 +13,14 @@ pub struct Profile {
     pub title: &'static str,
     /// The assignment.
     pub conventions: Conventions,
-    /// Convention -> the file that its value was read from, with what stands there.
+    /// Convention -> the file that its value was read from, and what it says.
     pub sources: &'static [(&'static str, &'static str)],
-    /// What of this code no convention expresses.
+    /// What in this code no convention expresses.
     pub beyond: &'static str,
 }
 
-/// All of them; the default first. Where a code base has nothing to a convention (a hash grid has no bands), the default stands,
-/// and `sources` has no entry.
+/// All of them; the default first. Where a convention doesn't apply to a code base (a hash grid has no bands), the default's value is
+/// kept, and `sources` has no entry.
 pub const PROFILES: &[Profile] = &[
     Profile {
         name: "cs180",
@@ -250,7 +250,7 @@ pub fn find(name: &str) -> Result<&'static Profile> {
     found.ok_or_else(|| Error::usage("--profile", name, format!("one of {names}")))
 }
 
-/// An assignment in words: the profile next to it, and where it deviates.
+/// An assignment in words: the nearest profile, and where it deviates.
 pub fn describe(assignment: &BTreeMap<&'static str, String>) -> String {
     let deviations = |profile: &Profile| -> Vec<String> {
         let off = assignment.iter().filter(|(key, value)| profile.conventions.get(key) != **value);

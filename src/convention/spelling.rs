@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 /// A convention's name, how its value is read, and how it is set.
 type Field = (&'static str, fn(&Conventions) -> String, fn(&mut Conventions, &str));
 
-/// One line a field: a search asks for them by the hundred thousand, so none goes by way of the whole struct.
+/// One line per field: a search reads hundreds of thousands of them, so none is read by serializing the whole struct.
 const FIELDS: &[Field] = &[
     ("axes", |c| name(&c.axes), |c, v| c.axes = listed(v)),
     ("pixel_center", |c| name(&c.pixel_center), |c, v| c.pixel_center = listed(v)),
@@ -40,7 +40,7 @@ fn name(value: &impl Serialize) -> String {
     value.as_str().expect("a name").to_string()
 }
 
-/// Out of serde's spelling.
+/// From serde's spelling.
 fn listed<T: for<'a> Deserialize<'a>>(value: &str) -> T {
     let value: StrDeserializer<Unlisted> = value.into_deserializer();
     T::deserialize(value).expect("every listed value parses")

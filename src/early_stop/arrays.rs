@@ -5,7 +5,7 @@ use crate::contract::arrays::{Arrays, array, arrays, number, threes, values};
 use crate::convention::Conventions;
 use crate::volume_rendering::backward::Cotangent;
 
-/// Where each ray begins, and the end. Made whole and in order, so that no inputs, however disturbed, read after the arrays.
+/// Where each ray begins, and the end. Made whole and in order, so that no inputs, however perturbed, read past the arrays.
 pub(crate) fn offsets(a: &Arrays) -> Vec<usize> {
     let (samples, mut least) = (values(a, "sigmas").len(), 0);
     let mut next = |x: f64| {
@@ -38,7 +38,7 @@ pub(crate) fn one_ray(a: &Arrays, r: usize, first: usize, n: usize) -> Arrays {
     ray
 }
 
-/// What `volume_render` says of a ray's first n samples (`of`), with zeros for the samples behind, `length` in all.
+/// The values that `volume_render` returns for a ray's first n samples (`of`), padded with zeros to `length`.
 pub(crate) fn stopped(n: usize, length: usize, of: Arrays) -> Arrays {
     let pad = |(name, values): (String, ndarray::ArrayD<f64>)| {
         let mut values: Vec<f64> = values.into_iter().collect();

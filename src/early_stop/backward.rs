@@ -6,7 +6,7 @@ use crate::volume_rendering::backward::{Cotangent, volume_render};
 
 /// Gradients of [`super::render_packed`] with respect to `sigmas`, `rgbs` and `deltas`, packed.
 ///
-/// Where a ray stops is piecewise constant: its live samples have the gradient of a ray of so many samples, those behind none.
+/// The number of live samples is piecewise constant: they have the gradient of a ray of so many samples, those behind have none.
 /// `rays` is what the forward pass returned; `g` has a cotangent a ray, whose weights are those of the live samples.
 pub fn render_packed(
     sigmas: &[f64],

@@ -1,8 +1,8 @@
 //! Error bounds of packed rendering with early stop.
 //!
-//! A transmittance that is as near to eps as it may be off itself decides nothing: an honest implementation may stop there or not.
-//! The bound covers every number of samples that it may use, each by the bound of `volume_render` and by what the
-//! oracle itself answers for so many samples.
+//! Where a transmittance is closer to eps than its own error, an honest implementation may stop there or not. The bound covers
+//! every number of samples that it may use, each by the bound of `volume_render` and by what the oracle itself answers for that
+//! number.
 
 use super::arrays::{one_ray, packed, spans, stopped};
 use super::live_samples;
@@ -13,7 +13,7 @@ use crate::convention::{CS180, Conventions};
 use crate::math::{expm1, ln};
 use crate::volume_rendering::component::VOLUME_RENDER;
 
-/// How many of a ray's samples an honest implementation may use.
+/// The numbers of samples of a ray that an honest implementation may use.
 fn candidates(a: &Arrays, r: usize, (first, length): (usize, usize), m: &Arithmetic) -> Vec<usize> {
     let eps = number(a, "eps");
     // eps itself rounded, or its logarithm compared with the optical depth.
@@ -37,7 +37,7 @@ fn candidates(a: &Arrays, r: usize, (first, length): (usize, usize), m: &Arithme
     found
 }
 
-/// The bound of one direction: over all candidates, how far their exact answer lies from the oracle's, and their own bound.
+/// The bound of one direction: over all candidate numbers, the distance of their exact answer from the oracle's, plus their own bound.
 fn covering(a: &Arrays, pass: &Pass, m: &Arithmetic) -> Arrays {
     let mut rays = vec![];
     for (r, (first, length)) in spans(a).into_iter().enumerate() {

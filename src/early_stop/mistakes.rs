@@ -122,7 +122,7 @@ pub fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         if wrong.contains(&"not_reset_between_rays") {
             carried = t;
         }
-        // Weights that reach into the neighbor's samples have no place of their own.
+        // Weights that would reach into the next ray's samples are dropped.
         rays.push(stopped(n, length, ray));
     }
     packed(rays)

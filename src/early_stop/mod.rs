@@ -1,7 +1,7 @@
 //! Early stop: samples behind which almost no light comes through are left out; rays of different lengths, packed.
 //!
-//! Letters as in volume rendering: x_i = sigma_i delta_i, T_i = exp(-sum_{j<i} x_j), `eps` the smallest transmittance that is
-//! followed. Nothing is renormalized (instant-ngp divides by the opacity, VR5): the light that is left goes on to the background.
+//! Letters as in volume rendering: x_i = sigma_i delta_i, T_i = exp(-sum_{j<i} x_j), a ray is followed
+//! until T < `eps`. Nothing is renormalized (instant-ngp divides by the opacity, VR5): the light that is left goes on to the background.
 //! Packed: the samples of all rays in one array; those of ray r are `offsets[r] .. offsets[r + 1]`.
 
 use crate::convention::ProductEps;

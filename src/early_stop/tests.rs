@@ -14,7 +14,7 @@ fn ray(i: u64) -> (Vec<f64>, Vec<[f64; 3]>, Vec<f64>) {
     (sigmas, rgbs, vec![0.5; 64])
 }
 
-/// The color moves by at most eps, whatever the background; some ray comes within a tenth of it, so the bound isn't idle.
+/// The color moves by at most eps, whatever the background; some ray comes within a tenth of it, so the bound is sharp.
 #[test]
 fn color_error_is_at_most_eps() {
     for eps in [1e-2, 1e-4] {
@@ -121,7 +121,7 @@ fn packed_gradients_are_those_of_single_rays() {
     assert!(packed.0[..30].iter().any(|g| *g != 0.0) && packed.0[30] != 0.0);
 }
 
-/// VR5: a stopped ray keeps the light that is left; divided by its opacity it would be off by up to eps, and without a reason.
+/// VR5: a stopped ray keeps the light that is left; divided by its opacity it would be off by up to eps.
 #[test]
 fn nothing_is_renormalized() {
     let rays = render_packed(&[1.375; 6], &[[1.0; 3]; 6], &[0.5; 6], &[0, 6], 0.35);

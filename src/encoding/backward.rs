@@ -6,7 +6,7 @@ use crate::math::Sum;
 /// Gradient of [`super::positional_encoding`] with respect to `x`.
 ///
 /// d sin(a x) / dx = a cos(a x), d cos(a x) / dx = -a sin(a x), with a = factor * f_k; the identity passes its gradient on.
-/// The bands' terms grow like 2^k and cancel, so their sum carries its rounding error along.
+/// The bands' terms grow like 2^k and cancel, so their sum is compensated.
 pub fn positional_encoding(x: &[f64], encoding: &Encoding, g_out: &[f64]) -> Vec<f64> {
     let dims = x.len();
     let mut g_x = Vec::with_capacity(dims);

@@ -1,7 +1,7 @@
 //! Error bounds of the positional encoding.
 //!
 //! Grade A reduces 2^k x exactly before anything is multiplied by pi; grade B forms the product 2^k pi x, whose rounding, times the
-//! slope, is the error: 2^9 pi x in f32 is off by up to 2e-4. cos as sin(x + pi/2) is not covered: it loses what it adds.
+//! slope, is the error: 2^9 pi x in f32 is off by up to 2e-4. cos as sin(x + pi/2) is not covered: the sum's rounding is lost (PE2).
 
 use super::arrays::{dims, settings};
 use super::{Encoding, factor, wave};
@@ -18,7 +18,7 @@ pub(crate) fn waves(encoding: &Encoding, k: usize, x: f64, m: &Arithmetic) -> (B
     // |sin(a + e) - sin(a)| <= |cos a| e + e^2 / 2, and no more than 2.
     let bounded = |y: f64, slope: f64| {
         let carried = if off.is_finite() { (slope.abs() * off + 0.5 * off * off).min(2.0) } else { off };
-        // Behind an exact reduction pi is rounded, and the product: |r cos r| <= |sin r|, so that is relative to the result.
+        // After an exact reduction, pi and the product are rounded: |r cos r| <= |sin r|, so the error is relative to the result.
         let reduced = if encoding.frequency == Frequency::One { 0.0 } else { 2.0 * m.u * y.abs() };
         m.elementary(y, carried + reduced)
     };
@@ -31,7 +31,7 @@ fn argument_error(encoding: &Encoding, scale: f64, angle: f64, m: &Arithmetic) -
     let bands = if encoding.bands == Bands::Octaves { 0.0 } else { 4.0 };
     let textbook = if m.grade == Grade::B && encoding.frequency != Frequency::One { 2.0 } else { 0.0 };
     let roundings: f64 = bands + textbook;
-    // Where the argument overflows, or 2^k pi alone, so does an honest one.
+    // Where the argument or 2^k pi overflows here, it may overflow in an honest implementation.
     if angle.abs().max(scale) * (1.0 + 8.0 * m.u) > m.largest {
         return f64::INFINITY;
     }
@@ -59,7 +59,7 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, m: &Arithmetic) -> Vec<Boun
     out
 }
 
-/// g_x from cotangents that may be off themselves: terms f (g cos) or (f cos) g, added one by one as a loop over bands does.
+/// g_x from cotangents with errors of their own: terms f (g cos) or (f cos) g, added one by one as a loop over bands does.
 pub(crate) fn gradient(x: &[f64], encoding: &Encoding, g: &[Bounded], m: &Arithmetic) -> Vec<Bounded> {
     let dims = x.len();
     let running = Arithmetic { u_sum: m.u, ..*m };

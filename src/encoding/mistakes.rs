@@ -1,7 +1,7 @@
 //! Positional encoding, wrong on purpose. Without a mistake every function equals the oracle.
 //!
 //! Two mistakes of the catalogue have no row here: the same number of bands for positions and directions shows in the shapes
-//! (63 columns for 27), and a pixel grid that differs between training and rendering sits at the call.
+//! (63 columns for 27), and a pixel grid that differs between training and rendering is a mistake of the caller.
 
 use super::arrays::{self, dims, settings};
 use super::{Encoding, factor, wave};

@@ -24,7 +24,7 @@ mod tests;
 pub struct Encoding {
     /// L, the number of bands.
     pub levels: usize,
-    /// Whether x itself stands in front.
+    /// Whether x itself comes first.
     pub identity: bool,
     /// pi, 1 or 2 pi.
     pub frequency: Frequency,

@@ -93,7 +93,7 @@ fn pe1_an_input_rounded_to_f32_moves_the_last_band_by_more_than_any_arithmetic()
     let x = 0.7;
     let last = |x: f64| positional_encoding(&[x], &Encoding::new(10, &CS180))[19];
     let moved = (last(f64::from(x as f32)) - last(x)).abs();
-    // Slope 2^9 pi times the rounding of x.
+    // The slope 2^9 pi times the rounding of x.
     let slope_times_rounding = 512.0 * PI * (f64::from(x as f32) - x).abs();
     assert!(moved > 1e-6 && moved <= slope_times_rounding, "{moved}");
 }
@@ -124,7 +124,7 @@ fn pe3_whole_numbers_zeros_and_30_octaves() {
             assert_eq!(wave, [0.0, cosine], "band {k} of {x}");
         }
     }
-    // The textbook's sin(2^k pi x) is not 0 at x = 1, and at 2^30 x it is noise.
+    // The textbook form sin(2^k pi x) is not 0 at x = 1, and at 2^30 x it is noise.
     assert!(sin(power_of_two(30) * PI).abs() > 1e-8);
     // x = 1/3 as an f64 is 1/3 - 2^-54/3: band 30 sees the angle 2^30 / 3 = 357913941 + 1/3, less 2^-24 / 3.
     let third = positional_encoding(&[1.0 / 3.0], &encoding)[60];

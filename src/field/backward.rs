@@ -62,21 +62,21 @@ pub fn nerf_mlp(
     if c.feature == Activation::Relu {
         g_feature = relu(&tape.z_feature, &g_feature);
     }
-    // Behind the trunk, feature and density meet.
+    // At the end of the trunk, the gradients of feature and density add up.
     let mut g_h = layer(&net.feature, &tape.hidden, &g_feature, &mut gradient.feature);
     let g_z_sigma = density_slope(tape.z_sigma, c.density) * g_sigma;
     let g_from_sigma = layer(&net.sigma, &tape.hidden, &[g_z_sigma], &mut gradient.sigma);
     for (g, from_sigma) in g_h.iter_mut().zip(g_from_sigma) {
         *g += from_sigma;
     }
-    // Down the trunk; the skip hands part of its gradient to the encoding.
+    // Back through the trunk; the skip passes part of its gradient to the encoding.
     let columns = tape.inputs[0].len();
     let mut g_position = vec![0.0; columns];
     for n in (0..net.trunk.len()).rev() {
         let linear = n + 1 == net.trunk.len() && c.last_trunk == Activation::None;
         let g_z = if linear { g_h } else { relu(&tape.z[n], &g_h) };
         g_h = layer(&net.trunk[n], &tape.inputs[n], &g_z, &mut gradient.trunk[n]);
-        // A skip into layer 0, whose input is the encoding alone, splits off all of it.
+        // Where the skip enters layer 0, the input is the encoding alone and gets all of it.
         if n == c.skip_layer {
             let g_encoding = match c.skip_order {
                 SkipOrder::HiddenFirst => g_h.split_off(g_h.len() - columns),

@@ -1,4 +1,4 @@
-//! Error bounds of the networks. The law of the errors, lambda and the false-alarm probability stand in `propagate.rs`.
+//! Error bounds of the networks. The probabilistic model, lambda and the false-alarm probability are in `propagate.rs`.
 
 use super::arrays::{Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::mlp::Mlp;
@@ -40,7 +40,7 @@ fn density_of(z: Bounded, activation: Density, m: &Arithmetic) -> Bounded {
             let textbook = if m.grade == Grade::B { 2.0 * m.u } else { 0.0 };
             let carried = z.e * sigmoid(z.y + z.e) + textbook;
             let term = m.elementary(y, carried + 16.0 * m.u * y);
-            // The textbook's e^z overflows long before its logarithm does.
+            // The textbook form's e^z overflows long before its logarithm does.
             let overflow = m.grade == Grade::B && m.exp(z).e == f64::INFINITY;
             if overflow { Bounded { y, e: f64::INFINITY } } else { m.rounded(y, term.e) }
         }
@@ -57,7 +57,7 @@ fn density_slope_of(z: Bounded, activation: Density, m: &Arithmetic) -> Bounded 
     }
 }
 
-/// Everything that goes into each layer and comes out of it, of one point.
+/// The inputs and the pre-activations of every layer, for one point.
 struct Tape {
     inputs: Vec<Vector>,
     z: Vec<Vector>,
@@ -85,8 +85,8 @@ pub fn mlp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     arrays([("y", from_rows(&y, net.layers.last().expect("a layer").b.len()))])
 }
 
-/// How far off the pre-activation of a hidden unit may be, over its distance from the kink: the largest of all units and points.
-/// Below 1, honest implementations agree which units are on, and the gradient is the same function for all of them.
+/// The error of a hidden unit's pre-activation over its distance from the kink: the largest over all units and points. Below 1,
+/// honest implementations agree on which units are on, and the gradient is the same function for all of them.
 pub fn mlp_kink(a: &Arrays, m: &Arithmetic) -> f64 {
     let net = network(a);
     let hidden = net.layers.len() - 1;
@@ -242,7 +242,7 @@ pub fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let mut errors = nerf.zeros();
     outer.iter().zip(errors.layers_mut()).for_each(|(outer, into)| outer.errors(into, m));
     if overflow {
-        // VR6: e^z leaves f16 at z = 12. Infinity times a closed unit's 0 is NaN, so nothing in front of the head is bounded.
+        // VR6: e^z leaves f16 at z = 12. Infinity times a closed unit's 0 is NaN, so nothing before the head is bounded.
         errors.trunk.iter_mut().chain([&mut errors.sigma]).for_each(|layer| {
             layer.w.fill(f64::INFINITY);
             layer.b.fill(f64::INFINITY);
@@ -251,7 +251,7 @@ pub fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     Nerf::gradients(&errors, &g_positions)
 }
 
-/// What reaches the density head's output from its cotangent.
+/// The gradient of the density head's output from the cotangent of the density.
 fn density_gradient(tape: &NerfTape, c: &Conventions, g_sigma: f64, m: &Arithmetic) -> Bounded {
     m.mul(density_slope_of(tape.z_sigma.entry(0), c.density, m), exact(g_sigma))
 }
@@ -271,7 +271,7 @@ fn nerf_point(
     let head = tape.z_color1.entries();
     let slopes: Vec<Bounded> =
         head.iter().zip(g_rgb).map(|(&z, g)| m.mul(sigmoid_slope_of(z, m), exact(g))).collect();
-    // Four errors without a law: three of the colors, one of the density.
+    // Four errors that aren't independent: three of the colors, one of the density.
     let g = Vector::from_bounded(&slopes, 0, 4);
     outer[depth + 3].add(&g, &tape.color_hidden);
     let g = transposed(&net.color1, &g, m).masked(&tape.z_color0);

@@ -7,7 +7,7 @@ use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw};
 use crate::random::{Key, Purpose};
 
-/// Weights of the size of PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
+/// Weights as large as PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
 fn layer(draw: &mut Draw, inputs: usize, outputs: usize, bias: f64) -> [ArrayD<f64>; 2] {
     let reach = 1.0 / (inputs as f64).sqrt();
     let w = draw.array(&[outputs, inputs], -reach, reach);
@@ -67,7 +67,7 @@ fn nerf(id: &str, comment: &'static str, stream: u64, width: usize, levels: [usi
         case.inputs.insert(format!("{name}_w"), w);
         case.inputs.insert(format!("{name}_b"), b);
     }
-    // A density head that is alive.
+    // A density head whose ReLU is on.
     case.inputs.insert("sigma_b".into(), array(&[1], vec![16.0]));
     case
 }

@@ -119,7 +119,7 @@ pub const NERF_MLP: &[Mistake] = &[
     .of_gradient(),
 ];
 
-/// What goes wrong inside the layers: biases, transposed weights, identity in the place of a layer.
+/// Mistakes inside the layers: missing biases, transposed weights, the identity in place of a layer.
 fn spoil(layers: Vec<&mut Layer>, unused: usize, wrong: &[&str]) {
     for (n, layer) in layers.into_iter().enumerate() {
         let square = layer.w.nrows() == layer.w.ncols();
@@ -129,7 +129,7 @@ fn spoil(layers: Vec<&mut Layer>, unused: usize, wrong: &[&str]) {
         if wrong.contains(&"weights_transposed") && square {
             layer.w = layer.w.t().to_owned();
         }
-        // h is not negative, so that a layer that is left out equals the identity in front of the ReLU.
+        // h is not negative, so leaving a layer out equals an identity before the ReLU.
         if wrong.contains(&"layer_never_applied") && square && n == unused {
             layer.w = ndarray::Array2::eye(layer.w.nrows());
             layer.b.fill(0.0);
@@ -137,7 +137,7 @@ fn spoil(layers: Vec<&mut Layer>, unused: usize, wrong: &[&str]) {
     }
 }
 
-/// y, or what stands in its place.
+/// y, or what is returned instead.
 fn head(y: f64, z: f64, wrong: &[&str]) -> f64 {
     let relu = wrong.contains(&"relu_before_sigmoid");
     match (wrong.contains(&"sigmoid_missing"), relu && z < 0.0) {
@@ -164,7 +164,7 @@ pub fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     arrays([("y", from_rows(&y, net.layers.last().expect("a layer").b.len()))])
 }
 
-/// z as a mask that lets everything through.
+/// z for a mask that lets everything through.
 fn open(z: &mut [Vec<f64>]) {
     z.iter_mut().for_each(|z| z.fill(1.0));
 }

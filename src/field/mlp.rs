@@ -17,11 +17,11 @@ pub enum Output {
 pub struct Mlp {
     /// Layers from input to output.
     pub layers: Vec<Layer>,
-    /// Behind the last layer.
+    /// Activation after the last layer.
     pub output: Output,
 }
 
-/// What the backward pass needs to remember of one point.
+/// The forward pass of one point, as the backward pass needs it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tape {
     /// Input of each layer.

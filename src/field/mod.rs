@@ -76,7 +76,7 @@ pub fn relu(z: &[f64]) -> Vec<f64> {
     z.iter().map(|&z| positive_part(z)).collect()
 }
 
-/// max(z, 0). A NaN stays one, where `f64::max` would turn it into 0.
+/// max(z, 0). A NaN stays NaN, where `f64::max` would return 0.
 fn positive_part(z: f64) -> f64 {
     if z <= 0.0 { 0.0 } else { z }
 }

@@ -33,7 +33,7 @@ pub struct Shape {
     pub depth: usize,
     /// Width of the color layer.
     pub color: usize,
-    /// Index (from 0) of the trunk layer whose input holds the encoding again.
+    /// Index (from 0) of the trunk layer whose input is [h, encoding].
     pub skip: usize,
 }
 
@@ -51,14 +51,14 @@ impl Shape {
     }
 }
 
-/// What the backward pass needs to remember of one point.
+/// The forward pass of one point, as the backward pass needs it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tape {
     /// Input of each trunk layer.
     pub inputs: Vec<Vec<f64>>,
     /// z of each trunk layer.
     pub z: Vec<Vec<f64>>,
-    /// Behind the trunk.
+    /// Output of the trunk.
     pub hidden: Vec<f64>,
     /// z of the density head.
     pub z_sigma: f64,
@@ -68,7 +68,7 @@ pub struct Tape {
     pub color_input: Vec<f64>,
     /// z of the color layer.
     pub z_color0: Vec<f64>,
-    /// Behind it.
+    /// Output of the color layer.
     pub color_hidden: Vec<f64>,
     /// z of the color head.
     pub z_color1: Vec<f64>,

@@ -1,11 +1,11 @@
 //! How rounding errors travel through a network: the probabilistic bound that `mlp` and `nerf_mlp` share.
 //!
-//! Worst-case sums over wide layers say nothing, so local errors are taken as independent, of mean zero and bounded (Higham and Mary,
-//! "A new approach to probabilistic rounding error analysis", 2019). A sum of a_i d_i with |d_i| <= u then passes
-//! lambda u sqrt(sum a_i^2) with probability below 2 exp(-lambda^2 / 2) (Hoeffding); with [`LAMBDA`] = 8 that is 3e-14 an element,
-//! 3e-8 for a run of a million. Variances travel through the oracle's own signed weights as a full covariance matrix. What is not
-//! independent (the encoding's error, the same in many columns) travels as signed columns whose absolute values are summed at the
-//! end, and what has no sign (a ReLU that may be on or off, a flush to zero) as plain absolute values.
+//! Worst-case sums over wide layers are uselessly large, so local errors are taken as independent, of mean zero and bounded (Higham and
+//! Mary, "A new approach to probabilistic rounding error analysis", 2019). A sum of a_i d_i with |d_i| <= u then exceeds lambda u sqrt(sum
+//! a_i^2) with probability below 2 exp(-lambda^2 / 2) (Hoeffding); with [`LAMBDA`] = 8 that is 3e-14 per element, 3e-8 for a run of a
+//! million elements. Variances travel through the oracle's own signed weights as a full covariance matrix. Errors that are not independent
+//! (the encoding's, the same in many columns) travel as signed columns whose absolute values are summed at the end, and errors without a
+//! known sign (a ReLU that may be on or off, a flush to zero) as plain absolute values.
 
 use ndarray::{Array1, Array2, Axis, concatenate, s};
 
@@ -13,26 +13,26 @@ use super::Layer;
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::bounded::{Bounded, gamma};
 
-/// Standard deviations that an honest error stays within.
+/// The number of standard deviations that an honest error stays within.
 pub const LAMBDA: f64 = 8.0;
 
-/// A vector with everything that is known of its error.
+/// A vector with everything that is known about its error.
 #[derive(Clone, Debug)]
 pub struct Vector {
     /// Values.
     pub y: Array1<f64>,
     /// Covariance of the independent errors, as a variance proxy.
     covariance: Array2<f64>,
-    /// The same errors at their worst, all of one sign: the smaller of the two counts.
+    /// The worst case of the same errors, all of one sign: the smaller of the two estimates counts.
     worst: Array1<f64>,
-    /// Signed effect of each error that has no law, (entries, sources).
+    /// Signed effect of each error that isn't independent, (entries, sources).
     signed: Array2<f64>,
-    /// What has neither law nor sign.
+    /// Errors that are neither independent nor of known sign.
     residual: Array1<f64>,
 }
 
 impl Vector {
-    /// Values whose entry i is off by the whole of source `first + i`, of `sources` in all.
+    /// Values whose entry i is off by source `first + i`, of `sources` in all.
     pub fn from_bounded(values: &[Bounded], first: usize, sources: usize) -> Vector {
         let n = values.len();
         let mut signed = Array2::zeros((n, sources));
@@ -66,7 +66,7 @@ impl Vector {
         (0..self.y.len()).map(|i| self.entry(i)).collect()
     }
 
-    /// This vector in front of another with the same sources.
+    /// This vector followed by another with the same sources.
     pub fn followed_by(&self, other: &Vector) -> Vector {
         let (n, k) = (self.y.len(), other.y.len());
         let mut covariance = Array2::zeros((n + k, n + k));
@@ -116,7 +116,7 @@ impl Vector {
         out
     }
 
-    /// Adds what entry o costs as a dot product: each product rounded or fused, a sum in any order, the result rounded, and once more
+    /// Adds the rounding of entry o as a dot product: each product rounded or fused, a sum in any order, the result rounded, and once more
     /// after the bias in the short types.
     fn round_dot(&mut self, o: usize, terms: &[f64], bias: f64, m: &Arithmetic) {
         let sum: f64 = terms.iter().sum::<f64>() + bias;
@@ -143,7 +143,7 @@ impl Vector {
         }
     }
 
-    /// max(z, 0). A unit that may be on or off hands on what the linear prediction misses: no more than e - |z|.
+    /// max(z, 0). A unit that may be on or off adds what the linear prediction misses: at most e - |z|.
     pub fn relu(&self) -> Vector {
         let mut out = self.clone();
         for i in 0..self.y.len() {

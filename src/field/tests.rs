@@ -45,7 +45,7 @@ fn activations_at_their_extremes() {
     );
     assert_eq!([-2.0, 3.0].map(|z| density(z, Density::Relu)), [0.0, 3.0]);
     assert_eq!([-2.0, 0.0, 3.0].map(|z| density_slope(z, Density::Relu)), [0.0, 0.0, 1.0]);
-    // At its kink a ReLU passes nothing, in front of the density or inside.
+    // At its kink a ReLU passes no gradient, for the density or inside of the trunk.
     assert_eq!(backward::relu(&[-1e-300, 0.0, -0.0, 1e-300], &[1.0; 4]), [0.0, 0.0, 0.0, 1.0]);
     assert_eq!([density(1.5, Density::Softplus), density(1.5, Density::Exp)], [softplus(1.5), exp(1.5)]);
     assert_eq!(
@@ -236,7 +236,7 @@ fn conventions_change_what_they_name() {
         }
     }
     assert!((run(&permuted, first).sigma - base.sigma).abs() < 1e-15);
-    // The last layers' ReLUs.
+    // The ReLUs of the last layers.
     let linear = run(&net, Conventions { last_trunk: Activation::None, ..CS180 });
     assert_eq!((&linear.hidden, &base.hidden), (&linear.z[7], &relu(&base.z[7])));
     let feature = run(&net, Conventions { feature: Activation::Relu, ..CS180 });

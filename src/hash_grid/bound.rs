@@ -1,7 +1,7 @@
 //! Error bounds of the hash grid.
 //!
-//! x N is rounded, so that a point beside a cell's face may be put into either cell. The value is continuous there; the derivative
-//! jumps (PE6), and the gradient of the tables goes to other entries. The bound covers every cell that x N may round into.
+//! x N is rounded, so a point close to a cell's face may fall into either cell. The value is continuous there; the derivative
+//! jumps (PE6), and the gradient of the tables goes to other entries. The bound covers every cell that x N may round to.
 
 use super::arrays::{forward, gradients, levels, points, zeros};
 use super::{Level, corner};
@@ -10,10 +10,10 @@ use crate::contract::arrays::{Arrays, rows};
 use crate::contract::bounded::{Bounded, exact, gamma};
 use crate::convention::Conventions;
 
-/// A cell that a point may be put into: along each axis its lower vertex and where in it the point lies.
+/// A cell that a point may fall into: along each axis its lower vertex and the point's place inside.
 type Cell = [(u32, Bounded); 3];
 
-/// All of them, the oracle's first.
+/// All candidate cells, the oracle's first.
 fn cells(x: [f64; 3], resolution: u32, m: &Arithmetic) -> Vec<Cell> {
     let last = f64::from(resolution - 1);
     let along = |x: f64| {
@@ -43,7 +43,7 @@ fn side(upper: bool, fraction: Bounded, m: &Arithmetic) -> Bounded {
     if upper { fraction } else { m.sub(exact(1.0), fraction) }
 }
 
-/// The entry of corner k and its weight; without the factor of axis `but`, but with its sign, for the derivative along it.
+/// The entry of corner k and its weight; for the derivative along axis `but`, that axis' factor is replaced by its sign.
 fn weighted(level: &Level, cell: &Cell, k: usize, but: Option<usize>, m: &Arithmetic) -> (usize, Bounded) {
     let (vertex, _) = corner(k, cell.map(|(c, f)| (c, f.y)));
     let mut weight = exact(1.0);
@@ -65,7 +65,7 @@ fn any_sum(terms: &[Bounded], m: &Arithmetic) -> Bounded {
     if m.u_sum < m.u { sum.widened(gamma(terms.len() as f64, m.u) * size) } else { sum }
 }
 
-/// The same value by another route: how far it may lie from `right`.
+/// The same value computed another way: how far it may be from `right`.
 fn reach(right: f64, other: Bounded) -> f64 {
     (other.y - right).abs() + other.e
 }
@@ -127,7 +127,7 @@ fn contributions(level: &Level, cell: &Cell, g: f64, m: &Arithmetic) -> Vec<(usi
     (0..8).map(one).collect()
 }
 
-/// Sum of value and error of those that go to one entry.
+/// Sum, value and error, of the contributions to one entry.
 fn total(contributions: &[(usize, Bounded)], entry: usize) -> Bounded {
     let (mut y, mut e) = (0.0, 0.0);
     for (_, one) in contributions.iter().filter(|(at, _)| *at == entry) {
@@ -140,7 +140,7 @@ fn total(contributions: &[(usize, Bounded)], entry: usize) -> Bounded {
 /// Bound of [`super::backward::encode`].
 pub fn hash_grid_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let levels = levels(a);
-    // What every entry's features sum up.
+    // The gradient of every entry's features.
     let mut terms: Vec<Vec<Vec<Vec<Bounded>>>> =
         levels.iter().map(|l| l.table.iter().map(|entry| vec![vec![]; entry.len()]).collect()).collect();
     let mut g_x = vec![];

@@ -1,8 +1,8 @@
-//! f32 hash grid: 4 features a level, a level's table small enough for a core's L2 cache, level by level.
+//! f32 hash grid: 4 features per level, each level's table small enough for a core's L2 cache, level by level.
 //!
-//! A level belongs to one task at a time, which adds gradients in the order of the points: same bits on any number of threads, and
-//! faster than atomics or private copies. Corner indices and weights of 16 points are computed together, in vectors; an entry is
-//! 16 bytes: one load and one multiply-add a corner. Features come level by level too, a buffer each: four points fill a cache line.
+//! A level belongs to one task at a time, which adds gradients in the order of the points: same bits on any number of threads, and faster
+//! than atomics or private copies. Corner indices and weights of 16 points are computed together, in vectors; an entry is 16 bytes: one
+//! load and one multiply-add per corner. Features are stored level by level too, a buffer each: four points fill a cache line.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -32,11 +32,11 @@ pub struct Level {
     gradient: Aligned<Entry>,
     m: Aligned<Entry>,
     v: Aligned<Entry>,
-    /// The cache lines of `gradient` that got something.
+    /// The cache lines of `gradient` that aren't all 0.
     touched: Vec<bool>,
 }
 
-/// What one Adam step has in common for all parameters.
+/// The factors that all parameters share in an Adam step.
 #[derive(Clone, Copy, Debug)]
 pub struct AdamRates {
     rate: f32,
@@ -47,7 +47,7 @@ pub struct AdamRates {
 }
 
 impl AdamRates {
-    /// The rates of `step`, counted from 1; computed in f64. Weight decay isn't applied.
+    /// The factors of `step`, counted from 1; computed in f64. Weight decay isn't applied.
     pub fn new(adam: &Adam, step: u64) -> Self {
         AdamRates {
             rate: (adam.lr / bias_correction(adam.beta1, step)) as f32,
@@ -58,7 +58,7 @@ impl AdamRates {
         }
     }
 
-    /// The step for some parameters.
+    /// The step of some parameters.
     #[inline(always)]
     pub fn apply(&self, params: &mut [f32], gradient: &[f32], m: &mut [f32], v: &mut [f32]) {
         for (((p, &g), m), v) in params.iter_mut().zip(gradient).zip(m).zip(v) {
@@ -75,7 +75,7 @@ impl AdamRates {
 }
 
 impl Level {
-    /// A level with this table: of (N + 1)^3 entries where `dense`, else of a power of two.
+    /// A level with this table: (N + 1)^3 entries if `dense`, otherwise a power of two.
     pub fn new(resolution: u32, mut table: Vec<Entry>, dense: bool) -> Self {
         table.resize(table.len().next_multiple_of(LINE), [0.0; FEATURES]);
         let (zeros, table) = (repeated([0.0; FEATURES], table.len()), copied(&table));
@@ -98,7 +98,7 @@ impl Level {
         self.dense
     }
 
-    /// What [`scatter`] has added up since the last [`update`].
+    /// The gradient that [`scatter`] has added up since the last [`update`].
     pub fn gradient(&self) -> &[Entry] {
         &self.gradient
     }

@@ -15,7 +15,7 @@ fn cells(x: [f64; 3], resolution: u32, m: &Machine) -> [(u32, f64); 3] {
     })
 }
 
-/// The weight of corner k, its factors in either order; without that of axis `but`, but with its sign.
+/// The weight of corner k, its factors in either order; for the derivative along axis `but`, that axis' factor is replaced by its sign.
 fn weight(cells: [(u32, f64); 3], k: usize, but: Option<usize>, m: &Machine) -> f64 {
     let mut weight = 1.0;
     for n in 0..3 {

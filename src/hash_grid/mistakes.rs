@@ -16,7 +16,7 @@ fn wrong_resolutions(a: &Arrays, wrong: &[&str]) -> Vec<u32> {
     let steps = if wrong.contains(&"growth_over_levels") { levels } else { levels.max(2) - 1 } as f64;
     let exact = |l: usize| base * pow(finest / base, l as f64 / steps);
     match () {
-        // A whole number that the power misses by a rounding is meant.
+        // Rounded up to a whole number where the power misses it by a rounding.
         () if wrong.contains(&"resolution_rounded_down") => {
             (0..levels).map(|l| (exact(l) + 1e-9).floor() as u32).collect()
         }

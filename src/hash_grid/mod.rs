@@ -2,8 +2,8 @@
 //!
 //! Instant-NGP (Mueller et al. 2022) equations 2 to 4. Letters: `N` cells along an edge of a level, so that it has (N + 1)^3
 //! vertices; `T` largest number of table entries of a level; `F` features of an entry; `x` a point of [0, 1]^3.
-//! A level whose vertices fit into T entries is dense: every vertex has its own entry. Others share entries by a hash, and training
-//! sorts out who is heard: vertices in empty space have no gradient.
+//! A level whose vertices fit into T entries is dense: every vertex has its own entry. In others, vertices share entries by a hash;
+//! training resolves collisions, because vertices in empty space have no gradient.
 
 use crate::math::pow;
 
@@ -34,7 +34,7 @@ pub const PRIMES: [u32; 3] = [1, 2_654_435_761, 805_459_861];
 /// The levels' resolutions: N_l = base * growth^l with growth = (finest / base)^(1 / (levels - 1)), equations 2 and 3.
 ///
 /// # Convention
-/// Rounded to the nearest whole number, where the paper rounds down: otherwise the finest level would depend on the last bit of
+/// Rounded to the nearest whole number, where the paper rounds down: rounding down would make the finest level depend on the last bit of
 /// the power.
 ///
 /// ```
@@ -76,14 +76,14 @@ impl Level {
     }
 }
 
-/// The cell of `x` along one axis and where in it: (c, f) with x N = c + f. The last cell is closed: x = 1 is (N - 1, 1).
+/// The cell of `x` along one axis and the place in it: (c, f) with x N = c + f. The last cell is closed: x = 1 is (N - 1, 1).
 pub fn cell(x: f64, resolution: u32) -> (u32, f64) {
     let scaled = x * f64::from(resolution);
     let cell = scaled.floor().clamp(0.0, f64::from(resolution - 1));
     (cell as u32, scaled - cell)
 }
 
-/// The vertex and trilinear weight of corner k of 8; bit a of k says which side along axis a.
+/// The vertex and trilinear weight of corner k of 8; bit a of k is the side along axis a.
 pub fn corner(k: usize, cells: [(u32, f64); 3]) -> ([u32; 3], f64) {
     let (mut vertex, mut weight) = ([0; 3], 1.0);
     for a in 0..3 {

@@ -217,7 +217,7 @@ fn sparse_adam_agrees() {
     }
 }
 
-/// PE6: at a face the value has no jump, the derivative has: from below it is the lower cell's, at the face the upper cell's.
+/// PE6: at a face the value is continuous and the derivative jumps: from below it is the lower cell's, at the face the upper cell's.
 #[test]
 fn pe6_derivatives_jump_at_faces() {
     let levels = random_levels(&[4], 128);
@@ -231,6 +231,6 @@ fn pe6_derivatives_jump_at_faces() {
     assert_abs_diff_eq!(slope(0.5), one_sided(0.01), epsilon = 1e-10);
     assert_abs_diff_eq!(slope(0.5 - 1e-9), one_sided(-0.01), epsilon = 1e-6);
     assert!((slope(0.5) - slope(0.5 - 1e-9)).abs() > 0.1);
-    // The box ends in its last cell, not in one after it.
+    // The end of the box belongs to its last cell.
     assert_abs_diff_eq!(slope(1.0), (value(1.0) - value(0.99)) / 0.01, epsilon = 1e-10);
 }

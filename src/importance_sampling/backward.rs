@@ -4,10 +4,10 @@ use super::{bin_of, cdf};
 
 /// Gradients of [`super::sample`] with respect to `edges` and `u`.
 ///
-/// Inside a bin t = (1 - s) e_k + s e_{k+1}, so that dt / d e_k = 1 - s, dt / d e_{k+1} = s and dt / du = (e_{k+1} - e_k) / (F_{k+1} - F_k);
-/// at a tie the bin is that of [`super::sample`]. The weights get none: the paper's code stops the gradient of the fine samples
-/// altogether, so that the coarse network learns from its own colors alone; what differentiates through the places of samples all the
-/// same (edges that a network proposes, warped rays) goes through `edges` and `u`.
+/// Inside a bin t = (1 - s) e_k + s e_{k+1}, so that dt / d e_k = 1 - s, dt / d e_{k+1} = s and dt / du = (e_{k+1} - e_k) / (F_{k+1} -
+/// F_k); at a tie the bin is that of [`super::sample`]. The weights get none: the paper's code stops the gradient of the fine samples
+/// altogether, so that the coarse network learns from its own colors alone; code that does differentiate through the positions of samples
+/// (edges that a network proposes, warped rays) does so through `edges` and `u`.
 pub fn sample(edges: &[f64], weights: &[f64], padding: f64, u: &[f64], g_t: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let f = cdf(weights, padding);
     let (mut g_edges, mut g_u) = (vec![0.0; edges.len()], vec![]);

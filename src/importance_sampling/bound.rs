@@ -1,9 +1,9 @@
 //! Error bounds of importance sampling.
 //!
-//! All terms of the sums that make up F are positive, so that every honest F has a relative error of at most gamma, at the edges and between
-//! them. The honest sample then solves F(t) = u for a u that is off by as much: it lies between the inverses of the two ends of that
-//! interval, from the left and from the right. Where F stands still (bins without weight) these are far apart: the answers that are
-//! admissible at a tie. What is local to the bin comes on top.
+//! All terms of the sums that make up F are positive, so every honest F has a relative error of at most gamma, at the edges and between
+//! them. An honest sample then solves F(t) = u for a u with the same relative error: it lies between the inverses of the two ends of
+//! that interval, from the left and from the right. Where F is constant (bins without weight) these are far apart, and all answers in
+//! between are admissible. Errors local to the bin are added.
 
 use super::arrays::{Ray, forward, vjp};
 use super::cdf;
@@ -16,25 +16,25 @@ use crate::convention::Conventions;
 /// Roundings of one weight on its way into F: padding, its sum, the total, the quotient, the product with u.
 const ROUNDINGS: f64 = 6.0;
 
-/// A ray's distribution, and how far off an honest one may be.
+/// A ray's distribution, and the error of an honest one.
 struct Distribution<'a> {
     ray: &'a Ray,
     f: Vec<f64>,
-    /// Of F, relative.
+    /// Relative error of F.
     relative: f64,
-    /// Of F, for what is flushed to zero.
+    /// Absolute error of F, from flushing to zero.
     absolute: f64,
-    /// Sum of the padded weights, at most 1: sums needn't be divided by it.
+    /// Sum of the padded weights, at most 1: implementations need not divide by it.
     total: f64,
     m: &'a Arithmetic,
 }
 
-/// The bins that the samples of honest implementations may lie in, and between where.
+/// The bins in which honest samples may lie, and the interval.
 struct Reach {
     low: f64,
     high: f64,
     bins: [usize; 2],
-    /// One bin, and inside [0, 1]: neither a kink nor the end of the domain.
+    /// Whether it is one bin, inside [0, 1]: neither a kink nor the end of the domain.
     smooth: bool,
 }
 
@@ -53,7 +53,7 @@ impl<'a> Distribution<'a> {
         let low = u / (1.0 + self.relative) - self.absolute;
         let high = if self.relative < 1.0 { u / (1.0 - self.relative) + self.absolute } else { 1.0 };
         let last = self.ray.weights.len() - 1;
-        // From the left: the first bin that ends at or above. u = 0 is exact, and so is F in front of the first weight.
+        // From the left: the first bin that ends at or above. u = 0 is exact, and so is F before the first weight.
         let first = match u {
             0.0 => super::bin_of(&self.f, 0.0),
             _ => (0..last).find(|&k| self.f[k + 1] >= low).unwrap_or(last),
@@ -69,14 +69,14 @@ impl<'a> Distribution<'a> {
         }
     }
 
-    /// Where F in bin k is u.
+    /// The t in bin k where F is u.
     fn at(&self, k: usize, u: f64) -> f64 {
         let (edges, f) = (&self.ray.edges, &self.f);
         let s = if f[k + 1] > f[k] { ((u - f[k]) / (f[k + 1] - f[k])).clamp(0.0, 1.0) } else { 0.0 };
         edges[k] + s * (edges[k + 1] - edges[k])
     }
 
-    /// Of t = a + s (b - a), a (1 - s) + b s or a + (u - F) ((b - a) / p), in any of the bins.
+    /// The error of t = a + s (b - a), a (1 - s) + b s or a + (u - F) ((b - a) / p), in any of the bins.
     fn local(&self, [first, last]: [usize; 2]) -> f64 {
         let (m, edges) = (self.m, &self.ray.edges[first..=last + 1]);
         let largest = edges.iter().fold(0.0, |max: f64, e| max.max(e.abs()));
@@ -84,8 +84,8 @@ impl<'a> Distribution<'a> {
         largest * gamma(3.0, m.u) + widest * gamma(6.0, m.u) + 4.0 * m.tiny * (1.0 + widest)
     }
 
-    /// Whether a quotient by the weight of one of these bins may leave the type: what is divided by may be flushed to zero, or the
-    /// bin's width over it overflow.
+    /// Whether a division by the weight of one of these bins may leave the type: the weight may be flushed to zero, or the bin's
+    /// width over it may overflow.
     fn overflows(&self, [first, last]: [usize; 2]) -> bool {
         (first..=last).any(|k| {
             let (weight, width) =
@@ -112,7 +112,7 @@ impl<'a> Distribution<'a> {
     }
 
     fn honest(&self, f: f64) -> Bounded {
-        // 0 in front of the first weight is exact.
+        // 0 before the first weight is exact.
         if f == 0.0 { exact(0.0) } else { Bounded { y: f, e: f * self.relative + self.absolute } }
     }
 }
@@ -126,8 +126,8 @@ pub fn sample(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     })
 }
 
-/// Bound of [`super::backward::sample`]. At a kink any slope of dt / du is admissible, and of each edge that the sample may lie beside
-/// any share of the cotangent.
+/// Bound of [`super::backward::sample`]. At a kink any slope dt / du is admissible, and each edge next to the sample may get any
+/// share of the cotangent.
 pub fn sample_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, |ray, g| {
         let d = Distribution::new(ray, m);
@@ -138,7 +138,7 @@ pub fn sample_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
             let k = super::bin_of(&d.f, u);
             if !reach.smooth {
                 let share = Bounded { y: 0.5 * g, e: 0.5 * g.abs() };
-                // The sum's own roundings are those of terms of any share.
+                // The sum rounds for any shares of its terms.
                 let [first, last] = reach.bins;
                 terms[first.min(k)..=last.max(k) + 1].iter_mut().for_each(|t| t.push(share.widened(g.abs())));
                 g_u.push(f64::INFINITY);
@@ -147,7 +147,7 @@ pub fn sample_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
             let (weight, s) = d.inside(k, u);
             let width = m.sub(exact(ray.edges[k + 1]), exact(ray.edges[k]));
             terms[k].push(m.mul(exact(g), m.sub(exact(1.0), s)));
-            // Of the lerp a + s (b - a) the gradient of a is a difference as well.
+            // Through the lerp a + s (b - a), the gradient of a is a difference too.
             terms[k + 1].push(m.mul(exact(g), s));
             let slope = m.div(m.mul(exact(g), width), weight);
             g_u.push(slope.or(m.mul(exact(g), m.div(width, weight))).e);

@@ -17,7 +17,7 @@ fn case(id: &str, comment: &'static str, rays: [&[Vec<f64>]; 3], padding: f64) -
     )
 }
 
-/// Edges from 2 on in steps of 1/16 to 1/2: sixteenths up to 6 are numbers of every type.
+/// Edges from 2 on in steps of 1/16 to 1/2: sixteenths up to 6 are representable in every type.
 fn uneven(draw: &mut Draw, bins: usize) -> Vec<f64> {
     let mut edges = vec![2.0];
     for k in 0..bins {
@@ -47,7 +47,7 @@ pub fn importance_sampling() -> Vec<Case> {
     let mut draw = Draw::new("importance_sampling", 100);
     let even = |bins: i32| (0..=bins).map(|k| 2.0 + f64::from(k) / 16.0).collect::<Vec<f64>>();
     let quarters = vec![2.0, 3.0, 4.0, 5.0, 6.0];
-    // A weight of 1 among empty bins, as they are after the code's + 1e-5, and samples in the empty ones.
+    // A weight of 1 among empty bins with the original code's + 1e-5, and samples in the empty ones.
     let mut opaque = vec![0.0; 62];
     opaque[40] = 1.0;
     let faint =

@@ -1,11 +1,11 @@
-//! Honest importance sampling in emulated arithmetic: F from normalized weights, from sums that are divided, or u from the sum.
+//! Honest importance sampling in emulated arithmetic: F from normalized weights, from divided sums, or u multiplied by the sum.
 
 use super::arrays::{Ray, forward, vjp};
 use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
-/// F at the edges and the u that is looked for in it.
+/// F at the edges, and the u that is searched in it.
 fn distribution(ray: &Ray, m: &Machine) -> (Vec<f64>, Vec<f64>) {
     let mut w: Vec<f64> = ray.weights.iter().map(|&w| m.add(w, m.round(ray.padding))).collect();
     if w.iter().all(|&w| w == 0.0) {
@@ -56,7 +56,7 @@ pub fn sample_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     vjp(a, |ray, g| {
         let (f, u) = distribution(ray, m);
         let n = ray.weights.len();
-        // Looking for u S in the sums, dt / du has a factor S.
+        // Where u S is searched in the sums, dt / du has a factor S.
         let scale = if m.form % 3 == 2 { f[n] } else { 1.0 };
         let (mut terms, mut g_u) = (vec![vec![]; n + 1], vec![]);
         for (&u, &g) in u.iter().zip(g) {

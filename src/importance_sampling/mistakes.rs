@@ -108,7 +108,7 @@ pub const IMPORTANCE_SAMPLING: &[Mistake] = &[
     .of_gradient(),
 ];
 
-/// What becomes of a ray before anything is computed.
+/// Changes to a ray's inputs, before anything is computed.
 fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     let Ray { mut edges, mut weights, mut padding, u } = Ray {
         edges: ray.edges.clone(),

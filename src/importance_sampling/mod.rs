@@ -1,4 +1,4 @@
-//! Importance sampling: the samples of a fine pass, drawn where the weights of a coarse pass say that something is.
+//! Importance sampling: the samples of a fine pass, drawn where the weights of a coarse pass are large.
 //!
 //! Letters: N bins between the `edges` e_0 <= ... <= e_N on a ray, `weights` w of the bins, F the cumulative distribution at the
 //! edges, `u` in [0, 1], `t` the sample, s its place inside a bin.
@@ -18,9 +18,9 @@ mod tests;
 
 /// The cumulative distribution at the edges: F_k = sum_{j<k} (w_j + padding) / sum_j (w_j + padding), N + 1 values from 0 to 1.
 ///
-/// NeRF (Mildenhall et al. 2020) section 5.2 normalizes the weights; `padding` is what code adds to each of them beforehand (1e-5 in
-/// the original's, 0.01 in nerfstudio's), and 0 in the paper. Where all of it is 0 nothing is known, and all bins weigh the same:
-/// the limit of any padding that goes to 0 (SA1).
+/// NeRF (Mildenhall et al. 2020) section 5.2 normalizes the weights; `padding` is added to each of them before (1e-5 in the
+/// original code, 0.01 in nerfstudio, 0 in the paper). Where all weights and the padding are 0, all bins weigh the same: the limit
+/// of any padding that goes to 0 (SA1).
 ///
 /// ```
 /// use nerf_oracle::importance_sampling::cdf;
@@ -65,9 +65,9 @@ pub(crate) fn bin_of(f: &[f64], u: f64) -> usize {
 /// `edges` (N + 1), ascending; `weights` (N), none negative; `u` (M), in any order; result (M), in the order of `u`.
 ///
 /// # Convention
-/// A weight belongs to the bin between two edges. The original's code has samples instead of edges, and hands over their midpoints
-/// with the weights of all samples but the first and the last. Small differences F_{k+1} - F_k are divided by as they are: the
-/// original's code takes 1 for any below 1e-5, and an opaque ray's samples then fall on the edges (SA2).
+/// A weight belongs to the bin between two edges. The original code has samples instead of edges, and passes their midpoints
+/// with the weights of all samples except the first and the last. Small differences F_{k+1} - F_k are divided by as they are: the
+/// original code takes 1 for any below 1e-5, and an opaque ray's samples then fall on the edges (SA2).
 ///
 /// # Panics
 /// Where there is no bin.

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::contract::testing::properties;
 
-/// The hard cases' own numbers: what textbook code makes of them, and what is right.
+/// The numbers of the hard cases: what textbook code returns, and what is right.
 #[test]
 fn sa2_an_opaque_ray_keeps_its_faint_bins() {
     let edges: Vec<f64> = (0..=62).map(|k| 2.0 + 4.0 * f64::from(k) / 62.0).collect();
@@ -15,7 +15,7 @@ fn sa2_an_opaque_ray_keeps_its_faint_bins() {
     let u = 0.5e-5 / 1.00062;
     let t = sample(&edges, &weights, 1e-5, &[u])[0];
     assert!((t - 2.0323).abs() < 1e-4, "{t}");
-    // The code's repair: a difference below 1e-5 counts as 1.
+    // The original code's repair: a difference below 1e-5 counts as 1.
     let f = cdf(&weights, 1e-5);
     assert!(f[1] - f[0] < 1e-5);
     let snapped = edges[0] + (u - f[0]) * (edges[1] - edges[0]);
@@ -30,11 +30,11 @@ fn sa3_ends_and_ties() {
     // Nothing after the last weight, nothing before the first, even at the ends and on ties.
     let weights = [0.0, 1.0, 0.0, 0.0, 1.0, 0.0];
     assert_eq!(sample(&edges[..7], &weights, 0.0, &[0.0, 0.25, 0.5, 0.75, 1.0]), [1.0, 1.5, 4.0, 4.5, 5.0]);
-    // All of a bin of width 0 lies in one place.
+    // A bin of width 0 is a single point.
     assert_eq!(sample(&[0.0, 1.0, 1.0, 2.0], &[1.0, 2.0, 1.0], 0.0, &[0.25, 0.5, 0.75]), [1.0, 1.0, 1.0]);
 }
 
-/// SA1: the repairs don't agree, and each is what `padding` says; 0 is their limit.
+/// SA1: the repairs don't agree; each is a value of `padding`, and 0 is their limit.
 #[test]
 fn sa1_an_empty_ray_is_the_limit_of_any_padding() {
     let edges = [2.0, 2.25, 3.0, 5.0];

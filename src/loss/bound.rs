@@ -44,7 +44,7 @@ fn decibels(error: Bounded, peak: f64, m: &Arithmetic) -> Bounded {
     }
     let ratio = m.div(error, m.mul(exact(peak), exact(peak)));
     let quotient = m.mul(exact(-10.0), log_10(ratio, m));
-    // Of a peak of 1 nothing is taken, so that nothing is rounded either.
+    // For a peak of 1 the second logarithm is 0, so nothing is rounded.
     let of_peak = if peak == 1.0 { exact(0.0) } else { m.mul(exact(20.0), log_10(exact(peak), m)) };
     let difference = m.sub(of_peak, m.mul(exact(10.0), log_10(error, m)));
     let worst = quotient.e.max(difference.e);
@@ -68,10 +68,10 @@ pub fn psnr(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let e = match c.psnr {
         PsnrOf::Images => {
             let each: Vec<Bounded> = errors.iter().map(|&error| decibels(error, peak, m)).collect();
-            // One infinite picture makes the mean infinite, in every arithmetic.
+            // One infinite PSNR makes the mean infinite, in every arithmetic (ME1).
             if each.iter().any(|b| b.y.is_infinite()) { 0.0 } else { mean(&each).e }
         }
-        // All pixels at once, or the mean of the pictures' means.
+        // The mean over all pixels, or the mean of the pictures' means.
         PsnrOf::MeanError => {
             let all = mean_square(&predictions.concat(), &targets.concat(), m);
             decibels(all, peak, m).e.max(decibels(mean(&errors), peak, m).e)
@@ -80,7 +80,7 @@ pub fn psnr(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     arrays([("value", scalar(e))])
 }
 
-/// Bound of [`super::to_uint8`]: 0 where every honest 255 x leads to the same byte, else the distance to the other one.
+/// Bound of [`super::to_uint8`]: 0 where every honest 255 x gives the same byte, otherwise the distance to the other byte.
 pub fn to_uint8(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let byte = |y: f64| match c.bytes {
         Bytes::Round => libm::round(y),

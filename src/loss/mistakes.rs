@@ -199,7 +199,7 @@ pub fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         bytes.invert_axis(ndarray::Axis(0));
     }
     if wrong.contains(&"picture_transposed") {
-        // In the memory of a picture of the right shape.
+        // Reshaped to the right shape.
         let columns = bytes.permuted_axes(ndarray::IxDyn(&[1, 0, 2]));
         bytes = like(a, "image", columns.iter().copied().collect());
     }

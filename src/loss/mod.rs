@@ -1,4 +1,4 @@
-//! Loss and image metrics: mean squared error, PSNR, SSIM, and the way to bytes.
+//! Loss and image metrics: mean squared error, PSNR, SSIM; and colors as bytes.
 
 use ndarray::ArrayView3;
 
@@ -40,8 +40,8 @@ pub fn psnr(mse: f64, peak: f64) -> f64 {
 
 /// PSNR of several images, each a slice: the mean of their PSNRs, or the PSNR of their mean error.
 ///
-/// The first is never the smaller: for errors .01 and .001, 25.00 dB against 22.60. One image that is reproduced exactly makes the
-/// first infinite.
+/// The first is never smaller: for errors .01 and .001 it is 25.00 dB, the second 22.60. One image without any error makes the first
+/// infinite (ME1).
 pub fn psnr_of_images(predictions: &[&[f64]], targets: &[&[f64]], peak: f64, of: PsnrOf) -> f64 {
     let mut sum = Sum::default();
     for (prediction, target) in predictions.iter().zip(targets) {
@@ -63,7 +63,7 @@ pub fn psnr_of_images(predictions: &[&[f64]], targets: &[&[f64]], peak: f64, of:
 ///
 /// # Convention
 /// Window 11 x 11, Gaussian with standard deviation 1.5, weights summing to 1; c1 = (0.01 peak)^2, c2 = (0.03 peak)^2; variances
-/// with weight 1 (not n / (n - 1)); no padding. Other programs take a uniform window of 7: the figures differ.
+/// with weight 1 (not n / (n - 1)); no padding. Other programs take a uniform window of 7: their values differ (ME2).
 ///
 /// # Shapes
 /// (H, W, 3) both, H and W at least 11.

@@ -42,14 +42,14 @@ fn me2_ssim_window_11_deviation_1_5() {
     assert!((kernel[5] / kernel[8] - exp(2.0)).abs() < 1e-13, "two deviations beside the middle: e^2");
     let a = noise(1.0);
     assert_eq!(ssim(a.view(), a.view(), 1.0), 1.0);
-    // Two flat pictures differ in luminance alone: (2ab + c1) / (a^2 + b^2 + c1).
+    // Two flat pictures differ only in luminance: (2ab + c1) / (a^2 + b^2 + c1).
     let flat = |x| Array3::from_elem((11, 12, 3), x);
     let expected = (2.0 * 0.4 * 0.5 + 1e-4) / (0.16 + 0.25 + 1e-4);
     assert!((ssim(flat(0.4).view(), flat(0.5).view(), 1.0) - expected).abs() < 1e-14);
-    // A negative has covariance -variance; with equal means of 1/2 over the window structure turns its sign.
+    // A negative has covariance -variance: with means of 1/2 over the window, the structure term changes its sign.
     let negative = a.mapv(|x| 1.0 - x);
     assert!(ssim(a.view(), negative.view(), 1.0) < -0.8);
-    // Symmetric, and free of the unit.
+    // Symmetric, and independent of the unit.
     let b = noise(0.9);
     assert_eq!(ssim(a.view(), b.view(), 1.0), ssim(b.view(), a.view(), 1.0));
     let bytes = |x: &Array3<f64>| x.mapv(|x| 255.0 * x);

@@ -4,7 +4,7 @@ use super::OccupancyGrid;
 use crate::contract::arrays::{Arrays, array, arrays, input, number, threes, values};
 use crate::convention::Conventions;
 
-/// What an update is asked.
+/// The inputs of an update.
 pub(crate) struct Update {
     pub grid: OccupancyGrid,
     pub decay: f64,
@@ -25,7 +25,7 @@ pub(crate) fn asked(a: &Arrays) -> Update {
     }
 }
 
-/// Densities, occupancies and found ones as the outputs.
+/// Densities, occupancies and queried bits as the outputs.
 pub(crate) fn updated(resolution: usize, density: Vec<f64>, occupied: Vec<f64>, found: Vec<f64>) -> Arrays {
     let cube = [resolution; 3];
     arrays([
@@ -35,7 +35,7 @@ pub(crate) fn updated(resolution: usize, density: Vec<f64>, occupied: Vec<f64>, 
     ])
 }
 
-/// `f(origin, direction, near, far, resolution)` = lengths and the number of cells, or how far off they may be, as the outputs.
+/// `f(origin, direction, near, far, resolution)` = lengths and the number of cells, or their errors, as the outputs.
 pub(crate) fn each_ray(
     a: &Arrays,
     f: impl Fn([f64; 3], [f64; 3], f64, f64, usize) -> (Vec<f64>, f64),

@@ -1,7 +1,7 @@
 //! Error bounds of the occupancy grid.
 //!
-//! Bits and counts are whole: 0 where every honest evaluation decides alike, else as far as the other answer is. A point that rounding
-//! may put into another cell leaves everything open; the cases have none, which a test asserts.
+//! Bits and counts are whole numbers: the bound is 0 where every honest evaluation decides alike, otherwise the distance to the other
+//! answer. A point that rounding may move to another cell leaves everything open; the cases have none, which a test asserts.
 
 use super::arrays::{Update, asked, each_ray, updated};
 use crate::camera::bound::hyper;
@@ -11,7 +11,7 @@ use crate::contract::bounded::{Bounded, exact};
 use crate::convention::Conventions;
 
 /// Whether every honest evaluation finds the same cell: x R is exact where R is a power of two, and off by three roundings elsewhere
-/// (x / (1 / R)), faces at the ends of the box aside.
+/// (x / (1 / R)), except at the ends of the box.
 pub(crate) fn surely_in_its_cell(x: [f64; 3], resolution: usize, m: &Arithmetic) -> bool {
     let r = resolution as f64;
     resolution.is_power_of_two()
@@ -53,8 +53,8 @@ pub fn update(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     )
 }
 
-/// The stretch inside one slab of cells along an axis, from the latest and to the earliest that honest code may see; the outermost
-/// cells reach to infinity, as the oracle's do. `None` where the ray runs beside it.
+/// The interval of t inside one slab of cells along an axis, with the errors of its ends; the outermost cells reach to infinity, as
+/// the oracle's do. `None` where the ray misses the slab.
 struct Slab {
     enter: Bounded,
     leave: Bounded,
@@ -82,14 +82,14 @@ fn slab(o: f64, d: f64, n: usize, resolution: usize, range: [f64; 2], m: &Arithm
         let place = if resolution.is_power_of_two() { exact(face(n)) } else { m.rounded(face(n), 0.0) };
         let direct = m.div(m.sub(place, exact(o)), exact(d));
         let scaled = m.mul(m.sub(place, exact(o)), m.div(exact(1.0), exact(d)));
-        // Reached face by face, each step is rounded, and the step itself is off.
+        // Reached face by face, each step is rounded, and the step length has an error itself.
         direct.or(scaled).widened(r * (m.u * (direct.y.abs() + longest) + delta.e))
     };
     let (a, b) = (t(n), t(n + 1));
     Some(if d > 0.0 { Slab { enter: a, leave: b } } else { Slab { enter: b, leave: a } })
 }
 
-/// max or min (`sign` -1) of honest values: from where to where.
+/// The interval of the maximum, or (`sign` -1) the minimum, of honest values.
 fn extreme(all: &[Bounded], sign: f64) -> [f64; 2] {
     let of = |side: f64| {
         sign * all
@@ -115,7 +115,7 @@ pub fn traverse(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
             let enter = extreme(&[x.enter, y.enter, z.enter, hyper(near, m)], 1.0);
             let leave = extreme(&[x.leave, y.leave, z.leave, hyper(far, m)], -1.0);
             let [least, most] = [leave[0] - enter[1], leave[1] - enter[0]].map(|length| length.max(0.0));
-            // The difference is rounded, and small ones may be lost beside t.
+            // The difference is rounded, and small ones may vanish next to t.
             let rounding = 2.0 * m.u * (enter[1].abs() + leave[1].abs()) + m.tiny;
             errors.push(if most == 0.0 { 0.0 } else { most - least + rounding });
             open += if most > 0.0 && least <= rounding { 1.0 } else { 0.0 };

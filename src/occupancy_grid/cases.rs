@@ -126,7 +126,7 @@ fn rays_case(id: &str, comment: &'static str, r: usize, rays: &[[f64; 6]], [near
 /// Traversal. All rays lie in the unit box between near and far.
 pub fn traverse() -> Vec<Case> {
     let mut draw = Draw::new("grid_traversal", 0);
-    // From one place of the box to another: t in [0, 1].
+    // From one point of the box to another: t in [0, 1].
     let mut through = || {
         let mut place = || draw.between(0.0625, 0.9375);
         let (o, end): (Vec<f64>, Vec<f64>) = (0..3).map(|_| (place(), place())).unzip();

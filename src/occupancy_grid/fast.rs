@@ -10,7 +10,7 @@ const BRICK: usize = 4;
 /// Cells along a block's edge: its 4^3 bricks are a word too.
 const BLOCK: usize = 16;
 
-/// What the bounds leave around occupied bricks, so that no ray loses a cell to rounding.
+/// The margin around occupied bricks, so that no ray loses a cell to rounding.
 const MARGIN: f32 = 1e-4;
 
 /// A cubic grid of cells over the unit box.
@@ -18,18 +18,18 @@ const MARGIN: f32 = 1e-4;
 pub struct Occupancy {
     /// Cells along an edge, a multiple of 16.
     pub resolution: usize,
-    /// The largest density of late, (R^3), index x + R (y + R z).
+    /// The largest recent density, (R^3), index x + R (y + R z).
     pub density: Vec<f32>,
-    /// Of each brick the occupied cells, and those of them that are opaque.
+    /// For each brick, the bits of its occupied cells, and of those that are opaque.
     words: Vec<[u64; 2]>,
-    /// Of each block the bricks with occupied cells.
+    /// For each block, the bits of the bricks with occupied cells.
     blocks: Vec<u64>,
     /// Two corners of a box that holds all occupied bricks.
     bounds: [[f32; 3]; 2],
 }
 
 impl Occupancy {
-    /// Every cell occupied, no density known.
+    /// A grid with every cell occupied and no density known.
     ///
     /// # Panics
     /// Where the resolution isn't a multiple of 16.
@@ -44,7 +44,7 @@ impl Occupancy {
         Occupancy { resolution, density: vec![0.0; resolution.pow(3)], words, blocks, bounds }
     }
 
-    /// A grid from its parts, as [`Self::density`] and [`Self::bits`] gave them; none where lengths don't fit.
+    /// A grid from its parts, as [`Self::density`] and [`Self::bits`] return them; `None` if the lengths don't match.
     pub fn from_parts(
         resolution: usize,
         density: Vec<f32>,
@@ -71,7 +71,7 @@ impl Occupancy {
 
     #[inline(always)]
     fn along(&self, x: f32) -> usize {
-        // The conversion saturates: NaN and what lies below the box become 0.
+        // The conversion saturates: NaN and coordinates below the box become 0.
         ((x * self.resolution as f32) as usize).min(self.resolution - 1)
     }
 
@@ -108,12 +108,12 @@ impl Occupancy {
         self.density.iter_mut().for_each(|d| *d *= decay);
     }
 
-    /// Occupied are from now on the cells denser than `threshold`; none is opaque.
+    /// Marks the cells denser than `threshold` as occupied; none is opaque.
     pub fn apply_threshold(&mut self, threshold: f32) {
         self.apply_thresholds([threshold, f32::INFINITY]);
     }
 
-    /// Occupied are from now on the cells denser than the first threshold, opaque those denser than the second, which is larger.
+    /// Marks the cells denser than the first threshold as occupied, those denser than the second, larger one as opaque.
     pub fn apply_thresholds(&mut self, thresholds: [f32; 2]) {
         let (r, bricks) = (self.resolution, self.resolution / BRICK);
         self.words.fill([0; 2]);
@@ -131,7 +131,7 @@ impl Occupancy {
         self.sum_up();
     }
 
-    /// What follows from the words: blocks and bounds.
+    /// Updates what follows from the bits: blocks and bounds.
     fn sum_up(&mut self) {
         let (bricks, blocks) = (self.resolution / BRICK, self.resolution / BLOCK);
         self.blocks = vec![0; blocks.pow(3)];

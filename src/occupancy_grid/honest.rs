@@ -31,7 +31,7 @@ pub fn update(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     updated(r, density, occupied, found)
 }
 
-/// From cell to cell (Amanatides and Woo), each face from its place or a step after the last; nothing is left, as the box isn't.
+/// From cell to cell (Amanatides and Woo), each face from its coordinate or one step after the last; the ray stays inside of the box.
 pub fn traverse(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     each_ray(a, |o, d, near, far, r| {
         let (near, far, rs) = (m.round(near), m.round(far), r as f64);

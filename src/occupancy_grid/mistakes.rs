@@ -75,7 +75,7 @@ pub fn traverse(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let is = |name: &str| wrong.contains(&name);
     each_ray(a, |o, d, near, far, r| {
         let near = if is("near_ignored") { 0.0 } else { near };
-        // The box's end, seen from inside.
+        // The box's end, from inside.
         let leaves = |a: usize| ((if d[a] > 0.0 { 1.0 } else { 0.0 }) - o[a]) / d[a];
         let end =
             (0..3).filter(|&a| d[a] != 0.0).map(leaves).filter(|&t| t > near).fold(f64::INFINITY, f64::min);

@@ -1,4 +1,4 @@
-//! Occupancy grid: which cells of the unit box may hold something, so that samples are spent there alone.
+//! Occupancy grid: which cells of the unit box may have density, so that samples are taken only there.
 //!
 //! Instant-NGP (Mueller et al. 2022) appendix C. Letters: `R` cells along an edge; cell (i, j, k) is [i, i+1) x [j, j+1) x [k, k+1) over R,
 //! index i + R (j + R k); the last cell of an axis is closed. A ray is o + t d in units of the box.
@@ -19,13 +19,13 @@ mod tests;
 pub struct OccupancyGrid {
     /// R.
     pub resolution: usize,
-    /// The largest density of late in each cell, (R^3).
+    /// The largest recent density in each cell, (R^3).
     pub density: Vec<f64>,
     /// A cell is occupied where its density is larger.
     pub threshold: f64,
 }
 
-/// A stretch of a ray inside one cell.
+/// The part of a ray inside one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// The cell's index.
@@ -37,7 +37,7 @@ pub struct Crossing {
 }
 
 impl OccupancyGrid {
-    /// The index of the cell that holds `x`; points outside the box count to the nearest cell.
+    /// The index of the cell that holds `x`; points outside the box belong to the nearest cell.
     ///
     /// ```
     /// use nerf_oracle::occupancy_grid::OccupancyGrid;
@@ -73,12 +73,12 @@ impl OccupancyGrid {
 
     /// The cells that a ray passes between `near` and `far`, in order, without gaps or overlaps.
     ///
-    /// All crossings of the ray with the planes between cells are written down and sorted; between two of them the ray is in one cell,
-    /// that of its middle. Nothing is stepped, so no rounding adds up and starting on a face is nothing special (CG3).
+    /// All crossings of the ray with the planes between cells are computed and sorted; between two of them the ray is in one cell, that
+    /// of its midpoint. There is no stepping, so no rounding accumulates and starting on a face is no special case (CG3).
     ///
     /// # Convention
-    /// A ray that runs in a face belongs to the cells above it (below it at the box's upper end). Where rounding has put the ray beside
-    /// the box, it counts to the nearest cells.
+    /// A ray that runs in a face belongs to the cells above it (below it at the box's upper end). Where rounding puts the ray outside
+    /// the box, the nearest cells count.
     ///
     /// ```
     /// use nerf_oracle::occupancy_grid::OccupancyGrid;

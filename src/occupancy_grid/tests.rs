@@ -11,7 +11,7 @@ fn key() -> Key {
     Key::new(11, Purpose::Cases)
 }
 
-/// About `share` of the cells occupied, in clumps of 2^3 so that bricks are full, mixed and empty.
+/// A grid with about `share` of the cells occupied, in clumps of 2^3 so that bricks are full, mixed and empty.
 fn random_grid(resolution: usize, share: f64) -> OccupancyGrid {
     let half = resolution / 2;
     let clump =
@@ -54,7 +54,7 @@ fn crossings_cover_the_ray_once() {
     }
 }
 
-/// CG3 (nerfacc issue 265): from a cell face, almost along another one, all 32 cells are visited.
+/// CG3 (nerfacc issue 265): from a cell face, almost along another face, all 32 cells are visited.
 #[test]
 fn starts_on_a_face() {
     let grid = OccupancyGrid { resolution: 32, density: vec![0.0; 32 * 32 * 32], threshold: 0.5 };
@@ -75,7 +75,7 @@ fn update_decays_and_rises() {
     assert!(grid.occupied([0.49, 0.0, 0.3]) && !grid.occupied([0.5, 0.0, 0.3]));
 }
 
-/// A ray that starts in a face and goes down never was in the cell above, nor is a stretch of length 0 one.
+/// A ray that starts in a face and goes down is never in the cell above, and there is no crossing of length 0.
 #[test]
 fn cells_that_are_only_touched_are_not_crossed() {
     let grid = OccupancyGrid { resolution: 2, density: vec![0.0; 8], threshold: 0.5 };
@@ -95,10 +95,10 @@ fn samples_by_hand() {
     };
     assert_eq!(samples(&grid, 0.25, 0.75, 0.0), [0.25, 0.5]);
     assert_eq!(samples(&grid, 0.3, 1.0, 0.5), [0.375, 0.625, 0.875]);
-    // A density that is the threshold's isn't above it.
+    // A density equal to the threshold isn't above it.
     grid.density[0] = 0.5;
     assert!(samples(&grid, 0.25, 0.75, 0.0).is_empty() && !grid.occupied([0.5; 3]));
-    // Two cells along x: of t = 1/8, 3/8, 5/8, 7/8 those behind the middle.
+    // Two cells along x: of t = 1/8, 3/8, 5/8, 7/8 those past the middle.
     let half = OccupancyGrid { resolution: 2, density: [0.0, 1.0].repeat(4), threshold: 0.5 };
     assert_eq!(samples(&half, 0.0, 1.0, 0.5), [0.625, 0.875]);
     // Along y and z too.
@@ -106,7 +106,7 @@ fn samples_by_hand() {
     assert_eq!([at([0.75, 0.0, 0.5], [0.0, 1.0, 0.0]), at([0.25, 0.0, 0.0], [0.0, 1.0, 1.0])], [4, 0]);
 }
 
-/// Through the edges of cells, where the planes of two axes lie an ULP apart: no cell comes twice in a row.
+/// Through the edges of cells, where the planes of two axes are one ULP apart: no cell is listed twice in a row.
 #[test]
 fn a_cell_is_crossed_once() {
     let grid = OccupancyGrid { resolution: 32, density: vec![0.0; 32 * 32 * 32], threshold: 0.5 };
@@ -119,7 +119,7 @@ fn a_cell_is_crossed_once() {
     }
 }
 
-/// Points on faces and beside the box.
+/// Points on faces and outside the box.
 #[test]
 fn cells_by_hand() {
     let grid = OccupancyGrid { resolution: 4, density: vec![0.0; 64], threshold: 0.5 };
@@ -149,8 +149,8 @@ fn samples_lie_in_occupied_crossings() {
     assert!(kept > 1000);
 }
 
-/// The f32 traversal visits what the oracle visits, but for lattice points within rounding of a face or of an end. Alone, in
-/// lanes that are filled in part, and in lanes that are filled again.
+/// The f32 traversal visits what the oracle visits, except for lattice points within rounding of a face or of an end: one ray
+/// alone, lanes that are partly filled, and lanes that are refilled.
 #[test]
 fn fast_traversal_agrees() {
     let oracle = random_grid(16, 0.2);
@@ -204,7 +204,7 @@ fn way(i: u64, patience: u32) -> fast::Way {
     }
 }
 
-/// A ray ends after as many samples in opaque cells as it has patience for, and has seen what it sees with more of it.
+/// A ray ends after `patience` samples in opaque cells; up to there, its samples are those with more patience.
 #[test]
 fn patience_ends_a_ray() {
     let mut grid = fast::Occupancy::full(16);
@@ -254,7 +254,7 @@ fn a_span_holds_all_occupied_cells() {
         let whole = way(i, u32::MAX);
         let (near, far) = grid.span(whole.o, whole.d);
         let part = fast::Way { near: near.max(whole.near), far: far.min(whole.far), ..whole };
-        // Alone in its lanes, and among others.
+        // The ray alone, and among others.
         grid.march(Arch::new(), &[whole], 0.004, &mut all);
         grid.march(Arch::new(), &[part; 40], 0.004, &mut some);
         assert!((0..40).all(|n| some.of(n) == some.of(0)));

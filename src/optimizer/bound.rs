@@ -1,7 +1,7 @@
 //! Error bound of Adam's step.
 //!
-//! Hyper-parameters are f64 in every number type, and what is made of them alone (1 - beta, the bias corrections, lr / correction)
-//! is made at least in f32; where it meets an array it is rounded to the type.
+//! Hyper-parameters are f64 in every number type. What is computed from them alone (1 - beta, the bias corrections, lr / correction)
+//! is computed at least in f32, and rounded to the type where it is combined with an array.
 
 use super::arrays::{each, settings};
 use super::{Adam, Moments, bias_correction};
@@ -11,7 +11,7 @@ use crate::contract::bounded::{Bounded, exact};
 use crate::convention::Conventions;
 use crate::math::ln;
 
-/// Numbers made of hyper-parameters alone.
+/// Numbers computed from hyper-parameters alone.
 struct Scalars {
     beta1: Bounded,
     beta2: Bounded,
@@ -32,7 +32,7 @@ fn correction(beta: f64, step: u64, s: &Arithmetic) -> Bounded {
         let exponent = s.mul(exact(step as f64), s.elementary(-ln(beta), 0.0));
         return s.one_minus_exp(exponent);
     }
-    // The power is of a beta that is rounded itself: 1 + step roundings, as by repeated products.
+    // beta itself is rounded before the power: 1 + step roundings, as in repeated products.
     let power = 1.0 - y;
     let roundings = (step as f64 + 1.0).min(1.0 / (s.u * step as f64));
     let textbook = s.sub(exact(1.0), s.elementary(power, power * roundings * s.u));
@@ -71,7 +71,7 @@ fn moments(before: Moments, grad: f64, adam: &Adam, s: &Scalars, m: &Arithmetic)
     let param = exact(before.param);
     let g = if adam.weight_decay == 0.0 { exact(grad) } else { m.add(exact(grad), m.mul(s.decay, param)) };
     let mean1 = mean(s.beta1, s.rest1, exact(before.m), g, m);
-    // (1 - b2) (g g), or ((1 - b2) g) g: they underflow at different places.
+    // (1 - b2) (g g), or ((1 - b2) g) g: they underflow at different sizes of g.
     let kept = m.mul(s.beta2, exact(before.v));
     let square = m.mul(s.rest2, m.mul(g, g)).or(m.mul(m.mul(s.rest2, g), g));
     let mean2 = m.add(kept, square);

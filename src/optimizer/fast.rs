@@ -52,7 +52,7 @@ impl Moments {
     }
 }
 
-/// What every parameter's step has in common.
+/// The factors that all parameters share in a step.
 #[derive(Clone, Copy)]
 struct Update {
     rate: f32,

@@ -8,10 +8,10 @@ use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 use crate::math::pow;
 
-/// Adam's step, as PyTorch's `lerp` and `addcdiv` have it, or as the paper's algorithm reads.
+/// Adam's step, as PyTorch's `lerp` and `addcdiv` compute it, or as written in the paper's algorithm.
 pub fn adam_step(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let (adam, step) = settings(a);
-    // What hyper-parameters make among themselves is made at least in f32.
+    // What is computed from hyper-parameters alone is computed at least in f32.
     let s = Machine { dtype: if m.dtype == Dtype::F64 { Dtype::F64 } else { Dtype::F32 }, ..*m };
     let correction = |beta: f64| match m.stable {
         true => s.elementary(bias_correction(beta, step)),

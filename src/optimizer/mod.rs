@@ -55,7 +55,7 @@ pub struct Moments {
 /// p' = p - lr / (1 - b1^step) m' / (sqrt(v') / sqrt(1 - b2^step) + eps).
 ///
 /// # Convention
-/// eps stands outside the root, and the bias corrections are applied to both means. The first step is lr sign(g), whatever the
+/// eps is added outside the root, and the bias corrections are applied to both means. The first step is lr sign(g), whatever the
 /// size of g, as long as it is well above eps.
 ///
 /// ```

@@ -29,7 +29,7 @@ pub struct Fixture {
     pub basis: String,
     /// Its cases.
     pub cases: Vec<Golden>,
-    /// What the basis does otherwise on purpose.
+    /// What the basis does differently on purpose.
     pub known_differences: Vec<Difference>,
 }
 
@@ -55,7 +55,7 @@ pub struct Golden {
 pub struct Expected {
     /// The value, rounded to f64.
     pub hi: ArrayD<f64>,
-    /// What the rounding left; zeros where the basis itself computes in f64.
+    /// The remainder of the rounding; zeros where the basis itself computes in f64.
     pub lo: ArrayD<f64>,
     /// One ULP of each element's largest term.
     pub ulp: ArrayD<f64>,
@@ -273,7 +273,7 @@ fn check_finite(key: &str, array: &ArrayD<f64>, infinite: bool) -> Result<(), Wr
     }
 }
 
-/// What of a case's arrays doesn't have the shape that the registry states: array, found, expected.
+/// The arrays of a case whose shape isn't the one that the registry states: array, found, expected.
 pub fn misshapen(component: &Component, case: &Golden) -> Option<Wrong> {
     let mut sizes = BTreeMap::new();
     let outputs = case.outputs.iter().map(|(name, expected)| (name, &expected.hi));
@@ -281,7 +281,7 @@ pub fn misshapen(component: &Component, case: &Golden) -> Option<Wrong> {
         let of = name.strip_prefix("grad_").unwrap_or(name);
         let Some(port) = ports(component).find(|port| port.name == of) else { continue };
         let letters: Vec<&str> = port.shape.split(',').filter(|letter| !letter.is_empty()).collect();
-        // `...` or an expression stands for what follows from the others.
+        // `...` or an expression: a size that follows from the others.
         let fits = letters.len() == array.ndim()
             && letters.iter().zip(array.shape()).all(|(letter, &size)| match letter.parse::<usize>() {
                 Ok(fixed) => fixed == size,

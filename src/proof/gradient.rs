@@ -1,4 +1,4 @@
-//! Gradients by differences: the judge of every hand-written backward.
+//! Gradients by finite differences: the check of every hand-written backward pass.
 
 use crate::contract::arrays::Arrays;
 
@@ -22,7 +22,7 @@ pub struct Estimate {
 pub fn richardson(mut f: impl FnMut(f64) -> f64, step: f64) -> Estimate {
     let central = |h: f64| {
         let (ahead, back) = (f(h), f(-h));
-        // What one rounding of f costs: tableau entries that agree by chance are worth no more.
+        // The error from one rounding of f: tableau entries that agree by chance are no better than that.
         ((ahead - back) / (2.0 * h), f64::EPSILON * ahead.abs().max(back.abs()) / h)
     };
     extrapolated(central, 4.0, step)

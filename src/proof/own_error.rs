@@ -19,8 +19,8 @@ const fn row(component: &'static str, forward: f64, vjp: f64) -> OwnError {
 
 /// Limits in pipeline order, about 1.3 times what is measured.
 ///
-/// Single operations stay within 4 ULP, and so do sums and products along a ray, which carry their rounding error along; deep
-/// networks have gradients whose errors come from many paths, where the unit knows the largest alone.
+/// Single operations stay within 4 ULP, and so do sums and products along a ray, which are compensated; the
+/// gradients of deep networks sum errors of many paths, while the unit is that of the largest term alone.
 pub const OWN_ERRORS: &[OwnError] = &[
     row("transform", 1.3, 2.0),
     row("pixel_to_camera", 1.4, 1.9),

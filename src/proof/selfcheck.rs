@@ -1,4 +1,4 @@
-//! The harness checks itself: honest machines pass, the all-zero answer and every mistake fail.
+//! The harness's check of itself: honest machines pass, the all-zero answer and every mistake fail.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;

@@ -43,7 +43,7 @@ mod tests {
         assert!(current, "write it again: nerf-oracle check --tables tests/pages/BOUNDS.md");
     }
 
-    /// Rows that see no rounding: every honest machine returns exactly the expected numbers, so that they say nothing of the bound's size.
+    /// Rows that see no rounding: every honest machine returns exactly the expected numbers, so they say nothing about the bound's size.
     const EXACT: [(&str, &str, &[Dtype]); 9] = [
         ("transform", "forward", &[Dtype::F64, Dtype::F32]),
         ("transform", "vjp", &[Dtype::F64, Dtype::F32]),
@@ -56,9 +56,8 @@ mod tests {
         ("occupancy_grid", "forward", &[Dtype::F64]),
     ];
 
-    /// An honest machine uses at most the whole bound, so with one a hundred times as loose none uses more than a 100th.
-    ///
-    /// That much is asked in every type; in some type, of every component and direction, a 25th.
+    /// Honest machines use at most the whole bound; of one that is 100 times too loose none would use more than 1/100. So in every
+    /// type some machine must use more than 1/100 of it, and for every component and direction, in some type, 1/25.
     #[test]
     fn no_bound_is_a_hundred_times_too_loose() {
         let (mut used, mut loose) = (BTreeMap::<String, f64>::new(), vec![]);

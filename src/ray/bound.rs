@@ -1,7 +1,7 @@
 //! Error bounds of rays, in running error analysis.
 //!
 //! Grade A covers d = R K^-1 (u, v, 1) / norm with the matrices applied one after the other or multiplied first, K inverted or
-//! written out, the norm divided by or its reciprocal multiplied with; grade B the textbook's (x_w - o) / |x_w - o| at depth 1 too.
+//! written out, division by the norm or multiplication with its reciprocal; grade B the textbook's (x_w - o) / |x_w - o| at depth 1 too.
 
 use super::arrays::{picture, positions};
 use crate::camera::arrays::rows34;
@@ -13,7 +13,7 @@ use crate::convention::{Axes, Conventions, Directions};
 
 type Vector = [Bounded; 3];
 
-/// One ray on its way from the pixel to the world.
+/// The intermediate values of one ray, from pixel to world space.
 struct Direction {
     /// In camera space, in the axes of the pose.
     camera: Vector,
@@ -75,7 +75,7 @@ impl Direction {
     }
 }
 
-/// x_w - o, where the grade admits it.
+/// x_w - o, where the grade allows it.
 fn textbook(terms: &[Bounded], o: f64, m: &Arithmetic) -> Bounded {
     let o = exact(o);
     match m.grade {
@@ -84,7 +84,7 @@ fn textbook(terms: &[Bounded], o: f64, m: &Arithmetic) -> Bounded {
     }
 }
 
-/// Bound of [`super::pixel_to_ray`]. The origin is handed through.
+/// Bound of [`super::pixel_to_ray`]. The origin is passed through unchanged.
 pub fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (lens, c2w, uv) = (Axis::of(&values(a, "K")), values(a, "c2w"), twos(a, "uv"));
     let direction = |n: usize| Direction::new(&lens, &rows34(&c2w, n), uv[n].map(exact), c, m).d.map(|d| d.e);
@@ -94,8 +94,8 @@ pub fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     ])
 }
 
-/// Bound of [`super::backward::pixel_to_ray`]. In the textbook's form the translation also gathers what x_w and -o bring, which
-/// cancels.
+/// Bound of [`super::backward::pixel_to_ray`]. In the textbook form the gradient of the translation also sums the parts through x_w and
+/// -o, which cancel.
 pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (lens, c2w, uv) = (Axis::of(&values(a, "K")), values(a, "c2w"), twos(a, "uv"));
     let (g_o, g_d) = (threes(a, "grad_rays_o"), threes(a, "grad_rays_d"));
@@ -120,7 +120,7 @@ pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     ])
 }
 
-/// Bound of the rays of a picture: focal length and center are rounded to the type, pixel centers are exact as far as it counts.
+/// Bound of the rays of a picture: focal length and center are rounded to the type, pixel centers are exact.
 pub fn image_rays(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (height, width, k, _) = picture(a);
     let rows = rows34(&values(a, "c2w"), 0);

@@ -22,7 +22,7 @@ fn direction(k: &Intrinsics, rows: &[[f64; 4]; 3], uv: [f64; 2], c: &Conventions
         camera = [camera[0], -camera[1], -camera[2]];
     }
     let r = if !m.stable {
-        // The textbook: two points, and their difference.
+        // The textbook form: two points, and their difference.
         let x_w = transformed(rows, &camera, m);
         std::array::from_fn(|n| m.sub(x_w[n], rows[n][3]))
     } else if m.form % 3 == 2 {
@@ -102,7 +102,7 @@ pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
         let g_r = gradient(&ray, g_d[n], c, m);
         let translation = |k: usize| match m.stable {
             true => g_o[n][k],
-            // What x_w brings, then what -o takes away again.
+            // The part through x_w, then the part through -o, which cancels it.
             false => m.sub(m.add(g_o[n][k], g_r[k]), g_r[k]),
         };
         g_c2w.extend(pose_gradient(g_r, ray.camera, std::array::from_fn(translation), m));

@@ -1,8 +1,8 @@
 //! Rays, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
 //!
 //! In `image_rays` a grid of uv without the half pixel, and rays that agree with it, are the convention `pixel_center`; the mistake
-//! `no_half_pixel` says the center (or is not asked) and shoots through the corner. Undivided directions are the convention
-//! `directions`. The two don't mix: a norm that is taken over the wrong axis is a mistake.
+//! `no_half_pixel` reports the center (or reports no uv) and shoots through the corner. Directions that are not normalized are the
+//! convention `directions`; a norm that is taken over the wrong axis is a mistake.
 
 use glam::{DMat4, DVec2, DVec3};
 
@@ -140,7 +140,7 @@ pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
     arrays::pixel_to_ray_vjp(a, c)
 }
 
-/// The rays of a picture. A grid whose rows and columns are exchanged says so in uv.
+/// The rays of a picture. A grid whose rows and columns are exchanged shows it in uv.
 pub fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (height, width, k, c2w) = picture(a);
     let uv = positions(a, c);

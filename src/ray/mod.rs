@@ -49,8 +49,8 @@ pub fn camera_direction(k: &Intrinsics, uv: DVec2, axes: Axes) -> DVec3 {
 
 /// The ray through pixel `uv`: `o` is the camera's center, `d = R K^-1 (u, v, 1)`, divided by its norm.
 ///
-/// The textbook's `(x_w - o) / |x_w - o|` is the same over the reals, but loses `|o| / |x_w - o|` in relative accuracy; the
-/// translation never enters here.
+/// The textbook form `(x_w - o) / |x_w - o|` is the same over the reals, but its relative error is larger by `|o| / |x_w - o|`; here the
+/// translation never enters.
 ///
 /// # Convention
 /// `uv` counts from the picture's upper left corner: the center of pixel (i, j) is (i + 0.5, j + 0.5). With
@@ -74,7 +74,7 @@ pub fn pixel_to_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, axes: Axes, directio
     }
 }
 
-/// Where pixel in column `i` and row `j` has its ray.
+/// The position `uv` through which the ray of the pixel in column `i` and row `j` goes.
 pub fn pixel_position(i: usize, j: usize, center: PixelCenter) -> DVec2 {
     let shift = match center {
         PixelCenter::Half => 0.5,
@@ -83,7 +83,7 @@ pub fn pixel_position(i: usize, j: usize, center: PixelCenter) -> DVec2 {
     DVec2::new(i as f64 + shift, j as f64 + shift)
 }
 
-/// The ray of position `uv` in a scene's camera: unit direction, OpenCV axes, the lens undone where there is one.
+/// The ray of position `uv` in a scene's camera: unit direction, OpenCV axes, undistorted where there is a lens.
 ///
 /// # Errors
 /// Where the lens has no inverse at `uv`.

@@ -11,9 +11,9 @@ use crate::convention::PixelCenter;
 pub enum Draw {
     /// Each ray draws from all pixels of all images.
     Pool,
-    /// The rays are dealt to `images` images, drawn first: N / M rays each.
+    /// `images` images are drawn first, and each gets N / M rays.
     PerImage {
-        /// M, how many images a step sees.
+        /// M, the number of images in a step.
         images: usize,
     },
 }

@@ -73,7 +73,7 @@ fn cg9_a_camera_far_away_keeps_its_directions() {
     let far = DMat4::from_translation(DVec3::new(1e6, -1e6, 1e6));
     let near = unit(&K, &DMat4::IDENTITY, uv);
     assert_eq!(unit(&K, &far, uv).d, near.d, "the translation never enters, to the last bit");
-    // The textbook's (x_w - o) / |x_w - o| loses six digits.
+    // The textbook form (x_w - o) / |x_w - o| loses six digits.
     let x = transform(&far, pixel_to_camera(&K, uv, 1.0)) - far.w_axis.truncate();
     let lost = (x / x.length() - near.d).length();
     assert!((1e-12..1e-8).contains(&lost), "{lost}");
@@ -152,7 +152,7 @@ proptest! {
         let (before, after) = (unit(&k, &c2w, uv), unit(&k, &(g * c2w), uv));
         prop_assert!((after.o - transform(&g, before.o)).length() < 1e-13 * 40.0);
         prop_assert!((after.d - rotate(&g, before.d)).length() < 1e-14);
-        // Moving it moves the origin alone.
+        // Moving the camera moves the origin alone.
         let moved = unit(&k, &(DMat4::from_translation(DVec3::new(3.0, -1.0, 2.0)) * c2w), uv);
         prop_assert_eq!(moved.d, before.d);
     }

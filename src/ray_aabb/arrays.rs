@@ -4,7 +4,7 @@ use super::{Hit, backward, between};
 use crate::contract::arrays::{Arrays, array, arrays, number, threes, values};
 use crate::convention::Conventions;
 
-/// One ray with the box and the range that all share.
+/// One ray, with the box, near and far that all share.
 #[derive(Clone, Copy)]
 pub(crate) struct Question {
     pub o: [f64; 3],
@@ -26,7 +26,7 @@ pub(crate) fn questions(a: &Arrays) -> Vec<Question> {
     rays.map(|(o, d)| Question { o, d, low, high, near, far }).collect()
 }
 
-/// `f(ray)` = t_near, t_far, hit, or how far off each may be, as the outputs.
+/// `f(ray)` = t_near, t_far, hit, or the error of each, as the outputs.
 pub(crate) fn forward(a: &Arrays, f: impl Fn(&Question) -> [f64; 3]) -> Arrays {
     let out: Vec<[f64; 3]> = questions(a).iter().map(f).collect();
     let column = |k: usize| array(&[out.len()], out.iter().map(|row| row[k]).collect());

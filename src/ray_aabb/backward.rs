@@ -4,8 +4,8 @@ use super::Hit;
 
 /// Gradients of `enter` and `leave` with respect to `o` and `d`; zeros where the ray misses.
 ///
-/// t = (face - o_a) / d_a on the axis a that decides: dt / d o_a = -1 / d_a, dt / d d_a = -t / d_a. Where two axes tie (an edge), the
-/// first of them: any choice is a subgradient.
+/// t = (face - o_a) / d_a on the axis a that determines the end: dt / d o_a = -1 / d_a, dt / d d_a = -t / d_a. Where two axes tie (an
+/// edge), the first of them: any choice is a subgradient.
 pub fn intersect(o: [f64; 3], d: [f64; 3], low: [f64; 3], high: [f64; 3], g: Hit) -> ([f64; 3], [f64; 3]) {
     let (mut g_o, mut g_d) = ([0.0; 3], [0.0; 3]);
     let Some(hit) = super::intersect(o, d, low, high) else { return (g_o, g_d) };
@@ -17,7 +17,7 @@ pub fn intersect(o: [f64; 3], d: [f64; 3], low: [f64; 3], high: [f64; 3], g: Hit
     (g_o, g_d)
 }
 
-/// The same for [`super::between`]: an end that `near` or `far` decides has no gradient, nor has a ray that misses.
+/// The same for [`super::between`]: an end that `near` or `far` determines has no gradient, nor has a ray that misses.
 pub fn between(
     o: [f64; 3],
     d: [f64; 3],

@@ -1,7 +1,7 @@
 //! Error bounds of rays and boxes.
 //!
-//! Whether a ray hits is decided where the two ends lie further apart than both may be off; where they don't, either answer is
-//! admissible. On a miss there is no t, and any is admissible.
+//! Whether a ray hits is certain where the two ends are further apart than their errors; otherwise either answer is admissible. On a
+//! miss there is no t, and any is admissible.
 
 use super::arrays::{Question, forward, vjp};
 use crate::camera::bound::{any_order, hyper};
@@ -10,9 +10,9 @@ use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact};
 use crate::convention::Conventions;
 
-/// An end of the stretch: its candidates, by axis, and the range's own end.
+/// An end of the interval: its candidates, by axis, and near or far.
 struct End {
-    /// (axis, t), those of infinite t left out.
+    /// (axis, t), without those of infinite t.
     candidates: Vec<(usize, Bounded)>,
     limit: Bounded,
     /// 1 for the largest of the candidates, -1 for the smallest.
@@ -20,7 +20,7 @@ struct End {
 }
 
 impl End {
-    /// The extreme of all honest candidates, from where to where.
+    /// The interval of the extreme of all honest candidates.
     fn interval(&self) -> [f64; 2] {
         let all = || self.candidates.iter().map(|(_, t)| t).chain([&self.limit]);
         let extreme = |side: f64| {
@@ -30,7 +30,7 @@ impl End {
         [extreme(-1.0), extreme(1.0)]
     }
 
-    /// The one candidate that can decide; none where it is the range's end; an error where several can.
+    /// The only candidate that can be the end; `None` if it is near or far; an error if several can.
     fn decider(&self) -> Result<Option<(usize, Bounded)>, ()> {
         let [low, high] = self.interval();
         let worst = if self.sign > 0.0 { low } else { high };
@@ -44,7 +44,7 @@ impl End {
     }
 }
 
-/// Both ends; none where the ray runs beside a slab, which no rounding can change.
+/// Both ends; `None` if the ray is parallel to a slab and outside of it, which no rounding can change.
 fn ends(q: &Question, m: &Arithmetic) -> Option<[End; 2]> {
     let end = |limit, sign| End { candidates: vec![], limit: hyper(limit, m), sign };
     let (mut enter, mut leave) = (end(q.near, 1.0), end(q.far, -1.0));
@@ -67,7 +67,7 @@ fn ends(q: &Question, m: &Arithmetic) -> Option<[End; 2]> {
     Some([enter, leave])
 }
 
-/// Whether the ray surely hits, surely misses, or could do either.
+/// Whether the ray certainly hits, certainly misses, or may do either.
 fn decided(ends: &Option<[End; 2]>) -> Option<bool> {
     let Some([enter, leave]) = ends else { return Some(false) };
     let ([enter_low, enter_high], [leave_low, leave_high]) = (enter.interval(), leave.interval());
@@ -98,7 +98,7 @@ pub fn ray_aabb(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     })
 }
 
-/// Bound of [`super::backward::between`]: nothing is said where two axes, or an axis and the range, may decide.
+/// Bound of [`super::backward::between`]: infinite where two axes, or an axis and near or far, may determine an end.
 pub fn ray_aabb_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, |q, g| {
         let ends = ends(q, m);

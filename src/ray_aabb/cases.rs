@@ -26,7 +26,7 @@ fn case(
     Case::new(id, comment, inputs)
 }
 
-/// A ray from far outside towards a point of the box (whose corners are given), some way inside its faces.
+/// A ray from far outside toward a point of the box (whose corners are given), away from its faces.
 fn towards(draw: &mut Draw, [low, high]: [[f64; 3]; 2], scale: f64) -> [f64; 6] {
     let inside: Vec<f64> = (0..3).map(|a| low[a] + (high[a] - low[a]) * (0.25 + 0.5 * draw.unit())).collect();
     let away: Vec<f64> = (0..3).map(|_| draw.between(-1.0, 1.0)).collect();
@@ -45,7 +45,7 @@ pub fn ray_aabb() -> Vec<Case> {
     let unit = [[0.0; 3], [1.0; 3]];
     let hits: Vec<[f64; 6]> = (0..6).map(|_| towards(&mut draw, uneven, 8.0)).collect();
     let mut mixed = hits.clone();
-    // The same rays away from the box, and one beside it.
+    // The same rays pointing away from the box, and one that passes it.
     mixed.extend(hits[..2].iter().map(|r| [r[0], r[1], r[2], -r[3], -r[4], -r[5]]));
     mixed.push([4.0, 4.0, 4.0, 0.5, -1.0, 0.25]);
     let inside: Vec<[f64; 6]> = (0..4)

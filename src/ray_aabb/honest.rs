@@ -6,7 +6,7 @@ use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
-/// The stretch with the axes that decide its ends (3: the range).
+/// The interval with the axes that determine its ends (3: near or far).
 fn stretch(q: &Question, m: &Machine) -> Option<(Hit, [usize; 2])> {
     let mut hit = Hit { enter: m.round(q.near), leave: m.round(q.far) };
     let mut axes = [3, 3];
@@ -34,7 +34,7 @@ fn stretch(q: &Question, m: &Machine) -> Option<(Hit, [usize; 2])> {
     (hit.enter <= hit.leave).then_some((hit, axes))
 }
 
-/// Where rays enter and leave a box. What is said of a miss is free.
+/// Where rays enter and leave a box. The t of a miss are arbitrary.
 pub fn ray_aabb(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let miss = [arrays::questions(a)[0].far, 0.0, f64::INFINITY][(m.form % 3) as usize];
     forward(a, |q| outputs(stretch(q, m).map(|(hit, _)| hit), miss))

@@ -14,16 +14,16 @@ pub mod mistakes;
 #[cfg(test)]
 mod tests;
 
-/// A ray's stretch inside a slab or a box.
+/// The interval of t in which a ray is inside a slab or a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// t at which it is entered; below 0 where the origin lies inside or beyond.
+    /// t of entry; below 0 where the origin is inside or beyond.
     pub enter: f64,
-    /// t at which it is left.
+    /// t of exit.
     pub leave: f64,
 }
 
-/// The stretch t with low <= o + t d <= high along one axis: all of the line, or none of it, where d is 0.
+/// The t with low <= o + t d <= high along one axis: all of the line, or none of it, where d is 0.
 fn slab(o: f64, d: f64, low: f64, high: f64) -> Option<Hit> {
     if d == 0.0 {
         let inside = low <= o && o <= high;
@@ -33,11 +33,11 @@ fn slab(o: f64, d: f64, low: f64, high: f64) -> Option<Hit> {
     Some(if d.is_sign_positive() { Hit { enter: a, leave: b } } else { Hit { enter: b, leave: a } })
 }
 
-/// Where the line o + t d meets the closed box [low, high]; none where it misses.
+/// Where the line o + t d meets the closed box [low, high]; `None` if it misses.
 ///
 /// # Convention
 /// The box is closed: a ray that lies in a face (CG1, where `0 * inf` gives other codes NaN) or touches an edge meets the box. `t` isn't
-/// cut at 0: `enter` < 0 says that the origin is inside (or the box behind, where `leave` < 0 too). A direction of 0 along an axis is
+/// clipped at 0: `enter` < 0 says that the origin is inside (or the box behind, where `leave` < 0 too). A direction of 0 along an axis is
 /// a case of its own, not a division by a small number (CG2).
 ///
 /// ```
@@ -56,7 +56,7 @@ pub fn intersect(o: [f64; 3], d: [f64; 3], low: [f64; 3], high: [f64; 3]) -> Opt
     (hit.enter <= hit.leave).then_some(hit)
 }
 
-/// The part of [`intersect`]'s stretch that lies in [near, far]; none where there is no such part: the box is missed, behind `near` or
+/// The part of [`intersect`]'s interval that lies in [near, far]; `None` if it is empty: the box is missed, behind `near` or
 /// beyond `far`.
 ///
 /// ```

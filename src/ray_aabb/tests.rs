@@ -24,7 +24,7 @@ fn inside(p: [f64; 3], slack: f64) -> bool {
     (0..3).all(|a| LOW[a] - slack <= p[a] && p[a] <= HIGH[a] + slack)
 }
 
-/// Points between enter and leave are inside, points before and behind outside; a miss has no point inside at all.
+/// Points between enter and leave are inside, points before and after are outside; a miss has no point inside.
 #[test]
 fn agrees_with_points_on_the_ray() {
     let mut hits = 0;
@@ -51,7 +51,7 @@ fn rays_in_slab_planes() {
         assert_eq!(unit([x, 0.5, -1.0], [0.0, 0.0, 1.0]), through);
         assert_eq!(unit([x, x, -1.0], [-0.0, 0.0, 1.0]), through);
     }
-    // The textbook multiplies by 1 / d: 0 times infinity.
+    // The textbook form multiplies by 1 / d: 0 times infinity.
     assert!((0.0 * (1.0 / 0.0f64)).is_nan());
     assert_eq!(unit([-f64::MIN_POSITIVE, 0.5, -1.0], [0.0, 0.0, 1.0]), None);
     assert_eq!(unit([1.0 + f64::EPSILON, 0.5, -1.0], [0.0, 0.0, 1.0]), None);
@@ -76,7 +76,7 @@ fn origin_inside_and_box_behind() {
     assert_eq!(hit([3.0, 0.5, 0.5]), Hit { enter: -3.0, leave: -2.0 });
 }
 
-/// The box is entered at 1.5 and left at 2, whatever part of that `near` and `far` leave; one point is a part too.
+/// The box is entered at 1.5 and left at 2, clipped to `near` and `far`; a single point is a hit too.
 #[test]
 fn near_and_far_cut_the_stretch() {
     let (o, d) = ([0.25, 0.5, -3.0], [0.0, 0.0, 2.0]);
@@ -88,7 +88,7 @@ fn near_and_far_cut_the_stretch() {
     assert_eq!([hit(2.0, 9.0), hit(0.0, 1.5)].map(Option::unwrap), [[2.0, 2.0], [1.5, 1.5]]);
     assert_eq!([hit(2.5, 9.0), hit(0.0, 1.25)], [None, None]);
     assert_eq!(between([1.5, 0.5, -3.0], d, [0.0; 3], [1.0; 3], 0.0, 9.0), None, "beside the box");
-    // t = (face - o) / d: dt / do = -1 / d, dt / dd = -t / d; an end that near or far decides is a constant, at a tie too.
+    // t = (face - o) / d: dt / do = -1 / d, dt / dd = -t / d; an end that near or far determines is a constant, at a tie too.
     let gradient = |near, far| {
         let (g_o, g_d) =
             backward::between(o, d, [0.0; 3], [1.0; 3], [near, far], Hit { enter: 1.0, leave: 4.0 });
@@ -102,7 +102,7 @@ fn near_and_far_cut_the_stretch() {
     assert_eq!([gradient(1.5, 2.0), gradient(2.5, 9.0), gradient(0.0, 1.25)], [[0.0; 2]; 3]);
 }
 
-/// Where nothing moves no axis decides: all of the line is inside, and nothing is divided by 0.
+/// Where the direction is 0 along every axis, no axis decides: all of the line is inside, and nothing is divided by 0.
 #[test]
 fn a_direction_of_zero_has_no_gradient() {
     let all = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };

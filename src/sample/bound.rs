@@ -9,7 +9,7 @@ use crate::contract::arrays::{Arrays, array, arrays, number, row, size, threes};
 use crate::contract::bounded::{Bounded, exact};
 use crate::convention::{Conventions, Delta, Grid, LastDelta};
 
-/// The interval that all rays share.
+/// The interval [near, far] that all rays share.
 struct Interval<'a> {
     near: Bounded,
     far: Bounded,
@@ -48,7 +48,7 @@ impl<'a> Interval<'a> {
         m.add(lower, m.mul(s, m.sub(upper, lower))).or(weighted)
     }
 
-    /// t_i, where `cells` intervals lie on [near, far] and u spreads it from edge a to edge a + w.
+    /// t_i, where `cells` intervals divide [near, far] and u in [0, 1) moves it from edge a to edge a + w.
     fn position(&self, a: f64, w: f64, u: f64, cells: f64) -> Bounded {
         let m = self.m;
         let (u, width) = (exact(u), self.width(cells));
@@ -93,7 +93,7 @@ pub fn sample_along_rays(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
     arrays([("t", array(&[rays, samples], t)), ("points", array(&[rays, samples, 3], points))])
 }
 
-/// Bound of [`super::step_sizes`]: the mean of the differences is their sum over n - 1, or the last t less the first.
+/// Bound of [`super::step_sizes`]: the mean of the differences is their sum over n - 1, or the last t minus the first.
 pub fn step_sizes(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let interval = Interval::new(a, m);
     let (rays, samples) = size(a, "t");

@@ -1,7 +1,7 @@
 //! Samples, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
 //!
 //! Grids with both ends, jitter over their spacing, differences for widths and the choices of the last step are conventions. What
-//! only repeated calls can show (jitter at evaluation, frozen, Gaussian) is found by statistics over repeated calls.
+//! a single call can't show (jitter at evaluation, frozen, Gaussian) is found by statistics over repeated calls.
 
 use super::{arrays, sample_along_ray, step_sizes as oracle_steps};
 use crate::contract::arrays::{Arrays, array, arrays, input, number, row, size};
@@ -66,7 +66,7 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
     ),
 ];
 
-// Wrong step lengths are seen where they are made and where they are used: volume rendering has the same seven.
+// Wrong step lengths show where they are made and where they are used: volume rendering lists the same seven.
 pub(crate) const DELTA_MISSING: Mistake = Mistake::new(
     "delta_missing",
     "delta = 1, so that alpha = 1 - exp(-sigma)",

@@ -19,7 +19,7 @@ mod tests;
 /// Positions of one ray's samples; `u` has one number for each.
 ///
 /// With [`Grid::Intervals`], t_i = near + (i + u_i) D: stratified sampling, NeRF (Mildenhall et al. 2020) equation 2.
-/// The other grids are written at [`Grid`].
+/// The other grids are defined at [`Grid`].
 ///
 /// # Convention
 /// `u` is drawn anew for every ray and every sample in training; at evaluation it is [`rest_u`] everywhere.
@@ -51,7 +51,7 @@ pub fn sample_along_ray(near: f64, far: f64, u: &[f64], grid: Grid) -> Vec<f64> 
     t
 }
 
-/// The `u` of every sample when nothing is drawn.
+/// The `u` of every sample at evaluation, when nothing is drawn.
 pub fn rest_u(rest: Rest) -> f64 {
     match rest {
         Rest::Left => 0.0,

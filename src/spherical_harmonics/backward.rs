@@ -4,7 +4,7 @@ use super::{POLYNOMIALS, power};
 
 /// Gradient of [`super::harmonics`] with respect to `d`: each power rule, term by term.
 ///
-/// The polynomials are differentiated in all of space; whoever normalized `d` before carries on through the normalization.
+/// The polynomials are differentiated in all of space; a caller that normalized `d` continues through the normalization.
 pub fn harmonics(d: [f64; 3], degree: usize, g_out: &[f64]) -> [f64; 3] {
     let mut g_d = [0.0; 3];
     for n in 0..(degree + 1) * (degree + 1) {

@@ -1,8 +1,8 @@
 //! Error bounds of the spherical harmonics.
 //!
 //! However a polynomial is factored (3 x x - y y, 5 z z - 1, squares first), its expansion has the monomials of
-//! [`POLYNOMIALS`], each with at most one rounding a factor, one of its coefficient and one a sum it passes through: an error of
-//! gamma_k times the sum of the monomials' sizes (Higham, section 5.1).
+//! [`POLYNOMIALS`], each with at most one rounding per factor, one for its coefficient and one per sum that it passes through: an
+//! error of gamma_k times the sum of the monomials' sizes (Higham, section 5.1).
 
 use super::arrays::{degree, forward, vjp, width};
 use super::{POLYNOMIALS, power};
@@ -15,7 +15,7 @@ use crate::convention::Conventions;
 const ROUNDINGS: f64 = 8.0;
 
 fn error(size: f64, roundings: f64, terms: f64, m: &Arithmetic) -> f64 {
-    // What underflows on the way is multiplied by at most 7 afterwards.
+    // What underflows on the way is multiplied by at most 7 later.
     let flushed = 8.0 * roundings * terms * m.tiny;
     if size > m.largest / 8.0 { f64::INFINITY } else { size * gamma(roundings, m.u) + flushed }
 }
@@ -40,7 +40,7 @@ fn monomial(coefficient: f64, d: [f64; 3], [i, j, k]: [u32; 3]) -> f64 {
     (coefficient * power(d[0], i) * power(d[1], j) * power(d[2], k)).abs()
 }
 
-/// Bound of [`super::backward::harmonics`]: the terms of all harmonics meet in one sum, in any order, rounded term by term.
+/// Bound of [`super::backward::harmonics`]: the terms of all harmonics are added in one sum, in any order, rounded term by term.
 pub fn harmonics_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, |d, g| {
         std::array::from_fn(|axis| {

@@ -1,7 +1,7 @@
 //! Real spherical harmonics of a direction, bands 0 to 4: how a color varies with the direction it is seen from.
 //!
 //! Y_l^m(d) = K P_l^|m|(z) (cos or sin of m phi), as polynomials of x, y, z (Sloan, "Stupid Spherical Harmonics Tricks", 2008, A2).
-//! Letters: `l` band, `m` order from -l to l; the value of (l, m) stands at l (l + 1) + m.
+//! Letters: `l` band, `m` order from -l to l; the value of (l, m) has the index l (l + 1) + m.
 
 pub(crate) mod arrays;
 pub mod backward;
@@ -74,7 +74,7 @@ pub(crate) fn power(x: f64, n: u32) -> f64 {
 ///
 /// # Convention
 /// `d` lies in [-1, 1]^3 and has length 1 (instant-ngp's code takes (d + 1) / 2 instead, PE7). Other lengths aren't normalized:
-/// the polynomials are taken as they stand. Instant-NGP's "degree 4" means four bands, 0 to 3: here that is `degree` 3.
+/// the polynomials are evaluated as they are. Instant-NGP's "degree 4" means four bands, 0 to 3: here that is `degree` 3.
 ///
 /// ```
 /// use nerf_oracle::spherical_harmonics::harmonics;

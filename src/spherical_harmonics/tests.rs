@@ -6,7 +6,7 @@ use approx::assert_abs_diff_eq;
 
 use super::{MAX_WIDTH, backward, fast, harmonics};
 
-/// Gauss-Legendre nodes in z would be shorter in theory; a uniform grid in phi and a fine midpoint rule in z need no table.
+/// A uniform grid in phi and a fine midpoint rule in z: Gauss-Legendre nodes would be fewer, but need a table.
 fn sphere(rings: usize, sectors: usize) -> Vec<[f64; 3]> {
     let point = |i: usize| {
         let z = -1.0 + (2.0 * (i / sectors) as f64 + 1.0) / rings as f64;

@@ -1,4 +1,4 @@
-//! Error bound of the trace: each row's bound, with the step lengths' own error carried into the weights.
+//! Error bound of the trace: each row's bound, with the error of the step lengths carried into the weights.
 
 use super::arrays::size;
 use super::chain::{chain, plainly};
@@ -13,13 +13,13 @@ use crate::volume_rendering::bound::Ray;
 pub fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let [h, w, n] = size(a);
     let truth = chain(a, c, |component, a| (component.forward.oracle)(a, c), plainly);
-    // At the true arrays, row by row; rows_o, rays_d, uv and t are final.
+    // Component by component, at the true arrays; the bounds of rays_o, rays_d, uv and t are final.
     let mut bound = chain_bounds(a, c, m);
     let (t, deltas) = (values(&bound, "t"), values(&truth, "deltas"));
     let mut step_errors = values(&bound, "deltas");
     if c.delta != Delta::Width {
         for (p, error) in step_errors.iter_mut().enumerate().filter(|_| n > 1) {
-            // t_{i+1} - t_i; the last step may be made of the two positions before it.
+            // t_{i+1} - t_i; the last step may be computed from the two positions before it.
             let i = p % n;
             let first = p - i + i.min(n - 2);
             *error += t[first] + t[first + 1];

@@ -7,7 +7,7 @@ use crate::contract::case::{Case, Draw};
 /// H, W and N: small, and all different.
 const SIZE: [usize; 3] = [3, 4, 6];
 
-/// The whole way from the pixel to its color.
+/// The trace of a picture.
 pub fn render_trace() -> Vec<Case> {
     vec![
         traced("at_rest", "evaluation: u = 1/2 everywhere", Some(0.5), 0),

@@ -1,4 +1,4 @@
-//! The rows of which a trace consists, run one after the other on named arrays: how honest and wrong traces are made.
+//! The components of a trace, run one after the other on named arrays: this is how honest and wrong traces are computed.
 
 use super::arrays::size;
 use crate::contract::arrays::{Arrays, arrays, input, threes};
@@ -12,8 +12,8 @@ pub(super) fn plainly(delta: f64, d: [f64; 3]) -> f64 {
     delta * glam::DVec3::from(d).length()
 }
 
-/// Runs image_rays, sample_along_rays, step_sizes, volume_render and composite_background with `run`, each fed with what the one
-/// before returned. `stretch` multiplies a step by the length of its ray's direction, where that is the convention.
+/// Runs image_rays, sample_along_rays, step_sizes, volume_render and composite_background with `run`, each with the outputs of the
+/// ones before. `stretch` multiplies a step by the length of its ray's direction, where that is the convention.
 pub(super) fn chain(
     a: &Arrays,
     c: &Conventions,

@@ -5,7 +5,7 @@ use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
-/// The whole way from the pixel to its color.
+/// Traces all pixels, from position to color.
 pub fn render_trace(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let stretch = |delta, d: [f64; 3]| m.mul(delta, m.sqrt(m.dot(&d, &d)));
     chain(a, c, |component, a| (component.forward.honest)(a, c, m), stretch)

@@ -1,4 +1,4 @@
-//! Traces, wrong on purpose: the rows' mistakes, and those that sit at the call between two rows.
+//! Traces, wrong on purpose: the components' mistakes, and those made by the caller, between two components.
 
 use super::chain::{chain, plainly};
 use crate::contract::arrays::Arrays;
@@ -8,7 +8,7 @@ use crate::ray::mistakes::IMAGE_RAYS;
 use crate::sample::mistakes::{SAMPLE_ALONG_RAYS, STEP_SIZES};
 use crate::volume_rendering::mistakes::{COMPOSITE_BACKGROUND, VOLUME_RENDER};
 
-/// Mistakes at the call.
+/// Mistakes of the caller.
 const AT_THE_CALL: &[Mistake] = &[
     Mistake::new(
         "jitter_ignored",
@@ -44,10 +44,10 @@ const AFTER: &str = "background_shaded_twice";
 const ROWS: [&[Mistake]; 6] =
     [AT_THE_CALL, IMAGE_RAYS, SAMPLE_ALONG_RAYS, STEP_SIZES, VOLUME_RENDER, COMPOSITE_BACKGROUND];
 
-/// What no array of a trace shows (it holds no points), and what `jitter_ignored` says already.
+/// Mistakes that no array of a trace shows (it has no points), and one that `jitter_ignored` covers already.
 const ELSEWHERE: &[&str] = &["flattened_in_wrong_order", "points_without_origin", "never_jittered"];
 
-/// Mistakes at the call, and those of every row: the first row that has a name owns it.
+/// Mistakes of the caller, and those of every component: the first component that has a name owns it.
 pub const RENDER_TRACE: &[Mistake] = &gathered::<{ count() }>();
 
 /// Whether mistake n of row r belongs to the trace.
@@ -82,7 +82,7 @@ const fn listed(names: &[&str], name: &str) -> bool {
     false
 }
 
-/// a == b, which a constant can't say.
+/// a == b, as a `const fn`.
 const fn same(a: &str, b: &str) -> bool {
     let (a, b, mut i) = (a.as_bytes(), b.as_bytes(), 0);
     while i < a.len() && i < b.len() && a[i] == b[i] {
@@ -120,13 +120,13 @@ const fn gathered<const N: usize>() -> [Mistake; N] {
     out
 }
 
-/// The whole way from the pixel to its color, with mistakes at the call or in any of its rows.
+/// The trace with mistakes of the caller or of any of its components.
 pub fn render_trace(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"jitter_ignored") {
         a.get_mut("u").expect("checked").fill(0.5);
     }
-    // Steps are made once: the mistakes that they share with a rendering of given steps aren't made again there.
+    // Step lengths are computed once: the mistakes that `step_sizes` shares with `volume_render` aren't applied again there.
     let of_steps = |name: &&&str| STEP_SIZES.iter().any(|m| m.name == **name);
     let later: Vec<&str> = wrong.iter().filter(|name| !of_steps(name)).copied().collect();
     let run = |component: &Component, arrays: &Arrays| match component.name {
@@ -137,7 +137,7 @@ pub fn render_trace(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     chain(&a, c, run, plainly)
 }
 
-/// The opacity that the background is told of, where its transmittance is one sample off.
+/// The opacity passed to the background, where its transmittance is one sample off.
 fn behind(mut rendered: Arrays, wrong: &[&str]) -> Arrays {
     if !wrong.contains(&BEFORE) && !wrong.contains(&AFTER) {
         return rendered;

@@ -1,6 +1,6 @@
 //! The trace of a picture: every intermediate array from the pixel to its color, for given densities and colors.
 //!
-//! Tests of one function miss the errors that sit at the call: step lengths in another unit than t, jitter of another width than
+//! Tests of single functions miss the mistakes of the caller: step lengths in another unit than t, jitter of another width than
 //! the grid's, a pixel grid that differs at evaluation. A trace shows the first array in which two programs differ.
 
 use crate::camera::Camera;
@@ -22,10 +22,10 @@ mod by_hand;
 #[cfg(test)]
 mod tests;
 
-/// Everything about one pixel.
+/// Every intermediate value of one pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
-    /// Where its ray goes through.
+    /// The position that its ray goes through, in pixels.
     pub uv: [f64; 2],
     /// The ray.
     pub ray: Ray,

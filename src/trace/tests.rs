@@ -1,4 +1,4 @@
-//! The trace against the rows that it consists of.
+//! The trace against the components that it consists of.
 
 use super::chain::{chain, plainly};
 use super::component::{READS, RENDER_TRACE};
@@ -12,7 +12,7 @@ fn a_trace_is_its_rows_one_after_the_other() {
         for value in *values {
             let mut c = CS180.with(key, value).expect("listed");
             if *value == "differences_times_norm" {
-                // Directions of other lengths than 1 show it.
+                // Directions that are not unit show it.
                 c = c.with("directions", "depth").expect("listed");
             }
             if *key == "last_delta" {
@@ -28,7 +28,7 @@ fn a_trace_is_its_rows_one_after_the_other() {
     }
 }
 
-/// Changing a convention that an output isn't said to read leaves its bits alone, from wherever one starts.
+/// Changing a convention that an output is declared not to depend on leaves its bits unchanged, whatever the others are.
 #[test]
 fn an_output_reads_no_other_conventions() {
     let case = &(RENDER_TRACE.cases)()[2];

@@ -5,7 +5,7 @@ use crate::math::exp;
 
 /// g e^clamp(x, -15, 15): the derivative inside [-15, 15], a bounded stand-in outside.
 ///
-/// It is the derivative of a function that goes on as a straight line at both ends, not of [`super::trunc_exp`]: a check by
+/// It is the derivative of a function that continues as a straight line at both ends, not of [`super::trunc_exp`]: a check by
 /// differences must fail outside and compare with that function instead (VR6).
 ///
 /// ```

@@ -1,6 +1,6 @@
 //! Density as e^x with a gradient that can't overflow.
 //!
-//! Instant-NGP's density activation, as torch-ngp and nerfstudio call it: forward e^x, backward with the argument held to
+//! Instant-NGP's density activation, as torch-ngp and nerfstudio call it: forward e^x, backward with the argument clamped to
 //! [-15, 15]. The gradient is a surrogate and says so (VR6): outside that range it isn't the derivative.
 
 use crate::math::exp;

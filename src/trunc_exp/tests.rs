@@ -1,4 +1,4 @@
-//! The derivative where it is one, the stated surrogate elsewhere.
+//! The derivative inside of the limits, the stated surrogate outside.
 
 use approx::assert_relative_eq;
 
@@ -6,7 +6,7 @@ use super::{LIMIT, backward, trunc_exp};
 use crate::contract::testing::slope;
 use crate::math::exp;
 
-/// What the surrogate is the derivative of: e^x, going on as a straight line outside of [-15, 15].
+/// The function whose derivative is the surrogate: e^x, continued as a straight line outside of [-15, 15].
 fn stated(x: f64) -> f64 {
     let inside = x.clamp(-LIMIT, LIMIT);
     exp(inside) * (1.0 + x - inside)
@@ -20,7 +20,7 @@ fn is_the_derivative_inside() {
     }
 }
 
-/// VR6: outside, a plain check by differences fails by a factor of e and more, and the stated one passes.
+/// VR6: outside, a plain check by differences fails by a factor of e or more, and the stated one passes.
 #[test]
 fn a_plain_check_fails_outside_and_the_stated_one_passes() {
     for x in [-60.0, -16.0, 16.0, 60.0] {

@@ -19,9 +19,9 @@ pub struct Cotangent {
 
 /// Gradients of [`super::volume_render_alpha`] with respect to `alphas` and `rgbs`.
 ///
-/// g_alpha_i = T_i (g_w_i - B_{i+1}) and g_c_i = w_i g_C, where g_w_i = g_C . c_i + g_weights_i + g_A is what one unit of weight
-/// brings, and B_i = alpha_i g_w_i + (1 - alpha_i + eps) B_{i+1} is what one unit of light that arrives in front of sample i brings;
-/// B_N = g_T. Nothing is divided by 1 - alpha, so opaque samples are exact.
+/// g_alpha_i = T_i (g_w_i - B_{i+1}) and g_c_i = w_i g_C, where g_w_i = g_C . c_i + g_weights_i + g_A is the value of one unit of weight,
+/// and B_i = alpha_i g_w_i + (1 - alpha_i + eps) B_{i+1} the value of one unit of light that arrives at sample i; B_N = g_T. Nothing is
+/// divided by 1 - alpha, so opaque samples are exact.
 pub fn volume_render_alpha(
     alphas: &[f64],
     rgbs: &[[f64; 3]],
@@ -50,7 +50,7 @@ fn through_samples(
         let g_w = weight_gradient(rgbs[i], g.weights[i], g);
         g_alphas[i] = forward.transmittance[i] * (g_w - behind.value());
         g_rgbs[i] = g.color.map(|g_color| forward.weights[i] * g_color);
-        // Compensated: in an empty ray each sample adds the same small number and rounds the same way, 64 of them by 16 ULP.
+        // Compensated: in an empty ray each sample adds the same small number and rounds the same way, which sums up to 16 ULP over 64.
         let from_eps = eps.value() * behind.value();
         behind = behind.times(through[i]);
         behind.add(from_eps);
@@ -61,8 +61,8 @@ fn through_samples(
 
 /// Gradients of [`super::volume_render`] with respect to `sigmas`, `rgbs` and `deltas`.
 ///
-/// With x = sigma delta: d alpha / dx = e^-x, so g_x_i = e^-x_i g_alpha_i, g_sigma = delta g_x, g_delta = sigma g_x. What a sample
-/// lets through is e^-x, which keeps its digits where 1 - alpha has none left.
+/// With x = sigma delta: d alpha / dx = e^-x, so g_x_i = e^-x_i g_alpha_i, g_sigma = delta g_x, g_delta = sigma g_x. A sample
+/// lets e^-x through, which is accurate where 1 - alpha has no digits left.
 pub fn volume_render(
     sigmas: &[f64],
     rgbs: &[[f64; 3]],

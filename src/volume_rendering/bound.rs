@@ -1,7 +1,7 @@
 //! Error bounds of volume rendering: the formulas once more, in running error analysis.
 //!
-//! Every way to write them that the contract calls honest is covered: T as the exponential of a cumulative sum or as a cumulative
-//! product, sums in any order, the light behind a sample as a recursion, as a suffix sum, or as the total less a prefix sum.
+//! Every form that the contract calls honest is covered: T as the exponential of a cumulative sum or as a cumulative
+//! product, sums in any order, the light behind a sample as a recursion, as a suffix sum, or as the total minus a prefix sum.
 
 use super::arrays::cotangent;
 use super::backward::Cotangent;
@@ -27,7 +27,7 @@ impl Ray {
         Ray::from_densities(&row(a, "sigmas", r), &deltas, rows3(a, "rgbs", r), eps, m)
     }
 
-    /// A ray whose step lengths may be off already.
+    /// A ray whose step lengths have errors of their own.
     pub(crate) fn from_densities(
         sigmas: &[f64],
         deltas: &[Bounded],
@@ -79,25 +79,25 @@ impl Ray {
             let colors: Vec<Bounded> = self.rgbs.iter().map(|c| exact(c[k])).collect();
             m.dot(&self.weights, &colors)
         };
-        // The sum of the weights, or 1 - T: the same over the reals when nothing is added to the factors. Not capped at [0, 1]:
+        // The sum of the weights, or 1 - T: the same over the reals when no eps is added to the factors. Not capped at [0, 1]:
         // an honest sum of 256 textbook alphas reaches 3 in bf16.
         let sum = m.sum(&self.weights);
         let opacity = if eps == ProductEps::None { sum.or(m.sub(exact(1.0), behind)) } else { sum };
         ([color(0), color(1), color(2)], opacity, behind)
     }
 
-    /// Errors of g_alpha times the slope (that is, of g_x), and of g_rgb.
+    /// Errors of g_x (g_alpha times the slope) and of g_rgb.
     fn gradients(&self, g: &Cotangent, eps: ProductEps, m: &Arithmetic) -> (Vec<Bounded>, Vec<[f64; 3]>) {
         let n = self.alphas.len();
         let g_w: Vec<Bounded> = (0..n).map(|i| self.weight_gradient(i, g, m)).collect();
-        // Everything that light can still bring, absolute values: what a total less a prefix sum rounds at.
+        // The absolute values of all terms: the magnitude at which a total minus a prefix sum rounds.
         let all: Vec<Bounded> = (0..n).map(|i| m.mul(self.weights[i], g_w[i])).collect();
         let last = m.mul(self.transmittance[n], exact(g.transmittance));
         let total = m.sum(&[&all[..], &[last]].concat());
         let mut behind = exact(g.transmittance);
         let mut g_x = vec![exact(0.0); n];
         for i in (0..n).rev() {
-            // T (g_w - B), each product rounded; or T e^-x g_w less the suffix sum.
+            // T (g_w - B), each product rounded; or T e^-x g_w minus the suffix sum.
             let inner = m.sub(g_w[i], behind);
             let g_alpha = m.mul(self.transmittance[i], inner);
             let recursive = m.mul(self.slopes[i], g_alpha);
@@ -226,7 +226,7 @@ pub fn composite_background_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> 
         let dot = m.dot(&g, &b);
         g_opacity.push(m.rounded(dot.y, dot.e).e);
         for k in 0..3 {
-            // Factored, or b's own gradient less that of the product A b.
+            // Factored, or the gradient of b minus that of the product A b.
             let factored = m.mul(m.sub(exact(1.0), exact(opacity)), g[k]);
             let expanded = m.sub(g[k], m.mul(exact(opacity), g[k]));
             terms[k].push(factored.or(expanded));
@@ -256,7 +256,7 @@ pub fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
         match c.depth {
             Depth::Plain => weighted.e,
             Depth::Divided if opacity.y == 0.0 => m.rounded(number(a, "far"), 0.0).e,
-            // Normalizing first rounds each weight once more.
+            // Normalizing the weights first rounds each of them once more.
             Depth::Divided => z.e + m.u * samples.min(3) as f64 * z.size(),
         }
     };

@@ -33,7 +33,7 @@ fn seeded(
     cases
 }
 
-/// Red, green, blue at samples 0, 1 and N-1: the color reads the weights.
+/// Red, green, blue at samples 0, 1 and N-1: the color equals the weights there.
 fn one_hot(samples: usize) -> ArrayD<f64> {
     let mut rgbs = vec![0.0; 3 * samples];
     for (k, i) in [0, 1, samples - 1].into_iter().enumerate() {
@@ -123,7 +123,7 @@ pub fn volume_render() -> Vec<Case> {
         for ray in 0..rays {
             let constant = draw.between(0.03, 0.1);
             for _ in 0..samples {
-                // Ray 0 has steps of one length, the others have not.
+                // Ray 0 has equal steps, the others don't.
                 let delta = if ray == 0 { constant } else { draw.between(0.03, 0.1) };
                 let empty = draw.unit() < 0.2;
                 let sigma = draw.decades(low, high) / delta;

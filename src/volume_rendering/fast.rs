@@ -1,4 +1,4 @@
-//! Volume rendering in f32 for many rays: exponentials vectorized over all samples, then one scan a ray.
+//! Volume rendering in f32 for many rays: exponentials vectorized over all samples, then one scan per ray.
 //!
 //! x = sigma delta optical depth, alpha = 1 - e^-x, T transmittance, w = T alpha.
 //! One polynomial gives both e^-x and alpha = -expm1(-x), so that thin samples keep their relative accuracy and T is a
@@ -42,7 +42,7 @@ impl Weights {
 /// Gradient with respect to the densities of one ray, of g . (sum w_i c_i + T_end background).
 ///
 /// d/d sigma_i = delta_i (T_{i+1} q_i - sum_{j>i} w_j q_j - T_end b), with q_i = g . c_i and b = g . background: what the
-/// sample adds, less what it takes from everything behind it. No division, so that alpha = 1 is no special case.
+/// sample adds, minus what it takes from everything behind it. No division, so that alpha = 1 is no special case.
 ///
 /// # Shapes
 /// All slices (N). `q` is overwritten with the gradient.
@@ -81,7 +81,7 @@ impl WithSimd for Attenuate<'_> {
 /// -x = n ln 2 + r with |r| <= ln 2 / 2; p = e^r - 1 by its series; e^-x = 2^n + 2^n p, alpha = (1 - 2^n) - 2^n p.
 #[inline(always)]
 pub(crate) fn attenuation(x: f32) -> (f32, f32) {
-    // e^-104 is below the smallest subnormal. Written so that a NaN stays one.
+    // e^-104 is below the smallest subnormal. Written so that a NaN stays NaN.
     let x = if x > 104.0 { 104.0 } else { x };
     let n = (x * -std::f32::consts::LOG2_E).round_ties_even();
     // ln 2 in two parts: n times the first is exact.

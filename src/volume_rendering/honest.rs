@@ -29,7 +29,7 @@ fn transmittance(x: &[f64], alphas: &[f64], eps: ProductEps, m: &Machine) -> Vec
     }
 }
 
-/// Opacity is the sum of the weights, or 1 - T where nothing is added to the factors of T.
+/// Opacity is the sum of the weights, or 1 - T where no eps is added to the factors of T.
 fn composite(
     alphas: &[f64],
     rgbs: &[[f64; 3]],
@@ -72,7 +72,7 @@ pub fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     renderings(samples, &(0..rays).map(|r| render_ray_alpha(a, r, c, m)).collect::<Vec<_>>())
 }
 
-/// g_alpha by recursion from the last sample (form 0), by suffix sums (1), or as total less prefix, as instant-ngp does (2).
+/// g_alpha by recursion from the last sample (form 0), by suffix sums (1), or as total minus prefix, as instant-ngp does (2).
 fn gradients(
     alphas: &[f64],
     rgbs: &[[f64; 3]],

@@ -10,7 +10,7 @@ mod catalogue;
 
 pub use catalogue::{COMPOSITE_BACKGROUND, DEPTH, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 
-/// What the textbook's 1 - exp(-x) is off by, as a further input (R,N): the diagnosis asks what wrong code makes of it.
+/// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub const ALPHA_ERROR: &str = "alpha_error";
 
 /// The steps as the mistakes have them.
@@ -38,7 +38,7 @@ fn wrong_deltas(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<f64> {
     deltas
 }
 
-/// What goes wrong between opacities and the outputs.
+/// Mistakes between opacities and outputs.
 fn wrong_composite(mut rendering: Rendering, alphas: &[f64], rgbs: &[[f64; 3]], wrong: &[&str]) -> Rendering {
     let n = alphas.len();
     let mut t = rendering.transmittance.clone();
@@ -66,7 +66,7 @@ fn wrong_composite(mut rendering: Rendering, alphas: &[f64], rgbs: &[[f64; 3]], 
     rendering
 }
 
-/// alpha_i and T_i of all rays; with the accumulation along the wrong axis where that is the mistake.
+/// alpha_i and T_i of all rays, accumulated along the wrong axis where that is the mistake.
 fn over_rays(alphas: &[Vec<f64>], rays: &mut [Rendering], wrong: &[&str]) {
     if !wrong.contains(&"transmittance_over_rays") {
         return;
@@ -121,7 +121,7 @@ pub fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         }
         let textbook = a.contains_key(ALPHA_ERROR);
         if textbook {
-            // Nothing is lost where there is nothing: 1 - exp(-0) is 0.
+            // No digits are lost at x = 0: 1 - exp(-0) is 0.
             let errors = row(a, ALPHA_ERROR, r);
             alphas
                 .iter_mut()
@@ -159,7 +159,7 @@ pub fn volume_render_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
 pub fn volume_render_alpha_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut gradients = arrays::render_alpha_vjp(a, c);
     if wrong.contains(&"product_gradient_zero_at_opaque") {
-        // What reaches alpha through the product is lost where alpha = 1; what its own weight brings stays.
+        // Where alpha = 1, the gradient through the product is lost; that through the sample's own weight stays.
         let (rays, samples) = size(a, "alphas");
         let mut g_alphas = input(&gradients, "grad_alphas").clone();
         for r in 0..rays {

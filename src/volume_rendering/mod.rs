@@ -20,7 +20,7 @@ pub mod mistakes;
 #[cfg(test)]
 mod tests;
 
-/// What a ray sees.
+/// What volume rendering returns for a ray.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rendering {
     /// C = sum w_i c_i, without any background.
@@ -40,10 +40,10 @@ pub struct Rendering {
 ///
 /// # Units
 /// sigma in 1 / length, delta in the same length, so that x = sigma delta has no unit. sigma >= 0 and delta >= 0; where one is
-/// infinite and the other 0 there is nothing to absorb in, and x is 0.
+/// infinite and the other 0, x is 0.
 ///
 /// # Convention
-/// `eps` is added to each factor 1 - alpha, as some codes do; [`ProductEps::None`] is the formula.
+/// `eps` is added to each factor 1 - alpha, as some implementations do; [`ProductEps::None`] is the formula.
 ///
 /// ```
 /// use nerf_oracle::{convention::ProductEps, volume_rendering::volume_render};
@@ -58,7 +58,7 @@ pub fn volume_render(sigmas: &[f64], rgbs: &[[f64; 3]], deltas: &[f64], eps: Pro
     if eps != ProductEps::None {
         return volume_render_alpha(&alphas, rgbs, eps);
     }
-    // The sum in the exponent is compensated: 1,024 samples cost no more than one.
+    // The sum in the exponent is compensated: 1,024 samples lose no more digits than one.
     let mut depth = Sum::default();
     let mut transmittance = vec![1.0];
     for &x in &x {
@@ -112,7 +112,7 @@ fn composite(alphas: &[f64], rgbs: &[[f64; 3]], transmittance: Vec<f64>) -> Rend
     Rendering { color: color.map(|sum| sum.value()), weights, transmittance, opacity: opacity.value() }
 }
 
-/// Light from behind: C + (1 - A) b.
+/// The color over a background b: C + (1 - A) b.
 ///
 /// ```
 /// let c = nerf_oracle::volume_rendering::composite_background([0.25; 3], 0.5, [1.0, 0.0, 0.5]);
@@ -122,7 +122,7 @@ pub fn composite_background(color: [f64; 3], opacity: f64, background: [f64; 3])
     std::array::from_fn(|k| color[k] + (1.0 - opacity) * background[k])
 }
 
-/// Expected distance: sum w_i t_i / A, `far` where the ray meets nothing; or the sum alone.
+/// Expected distance: sum w_i t_i / A, and `far` where A = 0; or the sum alone.
 ///
 /// ```
 /// use nerf_oracle::{convention::Depth, volume_rendering::depth};

@@ -57,7 +57,7 @@ fn gradients_of_rendering() {
         let weights: f64 = (0..4).map(|i| g.weights[i] * r.weights[i]).sum();
         colors + weights + g.opacity * r.opacity + g.transmittance * r.transmittance[4]
     };
-    // 1e-7 is the largest number anybody adds: the slope of the whole function, far above the noise of differences.
+    // 1e-7 is the largest eps in use: its effect on the slope is far above the noise of differences.
     for eps in [ProductEps::None, ProductEps::TenToMinusSeven] {
         let run = |s: &[f64], c: &[[f64; 3]], d: &[f64]| pulled(&volume_render(s, c, d, eps));
         let forward = volume_render(&sigmas, &rgbs, &deltas, eps);
@@ -95,7 +95,7 @@ fn gradients_of_rendering() {
             }
         }
     }
-    // What is added to the factors passes gradient on: behind an opaque sample 1e-7 of the light's, T (g_w - eps g_T).
+    // The eps of the factors passes gradient on: behind an opaque sample 1e-7 of the light's, T (g_w - eps g_T).
     let one = |eps| {
         let forward = volume_render_alpha(&[1.0, 0.0], &[[0.0; 3]; 2], eps);
         backward::volume_render_alpha(&[1.0, 0.0], &[[0.0; 3]; 2], eps, &forward, &only_transmittance(2)).0
@@ -195,7 +195,7 @@ fn vr1_tiny_opacities_keep_their_digits() {
             r.weights[0]
         );
     }
-    // The textbook: half the digits at 1e-8, none at 1e-17.
+    // The textbook form keeps half of its digits at 1e-8, none at 1e-17.
     assert!(((1.0 - exp(-1e-8)) / -expm1(-1e-8) - 1.0).abs() > 1e-9 && 1.0 - exp(-1e-17) == 0.0);
 }
 
@@ -218,7 +218,7 @@ fn vr4_the_gradient_at_an_opaque_sample() {
     let weights = (0..4).map(|j| -cotangent[j + 1..].iter().sum::<f64>()).collect();
     let g = Cotangent { color: [0.0; 3], weights, opacity: 0.0, transmittance: 0.0 };
     let forward = volume_render_alpha(&alphas, &[[0.0; 3]; 4], ProductEps::None);
-    // The textbook: sum_{j>1} g_j T_j over the factor, which is 0, or over a clamped one: 0 for 2.9, whose T are without it.
+    // The textbook form divides sum_{j>1} g_j T_j by the factor, which is 0, or by a clamped one: 0 instead of 2.9.
     let t = &forward.transmittance;
     let sum = cotangent[2] * t[2] + cotangent[3] * t[3];
     assert!((sum / (1.0 - alphas[1])).is_nan() && sum / f64::max(1.0 - alphas[1], 1e-10) == 0.0);

@@ -10,19 +10,19 @@ use super::trunk::Tape;
 use crate::encoding::fast::positional_encoding;
 use crate::volume_rendering::fast::Weights;
 
-/// Everything that a chunk needs memory for. Arrays over active samples hold those alone, in order.
+/// The buffers of a chunk. Arrays over active samples hold only those, in order.
 #[derive(Debug, Default)]
 pub(super) struct Chunk {
     pub tape: Tape,
     pub positions: Vec<f64>,
-    /// Samples that are evaluated, (P) of them: a row of the tape each.
+    /// Samples that are evaluated (P): each is a row of the tape.
     pub live: Vec<usize>,
     /// Output of the density head (P), and the density; spread to all samples where rays are rendered, 0 where nothing was evaluated.
     pub z: Vec<f32>,
     pub sigmas: Vec<f32>,
     pub deltas: Vec<f32>,
     pub rays: Weights,
-    /// Samples whose color is wanted, and their rows of the tape.
+    /// Samples whose color is computed, and their rows of the tape.
     pub active: Vec<usize>,
     pub rows: Vec<usize>,
     /// Encoded directions (R, direction), and what they and the biases add to the color layer (R, color).
@@ -40,7 +40,7 @@ pub(super) struct Chunk {
     pub g_rays: Vec<f32>,
 }
 
-/// A network's parameters in the forms that products want, made once a call.
+/// A network's parameters in the layouts that the matrix products need, made once per call.
 pub(super) struct Prepared<'a> {
     pub net: &'a Network,
     pub trunk: Vec<Vec<f32>>,
@@ -175,7 +175,7 @@ impl<'a> Prepared<'a> {
         let samples = rays.samples;
         self.weigh(chunk, rays, skipping);
         let (behind, z) = (&chunk.rays.behind, &chunk.z);
-        // Negated, so that a NaN counts as active and comes out at the end.
+        // Negated, so that a NaN counts as active and shows in the result.
         let dark = |t: f32| t == 0.0 || t < skipping.stop;
         let idle =
             |n: usize| slope(z[n], self.net.density) == 0.0 || (n % samples > 0 && dark(behind[n - 1]));

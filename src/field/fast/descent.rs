@@ -1,4 +1,4 @@
-//! A training step's chunk: loss, and the way back through rendering and network.
+//! The backward pass of a training step's chunk: loss, rendering and network.
 
 use super::activation::slope;
 use super::chunk::{Chunk, Prepared, runs};
@@ -32,7 +32,7 @@ impl Prepared<'_> {
         self.network_backward(chunk, batch.rays.samples, &mut group.partial);
     }
 
-    /// From the colors of rays to what stands before sigmoid and density activation of the active samples.
+    /// From the colors of the rays back to the inputs of sigmoid and density activation, for the active samples.
     fn render_backward(&self, chunk: &mut Chunk, rays: &Rays, g_colors: &[f32], background: [f32; 3]) {
         let samples = rays.samples;
         chunk.g_sigma.clear();
@@ -57,7 +57,7 @@ impl Prepared<'_> {
             .extend(chunk.active.iter().map(|&n| chunk.g_sigma[n] * slope(chunk.z[n], self.net.density)));
     }
 
-    /// From there to the parameters; the folded matrix's gradient goes after them.
+    /// From there back to the parameters; the folded matrix's gradient goes after them.
     fn network_backward(&self, chunk: &mut Chunk, samples: usize, gradient: &mut [f32]) {
         let net = self.net;
         let (width, color, columns) = (net.shape.width, net.shape.color, net.shape.direction);

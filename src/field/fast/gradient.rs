@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use crate::parallel;
 
-/// Most partial gradients of a batch: enough to balance threads, few enough to add up in no time.
+/// The largest number of partial gradients of a batch: enough to balance threads, few enough to add up quickly.
 const GROUPS: usize = 16;
 
 /// The gradient of a batch, with the memory to compute it, kept from step to step.
@@ -72,7 +72,7 @@ impl Gradient {
     }
 }
 
-/// Buffers that are handed out to whoever works, so that each thread keeps its own warm.
+/// A pool of buffers, so that each thread keeps reusing its own.
 #[derive(Debug)]
 pub(super) struct Pool<T>(Mutex<Vec<T>>);
 
@@ -83,7 +83,7 @@ impl<T> Default for Pool<T> {
 }
 
 impl<T: Default> Pool<T> {
-    /// Runs `work` with a buffer that nobody else uses.
+    /// Runs `work` with a buffer that no other thread uses.
     pub fn with<U>(&self, work: impl FnOnce(&mut T) -> U) -> U {
         let mut item = self.0.lock().expect("no holder panics").pop().unwrap_or_default();
         let result = work(&mut item);

@@ -133,7 +133,7 @@ impl Network {
         all
     }
 
-    /// Weights of all samples (R, N), without colors: what a coarse network tells a fine one.
+    /// Weights of all samples (R, N), without colors: what a fine network's samples are drawn from.
     pub fn weights(&self, rays: &Rays) -> Vec<f32> {
         let prepared = Prepared::new(self);
         let size = rays.in_chunk();
@@ -149,7 +149,7 @@ impl Network {
 
     /// Loss and gradient of a batch: the mean over rays and channels of (C + T_end background - target)^2.
     ///
-    /// `dense` computes every sample's color and backward pass, whether or not anything can come of it.
+    /// `dense` computes every sample's color and backward pass, whether or not they have any effect.
     pub fn step(&self, batch: &Batch, dense: bool, gradient: &mut Gradient) -> f64 {
         self.step_in_chunks(batch, Skipping::default(), dense, gradient)
     }

@@ -1,8 +1,8 @@
-//! What happens to a chunk between two matrix products: one pass over it while it is in the cache, vectorized at run time.
+//! The element-wise passes over a chunk between two matrix products, while it is in the cache; vectorized at run time.
 //!
 //! Rows are points. A gradient `g` is masked where the activation after the ReLU is 0, which is where its input was not
-//! positive. Each pass is a struct, because only `with_simd` is sure to be compiled for the instructions it is called with;
-//! the loops are plain and left to the compiler.
+//! positive. Each pass is a struct, because only `with_simd` is compiled for the instructions it is called with; the
+//! loops are plain and left to the compiler.
 
 use pulp::{Simd, WithSimd};
 

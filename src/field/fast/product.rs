@@ -44,13 +44,13 @@ pub(crate) fn product(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumu
     product_on(c, stride, a, b, accumulate, Parallelism::None);
 }
 
-/// c = a b of n x n matrices, row by row, on all threads: what the machine can do at best.
+/// c = a b of n x n matrices, row by row, on all threads: the machine's peak.
 pub fn sgemm(n: usize, a: &[f32], b: &[f32], c: &mut [f32]) {
     let (a, b) = (Matrix::new(a, n, n, n), Matrix::new(b, n, n, n));
     product_on(c, n, a, b, false, Parallelism::Rayon(crate::parallel::threads()));
 }
 
-/// c = a b of shapes (m, k) and (k, n), row by row, on the thread that calls: a layer as a chunk computes it.
+/// c = a b of shapes (m, k) and (k, n), row by row, on the calling thread: a layer as a chunk computes it.
 pub fn sgemm_layer([m, n, k]: [usize; 3], a: &[f32], b: &[f32], c: &mut [f32]) {
     product(c, n, Matrix::new(a, m, k, k), Matrix::new(b, k, n, n), false);
 }

@@ -1,6 +1,6 @@
 //! What goes into rendering, and what comes out.
 
-/// Rays with N samples each. Geometry is f64: it costs nothing beside the network, and 2^9 pi x magnifies its rounding.
+/// Rays with N samples each. Geometry is f64: its cost is negligible beside the network, and 2^9 pi x magnifies its rounding.
 #[derive(Clone, Copy, Debug)]
 pub struct Rays<'a> {
     /// Origins (R, 3).
@@ -15,7 +15,7 @@ pub struct Rays<'a> {
     pub samples: usize,
 }
 
-/// A picture's worth of rendered rays.
+/// Rendered rays.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rendered {
     /// Colors over the background (R, 3).

@@ -1,4 +1,4 @@
-//! Samples that a step leaves out: where nothing can be, and where no light comes from.
+//! Samples that a step leaves out: in empty cells, and after the early stop.
 
 use super::CHUNK;
 use super::rays::Rays;
@@ -12,7 +12,7 @@ use crate::volume_rendering::fast::Weights;
 /// `stop`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Skipping<'a> {
-    /// Samples (R, N) that may have a density; all where `None`.
+    /// Samples (R, N) that may have a density; all of them if `None`.
     pub live: Option<&'a [bool]>,
     /// The smallest transmittance that is followed; 0: rays have no early end.
     pub stop: f32,
@@ -29,8 +29,8 @@ impl Skipping<'_> {
         Skipping { live: self.live.map(|live| &live[from * samples..to * samples]), ..*self }
     }
 
-    /// Consecutive rays that make up a chunk each: as many as have [`CHUNK`] live samples, at least one. A function of the rays and of
-    /// what is live alone; where everything is, the chunks are those of the dense step.
+    /// Chunks of consecutive rays: as many as have [`CHUNK`] live samples, at least one. Depends on the rays and on what is live
+    /// alone; where everything is live, the chunks are those of the dense step.
     pub(super) fn spans(&self, rays: &Rays) -> Vec<(usize, usize)> {
         let (mut spans, mut from, mut points) = (vec![], 0, 0);
         for r in 0..rays.len() {
@@ -48,11 +48,11 @@ impl Skipping<'_> {
         spans
     }
 
-    /// Ends every ray after the first sample with T < `stop`: no more light is lost. The samples behind it are not active, so that
-    /// nobody reads their weights.
+    /// Ends every ray after the first sample with T < `stop`: no more light is lost. The samples behind it are not active, so their
+    /// weights are never read.
     pub(super) fn end(&self, rays: &mut Weights, samples: usize) {
         for behind in rays.behind.chunks_mut(samples) {
-            // A NaN is not below: it stays, and comes out at the end.
+            // A NaN is not below `stop`: it stays, and shows in the result.
             if let Some(last) = behind.iter().position(|&t| t < self.stop) {
                 let rest = behind[last];
                 behind[last + 1..].fill(rest);
@@ -61,11 +61,11 @@ impl Skipping<'_> {
     }
 }
 
-/// Moves the values of the first rows to the samples that the rows stand for (ascending); the others become 0.
+/// Scatters the values of the first rows to the samples that the rows belong to (ascending); the others become 0.
 pub(super) fn spread(values: &mut Vec<f32>, samples_of_rows: &[usize], samples: usize) {
     values.truncate(samples_of_rows.len());
     values.resize(samples, 0.0);
-    // From the back, where a value moves to a place that is free by then.
+    // From the end, so that a value moves to a place that is already free.
     for (row, &sample) in samples_of_rows.iter().enumerate().rev() {
         let value = std::mem::take(&mut values[row]);
         values[sample] = value;

@@ -17,7 +17,7 @@ mod skipping;
 const SMALL: Shape = Shape { position: 63, direction: 27, width: 24, depth: 5, color: 20, skip: 2 };
 const BACKGROUND: [f32; 3] = [0.25, 0.5, 1.0];
 
-/// Rays from a sphere of radius 4 towards the unit cube, with jittered samples between 2 and 6.
+/// Rays from a sphere of radius 4 toward the unit cube, with jittered samples between 2 and 6.
 struct Scene {
     origins: Vec<f64>,
     directions: Vec<f64>,
@@ -86,7 +86,7 @@ fn positions(scene: &Scene, i: usize) -> Vec<f64> {
     positional_encoding(&x, &Encoding::new(10, &CS180))
 }
 
-/// Colors, loss and gradient of a batch, point by point in f64: of the samples that aren't left out.
+/// Colors, loss and gradient of a batch, point by point in f64: for the samples that aren't left out.
 fn oracle(net: &NerfMlp, c: &Conventions, batch: &Batch, skipping: Skipping) -> (Vec<f64>, f64, NerfMlp) {
     let (positions, directions) = (Encoding::new(10, c), Encoding::new(4, c));
     let mut gradient = net.clone();
@@ -179,7 +179,7 @@ fn other_shapes_and_the_scalar_path_agree_with_the_oracle() {
     agrees(&Shape { skip: 9, ..SMALL }, Density::Softplus, false, Arch::Scalar);
 }
 
-/// All numbers of threads, twice, with memory of an earlier and larger step lying around.
+/// All numbers of threads, twice, with buffers left over from an earlier and larger step.
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let scene = Scene::new(150, 24);
@@ -199,7 +199,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     }
 }
 
-/// Samples that are left out change no bit that counts: the compacted step is the dense one but for the order of sums.
+/// Leaving out samples without effect changes nothing: the compacted step is the dense one except for the order of sums.
 #[test]
 fn idle_samples_contribute_nothing() {
     let scene = Scene::new(40, 32);

@@ -49,7 +49,7 @@ pub(super) struct Trunk {
 pub(super) struct Tape {
     /// Encoded input (P, encoding).
     pub encoding: Vec<f32>,
-    /// Behind each layer; rows hold the encoding too where the next layer is the skip.
+    /// Activations of each layer; rows end with the encoding where the next layer is the skip.
     pub h: Vec<Vec<f32>>,
     /// Gradient before the ReLU of the layer at hand (P, width).
     pub g: Vec<f32>,
@@ -78,7 +78,7 @@ impl Trunk {
         self.width + if n + 1 == self.skip && self.skip < self.layers.len() { self.encoding } else { 0 }
     }
 
-    /// Makes room for `points`.
+    /// Resizes the buffers to `points`.
     pub fn reserve(&self, tape: &mut Tape, points: usize) {
         tape.encoding.resize(points * self.encoding, 0.0);
         tape.h.resize(self.layers.len(), vec![]);

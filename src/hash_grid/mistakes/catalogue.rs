@@ -1,4 +1,4 @@
-//! What people get wrong in hash grids, in words. Some of it is tiny-cuda-nn's own choice: another encoding than the paper's text.
+//! Descriptions of the mistakes in hash grids. Some are tiny-cuda-nn's own choices, which differ from the paper's text.
 
 use crate::contract::component::Mistake;
 

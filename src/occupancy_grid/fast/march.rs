@@ -1,7 +1,7 @@
-//! The traversal in f32: sixteen rays walk side by side, a lane each, over bits, past empty cells, bricks and blocks.
+//! The traversal in f32: sixteen rays march side by side, a lane each, over bits, past empty cells, bricks and blocks.
 //!
-//! A ray alone waits: each step needs the bit that the step before led to. Sixteen rays wait together, in vector registers; a lane
-//! whose ray has ended takes the next.
+//! A single ray is latency-bound: each step needs the bit that the step before led to. Sixteen rays share that latency, in vector
+//! registers; a lane whose ray has ended takes the next.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -39,7 +39,7 @@ impl Way {
 /// The samples of rays that lie in occupied cells; buffers that are used again.
 #[derive(Default)]
 pub struct Steps {
-    /// Places of a ray's samples in `k`.
+    /// The range of a ray's samples in `k`.
     pub(super) room: usize,
     k: Vec<f32>,
     pub(super) count: Vec<usize>,
@@ -59,15 +59,15 @@ impl Steps {
         self.patience[ray] == 0
     }
 
-    /// No samples yet; room for the longest way.
+    /// No samples yet; sized for the longest rays.
     #[inline(always)]
     fn begin(&mut self, ways: &[Way], step: f32) {
         let longest = ways.iter().map(|way| (way.far - way.near) / step).fold(0.0, f32::max);
-        // One more for each end's rounding, one to write to after the last.
+        // One more for the rounding of each end, and one spare slot after the last.
         self.room = longest as usize + 3;
         let places = ways.len() * self.room;
         assert!(places < u32::MAX as usize, "{} rays of {longest} steps: at most 2^32 at once", ways.len());
-        // The last place is for lanes that no ray has entered yet.
+        // The last slot is for lanes that no ray has entered yet.
         if self.k.len() <= places {
             self.k.resize(places + 1, 0.0);
         }
@@ -130,14 +130,14 @@ impl Occupancy {
         arch.dispatch(March { grid: self, ways, step, steps });
     }
 
-    /// What lies where the rays are.
+    /// Reads the bits where the rays are.
     #[inline(always)]
     fn look(&self, walk: &mut Walk) {
         for i in 0..LANES {
             let bits = walk.bits.0[i];
             let bricks = self.blocks[walk.block.0[i] as usize];
             let any = (bricks >> (bits >> 8)) as u32 & 1;
-            // Word 0 where there is nothing to read.
+            // Word 0 for lanes without a ray.
             let [first, second] = self.words[(any * walk.brick.0[i]) as usize];
             let (occupied, opaque) =
                 (any & (first >> (bits & 63)) as u32, any & (second >> (bits & 63)) as u32);

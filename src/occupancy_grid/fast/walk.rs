@@ -11,13 +11,13 @@ pub(super) const LANES: usize = 16;
 
 /// One number a lane, on a cache line of its own.
 type Lanes = OnLine<[f32; LANES]>;
-/// The same of whole numbers.
+/// The same for integers.
 type Whole = OnLine<[u32; LANES]>;
 
 /// 2^23: a float from here on has its whole part in its low bits.
 const MAGIC: f32 = 8_388_608.0;
 
-/// The rays that walk, in units of cells and steps, and what a step finds out about them.
+/// The rays that walk, in units of cells and steps, and what a step reads for them.
 pub(super) struct Walk {
     start: [Lanes; 3],
     speed: [Lanes; 3],
@@ -38,7 +38,7 @@ pub(super) struct Walk {
     pub here: Whole,
     /// Which ray walks in the lane.
     ray: [usize; LANES],
-    /// The lanes in which one walks or has just ended, a bit each.
+    /// The lanes that have a ray, even if it has just ended, a bit each.
     pub held: u32,
 }
 
@@ -65,7 +65,7 @@ impl Walk {
         }
     }
 
-    /// The lanes in which no ray walks, a bit each.
+    /// The lanes without a ray, a bit each.
     #[inline(always)]
     pub fn idle(&self) -> u32 {
         let mut walking = 0;
@@ -75,7 +75,7 @@ impl Walk {
         walking ^ ((1 << LANES) - 1)
     }
 
-    /// Notes what the lane's ray has found, if it has one.
+    /// Stores the samples of the lane's ray, if it has one.
     #[inline(always)]
     pub fn leave(&mut self, lane: usize, steps: &mut Steps) {
         if self.held >> lane & 1 == 1 {
@@ -123,7 +123,7 @@ impl Walk {
         }
     }
 
-    /// Which of the points are samples, and patience; whether any of them is.
+    /// Finds which of the points are samples, and updates patience; returns whether any is.
     #[inline(always)]
     pub fn judge<S: Simd>(&mut self, s: S) -> bool {
         let (one, mut any) = (s.splat_u32s(1), false);
@@ -167,7 +167,7 @@ impl Walk {
             let empty = s.equal_u32s(s.and_u32s(state, one), zero);
             let skips = s.and_m32s(empty, s.greater_than_f32s(far, next));
             let jump = s.select_f32s(skips, far, next);
-            // From 2^24 on k + 1 is k: so far from the box there are no samples to tell apart.
+            // From 2^24 on k + 1 is k in f32: that far out, samples can't be told apart.
             let stuck = s.equal_f32s(jump, *k);
             let over = s.or_m32s(s.equal_u32s(numbers::<S>(&self.patience)[v], zero), stuck);
             *k = s.select_f32s(over, never, jump);
@@ -199,7 +199,7 @@ fn numbers_mut<S: Simd>(lanes: &mut Whole) -> &mut [S::u32s] {
 #[inline(always)]
 fn whole<S: Simd>(s: S, x: S::f32s, top: f32) -> S::u32s {
     let (zero, one, magic) = (s.splat_f32s(0.0), s.splat_f32s(1.0), s.splat_f32s(MAGIC));
-    // A comparison, not a maximum: what that makes of NaN depends on the machine.
+    // A comparison, not a maximum, whose treatment of NaN depends on the machine.
     let x = s.min_f32s(s.select_f32s(s.greater_than_f32s(x, zero), x, zero), s.splat_f32s(top));
     let nearest = s.add_f32s(x, magic);
     let above = s.greater_than_f32s(s.sub_f32s(nearest, magic), x);
@@ -207,7 +207,7 @@ fn whole<S: Simd>(s: S, x: S::f32s, top: f32) -> S::u32s {
     s.and_u32s(s.transmute_u32s_f32s(below), s.splat_u32s(0x7f_ffff))
 }
 
-/// Where cells, bricks or blocks stand among `side`^3 of their kind.
+/// The index of cells, bricks or blocks among `side`^3 of them.
 #[inline(always)]
 fn place<S: Simd>(s: S, [x, y, z]: [S::u32s; 3], side: usize) -> S::u32s {
     let side = s.splat_u32s(side as u32);
@@ -223,7 +223,7 @@ fn bit<S: Simd>(s: S, [x, y, z]: [S::u32s; 3]) -> S::u32s {
     s.or_u32s(s.and_u32s(x, low), s.or_u32s(y, z))
 }
 
-/// The next whole number from x on for |x| < 2^22, from there on one more at most; infinity stays.
+/// x rounded up to a whole number for |x| < 2^22, at most one more beyond; infinity stays.
 #[inline(always)]
 fn ceil<S: Simd>(s: S, x: S::f32s) -> S::f32s {
     let magic = s.splat_f32s(1.5 * MAGIC);

@@ -1,4 +1,4 @@
-//! What people get wrong in volume rendering, in words.
+//! Descriptions of the mistakes in volume rendering.
 
 use crate::contract::component::Mistake;
 use crate::sample::mistakes::{

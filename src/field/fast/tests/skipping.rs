@@ -7,7 +7,7 @@ fn bits(loss: f64, gradient: &Gradient) -> (u64, Vec<u32>) {
     (loss.to_bits(), gradient.values.iter().map(|g| g.to_bits()).collect())
 }
 
-/// About two samples in five, and of the second ray none at all.
+/// About two samples in five, and none of the second ray.
 fn some(rays: usize, samples: usize) -> Vec<bool> {
     let u = Key::new(4, Purpose::Cases).uniforms(0, 7, rays * samples);
     u.iter().enumerate().map(|(n, &u)| u < 0.4 && n / samples != 1).collect()
@@ -46,7 +46,7 @@ fn chunks_hold_whole_rays() {
         assert_eq!(spans, want);
     }
     let scene = Scene::new(30, 64);
-    // Ten, none and all of a ray's samples by turns: 74 in three rays.
+    // Ten, none and all of a ray's samples in turn: 74 in three rays.
     let live: Vec<bool> = (0..30 * 64).map(|n| n % 64 < [10, 0, 64][n / 64 % 3]).collect();
     let skipping = Skipping { live: Some(&live), stop: 0.0 };
     assert_eq!(skipping.spans(&scene.batch().rays), [(0, 20), (20, 30)]);
@@ -136,7 +136,7 @@ fn skipping_gives_the_same_bits_on_any_number_of_threads() {
     }
 }
 
-/// Nothing live: the background, a loss, no gradient. A NaN among what is live comes out; none where it is left out.
+/// Nothing live: the background, a loss, no gradient. A NaN in a live sample shows in the result, one in a sample that is left out doesn't.
 #[test]
 fn nothing_live_and_nan() {
     let scene = Scene::new(4, 16);
