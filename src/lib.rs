@@ -28,13 +28,16 @@
 //! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
 //! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper.
 
+#[cfg(feature = "fast")]
 pub mod approximate;
 pub mod convention;
 pub mod error;
+#[cfg(feature = "files")]
 pub mod files;
 pub mod math;
 pub mod parallel;
 pub mod random;
+#[cfg(feature = "fast")]
 pub mod simd;
 
 pub mod contract;
@@ -60,15 +63,22 @@ pub mod trunc_exp;
 pub mod registry;
 
 pub mod judge;
+#[cfg(feature = "files")]
 pub mod proof;
 
+#[cfg(feature = "cli")]
 pub mod evaluation;
+#[cfg(feature = "cli")]
 pub mod training;
 
+#[cfg(feature = "cli")]
 pub mod bench;
+#[cfg(feature = "files")]
 pub mod scene;
 
+#[cfg(feature = "cli")]
 pub mod cli;
+#[cfg(feature = "cli")]
 pub mod report;
 
 pub use error::{Error, Result};

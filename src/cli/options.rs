@@ -1,7 +1,10 @@
 //! Options that several subcommands share, and how they are read.
 
 use clap::ValueEnum;
+use clap::builder::PossibleValue;
 use serde::{Deserialize, Serialize};
+
+use crate::training::compact::Part;
 
 /// Which path computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
@@ -11,6 +14,31 @@ pub enum Backend {
     Fast,
     /// The f64 oracle: slow.
     Reference,
+}
+
+impl ValueEnum for Part {
+    fn value_variants<'a>() -> &'a [Part] {
+        &Part::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self {
+            Part::Occupancy => ("occupancy", "The occupancy grid: every cell counts as occupied"),
+            Part::Stop => (
+                "stop",
+                "The early stop, and the end of rays behind opaque cells: all samples of a ray count",
+            ),
+            Part::Patience => {
+                ("patience", "Ending rays behind opaque cells, before their samples are looked at")
+            }
+            Part::CoarseSteps => ("coarse_steps", "Coarse steps along the rays at first"),
+            Part::CoarseLevels => ("coarse_levels", "Coarse levels of the hash grid first"),
+            Part::Growth => ("growth", "Batches that grow with the step"),
+            Part::Decay => ("decay", "Learning rates that fall"),
+            Part::ViewDependence => ("view_dependence", "Colors that depend on the direction"),
+        };
+        Some(PossibleValue::new(name).help(help))
+    }
 }
 
 /// A color: `black`, `white`, or `R,G,B` in [0, 1].

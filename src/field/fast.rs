@@ -21,6 +21,7 @@
 
 pub(crate) mod activation;
 mod chunk;
+#[cfg(feature = "cli")]
 mod dense;
 mod descent;
 mod gradient;
@@ -35,6 +36,7 @@ mod trunk;
 #[cfg(test)]
 mod tests;
 
+#[cfg(feature = "cli")]
 pub use dense::DENSE;
 pub use gradient::Gradient;
 pub use image::ImageNetwork;

@@ -249,3 +249,6 @@ pub fn scatter(arch: Arch, level: &mut Level, points: &[[f32; 3]], g_out: &[Entr
 pub fn update(arch: Arch, level: &mut Level, rates: AdamRates) {
     arch.dispatch(Update { level, rates });
 }
+
+#[cfg(test)]
+mod tests;

@@ -12,6 +12,7 @@ pub mod backward;
 pub mod bound;
 pub mod cases;
 pub mod component;
+#[cfg(feature = "fast")]
 pub mod fast;
 pub mod honest;
 pub mod mistakes;

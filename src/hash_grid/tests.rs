@@ -1,17 +1,19 @@
-//! Closed forms and properties of the hash grid, and the f32 path against the oracle.
+//! Closed forms and properties of the hash grid.
 
 use approx::assert_abs_diff_eq;
-use pulp::Arch;
 
-use super::{Level, backward, encode, fast, is_dense, resolutions};
-use crate::optimizer::{Adam, Moments, adam_step};
+use super::{Level, backward, encode, is_dense, resolutions};
 use crate::random::{Key, Purpose};
+
+/// Numbers an entry.
+const FEATURES: usize = 4;
 
 const KEY: fn() -> Key = || Key::new(0, Purpose::Cases);
 
-fn random_levels(sides: &[u32], max_entries: usize) -> Vec<Level> {
+/// Levels of these sides, filled with numbers that are exact in f32 too.
+pub(super) fn random_levels(sides: &[u32], max_entries: usize) -> Vec<Level> {
     let fill = |(l, &n): (usize, &u32)| {
-        let mut level = Level::zeros(n, max_entries, fast::FEATURES);
+        let mut level = Level::zeros(n, max_entries, FEATURES);
         for (i, entry) in level.table.iter_mut().enumerate() {
             // Numbers of 10 bits: exact in f32 too.
             entry.iter_mut().enumerate().for_each(|(f, x)| {
@@ -23,7 +25,7 @@ fn random_levels(sides: &[u32], max_entries: usize) -> Vec<Level> {
     sides.iter().enumerate().map(fill).collect()
 }
 
-fn points(n: u64) -> Vec<[f64; 3]> {
+pub(super) fn points(n: u64) -> Vec<[f64; 3]> {
     let coordinate = |i, a| KEY().below(1 << 14, 99, i, a) as f64 / f64::from(1 << 14);
     (0..n).map(|i| [0, 1, 2].map(|a| coordinate(i, a))).collect()
 }
@@ -99,7 +101,7 @@ fn continuous_across_faces() {
 fn gradients_are_finite_differences() {
     let levels = random_levels(&[3, 20], 64);
     let x = [0.37, 0.81, 0.12];
-    let g_out: Vec<f64> = (0..2 * fast::FEATURES).map(|i| 0.5 - i as f64 * 0.3).collect();
+    let g_out: Vec<f64> = (0..2 * FEATURES).map(|i| 0.5 - i as f64 * 0.3).collect();
     let loss =
         |levels: &[Level], x: [f64; 3]| encode(levels, x).iter().zip(&g_out).map(|(e, g)| e * g).sum::<f64>();
     let mut g_tables: Vec<Level> = levels.clone();
@@ -121,107 +123,11 @@ fn gradients_are_finite_differences() {
     }
 }
 
-fn fast_levels(levels: &[Level]) -> Vec<fast::Level> {
-    let convert = |level: &Level| {
-        let table = level.table.iter().map(|e| std::array::from_fn(|f| e[f] as f32)).collect();
-        fast::Level::new(level.resolution, table, level.dense())
-    };
-    levels.iter().map(convert).collect()
-}
-
-const SIDES: [u32; fast::LEVELS] = [2, 3, 5, 7, 11, 19, 40, 90];
-
-/// Corner coordinates are exact in both, so that only the weights' and the sums' roundings differ: 8 products of 4 factors.
-#[test]
-fn fast_path_agrees() {
-    let levels = random_levels(&SIDES, 512);
-    let fast = fast_levels(&levels);
-    let exact: Vec<[f64; 3]> =
-        points(1000).into_iter().chain([[0.0; 3], [1.0; 3], [1.0, 0.0, 0.5]]).collect();
-    let points: Vec<[f32; 3]> = exact.iter().map(|p| p.map(|x| x as f32)).collect();
-    for arch in [Arch::new(), Arch::Scalar] {
-        let mut out = vec![vec![[0.0; fast::FEATURES]; points.len()]; fast::LEVELS];
-        for (level, out) in fast.iter().zip(&mut out) {
-            fast::encode_level(arch, level, &points, out);
-        }
-        for (n, p) in exact.iter().enumerate() {
-            for (a, b) in encode(&levels, *p).iter().zip(out.iter().flat_map(|level| &level[n])) {
-                assert_abs_diff_eq!(*a, f64::from(*b), epsilon = 16.0 * f64::from(f32::EPSILON));
-            }
-        }
-    }
-}
-
-#[test]
-fn fast_gradient_agrees() {
-    let levels = random_levels(&SIDES, 512);
-    let exact = points(100);
-    let points: Vec<[f32; 3]> = exact.iter().map(|p| p.map(|x| x as f32)).collect();
-    let g_out: Vec<[f32; fast::WIDTH]> =
-        (0..100).map(|i| std::array::from_fn(|c| ((i * 7 + c * 3) % 17) as f32 / 16.0 - 0.5)).collect();
-    let mut expected = levels.clone();
-    expected.iter_mut().flat_map(|l| &mut l.table).for_each(|e| e.fill(0.0));
-    for (p, g) in exact.iter().zip(&g_out) {
-        backward::encode(&levels, *p, &g.map(f64::from), &mut expected);
-    }
-    for arch in [Arch::new(), Arch::Scalar] {
-        let mut fast = fast_levels(&levels);
-        for l in 0..fast::LEVELS {
-            let g_level: Vec<fast::Entry> = g_out.iter().map(|g| g.as_chunks().0[l]).collect();
-            fast::scatter(arch, &mut fast[l], &points, &g_level);
-            for (entry, got) in expected[l].table.iter().zip(fast[l].gradient()) {
-                for f in 0..fast::FEATURES {
-                    // At most 800 terms below 1/2 meet in one entry.
-                    assert_abs_diff_eq!(
-                        entry[f],
-                        f64::from(got[f]),
-                        epsilon = 800.0 * f64::from(f32::EPSILON)
-                    );
-                }
-            }
-        }
-    }
-}
-
-/// Three sparse steps: entries with a gradient follow the oracle's Adam, the others don't move.
-#[test]
-fn sparse_adam_agrees() {
-    let levels = random_levels(&SIDES, 512);
-    let adam = Adam { lr: 1e-2, beta1: 0.9, beta2: 0.99, eps: 1e-15, weight_decay: 0.0 };
-    let points = [[0.1, 0.2, 0.3], [0.8, 0.5, 0.9]];
-    for arch in [Arch::new(), Arch::Scalar] {
-        let l = 6;
-        let mut level = fast_levels(&levels).swap_remove(l);
-        let mut expected: Vec<Moments> = level
-            .table()
-            .as_flattened()
-            .iter()
-            .map(|&p| Moments { param: f64::from(p), m: 0.0, v: 0.0 })
-            .collect();
-        for step in 1..=3 {
-            fast::scatter(arch, &mut level, &points, &[[0.25 * step as f32; fast::FEATURES]; 2]);
-            let mut moved = 0;
-            for (e, &g) in expected.iter_mut().zip(level.gradient().as_flattened()) {
-                if g != 0.0 {
-                    *e = adam_step(&adam, *e, f64::from(g), step);
-                    moved += 1;
-                }
-            }
-            assert!((4..=64).contains(&moved), "{moved}");
-            fast::update(arch, &mut level, fast::AdamRates::new(&adam, step));
-            assert!(level.gradient().as_flattened().iter().all(|&g| g == 0.0));
-        }
-        for (e, &p) in expected.iter().zip(level.table().as_flattened()) {
-            assert_abs_diff_eq!(e.param, f64::from(p), epsilon = 1e-6);
-        }
-    }
-}
-
 /// PE6: at a face the value is continuous and the derivative jumps: from below it is the lower cell's, at the face the upper cell's.
 #[test]
 fn pe6_derivatives_jump_at_faces() {
     let levels = random_levels(&[4], 128);
-    let g_out = [1.0; fast::FEATURES];
+    let g_out = [1.0; FEATURES];
     let slope = |x: f64| {
         let mut g_tables = levels.clone();
         backward::encode(&levels, [x, 0.3, 0.7], &g_out, &mut g_tables)[0]

@@ -4,6 +4,7 @@ pub mod answer;
 pub mod assignment;
 pub mod diagnose;
 pub mod exam;
+#[cfg(feature = "files")]
 pub mod exchange;
 pub mod explain;
 pub mod hypothesis;

@@ -189,3 +189,6 @@ pub fn ray_box(o: [f32; 3], d: [f32; 3]) -> (f32, f32) {
     }
     (enter, leave)
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,6 +7,7 @@ pub(crate) mod arrays;
 pub mod bound;
 pub mod cases;
 pub mod component;
+#[cfg(feature = "fast")]
 pub mod fast;
 pub mod honest;
 pub mod mistakes;

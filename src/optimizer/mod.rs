@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::math::{expm1, ln};
 
 pub(crate) mod arrays;
+#[cfg(feature = "fast")]
 pub mod fast;
 
 pub mod bound;

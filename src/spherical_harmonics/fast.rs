@@ -26,3 +26,6 @@ pub fn harmonics([x, y, z]: [f32; 3]) -> [f32; WIDTH] {
         0.590_043_6 * x * (-xx + 3.0 * yy),
     ]
 }
+
+#[cfg(test)]
+mod tests;

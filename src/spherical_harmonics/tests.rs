@@ -1,13 +1,13 @@
-//! Closed forms and properties of the harmonics, and the f32 path against the oracle.
+//! Closed forms and properties of the harmonics.
 
 use std::f64::consts::PI;
 
 use approx::assert_abs_diff_eq;
 
-use super::{MAX_WIDTH, backward, fast, harmonics};
+use super::{MAX_WIDTH, backward, harmonics};
 
 /// A uniform grid in phi and a fine midpoint rule in z: Gauss-Legendre nodes would be fewer, but need a table.
-fn sphere(rings: usize, sectors: usize) -> Vec<[f64; 3]> {
+pub(super) fn sphere(rings: usize, sectors: usize) -> Vec<[f64; 3]> {
     let point = |i: usize| {
         let z = -1.0 + (2.0 * (i / sectors) as f64 + 1.0) / rings as f64;
         let phi = 2.0 * PI * (i % sectors) as f64 / sectors as f64;
@@ -69,17 +69,5 @@ fn gradient_is_finite_differences() {
         let at = |h: f64| std::array::from_fn(|b| if a == b { d[b] + h } else { d[b] });
         // Polynomials of degree 4: the central difference is off by h^2 times a third derivative of at most 100.
         assert_abs_diff_eq!(slope, (loss(at(1e-5)) - loss(at(-1e-5))) / 2e-5, epsilon = 1e-8);
-    }
-}
-
-#[test]
-fn fast_path_agrees() {
-    for d in sphere(20, 17) {
-        let d = d.map(|x| x as f32);
-        let exact = harmonics(d.map(f64::from), 3);
-        for (a, b) in exact.iter().zip(fast::harmonics(d)) {
-            // Five roundings of terms below 3.
-            assert_abs_diff_eq!(*a, f64::from(b), epsilon = 8.0 * f64::from(f32::EPSILON));
-        }
     }
 }

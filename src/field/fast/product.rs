@@ -29,11 +29,13 @@ impl<'a> Matrix<'a> {
     }
 
     /// (rows, columns).
+    #[cfg(feature = "cli")]
     pub fn shape(&self) -> (usize, usize) {
         (self.rows, self.columns)
     }
 
     /// Entry (i, j).
+    #[cfg(feature = "cli")]
     pub fn at(&self, i: usize, j: usize) -> f32 {
         self.data[i * self.row_stride + j * self.column_stride]
     }

@@ -9,9 +9,8 @@ use crate::hash_grid::fast::LEVELS;
 use crate::scene::Scene;
 
 /// What a compact model can do without, to see what it is worth (`--without`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
-#[value(rename_all = "snake_case")]
 pub enum Part {
     /// The occupancy grid: every cell counts as occupied.
     Occupancy,
@@ -29,6 +28,20 @@ pub enum Part {
     Decay,
     /// Colors that depend on the direction.
     ViewDependence,
+}
+
+impl Part {
+    /// All of them.
+    pub const ALL: [Part; 8] = [
+        Part::Occupancy,
+        Part::Stop,
+        Part::Patience,
+        Part::CoarseSteps,
+        Part::CoarseLevels,
+        Part::Growth,
+        Part::Decay,
+        Part::ViewDependence,
+    ];
 }
 
 /// What a user may decide instead.
