@@ -8,6 +8,9 @@ use crate::volume_rendering::backward::{Cotangent, volume_render};
 ///
 /// The number of live samples is piecewise constant: they have the gradient of a ray of so many samples, those behind have none.
 /// `rays` is what the forward pass returned; `g` has a cotangent a ray, whose weights are those of the live samples.
+///
+/// # Panics
+/// Where the lengths differ, in all or in a ray.
 pub fn render_packed(
     sigmas: &[f64],
     rgbs: &[[f64; 3]],
@@ -17,6 +20,10 @@ pub fn render_packed(
     g: &[Cotangent],
 ) -> (Vec<f64>, Vec<[f64; 3]>, Vec<f64>) {
     let n = sigmas.len();
+    assert_eq!(n, deltas.len(), "sigmas and deltas: one each a sample");
+    assert_eq!(n, rgbs.len(), "sigmas and rgbs: one each a sample");
+    assert_eq!(offsets.len(), rays.len() + 1, "offsets and rays: one more than rays");
+    assert_eq!(g.len(), rays.len(), "g and rays: one each a ray");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![0.0; n], vec![[0.0; 3]; n], vec![0.0; n]);
     for r in 0..rays.len() {
         let first = offsets[r];

@@ -6,7 +6,7 @@
 
 use crate::convention::ProductEps;
 use crate::math::{Sum, exp};
-use crate::volume_rendering::{Rendering, volume_render};
+use crate::volume_rendering::{Rendering, optical_depths, volume_render};
 
 pub(crate) mod arrays;
 pub mod backward;
@@ -26,6 +26,9 @@ mod tests;
 /// from the full one, channel by channel, by at most T_n < eps: what is behind changes from some color in [0, 1] to b, and
 /// contributes T_n times that.
 ///
+/// # Panics
+/// Where the lengths differ.
+///
 /// ```
 /// use nerf_oracle::early_stop::live_samples;
 /// let ln2 = std::f64::consts::LN_2;
@@ -34,14 +37,16 @@ mod tests;
 /// assert_eq!(live_samples(&[ln2; 4], &[1.0; 4], 0.0), 4);
 /// ```
 pub fn live_samples(sigmas: &[f64], deltas: &[f64], eps: f64) -> usize {
+    assert_eq!(sigmas.len(), deltas.len(), "sigmas and deltas: one each a sample");
+    let x = optical_depths(sigmas, deltas);
     let mut depth = Sum::default();
-    for i in 0..sigmas.len() {
-        depth.add(sigmas[i] * deltas[i]);
+    for i in 0..x.len() {
+        depth.add(x[i]);
         if exp(-depth.value()) < eps {
             return i + 1;
         }
     }
-    sigmas.len()
+    x.len()
 }
 
 /// Renders packed rays with early stop: for each ray [`live_samples`], and [`volume_render`] of so many samples.
@@ -51,7 +56,7 @@ pub fn live_samples(sigmas: &[f64], deltas: &[f64], eps: f64) -> usize {
 /// result has the live samples' weights alone: those behind are 0.
 ///
 /// # Panics
-/// Where `offsets` fall or end after S.
+/// Where the lengths differ, `offsets` are none, fall or lead past S.
 ///
 /// ```
 /// use nerf_oracle::early_stop::render_packed;
@@ -68,6 +73,9 @@ pub fn render_packed(
     offsets: &[usize],
     eps: f64,
 ) -> Vec<Rendering> {
+    assert_eq!(sigmas.len(), deltas.len(), "sigmas and deltas: one each a sample");
+    assert_eq!(sigmas.len(), rgbs.len(), "sigmas and rgbs: one each a sample");
+    assert!(!offsets.is_empty(), "offsets and rays: one more than rays, and not none");
     let mut rays = vec![];
     for r in 0..offsets.len() - 1 {
         let (first, end) = (offsets[r], offsets[r + 1]);

@@ -7,8 +7,12 @@ use crate::math::Sum;
 ///
 /// d sin(a x) / dx = a cos(a x), d cos(a x) / dx = -a sin(a x), with a = factor * f_k; the identity passes its gradient on.
 /// The bands' terms grow like 2^k and cancel, so their sum is compensated.
+///
+/// # Panics
+/// Where `g_out` isn't as long as the encoding of `x`.
 pub fn positional_encoding(x: &[f64], encoding: &Encoding, g_out: &[f64]) -> Vec<f64> {
     let dims = x.len();
+    assert_eq!(g_out.len(), encoding.width(dims), "g_out and the encoding of x: one each a column");
     let mut g_x = Vec::with_capacity(dims);
     for d in 0..dims {
         let mut g = Sum::default();

@@ -8,8 +8,15 @@ use super::{Layer, density_slope, sigmoid_slope};
 use crate::convention::{Activation, Conventions, SkipOrder};
 
 /// Adds one point's g_w and g_b to `gradient` and returns g_x.
+///
+/// # Panics
+/// Where `x` doesn't have w's columns, `g_z` w's rows, or `gradient` the layer's shapes.
 pub fn layer(layer: &Layer, x: &[f64], g_z: &[f64], gradient: &mut Layer) -> Vec<f64> {
     let (outputs, inputs) = layer.w.dim();
+    assert_eq!(x.len(), inputs, "x and the columns of w: one each an input");
+    assert_eq!(g_z.len(), outputs, "g_z and the rows of w: one each an output");
+    assert_eq!(gradient.w.dim(), layer.w.dim(), "gradient.w and w: the same shape");
+    assert_eq!(gradient.b.len(), outputs, "gradient.b and the rows of w: one each an output");
     let mut g_x = vec![0.0; inputs];
     for o in 0..outputs {
         gradient.b[o] += g_z[o];
@@ -22,12 +29,22 @@ pub fn layer(layer: &Layer, x: &[f64], g_z: &[f64], gradient: &mut Layer) -> Vec
 }
 
 /// g where z > 0, else 0.
+///
+/// # Panics
+/// Where the lengths differ.
 pub fn relu(z: &[f64], g: &[f64]) -> Vec<f64> {
+    assert_eq!(z.len(), g.len(), "z and g: one entry for one entry");
     z.iter().zip(g).map(|(&z, &g)| if z > 0.0 { g } else { 0.0 }).collect()
 }
 
 /// Gradients of [`Mlp::forward`]: adds to `gradient` (one entry a layer) and returns g_x.
+///
+/// # Panics
+/// Where `tape` or `gradient` isn't that of such a network, or `g_y` isn't as long as its output.
 pub fn mlp(net: &Mlp, tape: &mlp::Tape, g_y: &[f64], gradient: &mut [Layer]) -> Vec<f64> {
+    assert_eq!(gradient.len(), net.layers.len(), "gradient and net: one each a layer");
+    assert_eq!(tape.z.len(), net.layers.len(), "tape and net: one each a layer");
+    assert_eq!(g_y.len(), tape.y.len(), "g_y and y: one each an output");
     let last = net.layers.len() - 1;
     let mut g = g_y.to_vec();
     for n in (0..=last).rev() {
@@ -45,6 +62,9 @@ pub fn mlp(net: &Mlp, tape: &mlp::Tape, g_y: &[f64], gradient: &mut [Layer]) -> 
 }
 
 /// Gradients of [`NerfMlp::forward`]: adds to `gradient` and returns those of the encoded position and direction.
+///
+/// # Panics
+/// Where `tape` or `gradient` isn't that of such a network.
 pub fn nerf_mlp(
     net: &NerfMlp,
     tape: &nerf_mlp::Tape,
@@ -53,6 +73,8 @@ pub fn nerf_mlp(
     g_rgb: [f64; 3],
     gradient: &mut NerfMlp,
 ) -> (Vec<f64>, Vec<f64>) {
+    assert_eq!(gradient.trunk.len(), net.trunk.len(), "gradient.trunk and net.trunk: one each a layer");
+    assert_eq!(tape.z.len(), net.trunk.len(), "tape and net.trunk: one each a layer");
     // Color head, color layer, feature.
     let g_z1: Vec<f64> = (0..3).map(|k| sigmoid_slope(tape.z_color1[k]) * g_rgb[k]).collect();
     let g = layer(&net.color1, &tape.color_hidden, &g_z1, &mut gradient.color1);

@@ -42,6 +42,9 @@ impl Mlp {
     }
 
     /// One point through the network: h_0 = x, z_n = w_n h_{n-1} + b_n, h_n = max(z_n, 0), y = sigmoid(z_last).
+    ///
+    /// # Panics
+    /// Where `x` isn't as long as the first layer is wide, or a layer's input as the output before it.
     pub fn forward(&self, x: &[f64]) -> Tape {
         let mut tape = Tape { inputs: vec![], z: vec![], y: vec![] };
         let mut h = x.to_vec();

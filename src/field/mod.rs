@@ -57,9 +57,13 @@ impl Layer {
     }
 
     /// z = w x + b, one output after the other, terms from left to right.
+    ///
+    /// # Panics
+    /// Where `x` doesn't have w's columns, or `b` w's rows.
     pub fn forward(&self, x: &[f64]) -> Vec<f64> {
         let (outputs, inputs) = self.w.dim();
-        assert_eq!(x.len(), inputs, "a layer's input");
+        assert_eq!(x.len(), inputs, "x and the columns of w: one each an input");
+        assert_eq!(self.b.len(), outputs, "b and the rows of w: one each an output");
         let mut z = Vec::with_capacity(outputs);
         for o in 0..outputs {
             let mut sum = self.b[o];

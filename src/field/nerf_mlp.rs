@@ -113,6 +113,9 @@ impl NerfMlp {
     /// One point, encoded, seen from an encoded direction.
     ///
     /// h = relu(trunk(...)), sigma = density(w_sigma h + b), f = w_feature h + b, rgb = sigmoid(color1 relu(color0 [f, direction])).
+    ///
+    /// # Panics
+    /// Where `position` or `direction` isn't as long as the layers that take it are wide.
     pub fn forward(&self, position: &[f64], direction: &[f64], c: &Conventions) -> Tape {
         let (mut inputs, mut zs) = (vec![], vec![]);
         let mut h = position.to_vec();

@@ -7,18 +7,26 @@ use super::{Level, cell, corner};
 /// The encoding is linear in the tables: g_entry += weight g_out for each corner, colliding corners add up. In x it is trilinear
 /// inside a cell: d weight / d x_a = +-N times the other two axes' weights. At cell faces the derivative jumps (PE6): the value is
 /// that of the cell which [`cell`] picks.
+///
+/// # Panics
+/// Where `g_tables` isn't shaped like `levels`, or `g_out` doesn't have their features, level by level.
 pub fn encode(levels: &[Level], x: [f64; 3], g_out: &[f64], g_tables: &mut [Level]) -> [f64; 3] {
+    assert_eq!(g_tables.len(), levels.len(), "g_tables and levels: one each a level");
+    let width: usize = levels.iter().map(|level| level.table[0].len()).sum();
+    assert_eq!(g_out.len(), width, "g_out and the levels' features: one each a feature");
     let mut g_x = [0.0; 3];
     let mut first = 0;
     for l in 0..levels.len() {
         let level = &levels[l];
         let features = level.table[0].len();
+        assert_eq!(g_tables[l].table.len(), level.table.len(), "g_tables and levels: as many entries");
         let g_level = &g_out[first..first + features];
         first += features;
         let cells = x.map(|x| cell(x, level.resolution));
         for k in 0..8 {
             let (vertex, weight) = corner(k, cells);
             let entry = level.entry(vertex);
+            assert_eq!(g_tables[l].table[entry].len(), features, "g_tables and levels: as many features");
             let mut g_weight = 0.0;
             for f in 0..features {
                 g_tables[l].table[entry][f] += weight * g_level[f];

@@ -101,6 +101,9 @@ pub fn corner(k: usize, cells: [(u32, f64); 3]) -> ([u32; 3], f64) {
 /// # Shapes
 /// `x` (3) in [0, 1]; result (L F), level by level.
 ///
+/// # Panics
+/// Where a level has no entries, or entries of different lengths meet at a corner of the cell.
+///
 /// ```
 /// use nerf_oracle::hash_grid::{Level, encode};
 /// let mut level = Level::zeros(1, 8, 1);
@@ -115,6 +118,7 @@ pub fn encode(levels: &[Level], x: [f64; 3]) -> Vec<f64> {
         for k in 0..8 {
             let (vertex, weight) = corner(k, cells);
             let entry = &level.table[level.entry(vertex)];
+            assert_eq!(entry.len(), features.len(), "entries of a table: as many features as the first");
             for f in 0..features.len() {
                 features[f] += weight * entry[f];
             }

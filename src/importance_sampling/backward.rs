@@ -8,7 +8,13 @@ use super::{bin_of, cdf};
 /// F_k); at a tie the bin is that of [`super::sample`]. The weights get none: the paper's code stops the gradient of the fine samples
 /// altogether, so that the coarse network learns from its own colors alone; code that does differentiate through the positions of samples
 /// (edges that a network proposes, warped rays) does so through `edges` and `u`.
+///
+/// # Panics
+/// Where there is no bin, `edges` aren't one more than `weights`, or `g_t` and `u` differ in length.
 pub fn sample(edges: &[f64], weights: &[f64], padding: f64, u: &[f64], g_t: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    assert!(!weights.is_empty(), "weights: at least one bin");
+    assert_eq!(edges.len(), weights.len() + 1, "edges and weights: one edge more than weights");
+    assert_eq!(g_t.len(), u.len(), "g_t and u: one each a sample");
     let f = cdf(weights, padding);
     let (mut g_edges, mut g_u) = (vec![0.0; edges.len()], vec![]);
     for i in 0..u.len() {

@@ -70,7 +70,7 @@ pub(crate) fn bin_of(f: &[f64], u: f64) -> usize {
 /// original code takes 1 for any below 1e-5, and an opaque ray's samples then fall on the edges (SA2).
 ///
 /// # Panics
-/// Where there is no bin.
+/// Where there is no bin, or `edges` aren't one more than `weights`.
 ///
 /// ```
 /// use nerf_oracle::importance_sampling::sample;
@@ -78,6 +78,8 @@ pub(crate) fn bin_of(f: &[f64], u: f64) -> usize {
 /// assert_eq!(sample(&edges, &weights, 0.0, &[0.125, 0.25, 0.625, 1.0]), [2.5, 3.0, 4.0, 5.0]);
 /// ```
 pub fn sample(edges: &[f64], weights: &[f64], padding: f64, u: &[f64]) -> Vec<f64> {
+    assert!(!weights.is_empty(), "weights: at least one bin");
+    assert_eq!(edges.len(), weights.len() + 1, "edges and weights: one edge more than weights");
     let f = cdf(weights, padding);
     let mut t = vec![];
     for &u in u {

@@ -18,10 +18,14 @@ mod tests;
 
 /// Mean of the squared differences over all entries.
 ///
+/// # Panics
+/// Where the lengths differ.
+///
 /// ```
 /// assert_eq!(nerf_oracle::loss::mse(&[0.0, 3.0], &[0.0, 1.0]), 2.0);
 /// ```
 pub fn mse(prediction: &[f64], target: &[f64]) -> f64 {
+    assert_eq!(prediction.len(), target.len(), "prediction and target: one entry for one entry");
     let mut sum = Sum::default();
     for (p, t) in prediction.iter().zip(target) {
         sum.add((p - t) * (p - t));
@@ -42,7 +46,11 @@ pub fn psnr(mse: f64, peak: f64) -> f64 {
 ///
 /// The first is never smaller: for errors .01 and .001 it is 25.00 dB, the second 22.60. One image without any error makes the first
 /// infinite (ME1).
+///
+/// # Panics
+/// Where there are more predictions than targets or fewer, or an image and its target differ in length.
 pub fn psnr_of_images(predictions: &[&[f64]], targets: &[&[f64]], peak: f64, of: PsnrOf) -> f64 {
+    assert_eq!(predictions.len(), targets.len(), "predictions and targets: one image for one image");
     let mut sum = Sum::default();
     for (prediction, target) in predictions.iter().zip(targets) {
         let error = mse(prediction, target);
@@ -72,7 +80,7 @@ pub fn psnr_of_images(predictions: &[&[f64]], targets: &[&[f64]], peak: f64, of:
 /// Where the shapes differ or a side is below 11.
 pub fn ssim(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64) -> f64 {
     const WINDOW: usize = 11;
-    assert_eq!(a.dim(), b.dim(), "images of the same shape");
+    assert_eq!(a.dim(), b.dim(), "a and b: images of the same shape");
     let (height, width, channels) = a.dim();
     assert!(height >= WINDOW && width >= WINDOW, "images of at least {WINDOW} x {WINDOW} pixels");
     let kernel = gaussian_window::<WINDOW>(1.5);

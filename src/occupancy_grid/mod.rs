@@ -52,7 +52,11 @@ impl OccupancyGrid {
     }
 
     /// Whether the cell that holds `x` is occupied.
+    ///
+    /// # Panics
+    /// Where `density` doesn't have R^3 cells.
     pub fn occupied(&self, x: [f64; 3]) -> bool {
+        assert_eq!(self.density.len(), self.resolution.pow(3), "density and cells: one each a cell");
         self.density[self.cell(x)] > self.threshold
     }
 
@@ -62,7 +66,12 @@ impl OccupancyGrid {
     ///
     /// # Shapes
     /// `points` (M), `sigmas` (M).
+    ///
+    /// # Panics
+    /// Where the lengths differ, or `density` doesn't have R^3 cells.
     pub fn update(&mut self, decay: f64, points: &[[f64; 3]], sigmas: &[f64]) {
+        assert_eq!(points.len(), sigmas.len(), "points and sigmas: one each a point");
+        assert_eq!(self.density.len(), self.resolution.pow(3), "density and cells: one each a cell");
         for density in &mut self.density {
             *density *= decay;
         }
@@ -116,6 +125,9 @@ impl OccupancyGrid {
     /// The sampling distances of a ray: of all t = (k + u) `step` in [near, far), k whole, those whose point lies in an occupied cell.
     ///
     /// One `u` in [0, 1) shifts the whole lattice of a ray; `u` = 1/2 is the lattice at rest.
+    ///
+    /// # Panics
+    /// Where `density` doesn't have R^3 cells.
     pub fn samples(&self, o: [f64; 3], d: [f64; 3], near: f64, far: f64, step: f64, u: f64) -> Vec<f64> {
         let mut out = vec![];
         let mut k = (near / step - u).ceil();

@@ -31,6 +31,9 @@ pub struct PixelDraw {
 
 /// One pixel of an (I, H, W, 3) stack from three numbers in [0, 1): image, row and column, each the floor of u times its range.
 ///
+/// # Panics
+/// Where there are no pixels, or they don't have 3 channels.
+///
 /// ```
 /// use ndarray::Array4;
 /// use nerf_oracle::{convention::PixelCenter, ray::draw_pixel};
@@ -39,7 +42,8 @@ pub struct PixelDraw {
 /// assert_eq!((draw.image, draw.uv.x, draw.uv.y), (1, 5.5, 1.5));
 /// ```
 pub fn draw_pixel(images: ArrayView4<f64>, u: [f64; 3], center: PixelCenter) -> PixelDraw {
-    let (count, height, width, _) = images.dim();
+    let (count, height, width, channels) = images.dim();
+    assert_eq!(channels, 3, "images: (I, H, W, 3)");
     let index = |u: f64, n: usize| ((u * n as f64) as usize).min(n - 1);
     let (image, j, i) = (index(u[0], count), index(u[1], height), index(u[2], width));
     let rgb = [images[[image, j, i, 0]], images[[image, j, i, 1]], images[[image, j, i, 2]]];
@@ -51,7 +55,7 @@ pub fn draw_pixel(images: ArrayView4<f64>, u: [f64; 3], center: PixelCenter) -> 
 /// With [`Draw::PerImage`] ray n belongs to drawn image n mod M, whose number in `u` is that of ray n mod M.
 ///
 /// # Panics
-/// Where there are no pixels, or M is 0.
+/// Where there are no pixels, they don't have 3 channels, or M is 0.
 pub fn sample_random_rays(
     images: ArrayView4<f64>,
     draw: Draw,

@@ -77,6 +77,9 @@ pub(crate) fn power(x: f64, n: u32) -> f64 {
 /// `d` lies in [-1, 1]^3 and has length 1 (instant-ngp's code takes (d + 1) / 2 instead, PE7). Other lengths aren't normalized:
 /// the polynomials are evaluated as they are. Instant-NGP's "degree 4" means four bands, 0 to 3: here that is `degree` 3.
 ///
+/// # Panics
+/// Where `degree` is above 4.
+///
 /// ```
 /// use nerf_oracle::spherical_harmonics::harmonics;
 /// let y = harmonics([0.0, 0.0, 1.0], 1);

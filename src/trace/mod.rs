@@ -44,6 +44,9 @@ pub struct Trace {
 /// # Shapes
 /// `u`, `sigmas`, `rgbs` (N).
 ///
+/// # Panics
+/// Where the lengths differ.
+///
 /// ```
 /// use glam::DMat4;
 /// use nerf_oracle::{camera::{Camera, Intrinsics}, convention::CS180, trace::trace_pixel};
@@ -63,6 +66,8 @@ pub fn trace_pixel(
     background: [f64; 3],
     c: &Conventions,
 ) -> Trace {
+    assert_eq!(sigmas.len(), u.len(), "sigmas and u: one each a sample");
+    assert_eq!(rgbs.len(), u.len(), "rgbs and u: one each a sample");
     let uv = pixel_position(i, j, c.pixel_center);
     let ray = pixel_to_ray(&camera.k, &camera.c2w, uv, c.axes, c.directions);
     let t = sample_along_ray(near, far, u, c.grid);

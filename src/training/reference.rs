@@ -50,7 +50,11 @@ impl Field {
     }
 
     /// One ray, and what the backward pass needs.
+    ///
+    /// # Panics
+    /// Where the lengths differ.
     pub fn render(&self, ray: &Ray, t: &[f64], deltas: &[f64]) -> (Rendering, Vec<nerf_mlp::Tape>) {
+        assert_eq!(t.len(), deltas.len(), "t and deltas: one each a sample");
         let tapes: Vec<_> = t.iter().map(|&t| self.at(ray, t)).collect();
         let sigmas: Vec<f64> = tapes.iter().map(|tape| tape.sigma).collect();
         let rgbs: Vec<[f64; 3]> = tapes.iter().map(|tape| tape.rgb).collect();
@@ -60,6 +64,9 @@ impl Field {
     /// The loss of a batch and its gradient with respect to every parameter.
     ///
     /// loss = mean over rays and channels of (C + (1 - A) b - target)^2.
+    ///
+    /// # Panics
+    /// Where a target's positions and step lengths differ in number.
     pub fn loss_and_gradient(&self, batch: &[Target], background: [f64; 3]) -> (f64, NerfMlp) {
         let mut gradient = self.net.clone();
         gradient.layers_mut().into_iter().for_each(clear);
@@ -125,7 +132,11 @@ pub fn interval_edges(near: f64, far: f64, n: usize) -> Vec<f64> {
 /// over the intervals between `edges`. The step of a sample is the distance to the next one, that of the last to `far` (equation 3). The
 /// weights are constants here: the coarse network learns from its own colors alone, and loss = coarse + fine needs no gradient from
 /// one network to the other.
+///
+/// # Panics
+/// Where there is no bin, `t` and `weights` differ in length, or `edges` aren't one more.
 pub fn fine_samples(t: &[f64], edges: &[f64], weights: &[f64], u: &[f64], far: f64) -> (Vec<f64>, Vec<f64>) {
+    assert_eq!(t.len(), weights.len(), "t and weights: one each a coarse sample");
     let drawn = importance_sampling::sample(edges, weights, 0.0, u);
     let all = importance_sampling::union(t, &drawn);
     let deltas = step_sizes(&all, edges[0], far, Delta::Differences, LastDelta::ToFar);
@@ -133,12 +144,16 @@ pub fn fine_samples(t: &[f64], edges: &[f64], weights: &[f64], u: &[f64], far: f
 }
 
 /// The loss of a batch of pixels in 2D and its gradient: mean over pixels and channels of (mlp(encoding(xy)) - target)^2.
+///
+/// # Panics
+/// Where the lengths differ.
 pub fn image_loss_and_gradient(
     net: &Mlp,
     encoding: &Encoding,
     pixels: &[[f64; 2]],
     targets: &[[f64; 3]],
 ) -> (f64, Vec<Layer>) {
+    assert_eq!(pixels.len(), targets.len(), "pixels and targets: one each a pixel");
     let mut gradient = net.layers.clone();
     gradient.iter_mut().for_each(clear);
     let (mut loss, scale) = (0.0, 1.0 / (3 * pixels.len()) as f64);
@@ -156,7 +171,14 @@ pub fn image_loss_and_gradient(
 }
 
 /// One Adam step for every parameter of a layer: weights row by row, then biases. `step` counts from 1.
+///
+/// # Panics
+/// Where the layers differ in shape.
 pub fn adam_layer(adam: &Adam, step: u64, params: &mut Layer, m: &mut Layer, v: &mut Layer, g: &Layer) {
+    let shape = |layer: &Layer| (layer.w.dim(), layer.b.len());
+    assert_eq!(shape(m), shape(params), "m and params: the same shape");
+    assert_eq!(shape(v), shape(params), "v and params: the same shape");
+    assert_eq!(shape(g), shape(params), "g and params: the same shape");
     let means = m.w.iter_mut().chain(&mut m.b).zip(v.w.iter_mut().chain(&mut v.b));
     let entries = params.w.iter_mut().chain(&mut params.b).zip(means);
     for ((param, (m, v)), g) in entries.zip(g.w.iter().chain(&g.b)) {

@@ -22,6 +22,9 @@ pub struct Cotangent {
 /// g_alpha_i = T_i (g_w_i - B_{i+1}) and g_c_i = w_i g_C, where g_w_i = g_C . c_i + g_weights_i + g_A is the value of one unit of weight,
 /// and B_i = alpha_i g_w_i + (1 - alpha_i + eps) B_{i+1} the value of one unit of light that arrives at sample i; B_N = g_T. Nothing is
 /// divided by 1 - alpha, so opaque samples are exact.
+///
+/// # Panics
+/// Where the lengths differ: N of everything, N + 1 transmittances.
 pub fn volume_render_alpha(
     alphas: &[f64],
     rgbs: &[[f64; 3]],
@@ -29,6 +32,7 @@ pub fn volume_render_alpha(
     forward: &Rendering,
     g: &Cotangent,
 ) -> (Vec<f64>, Vec<[f64; 3]>) {
+    assert_eq!(alphas.len(), rgbs.len(), "alphas and rgbs: one each a sample");
     let through: Vec<f64> = alphas.iter().map(|alpha| 1.0 - alpha).collect();
     through_samples(alphas, &through, rgbs, eps, forward, g)
 }
@@ -43,6 +47,13 @@ fn through_samples(
     g: &Cotangent,
 ) -> (Vec<f64>, Vec<[f64; 3]>) {
     let n = alphas.len();
+    assert_eq!(forward.weights.len(), n, "forward.weights and samples: one each a sample");
+    assert_eq!(
+        forward.transmittance.len(),
+        n + 1,
+        "forward.transmittance and samples: one more than samples"
+    );
+    assert_eq!(g.weights.len(), n, "g.weights and samples: one each a sample");
     let (mut g_alphas, mut g_rgbs) = (vec![0.0; n], vec![[0.0; 3]; n]);
     let mut behind = Sum::default();
     behind.add(g.transmittance);
@@ -63,6 +74,9 @@ fn through_samples(
 ///
 /// With x = sigma delta: d alpha / dx = e^-x, so g_x_i = e^-x_i g_alpha_i, g_sigma = delta g_x, g_delta = sigma g_x. A sample
 /// lets e^-x through, which is accurate where 1 - alpha has no digits left.
+///
+/// # Panics
+/// Where the lengths differ: N of everything, N + 1 transmittances.
 pub fn volume_render(
     sigmas: &[f64],
     rgbs: &[[f64; 3]],
@@ -71,6 +85,8 @@ pub fn volume_render(
     forward: &Rendering,
     g: &Cotangent,
 ) -> (Vec<f64>, Vec<[f64; 3]>, Vec<f64>) {
+    assert_eq!(sigmas.len(), deltas.len(), "sigmas and deltas: one each a sample");
+    assert_eq!(sigmas.len(), rgbs.len(), "sigmas and rgbs: one each a sample");
     let x = optical_depths(sigmas, deltas);
     let alphas: Vec<f64> = x.iter().map(|&x| -expm1(-x)).collect();
     let through: Vec<f64> = x.iter().map(|&x| exp(-x)).collect();
@@ -95,7 +111,11 @@ pub fn composite_background(opacity: f64, background: [f64; 3], g: [f64; 3]) -> 
 /// Gradients of [`super::depth`] with respect to `weights` and `t`.
 ///
 /// z = sum w t / A: g_w_i = g (t_i - z) / A and g_t_i = g w_i / A; both 0 where A = 0, since `far` is a constant.
+///
+/// # Panics
+/// Where the lengths differ.
 pub fn depth(weights: &[f64], t: &[f64], convention: Depth, g: f64) -> (Vec<f64>, Vec<f64>) {
+    assert_eq!(weights.len(), t.len(), "weights and t: one each a sample");
     let mut opacity = Sum::default();
     weights.iter().for_each(|&w| opacity.add(w));
     let opacity = opacity.value();

@@ -46,6 +46,9 @@ pub struct Rendering {
 /// # Convention
 /// `eps` is added to each factor 1 - alpha, as some implementations do; [`ProductEps::None`] is the formula.
 ///
+/// # Panics
+/// Where the lengths differ.
+///
 /// ```
 /// use nerf_oracle::{convention::ProductEps, volume_rendering::volume_render};
 /// let ln2 = std::f64::consts::LN_2;
@@ -54,6 +57,8 @@ pub struct Rendering {
 /// assert!((r.transmittance[4] - 0.125).abs() < 1e-16); // ln 2 itself is rounded
 /// ```
 pub fn volume_render(sigmas: &[f64], rgbs: &[[f64; 3]], deltas: &[f64], eps: ProductEps) -> Rendering {
+    assert_eq!(sigmas.len(), deltas.len(), "sigmas and deltas: one each a sample");
+    assert_eq!(sigmas.len(), rgbs.len(), "sigmas and rgbs: one each a sample");
     let x = optical_depths(sigmas, deltas);
     let alphas: Vec<f64> = x.iter().map(|&x| -expm1(-x)).collect();
     if eps != ProductEps::None {
@@ -80,12 +85,16 @@ pub(crate) fn optical_depths(sigmas: &[f64], deltas: &[f64]) -> Vec<f64> {
 /// # Shapes
 /// `alphas` (N) in [0, 1], `rgbs` (N).
 ///
+/// # Panics
+/// Where the lengths differ.
+///
 /// ```
 /// use nerf_oracle::{convention::ProductEps, volume_rendering::volume_render_alpha};
 /// let r = volume_render_alpha(&[0.5, 1.0, 0.3], &[[1.0; 3]; 3], ProductEps::None);
 /// assert_eq!(r.weights, [0.5, 0.5, 0.0]);
 /// ```
 pub fn volume_render_alpha(alphas: &[f64], rgbs: &[[f64; 3]], eps: ProductEps) -> Rendering {
+    assert_eq!(alphas.len(), rgbs.len(), "alphas and rgbs: one each a sample");
     // Compensated, as the sum above: a plain product of 1,024 factors is off by 22 ULP.
     let mut light = Product::default();
     let mut transmittance = vec![1.0];
@@ -125,6 +134,12 @@ pub fn composite_background(color: [f64; 3], opacity: f64, background: [f64; 3])
 
 /// Expected distance: sum w_i t_i / A, and `far` where A = 0; or the sum alone.
 ///
+/// # Shapes
+/// `weights` (N), `t` (N).
+///
+/// # Panics
+/// Where the lengths differ.
+///
 /// ```
 /// use nerf_oracle::{convention::Depth, volume_rendering::depth};
 /// assert_eq!(depth(&[0.25, 0.25], &[2.0, 4.0], 6.0, Depth::Divided), 3.0);
@@ -132,6 +147,7 @@ pub fn composite_background(color: [f64; 3], opacity: f64, background: [f64; 3])
 /// assert_eq!(depth(&[0.0, 0.0], &[2.0, 4.0], 6.0, Depth::Divided), 6.0);
 /// ```
 pub fn depth(weights: &[f64], t: &[f64], far: f64, convention: Depth) -> f64 {
+    assert_eq!(weights.len(), t.len(), "weights and t: one each a sample");
     let (mut weighted, mut opacity) = (Sum::default(), Sum::default());
     for (w, t) in weights.iter().zip(t) {
         weighted.add(w * t);
