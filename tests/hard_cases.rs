@@ -19,7 +19,7 @@ use pulp::Arch;
 /// have; CG5 (a lens without inverse), ME2 (SSIM) and TR4 (no gradient) are tests of functions that are no rows.
 const HARD: &[(&str, &[&str])] = &[
     ("VR1", &["volume_render"]),
-    ("VR2", &["volume_render"]),
+    ("VR2", &["volume_render", "early_stop"]),
     ("VR3", &["volume_render"]),
     ("VR4", &["volume_render_alpha"]),
     ("VR5", &["early_stop"]),

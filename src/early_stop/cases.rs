@@ -55,6 +55,15 @@ pub fn early_stop() -> Vec<Case> {
             white(8),
             vec![0.5; 8],
         ),
+        case(
+            "VR2_last_delta",
+            "a last step of 1e10 on an empty end: it stops nothing, not even where the type has infinity for it",
+            0.09,
+            &[4, 5],
+            vec![1.375, 0.0, 1.375, 0.0, 1.375, 1.375, 0.0, 1.375, 0.0],
+            white(9),
+            vec![0.5, 0.5, 0.5, 1e10, 0.5, 0.5, 0.5, 0.5, 1e10],
+        ),
         case("VR9_nothing", "two rays and no sample", 0.5, &[0, 0], vec![], vec![], vec![]),
     ];
     for (n, (regime, comment, thick, eps)) in [

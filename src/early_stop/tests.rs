@@ -68,6 +68,17 @@ fn no_samples_and_opaque_ones() {
     assert_eq!(live_samples(&[0.0; 5], &[1.0; 5], 1.0), 5);
 }
 
+/// VR2: a sample without density in a step without end absorbs nothing, as in `volume_render`. The plain product is NaN, with which no
+/// transmittance is below eps: the wall behind would not stop the ray.
+#[test]
+fn vr2_an_endless_step_of_nothing() {
+    let (sigmas, deltas) = ([0.0, 128.0, 1.0], [f64::INFINITY, 1.0, 1.0]);
+    assert_eq!(live_samples(&sigmas, &deltas, 0.01), 2);
+    assert_eq!(live_samples(&deltas, &sigmas, 0.01), 2);
+    let rays = render_packed(&sigmas, &[[1.0; 3]; 3], &deltas, &[0, 3], 0.01);
+    assert_eq!((rays[0].weights.as_slice(), rays[0].color), ([0.0, 1.0].as_slice(), [1.0; 3]));
+}
+
 /// Rays of different lengths, packed, are the rays one by one, bit for bit, and the rays of one length whose ends are empty.
 #[test]
 fn packed_rays_are_single_rays_and_padded_ones() {

@@ -86,7 +86,8 @@ pub fn nerf_mlp(
     }
     // At the end of the trunk, the gradients of feature and density add up.
     let mut g_h = layer(&net.feature, &tape.hidden, &g_feature, &mut gradient.feature);
-    let g_z_sigma = density_slope(tape.z_sigma, c.density) * g_sigma;
+    // An opaque sample's e^z may be infinite, and its gradient 0: no product of these, which would be NaN.
+    let g_z_sigma = if g_sigma == 0.0 { g_sigma } else { density_slope(tape.z_sigma, c.density) * g_sigma };
     let g_from_sigma = layer(&net.sigma, &tape.hidden, &[g_z_sigma], &mut gradient.sigma);
     for (g, from_sigma) in g_h.iter_mut().zip(g_from_sigma) {
         *g += from_sigma;

@@ -267,6 +267,20 @@ fn a_skip_into_the_first_layer_is_none() {
     assert!(run(0).1.0.iter().any(|g| *g != 0.0));
 }
 
+/// VR6: e^z beyond f64 is opaque; its gradient is the 0 that volume rendering hands back, not 0 times infinity.
+#[test]
+fn vr6_an_infinite_density_passes_no_gradient() {
+    let mut net = net(3);
+    net.sigma.b[0] = 800.0;
+    let c = Conventions { density: Density::Exp, ..CS180 };
+    let tape = net.forward(&[0.3, -0.2, 0.9, 0.5, -0.7], &[0.1, 0.8, -0.6], &c);
+    assert_eq!(tape.sigma, f64::INFINITY);
+    let mut gradient = net.clone();
+    gradient.layers_mut().into_iter().for_each(|layer| layer.w.fill(0.0));
+    let (g_x, _) = backward::nerf_mlp(&net, &tape, &c, 0.0, [1.0, -0.5, 0.25], &mut gradient);
+    assert!(g_x.iter().all(|g| g.is_finite()) && gradient.sigma.w.iter().all(|g| *g == 0.0), "{g_x:?}");
+}
+
 proptest! {
     #![proptest_config(properties())]
 

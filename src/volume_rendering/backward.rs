@@ -1,6 +1,6 @@
 //! Vector-Jacobian products of volume rendering, by hand. `g_` marks the gradient of the loss with respect to what follows.
 
-use super::{Rendering, optical_depths};
+use super::{Rendering, optical_depths, product};
 use crate::convention::{Depth, ProductEps};
 use crate::math::{Sum, exp, expm1};
 
@@ -120,11 +120,11 @@ pub fn depth(weights: &[f64], t: &[f64], convention: Depth, g: f64) -> (Vec<f64>
     weights.iter().for_each(|&w| opacity.add(w));
     let opacity = opacity.value();
     match convention {
-        Depth::Plain => (t.iter().map(|t| g * t).collect(), weights.iter().map(|w| g * w).collect()),
+        Depth::Plain => (t.iter().map(|&t| product(g, t)).collect(), weights.iter().map(|w| g * w).collect()),
         Depth::Divided if opacity == 0.0 => (vec![0.0; t.len()], vec![0.0; t.len()]),
         Depth::Divided => {
             let z = super::depth(weights, t, 0.0, Depth::Divided);
-            let g_weights = t.iter().map(|t| g * (t - z) / opacity).collect();
+            let g_weights = t.iter().map(|t| product(g, t - z) / opacity).collect();
             (g_weights, weights.iter().map(|w| g * (w / opacity)).collect())
         }
     }

@@ -76,8 +76,12 @@ pub fn volume_render(sigmas: &[f64], rgbs: &[[f64; 3]], deltas: &[f64], eps: Pro
 
 /// x_i = sigma_i delta_i, 0 where either is 0, even if the other is infinite.
 pub(crate) fn optical_depths(sigmas: &[f64], deltas: &[f64]) -> Vec<f64> {
-    let product = |i: usize| if sigmas[i] == 0.0 || deltas[i] == 0.0 { 0.0 } else { sigmas[i] * deltas[i] };
-    (0..sigmas.len()).map(product).collect()
+    (0..sigmas.len()).map(|i| product(sigmas[i], deltas[i])).collect()
+}
+
+/// a b, 0 where either is 0, even if the other is infinite.
+pub(crate) fn product(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
 }
 
 /// Renders one ray from opacities: T_i = prod_{j<i} (1 - alpha_j + eps).
@@ -132,7 +136,8 @@ pub fn composite_background(color: [f64; 3], opacity: f64, background: [f64; 3])
     std::array::from_fn(|k| color[k] + (1.0 - opacity) * background[k])
 }
 
-/// Expected distance: sum w_i t_i / A, and `far` where A = 0; or the sum alone.
+/// Expected distance: sum w_i t_i / A, and `far` where A = 0; or the sum alone. A sample without weight adds nothing, even at an
+/// infinite distance.
 ///
 /// # Shapes
 /// `weights` (N), `t` (N).
@@ -150,7 +155,7 @@ pub fn depth(weights: &[f64], t: &[f64], far: f64, convention: Depth) -> f64 {
     assert_eq!(weights.len(), t.len(), "weights and t: one each a sample");
     let (mut weighted, mut opacity) = (Sum::default(), Sum::default());
     for (w, t) in weights.iter().zip(t) {
-        weighted.add(w * t);
+        weighted.add(product(*w, *t));
         opacity.add(*w);
     }
     match convention {

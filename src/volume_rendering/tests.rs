@@ -233,6 +233,14 @@ fn vr4_the_gradient_at_an_opaque_sample() {
 fn vr7_depth_of_an_empty_ray() {
     assert_eq!(depth(&[0.0; 3], &[1.0, 2.0, 3.0], 6.0, Depth::Divided), 6.0);
     assert_eq!(depth(&[], &[], 6.0, Depth::Divided), 6.0);
+    // A sample at infinity that has no weight.
+    for convention in [Depth::Divided, Depth::Plain] {
+        let (weights, t) = ([0.25, 0.75, 0.0], [2.0, 4.0, f64::INFINITY]);
+        assert_eq!(depth(&weights, &t, 6.0, convention), 3.5);
+        let (g_weights, g_t) = backward::depth(&weights, &t, convention, 0.0);
+        assert_eq!((g_weights, g_t), (vec![0.0; 3], vec![0.0; 3]));
+        assert_eq!(backward::depth(&weights, &t, convention, 1.0).1, weights);
+    }
     let g = backward::depth(&[0.0; 2], &[1.0, 2.0], Depth::Divided, 1.0);
     assert_eq!(g, (vec![0.0; 2], vec![0.0; 2]));
     let opacity: f64 = [0.0; 3].iter().sum();

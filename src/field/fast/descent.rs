@@ -1,6 +1,6 @@
 //! The backward pass of a training step's chunk: loss, rendering and network.
 
-use super::activation::slope;
+use super::activation::density_backward;
 use super::chunk::{Chunk, Prepared, runs};
 use super::gradient::Group;
 use super::network::Batch;
@@ -52,9 +52,10 @@ impl Prepared<'_> {
             density_gradient(&weights[span.clone()], &behind[span.clone()], &chunk.deltas[span], b, q);
         }
         chunk.g_z.clear();
+        let density = self.net.density;
         chunk
             .g_z
-            .extend(chunk.active.iter().map(|&n| chunk.g_sigma[n] * slope(chunk.z[n], self.net.density)));
+            .extend(chunk.active.iter().map(|&n| density_backward(chunk.g_sigma[n], chunk.z[n], density)));
     }
 
     /// From there back to the parameters; the folded matrix's gradient goes after them.
