@@ -189,6 +189,9 @@ fn stopping() -> Vec<Row> {
 }
 
 fn images() -> Vec<Row> {
+    fn mse(prediction: &[f64], target: &[f64]) {
+        loss::mse(prediction, target);
+    }
     fn psnr(predictions: &[&[f64]], targets: &[&[f64]]) {
         loss::psnr_of_images(predictions, targets, 1.0, PsnrOf::Images);
     }
@@ -204,10 +207,10 @@ fn images() -> Vec<Row> {
     vec![
         row(
             "loss::mse",
-            || drop(loss::mse(&[0.0, 3.0], &[0.0, 1.0])),
+            || mse(&[0.0, 3.0], &[0.0, 1.0]),
             &[
-                ("prediction and target", || drop(loss::mse(&[0.0, 3.0], &[0.0]))),
-                ("prediction and target", || drop(loss::mse(&[0.0], &[0.0, 3.0]))),
+                ("prediction and target", || mse(&[0.0, 3.0], &[0.0])),
+                ("prediction and target", || mse(&[0.0], &[0.0, 3.0])),
             ],
         ),
         row(
@@ -433,6 +436,9 @@ fn grids() -> Vec<Row> {
     fn update(cells: usize, points: usize, sigmas: usize) {
         grid(cells).update(0.5, &gray(points), &ones(sigmas));
     }
+    fn occupied(cells: usize) {
+        grid(cells).occupied([0.5; 3]);
+    }
     fn march(cells: usize) {
         grid(cells).samples([0.0; 3], [1.0, 0.5, 0.25], 0.0, 1.0, 0.25, 0.5);
     }
@@ -466,8 +472,8 @@ fn grids() -> Vec<Row> {
         ),
         row(
             "occupancy_grid::OccupancyGrid::occupied",
-            || drop(grid(8).occupied([0.5; 3])),
-            &[("density and cells", || drop(grid(9).occupied([0.5; 3])))],
+            || occupied(8),
+            &[("density and cells", || occupied(9))],
         ),
         row(
             "occupancy_grid::OccupancyGrid::samples",
