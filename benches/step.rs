@@ -104,7 +104,8 @@ fn encoding() -> f64 {
     let points = 1 << 16;
     let positions = Key::new(1, Purpose::Cases).uniforms(0, 0, 3 * points);
     let mut out = vec![0.0; points * 63];
-    points as f64 / fastest(|| positional_encoding(pulp::Arch::new(), &positions, 3, 10, &mut out, 63))
+    points as f64
+        / fastest(|| positional_encoding(nerf_oracle::simd::arch(), &positions, 3, 10, &mut out, 63))
 }
 
 /// Seconds for 1000 steps of 10,000 pixels, 3 hidden layers of 256, L = 10, from `steps` of them.

@@ -20,7 +20,7 @@ const BLOCK: usize = 64;
 /// ```
 /// use nerf_oracle::encoding::fast::positional_encoding;
 /// let mut row = [0.0; 7];
-/// positional_encoding(pulp::Arch::new(), &[0.5], 1, 3, &mut row, 7);
+/// positional_encoding(nerf_oracle::simd::arch(), &[0.5], 1, 3, &mut row, 7);
 /// assert_eq!(row, [0.5, 1.0, 0.0, 0.0, -1.0, 0.0, 1.0]);
 /// ```
 pub fn positional_encoding(
@@ -107,7 +107,7 @@ mod tests {
     fn agrees_with_the_oracle() {
         let x: Vec<f64> = (0..3 * 1000).map(|i| f64::from((i as f32 * 0.754_877_7).sin() * 7.3)).collect();
         let mut fast = vec![f32::NAN; 1000 * 64];
-        positional_encoding(Arch::new(), &x, 3, 10, &mut fast, 64);
+        positional_encoding(crate::simd::arch(), &x, 3, 10, &mut fast, 64);
         let mut scalar = vec![f32::NAN; 1000 * 64];
         positional_encoding(Arch::Scalar, &x, 3, 10, &mut scalar, 64);
         let encoding = Encoding::new(10, &CS180);

@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn agrees_with_the_oracle() {
         let adam = Adam { lr: 1e-2, weight_decay: 1e-3, ..Adam::default() };
-        for arch in [Arch::new(), Arch::Scalar] {
+        for arch in [crate::simd::arch(), Arch::Scalar] {
             let mut params: Vec<f32> = (0..100).map(|i| (i as f32).sin()).collect();
             let mut oracle: Vec<_> =
                 params.iter().map(|&p| Oracle { param: p.into(), m: 0.0, v: 0.0 }).collect();

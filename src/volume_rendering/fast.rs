@@ -131,7 +131,7 @@ mod tests {
             sigmas[i] = std::f32::consts::LN_2 * 2.0;
         }
         let mut rays = Weights::default();
-        rays.compute(Arch::new(), &sigmas, &[0.5; 8], 8);
+        rays.compute(crate::simd::arch(), &sigmas, &[0.5; 8], 8);
         for (i, w) in [(0, 0.5), (1, 0.25), (7, 0.125)] {
             assert!((rays.weights[i] - w).abs() < 1e-7);
         }

@@ -1,6 +1,6 @@
 //! Variants of the positional encoding for `bench`: 10 bands of 3 dimensions.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use crate::approximate::{Grade, from_bf16, sin_cos_pi, to_bf16};
 use crate::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, rows, singles, uniform};
@@ -48,7 +48,8 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
 }
 
 fn vectorized(a: &Arrays) -> Box<dyn Kernel> {
-    let run = |x: &[f64], out: &mut [f32]| fast::positional_encoding(Arch::new(), x, 3, LEVELS, out, WIDTH);
+    let run =
+        |x: &[f64], out: &mut [f32]| fast::positional_encoding(crate::simd::arch(), x, 3, LEVELS, out, WIDTH);
     rows("encoding", (values(a, "x"), 3, WIDTH), run, |&y| y.into())
 }
 
@@ -57,7 +58,7 @@ fn threaded(a: &Arrays) -> Box<dyn Kernel> {
         parallel::for_chunks(out, TASK * WIDTH, |n, out| {
             let from = n * TASK * 3;
             let x = &x[from..from + out.len() / WIDTH * 3];
-            fast::positional_encoding(Arch::new(), x, 3, LEVELS, out, WIDTH);
+            fast::positional_encoding(crate::simd::arch(), x, 3, LEVELS, out, WIDTH);
         });
     };
     rows("encoding", (values(a, "x"), 3, WIDTH), run, |&y| y.into())
@@ -120,7 +121,7 @@ fn traded<T: Copy + Default + Send + 'static>(
     load: fn(T) -> f32,
 ) -> Box<dyn Kernel> {
     let run = move |x: &[f32], out: &mut [T]| {
-        let arch = Arch::new();
+        let arch = crate::simd::arch();
         parallel::for_chunks(out, TASK * WIDTH, |n, out| {
             let x = &x[n * TASK * 3..][..out.len() / WIDTH * 3];
             for (x, out) in x.chunks(3 * BLOCK).zip(out.chunks_mut(BLOCK * WIDTH)) {

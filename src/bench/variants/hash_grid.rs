@@ -1,7 +1,7 @@
 //! Variants of the hash grid for `bench`: 8 levels of 4 features from 16 to 512 cells, tables of at most 2^17 entries.
 
 use half::f16;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use crate::approximate::{from_bf16, to_bf16};
 use crate::bench::{BF16, F16, Kernel, Promise, Scaling, Suite, Variant, kernel, rows, singles, uniform};
@@ -125,7 +125,7 @@ fn by_level(
 }
 
 fn vectorized(a: &Arrays, threads: bool, largest: usize) -> Box<dyn Kernel> {
-    let (arch, levels) = (Arch::new(), levels(largest));
+    let (arch, levels) = (crate::simd::arch(), levels(largest));
     let bytes = levels.iter().map(|level| size_of_val(level.table())).sum();
     by_level(a, threads, bytes, move |l, points, out| encode_level(arch, &levels[l], points, out))
 }
@@ -174,7 +174,7 @@ fn short<T: Copy + Send + Sync + 'static>(
     store: fn(f32) -> T,
     wide: impl Fn(T) -> f32 + Copy + Send + Sync + 'static,
 ) -> Box<dyn Kernel> {
-    let (arch, levels) = (Arch::new(), levels(TABLE));
+    let (arch, levels) = (crate::simd::arch(), levels(TABLE));
     let tables: Vec<Vec<[T; FEATURES]>> =
         levels.iter().map(|level| level.table().iter().map(|e| e.map(store)).collect()).collect();
     let bytes = tables.iter().map(|table| size_of_val(&table[..])).sum();

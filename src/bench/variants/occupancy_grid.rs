@@ -133,7 +133,7 @@ fn walk(arch: Arch, grid: &Occupancy, rays: &[([f32; 3], [f32; 3])], out: &mut [
 }
 
 fn skipping(a: &Arrays, grid: Occupancy, threads: bool) -> Box<dyn Kernel> {
-    let arch = Arch::new();
+    let arch = crate::simd::arch();
     let bytes = 16 * grid.bits()[0].len();
     counts(narrow(a), bytes, threads, move |rays, out| walk(arch, &grid, rays, out))
 }

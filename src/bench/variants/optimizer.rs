@@ -1,6 +1,6 @@
 //! Variants of a step of Adam for `bench`.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use crate::approximate::{from_bf16, to_bf16};
 use crate::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, kernel, singles, uniform};
@@ -109,7 +109,7 @@ fn vectorized(a: &Arrays) -> Box<dyn Kernel> {
     let (adam, number) = settings(a);
     let rates = AdamRates::new(&adam, number);
     let run = move |p: &mut [f32], g: &[f32], m: &mut [f32], v: &mut [f32]| {
-        Arch::new().dispatch(Apply { rates, p, g, m, v });
+        crate::simd::arch().dispatch(Apply { rates, p, g, m, v });
     };
     step((state(a), singles(a, "m"), singles(a, "v")), run, (f64::from, f64::from))
 }
@@ -121,7 +121,7 @@ fn threaded(a: &Arrays) -> Box<dyn Kernel> {
     let bytes = 16 * data.0.p.len();
     let run = move |(s, moments): &mut (State<f32>, fast::Moments)| {
         moments.step = number - 1;
-        moments.update(Arch::new(), &adam, &mut s.p, &s.g);
+        moments.update(crate::simd::arch(), &adam, &mut s.p, &s.g);
     };
     let wide = |x: &[f32]| array(&[x.len()], x.iter().map(|&x| x.into()).collect());
     kernel(data, bytes, run, move |(s, moments)| {
@@ -189,7 +189,7 @@ fn bold<M: Copy + Send + 'static>(
     let data = (state(a), mean("m"), mean("v"));
     let bytes = data.0.p.len() * (8 + 2 * size_of::<M>());
     let run = move |(s, m, v): &mut (State<f32>, Vec<M>, Vec<M>)| {
-        let (arch, g) = (Arch::new(), &s.g);
+        let (arch, g) = (crate::simd::arch(), &s.g);
         let tasks = s.p.chunks_mut(TASK).zip(g.chunks(TASK)).zip(m.chunks_mut(TASK)).zip(v.chunks_mut(TASK));
         let mut tasks: Vec<_> = tasks.collect();
         parallel::for_each(&mut tasks, |(((p, g), m), v)| {

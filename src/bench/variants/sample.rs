@@ -1,7 +1,7 @@
 //! Variants of samples along rays for `bench`: 64 a ray.
 
 use half::f16;
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use crate::bench::{F16, Kernel, Promise, Suite, Variant, kernel, singles, uniform};
 use crate::contract::Dtype;
@@ -132,7 +132,7 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
 fn vectorized(a: &Arrays) -> Box<dyn Kernel> {
     let run = |s: &mut Samples<f32>| {
         let Samples { o, d, u, near, width, out } = s;
-        Arch::new().dispatch(Task { o, d, u, near: *near, width: *width, out, store: |x| x });
+        crate::simd::arch().dispatch(Task { o, d, u, near: *near, width: *width, out, store: |x| x });
     };
     Samples::new(a).kernel(run, f64::from)
 }
@@ -144,7 +144,7 @@ fn threaded<T: Copy + Default + Send + Sync + 'static>(
 ) -> Box<dyn Kernel> {
     let run = move |s: &mut Samples<T>| {
         let Samples { o, d, u, near, width, out } = s;
-        let (arch, near, width) = (Arch::new(), *near, *width);
+        let (arch, near, width) = (crate::simd::arch(), *near, *width);
         parallel::for_chunks(out, TASK * SAMPLES, |n, out| {
             let (from, to) = (n * TASK, n * TASK + out.len() / SAMPLES);
             let (o, d, u) = (&o[from..to], &d[from..to], &u[from * SAMPLES..to * SAMPLES]);

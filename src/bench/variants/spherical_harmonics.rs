@@ -1,6 +1,6 @@
 //! Variants of the spherical harmonics for `bench`: bands 0 to 3.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use crate::approximate::{from_bf16, to_bf16};
 use crate::bench::{BF16, Kernel, Promise, Suite, Variant, rows, singles, uniform};
@@ -68,7 +68,7 @@ impl<T: Copy> WithSimd for Directions<'_, T> {
 }
 
 fn shared(a: &Arrays) -> Box<dyn Kernel> {
-    let run = |d: &[f32], out: &mut [f32]| Arch::new().dispatch(Directions { d, out, store: |x| x });
+    let run = |d: &[f32], out: &mut [f32]| crate::simd::arch().dispatch(Directions { d, out, store: |x| x });
     rows("harmonics", (singles(a, "d"), 3, WIDTH), run, |&y| y.into())
 }
 
@@ -78,7 +78,7 @@ fn threaded<T: Copy + Default + Send + 'static>(
     load: fn(T) -> f32,
 ) -> Box<dyn Kernel> {
     let run = move |d: &[f32], out: &mut [T]| {
-        let arch = Arch::new();
+        let arch = crate::simd::arch();
         parallel::for_chunks(out, TASK * WIDTH, |n, out| {
             let d = &d[n * TASK * 3..][..out.len() / WIDTH * 3];
             arch.dispatch(Directions { d, out, store });

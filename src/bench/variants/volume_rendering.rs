@@ -1,6 +1,6 @@
 //! Variants of volume rendering for `bench`: rays of 64 samples through a soft surface, as a trained scene has them.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use crate::approximate::{Grade, attenuation};
 use crate::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, kernel};
@@ -197,7 +197,7 @@ fn vectorized<C: Copy>(
     samples: usize,
     wide: fn(C) -> f32,
 ) {
-    let arch = Arch::new();
+    let arch = crate::simd::arch();
     task.rays.compute(arch, sigmas, deltas, samples);
     arch.dispatch(Composite { task, rgbs, samples, wide });
 }
@@ -241,7 +241,7 @@ fn graded(a: &Arrays, grade: Grade) -> Box<dyn Kernel> {
         true,
         |c| c,
         move |task, sigmas, rgbs, deltas, samples| {
-            let arch = Arch::new();
+            let arch = crate::simd::arch();
             arch.dispatch(Graded { task, sigmas, deltas, samples, grade });
             arch.dispatch(Composite { task, rgbs, samples, wide: |c| c });
         },
@@ -305,7 +305,7 @@ fn stopped(a: &Arrays, eps: f32) -> Box<dyn Kernel> {
         true,
         |c| c,
         move |task, sigmas, rgbs, deltas, samples| {
-            Arch::new().dispatch(Stopped { task, sigmas, rgbs, deltas, samples, eps });
+            crate::simd::arch().dispatch(Stopped { task, sigmas, rgbs, deltas, samples, eps });
         },
     )
 }

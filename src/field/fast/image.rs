@@ -39,7 +39,7 @@ impl ImageNetwork {
         let mut at = 0;
         ImageNetwork {
             params: oracle.layers.iter().flat_map(|l| l.w.iter().chain(&l.b)).map(|&p| p as f32).collect(),
-            arch: Arch::new(),
+            arch: crate::simd::arch(),
             dims,
             trunk: Trunk::next(&mut at, columns, width, depth, depth),
             head: Affine::next(&mut at, width, 3),

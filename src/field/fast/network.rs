@@ -56,7 +56,7 @@ impl Network {
                 .flat_map(|(_, l)| l.w.iter().chain(&l.b))
                 .map(|&p| p as f32)
                 .collect(),
-            arch: Arch::new(),
+            arch: crate::simd::arch(),
             trunk: Trunk::next(&mut at, position, width, depth, skip),
             sigma: Affine::next(&mut at, width, 1),
             feature: Affine::next(&mut at, width, width),

@@ -167,14 +167,14 @@ fn agrees(shape: &Shape, density: Density, dense: bool, arch: Arch) {
 #[test]
 fn the_papers_network_agrees_with_the_oracle() {
     for density in [Density::Relu, Density::Softplus, Density::Exp] {
-        agrees(&Shape::PAPER, density, false, Arch::new());
+        agrees(&Shape::PAPER, density, false, crate::simd::arch());
     }
-    agrees(&Shape::PAPER, Density::Relu, true, Arch::new());
+    agrees(&Shape::PAPER, Density::Relu, true, crate::simd::arch());
 }
 
 #[test]
 fn other_shapes_and_the_scalar_path_agree_with_the_oracle() {
-    agrees(&SMALL, Density::Relu, false, Arch::new());
+    agrees(&SMALL, Density::Relu, false, crate::simd::arch());
     agrees(&SMALL, Density::Relu, true, Arch::Scalar);
     agrees(&Shape { skip: 9, ..SMALL }, Density::Softplus, false, Arch::Scalar);
 }
@@ -285,9 +285,13 @@ fn the_image_network_agrees_with_the_oracle() {
         }
     }
     let mut first = None;
-    for (threads, arch) in
-        [(1, Arch::new()), (2, Arch::new()), (3, Arch::new()), (8, Arch::new()), (2, Arch::Scalar)]
-    {
+    for (threads, arch) in [
+        (1, crate::simd::arch()),
+        (2, crate::simd::arch()),
+        (3, crate::simd::arch()),
+        (8, crate::simd::arch()),
+        (2, Arch::Scalar),
+    ] {
         net.arch = arch;
         let mut gradient = Gradient::default();
         let got_loss = with_threads(Some(threads), || net.step(&x, &targets, &mut gradient));

@@ -26,7 +26,7 @@ fn fast_path_agrees() {
     let exact: Vec<[f64; 3]> =
         points(1000).into_iter().chain([[0.0; 3], [1.0; 3], [1.0, 0.0, 0.5]]).collect();
     let points: Vec<[f32; 3]> = exact.iter().map(|p| p.map(|x| x as f32)).collect();
-    for arch in [Arch::new(), Arch::Scalar] {
+    for arch in [crate::simd::arch(), Arch::Scalar] {
         let mut out = vec![vec![[0.0; FEATURES]; points.len()]; LEVELS];
         for (level, out) in fast.iter().zip(&mut out) {
             encode_level(arch, level, &points, out);
@@ -51,7 +51,7 @@ fn fast_gradient_agrees() {
     for (p, g) in exact.iter().zip(&g_out) {
         backward::encode(&levels, *p, &g.map(f64::from), &mut expected);
     }
-    for arch in [Arch::new(), Arch::Scalar] {
+    for arch in [crate::simd::arch(), Arch::Scalar] {
         let mut fast = fast_levels(&levels);
         for l in 0..LEVELS {
             let g_level: Vec<Entry> = g_out.iter().map(|g| g.as_chunks().0[l]).collect();
@@ -76,7 +76,7 @@ fn sparse_adam_agrees() {
     let levels = random_levels(&SIDES, 512);
     let adam = Adam { lr: 1e-2, beta1: 0.9, beta2: 0.99, eps: 1e-15, weight_decay: 0.0 };
     let points = [[0.1, 0.2, 0.3], [0.8, 0.5, 0.9]];
-    for arch in [Arch::new(), Arch::Scalar] {
+    for arch in [crate::simd::arch(), Arch::Scalar] {
         let l = 6;
         let mut level = fast_levels(&levels).swap_remove(l);
         let mut expected: Vec<Moments> = level

@@ -19,7 +19,7 @@ fn fast_traversal_agrees() {
     let numbers: Vec<u64> = (0..500).collect();
     let mut steps = Steps::default();
     for numbers in numbers.chunk_by(|_, b| ![1, 10, 80, 300].contains(b)) {
-        let arch = if numbers[0] == 80 { Arch::Scalar } else { Arch::new() };
+        let arch = if numbers[0] == 80 { Arch::Scalar } else { crate::simd::arch() };
         let ways: Vec<_> = numbers.iter().map(|&i| way(i, u32::MAX)).collect();
         grid.march(arch, &ways, step as f32, &mut steps);
         for (lane, (&i, way)) in numbers.iter().zip(&ways).enumerate() {
@@ -69,8 +69,8 @@ fn patience_ends_a_ray() {
     for first in (0..500).step_by(50) {
         let [ways, short] =
             [u32::MAX, 25].map(|p| (first..first + 50).map(|i| way(i, p)).collect::<Vec<_>>());
-        grid.march(Arch::new(), &ways, 0.004, &mut all);
-        grid.march(Arch::new(), &short, 0.004, &mut some);
+        grid.march(crate::simd::arch(), &ways, 0.004, &mut all);
+        grid.march(crate::simd::arch(), &short, 0.004, &mut some);
         for (lane, way) in ways.iter().enumerate() {
             let mut left = 25;
             let patient = all.of(lane).iter().take_while(|k| {
@@ -105,8 +105,8 @@ fn a_span_holds_all_occupied_cells() {
         let (near, far) = grid.span(whole.o, whole.d);
         let part = Way { near: near.max(whole.near), far: far.min(whole.far), ..whole };
         // The ray alone, and among others.
-        grid.march(Arch::new(), &[whole], 0.004, &mut all);
-        grid.march(Arch::new(), &[part; 40], 0.004, &mut some);
+        grid.march(crate::simd::arch(), &[whole], 0.004, &mut all);
+        grid.march(crate::simd::arch(), &[part; 40], 0.004, &mut some);
         assert!((0..40).all(|n| some.of(n) == some.of(0)));
         assert_eq!(all.of(0), some.of(0), "ray {i}");
         met += usize::from(!all.of(0).is_empty());
@@ -138,7 +138,7 @@ fn rays_along_an_axis() {
         way(sixteenths([5.5, 2.5, 0.0]), [0.0, 0.0, 1.0]),
         way(sixteenths([0.0, 3.0, 3.5]), [1.0, 0.0, 0.0]),
     ];
-    for arch in [Arch::new(), Arch::Scalar] {
+    for arch in [crate::simd::arch(), Arch::Scalar] {
         grid.march(arch, &ways, 1.0 / 64.0, &mut steps);
         let found: Vec<&[f32]> = (0..5).map(|ray| steps.of(ray)).collect();
         let none: &[f32] = &[];

@@ -70,7 +70,7 @@ impl CompactModel {
         let nets = Networks::new(Weights::random(&Key::new(settings.seed, Purpose::Parameters)));
         let occupancy = Occupancy::full(occupancy::FIRST_RESOLUTION);
         let rays = settings.rays.unwrap_or(step::FIRST_RAYS);
-        let arch = step::arch();
+        let arch = crate::simd::arch();
         Ok(CompactModel {
             settings,
             views,

@@ -1,7 +1,5 @@
 //! One training step: march rays, encode, networks forward and backward, scatter, Adam.
 
-use pulp::Arch;
-
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::{Pass, run};
@@ -129,9 +127,4 @@ fn balanced(levels: &mut [Level], active: usize) -> Vec<(usize, &mut Level)> {
         out.extend(left.pop_front());
     }
     out
-}
-
-/// The instruction set of a model: the machine's best.
-pub(super) fn arch() -> Arch {
-    Arch::new()
 }

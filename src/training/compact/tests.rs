@@ -100,7 +100,7 @@ impl pulp::WithSimd for Kernels<'_> {
 #[test]
 fn kernels_agree_with_plain_loops() {
     let (x, w, before) = (rows::<32>(1, 48), rows::<64>(2, 32), rows::<64>(3, 48));
-    for arch in [Arch::new(), Arch::Scalar] {
+    for arch in [crate::simd::arch(), Arch::Scalar] {
         let (mut y, mut dw) = (before.clone(), vec![[1.0; 64]; 32]);
         arch.dispatch(Kernels { x: &x, w: &w, y: &mut y, dw: &mut dw });
         for (p, row) in y.iter().enumerate() {
@@ -189,7 +189,7 @@ fn gradients_agree_with_the_oracle() {
         gradient: Some(2.0 / (3 * COUNTS.len()) as f32),
     };
     let delta = f64::from(delta);
-    for arch in [Arch::new(), Arch::Scalar] {
+    for arch in [crate::simd::arch(), Arch::Scalar] {
         let mut chunk = chunk_of(&encodings);
         run(arch, &pass, &mut chunk);
         let loss = chunk.error / (3 * COUNTS.len()) as f64;
@@ -243,7 +243,7 @@ fn early_stop_keeps_its_word() {
             view_dependent: true,
             gradient: None,
         };
-        run(Arch::new(), &pass, &mut chunk);
+        run(crate::simd::arch(), &pass, &mut chunk);
         (chunk.rays.iter().map(|r| r.color).collect::<Vec<_>>(), chunk.points.len())
     };
     let ((full, all), (short, live)) = (colors(0.0), colors(1e-2));
@@ -269,7 +269,7 @@ fn a_ray_that_was_given_up_too_early_is_drawn_again() {
             view_dependent: true,
             gradient: Some(1.0),
         };
-        run(Arch::new(), &pass, &mut chunk);
+        run(crate::simd::arch(), &pass, &mut chunk);
         let light: Vec<f32> = chunk.rays.iter().map(|ray| ray.transmittance).collect();
         (chunk, light)
     };

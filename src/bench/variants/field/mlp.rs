@@ -1,7 +1,5 @@
 //! The 2D network (42 - 256 - 256 - 256 - 3).
 
-use pulp::Arch;
-
 use super::{Plain, Store, plain_forward, plain_layer, rounded, short};
 use crate::bench::{BF16, F16, Kernel, Promise, Suite, Variant, kernel, rows, singles, uniform};
 use crate::contract::Dtype;
@@ -80,7 +78,7 @@ fn mlp_unfused(a: &Arrays) -> Box<dyn Kernel> {
     let bytes = 4 * (x.len() + 2 * points * WIDTH + 3 * points);
     let data = (x, vec![vec![0f32; points * WIDTH]; 2], vec![0f32; 3 * points]);
     let run = move |(x, h, y): &mut (Vec<f32>, Vec<Vec<f32>>, Vec<f32>)| {
-        let arch = Arch::new();
+        let arch = crate::simd::arch();
         let [even, odd] = &mut h[..] else { unreachable!("two buffers") };
         for n in 0..layers.len() - 1 {
             let (from, to) = if n % 2 == 0 { (&*odd, &mut *even) } else { (&*even, &mut *odd) };
