@@ -35,6 +35,30 @@ fn object(args: &[&str]) -> Value {
 }
 
 #[test]
+fn names_are_explained_in_both_spellings() {
+    let dir = tempfile::tempdir().expect("a folder");
+    for (old, new, what) in [
+        ("centre_swapped", "center_swapped", "mistake"),
+        ("regularised_psnr", "regularized_psnr", "mistake"),
+        ("wrong_colours", "wrong_colors", "mistake"),
+        ("pixel_centre", "pixel_center", "convention"),
+    ] {
+        let explained = object(&["explain", new, "--json"]);
+        assert_eq!(explained["found"][0]["what"], what, "{new}");
+        assert_eq!(object(&["explain", old, "--json"]), explained);
+    }
+    let hazard = object(&["explain", "VR9", "--json"]);
+    assert_eq!(hazard["found"][0]["what"], "hazard");
+    assert!(hazard["found"][0]["cases"].as_array().is_some_and(|cases| cases.len() > 5), "{hazard}");
+    refused(&["explain", "VRX"], &["VRX", "list"]);
+    // Filters: a folder's old name.
+    let old = object(&["cases", "optimiser", "--out", &path(dir.path(), "old"), "--json"]);
+    let new = object(&["cases", "optimizer", "--out", &path(dir.path(), "new"), "--json"]);
+    assert!(old["cases"].as_u64().is_some_and(|cases| cases > 0), "{old}");
+    assert_eq!(old["cases"], new["cases"]);
+}
+
+#[test]
 fn usage_errors_end_with_two() {
     refused(&[], &["Usage"]);
     refused(&["paint"], &["paint"]);

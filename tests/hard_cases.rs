@@ -1,6 +1,8 @@
 //! Numbers that broke real libraries: each is a named case, finite in the reference, and within its bound on the fast paths.
 
 use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::bench::suites::SUITES;
@@ -10,13 +12,13 @@ use nerf_oracle::contract::arrays::{Arrays, array, scalar, values};
 use nerf_oracle::contract::case::Case;
 use nerf_oracle::contract::check::{Kind, tolerance, worst};
 use nerf_oracle::contract::component::Component;
+use nerf_oracle::contract::hazard::HAZARDS;
 use nerf_oracle::convention::CS180;
 use nerf_oracle::random::{Key, Purpose};
 use nerf_oracle::volume_rendering::fast::{Weights, density_gradient};
 use pulp::Arch;
 
-/// Hard cases by their numbers, and the components that have them. Not here: PE5, VR8 and CG6 concern components that the crate doesn't
-/// have; CG5 (a lens without inverse), ME2 (SSIM) and TR4 (no gradient) are tests of functions that are no rows.
+/// Hazards (explained in `contract/hazard.rs`), and the components that have cases of them.
 const HARD: &[(&str, &[&str])] = &[
     ("VR1", &["volume_render"]),
     ("VR2", &["volume_render", "early_stop"]),
@@ -45,6 +47,9 @@ const HARD: &[(&str, &[&str])] = &[
     ("ME1", &["mse", "psnr"]),
 ];
 
+/// Hazards of functions that are no rows: the files of the tests that are named after them.
+const OF_FUNCTIONS: &[(&str, &str)] = &[("CG5", "src/camera/tests.rs"), ("ME2", "src/loss/tests.rs")];
+
 /// Cases whose real-number answer, or whose place in f64, is infinite.
 const INFINITE: &[&str] = &["psnr ME1_equal", "trunc_exp VR6_f64"];
 
@@ -64,13 +69,75 @@ fn every_hard_case_is_a_named_case() {
             named.extend(ids);
         }
     }
-    // And none has a number that isn't in the list.
+    // And no case has a hazard that isn't in the list, or an id that looks like one and isn't in the glossary.
     for component in COMPONENTS {
         for case in
             (component.cases)().iter().filter(|case| case.id.starts_with(|c: char| c.is_ascii_uppercase()))
         {
             let id = format!("{} {}", component.name, case.id);
             assert!(named.contains(&id), "{id} isn't listed");
+        }
+    }
+}
+
+/// The glossary explains every hazard that a case has, and no others.
+#[test]
+fn the_glossary_has_the_hazards_of_the_cases() {
+    let used: BTreeSet<&str> = HARD.iter().map(|(id, _)| *id).collect();
+    let tested: BTreeSet<&str> = OF_FUNCTIONS.iter().map(|(id, _)| *id).collect();
+    for (id, file) in OF_FUNCTIONS {
+        let tests = fs::read_to_string(root().join(file)).expect("a readable file");
+        assert!(tests.contains(&format!("fn {}_", id.to_lowercase())), "{file} has no test of {id}");
+    }
+    let explained: Vec<&str> = HAZARDS.iter().map(|hazard| hazard.id).collect();
+    assert_eq!(explained.len(), used.len() + tested.len(), "each is explained once: {explained:?}");
+    assert_eq!(explained.into_iter().collect::<BTreeSet<_>>(), &used | &tested);
+}
+
+/// Whoever reads an id in a comment, a fixture or a page finds it in the glossary.
+#[test]
+fn every_hazard_that_is_named_is_in_the_glossary() {
+    let mut files = vec![root().join("README.md"), root().join("CHANGELOG.md")];
+    for folder in ["src", "tests", "tools", "benches", "fixtures"] {
+        files_below(&root().join(folder), &mut files);
+    }
+    let (mut found, mut unknown) = (0, vec![]);
+    for file in files {
+        let text = fs::read_to_string(&file).expect("readable text");
+        for word in text.split(|c: char| !c.is_ascii_alphanumeric()).filter(|word| looks_like_a_hazard(word))
+        {
+            found += 1;
+            if !HAZARDS.iter().any(|hazard| hazard.id == word) {
+                unknown.push(format!("{}: {word}", file.display()));
+            }
+        }
+    }
+    assert!(found > 200, "{found} hazards are named: were the files found?");
+    assert!(unknown.is_empty(), "not in src/contract/hazard.rs: {unknown:#?}");
+}
+
+/// The letters of a kind of hazard, and a number.
+fn looks_like_a_hazard(word: &str) -> bool {
+    let kinds = ["VR", "SA", "PE", "CG", "TR", "ME"];
+    let number = |rest: &str| !rest.is_empty() && rest.bytes().all(|b| b.is_ascii_digit());
+    kinds.iter().any(|kind| word.strip_prefix(kind).is_some_and(number))
+}
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Sources, scripts, pages and the notes of fixtures.
+fn files_below(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a readable folder") {
+        let path = entry.expect("a readable entry").path();
+        if path.is_dir() && !path.ends_with("target") {
+            files_below(&path, files);
+        } else if path
+            .extension()
+            .is_some_and(|e| ["rs", "py", "md", "json", "c"].iter().any(|known| e == *known))
+        {
+            files.push(path);
         }
     }
 }

@@ -47,8 +47,8 @@ impl Distortion {
     /// The ideal point whose distorted image is `target`, by Newton's method from `target` itself.
     ///
     /// # Errors
-    /// Where the lens folds over (the Jacobian is not positive definite) or 50 steps don't bring the residual below 1e-12: such a point has no
-    /// trustworthy ray, and saying so beats returning one.
+    /// Where the lens folds over (the Jacobian is not positive definite), or 50 steps don't bring the residual below 1e-12: such a point
+    /// has no trustworthy ray (CG5).
     ///
     /// ```
     /// use glam::DVec2;

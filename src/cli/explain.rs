@@ -6,10 +6,10 @@ use super::output;
 use crate::error::Result;
 use crate::judge::explain::explain;
 
-/// Explain a component, a mistake, a convention or a profile.
+/// Explain a component, a mistake, a convention, a profile or a hazard (VR9).
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Its name, as `list` has it.
+    /// Its name, as `list` prints it, or a hazard's id, as hard cases begin with.
     name: String,
 }
 

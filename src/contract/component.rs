@@ -112,7 +112,7 @@ pub struct Component {
     pub forward: Pass,
     /// The vector-Jacobian product: inputs and `grad_<output>` -> `grad_<input>`.
     pub vjp: Option<Pass>,
-    /// Seeded and hard cases. Those of the VJP are the same with cotangents added.
+    /// Seeded and hard cases ([`super::hazard`]). Those of the VJP are the same with cotangents added.
     pub cases: fn() -> Vec<Case>,
     /// Mistakes that people make in it.
     pub mistakes: &'static [Mistake],

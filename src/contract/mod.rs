@@ -6,6 +6,7 @@ pub mod bounded;
 pub mod case;
 pub mod check;
 pub mod component;
+pub mod hazard;
 pub mod machine;
 
 #[cfg(test)]

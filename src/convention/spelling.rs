@@ -53,8 +53,15 @@ fn listed<T: for<'a> Deserialize<'a>>(value: &str) -> T {
 /// assert_eq!(nerf_oracle::convention::american("origin_normalised"), "origin_normalized");
 /// ```
 pub fn american(name: &str) -> String {
-    const SPELLINGS: [(&str, &str); 4] =
-        [("colour", "color"), ("centred", "centered"), ("centre", "center"), ("normalis", "normaliz")];
+    const SPELLINGS: [(&str, &str); 7] = [
+        ("colour", "color"),
+        ("centred", "centered"),
+        ("centre", "center"),
+        ("normalis", "normaliz"),
+        ("regularis", "regulariz"),
+        ("vectoris", "vectoriz"),
+        ("optimis", "optimiz"),
+    ];
     SPELLINGS.iter().fold(name.to_string(), |name, (old, new)| name.replace(old, new))
 }
 

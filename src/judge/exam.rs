@@ -11,8 +11,9 @@ use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Component;
+use crate::contract::hazard;
 use crate::convention::profiles::Profile;
-use crate::convention::{CS180, Conventions};
+use crate::convention::{CS180, Conventions, american};
 use crate::error::{Error, Result};
 
 /// The manifest's schema.
@@ -72,6 +73,7 @@ impl Exam {
     /// # Errors
     /// A filter that no component matches.
     pub fn new(filter: &str, dtype: Dtype, profile: Option<&'static Profile>) -> Result<Exam> {
+        let filter = &american(filter);
         let mut exam = Exam { dtype, profile, filter: filter.to_string(), sheets: vec![], left_out: vec![] };
         let wanted = |c: &&Component| c.name.contains(filter) || c.folder.contains(filter);
         // Statistics are for the types in which a sampler's numbers are fine enough.
@@ -199,16 +201,14 @@ pub fn admits(component: &Component, inputs: &Arrays, c: &Conventions) -> bool {
         && columns(c.skip_layer) > columns(1)
 }
 
-/// Hard cases carry the name of the hazard in front of their id.
+/// The id of a hard case begins with that of its hazard.
 fn flags(case: &Case) -> Vec<&'static str> {
     if hard(case) { vec!["hard"] } else { vec![] }
 }
 
 /// Whether a case is one of the hard ones, where rounding may do much.
 pub fn hard(case: &Case) -> bool {
-    case.id.split_once('_').is_some_and(|(head, _)| {
-        head.chars().any(|c| c.is_ascii_digit()) && head.starts_with(|c: char| c.is_ascii_uppercase())
-    })
+    hazard::of_case(&case.id).is_some()
 }
 
 fn meaning(component: &Component, name: &str) -> String {

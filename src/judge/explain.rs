@@ -1,4 +1,4 @@
-//! What a name stands for: components, mistakes, conventions and profiles.
+//! What a name stands for: components, mistakes, conventions, profiles, and hazards by their ids.
 
 use serde_json::{Value, json};
 
@@ -7,20 +7,29 @@ use crate::COMPONENTS;
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::check::{Kind, tolerance};
 use crate::contract::component::{Component, Mistake, Port};
+use crate::contract::hazard::{HAZARDS, Hazard, of_case};
 use crate::convention::profiles::{PROFILES, Profile};
-use crate::convention::{CHOICES, CS180};
+use crate::convention::{CHOICES, CS180, american};
 use crate::error::{Error, Result};
 
-/// Everything of this name, for machines and for people.
+/// Everything of this name, for machines and for people. British spellings are read too.
 ///
 /// # Errors
 /// A name that nothing has; names that resemble it are suggested.
+///
+/// ```
+/// use nerf_oracle::judge::explain::explain;
+/// assert!(explain("VR9").unwrap().1.starts_with("VR9: a hazard"));
+/// assert_eq!(explain("centre_swapped").unwrap(), explain("center_swapped").unwrap());
+/// ```
 pub fn explain(name: &str) -> Result<(Value, String)> {
+    let name = &*american(name);
     let mut found: Vec<(Value, String)> = all_rows().filter(|c| c.name == name).map(component).collect();
     let rows = all_rows().flat_map(|c| c.mistakes.iter().map(move |m| (c, m)));
     found.extend(rows.filter(|(_, m)| m.name == name).map(|(c, m)| mistake(c, m)));
     found.extend(CHOICES.iter().filter(|(key, _)| *key == name).map(|(key, values)| convention(key, values)));
     found.extend(PROFILES.iter().filter(|p| p.name == name).map(profile));
+    found.extend(HAZARDS.iter().filter(|h| h.id == name).map(hazard));
     if found.is_empty() {
         return Err(Error::usage("NAME", name, suggestions(name)));
     }
@@ -37,6 +46,7 @@ fn all_rows() -> impl Iterator<Item = &'static Component> {
 fn suggestions(name: &str) -> String {
     let mistakes = all_rows().flat_map(|c| c.mistakes.iter().map(|m| m.name));
     let others = CHOICES.iter().map(|(key, _)| *key).chain(PROFILES.iter().map(|p| p.name));
+    let others = others.chain(HAZARDS.iter().map(|h| h.id));
     let all = all_rows().map(|c| c.name).chain(mistakes).chain(others);
     let near = |other: &&str| name.split(['_', '-']).any(|part| part.len() > 2 && other.contains(part));
     let near: Vec<_> = all.filter(near).collect();
@@ -89,7 +99,7 @@ fn size_of_bound(c: &Component, dtype: Dtype) -> f64 {
 fn mistake(c: &Component, m: &Mistake) -> (Value, String) {
     let what = if m.gradient { "a mistake in the gradient" } else { "a mistake" };
     let text = format!(
-        "{}: {what} of {}\n\n  formula: {}\n  right:   {}\n  effect:  {}\n  to mend: {}\n  seen:    {}\n  source:  {}\n",
+        "{}: {what} of {}\n\n  formula: {}\n  right:   {}\n  effect:  {}\n  to fix:  {}\n  seen:    {}\n  source:  {}\n",
         m.name, c.name, m.cause, c.formula, m.effect, m.fix, m.seen, c.source
     );
     let object = json!({
@@ -132,4 +142,21 @@ fn profile(p: &Profile) -> (Value, String) {
         json!({ "what": "profile", "name": p.name, "title": p.title, "conventions": values, "beyond": p.beyond }),
         text,
     )
+}
+
+fn hazard(h: &Hazard) -> (Value, String) {
+    let mut text =
+        format!("{}: a hazard, {}\n\n  effect:  {}\n  seen:    {}\n", h.id, h.title, h.effect, h.seen);
+    let mut cases = vec![];
+    for component in COMPONENTS {
+        let of_this = |id: &str| of_case(id).is_some_and(|other| other.id == h.id);
+        for case in (component.cases)().iter().filter(|case| of_this(&case.id)) {
+            text += &format!("case: {} {}: {}\n", component.name, case.id, case.comment);
+            cases.push(json!({ "component": component.name, "id": case.id, "meaning": case.comment }));
+        }
+    }
+    let object = json!({
+        "what": "hazard", "name": h.id, "title": h.title, "effect": h.effect, "seen": h.seen, "cases": cases,
+    });
+    (object, text)
 }

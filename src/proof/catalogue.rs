@@ -1,10 +1,11 @@
-//! The catalogue of conventions and mistakes as a page, generated from the code.
+//! The catalogue of conventions, mistakes and hazards as a page, generated from the code.
 #![doc = include_str!("../../tests/pages/CATALOGUE.md")]
 
 use super::selfcheck;
 use crate::COMPONENTS;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::component::{Component, Mistake};
+use crate::contract::hazard::{HAZARDS, of_case};
 use crate::convention::CHOICES;
 use crate::convention::profiles::PROFILES;
 use crate::judge::sampler::SAMPLER;
@@ -12,7 +13,7 @@ use crate::judge::sampler::SAMPLER;
 /// The page.
 pub fn page() -> String {
     let mut page = String::from(
-        "# Conventions, profiles and mistakes\n\nWritten by `nerf-oracle check --catalogue`; a test keeps it current.\n",
+        "# Conventions, profiles, mistakes and hazards\n\nWritten by `nerf-oracle check --catalogue`; a test keeps it current.\n",
     );
     page += "\n## Conventions by profile\n\n| convention |";
     for p in PROFILES {
@@ -38,13 +39,29 @@ pub fn page() -> String {
     }
     page += "\n## Mistakes\n\n`f32`, `bf16`: whether the mistake exceeds the bound there on some case (in f64 all do).\n";
     COMPONENTS.iter().for_each(|c| page += &table(c));
-    page + &of_the_sampler()
+    page + &of_the_sampler() + &hazards()
+}
+
+/// The glossary of hazards, with the cases of each.
+fn hazards() -> String {
+    let mut text = String::from("\n## Hazards\n\nThe id of a hard case begins with that of its hazard.\n\n");
+    text += "| hazard | what it is | what goes wrong | seen | cases |\n|---|---|---|---|---|\n";
+    for h in HAZARDS {
+        let rows = COMPONENTS.iter().flat_map(|c| (c.cases)().into_iter().map(move |case| (c.name, case.id)));
+        let cases: Vec<String> = rows
+            .filter(|(_, id)| of_case(id).is_some_and(|other| other.id == h.id))
+            .map(|(name, id)| escaped(&format!("{name} {id}")))
+            .collect();
+        let cells = [h.title, h.effect, h.seen].map(escaped).join(" | ");
+        text += &format!("| {} | {cells} | {} |\n", h.id, cases.join(", "));
+    }
+    text
 }
 
 /// The mistakes that only statistics over several calls show.
 fn of_the_sampler() -> String {
     let mut text = format!("\n### {}\n\n`{}`\n\n", SAMPLER.name, SAMPLER.formula);
-    text += "| mistake | what was written | effect | to mend | seen |\n|---|---|---|---|---|\n";
+    text += "| mistake | what was written | effect | to fix | seen |\n|---|---|---|---|---|\n";
     for m in SAMPLER.mistakes {
         text +=
             &format!("| {} | {} |\n", m.name, [m.cause, m.effect, m.fix, m.seen].map(escaped).join(" | "));
@@ -64,7 +81,7 @@ fn table(c: &Component) -> String {
     if c.mistakes.is_empty() {
         return text + "None.\n";
     }
-    text += "| mistake | what was written | effect | to mend | seen | f32 | bf16 |\n|---|---|---|---|---|---|---|\n";
+    text += "| mistake | what was written | effect | to fix | seen | f32 | bf16 |\n|---|---|---|---|---|---|---|\n";
     for m in c.mistakes {
         let cells = [m.cause, m.effect, m.fix, m.seen].map(escaped).join(" | ");
         text +=

@@ -11,7 +11,7 @@ use crate::contract::case::Case;
 use crate::contract::check::{Kind, tolerance, worst};
 use crate::contract::component::{Component, Pass};
 use crate::contract::machine::Machine;
-use crate::convention::CS180;
+use crate::convention::{CS180, american};
 use crate::{COMPONENTS, parallel};
 
 /// Honest machines a case.
@@ -84,7 +84,8 @@ pub fn all() -> &'static [Row] {
 
 /// All rows of the components whose name or folder contains `filter`.
 pub fn run(filter: &str) -> Vec<Row> {
-    let wanted = COMPONENTS.iter().filter(|c| c.name.contains(filter) || c.folder.contains(filter));
+    let filter = american(filter);
+    let wanted = COMPONENTS.iter().filter(|c| c.name.contains(&filter) || c.folder.contains(&filter));
     let kinds = wanted
         .flat_map(|c| [Kind::Forward, Kind::Vjp].into_iter().filter_map(move |k| Some((c, k, c.pass(k)?))));
     let jobs: Vec<_> = kinds.flat_map(|(c, k, pass)| Dtype::ALL.map(|dtype| (c, k, pass, dtype))).collect();

@@ -1,7 +1,6 @@
 //! Cases of volume rendering: probes that separate mistakes, hard numbers, and seeded rays in every regime.
 //!
-//! Two hard cases of rendering are not here. VR5 (stop early and renormalize, or not) concerns `early_stop`, which states that nothing is
-//! renormalized and tests it. VR8 (prefix sums of the distortion loss cancel) concerns a loss that the crate doesn't have.
+//! VR5 (stop early and renormalize, or not) is a hazard of `early_stop`, which states that nothing is renormalized and tests it.
 
 use std::f64::consts::LN_2;
 
