@@ -50,7 +50,7 @@ pub fn copied<T: Clone>(values: &[T]) -> Aligned<T> {
 /// A value on the stack that begins on a cache line.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-pub struct OnLine<T>(pub T);
+pub struct CacheAligned<T>(pub T);
 
 /// a b + c in every lane, fused where the machine has it; without it, `mul_add` would be a library call.
 #[inline(always)]

@@ -35,7 +35,7 @@ fn a_component_is_checked_timed_and_drawn() {
         let errors = ["spread", "max_relative_error", "p99_relative_error", "max_ulp", "budget_used"];
         assert!(errors.iter().all(|f| row[f].as_f64().is_some_and(|x| x >= 0.0)), "{row}");
         assert!(row["bias"].is_f64() && row["rounds"].as_u64().is_some_and(|n| n >= 5));
-        assert!(row["budget_used"].as_f64() <= Some(1.0) && row["promise_used"].as_f64() <= Some(1.0));
+        assert!(row["budget_used"].as_f64() <= Some(1.0) && row["tolerance_used"].as_f64() <= Some(1.0));
         for figure in ["sgemm_gflops", "random_reads_per_second"] {
             assert!(row["calibration"][figure].as_f64().is_some_and(|x| x > 0.0), "{row}");
         }

@@ -28,22 +28,22 @@ fn assignments(component: &Component) -> Vec<Conventions> {
 fn rejections(component: &Component, c: Conventions) -> (u64, Vec<String>) {
     let (mut evaluations, mut rejected) = (0, vec![]);
     for kind in [Kind::Forward, Kind::Vjp] {
-        let Some(pass) = component.pass(kind) else { continue };
+        let Some(direction) = component.direction(kind) else { continue };
         for case in component.cases_of(kind, &c) {
             // Twelve machines out of 192: 17 and 16 have no common factor, so order, fusing, formula and form all vary. Three for the
             // network at full size in another convention than the default: longer sums are what it adds, and these are the same in each.
             let large = case.inputs.values().map(|a| a.len()).sum::<usize>() >= 20_000;
             let machines = (0..192).step_by(if large && c != CS180 { 67 } else { 17 });
-            let expected = (pass.oracle)(&case.inputs, &c);
+            let expected = (direction.oracle)(&case.inputs, &c);
             let label = format!("{} {kind:?} {}", component.name, case.id);
-            assert_eq!(expected, (pass.wrong)(&case.inputs, &c, &[]), "{label}");
+            assert_eq!(expected, (direction.wrong)(&case.inputs, &c, &[]), "{label}");
             for dtype in Dtype::ALL.into_iter().filter(|&dtype| case.exists_in(dtype)) {
                 // The bound depends on the type and the grade, not on the machine.
-                let bound = |grade| tolerance(pass, &case.inputs, &c, &Arithmetic::new(dtype, grade));
+                let bound = |grade| tolerance(direction, &case.inputs, &c, &Arithmetic::new(dtype, grade));
                 let (stable, textbook) = (bound(Grade::A), bound(Grade::B));
                 for machine in machines.clone().map(|n| Machine::number(dtype, n)) {
                     let bound = if machine.stable { &stable } else { &textbook };
-                    let used = worst(&(pass.honest)(&case.inputs, &c, &machine), &expected, bound);
+                    let used = worst(&(direction.honest)(&case.inputs, &c, &machine), &expected, bound);
                     evaluations += 1;
                     if used > 1.0 {
                         rejected.push(format!("{label} {dtype}: {used:.3} by {machine:?}, {c:?}"));

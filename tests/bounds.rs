@@ -18,18 +18,18 @@ fn machines() -> (u64, u64) {
 
 /// Evaluations of honest machines, and those that the bound rejects.
 fn rejections(component: &Component, kind: Kind, dtype: Dtype) -> (u64, Vec<String>) {
-    let Some(pass) = component.pass(kind) else { return (0, vec![]) };
+    let Some(direction) = component.direction(kind) else { return (0, vec![]) };
     let (mut count, mut rejected) = (0, vec![]);
     let cases = component.cases_of(kind, &CS180);
     let (machines, at_least) = machines();
     let machines = machines.max(at_least.div_ceil((cases.len() * Dtype::ALL.len()).max(1) as u64));
     for case in cases.iter().filter(|case| case.exists_in(dtype)) {
-        let expected = (pass.oracle)(&case.inputs, &CS180);
-        let bounds =
-            [Grade::A, Grade::B].map(|g| tolerance(pass, &case.inputs, &CS180, &Arithmetic::new(dtype, g)));
+        let expected = (direction.oracle)(&case.inputs, &CS180);
+        let bounds = [Grade::A, Grade::B]
+            .map(|g| tolerance(direction, &case.inputs, &CS180, &Arithmetic::new(dtype, g)));
         for n in 0..machines {
             let machine = Machine::number(dtype, n);
-            let got = (pass.honest)(&case.inputs, &CS180, &machine);
+            let got = (direction.honest)(&case.inputs, &CS180, &machine);
             let used = worst(&got, &expected, &bounds[usize::from(!machine.stable)]);
             count += 1;
             if used > 1.0 {
@@ -47,7 +47,7 @@ fn rejections(component: &Component, kind: Kind, dtype: Dtype) -> (u64, Vec<Stri
 fn no_honest_implementation_is_rejected() {
     let both = [Kind::Forward, Kind::Vjp];
     let rows: Vec<_> = COMPONENTS.iter().flat_map(|c| both.map(|kind| (c, kind))).collect();
-    let rows: Vec<_> = rows.into_iter().filter(|(c, kind)| c.pass(*kind).is_some()).collect();
+    let rows: Vec<_> = rows.into_iter().filter(|(c, kind)| c.direction(*kind).is_some()).collect();
     let types = Dtype::ALL.len();
     let results = parallel::map(rows.len() * types, |n| {
         let (component, kind) = rows[n / types];
@@ -74,14 +74,15 @@ fn no_honest_implementation_is_rejected() {
 fn the_all_zero_answer_is_rejected() {
     for component in COMPONENTS {
         for kind in [Kind::Forward, Kind::Vjp] {
-            let Some(pass) = component.pass(kind) else { continue };
+            let Some(direction) = component.direction(kind) else { continue };
             for dtype in Dtype::ALL {
                 let arithmetic = Arithmetic::new(dtype, Grade::B);
                 let fails = component.cases_of(kind, &CS180).iter().filter(|case| case.exists_in(dtype)).any(
                     |case| {
-                        let expected = (pass.oracle)(&case.inputs, &CS180);
+                        let expected = (direction.oracle)(&case.inputs, &CS180);
                         let zero = expected.iter().map(|(name, a)| (name.clone(), a.mapv(|_| 0.0))).collect();
-                        worst(&zero, &expected, &tolerance(pass, &case.inputs, &CS180, &arithmetic)) > 1.0
+                        worst(&zero, &expected, &tolerance(direction, &case.inputs, &CS180, &arithmetic))
+                            > 1.0
                     },
                 );
                 assert!(fails, "{} {kind:?} {dtype}: the all-zero answer passes", component.name);
@@ -95,12 +96,12 @@ fn every_mistake_is_rejected_in_f64() {
     for component in COMPONENTS {
         for mistake in component.mistakes {
             let kind = if mistake.gradient { Kind::Vjp } else { Kind::Forward };
-            let pass = component.pass(kind).expect("a gradient mistake needs a gradient");
+            let direction = component.direction(kind).expect("a gradient mistake needs a gradient");
             let arithmetic = Arithmetic::new(Dtype::F64, Grade::B);
             let caught = component.cases_of(kind, &CS180).iter().any(|case| {
-                let expected = (pass.oracle)(&case.inputs, &CS180);
-                let got = (pass.wrong)(&case.inputs, &CS180, &[mistake.name]);
-                worst(&got, &expected, &tolerance(pass, &case.inputs, &CS180, &arithmetic)) > 1.0
+                let expected = (direction.oracle)(&case.inputs, &CS180);
+                let got = (direction.wrong)(&case.inputs, &CS180, &[mistake.name]);
+                worst(&got, &expected, &tolerance(direction, &case.inputs, &CS180, &arithmetic)) > 1.0
             });
             assert!(caught, "{} {}: no case catches it", component.name, mistake.name);
         }
@@ -111,10 +112,10 @@ fn every_mistake_is_rejected_in_f64() {
 fn no_mistake_is_the_oracle() {
     for component in COMPONENTS {
         for kind in [Kind::Forward, Kind::Vjp] {
-            let Some(pass) = component.pass(kind) else { continue };
+            let Some(direction) = component.direction(kind) else { continue };
             for case in component.cases_of(kind, &CS180) {
                 let (oracle, none) =
-                    ((pass.oracle)(&case.inputs, &CS180), (pass.wrong)(&case.inputs, &CS180, &[]));
+                    ((direction.oracle)(&case.inputs, &CS180), (direction.wrong)(&case.inputs, &CS180, &[]));
                 assert_eq!(oracle, none, "{} {kind:?} {}", component.name, case.id);
             }
         }

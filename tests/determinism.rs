@@ -30,9 +30,9 @@ fn digest(digest: u64, arrays: &Arrays) -> u64 {
 fn bits(component: &Component) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325;
     for kind in [Kind::Forward, Kind::Vjp] {
-        let Some(pass) = component.pass(kind) else { continue };
+        let Some(direction) = component.direction(kind) else { continue };
         for case in component.cases_of(kind, &CS180) {
-            hash = digest(hash, &(pass.oracle)(&case.inputs, &CS180));
+            hash = digest(hash, &(direction.oracle)(&case.inputs, &CS180));
         }
     }
     hash

@@ -18,12 +18,12 @@ fn folders() -> (TempDir, PathBuf, PathBuf) {
     let (cases, answers) = (root.path().join("cases"), root.path().join("answers"));
     let exam = Exam::new("composite_background", Dtype::F32, None).unwrap();
     write_cases(&exam, &cases).unwrap();
-    for sheet in &exam.sheets {
-        for case in &sheet.cases {
-            let outputs = (sheet.component.pass(sheet.kind).unwrap().oracle)(&case.inputs, &CS180);
+    for question in &exam.questions {
+        for case in &question.cases {
+            let outputs = (question.component.direction(question.kind).unwrap().oracle)(&case.inputs, &CS180);
             let narrow =
                 outputs.into_iter().map(|(name, a)| (name, Array::F32(a.mapv(|x| x as f32)))).collect();
-            npz::write(&answers.join(sheet.path(case) + ".npz"), &narrow, false).unwrap();
+            npz::write(&answers.join(question.path(case) + ".npz"), &narrow, false).unwrap();
         }
     }
     (root, cases, answers)

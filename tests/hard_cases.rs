@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::bench::suites::SUITES;
-use nerf_oracle::bench::{Promise, Suite};
+use nerf_oracle::bench::{Suite, Tolerance};
 use nerf_oracle::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use nerf_oracle::contract::arrays::{Arrays, array, scalar, values};
 use nerf_oracle::contract::case::Case;
@@ -15,7 +15,7 @@ use nerf_oracle::contract::component::Component;
 use nerf_oracle::contract::hazard::HAZARDS;
 use nerf_oracle::convention::CS180;
 use nerf_oracle::random::{Key, Purpose};
-use nerf_oracle::volume_rendering::fast::{Weights, density_gradient};
+use nerf_oracle::volume_rendering::fast::{RayWeights, density_gradient};
 use pulp::Arch;
 
 /// Hazards (explained in `contract/hazard.rs`), and the components that have cases of them.
@@ -148,10 +148,10 @@ fn the_reference_is_finite_in_every_case() {
     let mut infinite = BTreeSet::new();
     for component in COMPONENTS {
         for kind in [Kind::Forward, Kind::Vjp] {
-            let Some(pass) = component.pass(kind) else { continue };
+            let Some(direction) = component.direction(kind) else { continue };
             for case in component.cases_of(kind, &CS180) {
                 let id = format!("{} {}", component.name, case.id);
-                for (name, output) in (pass.oracle)(&case.inputs, &CS180) {
+                for (name, output) in (direction.oracle)(&case.inputs, &CS180) {
                     assert!(!output.iter().any(|y| y.is_nan()), "{id} {kind:?}: {name} holds NaN");
                     if output.iter().any(|y| y.is_infinite()) {
                         infinite.insert(id.clone());
@@ -190,7 +190,7 @@ fn workload(suite: &Suite, case: &Case) -> Option<Arrays> {
     Some(inputs)
 }
 
-/// Every variant that promises the component's f32 bound keeps it on all cases, not on its own workload alone.
+/// Every variant that states the component's f32 bound keeps it on all cases, not on its own workload alone.
 #[test]
 fn fast_paths_keep_their_bound_on_hard_numbers() {
     let mut checked = BTreeSet::new();
@@ -202,7 +202,7 @@ fn fast_paths_keep_their_bound_on_hard_numbers() {
             let Some(inputs) = workload(suite, case) else { continue };
             let expected = (component.forward.oracle)(&inputs, &CS180);
             let allowed = tolerance(&component.forward, &inputs, &CS180, &bound);
-            for variant in suite.variants.iter().filter(|variant| variant.promise == Promise::f32()) {
+            for variant in suite.variants.iter().filter(|variant| variant.tolerance == Tolerance::f32()) {
                 let mut kernel = (variant.prepare)(&inputs);
                 kernel.run();
                 let used = worst(&kernel.read(), &expected, &allowed);
@@ -230,7 +230,7 @@ fn fast_paths_keep_their_bound_on_hard_numbers() {
 #[test]
 fn the_fast_gradient_keeps_its_bound_on_hard_numbers() {
     let component = find("volume_render");
-    let pass = component.vjp.expect("a gradient");
+    let direction = component.vjp.expect("a gradient");
     let mut hard = 0;
     for case in component.cases_of(Kind::Forward, &CS180).iter().filter(|case| case.exists_in(Dtype::F32)) {
         let shape = case.inputs["sigmas"].shape().to_vec();
@@ -244,11 +244,11 @@ fn the_fast_gradient_keeps_its_bound_on_hard_numbers() {
         inputs.insert("grad_weights".into(), array(&[rays, n], vec![0.0; rays * n]));
         inputs.insert("grad_opacity".into(), array(&[rays], vec![0.0; rays]));
         inputs.insert("grad_transmittance".into(), array(&[rays], vec![0.0; rays]));
-        let expected = (pass.oracle)(&inputs, &CS180);
-        let allowed = tolerance(&pass, &inputs, &CS180, &Arithmetic::new(Dtype::F32, Grade::B));
+        let expected = (direction.oracle)(&inputs, &CS180);
+        let allowed = tolerance(&direction, &inputs, &CS180, &Arithmetic::new(Dtype::F32, Grade::B));
         let single = |name| values(&inputs, name).iter().map(|&x| x as f32).collect::<Vec<f32>>();
         let (sigmas, deltas, rgbs) = (single("sigmas"), single("deltas"), single("rgbs"));
-        let mut weights = Weights::default();
+        let mut weights = RayWeights::default();
         weights.compute(Arch::new(), &sigmas, &deltas, n);
         let mut got: Vec<f32> = rgbs.chunks(3).map(|c| c[0] - 0.5 * c[1] + 0.75 * c[2]).collect();
         for r in (0..rays * n).step_by(n) {

@@ -8,7 +8,7 @@ use nerf_oracle::convention::profiles::PROFILES;
 use nerf_oracle::convention::{CS180, Conventions};
 use nerf_oracle::judge::answer::{Answer, Answers, Given, given};
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
-use nerf_oracle::judge::mark::{Rules, mark};
+use nerf_oracle::judge::mark::{MarkOptions, mark};
 use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge, sampler};
 
 /// An implementation of volume rendering as anybody might have it, in f32: a running product, the textbook's alpha.
@@ -45,8 +45,9 @@ fn an_example_to_copy() {
 
 /// Answers to all of an exam by a function of (component, kind, inputs).
 fn answer_all(exam: &Exam, f: impl Fn(usize, &Arrays) -> Arrays) -> Vec<Answers> {
-    let sheet = |n: usize| exam.sheets[n].cases.iter().map(|case| Some(given(f(n, &case.inputs)))).collect();
-    (0..exam.sheets.len()).map(sheet).collect()
+    let question =
+        |n: usize| exam.questions[n].cases.iter().map(|case| Some(given(f(n, &case.inputs)))).collect();
+    (0..exam.questions.len()).map(question).collect()
 }
 
 fn failures(report: &Report) -> Vec<String> {
@@ -61,8 +62,8 @@ fn right_implementations_pass_in_every_dtype() {
         for n in [0, 13] {
             let machine = Machine::number(dtype, n);
             let answers = answer_all(&exam, |n, inputs| {
-                let sheet = &exam.sheets[n];
-                (sheet.component.pass(sheet.kind).unwrap().honest)(inputs, &CS180, &machine)
+                let question = &exam.questions[n];
+                (question.component.direction(question.kind).unwrap().honest)(inputs, &CS180, &machine)
             });
             let report = judge_answers(&exam, &answers, EXP_ULP);
             assert_eq!(failures(&report), [""; 0], "{dtype} {machine:?}");
@@ -76,34 +77,34 @@ fn other_conventions_pass_without_a_profile_and_fail_with_another() {
     for profile in PROFILES {
         let exam = Exam::new("", Dtype::F64, None).unwrap();
         let right = |n: usize, inputs: &Arrays| {
-            let sheet = &exam.sheets[n];
-            (sheet.component.pass(sheet.kind).unwrap().oracle)(inputs, &profile.conventions)
+            let question = &exam.questions[n];
+            (question.component.direction(question.kind).unwrap().oracle)(inputs, &profile.conventions)
         };
         // A gradient's cotangent has the default's shape: where a profile changes a shape, its VJP needs --profile.
         let fits = |n: usize| {
-            let sheet = &exam.sheets[n];
-            if !sheet.admits(&profile.conventions) {
+            let question = &exam.questions[n];
+            if !question.admits(&profile.conventions) {
                 return false;
             }
             let shapes = |c| {
-                sheet
+                question
                     .cases
                     .iter()
                     .map(|case| {
-                        (sheet.component.forward.oracle)(&case.inputs, c)
+                        (question.component.forward.oracle)(&case.inputs, c)
                             .into_values()
                             .map(|a| a.shape().to_vec())
                             .collect::<Vec<_>>()
                     })
                     .collect::<Vec<_>>()
             };
-            sheet.kind == Kind::Forward || shapes(&CS180) == shapes(&profile.conventions)
+            question.kind == Kind::Forward || shapes(&CS180) == shapes(&profile.conventions)
         };
         let mut answers: Vec<Answers> =
-            exam.sheets.iter().map(|sheet| vec![None; sheet.cases.len()]).collect();
-        for n in (0..exam.sheets.len()).filter(|&n| fits(n)) {
+            exam.questions.iter().map(|question| vec![None; question.cases.len()]).collect();
+        for n in (0..exam.questions.len()).filter(|&n| fits(n)) {
             answers[n] =
-                exam.sheets[n].cases.iter().map(|case| Some(given(right(n, &case.inputs)))).collect();
+                exam.questions[n].cases.iter().map(|case| Some(given(right(n, &case.inputs)))).collect();
         }
         let report = judge_answers(&exam, &answers, EXP_ULP);
         assert_eq!(report.count(Verdict::Fail), 0, "{}: {:?}", profile.name, failures(&report));
@@ -119,29 +120,29 @@ fn nothing_easy_passes() {
     for dtype in Dtype::ALL {
         let exam = Exam::new("", dtype, None).unwrap();
         let oracle = |n: usize, inputs: &Arrays| {
-            let sheet = &exam.sheets[n];
-            (sheet.component.pass(sheet.kind).unwrap().oracle)(inputs, &CS180)
+            let question = &exam.questions[n];
+            (question.component.direction(question.kind).unwrap().oracle)(inputs, &CS180)
         };
         let fill = |x: f64| {
             answer_all(&exam, |n, i| oracle(n, i).into_iter().map(|(k, a)| (k, a.mapv(|_| x))).collect())
         };
         let mut easiest = answer_all(&exam, oracle);
-        easiest.iter_mut().for_each(|sheet| sheet.iter_mut().skip(1).for_each(|answer| *answer = None));
-        let rules = Rules { dtype, exp_ulp: EXP_ULP };
+        easiest.iter_mut().for_each(|question| question.iter_mut().skip(1).for_each(|answer| *answer = None));
+        let options = MarkOptions { dtype, exp_ulp: EXP_ULP };
         for (name, answers) in [("zero", fill(0.0)), ("NaN", fill(f64::NAN)), ("easiest", easiest)] {
-            for (sheet, answers) in exam.sheets.iter().zip(&answers) {
-                let whole = name == "easiest" && sheet.cases.len() == 1;
-                let passes = |grade| mark(sheet, answers, &CS180, &rules, grade).pass();
-                let passed = if sheet.statistics() {
-                    sampler::mark(sheet, answers, &CS180).pass()
+            for (question, answers) in exam.questions.iter().zip(&answers) {
+                let whole = name == "easiest" && question.cases.len() == 1;
+                let passes = |grade| mark(question, answers, &CS180, &options, grade).pass();
+                let passed = if question.statistics() {
+                    sampler::mark(question, answers, &CS180).pass()
                 } else {
                     passes(Grade::B)
                 };
                 assert!(
                     whole || !passed,
                     "{dtype} {name}: {} {} passes",
-                    sheet.component.name,
-                    sheet.kind_name()
+                    question.component.name,
+                    question.kind_name()
                 );
             }
         }
@@ -151,14 +152,14 @@ fn nothing_easy_passes() {
 #[test]
 fn the_answers_themselves_are_checked() {
     let exam = Exam::new("composite_background", Dtype::F64, None).unwrap();
-    let sheet = exam.sheets.iter().position(|s| s.component.name == "composite_background").unwrap();
+    let question = exam.questions.iter().position(|s| s.component.name == "composite_background").unwrap();
     let right = |n: usize, inputs: &Arrays| {
-        let sheet = &exam.sheets[n];
-        (sheet.component.pass(sheet.kind).unwrap().oracle)(inputs, &CS180)
+        let question = &exam.questions[n];
+        (question.component.direction(question.kind).unwrap().oracle)(inputs, &CS180)
     };
     let with = |change: &dyn Fn(&mut Given)| {
         let mut answers = answer_all(&exam, right);
-        change(answers[sheet][0].as_mut().unwrap().get_mut("colors_out").unwrap());
+        change(answers[question][0].as_mut().unwrap().get_mut("colors_out").unwrap());
         let report = judge_answers(&exam, &answers, EXP_ULP);
         let row = report.of("composite_background", "forward").unwrap().clone();
         assert_eq!(row.verdict, Verdict::Fail);
@@ -167,7 +168,8 @@ fn the_answers_themselves_are_checked() {
     assert!(with(&|a| a.dtype = "f32").contains("too narrow"));
     assert!(with(&|a| a.values[[0, 0]] = f64::NAN).contains("NaN"));
     assert!(with(&|a| a.values = a.values.clone().insert_axis(ndarray::Axis(0))).contains("wrong shape"));
-    let nothing: Vec<Answers> = exam.sheets.iter().map(|sheet| vec![None; sheet.cases.len()]).collect();
+    let nothing: Vec<Answers> =
+        exam.questions.iter().map(|question| vec![None; question.cases.len()]).collect();
     assert_eq!(judge_answers(&exam, &nothing, EXP_ULP).exit_code(), 2);
     assert!(judge(&Candidate::new().forward("no_such_thing", Clone::clone), Dtype::F64).is_err());
     assert!(!COMPONENTS.is_empty());
@@ -177,17 +179,17 @@ fn the_answers_themselves_are_checked() {
 fn laid_out(component: &str, c: &Conventions, change: impl Fn(&mut Answer)) -> Report {
     let exam = Exam::new(component, Dtype::F64, None).unwrap();
     let forward =
-        |n: usize| exam.sheets[n].component.name == component && exam.sheets[n].kind == Kind::Forward;
+        |n: usize| exam.questions[n].component.name == component && exam.questions[n].kind == Kind::Forward;
     let answers = |n: usize| -> Answers {
-        let sheet = &exam.sheets[n];
+        let question = &exam.questions[n];
         let answer = |inputs: &Arrays| {
-            let mut answer = given((sheet.component.forward.oracle)(inputs, c));
+            let mut answer = given((question.component.forward.oracle)(inputs, c));
             change(&mut answer);
             answer
         };
-        sheet.cases.iter().map(|case| forward(n).then(|| answer(&case.inputs))).collect()
+        question.cases.iter().map(|case| forward(n).then(|| answer(&case.inputs))).collect()
     };
-    judge_answers(&exam, &(0..exam.sheets.len()).map(answers).collect::<Vec<_>>(), EXP_ULP)
+    judge_answers(&exam, &(0..exam.questions.len()).map(answers).collect::<Vec<_>>(), EXP_ULP)
 }
 
 #[test]
@@ -243,15 +245,15 @@ fn a_run_that_contradicts_itself_fails() {
 #[test]
 fn vacuous_elements_use_no_budget_and_still_have_to_fit() {
     let exam = Exam::new("positional_encoding", Dtype::F32, None).unwrap();
-    let sheet = &exam.sheets[0];
-    let rules = Rules { dtype: Dtype::F32, exp_ulp: EXP_ULP };
-    let oracle = |inputs: &Arrays| given((sheet.component.forward.oracle)(inputs, &CS180));
-    let answers: Answers = sheet.cases.iter().map(|case| Some(oracle(&case.inputs))).collect();
-    let right = mark(sheet, &answers, &CS180, &rules, Grade::B);
+    let question = &exam.questions[0];
+    let options = MarkOptions { dtype: Dtype::F32, exp_ulp: EXP_ULP };
+    let oracle = |inputs: &Arrays| given((question.component.forward.oracle)(inputs, &CS180));
+    let answers: Answers = question.cases.iter().map(|case| Some(oracle(&case.inputs))).collect();
+    let right = mark(question, &answers, &CS180, &options, Grade::B);
     // An element that proves nothing, and one that does.
     let find = |vacuous: bool| {
-        let places = sheet.cases.iter().enumerate().flat_map(|(n, case)| {
-            let (expected, bound) = rules.truth(sheet, case, &CS180, Grade::B);
+        let places = question.cases.iter().enumerate().flat_map(|(n, case)| {
+            let (expected, bound) = options.truth(question, case, &CS180, Grade::B);
             let pairs = expected["encoding"].iter().zip(&bound["encoding"]).enumerate();
             let all: Vec<_> = pairs.map(|(i, (&e, &b))| (n, i, e, b)).collect();
             all.into_iter()
@@ -263,7 +265,7 @@ fn vacuous_elements_use_no_budget_and_still_have_to_fit() {
         let mut answers = answers.clone();
         let values = &mut answers[n].as_mut().unwrap().get_mut("encoding").unwrap().values;
         *values.iter_mut().nth(i).unwrap() = e + by * b;
-        mark(sheet, &answers, &CS180, &rules, Grade::B)
+        mark(question, &answers, &CS180, &options, Grade::B)
     };
     let (empty, proving) = (find(true), find(false));
     let within = moved(empty, 0.9);
@@ -276,11 +278,11 @@ fn vacuous_elements_use_no_budget_and_still_have_to_fit() {
 fn alone(component: &str, dtype: Dtype, answer: impl Fn(&Arrays) -> Answer) -> Report {
     let exam = Exam::new(component, dtype, None).unwrap();
     let forward =
-        |n: usize| exam.sheets[n].component.name == component && exam.sheets[n].kind == Kind::Forward;
+        |n: usize| exam.questions[n].component.name == component && exam.questions[n].kind == Kind::Forward;
     let answers = |n: usize| -> Answers {
-        exam.sheets[n].cases.iter().map(|case| forward(n).then(|| answer(&case.inputs))).collect()
+        exam.questions[n].cases.iter().map(|case| forward(n).then(|| answer(&case.inputs))).collect()
     };
-    judge_answers(&exam, &(0..exam.sheets.len()).map(answers).collect::<Vec<_>>(), EXP_ULP)
+    judge_answers(&exam, &(0..exam.questions.len()).map(answers).collect::<Vec<_>>(), EXP_ULP)
 }
 
 #[test]

@@ -9,10 +9,10 @@ use nerf_oracle::convention::profiles::{self, PROFILES};
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
 use nerf_oracle::judge::answer::{Answer, Answers, Given};
 use nerf_oracle::judge::diagnose::Explanation;
-use nerf_oracle::judge::exam::Sheet;
+use nerf_oracle::judge::exam::Question;
 use nerf_oracle::judge::hypothesis::Hypothesis;
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
-use nerf_oracle::judge::mark::Rules;
+use nerf_oracle::judge::mark::MarkOptions;
 use nerf_oracle::judge::report::Row;
 use nerf_oracle::judge::{Exam, Verdict};
 use nerf_oracle::parallel;
@@ -20,12 +20,12 @@ use nerf_oracle::random::{Key, Purpose};
 
 /// What an implementation in `dtype` with this mistake answers: the inputs of a case off by half a rounding together (so that what is
 /// equal stays equal, as it does in any arithmetic), each result by three. Bytes are whole.
-fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
-    let pass = sheet.component.pass(sheet.kind).unwrap();
+fn wrong_answers(question: &Question, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
+    let direction = question.component.direction(question.kind).unwrap();
     let u = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };
     // A byte, a cell or a bin is a step function of its input: one that is off is another question.
     let steps = ["to_uint8", "hash_grid", "occupancy_grid", "grid_traversal", "importance_sampling"];
-    let of_inputs = if steps.contains(&sheet.component.name) { 0.0 } else { u };
+    let of_inputs = if steps.contains(&question.component.name) { 0.0 } else { u };
     let answer = |case: &Case| {
         let mut draw = Draw::new(&case.id, 7);
         let factor = 1.0 + of_inputs * (2.0 * draw.unit() - 1.0);
@@ -40,14 +40,15 @@ fn wrong_answers(sheet: &Sheet, c: &Conventions, mistakes: &[&str], dtype: Dtype
             let values = a.mapv(off);
             (name, Given { values, dtype: "f64" })
         };
-        Some((pass.wrong)(&inputs, c, mistakes).into_iter().map(&mut given).collect())
+        Some((direction.wrong)(&inputs, c, mistakes).into_iter().map(&mut given).collect())
     };
-    sheet.cases.iter().map(answer).collect()
+    question.cases.iter().map(answer).collect()
 }
 
-/// The verdict on one sheet, all others unanswered.
+/// The verdict on one question, all others unanswered.
 fn judged(exam: &Exam, n: usize, answers: Answers) -> Row {
-    let mut all: Vec<Answers> = exam.sheets.iter().map(|sheet| vec![None; sheet.cases.len()]).collect();
+    let mut all: Vec<Answers> =
+        exam.questions.iter().map(|question| vec![None; question.cases.len()]).collect();
     all[n] = answers;
     let report = judge_answers(exam, &all, EXP_ULP);
     report.rows[n].clone()
@@ -58,7 +59,7 @@ fn exam_of(component: &Component, dtype: Dtype, profile: Option<&str>) -> Exam {
 }
 
 fn sheet_of(exam: &Exam, component: &Component, kind: Kind) -> usize {
-    exam.sheets.iter().position(|s| s.component.name == component.name && s.kind == kind).unwrap()
+    exam.questions.iter().position(|s| s.component.name == component.name && s.kind == kind).unwrap()
 }
 
 fn names(e: &Explanation) -> Vec<&'static str> {
@@ -78,7 +79,7 @@ fn outcome(
     dtype: Dtype,
 ) -> Option<Result<(), String>> {
     let n = sheet_of(exam, component, if mistake.gradient { Kind::Vjp } else { Kind::Forward });
-    let row = judged(exam, n, wrong_answers(&exam.sheets[n], &CS180, &[mistake.name], dtype));
+    let row = judged(exam, n, wrong_answers(&exam.questions[n], &CS180, &[mistake.name], dtype));
     let label = format!("{dtype} {} {}", component.name, mistake.name);
     if row.verdict == Verdict::Pass {
         println!("{label}: below the bound ({:.1e})", row.budget_used.unwrap());
@@ -92,7 +93,7 @@ fn outcome(
     if named(&row, mistake) {
         return Some(Ok(()));
     }
-    Some(Err(format!("{label}: {got:?} {}", unexplained(&exam.sheets[n], mistake, dtype))))
+    Some(Err(format!("{label}: {got:?} {}", unexplained(&exam.questions[n], mistake, dtype))))
 }
 
 #[test]
@@ -115,15 +116,16 @@ fn every_mistake_is_named_first() {
 }
 
 /// The cases that the mistake alone doesn't explain.
-fn unexplained(sheet: &Sheet, mistake: &Mistake, dtype: Dtype) -> String {
+fn unexplained(question: &Question, mistake: &Mistake, dtype: Dtype) -> String {
     let h = Hypothesis { mistakes: vec![mistake.name], conventions: CS180 };
-    let rules = Rules { dtype, exp_ulp: EXP_ULP };
-    let answers = wrong_answers(sheet, &CS180, &[mistake.name], dtype);
+    let options = MarkOptions { dtype, exp_ulp: EXP_ULP };
+    let answers = wrong_answers(question, &CS180, &[mistake.name], dtype);
     let used = |(case, answer): (&Case, &Option<Answer>)| {
-        let residual = h.residual(sheet, case, answer.as_ref()?, &rules);
-        (!h.explains(sheet, case, answer.as_ref()?, &rules)).then(|| format!("{} {residual:.2}", case.id))
+        let residual = h.residual(question, case, answer.as_ref()?, &options);
+        (!h.explains(question, case, answer.as_ref()?, &options))
+            .then(|| format!("{} {residual:.2}", case.id))
     };
-    sheet.cases.iter().zip(&answers).filter_map(used).collect::<Vec<_>>().join(", ")
+    question.cases.iter().zip(&answers).filter_map(used).collect::<Vec<_>>().join(", ")
 }
 
 /// Draws of one convention and one mistake: `PAIRS=2000` for more.
@@ -154,12 +156,12 @@ fn one_convention_and_one_mistake_are_named() {
         let dtype = [Dtype::F64, Dtype::F32][pick(2, 4)];
         let exam = exam_of(component, dtype, None);
         let n = sheet_of(&exam, component, Kind::Forward);
-        if !exam.sheets[n].admits(&c) {
+        if !exam.questions[n].admits(&c) {
             continue;
         }
-        let row = judged(&exam, n, wrong_answers(&exam.sheets[n], &c, &[mistake.name], dtype));
+        let row = judged(&exam, n, wrong_answers(&exam.questions[n], &c, &[mistake.name], dtype));
         // Where the two together are right in some conventions, or the mistake hides the convention, there is nothing to tell.
-        if row.verdict == Verdict::Pass || hidden(&exam.sheets[n], &c, mistake, dtype) {
+        if row.verdict == Verdict::Pass || hidden(&exam.questions[n], &c, mistake, dtype) {
             continue;
         }
         total += 1;
@@ -184,8 +186,8 @@ fn one_convention_and_one_mistake_are_named() {
 }
 
 /// Whether the mistake makes the convention invisible, or the convention the mistake.
-fn hidden(sheet: &Sheet, c: &Conventions, mistake: &Mistake, dtype: Dtype) -> bool {
-    let both = wrong_answers(sheet, c, &[mistake.name], dtype);
+fn hidden(question: &Question, c: &Conventions, mistake: &Mistake, dtype: Dtype) -> bool {
+    let both = wrong_answers(question, c, &[mistake.name], dtype);
     let same = |other: Answers| {
         both.iter().flatten().zip(other.iter().flatten()).all(|(a, b)| {
             a.iter().all(|(name, a)| {
@@ -197,7 +199,8 @@ fn hidden(sheet: &Sheet, c: &Conventions, mistake: &Mistake, dtype: Dtype) -> bo
             })
         })
     };
-    same(wrong_answers(sheet, &CS180, &[mistake.name], dtype)) || same(wrong_answers(sheet, c, &[], dtype))
+    same(wrong_answers(question, &CS180, &[mistake.name], dtype))
+        || same(wrong_answers(question, c, &[], dtype))
 }
 
 #[test]
@@ -206,16 +209,16 @@ fn a_mistake_that_is_somebodys_convention_is_reported_as_the_pair() {
         for mistake in component.mistakes.iter().filter(|m| !m.gradient) {
             let exam = exam_of(component, Dtype::F64, Some("cs180"));
             let n = sheet_of(&exam, component, Kind::Forward);
-            let sheet = &exam.sheets[n];
-            for profile in PROFILES.iter().filter(|profile| sheet.admits(&profile.conventions)) {
-                let equal = sheet.cases.iter().all(|case| {
+            let question = &exam.questions[n];
+            for profile in PROFILES.iter().filter(|profile| question.admits(&profile.conventions)) {
+                let equal = question.cases.iter().all(|case| {
                     let right = (component.forward.oracle)(&case.inputs, &profile.conventions);
                     right == (component.forward.wrong)(&case.inputs, &CS180, &[mistake.name])
                 });
                 if !equal {
                     continue;
                 }
-                let row = judged(&exam, n, wrong_answers(sheet, &CS180, &[mistake.name], Dtype::F64));
+                let row = judged(&exam, n, wrong_answers(question, &CS180, &[mistake.name], Dtype::F64));
                 let convention = row.diagnosis.iter().any(|e| e.mistakes.is_empty());
                 assert!(
                     convention && named(&row, mistake),

@@ -12,7 +12,7 @@ use nerf_oracle::files::npz::{self, Array, Arrays};
 use nerf_oracle::files::picture;
 use nerf_oracle::scene::{self, Options, Scene};
 use nerf_oracle::training::compact::{CompactModel, Overrides};
-use nerf_oracle::training::nerf::{NerfModel, Settings};
+use nerf_oracle::training::nerf::{NerfModel, NerfSettings};
 use nerf_oracle::training::{Model, Pixel};
 use serde_json::{Value, json};
 
@@ -97,11 +97,15 @@ fn load(path: &Path) -> Scene {
 
 /// A model on either path, with the f32 path's initial parameters and a density head that is alive.
 fn model(scene: &Scene, reference: bool) -> NerfModel {
-    let settings =
-        Settings { rays: 4, samples: 16, seed: 1, ..Settings::new(scene.near, scene.far, scene.background) };
+    let settings = NerfSettings {
+        rays: 4,
+        samples: 16,
+        seed: 1,
+        ..NerfSettings::new(scene.near, scene.far, scene.background)
+    };
     let mut start = NerfModel::new(settings).state();
     start.insert("sigma_b".into(), Array::F32(ndarray::arr1(&[0.3]).into_dyn()));
-    let mut model = NerfModel::new(Settings { reference, ..settings });
+    let mut model = NerfModel::new(NerfSettings { reference, ..settings });
     model.restore(&start, "the start").unwrap();
     model
 }
@@ -214,7 +218,7 @@ fn a_few_steps_on_photographs() {
     }
     let Some(scene) = shared("lego_200x200.npz") else { return };
     let settings =
-        Settings { rays: 64, samples: 32, ..Settings::new(scene.near, scene.far, scene.background) };
+        NerfSettings { rays: 64, samples: 32, ..NerfSettings::new(scene.near, scene.far, scene.background) };
     let (before, after) = learnt(&mut NerfModel::new(settings), &scene, 40);
     assert!(after < 0.9 * before, "8x256: {before} before, {after} after 40 steps");
 }

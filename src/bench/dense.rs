@@ -21,7 +21,7 @@ pub trait Layers {
     /// in any order may be off by; not above 1.
     fn check(&mut self) -> f64;
     /// What one run does.
-    fn work(&self) -> Work;
+    fn work(&self) -> WorkCount;
     /// Seconds of the products alone.
     fn products(&mut self) -> f64;
     /// Seconds of the whole pass.
@@ -30,7 +30,7 @@ pub trait Layers {
 
 /// What one run does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Work {
+pub struct WorkCount {
     /// Points with a backward pass.
     pub points: usize,
     /// Useful flops of the products.
@@ -121,7 +121,7 @@ impl Measured {
 
     /// The row, with its shares of a ceiling in GFLOP/s.
     pub fn json(&self, ceiling: f64) -> Value {
-        let Work { points, products, pass } = self.layers.work();
+        let WorkCount { points, products, pass } = self.layers.work();
         let mut row = json!({ "network": self.dense.name, "about": self.dense.about, "points": points, "check_used": self.used });
         if !self.right() {
             row["refused"] =

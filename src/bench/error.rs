@@ -14,7 +14,7 @@ pub const F16: f64 = 1.0 / 2048.0;
 
 /// What a variant says about its accuracy. It is checked against this before it is timed; all parts add up.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Promise {
+pub struct Tolerance {
     /// The component's own f32 bound, with exp, sin and cos within so many ULP.
     pub exp_ulp: Option<f64>,
     /// Relative to each element.
@@ -25,35 +25,35 @@ pub struct Promise {
     pub absolute: f64,
 }
 
-impl Promise {
+impl Tolerance {
     /// Bit for bit.
-    pub const fn exact() -> Promise {
-        Promise { exp_ulp: None, relative: 0.0, of_largest: 0.0, absolute: 0.0 }
+    pub const fn exact() -> Tolerance {
+        Tolerance { exp_ulp: None, relative: 0.0, of_largest: 0.0, absolute: 0.0 }
     }
 
     /// The component's f32 bound: elementary functions within 4 ULP.
-    pub const fn f32() -> Promise {
-        Promise::grade(4.0)
+    pub const fn f32() -> Tolerance {
+        Tolerance::grade(4.0)
     }
 
     /// The component's f32 bound, with elementary functions of a stated grade, in ULP.
-    pub const fn grade(ulp: f64) -> Promise {
-        Promise { exp_ulp: Some(ulp), ..Promise::exact() }
+    pub const fn grade(ulp: f64) -> Tolerance {
+        Tolerance { exp_ulp: Some(ulp), ..Tolerance::exact() }
     }
 
     /// And so much relative to each element: what rounding to a short type for storage costs.
-    pub const fn stored(self, relative: f64) -> Promise {
-        Promise { relative, ..self }
+    pub const fn stored(self, relative: f64) -> Tolerance {
+        Tolerance { relative, ..self }
     }
 
     /// And so much relative to the output's largest element.
-    pub const fn of_largest(self, of_largest: f64) -> Promise {
-        Promise { of_largest, ..self }
+    pub const fn of_largest(self, of_largest: f64) -> Tolerance {
+        Tolerance { of_largest, ..self }
     }
 
     /// And so much for every element.
-    pub const fn within(self, absolute: f64) -> Promise {
-        Promise { absolute, ..self }
+    pub const fn within(self, absolute: f64) -> Tolerance {
+        Tolerance { absolute, ..self }
     }
 
     /// What each element may be off by.
@@ -90,16 +90,22 @@ pub struct Errors {
     pub absolute: f64,
     /// Largest error over the component's bound in the variant's type; none where the component has no bound.
     pub budget: Option<f64>,
-    /// Largest error over what the variant promised.
-    pub promise: f64,
+    /// Largest error over what the variant stated.
+    pub tolerance: f64,
 }
 
 impl Errors {
     /// Measures them.
-    pub fn measure(got: &Arrays, expected: &Arrays, dtype: Dtype, budget: Option<f64>, promise: f64) -> Self {
+    pub fn measure(
+        got: &Arrays,
+        expected: &Arrays,
+        dtype: Dtype,
+        budget: Option<f64>,
+        tolerance: f64,
+    ) -> Self {
         let (mut relative, mut sum) = (vec![], 0.0);
         let mut errors =
-            Errors { max: 0.0, p99: 0.0, bias: 0.0, max_ulp: 0.0, absolute: 0.0, budget, promise };
+            Errors { max: 0.0, p99: 0.0, bias: 0.0, max_ulp: 0.0, absolute: 0.0, budget, tolerance };
         for (name, y) in expected {
             let floor = (largest(y) / 1024.0).max(f64::MIN_POSITIVE);
             for (got, y) in got[name].iter().zip(y) {

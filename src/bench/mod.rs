@@ -24,8 +24,8 @@ mod variants;
 mod tests;
 
 pub use dense::Dense;
-pub use error::{BF16, Errors, F16, Promise};
-pub use report::{Report, Row};
+pub use error::{BF16, Errors, F16, Tolerance};
+pub use report::{BenchReport, Row};
 pub use scaling::Scaling;
 
 use rounds::Timer;
@@ -117,7 +117,7 @@ pub struct Variant {
     /// What it computes in, or what its weights or results are stored in where that is shorter.
     pub dtype: Dtype,
     /// How far off it may be: what it is checked against before it is timed.
-    pub promise: Promise,
+    pub tolerance: Tolerance,
     /// Makes the kernel.
     pub prepare: Prepare,
 }
@@ -128,15 +128,20 @@ impl Variant {
         name: &'static str,
         about: &'static str,
         dtype: Dtype,
-        promise: Promise,
+        tolerance: Tolerance,
         prepare: Prepare,
     ) -> Self {
-        Variant { name, about, dtype, promise, prepare }
+        Variant { name, about, dtype, tolerance, prepare }
     }
 
     /// The same computed in f32.
-    pub const fn f32(name: &'static str, about: &'static str, promise: Promise, prepare: Prepare) -> Self {
-        Variant::new(name, about, Dtype::F32, promise, prepare)
+    pub const fn f32(
+        name: &'static str,
+        about: &'static str,
+        tolerance: Tolerance,
+        prepare: Prepare,
+    ) -> Self {
+        Variant::new(name, about, Dtype::F32, tolerance, prepare)
     }
 
     /// Whether an item costs the same however many there are: no batches, no threads.
@@ -177,7 +182,7 @@ impl Suite {
             name: "oracle",
             about: "plain f64, the reference",
             dtype: Dtype::F64,
-            promise: Promise::exact(),
+            tolerance: Tolerance::exact(),
             prepare: self.oracle,
         }
     }
@@ -219,7 +224,7 @@ pub fn run(
     layers: &[Dense],
     options: &Options,
     tell: impl Fn(&str),
-) -> Result<Report> {
+) -> Result<BenchReport> {
     let (mut entries, mut refused) = (vec![], vec![]);
     for (s, suite) in suites.iter().enumerate() {
         tell(&format!("check {}", suite.component));
@@ -281,7 +286,7 @@ pub fn run(
         None => Some("another library's product (--peer)".into()),
     };
     let scaling = measured.iter().map(scaling::Measured::json).collect();
-    let mut report = Report {
+    let mut report = BenchReport {
         rows,
         scaling,
         system: vec![],

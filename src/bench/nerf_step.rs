@@ -20,15 +20,15 @@ const STEP: u64 = 1 << 40;
 /// Batches beside the timed one on which the losses are compared.
 const OTHERS: u64 = 8;
 
-/// One way to take a step, with the memory that it needs.
+/// One variant of a step, with its buffers.
 #[derive(Default)]
-struct Way {
+struct StepVariant {
     gradient: Gradient,
     loss: f64,
     seconds: Vec<f64>,
 }
 
-impl Way {
+impl StepVariant {
     /// Loss, gradient and Adam, timed; the parameters stay what they were.
     fn round(
         &mut self,
@@ -103,11 +103,11 @@ fn compared(model: &mut NerfModel, scene: &Scene, rounds: usize) -> Result<Value
     let batch = Batch { rays, targets: &drawn.targets, background };
     let adam = model.adam();
     let Path::Fast { net, moments, .. } = &mut model.coarse else { unreachable!("a fast path") };
-    let [mut dense, mut usual, mut skip] = [(); 3].map(|()| Way::default());
+    let [mut dense, mut usual, mut skip] = [(); 3].map(|()| StepVariant::default());
     // The first round warms up and doesn't count.
     for round in 0..=rounds {
-        let mut of = |way: &mut Way, step: &dyn Fn(&Network, &mut Gradient) -> f64| {
-            way.round((&mut *net, &*moments, &adam), step);
+        let mut of = |variant: &mut StepVariant, step: &dyn Fn(&Network, &mut Gradient) -> f64| {
+            variant.round((&mut *net, &*moments, &adam), step);
         };
         of(&mut dense, &|net, gradient| net.step(&batch, true, gradient));
         of(&mut usual, &|net, gradient| net.step(&batch, false, gradient));
@@ -115,8 +115,8 @@ fn compared(model: &mut NerfModel, scene: &Scene, rounds: usize) -> Result<Value
             net.step_skipping(&batch, skipping(Some(&grid.mask(&rays))), gradient)
         });
         if round == 0 {
-            for way in [&mut dense, &mut usual, &mut skip] {
-                way.seconds.clear();
+            for variant in [&mut dense, &mut usual, &mut skip] {
+                variant.seconds.clear();
             }
         }
     }
@@ -138,9 +138,9 @@ fn compared(model: &mut NerfModel, scene: &Scene, rounds: usize) -> Result<Value
 
 /// What was measured.
 struct Figures {
-    dense: Way,
-    usual: Way,
-    skip: Way,
+    dense: StepVariant,
+    usual: StepVariant,
+    skip: StepVariant,
     /// Samples of the batch.
     all: f64,
     /// Seconds of the grid's updates, a step.
@@ -149,7 +149,7 @@ struct Figures {
 
 impl Figures {
     /// Quartiles and extremes over the rounds of `of` over the skipping step, with `more` seconds in each of the latter.
-    fn ratios(&self, of: &Way, more: f64) -> [f64; 3] {
+    fn ratios(&self, of: &StepVariant, more: f64) -> [f64; 3] {
         let pairs = of.seconds.iter().zip(&self.skip.seconds);
         let ratios: Vec<f64> = pairs.map(|(of, skip)| of / (skip + more)).collect();
         [0.5, 0.0, 1.0].map(|q| quantile(&ratios, q))
@@ -157,7 +157,7 @@ impl Figures {
 
     fn json(&self) -> Value {
         let [forward, backward] = self.skip.points().map(|n| n as f64 / self.all);
-        let median = |way: &Way| quantile(&way.seconds, 0.5);
+        let median = |variant: &StepVariant| quantile(&variant.seconds, 0.5);
         json!({
             "rounds": self.skip.seconds.len(),
             "dense_seconds": median(&self.dense), "train_seconds": median(&self.usual), "skip_seconds": median(&self.skip),

@@ -3,12 +3,12 @@
 use serde_json::Value;
 
 use super::dense;
-use super::report::{HEADER, Report, Row, SCALING, SYSTEM, cells, machine, scaling_cells, system_cells};
+use super::report::{BenchReport, HEADER, Row, SCALING, SYSTEM, cells, machine, scaling_cells, system_cells};
 use crate::report::page::Page;
 use crate::report::scatter::{self, Point};
 
 /// `index.html`, whole.
-pub fn page(report: &Report) -> String {
+pub fn page(report: &BenchReport) -> String {
     let lead = machine(&report.calibration);
     let mut page = Page::new("Speed against error", &lead);
     page.heading("What is what").paragraph(

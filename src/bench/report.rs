@@ -14,7 +14,7 @@ pub struct Row(pub Map<String, Value>);
 
 /// Everything that a call of `bench` found out.
 #[derive(Clone, Debug)]
-pub struct Report {
+pub struct BenchReport {
     /// Variants and peers.
     pub rows: Vec<Row>,
     /// Time against size.
@@ -48,7 +48,7 @@ impl Row {
             "speedup": null, "max_relative_error": errors.max, "p99_relative_error": errors.p99,
             "bias": errors.bias, "max_ulp": errors.max_ulp, "budget_used": errors.budget, "on_frontier": false,
             "item": suite.item, "items": items, "timed_items": (items as f64 / scale).round(), "rounds": timer.seconds.len(), "about": variant.about,
-            "max_absolute_error": errors.absolute, "promise_used": errors.promise,
+            "max_absolute_error": errors.absolute, "tolerance_used": errors.tolerance,
             "checked_items": suite.checked, "calibration": calibration,
         });
         let Value::Object(row) = object else { unreachable!("an object literal") };
@@ -108,7 +108,7 @@ pub fn compare(rows: &mut [Row]) {
     }
 }
 
-impl Report {
+impl BenchReport {
     /// Variants and dense layers that were refused.
     pub fn refused(&self) -> usize {
         let layers = self.dense_rows().iter().filter(|row| row["refused"].is_string()).count();

@@ -32,7 +32,7 @@ pub struct Choice {
 
 /// What the oracle sees along a ray.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen {
+pub struct TrueRay {
     /// Premultiplied color.
     pub color: [f64; 3],
     /// A.
@@ -43,7 +43,7 @@ pub struct Seen {
     pub live: usize,
 }
 
-impl Seen {
+impl TrueRay {
     fn over(&self, background: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| self.color[k] + (1.0 - self.opacity) * background[k])
     }
@@ -58,9 +58,9 @@ pub trait System: Send + Sync {
     /// The f32 path.
     fn render(&self, rays: &[Ray]) -> Vec<Pixel>;
     /// The field as trained, in f64, with so many samples across the box.
-    fn truth(&self, ray: &Ray, samples: usize) -> Seen;
+    fn truth(&self, ray: &Ray, samples: usize) -> TrueRay;
     /// The choice at hand in f64, at its own samples: what f32 and the early stop cost.
-    fn same_samples(&self, rays: &[Ray]) -> Vec<Seen>;
+    fn same_samples(&self, rays: &[Ray]) -> Vec<TrueRay>;
     /// Pixels whose truth can be afforded.
     fn true_pixels(&self) -> usize;
     /// Pixels of a view that are rendered for time; all of them where it has fewer.
@@ -185,7 +185,7 @@ fn row(
     let count = off.len() as f64;
     let largest = |errors: &[f64]| errors.iter().fold(0.0, |max: f64, e| if *e > max { *e } else { max });
     let mse = off.iter().map(|e| e * e).sum::<f64>() / count;
-    let mean = |f: fn(&Seen) -> usize| same.iter().map(|s| f(s) as f64).sum::<f64>() / same.len() as f64;
+    let mean = |f: fn(&TrueRay) -> usize| same.iter().map(|s| f(s) as f64).sum::<f64>() / same.len() as f64;
     let middle = quantile(times, 0.5);
     json!({
         "component": "system", "variant": choice.name, "dtype": "f32", "seconds": middle,

@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
-use super::dense::{self, Candidate, Dense, Layers, Work};
+use super::dense::{self, Candidate, Dense, Layers, WorkCount};
 use super::report::{Row, compare};
 use super::scaling::exponent;
 use super::suites::SUITES;
 use super::truth::Truth;
-use super::{Kernel, Options, Promise, Suite, Variant, frontier, kernel, run};
+use super::{Kernel, Options, Suite, Tolerance, Variant, frontier, kernel, run};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, values};
 
@@ -27,8 +27,8 @@ fn times(a: &Arrays, factor: f64) -> Box<dyn Kernel> {
     kernel((x, y), 0, run, |(_, y)| arrays([("y", array(&[y.len()], y.clone()))]))
 }
 
-const fn variant(name: &'static str, promise: Promise, prepare: super::Prepare) -> Variant {
-    Variant { name, about: "", dtype: Dtype::F32, promise, prepare }
+const fn variant(name: &'static str, tolerance: Tolerance, prepare: super::Prepare) -> Variant {
+    Variant { name, about: "", dtype: Dtype::F32, tolerance, prepare }
 }
 
 const DOUBLE: Suite = Suite {
@@ -41,13 +41,13 @@ const DOUBLE: Suite = Suite {
     checked: 16,
     oracle: |a| times(a, 2.0),
     variants: &[
-        variant("off", Promise::exact().stored(1e-3), |a| times(a, 2.0 * (1.0 + 5e-4))),
-        variant("wrong", Promise::exact().stored(1e-3), |a| times(a, 2.1)),
-        variant("shapeless", Promise::exact().within(1e9), |a| {
+        variant("off", Tolerance::exact().stored(1e-3), |a| times(a, 2.0 * (1.0 + 5e-4))),
+        variant("wrong", Tolerance::exact().stored(1e-3), |a| times(a, 2.1)),
+        variant("shapeless", Tolerance::exact().within(1e9), |a| {
             let x = values(a, "x");
             kernel(x, 0, |_| {}, |_| arrays([("y", array(&[1], vec![2.0]))]))
         }),
-        variant("nan", Promise::exact().within(1e9), |a| times(a, f64::NAN)),
+        variant("nan", Tolerance::exact().within(1e9), |a| times(a, f64::NAN)),
     ],
 };
 
@@ -66,11 +66,11 @@ fn the_check_comes_first() {
     }
     assert_eq!(report.refused(), 3);
     let off = row("off");
-    // 2 (1 + 5e-4) x against 2 x: relative error and bias 5e-4 everywhere, half of what was promised.
+    // 2 (1 + 5e-4) x against 2 x: relative error and bias 5e-4 everywhere, half of what was stated.
     for field in ["max_relative_error", "p99_relative_error", "bias"] {
         assert!((off.number(field).unwrap() - 5e-4).abs() < 1e-12, "{field}");
     }
-    assert!((off.number("promise_used").unwrap() - 0.5).abs() < 1e-9);
+    assert!((off.number("tolerance_used").unwrap() - 0.5).abs() < 1e-9);
     // 5e-4 in ULP of f32, which is 2^-24 to 2^-23 of a number: 4,194 to 8,389.
     assert!((4194.0..8389.0).contains(&off.number("max_ulp").unwrap()));
     assert_eq!((off.number("items"), off.number("rounds")), (Some(64.0), Some(5.0)));
@@ -98,12 +98,12 @@ fn every_variant_is_what_it_says() {
 }
 
 #[test]
-fn promises_add_up() {
+fn tolerances_add_up() {
     let y = arrays([("y", array(&[2], vec![-4.0, 1.0]))]);
     let component = arrays([("y", array(&[2], vec![0.5, 0.25]))]);
-    let promise = Promise::f32().stored(0.5).of_largest(0.25).within(8.0);
-    assert_eq!(values(&promise.bound(Some(&component), &y), "y"), [11.5, 9.75]);
-    assert_eq!(values(&Promise::exact().bound(None, &y), "y"), [0.0, 0.0]);
+    let tolerance = Tolerance::f32().stored(0.5).of_largest(0.25).within(8.0);
+    assert_eq!(values(&tolerance.bound(Some(&component), &y), "y"), [11.5, 9.75]);
+    assert_eq!(values(&Tolerance::exact().bound(None, &y), "y"), [0.0, 0.0]);
 }
 
 /// By hand: c is slower and worse than a, d equals b (both stay), e isn't a number.
@@ -169,8 +169,8 @@ impl Layers for MadeUp {
         self.0
     }
 
-    fn work(&self) -> Work {
-        Work { points: 10, products: 2e9, pass: 3e9 }
+    fn work(&self) -> WorkCount {
+        WorkCount { points: 10, products: 2e9, pass: 3e9 }
     }
 
     fn products(&mut self) -> f64 {

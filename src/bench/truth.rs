@@ -42,11 +42,11 @@ impl Truth {
     pub fn check(&mut self, suite: &Suite, variant: &Variant) -> Result<Errors, String> {
         let got = output(variant.prepare, &self.inputs);
         same_shapes(&got, &self.expected)?;
-        let allowed = match variant.promise.exp_ulp {
+        let allowed = match variant.tolerance.exp_ulp {
             Some(ulp) => self.bound(suite, Dtype::F32, ulp).cloned(),
             None => None,
         };
-        let allowed = variant.promise.bound(allowed.as_ref(), &self.expected);
+        let allowed = variant.tolerance.bound(allowed.as_ref(), &self.expected);
         let used = worst(&got, &self.expected, &allowed);
         if used > 1.0 || used.is_nan() {
             return Err(format!("off by {used:.3} times what it may be off by"));

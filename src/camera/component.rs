@@ -1,7 +1,7 @@
 //! Registry rows of the camera.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// The pose of each point or ray.
 pub(crate) const C2W: Port =
@@ -24,13 +24,13 @@ pub const TRANSFORM: Component = Component {
     inputs: &[C2W, Port { name: "x_c", shape: "M,3", meaning: "points in camera space", gradient: true }],
     outputs: &[Port { name: "x_w", shape: "M,3", meaning: "points in world space", gradient: true }],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::transform,
         bound: bound::transform,
         honest: honest::transform,
         wrong: mistakes::transform,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::transform_vjp,
         bound: bound::transform_vjp,
         honest: honest::transform_vjp,
@@ -53,13 +53,13 @@ pub const PIXEL_TO_CAMERA: Component = Component {
     ],
     outputs: &[Port { name: "x_c", shape: "M,3", meaning: "points in camera space", gradient: true }],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::pixel_to_camera,
         bound: bound::pixel_to_camera,
         honest: honest::pixel_to_camera,
         wrong: mistakes::pixel_to_camera,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::pixel_to_camera_vjp,
         bound: bound::pixel_to_camera_vjp,
         honest: honest::pixel_to_camera_vjp,

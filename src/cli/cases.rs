@@ -36,7 +36,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let profile = args.profile.as_deref().map(profiles::find).transpose()?;
     let exam = Exam::new(&args.filter, args.dtype, profile)?;
     let bytes = exchange::write_cases(&exam, &args.out)?;
-    let cases: usize = exam.sheets.iter().map(|sheet| sheet.cases.len()).sum();
+    let cases: usize = exam.questions.iter().map(|question| question.cases.len()).sum();
     let left_out = &exam.left_out;
     let object = json!({ "out": args.out, "cases": cases, "bytes": bytes, "left_out": left_out });
     let mut text = format!("{cases} cases in {} ({:.1} MB)\n", args.out.display(), bytes as f64 / 1e6);

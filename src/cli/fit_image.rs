@@ -15,7 +15,7 @@ use crate::files::{self, picture};
 use crate::parallel;
 use crate::report::{curve, sheet, table};
 use crate::scene;
-use crate::training::image::{LogPoint, Settings, fit};
+use crate::training::image::{FitSettings, LogPoint, fit};
 
 /// Options of `fit-image`.
 #[derive(clap::Args, Clone, Debug)]
@@ -98,8 +98,8 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     })
 }
 
-fn settings(args: &Args) -> Settings {
-    Settings {
+fn settings(args: &Args) -> FitSettings {
+    FitSettings {
         steps: args.steps as u64,
         batch: args.batch,
         levels: args.levels,

@@ -10,7 +10,7 @@ use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
 use crate::training::compact::{CompactModel, Overrides, Part};
 use crate::training::model::Model;
-use crate::training::nerf::{NerfModel, Settings, Skip};
+use crate::training::nerf::{NerfModel, NerfSettings, Skip};
 
 /// What `--resume` may not change.
 const KEPT: [&str; 12] = [
@@ -127,7 +127,7 @@ fn compact(recipe: &Map<String, Value>, scene: &Scene, without: Vec<Part>) -> Re
 }
 
 fn nerf(recipe: &Map<String, Value>, scene: &Scene) -> Result<NerfModel> {
-    let mut settings = Settings::new(scene.near, scene.far, scene.background);
+    let mut settings = NerfSettings::new(scene.near, scene.far, scene.background);
     settings.seed = seed(recipe);
     settings.reference = named(recipe, "backend", "reference");
     if let Some(rays) = whole(recipe, "rays") {

@@ -13,7 +13,7 @@ use crate::files::{self, picture};
 use crate::parallel;
 use crate::report::page::Page;
 use crate::report::{sheet, table};
-use crate::training::image::{LogPoint, Settings, fit};
+use crate::training::image::{FitSettings, LogPoint, fit};
 
 /// Options of `sweep-image`.
 #[derive(clap::Args, Clone, Debug)]
@@ -54,7 +54,7 @@ pub struct Args {
 
 /// One fit of the sweep.
 struct Row {
-    settings: Settings,
+    settings: FitSettings,
     last: LogPoint,
 }
 
@@ -104,13 +104,13 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     })
 }
 
-fn combinations(args: &Args) -> Vec<Settings> {
+fn combinations(args: &Args) -> Vec<FitSettings> {
     let mut all = vec![];
     for &levels in &args.levels {
         for &width in &args.width {
             for &lr in &args.lr {
                 let (steps, batch, layers, seed) = (args.steps as u64, args.batch, args.layers, args.seed);
-                all.push(Settings { steps, batch, levels, width, layers, lr, seed, reference: false });
+                all.push(FitSettings { steps, batch, levels, width, layers, lr, seed, reference: false });
             }
         }
     }
@@ -118,7 +118,7 @@ fn combinations(args: &Args) -> Vec<Settings> {
 }
 
 fn cells(row: &Row) -> Vec<String> {
-    let Settings { levels, width, lr, .. } = row.settings;
+    let FitSettings { levels, width, lr, .. } = row.settings;
     let psnr = if row.diverged() { "diverged".into() } else { format!("{:.2}", row.last.psnr) };
     let seconds = format!("{:.1}", row.last.seconds);
     vec![levels.to_string(), width.to_string(), format!("{lr:e}"), psnr, seconds]

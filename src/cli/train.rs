@@ -190,7 +190,7 @@ fn end(args: &Args) -> Options {
         stop_at_psnr: args.stop_at_psnr,
         val_every: args.val_every.map(|n| n as u64),
         seed: args.seed,
-        dear: args.model == Kind::Nerf,
+        expensive: args.model == Kind::Nerf,
     }
 }
 

@@ -5,7 +5,7 @@ use ndarray::{ArrayD, Axis, Zip};
 use super::arithmetic::{Arithmetic, Dtype, Grade};
 use super::arrays::Arrays;
 use super::case::{Case, Draw};
-use super::component::{Component, Pass};
+use super::component::{Component, Direction};
 use crate::convention::{Conventions, SkipOrder};
 
 /// Forward or backward.
@@ -19,7 +19,7 @@ pub enum Kind {
 
 impl Component {
     /// The functions of this direction, if the component has it.
-    pub fn pass(&self, kind: Kind) -> Option<&Pass> {
+    pub fn direction(&self, kind: Kind) -> Option<&Direction> {
         match kind {
             Kind::Forward => Some(&self.forward),
             Kind::Vjp => self.vjp.as_ref(),
@@ -73,9 +73,9 @@ fn reshape(inputs: &mut Arrays, c: &Conventions) {
 }
 
 /// The error that an answer in `arithmetic` may have: its own bound, plus the oracle's (which rounds in f64).
-pub fn tolerance(pass: &Pass, inputs: &Arrays, c: &Conventions, arithmetic: &Arithmetic) -> Arrays {
-    let own = (pass.bound)(inputs, c, arithmetic);
-    let oracle = (pass.bound)(inputs, c, &Arithmetic::new(Dtype::F64, Grade::A));
+pub fn tolerance(direction: &Direction, inputs: &Arrays, c: &Conventions, arithmetic: &Arithmetic) -> Arrays {
+    let own = (direction.bound)(inputs, c, arithmetic);
+    let oracle = (direction.bound)(inputs, c, &Arithmetic::new(Dtype::F64, Grade::A));
     own.into_iter().map(|(name, bound)| (name.clone(), bound + &oracle[&name])).collect()
 }
 

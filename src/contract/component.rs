@@ -41,7 +41,7 @@ impl Port {
     }
 }
 
-/// A mistake that people really make, runnable through [`Pass::wrong`].
+/// A mistake that people really make, runnable through [`Direction::wrong`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mistake {
     /// Name, unique within the component, e.g. `inclusive_transmittance`.
@@ -109,9 +109,9 @@ pub struct Component {
     /// Conventions that the result depends on (keys of [`crate::convention::CHOICES`]).
     pub conventions: &'static [&'static str],
     /// The oracle, its bound and honest implementations.
-    pub forward: Pass,
+    pub forward: Direction,
     /// The vector-Jacobian product: inputs and `grad_<output>` -> `grad_<input>`.
-    pub vjp: Option<Pass>,
+    pub vjp: Option<Direction>,
     /// Seeded and hard cases ([`super::hazard`]). Those of the VJP are the same with cotangents added.
     pub cases: fn() -> Vec<Case>,
     /// Mistakes that people make in it.
@@ -120,7 +120,7 @@ pub struct Component {
 
 /// One direction of a component: everything that is known about forward, or about its VJP.
 #[derive(Clone, Copy)]
-pub struct Pass {
+pub struct Direction {
     /// Plain f64.
     pub oracle: Function,
     /// Error bound.

@@ -17,5 +17,5 @@ pub use arrays::Arrays;
 pub use bounded::Bounded;
 pub use case::{Case, Draw};
 pub use check::Kind;
-pub use component::{Component, Mistake, Pass, Port};
+pub use component::{Component, Direction, Mistake, Port};
 pub use machine::Machine;

@@ -8,7 +8,7 @@ use super::arrays::{one_ray, packed, spans, stopped};
 use super::live_samples;
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, number, values};
-use crate::contract::component::Pass;
+use crate::contract::component::Direction;
 use crate::convention::{CS180, Conventions};
 use crate::math::{expm1, ln};
 use crate::volume_rendering::component::VOLUME_RENDER;
@@ -38,16 +38,16 @@ fn candidates(a: &Arrays, r: usize, (first, length): (usize, usize), m: &Arithme
 }
 
 /// The bound of one direction: over all candidate numbers, the distance of their exact answer from the oracle's, plus their own bound.
-fn covering(a: &Arrays, pass: &Pass, m: &Arithmetic) -> Arrays {
+fn covering(a: &Arrays, direction: &Direction, m: &Arithmetic) -> Arrays {
     let mut rays = vec![];
     for (r, (first, length)) in spans(a).into_iter().enumerate() {
-        let answer = |n: usize| stopped(n, length, (pass.oracle)(&one_ray(a, r, first, n), &CS180));
+        let answer = |n: usize| stopped(n, length, (direction.oracle)(&one_ray(a, r, first, n), &CS180));
         let (sigmas, deltas) = (values(a, "sigmas"), values(a, "deltas"));
         let span = first..first + length;
         let right = answer(live_samples(&sigmas[span.clone()], &deltas[span], number(a, "eps")));
         let mut bound: Arrays = right.iter().map(|(name, y)| (name.clone(), y.mapv(|_| 0.0))).collect();
         for n in candidates(a, r, (first, length), m) {
-            let own = stopped(0, length, (pass.bound)(&one_ray(a, r, first, n), &CS180, m));
+            let own = stopped(0, length, (direction.bound)(&one_ray(a, r, first, n), &CS180, m));
             let other = answer(n);
             for (name, bound) in &mut bound {
                 let far = (&other[name] - &right[name]).mapv(f64::abs) + &own[name];

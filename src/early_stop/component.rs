@@ -3,7 +3,7 @@
 //! Around the oracle, a ray with n live samples is a ray of n samples of `volume_render`: its bound and its honest forms are used here.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// Packed rays, each as far as light comes through.
 pub const EARLY_STOP: Component = Component {
@@ -26,13 +26,13 @@ pub const EARLY_STOP: Component = Component {
         Port::smooth("transmittance", "R", "T behind the last live sample"),
     ],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::early_stop,
         bound: bound::early_stop,
         honest: honest::early_stop,
         wrong: mistakes::early_stop,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::early_stop_vjp,
         bound: bound::early_stop_vjp,
         honest: honest::early_stop_vjp,

@@ -1,7 +1,7 @@
 //! Registry row of the positional encoding.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// Positional encoding.
 pub const POSITIONAL_ENCODING: Component = Component {
@@ -15,13 +15,13 @@ pub const POSITIONAL_ENCODING: Component = Component {
     ],
     outputs: &[Port::smooth("encoding", "M,D+2LD", "identity, then the bands")],
     conventions: &["identity", "frequency", "bands", "columns"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::encoding,
         bound: bound::positional_encoding,
         honest: honest::positional_encoding,
         wrong: mistakes::positional_encoding,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::encoding_vjp,
         bound: bound::positional_encoding_vjp,
         honest: honest::positional_encoding_vjp,

@@ -1,7 +1,7 @@
 //! Registry rows of the networks.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// The plain network.
 pub const MLP: Component = Component {
@@ -16,8 +16,8 @@ pub const MLP: Component = Component {
     ],
     outputs: &[Port::smooth("y", "M,O", "colors in [0, 1]")],
     conventions: &[],
-    forward: Pass { oracle: arrays::mlp, bound: bound::mlp, honest: honest::mlp, wrong: mistakes::mlp },
-    vjp: Some(Pass {
+    forward: Direction { oracle: arrays::mlp, bound: bound::mlp, honest: honest::mlp, wrong: mistakes::mlp },
+    vjp: Some(Direction {
         oracle: arrays::mlp_vjp,
         bound: bound::mlp_vjp,
         honest: honest::mlp_vjp,
@@ -49,13 +49,13 @@ pub const NERF_MLP: Component = Component {
         "last_trunk",
         "feature",
     ],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::nerf,
         bound: bound::nerf_mlp,
         honest: honest::nerf_mlp,
         wrong: mistakes::nerf_mlp,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::nerf_vjp,
         bound: bound::nerf_mlp_vjp,
         honest: honest::nerf_mlp_vjp,

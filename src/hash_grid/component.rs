@@ -1,7 +1,7 @@
 //! Registry row of the hash grid.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// The multi-resolution hash grid.
 pub const HASH_GRID: Component = Component {
@@ -21,13 +21,13 @@ pub const HASH_GRID: Component = Component {
     ],
     outputs: &[Port::smooth("encoding", "M,LF", "features, level by level")],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::hash_grid,
         bound: bound::hash_grid,
         honest: honest::hash_grid,
         wrong: mistakes::hash_grid,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::hash_grid_vjp,
         bound: bound::hash_grid_vjp,
         honest: honest::hash_grid_vjp,

@@ -1,7 +1,7 @@
 //! Registry row of importance sampling.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// Samples of a piecewise-constant distribution.
 pub const IMPORTANCE_SAMPLING: Component = Component {
@@ -17,13 +17,13 @@ pub const IMPORTANCE_SAMPLING: Component = Component {
     ],
     outputs: &[Port::smooth("t", "R,M", "samples, in the order of u")],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::sample,
         bound: bound::sample,
         honest: honest::sample,
         wrong: mistakes::sample,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::sample_vjp,
         bound: bound::sample_vjp,
         honest: honest::sample_vjp,

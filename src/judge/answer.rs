@@ -19,7 +19,7 @@ pub struct Given {
 /// Output name -> array, of one case.
 pub type Answer = BTreeMap<String, Given>;
 
-/// Answers of one sheet, case by case; `None` where there is none.
+/// Answers of one question, case by case; `None` where there is none.
 pub type Answers = Vec<Option<Answer>>;
 
 /// f64 arrays (or f32 ones, widened) from a closure as an answer.

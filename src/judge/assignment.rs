@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped};
-use super::exam::Sheet;
-use super::mark::{Rules, within};
+use super::exam::Question;
+use super::mark::{MarkOptions, within};
 use super::sampler;
 use crate::contract::arithmetic::Grade;
 use crate::contract::arrays::Arrays;
@@ -69,9 +69,9 @@ pub fn changes(a: &Partial, b: &Partial) -> usize {
 }
 
 /// The cases that a search goes by, the smallest first.
-pub fn small_cases<'a>(sheet: &'a Sheet, answers: &'a Answers) -> Vec<(&'a Case, &'a Answer)> {
+pub fn small_cases<'a>(question: &'a Question, answers: &'a Answers) -> Vec<(&'a Case, &'a Answer)> {
     let size = |case: &Case| case.inputs.values().map(|a| a.len()).sum::<usize>();
-    let pairs = sheet.cases.iter().zip(answers).filter_map(|(case, a)| a.as_ref().map(|a| (case, a)));
+    let pairs = question.cases.iter().zip(answers).filter_map(|(case, a)| a.as_ref().map(|a| (case, a)));
     let mut pairs: Vec<_> = pairs.collect();
     pairs.sort_by_key(|(case, _)| size(case));
     let first_large = pairs.iter().position(|(case, _)| size(case) > LARGE).unwrap_or(pairs.len());
@@ -82,22 +82,26 @@ pub fn small_cases<'a>(sheet: &'a Sheet, answers: &'a Answers) -> Vec<(&'a Case,
 /// Those of the assignments that no output of the smallest case alone rules out. A row of thousands of assignments says which
 /// conventions an output reads ([`READS`]): what differs in others alone needs one look.
 pub fn possible(
-    sheet: &Sheet,
+    question: &Question,
     answers: &Answers,
     mut all: Vec<Partial>,
     base: &Conventions,
-    rules: &Rules,
+    options: &MarkOptions,
 ) -> Vec<Partial> {
-    let first = small_cases(sheet, answers).first().copied();
-    let (Some((case, answer)), true) = (first, sheet.component.name == RENDER_TRACE.name) else { return all };
+    let first = small_cases(question, answers).first().copied();
+    let (Some((case, answer)), true) = (first, question.component.name == RENDER_TRACE.name) else {
+        return all;
+    };
     for (output, keys) in READS {
         let Some(given) = answer.get(*output) else { continue };
         let alone: Answer = [(output.to_string(), given.clone())].into();
         let fits = |p: &Partial| {
             let c = apply(p, base);
-            let mut expected = (sheet.component.forward.oracle)(&case.inputs, &c);
+            let mut expected = (question.component.forward.oracle)(&case.inputs, &c);
             expected.retain(|name, _| name == output);
-            within(&alone, &expected, rules.may_look(case), || rules.truth(sheet, case, &c, Grade::B).1)
+            within(&alone, &expected, options.may_look_first(case), || {
+                options.truth(question, case, &c, Grade::B).1
+            })
         };
         let mut known: BTreeMap<Vec<&str>, bool> = BTreeMap::new();
         all.retain(|p| *known.entry(keys.iter().map(|key| p[key]).collect()).or_insert_with(|| fits(p)));
@@ -106,19 +110,21 @@ pub fn possible(
 }
 
 /// Whether all small cases are right in these conventions.
-pub fn holds(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules) -> bool {
-    if sheet.statistics() {
-        return sampler::plausible(sheet, answers, c);
+pub fn holds(question: &Question, answers: &Answers, c: &Conventions, options: &MarkOptions) -> bool {
+    if question.statistics() {
+        return sampler::plausible(question, answers, c);
     }
-    if !sheet.admits(c) {
+    if !question.admits(c) {
         return false;
     }
-    let cases = small_cases(sheet, answers);
-    let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+    let cases = small_cases(question, answers);
+    let direction = question.component.direction(question.kind).expect("a question has its direction");
     !cases.is_empty()
         && cases.iter().all(|(case, answer)| {
-            let expected = (pass.oracle)(&case.inputs, c);
-            within(answer, &expected, rules.may_look(case), || rules.truth(sheet, case, c, Grade::B).1)
+            let expected = (direction.oracle)(&case.inputs, c);
+            within(answer, &expected, options.may_look_first(case), || {
+                options.truth(question, case, c, Grade::B).1
+            })
         })
 }
 
@@ -130,19 +136,19 @@ pub struct Found {
     pub contradicting: Vec<(usize, Conventions)>,
 }
 
-/// Looks for the one assignment in which all sheets are right that are right in any.
-pub fn find(sheets: &[(&Sheet, &Answers)], rules: &Rules) -> Found {
-    let holds_in = |n: usize, c: &Conventions| holds(sheets[n].0, sheets[n].1, c, rules);
-    let named = |c: &Conventions| parallel::map(sheets.len(), |n| holds_in(n, c)).into_iter().all(|ok| ok);
+/// Looks for the one assignment in which all questions are right that are right in any.
+pub fn find(questions: &[(&Question, &Answers)], options: &MarkOptions) -> Found {
+    let holds_in = |n: usize, c: &Conventions| holds(questions[n].0, questions[n].1, c, options);
+    let named = |c: &Conventions| parallel::map(questions.len(), |n| holds_in(n, c)).into_iter().all(|ok| ok);
     if let Some(profile) = PROFILES.iter().find(|profile| named(&profile.conventions)) {
         return Found { conventions: profile.conventions, contradicting: vec![] };
     }
-    let survivors: Vec<Vec<Partial>> = parallel::map(sheets.len(), |n| {
-        let (sheet, answers) = sheets[n];
-        let all = possible(sheet, answers, assignments(sheet.component, &CS180), &CS180, rules);
+    let survivors: Vec<Vec<Partial>> = parallel::map(questions.len(), |n| {
+        let (question, answers) = questions[n];
+        let all = possible(question, answers, assignments(question.component, &CS180), &CS180, options);
         all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
     });
-    let mut order: Vec<usize> = (0..sheets.len()).filter(|&n| !survivors[n].is_empty()).collect();
+    let mut order: Vec<usize> = (0..questions.len()).filter(|&n| !survivors[n].is_empty()).collect();
     order.sort_by_key(|&n| survivors[n].len());
     let mut patience = PATIENCE;
     let joined = join(&order, &survivors, &Partial::new(), &mut patience)
@@ -155,7 +161,7 @@ pub fn find(sheets: &[(&Sheet, &Answers)], rules: &Rules) -> Found {
     }
 }
 
-/// Backtracking: the assignment that agrees with one survivor of every sheet.
+/// Backtracking: the assignment that agrees with one survivor of every question.
 fn join(
     order: &[usize],
     survivors: &[Vec<Partial>],
@@ -174,7 +180,7 @@ fn join(
     None
 }
 
-/// Where no assignment holds for all: each value that most sheets can live with, in turn.
+/// Where no assignment holds for all: each value that most questions can live with, in turn.
 fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
     let mut joined = Partial::new();
     for (key, values) in CHOICES {
@@ -197,14 +203,14 @@ fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
 const COMPARED: usize = 2_000;
 
 /// The assignment in which most elements agree with the answers to a few digits, the one next to `base` of equals.
-pub fn nearest(sheet: &Sheet, answers: &Answers, base: &Conventions) -> Conventions {
-    let all = assignments(sheet.component, base).into_iter().map(|p| apply(&p, base));
-    let all: Vec<Conventions> = all.filter(|c| sheet.admits(c)).take(COMPARED).collect();
-    let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
-    let cases = small_cases(sheet, answers);
+pub fn nearest(question: &Question, answers: &Answers, base: &Conventions) -> Conventions {
+    let all = assignments(question.component, base).into_iter().map(|p| apply(&p, base));
+    let all: Vec<Conventions> = all.filter(|c| question.admits(c)).take(COMPARED).collect();
+    let direction = question.component.direction(question.kind).expect("a question has its direction");
+    let cases = small_cases(question, answers);
     let agreeing = parallel::map(all.len(), |n| {
         let agree =
-            |(case, answer): &(&Case, &Answer)| agreement(answer, &(pass.oracle)(&case.inputs, &all[n]));
+            |(case, answer): &(&Case, &Answer)| agreement(answer, &(direction.oracle)(&case.inputs, &all[n]));
         cases.iter().take(8).map(agree).sum::<usize>()
     });
     // The last of equals wins in max_by_key.

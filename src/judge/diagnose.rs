@@ -2,9 +2,9 @@
 
 use super::answer::Answers;
 use super::assignment::{Partial, apply, assignments, changes, partial, possible, small_cases};
-use super::exam::Sheet;
+use super::exam::Question;
 use super::hypothesis::{Hypothesis, of_forward};
-use super::mark::Rules;
+use super::mark::MarkOptions;
 use super::sampler;
 use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
@@ -31,7 +31,7 @@ const CHANGES: [usize; 3] = [usize::MAX, 2, 1];
 /// Assignments that are tried beside one mistake, and beside two.
 const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 
-/// Gradients of mistakes in the forward function are numeric and dear: so many of the smallest cases.
+/// Gradients of mistakes in the forward function are numeric and expensive: so many of the smallest cases.
 const NUMERIC: usize = 12;
 
 /// Explanations that are listed.
@@ -40,14 +40,14 @@ const SHOWN: usize = 8;
 /// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
 /// gradient (mistakes that the forward answers showed).
 pub fn diagnose(
-    sheet: &Sheet,
+    question: &Question,
     answers: &Answers,
     base: &Conventions,
     suspects: &[Vec<&'static str>],
-    rules: &Rules,
+    options: &MarkOptions,
 ) -> Vec<Explanation> {
-    if sheet.statistics() {
-        let shown = sampler::mistakes(sheet, answers, base).into_iter();
+    if question.statistics() {
+        let shown = sampler::mistakes(question, answers, base).into_iter();
         let each = |mistake| Explanation {
             mistakes: vec![mistake],
             conventions: Partial::new(),
@@ -56,13 +56,13 @@ pub fn diagnose(
         };
         return shown.map(each).collect();
     }
-    let home = partial(sheet.component, base);
-    let mut all = assignments(sheet.component, base);
-    all.retain(|p| sheet.admits(&apply(p, base)));
+    let home = partial(question.component, base);
+    let mut all = assignments(question.component, base);
+    all.retain(|p| question.admits(&apply(p, base)));
     for count in 0..=2 {
-        let sets = sets(sheet, count, suspects);
+        let sets = sets(question, count, suspects);
         // Without a mistake an output may tell its conventions by itself.
-        let right = if count == 0 { possible(sheet, answers, all.clone(), base, rules) } else { vec![] };
+        let right = if count == 0 { possible(question, answers, all.clone(), base, options) } else { vec![] };
         let all = if count == 0 { &right } else { &all };
         let mut near: Vec<&Partial> = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).collect();
         near.truncate(ASSIGNMENTS[count]);
@@ -70,7 +70,7 @@ pub fn diagnose(
         // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
         for ring in near.chunk_by(|a, b| changes(a, &home) == changes(b, &home)) {
             let had = !fitting.is_empty();
-            fitting.extend(explaining(&sets, ring, sheet, answers, base, rules));
+            fitting.extend(explaining(&sets, ring, question, answers, base, options));
             if had {
                 break;
             }
@@ -78,9 +78,9 @@ pub fn diagnose(
         if !fitting.is_empty() {
             if count == 0 {
                 // A mistake may be somebody else's convention: the two are told together.
-                fitting.extend(alone(sheet, answers, base, rules));
+                fitting.extend(alone(question, answers, base, options));
             }
-            return ranked(fitting, sheet, answers, &home, rules);
+            return ranked(fitting, question, answers, &home, options);
         }
     }
     vec![]
@@ -90,15 +90,15 @@ pub fn diagnose(
 fn explaining(
     sets: &[Vec<&'static str>],
     ring: &[&Partial],
-    sheet: &Sheet,
+    question: &Question,
     answers: &Answers,
     base: &Conventions,
-    rules: &Rules,
+    options: &MarkOptions,
 ) -> Vec<Hypothesis> {
     let mut hypotheses = vec![];
     for mistakes in sets {
-        // Numeric gradients are too dear for all assignments: the forward answers have told the conventions.
-        let numeric = sheet.kind == Kind::Vjp && of_forward(sheet, mistakes);
+        // Numeric gradients are too expensive for all assignments: the forward answers have told the conventions.
+        let numeric = question.kind == Kind::Vjp && of_forward(question, mistakes);
         for conventions in ring.iter().map(|p| apply(p, base)) {
             // And no mistake in the run's own conventions is no explanation: it has just failed.
             let home = conventions == *base;
@@ -107,25 +107,30 @@ fn explaining(
             }
         }
     }
-    let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], sheet, answers, rules));
+    let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], question, answers, options));
     hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect()
 }
 
 /// Single mistakes in the run's own conventions that explain everything.
-fn alone(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) -> Vec<Hypothesis> {
+fn alone(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Hypothesis> {
     let single = |mistakes| Hypothesis { mistakes, conventions: *base };
-    let hypotheses = sets(sheet, 1, &[]).into_iter().map(single);
-    hypotheses.filter(|h| explains_all(h, sheet, answers, rules)).collect()
+    let hypotheses = sets(question, 1, &[]).into_iter().map(single);
+    hypotheses.filter(|h| explains_all(h, question, answers, options)).collect()
 }
 
 /// Sets of `count` mistakes that this direction can show; pairs in both orders, as their effects needn't commute.
-fn sets(sheet: &Sheet, count: usize, suspects: &[Vec<&'static str>]) -> Vec<Vec<&'static str>> {
+fn sets(question: &Question, count: usize, suspects: &[Vec<&'static str>]) -> Vec<Vec<&'static str>> {
     let mut suspected: Vec<_> =
         suspects.iter().filter(|set| set.len() == count && count > 0).cloned().collect();
-    let shown = |m: &&Mistake| sheet.kind == Kind::Vjp || !m.gradient;
-    let names: Vec<_> = sheet.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
+    let shown = |m: &&Mistake| question.kind == Kind::Vjp || !m.gradient;
+    let names: Vec<_> = question.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
     // Numeric gradients of pairs would take minutes: only pairs that the forward answers suggest.
-    let pairs = sheet.kind == Kind::Forward;
+    let pairs = question.kind == Kind::Forward;
     let sets: Vec<Vec<&'static str>> = match count {
         0 => vec![vec![]],
         1 => names.iter().map(|name| vec![*name]).collect(),
@@ -141,23 +146,23 @@ fn sets(sheet: &Sheet, count: usize, suspects: &[Vec<&'static str>]) -> Vec<Vec<
 }
 
 /// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.
-fn explains_all(h: &Hypothesis, sheet: &Sheet, answers: &Answers, rules: &Rules) -> bool {
-    let cases = usable(h, sheet, answers);
+fn explains_all(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> bool {
+    let cases = usable(h, question, answers);
     // Numeric gradients that are known nowhere would explain anything.
     let says = |case| {
-        h.prediction(sheet, case).1.is_none_or(|error| error.values().flatten().any(|e| e.is_finite()))
+        h.prediction(question, case).1.is_none_or(|error| error.values().flatten().any(|e| e.is_finite()))
     };
-    cases.iter().all(|(case, answer)| h.explains(sheet, case, answer, rules))
+    cases.iter().all(|(case, answer)| h.explains(question, case, answer, options))
         && cases.iter().any(|(case, _)| says(case))
 }
 
 fn usable<'a>(
     h: &Hypothesis,
-    sheet: &'a Sheet,
+    question: &'a Question,
     answers: &'a Answers,
 ) -> Vec<(&'a crate::contract::case::Case, &'a super::answer::Answer)> {
-    let mut cases = small_cases(sheet, answers);
-    if sheet.kind == Kind::Vjp && of_forward(sheet, &h.mistakes) {
+    let mut cases = small_cases(question, answers);
+    if question.kind == Kind::Vjp && of_forward(question, &h.mistakes) {
         cases.truncate(NUMERIC);
     }
     cases
@@ -165,23 +170,24 @@ fn usable<'a>(
 
 fn ranked(
     mut fitting: Vec<Hypothesis>,
-    sheet: &Sheet,
+    question: &Question,
     answers: &Answers,
     home: &Partial,
-    rules: &Rules,
+    options: &MarkOptions,
 ) -> Vec<Explanation> {
-    let row = |name: &str| sheet.component.mistakes.iter().find(|m| m.name == name).expect("its own mistake");
-    let moved = |h: &Hypothesis| changes(&partial(sheet.component, &h.conventions), home);
+    let row =
+        |name: &str| question.component.mistakes.iter().find(|m| m.name == name).expect("its own mistake");
+    let moved = |h: &Hypothesis| changes(&partial(question.component, &h.conventions), home);
     let residual = |h: &Hypothesis| {
-        let cases = usable(h, sheet, answers);
-        cases.iter().map(|(case, answer)| h.residual(sheet, case, answer, rules)).fold(0.0, f64::max)
+        let cases = usable(h, question, answers);
+        cases.iter().map(|(case, answer)| h.residual(question, case, answer, options)).fold(0.0, f64::max)
     };
     // What a mistake hides needs no further look: the same numbers, bit for bit, with fewer changes.
     fitting.sort_by_key(moved);
     let mut seen: Vec<(Hypothesis, Vec<Arrays>)> = vec![];
     fitting.retain(|h| {
         let now: Vec<Arrays> =
-            usable(h, sheet, answers).iter().map(|(case, _)| h.prediction(sheet, case).0).collect();
+            usable(h, question, answers).iter().map(|(case, _)| h.prediction(question, case).0).collect();
         let hidden =
             seen.iter().any(|(t, had)| t.mistakes == h.mistakes && moved(t) < moved(h) && *had == now);
         seen.extend((!hidden).then(|| (h.clone(), now)));
@@ -209,7 +215,7 @@ fn ranked(
     });
     // A change of convention that these mistakes hide says nothing: the same mistakes with fewer changes rank before.
     let predicts_same = |a: &Hypothesis, b: &Hypothesis| {
-        usable(b, sheet, answers).iter().all(|(case, _)| a.same_as(b, sheet, case, rules))
+        usable(b, question, answers).iter().all(|(case, _)| a.same_as(b, question, case, options))
     };
     let mut told: Vec<Hypothesis> = vec![];
     rows.retain(|(h, _)| {
@@ -226,7 +232,7 @@ fn ranked(
         .enumerate()
         .map(|(n, (h, residual))| Explanation {
             mistakes: h.mistakes.iter().map(|name| row(name)).collect(),
-            conventions: difference(&partial(sheet.component, &h.conventions), home),
+            conventions: difference(&partial(question.component, &h.conventions), home),
             residual: *residual,
             same_as_best: n > 0 && predicts_same(h, &best),
         })

@@ -24,7 +24,7 @@ const INTEGERS: &[&str] =
     &["height", "width", "L", "count", "step", "samples", "training", "seed", "resolution", "degree"];
 
 /// One component in one direction with all of its cases.
-pub struct Sheet {
+pub struct Question {
     /// The row of the contract.
     pub component: &'static Component,
     /// Forward or VJP.
@@ -42,7 +42,7 @@ pub struct Exam {
     /// Which components: a part of their name or folder.
     pub filter: String,
     /// The questions, in pipeline order.
-    pub sheets: Vec<Sheet>,
+    pub questions: Vec<Question>,
     /// Cases whose inputs the type can't hold, by `component/kind-id`.
     pub left_out: Vec<String>,
 }
@@ -74,21 +74,22 @@ impl Exam {
     /// A filter that no component matches.
     pub fn new(filter: &str, dtype: Dtype, profile: Option<&'static Profile>) -> Result<Exam> {
         let filter = &american(filter);
-        let mut exam = Exam { dtype, profile, filter: filter.to_string(), sheets: vec![], left_out: vec![] };
+        let mut exam =
+            Exam { dtype, profile, filter: filter.to_string(), questions: vec![], left_out: vec![] };
         let wanted = |c: &&Component| c.name.contains(filter) || c.folder.contains(filter);
         // Statistics are for the types in which a sampler's numbers are fine enough.
         let sampler = [Dtype::F64, Dtype::F32].contains(&dtype).then_some(&SAMPLER);
         for component in COMPONENTS.iter().chain(sampler).filter(wanted) {
-            for kind in [Kind::Forward, Kind::Vjp].into_iter().filter(|&k| component.pass(k).is_some()) {
+            for kind in [Kind::Forward, Kind::Vjp].into_iter().filter(|&k| component.direction(k).is_some()) {
                 let (cases, out): (Vec<_>, Vec<_>) = component
                     .cases_of(kind, &exam.conventions())
                     .into_iter()
                     .partition(|case| case.exists_in(dtype));
                 exam.left_out.extend(out.iter().map(|case| path(component, kind, case)));
-                exam.sheets.push(Sheet { component, kind, cases });
+                exam.questions.push(Question { component, kind, cases });
             }
         }
-        if exam.sheets.is_empty() {
+        if exam.questions.is_empty() {
             let names = COMPONENTS.iter().chain([&SAMPLER]).map(|c| c.name).collect::<Vec<_>>().join(", ");
             return Err(Error::usage("FILTER", filter, format!("a part of one of: {names}")));
         }
@@ -109,23 +110,27 @@ impl Exam {
             profile: self.profile.map(|profile| profile.name.to_string()),
             filter: self.filter.clone(),
             left_out: self.left_out.clone(),
-            cases: self.sheets.iter().flat_map(|s| s.cases.iter().map(|case| self.entry(s, case))).collect(),
+            cases: self
+                .questions
+                .iter()
+                .flat_map(|s| s.cases.iter().map(|case| self.entry(s, case)))
+                .collect(),
         }
     }
 
-    fn entry(&self, sheet: &Sheet, case: &Case) -> Value {
-        let Sheet { component, kind, .. } = sheet;
+    fn entry(&self, question: &Question, case: &Case) -> Value {
+        let Question { component, kind, .. } = question;
         let c = self.conventions();
-        let pass = component.pass(*kind).expect("a sheet has its direction");
-        let outputs = (pass.oracle)(&case.inputs, &c);
+        let direction = component.direction(*kind).expect("a question has its direction");
+        let outputs = (direction.oracle)(&case.inputs, &c);
         let port = |name: &String, shape: &[usize], dtype: &str| json!({ "name": name, "shape": shape, "dtype": dtype, "meaning": meaning(component, name) });
         let pinned = component.conventions.iter().map(|key| (key.to_string(), c.get(key)));
         let inputs = case.inputs.iter().map(|(n, a)| port(n, a.shape(), stored(n, a, self.dtype).name()));
-        let outputs = sheet.ordered(outputs.keys()).into_iter().map(|n| (n, outputs[n].shape()));
+        let outputs = question.ordered(outputs.keys()).into_iter().map(|n| (n, outputs[n].shape()));
         json!({
             "id": case.id,
             "component": component.name,
-            "kind": sheet.kind_name(),
+            "kind": question.kind_name(),
             "file": path(component, *kind, case) + ".npz",
             "inputs": inputs.collect::<Vec<_>>(),
             "outputs": outputs.map(|(n, s)| port(n, s, answer_type(n, self.dtype).name())).collect::<Vec<_>>(),
@@ -140,7 +145,7 @@ impl Exam {
     }
 }
 
-impl Sheet {
+impl Question {
     /// `forward`, `vjp` or `trace`.
     pub fn kind_name(&self) -> &'static str {
         kind_name(self.component, self.kind)

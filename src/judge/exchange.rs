@@ -9,7 +9,7 @@ use half::f16;
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, Given};
-use super::exam::{Exam, Manifest, SCHEMA, Sheet, Stored, stored};
+use super::exam::{Exam, Manifest, Question, SCHEMA, Stored, stored};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::convention::profiles;
@@ -28,16 +28,16 @@ const SLACK: u64 = 64 << 10;
 /// # Errors
 /// Where the folder can't be written.
 pub fn write_cases(exam: &Exam, folder: &Path) -> Result<u64> {
-    for sheet in &exam.sheets {
-        files::make_folder(&folder.join(sheet.component.name))?;
+    for question in &exam.questions {
+        files::make_folder(&folder.join(question.component.name))?;
     }
     let manifest = serde_json::to_string_pretty(&exam.manifest()).expect("a manifest is plain data");
     files::write(&folder.join("cases.json"), &manifest)?;
-    let questions: Vec<(&Sheet, &Case)> =
-        exam.sheets.iter().flat_map(|s| s.cases.iter().map(move |case| (s, case))).collect();
+    let questions: Vec<(&Question, &Case)> =
+        exam.questions.iter().flat_map(|s| s.cases.iter().map(move |case| (s, case))).collect();
     let written = parallel::map(questions.len(), |n| {
-        let (sheet, case) = questions[n];
-        let path = folder.join(sheet.path(case) + ".npz");
+        let (question, case) = questions[n];
+        let path = folder.join(question.path(case) + ".npz");
         let arrays = |(name, a): (&String, &ArrayD<f64>)| (name.clone(), packed(name, a, exam));
         npz::write(&path, &case.inputs.iter().map(arrays).collect(), false)?;
         fs::metadata(&path).map(|data| data.len()).map_err(Error::reading(&path))
@@ -95,10 +95,10 @@ pub fn read_exam(folder: &Path) -> Result<Exam> {
 
 /// The inputs in the files are the inputs that the truth is computed from.
 fn unchanged(exam: &Exam, folder: &Path) -> Result<()> {
-    let sheets = parallel::map(exam.sheets.len(), |n| {
-        let sheet = &exam.sheets[n];
-        sheet.cases.iter().try_for_each(|case| {
-            let path = folder.join(sheet.path(case) + ".npz");
+    let questions = parallel::map(exam.questions.len(), |n| {
+        let question = &exam.questions[n];
+        question.cases.iter().try_for_each(|case| {
+            let path = folder.join(question.path(case) + ".npz");
             let allowed = bytes(&case.inputs);
             let found = read_arrays(&path, case.inputs.keys().collect(), allowed)?;
             match case
@@ -117,7 +117,7 @@ fn unchanged(exam: &Exam, folder: &Path) -> Result<()> {
             }
         })
     });
-    sheets.into_iter().collect()
+    questions.into_iter().collect()
 }
 
 fn same(a: &ArrayD<f64>, b: &ArrayD<f64>) -> bool {
@@ -128,29 +128,29 @@ fn bytes(arrays: &Arrays) -> u64 {
     arrays.values().map(|array| 8 * array.len() as u64).sum()
 }
 
-/// All answers below a folder, a list a sheet.
+/// All answers below a folder, a list a question.
 ///
 /// # Errors
 /// Anything in the folder that the manifest doesn't ask for, links, files that are damaged, too large, or hold other than numbers.
 pub fn read_answers(exam: &Exam, folder: &Path) -> Result<Vec<Answers>> {
     nothing_else(exam, folder)?;
     let c = exam.conventions();
-    let sheets = parallel::map(exam.sheets.len(), |n| {
-        let sheet = &exam.sheets[n];
-        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
+    let questions = parallel::map(exam.questions.len(), |n| {
+        let question = &exam.questions[n];
+        let direction = question.component.direction(question.kind).expect("a question has its direction");
         let read = |case: &Case| -> Result<Option<Answer>> {
-            let path = folder.join(sheet.path(case) + ".npz");
+            let path = folder.join(question.path(case) + ".npz");
             if !path.exists() {
                 return Ok(None);
             }
-            let outputs = (pass.oracle)(&case.inputs, &c);
+            let outputs = (direction.oracle)(&case.inputs, &c);
             // Twice: an encoding may be wider in other conventions; inputs may be handed back beside the outputs.
             let allowed = 2 * bytes(&outputs) + bytes(&case.inputs);
             read_arrays(&path, outputs.keys().collect(), allowed).map(Some)
         };
-        sheet.cases.iter().map(read).collect::<Result<Answers>>()
+        question.cases.iter().map(read).collect::<Result<Answers>>()
     });
-    sheets.into_iter().collect()
+    questions.into_iter().collect()
 }
 
 /// Reads the arrays of these names, if all that the archive unpacks to stays within `allowed` bytes (and some slack).
@@ -193,9 +193,9 @@ fn inside(file: &Path, name: &str) -> Result<()> {
 
 /// Refuses whatever else lies in the folder of answers: a file in the wrong place would silently not be judged.
 fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
-    let paths = exam.sheets.iter().flat_map(|s| s.cases.iter().map(|case| s.path(case) + ".npz"));
+    let paths = exam.questions.iter().flat_map(|s| s.cases.iter().map(|case| s.path(case) + ".npz"));
     let asked: BTreeSet<_> = paths.map(|path| folder.join(path)).collect();
-    let folders: BTreeSet<_> = exam.sheets.iter().map(|s| folder.join(s.component.name)).collect();
+    let folders: BTreeSet<_> = exam.questions.iter().map(|s| folder.join(s.component.name)).collect();
     let entries = |folder: &Path| -> Result<Vec<fs::DirEntry>> {
         let list = fs::read_dir(folder).map_err(Error::reading(folder))?;
         list.collect::<std::io::Result<_>>().map_err(Error::reading(folder))

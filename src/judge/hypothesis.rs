@@ -3,14 +3,14 @@
 use ndarray::ArrayD;
 
 use super::answer::{Answer, reshaped};
-use super::exam::Sheet;
-use super::mark::{Rules, within};
+use super::exam::Question;
+use super::mark::{MarkOptions, within};
 use super::numeric;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
 use crate::contract::check::{Kind, budget_used};
-use crate::contract::component::Pass;
+use crate::contract::component::Direction;
 use crate::convention::Conventions;
 use crate::volume_rendering::mistakes::ALPHA_ERROR;
 
@@ -31,33 +31,33 @@ fn generosity(dtype: Dtype) -> (f64, f64) {
 
 impl Hypothesis {
     /// What this candidate would answer, and how far off it may be where it can't be told exactly (numeric gradients).
-    pub fn prediction(&self, sheet: &Sheet, case: &Case) -> (Arrays, Option<Arrays>) {
-        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
-        if sheet.kind == Kind::Vjp && of_forward(sheet, &self.mistakes) {
+    pub fn prediction(&self, question: &Question, case: &Case) -> (Arrays, Option<Arrays>) {
+        let direction = question.component.direction(question.kind).expect("a question has its direction");
+        if question.kind == Kind::Vjp && of_forward(question, &self.mistakes) {
             let (gradient, error) =
-                numeric::vjp(sheet.component, &case.inputs, &self.conventions, &self.mistakes);
+                numeric::vjp(question.component, &case.inputs, &self.conventions, &self.mistakes);
             return (gradient, Some(error));
         }
-        ((pass.wrong)(&case.inputs, &self.conventions, &self.mistakes), None)
+        ((direction.wrong)(&case.inputs, &self.conventions, &self.mistakes), None)
     }
 
     /// The hypothesis' own bound: that of the right formula in these conventions, some times over, and what the wrong function
     /// itself makes of inputs that are off by a few roundings.
     fn bound(
         &self,
-        sheet: &Sheet,
+        question: &Question,
         case: &Case,
         wrong: &Arrays,
         error: Option<&Arrays>,
-        rules: &Rules,
+        options: &MarkOptions,
     ) -> Arrays {
-        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
-        let (truth, right) = rules.truth(sheet, case, &self.conventions, Grade::B);
+        let direction = question.component.direction(question.kind).expect("a question has its direction");
+        let (truth, right) = options.truth(question, case, &self.conventions, Grade::B);
         if self.mistakes.is_empty() {
             return right;
         }
-        let u = rules.dtype.unit_roundoff();
-        let (generous, mut roundings) = generosity(rules.dtype);
+        let u = options.dtype.unit_roundoff();
+        let (generous, mut roundings) = generosity(options.dtype);
         // A wrong sum or product may be as long as any axis.
         let longest = case.inputs.values().flat_map(|a| a.shape()).max().copied().unwrap_or(0);
         roundings = roundings.max(2.0 * longest as f64);
@@ -67,10 +67,10 @@ impl Hypothesis {
         let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
         let moved: Vec<Arrays> = match error {
             Some(_) => vec![],
-            None => (0..2).map(|n| self.nudged(pass, case, n, 4.0 * u)).collect(),
+            None => (0..2).map(|n| self.nudged(direction, case, n, 4.0 * u)).collect(),
         };
         let one = |(name, w): (&String, &ArrayD<f64>)| {
-            let mut bound = w.mapv(|w| roundings * u * w.abs() + rules.dtype.smallest_normal());
+            let mut bound = w.mapv(|w| roundings * u * w.abs() + options.dtype.smallest_normal());
             if let Some(right) = right.get(name).filter(|b| b.shape() == w.shape()) {
                 let least = if fractions(name) { largest } else { 0.0 };
                 bound.zip_mut_with(right, |b, right| *b += generous * right.max(least));
@@ -85,7 +85,7 @@ impl Hypothesis {
             // Where the wrong value itself is no number, so may the answer be; nothing else fits.
             bound.mapv_inplace(|b| if b.is_nan() { 0.0 } else { b });
             // And where it leaves the type, or a factor of it does, the answer may be infinite.
-            let beyond = |w: f64| w.is_finite() && w.abs() > rules.dtype.largest() / 4.0;
+            let beyond = |w: f64| w.is_finite() && w.abs() > options.dtype.largest() / 4.0;
             bound.zip_mut_with(w, |b, &w| *b = if beyond(w) { f64::INFINITY } else { *b });
             (name.clone(), bound)
         };
@@ -93,7 +93,7 @@ impl Hypothesis {
     }
 
     /// The wrong function on inputs that are off by up to `relative`.
-    fn nudged(&self, pass: &Pass, case: &Case, n: u64, relative: f64) -> Arrays {
+    fn nudged(&self, direction: &Direction, case: &Case, n: u64, relative: f64) -> Arrays {
         let mut draw = Draw::new(&case.id, n);
         let mut inputs = case.inputs.clone();
         for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
@@ -105,21 +105,21 @@ impl Hypothesis {
             let error = sigmas.mapv(|_| if draw.below(2) == 0 { rounding } else { -rounding });
             inputs.insert(ALPHA_ERROR.into(), error);
         }
-        (pass.wrong)(&inputs, &self.conventions, &self.mistakes)
+        (direction.wrong)(&inputs, &self.conventions, &self.mistakes)
     }
 
     /// Whether it explains an answer.
-    pub fn explains(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> bool {
-        let (wrong, error) = self.prediction(sheet, case);
+    pub fn explains(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> bool {
+        let (wrong, error) = self.prediction(question, case);
         // A numeric gradient is known at some elements alone: no look at most of them.
-        let look = rules.may_look(case) && error.is_none();
-        within(answer, &wrong, look, || self.bound(sheet, case, &wrong, error.as_ref(), rules))
+        let look = options.may_look_first(case) && error.is_none();
+        within(answer, &wrong, look, || self.bound(question, case, &wrong, error.as_ref(), options))
     }
 
     /// The largest error over bound on an answer.
-    pub fn residual(&self, sheet: &Sheet, case: &Case, answer: &Answer, rules: &Rules) -> f64 {
-        let (wrong, error) = self.prediction(sheet, case);
-        let bound = self.bound(sheet, case, &wrong, error.as_ref(), rules);
+    pub fn residual(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> f64 {
+        let (wrong, error) = self.prediction(question, case);
+        let bound = self.bound(question, case, &wrong, error.as_ref(), options);
         let one = |(name, wrong): (&String, &ArrayD<f64>)| {
             let (got, _) = reshaped(&answer.get(name)?.values, wrong.shape())?;
             let used = got.iter().zip(wrong).zip(&bound[name]).map(|((&g, &w), &b)| budget_used(g, w, b));
@@ -129,13 +129,19 @@ impl Hypothesis {
     }
 
     /// Whether two hypotheses predict the same on a case, up to rounding: no answer could tell them apart.
-    pub fn same_as(&self, other: &Hypothesis, sheet: &Sheet, case: &Case, rules: &Rules) -> bool {
-        let (a, error) = self.prediction(sheet, case);
-        let (b, other_error) = other.prediction(sheet, case);
+    pub fn same_as(
+        &self,
+        other: &Hypothesis,
+        question: &Question,
+        case: &Case,
+        options: &MarkOptions,
+    ) -> bool {
+        let (a, error) = self.prediction(question, case);
+        let (b, other_error) = other.prediction(question, case);
         if a == b {
             return true;
         }
-        let mut bound = self.bound(sheet, case, &a, error.as_ref(), rules);
+        let mut bound = self.bound(question, case, &a, error.as_ref(), options);
         for (name, error) in other_error.iter().flatten() {
             if let Some(bound) = bound.get_mut(name).filter(|bound| bound.shape() == error.shape()) {
                 *bound += error;
@@ -150,6 +156,6 @@ impl Hypothesis {
 }
 
 /// Whether some of the mistakes lie in the forward function.
-pub fn of_forward(sheet: &Sheet, mistakes: &[&str]) -> bool {
-    sheet.component.mistakes.iter().any(|m| !m.gradient && mistakes.contains(&m.name))
+pub fn of_forward(question: &Question, mistakes: &[&str]) -> bool {
+    question.component.mistakes.iter().any(|m| !m.gradient && mistakes.contains(&m.name))
 }

@@ -23,8 +23,8 @@ use std::collections::BTreeMap;
 use super::answer::{Answers, given};
 use super::assignment::{self, Found, partial};
 use super::diagnose::{Explanation, diagnose, difference};
-use super::exam::{Exam, Sheet};
-use super::mark::{Marks, Rules, mark};
+use super::exam::{Exam, Question};
+use super::mark::{MarkOptions, Marks, mark};
 use super::report::{Report, Row, Verdict};
 use super::{layout, sampler};
 use crate::contract::arithmetic::{Dtype, Grade};
@@ -83,61 +83,62 @@ impl<'a> Candidate<'a> {
 pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
     let exam = Exam::new("", dtype, candidate.profile)?;
     for (name, kind) in candidate.functions.keys() {
-        if !exam.sheets.iter().any(|sheet| sheet.component.name == name && sheet.kind == *kind) {
-            let there = exam.sheets.iter().map(|s| format!("{}/{}", s.component.name, s.kind_name()));
+        if !exam.questions.iter().any(|question| question.component.name == name && question.kind == *kind) {
+            let there = exam.questions.iter().map(|s| format!("{}/{}", s.component.name, s.kind_name()));
             let expected = there.collect::<Vec<_>>().join(", ");
             return Err(Error::usage("component", format!("{name} ({kind:?})"), expected));
         }
     }
-    let answers = |sheet: &Sheet| -> Answers {
-        let f = candidate.functions.get(&(sheet.component.name.to_string(), sheet.kind));
-        sheet.cases.iter().map(|case| f.map(|f| given(f(&case.inputs)))).collect()
+    let answers = |question: &Question| -> Answers {
+        let f = candidate.functions.get(&(question.component.name.to_string(), question.kind));
+        question.cases.iter().map(|case| f.map(|f| given(f(&case.inputs)))).collect()
     };
-    let answers = exam.sheets.iter().map(answers).collect::<Vec<_>>();
+    let answers = exam.questions.iter().map(answers).collect::<Vec<_>>();
     Ok(judge_answers(&exam, &answers, EXP_ULP))
 }
 
-/// Judges answers to an exam, a list a sheet.
+/// Judges answers to an exam, a list a question.
 pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
-    let rules = Rules { dtype: exam.dtype, exp_ulp };
-    let first = Round::new(exam, answers, &rules);
+    let options = MarkOptions { dtype: exam.dtype, exp_ulp };
+    let first = Round::new(exam, answers, &options);
     // What fails may only be laid out otherwise: then it is judged again in the contract's layout.
     let failing = |n: &usize| first.marked[*n].as_ref().is_some_and(|(marks, _)| marks.budget_used > 1.0);
     let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
     let base = first.found.conventions;
     let laid = parallel::map(failing.len(), |n| {
-        layout::normalized(&exam.sheets[failing[n]], &answers[failing[n]], &base, &rules)
+        layout::normalized(&exam.questions[failing[n]], &answers[failing[n]], &base, &options)
     });
     let laid: BTreeMap<usize, (Answers, String)> =
         failing.into_iter().zip(laid).filter_map(|(n, laid)| Some((n, laid?))).collect();
     if laid.is_empty() {
-        return first.report(exam, answers, &rules, &laid);
+        return first.report(exam, answers, &options, &laid);
     }
     let same = |n: usize| laid.get(&n).map_or_else(|| answers[n].clone(), |(answers, _)| answers.clone());
     let ordered: Vec<Answers> = (0..answers.len()).map(same).collect();
-    Round::new(exam, &ordered, &rules).report(exam, &ordered, &rules, &laid)
+    Round::new(exam, &ordered, &options).report(exam, &ordered, &options, &laid)
 }
 
 /// Answers marked in the conventions of the run.
 struct Round {
     found: Found,
-    /// Marks of each sheet; `None` where nothing was answered.
+    /// Marks of each question; `None` where nothing was answered.
     marked: Vec<Option<(Marks, Option<Grade>)>>,
 }
 
 impl Round {
-    fn new(exam: &Exam, answers: &[Answers], rules: &Rules) -> Round {
+    fn new(exam: &Exam, answers: &[Answers], options: &MarkOptions) -> Round {
         let answered = |n: &usize| answers[*n].iter().any(Option::is_some);
-        let papers: Vec<usize> = (0..answers.len()).filter(answered).collect();
-        let sheets: Vec<_> = papers.iter().map(|&n| (&exam.sheets[n], &answers[n])).collect();
+        let answered_questions: Vec<usize> = (0..answers.len()).filter(answered).collect();
+        let questions: Vec<_> =
+            answered_questions.iter().map(|&n| (&exam.questions[n], &answers[n])).collect();
         let mut found = match exam.profile {
             Some(profile) => Found { conventions: profile.conventions, contradicting: vec![] },
-            None => assignment::find(&sheets, rules),
+            None => assignment::find(&questions, options),
         };
-        found.contradicting.iter_mut().for_each(|(n, _)| *n = papers[*n]);
+        found.contradicting.iter_mut().for_each(|(n, _)| *n = answered_questions[*n]);
         let marked = parallel::map(answers.len(), |n| {
-            let answered = papers.contains(&n);
-            answered.then(|| marks(&exam.sheets[n], &answers[n], &found.conventions, rules))
+            let answered = answered_questions.contains(&n);
+            answered.then(|| marks(&exam.questions[n], &answers[n], &found.conventions, options))
         });
         Round { found, marked }
     }
@@ -146,30 +147,30 @@ impl Round {
         &self,
         exam: &Exam,
         answers: &[Answers],
-        rules: &Rules,
+        options: &MarkOptions,
         laid: &BTreeMap<usize, (Answers, String)>,
     ) -> Report {
         let c = &self.found.conventions;
         let mut report = Report::new(exam, c);
         // Forward explanations are suspects for the gradient of the same component.
         let mut suspects: BTreeMap<&str, Vec<Vec<&'static str>>> = BTreeMap::new();
-        for (n, sheet) in exam.sheets.iter().enumerate() {
+        for (n, question) in exam.questions.iter().enumerate() {
             let Some((marks, grade)) = &self.marked[n] else {
-                report.rows.push(Row::unsupported(sheet));
+                report.rows.push(Row::unsupported(question));
                 continue;
             };
-            let mut row = Row::marked(sheet, &answers[n], marks, *grade, c);
+            let mut row = Row::marked(question, &answers[n], marks, *grade, c);
             row.layouts.extend(laid.get(&n).map(|(_, layout)| layout.clone()));
             if let Some((_, own)) = self.found.contradicting.iter().find(|(m, _)| *m == n) {
-                row.contradiction = partial(sheet.component, own);
+                row.contradiction = partial(question.component, own);
             }
             if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
-                let known = suspects.get(sheet.component.name).map_or(&[][..], Vec::as_slice);
-                row.diagnosis = diagnose(sheet, &answers[n], c, known, rules);
+                let known = suspects.get(question.component.name).map_or(&[][..], Vec::as_slice);
+                row.diagnosis = diagnose(question, &answers[n], c, known, options);
                 let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
-                suspects.entry(sheet.component.name).or_default().extend(sets);
+                suspects.entry(question.component.name).or_default().extend(sets);
                 if exam.profile.is_none() {
-                    nearest(&mut row, sheet, &answers[n], c, rules);
+                    nearest(&mut row, question, &answers[n], c, options);
                 }
             }
             report.rows.push(row);
@@ -181,21 +182,21 @@ impl Round {
 
 /// Shows what a failing row should have been in the conventions that it follows, where nothing else in the run tells them: those of
 /// the best explanation, or those in which most elements agree. A person compares with what they meant to write.
-fn nearest(row: &mut Row, sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) {
+fn nearest(row: &mut Row, question: &Question, answers: &Answers, base: &Conventions, options: &MarkOptions) {
     let near = match row.diagnosis.first() {
         // Right in other conventions: what is wrong is that the rest of the run follows these.
         Some(best) if best.mistakes.is_empty() => return,
         Some(best) => assignment::apply(&best.conventions, base),
-        None => assignment::nearest(sheet, answers, base),
+        None => assignment::nearest(question, answers, base),
     };
-    if sheet.statistics() || near == *base {
+    if question.statistics() || near == *base {
         return;
     }
-    let marks = mark(sheet, answers, &near, rules, Grade::B);
+    let marks = mark(question, answers, &near, options, Grade::B);
     if marks.budget_used > 1.0 {
-        let shown = Row::marked(sheet, answers, &marks, None, &near);
+        let shown = Row::marked(question, answers, &marks, None, &near);
         *row = Row { layouts: row.layouts.clone(), diagnosis: std::mem::take(&mut row.diagnosis), ..shown };
-        row.shown_in = difference(&partial(sheet.component, &near), &partial(sheet.component, base));
+        row.shown_in = difference(&partial(question.component, &near), &partial(question.component, base));
     }
 }
 
@@ -204,20 +205,25 @@ fn names(explanation: &Explanation) -> Vec<&'static str> {
 }
 
 /// Marks by the stable formula's bound, then by the textbook's where the two differ. The grade is null where they don't.
-fn marks(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules) -> (Marks, Option<Grade>) {
-    if sheet.statistics() {
-        return (sampler::mark(sheet, answers, c), None);
+fn marks(
+    question: &Question,
+    answers: &Answers,
+    c: &Conventions,
+    options: &MarkOptions,
+) -> (Marks, Option<Grade>) {
+    if question.statistics() {
+        return (sampler::mark(question, answers, c), None);
     }
-    let graded = sheet.cases.iter().any(|case| {
-        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
-        let bound = |grade| (pass.bound)(&case.inputs, c, &rules.arithmetic(grade));
+    let graded = question.cases.iter().any(|case| {
+        let direction = question.component.direction(question.kind).expect("a question has its direction");
+        let bound = |grade| (direction.bound)(&case.inputs, c, &options.arithmetic(grade));
         bound(Grade::A) != bound(Grade::B)
     });
     // The wider bound first: what exceeds it needs no second look.
-    let textbook = mark(sheet, answers, c, rules, if graded { Grade::B } else { Grade::A });
+    let textbook = mark(question, answers, c, options, if graded { Grade::B } else { Grade::A });
     if !graded || !textbook.pass() {
         return (textbook, None);
     }
-    let stable = mark(sheet, answers, c, rules, Grade::A);
+    let stable = mark(question, answers, c, options, Grade::A);
     if stable.pass() { (stable, Some(Grade::A)) } else { (textbook, Some(Grade::B)) }
 }

@@ -6,8 +6,8 @@ use ndarray::{ArrayD, Axis};
 
 use super::answer::{Answer, Answers};
 use super::assignment::{apply, assignments, holds, possible};
-use super::exam::Sheet;
-use super::mark::Rules;
+use super::exam::Question;
+use super::mark::MarkOptions;
 use crate::contract::arithmetic::Grade;
 use crate::contract::case::Case;
 use crate::contract::check::{Kind, budget_used};
@@ -15,30 +15,35 @@ use crate::convention::Conventions;
 
 /// The answers in the contract's layout, and in words what theirs was; `None` where no layout makes them right.
 pub fn normalized(
-    sheet: &Sheet,
+    question: &Question,
     answers: &Answers,
     base: &Conventions,
-    rules: &Rules,
+    options: &MarkOptions,
 ) -> Option<(Answers, String)> {
-    if sheet.kind == Kind::Vjp || sheet.statistics() {
+    if question.kind == Kind::Vjp || question.statistics() {
         return None;
     }
-    swapped(sheet, answers, base, rules).or_else(|| columns(sheet, answers, base, rules))
+    swapped(question, answers, base, options).or_else(|| columns(question, answers, base, options))
 }
 
 /// Two outputs of the same shape in each other's place, as (d, o) for (o, d).
-fn swapped(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) -> Option<(Answers, String)> {
-    let outputs = sheet.component.outputs;
+fn swapped(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Option<(Answers, String)> {
+    let outputs = question.component.outputs;
     let pairs = outputs.iter().enumerate().flat_map(|(n, a)| outputs[n + 1..].iter().map(move |b| (a, b)));
     let pairs: Vec<_> = pairs.filter(|(a, b)| a.shape == b.shape).map(|(a, b)| (a.name, b.name)).collect();
-    let all: Vec<_> = assignments(sheet.component, base);
-    let all: Vec<_> = all.into_iter().filter(|p| sheet.admits(&apply(p, base))).collect();
+    let all: Vec<_> = assignments(question.component, base);
+    let all: Vec<_> = all.into_iter().filter(|p| question.admits(&apply(p, base))).collect();
     for (a, b) in pairs {
         let change = |answer: &Option<Answer>| answer.as_ref().map(|answer| exchange(answer, a, b));
         let exchanged: Answers = answers.iter().map(change).collect();
-        let right = possible(sheet, &exchanged, all.clone(), base, rules)
+        let right = possible(question, &exchanged, all.clone(), base, options)
             .iter()
-            .any(|p| holds(sheet, &exchanged, &apply(p, base), rules));
+            .any(|p| holds(question, &exchanged, &apply(p, base), options));
         if right {
             return Some((exchanged, format!("{a} and {b} are in each other's place")));
         }
@@ -57,21 +62,26 @@ fn exchange(answer: &Answer, a: &str, b: &str) -> Answer {
 }
 
 /// Columns of an encoding in an order that no convention names: one permutation for each width.
-fn columns(sheet: &Sheet, answers: &Answers, base: &Conventions, rules: &Rules) -> Option<(Answers, String)> {
-    if !sheet.component.conventions.contains(&"columns") || sheet.component.outputs.len() > 1 {
+fn columns(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Option<(Answers, String)> {
+    if !question.component.conventions.contains(&"columns") || question.component.outputs.len() > 1 {
         return None;
     }
-    let name = sheet.component.outputs[0].name;
-    let home = assignments(sheet.component, base);
+    let name = question.component.outputs[0].name;
+    let home = assignments(question.component, base);
     for p in home.iter().filter(|p| p.get("columns") == Some(&"band_sin_cos")) {
         let c = apply(p, base);
-        let Some(permutations) = permutations(sheet, answers, name, &c, rules) else { continue };
+        let Some(permutations) = permutations(question, answers, name, &c, options) else { continue };
         let mut ordered = answers.clone();
-        for (case, answer) in sheet.cases.iter().zip(&mut ordered) {
+        for (case, answer) in question.cases.iter().zip(&mut ordered) {
             let given = answer.as_mut()?.get_mut(name)?;
             given.values = given.values.select(Axis(1), &permutations[&shape(case, &given.values)]);
         }
-        if holds(sheet, &ordered, &c, rules) {
+        if holds(question, &ordered, &c, options) {
             let widest = permutations.values().max_by_key(|order| order.len()).expect("there are cases");
             return Some((
                 ordered,
@@ -90,16 +100,16 @@ fn shape(case: &Case, encoding: &ArrayD<f64>) -> (usize, usize) {
 
 /// For each width: which of their columns stands for each of ours.
 fn permutations(
-    sheet: &Sheet,
+    question: &Question,
     answers: &Answers,
     name: &str,
     c: &Conventions,
-    rules: &Rules,
+    options: &MarkOptions,
 ) -> Option<BTreeMap<(usize, usize), Vec<usize>>> {
     let mut fits: BTreeMap<(usize, usize), Vec<Vec<bool>>> = BTreeMap::new();
-    for (case, answer) in sheet.cases.iter().zip(answers) {
+    for (case, answer) in question.cases.iter().zip(answers) {
         let got = &answer.as_ref()?.get(name)?.values;
-        let (expected, bound) = rules.truth(sheet, case, c, Grade::B);
+        let (expected, bound) = options.truth(question, case, c, Grade::B);
         let (expected, bound) = (&expected[name], &bound[name]);
         if got.shape() != expected.shape() || got.ndim() != 2 {
             return None;

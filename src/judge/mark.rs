@@ -1,11 +1,11 @@
-//! Marking: one sheet of answers against the truth in given conventions.
+//! Marking: one question of answers against the truth in given conventions.
 
 use std::collections::BTreeSet;
 
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped, wide_enough};
-use super::exam::{Sheet, hard};
+use super::exam::{Question, hard};
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -63,14 +63,14 @@ impl Marks {
 
 /// How to judge: the type, the grade, and the accuracy of elementary functions.
 #[derive(Clone, Copy, Debug)]
-pub struct Rules {
+pub struct MarkOptions {
     /// What the candidate computes in.
     pub dtype: Dtype,
     /// Error of exp, log, sin, cos in ULP.
     pub exp_ulp: f64,
 }
 
-impl Rules {
+impl MarkOptions {
     /// The arithmetic of a grade.
     pub fn arithmetic(&self, grade: Grade) -> Arithmetic {
         Arithmetic { elementary_ulp: self.exp_ulp, ..Arithmetic::new(self.dtype, grade) }
@@ -78,29 +78,35 @@ impl Rules {
 
     /// Whether an answer that is far off at first sight can't be right: so in f32 and f64, but for hard cases, where a textbook
     /// formula may have no digit left.
-    pub fn may_look(&self, case: &Case) -> bool {
+    pub fn may_look_first(&self, case: &Case) -> bool {
         self.dtype.bits() >= 24 && !hard(case)
     }
 
     /// What is true in a case, and how far off an answer may be.
-    pub fn truth(&self, sheet: &Sheet, case: &Case, c: &Conventions, grade: Grade) -> (Arrays, Arrays) {
-        let pass = sheet.component.pass(sheet.kind).expect("a sheet has its direction");
-        let expected = (pass.oracle)(&case.inputs, c);
-        (expected, tolerance(pass, &case.inputs, c, &self.arithmetic(grade)))
+    pub fn truth(&self, question: &Question, case: &Case, c: &Conventions, grade: Grade) -> (Arrays, Arrays) {
+        let direction = question.component.direction(question.kind).expect("a question has its direction");
+        let expected = (direction.oracle)(&case.inputs, c);
+        (expected, tolerance(direction, &case.inputs, c, &self.arithmetic(grade)))
     }
 }
 
-/// Marks a whole sheet.
-pub fn mark(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules, grade: Grade) -> Marks {
+/// Marks a whole question.
+pub fn mark(
+    question: &Question,
+    answers: &Answers,
+    c: &Conventions,
+    options: &MarkOptions,
+    grade: Grade,
+) -> Marks {
     let mut marks = Marks::default();
     let answered: BTreeSet<&String> = answers.iter().flatten().flat_map(|answer| answer.keys()).collect();
-    for (case, answer) in sheet.cases.iter().zip(answers) {
+    for (case, answer) in question.cases.iter().zip(answers) {
         let Some(answer) = answer else {
             marks.faults.push(format!("{}: no answer", case.id));
             continue;
         };
-        let (expected, bound) = rules.truth(sheet, case, c, grade);
-        let names = sheet.ordered(expected.keys());
+        let (expected, bound) = options.truth(question, case, c, grade);
+        let names = question.ordered(expected.keys());
         if names.iter().all(|name| !answer.contains_key(*name)) {
             marks.faults.push(format!("{}: none of the outputs is there", case.id));
         }
@@ -108,12 +114,15 @@ pub fn mark(sheet: &Sheet, answers: &Answers, c: &Conventions, rules: &Rules, gr
             if !answered.contains(name) {
                 marks.missing.insert(name.clone());
             } else {
-                marks.output(case, name, answer, (&expected[name], &bound[name]), rules.dtype);
+                marks.output(case, name, answer, (&expected[name], &bound[name]), options.dtype);
             }
         }
     }
-    marks.off =
-        sheet.ordered(marks.off.iter().collect::<BTreeSet<_>>().into_iter()).into_iter().cloned().collect();
+    marks.off = question
+        .ordered(marks.off.iter().collect::<BTreeSet<_>>().into_iter())
+        .into_iter()
+        .cloned()
+        .collect();
     marks
 }
 
@@ -171,7 +180,7 @@ impl Marks {
 }
 
 /// Whether answers lie within bounds: the question that a search asks thousands of times, so it may look before it computes
-/// bounds (see [`Rules::may_look`]).
+/// bounds (see [`MarkOptions::may_look_first`]).
 pub fn within(answer: &Answer, expected: &Arrays, look: bool, bound: impl FnOnce() -> Arrays) -> bool {
     let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
         let given = answer.get(name)?;

@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::answer::Answers;
 use super::assignment::{Partial, partial};
 use super::diagnose::Explanation;
-use super::exam::{Exam, Sheet};
+use super::exam::{Exam, Question};
 use super::mark::{Marks, Worst};
 use crate::contract::arithmetic::Grade;
 use crate::convention::profiles;
@@ -78,11 +78,11 @@ pub struct Row {
 
 impl Row {
     /// Nothing was answered.
-    pub fn unsupported(sheet: &Sheet) -> Row {
+    pub fn unsupported(question: &Question) -> Row {
         Row {
-            name: sheet.component.name,
-            kind: sheet.kind_name(),
-            cases: sheet.cases.len(),
+            name: question.component.name,
+            kind: question.kind_name(),
+            cases: question.cases.len(),
             answered: 0,
             verdict: Verdict::Unsupported,
             grade: None,
@@ -101,9 +101,9 @@ impl Row {
         }
     }
 
-    /// A sheet with its marks.
+    /// A question with its marks.
     pub fn marked(
-        sheet: &Sheet,
+        question: &Question,
         answers: &Answers,
         marks: &Marks,
         grade: Option<Grade>,
@@ -117,12 +117,12 @@ impl Row {
             vacuous: marks.vacuous,
             missing_outputs: marks.missing.iter().cloned().collect(),
             worst_case: marks.worst.clone(),
-            conventions: partial(sheet.component, c),
+            conventions: partial(question.component, c),
             layouts: marks.layouts.iter().cloned().collect(),
             faults: marks.faults.clone(),
             off: marks.off.clone(),
             findings: marks.findings.clone(),
-            ..Row::unsupported(sheet)
+            ..Row::unsupported(question)
         }
     }
 

@@ -5,17 +5,17 @@ use std::collections::BTreeMap;
 use ndarray::{ArrayD, Ix4};
 
 use super::answer::{Answer, Answers};
-use super::exam::Sheet;
+use super::exam::Question;
 use super::mark::Marks;
 use super::statistics::{Call, Finding, findings};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, array, arrays, input, number, scalar};
 use crate::contract::case::Case;
-use crate::contract::component::{Component, Mistake, Pass, Port};
+use crate::contract::component::{Component, Direction, Mistake, Port};
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 use crate::random::{Key, Purpose};
-use crate::ray::{Draw, sample_random_rays};
+use crate::ray::{PixelDraws, sample_random_rays};
 use crate::sample::{rest_u, sample_along_ray};
 
 /// Rays a call.
@@ -46,7 +46,7 @@ pub const SAMPLER: Component = Component {
         Port::plain("t", "R,N", "its samples"),
     ],
     conventions: &["pixel_center", "grid", "rest"],
-    forward: Pass { oracle: drawn, bound: unbounded, honest: honestly, wrong: wrongly },
+    forward: Direction { oracle: drawn, bound: unbounded, honest: honestly, wrong: wrongly },
     vjp: None,
     cases: calls,
     mistakes: MISTAKES,
@@ -220,7 +220,7 @@ fn drawn(a: &Arrays, c: &Conventions) -> Arrays {
     let (rays, jitter) = (Key::new(seed, Purpose::Rays), Key::new(seed, Purpose::Samples));
     let u: Vec<[f64; 3]> =
         (0..count as u64).map(|r| std::array::from_fn(|k| rays.uniform(0, r, k as u64))).collect();
-    let pixels = sample_random_rays(images, Draw::Pool, &u, c.pixel_center);
+    let pixels = sample_random_rays(images, PixelDraws::Pool, &u, c.pixel_center);
     let t = |r: usize| {
         let resting = number(a, "training") == 0.0;
         let u = |i: usize| if resting { rest_u(c.rest) } else { jitter.uniform(0, r as u64, i as u64) };
@@ -299,28 +299,28 @@ fn call(answer: &Answer) -> Call {
 }
 
 /// Faults of the answers, or what the statistics of the four calls say.
-fn judged(sheet: &Sheet, answers: &Answers, c: &Conventions) -> (Vec<String>, Vec<Finding>) {
-    let pairs = sheet.cases.iter().zip(answers);
+fn judged(question: &Question, answers: &Answers, c: &Conventions) -> (Vec<String>, Vec<Finding>) {
+    let pairs = question.cases.iter().zip(answers);
     let faults: Vec<String> = pairs.filter_map(|(case, answer)| fault(case, answer.as_ref())).collect();
     if !faults.is_empty() {
         return (faults, vec![]);
     }
     let calls: Vec<Call> = answers.iter().flatten().map(call).collect();
     let Ok([a, b, c1, c2]) = <[Call; 4]>::try_from(calls) else { return (vec!["four calls".into()], vec![]) };
-    let inputs = &sheet.cases[0].inputs;
+    let inputs = &question.cases[0].inputs;
     let images = input(inputs, "images").view().into_dimensionality::<Ix4>().expect("(I, H, W, 3)");
     (vec![], findings(images, &[a, b], &[c1, c2], [number(inputs, "near"), number(inputs, "far")], c))
 }
 
 /// Whether a right sampler in these conventions could have drawn all this.
-pub fn plausible(sheet: &Sheet, answers: &Answers, c: &Conventions) -> bool {
-    let (faults, found) = judged(sheet, answers, c);
+pub fn plausible(question: &Question, answers: &Answers, c: &Conventions) -> bool {
+    let (faults, found) = judged(question, answers, c);
     faults.is_empty() && found.iter().all(|finding| finding.honest)
 }
 
 /// The marks: all or nothing.
-pub fn mark(sheet: &Sheet, answers: &Answers, c: &Conventions) -> Marks {
-    let (mut faults, found) = judged(sheet, answers, c);
+pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
+    let (mut faults, found) = judged(question, answers, c);
     let (choices, wrong): (Vec<&Finding>, Vec<&Finding>) = found.iter().partition(|finding| finding.honest);
     let told = |finding: &&Finding| format!("{}: {}", finding.name, finding.says);
     faults.extend(wrong.iter().map(told));
@@ -336,7 +336,7 @@ pub fn mark(sheet: &Sheet, answers: &Answers, c: &Conventions) -> Marks {
 }
 
 /// The mistakes that the statistics show.
-pub fn mistakes(sheet: &Sheet, answers: &Answers, c: &Conventions) -> Vec<&'static Mistake> {
+pub fn mistakes(question: &Question, answers: &Answers, c: &Conventions) -> Vec<&'static Mistake> {
     let rows: BTreeMap<&str, &'static Mistake> = MISTAKES.iter().map(|m| (m.name, m)).collect();
-    judged(sheet, answers, c).1.iter().filter_map(|finding| rows.get(finding.name).copied()).collect()
+    judged(question, answers, c).1.iter().filter_map(|finding| rows.get(finding.name).copied()).collect()
 }

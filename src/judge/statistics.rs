@@ -136,7 +136,7 @@ pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], rest: &[Call; 2], c: &Co
     found
 }
 
-/// Among how many drawn images a call deals its rays, by turns or in blocks (as `Draw::PerImage` does, and bmild/nerf with one
+/// Among how many drawn images a call deals its rays, by turns or in blocks (as `PixelDraws::PerImage` does, and bmild/nerf with one
 /// image a step); `None` where each ray draws its own.
 fn dealt(calls: &[Call; 2]) -> Option<usize> {
     let n = calls[0].image_ids.len();

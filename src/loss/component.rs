@@ -1,7 +1,7 @@
 //! Registry rows of loss, metric and bytes.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// Mean squared error.
 pub const MSE: Component = Component {
@@ -15,8 +15,8 @@ pub const MSE: Component = Component {
     ],
     outputs: &[Port::smooth("value", "", "mean squared error")],
     conventions: &[],
-    forward: Pass { oracle: arrays::mse, bound: bound::mse, honest: honest::mse, wrong: mistakes::mse },
-    vjp: Some(Pass {
+    forward: Direction { oracle: arrays::mse, bound: bound::mse, honest: honest::mse, wrong: mistakes::mse },
+    vjp: Some(Direction {
         oracle: arrays::mse_vjp,
         bound: bound::mse_vjp,
         honest: honest::mse_vjp,
@@ -39,7 +39,12 @@ pub const PSNR: Component = Component {
     ],
     outputs: &[Port::plain("value", "", "decibels; infinite where a picture is reproduced exactly")],
     conventions: &["psnr"],
-    forward: Pass { oracle: arrays::psnr, bound: bound::psnr, honest: honest::psnr, wrong: mistakes::psnr },
+    forward: Direction {
+        oracle: arrays::psnr,
+        bound: bound::psnr,
+        honest: honest::psnr,
+        wrong: mistakes::psnr,
+    },
     vjp: None,
     cases: cases::psnr,
     mistakes: mistakes::PSNR,
@@ -54,7 +59,7 @@ pub const TO_UINT8: Component = Component {
     inputs: &[Port::plain("image", "H,W,3", "colors, beyond [0, 1] too")],
     outputs: &[Port::plain("bytes", "H,W,3", "0, ..., 255")],
     conventions: &["bytes"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::to_uint8,
         bound: bound::to_uint8,
         honest: honest::to_uint8,

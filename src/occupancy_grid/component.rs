@@ -1,7 +1,7 @@
 //! Registry rows of the occupancy grid: its update with queries, and its traversal.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// Update and queries.
 pub const OCCUPANCY_GRID: Component = Component {
@@ -31,7 +31,7 @@ pub const OCCUPANCY_GRID: Component = Component {
         Port::plain("found", "Q", "1 where the query's cell is occupied, else 0"),
     ],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::update,
         bound: bound::update,
         honest: honest::update,
@@ -64,7 +64,7 @@ pub const GRID_TRAVERSAL: Component = Component {
         Port::plain("visited", "M", "number of cells"),
     ],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::traverse,
         bound: bound::traverse,
         honest: honest::traverse,

@@ -3,7 +3,7 @@
 mod march;
 mod walk;
 
-pub use march::{Steps, Way};
+pub use march::{MarchRay, Steps};
 
 /// Cells along a brick's edge: 4^3 bits are a word, so that an empty word lets a ray skip 64 cells.
 const BRICK: usize = 4;

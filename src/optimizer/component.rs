@@ -1,7 +1,7 @@
 //! Registry row of the optimizer.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// One step of Adam.
 pub const ADAM_STEP: Component = Component {
@@ -27,7 +27,7 @@ pub const ADAM_STEP: Component = Component {
         Port::plain("v_out", "P", "v'"),
     ],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::adam_step,
         bound: bound::adam_step,
         honest: honest::adam_step,

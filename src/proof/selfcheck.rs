@@ -9,7 +9,7 @@ use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::{Kind, tolerance, worst};
-use crate::contract::component::{Component, Pass};
+use crate::contract::component::{Component, Direction};
 use crate::contract::machine::Machine;
 use crate::convention::{CS180, american};
 use crate::{COMPONENTS, parallel};
@@ -86,22 +86,24 @@ pub fn all() -> &'static [Row] {
 pub fn run(filter: &str) -> Vec<Row> {
     let filter = american(filter);
     let wanted = COMPONENTS.iter().filter(|c| c.name.contains(&filter) || c.folder.contains(&filter));
-    let kinds = wanted
-        .flat_map(|c| [Kind::Forward, Kind::Vjp].into_iter().filter_map(move |k| Some((c, k, c.pass(k)?))));
-    let jobs: Vec<_> = kinds.flat_map(|(c, k, pass)| Dtype::ALL.map(|dtype| (c, k, pass, dtype))).collect();
+    let kinds = wanted.flat_map(|c| {
+        [Kind::Forward, Kind::Vjp].into_iter().filter_map(move |k| Some((c, k, c.direction(k)?)))
+    });
+    let jobs: Vec<_> =
+        kinds.flat_map(|(c, k, direction)| Dtype::ALL.map(|dtype| (c, k, direction, dtype))).collect();
     parallel::map(jobs.len(), |n| row(jobs[n].0, jobs[n].1, jobs[n].2, jobs[n].3))
 }
 
-fn row(component: &Component, kind: Kind, pass: &Pass, dtype: Dtype) -> Row {
+fn row(component: &Component, kind: Kind, direction: &Direction, dtype: Dtype) -> Row {
     let mut cases = component.cases_of(kind, &CS180);
     cases.retain(|case| case.exists_in(dtype));
-    let truths: Vec<(Arrays, [Arrays; 2])> = cases.iter().map(|case| truth(pass, case, dtype)).collect();
+    let truths: Vec<(Arrays, [Arrays; 2])> = cases.iter().map(|case| truth(direction, case, dtype)).collect();
     let shown: Vec<_> = component.mistakes.iter().filter(|m| m.gradient == (kind == Kind::Vjp)).collect();
     let used = |f: &dyn Fn(&Case, &Arrays) -> Arrays| {
         let each = cases.iter().zip(&truths);
         each.map(|(case, (expected, [_, b]))| worst(&f(case, expected), expected, b)).fold(0.0, f64::max)
     };
-    let reach = |m: &str| used(&|case, _| (pass.wrong)(&case.inputs, &CS180, &[m]));
+    let reach = |m: &str| used(&|case, _| (direction.wrong)(&case.inputs, &CS180, &[m]));
     let reached = shown.iter().map(|m| (m.name, reach(m.name)));
     let missed: Vec<(&str, f64)> = reached.filter(|(_, used)| *used <= 1.0).collect();
     let honest: Vec<f64> = cases
@@ -110,7 +112,7 @@ fn row(component: &Component, kind: Kind, pass: &Pass, dtype: Dtype) -> Row {
         .flat_map(|(case, (expected, bounds))| {
             (0..MACHINES).map(move |n| {
                 let machine = Machine::number(dtype, 5 * n);
-                let got = (pass.honest)(&case.inputs, &CS180, &machine);
+                let got = (direction.honest)(&case.inputs, &CS180, &machine);
                 worst(&got, expected, &bounds[usize::from(!machine.stable)])
             })
         })
@@ -144,7 +146,7 @@ fn sharpness(expected: &Arrays, bound: &Arrays) -> Vec<f64> {
     pairs.filter(|(y, _)| y.is_finite() && **y != 0.0).map(|(y, bound)| bound / y.abs()).collect()
 }
 
-fn truth(pass: &Pass, case: &Case, dtype: Dtype) -> (Arrays, [Arrays; 2]) {
-    let bound = |grade| tolerance(pass, &case.inputs, &CS180, &Arithmetic::new(dtype, grade));
-    ((pass.oracle)(&case.inputs, &CS180), [bound(Grade::A), bound(Grade::B)])
+fn truth(direction: &Direction, case: &Case, dtype: Dtype) -> (Arrays, [Arrays; 2]) {
+    let bound = |grade| tolerance(direction, &case.inputs, &CS180, &Arithmetic::new(dtype, grade));
+    ((direction.oracle)(&case.inputs, &CS180), [bound(Grade::A), bound(Grade::B)])
 }

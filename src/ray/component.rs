@@ -2,7 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::camera::component::{C2W, K, UV};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// The ray through a pixel.
 pub const PIXEL_TO_RAY: Component = Component {
@@ -16,13 +16,13 @@ pub const PIXEL_TO_RAY: Component = Component {
         Port { name: "rays_d", shape: "M,3", meaning: "directions, world space", gradient: true },
     ],
     conventions: &["axes", "directions"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::pixel_to_ray,
         bound: bound::pixel_to_ray,
         honest: honest::pixel_to_ray,
         wrong: mistakes::pixel_to_ray,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::pixel_to_ray_vjp,
         bound: bound::pixel_to_ray_vjp,
         honest: honest::pixel_to_ray_vjp,
@@ -52,7 +52,7 @@ pub const IMAGE_RAYS: Component = Component {
         Port { name: "rays_d", shape: "H,W,3", meaning: "directions", gradient: false },
     ],
     conventions: &["axes", "pixel_center", "directions"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::image_rays,
         bound: bound::image_rays,
         honest: honest::image_rays,

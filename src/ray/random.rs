@@ -8,7 +8,7 @@ use crate::convention::PixelCenter;
 
 /// How pixels are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Draw {
+pub enum PixelDraws {
     /// Each ray draws from all pixels of all images.
     Pool,
     /// `images` images are drawn first, and each gets N / M rays.
@@ -52,21 +52,21 @@ pub fn draw_pixel(images: ArrayView4<f64>, u: [f64; 3], center: PixelCenter) -> 
 
 /// N pixels of an (I, H, W, 3) stack, with replacement. `u` holds N rows of three numbers in [0, 1): image, row, column.
 ///
-/// With [`Draw::PerImage`] ray n belongs to drawn image n mod M, whose number in `u` is that of ray n mod M.
+/// With [`PixelDraws::PerImage`] ray n belongs to drawn image n mod M, whose number in `u` is that of ray n mod M.
 ///
 /// # Panics
 /// Where there are no pixels, they don't have 3 channels, or M is 0.
 pub fn sample_random_rays(
     images: ArrayView4<f64>,
-    draw: Draw,
+    draw: PixelDraws,
     u: &[[f64; 3]],
     center: PixelCenter,
 ) -> Vec<PixelDraw> {
     let mut rays = Vec::with_capacity(u.len());
     for (n, &[u_image, u_row, u_column]) in u.iter().enumerate() {
         let u_image = match draw {
-            Draw::Pool => u_image,
-            Draw::PerImage { images } => u[n % images][0],
+            PixelDraws::Pool => u_image,
+            PixelDraws::PerImage { images } => u[n % images][0],
         };
         rays.push(draw_pixel(images, [u_image, u_row, u_column], center));
     }

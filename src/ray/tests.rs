@@ -106,12 +106,12 @@ fn random_rays_carry_the_color_under_their_pixel() {
     let images = labeled();
     let u: Vec<[f64; 3]> =
         (0..60).map(|n| [0.37, 0.61, 0.83].map(|step| (f64::from(n) * step).fract())).collect();
-    for draw in [Draw::Pool, Draw::PerImage { images: 4 }] {
+    for draw in [PixelDraws::Pool, PixelDraws::PerImage { images: 4 }] {
         let rays = sample_random_rays(images.view(), draw, &u, PixelCenter::Half);
         assert_eq!(rays.len(), u.len());
         for (n, ray) in rays.iter().enumerate() {
             assert_eq!(ray.rgb, [ray.image as f64, ray.uv.y - 0.5, ray.uv.x - 0.5]);
-            let row = if draw == Draw::Pool { n } else { n % 4 };
+            let row = if draw == PixelDraws::Pool { n } else { n % 4 };
             assert_eq!(ray.image, (3.0 * u[row][0]) as usize);
             assert_eq!((ray.uv.y, ray.uv.x), ((4.0 * u[n][1]).floor() + 0.5, (6.0 * u[n][2]).floor() + 0.5));
         }

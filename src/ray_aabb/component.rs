@@ -1,7 +1,7 @@
 //! Registry row of rays and boxes.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// Where rays enter and leave a box.
 pub const RAY_AABB: Component = Component {
@@ -23,13 +23,13 @@ pub const RAY_AABB: Component = Component {
         Port::plain("hit", "R", "1 where a part of the ray lies in the closed box, a face included, else 0"),
     ],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::rays_and_box,
         bound: bound::ray_aabb,
         honest: honest::ray_aabb,
         wrong: mistakes::ray_aabb,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::rays_and_box_vjp,
         bound: bound::ray_aabb_vjp,
         honest: honest::ray_aabb_vjp,

@@ -1,7 +1,7 @@
 //! Registry rows of samples along rays.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 const NEAR: Port = Port { name: "near", shape: "", meaning: "where rays begin", gradient: false };
 const FAR: Port = Port { name: "far", shape: "", meaning: "where rays end", gradient: false };
@@ -24,7 +24,7 @@ pub const SAMPLE_ALONG_RAYS: Component = Component {
         Port { name: "points", shape: "R,N,3", meaning: "o + t d", gradient: false },
     ],
     conventions: &["grid"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::sample_along_rays,
         bound: bound::sample_along_rays,
         honest: honest::sample_along_rays,
@@ -48,7 +48,7 @@ pub const STEP_SIZES: Component = Component {
     ],
     outputs: &[Port { name: "deltas", shape: "R,N", meaning: "step lengths", gradient: false }],
     conventions: &["delta", "last_delta"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::step_sizes,
         bound: bound::step_sizes,
         honest: honest::step_sizes,

@@ -1,7 +1,7 @@
 //! Registry row of the spherical harmonics.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// Spherical harmonics of directions.
 pub const SPHERICAL_HARMONICS: Component = Component {
@@ -15,13 +15,13 @@ pub const SPHERICAL_HARMONICS: Component = Component {
     ],
     outputs: &[Port::smooth("harmonics", "M,(degree+1)^2", "band by band, m ascending")],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::harmonics,
         bound: bound::harmonics,
         honest: honest::harmonics,
         wrong: mistakes::harmonics,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::harmonics_vjp,
         bound: bound::harmonics_vjp,
         honest: honest::harmonics_vjp,

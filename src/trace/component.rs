@@ -1,7 +1,7 @@
 //! The registry row of the trace.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 const fn plain(name: &'static str, shape: &'static str, meaning: &'static str) -> Port {
     Port { name, shape, meaning, gradient: false }
@@ -46,7 +46,7 @@ pub const RENDER_TRACE: Component = Component {
         plain("colors", "H,W,3", "over the background"),
     ],
     conventions: &["axes", "pixel_center", "directions", "grid", "delta", "last_delta", "product_eps"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::render_trace,
         bound: bound::render_trace,
         honest: honest::render_trace,

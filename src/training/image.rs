@@ -17,7 +17,7 @@ use crate::random::{Key, Purpose};
 
 /// What a fit depends on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Settings {
+pub struct FitSettings {
     /// Steps.
     pub steps: u64,
     /// Pixels a step.
@@ -36,11 +36,11 @@ pub struct Settings {
     pub reference: bool,
 }
 
-impl Default for Settings {
+impl Default for FitSettings {
     /// 1,000 steps of 10,000 pixels, three hidden layers of 256, L = 10, learning rate 5e-3.
     fn default() -> Self {
         #[rustfmt::skip]
-        let settings = Settings { steps: 1000, batch: 10_000, levels: 10, width: 256, layers: 3, lr: 5e-3, seed: 0, reference: false };
+        let settings = FitSettings { steps: 1000, batch: 10_000, levels: 10, width: 256, layers: 3, lr: 5e-3, seed: 0, reference: false };
         settings
     }
 }
@@ -76,7 +76,7 @@ pub fn kept(step: u64, steps: u64) -> bool {
 /// Those of `seen`.
 pub fn fit<E>(
     picture: &Array3<f32>,
-    settings: &Settings,
+    settings: &FitSettings,
     mut seen: impl FnMut(&LogPoint, &Array3<f32>) -> Result<(), E>,
     mut progress: impl FnMut(u64, f64),
 ) -> Result<Vec<LogPoint>, E> {
@@ -111,7 +111,7 @@ fn position(n: usize, h: usize, w: usize) -> [f64; 2] {
     [((n % w) as f64 + 0.5) / w as f64, ((n / w) as f64 + 0.5) / h as f64]
 }
 
-fn start(settings: &Settings) -> Path {
+fn start(settings: &FitSettings) -> Path {
     let encoding = Encoding::new(settings.levels, &CS180);
     let key = Key::new(settings.seed, Purpose::Parameters);
     let net = Mlp::initial(encoding.width(2), settings.width, settings.layers, 3, &key);

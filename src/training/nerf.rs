@@ -36,7 +36,7 @@ const RENDER_CHUNK: usize = 1024;
 
 /// What a [`NerfModel`] depends on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
+pub struct NerfSettings {
     /// Where samples start.
     pub near: f64,
     /// Where they end.
@@ -63,11 +63,11 @@ pub struct Settings {
     pub skip: Option<Skip>,
 }
 
-impl Settings {
+impl NerfSettings {
     /// The paper's network, 1,024 rays of 64 samples, learning rate 5e-4.
     pub fn new(near: f64, far: f64, background: [f64; 3]) -> Self {
         #[rustfmt::skip]
-        let settings = Settings {
+        let settings = NerfSettings {
             near, far, background, rays: 1024, samples: 64, fine: 0, lr: 5e-4, seed: 0, shape: Shape::PAPER, levels: (10, 4), reference: false, skip: None,
         };
         settings
@@ -81,7 +81,7 @@ impl Settings {
 
 /// One network, or two.
 pub struct NerfModel {
-    pub(crate) settings: Settings,
+    pub(crate) settings: NerfSettings,
     pub(crate) coarse: Path,
     pub(crate) fine: Option<Path>,
     /// Where the network may have something, once it is known.
@@ -119,7 +119,7 @@ impl Samples {
 
 impl NerfModel {
     /// Initial parameters from the seed; those of the fine network from its complement.
-    pub fn new(settings: Settings) -> Self {
+    pub fn new(settings: NerfSettings) -> Self {
         let of = |seed: u64| Path::new(&settings, &Key::new(seed, Purpose::Parameters));
         let fine = (settings.fine > 0).then(|| of(!settings.seed));
         let coarse = of(settings.seed);
@@ -132,7 +132,7 @@ impl NerfModel {
 
     /// The rays of a step: pixels from one stream, jitter from another, each ray its own counter.
     pub(crate) fn draw(&self, scene: &Scene, step: u64) -> Result<Drawn> {
-        let Settings { near, far, rays, samples, fine, seed, .. } = self.settings;
+        let NerfSettings { near, far, rays, samples, fine, seed, .. } = self.settings;
         let (pixels, jitter) = (Key::new(seed, Purpose::Rays), Key::new(seed, Purpose::Samples));
         let mut drawn = Drawn { origins: vec![], directions: vec![], t: vec![], u: vec![], targets: vec![] };
         for r in 0..rays as u64 {
@@ -153,14 +153,14 @@ impl NerfModel {
 
     /// The first network's samples: steps D = (far - near) / N.
     pub(crate) fn coarse_samples(&self, t: Vec<f64>) -> Samples {
-        let Settings { near, far, samples, .. } = self.settings;
+        let NerfSettings { near, far, samples, .. } = self.settings;
         let deltas = vec![(far - near) / samples as f64; t.len()];
         Samples { t, deltas, count: samples }
     }
 
     /// The second network's: those of the first, and more of them where its weights are.
     fn fine_samples(&self, rays: Rays, u: &[f64]) -> Samples {
-        let Settings { near, far, samples, fine, .. } = self.settings;
+        let NerfSettings { near, far, samples, fine, .. } = self.settings;
         let weights = self.coarse.weights(rays);
         let edges = interval_edges(near, far, samples);
         let mut found = Samples { t: vec![], deltas: vec![], count: samples + fine };
@@ -190,7 +190,7 @@ impl NerfModel {
     }
 
     fn render_chunk(&self, rays: &[Ray]) -> Vec<Pixel> {
-        let Settings { near, far, samples, fine, .. } = self.settings;
+        let NerfSettings { near, far, samples, fine, .. } = self.settings;
         let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
         let origins: Vec<f64> = rays.iter().flat_map(|r| r.o.to_array()).collect();
         let directions: Vec<f64> = rays.iter().flat_map(|r| r.d.to_array()).collect();
@@ -271,7 +271,7 @@ impl Model for NerfModel {
     }
 
     fn settings(&self) -> Map<String, Value> {
-        let Settings { near, far, rays, samples, fine, lr, shape, levels, .. } = self.settings;
+        let NerfSettings { near, far, rays, samples, fine, lr, shape, levels, .. } = self.settings;
         let value = json!({
             "near": near, "far": far, "rays": rays, "samples": samples, "fine": fine, "lr": lr,
             "width": shape.width, "depth": shape.depth, "color_width": shape.color, "skip": shape.skip,

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::checkpoint::RunFolder;
 use super::model::{Model, StepReport};
-use super::schedule::{DEAR, Schedule};
+use super::schedule::{EXPENSIVE_AT, Schedule};
 use crate::error::{Error, Result};
 use crate::evaluation::{Scores, evaluate, over};
 use crate::files::{self, picture};
@@ -38,7 +38,7 @@ pub struct Options {
     /// The run's seed, for the probe's pixels.
     pub seed: u64,
     /// Whether a full validation costs minutes.
-    pub dear: bool,
+    pub expensive: bool,
 }
 
 /// One line of `log.jsonl`.
@@ -93,7 +93,7 @@ impl<'a> Run<'a> {
         options: &'a Options,
     ) -> Result<Self> {
         let probe = probe_pixels(scene, options.seed)?;
-        let schedule = Schedule::new(options.dear, options.val_every);
+        let schedule = Schedule::new(options.expensive, options.val_every);
         let (log, warnings, saved_at) = (vec![], vec![], Instant::now());
         #[rustfmt::skip]
         let run = Run { model, scene, folder, options, probe, schedule, step: 0, seconds: 0.0, samples: 0, saved_at, log, warnings };
@@ -184,7 +184,7 @@ impl<'a> Run<'a> {
             probe = Some(value);
         }
         if (full_due || last || reached) && !self.scene.val.is_empty() {
-            let scores = self.validate(last || reached || DEAR.contains(&self.step))?;
+            let scores = self.validate(last || reached || EXPENSIVE_AT.contains(&self.step))?;
             reached = self.options.stop_at_psnr.is_some_and(|goal| scores.psnr >= goal);
             full = Some(scores);
         }

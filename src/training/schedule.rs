@@ -3,7 +3,7 @@
 /// The measuring steps of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Schedule {
-    /// Full validations at exactly these steps, where it is dear.
+    /// Full validations at exactly these steps, where it is expensive.
     fixed: Option<&'static [u64]>,
     /// `--val-every N`.
     every: Option<u64>,
@@ -12,12 +12,12 @@ pub struct Schedule {
 }
 
 /// Where the 8x256 network is validated in full.
-pub const DEAR: &[u64] = &[100, 500, 1000, 2000, 4000, 5000];
+pub const EXPENSIVE_AT: &[u64] = &[100, 500, 1000, 2000, 4000, 5000];
 
 impl Schedule {
-    /// A schedule; `dear` for models whose validation costs minutes.
-    pub fn new(dear: bool, every: Option<u64>) -> Self {
-        Schedule { fixed: dear.then_some(DEAR), every, next_probe: 1, next_full: 1 }
+    /// A schedule; `expensive` for models whose validation costs minutes.
+    pub fn new(expensive: bool, every: Option<u64>) -> Self {
+        Schedule { fixed: expensive.then_some(EXPENSIVE_AT), every, next_probe: 1, next_full: 1 }
     }
 
     /// Stands where a run that measured up to `step` stood.
@@ -80,7 +80,7 @@ mod tests {
     fn dear_models_are_validated_where_the_contract_says() {
         let mut schedule = Schedule::new(true, None);
         let fulls: Vec<u64> = (1..=5000).filter(|&step| schedule.full(step)).collect();
-        assert_eq!(fulls, DEAR);
+        assert_eq!(fulls, EXPENSIVE_AT);
         let mut every = Schedule::new(true, Some(7));
         assert_eq!((1..=21).filter(|&step| every.full(step)).collect::<Vec<_>>(), [7, 14, 21]);
     }

@@ -1,7 +1,7 @@
 //! Registry row of the truncated exponential.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 /// Density from a network's last number, with a surrogate gradient.
 pub const TRUNC_EXP: Component = Component {
@@ -12,13 +12,13 @@ pub const TRUNC_EXP: Component = Component {
     inputs: &[Port::smooth("x", "M", "what the network says about density")],
     outputs: &[Port::smooth("sigmas", "M", "densities, 1 / length")],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::trunc_exp,
         bound: bound::trunc_exp,
         honest: honest::trunc_exp,
         wrong: mistakes::trunc_exp,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::trunc_exp_vjp,
         bound: bound::trunc_exp_vjp,
         honest: honest::trunc_exp_vjp,

@@ -1,7 +1,7 @@
 //! Registry rows of volume rendering.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Pass, Port};
+use crate::contract::component::{Component, Direction, Port};
 
 const SIGMAS: Port = Port { name: "sigmas", shape: "R,N", meaning: "densities, 1 / length", gradient: true };
 const ALPHAS: Port = Port { name: "alphas", shape: "R,N", meaning: "opacities in [0, 1]", gradient: true };
@@ -22,13 +22,13 @@ pub const VOLUME_RENDER: Component = Component {
     inputs: &[SIGMAS, RGBS, DELTAS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
     conventions: &["product_eps"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::render,
         bound: bound::volume_render,
         honest: honest::volume_render,
         wrong: mistakes::volume_render,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::render_vjp,
         bound: bound::volume_render_vjp,
         honest: honest::volume_render_vjp,
@@ -47,13 +47,13 @@ pub const VOLUME_RENDER_ALPHA: Component = Component {
     inputs: &[ALPHAS, RGBS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
     conventions: &["product_eps"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::render_alpha,
         bound: bound::volume_render_alpha,
         honest: honest::volume_render_alpha,
         wrong: mistakes::volume_render_alpha,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::render_alpha_vjp,
         bound: bound::volume_render_alpha_vjp,
         honest: honest::volume_render_alpha_vjp,
@@ -76,13 +76,13 @@ pub const COMPOSITE_BACKGROUND: Component = Component {
     ],
     outputs: &[Port { name: "colors_out", shape: "R,3", meaning: "colors over b", gradient: true }],
     conventions: &[],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::background,
         bound: bound::composite_background,
         honest: honest::composite_background,
         wrong: mistakes::composite_background,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::background_vjp,
         bound: bound::composite_background_vjp,
         honest: honest::composite_background_vjp,
@@ -105,13 +105,13 @@ pub const DEPTH: Component = Component {
     ],
     outputs: &[Port { name: "depth", shape: "R", meaning: "expected distance", gradient: true }],
     conventions: &["depth"],
-    forward: Pass {
+    forward: Direction {
         oracle: arrays::depths,
         bound: bound::depth,
         honest: honest::depth,
         wrong: mistakes::depth,
     },
-    vjp: Some(Pass {
+    vjp: Some(Direction {
         oracle: arrays::depths_vjp,
         bound: bound::depth_vjp,
         honest: honest::depth_vjp,

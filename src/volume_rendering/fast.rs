@@ -8,7 +8,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 /// Densities of a batch of rays turned into weights.
 #[derive(Clone, Debug, Default)]
-pub struct Weights {
+pub struct RayWeights {
     /// w_i = T_i alpha_i (R, N).
     pub weights: Vec<f32>,
     /// T_{i+1}, the transmittance behind sample i (R, N).
@@ -16,13 +16,13 @@ pub struct Weights {
     alpha: Vec<f32>,
 }
 
-impl Weights {
+impl RayWeights {
     /// Weights of R rays with `samples` samples each; earlier contents are overwritten.
     ///
     /// # Shapes
     /// `sigmas`, `deltas` (R, N).
     pub fn compute(&mut self, arch: Arch, sigmas: &[f32], deltas: &[f32], samples: usize) {
-        let Weights { weights, behind, alpha } = self;
+        let RayWeights { weights, behind, alpha } = self;
         for buffer in [&mut *weights, behind, alpha] {
             buffer.resize(sigmas.len(), 0.0);
         }
@@ -130,7 +130,7 @@ mod tests {
         for i in [0, 1, 7] {
             sigmas[i] = std::f32::consts::LN_2 * 2.0;
         }
-        let mut rays = Weights::default();
+        let mut rays = RayWeights::default();
         rays.compute(crate::simd::arch(), &sigmas, &[0.5; 8], 8);
         for (i, w) in [(0, 0.5), (1, 0.25), (7, 0.125)] {
             assert!((rays.weights[i] - w).abs() < 1e-7);

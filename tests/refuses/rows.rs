@@ -14,7 +14,7 @@ use nerf_oracle::loss;
 use nerf_oracle::occupancy_grid::OccupancyGrid;
 use nerf_oracle::optimizer::Adam;
 use nerf_oracle::random::{Key, Purpose};
-use nerf_oracle::ray::{Draw, Ray, draw_pixel, sample_random_rays};
+use nerf_oracle::ray::{PixelDraws, Ray, draw_pixel, sample_random_rays};
 use nerf_oracle::spherical_harmonics;
 use nerf_oracle::trace::trace_pixel;
 use nerf_oracle::training::reference::{Field, Target, adam_layer, fine_samples, image_loss_and_gradient};
@@ -202,7 +202,12 @@ fn images() -> Vec<Row> {
         draw_pixel(Array4::ones((1, 2, 2, channels)).view(), [0.5; 3], PixelCenter::Half);
     }
     fn rays(channels: usize) {
-        sample_random_rays(Array4::ones((1, 2, 2, channels)).view(), Draw::Pool, &gray(2), PixelCenter::Half);
+        sample_random_rays(
+            Array4::ones((1, 2, 2, channels)).view(),
+            PixelDraws::Pool,
+            &gray(2),
+            PixelCenter::Half,
+        );
     }
     vec![
         row(

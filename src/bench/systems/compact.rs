@@ -1,6 +1,6 @@
 //! The trained model as `bench` sees it: samples a ray, early stop at several eps, occupancy thresholds.
 
-use crate::bench::system::{Choice, Seen, System};
+use crate::bench::system::{Choice, System, TrueRay};
 use crate::occupancy_grid::fast::Occupancy;
 use crate::ray::Ray;
 use crate::training::compact::CompactModel;
@@ -96,11 +96,11 @@ impl System for Trained<'_> {
         self.model.render(rays)
     }
 
-    fn truth(&self, ray: &Ray, samples: usize) -> Seen {
+    fn truth(&self, ray: &Ray, samples: usize) -> TrueRay {
         self.seen(ray, samples as f64, &self.reference)
     }
 
-    fn same_samples(&self, rays: &[Ray]) -> Vec<Seen> {
+    fn same_samples(&self, rays: &[Ray]) -> Vec<TrueRay> {
         // With the cells of the choice, which may differ from those of the trained model.
         let reference = Reference::new(self.model);
         let samples = self.model.settings.samples_at_rest(self.model.step);
@@ -117,9 +117,9 @@ impl System for Trained<'_> {
 }
 
 impl Trained<'_> {
-    fn seen(&self, ray: &Ray, samples: f64, reference: &Reference) -> Seen {
+    fn seen(&self, ray: &Ray, samples: f64, reference: &Reference) -> TrueRay {
         let seen = reference.render(ray, samples, self.model.settings.stop_at_rest);
-        Seen { color: seen.color, opacity: seen.opacity, samples: seen.samples, live: seen.live }
+        TrueRay { color: seen.color, opacity: seen.opacity, samples: seen.samples, live: seen.live }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The trained 8x256 network as `bench` sees it: 16 to 256 samples a ray.
 
-use crate::bench::system::{Choice, Seen, System};
+use crate::bench::system::{Choice, System, TrueRay};
 use crate::convention::CS180;
 use crate::early_stop::live_samples;
 use crate::encoding::Encoding;
@@ -68,11 +68,11 @@ impl System for Trained<'_> {
         self.model.render(rays)
     }
 
-    fn truth(&self, ray: &Ray, samples: usize) -> Seen {
+    fn truth(&self, ray: &Ray, samples: usize) -> TrueRay {
         self.seen(ray, samples, 0.0)
     }
 
-    fn same_samples(&self, rays: &[Ray]) -> Vec<Seen> {
+    fn same_samples(&self, rays: &[Ray]) -> Vec<TrueRay> {
         let stop = self.model.skipping_stop();
         crate::parallel::map(rays.len(), |n| self.seen(&rays[n], self.model.settings.samples, stop))
     }
@@ -88,7 +88,7 @@ impl System for Trained<'_> {
 
 impl Trained<'_> {
     /// What a ray sees in f64 with so many samples, to its end or until less light than `stop` comes through.
-    fn seen(&self, ray: &Ray, samples: usize, stop: f64) -> Seen {
+    fn seen(&self, ray: &Ray, samples: usize, stop: f64) -> TrueRay {
         let (near, far) = (self.model.settings.near, self.model.settings.far);
         let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
         let delta = (far - near) / samples as f64;
@@ -100,6 +100,6 @@ impl Trained<'_> {
             t.truncate(live_samples(&sigmas, &vec![delta; t.len()], stop));
         }
         let (seen, _) = self.field.render(ray, &t, &vec![delta; t.len()]);
-        Seen { color: seen.color, opacity: seen.opacity, samples, live: t.len() }
+        TrueRay { color: seen.color, opacity: seen.opacity, samples, live: t.len() }
     }
 }

@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use crate::approximate::{Grade, from_bf16, sin_cos_pi, to_bf16};
-use crate::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, rows, singles, uniform};
+use crate::bench::{BF16, Kernel, Scaling, Suite, Tolerance, Variant, rows, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
 use crate::convention::CS180;
@@ -146,35 +146,35 @@ pub const SUITE: Suite = Suite {
             name: "plain_f32",
             about: "one thread, sin(2^k pi x) of the library, the product rounded to f32",
             dtype: Dtype::F32,
-            promise: Promise::f32(),
+            tolerance: Tolerance::f32(),
             prepare: plain,
         },
         Variant {
             name: "vectorized",
             about: "one thread, exact reduction in f64, short polynomials over 64 points at a time",
             dtype: Dtype::F32,
-            promise: Promise::f32(),
+            tolerance: Tolerance::f32(),
             prepare: vectorized,
         },
         Variant {
             name: "threaded",
             about: "the same on all threads",
             dtype: Dtype::F32,
-            promise: Promise::f32(),
+            tolerance: Tolerance::f32(),
             prepare: threaded,
         },
         Variant {
             name: "sine_32_ulp",
             about: "all threads, exact reduction in f32, sine within 32 ULP",
             dtype: Dtype::F32,
-            promise: Promise::grade(Grade::Middle.sin_ulp()),
+            tolerance: Tolerance::grade(Grade::Middle.sin_ulp()),
             prepare: |a| traded(a, Trade::Sine(Grade::Middle), |x| x, |x| x),
         },
         Variant {
             name: "sine_8192_ulp",
             about: "all threads, exact reduction in f32, sine within 8,192 ULP (11 bits)",
             dtype: Dtype::F32,
-            promise: Promise::grade(Grade::Low.sin_ulp()),
+            tolerance: Tolerance::grade(Grade::Low.sin_ulp()),
             prepare: |a| traded(a, Trade::Sine(Grade::Low), |x| x, |x| x),
         },
         Variant {
@@ -182,14 +182,14 @@ pub const SUITE: Suite = Suite {
             about: "all threads, one sine of 32 ULP a dimension, then sin 2a = 2 sin a cos a: errors double with each band",
             dtype: Dtype::F32,
             // 32 ULP doubled 9 times, as phase and as length.
-            promise: Promise::f32().within(2.0 * 32.0 * 512.0 / 16_777_216.0),
+            tolerance: Tolerance::f32().within(2.0 * 32.0 * 512.0 / 16_777_216.0),
             prepare: |a| traded(a, Trade::Doubling, |x| x, |x| x),
         },
         Variant {
             name: "sine_8192_ulp_bf16",
             about: "the sine of 8,192 ULP, stored as bf16: half the memory",
             dtype: Dtype::Bf16,
-            promise: Promise::grade(Grade::Low.sin_ulp()).stored(BF16),
+            tolerance: Tolerance::grade(Grade::Low.sin_ulp()).stored(BF16),
             prepare: |a| traded(a, Trade::Sine(Grade::Low), to_bf16, from_bf16),
         },
     ],

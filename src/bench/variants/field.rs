@@ -4,7 +4,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 
 use crate::approximate::{from_bf16, to_bf16};
-use crate::bench::Promise;
+use crate::bench::Tolerance;
 use crate::field::Layer;
 
 mod mlp;
@@ -69,6 +69,6 @@ impl Store {
 
 /// What weights of a short type cost: each of the layers moves what passes by at most half a unit of its last place, as a share of the
 /// largest.
-pub(super) const fn short(layers: f64, half_unit: f64) -> Promise {
-    Promise::f32().of_largest(layers * half_unit)
+pub(super) const fn short(layers: f64, half_unit: f64) -> Tolerance {
+    Tolerance::f32().of_largest(layers * half_unit)
 }

@@ -4,7 +4,7 @@ use half::f16;
 use pulp::{Simd, WithSimd};
 
 use crate::approximate::{from_bf16, to_bf16};
-use crate::bench::{BF16, F16, Kernel, Promise, Scaling, Suite, Variant, kernel, rows, singles, uniform};
+use crate::bench::{BF16, F16, Kernel, Scaling, Suite, Tolerance, Variant, kernel, rows, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, values};
 use crate::hash_grid::fast::{BLOCK, Entry, FEATURES, LEVELS, Level, WIDTH, encode_level};
@@ -186,7 +186,7 @@ fn short<T: Copy + Send + Sync + 'static>(
 
 /// What f32 costs: a position is rounded against 512 cells (2^-24 of 512 cells is 2^-15 of a cell, for each of three axes, and
 /// neighbors differ by at most 2), and 8 corners are added up, each with a few roundings.
-const F32: Promise = Promise::exact().within(3.0 * 2.0 / 32768.0 + 20.0 / 16_777_216.0);
+const F32: Tolerance = Tolerance::exact().within(3.0 * 2.0 / 32768.0 + 20.0 / 16_777_216.0);
 
 /// The hash grid's suite.
 pub const SUITE: Suite = Suite {

@@ -2,10 +2,10 @@
 
 use pulp::Arch;
 
-use crate::bench::{Kernel, Promise, Scaling, Suite, Variant, kernel, singles, uniform};
+use crate::bench::{Kernel, Scaling, Suite, Tolerance, Variant, kernel, singles, uniform};
 use crate::contract::arrays::{Arrays, array, arrays, values};
 use crate::occupancy_grid::OccupancyGrid;
-use crate::occupancy_grid::fast::{Occupancy, Steps, Way, ray_box};
+use crate::occupancy_grid::fast::{MarchRay, Occupancy, Steps, ray_box};
 use crate::{parallel, ray_aabb};
 
 const RESOLUTION: usize = 128;
@@ -117,16 +117,16 @@ const TOGETHER: usize = 128;
 fn walk(arch: Arch, grid: &Occupancy, rays: &[([f32; 3], [f32; 3])], out: &mut [f64]) {
     let mut steps = Steps::default();
     for (rays, out) in rays.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
-        let way = |&(o, d): &([f32; 3], [f32; 3])| {
+        let march_ray = |&(o, d): &([f32; 3], [f32; 3])| {
             let (enter, leave) = grid.span(o, d);
-            Way { o, d, near: enter.max(0.0), far: leave, u: 0.5, patience: u32::MAX }
+            MarchRay { o, d, near: enter.max(0.0), far: leave, u: 0.5, patience: u32::MAX }
         };
-        let ways: Vec<Way> = rays.iter().map(way).collect();
-        grid.march(arch, &ways, STEP as f32, &mut steps);
-        for (ray, (way, out)) in ways.iter().zip(out).enumerate() {
+        let march_rays: Vec<MarchRay> = rays.iter().map(march_ray).collect();
+        grid.march(arch, &march_rays, STEP as f32, &mut steps);
+        for (ray, (march_ray, out)) in march_rays.iter().zip(out).enumerate() {
             *out = steps.of(ray).len() as f64;
             steps.of(ray).iter().for_each(|&k| {
-                std::hint::black_box(way.at(k, STEP as f32));
+                std::hint::black_box(march_ray.at(k, STEP as f32));
             });
         }
     }
@@ -152,12 +152,13 @@ fn coarse(a: &Arrays, resolution: usize) -> Box<dyn Kernel> {
 }
 
 /// A sample that lies on a face but for rounding may go either way; a ray through the ball's stairs grazes a few faces at most.
-const F32: Promise = Promise::exact().within(3.0);
+const F32: Tolerance = Tolerance::exact().within(3.0);
 
 /// A coarse cell with a part of the ball in it lies within the ball's radius R = 0.2285 and its own diagonal h; cells of the fine grid
 /// hold everything within R less half their diagonal. The longest way of a ray between the two spheres, 2 sqrt((R + h)^2 - (R -
 /// 0.0068)^2), is so many steps.
-const COARSE: [Promise; 2] = [Promise::exact().within(3.0 + 131.0), Promise::exact().within(3.0 + 180.0)];
+const COARSE: [Tolerance; 2] =
+    [Tolerance::exact().within(3.0 + 131.0), Tolerance::exact().within(3.0 + 180.0)];
 
 /// The traversal's suite.
 pub const SUITE: Suite = Suite {

@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use crate::approximate::{from_bf16, to_bf16};
-use crate::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, kernel, singles, uniform};
+use crate::bench::{BF16, Kernel, Scaling, Suite, Tolerance, Variant, kernel, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
 use crate::hash_grid::fast::AdamRates;
@@ -217,7 +217,7 @@ pub const SUITE: Suite = Suite {
             "plain_f32",
             "one thread, elements in f32, 1 - beta and 1 - beta^t in f64",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             |a| plain(a, false),
         ),
         Variant::new(
@@ -225,21 +225,21 @@ pub const SUITE: Suite = Suite {
             "the same with beta rounded to f32 before 1 - beta is formed, as code in f32 alone does",
             Dtype::F32,
             // 2^-25 in 0.999 is 3e-5 of 1 - 0.999, and 100 times that of 1 - 0.999^100 = 0.095; a step is at most 2e-3.
-            Promise::f32().stored(6e-5).within(2e-3 * 6e-5),
+            Tolerance::f32().stored(6e-5).within(2e-3 * 6e-5),
             |a| plain(a, true),
         ),
         Variant::new(
             "vectorized",
             "one thread, what depends on the step alone in f64, one reciprocal",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             vectorized,
         ),
         Variant::new(
             "threaded",
             "as PyTorch defines it, on all threads",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             threaded,
         ),
         Variant::new(
@@ -247,7 +247,7 @@ pub const SUITE: Suite = Suite {
             "all threads, 1 / sqrt by a shifted exponent and one Newton step (0.18%), eps left out",
             Dtype::F32,
             // A step is at most lr m / sqrt(v) / c1 = 5e-4 * 4e-3 / 1e-3 = 2e-3 (times 0.32, the root of c2): 0.2% of it.
-            Promise::f32().within(2e-3 * 0.002),
+            Tolerance::f32().within(2e-3 * 0.002),
             |a| bold(a, Trade::RootByBits, |x| x, |x| x),
         ),
         Variant::new(
@@ -255,7 +255,7 @@ pub const SUITE: Suite = Suite {
             "all threads, both means stored as bf16",
             Dtype::Bf16,
             // Each mean is rounded before the step and after it.
-            Promise::f32().of_largest(2.0 * BF16),
+            Tolerance::f32().of_largest(2.0 * BF16),
             |a| bold(a, Trade::ShortMeans, to_bf16, from_bf16),
         ),
     ],

@@ -3,7 +3,7 @@
 use half::f16;
 use pulp::{Simd, WithSimd};
 
-use crate::bench::{F16, Kernel, Promise, Suite, Variant, kernel, singles, uniform};
+use crate::bench::{F16, Kernel, Suite, Tolerance, Variant, kernel, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, scalar, values};
 use crate::convention::Grid;
@@ -164,15 +164,15 @@ pub const SUITE: Suite = Suite {
     checked: 256 * SAMPLES,
     oracle,
     variants: &[
-        Variant::new("plain_f32", "one thread, the formula in f32", Dtype::F32, Promise::f32(), plain),
+        Variant::new("plain_f32", "one thread, the formula in f32", Dtype::F32, Tolerance::f32(), plain),
         Variant::new(
             "vectorized",
             "one thread, the machine's widest instructions",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             vectorized,
         ),
-        Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
+        Variant::new("threaded", "the same on all threads", Dtype::F32, Tolerance::f32(), |a| {
             threaded(a, |x| x, f64::from)
         }),
         Variant::new(
@@ -180,7 +180,7 @@ pub const SUITE: Suite = Suite {
             "the same, stored as f16: half the memory",
             Dtype::F16,
             // Below 2^-14 numbers of f16 are 2^-24 apart.
-            Promise::f32().stored(F16).within(1.0 / 16_777_216.0),
+            Tolerance::f32().stored(F16).within(1.0 / 16_777_216.0),
             |a| threaded(a, f16::from_f32, f64::from),
         ),
     ],

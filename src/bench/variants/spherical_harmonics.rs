@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use crate::approximate::{from_bf16, to_bf16};
-use crate::bench::{BF16, Kernel, Promise, Suite, Variant, rows, singles, uniform};
+use crate::bench::{BF16, Kernel, Suite, Tolerance, Variant, rows, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
 use crate::parallel;
@@ -101,18 +101,24 @@ pub const SUITE: Suite = Suite {
             "plain_f32",
             "one thread, the polynomials term by term",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             plain,
         ),
-        Variant::new("vectorized", "one thread, common products shared", Dtype::F32, Promise::f32(), shared),
-        Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
+        Variant::new(
+            "vectorized",
+            "one thread, common products shared",
+            Dtype::F32,
+            Tolerance::f32(),
+            shared,
+        ),
+        Variant::new("threaded", "the same on all threads", Dtype::F32, Tolerance::f32(), |a| {
             threaded(a, |x| x, |x| x)
         }),
         Variant::new(
             "bf16",
             "the same, results stored as bf16: half the memory",
             Dtype::Bf16,
-            Promise::f32().stored(BF16),
+            Tolerance::f32().stored(BF16),
             |a| threaded(a, to_bf16, from_bf16),
         ),
     ],

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::bench::{Kernel, Promise, Suite, Variant, kernel, singles, uniform};
+use crate::bench::{Kernel, Suite, Tolerance, Variant, kernel, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
 use crate::convention::{CS180, Density};
@@ -116,14 +116,14 @@ pub const SUITE: Suite = Suite {
             name: "dense",
             about: "all threads, every sample computed, Adam included",
             dtype: Dtype::F32,
-            promise: Promise::exact().of_largest(1e-4),
+            tolerance: Tolerance::exact().of_largest(1e-4),
             prepare: |a| step(a, true),
         },
         Variant {
             name: "nothing_for_nothing",
             about: "the same without samples that can't have a gradient",
             dtype: Dtype::F32,
-            promise: Promise::exact().of_largest(1e-4),
+            tolerance: Tolerance::exact().of_largest(1e-4),
             prepare: |a| step(a, false),
         },
     ],

@@ -3,12 +3,12 @@
 use pulp::{Simd, WithSimd};
 
 use crate::approximate::{Grade, attenuation};
-use crate::bench::{BF16, Kernel, Promise, Scaling, Suite, Variant, kernel};
+use crate::bench::{BF16, Kernel, Scaling, Suite, Tolerance, Variant, kernel};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, input, values};
 use crate::convention::ProductEps;
 use crate::random::{Key, Purpose};
-use crate::volume_rendering::fast::Weights;
+use crate::volume_rendering::fast::RayWeights;
 use crate::{math, parallel};
 
 const SAMPLES: usize = 64;
@@ -55,7 +55,7 @@ struct Rays<C> {
 /// The results of some rays.
 #[derive(Default)]
 struct Task {
-    rays: Weights,
+    rays: RayWeights,
     /// Color, opacity, transmittance behind the last sample.
     seen: Vec<[f32; 5]>,
 }
@@ -217,7 +217,7 @@ impl WithSimd for Graded<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Graded { task, sigmas, deltas, samples, grade } = self;
-        let Weights { weights, behind, .. } = &mut task.rays;
+        let RayWeights { weights, behind, .. } = &mut task.rays;
         weights.resize(sigmas.len(), 0.0);
         behind.resize(sigmas.len(), 0.0);
         let low = grade == Grade::Low;
@@ -328,44 +328,44 @@ pub const SUITE: Suite = Suite {
         Variant::f32(
             "plain_f32",
             "one thread, 1 - exp(-x) of the library, a running product",
-            Promise::f32(),
+            Tolerance::f32(),
             |a| tasks(a, false, |c| c, plain),
         ),
         Variant::f32(
             "vectorized",
             "one thread, one polynomial for e^-x and 1 - e^-x over all samples, then one scan a ray",
-            Promise::f32(),
+            Tolerance::f32(),
             |a| tasks(a, false, |c| c, |task, s, c, d, n| vectorized(task, (s, c, d), n, |c| c)),
         ),
-        Variant::f32("threaded", "the same on all threads", Promise::f32(), threaded),
+        Variant::f32("threaded", "the same on all threads", Tolerance::f32(), threaded),
         Variant::f32(
             "exp_256_ulp",
             "all threads, exponential within 256 ULP",
-            Promise::grade(Grade::Middle.exp_ulp()),
+            Tolerance::grade(Grade::Middle.exp_ulp()),
             |a| graded(a, Grade::Middle),
         ),
         Variant::f32(
             "exp_8192_ulp",
             "all threads, exponential within 8,192 ULP (11 bits)",
-            Promise::grade(Grade::Low.exp_ulp()),
+            Tolerance::grade(Grade::Low.exp_ulp()),
             |a| graded(a, Grade::Low),
         ),
         Variant::f32(
             "stop_1e-4",
             "all threads, a ray ends where T < 1e-4",
-            Promise::f32().within(1e-4),
+            Tolerance::f32().within(1e-4),
             |a| stopped(a, 1e-4),
         ),
         Variant::f32(
             "stop_1e-3",
             "all threads, a ray ends where T < 1e-3",
-            Promise::f32().within(1e-3),
+            Tolerance::f32().within(1e-3),
             |a| stopped(a, 1e-3),
         ),
         Variant::f32(
             "stop_1e-2",
             "all threads, a ray ends where T < 1e-2",
-            Promise::f32().within(1e-2),
+            Tolerance::f32().within(1e-2),
             |a| stopped(a, 1e-2),
         ),
         Variant {
@@ -373,7 +373,7 @@ pub const SUITE: Suite = Suite {
             ..Variant::f32(
                 "bf16_colors",
                 "all threads, colors stored as bf16, everything else as before",
-                Promise::f32().stored(BF16),
+                Tolerance::f32().stored(BF16),
                 |a| {
                     tasks(a, true, crate::approximate::to_bf16, |task, s, c, d, n| {
                         vectorized(task, (s, c, d), n, crate::approximate::from_bf16)

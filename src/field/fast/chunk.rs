@@ -8,11 +8,11 @@ use super::rays::{Rays, Rendered};
 use super::skipping::{Skipping, spread};
 use super::trunk::Tape;
 use crate::encoding::fast::positional_encoding;
-use crate::volume_rendering::fast::Weights;
+use crate::volume_rendering::fast::RayWeights;
 
 /// The buffers of a chunk. Arrays over active samples hold only those, in order.
 #[derive(Debug, Default)]
-pub(super) struct Chunk {
+pub(super) struct ChunkBuffers {
     pub tape: Tape,
     pub positions: Vec<f64>,
     /// Samples that are evaluated (P): each is a row of the tape.
@@ -21,7 +21,7 @@ pub(super) struct Chunk {
     pub z: Vec<f32>,
     pub sigmas: Vec<f32>,
     pub deltas: Vec<f32>,
-    pub rays: Weights,
+    pub rays: RayWeights,
     /// Samples whose color is computed, and their rows of the tape.
     pub active: Vec<usize>,
     pub rows: Vec<usize>,
@@ -66,7 +66,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Densities of `chunk.positions`.
-    fn densities(&self, chunk: &mut Chunk) {
+    fn densities(&self, chunk: &mut ChunkBuffers) {
         let net = self.net;
         let points = chunk.positions.len() / 3;
         net.trunk.reserve(&mut chunk.tape, points);
@@ -82,7 +82,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Colors of the active samples; their activations move to the front.
-    fn colors(&self, chunk: &mut Chunk, directions: &[f64], samples: usize) {
+    fn colors(&self, chunk: &mut ChunkBuffers, directions: &[f64], samples: usize) {
         let net = self.net;
         let (width, color, columns) = (net.shape.width, net.shape.color, net.shape.direction);
         let (count, rays) = (chunk.active.len(), directions.len() / 3);
@@ -117,7 +117,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Densities of `positions`.
-    pub fn densities_of(&self, chunk: &mut Chunk, positions: &[f64]) -> Vec<f32> {
+    pub fn densities_of(&self, chunk: &mut ChunkBuffers, positions: &[f64]) -> Vec<f32> {
         chunk.positions.clear();
         chunk.positions.extend(positions);
         self.densities(chunk);
@@ -126,7 +126,7 @@ impl<'a> Prepared<'a> {
 
     pub fn forward(
         &self,
-        chunk: &mut Chunk,
+        chunk: &mut ChunkBuffers,
         positions: &[f64],
         directions: &[f64],
         samples: usize,
@@ -141,7 +141,7 @@ impl<'a> Prepared<'a> {
     /// Weights of all samples, colors of the active ones; colors of the rays in the result.
     pub fn render(
         &self,
-        chunk: &mut Chunk,
+        chunk: &mut ChunkBuffers,
         rays: &Rays,
         skipping: Skipping,
         background: [f32; 3],
@@ -150,7 +150,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Densities of the live samples, and weights of all.
-    pub fn weigh(&self, chunk: &mut Chunk, rays: &Rays, skipping: Skipping) {
+    pub fn weigh(&self, chunk: &mut ChunkBuffers, rays: &Rays, skipping: Skipping) {
         let all = rays.t.len();
         chunk.live.clear();
         chunk.live.extend((0..all).filter(|&n| skipping.live.is_none_or(|live| live[n])));
@@ -166,7 +166,7 @@ impl<'a> Prepared<'a> {
 
     pub(super) fn render_active(
         &self,
-        chunk: &mut Chunk,
+        chunk: &mut ChunkBuffers,
         rays: &Rays,
         skipping: Skipping,
         background: [f32; 3],

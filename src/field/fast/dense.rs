@@ -5,13 +5,13 @@
 //! their own, not products, and stand in the pass.
 
 use super::CHUNK;
-use super::chunk::{Chunk, Prepared};
+use super::chunk::{ChunkBuffers, Prepared};
 use super::gradient::{Gradient, Group, Pool};
 use super::network::{Batch, Network};
 use super::product::{Matrix, product};
 use super::rays::Rays;
 use super::skipping::Skipping;
-use crate::bench::dense::{Dense, Layers, Work, bound, worse};
+use crate::bench::dense::{Dense, Layers, WorkCount, bound, worse};
 use crate::bench::rounds::seconds;
 use crate::bench::uniform;
 use crate::convention::Density;
@@ -82,7 +82,7 @@ impl Multiply for Checked {
 
 /// The products of a chunk that has been through a step, in the step's order, without what lies between them. Inputs are what the step
 /// left or what the products before wrote; adds to `gradient`, the folded matrix's after the parameters.
-fn products(net: &Prepared, chunk: &mut Chunk, gradient: &mut [f32], on: &mut impl Multiply) {
+fn products(net: &Prepared, chunk: &mut ChunkBuffers, gradient: &mut [f32], on: &mut impl Multiply) {
     let Prepared { net, trunk: transposed, folded, folded_t, bias } = net;
     let (trunk, points) = (&net.trunk, chunk.active.len());
     let (width, color, columns) = (net.shape.width, net.shape.color, net.shape.direction);
@@ -140,7 +140,7 @@ fn flops(net: &Network) -> [f64; 2] {
 /// A chunk's buffers after a step, and a group's gradient.
 #[derive(Default)]
 struct Filled {
-    chunk: Chunk,
+    chunk: ChunkBuffers,
     gradient: Vec<f32>,
 }
 
@@ -188,7 +188,7 @@ impl Step {
 
     /// A chunk's buffers after its step, with its gradient.
     fn filled(&self, prepared: &Prepared) -> Filled {
-        let (mut chunk, mut group) = (Chunk::default(), Group::default());
+        let (mut chunk, mut group) = (ChunkBuffers::default(), Group::default());
         group.partial.resize(self.net.params.len() + prepared.folded.len(), 0.0);
         prepared.step(&mut chunk, &self.batch(CHUNK / SAMPLES), Skipping::default(), true, 1e-3, &mut group);
         Filled { chunk, gradient: group.partial }
@@ -208,13 +208,13 @@ impl Layers for Step {
         self.checked(Checked::default()).worst
     }
 
-    fn work(&self) -> Work {
+    fn work(&self) -> WorkCount {
         let [point, ray] = flops(&self.net);
         let points = self.rays() * SAMPLES;
         let products = points as f64 * point + self.rays() as f64 * ray;
         // The heads: forward, weights, inputs.
         let heads = 2 * 3 * (self.net.shape.width + 3 * self.net.shape.color) * points;
-        Work { points, products, pass: products + heads as f64 }
+        WorkCount { points, products, pass: products + heads as f64 }
     }
 
     fn products(&mut self) -> f64 {

@@ -1,20 +1,20 @@
 //! The backward pass of a training step's chunk: loss, rendering and network.
 
 use super::activation::density_backward;
-use super::chunk::{Chunk, Prepared, runs};
+use super::chunk::{ChunkBuffers, Prepared, runs};
 use super::gradient::Group;
 use super::network::Batch;
 use super::passes::{AddRows, HeadsBackward, JoinBackward};
 use super::product::{Matrix, product};
 use super::rays::Rays;
 use super::skipping::Skipping;
-use crate::volume_rendering::fast::{Weights, density_gradient};
+use crate::volume_rendering::fast::{RayWeights, density_gradient};
 
 impl Prepared<'_> {
     /// Adds gradient and loss of a chunk to `group`; `scale` is the weight of one channel of one ray in the loss.
     pub fn step(
         &self,
-        chunk: &mut Chunk,
+        chunk: &mut ChunkBuffers,
         batch: &Batch,
         skipping: Skipping,
         dense: bool,
@@ -33,7 +33,7 @@ impl Prepared<'_> {
     }
 
     /// From the colors of the rays back to the inputs of sigmoid and density activation, for the active samples.
-    fn render_backward(&self, chunk: &mut Chunk, rays: &Rays, g_colors: &[f32], background: [f32; 3]) {
+    fn render_backward(&self, chunk: &mut ChunkBuffers, rays: &Rays, g_colors: &[f32], background: [f32; 3]) {
         let samples = rays.samples;
         chunk.g_sigma.clear();
         chunk.g_sigma.resize(chunk.z.len(), 0.0);
@@ -48,7 +48,7 @@ impl Prepared<'_> {
             let span = ray * samples..(ray + 1) * samples;
             let g = &g_colors[ray * 3..ray * 3 + 3];
             let b = g[0] * background[0] + g[1] * background[1] + g[2] * background[2];
-            let Weights { weights, behind, .. } = &chunk.rays;
+            let RayWeights { weights, behind, .. } = &chunk.rays;
             density_gradient(&weights[span.clone()], &behind[span.clone()], &chunk.deltas[span], b, q);
         }
         chunk.g_z.clear();
@@ -59,7 +59,7 @@ impl Prepared<'_> {
     }
 
     /// From there back to the parameters; the folded matrix's gradient goes after them.
-    fn network_backward(&self, chunk: &mut Chunk, samples: usize, gradient: &mut [f32]) {
+    fn network_backward(&self, chunk: &mut ChunkBuffers, samples: usize, gradient: &mut [f32]) {
         let net = self.net;
         let (width, color, columns) = (net.shape.width, net.shape.color, net.shape.direction);
         let count = chunk.active.len();

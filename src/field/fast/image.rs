@@ -20,11 +20,11 @@ pub struct ImageNetwork {
     dims: usize,
     trunk: Trunk,
     head: Affine,
-    pool: Pool<Work>,
+    pool: Pool<ImageBuffers>,
 }
 
 #[derive(Debug, Default)]
-struct Work {
+struct ImageBuffers {
     tape: Tape,
     rgbs: Vec<f32>,
     g_z: Vec<f32>,
@@ -94,7 +94,7 @@ impl ImageNetwork {
         scale * loss
     }
 
-    fn colors(&self, work: &mut Work, transposed: &[Vec<f32>], x: &[f64]) {
+    fn colors(&self, work: &mut ImageBuffers, transposed: &[Vec<f32>], x: &[f64]) {
         let (points, columns) = (x.len() / self.dims, self.trunk.encoding);
         self.trunk.reserve(&mut work.tape, points);
         let levels = (columns / self.dims - 1) / 2;
@@ -110,7 +110,7 @@ impl ImageNetwork {
     }
 
     /// The sum of squared errors; leaves the gradient before the sigmoid in `work.g_z`.
-    fn loss(&self, work: &mut Work, targets: &[f32], scale: f64) -> f64 {
+    fn loss(&self, work: &mut ImageBuffers, targets: &[f32], scale: f64) -> f64 {
         let mut sum = 0.0;
         work.g_z.clear();
         for (c, target) in work.rgbs.iter().zip(targets) {
@@ -121,7 +121,7 @@ impl ImageNetwork {
         sum
     }
 
-    fn backward(&self, work: &mut Work, points: usize, gradient: &mut [f32]) {
+    fn backward(&self, work: &mut ImageBuffers, points: usize, gradient: &mut [f32]) {
         let width = self.trunk.width;
         let mut g = std::mem::take(&mut work.tape.g);
         let (w, (g_w, g_bias)) = (self.head.of(&self.params).0, self.head.of_mut(gradient));

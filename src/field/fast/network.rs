@@ -2,7 +2,7 @@
 
 use pulp::Arch;
 
-use super::chunk::{Chunk, Prepared};
+use super::chunk::{ChunkBuffers, Prepared};
 use super::gradient::{Gradient, Pool};
 use super::rays::{Rays, Rendered};
 use super::skipping::Skipping;
@@ -28,7 +28,7 @@ pub struct Network {
     pub(super) feature: Affine,
     pub(super) color0: Affine,
     pub(super) color1: Affine,
-    pool: Pool<Chunk>,
+    pool: Pool<ChunkBuffers>,
 }
 
 /// What a training step sees: rays, and the colors that they should have.

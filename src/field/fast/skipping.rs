@@ -2,7 +2,7 @@
 
 use super::CHUNK;
 use super::rays::Rays;
-use crate::volume_rendering::fast::Weights;
+use crate::volume_rendering::fast::RayWeights;
 
 /// What is left out of a batch of rays; nothing by default.
 ///
@@ -50,7 +50,7 @@ impl Skipping<'_> {
 
     /// Ends every ray after the first sample with T < `stop`: no more light is lost. The samples behind it are not active, so their
     /// weights are never read.
-    pub(super) fn end(&self, rays: &mut Weights, samples: usize) {
+    pub(super) fn end(&self, rays: &mut RayWeights, samples: usize) {
         for behind in rays.behind.chunks_mut(samples) {
             // A NaN is not below `stop`: it stays, and shows in the result.
             if let Some(last) = behind.iter().position(|&t| t < self.stop) {

@@ -5,7 +5,7 @@ use ndarray::Array4;
 use super::{Call, findings};
 use crate::convention::{CS180, PixelCenter};
 use crate::random::{Key, Purpose};
-use crate::ray::{Draw, sample_random_rays};
+use crate::ray::{PixelDraws, sample_random_rays};
 use crate::sample::sample_along_ray;
 
 const RAYS: usize = 4096;
@@ -29,7 +29,7 @@ fn call(seed: u64, step: u64, number: impl Fn(u64, u64) -> f64) -> Call {
     let u: Vec<[f64; 3]> =
         (0..RAYS as u64).map(|r| std::array::from_fn(|k| key.uniform(step, r, k as u64))).collect();
     let images = images();
-    let drawn = sample_random_rays(images.view(), Draw::Pool, &u, PixelCenter::Half);
+    let drawn = sample_random_rays(images.view(), PixelDraws::Pool, &u, PixelCenter::Half);
     let t = |r: u64| {
         let u: Vec<f64> = (0..SAMPLES as u64).map(|i| number(r, i)).collect();
         sample_along_ray(BOUNDS[0], BOUNDS[1], &u, CS180.grid)

@@ -10,7 +10,7 @@ use super::{BLOCK, BRICK, Occupancy};
 
 /// A ray's samples: the points t = (k + u) step, t in [near, far), in units of the box.
 #[derive(Clone, Copy, Debug)]
-pub struct Way {
+pub struct MarchRay {
     /// Origin.
     pub o: [f32; 3],
     /// Direction.
@@ -25,7 +25,7 @@ pub struct Way {
     pub patience: u32,
 }
 
-impl Way {
+impl MarchRay {
     /// Sample k, clamped to the box.
     #[inline(always)]
     pub fn at(&self, k: f32, step: f32) -> [f32; 3] {
@@ -61,27 +61,32 @@ impl Steps {
 
     /// No samples yet; sized for the longest rays.
     #[inline(always)]
-    fn begin(&mut self, ways: &[Way], step: f32) {
-        let longest = ways.iter().map(|way| (way.far - way.near) / step).fold(0.0, f32::max);
+    fn begin(&mut self, march_rays: &[MarchRay], step: f32) {
+        let longest =
+            march_rays.iter().map(|march_ray| (march_ray.far - march_ray.near) / step).fold(0.0, f32::max);
         // One more for the rounding of each end, and one spare slot after the last.
         self.room = longest as usize + 3;
-        let places = ways.len() * self.room;
-        assert!(places < u32::MAX as usize, "{} rays of {longest} steps: at most 2^32 at once", ways.len());
+        let places = march_rays.len() * self.room;
+        assert!(
+            places < u32::MAX as usize,
+            "{} rays of {longest} steps: at most 2^32 at once",
+            march_rays.len()
+        );
         // The last slot is for lanes that no ray has entered yet.
         if self.k.len() <= places {
             self.k.resize(places + 1, 0.0);
         }
         self.count.clear();
-        self.count.resize(ways.len(), 0);
+        self.count.resize(march_rays.len(), 0);
         self.patience.clear();
-        self.patience.extend(ways.iter().map(|way| way.patience));
+        self.patience.extend(march_rays.iter().map(|march_ray| march_ray.patience));
     }
 }
 
 /// Walks rays over a grid.
 struct March<'a> {
     grid: &'a Occupancy,
-    ways: &'a [Way],
+    march_rays: &'a [MarchRay],
     step: f32,
     steps: &'a mut Steps,
 }
@@ -92,9 +97,10 @@ impl WithSimd for March<'_> {
     /// Where a ray has ended, the next that meets the grid takes its lane.
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        let March { grid, ways, step, steps } = self;
+        let March { grid, march_rays, step, steps } = self;
         let mut walk = Walk::new(steps.k.len() - 1);
-        let mut waiting = ways.iter().enumerate().filter(|(_, way)| way.near < way.far);
+        let mut waiting =
+            march_rays.iter().enumerate().filter(|(_, march_ray)| march_ray.near < march_ray.far);
         loop {
             let mut idle = walk.idle();
             while idle != 0 {
@@ -102,7 +108,7 @@ impl WithSimd for March<'_> {
                 idle &= idle - 1;
                 walk.leave(lane, steps);
                 match waiting.next() {
-                    Some(way) => walk.enter(lane, way, step, grid.resolution as f32, steps.room),
+                    Some(march_ray) => walk.enter(lane, march_ray, step, grid.resolution as f32, steps.room),
                     None if walk.held == 0 => return,
                     None => {}
                 }
@@ -125,9 +131,9 @@ impl Occupancy {
     ///
     /// # Panics
     /// Where the rays have more than 2^32 lattice points together.
-    pub fn march(&self, arch: Arch, ways: &[Way], step: f32, steps: &mut Steps) {
-        steps.begin(ways, step);
-        arch.dispatch(March { grid: self, ways, step, steps });
+    pub fn march(&self, arch: Arch, march_rays: &[MarchRay], step: f32, steps: &mut Steps) {
+        steps.begin(march_rays, step);
+        arch.dispatch(March { grid: self, march_rays, step, steps });
     }
 
     /// Reads the bits where the rays are.

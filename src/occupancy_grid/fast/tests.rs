@@ -20,11 +20,11 @@ fn fast_traversal_agrees() {
     let mut steps = Steps::default();
     for numbers in numbers.chunk_by(|_, b| ![1, 10, 80, 300].contains(b)) {
         let arch = if numbers[0] == 80 { Arch::Scalar } else { crate::simd::arch() };
-        let ways: Vec<_> = numbers.iter().map(|&i| way(i, u32::MAX)).collect();
-        grid.march(arch, &ways, step as f32, &mut steps);
-        for (lane, (&i, way)) in numbers.iter().zip(&ways).enumerate() {
+        let march_rays: Vec<_> = numbers.iter().map(|&i| march_ray(i, u32::MAX)).collect();
+        grid.march(arch, &march_rays, step as f32, &mut steps);
+        for (lane, (&i, march_ray)) in numbers.iter().zip(&march_rays).enumerate() {
             let (o, d, near, far) = ray(i);
-            let u = f64::from(way.u);
+            let u = f64::from(march_ray.u);
             let got: Vec<i64> = steps.of(lane).iter().map(|&k| k as i64).collect();
             let mut k = (near / step - u).ceil();
             while (k + u) * step < far {
@@ -35,7 +35,7 @@ fn fast_traversal_agrees() {
                 let to_end = ((t - near) / step).min((far - t) / step);
                 if to_face > 1e-3 && to_end > 1e-3 {
                     assert_eq!(got.contains(&(k as i64)), oracle.occupied(x), "ray {i}, k {k}, x {x:?}");
-                    let at = way.at(k as f32, step as f32);
+                    let at = march_ray.at(k as f32, step as f32);
                     (0..3).for_each(|a| assert_abs_diff_eq!(f64::from(at[a]), x[a], epsilon = 1e-5));
                     checked += 1;
                 } else {
@@ -48,10 +48,17 @@ fn fast_traversal_agrees() {
     assert!(checked > 10_000 && skipped < checked / 20, "{checked} {skipped}");
 }
 
-fn way(i: u64, patience: u32) -> Way {
+fn march_ray(i: u64, patience: u32) -> MarchRay {
     let (o, d, near, far) = ray(i);
     let f = |v: [f64; 3]| v.map(|x| x as f32);
-    Way { o: f(o), d: f(d), near: near as f32, far: far as f32, u: key().uniform(2, i, 0) as f32, patience }
+    MarchRay {
+        o: f(o),
+        d: f(d),
+        near: near as f32,
+        far: far as f32,
+        u: key().uniform(2, i, 0) as f32,
+        patience,
+    }
 }
 
 /// A ray ends after `patience` samples in opaque cells; up to there, its samples are those with more patience.
@@ -67,15 +74,15 @@ fn patience_ends_a_ray() {
     };
     let (mut all, mut some, mut cut) = (Steps::default(), Steps::default(), 0);
     for first in (0..500).step_by(50) {
-        let [ways, short] =
-            [u32::MAX, 25].map(|p| (first..first + 50).map(|i| way(i, p)).collect::<Vec<_>>());
-        grid.march(crate::simd::arch(), &ways, 0.004, &mut all);
+        let [march_rays, short] =
+            [u32::MAX, 25].map(|p| (first..first + 50).map(|i| march_ray(i, p)).collect::<Vec<_>>());
+        grid.march(crate::simd::arch(), &march_rays, 0.004, &mut all);
         grid.march(crate::simd::arch(), &short, 0.004, &mut some);
-        for (lane, way) in ways.iter().enumerate() {
+        for (lane, march_ray) in march_rays.iter().enumerate() {
             let mut left = 25;
             let patient = all.of(lane).iter().take_while(|k| {
                 let before = left;
-                left -= usize::from(left > 0 && is_opaque(way.at(**k, 0.004)));
+                left -= usize::from(left > 0 && is_opaque(march_ray.at(**k, 0.004)));
                 before > 0
             });
             let patient: Vec<f32> = patient.copied().collect();
@@ -101,9 +108,9 @@ fn a_span_holds_all_occupied_cells() {
     let (mut met, mut passed) = (0, 0);
     let [mut all, mut some] = [(); 2].map(|()| Steps::default());
     for i in 0..5000 {
-        let whole = way(i, u32::MAX);
+        let whole = march_ray(i, u32::MAX);
         let (near, far) = grid.span(whole.o, whole.d);
-        let part = Way { near: near.max(whole.near), far: far.min(whole.far), ..whole };
+        let part = MarchRay { near: near.max(whole.near), far: far.min(whole.far), ..whole };
         // The ray alone, and among others.
         grid.march(crate::simd::arch(), &[whole], 0.004, &mut all);
         grid.march(crate::simd::arch(), &[part; 40], 0.004, &mut some);
@@ -129,17 +136,18 @@ fn rays_along_an_axis() {
     grid.apply_threshold(0.5);
     let mut steps = Steps::default();
     // Cell (5, 2, 3) is [5, 6) x [2, 3) x [3, 4) sixteenths; samples at (k + 1/2) / 64, four to a cell.
-    let way = |o: [f32; 3], d: [f32; 3]| Way { o, d, near: 0.0, far: 1.0, u: 0.5, patience: u32::MAX };
+    let march_ray =
+        |o: [f32; 3], d: [f32; 3]| MarchRay { o, d, near: 0.0, far: 1.0, u: 0.5, patience: u32::MAX };
     let sixteenths = |x: [f32; 3]| x.map(|x| x / 16.0);
-    let ways = [
-        way(sixteenths([0.0, 2.5, 3.5]), [1.0, 0.0, 0.0]),
-        way(sixteenths([16.0, 2.0, 3.0]), [-1.0, 0.0, 0.0]),
-        way(sixteenths([5.5, 0.0, 3.5]), [0.0, 1.0, 0.0]),
-        way(sixteenths([5.5, 2.5, 0.0]), [0.0, 0.0, 1.0]),
-        way(sixteenths([0.0, 3.0, 3.5]), [1.0, 0.0, 0.0]),
+    let march_rays = [
+        march_ray(sixteenths([0.0, 2.5, 3.5]), [1.0, 0.0, 0.0]),
+        march_ray(sixteenths([16.0, 2.0, 3.0]), [-1.0, 0.0, 0.0]),
+        march_ray(sixteenths([5.5, 0.0, 3.5]), [0.0, 1.0, 0.0]),
+        march_ray(sixteenths([5.5, 2.5, 0.0]), [0.0, 0.0, 1.0]),
+        march_ray(sixteenths([0.0, 3.0, 3.5]), [1.0, 0.0, 0.0]),
     ];
     for arch in [crate::simd::arch(), Arch::Scalar] {
-        grid.march(arch, &ways, 1.0 / 64.0, &mut steps);
+        grid.march(arch, &march_rays, 1.0 / 64.0, &mut steps);
         let found: Vec<&[f32]> = (0..5).map(|ray| steps.of(ray)).collect();
         let none: &[f32] = &[];
         assert_eq!(

@@ -2,17 +2,17 @@
 
 use pulp::Simd;
 
-use super::march::{Steps, Way};
+use super::march::{MarchRay, Steps};
 use super::{BLOCK, BRICK};
-use crate::simd::{OnLine, fma};
+use crate::simd::{CacheAligned, fma};
 
 /// Rays that walk together.
 pub(super) const LANES: usize = 16;
 
 /// One number a lane, on a cache line of its own.
-type Lanes = OnLine<[f32; LANES]>;
+type Lanes = CacheAligned<[f32; LANES]>;
 /// The same for integers.
-type Whole = OnLine<[u32; LANES]>;
+type Whole = CacheAligned<[u32; LANES]>;
 
 /// 2^23: a float from here on has its whole part in its low bits.
 const MAGIC: f32 = 8_388_608.0;
@@ -45,7 +45,7 @@ pub(super) struct Walk {
 impl Walk {
     /// No rays yet; `spare` is where lanes without a ray write to.
     pub fn new(spare: usize) -> Self {
-        let (lanes, whole) = (OnLine([0f32; LANES]), OnLine([0; LANES]));
+        let (lanes, whole) = (CacheAligned([0f32; LANES]), CacheAligned([0; LANES]));
         Walk {
             start: [lanes; 3],
             speed: [lanes; 3],
@@ -53,7 +53,7 @@ impl Walk {
             k: lanes,
             last: lanes,
             patience: whole,
-            next: OnLine([spare as u32; LANES]),
+            next: CacheAligned([spare as u32; LANES]),
             cell: [whole; 3],
             brick: whole,
             block: whole,
@@ -88,15 +88,23 @@ impl Walk {
 
     /// Puts a ray into a lane.
     #[inline(always)]
-    pub fn enter(&mut self, lane: usize, (ray, way): (usize, &Way), step: f32, cells: f32, room: usize) {
+    pub fn enter(
+        &mut self,
+        lane: usize,
+        (ray, march_ray): (usize, &MarchRay),
+        step: f32,
+        cells: f32,
+        room: usize,
+    ) {
         for a in 0..3 {
-            let speed = way.d[a] * step * cells;
-            self.start[a].0[lane] = (way.o[a] + way.u * step * way.d[a]) * cells;
+            let speed = march_ray.d[a] * step * cells;
+            self.start[a].0[lane] = (march_ray.o[a] + march_ray.u * step * march_ray.d[a]) * cells;
             self.speed[a].0[lane] = speed;
             self.inverse[a].0[lane] = if speed == 0.0 { f32::MAX } else { 1.0 / speed };
         }
-        (self.k.0[lane], self.last.0[lane]) = ((way.near / step - way.u).ceil(), way.far / step - way.u);
-        self.patience.0[lane] = way.patience;
+        (self.k.0[lane], self.last.0[lane]) =
+            ((march_ray.near / step - march_ray.u).ceil(), march_ray.far / step - march_ray.u);
+        self.patience.0[lane] = march_ray.patience;
         self.next.0[lane] = (ray * room) as u32;
         self.ray[lane] = ray;
         self.held |= 1 << lane;

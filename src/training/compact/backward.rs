@@ -7,7 +7,7 @@ use super::forward::{Pass, TILE};
 use super::kernels::{outer, product};
 use super::networks::{GEOMETRY, HIDDEN};
 use crate::hash_grid::fast::WIDTH;
-use crate::simd::OnLine;
+use crate::simd::CacheAligned;
 
 /// ReLU's gradient: 0 where the activation is 0.
 #[inline(always)]
@@ -32,10 +32,11 @@ pub(super) fn backward<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
     c.gradient.clear();
     c.rgb[n..rows].fill([0.0; 16]);
     c.rays.iter_mut().for_each(|ray| ray.view = [0.0; HIDDEN]);
-    let (mut hidden, mut geometry) = (OnLine([[0f32; HIDDEN]; TILE]), OnLine([[0f32; GEOMETRY]; TILE]));
-    let mut encoding = OnLine([[0f32; WIDTH]; TILE]);
+    let (mut hidden, mut geometry) =
+        (CacheAligned([[0f32; HIDDEN]; TILE]), CacheAligned([[0f32; GEOMETRY]; TILE]));
+    let mut encoding = CacheAligned([[0f32; WIDTH]; TILE]);
     // Three rows where the weights have three of sixteen columns.
-    let mut color1_t = OnLine([[0f32; HIDDEN]; 16]);
+    let mut color1_t = CacheAligned([[0f32; HIDDEN]; 16]);
     for first in (0..rows).step_by(TILE) {
         let tile = first..(first + TILE).min(rows);
         let (hidden, geometry) = (&mut hidden.0[..tile.len()], &mut geometry.0[..tile.len()]);

@@ -3,7 +3,7 @@
 use super::networks::{GEOMETRY, HIDDEN, Weights};
 use super::views::BoxRay;
 use crate::hash_grid::fast::{Entry, FEATURES, LEVELS, WIDTH};
-use crate::occupancy_grid::fast::{Steps, Way};
+use crate::occupancy_grid::fast::{MarchRay, Steps};
 use crate::simd::{Aligned, repeated};
 use crate::spherical_harmonics::fast::{self as harmonics, harmonics};
 
@@ -111,10 +111,10 @@ impl Chunk {
 
     /// The samples of the last ray.
     #[inline(always)]
-    pub fn push_samples(&mut self, way: &Way, k: &[f32], step: f32) {
+    pub fn push_samples(&mut self, march_ray: &MarchRay, k: &[f32], step: f32) {
         let ray = self.rays.len() - 1;
-        self.points.extend(k.iter().map(|&k| way.at(k, step)));
-        self.t.extend(k.iter().map(|&k| (k + way.u) * step));
+        self.points.extend(k.iter().map(|&k| march_ray.at(k, step)));
+        self.t.extend(k.iter().map(|&k| (k + march_ray.u) * step));
         self.ray_of.extend(k.iter().map(|_| ray as u32));
         self.rays[ray].count = k.len();
     }

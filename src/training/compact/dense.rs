@@ -14,11 +14,11 @@ use super::kernels::{outer, product};
 use super::networks::{GEOMETRY, HIDDEN, Networks};
 use super::step::CHUNK;
 use super::{CompactModel, Overrides};
-use crate::bench::dense::{Dense, Layers, Work, bound, worse};
+use crate::bench::dense::{Dense, Layers, WorkCount, bound, worse};
 use crate::bench::rounds::seconds;
 use crate::hash_grid::fast::{Entry, LEVELS, WIDTH};
 use crate::scene;
-use crate::simd::{Aligned, OnLine, repeated};
+use crate::simd::{Aligned, CacheAligned, repeated};
 use crate::spherical_harmonics::fast as harmonics;
 use crate::training::Model;
 
@@ -205,7 +205,7 @@ impl<M: Multiply> WithSimd for Products<'_, M> {
         let Products { nets, filled: Filled { chunk: c, views, raw, .. }, on } = self;
         let (w, rows, n) = (&nets.weights, c.rows(), c.points.len());
         let tiles = || (0..rows).step_by(TILE).map(|first| first..(first + TILE).min(rows));
-        let mut encoding = OnLine([[0f32; WIDTH]; TILE]);
+        let mut encoding = CacheAligned([[0f32; WIDTH]; TILE]);
         for tile in tiles() {
             let encoding = &mut encoding.0[..tile.len()];
             c.gather(tile.start, encoding);
@@ -222,8 +222,9 @@ impl<M: Multiply> WithSimd for Products<'_, M> {
             on.product(s, hidden, HIDDEN, &w.color1, &mut raw[tile], false, false);
         }
         c.gradient.clear();
-        let mut color1_t = OnLine([[0f32; HIDDEN]; 16]);
-        let (mut hidden, mut geometry) = (OnLine([[0f32; HIDDEN]; TILE]), OnLine([[0f32; GEOMETRY]; TILE]));
+        let mut color1_t = CacheAligned([[0f32; HIDDEN]; 16]);
+        let (mut hidden, mut geometry) =
+            (CacheAligned([[0f32; HIDDEN]; TILE]), CacheAligned([[0f32; GEOMETRY]; TILE]));
         for tile in tiles() {
             let (hidden, geometry) = (&mut hidden.0[..tile.len()], &mut geometry.0[..tile.len()]);
             let encoding = &mut encoding.0[..tile.len()];
@@ -316,7 +317,7 @@ impl Layers for Step {
         self.checked(Checked::default()).worst
     }
 
-    fn work(&self) -> Work {
+    fn work(&self) -> WorkCount {
         let sum = |of: fn(&Chunk) -> usize| {
             self.filled.iter().map(|filled| of(&filled.chunk)).sum::<usize>() as f64
         };
@@ -327,7 +328,7 @@ impl Layers for Step {
         let rays = sum(|c| c.rays.iter().filter(|ray| ray.count > 0).count());
         let per_ray =
             if self.model.settings.view_dependent { 4.0 * (harmonics::WIDTH * HIDDEN) as f64 } else { 0.0 };
-        Work { points: live as usize, products, pass: products + stopped + rays * per_ray }
+        WorkCount { points: live as usize, products, pass: products + stopped + rays * per_ray }
     }
 
     fn products(&mut self) -> f64 {

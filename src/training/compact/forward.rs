@@ -7,7 +7,7 @@ use super::chunk::Chunk;
 use super::kernels::product;
 use super::networks::{GEOMETRY, HIDDEN, Networks};
 use crate::hash_grid::fast::WIDTH;
-use crate::simd::OnLine;
+use crate::simd::CacheAligned;
 
 /// Samples that pass through a network together: their activations fill the L1 cache.
 pub(super) const TILE: usize = 64;
@@ -90,7 +90,7 @@ pub(super) fn trunc_exp(x: f32) -> f32 {
 fn density<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
     let w = &pass.nets.weights;
     let rows = c.rows();
-    let mut encoding = OnLine([[0f32; WIDTH]; TILE]);
+    let mut encoding = CacheAligned([[0f32; WIDTH]; TILE]);
     for first in (0..rows).step_by(TILE) {
         let tile = first..(first + TILE).min(rows);
         let encoding = &mut encoding.0[..tile.len()];

@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::views::BoxRay;
-use crate::occupancy_grid::fast::Way;
+use crate::occupancy_grid::fast::MarchRay;
 use crate::random::Key;
 use crate::ray::Ray;
 
@@ -28,18 +28,18 @@ struct Drawn {
 #[inline(always)]
 fn push(model: &CompactModel, length: f32, rays: &[Drawn], chunk: &mut Chunk) {
     let settings = &model.settings;
-    let way = |Drawn { ray, u, patience, .. }: &Drawn| {
+    let march_ray = |Drawn { ray, u, patience, .. }: &Drawn| {
         let (enter, leave) = model.occupancy.span(ray.o, ray.d);
         let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
-        Way { o: ray.o, d: ray.d, near, far, u: *u, patience: *patience }
+        MarchRay { o: ray.o, d: ray.d, near, far, u: *u, patience: *patience }
     };
     let mut steps = std::mem::take(&mut chunk.steps);
     for rays in rays.chunks(WALKING) {
-        let ways: Vec<Way> = rays.iter().map(way).collect();
-        model.occupancy.march(model.arch, &ways, length, &mut steps);
-        for (n, (way, drawn)) in ways.iter().zip(rays).enumerate() {
+        let march_rays: Vec<MarchRay> = rays.iter().map(march_ray).collect();
+        model.occupancy.march(model.arch, &march_rays, length, &mut steps);
+        for (n, (march_ray, drawn)) in march_rays.iter().zip(rays).enumerate() {
             chunk.push_ray(&drawn.ray, drawn.target, drawn.pixel, steps.cut(n));
-            chunk.push_samples(way, steps.of(n), length);
+            chunk.push_samples(march_ray, steps.of(n), length);
         }
     }
     chunk.steps = steps;

@@ -37,12 +37,12 @@ mod tests;
 use chunk::Chunk;
 pub use dense::DENSE;
 use networks::{Networks, Weights};
-pub use settings::{Overrides, Part, Settings};
+pub use settings::{CompactSettings, Overrides, Part};
 use views::Views;
 
 /// Hash grid, networks and occupancy grid, with all that training needs.
 pub struct CompactModel {
-    pub(crate) settings: Settings,
+    pub(crate) settings: CompactSettings,
     views: Views,
     levels: Vec<Level>,
     nets: Networks,
@@ -64,7 +64,7 @@ impl CompactModel {
     /// # Errors
     /// Where a lens has no inverse at some training pixel.
     pub fn new(scene: &Scene, overrides: &Overrides) -> Result<Self> {
-        let settings = Settings::derive(scene, overrides);
+        let settings = CompactSettings::derive(scene, overrides);
         let views = Views::new(scene, &settings)?;
         let levels = (0..settings.resolutions.len()).map(|l| initial_level(&settings, l)).collect();
         let nets = Networks::new(Weights::random(&Key::new(settings.seed, Purpose::Parameters)));
@@ -87,7 +87,7 @@ impl CompactModel {
 }
 
 /// Entries uniform in [-1e-4, 1e-4], as in Instant-NGP.
-fn initial_level(settings: &Settings, l: usize) -> Level {
+fn initial_level(settings: &CompactSettings, l: usize) -> Level {
     let key = Key::new(settings.seed, Purpose::HashTable);
     let (resolution, table) = (settings.resolutions[l], settings.table);
     let dense = hash_grid::is_dense(resolution, table);

@@ -34,7 +34,7 @@ pub(crate) struct Reference {
 }
 
 /// What a ray sees, and how many samples of it count.
-pub(crate) struct Seen {
+pub(crate) struct ReferenceRay {
     /// Premultiplied color.
     pub color: [f64; 3],
     /// A.
@@ -131,7 +131,7 @@ impl Reference {
     }
 
     /// What a ray sees with `samples` step lengths across the box, all of its samples; `stop` is used to count alone.
-    pub fn render(&self, ray: &Ray, samples: f64, stop: f64) -> Seen {
+    pub fn render(&self, ray: &Ray, samples: f64, stop: f64) -> ReferenceRay {
         let unit = ray.d.normalize().to_array();
         let mut view = vec![0.0; self.view[0].len()];
         if self.view_dependent {
@@ -151,6 +151,6 @@ impl Reference {
             live += 1;
         }
         let seen = volume_render(&sigmas, &rgbs, &vec![delta; sigmas.len()], ProductEps::None);
-        Seen { color: seen.color, opacity: seen.opacity, samples: sigmas.len(), live }
+        ReferenceRay { color: seen.color, opacity: seen.opacity, samples: sigmas.len(), live }
     }
 }

@@ -61,7 +61,7 @@ pub struct Overrides {
 
 /// All settings of a [`super::CompactModel`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct CompactSettings {
     /// Lower corner of the box, a cube.
     pub low: DVec3,
     /// Its edge, scene units.
@@ -84,7 +84,7 @@ pub struct Settings {
     pub stop: f64,
     /// A picture's ray does so here.
     pub stop_at_rest: f64,
-    /// Samples a step at first; see [`Settings::batch_at`].
+    /// Samples a step at first; see [`CompactSettings::batch_at`].
     pub batch: usize,
     /// Rays a step, where given.
     pub rays: Option<usize>,
@@ -111,9 +111,9 @@ pub(crate) const AT_REST: f64 = 2.0;
 /// ray is drawn again in the next step, and then seen to its end.
 const PATIENCE: u32 = 12;
 
-impl Settings {
+impl CompactSettings {
     /// The settings of a scene.
-    pub fn derive(scene: &Scene, overrides: &Overrides) -> Settings {
+    pub fn derive(scene: &Scene, overrides: &Overrides) -> CompactSettings {
         let mut reasons = Map::new();
         let mut because = |name: &str, why: String| drop(reasons.insert(name.into(), Value::from(why)));
         let (low, size, why) = cube(scene);
@@ -191,7 +191,7 @@ impl Settings {
             },
         );
         because("background_model", "left out: what lies beyond the box has one color".into());
-        Settings {
+        CompactSettings {
             low,
             size,
             near: scene.near,

@@ -15,7 +15,7 @@ use crate::convention::ProductEps;
 use crate::files::npz::Array;
 use crate::hash_grid::fast::FEATURES;
 use crate::loss::psnr;
-use crate::occupancy_grid::fast::Way;
+use crate::occupancy_grid::fast::MarchRay;
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::scene::{Frame, Scene};
@@ -166,8 +166,9 @@ fn chunk_of(encodings: &[[f32; 32]]) -> Chunk {
     for (r, count) in COUNTS.into_iter().enumerate() {
         let unit = direction(r).map(|x| x as f32);
         chunk.push_ray(&BoxRay { o: [0.0; 3], d: [1.0; 3], unit }, [0.3; 3], 0, false);
-        let way = Way { o: [0.5; 3], d: [0.0; 3], near: 0.0, far: 1.0, u: 0.5, patience: u32::MAX };
-        chunk.push_samples(&way, &vec![0.5; count], 1.0);
+        let march_ray =
+            MarchRay { o: [0.5; 3], d: [0.0; 3], near: 0.0, far: 1.0, u: 0.5, patience: u32::MAX };
+        chunk.push_samples(&march_ray, &vec![0.5; count], 1.0);
     }
     chunk.reserve();
     chunk.spread(0, encodings);

@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3};
 
-use super::settings::Settings;
+use super::settings::CompactSettings;
 use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::error::Result;
 use crate::evaluation::camera_rays;
@@ -22,7 +22,7 @@ pub(super) struct BoxRay {
 
 impl BoxRay {
     /// A ray of the scene in units of the box.
-    pub fn new(ray: &Ray, settings: &Settings) -> Self {
+    pub fn new(ray: &Ray, settings: &CompactSettings) -> Self {
         let f32s = |v: DVec3| v.to_array().map(|x| x as f32);
         BoxRay {
             o: f32s((ray.o - settings.low) / settings.size),
@@ -53,7 +53,7 @@ impl Views {
     ///
     /// # Errors
     /// Where a lens has no inverse at some pixel.
-    pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
+    pub fn new(scene: &Scene, settings: &CompactSettings) -> Result<Self> {
         let mut known: Vec<(Intrinsics, Option<Distortion>)> = vec![];
         let (mut lenses, mut views) = (vec![], vec![]);
         for frame in &scene.train {

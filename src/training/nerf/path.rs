@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Settings, find, flat};
+use super::{NerfSettings, find, flat};
 use crate::convention::{CS180, Depth};
 use crate::early_stop::live_samples;
 use crate::encoding::Encoding;
@@ -36,7 +36,7 @@ pub(crate) struct Stepped {
 
 impl Path {
     /// Initial parameters.
-    pub fn new(settings: &Settings, key: &Key) -> Self {
+    pub fn new(settings: &NerfSettings, key: &Key) -> Self {
         let net = NerfMlp::initial(&settings.shape, key);
         if settings.reference {
             let mut zero = net.clone();

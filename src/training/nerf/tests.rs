@@ -7,8 +7,8 @@ use crate::parallel;
 use crate::scene;
 use crate::training::reference::fine_samples;
 
-fn settings(fine: usize, reference: bool) -> Settings {
-    let mut settings = Settings::new(2.0, 6.0, [1.0; 3]);
+fn settings(fine: usize, reference: bool) -> NerfSettings {
+    let mut settings = NerfSettings::new(2.0, 6.0, [1.0; 3]);
     (settings.rays, settings.samples, settings.fine) = (24, 8, fine);
     (settings.levels, settings.reference) = ((4, 2), reference);
     let (position, direction) = (3 + 6 * 4, 3 + 6 * 2);
@@ -23,7 +23,7 @@ fn scene() -> Scene {
 }
 
 /// A model after some steps, and the last report.
-fn trained(settings: Settings, scene: &Scene, steps: u64) -> (NerfModel, StepReport) {
+fn trained(settings: NerfSettings, scene: &Scene, steps: u64) -> (NerfModel, StepReport) {
     let mut model = NerfModel::new(settings);
     let mut report = StepReport::default();
     for step in 1..=steps {
@@ -113,12 +113,12 @@ fn no_seed_starts_dead() {
     let scene = scene();
     let mut turned = 0;
     for seed in 0..16 {
-        let settings = Settings { seed, ..settings(0, false) };
+        let settings = NerfSettings { seed, ..settings(0, false) };
         let drawn = Path::new(&settings, &Key::new(seed, Purpose::Parameters)).state("");
         let (model, _) = trained(settings, &scene, 1);
         assert!(!model.dead, "seed {seed}");
         turned += usize::from(model.turned);
-        let (reference, _) = trained(Settings { reference: true, ..settings }, &scene, 1);
+        let (reference, _) = trained(NerfSettings { reference: true, ..settings }, &scene, 1);
         assert_eq!(model.turned, reference.turned, "seed {seed}");
         // One step of Adam moves a parameter by lr at most: its sign still shows whether the head was turned.
         let [before, after] = [drawn, model.state()].map(|state| state["sigma_w"].to_f64());

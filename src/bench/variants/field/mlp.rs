@@ -1,7 +1,7 @@
 //! The 2D network (42 - 256 - 256 - 256 - 3).
 
 use super::{Plain, Store, plain_forward, plain_layer, rounded, short};
-use crate::bench::{BF16, F16, Kernel, Promise, Suite, Variant, kernel, rows, singles, uniform};
+use crate::bench::{BF16, F16, Kernel, Suite, Tolerance, Variant, kernel, rows, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, values};
 use crate::field::Mlp;
@@ -118,24 +118,24 @@ pub const MLP: Suite = Suite {
             "plain_f32",
             "one thread, a point and an output at a time",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             mlp_plain,
         ),
         Variant::new(
             "batched",
             "one thread, matrix products over 512 points, all layers of a chunk in the cache",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             |a| mlp_batched(a, 1, |_| Store::F32),
         ),
-        Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
+        Variant::new("threaded", "the same on all threads", Dtype::F32, Tolerance::f32(), |a| {
             mlp_batched(a, 0, |_| Store::F32)
         }),
         Variant::new(
             "layer_by_layer",
             "all threads, without that fusion: each layer over the whole batch",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             mlp_unfused,
         ),
         Variant::new(

@@ -1,7 +1,7 @@
 //! The network of the NeRF paper (8 x 256).
 
 use super::{Plain, Store, plain_forward, plain_layer, rounded, short};
-use crate::bench::{BF16, F16, Kernel, Promise, Scaling, Suite, Variant, kernel, uniform};
+use crate::bench::{BF16, F16, Kernel, Scaling, Suite, Tolerance, Variant, kernel, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, values};
 use crate::convention::{CS180, Density};
@@ -135,17 +135,17 @@ pub const NERF_MLP: Suite = Suite {
             "plain_f32",
             "one thread, a point and an output at a time",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             nerf_plain,
         ),
         Variant::new(
             "batched",
             "one thread, matrix products over 512 points, feature and color layer folded into one, one direction for 64 points",
             Dtype::F32,
-            Promise::f32(),
+            Tolerance::f32(),
             |a| nerf_batched(a, &Shape::PAPER, 1, |_| Store::F32),
         ),
-        Variant::new("threaded", "the same on all threads", Dtype::F32, Promise::f32(), |a| {
+        Variant::new("threaded", "the same on all threads", Dtype::F32, Tolerance::f32(), |a| {
             nerf_batched(a, &Shape::PAPER, 0, |_| Store::F32)
         }),
         Variant::new(

@@ -12,13 +12,13 @@ const STEP: f64 = 0.5;
 const AFTER: u64 = 2;
 const EVERY: u64 = 3;
 
-fn skipping_settings(skip: bool) -> Settings {
+fn skipping_settings(skip: bool) -> NerfSettings {
     let skip = skip.then_some(Skip { after: AFTER, every: EVERY, resolution: 32 });
-    Settings { skip, ..settings(0, false) }
+    NerfSettings { skip, ..settings(0, false) }
 }
 
 /// A model after its first steps, with a density head that gives half of the space between near and far no density.
-fn half_empty(settings: Settings, scene: &Scene) -> NerfModel {
+fn half_empty(settings: NerfSettings, scene: &Scene) -> NerfModel {
     let (mut model, report) = trained(settings, scene, AFTER);
     assert!(model.grid.is_none() && report.samples == 24 * 8, "the first steps are dense");
     let Path::Fast { net, .. } = &mut model.coarse else { panic!("the fast path") };
@@ -36,7 +36,7 @@ fn half_empty(settings: Settings, scene: &Scene) -> NerfModel {
 }
 
 /// The same state in a model of its own.
-fn copy(model: &NerfModel, settings: Settings) -> NerfModel {
+fn copy(model: &NerfModel, settings: NerfSettings) -> NerfModel {
     let mut copy = NerfModel::new(settings);
     copy.restore(&model.state(), "checkpoint.npz").unwrap();
     copy
@@ -156,7 +156,7 @@ fn a_checkpoint_holds_the_grid_and_threads_change_nothing() {
 fn both_paths_leave_out_the_same() {
     let scene = scene();
     let run = |reference, skip: bool| {
-        let mut model = NerfModel::new(Settings { rays: 32, samples: 16, ..settings(0, reference) });
+        let mut model = NerfModel::new(NerfSettings { rays: 32, samples: 16, ..settings(0, reference) });
         let mut grid = Grid::new(&scene, 2.0, 6.0, 16).unwrap();
         grid.fill(&Key::new(0, Purpose::Occupancy), 1, STEP, &|points: &[f64]| {
             points.chunks(3).map(|p| if p[0] < 0.0 { 1.0 } else { 0.0 }).collect()
