@@ -1,13 +1,13 @@
 //! Exponential and sine of a stated grade in f32: shorter polynomials than full accuracy needs, free of branches, so that loops over
-//! them become vector code. For the bolder variants that `bench` compares; the oracle has nothing from here.
+//! them become vector code. For the less accurate variants that `bench` compares; the oracle uses nothing from here.
 //!
 //! A grade is the largest relative error in units of f32's last place. Coefficients minimize the largest relative error (weighted
-//! least squares, repeated until the error is level); the tests measure what is stated.
+//! least squares, repeated until the error is level); the tests measure the stated errors.
 
 /// A stated accuracy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Grade {
-    /// Within 8,192 ULP: 11 good bits, one more than bf16 and f16 keep.
+    /// Within 8,192 ULP: 11 correct bits.
     Low,
     /// Exponential within 256 ULP, sine within 32.
     Middle,
@@ -37,7 +37,7 @@ impl Grade {
 /// e^-x = 2^n + 2^n p.
 #[inline(always)]
 pub fn attenuation(x: f32, grade: Grade) -> (f32, f32) {
-    // Behind e^-87 f32 has no normal numbers: those are 0 here.
+    // Below e^-87 f32 has no normal numbers: those are 0 here.
     let y = -std::f32::consts::LOG2_E * if x > 87.0 { 87.0 } else { x };
     let n = y.round_ties_even();
     let f = y - n;
@@ -76,7 +76,7 @@ pub fn sin_cos_pi(y: f32, grade: Grade) -> (f32, f32) {
     (sign(sin, q), sign(cos, q + 1))
 }
 
-/// A bf16 number's bits, to nearest, ties to even.
+/// x rounded to bf16, to nearest, ties to even, as bits.
 #[inline(always)]
 pub fn to_bf16(x: f32) -> u16 {
     let bits = x.to_bits();
@@ -99,7 +99,7 @@ mod tests {
         (f64::from(got) - exact).abs() / crate::contract::Dtype::F32.ulp(size)
     }
 
-    /// What is stated is kept, and isn't stated loosely: more than half of it is used.
+    /// The stated errors hold, and are sharp: more than half of each is used.
     #[test]
     fn attenuation_is_of_its_grade() {
         for grade in [Grade::Low, Grade::Middle] {

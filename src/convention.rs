@@ -55,7 +55,7 @@ pub enum Grid {
     EndsBetweenMidpoints,
 }
 
-/// Where a sample rests in its interval when nothing is drawn (evaluation).
+/// The position of a sample in its interval when nothing is drawn (evaluation).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rest {
@@ -75,8 +75,8 @@ pub enum Delta {
     Width,
     /// t_{i+1} - t_i; the last one is [`LastDelta`].
     Differences,
-    /// The same times the direction's length, the last one too: a length where directions aren't unit (bmild/nerf). Whoever knows
-    /// the direction multiplies: a rendering, not the steps of `t` alone.
+    /// The same times the direction's length, the last one too: a length where directions aren't unit (bmild/nerf). This is done where the
+    /// direction is known: in a rendering, not in the steps of `t` alone.
     DifferencesTimesNorm,
 }
 
@@ -210,7 +210,7 @@ pub enum Activation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Depth {
-    /// sum w t / sum w; far where the ray meets nothing.
+    /// sum w t / sum w; far where all weights are 0.
     Divided,
     /// sum w t.
     Plain,
@@ -257,7 +257,7 @@ pub struct Conventions {
     pub last_delta: LastDelta,
     /// Number added inside the product of transmittances.
     pub product_eps: ProductEps,
-    /// Whether the encoding keeps x itself, in front.
+    /// Whether the encoding begins with x itself.
     pub identity: bool,
     /// Factor of the encoding's bands.
     pub frequency: Frequency,
@@ -267,7 +267,7 @@ pub struct Conventions {
     pub columns: Columns,
     /// Density activation.
     pub density: Density,
-    /// Index (from 0) of the trunk layer whose input holds the encoding again.
+    /// Index (from 0) of the trunk layer whose input contains the encoding again.
     pub skip_layer: usize,
     /// Order of that concatenation.
     pub skip_order: SkipOrder,
@@ -313,7 +313,7 @@ impl Default for Conventions {
     }
 }
 
-/// Every convention with the closed list of its values, as they stand in JSON.
+/// Every convention with the closed list of its values, as they are written in JSON.
 pub const CHOICES: &[(&str, &[&str])] = &[
     ("axes", &["opencv", "opengl"]),
     ("pixel_center", &["half", "integer"]),

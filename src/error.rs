@@ -29,7 +29,7 @@ pub enum Error {
         /// What it may be.
         expected: String,
     },
-    /// The operating system said no.
+    /// The operating system refused.
     #[error("{}: {action}: {source}. {advice}", path.display())]
     Io {
         /// The file or folder.

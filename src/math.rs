@@ -1,6 +1,6 @@
 //! Elementary functions that give the same bits on every machine, and a compensated sum.
 //!
-//! `std`'s `exp`, `sin`, ... go to the platform's library and differ from it on about one input in ten. The oracle calls
+//! `std`'s `exp`, `sin`, ... use the platform's library, which gives other bits on about one input in ten. The oracle calls
 //! the `libm` crate through this file instead. `sqrt`, `+`, `*`, `/` are IEEE operations and are equal everywhere.
 
 use std::f64::consts::PI;
@@ -101,7 +101,7 @@ fn reduce(x: f64) -> (i64, f64) {
     ((half_turns as i64).rem_euclid(4), x - half_turns / 2.0)
 }
 
-/// A sum that carries its own rounding error along (Neumaier 1974): n terms cost 2 roundings of the result instead of n.
+/// A compensated sum (Neumaier 1974): the error of n terms is that of 2 roundings of the result instead of n.
 ///
 /// ```
 /// let mut sum = nerf_oracle::math::Sum::default();
@@ -131,15 +131,15 @@ impl Sum {
         self.high + self.low
     }
 
-    /// The sum times x, with what rounding leaves of the product.
+    /// The sum times x, rounding error of the product included.
     pub fn times(&self, x: f64) -> Sum {
         let high = self.high * x;
         Sum { high, low: self.high.mul_add(x, -high) + self.low * x }
     }
 }
 
-/// A product that carries its own rounding error along, as [`Sum`] does: n factors cost 2 roundings of the result instead of n.
-/// Factors are sums, since what is left of a sum's rounding counts as much as that of the product (1 - alpha near alpha = 0).
+/// A compensated product, like [`Sum`]: the error of n factors is that of 2 roundings of the result instead of n.
+/// Factors are sums, since the rounding error of a factor counts as much as that of the product (1 - alpha near alpha = 0).
 ///
 /// ```
 /// use nerf_oracle::math::{Product, Sum};
@@ -166,7 +166,7 @@ impl Product {
     /// Multiplies by one factor.
     pub fn multiply(&mut self, x: Sum) {
         let product = self.high * x.high;
-        // The exact rounding error of the line above, and what the two operands had left over.
+        // The exact rounding error of the line above, and the compensations of the two operands.
         let error = self.high.mul_add(x.high, -product);
         self.low = error + (self.high * x.low + self.low * x.high);
         self.high = product;
@@ -210,7 +210,7 @@ mod tests {
             assert!(ulps(sin_pi(x), sine) <= 4, "sin_pi({x}) = {}, not {sine}", sin_pi(x));
             assert!(ulps(cos_pi(x), cosine) <= 4, "cos_pi({x}) = {}, not {cosine}", cos_pi(x));
         }
-        // PE3: the textbook's sin(PI * x) at the same points is off by millions.
+        // PE3: the textbook form sin(PI * x) at the same points is off by millions.
         assert!(ulps(sin(PI * 123456.789), 0.6153863701685053) > 1_000);
         assert!(ulps(sin(PI * 1099511627776.375), 0.9238795325112867) > 1_000_000);
     }

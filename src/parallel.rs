@@ -14,7 +14,7 @@ pub fn with_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + 
     }
 }
 
-/// How many threads work now.
+/// The number of threads in use.
 pub fn threads() -> usize {
     rayon::current_num_threads()
 }
@@ -34,7 +34,7 @@ pub fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync + Send) {
     items.par_iter_mut().for_each(f);
 }
 
-/// Both closures, on two threads where there are two.
+/// Runs both closures, on two threads if there are two.
 pub fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     rayon::join(a, b)
 }

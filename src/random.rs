@@ -1,10 +1,10 @@
-//! Counter-based random numbers: any draw can be made without the ones before it, so threads and chunks change nothing.
+//! Counter-based random numbers: any draw can be computed without the ones before it, so threads and chunks change nothing.
 //!
 //! Philox4x64-10 (Salmon, Moraes, Dror, Shaw: "Parallel random numbers: as easy as 1, 2, 3", SC 2011), word for word
 //! `numpy.random.Philox`: draw n of stream `(purpose, step, ray)` is output n of
 //! `numpy.random.Generator(Philox(key=[seed, purpose], counter=[0, ray, step, 0])).random()`.
 
-/// What a draw is for. Streams of different purposes never meet.
+/// What a draw is for. Streams of different purposes never overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
@@ -14,7 +14,7 @@ pub enum Purpose {
     Rays = 2,
     /// Jitter of the samples along a ray.
     Samples = 3,
-    /// Which pixels of a picture a 2D step sees.
+    /// The pixels of a picture that a 2D step uses.
     Pixels = 4,
     /// Occupancy grid updates.
     Occupancy = 5,

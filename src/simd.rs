@@ -30,7 +30,7 @@ fn chosen(by: &str) -> Arch {
     }
 }
 
-/// So many copies of `value`.
+/// `count` copies of `value`.
 ///
 /// ```
 /// let rows = nerf_oracle::simd::repeated([1f32; 16], 3);

@@ -79,7 +79,7 @@ pub struct Scores {
     pub views: Vec<ViewScore>,
 }
 
-/// Renders all frames that have a picture and scores them; `seen` gets each view. SSIM, which is expensive, only where `with_ssim`.
+/// Renders all frames that have a picture and scores them; `seen` gets each view. SSIM, which is expensive, only if `with_ssim`.
 ///
 /// # Errors
 /// Where the lens has no inverse at some pixel.

@@ -30,7 +30,7 @@ pub fn given(arrays: Arrays) -> Answer {
 /// Outputs that are small whole numbers: bytes, bits and counts.
 const WHOLE: [&str; 5] = ["bytes", "hit", "occupied", "found", "visited"];
 
-/// Whether a float type can hold all that `dtype` computes. Pixel positions, bytes, bits and counts may be integers too.
+/// Whether a float type can represent all that `dtype` computes. Pixel positions, bytes, bits and counts may be integers too.
 pub fn wide_enough(name: &str, given: &str, dtype: Dtype) -> bool {
     let whole = WHOLE.contains(&name);
     match given {
@@ -42,8 +42,8 @@ pub fn wide_enough(name: &str, given: &str, dtype: Dtype) -> bool {
     }
 }
 
-/// The answer in the expected shape: as it is, or with merged axes taken apart (rays of an (H, W) picture as H W rows). The text
-/// says which layout it was.
+/// The answer in the expected shape: as it is, or with merged axes split (rays of an (H, W) picture as H W rows). The text says which
+/// layout it was.
 pub fn reshaped(values: &ArrayD<f64>, expected: &[usize]) -> Option<(ArrayD<f64>, Option<String>)> {
     if values.shape() == expected {
         return Some((values.clone(), None));

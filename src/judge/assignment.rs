@@ -79,8 +79,8 @@ pub fn small_cases<'a>(question: &'a Question, answers: &'a Answers) -> Vec<(&'a
     pairs
 }
 
-/// Those of the assignments that no output of the smallest case alone rules out. A row of thousands of assignments says which
-/// conventions an output reads ([`READS`]): what differs in others alone needs one look.
+/// The assignments that no output of the smallest case rules out. A row of thousands of assignments says which
+/// conventions an output reads ([`READS`]): assignments that differ only in others are checked once.
 pub fn possible(
     question: &Question,
     answers: &Answers,
@@ -136,7 +136,7 @@ pub struct Found {
     pub contradicting: Vec<(usize, Conventions)>,
 }
 
-/// Looks for the one assignment in which all questions are right that are right in any.
+/// Looks for the one assignment in which every question is right that is right in any.
 pub fn find(questions: &[(&Question, &Answers)], options: &MarkOptions) -> Found {
     let holds_in = |n: usize, c: &Conventions| holds(questions[n].0, questions[n].1, c, options);
     let named = |c: &Conventions| parallel::map(questions.len(), |n| holds_in(n, c)).into_iter().all(|ok| ok);
@@ -180,7 +180,7 @@ fn join(
     None
 }
 
-/// Where no assignment holds for all: each value that most questions can live with, in turn.
+/// Where no assignment holds for all: convention by convention, the value that most questions agree with.
 fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
     let mut joined = Partial::new();
     for (key, values) in CHOICES {
@@ -202,7 +202,7 @@ fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
 /// Assignments that are compared when nothing explains the answers.
 const COMPARED: usize = 2_000;
 
-/// The assignment in which most elements agree with the answers to a few digits, the one next to `base` of equals.
+/// The assignment in which most elements agree with the answers to a few digits; the nearest to `base` among equals.
 pub fn nearest(question: &Question, answers: &Answers, base: &Conventions) -> Conventions {
     let all = assignments(question.component, base).into_iter().map(|p| apply(&p, base));
     let all: Vec<Conventions> = all.filter(|c| question.admits(c)).take(COMPARED).collect();

@@ -25,16 +25,16 @@ pub struct Explanation {
     pub same_as_best: bool,
 }
 
-/// The conventions may differ in so many places beside one mistake, and beside two.
+/// The largest number of conventions that may differ, with one mistake and with two.
 const CHANGES: [usize; 3] = [usize::MAX, 2, 1];
 
-/// Assignments that are tried beside one mistake, and beside two.
+/// The largest number of assignments that are tried, with one mistake and with two.
 const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 
-/// Gradients of mistakes in the forward function are numeric and expensive: so many of the smallest cases.
+/// Gradients of mistakes in the forward function are numeric and expensive: this many of the smallest cases are used.
 const NUMERIC: usize = 12;
 
-/// Explanations that are listed.
+/// The largest number of explanations that are listed.
 const SHOWN: usize = 8;
 
 /// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
@@ -61,7 +61,7 @@ pub fn diagnose(
     all.retain(|p| question.admits(&apply(p, base)));
     for count in 0..=2 {
         let sets = sets(question, count, suspects);
-        // Without a mistake an output may tell its conventions by itself.
+        // Without a mistake, an output may show its conventions by itself.
         let right = if count == 0 { possible(question, answers, all.clone(), base, options) } else { vec![] };
         let all = if count == 0 { &right } else { &all };
         let mut near: Vec<&Partial> = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).collect();
@@ -77,7 +77,7 @@ pub fn diagnose(
         }
         if !fitting.is_empty() {
             if count == 0 {
-                // A mistake may be somebody else's convention: the two are told together.
+                // A mistake may be another program's convention: the two are reported together.
                 fitting.extend(alone(question, answers, base, options));
             }
             return ranked(fitting, question, answers, &home, options);
@@ -97,10 +97,10 @@ fn explaining(
 ) -> Vec<Hypothesis> {
     let mut hypotheses = vec![];
     for mistakes in sets {
-        // Numeric gradients are too expensive for all assignments: the forward answers have told the conventions.
+        // Numeric gradients are too expensive for all assignments: the forward answers have shown the conventions.
         let numeric = question.kind == Kind::Vjp && of_forward(question, mistakes);
         for conventions in ring.iter().map(|p| apply(p, base)) {
-            // And no mistake in the run's own conventions is no explanation: it has just failed.
+            // No mistake in the run's own conventions isn't an explanation: it has just failed.
             let home = conventions == *base;
             if (home || !numeric) && !(home && mistakes.is_empty()) {
                 hypotheses.push(Hypothesis { mistakes: mistakes.clone(), conventions });
@@ -148,7 +148,7 @@ fn sets(question: &Question, count: usize, suspects: &[Vec<&'static str>]) -> Ve
 /// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.
 fn explains_all(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> bool {
     let cases = usable(h, question, answers);
-    // Numeric gradients that are known nowhere would explain anything.
+    // Numeric gradients that are unknown everywhere would explain anything.
     let says = |case| {
         h.prediction(question, case).1.is_none_or(|error| error.values().flatten().any(|e| e.is_finite()))
     };
@@ -182,7 +182,7 @@ fn ranked(
         let cases = usable(h, question, answers);
         cases.iter().map(|(case, answer)| h.residual(question, case, answer, options)).fold(0.0, f64::max)
     };
-    // What a mistake hides needs no further look: the same numbers, bit for bit, with fewer changes.
+    // Conventions that a mistake hides need no check: the same numbers, bit for bit, with fewer changes.
     fitting.sort_by_key(moved);
     let mut seen: Vec<(Hypothesis, Vec<Arrays>)> = vec![];
     fitting.retain(|h| {
@@ -213,13 +213,13 @@ fn ranked(
         known.push(key);
         new
     });
-    // A change of convention that these mistakes hide says nothing: the same mistakes with fewer changes rank before.
+    // A change of convention that these mistakes hide has no effect: the same mistakes with fewer changes rank before it.
     let predicts_same = |a: &Hypothesis, b: &Hypothesis| {
         usable(b, question, answers).iter().all(|(case, _)| a.same_as(b, question, case, options))
     };
     let mut told: Vec<Hypothesis> = vec![];
     rows.retain(|(h, _)| {
-        // So many are enough to choose from; a mistake that equals a convention stays in sight.
+        // This many are enough to choose from; a mistake that equals a convention stays listed.
         let new = told.len() < SHOWN
             && !told.iter().any(|t| t.mistakes == h.mistakes && moved(t) < moved(h) && predicts_same(h, t));
         if new {

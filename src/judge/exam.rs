@@ -43,7 +43,7 @@ pub struct Exam {
     pub filter: String,
     /// The questions, in pipeline order.
     pub questions: Vec<Question>,
-    /// Cases whose inputs the type can't hold, by `component/kind-id`.
+    /// Cases whose inputs the type can't represent, by `component/kind-id`.
     pub left_out: Vec<String>,
 }
 
@@ -61,9 +61,9 @@ pub struct Manifest {
     pub profile: Option<String>,
     /// The filter that chose the components.
     pub filter: String,
-    /// Cases that the type can't hold.
+    /// Cases that the type can't represent.
     pub left_out: Vec<String>,
-    /// One entry a case.
+    /// One entry per case.
     pub cases: Vec<Value>,
 }
 
@@ -77,7 +77,7 @@ impl Exam {
         let mut exam =
             Exam { dtype, profile, filter: filter.to_string(), questions: vec![], left_out: vec![] };
         let wanted = |c: &&Component| c.name.contains(filter) || c.folder.contains(filter);
-        // Statistics are for the types in which a sampler's numbers are fine enough.
+        // Statistics need types in which a sampler's numbers are fine enough.
         let sampler = [Dtype::F64, Dtype::F32].contains(&dtype).then_some(&SAMPLER);
         for component in COMPONENTS.iter().chain(sampler).filter(wanted) {
             for kind in [Kind::Forward, Kind::Vjp].into_iter().filter(|&k| component.direction(k).is_some()) {
@@ -166,7 +166,7 @@ impl Question {
         path(self.component, self.kind, case)
     }
 
-    /// Output names in the contract's order, which is the order in which a mistake travels.
+    /// Output names in the contract's order, which is the order in which a mistake propagates.
     pub fn ordered<'a>(&self, names: impl Iterator<Item = &'a String>) -> Vec<&'a String> {
         let ports = if self.kind == Kind::Forward { self.component.outputs } else { self.component.inputs };
         let place = |name: &str| {

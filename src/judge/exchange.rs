@@ -20,7 +20,7 @@ use crate::parallel;
 /// A manifest longer than this isn't one of ours.
 const LONGEST_MANIFEST: u64 = 16 << 20;
 
-/// What an archive may be larger than its arrays by: headers, the directory, a few small extras.
+/// The bytes by which an archive may be larger than its arrays: headers, the directory, a few small extras.
 const SLACK: u64 = 64 << 10;
 
 /// Writes `cases.json` and one npz a case. Returns the bytes written.
@@ -56,8 +56,8 @@ fn packed(name: &str, array: &ArrayD<f64>, exam: &Exam) -> npz::Array {
     }
 }
 
-/// The exam that a folder of cases holds: asked again here, then compared, so that neither a question nor an input can have been
-/// left out or changed.
+/// The exam that a folder of cases holds: built again here, then compared, so that no question or input can have been left out or
+/// changed.
 ///
 /// # Errors
 /// A manifest or an npz that isn't what [`write_cases`] writes, named with its file.
@@ -128,10 +128,10 @@ fn bytes(arrays: &Arrays) -> u64 {
     arrays.values().map(|array| 8 * array.len() as u64).sum()
 }
 
-/// All answers below a folder, a list a question.
+/// All answers below a folder, a list per question.
 ///
 /// # Errors
-/// Anything in the folder that the manifest doesn't ask for, links, files that are damaged, too large, or hold other than numbers.
+/// Anything in the folder that the manifest doesn't list, links, files that are damaged, too large, or don't hold numbers.
 pub fn read_answers(exam: &Exam, folder: &Path) -> Result<Vec<Answers>> {
     nothing_else(exam, folder)?;
     let c = exam.conventions();
@@ -144,7 +144,7 @@ pub fn read_answers(exam: &Exam, folder: &Path) -> Result<Vec<Answers>> {
                 return Ok(None);
             }
             let outputs = (direction.oracle)(&case.inputs, &c);
-            // Twice: an encoding may be wider in other conventions; inputs may be handed back beside the outputs.
+            // Twice: an encoding may be wider in other conventions, and answers may contain the inputs too.
             let allowed = 2 * bytes(&outputs) + bytes(&case.inputs);
             read_arrays(&path, outputs.keys().collect(), allowed).map(Some)
         };
@@ -153,7 +153,7 @@ pub fn read_answers(exam: &Exam, folder: &Path) -> Result<Vec<Answers>> {
     questions.into_iter().collect()
 }
 
-/// Reads the arrays of these names, if all that the archive unpacks to stays within `allowed` bytes (and some slack).
+/// Reads the arrays of these names, if the archive unpacks to at most `allowed` bytes (and some slack).
 fn read_arrays(path: &Path, names: BTreeSet<&String>, allowed: u64) -> Result<BTreeMap<String, Given>> {
     let expected = format!("at most {} bytes, as the manifest has it", allowed + SLACK);
     let advice = "Store the outputs that cases.json lists, uncompressed (numpy.savez), and nothing else.";

@@ -23,14 +23,14 @@ pub struct Hypothesis {
     pub conventions: Conventions,
 }
 
-/// How much wider a hypothesis' bound is than what was derived for the right formula, as wrong code has no derived bound of its own;
-/// and the roundings a wrong result may carry beside those of its inputs. In the short types so much would explain anything.
+/// How much wider a hypothesis' bound is than that of the right formula, as wrong code has no derived bound of its own; and the
+/// number of roundings of a wrong result beside those of its inputs. In the short types so wide a bound would explain anything.
 fn generosity(dtype: Dtype) -> (f64, f64) {
     if dtype.bits() >= 24 { (8.0, 64.0) } else { (4.0, 4.0) }
 }
 
 impl Hypothesis {
-    /// What this candidate would answer, and how far off it may be where it can't be told exactly (numeric gradients).
+    /// What this candidate would answer, and its error where it isn't known exactly (numeric gradients).
     pub fn prediction(&self, question: &Question, case: &Case) -> (Arrays, Option<Arrays>) {
         let direction = question.component.direction(question.kind).expect("a question has its direction");
         if question.kind == Kind::Vjp && of_forward(question, &self.mistakes) {
@@ -41,8 +41,8 @@ impl Hypothesis {
         ((direction.wrong)(&case.inputs, &self.conventions, &self.mistakes), None)
     }
 
-    /// The hypothesis' own bound: that of the right formula in these conventions, some times over, and what the wrong function
-    /// itself makes of inputs that are off by a few roundings.
+    /// The hypothesis' own bound: a multiple of that of the right formula in these conventions, plus the change of the wrong
+    /// function on inputs that are off by a few roundings.
     fn bound(
         &self,
         question: &Question,
@@ -61,7 +61,7 @@ impl Hypothesis {
         // A wrong sum or product may be as long as any axis.
         let longest = case.inputs.values().flat_map(|a| a.shape()).max().copied().unwrap_or(0);
         roundings = roundings.max(2.0 * longest as f64);
-        // Of fractions, a mistake may hand any to any other: T, which 1 - exp(-x) leaves few digits, in the place of T alpha.
+        // A mistake may return one fraction in place of another: T, of which 1 - exp(-x) leaves few digits, in place of T alpha.
         let fractions = |name: &String| truth[name].iter().all(|x| (0.0..=1.0).contains(x));
         let of_fractions = right.iter().filter(|(name, _)| fractions(name)).flat_map(|(_, bound)| bound);
         let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
@@ -82,9 +82,9 @@ impl Hypothesis {
             if let Some(error) = error {
                 bound += &error[name];
             }
-            // Where the wrong value itself is no number, so may the answer be; nothing else fits.
+            // Where the wrong value itself is NaN, only NaN fits.
             bound.mapv_inplace(|b| if b.is_nan() { 0.0 } else { b });
-            // And where it leaves the type, or a factor of it does, the answer may be infinite.
+            // Where it overflows the type, or a factor of it does, the answer may be infinite.
             let beyond = |w: f64| w.is_finite() && w.abs() > options.dtype.largest() / 4.0;
             bound.zip_mut_with(w, |b, &w| *b = if beyond(w) { f64::INFINITY } else { *b });
             (name.clone(), bound)
@@ -111,7 +111,7 @@ impl Hypothesis {
     /// Whether it explains an answer.
     pub fn explains(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> bool {
         let (wrong, error) = self.prediction(question, case);
-        // A numeric gradient is known at some elements alone: no look at most of them.
+        // A numeric gradient is known only at some elements, so most elements can't be compared.
         let look = options.may_look_first(case) && error.is_none();
         within(answer, &wrong, look, || self.bound(question, case, &wrong, error.as_ref(), options))
     }

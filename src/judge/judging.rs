@@ -97,11 +97,11 @@ pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
     Ok(judge_answers(&exam, &answers, EXP_ULP))
 }
 
-/// Judges answers to an exam, a list a question.
+/// Judges answers to an exam, a list per question.
 pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
     let options = MarkOptions { dtype: exam.dtype, exp_ulp };
     let first = Round::new(exam, answers, &options);
-    // What fails may only be laid out otherwise: then it is judged again in the contract's layout.
+    // A failure may be due to the layout alone: then it is judged again in the contract's layout.
     let failing = |n: &usize| first.marked[*n].as_ref().is_some_and(|(marks, _)| marks.budget_used > 1.0);
     let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
     let base = first.found.conventions;
@@ -180,11 +180,11 @@ impl Round {
     }
 }
 
-/// Shows what a failing row should have been in the conventions that it follows, where nothing else in the run tells them: those of
-/// the best explanation, or those in which most elements agree. A person compares with what they meant to write.
+/// Shows the expected values of a failing row in the conventions that it probably follows, where nothing else in the run shows them:
+/// those of the best explanation, or those in which most elements agree. People compare with what they meant to write.
 fn nearest(row: &mut Row, question: &Question, answers: &Answers, base: &Conventions, options: &MarkOptions) {
     let near = match row.diagnosis.first() {
-        // Right in other conventions: what is wrong is that the rest of the run follows these.
+        // Right in other conventions: it only disagrees with the rest of the run.
         Some(best) if best.mistakes.is_empty() => return,
         Some(best) => assignment::apply(&best.conventions, base),
         None => assignment::nearest(question, answers, base),
@@ -219,7 +219,7 @@ fn marks(
         let bound = |grade| (direction.bound)(&case.inputs, c, &options.arithmetic(grade));
         bound(Grade::A) != bound(Grade::B)
     });
-    // The wider bound first: what exceeds it needs no second look.
+    // The wider bound first: what exceeds it exceeds the other too.
     let textbook = mark(question, answers, c, options, if graded { Grade::B } else { Grade::A });
     if !graded || !textbook.pass() {
         return (textbook, None);

@@ -13,7 +13,7 @@ use crate::contract::case::Case;
 use crate::contract::check::{Kind, budget_used};
 use crate::convention::Conventions;
 
-/// The answers in the contract's layout, and in words what theirs was; `None` where no layout makes them right.
+/// The answers in the contract's layout, and a description of theirs; `None` if no layout makes them right.
 pub fn normalized(
     question: &Question,
     answers: &Answers,
@@ -26,7 +26,7 @@ pub fn normalized(
     swapped(question, answers, base, options).or_else(|| columns(question, answers, base, options))
 }
 
-/// Two outputs of the same shape in each other's place, as (d, o) for (o, d).
+/// Two outputs of the same shape exchanged, as (d, o) for (o, d).
 fn swapped(
     question: &Question,
     answers: &Answers,

@@ -1,4 +1,4 @@
-//! Marking: one question of answers against the truth in given conventions.
+//! Marking: the answers to one question against the truth in given conventions.
 
 use std::collections::BTreeSet;
 
@@ -42,26 +42,26 @@ pub struct Marks {
     pub vacuous: usize,
     /// Elements that prove something.
     pub proving: usize,
-    /// What is wrong with the answers as files: absent, of a wrong shape, of a type too narrow, NaN.
+    /// Problems of the answers as files: absent, of a wrong shape, of a type too narrow, NaN.
     pub faults: Vec<String>,
     /// Outputs that no case answers.
     pub missing: BTreeSet<String>,
     /// Layouts found and accepted.
     pub layouts: BTreeSet<String>,
-    /// Choices that are no mistake, and no convention's either.
+    /// Choices that are neither a mistake nor a value of a convention.
     pub findings: Vec<String>,
     /// The outputs that are off, in the order in which the component computes them.
     pub off: Vec<String>,
 }
 
 impl Marks {
-    /// Everything answered, nothing off, something proved.
+    /// Everything answered, nothing wrong, something proved.
     pub fn pass(&self) -> bool {
         self.budget_used <= 1.0 && self.faults.is_empty() && self.proving > 0
     }
 }
 
-/// How to judge: the type, the grade, and the accuracy of elementary functions.
+/// How to mark: the type under test, and the accuracy of elementary functions.
 #[derive(Clone, Copy, Debug)]
 pub struct MarkOptions {
     /// What the candidate computes in.
@@ -76,13 +76,13 @@ impl MarkOptions {
         Arithmetic { elementary_ulp: self.exp_ulp, ..Arithmetic::new(self.dtype, grade) }
     }
 
-    /// Whether an answer that is far off at first sight can't be right: so in f32 and f64, but for hard cases, where a textbook
-    /// formula may have no digit left.
+    /// Whether an answer that is far off can be rejected without its bound: true in f32 and f64, except for hard cases, where a textbook
+    /// formula may have no digits left.
     pub fn may_look_first(&self, case: &Case) -> bool {
         self.dtype.bits() >= 24 && !hard(case)
     }
 
-    /// What is true in a case, and how far off an answer may be.
+    /// The true outputs of a case, and the bound of an answer.
     pub fn truth(&self, question: &Question, case: &Case, c: &Conventions, grade: Grade) -> (Arrays, Arrays) {
         let direction = question.component.direction(question.kind).expect("a question has its direction");
         let expected = (direction.oracle)(&case.inputs, c);
@@ -90,7 +90,7 @@ impl MarkOptions {
     }
 }
 
-/// Marks a whole question.
+/// Marks all answers to a question.
 pub fn mark(
     question: &Question,
     answers: &Answers,
@@ -164,7 +164,7 @@ impl Marks {
             if used > 1.0 {
                 self.off.push(name.clone());
             }
-            // A vacuous element says nothing about how much of the budget was used, unless it is off all the same.
+            // A vacuous element says nothing about how much of the budget was used, unless it exceeds its bound.
             if vacuous && used <= 1.0 {
                 continue;
             }
@@ -179,8 +179,8 @@ impl Marks {
     }
 }
 
-/// Whether answers lie within bounds: the question that a search asks thousands of times, so it may look before it computes
-/// bounds (see [`MarkOptions::may_look_first`]).
+/// Whether answers lie within bounds. A search calls this thousands of times, so it may reject answers that are far off before the
+/// bounds are computed (see [`MarkOptions::may_look_first`]).
 pub fn within(answer: &Answer, expected: &Arrays, look: bool, bound: impl FnOnce() -> Arrays) -> bool {
     let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
         let given = answer.get(name)?;

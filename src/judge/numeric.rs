@@ -1,4 +1,4 @@
-//! Numeric gradients of wrong code: what automatic differentiation makes of a mistake in the forward function.
+//! Numeric gradients of wrong code: what automatic differentiation returns for a mistake in the forward function.
 
 use ndarray::ArrayD;
 
@@ -10,9 +10,9 @@ use crate::convention::Conventions;
 const SAMPLED: usize = 32;
 
 /// The vector-Jacobian product of the component's forward function with `mistakes`, and an estimate of its error: central
-/// differences at h and h / 2, combined so that the error falls with h^4 (Richardson), what rounding makes of them, and at a kink
-/// the difference between the slopes of its sides, either of which is a gradient. Of arrays longer than `SAMPLED` every n-th
-/// element alone; the others' error is infinite.
+/// differences at h and h / 2, combined so that the error falls with h^4 (Richardson), plus their rounding, and at a kink the
+/// difference between the slopes of its sides, either of which is a gradient. Arrays longer than `SAMPLED` are differentiated at every
+/// n-th element; the error of the others is infinite.
 pub fn vjp(component: &Component, inputs: &Arrays, c: &Conventions, mistakes: &[&str]) -> (Arrays, Arrays) {
     // The sum that is differentiated, and the same without signs.
     let cotangent = |outputs: &Arrays| -> [f64; 2] {
@@ -29,7 +29,7 @@ pub fn vjp(component: &Component, inputs: &Arrays, c: &Conventions, mistakes: &[
     for port in component.differentiable_arrays(inputs) {
         let x = inputs[&port].clone();
         let (mut gradient, mut error) = (x.mapv(|_| 0.0), x.mapv(|_| f64::INFINITY));
-        // An odd stride, so that every column of a matrix has its turn.
+        // An odd stride, so that every column of a matrix is sampled.
         for (i, &at) in x.iter().enumerate().step_by((x.len() / SAMPLED) | 1) {
             let mut moved = |to: f64| {
                 *entry(&mut inputs_now, &port, i) = to;
@@ -40,16 +40,16 @@ pub fn vjp(component: &Component, inputs: &Arrays, c: &Conventions, mistakes: &[
                 let (ahead, back) = (moved(at + h), moved(at - h));
                 ((ahead - back) / ((at + h) - (at - h)), (ahead - 2.0 * here + back) / h)
             };
-            // A wave's length doesn't grow with x; but h has to be seen in x.
+            // A wavelength doesn't grow with x, but h must not vanish next to x.
             let h = libm::ldexp(at.abs().clamp(0.0625, 1.0).max(libm::ldexp(at.abs(), -20)), -13);
             let ((coarse, bend), (fine, half_bend)) = (slopes(h), slopes(0.5 * h));
             *entry(&mut inputs_now, &port, i) = at;
             let best = (4.0 * fine - coarse) / 3.0;
             let rounding = 64.0 * f64::EPSILON * size / h;
-            // A kink below what rounding makes of it is none.
+            // A kink smaller than rounding is none.
             let kink = Some((2.0 * half_bend - bend).abs()).filter(|kink| *kink > rounding).unwrap_or(0.0);
             let off = (fine - coarse).abs() + kink + rounding;
-            // Where the function itself leaves the numbers, or bends within h, differences say nothing.
+            // Where the function isn't finite, or bends within h, differences say nothing.
             let bent = (fine - coarse).abs() > 0.5 * fine.abs().max(coarse.abs()).max(rounding);
             let known = best.is_finite() && off.is_finite() && !bent;
             *gradient.iter_mut().nth(i).expect("same shape") = if known { best } else { 0.0 };
@@ -75,8 +75,8 @@ mod tests {
     use crate::contract::check::Kind;
     use crate::convention::CS180;
 
-    /// Far cameras, waves at 65536, faces of cells, steps of 1e10: differences say there what they know, and no more. Waves shorter
-    /// than h are beyond them.
+    /// Far cameras, waves at 65536, faces of cells, steps of 1e10: the stated error of the differences covers what they miss. Waves
+    /// shorter than h are beyond them.
     #[test]
     fn hand_written_gradients_lie_within_the_estimated_error() {
         let rows = [

@@ -1,4 +1,4 @@
-//! The judge's page: what a person reads in a minute.
+//! The judge's page for people.
 
 use std::fmt;
 
@@ -135,7 +135,7 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     Ok(())
 }
 
-/// How many units in the last place that is, where such a number says something.
+/// The error in units in the last place, where that number means something.
 fn places(w: &Worst) -> String {
     match w.ulp {
         ulp if w.expected == 0.0 || !ulp.is_finite() => String::new(),

@@ -72,7 +72,7 @@ pub struct Row {
     pub off: Vec<String>,
     /// Choices that no convention names and that are no mistake; they pass.
     pub findings: Vec<String>,
-    /// Explanations, best first; empty where unknown.
+    /// Explanations, best first; empty if unknown.
     pub diagnosis: Vec<Explanation>,
 }
 
@@ -158,7 +158,7 @@ impl Row {
     }
 }
 
-/// JSON has no infinity and no NaN: they are spelled out.
+/// JSON has no infinity and no NaN: they become strings.
 fn number(x: f64) -> Value {
     if x.is_finite() { json!(x) } else { json!(x.to_string()) }
 }
@@ -193,7 +193,7 @@ impl Report {
         }
     }
 
-    /// When all rows are there: names what was found, by the conventions that the answered components depend on.
+    /// Once all rows are there: names what was found, by the conventions that the answered components depend on.
     pub fn settle(&mut self) {
         let answered = self.rows.iter().filter(|row| row.verdict != Verdict::Unsupported);
         let keys: Vec<&str> = answered.flat_map(|row| row.conventions.keys().copied()).collect();

@@ -189,7 +189,7 @@ const fn row(
 
 /// The four calls.
 fn calls() -> Vec<Case> {
-    // So many images that all four calls draw the first one alone by chance with a probability below 1e-6.
+    // Enough images that all four calls draw only the first by chance with a probability below 1e-6.
     let shape = [32, 5, 7, 3];
     let pixel = |k: usize| ((k / 105 * 37 + k / 21 * 11 + k / 3 * 5 + k % 3 * 3) % 17) as f64 / 16.0;
     let images: Vec<f64> = (0..shape.iter().product()).map(pixel).collect();
@@ -239,7 +239,7 @@ fn drawn(a: &Arrays, c: &Conventions) -> Arrays {
     ])
 }
 
-/// No draw is wrong by itself.
+/// The bound of a single draw: infinite, since no draw is wrong by itself.
 fn unbounded(a: &Arrays, c: &Conventions, _: &Arithmetic) -> Arrays {
     drawn(a, c).into_iter().map(|(name, a)| (name, a.mapv(|_| f64::INFINITY))).collect()
 }
@@ -266,7 +266,7 @@ fn fault(case: &Case, answer: Option<&Answer>) -> Option<String> {
     ];
     for (name, shape) in shapes {
         let Some(given) = answer.get(name) else {
-            // Jitter is judged where there is any; pixels without colors or images can't be.
+            // Jitter is judged if there is any; pixels can't be judged without colors and images.
             if name == "t" {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Statistics of samplers: what a program's random rays and jitter must look like, over two calls in training and two at rest.
+//! Statistics of samplers: tests of a program's random rays and jitter, over two calls in training and two at rest.
 //!
 //! Every test is one-sided and holds for finite samples: Bernstein's inequality for counts and means (draws without replacement are
 //! under-dispersed and pass; Hoeffding 1963, section 6) and Dvoretzky, Kiefer, Wolfowitz (with Massart's constant, 1990) for the
@@ -18,10 +18,10 @@ pub const FALSE_ALARM: f64 = 1e-8;
 /// How far u may be off because t was rounded (f32 at t = 6 and D = 1/16 rounds u to 1e-5).
 const ROUNDING: f64 = 1e-3;
 
-/// A call that deals its rays to more drawn images than this may as well draw an image for each ray.
+/// A call that spreads its rays over more drawn images than this counts as drawing an image for each ray.
 const MOST_IMAGES: usize = 64;
 
-/// What one call drew.
+/// The draws of one call.
 #[derive(Clone, Debug)]
 pub struct Call {
     /// The image of each ray, (R).
@@ -39,7 +39,7 @@ pub struct Call {
 pub struct Finding {
     /// The mistake's name, or the choice's.
     pub name: &'static str,
-    /// Whether it is a choice that right programs make: told, and passed.
+    /// Whether it is a choice that right programs make: reported, and passed.
     pub honest: bool,
     /// What was seen, and what should have been.
     pub says: String,
@@ -108,7 +108,7 @@ pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], rest: &[Call; 2], c: &Co
     let last = ids.iter().copied().max().unwrap_or(0);
     let first_alone = calls.iter().chain(rest).all(|call| call.image_ids.iter().all(|&id| id == 0.0));
     if let Some(per_call) = dealt(calls).filter(|_| !first_alone) {
-        // How these images were drawn can't be told from two calls.
+        // Two calls don't show how these images were drawn.
         found.push(choice("rays_per_image", format!("a call's rays are dealt to {per_call} drawn image(s)")));
     } else if uneven(count, &ids) {
         let name = if last + 1 < count { "first_images_only" } else { "images_not_uniform" };
@@ -136,8 +136,8 @@ pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], rest: &[Call; 2], c: &Co
     found
 }
 
-/// Among how many drawn images a call deals its rays, by turns or in blocks (as `PixelDraws::PerImage` does, and bmild/nerf with one
-/// image a step); `None` where each ray draws its own.
+/// The number of drawn images among which a call divides its rays, in turn or in blocks (as `PixelDraws::PerImage` does, and bmild/nerf
+/// with one image a step); `None` where each ray draws its own.
 fn dealt(calls: &[Call; 2]) -> Option<usize> {
     let n = calls[0].image_ids.len();
     (1..=MOST_IMAGES.min(n / 2)).find(|&images| {
@@ -174,7 +174,7 @@ pub fn jitter(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<
     }
     if calls[0].t.iter().all(|t| *t == calls[0].t[0]) {
         found.push(finding("one_jitter_for_all_rays", "the variance across rays is 0".into()));
-        // One ray is all there is: too little to say anything about the law.
+        // A single independent ray: too little to say anything about the distribution.
         found.extend(law(first.clone(), width));
         return found;
     }
@@ -195,7 +195,7 @@ pub fn jitter(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<
     if across_rays {
         found.push(finding("rays_jittered_together", "neighboring rays move together".into()));
     }
-    // The law can be told from independent draws alone.
+    // The distribution can only be tested on independent draws.
     if !across_rays {
         let independent = if across_samples { 1 } else { n };
         found.extend(law(u.iter().flat_map(|u| &u[..independent]).copied().collect(), width));

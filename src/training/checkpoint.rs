@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use crate::error::{Error, Result};
 use crate::files::{self, npz};
 
-/// The version of run folders: a reader refuses what it doesn't know.
+/// The version of run folders: readers refuse other versions.
 pub const VERSION: i64 = 1;
 
 /// The folder of a run.
@@ -62,7 +62,8 @@ impl RunFolder {
         })
     }
 
-    /// Writes the model's state after `step`, aside first: a stop in the middle leaves the previous checkpoint whole.
+    /// Writes the model's state after `step`, to a temporary file first, so that a stop in the middle leaves the previous checkpoint
+    /// intact.
     pub fn save(&self, mut state: npz::Arrays, step: u64, seconds: f64, samples: u64) -> Result<()> {
         let number = |x| npz::Array::F64(ArrayD::from_elem(IxDyn(&[]), x));
         let whole = |x| npz::Array::I64(ArrayD::from_elem(IxDyn(&[]), x));

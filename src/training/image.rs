@@ -15,18 +15,18 @@ use crate::optimizer::{self, Adam};
 use crate::parallel;
 use crate::random::{Key, Purpose};
 
-/// What a fit depends on.
+/// The settings of a fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FitSettings {
     /// Steps.
     pub steps: u64,
-    /// Pixels a step.
+    /// Pixels per step.
     pub batch: usize,
     /// L, bands of the encoding.
     pub levels: usize,
     /// Width of the hidden layers.
     pub width: usize,
-    /// Their number.
+    /// Number of hidden layers.
     pub layers: usize,
     /// Learning rate of Adam.
     pub lr: f64,

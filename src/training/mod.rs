@@ -1,6 +1,6 @@
-//! Training: the optimization loops of the 2D and the 3D experiment, and what they leave on disk.
+//! Training: the optimization loops of the 2D and the 3D experiment, and the files that they write.
 //!
-//! [`mod@reference`] is the whole step in plain f64; [`model`] what a trainable field is to the loop; [`run`] the loop over a scene;
+//! [`mod@reference`] is the whole step in plain f64; [`model`] the interface of a trainable field; [`run`] the loop over a scene;
 //! [`image`] the loop over a picture.
 
 pub mod checkpoint;

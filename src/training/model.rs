@@ -1,4 +1,4 @@
-//! What a trainable field is to the training loop, whatever is inside.
+//! The interface of a trainable field, as the training loop uses it.
 
 use std::any::Any;
 
@@ -9,25 +9,25 @@ use crate::files::npz::Arrays;
 use crate::ray::Ray;
 use crate::scene::Scene;
 
-/// What one optimizer step did.
+/// The result of one optimizer step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepReport {
-    /// What was minimized over the batch, before the step.
+    /// The loss of the batch, before the step.
     pub loss: f64,
-    /// Mean squared error over the batch of the colors that a picture would show: the loss, where nothing is added to it.
+    /// Mean squared error over the batch of the colors that a picture would show: the loss, unless regularizers are added to that.
     pub mse: f64,
     /// Points that went forward and backward through the field.
     pub samples: u64,
 }
 
-/// What a ray sees.
+/// A rendered ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pixel {
     /// Premultiplied color, without background.
     pub rgb: [f32; 3],
     /// A.
     pub opacity: f32,
-    /// Expected distance; far where nothing is met.
+    /// Expected distance; far on an empty ray.
     pub depth: f32,
 }
 
@@ -39,10 +39,10 @@ pub trait Model: Any + Sync + Send {
     /// Renders rays in evaluation mode: nothing random.
     fn render(&self, rays: &[Ray]) -> Vec<Pixel>;
 
-    /// All state, by name: what a checkpoint holds.
+    /// The whole state by name, as a checkpoint stores it.
     fn state(&self) -> Arrays;
 
-    /// Takes the state of a checkpoint.
+    /// Loads the state of a checkpoint.
     ///
     /// # Errors
     /// Where an array is missing or has another shape; `file` is named in the message.
@@ -51,7 +51,7 @@ pub trait Model: Any + Sync + Send {
     /// Every setting, given or derived, with the reason where it was derived.
     fn settings(&self) -> Map<String, Value>;
 
-    /// Something that a user should hear about, e.g. a density head that died (TR1). Asked at every validation.
+    /// A warning for the user, e.g. that the density head died (TR1). Called at every validation.
     fn warning(&self) -> Option<String> {
         None
     }

@@ -1,5 +1,5 @@
-//! The NeRF paper's network as a trainable model, on the f32 path or in the f64 reference; on demand the paper's pair of a coarse
-//! network and a fine one.
+//! The NeRF paper's network as a trainable model, on the f32 path or in the f64 reference; optionally the paper's pair of a coarse
+//! and a fine network.
 
 pub(crate) mod grid;
 pub(crate) mod path;
@@ -28,13 +28,13 @@ use crate::ray::{Ray, camera_ray, pixel_position};
 use crate::sample::{rest_u, sample_along_ray};
 use crate::scene::Scene;
 
-/// In front of the names of the fine network's arrays.
+/// Prefix of the names of the fine network's arrays.
 const FINE: &str = "fine.";
 
-/// Rays that are rendered together: bounds the memory of a picture.
+/// Rays that are rendered together, which bounds the memory of a picture.
 const RENDER_CHUNK: usize = 1024;
 
-/// What a [`NerfModel`] depends on.
+/// The settings of a [`NerfModel`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NerfSettings {
     /// Where samples start.
@@ -43,11 +43,11 @@ pub struct NerfSettings {
     pub far: f64,
     /// The color behind everything.
     pub background: [f64; 3],
-    /// Rays a step.
+    /// Rays per step.
     pub rays: usize,
-    /// Samples a ray.
+    /// Samples per ray.
     pub samples: usize,
-    /// Samples that a second network gets beside them, where the first one's weights are (NeRF, section 5.2); 0: no second network.
+    /// Additional samples of a second network, drawn from the first one's weights (NeRF, section 5.2); 0: no second network.
     pub fine: usize,
     /// Learning rate of Adam.
     pub lr: f64,
@@ -84,9 +84,9 @@ pub struct NerfModel {
     pub(crate) settings: NerfSettings,
     pub(crate) coarse: Path,
     pub(crate) fine: Option<Path>,
-    /// Where the network may have something, once it is known.
+    /// The occupancy grid, once it is filled.
     pub(crate) grid: Option<Grid>,
-    /// Whether the last step moved nothing in one of them: every density was 0 (TR1).
+    /// Whether the last step moved no parameter of one of them: every density was 0 (TR1).
     dead: bool,
     /// Whether a density head's sign was turned at the start.
     turned: bool,
@@ -99,7 +99,7 @@ pub(crate) struct Drawn {
     pub origins: Vec<f64>,
     pub directions: Vec<f64>,
     pub t: Vec<f64>,
-    /// Where among the first network's weights the second one's samples are drawn.
+    /// The u of the second network's samples.
     u: Vec<f64>,
     pub targets: Vec<f32>,
 }
@@ -158,7 +158,7 @@ impl NerfModel {
         Samples { t, deltas, count: samples }
     }
 
-    /// The second network's: those of the first, and more of them where its weights are.
+    /// The second network's samples: those of the first, and more where its weights are large.
     fn fine_samples(&self, rays: Rays, u: &[f64]) -> Samples {
         let NerfSettings { near, far, samples, fine, .. } = self.settings;
         let weights = self.coarse.weights(rays);
@@ -176,8 +176,8 @@ impl NerfModel {
 
     /// Before the first step: a density head that gives less than half of the samples a density gets the other sign (TR1).
     ///
-    /// ReLU passes no gradient where z <= 0, and at the start z has nearly the same sign everywhere: as drawn, the network is dead for
-    /// ever with about one seed in two (bmild/nerf#29). Both signs of the head are equally likely draws; the one that sees something
+    /// ReLU passes no gradient where z <= 0, and at the start z has nearly the same sign everywhere: as drawn, the network stays dead
+    /// for ever with about one seed in two (bmild/nerf#29). Both signs of the head are equally likely draws; the one with more density
     /// is taken.
     fn wake(&mut self, rays: Rays) {
         for network in [Some(&mut self.coarse), self.fine.as_mut()].into_iter().flatten() {
@@ -201,7 +201,7 @@ impl NerfModel {
                 self.coarse.render(rays, skipping(self.mask(&rays).as_deref()))
             }
             Some(network) => {
-                // At rest u lies in the middles of equal parts, as the samples of the first network do.
+                // At evaluation, u is in the middle of equal parts, as the samples of the first network are.
                 let u = sample_along_ray(0.0, 1.0, &vec![rest_u(CS180.rest); fine], CS180.grid);
                 let samples = self.fine_samples(coarse.rays(&origins, &directions), &u.repeat(rays.len()));
                 network.render(samples.rays(&origins, &directions), Skipping::default())
@@ -223,7 +223,7 @@ impl Model for NerfModel {
         if step == 1 && !self.restored {
             self.wake(coarse.rays(&origins, &directions));
         }
-        // Before the step: the two networks see the same parameters of the first, whose weights are constants to the second.
+        // Before the step: both networks use the same parameters of the first, whose weights are constants to the second.
         let fine = self.fine.is_some().then(|| self.fine_samples(coarse.rays(&origins, &directions), &u));
         self.look(scene, step)?;
         let rays = coarse.rays(&origins, &directions);

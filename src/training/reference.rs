@@ -14,7 +14,7 @@ use crate::volume_rendering::{self, Rendering, composite_background};
 #[cfg(test)]
 mod tests;
 
-/// The classical field: encodings and network.
+/// The NeRF paper's field: encodings and network.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// The network.
@@ -23,11 +23,11 @@ pub struct Field {
     pub position: Encoding,
     /// Encoding of directions.
     pub direction: Encoding,
-    /// Everything else that is a choice.
+    /// All other conventions.
     pub conventions: Conventions,
 }
 
-/// What is known about one ray of a batch.
+/// One ray of a batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Target {
     /// The ray.
@@ -116,7 +116,7 @@ impl Field {
     }
 }
 
-/// The edges of the N equal intervals on [near, far], which the weights of N stratified samples belong to.
+/// The edges of the N equal intervals on [near, far] to which the weights of N stratified samples belong.
 pub fn interval_edges(near: f64, far: f64, n: usize) -> Vec<f64> {
     let mut edges = vec![];
     for i in 0..n {

@@ -24,7 +24,7 @@ const PROBE_PIXELS: usize = 4096;
 /// Wall clock between checkpoints, seconds.
 const SAVE_EVERY: f64 = 60.0;
 
-/// When a run ends and how it is measured.
+/// When a run ends, and how it is measured.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Stop after this step.
@@ -52,7 +52,7 @@ pub struct LogPoint {
     pub samples: u64,
     /// Loss of this step's batch, before the step.
     pub loss: f64,
-    /// Its PSNR; infinite (null in the file) where the batch was met exactly.
+    /// Its PSNR; infinite (null in the file) if the batch was reproduced exactly.
     #[serde(deserialize_with = "decibels")]
     pub train_psnr: f64,
     /// PSNR over 4,096 seeded pixels of all validation views.
@@ -75,9 +75,9 @@ pub struct Run<'a> {
     seconds: f64,
     samples: u64,
     saved_at: Instant,
-    /// What was logged, earlier parts of a resumed run included.
+    /// The log, earlier parts of a resumed run included.
     pub log: Vec<LogPoint>,
-    /// What a user should hear.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
 }
 
@@ -100,7 +100,7 @@ impl<'a> Run<'a> {
         Ok(run)
     }
 
-    /// Goes on where the folder's checkpoint stands.
+    /// Resumes from the folder's checkpoint.
     ///
     /// # Errors
     /// Where the checkpoint or the log can't be read, or belongs to another model.
@@ -134,14 +134,14 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Steps until an end is reached; `seen` hears of every log point.
+    /// Steps until an end is reached; `seen` gets every log point.
     ///
     /// # Errors
     /// Where a step fails or a file can't be written.
     pub fn go(&mut self, mut seen: impl FnMut(&LogPoint)) -> Result<()> {
         if self.step == 0 {
             files::write(&self.folder.file("log.jsonl"), "")?;
-            // At once, so that an earlier run's parameters don't lie beside this one's settings.
+            // At once, so that the parameters of an earlier run don't lie beside this one's settings.
             self.save()?;
         }
         while !self.finished() {

@@ -3,7 +3,7 @@
 /// The measuring steps of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Schedule {
-    /// Full validations at exactly these steps, where it is expensive.
+    /// Full validations at exactly these steps, where validation is expensive.
     fixed: Option<&'static [u64]>,
     /// `--val-every N`.
     every: Option<u64>,
@@ -11,7 +11,7 @@ pub struct Schedule {
     next_full: u64,
 }
 
-/// Where the 8x256 network is validated in full.
+/// The steps at which the 8x256 network is validated in full.
 pub const EXPENSIVE_AT: &[u64] = &[100, 500, 1000, 2000, 4000, 5000];
 
 impl Schedule {
@@ -20,14 +20,14 @@ impl Schedule {
         Schedule { fixed: expensive.then_some(EXPENSIVE_AT), every, next_probe: 1, next_full: 1 }
     }
 
-    /// Stands where a run that measured up to `step` stood.
+    /// Continues as in a run that measured up to `step`.
     pub fn skip_to(&mut self, step: u64) {
         for s in 1..=step {
             let _ = (self.probe(s), self.full(s));
         }
     }
 
-    /// Whether `step` is probed. Steps must be asked in ascending order.
+    /// Whether `step` is probed. Steps must be passed in ascending order.
     pub fn probe(&mut self, step: u64) -> bool {
         let due = step >= self.next_probe;
         if due {
@@ -36,7 +36,7 @@ impl Schedule {
         due
     }
 
-    /// Whether `step` is validated in full. Steps must be asked in ascending order.
+    /// Whether `step` is validated in full. Steps must be passed in ascending order.
     pub fn full(&mut self, step: u64) -> bool {
         if let Some(every) = self.every {
             return step.is_multiple_of(every);

@@ -10,7 +10,7 @@ use crate::spherical_harmonics::fast::{self as harmonics, harmonics};
 /// Rows of a block: the kernels take whole blocks.
 pub(super) const BLOCK: usize = 16;
 
-/// A ray, its samples' place in the chunk, and what it sees.
+/// A ray, the range of its samples in the chunk, and its rendering.
 #[derive(Clone, Copy)]
 pub(super) struct Ray {
     pub first: usize,
@@ -19,7 +19,7 @@ pub(super) struct Ray {
     pub harmonics: [f32; harmonics::WIDTH],
     /// The training pixel that it comes from.
     pub pixel: u32,
-    /// Whether it may go on after its last sample.
+    /// Whether there may be more samples after its last one.
     pub cut: bool,
     /// Color over the background.
     pub color: [f32; 3],
@@ -31,10 +31,10 @@ pub(super) struct Ray {
     pub view: [f32; HIDDEN],
 }
 
-/// Rays, samples and activations. Rows beyond the samples pad the last block and hold anything finite.
+/// Rays, samples and activations. Rows beyond the samples pad the last block and have any finite value.
 pub(super) struct Chunk {
     pub rays: Vec<Ray>,
-    /// Where the march found them.
+    /// Positions of the samples along the ray, as the march found them.
     pub steps: Steps,
     /// Samples in the unit box; after [`Chunk::keep`] the live ones alone.
     pub points: Vec<[f32; 3]>,
@@ -56,7 +56,7 @@ pub(super) struct Chunk {
     pub counted: usize,
     /// Sum of squared errors over rays and channels.
     pub error: f64,
-    /// Pixels of the rays that aren't in that sum, because they were given up too early.
+    /// Pixels of the rays that aren't in that sum, because they were ended too early.
     pub again: Vec<u32>,
 }
 
@@ -119,7 +119,7 @@ impl Chunk {
         self.rays[ray].count = k.len();
     }
 
-    /// Room for the activations of the samples pushed so far.
+    /// Resizes the activations to the samples pushed so far.
     pub fn reserve(&mut self) {
         let rows = self.rows();
         if self.rgb.len() < rows {
@@ -131,7 +131,7 @@ impl Chunk {
         }
     }
 
-    /// Levels that aren't in use yet say 0.
+    /// Levels that aren't in use yet are 0.
     pub fn clear_levels(&mut self, active: usize) {
         let rows = self.rows();
         self.encoding[active..].iter_mut().for_each(|level| level[..rows].fill([0.0; FEATURES]));
@@ -147,7 +147,7 @@ impl Chunk {
         }
     }
 
-    /// Puts rows back, level by level.
+    /// Writes rows back, level by level.
     #[inline(always)]
     pub fn spread(&mut self, first: usize, rows: &[[f32; WIDTH]]) {
         for (l, level) in self.encoding.iter_mut().enumerate() {
@@ -162,7 +162,7 @@ impl Chunk {
         self.points.len().next_multiple_of(BLOCK)
     }
 
-    /// Keeps the first `live(ray)` samples of each ray and moves them together, with what is known of them.
+    /// Keeps the first `live(ray)` samples of each ray and compacts them, with all of their arrays.
     #[inline(always)]
     pub fn keep(&mut self, live: impl Fn(&Ray, &[f32]) -> usize) {
         self.visited.clone_from(&self.points);

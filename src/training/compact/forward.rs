@@ -12,7 +12,7 @@ use crate::simd::CacheAligned;
 /// Samples that pass through a network together: their activations fill the L1 cache.
 pub(super) const TILE: usize = 64;
 
-/// What the chunks of a batch share.
+/// The parameters that all chunks of a batch share.
 #[derive(Clone, Copy)]
 pub(super) struct Pass<'a> {
     pub nets: &'a Networks,
@@ -60,7 +60,7 @@ pub(super) fn densities(arch: Arch, pass: &Pass, chunk: &mut Chunk) {
     arch.dispatch(Densities(pass, chunk));
 }
 
-/// What a chunk's rays see, and the gradients where the pass wants them.
+/// Renders a chunk's rays, with gradients if the pass needs them.
 pub(super) fn run(arch: Arch, pass: &Pass, chunk: &mut Chunk) {
     arch.dispatch(Whole(pass, chunk));
 }
@@ -141,7 +141,7 @@ fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
     }
 }
 
-/// Colors and errors; where the pass wants gradients, those of the raw colors in columns 0 to 2 of `rgb`, and of the raw density in
+/// Colors and errors; if the pass needs gradients, those of the raw colors in columns 0 to 2 of `rgb`, and of the raw density in
 /// column 3.
 #[inline(always)]
 fn composite(pass: &Pass, c: &mut Chunk) {
@@ -157,12 +157,12 @@ fn composite(pass: &Pass, c: &mut Chunk) {
                 color[k] += weight * c.rgb[p][k];
             }
             depth += weight * c.t[p];
-            // For the way back: the weight, the transmittance behind the sample, the density.
+            // For the backward pass: the weight, the transmittance behind the sample, the density.
             [c.rgb[p][3], c.rgb[p][4], c.rgb[p][5]] = [weight, next, sigma];
             transmittance = next;
         }
         (ray.transmittance, ray.depth) = (transmittance, depth);
-        // A ray that was given up too early doesn't know its color.
+        // A ray that was ended too early has no color to compare.
         let counts = !(ray.cut && transmittance > pass.stop);
         if counts {
             c.counted += ray.count;
@@ -183,8 +183,8 @@ fn composite(pass: &Pass, c: &mut Chunk) {
     }
 }
 
-/// Gradients below this are 0: Adam's eps is 10^5 times as large. Behind an opaque sample they are numbers below the normal ones,
-/// with which products are many times slower.
+/// Gradients below this are 0: Adam's eps is 10^5 times as large. Behind an opaque sample they are subnormal,
+/// which makes products many times slower.
 const LEAST: f32 = 1e-20;
 
 #[inline(always)]
@@ -192,7 +192,7 @@ fn flush(gradient: f32) -> f32 {
     if gradient.abs() < LEAST { 0.0 } else { gradient }
 }
 
-/// From the last sample to the first, as in the oracle: `behind` is what one unit of light behind the sample brings.
+/// From the last sample to the first, as in the oracle: `behind` is the value of one unit of light behind the sample.
 #[inline(always)]
 fn composite_backward(pass: &Pass, samples: &mut [[f32; 16]], transmittance: f32, g: [f32; 3]) {
     let dot = |c: [f32; 3]| g[0] * c[0] + g[1] * c[1] + g[2] * c[2];

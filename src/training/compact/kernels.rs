@@ -1,4 +1,4 @@
-//! The three matrix products of a narrow layer, weights held in L1: register tiles of R rows by V vectors.
+//! The three matrix products of a narrow layer, with the weights in L1 cache: register tiles of R rows by V vectors.
 //!
 //! Rows are points, features are contiguous, so that no product needs a transposed operand or a horizontal sum.
 use pulp::Simd;

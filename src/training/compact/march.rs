@@ -1,4 +1,4 @@
-//! Rays into a chunk: drawn, and marched through the occupancy grid.
+//! Draws rays and marches them through the occupancy grid, into a chunk.
 
 use pulp::{Simd, WithSimd};
 
@@ -48,7 +48,7 @@ fn push(model: &CompactModel, length: f32, rays: &[Drawn], chunk: &mut Chunk) {
 /// Draws rays of training pixels and marches them.
 pub(super) struct March<'a> {
     pub model: &'a CompactModel,
-    /// Of pixels and of jitter.
+    /// The keys of pixels and of jitter.
     pub keys: [Key; 2],
     pub step: u64,
     pub length: f32,
@@ -67,7 +67,7 @@ impl WithSimd for March<'_> {
         let (again, patience) = (&model.again[..], model.settings.patience());
         for first in rays.clone().step_by(TOGETHER) {
             let last = (first + TOGETHER).min(rays.end);
-            // All numbers first: the pictures are far away in memory, and a few pixels of them come at once.
+            // All random numbers first: reads from the pictures miss the cache, and several can be in flight at once.
             let mut numbers = [(0, 0.0, 0); TOGETHER];
             for (number, r) in numbers.iter_mut().zip(first..last) {
                 let u = jitter.uniform(step, r as u64, 0) as f32;
@@ -86,7 +86,7 @@ impl WithSimd for March<'_> {
     }
 }
 
-/// Marches rays that are given, at rest: u = 1/2, to the end.
+/// Marches given rays without jitter (u = 1/2), to the end.
 pub(super) struct MarchAtRest<'a> {
     pub model: &'a CompactModel,
     pub length: f32,

@@ -1,4 +1,5 @@
-//! The compact model: a hash grid and two small networks, with an occupancy grid and early stop, so that work follows the scene.
+//! The compact model: a hash grid and two small networks, with an occupancy grid and early stop, so that only what the scene needs is
+//! computed.
 //!
 //! After Instant-NGP (Mueller et al. 2022). A step goes: `step` marches random rays through the occupancy grid and encodes the samples
 //! level by level; `forward` and `backward` take chunks of whole rays through networks, rendering and loss; the gradients are
@@ -40,7 +41,7 @@ use networks::{Networks, Weights};
 pub use settings::{CompactSettings, Overrides, Part};
 use views::Views;
 
-/// Hash grid, networks and occupancy grid, with all that training needs.
+/// Hash grid, networks and occupancy grid, with the state of training.
 pub struct CompactModel {
     pub(crate) settings: CompactSettings,
     views: Views,
@@ -49,9 +50,9 @@ pub struct CompactModel {
     pub(crate) occupancy: Occupancy,
     /// Buffers, used again step after step.
     chunks: Vec<Chunk>,
-    /// Rays of the next step: as many as filled a batch before.
+    /// Rays of the next step: as many as filled a batch in the last one.
     rays: usize,
-    /// Pixels whose rays were given up too early in the last step: the first rays of the next.
+    /// Pixels whose rays were ended too early in the last step: the first rays of the next.
     again: Vec<u32>,
     /// Steps done.
     pub(crate) step: u64,

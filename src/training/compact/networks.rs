@@ -12,7 +12,7 @@ pub(super) const GEOMETRY: usize = 16;
 /// Names of the weight matrices in a checkpoint.
 pub(super) const NAMES: [&str; 5] = ["density0", "density1", "color0", "view", "color1"];
 
-/// The weights, one row an input.
+/// The weights, one row per input.
 #[derive(Clone)]
 pub(super) struct Weights {
     pub density0: Aligned<[f32; HIDDEN]>,

@@ -1,4 +1,4 @@
-//! When and how the occupancy grid learns: from every training sample, and from random cells now and then.
+//! Updates of the occupancy grid: from every training sample, and from random cells now and then.
 
 use super::CompactModel;
 use super::chunk::Chunk;
@@ -15,25 +15,25 @@ const EVERY: u64 = 16;
 pub(super) const FIRST_RESOLUTION: usize = 64;
 /// When the grid gets its final resolution.
 const GROWS_AT: u64 = 200;
-/// What is left of a cell's density after an update without samples in it.
+/// The factor of a cell's density in an update without samples in it.
 const DECAY: f32 = 0.9;
-/// Random cells of an update. Occupied cells see training samples all the time; these find what was missed.
+/// Random cells per update. Occupied cells get training samples all the time; these find what was missed.
 const RANDOM_CELLS: usize = 1 << 15;
 /// Opacity of one step above which a cell is occupied.
 const OPACITY: f32 = 0.01;
 /// Optical depth of one step above which a cell is opaque.
 pub(super) const OPAQUE: f32 = 1.0;
-/// Cells of a task.
+/// Cells per task.
 const TASK: usize = 2048;
 
 impl CompactModel {
-    /// Every 16 steps: densities decay, random cells (at first all) are looked at, and what is dense enough counts as occupied.
+    /// Every 16 steps: densities decay, random cells (at first all) are sampled, and those dense enough count as occupied.
     pub(super) fn update_occupancy(&mut self, step: u64) {
         if !step.is_multiple_of(EVERY) || self.settings.without.contains(&Part::Occupancy) {
             return;
         }
         if step == EVERY {
-            // What the untrained network thought of the cells doesn't count.
+            // The densities of the untrained network are discarded.
             self.occupancy.density.fill(0.0);
         }
         if step >= GROWS_AT && self.occupancy.resolution < self.settings.occupancy {
@@ -58,7 +58,7 @@ impl CompactModel {
         self.occupancy.apply_thresholds([OPACITY / delta, OPAQUE / delta]);
     }
 
-    /// Densities at random points of cells: of cell n itself where `all`, else of a random one.
+    /// Densities at random points of cells: of cell n itself if `all`, otherwise of a random one.
     fn look(&self, draws: std::ops::Range<usize>, all: bool, step: u64, chunk: &mut Chunk) {
         let key = Key::new(self.settings.seed, Purpose::Occupancy);
         let r = self.occupancy.resolution;

@@ -1,5 +1,5 @@
-//! The compact model in plain f64: the oracle's hash grid, harmonics and volume rendering around the trained parameters. What the f32
-//! path is measured against; nothing here is fast.
+//! The compact model in plain f64: the oracle's hash grid, harmonics and volume rendering around the trained parameters. The f32
+//! path is compared with this; nothing here is fast.
 
 use super::CompactModel;
 use super::step::optical_step;
@@ -12,7 +12,7 @@ use crate::spherical_harmonics::harmonics;
 use crate::trunc_exp;
 use crate::volume_rendering::volume_render;
 
-/// Rows of a weight matrix, one an input.
+/// Rows of a weight matrix, one per input.
 type Matrix = Vec<Vec<f64>>;
 
 /// Parameters and grid of a model, in f64.
@@ -65,7 +65,7 @@ fn relu(x: Vec<f64>) -> Vec<f64> {
 }
 
 impl Reference {
-    /// The model's parameters as they are.
+    /// The model's current parameters.
     pub fn new(model: &CompactModel) -> Self {
         let (settings, w) = (&model.settings, &model.nets.weights);
         let active = settings.levels_at(model.step);

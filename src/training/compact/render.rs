@@ -1,4 +1,4 @@
-//! Rays of a trained model, at rest. The occupancy grid is part of the model: density is 0 in empty cells.
+//! Renders rays with a trained model, without jitter. The occupancy grid is part of the model: density is 0 in empty cells.
 
 use super::CompactModel;
 use super::chunk::Chunk;
@@ -9,9 +9,9 @@ use crate::parallel;
 use crate::ray::Ray;
 use crate::training::Pixel;
 
-/// Rays of a chunk: a few thousand samples at most, most rays miss or stop soon.
+/// Rays of a chunk: a few thousand samples at most, as most rays miss or stop soon.
 const RAYS: usize = 128;
-/// Chunks whose buffers one task uses again.
+/// Chunks per task, which reuses its buffers.
 const CHUNKS: usize = 16;
 
 impl CompactModel {

@@ -1,4 +1,4 @@
-//! What a compact model depends on, derived from the scene, each value with its reason.
+//! The settings of a compact model, derived from the scene, each value with its reason.
 
 use glam::DVec3;
 use serde_json::{Map, Value, json};
@@ -8,7 +8,7 @@ use crate::hash_grid;
 use crate::hash_grid::fast::LEVELS;
 use crate::scene::Scene;
 
-/// What a compact model can do without, to see what it is worth (`--without`).
+/// The parts of a compact model that can be switched off, to see what they are worth (`--without`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Part {
@@ -16,7 +16,7 @@ pub enum Part {
     Occupancy,
     /// The early stop, and with it the end of rays behind opaque cells: every sample of a ray counts.
     Stop,
-    /// Ending rays behind opaque cells, before their samples are looked at.
+    /// Ending rays behind opaque cells, before their samples are evaluated.
     Patience,
     /// Coarse steps along the rays at first.
     CoarseSteps,
@@ -44,7 +44,7 @@ impl Part {
     ];
 }
 
-/// What a user may decide instead.
+/// The settings that a user may choose.
 #[derive(Clone, Debug, Default)]
 pub struct Overrides {
     /// Seed of parameters, rays, jitter and occupancy updates.
@@ -55,7 +55,7 @@ pub struct Overrides {
     pub rays: Option<usize>,
     /// Learning rate of the grid (`--lr`).
     pub lr: Option<f64>,
-    /// Parts to do without (`--without`).
+    /// Parts to leave out (`--without`).
     pub without: Vec<Part>,
 }
 
@@ -82,11 +82,11 @@ pub struct CompactSettings {
     pub occupancy: usize,
     /// A training ray ends where its transmittance falls below this.
     pub stop: f64,
-    /// A picture's ray does so here.
+    /// The same threshold for the rays of a picture.
     pub stop_at_rest: f64,
-    /// Samples a step at first; see [`CompactSettings::batch_at`].
+    /// Samples per step at first; see [`CompactSettings::batch_at`].
     pub batch: usize,
-    /// Rays a step, where given.
+    /// Rays per step, if given.
     pub rays: Option<usize>,
     /// Learning rates of the grid and of the networks at step 1.
     pub lr: [f64; 2],
@@ -96,7 +96,7 @@ pub struct CompactSettings {
     pub view_dependent: bool,
     /// Parts that are switched off.
     pub without: Vec<Part>,
-    /// Why each value is what it is.
+    /// The reason of each value.
     pub reasons: Map<String, Value>,
 }
 
@@ -106,9 +106,9 @@ pub const LR_HALF_LIFE: f64 = 1500.0;
 /// Samples of a picture over those of training, along the same ray.
 pub(crate) const AT_REST: f64 = 2.0;
 
-/// Samples in opaque cells behind which a training ray is given up. Each takes at least [`super::occupancy::OPAQUE`] of optical depth
-/// if the grid is right, together more than the early stop asks for; where the grid is out of date and light is left, the
-/// ray is drawn again in the next step, and then seen to its end.
+/// Number of samples in opaque cells after which a training ray is ended. Each takes at least [`super::occupancy::OPAQUE`] of optical depth
+/// if the grid is right, together more than the early stop needs; where the grid is out of date and light is left, the
+/// ray is drawn again in the next step, and then marched to its end.
 const PATIENCE: u32 = 12;
 
 impl CompactSettings {
@@ -213,7 +213,7 @@ impl CompactSettings {
         }
     }
 
-    /// Step lengths across the box at a training step: coarse at first, while there is nothing fine to see.
+    /// Step lengths across the box at a training step: coarse at first, while there are no details yet.
     pub fn samples_at(&self, step: u64) -> f64 {
         if self.without.contains(&Part::CoarseSteps) {
             return self.samples;
@@ -234,10 +234,10 @@ impl CompactSettings {
         (4 + step as usize / 100).min(LEVELS)
     }
 
-    /// Samples of a training step: as learning slows down, more samples average out more of their noise, and share what every step
-    /// costs. Constant up to step 1000, then in proportion to it, up to 4 times the first.
+    /// Samples of a training step: as learning slows down, more samples average out more of their noise, and share the fixed cost of a
+    /// step. Constant up to step 1000, then in proportion to it, up to 4 times the first.
     pub fn batch_at(&self, step: u64) -> usize {
-        // Rays that are given stay as many.
+        // A given number of rays stays constant.
         if self.rays.is_some() || self.without.contains(&Part::Growth) {
             return self.batch;
         }
@@ -245,7 +245,7 @@ impl CompactSettings {
         ((growth * self.batch as f64) as usize).next_multiple_of(1024)
     }
 
-    /// Samples in opaque cells behind which a training ray is given up.
+    /// Number of samples in opaque cells after which a training ray is ended.
     pub fn patience(&self) -> u32 {
         let off = [Part::Patience, Part::Stop].iter().any(|part| self.without.contains(part));
         if off { u32::MAX } else { PATIENCE }
@@ -282,7 +282,7 @@ fn distances(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.train.iter().map(|frame| (center(&frame.camera) - scene.focus).length())
 }
 
-/// The cube that samples are taken in, with its reason.
+/// The cube in which samples are taken, with its reason.
 fn cube(scene: &Scene) -> (DVec3, f64, String) {
     if let Some((low, high)) = scene.bounds {
         let size = (high - low).max_element();
@@ -319,7 +319,7 @@ fn cut_out(scene: &Scene) -> bool {
     plain * 20 >= border * 19
 }
 
-/// A pixel's width at the focus, seen from the mean camera.
+/// The width of a pixel at the focus, from the mean camera.
 fn pixel_footprint(scene: &Scene) -> f64 {
     let mean = distances(scene).sum::<f64>() / scene.train.len() as f64;
     mean / scene.train[0].camera.k.fx

@@ -11,20 +11,20 @@ use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::training::StepReport;
 
-/// Samples of a chunk, about: their activations stay in a core's L2 cache.
+/// Samples per chunk, approximately: their activations stay in a core's L2 cache.
 pub(super) const CHUNK: usize = 1024;
 
-/// Rays of the first step, before anything is known about samples a ray.
+/// Rays of the first step, before the number of samples per ray is known.
 pub(super) const FIRST_RAYS: usize = 512;
 
 impl CompactModel {
-    /// Adam of Instant-NGP, `eps` far below every gradient that counts.
+    /// Adam of Instant-NGP, `eps` far below every gradient that matters.
     fn rates(&self, lr: f64, step: u64) -> AdamRates {
         let lr = lr * self.settings.lr_factor(step);
         AdamRates::new(&Adam { lr, beta1: 0.9, beta2: 0.99, eps: 1e-15, weight_decay: 0.0 }, step)
     }
 
-    /// What the chunks of a step or of a picture share; `samples` step lengths across the box.
+    /// The pass that the chunks of a step or of a picture share; `samples` step lengths across the box.
     pub(super) fn pass(&self, samples: f64, gradient: Option<f32>) -> Pass<'_> {
         Pass {
             nets: &self.nets,
@@ -88,7 +88,7 @@ impl CompactModel {
         });
     }
 
-    /// Gradients of all chunks, in order, into Adam. The occupancy grid learns the densities seen meanwhile.
+    /// Adam with the gradients of all chunks, in order. The occupancy grid gets the densities of the step's samples.
     fn apply(&mut self, chunks: &mut [Chunk], step: u64) {
         let mut gradient = Weights::zeros();
         chunks.iter().for_each(|chunk| gradient.add(&chunk.gradient));
@@ -118,7 +118,7 @@ pub(crate) fn optical_step(samples: f64) -> f32 {
     (3.0 / samples) as f32
 }
 
-/// The first `active` levels, fine and coarse by turns: fine ones cost more, and neighbors go to the same thread.
+/// The first `active` levels, fine and coarse alternating: fine ones cost more, and neighbors go to the same thread.
 fn balanced(levels: &mut [Level], active: usize) -> Vec<(usize, &mut Level)> {
     let mut left: std::collections::VecDeque<_> = levels.iter_mut().enumerate().take(active).collect();
     let mut out = vec![];

@@ -208,7 +208,7 @@ fn gradients_agree_with_the_oracle() {
                 };
                 let ((up, a), (down, b)) = (at(h), at(-h));
                 let slope = (up - down) / (a - b);
-                // Central differences across ReLU's kinks are off by the kink's share of h.
+                // Central differences across a ReLU's kink are off by the kink's share of h.
                 assert!(
                     (slope - f64::from(gradient[i])).abs() < 2e-2 * f64::from(largest),
                     "part {part}, {i}: {slope} {}",
@@ -254,7 +254,7 @@ fn early_stop_keeps_its_word() {
     assert!(worst <= 1e-2 && worst > 0.0, "{worst}");
 }
 
-/// A ray that was given up while there was light left teaches nothing now, and is the first of the next step, seen to its end.
+/// A ray that was ended while light was left has no gradient in this step, and is the first of the next one, marched to its end.
 #[test]
 fn a_ray_that_was_given_up_too_early_is_drawn_again() {
     let nets = Networks::new(Weights::random(&Key::new(4, Purpose::Parameters)));
@@ -313,7 +313,7 @@ fn same_bits_on_any_number_of_threads() {
 fn resumes_where_it_stood() {
     let scene = ball();
     let mut half = trained(23);
-    // All that a step depends on: rays to draw again, and opaque cells.
+    // Everything that a step depends on: rays to draw again, and opaque cells.
     half.again = vec![7, 9];
     let most = half.occupancy.density.iter().copied().fold(0.0, f32::max);
     half.occupancy.apply_thresholds([0.25 * most, 0.5 * most]);

@@ -1,4 +1,4 @@
-//! The training pictures, laid out for drawing single pixels: colors, and directions through a table a lens.
+//! The training pictures, laid out for drawing single pixels: colors, and directions from one table per lens.
 
 use glam::{DMat4, DVec3};
 

@@ -1,7 +1,7 @@
-//! Where the 8x256 network may have something: an occupancy grid over all that the training rays can reach.
+//! The occupancy grid of the 8x256 network, over all that the training rays can reach.
 //!
-//! The network itself is asked, at random points of cells: every cell at first, then a part of them now and then, and the occupied ones
-//! with their neighbors each time, because content moves by a cell, not across the scene. A cell keeps the largest density of late.
+//! The network itself is evaluated at random points of cells: every cell at first, then a part of them now and then, and the occupied ones
+//! with their neighbors each time, because content moves by a cell, not across the scene. A cell keeps the largest recent density.
 
 use crate::convention::CS180;
 use crate::error::Result;
@@ -12,15 +12,15 @@ use crate::random::Key;
 use crate::ray::{camera_ray, pixel_position};
 use crate::scene::Scene;
 
-/// An update looks at every cell whose index is its turn modulo this.
+/// An update samples every cell whose index equals its number modulo this.
 const PARTS: usize = 8;
-/// Looks at occupied cells and their neighbors when the grid is filled.
+/// Rounds over occupied cells and their neighbors when the grid is filled.
 const FIRST_LOOKS: u64 = 12;
-/// What an update leaves of a cell's density where it doesn't find more.
+/// The factor of a cell's density in an update that doesn't find more.
 const DECAY: f32 = 0.8;
 /// Opacity of one step above which a cell is occupied.
 pub(super) const OPACITY: f64 = 0.01;
-/// Points of a task.
+/// Points per task.
 const TASK: usize = 1 << 13;
 
 /// Densities at points (M, 3).
@@ -86,7 +86,7 @@ impl Grid {
         self.cells.resolution
     }
 
-    /// The largest density of late in each cell.
+    /// The largest recent density in each cell.
     pub fn densities(&self) -> &[f32] {
         &self.cells.density
     }
@@ -114,7 +114,7 @@ impl Grid {
         mask
     }
 
-    /// The first look: at every cell once, then around what was found. `step` is a sample's step length, `number` the training step.
+    /// The first fill: every cell once, then around the occupied ones. `step` is a sample's step length, `number` the training step.
     pub fn fill(&mut self, key: &Key, number: u64, step: f64, ask: Ask) {
         self.cells.density.fill(0.0);
         let all: Vec<usize> = (0..self.cells.density.len()).collect();
@@ -126,7 +126,7 @@ impl Grid {
         self.cells.apply_threshold(threshold(step));
     }
 
-    /// A later look, the `turn`-th: at a part of all cells and around what is occupied.
+    /// A later update, the `turn`-th: a part of all cells, and around the occupied ones.
     pub fn update(&mut self, key: &Key, (number, turn): (u64, u64), step: f64, ask: Ask) {
         self.cells.decay(DECAY);
         let part = turn as usize % PARTS;
@@ -151,7 +151,7 @@ impl Grid {
         });
         let densities = ask(&points);
         for (&cell, sigma) in cells.iter().zip(densities) {
-            // A NaN raises nothing here; it comes out in the loss.
+            // A NaN raises nothing here; it shows in the loss.
             self.cells.density[cell] = self.cells.density[cell].max(sigma);
         }
     }

@@ -17,14 +17,14 @@ use crate::ray::Ray;
 use crate::training::reference::{Field, Target, adam_layer};
 use crate::volume_rendering;
 
-/// Parameters, their running means, and the path that computes.
+/// Parameters and their running means, on either path.
 #[allow(clippy::large_enum_variant, reason = "one or two a model")]
 pub(crate) enum Path {
     Fast { net: Box<Network>, moments: optimizer::fast::Moments, gradient: Gradient },
     Reference { field: Box<Field>, m: NerfMlp, v: NerfMlp, steps: u64 },
 }
 
-/// What one optimizer step did.
+/// The result of one optimizer step.
 pub(crate) struct Stepped {
     /// Mean squared error before it.
     pub loss: f64,
@@ -177,7 +177,7 @@ impl Path {
         state
     }
 
-    /// Takes what [`Self::state`] gave.
+    /// Loads what [`Self::state`] returned.
     pub fn restore(&mut self, state: &Arrays, owner: &str, file: &str) -> Result<()> {
         let mut parts = self.parts();
         for (prefix, net) in &mut parts {

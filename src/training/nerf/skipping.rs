@@ -1,4 +1,4 @@
-//! A model that works only where its scene has something: when the grid is looked after, and what a checkpoint holds of it.
+//! Skipping empty space: when the occupancy grid is updated, and its part of a checkpoint.
 
 use ndarray::{ArrayD, IxDyn};
 use serde_json::{Map, Value, json};
@@ -11,7 +11,7 @@ use crate::files::npz::{Array, Arrays};
 use crate::random::{Key, Purpose};
 use crate::scene::Scene;
 
-/// When a model begins to leave samples out, and how fine its grid is.
+/// When a model begins to leave samples out, and the resolution of its grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Skip {
     /// Steps at which every sample is computed: until then densities are the initial network's.
@@ -35,13 +35,13 @@ const STOP: f32 = 0.01;
 const BOX: &str = "occupancy_box";
 const DENSITY: &str = "occupancy_density";
 
-/// What is left out where so many samples are live; nothing where no grid says.
+/// What is left out, given the live samples; nothing without a grid.
 pub(crate) fn skipping(live: Option<&[bool]>) -> Skipping<'_> {
     Skipping { live, stop: if live.is_some() { STOP } else { 0.0 } }
 }
 
 impl NerfModel {
-    /// Before a step: fills the grid when it is time, and looks after it now and then.
+    /// Before a step: fills the grid when it is time, and updates it now and then.
     pub(super) fn look(&mut self, scene: &Scene, step: u64) -> Result<()> {
         let Some(skip) = self.settings.skip.filter(|skip| self.fine.is_none() && step > skip.after) else {
             return Ok(());
@@ -62,12 +62,12 @@ impl NerfModel {
         Ok(())
     }
 
-    /// The samples that may have a density; none of this without a grid.
+    /// The samples that may have a density; `None` without a grid.
     pub(super) fn mask(&self, rays: &Rays) -> Option<Vec<bool>> {
         self.used_grid().map(|grid| grid.mask(rays))
     }
 
-    /// The grid, but for one that calls everything empty: the field would never get a gradient again.
+    /// The grid, unless it calls everything empty: the field would never get a gradient again.
     pub(crate) fn used_grid(&self) -> Option<&Grid> {
         self.grid.as_ref().filter(|grid| grid.any())
     }
@@ -81,7 +81,7 @@ impl NerfModel {
         (self.settings.far - self.settings.near) / self.settings.samples as f64
     }
 
-    /// What a checkpoint holds of the grid.
+    /// The grid's part of a checkpoint.
     pub(super) fn grid_state(&self) -> Arrays {
         let mut state = Arrays::new();
         if let Some(grid) = &self.grid {
@@ -93,7 +93,7 @@ impl NerfModel {
         state
     }
 
-    /// Takes what [`Self::grid_state`] gave; a checkpoint from before the grid was filled has none.
+    /// Loads what [`Self::grid_state`] returned; a checkpoint from before the grid was filled has none.
     pub(super) fn restore_grid(&mut self, state: &Arrays, file: &str) -> Result<()> {
         self.grid = None;
         let held = [BOX, DENSITY].iter().any(|name| state.contains_key(*name));
@@ -114,7 +114,7 @@ impl NerfModel {
         Ok(())
     }
 
-    /// What `run.json` says of it.
+    /// The settings for `run.json`.
     pub(super) fn skipping_settings(&self) -> Map<String, Value> {
         let settings = if let Some(Skip { after, every, resolution }) = self.settings.skip {
             json!({

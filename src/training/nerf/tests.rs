@@ -1,4 +1,4 @@
-//! A coarse and a fine network: what one owes to the other, on both paths.
+//! A coarse and a fine network: how one depends on the other, on both paths.
 
 mod skipping;
 
@@ -61,7 +61,7 @@ fn fast_path_and_reference_agree() {
     assert!((a.loss - b.loss).abs() < 1e-5 * b.loss, "{} {}", a.loss, b.loss);
     for ((name, x), (_, y)) in values(&fast.state()).into_iter().zip(values(&oracle.state())) {
         if !name.contains("m.") && !name.contains("v.") {
-            // A step of Adam is at most the learning rate 5e-4; where a gradient is noise its sign is too.
+            // A step of Adam is at most the learning rate 5e-4; where a gradient is noise, so is its sign.
             let far = x.iter().zip(&y).filter(|(x, y)| (*x - *y).abs() > 1e-5).count();
             assert!(far * 50 <= x.len(), "{name}: {far} of {}", x.len());
         }

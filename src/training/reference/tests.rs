@@ -145,8 +145,8 @@ fn adam_moves_every_parameter_of_a_layer() {
     }
 }
 
-/// Four intervals of 1 on [2, 6]; all light from the third, so that the fine samples lie there at the places that u says. A step
-/// goes to the next sample, the last one to the end.
+/// Four intervals of 1 on [2, 6]; all light from the third, so that u places the fine samples there. A step
+/// goes to the next sample, the last one to far.
 #[test]
 fn fine_samples_by_hand() {
     let edges = interval_edges(2.0, 6.0, 4);

@@ -18,7 +18,7 @@ fn flops_are_those_that_run() {
     assert!(live > 12 * CHUNK, "{live}");
     let more = work.pass / work.products;
     assert!((1.0..1.5).contains(&more), "{more}");
-    // No numbers below the normal ones, with which arithmetic is slow.
+    // No subnormal numbers, with which arithmetic is slow.
     for Filled { chunk, encoding, .. } in &step.filled {
         let rows = ..chunk.points.len();
         let of = |levels: &[Aligned<Entry>; LEVELS]| {
@@ -48,7 +48,7 @@ fn they_are_the_trainings_own() {
     let rows = chunk.points.len();
     assert!(chunk.hidden0[..rows] == before.0[..rows] && chunk.geometry[..rows] == before.1[..rows]);
     assert!(chunk.hidden1[..rows] == before.2[..rows] && chunk.gradient.color1 == color);
-    // A pass after products is a pass.
+    // A pass after the products gives the same result.
     step.pass();
     assert!(step.filled[1].chunk.gradient.color1 == color);
 }

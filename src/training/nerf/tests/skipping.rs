@@ -1,11 +1,11 @@
-//! The occupancy grid of the 8x256 network, and a model that goes by it.
+//! The occupancy grid of the 8x256 network, and a model that skips by it.
 
 use glam::DVec3;
 
 use super::*;
 use crate::bench::nerf_step;
 
-/// Samples' step length of [`settings`].
+/// The step length in [`settings`].
 const STEP: f64 = 0.5;
 
 /// Steps without a grid, and between its updates.
@@ -64,8 +64,8 @@ fn share(live: &[bool]) -> f64 {
     live.iter().filter(|&&l| l).count() as f64 / live.len() as f64
 }
 
-/// What is in a ball is found, what is a cell or more beside it is not; when the ball moves by a cell, the grid follows at the next
-/// update, and it finds a new one anywhere after as many updates as it has parts.
+/// Cells in a ball are found, cells one or more away from it are not; when the ball moves by a cell, the grid follows at the next
+/// update, and it finds a new ball anywhere after as many updates as it has parts.
 #[test]
 fn the_grid_follows_what_it_is_asked_about() {
     let key = Key::new(0, Purpose::Occupancy);
@@ -87,7 +87,7 @@ fn the_grid_follows_what_it_is_asked_about() {
         grid.update(&key, (1 + n, n), STEP, &ball(1.2));
     }
     assert!(share(&on_spheres(&grid, 1.2, 0.5 - 2.0 * cell)) == 1.0);
-    // What is gone is forgotten: 10 0.8^n is below the threshold, 0.02 a step of 0.5, from n = 28 on.
+    // A ball that is gone is forgotten: 10 0.8^n is below the threshold, 0.02 a step of 0.5, from n = 28 on.
     assert!(grid.live([-0.3, 0.0, 0.0]));
     for n in 10..40 {
         grid.update(&key, (1 + n, n), STEP, &ball(1.2));
@@ -95,7 +95,7 @@ fn the_grid_follows_what_it_is_asked_about() {
     assert!(!grid.live([-0.3, 0.0, 0.0]));
 }
 
-/// Behind the first steps a model evaluates some samples only, and its pictures are those of what is live.
+/// After the first steps a model evaluates only some samples, and its pictures are those of the live ones.
 #[test]
 fn a_model_works_where_something_is() {
     let scene = scene();
