@@ -236,12 +236,25 @@ impl WithSimd for Update<'_> {
 }
 
 /// A level's features at `points` of the unit box, into `out`, which may be longer.
+///
+/// # Panics
+/// Where `out` is shorter.
 pub fn encode_level(arch: Arch, level: &Level, points: &[[f32; 3]], out: &mut [Entry]) {
+    assert!(out.len() >= points.len(), "out and points: {} entries for {} points", out.len(), points.len());
     arch.dispatch(Encode { level, points, out });
 }
 
-/// Adds the gradients of a level's features at `points`, in order, to its table's.
+/// Adds the gradients of a level's features at `points`, in order, to its table's. `g_out` may be longer.
+///
+/// # Panics
+/// Where `g_out` is shorter.
 pub fn scatter(arch: Arch, level: &mut Level, points: &[[f32; 3]], g_out: &[Entry]) {
+    assert!(
+        g_out.len() >= points.len(),
+        "g_out and points: {} entries for {} points",
+        g_out.len(),
+        points.len()
+    );
     arch.dispatch(Scatter { level, points, g_out });
 }
 

@@ -96,7 +96,11 @@ impl Occupancy {
     }
 
     /// Raises the cells of the points to their densities.
+    ///
+    /// # Panics
+    /// Where the lengths differ.
     pub fn raise(&mut self, points: &[[f32; 3]], sigmas: &[f32]) {
+        assert_eq!(points.len(), sigmas.len(), "points and sigmas: one each a point");
         for (&p, &sigma) in points.iter().zip(sigmas) {
             let cell = self.cell(p);
             self.density[cell] = self.density[cell].max(sigma);

@@ -21,7 +21,16 @@ impl RayWeights {
     ///
     /// # Shapes
     /// `sigmas`, `deltas` (R, N).
+    ///
+    /// # Panics
+    /// Where the lengths differ, or aren't whole rays.
     pub fn compute(&mut self, arch: Arch, sigmas: &[f32], deltas: &[f32], samples: usize) {
+        assert_eq!(sigmas.len(), deltas.len(), "sigmas and deltas: one each a sample");
+        assert!(
+            sigmas.len().is_multiple_of(samples),
+            "{} sigmas are no whole rays of {samples}",
+            sigmas.len()
+        );
         let RayWeights { weights, behind, alpha } = self;
         for buffer in [&mut *weights, behind, alpha] {
             buffer.resize(sigmas.len(), 0.0);
@@ -47,6 +56,8 @@ impl RayWeights {
 /// # Shapes
 /// All slices (N). `q` is overwritten with the gradient.
 pub fn density_gradient(weights: &[f32], behind: &[f32], deltas: &[f32], b: f32, q: &mut [f32]) {
+    let lengths = [weights.len(), behind.len(), deltas.len()];
+    debug_assert_eq!(lengths, [q.len(); 3], "weights, behind, deltas and q: one each a sample");
     let mut taken = behind.last().map_or(0.0, |t| t * b);
     for i in (0..q.len()).rev() {
         let gradient = deltas[i] * (behind[i] * q[i] - taken);

@@ -76,9 +76,13 @@ impl ImageNetwork {
     ///
     /// # Shapes
     /// `x` (M, dims), `targets` (M, 3).
+    ///
+    /// # Panics
+    /// Where these aren't as many points.
     pub fn step(&self, x: &[f64], targets: &[f32], gradient: &mut Gradient) -> f64 {
         let transposed = self.trunk.transposed(&self.params);
         let points = x.len() / self.dims;
+        assert_eq!(targets.len(), 3 * points, "targets and points of x: three each a point");
         let scale = 1.0 / (3 * points) as f64;
         let loss = gradient.accumulate(self.params.len(), points.div_ceil(super::CHUNK), |n, group| {
             let (from, to) = (n * super::CHUNK, points.min((n + 1) * super::CHUNK));

@@ -84,7 +84,11 @@ impl Network {
     ///
     /// # Shapes
     /// `positions` (M, 3), `directions` (M / `samples`, 3).
+    ///
+    /// # Panics
+    /// Where the lengths differ.
     pub fn forward(&self, positions: &[f64], directions: &[f64], samples: usize) -> (Vec<f32>, Vec<f32>) {
+        assert_eq!(positions.len(), directions.len() * samples, "positions and directions: `samples` to one");
         let prepared = Prepared::new(self);
         let size = (super::CHUNK / samples).max(1);
         let rays = directions.len() / 3;

@@ -28,9 +28,16 @@ pub struct Rendered {
 
 impl<'a> Rays<'a> {
     /// R.
+    ///
+    /// # Panics
+    /// Where the arrays don't hold as many rays and samples.
     #[allow(clippy::len_without_is_empty, reason = "nobody asks")]
     pub fn len(&self) -> usize {
-        self.origins.len() / 3
+        let rays = self.origins.len() / 3;
+        assert_eq!(self.directions.len(), 3 * rays, "directions and origins: one each a ray");
+        assert_eq!(self.t.len(), rays * self.samples, "t and origins: `samples` for a ray");
+        assert_eq!(self.deltas.len(), self.t.len(), "deltas and t: one each a sample");
+        rays
     }
 
     /// Rays that make up a chunk.
