@@ -20,13 +20,29 @@
 //! Components that let work follow the scene, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], the whole way of a pixel at once.
 //!
-//! Around the pipeline: [`scene`] reads cameras and photographs, [`contract`] says what a component is, [`judge`] gives verdicts on
-//! others, [`proof`] is what our own tests need, [`bench`] measures speed against error,
-//! [`convention`] the choices that differ between right implementations, [`math`], [`random`] and [`parallel`] what makes
-//! results the same everywhere, [`simd`] what vector code shares, [`report`] and [`files`] what is written, [`cli`] the program.
+//! Rooms, from the ground up: each may import those before it, `tests/architecture` reads the list here and fails on anything else.
+//!
+//! 1. the ground: [`error`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`] (the choices that differ
+//!    between right implementations), [`files`]
+//! 2. what a component is, without knowing any: [`contract`]
+//! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
+//!    [`field`], [`volume_rendering`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
+//!    [`occupancy_grid`]
+//! 4. their f32 variants, in each folder's `fast`
+//! 5. all of them in a list: [`registry`]
+//! 6. verdicts on others: [`judge`]
+//! 7. the judge behind one component's name and types: `judge.rs` in its folder
+//! 8. what our own tests need: [`proof`]
+//! 9. photographs and cameras: [`scene`]
+//! 10. how good pictures are, and learning: [`evaluation`], [`training`]
+//! 11. what is written: [`report`]
+//! 12. speed against error: [`bench`]
+//! 13. the program: [`cli`]
 //!
 //! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
-//! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper.
+//! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper. `arrays.rs` has the same on
+//! named arrays, `bound.rs` how far off an honest implementation may be, `honest.rs` such implementations, `mistakes.rs` wrong ones,
+//! `cases.rs` the questions, and `component.rs` puts them together as rows of the registry.
 
 #[cfg(feature = "fast")]
 pub mod approximate;

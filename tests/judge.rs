@@ -9,7 +9,7 @@ use nerf_oracle::convention::{CS180, Conventions};
 use nerf_oracle::judge::answer::{Answer, Answers, Given, given};
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
 use nerf_oracle::judge::mark::{MarkOptions, mark};
-use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge, sampler};
+use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge, statistics};
 
 /// An implementation of volume rendering as anybody might have it, in f32: a running product, the textbook's alpha.
 fn my_volume_render(inputs: &Arrays) -> Arrays {
@@ -134,7 +134,7 @@ fn nothing_easy_passes() {
                 let whole = name == "easiest" && question.cases.len() == 1;
                 let passes = |grade| mark(question, answers, &CS180, &options, grade).pass();
                 let passed = if question.statistics() {
-                    sampler::mark(question, answers, &CS180).pass()
+                    statistics::mark(question, answers, &CS180).pass()
                 } else {
                     passes(Grade::B)
                 };

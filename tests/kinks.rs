@@ -7,7 +7,6 @@ use nerf_oracle::convention::{CHOICES, CS180, Conventions, Density, Depth, Produ
 use nerf_oracle::field::bound::{mlp_kink, nerf_mlp_kink};
 use nerf_oracle::field::mlp::Output;
 use nerf_oracle::field::{Layer, Mlp, backward as field_backward, density, density_slope, sigmoid_slope};
-use nerf_oracle::judge::exam::admits;
 use nerf_oracle::proof::gradient::one_sided;
 use nerf_oracle::volume_rendering::backward::Cotangent;
 use nerf_oracle::volume_rendering::{self as render, Rendering};
@@ -46,7 +45,7 @@ fn every_pre_activation_is_further_from_0_than_its_own_bound() {
         let nerf = find("nerf_mlp");
         for c in conventions() {
             for case in nerf.cases_of(Kind::Vjp, &c).iter().filter(|case| case.exists_in(dtype)) {
-                if admits(nerf, &case.inputs, &c) {
+                if (nerf.special.admits)(&case.inputs, &c) {
                     check(format!("nerf_mlp {} {c:?}", case.id), nerf_mlp_kink(&case.inputs, &c, &m));
                 }
             }

@@ -2,18 +2,16 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
+use crate::contract::special::Special;
 
 /// The pose of each point or ray.
-pub(crate) const C2W: Port =
-    Port { name: "c2w", shape: "M,4,4", meaning: "camera to world; the upper 3x4 is used", gradient: true };
+pub(crate) const C2W: Port = Port::smooth("c2w", "M,4,4", "camera to world; the upper 3x4 is used");
 
 /// Intrinsic parameters.
-pub(crate) const K: Port =
-    Port { name: "K", shape: "3,3", meaning: "intrinsics in pixels: fx, fy, cx, cy alone", gradient: true };
+pub(crate) const K: Port = Port::smooth("K", "3,3", "intrinsics in pixels: fx, fy, cx, cy alone");
 
 /// Pixel positions.
-pub(crate) const UV: Port =
-    Port { name: "uv", shape: "M,2", meaning: "pixel positions, u right, v down", gradient: true };
+pub(crate) const UV: Port = Port::smooth("uv", "M,2", "pixel positions, u right, v down");
 
 /// Camera space to world space.
 pub const TRANSFORM: Component = Component {
@@ -21,8 +19,8 @@ pub const TRANSFORM: Component = Component {
     folder: "camera",
     formula: "x_w = R x_c + o, with R and o the upper 3x4 of c2w",
     source: "homogeneous coordinates; Hartley and Zisserman 2004, section 6.1",
-    inputs: &[C2W, Port { name: "x_c", shape: "M,3", meaning: "points in camera space", gradient: true }],
-    outputs: &[Port { name: "x_w", shape: "M,3", meaning: "points in world space", gradient: true }],
+    inputs: &[C2W, Port::smooth("x_c", "M,3", "points in camera space")],
+    outputs: &[Port::smooth("x_w", "M,3", "points in world space")],
     conventions: &[],
     forward: Direction {
         oracle: arrays::transform,
@@ -38,6 +36,7 @@ pub const TRANSFORM: Component = Component {
     }),
     cases: cases::transform,
     mistakes: mistakes::TRANSFORM,
+    special: Special::NONE,
 };
 
 /// Pixel and depth to camera space.
@@ -46,12 +45,8 @@ pub const PIXEL_TO_CAMERA: Component = Component {
     folder: "camera",
     formula: "x_c = s K^-1 (u, v, 1) = s ((u - cx) / fx, (v - cy) / fy, 1)",
     source: "pinhole camera; Hartley and Zisserman 2004, section 6.1",
-    inputs: &[
-        K,
-        UV,
-        Port { name: "s", shape: "M", meaning: "depths along the camera's axis", gradient: true },
-    ],
-    outputs: &[Port { name: "x_c", shape: "M,3", meaning: "points in camera space", gradient: true }],
+    inputs: &[K, UV, Port::smooth("s", "M", "depths along the camera's axis")],
+    outputs: &[Port::smooth("x_c", "M,3", "points in camera space")],
     conventions: &[],
     forward: Direction {
         oracle: arrays::pixel_to_camera,
@@ -67,4 +62,5 @@ pub const PIXEL_TO_CAMERA: Component = Component {
     }),
     cases: cases::pixel_to_camera,
     mistakes: mistakes::PIXEL_TO_CAMERA,
+    special: Special::NONE,
 };

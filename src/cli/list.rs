@@ -5,12 +5,11 @@ use std::process::ExitCode;
 use serde_json::{Value, json};
 
 use super::output;
-use crate::COMPONENTS;
 use crate::contract::Component;
 use crate::convention::CHOICES;
 use crate::convention::profiles::PROFILES;
 use crate::error::Result;
-use crate::judge::sampler::SAMPLER;
+use crate::registry::all_rows;
 
 /// List components, their mistakes, conventions and profiles.
 #[derive(clap::Args, Debug)]
@@ -22,17 +21,12 @@ pub struct Args {}
 /// None.
 pub fn run(_: &Args, json: bool) -> Result<ExitCode> {
     let object = json!({
-        "components": rows().map(object).collect::<Vec<_>>(),
+        "components": all_rows().map(object).collect::<Vec<_>>(),
         "conventions": CHOICES.iter().map(|(key, values)| json!({ "name": key, "values": values })).collect::<Vec<_>>(),
         "profiles": PROFILES.iter().map(|p| json!({ "name": p.name, "title": p.title })).collect::<Vec<_>>(),
     });
     output::print(json, &object, &text());
     Ok(ExitCode::SUCCESS)
-}
-
-/// The rows of the contract, and the one that is judged by statistics.
-fn rows() -> impl Iterator<Item = &'static Component> {
-    COMPONENTS.iter().chain([&SAMPLER])
 }
 
 fn object(c: &Component) -> Value {
@@ -51,16 +45,16 @@ fn object(c: &Component) -> Value {
 
 /// The directions that can be judged.
 fn variants(c: &Component) -> Vec<&'static str> {
-    match c.name {
-        name if name == SAMPLER.name => vec!["statistics"],
-        _ if c.vjp.is_some() => vec!["forward", "vjp"],
-        _ => vec!["forward"],
+    match c.vjp {
+        None if c.special.statistics.is_some() => vec![c.special.forward_name],
+        Some(_) => vec!["forward", "vjp"],
+        None => vec!["forward"],
     }
 }
 
 fn text() -> String {
     let mut text = String::new();
-    for c in rows() {
+    for c in all_rows() {
         let names = c.mistakes.iter().map(|m| m.name).collect::<Vec<_>>().join(", ");
         text += &format!("{:<24}{:<14}{}\n", c.name, variants(c).join(", "), c.formula);
         if !c.conventions.is_empty() {

@@ -1,12 +1,12 @@
 //! Comparing answers with the truth: the error that a candidate may have, and whether it exceeds that.
 
-use ndarray::{ArrayD, Axis, Zip};
+use ndarray::{ArrayD, Zip};
 
 use super::arithmetic::{Arithmetic, Dtype, Grade};
 use super::arrays::Arrays;
 use super::case::{Case, Draw};
 use super::component::{Component, Direction};
-use crate::convention::{Conventions, SkipOrder};
+use crate::convention::Conventions;
 
 /// Forward or backward.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -29,7 +29,7 @@ impl Component {
     /// The cases of this direction: for the VJP the forward ones, with cotangents k / 16 (k = +-1, ..., +-16) that every type holds.
     pub fn cases_of(&self, kind: Kind, c: &Conventions) -> Vec<Case> {
         let mut cases = (self.cases)();
-        cases.iter_mut().for_each(|case| reshape(&mut case.inputs, c));
+        cases.iter_mut().for_each(|case| (self.special.reshape)(&mut case.inputs, c));
         if kind == Kind::Vjp {
             cases.retain(|case| !case.forward_only);
             for (n, case) in cases.iter_mut().enumerate() {
@@ -45,30 +45,6 @@ impl Component {
             }
         }
         cases
-    }
-}
-
-/// The network's cases are written for an encoding that enters the trunk again in layer 4. Where it enters in another layer, the two
-/// layers' weights are exchanged, so that the shapes fit; where the encoding lacks x itself, the weights lack those columns.
-fn reshape(inputs: &mut Arrays, c: &Conventions) {
-    let name = |layer: usize| format!("trunk{layer}_w");
-    if !c.identity && inputs.contains_key("trunk0_w") {
-        let rows = |inputs: &Arrays, name: &str| inputs[name].shape()[0];
-        let hidden = match c.skip_order {
-            SkipOrder::HiddenFirst => rows(inputs, "trunk3_w"),
-            SkipOrder::EncodingFirst => 0,
-        };
-        let feature = rows(inputs, "feature_w");
-        for (name, first) in [("trunk0_w", 0), ("trunk4_w", hidden), ("color0_w", feature)] {
-            let w = inputs.get_mut(name).expect("a network's arrays");
-            let kept: Vec<usize> = (0..w.shape()[1]).filter(|i| !(first..first + 3).contains(i)).collect();
-            *w = w.select(Axis(1), &kept);
-        }
-    }
-    if c.skip_layer != 4 && inputs.contains_key(&name(c.skip_layer)) {
-        let (wide, narrow) = (inputs.remove(&name(4)), inputs.remove(&name(c.skip_layer)));
-        inputs.extend(wide.map(|w| (name(c.skip_layer), w)));
-        inputs.extend(narrow.map(|w| (name(4), w)));
     }
 }
 

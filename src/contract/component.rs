@@ -4,7 +4,30 @@ use super::arithmetic::Arithmetic;
 use super::arrays::Arrays;
 use super::case::Case;
 use super::machine::Machine;
+use super::special::Special;
 use crate::convention::Conventions;
+
+/// What the entries of an array are, which says in which types files have them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entries {
+    /// Real numbers, in the type under test; a scalar input is a hyper-parameter, in f64.
+    Real,
+    /// Whole numbers that count: handed over as int64, answered in any type.
+    Count,
+    /// 0 or 1: handed over as int64, answered in any type.
+    Bit,
+    /// 0, ..., 255: uint8, answered in any type.
+    Byte,
+    /// Which pixel or image: real numbers, which may be answered as integers.
+    Pixel,
+}
+
+impl Entries {
+    /// Small whole numbers, which every type holds.
+    pub fn whole(self) -> bool {
+        matches!(self, Entries::Count | Entries::Bit | Entries::Byte)
+    }
+}
 
 /// One input or output array.
 #[derive(Clone, Copy, Debug)]
@@ -17,17 +40,24 @@ pub struct Port {
     pub meaning: &'static str,
     /// Inputs: a VJP asks for `grad_<name>`. Outputs: a VJP hands over `grad_<name>`.
     pub gradient: bool,
+    /// What its entries are.
+    pub entries: Entries,
 }
 
 impl Port {
     /// An array that a VJP differentiates, or hands a cotangent over for.
     pub const fn smooth(name: &'static str, shape: &'static str, meaning: &'static str) -> Port {
-        Port { name, shape, meaning, gradient: true }
+        Port { name, shape, meaning, gradient: true, entries: Entries::Real }
     }
 
     /// An array without gradient.
     pub const fn plain(name: &'static str, shape: &'static str, meaning: &'static str) -> Port {
-        Port { name, shape, meaning, gradient: false }
+        Port { name, shape, meaning, gradient: false, entries: Entries::Real }
+    }
+
+    /// The same with entries of this kind.
+    pub const fn of(self, entries: Entries) -> Port {
+        Port { entries, ..self }
     }
 
     /// Whether the array `name` belongs to this port.
@@ -116,6 +146,8 @@ pub struct Component {
     pub cases: fn() -> Vec<Case>,
     /// Mistakes that people make in it.
     pub mistakes: &'static [Mistake],
+    /// What only a few rows need.
+    pub special: Special,
 }
 
 /// One direction of a component: everything that is known about forward, or about its VJP.
@@ -140,6 +172,16 @@ impl Component {
     /// The port that the input array `name` belongs to.
     pub fn input_port(&self, name: &str) -> Option<&Port> {
         self.inputs.iter().find(|port| port.covers(name))
+    }
+
+    /// What the entries of the input `name` are; those of a cotangent are real.
+    pub fn input_entries(&self, name: &str) -> Entries {
+        self.input_port(name).map_or(Entries::Real, |port| port.entries)
+    }
+
+    /// What the entries of the output `name` are; those of a gradient are real.
+    pub fn output_entries(&self, name: &str) -> Entries {
+        self.outputs.iter().find(|port| port.covers(name)).map_or(Entries::Real, |port| port.entries)
     }
 
     /// Names of the arrays in `inputs` that a VJP differentiates, those of numbered ports one by one.

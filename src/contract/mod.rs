@@ -8,6 +8,7 @@ pub mod check;
 pub mod component;
 pub mod hazard;
 pub mod machine;
+pub mod special;
 
 #[cfg(test)]
 pub(crate) mod testing;
@@ -17,5 +18,6 @@ pub use arrays::Arrays;
 pub use bounded::Bounded;
 pub use case::{Case, Draw};
 pub use check::Kind;
-pub use component::{Component, Direction, Mistake, Port};
+pub use component::{Component, Direction, Entries, Mistake, Port};
 pub use machine::Machine;
+pub use special::{Finding, Special, Statistics};

@@ -4,6 +4,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
+use crate::contract::special::Special;
 
 /// Packed rays, each as far as light comes through.
 pub const EARLY_STOP: Component = Component {
@@ -40,4 +41,5 @@ pub const EARLY_STOP: Component = Component {
     }),
     cases: cases::early_stop,
     mistakes: mistakes::EARLY_STOP,
+    special: Special::NONE,
 };

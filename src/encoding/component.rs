@@ -1,7 +1,8 @@
 //! Registry row of the positional encoding.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Direction, Port};
+use crate::contract::component::{Component, Direction, Entries, Port};
+use crate::contract::special::Special;
 
 /// Positional encoding.
 pub const POSITIONAL_ENCODING: Component = Component {
@@ -11,7 +12,7 @@ pub const POSITIONAL_ENCODING: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) equation 4",
     inputs: &[
         Port::smooth("x", "M,D", "points, period 2 in band 0"),
-        Port::plain("L", "", "number of bands"),
+        Port::plain("L", "", "number of bands").of(Entries::Count),
     ],
     outputs: &[Port::smooth("encoding", "M,D+2LD", "identity, then the bands")],
     conventions: &["identity", "frequency", "bands", "columns"],
@@ -29,4 +30,5 @@ pub const POSITIONAL_ENCODING: Component = Component {
     }),
     cases: cases::positional_encoding,
     mistakes: mistakes::POSITIONAL_ENCODING,
+    special: Special { columns: Some(("columns", "band_sin_cos")), ..Special::NONE },
 };

@@ -1,10 +1,11 @@
 //! Cases of the networks: widths of 16 to 32 with parameters that every number type holds, and one of full size.
 
-use ndarray::ArrayD;
+use ndarray::{ArrayD, Axis};
 
 use super::nerf_mlp::{NerfMlp, Shape};
-use crate::contract::arrays::array;
+use crate::contract::arrays::{Arrays, array};
 use crate::contract::case::{Case, Draw};
+use crate::convention::{Conventions, SkipOrder};
 use crate::random::{Key, Purpose};
 
 /// Weights as large as PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
@@ -99,4 +100,38 @@ fn full_size() -> Case {
         case.inputs.insert(format!("{name}_b"), layer.b.mapv(single).into_dyn());
     }
     case.forward_only()
+}
+
+/// The network's cases are written for an encoding that enters the trunk again in layer 4. Where it enters in another layer, the two
+/// layers' weights are exchanged, so that the shapes fit; where the encoding lacks x itself, the weights lack those columns.
+pub fn reshape(inputs: &mut Arrays, c: &Conventions) {
+    let name = |layer: usize| format!("trunk{layer}_w");
+    if !c.identity {
+        let rows = |inputs: &Arrays, name: &str| inputs[name].shape()[0];
+        let hidden = match c.skip_order {
+            SkipOrder::HiddenFirst => rows(inputs, "trunk3_w"),
+            SkipOrder::EncodingFirst => 0,
+        };
+        let feature = rows(inputs, "feature_w");
+        for (name, first) in [("trunk0_w", 0), ("trunk4_w", hidden), ("color0_w", feature)] {
+            let w = inputs.get_mut(name).expect("a network's arrays");
+            let kept: Vec<usize> = (0..w.shape()[1]).filter(|i| !(first..first + 3).contains(i)).collect();
+            *w = w.select(Axis(1), &kept);
+        }
+    }
+    if c.skip_layer != 4 && inputs.contains_key(&name(c.skip_layer)) {
+        let (wide, narrow) = (inputs.remove(&name(4)), inputs.remove(&name(c.skip_layer)));
+        inputs.extend(wide.map(|w| (name(c.skip_layer), w)));
+        inputs.extend(narrow.map(|w| (name(4), w)));
+    }
+}
+
+/// A network's widths belong to conventions: which layer reads the encoding again, and whether the encoding keeps x itself.
+pub fn admits(inputs: &Arrays, c: &Conventions) -> bool {
+    let columns = |layer: usize| inputs.get(&format!("trunk{layer}_w")).map(|w| w.shape()[1]);
+    let identity = if c.identity { 3 } else { 0 };
+    let encoding = columns(0).unwrap_or(0);
+    encoding % 6 == identity
+        && columns(c.skip_layer) > columns(c.skip_layer - 1)
+        && columns(c.skip_layer) > columns(1)
 }

@@ -2,6 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
+use crate::contract::special::Special;
 
 /// The plain network.
 pub const MLP: Component = Component {
@@ -25,6 +26,7 @@ pub const MLP: Component = Component {
     }),
     cases: cases::mlp,
     mistakes: mistakes::MLP,
+    special: Special::NONE,
 };
 
 /// The network of the NeRF paper, encodings inside.
@@ -63,6 +65,7 @@ pub const NERF_MLP: Component = Component {
     }),
     cases: cases::nerf_mlp,
     mistakes: mistakes::NERF_MLP,
+    special: Special { reshape: cases::reshape, admits: cases::admits, ..Special::NONE },
 };
 
 const fn w(name: &'static str) -> Port {

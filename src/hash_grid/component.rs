@@ -2,6 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
+use crate::contract::special::Special;
 
 /// The multi-resolution hash grid.
 pub const HASH_GRID: Component = Component {
@@ -35,4 +36,5 @@ pub const HASH_GRID: Component = Component {
     }),
     cases: cases::hash_grid,
     mistakes: mistakes::HASH_GRID,
+    special: Special::NONE,
 };

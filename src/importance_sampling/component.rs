@@ -2,6 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
+use crate::contract::special::Special;
 
 /// Samples of a piecewise-constant distribution.
 pub const IMPORTANCE_SAMPLING: Component = Component {
@@ -31,4 +32,5 @@ pub const IMPORTANCE_SAMPLING: Component = Component {
     }),
     cases: cases::importance_sampling,
     mistakes: mistakes::IMPORTANCE_SAMPLING,
+    special: Special::NONE,
 };

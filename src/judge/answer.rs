@@ -6,6 +6,7 @@ use ndarray::{ArrayD, IxDyn};
 
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::Arrays;
+use crate::contract::component::Entries;
 
 /// One array of an answer.
 #[derive(Clone, Debug)]
@@ -27,18 +28,15 @@ pub fn given(arrays: Arrays) -> Answer {
     arrays.into_iter().map(|(name, values)| (name, Given { values, dtype: "f64" })).collect()
 }
 
-/// Outputs that are small whole numbers: bytes, bits and counts.
-const WHOLE: [&str; 5] = ["bytes", "hit", "occupied", "found", "visited"];
-
-/// Whether a float type can represent all that `dtype` computes. Pixel positions, bytes, bits and counts may be integers too.
-pub fn wide_enough(name: &str, given: &str, dtype: Dtype) -> bool {
-    let whole = WHOLE.contains(&name);
+/// Whether a type can represent all that `dtype` computes. Pixel positions, bytes, bits and counts may be integers too.
+pub fn wide_enough(entries: Entries, given: &str, dtype: Dtype) -> bool {
     match given {
+        _ if entries.whole() => true,
         "f64" => true,
-        "f32" => dtype != Dtype::F64 || whole,
-        "f16" => dtype == Dtype::F16 || whole,
-        "i64" => whole || ["uv", "image_ids"].contains(&name),
-        _ => whole,
+        "f32" => dtype != Dtype::F64,
+        "f16" => dtype == Dtype::F16,
+        "i64" => entries == Entries::Pixel,
+        _ => false,
     }
 }
 
@@ -82,9 +80,14 @@ mod tests {
 
     #[test]
     fn narrow_types_are_named() {
-        assert!(!wide_enough("colors", "f32", Dtype::F64) && !wide_enough("colors", "f16", Dtype::Bf16));
-        assert!(wide_enough("colors", "f32", Dtype::Bf16) && wide_enough("bytes", "u8", Dtype::F64));
-        assert!(!wide_enough("colors", "i64", Dtype::F32) && !wide_enough("t_near", "u8", Dtype::F32));
-        assert!(wide_enough("hit", "u8", Dtype::F64) && wide_enough("visited", "i64", Dtype::F64));
+        let real = |given, dtype| wide_enough(Entries::Real, given, dtype);
+        assert!(!real("f32", Dtype::F64) && !real("f16", Dtype::Bf16) && real("f32", Dtype::Bf16));
+        assert!(!real("i64", Dtype::F32) && !real("u8", Dtype::F32));
+        let pixel = |given, dtype| wide_enough(Entries::Pixel, given, dtype);
+        assert!(pixel("i64", Dtype::F64) && !pixel("f32", Dtype::F64) && !pixel("u8", Dtype::F64));
+        for entries in [Entries::Byte, Entries::Bit, Entries::Count] {
+            assert!(wide_enough(entries, "u8", Dtype::F64) && wide_enough(entries, "i64", Dtype::F64));
+            assert!(wide_enough(entries, "f16", Dtype::F64));
+        }
     }
 }

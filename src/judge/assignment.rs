@@ -7,7 +7,7 @@ use ndarray::ArrayD;
 use super::answer::{Answer, Answers, reshaped};
 use super::exam::Question;
 use super::mark::{MarkOptions, within};
-use super::sampler;
+use super::statistics;
 use crate::contract::arithmetic::Grade;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -15,7 +15,6 @@ use crate::contract::component::Component;
 use crate::convention::profiles::PROFILES;
 use crate::convention::{CHOICES, CS180, Conventions};
 use crate::parallel;
-use crate::trace::component::{READS, RENDER_TRACE};
 
 /// Values of some conventions, spelled as in [`CHOICES`].
 pub type Partial = BTreeMap<&'static str, &'static str>;
@@ -80,7 +79,7 @@ pub fn small_cases<'a>(question: &'a Question, answers: &'a Answers) -> Vec<(&'a
 }
 
 /// The assignments that no output of the smallest case rules out. A row of thousands of assignments says which
-/// conventions an output reads ([`READS`]): assignments that differ only in others are checked once.
+/// conventions an output reads: assignments that differ only in others are checked once.
 pub fn possible(
     question: &Question,
     answers: &Answers,
@@ -89,10 +88,8 @@ pub fn possible(
     options: &MarkOptions,
 ) -> Vec<Partial> {
     let first = small_cases(question, answers).first().copied();
-    let (Some((case, answer)), true) = (first, question.component.name == RENDER_TRACE.name) else {
-        return all;
-    };
-    for (output, keys) in READS {
+    let Some((case, answer)) = first else { return all };
+    for (output, keys) in question.component.special.reads {
         let Some(given) = answer.get(*output) else { continue };
         let alone: Answer = [(output.to_string(), given.clone())].into();
         let fits = |p: &Partial| {
@@ -112,7 +109,7 @@ pub fn possible(
 /// Whether all small cases are right in these conventions.
 pub fn holds(question: &Question, answers: &Answers, c: &Conventions, options: &MarkOptions) -> bool {
     if question.statistics() {
-        return sampler::plausible(question, answers, c);
+        return statistics::plausible(question, answers, c);
     }
     if !question.admits(c) {
         return false;

@@ -5,7 +5,7 @@ use super::assignment::{Partial, apply, assignments, changes, partial, possible,
 use super::exam::Question;
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::MarkOptions;
-use super::sampler;
+use super::statistics;
 use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
@@ -47,7 +47,7 @@ pub fn diagnose(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     if question.statistics() {
-        let shown = sampler::mistakes(question, answers, base).into_iter();
+        let shown = statistics::mistakes(question, answers, base).into_iter();
         let each = |mistake| Explanation {
             mistakes: vec![mistake],
             conventions: Partial::new(),

@@ -4,24 +4,18 @@ use ndarray::ArrayD;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::sampler::SAMPLER;
-use crate::COMPONENTS;
 use crate::contract::arithmetic::Dtype;
-use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
-use crate::contract::component::Component;
+use crate::contract::component::{Component, Entries};
 use crate::contract::hazard;
 use crate::convention::profiles::Profile;
 use crate::convention::{CS180, Conventions, american};
 use crate::error::{Error, Result};
+use crate::registry::all_rows;
 
 /// The manifest's schema.
 pub const SCHEMA: &str = "nerf-oracle/cases/1";
-
-/// Inputs that count things: integers in the files, whatever the type under test.
-const INTEGERS: &[&str] =
-    &["height", "width", "L", "count", "step", "samples", "training", "seed", "resolution", "degree"];
 
 /// One component in one direction with all of its cases.
 pub struct Question {
@@ -78,8 +72,8 @@ impl Exam {
             Exam { dtype, profile, filter: filter.to_string(), questions: vec![], left_out: vec![] };
         let wanted = |c: &&Component| c.name.contains(filter) || c.folder.contains(filter);
         // Statistics need types in which a sampler's numbers are fine enough.
-        let sampler = [Dtype::F64, Dtype::F32].contains(&dtype).then_some(&SAMPLER);
-        for component in COMPONENTS.iter().chain(sampler).filter(wanted) {
+        let fine = [Dtype::F64, Dtype::F32].contains(&dtype);
+        for component in all_rows().filter(|c| fine || c.special.statistics.is_none()).filter(wanted) {
             for kind in [Kind::Forward, Kind::Vjp].into_iter().filter(|&k| component.direction(k).is_some()) {
                 let (cases, out): (Vec<_>, Vec<_>) = component
                     .cases_of(kind, &exam.conventions())
@@ -90,7 +84,7 @@ impl Exam {
             }
         }
         if exam.questions.is_empty() {
-            let names = COMPONENTS.iter().chain([&SAMPLER]).map(|c| c.name).collect::<Vec<_>>().join(", ");
+            let names = all_rows().map(|c| c.name).collect::<Vec<_>>().join(", ");
             return Err(Error::usage("FILTER", filter, format!("a part of one of: {names}")));
         }
         Ok(exam)
@@ -125,7 +119,8 @@ impl Exam {
         let outputs = (direction.oracle)(&case.inputs, &c);
         let port = |name: &String, shape: &[usize], dtype: &str| json!({ "name": name, "shape": shape, "dtype": dtype, "meaning": meaning(component, name) });
         let pinned = component.conventions.iter().map(|key| (key.to_string(), c.get(key)));
-        let inputs = case.inputs.iter().map(|(n, a)| port(n, a.shape(), stored(n, a, self.dtype).name()));
+        let inputs =
+            case.inputs.iter().map(|(n, a)| port(n, a.shape(), question.stored(n, a, self.dtype).name()));
         let outputs = question.ordered(outputs.keys()).into_iter().map(|n| (n, outputs[n].shape()));
         json!({
             "id": case.id,
@@ -133,7 +128,7 @@ impl Exam {
             "kind": question.kind_name(),
             "file": path(component, *kind, case) + ".npz",
             "inputs": inputs.collect::<Vec<_>>(),
-            "outputs": outputs.map(|(n, s)| port(n, s, answer_type(n, self.dtype).name())).collect::<Vec<_>>(),
+            "outputs": outputs.map(|(n, s)| port(n, s, answer_type(component.output_entries(n), self.dtype).name())).collect::<Vec<_>>(),
             // Without a profile nothing is pinned, and the judge looks for the assignment that holds.
             "conventions": match self.profile {
                 Some(_) => json!(pinned.collect::<std::collections::BTreeMap<_, _>>()),
@@ -153,12 +148,21 @@ impl Question {
 
     /// Whether it is judged by the statistics of all of its cases together.
     pub fn statistics(&self) -> bool {
-        self.component.name == SAMPLER.name
+        self.component.special.statistics.is_some()
+    }
+
+    /// What an input is stored as: counts as integers, other scalars (hyper-parameters) as f64, arrays in the type under test.
+    pub fn stored(&self, name: &str, array: &ArrayD<f64>, dtype: Dtype) -> Stored {
+        match self.component.input_entries(name) {
+            Entries::Count | Entries::Bit => Stored::I64,
+            _ if array.ndim() == 0 => Stored::F64,
+            entries => answer_type(entries, dtype),
+        }
     }
 
     /// Whether the cases have the shapes that these conventions need.
     pub fn admits(&self, c: &Conventions) -> bool {
-        self.cases.iter().all(|case| admits(self.component, &case.inputs, c))
+        self.cases.iter().all(|case| (self.component.special.admits)(&case.inputs, c))
     }
 
     /// Where a case's arrays lie, below the folder, without the extension.
@@ -182,28 +186,13 @@ impl Question {
 /// `forward`, `vjp` or `trace`.
 pub fn kind_name(component: &Component, kind: Kind) -> &'static str {
     match kind {
-        Kind::Forward if component.name == "render_trace" => "trace",
-        Kind::Forward if component.name == SAMPLER.name => "statistics",
-        Kind::Forward => "forward",
+        Kind::Forward => component.special.forward_name,
         Kind::Vjp => "vjp",
     }
 }
 
 fn path(component: &Component, kind: Kind, case: &Case) -> String {
     format!("{}/{}-{}", component.name, kind_name(component, kind), case.id)
-}
-
-/// A network's widths belong to conventions: which layer reads the encoding again, and whether the encoding keeps x itself.
-pub fn admits(component: &Component, inputs: &Arrays, c: &Conventions) -> bool {
-    let columns = |layer: usize| inputs.get(&format!("trunk{layer}_w")).map(|w| w.shape()[1]);
-    if component.name != "nerf_mlp" {
-        return true;
-    }
-    let identity = if c.identity { 3 } else { 0 };
-    let encoding = columns(0).unwrap_or(0);
-    encoding % 6 == identity
-        && columns(c.skip_layer) > columns(c.skip_layer - 1)
-        && columns(c.skip_layer) > columns(1)
 }
 
 /// The id of a hard case begins with that of its hazard.
@@ -263,21 +252,10 @@ impl Stored {
     }
 }
 
-/// What an input is stored as: counts as integers, other scalars (hyper-parameters) as f64, arrays in the type under test.
-pub fn stored(name: &str, array: &ArrayD<f64>, dtype: Dtype) -> Stored {
-    if INTEGERS.contains(&name) {
-        Stored::I64
-    } else if array.ndim() == 0 {
-        Stored::F64
-    } else {
-        answer_type(name, dtype)
-    }
-}
-
 /// The narrowest type an answer may be given in.
-pub fn answer_type(name: &str, dtype: Dtype) -> Stored {
+fn answer_type(entries: Entries, dtype: Dtype) -> Stored {
     match dtype {
-        _ if name == "bytes" => Stored::U8,
+        _ if entries == Entries::Byte => Stored::U8,
         Dtype::F64 => Stored::F64,
         Dtype::F32 | Dtype::Tf32 | Dtype::Bf16 => Stored::F32,
         Dtype::F16 => Stored::F16,

@@ -9,7 +9,7 @@ use half::f16;
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, Given};
-use super::exam::{Exam, Manifest, Question, SCHEMA, Stored, stored};
+use super::exam::{Exam, Manifest, Question, SCHEMA, Stored};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::convention::profiles;
@@ -38,7 +38,7 @@ pub fn write_cases(exam: &Exam, folder: &Path) -> Result<u64> {
     let written = parallel::map(questions.len(), |n| {
         let (question, case) = questions[n];
         let path = folder.join(question.path(case) + ".npz");
-        let arrays = |(name, a): (&String, &ArrayD<f64>)| (name.clone(), packed(name, a, exam));
+        let arrays = |(name, a): (&String, &ArrayD<f64>)| (name.clone(), packed(name, a, question, exam));
         npz::write(&path, &case.inputs.iter().map(arrays).collect(), false)?;
         fs::metadata(&path).map(|data| data.len()).map_err(Error::reading(&path))
     });
@@ -46,8 +46,8 @@ pub fn write_cases(exam: &Exam, folder: &Path) -> Result<u64> {
 }
 
 /// An input in the type that the files have it in.
-fn packed(name: &str, array: &ArrayD<f64>, exam: &Exam) -> npz::Array {
-    match stored(name, array, exam.dtype) {
+fn packed(name: &str, array: &ArrayD<f64>, question: &Question, exam: &Exam) -> npz::Array {
+    match question.stored(name, array, exam.dtype) {
         Stored::F64 => array.clone().into(),
         Stored::F32 => array.mapv(|x| x as f32).into(),
         Stored::F16 => array.mapv(f16::from_f64).into(),

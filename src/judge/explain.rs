@@ -2,8 +2,6 @@
 
 use serde_json::{Value, json};
 
-use super::sampler::SAMPLER;
-use crate::COMPONENTS;
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::check::{Kind, tolerance};
 use crate::contract::component::{Component, Mistake, Port};
@@ -11,6 +9,7 @@ use crate::contract::hazard::{HAZARDS, Hazard, of_case};
 use crate::convention::profiles::{PROFILES, Profile};
 use crate::convention::{CHOICES, CS180, american};
 use crate::error::{Error, Result};
+use crate::registry::{COMPONENTS, all_rows};
 
 /// Everything of this name, for machines and for people. British spellings are read too.
 ///
@@ -35,11 +34,6 @@ pub fn explain(name: &str) -> Result<(Value, String)> {
     }
     let (objects, texts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     Ok((json!({ "name": name, "found": objects }), texts.join("\n")))
-}
-
-/// The rows of the contract, and the one that is judged by statistics.
-fn all_rows() -> impl Iterator<Item = &'static Component> {
-    COMPONENTS.iter().chain([&SAMPLER])
 }
 
 /// Names that share a part with `name`, or where to look.

@@ -10,9 +10,7 @@ use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
 use crate::contract::check::{Kind, budget_used};
-use crate::contract::component::Direction;
 use crate::convention::Conventions;
-use crate::volume_rendering::mistakes::ALPHA_ERROR;
 
 /// An assignment of conventions with mistakes, in the order in which they were made.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,7 +49,6 @@ impl Hypothesis {
         error: Option<&Arrays>,
         options: &MarkOptions,
     ) -> Arrays {
-        let direction = question.component.direction(question.kind).expect("a question has its direction");
         let (truth, right) = options.truth(question, case, &self.conventions, Grade::B);
         if self.mistakes.is_empty() {
             return right;
@@ -67,7 +64,7 @@ impl Hypothesis {
         let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
         let moved: Vec<Arrays> = match error {
             Some(_) => vec![],
-            None => (0..2).map(|n| self.nudged(direction, case, n, 4.0 * u)).collect(),
+            None => (0..2).map(|n| self.nudged(question, case, n, 4.0 * u)).collect(),
         };
         let one = |(name, w): (&String, &ArrayD<f64>)| {
             let mut bound = w.mapv(|w| roundings * u * w.abs() + options.dtype.smallest_normal());
@@ -93,18 +90,14 @@ impl Hypothesis {
     }
 
     /// The wrong function on inputs that are off by up to `relative`.
-    fn nudged(&self, direction: &Direction, case: &Case, n: u64, relative: f64) -> Arrays {
+    fn nudged(&self, question: &Question, case: &Case, n: u64, relative: f64) -> Arrays {
+        let direction = question.component.direction(question.kind).expect("a question has its direction");
         let mut draw = Draw::new(&case.id, n);
         let mut inputs = case.inputs.clone();
         for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
             array.mapv_inplace(|x| x * (1.0 + relative * if draw.below(2) == 0 { 1.0 } else { -1.0 }));
         }
-        // The textbook's opacity is off by a rounding of 1 however small it is, which wrong code may magnify (C / A on a thin ray).
-        if let Some(sigmas) = case.inputs.get("sigmas") {
-            let rounding = 0.25 * relative;
-            let error = sigmas.mapv(|_| if draw.below(2) == 0 { rounding } else { -rounding });
-            inputs.insert(ALPHA_ERROR.into(), error);
-        }
+        (question.component.special.rounds_inside)(&mut inputs, relative, &mut draw);
         (direction.wrong)(&inputs, &self.conventions, &self.mistakes)
     }
 

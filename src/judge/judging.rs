@@ -26,7 +26,7 @@ use super::diagnose::{Explanation, diagnose, difference};
 use super::exam::{Exam, Question};
 use super::mark::{MarkOptions, Marks, mark};
 use super::report::{Report, Row, Verdict};
-use super::{layout, sampler};
+use super::{layout, statistics};
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
@@ -212,7 +212,7 @@ fn marks(
     options: &MarkOptions,
 ) -> (Marks, Option<Grade>) {
     if question.statistics() {
-        return (sampler::mark(question, answers, c), None);
+        return (statistics::mark(question, answers, c), None);
     }
     let graded = question.cases.iter().any(|case| {
         let direction = question.component.direction(question.kind).expect("a question has its direction");

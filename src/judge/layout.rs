@@ -68,12 +68,10 @@ fn columns(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Option<(Answers, String)> {
-    if !question.component.conventions.contains(&"columns") || question.component.outputs.len() > 1 {
-        return None;
-    }
+    let (key, value) = question.component.special.columns?;
     let name = question.component.outputs[0].name;
     let home = assignments(question.component, base);
-    for p in home.iter().filter(|p| p.get("columns") == Some(&"band_sin_cos")) {
+    for p in home.iter().filter(|p| p.get(key) == Some(&value)) {
         let c = apply(p, base);
         let Some(permutations) = permutations(question, answers, name, &c, options) else { continue };
         let mut ordered = answers.clone();

@@ -10,6 +10,7 @@ use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::{budget_used, tolerance};
+use crate::contract::component::Entries;
 use crate::convention::Conventions;
 
 /// The element that used most of its bound.
@@ -114,7 +115,8 @@ pub fn mark(
             if !answered.contains(name) {
                 marks.missing.insert(name.clone());
             } else {
-                marks.output(case, name, answer, (&expected[name], &bound[name]), options.dtype);
+                let entries = question.component.output_entries(name);
+                marks.output(case, (name, entries), answer, (&expected[name], &bound[name]), options.dtype);
             }
         }
     }
@@ -136,7 +138,7 @@ impl Marks {
     fn output(
         &mut self,
         case: &Case,
-        name: &String,
+        (name, entries): (&String, Entries),
         answer: &Answer,
         (expected, bound): (&ArrayD<f64>, &ArrayD<f64>),
         dtype: Dtype,
@@ -144,7 +146,7 @@ impl Marks {
         let Some(given) = answer.get(name) else {
             return self.fault(case, name, "absent here, but not in other cases".into());
         };
-        if !wide_enough(name, given.dtype, dtype) {
+        if !wide_enough(entries, given.dtype, dtype) {
             self.fault(case, name, format!("{} is too narrow for {dtype}", given.dtype));
         }
         let Some((got, layout)) = reshaped(&given.values, expected.shape()) else {

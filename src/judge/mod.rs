@@ -14,7 +14,6 @@ pub mod mark;
 pub mod numeric;
 pub mod page;
 pub mod report;
-pub mod sampler;
 pub mod statistics;
 
 pub use exam::Exam;

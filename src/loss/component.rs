@@ -1,7 +1,8 @@
 //! Registry rows of loss, metric and bytes.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Direction, Port};
+use crate::contract::component::{Component, Direction, Entries, Port};
+use crate::contract::special::Special;
 
 /// Mean squared error.
 pub const MSE: Component = Component {
@@ -24,6 +25,7 @@ pub const MSE: Component = Component {
     }),
     cases: cases::mse,
     mistakes: mistakes::MSE,
+    special: Special::NONE,
 };
 
 /// Peak signal-to-noise ratio.
@@ -48,6 +50,7 @@ pub const PSNR: Component = Component {
     vjp: None,
     cases: cases::psnr,
     mistakes: mistakes::PSNR,
+    special: Special::NONE,
 };
 
 /// Colors as bytes.
@@ -57,7 +60,7 @@ pub const TO_UINT8: Component = Component {
     formula: "round(255 clip(x, 0, 1)), halves away from 0; or floor",
     source: "bmild/nerf run_nerf_helpers.py to8b (floor); imageio and torchvision (round)",
     inputs: &[Port::plain("image", "H,W,3", "colors, beyond [0, 1] too")],
-    outputs: &[Port::plain("bytes", "H,W,3", "0, ..., 255")],
+    outputs: &[Port::plain("bytes", "H,W,3", "0, ..., 255").of(Entries::Byte)],
     conventions: &["bytes"],
     forward: Direction {
         oracle: arrays::to_uint8,
@@ -68,4 +71,5 @@ pub const TO_UINT8: Component = Component {
     vjp: None,
     cases: cases::to_uint8,
     mistakes: mistakes::TO_UINT8,
+    special: Special::NONE,
 };

@@ -1,7 +1,8 @@
 //! Registry rows of the occupancy grid: its update with queries, and its traversal.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Direction, Port};
+use crate::contract::component::{Component, Direction, Entries, Port};
+use crate::contract::special::Special;
 
 /// Update and queries.
 pub const OCCUPANCY_GRID: Component = Component {
@@ -27,8 +28,8 @@ pub const OCCUPANCY_GRID: Component = Component {
     ],
     outputs: &[
         Port::plain("density_out", "G,G,G", "densities after the update"),
-        Port::plain("occupied", "G,G,G", "1 where the cell is occupied, else 0"),
-        Port::plain("found", "Q", "1 where the query's cell is occupied, else 0"),
+        Port::plain("occupied", "G,G,G", "1 where the cell is occupied, else 0").of(Entries::Bit),
+        Port::plain("found", "Q", "1 where the query's cell is occupied, else 0").of(Entries::Bit),
     ],
     conventions: &[],
     forward: Direction {
@@ -40,6 +41,7 @@ pub const OCCUPANCY_GRID: Component = Component {
     vjp: None,
     cases: cases::update,
     mistakes: mistakes::OCCUPANCY_GRID,
+    special: Special::NONE,
 };
 
 /// Traversal.
@@ -53,7 +55,7 @@ pub const GRID_TRAVERSAL: Component = Component {
         Port::plain("rays_d", "M,3", "directions, as they come; t counts in their lengths"),
         Port::plain("near", "", "where rays begin; from there to far they lie in the unit box"),
         Port::plain("far", "", "where they end"),
-        Port::plain("resolution", "", "G, cells along an edge of the box"),
+        Port::plain("resolution", "", "G, cells along an edge of the box").of(Entries::Count),
     ],
     outputs: &[
         Port::plain(
@@ -61,7 +63,7 @@ pub const GRID_TRAVERSAL: Component = Component {
             "M,G,G,G",
             "t spent in each cell, index [z, y, x]; faces belong to the cell above",
         ),
-        Port::plain("visited", "M", "number of cells"),
+        Port::plain("visited", "M", "number of cells").of(Entries::Count),
     ],
     conventions: &[],
     forward: Direction {
@@ -73,4 +75,5 @@ pub const GRID_TRAVERSAL: Component = Component {
     vjp: None,
     cases: cases::traverse,
     mistakes: mistakes::GRID_TRAVERSAL,
+    special: Special::NONE,
 };

@@ -1,7 +1,8 @@
 //! Registry row of the optimizer.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Direction, Port};
+use crate::contract::component::{Component, Direction, Entries, Port};
+use crate::contract::special::Special;
 
 /// One step of Adam.
 pub const ADAM_STEP: Component = Component {
@@ -14,7 +15,7 @@ pub const ADAM_STEP: Component = Component {
         Port::plain("grad", "P", "gradient"),
         Port::plain("m", "P", "mean of gradients"),
         Port::plain("v", "P", "mean of squared gradients"),
-        Port::plain("step", "", "number of the step, from 1"),
+        Port::plain("step", "", "number of the step, from 1").of(Entries::Count),
         Port::plain("lr", "", "learning rate"),
         Port::plain("beta1", "", "decay of m"),
         Port::plain("beta2", "", "decay of v"),
@@ -36,4 +37,5 @@ pub const ADAM_STEP: Component = Component {
     vjp: None,
     cases: cases::adam_step,
     mistakes: mistakes::ADAM_STEP,
+    special: Special::NONE,
 };

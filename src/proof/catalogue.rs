@@ -2,13 +2,12 @@
 #![doc = include_str!("../../tests/pages/CATALOGUE.md")]
 
 use super::selfcheck;
-use crate::COMPONENTS;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::component::{Component, Mistake};
 use crate::contract::hazard::{HAZARDS, of_case};
 use crate::convention::CHOICES;
 use crate::convention::profiles::PROFILES;
-use crate::judge::sampler::SAMPLER;
+use crate::registry::{COMPONENTS, STATISTICAL};
 
 /// The page.
 pub fn page() -> String {
@@ -39,7 +38,8 @@ pub fn page() -> String {
     }
     page += "\n## Mistakes\n\n`f32`, `bf16`: whether the mistake exceeds the bound there on some case (in f64 all do).\n";
     COMPONENTS.iter().for_each(|c| page += &table(c));
-    page + &of_the_sampler() + &hazards()
+    page += &STATISTICAL.iter().map(by_statistics).collect::<String>();
+    page + &hazards()
 }
 
 /// The glossary of hazards, with the cases of each.
@@ -59,12 +59,12 @@ fn hazards() -> String {
 }
 
 /// The mistakes that only statistics over several calls show.
-fn of_the_sampler() -> String {
-    let mut text = format!("\n### {}\n\n`{}`\n\n", SAMPLER.name, SAMPLER.formula);
+fn by_statistics(c: &Component) -> String {
+    let mut text = format!("\n### {}\n\n`{}`\n\n", c.name, c.formula);
     text += "| mistake | what was written | effect | to fix | seen |\n|---|---|---|---|---|\n";
-    for m in SAMPLER.mistakes {
-        text +=
-            &format!("| {} | {} |\n", m.name, [m.cause, m.effect, m.fix, m.seen].map(escaped).join(" | "));
+    for m in c.mistakes {
+        let cells = [m.cause, m.effect, m.fix, m.seen].map(escaped).join(" | ");
+        text += &format!("| {} | {cells} |\n", m.name);
     }
     text
 }

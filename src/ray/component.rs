@@ -2,7 +2,8 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::camera::component::{C2W, K, UV};
-use crate::contract::component::{Component, Direction, Port};
+use crate::contract::component::{Component, Direction, Entries, Port};
+use crate::contract::special::Special;
 
 /// The ray through a pixel.
 pub const PIXEL_TO_RAY: Component = Component {
@@ -12,8 +13,8 @@ pub const PIXEL_TO_RAY: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) section 4; CS180 project 4, part 2.1",
     inputs: &[K, C2W, UV],
     outputs: &[
-        Port { name: "rays_o", shape: "M,3", meaning: "origins, world space", gradient: true },
-        Port { name: "rays_d", shape: "M,3", meaning: "directions, world space", gradient: true },
+        Port::smooth("rays_o", "M,3", "origins, world space"),
+        Port::smooth("rays_d", "M,3", "directions, world space"),
     ],
     conventions: &["axes", "directions"],
     forward: Direction {
@@ -30,6 +31,7 @@ pub const PIXEL_TO_RAY: Component = Component {
     }),
     cases: cases::pixel_to_ray,
     mistakes: mistakes::PIXEL_TO_RAY,
+    special: Special::NONE,
 };
 
 /// The rays of a whole picture.
@@ -39,17 +41,17 @@ pub const IMAGE_RAYS: Component = Component {
     formula: "pixel_to_ray at uv[j, i] = (i + 0.5, j + 0.5), with fx = fy = focal",
     source: "bmild/nerf run_nerf_helpers.py get_rays; CS180 project 4, part 2.2",
     inputs: &[
-        Port { name: "height", shape: "", meaning: "rows of pixels", gradient: false },
-        Port { name: "width", shape: "", meaning: "columns of pixels", gradient: false },
-        Port { name: "focal", shape: "", meaning: "focal length in pixels", gradient: false },
-        Port { name: "cx", shape: "", meaning: "principal point, u", gradient: false },
-        Port { name: "cy", shape: "", meaning: "principal point, v", gradient: false },
-        Port { name: "c2w", shape: "4,4", meaning: "camera to world", gradient: false },
+        Port::plain("height", "", "rows of pixels").of(Entries::Count),
+        Port::plain("width", "", "columns of pixels").of(Entries::Count),
+        Port::plain("focal", "", "focal length in pixels"),
+        Port::plain("cx", "", "principal point, u"),
+        Port::plain("cy", "", "principal point, v"),
+        Port::plain("c2w", "4,4", "camera to world"),
     ],
     outputs: &[
-        Port { name: "uv", shape: "H,W,2", meaning: "pixel positions", gradient: false },
-        Port { name: "rays_o", shape: "H,W,3", meaning: "origins", gradient: false },
-        Port { name: "rays_d", shape: "H,W,3", meaning: "directions", gradient: false },
+        Port::plain("uv", "H,W,2", "pixel positions").of(Entries::Pixel),
+        Port::plain("rays_o", "H,W,3", "origins"),
+        Port::plain("rays_d", "H,W,3", "directions"),
     ],
     conventions: &["axes", "pixel_center", "directions"],
     forward: Direction {
@@ -61,4 +63,5 @@ pub const IMAGE_RAYS: Component = Component {
     vjp: None,
     cases: cases::image_rays,
     mistakes: mistakes::IMAGE_RAYS,
+    special: Special::NONE,
 };

@@ -1,7 +1,8 @@
 //! Registry row of rays and boxes.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Direction, Port};
+use crate::contract::component::{Component, Direction, Entries, Port};
+use crate::contract::special::Special;
 
 /// Where rays enter and leave a box.
 pub const RAY_AABB: Component = Component {
@@ -20,7 +21,8 @@ pub const RAY_AABB: Component = Component {
     outputs: &[
         Port::smooth("t_near", "R", "where the ray enters the box; anything on a miss (here far)"),
         Port::smooth("t_far", "R", "where it leaves the box; anything on a miss (here far)"),
-        Port::plain("hit", "R", "1 where a part of the ray lies in the closed box, a face included, else 0"),
+        Port::plain("hit", "R", "1 where a part of the ray lies in the closed box, a face included, else 0")
+            .of(Entries::Bit),
     ],
     conventions: &[],
     forward: Direction {
@@ -37,4 +39,5 @@ pub const RAY_AABB: Component = Component {
     }),
     cases: cases::ray_aabb,
     mistakes: mistakes::RAY_AABB,
+    special: Special::NONE,
 };

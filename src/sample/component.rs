@@ -2,9 +2,10 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
+use crate::contract::special::Special;
 
-const NEAR: Port = Port { name: "near", shape: "", meaning: "where rays begin", gradient: false };
-const FAR: Port = Port { name: "far", shape: "", meaning: "where rays end", gradient: false };
+const NEAR: Port = Port::plain("near", "", "where rays begin");
+const FAR: Port = Port::plain("far", "", "where rays end");
 
 /// Positions and points.
 pub const SAMPLE_ALONG_RAYS: Component = Component {
@@ -13,16 +14,13 @@ pub const SAMPLE_ALONG_RAYS: Component = Component {
     formula: "D = (far - near) / N, t_i = near + (i + u_i) D, points = o + t d",
     source: "NeRF (Mildenhall et al. 2020) equation 2",
     inputs: &[
-        Port { name: "rays_o", shape: "R,3", meaning: "origins", gradient: false },
-        Port { name: "rays_d", shape: "R,3", meaning: "directions, as they come", gradient: false },
+        Port::plain("rays_o", "R,3", "origins"),
+        Port::plain("rays_d", "R,3", "directions, as they come"),
         NEAR,
         FAR,
-        Port { name: "u", shape: "R,N", meaning: "numbers in [0, 1), one for every sample", gradient: false },
+        Port::plain("u", "R,N", "numbers in [0, 1), one for every sample"),
     ],
-    outputs: &[
-        Port { name: "t", shape: "R,N", meaning: "positions along the ray", gradient: false },
-        Port { name: "points", shape: "R,N,3", meaning: "o + t d", gradient: false },
-    ],
+    outputs: &[Port::plain("t", "R,N", "positions along the ray"), Port::plain("points", "R,N,3", "o + t d")],
     conventions: &["grid"],
     forward: Direction {
         oracle: arrays::sample_along_rays,
@@ -33,6 +31,7 @@ pub const SAMPLE_ALONG_RAYS: Component = Component {
     vjp: None,
     cases: cases::sample_along_rays,
     mistakes: mistakes::SAMPLE_ALONG_RAYS,
+    special: Special::NONE,
 };
 
 /// Step lengths.
@@ -41,12 +40,8 @@ pub const STEP_SIZES: Component = Component {
     folder: "sample",
     formula: "delta = (far - near) / N; by convention t_{i+1} - t_i, with a stated last one",
     source: "NeRF (Mildenhall et al. 2020) equation 3; CS180 project 4, part 2.5",
-    inputs: &[
-        Port { name: "t", shape: "R,N", meaning: "positions along the ray", gradient: false },
-        NEAR,
-        FAR,
-    ],
-    outputs: &[Port { name: "deltas", shape: "R,N", meaning: "step lengths", gradient: false }],
+    inputs: &[Port::plain("t", "R,N", "positions along the ray"), NEAR, FAR],
+    outputs: &[Port::plain("deltas", "R,N", "step lengths")],
     conventions: &["delta", "last_delta"],
     forward: Direction {
         oracle: arrays::step_sizes,
@@ -57,4 +52,5 @@ pub const STEP_SIZES: Component = Component {
     vjp: None,
     cases: cases::step_sizes,
     mistakes: mistakes::STEP_SIZES,
+    special: Special::NONE,
 };

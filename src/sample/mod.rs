@@ -12,6 +12,8 @@ pub mod cases;
 pub mod component;
 pub mod honest;
 pub mod mistakes;
+pub mod sampler;
+pub mod statistics;
 
 #[cfg(test)]
 mod tests;

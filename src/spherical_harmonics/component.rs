@@ -1,7 +1,8 @@
 //! Registry row of the spherical harmonics.
 
 use super::{arrays, bound, cases, honest, mistakes};
-use crate::contract::component::{Component, Direction, Port};
+use crate::contract::component::{Component, Direction, Entries, Port};
+use crate::contract::special::Special;
 
 /// Spherical harmonics of directions.
 pub const SPHERICAL_HARMONICS: Component = Component {
@@ -11,7 +12,7 @@ pub const SPHERICAL_HARMONICS: Component = Component {
     source: "Sloan, Stupid Spherical Harmonics Tricks (2008), A2; Instant-NGP (Mueller et al. 2022) section 5.3",
     inputs: &[
         Port::smooth("d", "M,3", "directions of length 1, components in [-1, 1]"),
-        Port::plain("degree", "", "last band, 0 to 4"),
+        Port::plain("degree", "", "last band, 0 to 4").of(Entries::Count),
     ],
     outputs: &[Port::smooth("harmonics", "M,(degree+1)^2", "band by band, m ascending")],
     conventions: &[],
@@ -29,4 +30,5 @@ pub const SPHERICAL_HARMONICS: Component = Component {
     }),
     cases: cases::spherical_harmonics,
     mistakes: mistakes::SPHERICAL_HARMONICS,
+    special: Special::NONE,
 };

@@ -1,7 +1,7 @@
 //! The trace against the components that it consists of.
 
 use super::chain::{chain, plainly};
-use super::component::{READS, RENDER_TRACE};
+use super::component::RENDER_TRACE;
 use crate::convention::{CHOICES, CS180, Conventions};
 
 /// In every convention, the pixel-by-pixel trace and the chain of rows agree bit for bit.
@@ -46,7 +46,7 @@ fn an_output_reads_no_other_conventions() {
         for value in values(key) {
             let other = start.with(key, value).expect("listed");
             let other = (RENDER_TRACE.forward.oracle)(&case.inputs, &other);
-            for (output, _) in READS.iter().filter(|(_, keys)| !keys.contains(&key)) {
+            for (output, _) in RENDER_TRACE.special.reads.iter().filter(|(_, keys)| !keys.contains(&key)) {
                 assert_eq!(traced[*output], other[*output], "{output} reads {key} {value}");
             }
         }

@@ -2,6 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
+use crate::contract::special::Special;
 
 /// Density from a network's last number, with a surrogate gradient.
 pub const TRUNC_EXP: Component = Component {
@@ -26,4 +27,5 @@ pub const TRUNC_EXP: Component = Component {
     }),
     cases: cases::trunc_exp,
     mistakes: mistakes::TRUNC_EXP,
+    special: Special::NONE,
 };

@@ -2,16 +2,16 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
+use crate::contract::special::Special;
 
-const SIGMAS: Port = Port { name: "sigmas", shape: "R,N", meaning: "densities, 1 / length", gradient: true };
-const ALPHAS: Port = Port { name: "alphas", shape: "R,N", meaning: "opacities in [0, 1]", gradient: true };
-const RGBS: Port = Port { name: "rgbs", shape: "R,N,3", meaning: "colors", gradient: true };
-const DELTAS: Port = Port { name: "deltas", shape: "R,N", meaning: "step lengths", gradient: true };
-const COLORS: Port = Port { name: "colors", shape: "R,3", meaning: "sum of w c", gradient: true };
-const WEIGHTS: Port = Port { name: "weights", shape: "R,N", meaning: "T alpha", gradient: true };
-const OPACITY: Port = Port { name: "opacity", shape: "R", meaning: "sum of w", gradient: true };
-const TRANSMITTANCE: Port =
-    Port { name: "transmittance", shape: "R", meaning: "T behind the last sample", gradient: true };
+const SIGMAS: Port = Port::smooth("sigmas", "R,N", "densities, 1 / length");
+const ALPHAS: Port = Port::smooth("alphas", "R,N", "opacities in [0, 1]");
+const RGBS: Port = Port::smooth("rgbs", "R,N,3", "colors");
+const DELTAS: Port = Port::smooth("deltas", "R,N", "step lengths");
+const COLORS: Port = Port::smooth("colors", "R,3", "sum of w c");
+const WEIGHTS: Port = Port::smooth("weights", "R,N", "T alpha");
+const OPACITY: Port = Port::smooth("opacity", "R", "sum of w");
+const TRANSMITTANCE: Port = Port::smooth("transmittance", "R", "T behind the last sample");
 
 /// Rendering from densities.
 pub const VOLUME_RENDER: Component = Component {
@@ -36,6 +36,7 @@ pub const VOLUME_RENDER: Component = Component {
     }),
     cases: cases::volume_render,
     mistakes: mistakes::VOLUME_RENDER,
+    special: Special { rounds_inside: mistakes::rounds_alpha, ..Special::NONE },
 };
 
 /// Rendering from opacities.
@@ -61,6 +62,7 @@ pub const VOLUME_RENDER_ALPHA: Component = Component {
     }),
     cases: cases::volume_render_alpha,
     mistakes: mistakes::VOLUME_RENDER_ALPHA,
+    special: Special::NONE,
 };
 
 /// Light from behind.
@@ -70,11 +72,11 @@ pub const COMPOSITE_BACKGROUND: Component = Component {
     formula: "C' = C + (1 - A) b",
     source: "Porter and Duff 1984, premultiplied over",
     inputs: &[
-        Port { name: "colors", shape: "R,3", meaning: "rendered colors, premultiplied", gradient: true },
-        Port { name: "opacity", shape: "R", meaning: "A", gradient: true },
-        Port { name: "background", shape: "3", meaning: "b", gradient: true },
+        Port::smooth("colors", "R,3", "rendered colors, premultiplied"),
+        Port::smooth("opacity", "R", "A"),
+        Port::smooth("background", "3", "b"),
     ],
-    outputs: &[Port { name: "colors_out", shape: "R,3", meaning: "colors over b", gradient: true }],
+    outputs: &[Port::smooth("colors_out", "R,3", "colors over b")],
     conventions: &[],
     forward: Direction {
         oracle: arrays::background,
@@ -90,6 +92,7 @@ pub const COMPOSITE_BACKGROUND: Component = Component {
     }),
     cases: cases::composite_background,
     mistakes: mistakes::COMPOSITE_BACKGROUND,
+    special: Special::NONE,
 };
 
 /// Expected distance.
@@ -99,11 +102,11 @@ pub const DEPTH: Component = Component {
     formula: "z = sum w_i t_i / sum w_i, far where the ray meets nothing",
     source: "bmild/nerf run_nerf.py raw2outputs (undivided); nerfstudio renderers.py (divided)",
     inputs: &[
-        Port { name: "weights", shape: "R,N", meaning: "w", gradient: true },
-        Port { name: "t", shape: "R,N", meaning: "distances", gradient: true },
-        Port { name: "far", shape: "", meaning: "depth of an empty ray", gradient: false },
+        Port::smooth("weights", "R,N", "w"),
+        Port::smooth("t", "R,N", "distances"),
+        Port::plain("far", "", "depth of an empty ray"),
     ],
-    outputs: &[Port { name: "depth", shape: "R", meaning: "expected distance", gradient: true }],
+    outputs: &[Port::smooth("depth", "R", "expected distance")],
     conventions: &["depth"],
     forward: Direction {
         oracle: arrays::depths,
@@ -119,4 +122,5 @@ pub const DEPTH: Component = Component {
     }),
     cases: cases::depth,
     mistakes: mistakes::DEPTH,
+    special: Special::NONE,
 };

@@ -3,6 +3,7 @@
 use super::arrays::{self, renderings};
 use super::{Rendering, volume_render as oracle, volume_render_alpha as oracle_alpha};
 use crate::contract::arrays::{Arrays, input, row, rows3, scalar, size};
+use crate::contract::case::Draw;
 use crate::convention::{Conventions, ProductEps};
 use crate::math::exp;
 
@@ -12,6 +13,13 @@ pub use catalogue::{COMPOSITE_BACKGROUND, DEPTH, VOLUME_RENDER, VOLUME_RENDER_AL
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub const ALPHA_ERROR: &str = "alpha_error";
+
+/// The textbook's opacity is off by a rounding of 1 however small it is, which wrong code may magnify (C / A on a thin ray).
+pub fn rounds_alpha(a: &mut Arrays, relative: f64, draw: &mut Draw) {
+    let rounding = 0.25 * relative;
+    let error = input(a, "sigmas").mapv(|_| if draw.below(2) == 0 { rounding } else { -rounding });
+    a.insert(ALPHA_ERROR.into(), error);
+}
 
 /// The steps as the mistakes have them.
 fn wrong_deltas(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<f64> {

@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use super::march::{MarchRay, Steps};
+use super::steps::{MarchRay, Steps};
 use super::{BLOCK, BRICK};
 use crate::simd::{CacheAligned, fma};
 

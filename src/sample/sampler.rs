@@ -1,22 +1,19 @@
-//! The row of the contract that is judged by statistics: random rays, and the jitter of their samples.
+//! The row of the contract that is judged by statistics: random rays, and the jitter of their samples. No draw is wrong by itself;
+//! `statistics.rs` says what right ones look like together.
 
-use std::collections::BTreeMap;
+use ndarray::Ix4;
 
-use ndarray::{ArrayD, Ix4};
-
-use super::answer::{Answer, Answers};
-use super::exam::Question;
-use super::mark::Marks;
-use super::statistics::{Call, Finding, findings};
+use super::statistics::{self, Call};
+use super::{rest_u, sample_along_ray};
 use crate::contract::arithmetic::Arithmetic;
-use crate::contract::arrays::{Arrays, array, arrays, input, number, scalar};
+use crate::contract::arrays::{Arrays, array, arrays, input, number, rows, scalar, threes, twos, values};
 use crate::contract::case::Case;
-use crate::contract::component::{Component, Direction, Mistake, Port};
+use crate::contract::component::{Component, Direction, Entries, Mistake, Port};
 use crate::contract::machine::Machine;
+use crate::contract::special::{Finding, Special, Statistics};
 use crate::convention::Conventions;
 use crate::random::{Key, Purpose};
 use crate::ray::{PixelDraws, sample_random_rays};
-use crate::sample::{rest_u, sample_along_ray};
 
 /// Rays a call.
 const RAYS: usize = 4096;
@@ -27,21 +24,21 @@ const SAMPLES: usize = 16;
 /// Random rays: four calls, two in training and two at rest, judged together.
 pub const SAMPLER: Component = Component {
     name: "sample_random_rays",
-    folder: "ray",
+    folder: "sample",
     formula: "image, row and column uniform over all pixels; t_i by its grid, u_i uniform in training, at rest in evaluation",
     source: "NeRF (Mildenhall et al. 2020) section 4 and equation 2",
     inputs: &[
         Port::plain("images", "I,H,W,3", "photographs in [0, 1]"),
-        Port::plain("count", "", "how many rays to draw"),
-        Port::plain("samples", "", "N, samples a ray"),
+        Port::plain("count", "", "how many rays to draw").of(Entries::Count),
+        Port::plain("samples", "", "N, samples a ray").of(Entries::Count),
         Port::plain("near", "", "where rays begin"),
         Port::plain("far", "", "where rays end"),
-        Port::plain("training", "", "1: samples are jittered; 0: they rest"),
-        Port::plain("seed", "", "another number for every call; to be used or not"),
+        Port::plain("training", "", "1: samples are jittered; 0: they rest").of(Entries::Bit),
+        Port::plain("seed", "", "another number for every call; to be used or not").of(Entries::Count),
     ],
     outputs: &[
-        Port::plain("image_ids", "R", "the image of each ray"),
-        Port::plain("uv", "R,2", "its pixel position"),
+        Port::plain("image_ids", "R", "the image of each ray").of(Entries::Pixel),
+        Port::plain("uv", "R,2", "its pixel position").of(Entries::Pixel),
         Port::plain("rgbs", "R,3", "its color"),
         Port::plain("t", "R,N", "its samples"),
     ],
@@ -50,9 +47,15 @@ pub const SAMPLER: Component = Component {
     vjp: None,
     cases: calls,
     mistakes: MISTAKES,
+    special: Special {
+        forward_name: "statistics",
+        // Jitter is judged if there is any; pixels can't be judged without colors and images.
+        statistics: Some(Statistics { optional: &["t"], findings }),
+        ..Special::NONE
+    },
 };
 
-/// What [`findings`] can name.
+/// What [`statistics::findings`] can name.
 const MISTAKES: &[Mistake] = &[
     row(
         "outside_the_images",
@@ -253,90 +256,22 @@ fn wrongly(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
     drawn(a, c)
 }
 
-/// What is wrong with the answers as arrays: absent, of a wrong shape, or not finite.
-fn fault(case: &Case, answer: Option<&Answer>) -> Option<String> {
-    let Some(answer) = answer else { return Some(format!("{}: no answer", case.id)) };
-    let samples = number(&case.inputs, "samples") as usize;
-    let count = number(&case.inputs, "count") as usize;
-    let shapes: [(&str, Vec<usize>); 4] = [
-        ("image_ids", vec![count]),
-        ("uv", vec![count, 2]),
-        ("rgbs", vec![count, 3]),
-        ("t", vec![count, samples]),
-    ];
-    for (name, shape) in shapes {
-        let Some(given) = answer.get(name) else {
-            // Jitter is judged if there is any; pixels can't be judged without colors and images.
-            if name == "t" {
-                continue;
-            }
-            return Some(format!("{}: {name}: absent", case.id));
-        };
-        if given.values.shape() != shape {
-            return Some(format!(
-                "{}: {name}: wrong shape {:?}, expected {shape:?}",
-                case.id,
-                given.values.shape()
-            ));
-        }
-        if given.values.iter().any(|x| !x.is_finite()) {
-            return Some(format!("{}: {name}: NaN or infinity", case.id));
-        }
-    }
-    None
-}
-
 /// An answer as a call.
-fn call(answer: &Answer) -> Call {
-    let flat = |name: &str| answer[name].values.iter().copied().collect::<Vec<f64>>();
-    let rows = |a: &ArrayD<f64>| a.outer_iter().map(|row| row.iter().copied().collect()).collect();
+fn call(answer: &Arrays) -> Call {
     Call {
-        image_ids: flat("image_ids"),
-        uv: flat("uv").chunks_exact(2).map(|c| [c[0], c[1]]).collect(),
-        rgbs: flat("rgbs").chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect(),
-        t: answer.get("t").map_or(vec![], |given| rows(&given.values)),
+        image_ids: values(answer, "image_ids"),
+        uv: twos(answer, "uv"),
+        rgbs: threes(answer, "rgbs"),
+        t: if answer.contains_key("t") { rows(answer, "t") } else { vec![] },
     }
 }
 
-/// Faults of the answers, or what the statistics of the four calls say.
-fn judged(question: &Question, answers: &Answers, c: &Conventions) -> (Vec<String>, Vec<Finding>) {
-    let pairs = question.cases.iter().zip(answers);
-    let faults: Vec<String> = pairs.filter_map(|(case, answer)| fault(case, answer.as_ref())).collect();
-    if !faults.is_empty() {
-        return (faults, vec![]);
-    }
-    let calls: Vec<Call> = answers.iter().flatten().map(call).collect();
-    let Ok([a, b, c1, c2]) = <[Call; 4]>::try_from(calls) else { return (vec!["four calls".into()], vec![]) };
-    let inputs = &question.cases[0].inputs;
+/// What the statistics of the four calls say.
+fn findings(cases: &[Case], answers: &[Arrays], c: &Conventions) -> Vec<Finding> {
+    let calls: Vec<Call> = answers.iter().map(call).collect();
+    let [a, b, rest_a, rest_b] = <[Call; 4]>::try_from(calls).expect("an answer to each of the four calls");
+    let inputs = &cases[0].inputs;
     let images = input(inputs, "images").view().into_dimensionality::<Ix4>().expect("(I, H, W, 3)");
-    (vec![], findings(images, &[a, b], &[c1, c2], [number(inputs, "near"), number(inputs, "far")], c))
-}
-
-/// Whether a right sampler in these conventions could have drawn all this.
-pub fn plausible(question: &Question, answers: &Answers, c: &Conventions) -> bool {
-    let (faults, found) = judged(question, answers, c);
-    faults.is_empty() && found.iter().all(|finding| finding.honest)
-}
-
-/// The marks: all or nothing.
-pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
-    let (mut faults, found) = judged(question, answers, c);
-    let (choices, wrong): (Vec<&Finding>, Vec<&Finding>) = found.iter().partition(|finding| finding.honest);
-    let told = |finding: &&Finding| format!("{}: {}", finding.name, finding.says);
-    faults.extend(wrong.iter().map(told));
-    let missing = answers.iter().flatten().all(|answer| !answer.contains_key("t"));
-    Marks {
-        budget_used: if faults.is_empty() { 0.0 } else { f64::INFINITY },
-        proving: 1,
-        findings: choices.iter().map(told).collect(),
-        missing: missing.then(|| "t".to_string()).into_iter().collect(),
-        faults,
-        ..Marks::default()
-    }
-}
-
-/// The mistakes that the statistics show.
-pub fn mistakes(question: &Question, answers: &Answers, c: &Conventions) -> Vec<&'static Mistake> {
-    let rows: BTreeMap<&str, &'static Mistake> = MISTAKES.iter().map(|m| (m.name, m)).collect();
-    judged(question, answers, c).1.iter().filter_map(|finding| rows.get(finding.name).copied()).collect()
+    let bounds = [number(inputs, "near"), number(inputs, "far")];
+    statistics::findings(images, &[a, b], &[rest_a, rest_b], bounds, c)
 }

@@ -1,12 +1,13 @@
 //! The house rules, as far as a program can hold them.
 
-use std::collections::BTreeSet;
+mod complete;
+mod imports;
+mod names;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use nerf_oracle::COMPONENTS;
-use nerf_oracle::contract::check::Kind;
-use nerf_oracle::convention::CS180;
+use imports::component_folders;
 use sha2::{Digest, Sha256};
 
 /// Files of a component folder that are not oracle: harness, tests and fast variants.
@@ -18,6 +19,7 @@ const AROUND: &[&str] = &[
     "mistakes",
     "component",
     "tests",
+    "sampler",
     "by_hand",
     "fast",
     "variants",
@@ -68,14 +70,6 @@ fn code(path: &Path) -> String {
     text.lines().map(|line| line.split("//").next().unwrap_or_default().to_string() + "\n").collect()
 }
 
-/// Component folders: those with a `component.rs`.
-fn folders() -> BTreeSet<String> {
-    let entries = fs::read_dir(root().join("src")).expect("src");
-    let folders = entries.map(|entry| entry.expect("a readable entry").path());
-    // The harness has a file of that name too.
-    folders.filter(|f| f.join("component.rs").exists()).map(|f| name(&f)).collect()
-}
-
 fn name(path: &Path) -> String {
     path.file_stem().expect("a name").to_string_lossy().into_owned()
 }
@@ -93,16 +87,9 @@ fn oracle_files(folder: &str) -> Vec<PathBuf> {
 }
 
 #[test]
-fn every_component_folder_is_registered() {
-    let registered: BTreeSet<String> = COMPONENTS.iter().map(|c| c.folder.to_string()).collect();
-    assert_eq!(folders(), registered);
-    let names: BTreeSet<&str> = COMPONENTS.iter().map(|c| c.name).collect();
-    assert_eq!(names.len(), COMPONENTS.len(), "names are unique");
-}
-
-#[test]
 fn oracle_files_are_plain() {
-    let mut files: Vec<PathBuf> = folders().iter().flat_map(|folder| oracle_files(folder)).collect();
+    let mut files: Vec<PathBuf> =
+        component_folders().iter().flat_map(|folder| oracle_files(folder)).collect();
     files.push(root().join("src/training/reference.rs"));
     assert!(files.len() > 12, "the oracle files were not found: {files:?}");
     for file in files {
@@ -122,7 +109,8 @@ fn mutants_are_killed_or_explained() {
     let read = |path: &str| fs::read_to_string(root().join(path)).expect("a readable file");
     let rows: serde_json::Value = serde_json::from_str(&read("tests/pages/MUTANTS.json")).expect("JSON");
     let equivalent: serde_json::Value = serde_json::from_str(&read("tools/mutants.json")).expect("JSON");
-    let mut files: Vec<PathBuf> = folders().iter().flat_map(|folder| oracle_files(folder)).collect();
+    let mut files: Vec<PathBuf> =
+        component_folders().iter().flat_map(|folder| oracle_files(folder)).collect();
     files.extend(["math.rs", "random.rs", "training/reference.rs"].map(|file| root().join("src").join(file)));
     for file in files {
         let file = file.strip_prefix(root()).expect("below the root").display().to_string();
@@ -160,30 +148,9 @@ fn only_parallel_names_rayon_and_only_the_matrix_product_is_unsafe() {
 }
 
 #[test]
-fn every_component_is_complete() {
-    for component in COMPONENTS {
-        let label = component.name;
-        let folder = root().join("src").join(component.folder);
-        for file in ["mod.rs", "arrays.rs", "bound", "honest", "cases", "mistakes", "component.rs", "tests"] {
-            let found = folder.join(file).exists() || folder.join(format!("{file}.rs")).exists();
-            assert!(found, "{label}: no {file} in src/{}", component.folder);
-        }
-        let backward = folder.join("backward.rs").exists() || folder.join("backward").exists();
-        assert!(component.vjp.is_none() || backward, "{label}: a gradient without backward.rs");
-        let differentiable = component.inputs.iter().any(|port| port.gradient);
-        assert_eq!(differentiable, component.vjp.is_some(), "{label}: inputs with a gradient need a VJP");
-        assert!(!component.cases_of(Kind::Forward, &CS180).is_empty(), "{label}: no cases");
-        assert!(!component.mistakes.is_empty(), "{label}: no mistakes");
-        assert!(!component.formula.is_empty() && !component.source.is_empty(), "{label}: formula and source");
-        let mpmath = root().join("fixtures").join(label).join("mpmath.npz");
-        assert!(mpmath.exists(), "{label}: no fixture; make it with: python tools/golden.py --only {label}");
-    }
-}
-
-#[test]
 fn nothing_is_left_open() {
     for file in sources(&root().join("src")).into_iter().chain(sources(&root().join("tests"))) {
-        if file.ends_with("tests/architecture.rs") {
+        if file.ends_with("tests/architecture/main.rs") {
             continue;
         }
         let text = fs::read_to_string(&file).expect("readable source");

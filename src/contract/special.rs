@@ -1,0 +1,58 @@
+//! What only a few rows of the contract need.
+
+use super::arrays::Arrays;
+use super::case::{Case, Draw};
+use crate::convention::Conventions;
+
+/// What only a few rows need; most have [`Special::NONE`].
+#[derive(Clone, Copy)]
+pub struct Special {
+    /// What the forward direction is called in files and reports.
+    pub forward_name: &'static str,
+    /// The conventions that each output depends on, where these aren't all of the row's: a search for conventions rules them out
+    /// output by output.
+    pub reads: &'static [(&'static str, &'static [&'static str])],
+    /// Gives a case's inputs the shapes that conventions ask for.
+    pub reshape: fn(&mut Arrays, &Conventions),
+    /// Whether inputs have the shapes that conventions ask for.
+    pub admits: fn(&Arrays, &Conventions) -> bool,
+    /// The convention that orders the output's columns, and its value from which any other order is recognized.
+    pub columns: Option<(&'static str, &'static str)>,
+    /// Adds to inputs that are off by `relative` what an honest formula rounds inside, which wrong code may magnify.
+    pub rounds_inside: fn(&mut Arrays, relative: f64, &mut Draw),
+    /// How all cases are judged together, where single elements say nothing.
+    pub statistics: Option<Statistics>,
+}
+
+impl Special {
+    /// A row whose elements are compared one by one, in all conventions.
+    pub const NONE: Special = Special {
+        forward_name: "forward",
+        reads: &[],
+        reshape: |_, _| {},
+        admits: |_, _| true,
+        columns: None,
+        rounds_inside: |_, _, _| {},
+        statistics: None,
+    };
+}
+
+/// A row that is judged by statistics over its cases.
+#[derive(Clone, Copy)]
+pub struct Statistics {
+    /// Outputs that needn't be answered.
+    pub optional: &'static [&'static str],
+    /// What the answers show, given in the order of the cases: of the expected shapes, and finite.
+    pub findings: fn(&[Case], &[Arrays], &Conventions) -> Vec<Finding>,
+}
+
+/// Something that right answers show with a negligible probability, or a choice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// The mistake's name, or the choice's.
+    pub name: &'static str,
+    /// Whether it is a choice that right programs make: told, and passed.
+    pub honest: bool,
+    /// What was seen, and what should have been.
+    pub says: String,
+}
