@@ -186,6 +186,17 @@ pub enum Density {
     Exp,
 }
 
+/// Where the exponent of an exponential density is held to [-15, 15].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Exponent {
+    /// In the gradient alone: sigma = e^x.
+    #[default]
+    Gradient,
+    /// Forward too: sigma = e^clamp(x, -15, 15).
+    Both,
+}
+
 /// The order in which a skip connection is concatenated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -267,6 +278,9 @@ pub struct Conventions {
     pub columns: Columns,
     /// Density activation.
     pub density: Density,
+    /// Where an exponential density's exponent is clamped.
+    #[serde(default)]
+    pub exponent: Exponent,
     /// Index (from 0) of the trunk layer whose input contains the encoding again.
     pub skip_layer: usize,
     /// Order of that concatenation.
@@ -298,6 +312,7 @@ pub const CS180: Conventions = Conventions {
     bands: Bands::Octaves,
     columns: Columns::BandSinCos,
     density: Density::Relu,
+    exponent: Exponent::Gradient,
     skip_layer: 4,
     skip_order: SkipOrder::HiddenFirst,
     last_trunk: Activation::Relu,
@@ -328,6 +343,7 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("bands", &["octaves", "linear"]),
     ("columns", &["band_sin_cos", "dim_sin_cos", "dim_interleaved", "all_sin_all_cos", "band_interleaved"]),
     ("density", &["relu", "softplus", "exp"]),
+    ("exponent", &["gradient", "both"]),
     ("skip_layer", &["4", "5"]),
     ("skip_order", &["hidden_first", "encoding_first"]),
     ("last_trunk", &["relu", "none"]),

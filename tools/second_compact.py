@@ -5,12 +5,12 @@ import second_rendering as rendering
 
 
 def trunc_exp(a, c, wrong):
-    """e^x."""
+    """e^x, or e^clamp(x, -15, 15)."""
     x = a["x"]
-    if "forward_clamped" in wrong:
-        x = np.clip(x, -15, 15)
     if "bias_inside" in wrong:
         x = x - x.dtype.type(1)
+    if c["exponent"] == "both":
+        x = np.clip(x, -15, 15)
     with np.errstate(over="ignore"):
         return {"sigmas": np.exp2(x) if "base_two" in wrong else np.exp(x)}
 

@@ -229,14 +229,17 @@ pub const PROFILES: &[Profile] = &[
         },
         sources: &[
             ("density", "src/testbed_nerf.cu network_to_density: __expf (ENerfActivation::Exponential)"),
+            (
+                "exponent",
+                "src/testbed_nerf.cu: network_to_density has __expf(val), network_to_density_derivative clamps val to [-15, 15]",
+            ),
             ("delta", "src/testbed_nerf.cu calc_dt: the step of the march"),
             (
                 "axes",
                 "include/neural-graphics-primitives/nerf_loader.h nerf_matrix_to_ngp: poses are turned to z forward",
             ),
         ],
-        beyond: "hash grid and spherical harmonics in place of the encoding; marching stops at T < 1e-4 and renormalizes; the \
-                 exponential's gradient is clamped to [-15, 15]",
+        beyond: "hash grid and spherical harmonics in place of the encoding; marching stops at T < 1e-4 and renormalizes",
     },
 ];
 

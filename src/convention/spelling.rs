@@ -25,6 +25,7 @@ const FIELDS: &[Field] = &[
     ("bands", |c| name(&c.bands), |c, v| c.bands = listed(v)),
     ("columns", |c| name(&c.columns), |c, v| c.columns = listed(v)),
     ("density", |c| name(&c.density), |c, v| c.density = listed(v)),
+    ("exponent", |c| name(&c.exponent), |c, v| c.exponent = listed(v)),
     ("skip_layer", |c| c.skip_layer.to_string(), |c, v| c.skip_layer = v.parse().expect("a listed number")),
     ("skip_order", |c| name(&c.skip_order), |c, v| c.skip_order = listed(v)),
     ("last_trunk", |c| name(&c.last_trunk), |c, v| c.last_trunk = listed(v)),

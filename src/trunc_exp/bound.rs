@@ -1,15 +1,15 @@
 //! Error bounds of the truncated exponential: one elementary function, and one product after it.
 
-use super::LIMIT;
 use super::arrays::{forward, vjp};
+use super::{LIMIT, argument};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::Arrays;
 use crate::contract::bounded::exact;
 use crate::convention::Conventions;
 
-/// Bound of [`super::trunc_exp`].
-pub fn trunc_exp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
-    forward(a, |x| m.exp(exact(x)).e)
+/// Bound of [`super::density`].
+pub fn trunc_exp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    forward(a, |x| m.exp(exact(argument(x, c.exponent))).e)
 }
 
 /// Bound of [`super::backward::trunc_exp`]: every type holds the limit, so that clamping costs nothing.

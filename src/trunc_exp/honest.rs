@@ -1,14 +1,14 @@
 //! Honest truncated exponentials in emulated arithmetic: the argument clamped, or the value.
 
-use super::LIMIT;
 use super::arrays::{forward, vjp};
+use super::{LIMIT, argument};
 use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
-/// e^x.
-pub fn trunc_exp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
-    forward(a, |x| m.exp(x))
+/// e^x, or e^clamp(x, -15, 15).
+pub fn trunc_exp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    forward(a, |x| m.exp(argument(x, c.exponent)))
 }
 
 /// Its surrogate gradient; in odd forms from the density that the forward pass has stored.

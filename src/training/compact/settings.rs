@@ -4,6 +4,7 @@ use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use crate::camera::Camera;
+use crate::convention::Exponent;
 use crate::hash_grid;
 use crate::hash_grid::fast::LEVELS;
 use crate::scene::Scene;
@@ -103,6 +104,9 @@ pub struct CompactSettings {
 /// Steps over which learning rates fall by the square root of 2.
 pub const LR_HALF_LIFE: f64 = 1500.0;
 
+/// Where the density's exponent is clamped: in the forward pass too.
+pub(crate) const EXPONENT: Exponent = Exponent::Both;
+
 /// Samples of a picture over those of training, along the same ray.
 pub(crate) const AT_REST: f64 = 2.0;
 
@@ -161,6 +165,12 @@ impl CompactSettings {
                 Part::Occupancy,
                 "128 cells an edge: about two steps a cell, and bits that fit into a core's L2 cache",
             ),
+        );
+        because(
+            "density_exponent",
+            "clamped to [-15, 15] forward too, a convention of trunc_exp: the vector code's exponential has no branch for overflow, and \
+             a density beyond lets no light through, or all of it"
+                .into(),
         );
         because("coarse_steps", or(Part::CoarseSteps, "0.3 of the samples at first, all from step 300 on"));
         because("coarse_levels", or(Part::CoarseLevels, "4 levels at first, one more every 100 steps"));
@@ -267,7 +277,7 @@ impl CompactSettings {
             "resolutions": self.resolutions, "table": self.table, "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop, "stop_at_rest": self.stop_at_rest,
             "patience": Some(self.patience()).filter(|n| *n < u32::MAX), "batch": self.batch, "batch_most": self.batch_at(u64::MAX),
             "rays": self.rays, "lr": self.lr, "lr_half_life": LR_HALF_LIFE, "seed": self.seed,
-            "view_dependent": self.view_dependent, "without": self.without, "reasons": self.reasons,
+            "view_dependent": self.view_dependent, "density_exponent": EXPONENT, "without": self.without, "reasons": self.reasons,
         });
         let Value::Object(map) = object else { unreachable!("an object literal") };
         map
