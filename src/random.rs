@@ -63,6 +63,11 @@ impl Key {
             .collect()
     }
 
+    /// The first four numbers of `ray` in `step`: one block.
+    pub fn four(&self, step: u64, ray: u64) -> [f64; 4] {
+        philox([1, ray, step, 0], self.0).map(|bits| (bits >> 11) as f64 * crate::math::power_of_two(-53))
+    }
+
     /// A whole number in [0, n): the high word of a 64 x 64 bit product. Its bias is below n / 2^64.
     pub fn below(&self, n: u64, step: u64, ray: u64, sample: u64) -> u64 {
         ((u128::from(self.bits(step, ray, sample)) * u128::from(n)) >> 64) as u64
@@ -98,6 +103,7 @@ mod tests {
         assert_eq!(key.uniform(2, 5, 5).to_bits(), 0x3fd0_637f_707c_98d2);
         let six: Vec<f64> = (0..6).map(|n| key.uniform(2, 5, n)).collect();
         assert_eq!(key.uniforms(2, 5, 6), six);
+        assert_eq!(key.four(2, 5)[..], six[..4]);
     }
 
     #[test]

@@ -18,7 +18,7 @@ use crate::random::{Key, Purpose};
 use crate::ray::{PixelDraw, Ray, camera_ray, pixel_position};
 use crate::report::inspect;
 use crate::sample::sample_along_ray;
-use crate::scene::{self, Frame, Options, Scene};
+use crate::scene::{self, Frame, Options, Scene, random_pixel};
 
 /// Options of `inspect`.
 #[derive(clap::Args, Clone, Debug)]
@@ -82,12 +82,9 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
 /// Rays through random pixels of training frames, with jittered samples: exactly what a training step would see first.
 fn draw_rays(scene: &Scene, args: &Args) -> Result<Vec<Drawn>> {
     let (pixels, jitter) = (Key::new(args.seed, Purpose::Rays), Key::new(args.seed, Purpose::Samples));
-    let (width, height) = scene.size();
     let mut drawn = Vec::with_capacity(args.rays);
     for n in 0..args.rays as u64 {
-        let image = pixels.below(scene.train.len() as u64, 0, n, 0) as usize;
-        let j = pixels.below(height as u64, 0, n, 1) as usize;
-        let i = pixels.below(width as u64, 0, n, 2) as usize;
+        let [image, j, i] = random_pixel(&scene.train, &pixels, 0, n);
         let frame = &scene.train[image];
         let uv = pixel_position(i, j, PixelCenter::Half);
         let rgb =

@@ -20,7 +20,7 @@ mod random;
 #[cfg(test)]
 mod tests;
 
-pub use random::{PixelDraw, PixelDraws, draw_pixel, sample_random_rays};
+pub use random::{PixelDraw, PixelDraws, draw_index, draw_pixel, sample_random_rays};
 
 /// r(t) = o + t d.
 #[derive(Clone, Copy, Debug, PartialEq)]

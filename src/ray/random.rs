@@ -29,6 +29,11 @@ pub struct PixelDraw {
     pub rgb: [f64; 3],
 }
 
+/// The floor of u n, for u in [0, 1): which of n images, rows or columns a random number stands for. Whoever draws pixels draws so.
+pub fn draw_index(u: f64, n: usize) -> usize {
+    ((u * n as f64) as usize).min(n - 1)
+}
+
 /// One pixel of an (I, H, W, 3) stack from three numbers in [0, 1): image, row and column, each the floor of u times its range.
 ///
 /// # Panics
@@ -44,8 +49,7 @@ pub struct PixelDraw {
 pub fn draw_pixel(images: ArrayView4<f64>, u: [f64; 3], center: PixelCenter) -> PixelDraw {
     let (count, height, width, channels) = images.dim();
     assert_eq!(channels, 3, "images: (I, H, W, 3)");
-    let index = |u: f64, n: usize| ((u * n as f64) as usize).min(n - 1);
-    let (image, j, i) = (index(u[0], count), index(u[1], height), index(u[2], width));
+    let (image, j, i) = (draw_index(u[0], count), draw_index(u[1], height), draw_index(u[2], width));
     let rgb = [images[[image, j, i, 0]], images[[image, j, i, 1]], images[[image, j, i, 2]]];
     PixelDraw { image, uv: pixel_position(i, j, center), rgb }
 }

@@ -3,6 +3,7 @@
 //! Whatever a file's own convention, a [`Scene`] has OpenCV axes (x right, y down, z forward), pixels as intrinsics and colors
 //! in [0, 1]. `near` and `far` are distances along unit directions.
 
+use std::borrow::Borrow;
 use std::path::Path;
 
 use glam::DVec3;
@@ -11,6 +12,8 @@ use serde_json::{Map, Value};
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
+use crate::random::Key;
+use crate::ray::draw_index;
 
 pub mod builtin;
 mod card;
@@ -76,6 +79,14 @@ pub struct Options {
     pub background: Option<[f64; 3]>,
     /// Whether photographs of a test split are loaded too; they are many, and only an evaluation on them needs them.
     pub test_images: bool,
+}
+
+/// Frame, row and column of a random pixel: each from one of the first three numbers of `ray` in `step`.
+pub fn random_pixel<F: Borrow<Frame>>(frames: &[F], key: &Key, step: u64, ray: u64) -> [usize; 3] {
+    let [u, v, w, _] = key.four(step, ray);
+    let frame = draw_index(u, frames.len());
+    let camera = &frames[frame].borrow().camera;
+    [frame, draw_index(v, camera.height), draw_index(w, camera.width)]
 }
 
 impl Scene {

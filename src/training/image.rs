@@ -14,6 +14,7 @@ use crate::loss::{mse, psnr};
 use crate::optimizer::{self, Adam};
 use crate::parallel;
 use crate::random::{Key, Purpose};
+use crate::ray::draw_index;
 
 /// The settings of a fit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -88,8 +89,9 @@ pub fn fit<E>(
     for step in 1..=settings.steps {
         let clock = Instant::now();
         let (mut x, mut targets) = (vec![], vec![]);
-        for u in pixels.uniforms(step, 0, settings.batch) {
-            let n = (u * (h * w) as f64) as usize;
+        for ray in 0..settings.batch as u64 {
+            let [u, v, ..] = pixels.four(step, ray);
+            let n = draw_index(u, h) * w + draw_index(v, w);
             x.extend(position(n, h, w));
             targets.extend((0..3).map(|k| picture[[n / w, n % w, k]]));
         }

@@ -26,7 +26,7 @@ use crate::optimizer::Adam;
 use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray, pixel_position};
 use crate::sample::{rest_u, sample_along_ray};
-use crate::scene::Scene;
+use crate::scene::{Scene, random_pixel};
 
 /// Prefix of the names of the fine network's arrays.
 const FINE: &str = "fine.";
@@ -136,9 +136,8 @@ impl NerfModel {
         let (pixels, jitter) = (Key::new(seed, Purpose::Rays), Key::new(seed, Purpose::Samples));
         let mut drawn = Drawn { origins: vec![], directions: vec![], t: vec![], u: vec![], targets: vec![] };
         for r in 0..rays as u64 {
-            let index = |range: usize, n| pixels.below(range as u64, step, r, n) as usize;
-            let frame = &scene.train[index(scene.train.len(), 0)];
-            let (j, i) = (index(frame.camera.height, 1), index(frame.camera.width, 2));
+            let [frame, j, i] = random_pixel(&scene.train, &pixels, step, r);
+            let frame = &scene.train[frame];
             let ray = camera_ray(&frame.camera, pixel_position(i, j, CS180.pixel_center))?;
             let image = frame.image.as_ref().expect("training frames have pictures");
             drawn.origins.extend(ray.o.to_array());

@@ -16,7 +16,7 @@ use crate::files::{self, picture};
 use crate::loss::psnr;
 use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray};
-use crate::scene::Scene;
+use crate::scene::{Scene, random_pixel};
 
 /// Pixels of a quick validation.
 const PROBE_PIXELS: usize = 4096;
@@ -264,9 +264,8 @@ fn probe_pixels(scene: &Scene, seed: u64) -> Result<Vec<(Ray, [f32; 3])>> {
     }
     let key = Key::new(seed, Purpose::Probe);
     let pixel = |n: usize| {
-        let draw = |range: usize, sample| key.below(range as u64, 0, n as u64, sample) as usize;
-        let frame = frames[draw(frames.len(), 0)];
-        let (j, i) = (draw(frame.camera.height, 1), draw(frame.camera.width, 2));
+        let [frame, j, i] = random_pixel(&frames, &key, 0, n as u64);
+        let frame = frames[frame];
         let image = frame.image.as_ref().expect("kept those that have one");
         let ray = camera_ray(&frame.camera, DVec2::new(i as f64 + 0.5, j as f64 + 0.5))?;
         Ok((ray, [image[[j, i, 0]], image[[j, i, 1]], image[[j, i, 2]]]))

@@ -73,7 +73,7 @@ impl WithSimd for March<'_> {
                 let u = jitter.uniform(step, r as u64, 0) as f32;
                 *number = match again.get(r) {
                     Some(&pixel) => (pixel, u, u32::MAX),
-                    None => (pixels.below(model.views.len() as u64, step, r as u64, 0) as u32, u, patience),
+                    None => (model.views.draw(&pixels, step, r as u64) as u32, u, patience),
                 };
             }
             for &(pixel, u, patience) in &numbers[..last - first] {

@@ -6,7 +6,8 @@ use super::settings::CompactSettings;
 use crate::camera::{Camera, Distortion, Intrinsics};
 use crate::error::Result;
 use crate::evaluation::camera_rays;
-use crate::ray::Ray;
+use crate::random::Key;
+use crate::ray::{Ray, draw_index};
 use crate::scene::Scene;
 
 /// A ray in units of the box.
@@ -44,6 +45,8 @@ struct View {
 pub(super) struct Views {
     views: Vec<View>,
     lenses: Vec<Vec<[f32; 3]>>,
+    /// Width and height of a picture.
+    size: [usize; 2],
     pixels: usize,
     inverse_size: f32,
 }
@@ -74,12 +77,25 @@ impl Views {
             views.push(View { origin: origin.to_array().map(|x| x as f32), rotation, colors, lens });
         }
         let (width, height) = scene.size();
-        Ok(Views { views, lenses, pixels: width * height, inverse_size: (1.0 / settings.size) as f32 })
+        Ok(Views {
+            views,
+            lenses,
+            size: [width, height],
+            pixels: width * height,
+            inverse_size: (1.0 / settings.size) as f32,
+        })
     }
 
     /// Pixels of all pictures.
     pub fn len(&self) -> usize {
         self.views.len() * self.pixels
+    }
+
+    /// A random pixel of all: picture, row and column from the first three numbers of `ray` in `step`.
+    #[inline(always)]
+    pub fn draw(&self, key: &Key, step: u64, ray: u64) -> usize {
+        let ([u, v, w, _], [width, height]) = (key.four(step, ray), self.size);
+        (draw_index(u, self.views.len()) * height + draw_index(v, height)) * width + draw_index(w, width)
     }
 
     /// The ray and the color of pixel `n` of all.
