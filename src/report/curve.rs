@@ -1,9 +1,10 @@
 //! A curve or several as SVG.
 
+use std::fmt::Write;
 use std::path::Path;
 
-use plotters::prelude::*;
-
+use super::chart::{Axis, Chart};
+use super::page::escape;
 use crate::error::Result;
 use crate::files;
 
@@ -15,6 +16,12 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
 }
 
+const SIZE: (f64, f64) = (720.0, 440.0);
+/// Left, right, top, bottom of the plot.
+const PLOT: [f64; 4] = [68.0, 704.0, 44.0, 384.0];
+/// Told apart without red against green.
+const COLORS: [&str; 6] = ["#2a6fb0", "#d9822b", "#7a4fa3", "#2f9e8f", "#b3446c", "#6b7280"];
+
 /// Writes a line chart: title, names of both axes, one color a series.
 ///
 /// # Errors
@@ -25,68 +32,43 @@ pub fn write(path: &Path, title: &str, x_name: &str, y_name: &str, series: &[Ser
 
 /// The chart as SVG text.
 pub fn svg(title: &str, x_name: &str, y_name: &str, series: &[Series]) -> String {
-    let mut text = String::new();
-    {
-        let root = SVGBackend::with_string(&mut text, (720, 440)).into_drawing_area();
-        draw(&root, title, x_name, y_name, series).expect("drawing into memory can't fail");
-        root.present().expect("drawing into memory can't fail");
-    }
-    text
-}
-
-type Area<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
-type DrawError<'a> = DrawingAreaErrorKind<<SVGBackend<'a> as DrawingBackend>::ErrorType>;
-
-fn draw<'a>(
-    root: &Area<'a>,
-    title: &str,
-    x_name: &str,
-    y_name: &str,
-    series: &[Series],
-) -> Result<(), DrawError<'a>> {
-    root.fill(&WHITE)?;
     let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
     let all = || series.iter().flat_map(|s| s.points.iter().filter(finite));
-    let (x0, x1) = range(all().map(|p| p.0));
-    let (y0, y1) = range(all().map(|p| p.1));
-    let mut chart = ChartBuilder::on(root)
-        .caption(title, ("sans-serif", 20))
-        .margin(12)
-        .x_label_area_size(44)
-        .y_label_area_size(56)
-        .build_cartesian_2d(x0..x1, y0..y1)?;
-    chart
-        .configure_mesh()
-        .x_desc(x_name)
-        .y_desc(y_name)
-        .light_line_style(WHITE)
-        .bold_line_style(RGBColor(225, 225, 225))
-        .draw()?;
+    let (x, y) = (Axis::linear(x_name, all().map(|p| p.0)), Axis::linear(y_name, all().map(|p| p.1)));
+    let mut chart = Chart::new(title, SIZE, PLOT, x, y);
+    let [left, right, _, bottom] = PLOT;
+    let _ = writeln!(
+        chart.svg,
+        "<text x=\"{}\" y=\"26\" text-anchor=\"middle\" font-size=\"18\">{}</text>",
+        (left + right) / 2.0,
+        escape(title)
+    );
     for (n, s) in series.iter().enumerate() {
-        let color = Palette99::pick(n).to_rgba();
-        let points: Vec<(f64, f64)> = s.points.iter().filter(finite).copied().collect();
-        chart.draw_series(points.iter().map(|&p| Circle::new(p, 2, color.filled())))?;
-        chart
-            .draw_series(LineSeries::new(points, color.stroke_width(2)))?
-            .label(&s.name)
-            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], color.stroke_width(2)));
+        let color = COLORS[n % COLORS.len()];
+        let places: Vec<(f64, f64)> =
+            s.points.iter().filter(finite).map(|p| (chart.x(p.0), chart.y(p.1))).collect();
+        let line: Vec<String> = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        let line = line.join(" ");
+        let _ = writeln!(
+            chart.svg,
+            "<polyline points=\"{line}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2\"/>"
+        );
+        for (x, y) in places {
+            let _ = writeln!(chart.svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"2\" fill=\"{color}\"/>");
+        }
+        let at = bottom - 12.0 - 18.0 * (series.len() - 1 - n) as f64;
+        let _ = writeln!(
+            chart.svg,
+            "<line x1=\"{}\" y1=\"{at}\" x2=\"{}\" y2=\"{at}\" stroke=\"{color}\" stroke-width=\"2\"/>\
+             <text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>",
+            right - 26.0,
+            right - 8.0,
+            right - 32.0,
+            at + 4.0,
+            escape(&s.name)
+        );
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::LowerRight)
-        .background_style(WHITE.mix(0.85))
-        .border_style(RGBColor(200, 200, 200))
-        .draw()
-}
-
-/// The range of the values with a margin, never empty.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
-    if low > high {
-        return (0.0, 1.0);
-    }
-    let margin = if high > low { 0.05 * (high - low) } else { 0.5 };
-    (low - margin, high + margin)
+    chart.finish()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! What people look at: curves, films, contact sheets, tables, pages.
 
 pub mod canvas;
+mod chart;
 pub mod curve;
 pub mod film;
 pub mod inspect;

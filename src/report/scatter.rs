@@ -1,7 +1,8 @@
-//! Points in a log-log picture, a frontier drawn through some of them, figures as hover text. SVG by hand: charts have no `<title>`.
+//! Points in a log-log picture, a frontier drawn through some of them, figures as hover text.
 
 use std::fmt::Write;
 
+use super::chart::{Axis, Chart};
 use super::page::escape;
 
 /// One dot.
@@ -44,32 +45,13 @@ pub fn svg(title: &str, x_name: &str, y_name: &str, points: &[Point]) -> String 
     if points.iter().any(|p| p.y == 0.0) {
         y0 -= 1;
     }
-    let [left, right, top, bottom] = PLOT;
-    let along = |v: f64, (low, high): (i32, i32), (from, to): (f64, f64)| {
-        let share = (v.log10() - f64::from(low)) / f64::from(high - low);
-        from + share.clamp(0.0, 1.0) * (to - from)
-    };
-    let x = |v: f64| along(v, (x0, x1), (left, right));
-    let y = |v: f64| along(v, (y0, y1), (bottom, top));
-    let mut out = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" role=\"img\" \
-         font-family=\"system-ui,sans-serif\" font-size=\"12\">\n<title>{}: {} against {}</title>\n",
-        escape(title),
-        escape(y_name),
-        escape(x_name)
-    );
-    grid(&mut out, (x0, x1), (y0, y1), (&x, &y));
-    let _ = writeln!(
-        out,
-        "<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n\
-         <text transform=\"translate(16 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-        (left + right) / 2.0,
-        HEIGHT - 12.0,
-        escape(x_name),
-        (top + bottom) / 2.0,
-        escape(y_name)
-    );
-    let mut line: Vec<(f64, f64)> = points.iter().filter(|p| p.on_line).map(|p| (x(p.x), y(p.y))).collect();
+    // At most a dozen names.
+    let step = ((y1 - y0) / 12 + 1) as usize;
+    let axes = (Axis::decades(x_name, (x0, x1), 1), Axis::decades(y_name, (y0, y1), step));
+    let mut chart = Chart::new(title, (WIDTH, HEIGHT), PLOT, axes.0, axes.1);
+    let places: Vec<(f64, f64)> = points.iter().map(|p| (chart.x(p.x), chart.y(p.y))).collect();
+    let on_line = points.iter().zip(&places).filter(|(p, _)| p.on_line);
+    let mut line: Vec<(f64, f64)> = on_line.map(|(_, place)| *place).collect();
     line.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Steps: between two points of the frontier nothing better is known than the faster one's error.
     let mut path = String::new();
@@ -77,15 +59,13 @@ pub fn svg(title: &str, x_name: &str, y_name: &str, points: &[Point]) -> String 
         let _ = if n == 0 { write!(path, "M{px:.1} {py:.1}") } else { write!(path, "H{px:.1}V{py:.1}") };
     }
     let _ = writeln!(
-        out,
+        chart.svg,
         "<path class=\"frontier\" d=\"{path}\" fill=\"none\" stroke=\"#2a6fb0\" stroke-width=\"1.5\"/>"
     );
-    let labels = spread(&points.iter().map(|p| (x(p.x), y(p.y))).collect::<Vec<_>>());
-    for (p, label) in points.iter().zip(labels) {
-        let (px, py) = (x(p.x), y(p.y));
+    for ((p, label), (px, py)) in points.iter().zip(spread(&places)).zip(places) {
         let fill = if p.on_line { "#2a6fb0" } else { "#9aa4ad" };
         let _ = writeln!(
-            out,
+            chart.svg,
             "<g><title>{}</title><line x1=\"{px:.1}\" y1=\"{py:.1}\" x2=\"{:.1}\" y2=\"{label:.1}\" stroke=\"#ccc\"/>\
              <circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"5\" fill=\"{fill}\"/>\
              <text x=\"{:.1}\" y=\"{:.1}\">{}</text></g>",
@@ -96,40 +76,7 @@ pub fn svg(title: &str, x_name: &str, y_name: &str, points: &[Point]) -> String 
             escape(&p.name)
         );
     }
-    out + "</svg>\n"
-}
-
-/// Lines and names of the decades.
-fn grid(
-    out: &mut String,
-    (x0, x1): (i32, i32),
-    (y0, y1): (i32, i32),
-    (x, y): (&dyn Fn(f64) -> f64, &dyn Fn(f64) -> f64),
-) {
-    let [left, right, top, bottom] = PLOT;
-    let power = |n: i32| format!("10<tspan dy=\"-5\" font-size=\"9\">{n}</tspan>");
-    for n in x0..=x1 {
-        let at = x(10f64.powi(n));
-        let _ = writeln!(
-            out,
-            "<line x1=\"{at:.1}\" y1=\"{top}\" x2=\"{at:.1}\" y2=\"{bottom}\" stroke=\"#e4e4e4\"/>\
-             <text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-            bottom + 18.0,
-            power(n)
-        );
-    }
-    // At most a dozen names.
-    for n in (y0..=y1).step_by(((y1 - y0) / 12 + 1) as usize) {
-        let at = y(10f64.powi(n));
-        let _ = writeln!(
-            out,
-            "<line x1=\"{left}\" y1=\"{at:.1}\" x2=\"{right}\" y2=\"{at:.1}\" stroke=\"#e4e4e4\"/>\
-             <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{}</text>",
-            left - 8.0,
-            at + 4.0,
-            power(n)
-        );
-    }
+    chart.finish()
 }
 
 /// Heights of labels beside dots, moved apart where they would overlap: those lower down give way.
