@@ -3,26 +3,35 @@
 //! The **ceiling** is the best round of all products in the calibration, on all threads: `gemm` on 4096^3, `gemm` on 1024 x 256 x 256 (one a
 //! thread, as layers of a chunk are computed), and what a peer's library reaches on 4096^3 where the peer reports it (`sgemm_gflops`).
 //!
-//! **share_products** = useful flops / seconds / ceiling of the products of a training batch alone: the very kernels, in the order of
-//! the training, on the chunks that it works on, one chunk after the other on each thread, so that weights and activations lie where
-//! training finds them (for 8x256 a thread's one chunk of 512 points again and again, as training uses its buffers again). ReLU is in it where the kernel applies it while it writes; biases, masks, encodings, activations, rendering
-//! and the sums over chunks are not. **share_pass** is the same for the whole forward and backward pass with all of these.
+//! **share_products** = useful flops / seconds / ceiling of the products in a training step: the step itself runs, on the chunks of a
+//! training batch, and a clock is read before and after each product; seconds are those of all threads over their number, so that a
+//! thread that waits for others counts for nothing. ReLU is in it where the kernel applies it while it writes; biases, masks,
+//! encodings, activations, rendering and the sums over chunks are not. **share_pass** is the same for the whole forward and backward
+//! pass with all of these, on the wall clock.
 //!
 //! Useful flops are 2 a multiplication with a weight that is really there, once for the forward pass, once for the weights' gradient,
 //! and once for the inputs' gradient where somebody needs it. Columns that pad a vector count for nothing.
 
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
+
 use serde_json::{Value, json};
 
 use super::rounds::quantile;
+use crate::parallel;
+
+pub mod compact;
+pub mod nerf_mlp;
 
 /// The networks of a training step with a batch, ready to run.
 pub trait Layers {
-    /// Runs the products of a chunk and compares each with plain f64 loops over its own inputs: the largest error over what f32 sums
+    /// Runs a chunk's step and compares each product with plain f64 loops over its own inputs: the largest error over what f32 sums
     /// in any order may be off by; not above 1.
     fn check(&mut self) -> f64;
     /// What one run does.
     fn work(&self) -> WorkCount;
-    /// Seconds of the products alone.
+    /// Runs the pass; seconds in its products.
     fn products(&mut self) -> f64;
     /// Seconds of the whole pass.
     fn pass(&mut self) -> f64;
@@ -50,15 +59,66 @@ pub struct Dense {
     pub prepare: fn(quick: bool) -> Box<dyn Layers>,
 }
 
-/// What a product is allowed to be off by: half a unit of the last place for each of its `terms` and additions, relative to the sum of
-/// absolute terms; and the smallest normal number, below which f32 has fewer digits.
-pub fn bound(terms: usize, absolute: f64) -> f64 {
+/// Time in products, of all threads.
+#[derive(Debug, Default)]
+pub struct Clock(AtomicU64);
+
+impl Clock {
+    /// When a product begins.
+    #[inline(always)]
+    pub fn now() -> Instant {
+        Instant::now()
+    }
+
+    /// It ends.
+    #[inline(always)]
+    pub fn add(&self, start: Instant) {
+        self.0.fetch_add(start.elapsed().as_nanos() as u64, Ordering::Relaxed);
+    }
+
+    /// Seconds, a mean over the threads.
+    pub fn seconds(&self) -> f64 {
+        self.0.load(Ordering::Relaxed) as f64 / 1e9 / parallel::threads() as f64
+    }
+}
+
+/// Products that were checked: the largest error over what it may be, and the flops of all columns, padded ones too.
+#[derive(Debug, Default)]
+pub struct Found(Mutex<[f64; 2]>);
+
+impl Found {
+    /// A product of so many flops, entries of which are off by such parts of what they may be off by.
+    pub fn add(&self, flops: f64, entries: impl Iterator<Item = f64>) {
+        let mut found = self.0.lock().expect("no holder panics");
+        let [worst, all] = *found;
+        *found = [entries.fold(worst, worse), all + flops];
+    }
+
+    /// Largest error over what it may be, and flops.
+    pub fn worst_and_flops(&self) -> [f64; 2] {
+        *self.0.lock().expect("no holder panics")
+    }
+}
+
+/// How far an entry of a product is off, over what it may be off by: half a unit of the last place for each of its terms and additions,
+/// relative to the sum of absolute terms; and the smallest normal number, below which f32 has fewer digits. `before` is what stood
+/// there and was added to.
+pub fn used(terms: impl ExactSizeIterator<Item = (f32, f32)>, before: f32, relu: bool, got: f32) -> f64 {
+    let count = terms.len();
+    let (mut sum, mut absolute) = (f64::from(before), f64::from(before.abs()));
+    for (a, b) in terms {
+        let term = f64::from(a) * f64::from(b);
+        sum += term;
+        absolute += term.abs();
+    }
+    let expected = if relu { sum.max(0.0) } else { sum };
     let unit = f64::from(f32::EPSILON) / 2.0;
-    (terms + 2) as f64 * (unit * absolute + f64::from(f32::MIN_POSITIVE))
+    let bound = (count + 2) as f64 * (unit * absolute + f64::from(f32::MIN_POSITIVE));
+    (f64::from(got) - expected).abs() / bound
 }
 
 /// The larger of both; a NaN stays one.
-pub fn worse(worst: f64, error: f64) -> f64 {
+fn worse(worst: f64, error: f64) -> f64 {
     if error > worst || error.is_nan() { error } else { worst }
 }
 
@@ -172,7 +232,7 @@ pub fn section(measured: &[Measured], candidates: &[Candidate], left_out: Option
     let list = candidates.iter().map(|c| json!({ "name": c.name, "gflops": c.gflops })).collect::<Vec<_>>();
     json!({
         "ceiling_gflops": best, "ceiling_of": ceiling(candidates).map(|c| &c.name), "ceiling_candidates": list,
-        "ceiling_left_out": left_out, "threads": crate::parallel::threads(),
+        "ceiling_left_out": left_out, "threads": parallel::threads(),
         "rows": measured.iter().map(|m| m.json(best)).collect::<Vec<_>>(),
     })
 }
@@ -195,7 +255,7 @@ pub fn ceiling_text(section: &Value) -> String {
 }
 
 /// What the shares are, for table and page.
-pub const NOTE: &str = "share: useful flops / seconds / ceiling, median and best round. Products: the kernels of a training batch alone, \
+pub const NOTE: &str = "share: useful flops / seconds / ceiling, median and best round. Products: thread time in the kernels of a training step, \
      forward and backward, without biases, masks, encodings, rendering and sums over chunks. Pass: with all of these.";
 
 /// Columns of the table.

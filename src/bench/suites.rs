@@ -1,6 +1,6 @@
 //! Every component's suite, in pipeline order. To add a variant: one entry in the component's file in `variants/`.
 
-use super::{Dense, Scaling, Suite};
+use super::{Dense, Scaling, Suite, dense};
 use crate::bench::variants::{
     encoding, field, hash_grid, occupancy_grid, optimizer, sample, spherical_harmonics, training,
     volume_rendering,
@@ -21,7 +21,7 @@ pub const SUITES: &[Suite] = &[
 ];
 
 /// The networks whose dense layers are measured.
-pub const DENSE: &[Dense] = &[crate::field::fast::DENSE, crate::training::compact::DENSE];
+pub const DENSE: &[Dense] = &[dense::nerf_mlp::DENSE, dense::compact::DENSE];
 
 /// Time and memory against size, of all components.
 pub fn scalings() -> Vec<Scaling> {

@@ -6,6 +6,8 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::approximate::sin_cos_pi_wide;
+
 /// Points that are encoded together: their sines stay in the first-level cache until they are stored row by row.
 const BLOCK: usize = 64;
 
@@ -64,7 +66,7 @@ impl WithSimd for Block<'_> {
             }
             for k in 0..levels {
                 for ((c, sin), cos) in column.iter_mut().zip(&mut sin).zip(&mut cos) {
-                    (*sin, *cos) = sin_cos_pi(*c);
+                    (*sin, *cos) = sin_cos_pi_wide(*c);
                     *c *= 2.0;
                 }
                 let at = dims * (1 + 2 * k) + d;
@@ -75,25 +77,6 @@ impl WithSimd for Block<'_> {
             }
         }
     }
-}
-
-/// (sin pi y, cos pi y), free of branches.
-#[inline(always)]
-fn sin_cos_pi(y: f64) -> (f32, f32) {
-    let y = y - 2.0 * (0.5 * y).round_ties_even();
-    let quarter = (2.0 * y).round_ties_even();
-    let r = (std::f64::consts::PI * (y - 0.5 * quarter)) as f32;
-    let z = r * r;
-    let s = (-1.951_529_6e-4f32).mul_add(z, 8.332_161e-3).mul_add(z, -0.166_666_55).mul_add(z * r, r);
-    let c = 2.443_315_7e-5f32
-        .mul_add(z, -1.388_731_6e-3)
-        .mul_add(z, 4.166_664_6e-2)
-        .mul_add(z * z, 1.0 - 0.5 * z);
-    // Quarter turns: odd ones swap the two, the next bit is the sign.
-    let q = quarter as i32;
-    let (sin, cos) = if q & 1 == 0 { (s, c) } else { (c, s) };
-    let sign = |x: f32, negative: i32| f32::from_bits(x.to_bits() ^ ((negative as u32 & 2) << 30));
-    (sign(sin, q), sign(cos, q + 1))
 }
 
 #[cfg(test)]

@@ -4,8 +4,9 @@
 
 use super::mlp::{self, Mlp, Output};
 use super::nerf_mlp::{self, NerfMlp};
+use super::trunk::Plan;
 use super::{Layer, density_slope, sigmoid_slope};
-use crate::convention::{Activation, Conventions, SkipOrder};
+use crate::convention::{Activation, Conventions};
 
 /// Adds one point's g_w and g_b to `gradient` and returns g_x.
 ///
@@ -92,29 +93,17 @@ pub fn nerf_mlp(
     for (g, from_sigma) in g_h.iter_mut().zip(g_from_sigma) {
         *g += from_sigma;
     }
-    // Back through the trunk; the skip passes part of its gradient to the encoding.
-    let columns = tape.inputs[0].len();
-    let mut g_position = vec![0.0; columns];
+    // Back through the trunk. The encoding gets a gradient from every layer whose input it is part of.
+    let mut g_position = vec![0.0; tape.inputs[0].len()];
     for n in (0..net.trunk.len()).rev() {
         let linear = n + 1 == net.trunk.len() && c.last_trunk == Activation::None;
         let g_z = if linear { g_h } else { relu(&tape.z[n], &g_h) };
-        g_h = layer(&net.trunk[n], &tape.inputs[n], &g_z, &mut gradient.trunk[n]);
-        // Where the skip enters layer 0, the input is the encoding alone and gets all of it.
-        if n == c.skip_layer {
-            let g_encoding = match c.skip_order {
-                SkipOrder::HiddenFirst => g_h.split_off(g_h.len() - columns),
-                SkipOrder::EncodingFirst => {
-                    let rest = g_h.split_off(columns);
-                    std::mem::replace(&mut g_h, rest)
-                }
-            };
-            for (g, from_skip) in g_position.iter_mut().zip(g_encoding) {
-                *g += from_skip;
-            }
+        let g_input = layer(&net.trunk[n], &tape.inputs[n], &g_z, &mut gradient.trunk[n]);
+        let (g_hidden, g_encoding) = Plan::of(c).split(n, &g_input, g_position.len());
+        for (g, more) in g_position.iter_mut().zip(g_encoding) {
+            *g += more;
         }
-    }
-    for (g, from_trunk) in g_position.iter_mut().zip(g_h) {
-        *g += from_trunk;
+        g_h = g_hidden;
     }
     (g_position, g_direction)
 }

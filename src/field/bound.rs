@@ -3,11 +3,12 @@
 use super::arrays::{Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::mlp::Mlp;
 use super::propagate::{Vector, affine, transposed};
+use super::trunk::{Part, Plan};
 use super::{Layer, density, density_slope, sigmoid, sigmoid_slope};
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::bounded::{Bounded, exact};
-use crate::convention::{Activation, Conventions, Density, SkipOrder};
+use crate::convention::{Activation, Conventions, Density};
 use crate::encoding::bound::{encode, gradient as encoding_gradient};
 
 /// 1 / (1 + e^-z), or e^z / (1 + e^z) where z < 0.
@@ -187,15 +188,15 @@ fn nerf_tape(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, m: &Arithmetic)
     let mut trunk = Tape { inputs: vec![], z: vec![] };
     let mut h = encoding.clone();
     for (n, layer) in nerf.net.trunk.iter().enumerate() {
-        if n > 0 && n == c.skip_layer {
-            h = match c.skip_order {
-                SkipOrder::HiddenFirst => h.followed_by(&encoding),
-                SkipOrder::EncodingFirst => encoding.followed_by(&h),
-            };
-        }
-        let z = affine(layer, &h, m);
+        let input = Plan::of(c).parts(n).iter().map(|part| match part {
+            Part::Encoding => encoding.clone(),
+            Part::Hidden => h.clone(),
+        });
+        let input = input.reduce(|a, b| a.followed_by(&b)).expect("a layer reads something");
+        let z = affine(layer, &input, m);
         let linear = n + 1 == nerf.net.trunk.len() && c.last_trunk == Activation::None;
-        trunk.inputs.push(std::mem::replace(&mut h, if linear { z.clone() } else { z.relu() }));
+        h = if linear { z.clone() } else { z.relu() };
+        trunk.inputs.push(input);
         trunk.z.push(z);
     }
     let z_sigma = affine(&nerf.net.sigma, &h, m);
@@ -286,27 +287,21 @@ fn nerf_point(
     outer[depth].add(&g, &tape.hidden);
     let mut g = from_color.plus(&transposed(&net.sigma, &g, m), m);
     let columns = net.trunk[0].w.ncols();
-    let mut skipped: Option<Vector> = None;
+    let mut g_position: Option<Vec<Bounded>> = None;
     for n in (0..depth).rev() {
         let linear = n + 1 == depth && c.last_trunk == Activation::None;
         let g_z = if linear { g } else { g.masked(&tape.trunk.z[n]) };
         outer[n].add(&g_z, &tape.trunk.inputs[n]);
         g = transposed(&net.trunk[n], &g_z, m);
-        if n > 0 && n == c.skip_layer {
-            let (all, hidden) = (g.y.len(), g.y.len() - columns);
-            let (encoding, rest) = match c.skip_order {
-                SkipOrder::HiddenFirst => (g.part(hidden, all), g.part(0, hidden)),
-                SkipOrder::EncodingFirst => (g.part(0, columns), g.part(columns, all)),
-            };
-            (skipped, g) = (Some(encoding), rest);
-        }
+        let all = g.y.len();
+        let Some(begins) = Plan::of(c).encoding_begins(n, all, columns) else { continue };
+        let g_encoding = g.part(begins, begins + columns).entries();
+        g_position = Some(match g_position {
+            None => g_encoding,
+            Some(before) => g_encoding.iter().zip(before).map(|(&g, before)| m.add(g, before)).collect(),
+        });
+        // The hidden units stand on the other side.
+        g = if begins == 0 { g.part(columns, all) } else { g.part(0, begins) };
     }
-    let from_trunk = g.entries();
-    match skipped {
-        None => from_trunk,
-        Some(skipped) => {
-            let skipped = skipped.entries();
-            from_trunk.iter().zip(skipped).map(|(&trunk, skip)| m.add(trunk, skip)).collect()
-        }
-    }
+    g_position.expect("layer 0 reads the encoding")
 }

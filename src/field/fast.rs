@@ -21,8 +21,6 @@
 
 pub(crate) mod activation;
 mod chunk;
-#[cfg(feature = "cli")]
-mod dense;
 mod descent;
 mod gradient;
 mod image;
@@ -36,8 +34,6 @@ mod trunk;
 #[cfg(test)]
 mod tests;
 
-#[cfg(feature = "cli")]
-pub use dense::DENSE;
 pub use gradient::Gradient;
 pub use image::ImageNetwork;
 pub use network::{Batch, Network};

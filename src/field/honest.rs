@@ -1,10 +1,11 @@
 //! Honest implementations of the networks in emulated arithmetic.
 
 use super::arrays::{Nerf, cotangents, field, mlp_gradients, network, zeros};
+use super::trunk::Plan;
 use super::{Layer, density_slope};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::machine::Machine;
-use crate::convention::{Activation, Conventions, Density, SkipOrder};
+use crate::convention::{Activation, Conventions, Density};
 use crate::encoding::honest::{encode, gradient as encoding_gradient};
 use crate::math::{exp, ln_1p};
 
@@ -134,17 +135,13 @@ struct Tape {
 
 fn tape(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, m: &Machine) -> Tape {
     let (encoding, direction) = (encode(x, &nerf.position, m), encode(d, &nerf.direction, m));
-    let (mut inputs, mut zs, mut h) = (vec![], vec![], encoding.clone());
+    let (mut inputs, mut zs, mut h) = (vec![], vec![], vec![]);
     for (n, layer) in nerf.net.trunk.iter().enumerate() {
-        if n > 0 && n == c.skip_layer {
-            h = match c.skip_order {
-                SkipOrder::HiddenFirst => [h, encoding.clone()].concat(),
-                SkipOrder::EncodingFirst => [encoding.clone(), h].concat(),
-            };
-        }
-        let z = affine(layer, &h, m);
+        let input = Plan::of(c).join(n, &h, &encoding);
+        let z = affine(layer, &input, m);
         let linear = n + 1 == nerf.net.trunk.len() && c.last_trunk == Activation::None;
-        inputs.push(std::mem::replace(&mut h, if linear { z.clone() } else { relu(&z) }));
+        h = if linear { z.clone() } else { relu(&z) };
+        inputs.push(input);
         zs.push(z);
     }
     let z_sigma = affine(&nerf.net.sigma, &h, m)[0];
@@ -216,18 +213,15 @@ fn point_gradient(
     outer[depth].add(&g, &tape.hidden);
     let from_sigma = transposed(&net.sigma, &g, m);
     let mut g: Vec<f64> = from_color.iter().zip(from_sigma).map(|(&a, b)| m.add(a, b)).collect();
-    let columns = net.trunk[0].w.ncols();
-    let mut skipped = vec![0.0; columns];
+    let mut g_position = vec![0.0; net.trunk[0].w.ncols()];
     for n in (0..depth).rev() {
         let linear = n + 1 == depth && c.last_trunk == Activation::None;
         let g_z = if linear { g } else { masked(&g, &tape.z[n]) };
         outer[n].add(&g_z, &tape.inputs[n]);
-        g = transposed(&net.trunk[n], &g_z, m);
-        if n > 0 && n == c.skip_layer {
-            let at = if c.skip_order == SkipOrder::HiddenFirst { g.len() - columns } else { columns };
-            let rest = g.split_off(at);
-            (g, skipped) = if c.skip_order == SkipOrder::HiddenFirst { (g, rest) } else { (rest, g) };
-        }
+        let (g_hidden, g_encoding) =
+            Plan::of(c).split(n, &transposed(&net.trunk[n], &g_z, m), g_position.len());
+        g_position.iter_mut().zip(g_encoding).for_each(|(g, more)| *g = m.add(more, *g));
+        g = g_hidden;
     }
-    g.iter().zip(skipped).map(|(&a, b)| m.add(a, b)).collect()
+    g_position
 }

@@ -4,10 +4,11 @@
 //! direction) shows in the shapes and has no row here; a ReLU on the feature is a convention.
 
 use super::arrays::{self, Nerf, cotangents, field, mlp_gradients, network, zeros};
+use super::trunk::Plan;
 use super::{Layer, backward, sigmoid_slope};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::component::Mistake;
-use crate::convention::{Conventions, SkipOrder};
+use crate::convention::Conventions;
 use crate::encoding::{
     backward::positional_encoding as encoding_vjp, mistakes as encoding, positional_encoding,
 };
@@ -191,9 +192,8 @@ pub fn mlp_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
 /// Columns of the skip's encoding set to 0.
 fn cut_skip(nerf: &mut Nerf, c: &Conventions) {
     let columns = nerf.net.trunk[0].w.ncols();
-    if let Some(layer) = nerf.net.trunk.get_mut(c.skip_layer) {
-        let all = layer.w.ncols();
-        let first = if c.skip_order == SkipOrder::HiddenFirst { all - columns } else { 0 };
+    for (n, layer) in nerf.net.trunk.iter_mut().enumerate().skip(1) {
+        let Some(first) = Plan::of(c).encoding_begins(n, layer.w.ncols(), columns) else { continue };
         layer.w.slice_mut(ndarray::s![.., first..first + columns]).fill(0.0);
     }
 }

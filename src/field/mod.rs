@@ -22,6 +22,7 @@ pub mod mistakes;
 pub mod mlp;
 pub mod nerf_mlp;
 mod propagate;
+pub mod trunk;
 
 #[cfg(test)]
 mod tests;

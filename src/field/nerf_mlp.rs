@@ -1,5 +1,6 @@
 //! The network of the NeRF paper: density from the position alone, color from position and direction.
 
+use super::trunk::Plan;
 use super::{Layer, density, relu, sigmoid};
 use crate::convention::{Activation, Conventions, SkipOrder};
 use crate::random::Key;
@@ -43,11 +44,12 @@ impl Shape {
 
     /// Columns that go into trunk layer n.
     pub fn trunk_inputs(&self, n: usize) -> usize {
-        match n {
-            0 => self.position,
-            n if n == self.skip => self.width + self.position,
-            _ => self.width,
-        }
+        self.plan().columns(n, self.width, self.position)
+    }
+
+    /// The plan of a trunk of this shape, in the order of `cs180`: [h, encoding].
+    pub fn plan(&self) -> Plan {
+        Plan { skip: self.skip, order: SkipOrder::HiddenFirst }
     }
 }
 
@@ -118,17 +120,13 @@ impl NerfMlp {
     /// Where `position` or `direction` isn't as long as the layers that take it are wide.
     pub fn forward(&self, position: &[f64], direction: &[f64], c: &Conventions) -> Tape {
         let (mut inputs, mut zs) = (vec![], vec![]);
-        let mut h = position.to_vec();
+        let mut h = vec![];
         for (n, layer) in self.trunk.iter().enumerate() {
-            if n > 0 && n == c.skip_layer {
-                h = match c.skip_order {
-                    SkipOrder::HiddenFirst => [&h, position].concat(),
-                    SkipOrder::EncodingFirst => [position, &h].concat(),
-                };
-            }
-            let z = layer.forward(&h);
+            let input = Plan::of(c).join(n, &h, position);
+            let z = layer.forward(&input);
             let linear = n + 1 == self.trunk.len() && c.last_trunk == Activation::None;
-            inputs.push(std::mem::replace(&mut h, if linear { z.clone() } else { relu(&z) }));
+            h = if linear { z.clone() } else { relu(&z) };
+            inputs.push(input);
             zs.push(z);
         }
         let z_sigma = self.sigma.forward(&h)[0];

@@ -6,7 +6,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::optimizer::{Adam, bias_correction};
+use crate::optimizer::fast::Rates;
 use crate::simd::{Aligned, copied, multiply_add, repeated};
 
 /// F.
@@ -34,44 +34,6 @@ pub struct Level {
     v: Aligned<Entry>,
     /// The cache lines of `gradient` that aren't all 0.
     touched: Vec<bool>,
-}
-
-/// The factors that all parameters share in an Adam step.
-#[derive(Clone, Copy, Debug)]
-pub struct AdamRates {
-    rate: f32,
-    root: f32,
-    keep: [f32; 2],
-    take: [f32; 2],
-    eps: f32,
-}
-
-impl AdamRates {
-    /// The factors of `step`, counted from 1; computed in f64. Weight decay isn't applied.
-    pub fn new(adam: &Adam, step: u64) -> Self {
-        AdamRates {
-            rate: (adam.lr / bias_correction(adam.beta1, step)) as f32,
-            root: (1.0 / bias_correction(adam.beta2, step).sqrt()) as f32,
-            keep: [adam.beta1 as f32, adam.beta2 as f32],
-            take: [(1.0 - adam.beta1) as f32, (1.0 - adam.beta2) as f32],
-            eps: adam.eps as f32,
-        }
-    }
-
-    /// The step of some parameters.
-    #[inline(always)]
-    pub fn apply(&self, params: &mut [f32], gradient: &[f32], m: &mut [f32], v: &mut [f32]) {
-        for (((p, &g), m), v) in params.iter_mut().zip(gradient).zip(m).zip(v) {
-            (*p, *m, *v) = self.one(*p, g, *m, *v);
-        }
-    }
-
-    #[inline(always)]
-    fn one(&self, p: f32, g: f32, m: f32, v: f32) -> (f32, f32, f32) {
-        let m = self.keep[0] * m + self.take[0] * g;
-        let v = self.keep[1] * v + self.take[1] * g * g;
-        (p - self.rate * m / (v.sqrt() * self.root + self.eps), m, v)
-    }
 }
 
 impl Level {
@@ -211,7 +173,7 @@ impl WithSimd for Scatter<'_> {
 
 struct Update<'a> {
     level: &'a mut Level,
-    rates: AdamRates,
+    rates: Rates,
 }
 
 impl WithSimd for Update<'_> {
@@ -259,7 +221,7 @@ pub fn scatter(arch: Arch, level: &mut Level, points: &[[f32; 3]], g_out: &[Entr
 }
 
 /// Adam on the parameters that have a gradient, which is cleared. The others keep their running means, as in Instant-NGP.
-pub fn update(arch: Arch, level: &mut Level, rates: AdamRates) {
+pub fn update(arch: Arch, level: &mut Level, rates: Rates) {
     arch.dispatch(Update { level, rates });
 }
 

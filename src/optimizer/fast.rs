@@ -1,4 +1,4 @@
-//! Adam on one flat f32 vector, exactly as PyTorch defines it (Kingma and Ba 2015, algorithm 1, eps outside the root).
+//! Adam on one flat f32 vector, as PyTorch defines it (Kingma and Ba 2015, algorithm 1, eps outside the root); the only Adam in f32.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -32,30 +32,23 @@ impl Moments {
     pub fn update(&mut self, arch: Arch, adam: &Adam, params: &mut [f32], gradient: &[f32]) {
         assert!(params.len() == self.m.len() && gradient.len() == self.m.len(), "one gradient a parameter");
         self.step += 1;
-        let Adam { lr, beta1, beta2, eps, weight_decay } = *adam;
-        let update = Update {
-            rate: (lr / bias_correction(beta1, self.step)) as f32,
-            root: bias_correction(beta2, self.step).sqrt() as f32,
-            keep: [beta1 as f32, beta2 as f32],
-            take: [(1.0 - beta1) as f32, (1.0 - beta2) as f32],
-            eps: eps as f32,
-            decay: weight_decay as f32,
-        };
+        let rates = Rates::new(adam, self.step);
         let mut tasks: Vec<_> = params
             .chunks_mut(CHUNK)
             .zip(self.m.chunks_mut(CHUNK).zip(self.v.chunks_mut(CHUNK)))
             .zip(gradient.chunks(CHUNK))
             .collect();
         parallel::for_each(&mut tasks, |((params, (m, v)), gradient)| {
-            arch.dispatch(Task { update, params, m, v, gradient });
+            arch.dispatch(Task { rates, params, m, v, gradient });
         });
     }
 }
 
-/// The factors that all parameters share in a step.
-#[derive(Clone, Copy)]
-struct Update {
+/// The factors that all parameters share in a step, computed in f64.
+#[derive(Clone, Copy, Debug)]
+pub struct Rates {
     rate: f32,
+    /// One over the root of the second bias correction: a product a parameter where there would be a division.
     root: f32,
     keep: [f32; 2],
     take: [f32; 2],
@@ -63,8 +56,40 @@ struct Update {
     decay: f32,
 }
 
+impl Rates {
+    /// Those of `step`, counted from 1.
+    pub fn new(adam: &Adam, step: u64) -> Self {
+        let Adam { lr, beta1, beta2, eps, weight_decay } = *adam;
+        Rates {
+            rate: (lr / bias_correction(beta1, step)) as f32,
+            root: (1.0 / bias_correction(beta2, step).sqrt()) as f32,
+            keep: [beta1 as f32, beta2 as f32],
+            take: [(1.0 - beta1) as f32, (1.0 - beta2) as f32],
+            eps: eps as f32,
+            decay: weight_decay as f32,
+        }
+    }
+
+    /// The step of some parameters.
+    #[inline(always)]
+    pub fn apply(&self, params: &mut [f32], gradient: &[f32], m: &mut [f32], v: &mut [f32]) {
+        for (((p, &g), m), v) in params.iter_mut().zip(gradient).zip(m).zip(v) {
+            (*p, *m, *v) = self.one(*p, g, *m, *v);
+        }
+    }
+
+    /// The step of one parameter: (param, m, v) after it.
+    #[inline(always)]
+    pub fn one(&self, p: f32, g: f32, m: f32, v: f32) -> (f32, f32, f32) {
+        let g = g + self.decay * p;
+        let m = self.keep[0] * m + self.take[0] * g;
+        let v = self.keep[1] * v + self.take[1] * g * g;
+        (p - self.rate * m / (v.sqrt() * self.root + self.eps), m, v)
+    }
+}
+
 struct Task<'a> {
-    update: Update,
+    rates: Rates,
     params: &'a mut [f32],
     m: &'a mut [f32],
     v: &'a mut [f32],
@@ -76,14 +101,7 @@ impl WithSimd for Task<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Update { rate, root, keep, take, eps, decay } = self.update;
-        let moments = self.m.iter_mut().zip(self.v.iter_mut());
-        for ((p, (m, v)), g) in self.params.iter_mut().zip(moments).zip(self.gradient) {
-            let g = g + decay * *p;
-            *m = keep[0] * *m + take[0] * g;
-            *v = keep[1] * *v + take[1] * g * g;
-            *p -= rate * *m / (v.sqrt() / root + eps);
-        }
+        self.rates.apply(self.params, self.gradient, self.m, self.v);
     }
 }
 

@@ -6,6 +6,8 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::approximate::{Grade, attenuation};
+
 /// Densities of a batch of rays turned into weights.
 #[derive(Clone, Debug, Default)]
 pub struct RayWeights {
@@ -82,57 +84,14 @@ impl WithSimd for Attenuate<'_> {
         let inputs = self.sigmas.iter().zip(self.deltas);
         for ((behind, alpha), (sigma, delta)) in self.behind.iter_mut().zip(self.alpha.iter_mut()).zip(inputs)
         {
-            (*behind, *alpha) = attenuation(sigma * delta);
+            (*behind, *alpha) = attenuation(sigma * delta, Grade::Full);
         }
     }
-}
-
-/// (e^-x, 1 - e^-x) for x >= 0, each within 2 ULP (above the smallest normal number), free of branches.
-///
-/// -x = n ln 2 + r with |r| <= ln 2 / 2; p = e^r - 1 by its series; e^-x = 2^n + 2^n p, alpha = (1 - 2^n) - 2^n p.
-#[inline(always)]
-pub(crate) fn attenuation(x: f32) -> (f32, f32) {
-    // e^-104 is below the smallest subnormal. Written so that a NaN stays NaN.
-    let x = if x > 104.0 { 104.0 } else { x };
-    let n = (x * -std::f32::consts::LOG2_E).round_ties_even();
-    // ln 2 in two parts: n times the first is exact.
-    let r = n.mul_add(-0.693_359_4, -x);
-    let r = n.mul_add(2.121_944_4e-4, r);
-    let p = (1.0f32 / 5040.0).mul_add(r, 1.0 / 720.0).mul_add(r, 1.0 / 120.0).mul_add(r, 1.0 / 24.0);
-    let p = p.mul_add(r, 1.0 / 6.0).mul_add(r, 0.5).mul_add(r * r, r);
-    // 2^n in two factors: n reaches -150, below the exponents of normal numbers.
-    let half = (0.5 * n).floor();
-    let (a, b) = (power_of_two(half), power_of_two(n - half));
-    let scale = a * b;
-    ((1.0 + p) * a * b, (1.0 - scale) - p * scale)
-}
-
-/// 2^n for whole n from -126 to 127.
-#[inline(always)]
-fn power_of_two(n: f32) -> f32 {
-    f32::from_bits(((n as i32 + 127) as u32) << 23)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn attenuation_is_within_two_ulp() {
-        let mut worst = 0.0f64;
-        for i in 0..200_000 {
-            let x = (f64::from(i) * 2e-4 - 20.0).exp() as f32;
-            let (keep, alpha) = attenuation(x);
-            for (got, exact) in [(keep, (-f64::from(x)).exp()), (alpha, -(-f64::from(x)).exp_m1())] {
-                let ulp = f64::from((exact as f32).next_up() - exact as f32).max((-149f64).exp2());
-                worst = worst.max((f64::from(got) - exact).abs() / ulp);
-            }
-        }
-        assert!((0.5..2.0).contains(&worst), "{worst} ULP");
-        assert_eq!(attenuation(0.0), (1.0, 0.0));
-        assert_eq!(attenuation(1e10), (0.0, 1.0));
-        assert!(attenuation(f32::NAN).0.is_nan() && attenuation(f32::NAN).1.is_nan());
-    }
 
     /// Three spikes of optical depth ln 2: weights 1/2, 1/4, 1/8 (and what is behind them).
     #[test]

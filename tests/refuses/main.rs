@@ -17,8 +17,10 @@ pub struct Row {
 }
 
 /// Functions of two arrays that have no lengths to compare, and why.
-const ANY_LENGTHS: &[(&str, &str)] =
-    &[("importance_sampling::union", "two passes may have any numbers of samples")];
+const ANY_LENGTHS: &[(&str, &str)] = &[
+    ("importance_sampling::union", "two passes may have any numbers of samples"),
+    ("field::trunk::Plan::join", "a trunk may have any width, and an encoding any number of columns"),
+];
 
 /// What a parameter that holds arrays has in its type. A type with arrays in it belongs here as soon as an oracle function takes it.
 const ARRAYS: &[&str] = &[

@@ -99,6 +99,7 @@ impl<T: Copy> WithSimd for Block<'_, T> {
                     (*sin, *cos) = match trade {
                         Trade::Sine(Grade::Low) => sin_cos_pi(*c, Grade::Low),
                         Trade::Sine(Grade::Middle) => sin_cos_pi(*c, Grade::Middle),
+                        Trade::Sine(Grade::Full) => sin_cos_pi(*c, Grade::Full),
                         Trade::Doubling if k == 0 => sin_cos_pi(*c, Grade::Middle),
                         Trade::Doubling => (2.0 * *sin * *cos, (*cos - *sin) * (*cos + *sin)),
                     };

@@ -6,8 +6,8 @@ use crate::approximate::{from_bf16, to_bf16};
 use crate::bench::{BF16, Kernel, Scaling, Suite, Tolerance, Variant, kernel, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
-use crate::hash_grid::fast::AdamRates;
 use crate::optimizer::arrays::settings;
+use crate::optimizer::fast::Rates;
 use crate::optimizer::{Adam, fast};
 use crate::parallel;
 
@@ -89,7 +89,7 @@ fn plain(a: &Arrays, single: bool) -> Box<dyn Kernel> {
 }
 
 struct Apply<'a> {
-    rates: AdamRates,
+    rates: Rates,
     p: &'a mut [f32],
     g: &'a [f32],
     m: &'a mut [f32],
@@ -107,7 +107,7 @@ impl WithSimd for Apply<'_> {
 
 fn vectorized(a: &Arrays) -> Box<dyn Kernel> {
     let (adam, number) = settings(a);
-    let rates = AdamRates::new(&adam, number);
+    let rates = Rates::new(&adam, number);
     let run = move |p: &mut [f32], g: &[f32], m: &mut [f32], v: &mut [f32]| {
         crate::simd::arch().dispatch(Apply { rates, p, g, m, v });
     };
@@ -235,13 +235,7 @@ pub const SUITE: Suite = Suite {
             Tolerance::f32(),
             vectorized,
         ),
-        Variant::new(
-            "threaded",
-            "as PyTorch defines it, on all threads",
-            Dtype::F32,
-            Tolerance::f32(),
-            threaded,
-        ),
+        Variant::new("threaded", "the same on all threads", Dtype::F32, Tolerance::f32(), threaded),
         Variant::new(
             "root_by_bits",
             "all threads, 1 / sqrt by a shifted exponent and one Newton step (0.18%), eps left out",

@@ -281,7 +281,7 @@ impl WithSimd for Stopped<'_> {
                 }
                 let block = from..samples.min(from + STRIDE);
                 for (both, i) in both.iter_mut().zip(block.clone()) {
-                    *both = crate::volume_rendering::fast::attenuation(sigmas[i] * deltas[i]);
+                    *both = attenuation(sigmas[i] * deltas[i], Grade::Full);
                 }
                 for (&(keep, alpha), i) in both.iter().zip(block) {
                     let w = t * alpha;

@@ -3,7 +3,7 @@
 use super::activation::{density, sigmoid, slope};
 use super::network::Network;
 use super::passes::{BiasRelu, Heads};
-use super::product::{Matrix, product, transposed};
+use super::product::{Matrix, Multiply, Plain, product, transposed};
 use super::rays::{Rays, Rendered};
 use super::skipping::{Skipping, spread};
 use super::trunk::Tape;
@@ -41,8 +41,10 @@ pub(super) struct ChunkBuffers {
 }
 
 /// A network's parameters in the layouts that the matrix products need, made once per call.
-pub(super) struct Prepared<'a> {
+pub(super) struct Prepared<'a, M = Plain> {
     pub net: &'a Network,
+    /// Who multiplies for a chunk.
+    pub on: &'a M,
     pub trunk: Vec<Vec<f32>>,
     /// M = w_color w_feature (color, width), and its transpose.
     pub folded: Vec<f32>,
@@ -53,6 +55,12 @@ pub(super) struct Prepared<'a> {
 
 impl<'a> Prepared<'a> {
     pub fn new(net: &'a Network) -> Self {
+        Self::on(net, &Plain)
+    }
+}
+
+impl<'a, M: Multiply> Prepared<'a, M> {
+    pub fn on(net: &'a Network, on: &'a M) -> Self {
         let (width, color) = (net.shape.width, net.shape.color);
         let (w_feature, b_feature) = net.feature.of(&net.params);
         let (w_color, b_color) = net.color0.of(&net.params);
@@ -62,7 +70,7 @@ impl<'a> Prepared<'a> {
         let mut bias = b_color.to_vec();
         product(&mut bias, 1, w_color, Matrix::new(b_feature, width, 1, 1), true);
         let folded_t = transposed(&folded, color, width);
-        Prepared { net, trunk: net.trunk.transposed(&net.params), folded, folded_t, bias }
+        Prepared { net, on, trunk: net.trunk.transposed(&net.params), folded, folded_t, bias }
     }
 
     /// Densities of `chunk.positions`.
@@ -72,7 +80,7 @@ impl<'a> Prepared<'a> {
         net.trunk.reserve(&mut chunk.tape, points);
         let columns = net.shape.position;
         positional_encoding(net.arch, &chunk.positions, 3, columns / 6, &mut chunk.tape.encoding, columns);
-        net.trunk.forward(net.arch, &net.params, &self.trunk, &mut chunk.tape, points);
+        net.trunk.forward(net.arch, &net.params, &self.trunk, &mut chunk.tape, points, self.on);
         chunk.z.resize(points, 0.0);
         let (w, b) = net.sigma.of(&net.params);
         let x = net.trunk.last(&chunk.tape);
@@ -95,11 +103,12 @@ impl<'a> Prepared<'a> {
         chunk.ray_terms.extend((0..rays).flat_map(|_| &self.bias));
         let d = Matrix::new(&chunk.directions, rays, columns, columns);
         let w = Matrix::new(&net.color0.of(&net.params).0[width..], color, columns, net.color0.inputs);
-        product(&mut chunk.ray_terms, color, d, w.t(), true);
+        self.on.product(&mut chunk.ray_terms, color, d, w.t(), true);
 
         chunk.hidden.resize(count * color, 0.0);
         let h = Matrix::new(net.trunk.last(&chunk.tape), count, width, width);
-        product(&mut chunk.hidden, color, h, Matrix::new(&self.folded_t, width, color, color), false);
+        let folded = Matrix::new(&self.folded_t, width, color, color);
+        self.on.product(&mut chunk.hidden, color, h, folded, false);
         for (from, to, ray) in runs(&chunk.active, samples) {
             let bias = &chunk.ray_terms[ray * color..(ray + 1) * color];
             net.arch.dispatch(BiasRelu {

@@ -5,12 +5,12 @@ use super::chunk::{ChunkBuffers, Prepared, runs};
 use super::gradient::Group;
 use super::network::Batch;
 use super::passes::{AddRows, HeadsBackward, JoinBackward};
-use super::product::{Matrix, product};
+use super::product::{Matrix, Multiply, product};
 use super::rays::Rays;
 use super::skipping::Skipping;
 use crate::volume_rendering::fast::{RayWeights, density_gradient};
 
-impl Prepared<'_> {
+impl<M: Multiply> Prepared<'_, M> {
     /// Adds gradient and loss of a chunk to `group`; `scale` is the weight of one channel of one ray in the loss.
     pub fn step(
         &self,
@@ -80,14 +80,15 @@ impl Prepared<'_> {
         let (g_w, g_b) = net.color0.of_mut(gradient);
         let g_rays = Matrix::new(&chunk.g_rays, rays, color, color);
         let directions = Matrix::new(&chunk.directions, rays, columns, columns);
-        product(&mut g_w[width..], net.color0.inputs, g_rays.t(), directions, true);
+        self.on.product(&mut g_w[width..], net.color0.inputs, g_rays.t(), directions, true);
         net.arch.dispatch(AddRows { sum: g_b, rows: &chunk.g_rays });
 
         let g_hidden = Matrix::new(&chunk.g_hidden, count, color, color);
         let h = net.trunk.last(&chunk.tape);
-        product(g_folded, width, g_hidden.t(), Matrix::new(h, count, width, width), true);
+        self.on.product(g_folded, width, g_hidden.t(), Matrix::new(h, count, width, width), true);
         let mut g = std::mem::take(&mut chunk.tape.g);
-        product(&mut g, width, g_hidden, Matrix::new(&self.folded, color, width, width), false);
+        let folded = Matrix::new(&self.folded, color, width, width);
+        self.on.product(&mut g, width, g_hidden, folded, false);
         let (g_w, _) = net.sigma.of_mut(gradient);
         let mut g_last = vec![0.0; width];
         let w = net.sigma.of(&net.params).0;
@@ -97,7 +98,7 @@ impl Prepared<'_> {
         net.sigma.of_mut(gradient).1[0] += chunk.g_z.iter().sum::<f32>();
         let g_bias = net.trunk.layers[net.shape.depth - 1].of_mut(gradient).1;
         net.arch.dispatch(AddRows { sum: g_bias, rows: &g_last });
-        net.trunk.backward(net.arch, &net.params, &mut chunk.tape, count, gradient);
+        net.trunk.backward(net.arch, &net.params, &mut chunk.tape, count, gradient, self.on);
     }
 
     /// Gradients of feature and color layer from those of M (after the parameters) and of the color layer's bias:

@@ -5,9 +5,11 @@ use pulp::Arch;
 use super::activation::sigmoid;
 use super::gradient::{Gradient, Pool};
 use super::passes::{AddRows, Heads, HeadsBackward};
+use super::product::Plain;
 use super::trunk::{Affine, Tape, Trunk};
 use crate::encoding::fast::positional_encoding;
 use crate::field::Mlp;
+use crate::field::trunk::Plan;
 use crate::parallel;
 
 /// An [`Mlp`] in f32 with its encoding: hidden layers of one width with ReLU, a sigmoid after three outputs.
@@ -41,7 +43,7 @@ impl ImageNetwork {
             params: oracle.layers.iter().flat_map(|l| l.w.iter().chain(&l.b)).map(|&p| p as f32).collect(),
             arch: crate::simd::arch(),
             dims,
-            trunk: Trunk::next(&mut at, columns, width, depth, depth),
+            trunk: Trunk::next(&mut at, columns, width, depth, Plan::straight()),
             head: Affine::next(&mut at, width, 3),
             pool: Pool::default(),
         }
@@ -103,7 +105,7 @@ impl ImageNetwork {
         self.trunk.reserve(&mut work.tape, points);
         let levels = (columns / self.dims - 1) / 2;
         positional_encoding(self.arch, x, self.dims, levels, &mut work.tape.encoding, columns);
-        self.trunk.forward(self.arch, &self.params, transposed, &mut work.tape, points);
+        self.trunk.forward(self.arch, &self.params, transposed, &mut work.tape, points, &Plain);
         work.rgbs.resize(points * 3, 0.0);
         let (w, b) = self.head.of(&self.params);
         let x = self.trunk.last(&work.tape);
@@ -134,6 +136,6 @@ impl ImageNetwork {
         let g_last = self.trunk.layers[self.trunk.layers.len() - 1].of_mut(gradient).1;
         self.arch.dispatch(AddRows { sum: g_last, rows: &g[..points * width] });
         work.tape.g = g;
-        self.trunk.backward(self.arch, &self.params, &mut work.tape, points, gradient);
+        self.trunk.backward(self.arch, &self.params, &mut work.tape, points, gradient, &Plain);
     }
 }

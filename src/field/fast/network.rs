@@ -4,6 +4,7 @@ use pulp::Arch;
 
 use super::chunk::{ChunkBuffers, Prepared};
 use super::gradient::{Gradient, Pool};
+use super::product::{Multiply, Plain};
 use super::rays::{Rays, Rendered};
 use super::skipping::Skipping;
 use super::trunk::{Affine, Trunk};
@@ -45,7 +46,7 @@ pub struct Batch<'a> {
 impl Network {
     /// The oracle's network with its parameters rounded to f32.
     pub fn new(oracle: &NerfMlp, shape: &Shape, density: Density) -> Self {
-        let Shape { position, direction, width, depth, color, skip } = *shape;
+        let Shape { position, direction, width, depth, color, .. } = *shape;
         let mut at = 0;
         Network {
             shape: *shape,
@@ -57,7 +58,7 @@ impl Network {
                 .map(|&p| p as f32)
                 .collect(),
             arch: crate::simd::arch(),
-            trunk: Trunk::next(&mut at, position, width, depth, skip),
+            trunk: Trunk::next(&mut at, position, width, depth, shape.plan()),
             sigma: Affine::next(&mut at, width, 1),
             feature: Affine::next(&mut at, width, width),
             color0: Affine::next(&mut at, width + direction, color),
@@ -155,16 +156,24 @@ impl Network {
     ///
     /// `dense` computes every sample's color and backward pass, whether or not they have any effect.
     pub fn step(&self, batch: &Batch, dense: bool, gradient: &mut Gradient) -> f64 {
-        self.step_in_chunks(batch, Skipping::default(), dense, gradient)
+        self.step_on(batch, Skipping::default(), dense, gradient, &Plain)
     }
 
     /// [`Self::step`] (not `dense`) without the samples that `skipping` leaves out; the same bits where it leaves out none.
     pub fn step_skipping(&self, batch: &Batch, skipping: Skipping, gradient: &mut Gradient) -> f64 {
-        self.step_in_chunks(batch, skipping, false, gradient)
+        self.step_on(batch, skipping, false, gradient, &Plain)
     }
 
-    fn step_in_chunks(&self, batch: &Batch, skipping: Skipping, dense: bool, gradient: &mut Gradient) -> f64 {
-        let prepared = Prepared::new(self);
+    /// The step, whose products in chunks `on` computes: the folded matrix, made once a step, is not among them.
+    pub(crate) fn step_on(
+        &self,
+        batch: &Batch,
+        skipping: Skipping,
+        dense: bool,
+        gradient: &mut Gradient,
+        on: &impl Multiply,
+    ) -> f64 {
+        let prepared = Prepared::on(self, on);
         let rays = &batch.rays;
         let spans = skipping.spans(rays);
         let scale = 1.0 / (3 * rays.len()) as f64;

@@ -41,6 +41,22 @@ impl<'a> Matrix<'a> {
     }
 }
 
+/// Who multiplies in a step: [`Plain`] does, in training; another one can time or check the products of the very same step.
+pub(crate) trait Multiply: Sync {
+    /// [`product`].
+    fn product(&self, c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumulate: bool);
+}
+
+/// The product, and nothing else.
+#[derive(Debug)]
+pub(crate) struct Plain;
+
+impl Multiply for Plain {
+    fn product(&self, c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumulate: bool) {
+        product(c, stride, a, b, accumulate);
+    }
+}
+
 /// c = a b, or c += a b; rows of c `stride` entries apart.
 pub(crate) fn product(c: &mut [f32], stride: usize, a: Matrix, b: Matrix, accumulate: bool) {
     product_on(c, stride, a, b, accumulate, Parallelism::None);

@@ -3,7 +3,9 @@
 use pulp::Arch;
 
 use super::passes::{BiasRelu, ReluBackward};
-use super::product::{Matrix, product, transposed};
+use super::product::{Matrix, Multiply, transposed};
+use crate::convention::SkipOrder;
+use crate::field::trunk::Plan;
 
 /// Where an affine layer lies in the flat parameter vector: weights (out, in), then biases (out).
 #[derive(Clone, Copy, Debug)]
@@ -39,8 +41,6 @@ pub(super) struct Trunk {
     pub encoding: usize,
     /// Width of every layer.
     pub width: usize,
-    /// The layer whose input is [h, encoding]; none where it is not below the depth.
-    pub skip: usize,
     pub layers: Vec<Affine>,
 }
 
@@ -58,14 +58,11 @@ pub(super) struct Tape {
 
 impl Trunk {
     /// `depth` layers that start at `*at` in the parameters, which is moved past them.
-    pub fn next(at: &mut usize, encoding: usize, width: usize, depth: usize, skip: usize) -> Self {
-        let inputs = |n| match n {
-            0 => encoding,
-            n if n == skip => width + encoding,
-            _ => width,
-        };
-        let layers = (0..depth).map(|n| Affine::next(at, inputs(n), width)).collect();
-        Trunk { encoding, width, skip, layers }
+    pub fn next(at: &mut usize, encoding: usize, width: usize, depth: usize, plan: Plan) -> Self {
+        assert_eq!(plan.order, SkipOrder::HiddenFirst, "rows of h hold the encoding after it");
+        let layer = |n| Affine::next(at, plan.columns(n, width, encoding), width);
+        let layers = (0..depth).map(layer).collect();
+        Trunk { encoding, width, layers }
     }
 
     /// Transposed weights of every layer, for [`Self::forward`].
@@ -75,7 +72,7 @@ impl Trunk {
 
     /// Entries between two rows of h after layer n.
     pub fn stride(&self, n: usize) -> usize {
-        self.width + if n + 1 == self.skip && self.skip < self.layers.len() { self.encoding } else { 0 }
+        self.layers.get(n + 1).map_or(self.width, |next| next.inputs)
     }
 
     /// Resizes the buffers to `points`.
@@ -102,6 +99,7 @@ impl Trunk {
         transposed: &[Vec<f32>],
         tape: &mut Tape,
         points: usize,
+        on: &impl Multiply,
     ) {
         for (n, layer) in self.layers.iter().enumerate() {
             let stride = self.stride(n);
@@ -112,7 +110,8 @@ impl Trunk {
                 n => (&before[n - 1], self.stride(n - 1)),
             };
             let x = Matrix::new(x, points, layer.inputs, x_stride);
-            product(h, stride, x, Matrix::new(&transposed[n], layer.inputs, self.width, self.width), false);
+            let w = Matrix::new(&transposed[n], layer.inputs, self.width, self.width);
+            on.product(h, stride, x, w, false);
             arch.dispatch(BiasRelu { x: &mut *h, stride, bias: layer.of(params).1 });
             if stride > self.width {
                 for (h, e) in h.chunks_exact_mut(stride).zip(tape.encoding.chunks_exact(self.encoding)) {
@@ -134,7 +133,15 @@ impl Trunk {
 
     /// Adds the gradients of all layers to `gradient`. `tape.g` holds the gradient before the last layer's ReLU, whose
     /// bias gradient has been added already. The encoding gets none: nothing after it is trained.
-    pub fn backward(&self, arch: Arch, params: &[f32], tape: &mut Tape, points: usize, gradient: &mut [f32]) {
+    pub fn backward(
+        &self,
+        arch: Arch,
+        params: &[f32],
+        tape: &mut Tape,
+        points: usize,
+        gradient: &mut [f32],
+        on: &impl Multiply,
+    ) {
         for (n, layer) in self.layers.iter().enumerate().rev() {
             let g = Matrix::new(&tape.g, points, self.width, self.width);
             let (x, x_stride) = match n {
@@ -142,12 +149,12 @@ impl Trunk {
                 n => (&tape.h[n - 1], self.stride(n - 1)),
             };
             let inputs = Matrix::new(x, points, layer.inputs, x_stride);
-            product(layer.of_mut(gradient).0, layer.inputs, g.t(), inputs, true);
+            on.product(layer.of_mut(gradient).0, layer.inputs, g.t(), inputs, true);
             if n > 0 {
                 // Of the skip's input [h, encoding], only h.
                 let w = Matrix::new(layer.of(params).0, self.width, self.width, layer.inputs);
                 let g_next = &mut tape.g_next[..points * self.width];
-                product(g_next, self.width, g, w, false);
+                on.product(g_next, self.width, g, w, false);
                 let g_bias = self.layers[n - 1].of_mut(gradient).1;
                 arch.dispatch(ReluBackward { g: g_next, h: x, stride: x_stride, g_bias });
                 std::mem::swap(&mut tape.g, &mut tape.g_next);

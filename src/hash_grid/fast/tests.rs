@@ -95,7 +95,7 @@ fn sparse_adam_agrees() {
                 }
             }
             assert!((4..=64).contains(&moved), "{moved}");
-            update(arch, &mut level, AdamRates::new(&adam, step));
+            update(arch, &mut level, Rates::new(&adam, step));
             assert!(level.gradient().as_flattened().iter().all(|&g| g == 0.0));
         }
         for (e, &p) in expected.iter().zip(level.table().as_flattened()) {

@@ -4,7 +4,7 @@ use pulp::Simd;
 
 use super::chunk::Chunk;
 use super::forward::{Pass, TILE};
-use super::kernels::{outer, product};
+use super::kernels::Multiply;
 use super::networks::{GEOMETRY, HIDDEN};
 use crate::hash_grid::fast::WIDTH;
 use crate::simd::CacheAligned;
@@ -19,7 +19,7 @@ fn mask<const N: usize>(gradient: &mut [[f32; N]], activation: &[[f32; N]]) {
 
 /// The colors' three rows into the three columns that are used.
 #[inline(always)]
-pub(super) fn turn_colors(rows: &[[f32; HIDDEN]; 16], columns: &mut [[f32; 16]]) {
+fn turn_colors(rows: &[[f32; HIDDEN]; 16], columns: &mut [[f32; 16]]) {
     for (k, row) in columns.iter_mut().enumerate() {
         (0..3).for_each(|color| row[color] = rows[color][k]);
     }
@@ -27,7 +27,7 @@ pub(super) fn turn_colors(rows: &[[f32; HIDDEN]; 16], columns: &mut [[f32; 16]])
 
 /// Fills `gradient`, and `encoding` with its own gradient. A tile at a time, so that its activations are read once.
 #[inline(always)]
-pub(super) fn backward<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
+pub(super) fn backward<S: Simd>(s: S, pass: &Pass, c: &mut Chunk, on: &impl Multiply) {
     let (nets, rows, n) = (pass.nets, c.rows(), c.points.len());
     c.gradient.clear();
     c.rgb[n..rows].fill([0.0; 16]);
@@ -42,24 +42,24 @@ pub(super) fn backward<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
         let (hidden, geometry) = (&mut hidden.0[..tile.len()], &mut geometry.0[..tile.len()]);
         let encoding = &mut encoding.0[..tile.len()];
         let rgb = &mut c.rgb[tile.clone()];
-        product(s, rgb, 3, &nets.color1_t, hidden, false, false);
+        on.product(s, rgb, 3, &nets.color1_t, hidden, false, false);
         mask(hidden, &c.hidden1[tile.clone()]);
-        product(s, hidden, HIDDEN, &nets.color0_t, geometry, false, false);
+        on.product(s, hidden, HIDDEN, &nets.color0_t, geometry, false, false);
         for (g, d) in geometry.iter_mut().zip(&mut *rgb) {
             g[0] += std::mem::take(&mut d[3]);
         }
-        outer(s, rgb, 3, &c.hidden1[tile.clone()], &mut color1_t.0);
-        outer(s, &c.geometry[tile.clone()], GEOMETRY, hidden, &mut c.gradient.color0);
+        on.outer(s, rgb, 3, &c.hidden1[tile.clone()], &mut color1_t.0);
+        on.outer(s, &c.geometry[tile.clone()], GEOMETRY, hidden, &mut c.gradient.color0);
         for (p, g) in (first..tile.end.min(n)).zip(&*hidden) {
             let view = &mut c.rays[c.ray_of[p] as usize].view;
             view.iter_mut().zip(g).for_each(|(v, g)| *v += g);
         }
-        product(s, geometry, GEOMETRY, &nets.density1_t, hidden, false, false);
+        on.product(s, geometry, GEOMETRY, &nets.density1_t, hidden, false, false);
         mask(hidden, &c.hidden0[tile.clone()]);
-        outer(s, &c.hidden0[tile.clone()], HIDDEN, geometry, &mut c.gradient.density1);
+        on.outer(s, &c.hidden0[tile.clone()], HIDDEN, geometry, &mut c.gradient.density1);
         c.gather(first, encoding);
-        outer(s, encoding, WIDTH, hidden, &mut c.gradient.density0);
-        product(s, hidden, HIDDEN, &nets.density0_t, encoding, false, false);
+        on.outer(s, encoding, WIDTH, hidden, &mut c.gradient.density0);
+        on.product(s, hidden, HIDDEN, &nets.density0_t, encoding, false, false);
         c.spread(first, encoding);
     }
     turn_colors(&color1_t.0, &mut c.gradient.color1);

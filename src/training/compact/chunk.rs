@@ -12,7 +12,7 @@ pub(super) const BLOCK: usize = 16;
 
 /// A ray, the range of its samples in the chunk, and its rendering.
 #[derive(Clone, Copy)]
-pub(super) struct Ray {
+pub(crate) struct Ray {
     pub first: usize,
     pub count: usize,
     pub target: [f32; 3],
@@ -32,7 +32,7 @@ pub(super) struct Ray {
 }
 
 /// Rays, samples and activations. Rows beyond the samples pad the last block and have any finite value.
-pub(super) struct Chunk {
+pub(crate) struct Chunk {
     pub rays: Vec<Ray>,
     /// Positions of the samples along the ray, as the march found them.
     pub steps: Steps,
@@ -94,7 +94,7 @@ impl Chunk {
 
     /// The next ray; samples pushed from now on are its own.
     #[inline(always)]
-    pub fn push_ray(&mut self, ray: &BoxRay, target: [f32; 3], pixel: u32, cut: bool) {
+    pub(super) fn push_ray(&mut self, ray: &BoxRay, target: [f32; 3], pixel: u32, cut: bool) {
         self.rays.push(Ray {
             first: self.points.len(),
             count: 0,

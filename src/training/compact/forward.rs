@@ -4,8 +4,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::backward::backward;
 use super::chunk::Chunk;
-use super::kernels::product;
+use super::kernels::{Multiply, Plain};
 use super::networks::{GEOMETRY, HIDDEN, Networks};
+use crate::approximate::exp;
 use crate::hash_grid::fast::WIDTH;
 use crate::simd::CacheAligned;
 
@@ -33,24 +34,24 @@ impl WithSimd for Densities<'_, '_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        density(s, self.0, self.1);
+        density(s, self.0, self.1, &Plain);
     }
 }
 
-struct Whole<'a, 'b>(&'b Pass<'a>, &'b mut Chunk);
+struct Whole<'a, 'b, M>(&'b Pass<'a>, &'b mut Chunk, &'b M);
 
-impl WithSimd for Whole<'_, '_> {
+impl<M: Multiply> WithSimd for Whole<'_, '_, M> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, s: S) {
-        let Whole(pass, chunk) = self;
-        density(s, pass, chunk);
+        let Whole(pass, chunk, on) = self;
+        density(s, pass, chunk, on);
         early_stop(pass, chunk);
-        color(s, pass, chunk);
+        color(s, pass, chunk, on);
         composite(pass, chunk);
         if pass.gradient.is_some() {
-            backward(s, pass, chunk);
+            backward(s, pass, chunk, on);
         }
     }
 }
@@ -60,34 +61,19 @@ pub(super) fn densities(arch: Arch, pass: &Pass, chunk: &mut Chunk) {
     arch.dispatch(Densities(pass, chunk));
 }
 
-/// Renders a chunk's rays, with gradients if the pass needs them.
-pub(super) fn run(arch: Arch, pass: &Pass, chunk: &mut Chunk) {
-    arch.dispatch(Whole(pass, chunk));
+/// Renders a chunk's rays, with gradients if the pass needs them; `on` multiplies.
+pub(super) fn run(arch: Arch, pass: &Pass, chunk: &mut Chunk, on: &impl Multiply) {
+    arch.dispatch(Whole(pass, chunk, on));
 }
 
-/// e^x without branches or calls, so that loops over it become vector code; |x| < 87, relative error below 2e-7.
-#[allow(clippy::excessive_precision, reason = "digits as they were fitted")]
-#[inline(always)]
-pub(super) fn exp(x: f32) -> f32 {
-    // Adding 1.5 * 2^23 rounds to a whole number, which then stands in the low bits.
-    const MAGIC: f32 = 12_582_912.0;
-    let n = x * std::f32::consts::LOG2_E + MAGIC;
-    let scale = f32::from_bits((n.to_bits() << 23).wrapping_add(0x3f80_0000));
-    let n = n - MAGIC;
-    // ln 2 in two parts, the first with trailing zeros, so that the remainder in [-ln 2 / 2, ln 2 / 2] is exact.
-    let r = (x - n * 0.693_145_75) - n * 1.428_606_8e-6;
-    let tail = 1.666_666_5e-1 + r * (4.166_695_7e-2 + r * (8.333_361e-3 + r * 1.388_9e-3));
-    (1.0 + r * (1.0 + r * (0.5 + r * tail))) * scale
-}
-
-/// e^x with x held to [-15, 15], forward too: the trunc_exp component's surrogate then is the derivative of neither side outside.
+/// e^clamp(x, -15, 15), as [`EXPONENT`](super::settings::EXPONENT) says.
 #[inline(always)]
 pub(super) fn trunc_exp(x: f32) -> f32 {
     exp(x.clamp(-15.0, 15.0))
 }
 
 #[inline(always)]
-fn density<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
+fn density<S: Simd>(s: S, pass: &Pass, c: &mut Chunk, on: &impl Multiply) {
     let w = &pass.nets.weights;
     let rows = c.rows();
     let mut encoding = CacheAligned([[0f32; WIDTH]; TILE]);
@@ -95,8 +81,8 @@ fn density<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
         let tile = first..(first + TILE).min(rows);
         let encoding = &mut encoding.0[..tile.len()];
         c.gather(first, encoding);
-        product(s, encoding, WIDTH, &w.density0, &mut c.hidden0[tile.clone()], false, true);
-        product(s, &c.hidden0[tile.clone()], HIDDEN, &w.density1, &mut c.geometry[tile], false, false);
+        on.product(s, encoding, WIDTH, &w.density0, &mut c.hidden0[tile.clone()], false, true);
+        on.product(s, &c.hidden0[tile.clone()], HIDDEN, &w.density1, &mut c.geometry[tile], false, false);
     }
     c.sigma.clear();
     c.sigma.extend(c.geometry[..c.points.len()].iter().map(|g| trunc_exp(g[0])));
@@ -117,7 +103,7 @@ fn early_stop(pass: &Pass, c: &mut Chunk) {
 }
 
 #[inline(always)]
-fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
+fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk, on: &impl Multiply) {
     let w = &pass.nets.weights;
     for ray in c.rays.iter_mut().filter(|ray| ray.count > 0 && pass.view_dependent) {
         for (&h, row) in ray.harmonics.iter().zip(w.view.iter()) {
@@ -130,8 +116,16 @@ fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk) {
         for p in first..tile.end.min(n) {
             c.hidden1[p] = c.rays[c.ray_of[p] as usize].view;
         }
-        product(s, &c.geometry[tile.clone()], GEOMETRY, &w.color0, &mut c.hidden1[tile.clone()], true, true);
-        product(s, &c.hidden1[tile.clone()], HIDDEN, &w.color1, &mut c.rgb[tile], false, false);
+        on.product(
+            s,
+            &c.geometry[tile.clone()],
+            GEOMETRY,
+            &w.color0,
+            &mut c.hidden1[tile.clone()],
+            true,
+            true,
+        );
+        on.product(s, &c.hidden1[tile.clone()], HIDDEN, &w.color1, &mut c.rgb[tile], false, false);
     }
     // Four samples fill a vector; rows after the last are padding.
     for four in c.rgb[..rows].as_chunks_mut::<4>().0 {

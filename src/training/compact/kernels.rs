@@ -5,6 +5,62 @@ use pulp::Simd;
 
 use crate::simd::fma;
 
+/// Who multiplies in a pass: [`Plain`] does, in training; another one can time or check the products of the very same pass.
+pub(crate) trait Multiply: Sync {
+    /// [`product`].
+    fn product<S: Simd, const K: usize, const N: usize>(
+        &self,
+        s: S,
+        x: &[[f32; K]],
+        inner: usize,
+        w: &[[f32; N]],
+        y: &mut [[f32; N]],
+        accumulate: bool,
+        relu: bool,
+    );
+
+    /// [`outer`].
+    fn outer<S: Simd, const K: usize, const N: usize>(
+        &self,
+        s: S,
+        x: &[[f32; K]],
+        inner: usize,
+        dy: &[[f32; N]],
+        dw: &mut [[f32; N]],
+    );
+}
+
+/// The product, and nothing else.
+pub(crate) struct Plain;
+
+impl Multiply for Plain {
+    #[inline(always)]
+    fn product<S: Simd, const K: usize, const N: usize>(
+        &self,
+        s: S,
+        x: &[[f32; K]],
+        inner: usize,
+        w: &[[f32; N]],
+        y: &mut [[f32; N]],
+        accumulate: bool,
+        relu: bool,
+    ) {
+        product(s, x, inner, w, y, accumulate, relu);
+    }
+
+    #[inline(always)]
+    fn outer<S: Simd, const K: usize, const N: usize>(
+        &self,
+        s: S,
+        x: &[[f32; K]],
+        inner: usize,
+        dy: &[[f32; N]],
+        dw: &mut [[f32; N]],
+    ) {
+        outer(s, x, inner, dy, dw);
+    }
+}
+
 #[inline(always)]
 fn tile<S: Simd, const K: usize, const N: usize, const R: usize, const V: usize>(
     s: S,
@@ -62,7 +118,7 @@ fn rows<S: Simd, const K: usize, const N: usize, const R: usize, const V: usize>
 
 /// `y[p] = x[p][..inner] W[..inner]`, plus `y[p]` itself where `accumulate`, then ReLU where `relu`. Rows in multiples of 16.
 #[inline(always)]
-pub(super) fn product<S: Simd, const K: usize, const N: usize>(
+pub(crate) fn product<S: Simd, const K: usize, const N: usize>(
     s: S,
     x: &[[f32; K]],
     inner: usize,
@@ -114,7 +170,7 @@ fn outer_tiles<S: Simd, const K: usize, const N: usize, const R: usize, const V:
 
 /// `dW[k] += sum over points of x[p][k] dy[p]` for k < `inner`, and for a few more that fill a register tile.
 #[inline(always)]
-pub(super) fn outer<S: Simd, const K: usize, const N: usize>(
+pub(crate) fn outer<S: Simd, const K: usize, const N: usize>(
     s: S,
     x: &[[f32; K]],
     inner: usize,

@@ -18,12 +18,11 @@ use crate::scene::Scene;
 use crate::training::{Model, Pixel, StepReport};
 
 mod backward;
-mod chunk;
-mod dense;
+pub(crate) mod chunk;
 mod forward;
-mod kernels;
+pub(crate) mod kernels;
 mod march;
-mod networks;
+pub(crate) mod networks;
 mod occupancy;
 pub(crate) mod reference;
 mod render;
@@ -36,7 +35,6 @@ mod views;
 mod tests;
 
 use chunk::Chunk;
-pub use dense::DENSE;
 use networks::{Networks, Weights};
 pub use settings::{CompactSettings, Overrides, Part};
 use views::Views;

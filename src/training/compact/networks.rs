@@ -1,20 +1,21 @@
 //! The two small networks: density 32 -> 64 -> 16, color (16 + 16 harmonics) -> 64 -> 3. No biases, as in Instant-NGP.
 
-use crate::hash_grid::fast::{AdamRates, WIDTH};
+use crate::hash_grid::fast::WIDTH;
+use crate::optimizer::fast::Rates;
 use crate::random::Key;
 use crate::simd::{Aligned, copied, repeated};
 use crate::spherical_harmonics::fast as harmonics;
 
 /// Hidden units.
-pub(super) const HIDDEN: usize = 64;
+pub(crate) const HIDDEN: usize = 64;
 /// Outputs of the density network; the first is the logarithm of the density.
-pub(super) const GEOMETRY: usize = 16;
+pub(crate) const GEOMETRY: usize = 16;
 /// Names of the weight matrices in a checkpoint.
 pub(super) const NAMES: [&str; 5] = ["density0", "density1", "color0", "view", "color1"];
 
 /// The weights, one row per input.
 #[derive(Clone)]
-pub(super) struct Weights {
+pub(crate) struct Weights {
     pub density0: Aligned<[f32; HIDDEN]>,
     pub density1: Aligned<[f32; GEOMETRY]>,
     pub color0: Aligned<[f32; HIDDEN]>,
@@ -107,7 +108,7 @@ impl Networks {
     }
 
     /// One step of Adam.
-    pub fn update(&mut self, gradient: &Weights, rates: AdamRates) {
+    pub fn update(&mut self, gradient: &Weights, rates: Rates) {
         let moments = self.m.parts_mut().into_iter().zip(self.v.parts_mut());
         for ((p, g), (m, v)) in self.weights.parts_mut().into_iter().zip(gradient.parts()).zip(moments) {
             rates.apply(p, g, m, v);

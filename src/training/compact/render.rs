@@ -3,6 +3,7 @@
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::run;
+use super::kernels::Plain;
 use super::march::MarchAtRest;
 use crate::hash_grid::fast as hash_grid;
 use crate::parallel;
@@ -38,7 +39,7 @@ impl CompactModel {
         chunk.clear_levels(active);
         let mut pass = self.pass(samples, None);
         (pass.background, pass.stop) = ([0.0; 3], self.settings.stop_at_rest as f32);
-        run(self.arch, &pass, chunk);
+        run(self.arch, &pass, chunk, &Plain);
         let far = self.settings.far as f32;
         let pixel = |ray: &super::chunk::Ray| {
             let opacity = 1.0 - ray.transmittance;

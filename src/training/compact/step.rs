@@ -3,25 +3,27 @@
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::{Pass, run};
+use super::kernels::{Multiply, Plain};
 use super::march::March;
 use super::networks::Weights;
-use crate::hash_grid::fast::{self as hash_grid, AdamRates, Level};
+use crate::hash_grid::fast::{self as hash_grid, Level};
 use crate::optimizer::Adam;
+use crate::optimizer::fast::Rates;
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::training::StepReport;
 
 /// Samples per chunk, approximately: their activations stay in a core's L2 cache.
-pub(super) const CHUNK: usize = 1024;
+pub(crate) const CHUNK: usize = 1024;
 
 /// Rays of the first step, before the number of samples per ray is known.
 pub(super) const FIRST_RAYS: usize = 512;
 
 impl CompactModel {
     /// Adam of Instant-NGP, `eps` far below every gradient that matters.
-    fn rates(&self, lr: f64, step: u64) -> AdamRates {
+    fn rates(&self, lr: f64, step: u64) -> Rates {
         let lr = lr * self.settings.lr_factor(step);
-        AdamRates::new(&Adam { lr, beta1: 0.9, beta2: 0.99, eps: 1e-15, weight_decay: 0.0 }, step)
+        Rates::new(&Adam { lr, beta1: 0.9, beta2: 0.99, eps: 1e-15, weight_decay: 0.0 }, step)
     }
 
     /// The pass that the chunks of a step or of a picture share; `samples` step lengths across the box.
@@ -38,17 +40,9 @@ impl CompactModel {
 
     /// Step `step`, counted from 1.
     pub(super) fn train_step(&mut self, step: u64) -> StepReport {
-        let batch = self.settings.batch_at(step);
-        let count = batch / CHUNK;
         let mut chunks = std::mem::take(&mut self.chunks);
-        chunks.resize_with(count, Chunk::default);
-        let rays_each = self.rays.div_ceil(count);
-        let rays = rays_each * count;
-        let samples = self.settings.samples_at(step);
-        self.march(&mut chunks, rays_each, samples, step);
-        self.encode(&mut chunks, step);
-        let pass = self.pass(samples, Some(2.0 / (3 * rays) as f32));
-        parallel::for_each(&mut chunks, |chunk| run(self.arch, &pass, chunk));
+        let rays = self.draw(&mut chunks, step);
+        self.run(&mut chunks, rays, step, &Plain);
         self.apply(&mut chunks, step);
         let seen: usize = chunks.iter().map(|c| c.visited.len()).sum();
         let live: usize = chunks.iter().map(|c| c.counted).sum();
@@ -57,7 +51,7 @@ impl CompactModel {
         let error: f64 = chunks.iter().map(|c| c.error).sum();
         self.chunks = chunks;
         self.rays = self.settings.rays.unwrap_or_else(|| {
-            let wanted = batch as f64 / seen.max(1) as f64;
+            let wanted = self.settings.batch_at(step) as f64 / seen.max(1) as f64;
             (rays as f64 * wanted.clamp(0.5, 1.5)).clamp(64.0, 65_536.0) as usize
         });
         self.update_occupancy(step);
@@ -65,7 +59,23 @@ impl CompactModel {
         StepReport { loss, mse: loss, samples: live as u64 }
     }
 
-    pub(super) fn march(&self, chunks: &mut [Chunk], rays_each: usize, samples: f64, step: u64) {
+    /// A step's batch: random rays, marched and encoded; how many they are.
+    pub(crate) fn draw(&self, chunks: &mut Vec<Chunk>, step: u64) -> usize {
+        let count = self.settings.batch_at(step) / CHUNK;
+        chunks.resize_with(count, Chunk::default);
+        let rays_each = self.rays.div_ceil(count);
+        self.march(chunks, rays_each, self.settings.samples_at(step), step);
+        self.encode(chunks, step);
+        rays_each * count
+    }
+
+    /// Forward and backward of a step's batch of so many rays; `on` multiplies.
+    pub(crate) fn run(&self, chunks: &mut [Chunk], rays: usize, step: u64, on: &impl Multiply) {
+        let pass = self.pass(self.settings.samples_at(step), Some(2.0 / (3 * rays) as f32));
+        parallel::for_each(chunks, |chunk| run(self.arch, &pass, chunk, on));
+    }
+
+    fn march(&self, chunks: &mut [Chunk], rays_each: usize, samples: f64, step: u64) {
         let length = (self.settings.size / samples) as f32;
         let keys = [Purpose::Rays, Purpose::Samples].map(|purpose| Key::new(self.settings.seed, purpose));
         parallel::for_chunks(chunks, 1, |c, chunk| {
@@ -75,7 +85,7 @@ impl CompactModel {
     }
 
     /// Level by level over many chunks, so that a level's table stays in the L2 cache while it is read.
-    pub(super) fn encode(&self, chunks: &mut [Chunk], step: u64) {
+    fn encode(&self, chunks: &mut [Chunk], step: u64) {
         let active = self.settings.levels_at(step);
         let share = chunks.len().div_ceil(parallel::threads());
         parallel::for_chunks(chunks, share, |_, chunks| {

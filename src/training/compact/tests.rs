@@ -6,7 +6,7 @@ use pulp::Arch;
 
 use super::chunk::Chunk;
 use super::forward::{Pass, run};
-use super::kernels::{outer, product};
+use super::kernels::{Plain, outer, product};
 use super::networks::{Networks, Weights};
 use super::views::BoxRay;
 use super::{CompactModel, Overrides};
@@ -192,7 +192,7 @@ fn gradients_agree_with_the_oracle() {
     let delta = f64::from(delta);
     for arch in [crate::simd::arch(), Arch::Scalar] {
         let mut chunk = chunk_of(&encodings);
-        run(arch, &pass, &mut chunk);
+        run(arch, &pass, &mut chunk, &Plain);
         let loss = chunk.error / (3 * COUNTS.len()) as f64;
         assert!((loss - oracle_loss(&nets.weights, &encodings, delta)).abs() < 1e-6);
         let h = 1e-3;
@@ -244,7 +244,7 @@ fn early_stop_keeps_its_word() {
             view_dependent: true,
             gradient: None,
         };
-        run(crate::simd::arch(), &pass, &mut chunk);
+        run(crate::simd::arch(), &pass, &mut chunk, &Plain);
         (chunk.rays.iter().map(|r| r.color).collect::<Vec<_>>(), chunk.points.len())
     };
     let ((full, all), (short, live)) = (colors(0.0), colors(1e-2));
@@ -270,7 +270,7 @@ fn a_ray_that_was_given_up_too_early_is_drawn_again() {
             view_dependent: true,
             gradient: Some(1.0),
         };
-        run(crate::simd::arch(), &pass, &mut chunk);
+        run(crate::simd::arch(), &pass, &mut chunk, &Plain);
         let light: Vec<f32> = chunk.rays.iter().map(|ray| ray.transmittance).collect();
         (chunk, light)
     };
@@ -359,4 +359,14 @@ fn learns_a_ball() {
     // In the middle the ball's front stands at distance 3/2 and its back at 5/2; fog in between would be at 2.
     let depth = seen[12 * 24 + 12].depth;
     assert!((1.25..1.85).contains(&depth), "{depth}");
+}
+
+/// What `run.json` says of the density's exponent is what the vector code does.
+#[test]
+fn the_density_is_the_declared_one() {
+    for x in [-80.0f32, -15.5, -14.5, -3.0, 0.0, 8.0, 14.5, 15.5, 80.0] {
+        let want = trunc_exp::density(x.into(), super::settings::EXPONENT);
+        let got = f64::from(super::forward::trunc_exp(x));
+        assert!((got / want - 1.0).abs() < 2e-7, "{x}: {got}, expected {want}");
+    }
 }
