@@ -1,4 +1,4 @@
-//! Seconds a training step, points a second forward, seconds to fit a picture: the measurements that `tools/bench_torch.py`
+//! Seconds a training step, points per second forward, seconds to fit a picture: the measurements that `tools/bench_torch.py`
 //! makes of PyTorch, in the same sizes. One JSON object a round, so that rounds of both can be interleaved:
 //!
 //! `cargo bench --bench step -- --rounds 1 --threads 2 --fit-steps 100`
@@ -89,7 +89,7 @@ fn network() -> Network {
     Network::new(&oracle, &Shape::PAPER, Density::Relu)
 }
 
-/// Points a second, densities and colors, one direction for 64 points.
+/// Points per second, densities and colors, one direction for 64 points.
 fn forward() -> f64 {
     let points = RAYS * SAMPLES;
     let key = Key::new(1, Purpose::Cases);
@@ -99,7 +99,7 @@ fn forward() -> f64 {
     points as f64 / fastest(|| drop(net.forward(&positions, &directions, SAMPLES)))
 }
 
-/// Points a second on one thread, L = 10.
+/// Points per second on one thread, L = 10.
 fn encoding() -> f64 {
     let points = 1 << 16;
     let positions = Key::new(1, Purpose::Cases).uniforms(0, 0, 3 * points);

@@ -1,4 +1,4 @@
-//! `bench` as a user meets it: fields, files, and how bad input ends. No figure is asserted that a clock decides.
+//! `bench` as a user meets it: fields, files, and how bad input ends. No figure is asserted that depends on the clock.
 
 use std::fs;
 use std::path::Path;

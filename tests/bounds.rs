@@ -7,7 +7,7 @@ use nerf_oracle::contract::{Component, Machine};
 use nerf_oracle::convention::CS180;
 use nerf_oracle::parallel;
 
-/// Machines a case, and evaluations that each component and direction has at least (those with few cases get more machines): 48 and
+/// Machines per case, and evaluations that each component and direction has at least (those with few cases get more machines): 48 and
 /// 0 by default, which makes the suite fast; `BOUND_MACHINES=192` for that many and 2,000.
 fn machines() -> (u64, u64) {
     match std::env::var("BOUND_MACHINES").ok().and_then(|n| n.parse().ok()) {

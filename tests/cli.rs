@@ -166,7 +166,7 @@ fn options_that_do_not_fit_together_leave_no_folder() {
     assert!(!Path::new(&run).exists());
 }
 
-/// What validation has to say is in `run.json`, and there once, however often a run goes on.
+/// The warnings of validation are in `run.json`, each once, however often a run is resumed.
 #[test]
 fn a_warning_is_kept_once() {
     let dir = tempfile::tempdir().expect("a temporary folder");

@@ -18,7 +18,7 @@ fn digest(digest: u64, arrays: &Arrays) -> u64 {
     for (name, array) in arrays {
         bytes.extend(name.as_bytes());
         array.shape().iter().for_each(|n| bytes.extend((*n as u64).to_le_bytes()));
-        // A NaN's payload is not specified; its presence is.
+        // A NaN's payload is not specified; that it is NaN is.
         array
             .iter()
             .for_each(|x| bytes.extend(if x.is_nan() { f64::NAN } else { *x }.to_bits().to_le_bytes()));

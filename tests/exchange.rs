@@ -111,7 +111,7 @@ fn hostile_answers_are_refused_by_name() {
     object.extend(header);
     object.extend([0; 72]);
     expect(&|| zip_of(&path, "colors_out.npy", &object, false), "colors_out");
-    // The same 64 MB under a directory that says they are 128 bytes: what arrives is counted, not what is said.
+    // The same 64 MB under a directory that says they are 128 bytes: the data are counted, not the declared size.
     let mut long = b"\x93NUMPY\x01\x00".to_vec();
     let header = b"{'descr': '<f4', 'fortran_order': False, 'shape': (3, 3), }";
     long.extend((header.len() as u16).to_le_bytes());

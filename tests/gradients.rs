@@ -42,7 +42,7 @@ fn directions(component: &Component, inputs: &Arrays, draw: &mut Draw) -> Vec<Ar
     directions
 }
 
-/// What a check by differences found: directions that it could decide, directions tried, and where it disagrees.
+/// The result of a check by differences: directions that it could decide, directions tried, and where it disagrees.
 struct Checked {
     decided: usize,
     tried: usize,
@@ -71,7 +71,7 @@ fn check(component: &Component, forward: Function, c: &Conventions) -> Checked {
             let largest = largest.map(|(v, g)| (v * g).abs()).fold(0.0, f64::max);
             let difference = directional(pulled, &case.inputs, &v, 1.0 / 64.0);
             tried += 1;
-            // A kink, a jump, the edge of the domain, or noise: the differences don't know. The next direction does.
+            // A kink, a jump, the edge of the domain, or noise: differences can't decide. The next direction can.
             if largest.is_nan() || difference.error.is_nan() || difference.error > 0.1 * TOLERANCE * largest {
                 assert!(!largest.is_nan(), "{} {}: NaN in the gradient", component.name, case.id);
                 continue;
@@ -92,7 +92,7 @@ fn check(component: &Component, forward: Function, c: &Conventions) -> Checked {
     Checked { decided, tried, disagreements }
 }
 
-/// Components whose gradient is stated and not derived: a plain check must fail.
+/// Components whose gradient is a stated surrogate: a plain check must fail.
 const SURROGATES: &[&str] = &["trunc_exp"];
 
 #[test]

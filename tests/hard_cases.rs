@@ -163,7 +163,7 @@ fn the_reference_is_finite_in_every_case() {
     assert_eq!(infinite, INFINITE.iter().map(|id| id.to_string()).collect(), "infinite outputs");
 }
 
-/// The case as a workload of the suite, whose kernels are written for one shape: none where they can't hold its numbers.
+/// The case as a workload of the suite, whose kernels are written for one shape: `None` where they can't represent its numbers.
 fn workload(suite: &Suite, case: &Case) -> Option<Arrays> {
     let mut inputs = case.inputs.clone();
     match suite.component {

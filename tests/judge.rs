@@ -11,7 +11,7 @@ use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
 use nerf_oracle::judge::mark::{MarkOptions, mark};
 use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge, statistics};
 
-/// An implementation of volume rendering as anybody might have it, in f32: a running product, the textbook's alpha.
+/// A typical implementation of volume rendering in f32: a running product, the textbook's alpha.
 fn my_volume_render(inputs: &Arrays) -> Arrays {
     let (sigmas, rgbs, deltas) = (input(inputs, "sigmas"), input(inputs, "rgbs"), input(inputs, "deltas"));
     let (rays, samples) = (sigmas.shape()[0], sigmas.shape()[1]);
@@ -109,7 +109,7 @@ fn other_conventions_pass_without_a_profile_and_fail_with_another() {
         let report = judge_answers(&exam, &answers, EXP_ULP);
         assert_eq!(report.count(Verdict::Fail), 0, "{}: {:?}", profile.name, failures(&report));
         println!("{} found as: {}", profile.name, report.profile);
-        // Two profiles may agree on all that the components depend on: it's the assignment that counts.
+        // Two profiles may agree on all that the components depend on: the assignment counts.
         let differs = report.assignment.iter().find(|(key, value)| profile.conventions.get(key) != **value);
         assert_eq!(differs, None, "{}", profile.name);
     }
@@ -234,7 +234,7 @@ fn a_run_that_contradicts_itself_fails() {
     let row = report.of("image_rays", "forward").unwrap();
     assert_eq!((report.exit_code(), row.verdict), (1, Verdict::Fail), "{report}");
     assert_eq!(row.contradiction.get("axes"), Some(&"opengl"), "{report}");
-    // Pinned, the whole of it is plain.
+    // With pinned conventions, the answer is unambiguous.
     let pinned =
         Candidate::new().forward("image_rays", oracle("image_rays", opengl)).profile("cs180").unwrap();
     let report = judge(&pinned, Dtype::F64).unwrap();
@@ -295,7 +295,7 @@ fn a_failing_row_is_shown_in_the_conventions_next_to_its_answers() {
         }
         assert!(report.to_string().contains("shown in the conventions next to these answers"), "{report}");
     };
-    // A mistake that is known: its conventions come with it.
+    // A known mistake: its conventions are found with it.
     let wrong = component("render_trace").forward.wrong;
     let moved = CS180.with("grid", "ends_between_midpoints").unwrap();
     let report = alone("render_trace", Dtype::F64, |inputs| {
@@ -306,7 +306,7 @@ fn a_failing_row_is_shown_in_the_conventions_next_to_its_answers() {
         row.diagnosis.iter().take(1).flat_map(|e| e.mistakes.iter().map(|m| m.name)).collect();
     assert_eq!((row.verdict, names), (Verdict::Fail, vec!["inclusive_transmittance"]), "{report}");
     expect(row, &report, &[("grid", "ends_between_midpoints")]);
-    // One that nobody knows: the conventions in which most elements agree.
+    // An unknown one: the conventions in which most elements agree.
     let report = alone("image_rays", Dtype::F64, |inputs| {
         let mut answer = given((component("image_rays").forward.oracle)(inputs, &nerf2020));
         answer.get_mut("rays_d").unwrap().values[[0, 0, 0]] += 0.125;
@@ -321,7 +321,7 @@ fn a_failing_row_is_shown_in_the_conventions_next_to_its_answers() {
 
 #[test]
 fn what_the_textbook_loses_may_be_magnified_by_a_mistake() {
-    // 1 - exp(-x) is off by a rounding of 1; C / A on a thin ray makes thousands of it.
+    // 1 - exp(-x) is off by a rounding of 1; C / A on a thin ray magnifies it by thousands.
     let textbook = |inputs: &Arrays| {
         let (sigmas, rgbs) = (input(inputs, "sigmas"), input(inputs, "rgbs"));
         let depths = sigmas * input(inputs, "deltas");

@@ -25,7 +25,7 @@ fn conventions() -> Vec<Conventions> {
     all
 }
 
-/// In f64 and f32 every honest implementation sees the same units switched on, so that there is one gradient to be right about.
+/// In f64 and f32 every honest implementation sees the same units switched on, so that there is one right gradient.
 #[test]
 fn every_pre_activation_is_further_from_0_than_its_own_bound() {
     let mut seen = 0;
@@ -108,7 +108,7 @@ fn at_the_edge_of_its_domain_rendering_has_the_derivative_from_inside() {
     }
 }
 
-/// Where a ray meets nothing its depth jumps to `far`, a constant: by statement all of its gradients are 0.
+/// On an empty ray the depth jumps to `far`, a constant: by definition all of its gradients are 0.
 #[test]
 fn depth_of_an_empty_ray_has_no_gradient() {
     let depth = |w: f64, t: f64| render::depth(&[w, 0.0], &[t, 3.0], 6.0, Depth::Divided);

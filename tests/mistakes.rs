@@ -23,7 +23,7 @@ use nerf_oracle::random::{Key, Purpose};
 fn wrong_answers(question: &Question, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
     let direction = question.component.direction(question.kind).unwrap();
     let u = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };
-    // A byte, a cell or a bin is a step function of its input: one that is off is another question.
+    // A byte, a cell or a bin is a step function of its input: a rounded input asks for another answer.
     let steps = ["to_uint8", "hash_grid", "occupancy_grid", "grid_traversal", "importance_sampling"];
     let of_inputs = if steps.contains(&question.component.name) { 0.0 } else { u };
     let answer = |case: &Case| {
@@ -45,7 +45,7 @@ fn wrong_answers(question: &Question, c: &Conventions, mistakes: &[&str], dtype:
     question.cases.iter().map(answer).collect()
 }
 
-/// The verdict on one question, all others unanswered.
+/// The verdict on one question, with all others unanswered.
 fn judged(exam: &Exam, n: usize, answers: Answers) -> Row {
     let mut all: Vec<Answers> =
         exam.questions.iter().map(|question| vec![None; question.cases.len()]).collect();
@@ -71,7 +71,7 @@ fn named(row: &Row, mistake: &Mistake) -> bool {
     row.diagnosis.iter().enumerate().any(|(n, e)| (n == 0 || e.same_as_best) && names(e) == [mistake.name])
 }
 
-/// What became of a mistake: below the bound, or what was named instead of it.
+/// The outcome for a mistake: below the bound, or what was named instead of it.
 fn outcome(
     exam: &Exam,
     component: &Component,
@@ -160,7 +160,7 @@ fn one_convention_and_one_mistake_are_named() {
             continue;
         }
         let row = judged(&exam, n, wrong_answers(&exam.questions[n], &c, &[mistake.name], dtype));
-        // Where the two together are right in some conventions, or the mistake hides the convention, there is nothing to tell.
+        // Where the two together are right in some conventions, or the mistake hides the convention, there is nothing to find.
         if row.verdict == Verdict::Pass || hidden(&exam.questions[n], &c, mistake, dtype) {
             continue;
         }

@@ -124,7 +124,7 @@ fn a_file_cut_anywhere_or_with_any_byte_changed_never_panics() {
         let mut bytes = whole.clone();
         bytes[at] ^= 0x5a;
         std::fs::write(&path, &bytes).unwrap();
-        // A date or a name may change without harm; what matters is that it loads or says what is wrong.
+        // A date or a name may change without harm; it must load or say what is wrong.
         message(&path);
     }
     // One changed pixel of a stored picture is found by the checksum.

@@ -1,4 +1,4 @@
-//! The whole way, from a scene's file to a training step: the fast path against the reference on every reader's scene, and a few
+//! From a scene's file to a training step: the fast path against the reference on every reader's scene, and a few
 //! steps on real photographs.
 
 use std::io::Write;
@@ -95,7 +95,7 @@ fn load(path: &Path) -> Scene {
     scene::load(path.to_str().unwrap(), &Options { holdout: Some(4), ..Options::default() }).unwrap()
 }
 
-/// A model on either path, with the f32 path's initial parameters and a density head that is alive.
+/// A model on either path, with the f32 path's initial parameters and a density head that isn't dead.
 fn model(scene: &Scene, reference: bool) -> NerfModel {
     let settings = NerfSettings {
         rays: 4,
@@ -175,7 +175,7 @@ fn every_layout_means_the_same_rays() {
     }
 }
 
-/// A scene beside the project, or nothing with a word about it.
+/// A scene beside the project; where it is missing, a note on stderr.
 fn shared(name: &str) -> Option<Scene> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
     if !path.exists() {
@@ -200,7 +200,7 @@ fn error(model: &dyn Model, scene: &Scene) -> f64 {
 }
 
 /// Steps 1 to `steps`: the error on a view that isn't learned from, before and after them.
-fn learnt(model: &mut dyn Model, scene: &Scene, steps: u64) -> (f64, f64) {
+fn learned(model: &mut dyn Model, scene: &Scene, steps: u64) -> (f64, f64) {
     let before = error(model, scene);
     for step in 1..=steps {
         assert!(model.step(scene, step).unwrap().loss.is_finite());
@@ -213,12 +213,12 @@ fn a_few_steps_on_photographs() {
     for (name, steps) in [("lego_200x200.npz", 60), ("tiny_nerf_lego_100x100.npz", 60), ("fox_capture", 60)] {
         let Some(scene) = shared(name) else { continue };
         let overrides = Overrides { rays: Some(128), ..Overrides::default() };
-        let (before, after) = learnt(&mut CompactModel::new(&scene, &overrides).unwrap(), &scene, steps);
+        let (before, after) = learned(&mut CompactModel::new(&scene, &overrides).unwrap(), &scene, steps);
         assert!(after < 0.7 * before, "{name}, compact: {before} before, {after} after {steps} steps");
     }
     let Some(scene) = shared("lego_200x200.npz") else { return };
     let settings =
         NerfSettings { rays: 64, samples: 32, ..NerfSettings::new(scene.near, scene.far, scene.background) };
-    let (before, after) = learnt(&mut NerfModel::new(settings), &scene, 40);
+    let (before, after) = learned(&mut NerfModel::new(settings), &scene, 40);
     assert!(after < 0.9 * before, "8x256: {before} before, {after} after 40 steps");
 }

@@ -1,4 +1,4 @@
-//! Scenes from files: what is read, and what is refused in which words.
+//! Scenes from files: what is read, what is rejected, and with which message.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use nerf_oracle::files::npz;
 use nerf_oracle::scene::{self, Options, Scene};
 use serde_json::{Value, json};
 
-/// A path beside the project, or nothing with a word about it.
+/// A path beside the project; where it is missing, a note on stderr.
 fn shared(name: &str) -> Option<PathBuf> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
     if !path.exists() {

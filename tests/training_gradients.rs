@@ -13,7 +13,7 @@ use nerf_oracle::volume_rendering as render;
 /// Relative to the largest gradient.
 const TOLERANCE: f64 = 1e-8;
 
-/// A training step: points and directions of R rays, what is behind and what should have been seen.
+/// A training step: points and directions of R rays, the background and the target colors.
 #[derive(Clone)]
 struct Step {
     c: Conventions,
@@ -64,7 +64,7 @@ impl Step {
         render::volume_render(&sigmas, &rgbs, deltas, self.c.product_eps)
     }
 
-    /// The same backwards, by the oracle's own VJPs: gradients of the parameters, and of each ray's points and direction.
+    /// The backward pass of that, by the oracle's own VJPs: gradients of the parameters, and of each ray's points and direction.
     fn gradient(&self, net: &NerfMlp) -> (NerfMlp, Vec<(Vec<f64>, Vec<Vec<f64>>)>) {
         let mut gradient = net.clone();
         gradient.layers_mut().into_iter().for_each(|layer| {
@@ -107,7 +107,7 @@ impl Step {
         (gradient, of_rays)
     }
 
-    /// Which ReLUs are open, all of them.
+    /// The on/off pattern of all ReLUs.
     fn pattern(&self, net: &NerfMlp) -> Vec<bool> {
         let open = |tape: Tape| {
             let trunk = tape.z.concat().into_iter();
@@ -131,14 +131,14 @@ fn shifted(net: &NerfMlp, v: &[f64], s: f64) -> NerfMlp {
     moved
 }
 
-/// A network whose density head is alive.
+/// A network whose density head isn't dead.
 fn network(shape: &Shape, seed: u64) -> NerfMlp {
     let mut net = NerfMlp::initial(shape, &Key::new(seed, Purpose::Parameters));
     net.sigma.b.fill(0.5);
     net
 }
 
-/// A step of at most `most` on which no ReLU opens or closes: quartered until both of its ends see the pattern of the middle.
+/// A step of at most `most` on which no ReLU opens or closes: quartered until both of its ends have the pattern of the middle.
 fn smooth_step(pattern: impl Fn(f64) -> Vec<bool>, most: f64) -> f64 {
     let here = pattern(0.0);
     let mut steps = (0..10).map(|n| most * 0.25f64.powi(n));

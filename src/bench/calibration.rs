@@ -1,4 +1,4 @@
-//! What the machine can do in the same minutes: a large matrix product, products of a layer's shape, and random reads from a table beyond
+//! The machine's peak in the same minutes: a large matrix product, products of a layer's shape, and random reads from a table beyond
 //! the caches of a core.
 
 use serde_json::{Value, json};
@@ -71,7 +71,7 @@ impl Calibration {
         self.reads.push((threads * READS) as f64 / read);
     }
 
-    /// What the ceiling of dense layers is chosen from: the best rounds.
+    /// The candidates for the ceiling of dense layers: the best rounds.
     pub fn candidates(&self) -> Vec<Candidate> {
         let [m, n, k] = LAYER;
         let small = if self.n < 4096 { " (quick: not 4096^3)" } else { "" };
@@ -93,7 +93,7 @@ impl Calibration {
     }
 }
 
-/// The sum of random entries. Where the next read goes doesn't depend on what was read: several are under way at once.
+/// The sum of random entries. The next address doesn't depend on the value read, so several reads are in flight at once.
 fn read(table: &[u64], seed: u64) -> u64 {
     let (mut state, mut sum) = (seed.wrapping_mul(0x2545_F491_4F6C_DD1D), 0u64);
     for _ in 0..READS {
@@ -110,7 +110,7 @@ pub fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, |n| n.get())
 }
 
-/// The processor's name where the system tells it, else its architecture.
+/// The processor's name if the system reports it, otherwise its architecture.
 pub fn cpu() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let line = info.lines().find(|line| line.starts_with("model name"));

@@ -1,7 +1,8 @@
-//! Dense layers: how much of what the machine can do is left in the matrix products of training.
+//! Dense layers: the share of the machine's peak that the matrix products of training reach.
 //!
-//! The **ceiling** is the best round of all products in the calibration, on all threads: `gemm` on 4096^3, `gemm` on 1024 x 256 x 256 (one a
-//! thread, as layers of a chunk are computed), and what a peer's library reaches on 4096^3 where the peer reports it (`sgemm_gflops`).
+//! The **ceiling** is the best round of all products in the calibration, on all threads: `gemm` on 4096^3, `gemm` on 1024 x 256 x 256 (one
+//! per thread, as the layers of a chunk are computed), and what a peer's library reaches on 4096^3 where the peer reports it
+//! (`sgemm_gflops`).
 //!
 //! **share_products** = useful flops / seconds / ceiling of the products in a training step: the step itself runs, on the chunks of a
 //! training batch, and a clock is read before and after each product; seconds are those of all threads over their number, so that a
@@ -9,8 +10,8 @@
 //! encodings, activations, rendering and the sums over chunks are not. **share_pass** is the same for the whole forward and backward
 //! pass with all of these, on the wall clock.
 //!
-//! Useful flops are 2 a multiplication with a weight that is really there, once for the forward pass, once for the weights' gradient,
-//! and once for the inputs' gradient where somebody needs it. Columns that pad a vector count for nothing.
+//! Useful flops are 2 per multiplication with an actual weight, once for the forward pass, once for the weights' gradient,
+//! and once for the inputs' gradient where it is needed. Columns that pad a vector don't count.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -165,12 +166,12 @@ pub fn prepare(dense: &[Dense], least: f64, quick: bool) -> Vec<Measured> {
 }
 
 impl Measured {
-    /// Whether its products are what they are supposed to be.
+    /// Whether its products are right.
     fn right(&self) -> bool {
         self.used <= 1.0
     }
 
-    /// One round of both; nothing where the check failed.
+    /// One round of both; nothing if the check failed.
     pub fn round(&mut self) {
         if self.right() {
             let layers = &mut self.layers;
@@ -208,8 +209,8 @@ impl Measured {
     }
 }
 
-/// A run that isn't counted where runs are short, because others have used the caches meanwhile; then the mean of runs that take `least`
-/// seconds together.
+/// Where runs are short, a run that isn't counted, because others have used the caches meanwhile; then the mean of runs that take
+/// `least` seconds together.
 fn mean(least: f64, mut run: impl FnMut() -> f64) -> f64 {
     let first = run();
     if first >= least {

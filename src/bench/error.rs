@@ -1,4 +1,4 @@
-//! How far a variant may be off, and the distribution of how far it is.
+//! The stated tolerance of a variant, and the distribution of its errors.
 
 use ndarray::ArrayD;
 
@@ -12,10 +12,10 @@ pub const BF16: f64 = 1.0 / 256.0;
 /// The largest relative error of rounding to f16 (11 significant bits).
 pub const F16: f64 = 1.0 / 2048.0;
 
-/// What a variant says about its accuracy. It is checked against this before it is timed; all parts add up.
+/// The stated accuracy of a variant, against which it is checked before it is timed; all parts add up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// The component's own f32 bound, with exp, sin and cos within so many ULP.
+    /// The component's own f32 bound, with exp, sin and cos within this many ULP.
     pub exp_ulp: Option<f64>,
     /// Relative to each element.
     pub relative: f64,
@@ -41,22 +41,22 @@ impl Tolerance {
         Tolerance { exp_ulp: Some(ulp), ..Tolerance::exact() }
     }
 
-    /// And so much relative to each element: what rounding to a short type for storage costs.
+    /// Adds an error relative to each element: that of rounding to a short type for storage.
     pub const fn stored(self, relative: f64) -> Tolerance {
         Tolerance { relative, ..self }
     }
 
-    /// And so much relative to the output's largest element.
+    /// Adds an error relative to the output's largest element.
     pub const fn of_largest(self, of_largest: f64) -> Tolerance {
         Tolerance { of_largest, ..self }
     }
 
-    /// And so much for every element.
+    /// Adds an absolute error for every element.
     pub const fn within(self, absolute: f64) -> Tolerance {
         Tolerance { absolute, ..self }
     }
 
-    /// What each element may be off by.
+    /// The allowed error of each element.
     pub fn bound(&self, component: Option<&Arrays>, expected: &Arrays) -> Arrays {
         let of = |(name, y): (&String, &ArrayD<f64>)| {
             let constant = self.absolute + self.of_largest * largest(y);
@@ -74,8 +74,8 @@ fn largest(y: &ArrayD<f64>) -> f64 {
     y.iter().fold(0.0, |max, y| max.max(y.abs()))
 }
 
-/// The distribution of a variant's errors over all elements of all outputs. An element below a 1024th of its output's largest counts
-/// as that large: otherwise the sine next to a zero would decide about everything.
+/// The distribution of a variant's errors over all elements of all outputs. An element below 1/1024 of its output's largest counts
+/// as that large: otherwise the sine next to a zero would dominate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
     /// Largest relative error.
@@ -88,9 +88,9 @@ pub struct Errors {
     pub max_ulp: f64,
     /// Largest error.
     pub absolute: f64,
-    /// Largest error over the component's bound in the variant's type; none where the component has no bound.
+    /// Largest error over the component's bound in the variant's type; `None` if the component has no bound.
     pub budget: Option<f64>,
-    /// Largest error over what the variant stated.
+    /// Largest error over the stated tolerance.
     pub tolerance: f64,
 }
 

@@ -1,6 +1,6 @@
-//! Which variants nobody beats: no other is at least as fast and at least as accurate, and better in one of the two.
+//! The Pareto frontier, which variants nobody beats: no other is at least as fast and at least as accurate, and better in one of the two.
 
-/// For each (seconds, error), whether it lies on the frontier. What isn't finite doesn't take part.
+/// For each (seconds, error), whether it lies on the frontier. Values that aren't finite don't take part.
 ///
 /// ```
 /// use nerf_oracle::bench::frontier::on_frontier;

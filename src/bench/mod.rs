@@ -43,7 +43,7 @@ pub trait Kernel {
     fn run(&mut self);
     /// The results of the last run, not timed.
     fn read(&self) -> Arrays;
-    /// Bytes that the kernel holds: inputs, results and what lies between them.
+    /// Bytes of the kernel's buffers: inputs, intermediate values and results.
     fn bytes(&self) -> usize;
 }
 
@@ -71,7 +71,7 @@ impl<D, F: FnMut(&mut D), R: Fn(&D) -> Arrays> Kernel for Parts<D, F, R> {
     }
 }
 
-/// A kernel from its data (so many bytes), what is timed, and how its results are read.
+/// A kernel from its data (and their bytes), the function that is timed, and the one that reads its results.
 pub fn kernel<D: 'static>(
     data: D,
     bytes: usize,
@@ -96,7 +96,7 @@ pub fn rows<X: 'static, T: Clone + Default + 'static>(
     kernel((x, out), bytes, move |(x, out)| run(x, out), read)
 }
 
-/// An input rounded to f32: the workloads' numbers are, so nothing is lost.
+/// An input as f32: exact, since the workloads' numbers are.
 pub fn singles(a: &Arrays, name: &str) -> Vec<f32> {
     values(a, name).iter().map(|&x| x as f32).collect()
 }
@@ -116,7 +116,7 @@ pub struct Variant {
     pub about: &'static str,
     /// What it computes in, or what its weights or results are stored in where that is shorter.
     pub dtype: Dtype,
-    /// How far off it may be: what it is checked against before it is timed.
+    /// Its tolerance: it is checked against this before it is timed.
     pub tolerance: Tolerance,
     /// Makes the kernel.
     pub prepare: Prepare,
@@ -144,7 +144,7 @@ impl Variant {
         Variant::new(name, about, Dtype::F32, tolerance, prepare)
     }
 
-    /// Whether an item costs the same however many there are: no batches, no threads.
+    /// Whether the cost of an item doesn't depend on their number: no batches, no threads.
     fn point_by_point(&self) -> bool {
         matches!(self.name, "oracle" | "plain_f32")
     }
@@ -159,7 +159,7 @@ pub struct Suite {
     pub judged: bool,
     /// What is counted: point, sample, ray, parameter.
     pub item: &'static str,
-    /// Seeded inputs of so many items, numbers of f32.
+    /// Seeded inputs of a number of items, representable in f32.
     pub workload: fn(usize) -> Arrays,
     /// Items that are timed; with `--quick` a quarter of them.
     pub items: usize,
@@ -188,12 +188,12 @@ impl Suite {
     }
 }
 
-/// What a report is to hold.
+/// Options of a report.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// Rounds; at least 5.
     pub rounds: usize,
-    /// Seconds that a kernel runs at least in a round.
+    /// The minimum seconds that a kernel runs in a round.
     pub least: f64,
     /// A quarter of the items, smaller calibration.
     pub quick: bool,
@@ -201,7 +201,7 @@ pub struct Options {
     pub peer: Option<String>,
 }
 
-/// Seconds of a run above which what goes point by point is timed on the items that were checked.
+/// Seconds of a run above which variants that go point by point are timed on the items that were checked.
 const SLOW: f64 = 0.05;
 
 /// A variant that passed its check.
@@ -214,7 +214,7 @@ struct Entry {
     timer: Timer,
 }
 
-/// Checks, times and measures suites and dense layers; `tell` hears what is being done.
+/// Checks, times and measures suites and dense layers; `tell` gets progress messages.
 ///
 /// # Errors
 /// Where the peer fails.
@@ -238,7 +238,7 @@ pub fn run(
                 Ok(errors) => {
                     let mut kernel = (variant.prepare)(&truth.inputs);
                     let few = rounds::seconds(|| kernel.run());
-                    // What is slow is timed on the items that were checked, and its seconds are scaled.
+                    // Slow variants are timed on the items that were checked, and their seconds are scaled.
                     let slow = variant.point_by_point() && few * items as f64 / suite.checked as f64 > SLOW;
                     if !slow {
                         kernel = (variant.prepare)(&big);

@@ -15,9 +15,9 @@ use crate::training::nerf::path::Path;
 use crate::training::nerf::skipping::skipping;
 use crate::training::nerf::{Drawn, NerfModel, Samples, Skip};
 
-/// The step whose rays are drawn: no training comes so far. Batches that follow it are only rendered.
+/// The step whose rays are drawn: beyond any training. Batches that follow it are only rendered.
 const STEP: u64 = 1 << 40;
-/// Batches beside the timed one on which the losses are compared.
+/// Other batches than the timed one, on which the losses are compared.
 const OTHERS: u64 = 8;
 
 /// One variant of a step, with its buffers.
@@ -29,7 +29,7 @@ struct StepVariant {
 }
 
 impl StepVariant {
-    /// Loss, gradient and Adam, timed; the parameters stay what they were.
+    /// Loss, gradient and Adam, timed; the parameters are restored.
     fn round(
         &mut self,
         (net, moments, adam): (&mut Network, &Moments, &Adam),
@@ -76,18 +76,18 @@ fn drawn(model: &NerfModel, scene: &Scene, step: u64) -> Result<(Drawn, Samples)
 fn compared(model: &mut NerfModel, scene: &Scene, rounds: usize) -> Result<Value> {
     let Skip { every, resolution, .. } = model.settings.skip.unwrap_or_default();
     let (key, length) = (Key::new(model.settings.seed, Purpose::Occupancy), model.step_length());
-    let ask = |points: &[f64]| model.coarse.densities(points);
+    let density_at = |points: &[f64]| model.coarse.densities(points);
     let mut fill_seconds = None;
     let grid = match &model.grid {
         Some(grid) => grid.clone(),
         None => {
             let mut grid = Grid::new(scene, model.settings.near, model.settings.far, resolution)?;
-            fill_seconds = Some(seconds(|| grid.fill(&key, STEP, length, &ask)));
+            fill_seconds = Some(seconds(|| grid.fill(&key, STEP, length, &density_at)));
             grid
         }
     };
     let mut later = grid.clone();
-    let update_seconds = seconds(|| later.update(&key, (STEP, 1), length, &ask));
+    let update_seconds = seconds(|| later.update(&key, (STEP, 1), length, &density_at));
     let background = model.settings.background.map(|b| b as f32);
     let mut others = vec![];
     for n in 1..=OTHERS {

@@ -1,9 +1,9 @@
-//! Someone else's program, in the same rounds.
+//! Another program, in the same rounds.
 //!
-//! The command runs once a round and prints one JSON object on stdout (other lines before it are ignored). What is read from it:
-//! `program`, its name; every number with `second` in its name; and, where there, `rows`, a list of objects with
-//! `component`, `variant` and `seconds` or `items_per_second`, and whatever else our rows have. A program that knows what its library
-//! reaches in a large f32 product on as many threads as ours prints `sgemm_gflops`, the best that it saw (and `threads`, `sgemm_size`,
+//! The command runs once per round and prints one JSON object on stdout (other lines before it are ignored). Read from it are
+//! `program`, its name; every number with `second` in its name; and, if present, `rows`, a list of objects with
+//! `component`, `variant` and `seconds` or `items_per_second`, and anything else that our rows have. A program that knows its library's
+//! speed in a large f32 product on as many threads as ours prints `sgemm_gflops`, the best that it measured (and `threads`, `sgemm_size`,
 //! `sgemm_library`): it takes part in the ceiling of the dense layers. `tools/bench_torch.py` is such a program; with `--only sgemm` it
 //! measures nothing else.
 
@@ -17,7 +17,7 @@ use super::report::Row;
 use super::rounds::quantile;
 use crate::error::{Error, Result};
 
-/// Figures of `tools/bench_torch.py`: the field, the suite it belongs to, and how many of that suite's items its seconds stand for.
+/// Figures of `tools/bench_torch.py`: the field, the suite it belongs to, and how many of that suite's items its seconds are for.
 const FIGURES: [(&str, &str, f64); 3] = [
     ("step_whole_batch_seconds", "training_step", 1024.0 * 64.0),
     ("step_accumulated_seconds", "training_step", 1024.0 * 64.0),

@@ -1,4 +1,4 @@
-//! Rows, and what becomes of them: a table for people, and JSON.
+//! Rows of a report, as a table for people and as JSON.
 
 use serde_json::{Map, Value, json};
 
@@ -12,7 +12,7 @@ use crate::report::table;
 #[derive(Clone, Debug)]
 pub struct Row(pub Map<String, Value>);
 
-/// Everything that a call of `bench` found out.
+/// The results of a call of `bench`.
 #[derive(Clone, Debug)]
 pub struct BenchReport {
     /// Variants and peers.
@@ -21,9 +21,9 @@ pub struct BenchReport {
     pub scaling: Vec<Value>,
     /// Whole pictures of a trained run.
     pub system: Vec<Value>,
-    /// Dense layers and their ceiling, see [`super::dense`]; null where they weren't asked for.
+    /// Dense layers and their ceiling, see [`super::dense`]; null if they weren't requested.
     pub dense: Value,
-    /// The machine in the same minutes.
+    /// The machine's calibration in the same minutes.
     pub calibration: Value,
     /// The peer's own objects.
     pub peer: Option<Value>,
@@ -32,7 +32,7 @@ pub struct BenchReport {
 }
 
 impl Row {
-    /// A row's figures: `items` with what one run's seconds are to be multiplied by, so that they stand for as many.
+    /// A row's figures: the number of items, and the factor from the seconds of one run to those of that many items.
     pub fn new(
         suite: &Suite,
         variant: &Variant,
@@ -55,7 +55,7 @@ impl Row {
         Row(row)
     }
 
-    /// A variant that isn't what it says: not timed.
+    /// A variant that exceeds its tolerance: not timed.
     pub fn refused(suite: &Suite, variant: &Variant, why: String) -> Row {
         let object = json!({
             "component": suite.component, "variant": variant.name, "dtype": variant.dtype.to_string(),
@@ -120,7 +120,7 @@ impl BenchReport {
         self.dense["rows"].as_array().map_or(&[], |rows| rows)
     }
 
-    /// Puts the calibration beside the figures of whole pictures too.
+    /// Adds the calibration to the figures of whole pictures too.
     pub fn stamp(&mut self) {
         let rows = self.system.iter_mut().chain(&mut self.scaling);
         rows.for_each(|row| row["calibration"] = self.calibration.clone());

@@ -1,4 +1,4 @@
-//! Rounds: every kernel takes its turn in each of them, so that a busy neighbor hits all alike; medians and quartiles over rounds.
+//! Rounds: every kernel runs once in each of them, so that other load hits all alike; medians and quartiles over rounds.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use super::Kernel;
 #[derive(Clone, Debug)]
 pub struct Timer {
     repeats: usize,
-    /// Seconds of one run, a number a round.
+    /// Seconds of one run, one number per round.
     pub seconds: Vec<f64>,
 }
 
@@ -21,7 +21,7 @@ impl Timer {
     }
 
     /// One round: a run that isn't counted, because others have used the caches meanwhile, unless the kernel is slow; then those that
-    /// are.
+    /// are counted.
     pub fn round(&mut self, kernel: &mut dyn Kernel) {
         if self.repeats > 1 {
             kernel.run();
@@ -48,7 +48,7 @@ pub fn seconds(work: impl FnOnce()) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// The q-quantile, linear between neighbors; NaN of nothing.
+/// The q-quantile, linear between neighbors; NaN for no values.
 ///
 /// ```
 /// assert_eq!(nerf_oracle::bench::rounds::quantile(&[4.0, 1.0, 2.0], 0.5), 2.0);

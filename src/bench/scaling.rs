@@ -10,7 +10,7 @@ use super::rounds::Timer;
 pub struct Scaling {
     /// The component.
     pub component: &'static str,
-    /// What grows: points, samples, resolution, occupied fraction, width, threads.
+    /// The quantity that grows: points, samples, resolution, occupied fraction, width, threads.
     pub parameter: &'static str,
     /// What runs, in a line.
     pub about: &'static str,
@@ -18,11 +18,11 @@ pub struct Scaling {
     pub values: &'static [f64],
     /// The kernel at a value.
     pub prepare: fn(f64) -> Box<dyn Kernel>,
-    /// Whether the kernel's memory says something.
+    /// Whether the kernel's memory is meaningful.
     pub memory: bool,
 }
 
-/// A scaling under measurement.
+/// A scaling being measured.
 pub struct Measured {
     scaling: Scaling,
     kernels: Vec<(Box<dyn Kernel>, Timer)>,
@@ -62,7 +62,7 @@ impl Measured {
     }
 }
 
-/// The p of y = c x^p that fits best: least squares in log-log. None with fewer than two different x, or where a logarithm fails.
+/// The p of y = c x^p that fits best: least squares in log-log. `None` with fewer than two different x, or where a logarithm fails.
 ///
 /// ```
 /// use nerf_oracle::bench::scaling::exponent;

@@ -1,4 +1,4 @@
-//! The whole system: pictures of a trained run, time a view against the error from the oracle's render.
+//! The whole system: pictures of a trained run, time per view against the error from the oracle's rendering.
 //!
 //! The truth is the trained field in f64 with 4,096 samples across the scene's box, at seeded pixels of the validation views.
 
@@ -21,7 +21,7 @@ use crate::training::Pixel;
 /// Samples across the box that count as exact.
 const TRUE_SAMPLES: usize = 4096;
 
-/// One way to render.
+/// One variant of rendering.
 #[derive(Clone, Copy, Debug)]
 pub struct Choice {
     /// Its name.
@@ -30,14 +30,14 @@ pub struct Choice {
     pub about: &'static str,
 }
 
-/// What the oracle sees along a ray.
+/// The oracle's rendering of a ray.
 #[derive(Clone, Copy, Debug)]
 pub struct TrueRay {
     /// Premultiplied color.
     pub color: [f64; 3],
     /// A.
     pub opacity: f64,
-    /// Samples that were looked at.
+    /// Samples that were evaluated.
     pub samples: usize,
     /// Those before the early stop.
     pub live: usize,
@@ -49,7 +49,7 @@ impl TrueRay {
     }
 }
 
-/// A trained model with several ways to render it.
+/// A trained model with several variants of rendering.
 pub trait System: Send + Sync {
     /// All of them; the first is as `render` and `evaluate` do.
     fn choices(&self) -> Vec<Choice>;
@@ -59,9 +59,9 @@ pub trait System: Send + Sync {
     fn render(&self, rays: &[Ray]) -> Vec<Pixel>;
     /// The field as trained, in f64, with so many samples across the box.
     fn truth(&self, ray: &Ray, samples: usize) -> TrueRay;
-    /// The choice at hand in f64, at its own samples: what f32 and the early stop cost.
+    /// The current choice in f64, at the same samples: the error of f32 and of the early stop.
     fn same_samples(&self, rays: &[Ray]) -> Vec<TrueRay>;
-    /// Pixels whose truth can be afforded.
+    /// Number of pixels whose truth is computed.
     fn true_pixels(&self) -> usize;
     /// Pixels of a view that are rendered for time; all of them where it has fewer.
     fn timed_pixels(&self) -> usize;

@@ -55,7 +55,7 @@ fn options() -> Options {
     Options { rounds: 5, least: 0.0, quick: true, ..Options::default() }
 }
 
-/// A variant that isn't what it says is refused: no seconds, a reason. The others are measured.
+/// A variant that exceeds its tolerance is rejected: no seconds, a reason. The others are measured.
 #[test]
 fn the_check_comes_first() {
     let report = run(&[DOUBLE], &[], &[], &options(), |_| {}).unwrap();
@@ -66,7 +66,7 @@ fn the_check_comes_first() {
     }
     assert_eq!(report.refused(), 3);
     let off = row("off");
-    // 2 (1 + 5e-4) x against 2 x: relative error and bias 5e-4 everywhere, half of what was stated.
+    // 2 (1 + 5e-4) x against 2 x: relative error and bias 5e-4 everywhere, half of the tolerance.
     for field in ["max_relative_error", "p99_relative_error", "bias"] {
         assert!((off.number(field).unwrap() - 5e-4).abs() < 1e-12, "{field}");
     }
@@ -79,7 +79,7 @@ fn the_check_comes_first() {
     assert!(report.text().contains("refused: double wrong"));
 }
 
-/// All suites of the crate: no variant is refused, and no two of a suite have one name.
+/// All suites of the crate: no variant is rejected, and names are unique within a suite.
 #[test]
 fn every_variant_is_what_it_says() {
     let refused = crate::parallel::map(SUITES.len(), |n| {

@@ -38,7 +38,7 @@ impl Truth {
         Some(bounds.entry((dtype, ulp.to_bits())).or_insert_with(make))
     }
 
-    /// Checks a variant: its errors, or why it is refused.
+    /// Checks a variant: its errors, or why it is rejected.
     pub fn check(&mut self, suite: &Suite, variant: &Variant) -> Result<Errors, String> {
         let got = output(variant.prepare, &self.inputs);
         same_shapes(&got, &self.expected)?;

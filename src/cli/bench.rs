@@ -14,7 +14,7 @@ use crate::parallel;
 /// Measure speed against error: variants are checked, timed, and their errors measured.
 #[derive(clap::Args, Debug)]
 pub struct Args {
-    /// Components whose name contains this (all where absent); `dense`: the share of the machine's best that dense layers reach.
+    /// Components whose name contains this (all where absent); `dense`: the share of the machine's peak that dense layers reach.
     #[arg(default_value = "")]
     filter: String,
     /// Where table.txt, bench.json and index.html go.
@@ -37,7 +37,7 @@ pub struct Args {
     threads: Option<usize>,
 }
 
-/// Runs it. 1 where a variant isn't what it says.
+/// Runs it. 1 if a variant exceeds its tolerance.
 ///
 /// # Errors
 /// A filter that no component matches, a run that can't be read, a peer that fails.
@@ -58,7 +58,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     if suites.is_empty() && layers.is_empty() && (whole || steps) && args.run.is_none() {
         return Err(Error::usage("FILTER", &args.filter, "--run RUN beside it, the folder of a trained run"));
     }
-    // Opened first: a folder that can't be read shouldn't be found out after minutes of measuring.
+    // Opened first: an unreadable folder must show before minutes of measuring.
     let run = args.run.as_deref().filter(|_| whole || steps);
     let mut trained = run.map(|run| open(run, Backend::Fast, false)).transpose()?;
     let folder = || args.run.as_deref().map_or_else(String::new, |run| run.display().to_string());

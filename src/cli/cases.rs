@@ -1,4 +1,4 @@
-//! `cases`: the questions, as files.
+//! `cases`: writes the questions as files.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

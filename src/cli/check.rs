@@ -1,4 +1,4 @@
-//! `check`: the harness checks itself.
+//! `check`: the harness's check of itself.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

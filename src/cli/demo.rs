@@ -1,4 +1,4 @@
-//! `demo`: everything in about a minute, with nothing but this program.
+//! `demo`: a tour in about a minute, with nothing but this program.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -31,9 +31,9 @@ const SCENE: &str = "builtin:spheres";
 /// Largest difference of a color between the f32 path and the f64 reference that the demo accepts.
 const TOLERANCE: f64 = 1e-5;
 
-/// Seconds of training unless told otherwise, and the validation PSNR that they must reach.
+/// The default seconds of training, and the validation PSNR that they must reach.
 const SECONDS: f64 = 40.0;
-const LEARNT: f64 = 25.0;
+const LEARNED: f64 = 25.0;
 
 /// Rays on which the two are compared.
 const CHECKED_RAYS: usize = 64;
@@ -61,12 +61,12 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         ],
     ];
     write_page(&args.out, &rows)?;
-    // Within its usual seconds it has to learn the scene, too.
-    let learnt = args.seconds < SECONDS || summary.val_psnr.is_some_and(|psnr| psnr >= LEARNT);
-    let (ok, page) = (difference <= TOLERANCE && learnt, args.out.join("index.html").display().to_string());
+    // Within the default seconds it has to learn the scene, too.
+    let learned = args.seconds < SECONDS || summary.val_psnr.is_some_and(|psnr| psnr >= LEARNED);
+    let (ok, page) = (difference <= TOLERANCE && learned, args.out.join("index.html").display().to_string());
     let object = json!({
         "out": args.out.display().to_string(), "page": page, "train": summary.object, "val_psnr": summary.val_psnr,
-        "largest_difference_from_reference": difference, "tolerance": TOLERANCE, "wanted_psnr": LEARNT, "ok": ok,
+        "largest_difference_from_reference": difference, "tolerance": TOLERANCE, "wanted_psnr": LEARNED, "ok": ok,
     });
     output::print(json, &object, &(table::text(&["figure", "value"], &rows) + &format!("Open {page}\n")));
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::from(1) })
@@ -97,7 +97,8 @@ fn film(run: &Path, out: &Path) -> render::Args {
     }
 }
 
-/// The same parameters on the same rays of the first validation view: those that see most, since an empty ray agrees with anything.
+/// The same parameters on the same rays of the first validation view: those of the largest opacity, since an empty ray agrees with
+/// anything.
 fn largest_difference(fast: &Trained, reference: &Trained) -> Result<f64> {
     let all = camera_rays(&fast.scene.val[0].camera)?;
     let mut seen: Vec<_> = fast.model.render(&all).into_iter().zip(all).collect();
@@ -110,7 +111,7 @@ fn largest_difference(fast: &Trained, reference: &Trained) -> Result<f64> {
             largest = f64::max(largest, f64::from((a.rgb[k] - b.rgb[k]).abs()));
         }
     }
-    // Nothing was seen, so nothing was checked.
+    // All rays are empty, so nothing was checked.
     Ok(if pixels[0].opacity > 0.0 { largest } else { f64::NAN })
 }
 

@@ -46,9 +46,9 @@ pub enum Split {
 pub struct Trained {
     /// The scene it was trained on.
     pub scene: Scene,
-    /// With the checkpoint's parameters.
+    /// The model with the checkpoint's parameters.
     pub model: Box<dyn Model>,
-    /// Behind which step.
+    /// The step of the checkpoint.
     pub step: u64,
 }
 

@@ -1,4 +1,4 @@
-//! `explain`: all there is to know about a name.
+//! `explain`: everything about a name.
 
 use std::process::ExitCode;
 

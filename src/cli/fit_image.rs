@@ -31,7 +31,7 @@ pub struct Args {
     /// Steps.
     #[arg(long, default_value_t = 1000, value_parser = positive)]
     pub steps: usize,
-    /// Pixels a step.
+    /// Pixels per step.
     #[arg(long, default_value_t = 10_000, value_parser = positive)]
     pub batch: usize,
     /// Bands of the encoding.

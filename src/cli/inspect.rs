@@ -31,7 +31,7 @@ pub struct Args {
     /// How many rays, through random pixels of random training frames.
     #[arg(long, default_value_t = 100, value_parser = positive)]
     pub rays: usize,
-    /// How many samples a ray, jittered as in training.
+    /// How many samples per ray, jittered as in training.
     #[arg(long, default_value_t = 64, value_parser = positive)]
     pub samples: usize,
     /// Where samples start, instead of what the scene says.
@@ -79,7 +79,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Rays through random pixels of training frames, with jittered samples: exactly what a training step would see first.
+/// Rays through random pixels of training frames, with jittered samples: exactly those of a first training step.
 fn draw_rays(scene: &Scene, args: &Args) -> Result<Vec<Drawn>> {
     let (pixels, jitter) = (Key::new(args.seed, Purpose::Rays), Key::new(args.seed, Purpose::Samples));
     let mut drawn = Vec::with_capacity(args.rays);

@@ -1,4 +1,4 @@
-//! `judge`: somebody's answers against the truth.
+//! `judge`: compares answers with the truth.
 
 use std::path::PathBuf;
 use std::process::ExitCode;

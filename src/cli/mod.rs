@@ -61,7 +61,7 @@ enum Command {
     Bench(bench::Args),
 }
 
-/// Parses `args`, runs the subcommand, prints an error if there is one, and says how the program ends.
+/// Parses `args`, runs the subcommand, prints an error if there is one, and returns the exit code.
 pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,

@@ -64,7 +64,7 @@ pub fn size(text: &str) -> Result<(usize, usize), String> {
     }
 }
 
-/// A whole number above 0, and not so large that memory would end before the work does.
+/// A whole number above 0, and not so large that memory runs out.
 pub fn positive(text: &str) -> Result<usize, String> {
     at_most::<{ 1 << 24 }>(text)
 }

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-/// Prints the object where `json`, else the text. A reader that has gone away (`| head`) is no error.
+/// Prints the object if `json`, otherwise the text. A closed pipe (`| head`) is no error.
 pub fn print(json: bool, object: &Value, text: &str) {
     use std::io::Write;
     let mut out = std::io::stdout().lock();

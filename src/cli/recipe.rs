@@ -1,4 +1,4 @@
-//! A run's recipe: the options of `train` that say what is trained. `run.json` keeps it; whoever opens a run builds from it again.
+//! A run's recipe: the options of `train` that say what is trained. `run.json` keeps it; whoever opens a run rebuilds its model from it.
 
 use std::path::Path;
 
@@ -42,7 +42,7 @@ pub fn given(args: &Args) -> Map<String, Value> {
     recipe
 }
 
-/// The run to go on with, which must have been begun with this recipe, and the warnings that it had so far.
+/// The run to resume, which must have been started with this recipe, and the warnings that it had so far.
 pub fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Vec<Value>)> {
     let folder = RunFolder::open(run)?;
     let before = folder.settings()?;
@@ -83,7 +83,7 @@ pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) ->
 
 /// The model that a recipe describes, with its initial parameters.
 pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
-    // A run of before this option has none.
+    // A run from before this option has none.
     let without = recipe.get("without").cloned().unwrap_or_else(|| json!([]));
     let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {
         Error::input("run.json", "without", error, "names of parts", "Train the run again.")

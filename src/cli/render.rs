@@ -47,7 +47,7 @@ pub struct Args {
     pub backend: Backend,
 }
 
-/// Where a film's cameras stand.
+/// The cameras of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CameraPath {
     /// The scene's own.
@@ -136,7 +136,7 @@ fn resized(camera: &Camera, width: usize, height: usize) -> Camera {
 }
 
 /// A circle of cameras that look at the scene's focus, with the mean distance, height and up direction of the training cameras; where
-/// those stand on one side only (a hand-held capture), an ellipse among them instead of a way around the back.
+/// those stand on one side only (a hand-held capture), an ellipse among them instead of a path around the back.
 fn orbit(scene: &Scene, count: usize) -> Vec<Camera> {
     let first = scene.train[0].camera;
     let places: Vec<DVec3> = scene.train.iter().map(|f| f.camera.c2w.w_axis.truncate()).collect();

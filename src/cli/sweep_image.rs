@@ -38,7 +38,7 @@ pub struct Args {
     /// Steps of each fit.
     #[arg(long, default_value_t = 1000, value_parser = positive)]
     pub steps: usize,
-    /// Pixels a step.
+    /// Pixels per step.
     #[arg(long, default_value_t = 10_000, value_parser = positive)]
     pub batch: usize,
     /// Number of hidden layers.
@@ -59,7 +59,7 @@ struct Row {
 }
 
 impl Row {
-    /// Whether the fit has left the numbers: such a row has no figures.
+    /// Whether the fit has diverged: such a row has no figures.
     fn diverged(&self) -> bool {
         !self.last.loss.is_finite() || self.last.psnr.is_nan()
     }

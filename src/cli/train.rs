@@ -38,13 +38,13 @@ pub struct Args {
     /// Stop when validation reaches this PSNR, in dB.
     #[arg(long, value_parser = finite_number)]
     pub stop_at_psnr: Option<f64>,
-    /// Rays a step.
+    /// Rays per step.
     #[arg(long, value_parser = at_most::<{ 1 << 20 }>)]
     pub rays: Option<usize>,
-    /// Samples a ray.
+    /// Samples per ray.
     #[arg(long, value_parser = at_most::<16384>)]
     pub samples: Option<usize>,
-    /// Samples a ray of a second network, drawn where the first one's weights are (--model nerf); 0: one network alone.
+    /// Samples per ray of a second network, drawn by the first one's weights (--model nerf); 0: one network alone.
     #[arg(long, default_value_t = 0, value_parser = none_or::<16384>)]
     pub fine: usize,
     /// Where samples start.
@@ -77,13 +77,13 @@ pub struct Args {
     /// Go on from the run's checkpoint.
     #[arg(long)]
     pub resume: bool,
-    /// Leave out samples where nothing is and where no light comes from, once that is known (--model nerf; compact always does).
+    /// Leave out samples in empty space and after the early stop, once that is known (--model nerf; compact always does).
     #[arg(long)]
     pub skip: bool,
     /// Width of the 8x256 network's layers (--model nerf).
     #[arg(long, value_parser = at_most::<4096>)]
     pub width: Option<usize>,
-    /// Parts of the compact model to do without, to see what they are worth.
+    /// Parts of the compact model to leave out, to see what they are worth.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub without: Vec<Part>,
 }
@@ -121,7 +121,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     })
 }
 
-/// What a run leaves to say.
+/// The summary of a run.
 pub struct Summary {
     /// For `--json`.
     pub object: Value,
@@ -138,7 +138,7 @@ pub fn train(args: &Args) -> Result<Summary> {
     scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let resumed = args.resume.then(|| recipe::resumed(&args.out, &recipe)).transpose()?;
     let mut model = recipe::build(&recipe, &scene)?;
-    // Not earlier: options that don't fit together leave no folder.
+    // Not earlier: inconsistent options leave no folder.
     let (folder, mut warnings) = match resumed {
         Some(resumed) => resumed,
         None => (RunFolder::create(&args.out)?, scene.warnings.iter().map(|w| json!(w)).collect()),
@@ -162,7 +162,7 @@ pub fn train(args: &Args) -> Result<Summary> {
     run.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let new: Vec<Value> = run.warnings.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
     if !new.is_empty() {
-        // What training had to say is all that wasn't known then.
+        // The warnings of training are all that wasn't known then.
         warnings.extend(new);
         settings.insert("warnings".into(), json!(warnings));
         folder.write_settings(&settings)?;
@@ -171,7 +171,7 @@ pub fn train(args: &Args) -> Result<Summary> {
     Ok(summary(&run.log, &run.warnings, args))
 }
 
-/// What the model does without in this scene, and why: the reasons that say so.
+/// The parts that the model leaves out in this scene, with their reasons.
 fn left_out(settings: &Map<String, Value>) -> Vec<String> {
     let reasons = settings.get("reasons").and_then(Value::as_object);
     let line = |(name, why): (&String, &Value)| {

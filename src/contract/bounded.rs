@@ -89,8 +89,8 @@ impl Arithmetic {
     /// a / b.
     pub fn div(&self, a: Bounded, b: Bounded) -> Bounded {
         let y = a.y / b.y;
-        let room = b.y.abs() - b.e;
-        let e = if room > 0.0 { (a.e + product(y.abs(), b.e)) / room } else { f64::INFINITY };
+        let margin = b.y.abs() - b.e;
+        let e = if margin > 0.0 { (a.e + product(y.abs(), b.e)) / margin } else { f64::INFINITY };
         self.rounded(y, e)
     }
 

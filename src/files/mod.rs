@@ -1,4 +1,4 @@
-//! Files: written aside and renamed, so that a stop in the middle leaves what was there before; arrays and pictures.
+//! Files: written under a temporary name and renamed, so that a stop in the middle leaves the old file; arrays and pictures.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -36,7 +36,7 @@ pub fn write(path: &Path, bytes: impl AsRef<[u8]>) -> Result<()> {
 
 /// Lets `fill` write a file beside `path` (its name and `.partial`), forces it to the disk, then renames it to `path`.
 ///
-/// A reader therefore sees the old file whole or the new file whole, whenever the program is stopped. Folders above are made.
+/// A reader therefore sees the whole old file or the whole new file, whenever the program is stopped. Folders above are made.
 ///
 /// # Errors
 /// Where the folder or the file can't be written; the old file is still there then.
@@ -54,7 +54,7 @@ pub fn write_with(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Re
         fs::rename(&aside, path)
     })();
     if written.is_err() {
-        // The error at hand matters more than a leftover that can't be removed either.
+        // This error matters more than a leftover that can't be removed either.
         let _ = fs::remove_file(&aside);
     }
     written.map_err(Error::writing(path))

@@ -84,7 +84,7 @@ macro_rules! from_ndarray {
 }
 from_ndarray!(f64 => F64, f32 => F32, f16 => F16, u8 => U8, i64 => I64);
 
-/// An open archive. Arrays are read when asked for, so that one of a foreign type does no harm where nobody needs it.
+/// An open archive. Arrays are read on demand, so that one of an unknown type does no harm unless it is needed.
 pub struct Npz {
     path: PathBuf,
     archive: ZipArchive<BufReader<File>>,
@@ -164,8 +164,8 @@ impl Npz {
                 format!("at most {LARGEST} bytes"),
             ));
         }
-        // The buffer grows with what arrives, so that a false shape alone costs nothing. One byte more is asked for: it shows an
-        // entry that is too long, and makes the archive's checksum be compared.
+        // The buffer grows with the data, so that a false shape alone costs nothing. One byte more is read: it detects an entry
+        // that is too long, and makes the reader compare the archive's checksum.
         let mut data = Vec::new();
         entry.take(declared + 1).read_to_end(&mut data).map_err(|error| whole(&error))?;
         if data.len() as u64 != declared {
@@ -190,7 +190,7 @@ pub fn read(path: &Path) -> Result<Arrays> {
     names.into_iter().map(|name| npz.array(&name).map(|array| (name, array))).collect()
 }
 
-/// The raw header, refused where parsing it could cost more than it says: too long, nested too deep (the parser
+/// The raw header, rejected if parsing it could be expensive: too long, nested too deep (the parser
 /// recurses), or with numbers whose product overflows (the parser multiplies them).
 fn read_header(entry: &mut impl Read) -> Result<Vec<u8>, (String, String)> {
     let short = |error: std::io::Error| (error.to_string(), "a whole .npy header".to_string());
@@ -274,7 +274,7 @@ fn elements<T: npyz::Deserialize + Clone>(
     Ok(transposed.reversed_axes().as_standard_layout().into_owned())
 }
 
-/// Writes arrays as NumPy's `savez` does (`savez_compressed` where `compress`), aside and renamed.
+/// Writes arrays as NumPy's `savez` does (`savez_compressed` where `compress`), to a temporary file that is then renamed.
 ///
 /// The same arrays give the same bytes: entries go in the names' order with the zip format's earliest date.
 ///
@@ -311,7 +311,7 @@ fn write_npy<T: npyz::AutoSerialize + Copy>(
     array: &ArrayD<T>,
 ) -> std::io::Result<()> {
     let shape: Vec<u64> = array.shape().iter().map(|&n| n as u64).collect();
-    // Element by element is how npyz writes: through a buffer, or every 8 bytes are a call into the zip.
+    // Element by element is how npyz writes: through a buffer, otherwise every 8 bytes are a call into the zip.
     let mut out = std::io::BufWriter::new(out);
     let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut out).begin_nd()?;
     writer.extend(array.iter().copied())?;

@@ -23,7 +23,7 @@ pub fn read(path: &Path) -> Result<Array3<f32>> {
 /// Reads a picture as (H, W, 4): red, green, blue and opacity (not multiplied in; 1 where the file has none), each in [0, 1].
 ///
 /// # Errors
-/// Where the file can't be read, isn't a picture, or is larger than memory should be spent on.
+/// Where the file can't be read, isn't a picture, or is too large to decode.
 pub fn read_rgba(path: &Path) -> Result<Array3<f32>> {
     let bytes = std::fs::read(path).map_err(Error::reading(path))?;
     let decode = || {

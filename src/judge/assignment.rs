@@ -96,7 +96,7 @@ pub fn possible(
             let c = apply(p, base);
             let mut expected = (question.component.forward.oracle)(&case.inputs, &c);
             expected.retain(|name, _| name == output);
-            within(&alone, &expected, options.may_look_first(case), || {
+            within(&alone, &expected, options.may_reject_early(case), || {
                 options.truth(question, case, &c, Grade::B).1
             })
         };
@@ -119,7 +119,7 @@ pub fn holds(question: &Question, answers: &Answers, c: &Conventions, options: &
     !cases.is_empty()
         && cases.iter().all(|(case, answer)| {
             let expected = (direction.oracle)(&case.inputs, c);
-            within(answer, &expected, options.may_look_first(case), || {
+            within(answer, &expected, options.may_reject_early(case), || {
                 options.truth(question, case, c, Grade::B).1
             })
         })

@@ -217,13 +217,13 @@ fn ranked(
     let predicts_same = |a: &Hypothesis, b: &Hypothesis| {
         usable(b, question, answers).iter().all(|(case, _)| a.same_as(b, question, case, options))
     };
-    let mut told: Vec<Hypothesis> = vec![];
+    let mut shown: Vec<Hypothesis> = vec![];
     rows.retain(|(h, _)| {
         // This many are enough to choose from; a mistake that equals a convention stays listed.
-        let new = told.len() < SHOWN
-            && !told.iter().any(|t| t.mistakes == h.mistakes && moved(t) < moved(h) && predicts_same(h, t));
+        let new = shown.len() < SHOWN
+            && !shown.iter().any(|t| t.mistakes == h.mistakes && moved(t) < moved(h) && predicts_same(h, t));
         if new {
-            told.push(h.clone());
+            shown.push(h.clone());
         }
         new
     });

@@ -105,8 +105,8 @@ impl Hypothesis {
     pub fn explains(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> bool {
         let (wrong, error) = self.prediction(question, case);
         // A numeric gradient is known only at some elements, so most elements can't be compared.
-        let look = options.may_look_first(case) && error.is_none();
-        within(answer, &wrong, look, || self.bound(question, case, &wrong, error.as_ref(), options))
+        let reject_early = options.may_reject_early(case) && error.is_none();
+        within(answer, &wrong, reject_early, || self.bound(question, case, &wrong, error.as_ref(), options))
     }
 
     /// The largest error over bound on an answer.

@@ -79,7 +79,7 @@ impl MarkOptions {
 
     /// Whether an answer that is far off can be rejected without its bound: true in f32 and f64, except for hard cases, where a textbook
     /// formula may have no digits left.
-    pub fn may_look_first(&self, case: &Case) -> bool {
+    pub fn may_reject_early(&self, case: &Case) -> bool {
         self.dtype.bits() >= 24 && !hard(case)
     }
 
@@ -182,14 +182,19 @@ impl Marks {
 }
 
 /// Whether answers lie within bounds. A search calls this thousands of times, so it may reject answers that are far off before the
-/// bounds are computed (see [`MarkOptions::may_look_first`]).
-pub fn within(answer: &Answer, expected: &Arrays, look: bool, bound: impl FnOnce() -> Arrays) -> bool {
+/// bounds are computed (see [`MarkOptions::may_reject_early`]).
+pub fn within(
+    answer: &Answer,
+    expected: &Arrays,
+    reject_early: bool,
+    bound: impl FnOnce() -> Arrays,
+) -> bool {
     let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
         let given = answer.get(name)?;
         Some(reshaped(&given.values, e.shape()).map(|(got, _)| (name.clone(), got)))
     };
     let Some(got) = expected.iter().filter_map(answered).collect::<Option<Arrays>>() else { return false };
-    if got.is_empty() || (look && far_off(&got, expected)) {
+    if got.is_empty() || (reject_early && far_off(&got, expected)) {
         return false;
     }
     let bound = bound();

@@ -124,7 +124,7 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     for mistake in &best.mistakes {
         writeln!(f, "    {}: {}", mistake.name, mistake.cause)?;
         writeln!(f, "      effect: {}", mistake.effect)?;
-        writeln!(f, "      to mend: {}   (seen: {})", mistake.fix, mistake.seen)?;
+        writeln!(f, "      to fix:  {}   (seen: {})", mistake.fix, mistake.seen)?;
     }
     if row.kind == "vjp" && best.mistakes.iter().any(|m| !m.gradient) {
         writeln!(f, "  a mistake of the forward function: its gradient follows from it")?;

@@ -61,13 +61,13 @@ pub fn plausible(question: &Question, answers: &Answers, c: &Conventions) -> boo
 pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
     let (mut faults, found) = judged(question, answers, c);
     let (choices, wrong): (Vec<&Finding>, Vec<&Finding>) = found.iter().partition(|finding| finding.honest);
-    let told = |finding: &&Finding| format!("{}: {}", finding.name, finding.says);
-    faults.extend(wrong.iter().map(told));
+    let shown = |finding: &&Finding| format!("{}: {}", finding.name, finding.says);
+    faults.extend(wrong.iter().map(shown));
     let never = |name: &&&str| answers.iter().flatten().all(|answer| !answer.contains_key(**name));
     Marks {
         budget_used: if faults.is_empty() { 0.0 } else { f64::INFINITY },
         proving: 1,
-        findings: choices.iter().map(told).collect(),
+        findings: choices.iter().map(shown).collect(),
         missing: optional(question).iter().filter(never).map(|name| name.to_string()).collect(),
         faults,
         ..Marks::default()

@@ -14,7 +14,7 @@ pub(crate) struct Update {
 }
 
 /// An update from the arrays.
-pub(crate) fn asked(a: &Arrays) -> Update {
+pub(crate) fn update_of(a: &Arrays) -> Update {
     let resolution = input(a, "density").shape()[0];
     Update {
         grid: OccupancyGrid { resolution, density: values(a, "density"), threshold: number(a, "threshold") },
@@ -57,7 +57,7 @@ pub(crate) fn lengths(o: [f64; 3], d: [f64; 3], near: f64, far: f64, r: usize) -
 }
 
 pub(super) fn update(a: &Arrays, _: &Conventions) -> Arrays {
-    let Update { mut grid, decay, points, sigmas, queries } = asked(a);
+    let Update { mut grid, decay, points, sigmas, queries } = update_of(a);
     grid.update(decay, &points, &sigmas);
     let one = |yes: bool| f64::from(u8::from(yes));
     let occupied = grid.density.iter().map(|&density| one(density > grid.threshold)).collect();

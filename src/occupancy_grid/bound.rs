@@ -3,7 +3,7 @@
 //! Bits and counts are whole numbers: the bound is 0 where every honest evaluation decides alike, otherwise the distance to the other
 //! answer. A point that rounding may move to another cell leaves everything open; the cases have none, which a test asserts.
 
-use super::arrays::{Update, asked, each_ray, updated};
+use super::arrays::{Update, each_ray, update_of, updated};
 use crate::camera::bound::hyper;
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::Arrays;
@@ -23,7 +23,7 @@ pub(crate) fn surely_in_its_cell(x: [f64; 3], resolution: usize, m: &Arithmetic)
 
 /// Bound of [`super::OccupancyGrid::update`] and of what is occupied after it.
 pub fn update(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
-    let Update { grid, decay, points, sigmas, queries } = asked(a);
+    let Update { grid, decay, points, sigmas, queries } = update_of(a);
     let r = grid.resolution;
     let decayed = |&density: &f64| m.mul(exact(density), hyper(decay, m));
     let mut density: Vec<Bounded> = grid.density.iter().map(decayed).collect();

@@ -1,6 +1,6 @@
 //! Honest occupancy grids in emulated arithmetic: cells by product or quotient, traversal face by face or by a running sum.
 
-use super::arrays::{Update, asked, each_ray, updated};
+use super::arrays::{Update, each_ray, update_of, updated};
 use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
@@ -18,7 +18,7 @@ fn cell(x: [f64; 3], r: usize, m: &Machine) -> usize {
 
 /// Update and queries.
 pub fn update(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
-    let Update { grid, decay, points, sigmas, queries } = asked(a);
+    let Update { grid, decay, points, sigmas, queries } = update_of(a);
     let (r, decay, threshold) = (grid.resolution, m.round(decay), m.round(grid.threshold));
     let mut density: Vec<f64> = grid.density.iter().map(|&density| m.mul(decay, density)).collect();
     for (&x, &sigma) in points.iter().zip(&sigmas) {

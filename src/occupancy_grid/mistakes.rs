@@ -1,7 +1,7 @@
 //! Occupancy grids, wrong on purpose. Without a mistake every function equals the oracle.
 
 use super::OccupancyGrid;
-use super::arrays::{Update, asked, each_ray, lengths, updated};
+use super::arrays::{Update, each_ray, lengths, update_of, updated};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
@@ -41,7 +41,7 @@ fn wrong_cell(grid: &OccupancyGrid, x: [f64; 3], wrong: &[&str]) -> usize {
 
 /// Update and queries.
 pub fn update(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
-    let Update { grid, decay, points, sigmas, queries } = asked(a);
+    let Update { grid, decay, points, sigmas, queries } = update_of(a);
     let is = |name: &str| wrong.contains(&name);
     let mut density: Vec<f64> = grid.density.iter().map(|density| density * decay).collect();
     let mut seen: Vec<Option<f64>> = vec![None; density.len()];

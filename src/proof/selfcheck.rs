@@ -14,7 +14,7 @@ use crate::contract::machine::Machine;
 use crate::convention::{CS180, american};
 use crate::{COMPONENTS, parallel};
 
-/// Honest machines a case.
+/// Honest machines per case.
 const MACHINES: u64 = 8;
 
 /// One component in one direction and type.

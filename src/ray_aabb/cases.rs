@@ -27,7 +27,7 @@ fn case(
 }
 
 /// A ray from far outside toward a point of the box (whose corners are given), away from its faces.
-fn towards(draw: &mut Draw, [low, high]: [[f64; 3]; 2], scale: f64) -> [f64; 6] {
+fn toward(draw: &mut Draw, [low, high]: [[f64; 3]; 2], scale: f64) -> [f64; 6] {
     let inside: Vec<f64> = (0..3).map(|a| low[a] + (high[a] - low[a]) * (0.25 + 0.5 * draw.unit())).collect();
     let away: Vec<f64> = (0..3).map(|_| draw.between(-1.0, 1.0)).collect();
     let o: Vec<f64> = (0..3).map(|a| crate::contract::case::short(inside[a] + scale * away[a])).collect();
@@ -43,7 +43,7 @@ pub fn ray_aabb() -> Vec<Case> {
     let mut draw = Draw::new("ray_aabb", 0);
     let uneven = [[-1.0, -2.0, 0.5], [1.0, 0.5, 3.0]];
     let unit = [[0.0; 3], [1.0; 3]];
-    let hits: Vec<[f64; 6]> = (0..6).map(|_| towards(&mut draw, uneven, 8.0)).collect();
+    let hits: Vec<[f64; 6]> = (0..6).map(|_| toward(&mut draw, uneven, 8.0)).collect();
     let mut mixed = hits.clone();
     // The same rays pointing away from the box, and one that passes it.
     mixed.extend(hits[..2].iter().map(|r| [r[0], r[1], r[2], -r[3], -r[4], -r[5]]));
@@ -55,7 +55,7 @@ pub fn ray_aabb() -> Vec<Case> {
             [o[0], o[1], o[2], d[0], d[1], d[2]]
         })
         .collect();
-    let far_away: Vec<[f64; 6]> = (0..3).map(|_| towards(&mut draw, unit, 1024.0)).collect();
+    let far_away: Vec<[f64; 6]> = (0..3).map(|_| toward(&mut draw, unit, 1024.0)).collect();
     let up = |x: f64, y: f64| [x, y, -1.0, 0.0, 0.0, 1.0];
     vec![
         case("mixed", "six hits, two boxes behind, one passed by", &mixed, uneven, [0.0, 64.0]),

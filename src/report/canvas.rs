@@ -10,7 +10,7 @@ use crate::ray::{camera_ray, pixel_position};
 /// How many drawn pixels, along each side, become one that is shown.
 const FINER: usize = 2;
 
-/// What lies nearer than this share of the distance to the target isn't drawn: perspective would blow it up.
+/// Anything nearer than this share of the distance to the target isn't drawn: perspective would magnify it too much.
 const NEAREST: f64 = 0.02;
 
 /// A picture under construction.
@@ -22,7 +22,7 @@ pub struct Canvas {
 }
 
 impl Canvas {
-    /// An empty picture, `width` x `height` when shown, of `target` from `eye` with `up` upwards, 40 degrees high.
+    /// An empty picture, `width` x `height` when shown, of `target` from `eye` with `up` pointing up, 40 degrees high.
     pub fn new(width: usize, height: usize, eye: DVec3, target: DVec3, up: DVec3) -> Canvas {
         let forward = (target - eye).normalize();
         let right = forward.cross(up).normalize();
@@ -51,7 +51,7 @@ impl Canvas {
         self.camera.c2w.inverse().transform_point3(x)
     }
 
-    /// One pixel, where nothing nearer is.
+    /// One pixel, unless something nearer is drawn there.
     fn dot(&mut self, i: i64, j: i64, depth: f64, color: [u8; 3]) {
         let (width, height) = (self.camera.width as i64, self.camera.height as i64);
         if i < 0 || j < 0 || i >= width || j >= height {
@@ -98,7 +98,7 @@ impl Canvas {
         for step in 0..=steps {
             let share = step as f64 / steps as f64;
             let at: DVec2 = p + (q - p) * share;
-            // 1 / z is what is linear along a line on a picture.
+            // 1 / z is linear along a line on a picture.
             let depth = 1.0 / (1.0 / a.z + (1.0 / b.z - 1.0 / a.z) * share);
             let (i, j) = (at.x.floor() as i64, at.y.floor() as i64);
             for (di, dj) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
@@ -174,7 +174,7 @@ mod tests {
         let mut canvas = canvas();
         canvas.line(DVec3::new(0.0, -1.0, 20.0), DVec3::new(0.0, 0.0, 0.0), [9; 3]);
         let drawn = canvas.finish();
-        // Below the middle, where the line comes towards the eye; smaller again, it is mixed with what is beside it.
+        // Below the middle, where the line comes toward the eye; when the picture is reduced, it is mixed with its neighbors.
         assert!(drawn[(30, 25)].0[0] < 150, "{:?}", drawn[(30, 25)]);
         assert_eq!(drawn[(30, 10)].0, [250, 250, 248]);
     }

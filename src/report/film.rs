@@ -26,7 +26,7 @@ pub fn write_gif(path: &Path, frames: &[RgbImage], frames_per_second: u32) -> Re
     })
 }
 
-/// Refuses a film without frames before an hour is spent on it.
+/// Rejects a film without frames before an hour of rendering.
 pub fn check_count(count: usize, scene: &str) -> Result<()> {
     if count > 0 {
         return Ok(());

@@ -15,7 +15,7 @@ pub struct Outside<'a> {
     pub rays: &'a [(Ray, Vec<f64>)],
     /// Where the rays end.
     pub far: f64,
-    /// Where the picture looks.
+    /// The point that the picture is centered on.
     pub focus: DVec3,
 }
 

@@ -35,13 +35,13 @@ impl Page {
         self
     }
 
-    /// A picture as SVG text, which stands in the page itself.
+    /// A picture as SVG, inside the page.
     pub fn figure(&mut self, svg: &str) -> &mut Self {
         let _ = writeln!(self.html, "<figure>{svg}</figure>");
         self
     }
 
-    /// A picture file beside the page, `width` pixels wide, with a caption that also stands for it in text.
+    /// A picture file beside the page, `width` pixels wide, with a caption that is also its alternative text.
     pub fn picture(&mut self, file: &str, caption: &str, width: u32) -> &mut Self {
         let (file, caption) = (escape(file), escape(caption));
         let _ = writeln!(

@@ -8,9 +8,9 @@ use super::page::escape;
 /// One dot.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// To the right; above 0.
+    /// x, above 0.
     pub x: f64,
-    /// Upwards; 0 stands on the lower edge.
+    /// y; 0 is drawn on the lower edge.
     pub y: f64,
     /// Written beside it.
     pub name: String,
@@ -79,10 +79,10 @@ pub fn svg(title: &str, x_name: &str, y_name: &str, points: &[Point]) -> String 
     chart.finish()
 }
 
-/// Heights of labels beside dots, moved apart where they would overlap: those lower down give way.
+/// Heights of labels beside dots, moved apart where they would overlap: the lower ones move.
 fn spread(dots: &[(f64, f64)]) -> Vec<f64> {
     const LINE: f64 = 14.0;
-    /// Labels this far apart along x don't meet.
+    /// Labels this far apart along x don't overlap.
     const LONG: f64 = 170.0;
     let mut order: Vec<usize> = (0..dots.len()).collect();
     order.sort_by(|&a, &b| dots[a].1.total_cmp(&dots[b].1));

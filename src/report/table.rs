@@ -1,4 +1,4 @@
-//! Tables for people: columns as wide as their widest entry, numbers to the right.
+//! Tables for people: columns as wide as their widest entry, right-aligned.
 
 /// A table as text, a line a row, the header underlined.
 ///

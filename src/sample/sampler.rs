@@ -18,7 +18,7 @@ use crate::ray::{PixelDraws, sample_random_rays};
 /// Rays a call.
 const RAYS: usize = 4096;
 
-/// Samples a ray.
+/// Samples per ray.
 const SAMPLES: usize = 16;
 
 /// Random rays: four calls, two in training and two at rest, judged together.

@@ -1,4 +1,4 @@
-//! A picture by formula, for 2D fields: letters with hard edges over a zone plate, whose frequency grows outwards.
+//! A picture by formula, for 2D fields: letters with hard edges over a zone plate, whose frequency grows outward.
 
 use ndarray::Array3;
 
@@ -19,7 +19,7 @@ const LETTERS: [(char, [u8; 5]); 8] = [
 /// The card, (size, size, 3) in [0, 1].
 ///
 /// With p in [-1, 1]^2 the plate is 0.5 + 0.5 cos(pi f |p|^2 / 2), f = size / 8: its frequency, f |p| / 2 periods a unit, stays
-/// below a quarter of the pixels' at the edges' middles, so that the card means the same at every size.
+/// below a quarter of the pixels' at the edges' middles, so that the card is the same at every size.
 pub fn card(size: usize) -> Array3<f32> {
     let lines = ["NERF", "ORACLE"];
     Array3::from_shape_fn((size, size, 3), |(j, i, k)| {

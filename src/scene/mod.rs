@@ -27,7 +27,7 @@ pub use builtin::Medium;
 pub use card::card;
 pub use layout::common_focus;
 
-/// One camera, with what it saw.
+/// One camera, with its photograph.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// The picture's path as the scene writes it, or the array and index it comes from.
@@ -41,7 +41,7 @@ pub struct Frame {
 /// Everything that training and evaluation need to know about a scene.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    /// As it was asked for.
+    /// Its name, as given on the command line.
     pub name: String,
     /// Frames to learn from, at least one, all with images of one size.
     pub train: Vec<Frame>,
@@ -58,11 +58,11 @@ pub struct Scene {
     pub background: [f64; 3],
     /// The box that holds everything of interest, lower and upper corner, where the scene says so.
     pub bounds: Option<(DVec3, DVec3)>,
-    /// The point closest to all cameras' axes; where there is none, the middle of what the first camera sees.
+    /// The point closest to all cameras' axes; where there is none, the middle of the first camera's view.
     pub focus: DVec3,
-    /// What is odd but no error, a sentence each.
+    /// Warnings, a sentence each.
     pub warnings: Vec<String>,
-    /// What was derived and why, by field, for `run.json`.
+    /// The derived values with their reasons, by field, for `run.json`.
     pub reasons: Map<String, Value>,
 }
 
@@ -110,7 +110,7 @@ impl Scene {
         }
     }
 
-    /// Deals frames to training and validation: every Nth, from index 0, in the order they come.
+    /// Divides frames into training and validation: every Nth, from index 0, in the order they come.
     fn hold_out(&mut self, frames: Vec<Frame>, options: &Options) {
         let n = options.holdout.unwrap_or(8);
         for (i, frame) in frames.into_iter().enumerate() {

@@ -174,7 +174,7 @@ impl Reader<'_> {
         Ok(Frame { name: name.into(), camera: Camera { width, height, k, c2w, distortion }, image })
     }
 
-    /// Transparent pixels mean an object cut out; none, a photograph.
+    /// With transparent pixels, the background of a cut-out object; without, that of a photograph.
     fn backdrop(&mut self) -> Backdrop {
         if !self.seen_through {
             return Backdrop::World;

@@ -224,7 +224,7 @@ impl Model for NerfModel {
         }
         // Before the step: both networks use the same parameters of the first, whose weights are constants to the second.
         let fine = self.fine.is_some().then(|| self.fine_samples(coarse.rays(&origins, &directions), &u));
-        self.look(scene, step)?;
+        self.update_grid(scene, step)?;
         let rays = coarse.rays(&origins, &directions);
         let live = self.mask(&rays);
         let first = self.coarse.step(rays, skipping(live.as_deref()), &targets, background, &adam);

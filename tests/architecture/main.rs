@@ -1,4 +1,4 @@
-//! The house rules, as far as a program can hold them.
+//! The house rules, as far as a program can check them.
 
 mod complete;
 mod imports;

@@ -59,7 +59,7 @@ fn run(name: &str, inputs: &Arrays, c: &Conventions, vjp: bool) -> Arrays {
     (component.vjp.as_ref().expect("a VJP case of a component with gradients").oracle)(&inputs, c)
 }
 
-/// One component with what kornia does otherwise: see the fixture's known differences.
+/// One component with kornia's differences: see the fixture's known differences.
 fn with_quirks(name: &str, case: &Golden) -> Arrays {
     let mut inputs = case.inputs.clone();
     if case.quirks.contains_key("ray0_spacing") {

@@ -1,4 +1,4 @@
-//! A damaged fixture is refused with its name and the command that makes it again.
+//! A damaged fixture is rejected with its name and the command that makes it again.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! The trained model as `bench` sees it: samples a ray, early stop at several eps, occupancy thresholds.
+//! The trained model as `bench` sees it: samples per ray, early stop at several eps, occupancy thresholds.
 
 use crate::bench::system::{Choice, System, TrueRay};
 use crate::occupancy_grid::fast::Occupancy;

@@ -1,4 +1,4 @@
-//! The trained 8x256 network as `bench` sees it: 16 to 256 samples a ray.
+//! The trained 8x256 network as `bench` sees it: 16 to 256 samples per ray.
 
 use crate::bench::system::{Choice, System, TrueRay};
 use crate::convention::CS180;
@@ -11,7 +11,7 @@ use crate::training::nerf::path::Path;
 use crate::training::reference::Field;
 use crate::training::{Model, Pixel};
 
-/// Samples a ray; the first are those of the training.
+/// Samples per ray; the first are those of the training.
 const SAMPLES: [(&str, usize); 6] = [
     ("as_trained", 0),
     ("samples_16", 16),

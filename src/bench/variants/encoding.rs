@@ -30,7 +30,7 @@ fn oracle(a: &Arrays) -> Box<dyn Kernel> {
     rows("encoding", (values(a, "x"), 3, WIDTH), run, |&y| y)
 }
 
-/// As one writes it down: sin(2^k pi x) of the library, the product rounded.
+/// The straightforward code: sin(2^k pi x) of the library, the product rounded.
 fn plain(a: &Arrays) -> Box<dyn Kernel> {
     let run = |x: &[f32], out: &mut [f32]| {
         for (x, out) in x.chunks_exact(3).zip(out.chunks_exact_mut(WIDTH)) {
@@ -64,7 +64,7 @@ fn threaded(a: &Arrays) -> Box<dyn Kernel> {
     rows("encoding", (values(a, "x"), 3, WIDTH), run, |&y| y.into())
 }
 
-/// What stands in the place of the exact sine.
+/// The replacement of the exact sine.
 #[derive(Clone, Copy)]
 enum Trade {
     Sine(Grade),

@@ -1,4 +1,4 @@
-//! Variants of the networks for `bench`, and what they share: layers as one writes them down, parameters stored in short types.
+//! Variants of the networks for `bench`, and what they share: straightforward layers, parameters stored in short types.
 
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -21,7 +21,7 @@ pub(super) fn rounded(layers: Vec<&mut Layer>) {
     }
 }
 
-/// A layer as one writes it down: (weights row by row, biases).
+/// A straightforward layer: (weights row by row, biases).
 pub(super) type Plain = (Vec<f32>, Vec<f32>);
 
 pub(super) fn plain_layer(layer: &Layer) -> Plain {
@@ -40,7 +40,7 @@ pub(super) fn plain_forward((w, b): &Plain, x: &[f32], relu: bool) -> Vec<f32> {
     w.chunks_exact(x.len()).zip(b).map(output).collect()
 }
 
-/// Where the parameters stay between two calls.
+/// How the parameters are stored between two calls.
 #[derive(Clone)]
 pub(super) enum Store {
     F32,
@@ -67,7 +67,7 @@ impl Store {
     }
 }
 
-/// What weights of a short type cost: each of the layers moves what passes by at most half a unit of its last place, as a share of the
+/// The error of weights in a short type: each layer changes its outputs by at most half a unit of the last place, relative to the
 /// largest.
 pub(super) const fn short(layers: f64, half_unit: f64) -> Tolerance {
     Tolerance::f32().of_largest(layers * half_unit)

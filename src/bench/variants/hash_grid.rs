@@ -184,7 +184,7 @@ fn short<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// What f32 costs: a position is rounded against 512 cells (2^-24 of 512 cells is 2^-15 of a cell, for each of three axes, and
+/// The error of f32: a position is rounded against 512 cells (2^-24 of 512 cells is 2^-15 of a cell, for each of three axes, and
 /// neighbors differ by at most 2), and 8 corners are added up, each with a few roundings.
 const F32: Tolerance = Tolerance::exact().within(3.0 * 2.0 / 32768.0 + 20.0 / 16_777_216.0);
 

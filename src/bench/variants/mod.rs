@@ -1,4 +1,4 @@
-//! What `bench` compares: each component's practical variants with their workload, a file a component.
+//! What `bench` compares: each component's practical variants with their workload, one file per component.
 
 pub mod encoding;
 pub mod field;

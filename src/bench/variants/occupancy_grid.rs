@@ -16,17 +16,17 @@ const TASK: usize = 256;
 /// Share of the cells that the ball of the suite fills.
 const SHARE: f64 = 0.05;
 
-/// Rays from outside towards points of the unit box, directions of length 1.
+/// Rays from outside toward points of the unit box, directions of length 1.
 fn workload(items: usize) -> Arrays {
     let (from, to) = (uniform(13, 3 * items, -1.0, 1.0), uniform(14, 3 * items, 0.0, 1.0));
     let (mut o, mut d) = (vec![], vec![]);
     for (from, to) in from.as_chunks::<3>().0.iter().zip(to.as_chunks::<3>().0) {
         let length = from.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-3);
         let origin = from.map(|x| f64::from((0.5 + 2.0 * x / length) as f32));
-        let towards: [f64; 3] = std::array::from_fn(|a| to[a] - origin[a]);
-        let length = towards.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let toward: [f64; 3] = std::array::from_fn(|a| to[a] - origin[a]);
+        let length = toward.iter().map(|x| x * x).sum::<f64>().sqrt();
         o.extend(origin);
-        d.extend(towards.map(|x| f64::from((x / length) as f32)));
+        d.extend(toward.map(|x| f64::from((x / length) as f32)));
     }
     arrays([("o", array(&[items, 3], o)), ("d", array(&[items, 3], d))])
 }
@@ -113,7 +113,7 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
 /// Rays of a call: while there are more, no lane is idle.
 const TOGETHER: usize = 128;
 
-/// Counts the samples of some rays, and looks at each.
+/// Counts the samples of some rays, and computes the position of each.
 fn walk(arch: Arch, grid: &Occupancy, rays: &[([f32; 3], [f32; 3])], out: &mut [f64]) {
     let mut steps = Steps::default();
     for (rays, out) in rays.chunks(TOGETHER).zip(out.chunks_mut(TOGETHER)) {
@@ -138,7 +138,7 @@ fn skipping(a: &Arrays, grid: Occupancy, threads: bool) -> Box<dyn Kernel> {
     counts(narrow(a), bytes, threads, move |rays, out| walk(arch, &grid, rays, out))
 }
 
-/// A coarser grid, occupied wherever one of its cells' parts is: nothing is missed, more is looked at.
+/// A coarser grid, occupied wherever one of its cells' parts is: nothing is missed, more cells are sampled.
 fn coarse(a: &Arrays, resolution: usize) -> Box<dyn Kernel> {
     let (fine, n) = (densities(RESOLUTION, SHARE), RESOLUTION / resolution);
     let mut grid = Occupancy::full(resolution);
@@ -151,11 +151,11 @@ fn coarse(a: &Arrays, resolution: usize) -> Box<dyn Kernel> {
     skipping(a, grid, true)
 }
 
-/// A sample that lies on a face but for rounding may go either way; a ray through the ball's stairs grazes a few faces at most.
+/// A sample within rounding of a face may fall on either side; a ray through the ball's stairs grazes a few faces at most.
 const F32: Tolerance = Tolerance::exact().within(3.0);
 
 /// A coarse cell with a part of the ball in it lies within the ball's radius R = 0.2285 and its own diagonal h; cells of the fine grid
-/// hold everything within R less half their diagonal. The longest way of a ray between the two spheres, 2 sqrt((R + h)^2 - (R -
+/// contain everything within R minus half their diagonal. The longest path of a ray between the two spheres, 2 sqrt((R + h)^2 - (R -
 /// 0.0068)^2), is so many steps.
 const COARSE: [Tolerance; 2] =
     [Tolerance::exact().within(3.0 + 131.0), Tolerance::exact().within(3.0 + 180.0)];

@@ -31,7 +31,7 @@ fn workload(items: usize) -> Arrays {
     ])
 }
 
-/// Parameters, gradient, and the means in whatever they are stored.
+/// Parameters, gradient, and the means in their storage type.
 struct State<T> {
     p: Vec<T>,
     g: Vec<T>,
@@ -70,7 +70,7 @@ fn oracle(a: &Arrays) -> Box<dyn Kernel> {
     step((state, values(a, "m"), values(a, "v")), run, (|x| x, |x| x))
 }
 
-/// As one writes it down. With `single`, 1 - beta and 1 - beta^t are formed in f32: 1 - 0.999 then has 14 good bits.
+/// The straightforward code. With `single`, 1 - beta and 1 - beta^t are formed in f32: 1 - 0.999 then has 14 good bits.
 fn plain(a: &Arrays, single: bool) -> Box<dyn Kernel> {
     let (Adam { lr, beta1, beta2, eps, .. }, number) = settings(a);
     let round = move |x: f64| if single { f64::from(x as f32) } else { x };
@@ -129,7 +129,7 @@ fn threaded(a: &Arrays) -> Box<dyn Kernel> {
     })
 }
 
-/// What a bolder step changes.
+/// What a less accurate step changes.
 #[derive(Clone, Copy, PartialEq)]
 enum Trade {
     /// Means stored as bf16.

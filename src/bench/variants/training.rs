@@ -36,7 +36,7 @@ fn workload(items: usize) -> Arrays {
     ])
 }
 
-/// Initial values but for a density bias that keeps every density alive, rounded to f32.
+/// Initial values except for a density bias that keeps every density positive, rounded to f32.
 fn network() -> NerfMlp {
     let mut net = NerfMlp::initial(&Shape::PAPER, &Key::new(0, Purpose::Parameters));
     net.sigma.b[0] += 0.1;
@@ -82,7 +82,7 @@ fn oracle(a: &Arrays) -> Box<dyn Kernel> {
     })
 }
 
-/// A step of the f32 path and Adam; `dense` computes samples of which nothing can come too.
+/// A step of the f32 path and Adam; `dense` computes samples without any effect too.
 fn step(a: &Arrays, dense: bool) -> Box<dyn Kernel> {
     let net = Network::new(&network(), &Shape::PAPER, Density::Relu);
     let moments = Moments::new(net.params.len());

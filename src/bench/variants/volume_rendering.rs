@@ -73,7 +73,7 @@ impl<C> Rays<C> {
 
     fn bytes(&self) -> usize {
         let n = self.sigmas.len();
-        // Densities, steps, weights, transmittances, opacities; colors; what is seen.
+        // Densities, steps, weights, transmittances, opacities; colors; results.
         5 * 4 * n + size_of_val(&self.rgbs[..]) + n / self.samples * 20
     }
 
@@ -141,7 +141,7 @@ fn oracle(a: &Arrays) -> Box<dyn Kernel> {
     kernel(data, bytes, run, move |data| crate::volume_rendering::arrays::renderings(samples, &data.3))
 }
 
-/// As one writes it down: alpha = 1 - exp(-x), T as a running product.
+/// The straightforward code: alpha = 1 - exp(-x), T as a running product.
 fn plain(task: &mut Task, sigmas: &[f32], rgbs: &[f32], deltas: &[f32], samples: usize) {
     task.seen.clear();
     task.rays.weights.clear();
@@ -248,7 +248,7 @@ fn graded(a: &Arrays, grade: Grade) -> Box<dyn Kernel> {
     )
 }
 
-/// Samples that are looked at together before the transmittance is compared with eps.
+/// Samples that are computed together before the transmittance is compared with eps.
 const STRIDE: usize = 16;
 
 /// A ray ends after the block of samples that takes its transmittance below eps.

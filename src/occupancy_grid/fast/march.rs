@@ -34,13 +34,15 @@ impl WithSimd for March<'_> {
                 idle &= idle - 1;
                 walk.leave(lane, steps);
                 match waiting.next() {
-                    Some(march_ray) => walk.enter(lane, march_ray, step, grid.resolution as f32, steps.room),
-                    None if walk.held == 0 => return,
+                    Some(march_ray) => {
+                        walk.enter(lane, march_ray, step, grid.resolution as f32, steps.capacity)
+                    }
+                    None if walk.busy == 0 => return,
                     None => {}
                 }
             }
             walk.locate(s, grid.resolution);
-            grid.look(&mut walk);
+            grid.read_bits(&mut walk);
             if walk.judge(s) {
                 for i in 0..LANES {
                     steps.k[walk.next.0[i] as usize] = walk.k.0[i];
@@ -64,7 +66,7 @@ impl Occupancy {
 
     /// Reads the bits where the rays are.
     #[inline(always)]
-    fn look(&self, walk: &mut Walk) {
+    fn read_bits(&self, walk: &mut Walk) {
         for i in 0..LANES {
             let bits = walk.bits.0[i];
             let bricks = self.blocks[walk.block.0[i] as usize];

@@ -1,4 +1,4 @@
-//! What a traversal is asked, and what it answers: rays, and their samples in occupied cells.
+//! What a traversal is update_of, and what it answers: rays, and their samples in occupied cells.
 
 /// A ray's samples: the points t = (k + u) step, t in [near, far), in units of the box.
 #[derive(Clone, Copy, Debug)]
@@ -32,7 +32,7 @@ impl MarchRay {
 #[derive(Default)]
 pub struct Steps {
     /// The range of a ray's samples in `k`.
-    pub(super) room: usize,
+    pub(super) capacity: usize,
     pub(super) k: Vec<f32>,
     pub(super) count: Vec<usize>,
     pub(super) patience: Vec<u32>,
@@ -42,7 +42,7 @@ impl Steps {
     /// k of a ray's samples, ascending.
     #[inline(always)]
     pub fn of(&self, ray: usize) -> &[f32] {
-        &self.k[ray * self.room..][..self.count[ray]]
+        &self.k[ray * self.capacity..][..self.count[ray]]
     }
 
     /// Whether the ray ran out of patience: there may be more samples after the last one.
@@ -57,8 +57,8 @@ impl Steps {
         let longest =
             march_rays.iter().map(|march_ray| (march_ray.far - march_ray.near) / step).fold(0.0, f32::max);
         // One more for the rounding of each end, and one spare slot after the last.
-        self.room = longest as usize + 3;
-        let places = march_rays.len() * self.room;
+        self.capacity = longest as usize + 3;
+        let places = march_rays.len() * self.capacity;
         assert!(
             places < u32::MAX as usize,
             "{} rays of {longest} steps: at most 2^32 at once",

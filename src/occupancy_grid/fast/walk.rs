@@ -39,7 +39,7 @@ pub(super) struct Walk {
     /// Which ray walks in the lane.
     ray: [usize; LANES],
     /// The lanes that have a ray, even if it has just ended, a bit each.
-    pub held: u32,
+    pub busy: u32,
 }
 
 impl Walk {
@@ -61,7 +61,7 @@ impl Walk {
             state: whole,
             here: whole,
             ray: [0; LANES],
-            held: 0,
+            busy: 0,
         }
     }
 
@@ -78,11 +78,11 @@ impl Walk {
     /// Stores the samples of the lane's ray, if it has one.
     #[inline(always)]
     pub fn leave(&mut self, lane: usize, steps: &mut Steps) {
-        if self.held >> lane & 1 == 1 {
+        if self.busy >> lane & 1 == 1 {
             let ray = self.ray[lane];
-            steps.count[ray] = self.next.0[lane] as usize - ray * steps.room;
+            steps.count[ray] = self.next.0[lane] as usize - ray * steps.capacity;
             steps.patience[ray] = self.patience.0[lane];
-            self.held ^= 1 << lane;
+            self.busy ^= 1 << lane;
         }
     }
 
@@ -94,7 +94,7 @@ impl Walk {
         (ray, march_ray): (usize, &MarchRay),
         step: f32,
         cells: f32,
-        room: usize,
+        capacity: usize,
     ) {
         for a in 0..3 {
             let speed = march_ray.d[a] * step * cells;
@@ -105,9 +105,9 @@ impl Walk {
         (self.k.0[lane], self.last.0[lane]) =
             ((march_ray.near / step - march_ray.u).ceil(), march_ray.far / step - march_ray.u);
         self.patience.0[lane] = march_ray.patience;
-        self.next.0[lane] = (ray * room) as u32;
+        self.next.0[lane] = (ray * capacity) as u32;
         self.ray[lane] = ray;
-        self.held |= 1 << lane;
+        self.busy |= 1 << lane;
     }
 
     /// Where the rays are: cells, bricks, blocks and their bits.

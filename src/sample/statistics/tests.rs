@@ -140,11 +140,11 @@ fn mistakes_of_the_jitter_are_named() {
 #[test]
 fn honest_choices_are_told_and_pass() {
     let per_ray = training(3, |key, step, r, _| key.uniform(step, r, 0));
-    let told = |calls: &[Call; 2], name: &str| {
+    let shown = |calls: &[Call; 2], name: &str| {
         let found = findings(images().view(), calls, &resting(), BOUNDS, &CS180);
         assert!(found.len() == 1 && found[0].name == name && found[0].honest, "{name}: {found:?}");
     };
-    told(&per_ray, "one_jitter_per_ray");
+    shown(&per_ray, "one_jitter_per_ray");
     for (dealt_to, blocks) in [(1, false), (3, false), (4, true)] {
         let mut calls = right(8);
         for call in &mut calls {
@@ -155,7 +155,7 @@ fn honest_choices_are_told_and_pass() {
                 call.rgbs[r] = color(drawn[slot] as usize, &call.uv[r]);
             }
         }
-        told(&calls, "rays_per_image");
+        shown(&calls, "rays_per_image");
     }
 }
 

@@ -50,9 +50,9 @@ pub enum Body {
 /// A built-in scene: bodies whose densities add up and whose colors mix by density.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
-    /// What it is made of.
+    /// Its bodies.
     pub bodies: Vec<Body>,
-    /// The box that holds all of it (a blob: to six deviations, beyond which e^-18 of its density is left).
+    /// The box that holds all of it (a blob: to six standard deviations, where e^-18 of its density is left).
     pub bounds: (DVec3, DVec3),
 }
 
@@ -89,7 +89,7 @@ impl Medium {
         sigma
     }
 
-    /// c(x, d) in [0, 1], seen along unit direction `d`: the bodies' colors weighed by their densities; black where there is nothing.
+    /// c(x, d) in [0, 1], seen along unit direction `d`: the bodies' colors weighted by their densities; black where the density is 0.
     pub fn color(&self, x: DVec3, d: DVec3) -> [f64; 3] {
         let (mut sum, mut weight) = ([0.0; 3], 0.0);
         for body in &self.bodies {
@@ -121,7 +121,7 @@ impl Medium {
     }
 }
 
-/// Five balls that reach into each other, of different colors.
+/// Five overlapping balls of different colors.
 fn spheres() -> Vec<Body> {
     let ball = |x: f64, y: f64, z: f64, radius: f64, color: [f64; 3]| {
         let center = DVec3::new(x, y, z);
@@ -157,7 +157,7 @@ impl Body {
         }
     }
 
-    /// c(x, d): waves across the slab, a gradient in the blob, light and a highlight that moves with the eye on a ball.
+    /// c(x, d): waves across the slab, a gradient in the blob, on a ball, diffuse light and a highlight that moves with the eye.
     pub fn color(&self, x: DVec3, d: DVec3) -> [f64; 3] {
         match *self {
             Body::Slab { .. } => [0.5 + 0.4 * sin_pi(2.0 * x.x), 0.5 + 0.4 * sin_pi(2.0 * x.y), 0.6],

@@ -2,7 +2,7 @@ use approx::assert_relative_eq;
 
 use super::*;
 
-/// Rays towards the scene from all sides, some of which miss it.
+/// Rays toward the scene from all sides, some of which miss it.
 fn rays() -> Vec<Ray> {
     let mut rays = Vec::new();
     for i in 0..40 {
@@ -17,7 +17,7 @@ fn rays() -> Vec<Ray> {
 
 #[test]
 fn light_through_each_scene_is_the_closed_form_s() {
-    // The midpoint rule with N samples is off by about L^3 / (24 N^2) sigma'': the tolerance is what that leaves at N = 20,000.
+    // The midpoint rule with N samples is off by about L^3 / (24 N^2) sigma'': the tolerance is that at N = 20,000.
     for (name, tolerance) in [("slab", 1e-13), ("blob", 1e-7), ("spheres", 1e-7)] {
         let medium = Medium::named(name).unwrap();
         let mut hit = 0;

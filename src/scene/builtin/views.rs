@@ -17,9 +17,9 @@ use crate::volume_rendering::{Rendering, composite_background, volume_render};
 
 /// Width and height of a photograph, in pixels.
 const SIZE: usize = 64;
-/// Samples a ray, all of them inside the scene's box.
+/// Samples per ray, all of them inside the scene's box.
 const SAMPLES: usize = 192;
-/// Photographs to learn from, and to measure on.
+/// Numbers of training and validation views.
 const VIEWS: (usize, usize) = (24, 4);
 /// Poses of the film.
 const FILM: usize = 60;
@@ -86,7 +86,7 @@ fn photograph(
     Ok(Array3::from_shape_vec((camera.height, camera.width, 3), rows.concat()).expect("H rows of W colors"))
 }
 
-/// What a ray sees between `near` and `far`, by the reference: `samples` in the middles of equal intervals of the part inside the box.
+/// A ray between `near` and `far`, rendered by the reference: `samples` in the middles of equal intervals of the part inside the box.
 pub fn render(medium: &Medium, ray: &Ray, near: f64, far: f64, samples: usize) -> Rendering {
     let Some((enter, leave)) = ray_box(ray, medium.bounds, near, far) else {
         return volume_render(&[], &[], &[], ProductEps::None);

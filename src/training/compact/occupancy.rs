@@ -48,7 +48,7 @@ impl CompactModel {
         let chunks = &mut tasks[..count.div_ceil(TASK)];
         parallel::for_chunks(chunks, 1, |n, chunk| {
             let draws = n * TASK..((n + 1) * TASK).min(count);
-            self.look(draws, all, step, &mut chunk[0]);
+            self.sample_cells(draws, all, step, &mut chunk[0]);
         });
         for chunk in chunks {
             self.occupancy.raise(&chunk.points, &chunk.sigma);
@@ -59,7 +59,7 @@ impl CompactModel {
     }
 
     /// Densities at random points of cells: of cell n itself if `all`, otherwise of a random one.
-    fn look(&self, draws: std::ops::Range<usize>, all: bool, step: u64, chunk: &mut Chunk) {
+    fn sample_cells(&self, draws: std::ops::Range<usize>, all: bool, step: u64, chunk: &mut Chunk) {
         let key = Key::new(self.settings.seed, Purpose::Occupancy);
         let r = self.occupancy.resolution;
         chunk.clear();

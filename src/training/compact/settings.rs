@@ -52,7 +52,7 @@ pub struct Overrides {
     pub seed: u64,
     /// Samples across the box (`--samples`).
     pub samples: Option<usize>,
-    /// Rays a step, fixed (`--rays`); by default as many as fill a batch of samples.
+    /// Rays per step, fixed (`--rays`); by default as many as fill a batch of samples.
     pub rays: Option<usize>,
     /// Learning rate of the grid (`--lr`).
     pub lr: Option<f64>,

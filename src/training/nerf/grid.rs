@@ -24,7 +24,7 @@ pub(super) const OPACITY: f64 = 0.01;
 const TASK: usize = 1 << 13;
 
 /// Densities at points (M, 3).
-pub(crate) type Ask<'a> = &'a dyn Fn(&[f64]) -> Vec<f32>;
+pub(crate) type DensityAt<'a> = &'a dyn Fn(&[f64]) -> Vec<f32>;
 
 /// The grid, and the box of the scene that it fills.
 #[derive(Clone, Debug, PartialEq)]
@@ -115,29 +115,29 @@ impl Grid {
     }
 
     /// The first fill: every cell once, then around the occupied ones. `step` is a sample's step length, `number` the training step.
-    pub fn fill(&mut self, key: &Key, number: u64, step: f64, ask: Ask) {
+    pub fn fill(&mut self, key: &Key, number: u64, step: f64, density_at: DensityAt) {
         self.cells.density.fill(0.0);
         let all: Vec<usize> = (0..self.cells.density.len()).collect();
-        self.look(&all, key, number, 0, ask);
+        self.raise(&all, key, number, 0, density_at);
         for round in 1..=FIRST_LOOKS {
             self.cells.apply_threshold(threshold(step));
-            self.look(&self.surroundings(), key, number, round, ask);
+            self.raise(&self.surroundings(), key, number, round, density_at);
         }
         self.cells.apply_threshold(threshold(step));
     }
 
     /// A later update, the `turn`-th: a part of all cells, and around the occupied ones.
-    pub fn update(&mut self, key: &Key, (number, turn): (u64, u64), step: f64, ask: Ask) {
+    pub fn update(&mut self, key: &Key, (number, turn): (u64, u64), step: f64, density_at: DensityAt) {
         self.cells.decay(DECAY);
         let part = turn as usize % PARTS;
         let some: Vec<usize> = (part..self.cells.density.len()).step_by(PARTS).collect();
-        self.look(&some, key, number, 0, ask);
-        self.look(&self.surroundings(), key, number, 1, ask);
+        self.raise(&some, key, number, 0, density_at);
+        self.raise(&self.surroundings(), key, number, 1, density_at);
         self.cells.apply_threshold(threshold(step));
     }
 
     /// Raises cells to the network's density at a random point in each of them.
-    fn look(&mut self, cells: &[usize], key: &Key, number: u64, round: u64, ask: Ask) {
+    fn raise(&mut self, cells: &[usize], key: &Key, number: u64, round: u64, density_at: DensityAt) {
         let mut points = vec![0.0; 3 * cells.len()];
         parallel::for_chunks(&mut points, 3 * TASK, |task, points| {
             for (n, x) in points.chunks_exact_mut(3).enumerate() {
@@ -149,7 +149,7 @@ impl Grid {
                 }
             }
         });
-        let densities = ask(&points);
+        let densities = density_at(&points);
         for (&cell, sigma) in cells.iter().zip(densities) {
             // A NaN raises nothing here; it shows in the loss.
             self.cells.density[cell] = self.cells.density[cell].max(sigma);

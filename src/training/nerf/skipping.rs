@@ -42,21 +42,21 @@ pub(crate) fn skipping(live: Option<&[bool]>) -> Skipping<'_> {
 
 impl NerfModel {
     /// Before a step: fills the grid when it is time, and updates it now and then.
-    pub(super) fn look(&mut self, scene: &Scene, step: u64) -> Result<()> {
+    pub(super) fn update_grid(&mut self, scene: &Scene, step: u64) -> Result<()> {
         let Some(skip) = self.settings.skip.filter(|skip| self.fine.is_none() && step > skip.after) else {
             return Ok(());
         };
         let key = Key::new(self.settings.seed, Purpose::Occupancy);
         let length = self.step_length();
-        let ask = |points: &[f64]| self.coarse.densities(points);
+        let density_at = |points: &[f64]| self.coarse.densities(points);
         if let Some(grid) = &mut self.grid {
             let since = step - skip.after - 1;
             if since.is_multiple_of(skip.every) {
-                grid.update(&key, (step, since / skip.every), length, &ask);
+                grid.update(&key, (step, since / skip.every), length, &density_at);
             }
         } else {
             let mut grid = Grid::new(scene, self.settings.near, self.settings.far, skip.resolution)?;
-            grid.fill(&key, step, length, &ask);
+            grid.fill(&key, step, length, &density_at);
             self.grid = Some(grid);
         }
         Ok(())
@@ -96,8 +96,8 @@ impl NerfModel {
     /// Loads what [`Self::grid_state`] returned; a checkpoint from before the grid was filled has none.
     pub(super) fn restore_grid(&mut self, state: &Arrays, file: &str) -> Result<()> {
         self.grid = None;
-        let held = [BOX, DENSITY].iter().any(|name| state.contains_key(*name));
-        if let Some(Skip { resolution, .. }) = self.settings.skip.filter(|_| held) {
+        let present = [BOX, DENSITY].iter().any(|name| state.contains_key(*name));
+        if let Some(Skip { resolution, .. }) = self.settings.skip.filter(|_| present) {
             let corners: Vec<f64> = find(state, BOX, &[2, 3], file)?.into_iter().collect();
             let density = find(state, DENSITY, &[resolution; 3], file)?;
             let density = density.into_iter().map(|x| x as f32).collect();

@@ -67,7 +67,7 @@ fn mlp_batched(a: &Arrays, threads: usize, store: fn(&[f32]) -> Store) -> Box<dy
     })
 }
 
-/// Layer by layer over half of all points a thread: activations go through memory instead of staying in the cache.
+/// Layer by layer over half of all points per thread: activations go through memory instead of staying in the cache.
 fn mlp_unfused(a: &Arrays) -> Box<dyn Kernel> {
     let layers: Vec<Plain> = network(a).layers.iter().map(plain_layer).collect();
     let turned: Vec<Vec<f32>> =

@@ -15,7 +15,8 @@ use crate::random::{Key, Purpose};
 /// Points that share a direction.
 const SAMPLES: usize = 64;
 
-/// Points along rays through [-1, 1]^3, 64 a direction, and a network with initial values but for a density bias that keeps densities alive.
+/// Points along rays through [-1, 1]^3, 64 a direction, and a network with initial values except for a density bias that keeps densities
+/// positive.
 fn nerf_workload(items: usize, shape: &Shape) -> Arrays {
     let mut net = NerfMlp::initial(shape, &Key::new(0, Purpose::Parameters));
     net.sigma.b[0] += 0.1;
@@ -39,7 +40,7 @@ fn field_arrays(sigmas: Vec<f64>, rgbs: Vec<f64>) -> Arrays {
     arrays([("sigmas", array(&[points], sigmas)), ("rgbs", array(&[points, 3], rgbs))])
 }
 
-/// Densities and colors that one point after the other gives.
+/// Densities and colors, one point after the other.
 fn point_by_point(
     a: &Arrays,
     point: impl Fn(&[f64], &[f64]) -> (f64, [f64; 3]) + 'static,
