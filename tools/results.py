@@ -5,9 +5,9 @@
     python tools/results.py --only lego,step        # these
     python tools/results.py --data ../data          # everything, on a quiet machine; the folder has the scenes, and the course's
 
-Figures are kept in benches/results.json: those that aren't measured this time stay as they are, with the commit and the machine that they
-stand on. The page is made from that file alone, up to its line of earlier figures, which is kept as it is. Standard library only; figures of
-PyTorch, and of the second implementation, need tools/requirements.txt.
+Figures are kept in benches/results.json: those that aren't measured this time stay as they are, with the commit and the machine
+that they stand on. The page is made from that file alone, up to its line of earlier figures, which is kept as it is. Standard
+library only; figures of PyTorch, and of the second implementation, need tools/requirements.txt.
 """
 
 import argparse
@@ -68,7 +68,8 @@ class Bench:
         folder = self.folder / f"run{len(self.trained)}"
         if key not in self.trained:
             words = ["train", self.scene(scene), "--out", folder, "--seconds", seconds, "--seed", seed, *more]
-            self.run(self.tool, *words, show=f"nerf-oracle train {scene} --out RUN --seconds {seconds} --seed N {' '.join(more)}".strip())
+            show = f"nerf-oracle train {scene} --out RUN --seconds {seconds} --seed N {' '.join(more)}"
+            self.run(self.tool, *words, show=show.strip())
             log = [json.loads(line) for line in (folder / "log.jsonl").read_text().splitlines()]
             self.trained[key] = (folder, log)
         return self.trained[key]
@@ -133,10 +134,13 @@ def step(bench):
         ours.append(json.loads(text.splitlines()[-1]))
         text, _ = bench.run(sys.executable, "tools/bench_torch.py", "--rounds", "1", "--threads", "2")
         theirs.append(json.loads(text.splitlines()[-1]))
-    pairs = {"step_seconds": "step, s", "forward_points_per_second": "forward, points/s"}
-    pairs |= {"fit_image_seconds_per_1000_steps": "fit-image, s per 1,000 steps"}
-    lines = [f"{name}: {middle([o[key] for o in ours])} / {middle([t[key] for t in theirs])}" for key, name in pairs.items()]
-    return "; ".join(lines)
+    rows = [
+        ("step, s, against chunks of 64 rays", "step_seconds", "step_accumulated_seconds"),
+        ("against the whole batch", "step_seconds", "step_whole_batch_seconds"),
+        ("forward, points/s", "forward_points_per_second", "forward_points_per_second"),
+        ("fit-image, s per 1,000 steps", "fit_image_seconds_per_1000_steps", "fit_image_seconds_per_1000_steps"),
+    ]
+    return "; ".join(f"{name}: {middle([o[a] for o in ours])} / {middle([t[b] for t in theirs])}" for name, a, b in rows)
 
 
 def lego(bench):
@@ -239,7 +243,10 @@ def machine():
 
 def commit():
     """The commit, marked where the tree differs from it."""
-    run = lambda *words: subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()  # noqa: E731
+
+    def run(*words):
+        return subprocess.run(["git", *words], cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+
     changed = run("status", "--porcelain", "--untracked-files=no", "--", ".", ":!benches")
     return run("rev-parse", "--short", "HEAD") + (" and changes" if changed else "")
 
@@ -251,9 +258,10 @@ def page(stored, earlier):
     for figure in FIGURES:
         if found := stored.get(figure.id):
             rows.append(f"| {figure.what} | {figure.must} | {found['measured']} | {found['commit']} | {found['machine']} |")
-            commands.append(f"* {figure.what}: " + ", ".join(f"`{said}`" for said in found["commands"] or ["tests/pages/MUTANTS.json"]))
-    head = "# Results\n\nThis part is written by `python tools/results.py` from `results.json` beside it; `--list` says what it can measure.\n"
-    head += "A figure of a busy machine says so in its machine's column.\n\n"
+            said = found["commands"] or ["tests/pages/MUTANTS.json"]
+            commands.append(f"* {figure.what}: " + ", ".join(f"`{command}`" for command in said))
+    head = "# Results\n\nThis part is written by `python tools/results.py` from `results.json` beside it; `--list` says what it\n"
+    head += "can measure. A figure of a busy machine says so in its machine's column.\n\n"
     return head + "\n".join(rows) + "\n\nCommands:\n\n" + "\n".join(commands) + "\n\n" + EARLIER + earlier
 
 
