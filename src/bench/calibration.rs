@@ -3,7 +3,7 @@
 
 use serde_json::{Value, json};
 
-use super::dense::Candidate;
+use super::dense::CeilingCandidate;
 use super::rounds::{quantile, seconds};
 use crate::field::fast::{sgemm, sgemm_layer};
 use crate::parallel;
@@ -72,12 +72,12 @@ impl Calibration {
     }
 
     /// The candidates for the ceiling of dense layers: the best rounds.
-    pub fn candidates(&self) -> Vec<Candidate> {
+    pub fn candidates(&self) -> Vec<CeilingCandidate> {
         let [m, n, k] = LAYER;
         let small = if self.n < 4096 { " (quick: not 4096^3)" } else { "" };
         let names = [format!("gemm {}^3{small}", self.n), format!("gemm {m}x{n}x{k}, one a thread")];
         let best = [&self.gflops, &self.layer_gflops].map(|gflops| quantile(gflops, 1.0));
-        names.into_iter().zip(best).map(|(name, gflops)| Candidate { name, gflops }).collect()
+        names.into_iter().zip(best).map(|(name, gflops)| CeilingCandidate { name, gflops }).collect()
     }
 
     /// For rows and reports.

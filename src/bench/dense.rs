@@ -125,7 +125,7 @@ fn worse(worst: f64, error: f64) -> f64 {
 
 /// One figure that the ceiling is the largest of.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Candidate {
+pub struct CeilingCandidate {
     /// What ran.
     pub name: String,
     /// Its best round.
@@ -135,12 +135,12 @@ pub struct Candidate {
 /// The best of the candidates; what isn't finite doesn't count.
 ///
 /// ```
-/// use nerf_oracle::bench::dense::{Candidate, ceiling};
-/// let all = [("a", 170.0), ("b", 301.5), ("c", f64::NAN)].map(|(n, gflops)| Candidate { name: n.into(), gflops });
+/// use nerf_oracle::bench::dense::{CeilingCandidate, ceiling};
+/// let all = [("a", 170.0), ("b", 301.5), ("c", f64::NAN)].map(|(n, gflops)| CeilingCandidate { name: n.into(), gflops });
 /// assert_eq!(ceiling(&all), Some(&all[1]));
 /// assert_eq!(ceiling(&all[2..]), None);
 /// ```
-pub fn ceiling(candidates: &[Candidate]) -> Option<&Candidate> {
+pub fn ceiling(candidates: &[CeilingCandidate]) -> Option<&CeilingCandidate> {
     let finite = candidates.iter().filter(|c| c.gflops.is_finite());
     finite.max_by(|a, b| a.gflops.total_cmp(&b.gflops))
 }
@@ -225,7 +225,7 @@ fn mean(least: f64, mut run: impl FnMut() -> f64) -> f64 {
 }
 
 /// The section of the report.
-pub fn section(measured: &[Measured], candidates: &[Candidate], left_out: Option<String>) -> Value {
+pub fn section(measured: &[Measured], candidates: &[CeilingCandidate], left_out: Option<String>) -> Value {
     if measured.is_empty() {
         return Value::Null;
     }

@@ -12,7 +12,7 @@ use std::process::Command;
 
 use serde_json::{Map, Value, json};
 
-use super::dense::Candidate;
+use super::dense::CeilingCandidate;
 use super::report::Row;
 use super::rounds::quantile;
 use crate::error::{Error, Result};
@@ -71,7 +71,7 @@ impl Peer {
     }
 
     /// The best of its large products, for the ceiling of dense layers; or why it isn't among the candidates.
-    pub fn candidate(&self) -> Result<Candidate, String> {
+    pub fn candidate(&self) -> Result<CeilingCandidate, String> {
         let number = |name: &'static str| self.objects.iter().filter_map(move |o| o.get(name)?.as_f64());
         let best = number("sgemm_gflops").filter(|&x| x > 0.0 && x.is_finite()).fold(0.0, f64::max);
         if best == 0.0 {
@@ -84,7 +84,7 @@ impl Peer {
         let library = self.objects.iter().find_map(|o| o.get("sgemm_library")?.as_str());
         let size = number("sgemm_size").next().map_or_else(String::new, |n| format!(" {n}^3"));
         let name = format!("{}: {}{size}", self.program(), library.unwrap_or("sgemm"));
-        Ok(Candidate { name, gflops: best })
+        Ok(CeilingCandidate { name, gflops: best })
     }
 
     /// The median and spread over rounds of every number that `figures` finds in the objects, by name.

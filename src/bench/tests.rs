@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
 
-use super::dense::{self, Candidate, Dense, Layers, WorkCount};
+use super::dense::{self, CeilingCandidate, Dense, Layers, WorkCount};
 use super::report::{Row, compare};
 use super::scaling::exponent;
 use super::suites::SUITES;
@@ -194,7 +194,7 @@ fn shares_of_a_made_up_ceiling() {
     let mut measured = dense::prepare(&MADE_UP, 0.0, true);
     measured.iter_mut().for_each(dense::Measured::round);
     let candidates = [("slow", 3.0), ("fast", 5.0), ("nan", f64::NAN), ("middle", 4.0)];
-    let candidates = candidates.map(|(name, gflops)| Candidate { name: name.into(), gflops });
+    let candidates = candidates.map(|(name, gflops)| CeilingCandidate { name: name.into(), gflops });
     let section = dense::section(&measured, &candidates, Some("one that was away".into()));
     assert_eq!((&section["ceiling_gflops"], &section["ceiling_of"]), (&json!(5.0), &json!("fast")));
     let row = &section["rows"][0];

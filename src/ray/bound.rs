@@ -14,7 +14,7 @@ use crate::convention::{Axes, Conventions, Directions};
 type Vector = [Bounded; 3];
 
 /// The intermediate values of one ray, from pixel to world space.
-struct Direction {
+struct RayDirection {
     /// In camera space, in the axes of the pose.
     camera: Vector,
     /// |R K^-1 (u, v, 1)|; 1 where nothing is divided.
@@ -23,7 +23,7 @@ struct Direction {
     d: Vector,
 }
 
-impl Direction {
+impl RayDirection {
     fn new(
         lens: &[Axis; 2],
         rows: &[[f64; 4]; 3],
@@ -49,11 +49,11 @@ impl Direction {
             rotated.or(any_order(&expanded, m)).or(textbook(&expanded, row[3], m))
         });
         match c.directions {
-            Directions::Depth => Direction { camera, norm: one, d: r },
+            Directions::Depth => RayDirection { camera, norm: one, d: r },
             Directions::Unit => {
                 let norm = m.sqrt(any_order(&r.map(|r| m.mul(r, r)), m));
                 let d = r.map(|r| m.div(r, norm).or(m.mul(r, m.div(one, norm))));
-                Direction { camera, norm, d }
+                RayDirection { camera, norm, d }
             }
         }
     }
@@ -87,7 +87,8 @@ fn textbook(terms: &[Bounded], o: f64, m: &Arithmetic) -> Bounded {
 /// Bound of [`super::pixel_to_ray`]. The origin is passed through unchanged.
 pub fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (lens, c2w, uv) = (Axis::of(&values(a, "K")), values(a, "c2w"), twos(a, "uv"));
-    let direction = |n: usize| Direction::new(&lens, &rows34(&c2w, n), uv[n].map(exact), c, m).d.map(|d| d.e);
+    let direction =
+        |n: usize| RayDirection::new(&lens, &rows34(&c2w, n), uv[n].map(exact), c, m).d.map(|d| d.e);
     arrays([
         ("rays_o", array(&[uv.len(), 3], vec![0.0; 3 * uv.len()])),
         ("rays_d", array(&[uv.len(), 3], (0..uv.len()).flat_map(direction).collect())),
@@ -102,7 +103,7 @@ pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (mut gather, mut g_c2w, mut g_uv) = (Gather::default(), vec![], vec![]);
     for n in 0..uv.len() {
         let rows = rows34(&c2w, n);
-        let ray = Direction::new(&lens, &rows, uv[n].map(exact), c, m);
+        let ray = RayDirection::new(&lens, &rows, uv[n].map(exact), c, m);
         let g_r = ray.gradient(g_d[n].map(exact), c, m);
         let translation = |k: usize| match m.grade {
             Grade::A => 0.0,
@@ -127,7 +128,7 @@ pub fn image_rays(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let axis = |f: f64, c: f64| Axis { f: hyper(f, m), c: hyper(c, m) };
     let lens = [axis(k.fx, k.cx), axis(k.fy, k.cy)];
     let uv: Vec<[Bounded; 2]> = positions(a, c).iter().map(|uv| uv.to_array().map(|x| hyper(x, m))).collect();
-    let d = uv.iter().flat_map(|&uv| Direction::new(&lens, &rows, uv, c, m).d.map(|d| d.e)).collect();
+    let d = uv.iter().flat_map(|&uv| RayDirection::new(&lens, &rows, uv, c, m).d.map(|d| d.e)).collect();
     arrays([
         ("uv", array(&[height, width, 2], uv.concat().iter().map(|x| x.e).collect())),
         ("rays_o", array(&[height, width, 3], vec![0.0; 3 * height * width])),

@@ -9,14 +9,20 @@ use crate::contract::machine::Machine;
 use crate::convention::{Axes, Conventions, Directions};
 
 /// One ray: its direction in camera space, before and after the division, and the norm.
-struct Direction {
+struct RayDirection {
     camera: [f64; 3],
     r: [f64; 3],
     norm: f64,
     d: [f64; 3],
 }
 
-fn direction(k: &Intrinsics, rows: &[[f64; 4]; 3], uv: [f64; 2], c: &Conventions, m: &Machine) -> Direction {
+fn direction(
+    k: &Intrinsics,
+    rows: &[[f64; 4]; 3],
+    uv: [f64; 2],
+    c: &Conventions,
+    m: &Machine,
+) -> RayDirection {
     let mut camera = point(k, uv, 1.0, m);
     if c.axes == Axes::Opengl {
         camera = [camera[0], -camera[1], -camera[2]];
@@ -31,11 +37,11 @@ fn direction(k: &Intrinsics, rows: &[[f64; 4]; 3], uv: [f64; 2], c: &Conventions
         rows.map(|row| dot(&row[..3], &camera, m))
     };
     if c.directions == Directions::Depth {
-        return Direction { camera, r, norm: 1.0, d: r };
+        return RayDirection { camera, r, norm: 1.0, d: r };
     }
     let norm = m.sqrt(dot(&r, &r, m));
     let d = if m.form % 2 == 0 { r.map(|r| m.div(r, norm)) } else { r.map(|r| m.mul(r, m.div(1.0, norm))) };
-    Direction { camera, r, norm, d }
+    RayDirection { camera, r, norm, d }
 }
 
 /// (R K^-1) (u, v, 1).
@@ -69,7 +75,7 @@ pub fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// The gradient of r: the projection over the norm (form 0), or as autograd writes it (1), or with the cube of the norm (2).
-fn gradient(ray: &Direction, g: [f64; 3], c: &Conventions, m: &Machine) -> [f64; 3] {
+fn gradient(ray: &RayDirection, g: [f64; 3], c: &Conventions, m: &Machine) -> [f64; 3] {
     if c.directions == Directions::Depth {
         return g;
     }

@@ -3,7 +3,7 @@
 //! Whether a ray hits is certain where the two ends are further apart than their errors; otherwise either answer is admissible. On a
 //! miss there is no t, and any is admissible.
 
-use super::arrays::{Question, forward, vjp};
+use super::arrays::{RayAndBox, forward, vjp};
 use crate::camera::bound::{any_order, hyper};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::Arrays;
@@ -45,7 +45,7 @@ impl End {
 }
 
 /// Both ends; `None` if the ray is parallel to a slab and outside of it, which no rounding can change.
-fn ends(q: &Question, m: &Arithmetic) -> Option<[End; 2]> {
+fn ends(q: &RayAndBox, m: &Arithmetic) -> Option<[End; 2]> {
     let end = |limit, sign| End { candidates: vec![], limit: hyper(limit, m), sign };
     let (mut enter, mut leave) = (end(q.near, 1.0), end(q.far, -1.0));
     for a in 0..3 {

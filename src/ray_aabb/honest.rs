@@ -1,13 +1,13 @@
 //! Honest rays and boxes in emulated arithmetic: divided, or multiplied by the inverse; faces by sign, or sorted.
 
-use super::arrays::{Question, forward, outputs, vjp};
+use super::arrays::{RayAndBox, forward, outputs, vjp};
 use super::{Hit, arrays};
 use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
 /// The interval with the axes that determine its ends (3: near or far).
-fn stretch(q: &Question, m: &Machine) -> Option<(Hit, [usize; 2])> {
+fn stretch(q: &RayAndBox, m: &Machine) -> Option<(Hit, [usize; 2])> {
     let mut hit = Hit { enter: m.round(q.near), leave: m.round(q.far) };
     let mut axes = [3, 3];
     for a in 0..3 {
@@ -36,7 +36,7 @@ fn stretch(q: &Question, m: &Machine) -> Option<(Hit, [usize; 2])> {
 
 /// Where rays enter and leave a box. The t of a miss are arbitrary.
 pub fn ray_aabb(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
-    let miss = [arrays::questions(a)[0].far, 0.0, f64::INFINITY][(m.form % 3) as usize];
+    let miss = [arrays::rays_and_boxes(a)[0].far, 0.0, f64::INFINITY][(m.form % 3) as usize];
     forward(a, |q| outputs(stretch(q, m).map(|(hit, _)| hit), miss))
 }
 

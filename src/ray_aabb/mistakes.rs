@@ -1,6 +1,6 @@
 //! Rays and boxes, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::arrays::{Question, forward, outputs, vjp};
+use super::arrays::{RayAndBox, forward, outputs, vjp};
 use super::{Hit, backward, between};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
@@ -108,7 +108,7 @@ pub const RAY_AABB: &[Mistake] = &[
     .of_gradient(),
 ];
 
-fn wrong_hit(q: &Question, wrong: &[&str]) -> Option<Hit> {
+fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
     let is = |name: &str| wrong.contains(&name);
     let (low, high) = match is("center_and_size") {
         true => {
@@ -148,7 +148,7 @@ fn wrong_hit(q: &Question, wrong: &[&str]) -> Option<Hit> {
 
 /// Where rays enter and leave a box.
 pub fn ray_aabb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
-    let length = |q: &Question| match q.d.iter().map(|d| d * d).sum::<f64>() {
+    let length = |q: &RayAndBox| match q.d.iter().map(|d| d * d).sum::<f64>() {
         0.0 => 1.0,
         square => square.sqrt(),
     };
