@@ -2,7 +2,7 @@
 //!
 //! The reference that neural radiance field implementations are checked against.
 //!
-//! Read this file top to bottom and you know the house. Data flows, and modules stand, in this order:
+//! Data flows through the modules in this order:
 //!
 //! | stage | module | what it does |
 //! |---|---|---|
@@ -17,10 +17,11 @@
 //! | training | [`training`] | the loop around all of this, in 3D and in 2D |
 //! | evaluation | [`evaluation`] | whole pictures, and how far they are from photographs |
 //!
-//! Components that let work follow the scene, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
-//! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], the whole way of a pixel at once.
+//! Components that save work where a scene is empty or opaque, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
+//! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
+//! steps for one picture.
 //!
-//! Rooms, from the ground up: each may import those before it, `tests/architecture` reads the list here and fails on anything else.
+//! Rooms, from the ground up: each may import those before it; `tests/architecture` reads this list and fails on anything else.
 //!
 //! 1. the ground: [`error`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`] (the choices that differ
 //!    between right implementations), [`files`]
@@ -34,8 +35,8 @@
 //! 7. the judge behind one component's name and types: `judge.rs` in its folder
 //! 8. what our own tests need: [`proof`]
 //! 9. photographs and cameras: [`scene`]
-//! 10. how good pictures are, and learning: [`evaluation`], [`training`]
-//! 11. what is written: [`report`]
+//! 10. quality of pictures, and training: [`evaluation`], [`training`]
+//! 11. charts, tables and pages: [`report`]
 //! 12. speed against error: [`bench`]
 //! 13. the program: [`cli`]
 //!
