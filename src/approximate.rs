@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// Within 2 ULP, or 2^-24 of 2^-24 next to a zero, however many turns; what is reduced in f32 as well.
+    /// Within 2 ULP, or 2^-24 of 2^-24 next to a zero, however many turns; the f32 reduction too.
     #[test]
     fn the_full_sine_is_within_two_ulp() {
         let mut worst = 0.0f64;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Everything that can go wrong because of what a user handed over. The program ends with exit code 2 on any of these.
+/// Everything that can be wrong with a user's input. The program ends with exit code 2 on any of these.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A file, an array or a field that isn't what it should be.

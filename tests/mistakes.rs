@@ -1,4 +1,4 @@
-//! The catalogue is the test: every mistake is named first, alone and beside a convention.
+//! The catalogue is the test: every mistake is named first, alone and together with a convention.
 
 use ndarray::ArrayD;
 use nerf_oracle::COMPONENTS;
@@ -18,8 +18,8 @@ use nerf_oracle::judge::{Exam, Verdict};
 use nerf_oracle::parallel;
 use nerf_oracle::random::{Key, Purpose};
 
-/// What an implementation in `dtype` with this mistake answers: the inputs of a case off by half a rounding together (so that what is
-/// equal stays equal, as it does in any arithmetic), each result by three. Bytes are whole.
+/// What an implementation in `dtype` with this mistake answers: all inputs of a case off by the same half rounding (so that equal
+/// ones stay equal, as in any arithmetic), each result by three. Bytes are whole.
 fn wrong_answers(question: &Question, c: &Conventions, mistakes: &[&str], dtype: Dtype) -> Answers {
     let direction = question.component.direction(question.kind).unwrap();
     let u = if dtype == Dtype::F64 { 0.0 } else { 0.5 * dtype.unit_roundoff() };

@@ -88,7 +88,7 @@ impl Clock {
 pub struct Found(Mutex<[f64; 2]>);
 
 impl Found {
-    /// A product of so many flops, entries of which are off by such parts of what they may be off by.
+    /// A product, its flops, and the errors of its entries over their bounds.
     pub fn add(&self, flops: f64, entries: impl Iterator<Item = f64>) {
         let mut found = self.0.lock().expect("no holder panics");
         let [worst, all] = *found;

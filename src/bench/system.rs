@@ -57,7 +57,7 @@ pub trait System: Send + Sync {
     fn choose(&mut self, n: usize);
     /// The f32 path.
     fn render(&self, rays: &[Ray]) -> Vec<Pixel>;
-    /// The field as trained, in f64, with so many samples across the box.
+    /// The field as trained, in f64, with this many samples across the box.
     fn truth(&self, ray: &Ray, samples: usize) -> TrueRay;
     /// The current choice in f64, at the same samples: the error of f32 and of the early stop.
     fn same_samples(&self, rays: &[Ray]) -> Vec<TrueRay>;

@@ -219,7 +219,7 @@ fn shares_of_a_made_up_ceiling() {
     assert!(run(&[], &[], &[], &options(), |_| {}).unwrap().dense.is_null());
 }
 
-/// A peer's product is a candidate where it ran on as many threads; where not, the report says so.
+/// A peer's product is a candidate if it ran on as many threads; otherwise the report says so.
 #[test]
 #[cfg(unix)]
 fn a_peers_product_takes_part_in_the_ceiling() {

@@ -14,7 +14,7 @@ pub(crate) fn any_order(terms: &[Bounded], m: &Arithmetic) -> Bounded {
     m.sum(terms).or(Arithmetic { u_sum: m.u, ..*m }.sum(terms))
 }
 
-/// A hyper-parameter: handed over in f64, rounded to the type where the type can't represent it.
+/// A hyper-parameter: given in f64, rounded to the type where the type can't represent it.
 pub(crate) fn hyper(x: f64, m: &Arithmetic) -> Bounded {
     let digits = libm::frexp(x).0 / m.u;
     if digits == libm::rint(digits) && x.abs() <= m.largest { exact(x) } else { m.rounded(x, 0.0) }

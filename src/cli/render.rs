@@ -52,7 +52,7 @@ pub struct Args {
 pub enum CameraPath {
     /// The scene's own.
     Test,
-    /// A circle of so many.
+    /// A circle of this many cameras.
     Orbit(usize),
 }
 

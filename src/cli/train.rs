@@ -150,7 +150,7 @@ pub fn train(args: &Args) -> Result<Summary> {
     if args.resume {
         run.resume()?;
     }
-    // Not earlier: a run that can't go on stays as it was. Not later: one that is stopped is resumed and rendered with these.
+    // Not earlier: a run that can't be resumed stays unchanged. Not later: one that is stopped is resumed and rendered with these.
     settings.insert("warnings".into(), json!(warnings));
     folder.write_settings(&settings)?;
     let bar = progress::bar(options.steps, "train");

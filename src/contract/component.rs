@@ -12,9 +12,9 @@ use crate::convention::Conventions;
 pub enum Entries {
     /// Real numbers, in the type under test; a scalar input is a hyper-parameter, in f64.
     Real,
-    /// Whole numbers that count: handed over as int64, answered in any type.
+    /// Counts: whole numbers, written as int64, answered in any type.
     Count,
-    /// 0 or 1: handed over as int64, answered in any type.
+    /// 0 or 1: written as int64, answered in any type.
     Bit,
     /// 0, ..., 255: uint8, answered in any type.
     Byte,
@@ -38,7 +38,7 @@ pub struct Port {
     pub shape: &'static str,
     /// What it is, with units.
     pub meaning: &'static str,
-    /// Inputs: a VJP asks for `grad_<name>`. Outputs: a VJP hands over `grad_<name>`.
+    /// Inputs: a VJP returns `grad_<name>`. Outputs: a VJP takes `grad_<name>`.
     pub gradient: bool,
     /// What its entries are.
     pub entries: Entries,

@@ -67,7 +67,7 @@ pub const HAZARDS: &[Hazard] = &[
         [
             "gradient at an opacity of exactly 1",
             "the textbook gradient of the product divides by 1 - alpha = 0, or by a clamped number and returns 0; the right one is finite",
-            "nerfacc, as a FIXME in its code",
+            "nerfacc",
         ],
     ),
     hazard(

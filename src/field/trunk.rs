@@ -14,7 +14,7 @@ pub enum Part {
 /// Where the encoding enters the trunk again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// The layer (from 0) whose input holds it; none where it is 0 or not below the depth.
+    /// The layer (from 0) whose input contains it; `None` if it is 0 or not below the depth.
     pub skip: usize,
     /// On which side of the hidden units.
     pub order: SkipOrder,
@@ -58,7 +58,7 @@ impl Plan {
     }
 
     /// The column of layer n's input at which the encoding begins, where the input has `inputs` columns and the encoding `encoding`;
-    /// none where it isn't part of it.
+    /// `None` if it isn't part of it.
     pub fn encoding_begins(&self, n: usize, inputs: usize, encoding: usize) -> Option<usize> {
         match self.parts(n) {
             [Part::Hidden] => None,

@@ -7,7 +7,7 @@
 //! use nerf_oracle::judge::{Candidate, Verdict, judge};
 //! use nerf_oracle::contract::Dtype;
 //!
-//! // C' = C + (1 - A) b, as somebody might write it.
+//! // C' = C + (1 - A) b, as a candidate might write it.
 //! let candidate = Candidate::new().forward("composite_background", |inputs| {
 //!     let (colors, opacity) = (input(inputs, "colors"), input(inputs, "opacity"));
 //!     let b = input(inputs, "background");

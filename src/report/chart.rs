@@ -11,7 +11,7 @@ pub(super) struct Axis {
     low: f64,
     high: f64,
     log: bool,
-    /// Grid lines: value, and what is written there, as SVG.
+    /// Grid lines: value and label, as SVG.
     ticks: Vec<(f64, String)>,
 }
 

@@ -34,7 +34,7 @@ pub struct Frame {
     pub name: String,
     /// The camera.
     pub camera: Camera,
-    /// The photograph, (H, W, 3) in [0, 1]; none where the scene has only a pose (a film path).
+    /// The photograph, (H, W, 3) in [0, 1]; `None` if the scene has only a pose (a film path).
     pub image: Option<Array3<f32>>,
 }
 
@@ -56,7 +56,7 @@ pub struct Scene {
     pub far: f64,
     /// The color behind everything, red, green, blue in [0, 1]: what transparent pixels were composited over.
     pub background: [f64; 3],
-    /// The box that holds everything of interest, lower and upper corner, where the scene says so.
+    /// The box that holds everything of interest, lower and upper corner, if the scene states it.
     pub bounds: Option<(DVec3, DVec3)>,
     /// The point closest to all cameras' axes; where there is none, the middle of the first camera's view.
     pub focus: DVec3,

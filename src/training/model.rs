@@ -31,7 +31,7 @@ pub struct Pixel {
     pub depth: f32,
 }
 
-/// A field with its parameters, its optimizer's state, and its settings. `Any`, so that whoever measures one kind of model can ask for it.
+/// A field with its parameters, its optimizer's state, and its settings. `Any`, so that `bench` can downcast to one kind of model.
 pub trait Model: Any + Sync + Send {
     /// One optimizer step, number `step` counted from 1: a function of step, seed and scene, never of the clock or of threads.
     fn step(&mut self, scene: &Scene, step: u64) -> Result<StepReport>;

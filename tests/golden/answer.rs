@@ -143,7 +143,7 @@ fn training_step(inputs: &Arrays, vjp: bool) -> Arrays {
         out.insert("colors".into(), colors);
         return out;
     }
-    // Back: the cotangent of the colors is 0 but through the loss, or given beside it.
+    // Backward: the cotangent of the colors comes through the loss alone, or is given.
     loss.insert("grad_value".into(), inputs["grad_value"].clone());
     let mut grad_colors = run("mse", &loss, c, true)["grad_prediction"].clone();
     if let Some(given) = inputs.get("grad_colors") {

@@ -148,7 +148,7 @@ fn oracle() -> BTreeMap<String, Function> {
     oracle_files().iter().flat_map(|file| functions(file)).collect()
 }
 
-/// What a call says as it panics; none where it returns.
+/// The message with which a call panics; `None` if it returns.
 fn refusal(call: fn()) -> Option<String> {
     let payload = catch_unwind(AssertUnwindSafe(call)).err()?;
     let said = payload.downcast_ref::<String>().cloned();

@@ -161,7 +161,7 @@ impl Layers for Step {
 
     fn work(&self) -> WorkCount {
         let (seen, live) = (self.sum(|c| c.visited.len()), self.sum(|c| c.points.len()));
-        // Samples behind the early stop have a density, and no more.
+        // Samples after the early stop have a density only.
         let products = live as f64 * SAMPLE + 2.0 * ((seen - live) * WEIGHTS[0]) as f64;
         let rays = self.sum(|c| c.rays.iter().filter(|ray| ray.count > 0).count());
         let per_ray = if self.model.settings.view_dependent { 4 * harmonics::WIDTH * HIDDEN } else { 0 };

@@ -87,7 +87,7 @@ impl System for Trained<'_> {
 }
 
 impl Trained<'_> {
-    /// What a ray sees in f64 with so many samples, to its end or until less light than `stop` comes through.
+    /// A ray rendered in f64 with this many samples, to its end or until T < `stop`.
     fn seen(&self, ray: &Ray, samples: usize, stop: f64) -> TrueRay {
         let (near, far) = (self.model.settings.near, self.model.settings.far);
         let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);

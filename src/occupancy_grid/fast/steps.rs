@@ -1,4 +1,4 @@
-//! What a traversal is update_of, and what it answers: rays, and their samples in occupied cells.
+//! The inputs and outputs of a traversal: rays, and their samples in occupied cells.
 
 /// A ray's samples: the points t = (k + u) step, t in [near, far), in units of the box.
 #[derive(Clone, Copy, Debug)]
@@ -13,7 +13,7 @@ pub struct MarchRay {
     pub far: f32,
     /// Jitter in [0, 1).
     pub u: f32,
-    /// The ray ends after so many samples in opaque cells, at least 1.
+    /// The number of samples in opaque cells after which the ray ends, at least 1.
     pub patience: u32,
 }
 

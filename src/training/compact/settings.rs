@@ -231,7 +231,7 @@ impl CompactSettings {
         self.samples * (0.3 + 0.7 * (step as f64 / 300.0).min(1.0))
     }
 
-    /// The same for a picture of the model as it was after that step.
+    /// The same for a picture of the model after that step.
     pub fn samples_at_rest(&self, step: u64) -> f64 {
         AT_REST * self.samples_at(step)
     }

@@ -69,7 +69,7 @@ impl CompactModel {
         rays_each * count
     }
 
-    /// Forward and backward of a step's batch of so many rays; `on` multiplies.
+    /// Forward and backward of a step's batch of `rays` rays; `on` multiplies.
     pub(crate) fn run(&self, chunks: &mut [Chunk], rays: usize, step: u64, on: &impl Multiply) {
         let pass = self.pass(self.settings.samples_at(step), Some(2.0 / (3 * rays) as f32));
         parallel::for_each(chunks, |chunk| run(self.arch, &pass, chunk, on));

@@ -36,7 +36,7 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Over the box of all training rays between `near` and `far`, with so many cells along an edge (a multiple of 16); no density known.
+    /// Over the box of all training rays between `near` and `far`, with this many cells along an edge (a multiple of 16); no density known.
     ///
     /// # Errors
     /// Where a training pixel has no ray.
