@@ -170,7 +170,7 @@ mod tests {
                 .flat_map(|frame| frame.image.as_ref().unwrap().colors())
                 .map(|c| c.iter().sum::<f32>() > 0.05);
             let (count, lit) = pixels.fold((0, 0), |(n, m), lit| (n + 1, m + usize::from(lit)));
-            f64::from(lit) / f64::from(count)
+            lit as f64 / count as f64
         };
         assert!((filled(&plain) / FILLED - 1.0).abs() < 0.25, "{}", filled(&plain));
         for fill in [0.05, 0.5, 1.0] {
