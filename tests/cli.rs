@@ -185,6 +185,59 @@ fn a_warning_is_kept_once() {
     assert_eq!((&again, &kept), (&first, &first));
 }
 
+/// Nothing lies between near and far: the run ends within 50 steps with exit 1, says why and what to try, and keeps it in `run.json`.
+#[test]
+fn a_run_that_does_not_learn_ends_with_one() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    for (name, more) in [("nothing", &["--near", "20", "--far", "21"][..]), ("blown", &["--lr", "1e30"])] {
+        let out = path(dir.path(), name);
+        let common = ["train", "builtin:spheres", "--out", &out, "--steps", "400", "--threads", "2"];
+        let ended = run(&[&common[..], more].concat());
+        let said = String::from_utf8(ended.stderr).expect("text");
+        assert_eq!(ended.status.code(), Some(1), "{name}: {said}");
+        let advice = if name == "nothing" { "Check --near and --far" } else { "Lower --lr" };
+        assert!(said.contains("doesn't learn") && said.contains(advice), "{name}: {said}");
+        let file = Path::new(&out).join("run.json");
+        let settings: Value = serde_json::from_slice(&fs::read(file).expect("settings")).expect("JSON");
+        assert!(settings["failure"].as_str().is_some_and(|why| why.contains(advice)), "{name}: {settings}");
+        let log = fs::read_to_string(Path::new(&out).join("log.jsonl")).expect("a log");
+        let last: Value = serde_json::from_str(log.lines().last().expect("a line")).expect("JSON");
+        assert!(last["step"].as_u64() <= Some(50), "{name}: {last}");
+    }
+}
+
+/// Wall clock ends a run; views are counted; full validations come where they are asked for and at the end.
+#[test]
+fn a_log_says_how_it_was_measured() {
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let run = path(dir.path(), "run");
+    let small = "builtin:spheres,size=16,views=6";
+    let common = ["train", small, "--out", &run, "--threads", "2", "--json"];
+    let began = std::time::Instant::now();
+    let summary = object(&[&common[..], &["--seconds", "2"]].concat());
+    let took = began.elapsed().as_secs_f64();
+    let seconds = summary["seconds"].as_f64().expect("seconds");
+    assert!(seconds >= 2.0 && seconds <= took, "{seconds} of {took}");
+    let lines = || -> Vec<Value> {
+        let log = fs::read_to_string(Path::new(&run).join("log.jsonl")).expect("a log");
+        log.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
+    };
+    let (last, before) = (lines().pop().expect("a line"), lines());
+    assert_eq!((&last["val_views"], before.len() > 10), (&Value::from(4), true));
+    assert!(
+        before[..before.len() - 1]
+            .iter()
+            .all(|line| line["val_psnr"].is_null() && line["val_probe"].is_f64())
+    );
+    object(&[&common[..], &["--steps", "9", "--val-at", "3,5", "--val-every", "4"]].concat());
+    let measured: Vec<u64> = lines()
+        .iter()
+        .filter(|line| line["val_views"] == 4)
+        .filter_map(|line| line["step"].as_u64())
+        .collect();
+    assert_eq!(measured, [3, 4, 5, 8, 9]);
+}
+
 #[test]
 fn a_run_goes_on_with_what_it_was_begun_with() {
     let dir = tempfile::tempdir().expect("a temporary folder");

@@ -59,7 +59,7 @@ fn a_small_scene_loads() {
     npz::write(&path, &cs180(), true).unwrap();
     let scene = scene::load(path.to_str().unwrap(), &Options::default()).unwrap();
     assert_eq!((scene.size(), scene.near, scene.far, scene.test.len()), ((6, 5), 2.0, 6.0, 0));
-    assert_eq!(scene.train[1].image.as_ref().unwrap()[[4, 5, 2]], 0.2);
+    assert_eq!(scene.train[1].image.as_ref().unwrap().at(4, 5)[2], 0.2);
     assert!(scene.focus.length() < 1e-12);
 }
 

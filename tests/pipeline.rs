@@ -190,7 +190,7 @@ fn shared(name: &str) -> Option<Scene> {
 fn error(model: &dyn Model, scene: &Scene) -> f64 {
     let (frame, stride) = (&scene.val[0], 97);
     let rays: Vec<_> = camera_rays(&frame.camera).unwrap().into_iter().step_by(stride).collect();
-    let pixels = frame.image.as_ref().unwrap().as_slice().unwrap().as_chunks::<3>().0;
+    let pixels: Vec<[f32; 3]> = frame.image.as_ref().unwrap().colors().collect();
     let seen = model.render(&rays);
     let squares = seen.iter().zip(pixels.iter().step_by(stride)).flat_map(|(seen, pixel)| {
         let clear = 1.0 - seen.opacity;

@@ -3,9 +3,10 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use nerf_oracle::Error;
 use nerf_oracle::files::npz;
+use nerf_oracle::ray::camera_ray;
 use nerf_oracle::scene::{self, Options, Scene};
 use serde_json::{Value, json};
 
@@ -106,10 +107,10 @@ fn transforms_turn_axes_composite_and_sort() {
     assert_eq!(held.camera.c2w.z_axis.truncate(), -DVec3::X);
     assert_eq!(held.camera.c2w.y_axis.truncate(), -DVec3::Z);
     assert_eq!(held.camera.c2w.w_axis.truncate(), DVec3::X * 4.0);
-    assert_eq!(kept.image.as_ref().unwrap()[[3, 5, 0]], 128.0 / 255.0, "over black");
+    assert_eq!(kept.image.as_ref().unwrap().at(3, 5)[0], 128.0 / 255.0, "over black");
     let white = Options { background: Some([1.0; 3]), near: Some(1.0), ..Options::default() };
     let scene = scene::load(folder.path().to_str().unwrap(), &white).unwrap();
-    assert!((scene.train[0].image.as_ref().unwrap()[[0, 0, 1]] - 127.0 / 255.0).abs() < 1e-6, "over white");
+    assert!((scene.train[0].image.as_ref().unwrap().at(0, 0)[1] - 127.0 / 255.0).abs() < 1e-6, "over white");
     assert_eq!(scene.reasons["near"], "1.0000: given");
 }
 
@@ -143,6 +144,68 @@ fn blender_gives_an_angle_and_a_file_a_split() {
     assert!(scene.test[0].image.is_none());
     let scene = scene::load(path, &Options { test_images: true, ..options }).unwrap();
     assert!(scene.test[0].image.is_some());
+}
+
+/// Without a validation split all training frames are learned from, the test frames are measured on, and it is said; `--holdout` has the
+/// last word, and so it has where the test split has no pictures.
+#[test]
+fn test_frames_are_measured_on_where_nothing_else_is() {
+    let folder = captured(|_| ());
+    let write = |split: &str, names: &[&str]| {
+        let frame =
+            |(n, name): (usize, &&str)| json!({ "file_path": name, "transform_matrix": POSES[n % 2] });
+        let frames: Vec<Value> = names.iter().enumerate().map(frame).collect();
+        let json = json!({ "camera_angle_x": 0.5, "frames": frames });
+        std::fs::write(folder.path().join(format!("transforms_{split}.json")), json.to_string()).unwrap();
+    };
+    write("train", &["./a", "./b"]);
+    write("test", &["./b"]);
+    let plain = Options { near: Some(2.0), far: Some(6.0), ..Options::default() };
+    let load = |options: &Options| scene::load(folder.path().to_str().unwrap(), options).unwrap();
+    let scene = load(&plain);
+    assert_eq!((scene.train.len(), scene.val.len(), scene.test.len()), (2, 1, 1));
+    assert!(scene.val[0].image.is_some() && scene.test[0].image.is_none());
+    assert!(
+        scene.warnings[0].contains("1 test frames") && scene.warnings[0].contains("All 2"),
+        "{:?}",
+        scene.warnings
+    );
+    let held = load(&Options { holdout: Some(2), ..plain.clone() });
+    assert_eq!((held.train.len(), held.val.len(), held.warnings.len()), (1, 1, 0));
+    write("test", &["./nowhere"]);
+    let held = load(&plain);
+    assert_eq!((held.train.len(), held.val.len()), (1, 1));
+}
+
+/// A quarter of the pixels: the camera sees the centers of the squares, and an odd column is left over.
+#[test]
+fn a_scaled_scene_has_the_rays_of_its_squares() {
+    for n in [2, 3] {
+        let folder = captured(|json| json["k1"] = json!(0.05));
+        let path = folder.path().to_str().unwrap();
+        let options = Options { near: Some(2.0), far: Some(6.0), holdout: Some(2), ..Options::default() };
+        let whole = scene::load(path, &options).unwrap();
+        let small = scene::load(path, &Options { shrink: Some(n), ..options }).unwrap();
+        assert_eq!(small.size(), (6 / n, 4 / n));
+        let (large, camera) = (whole.train[0].camera, small.train[0].camera);
+        let f = n as f64;
+        assert_eq!(
+            (camera.k.fx, camera.k.fy, camera.k.cx, camera.k.cy),
+            (8.0 / f, 7.0 / f, 2.5 / f, 1.5 / f)
+        );
+        for (j, i) in (0..4 / n).flat_map(|j| (0..6 / n).map(move |i| (j as f64 + 0.5, i as f64 + 0.5))) {
+            let ray = camera_ray(&camera, DVec2::new(i, j)).unwrap();
+            let same = camera_ray(&large, DVec2::new(f * i, f * j)).unwrap();
+            assert!((ray.d - same.d).length() < 1e-12 && ray.o == same.o);
+        }
+        let color = small.train[0].image.as_ref().unwrap().at(0, 0);
+        assert_eq!(color, whole.train[0].image.as_ref().unwrap().at(0, 0), "all pixels are alike");
+        assert!(small.reasons["scale"].as_str().unwrap().contains("6x4"));
+    }
+    let folder = captured(|_| ());
+    let error =
+        scene::load(folder.path().to_str().unwrap(), &Options { shrink: Some(9), ..Options::default() });
+    assert!(error.unwrap_err().to_string().contains("--scale"));
 }
 
 #[test]

@@ -143,6 +143,19 @@ def cells(points, n, wrong):
     return tuple((index if "axes_reversed" in wrong else index[:, ::-1]).T)
 
 
+def mean_or(density, threshold, wrong):
+    """The smaller of the threshold and the mean of what is there; below all cells that are seen where none is above that."""
+    known = density if "mean_of_all" in wrong else density[density > 0]
+    level = min(threshold, known.mean(dtype=density.dtype)) if known.size else threshold
+    if "mean_of_all" in wrong:
+        return level
+    if "threshold_alone" in wrong:
+        return threshold
+    if (known > level).any():
+        return level
+    return threshold if "stays_empty" in wrong else -1
+
+
 def occupancy_grid(a, c, wrong):
     """Scattered by maximum.at."""
     kind, n = a["density"].dtype.type, len(a["density"])
@@ -157,16 +170,21 @@ def occupancy_grid(a, c, wrong):
         seen[at] = touched[at]
     else:
         np.maximum.at(seen, at, sigmas)
-    decayed, some = decay * a["density"], np.isfinite(seen)
-    density = np.maximum(decayed, seen)
+    before, some = a["density"], np.isfinite(seen)
+    sigma, decayed = np.where(some, seen, kind(0)), decay * a["density"]
+    density = np.maximum(decayed, sigma)
     if "density_replaced" in wrong:
-        density = np.where(some, seen, decayed)
+        density = sigma
     if "moving_average" in wrong:
-        density = np.where(some, decayed + (1 - decay) * np.where(some, seen, kind(0)), decayed)
+        density = decayed + (1 - decay) * sigma
     if "rise_decays" in wrong:
-        density = np.maximum(decayed, np.where(some, decay * np.where(some, seen, kind(0)), decayed))
-    source = a["density"] if "occupied_before" in wrong else density
-    occupied = (source >= threshold if "threshold_included" in wrong else source > threshold).astype(kind)
+        density = np.maximum(decayed, decay * sigma)
+    density = np.where(some, density, decayed if "all_decay" in wrong else before)
+    if "unseen_cells_rise" not in wrong:
+        density = np.where(before < 0, before, density)
+    source = before if "occupied_before" in wrong else density
+    level = mean_or(source, threshold, wrong)
+    occupied = (source >= level if "threshold_included" in wrong else source > level).astype(kind)
     return {"density_out": density, "occupied": occupied, "found": occupied[cells(a["queries"], n, wrong)]}
 
 

@@ -61,8 +61,9 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         ],
     ];
     write_page(&args.out, &rows)?;
-    // Within the default seconds it has to learn the scene, too.
-    let learned = args.seconds < SECONDS || summary.val_psnr.is_some_and(|psnr| psnr >= LEARNED);
+    // Within its default seconds it has to learn the scene, too.
+    let learned = summary.failure.is_none()
+        && (args.seconds < SECONDS || summary.val_psnr.is_some_and(|psnr| psnr >= LEARNED));
     let (ok, page) = (difference <= TOLERANCE && learned, args.out.join("index.html").display().to_string());
     let object = json!({
         "out": args.out.display().to_string(), "page": page, "train": summary.object, "val_psnr": summary.val_psnr,
@@ -120,7 +121,7 @@ fn write_comparison(trained: &Trained, path: &Path) -> Result<()> {
     let (mut photographs, mut views) = (vec![], vec![]);
     for frame in trained.scene.val.iter().take(4) {
         let Some(image) = &frame.image else { continue };
-        photographs.push(picture::to_rgb(image.view()));
+        photographs.push(picture::to_rgb(image.to_array().view()));
         let view = render_view(&*trained.model, &frame.camera, trained.scene.background.map(|b| b as f32))?;
         views.push(picture::to_rgb(view.rgb.view()));
     }

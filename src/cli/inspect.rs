@@ -87,8 +87,7 @@ fn draw_rays(scene: &Scene, args: &Args) -> Result<Vec<Drawn>> {
         let [image, j, i] = random_pixel(&scene.train, &pixels, 0, n);
         let frame = &scene.train[image];
         let uv = pixel_position(i, j, PixelCenter::Half);
-        let rgb =
-            frame.image.as_ref().map_or([0.0; 3], |image| [0, 1, 2].map(|k| f64::from(image[[j, i, k]])));
+        let rgb = frame.image.as_ref().map_or([0.0; 3], |image| image.at(j, i).map(f64::from));
         let t =
             sample_along_ray(scene.near, scene.far, &jitter.uniforms(0, n, args.samples), Grid::Intervals);
         drawn.push(Drawn { pixel: PixelDraw { image, uv, rgb }, ray: camera_ray(&frame.camera, uv)?, t });
@@ -102,9 +101,12 @@ fn thumbnail(frame: &Frame) -> RgbImage {
     let shrink = (f64::from(THUMBNAIL) / w.max(h)).min(1.0);
     let (width, height) = ((w * shrink).round().max(1.0) as u32, (h * shrink).round().max(1.0) as u32);
     match &frame.image {
-        Some(image) => {
-            imageops::resize(&picture::to_rgb(image.view()), width, height, imageops::FilterType::Triangle)
-        }
+        Some(image) => imageops::resize(
+            &picture::to_rgb(image.to_array().view()),
+            width,
+            height,
+            imageops::FilterType::Triangle,
+        ),
         None => RgbImage::from_pixel(width, height, image::Rgb([128; 3])),
     }
 }

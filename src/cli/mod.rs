@@ -18,6 +18,7 @@ mod fit_image;
 mod inspect;
 mod judge;
 mod list;
+mod matrix;
 mod options;
 mod output;
 mod progress;
@@ -59,6 +60,7 @@ enum Command {
     Cases(cases::Args),
     Judge(judge::Args),
     Bench(bench::Args),
+    Matrix(matrix::Args),
 }
 
 /// Parses `args`, runs the subcommand, prints an error if there is one, and returns the exit code.
@@ -92,5 +94,6 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Cases(args) => cases::run(args, cli.json),
         Command::Judge(args) => judge::run(args, cli.json),
         Command::Bench(args) => bench::run(args, cli.json),
+        Command::Matrix(args) => matrix::run(args, cli.json),
     }
 }

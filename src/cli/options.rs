@@ -55,6 +55,12 @@ pub fn color(text: &str) -> Result<[f64; 3], String> {
     }
 }
 
+/// A scale: `1/N`, as N.
+pub fn scale(text: &str) -> Result<usize, String> {
+    let n = text.strip_prefix("1/").and_then(|n| n.parse::<usize>().ok()).filter(|n| (1..=64).contains(n));
+    n.ok_or_else(|| "expected 1/N, such as 1/2, N at most 64".into())
+}
+
 /// A picture's size: `WxH`.
 pub fn size(text: &str) -> Result<(usize, usize), String> {
     let (w, h) = text.split_once('x').ok_or("expected WxH, such as 400x300")?;

@@ -30,9 +30,13 @@ const KEPT: [&str; 12] = [
 
 /// The recipe that the command line gives.
 pub fn given(args: &Args) -> Map<String, Value> {
-    let scene_options = json!({
+    let mut scene_options = json!({
         "near": args.near, "far": args.far, "holdout": args.holdout, "background": args.background,
     });
+    if let Some(n) = args.scale {
+        // Only where given: runs of before this option have no such field, and can be resumed.
+        scene_options["shrink"] = n.into();
+    }
     let recipe = json!({
         "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
         "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
@@ -76,6 +80,7 @@ pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) ->
         far: number("far"),
         holdout: given["holdout"].as_u64().map(|n| n as usize),
         background,
+        shrink: given["shrink"].as_u64().map(|n| n as usize),
         test_images,
     };
     scene::load(name, &options)

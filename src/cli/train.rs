@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::options::{Backend, at_most, color, finite_number, none_or, positive, positive_number};
+use super::options::{Backend, at_most, color, finite_number, none_or, positive, positive_number, scale};
 use super::{output, progress, recipe};
 use crate::error::Result;
 use crate::parallel;
@@ -32,7 +32,7 @@ pub struct Args {
     /// Stop after this many steps.
     #[arg(long, value_parser = positive)]
     pub steps: Option<usize>,
-    /// Stop after this many seconds of training.
+    /// Stop after this many seconds of wall clock from the first step, everything included but the full validation at the end.
     #[arg(long, value_parser = positive_number)]
     pub seconds: Option<f64>,
     /// Stop when validation reaches this PSNR, in dB.
@@ -59,9 +59,18 @@ pub struct Args {
     /// Every Nth frame is for validation, where the scene has no split of its own.
     #[arg(long, value_parser = positive)]
     pub holdout: Option<usize>,
+    /// 1/N: pictures of one pixel for each square of N x N.
+    #[arg(long, value_name = "1/N", value_parser = scale)]
+    pub scale: Option<usize>,
     /// Full validation every N steps.
     #[arg(long, value_parser = positive)]
     pub val_every: Option<usize>,
+    /// Full validation at these steps.
+    #[arg(long, value_name = "STEP", value_delimiter = ',', value_parser = positive)]
+    pub val_at: Vec<usize>,
+    /// All views in full validations, instead of at most 8 of them, evenly chosen.
+    #[arg(long)]
+    pub val_all: bool,
     /// The color behind everything: black, white or R,G,B.
     #[arg(long, value_parser = color)]
     pub background: Option<[f64; 3]>,
@@ -94,7 +103,7 @@ impl Args {
         #[rustfmt::skip]
         let args = Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
-            samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, val_every: None, background: None, seed: 0,
+            samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, scale: None, val_every: None, val_at: vec![], val_all: false, background: None, seed: 0,
             threads: None, backend: Backend::Fast, resume: false, skip: false, width: None,
             without: vec![],
         };
@@ -117,7 +126,13 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
         let summary = train(args)?;
         output::print(json, &summary.object, &summary.text);
-        Ok(ExitCode::SUCCESS)
+        Ok(match &summary.failure {
+            None => ExitCode::SUCCESS,
+            Some(why) => {
+                eprintln!("error: {}: this run doesn't learn: {why}", args.scene);
+                ExitCode::from(1)
+            }
+        })
     })
 }
 
@@ -129,6 +144,8 @@ pub struct Summary {
     pub text: String,
     /// The last full validation, in dB.
     pub val_psnr: Option<f64>,
+    /// Why the run was given up, where it doesn't learn.
+    pub failure: Option<String>,
 }
 
 /// Trains as `args` say.
@@ -161,14 +178,16 @@ pub fn train(args: &Args) -> Result<Summary> {
     bar.finish_and_clear();
     run.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     let new: Vec<Value> = run.warnings.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
-    if !new.is_empty() {
+    let failure = run.failure.clone();
+    if !new.is_empty() || failure.is_some() {
         // The warnings of training are all that wasn't known then.
+        settings.insert("failure".into(), json!(failure));
         warnings.extend(new);
         settings.insert("warnings".into(), json!(warnings));
         folder.write_settings(&settings)?;
     }
     write_curve(&folder, &scene, &run.log)?;
-    Ok(summary(&run.log, &run.warnings, args))
+    Ok(summary(&run.log, &run.warnings, failure, args))
 }
 
 /// The parts that the model leaves out in this scene, with their reasons.
@@ -189,8 +208,9 @@ fn end(args: &Args) -> Options {
         seconds: args.seconds,
         stop_at_psnr: args.stop_at_psnr,
         val_every: args.val_every.map(|n| n as u64),
+        val_at: args.val_at.iter().map(|&n| n as u64).collect(),
+        val_all: args.val_all,
         seed: args.seed,
-        expensive: args.model == Kind::Nerf,
     }
 }
 
@@ -231,13 +251,13 @@ fn write_curve(folder: &RunFolder, scene: &Scene, log: &[LogPoint]) -> Result<()
     };
     let all = [
         series("training batch", |p| Some(p.train_psnr)),
-        series("validation, 4,096 pixels", |p| p.val_probe),
+        series("validation, some pixels", |p| p.val_probe),
         series("validation, all pixels", |p| p.val_psnr),
     ];
     curve::write(&folder.file("psnr.svg"), &format!("PSNR, {}", scene.name), "step", "dB", &all)
 }
 
-fn summary(log: &[LogPoint], warnings: &[String], args: &Args) -> Summary {
+fn summary(log: &[LogPoint], warnings: &[String], failure: Option<String>, args: &Args) -> Summary {
     let full: Vec<&LogPoint> = log.iter().filter(|p| p.val_psnr.is_some()).collect();
     let last = log.last();
     let rows: Vec<Vec<String>> = full
@@ -255,7 +275,8 @@ fn summary(log: &[LogPoint], warnings: &[String], args: &Args) -> Summary {
     let object = json!({
         "run": args.out.display().to_string(), "step": last.map(|p| p.step), "seconds": last.map(|p| p.seconds),
         "samples": last.map(|p| p.samples), "loss": last.map(|p| p.loss), "val_psnr": val_psnr,
-        "val_psnr_pooled": full.last().and_then(|p| p.val_psnr_pooled), "warnings": warnings,
+        "val_psnr_pooled": full.last().and_then(|p| p.val_psnr_pooled),
+        "val_views": full.last().and_then(|p| p.val_views), "warnings": warnings, "failure": failure,
     });
-    Summary { object, text, val_psnr }
+    Summary { object, text, val_psnr, failure }
 }

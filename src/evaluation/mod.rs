@@ -83,9 +83,9 @@ pub struct Scores {
 ///
 /// # Errors
 /// Where the lens has no inverse at some pixel.
-pub fn evaluate(
+pub fn evaluate<'a>(
     model: &dyn Model,
-    frames: &[Frame],
+    frames: impl IntoIterator<Item = &'a Frame>,
     background: [f32; 3],
     with_ssim: bool,
     mut seen: impl FnMut(&Frame, &View) -> Result<()>,
@@ -94,7 +94,7 @@ pub fn evaluate(
     for frame in frames {
         let Some(image) = &frame.image else { continue };
         let view = render_view(model, &frame.camera, background)?;
-        views.push(score(&frame.name, view.rgb.view(), image.view(), with_ssim));
+        views.push(score(&frame.name, view.rgb.view(), image.to_array().view(), with_ssim));
         seen(frame, &view)?;
     }
     Ok(summary(views))

@@ -3,11 +3,12 @@
 use std::io::{self, Cursor};
 use std::path::Path;
 
-use image::{ImageFormat, ImageReader, Limits, RgbImage};
+use image::{DynamicImage, ImageFormat, ImageReader, Limits, RgbImage};
 use ndarray::{Array3, ArrayView3};
 
 use crate::error::{Error, Result};
 use crate::files;
+use crate::scene::Photo;
 
 /// The most bytes a picture may take when decoded.
 const LARGEST: u64 = 1 << 30;
@@ -25,6 +26,35 @@ pub fn read(path: &Path) -> Result<Array3<f32>> {
 /// # Errors
 /// Where the file can't be read, isn't a picture, or is too large to decode.
 pub fn read_rgba(path: &Path) -> Result<Array3<f32>> {
+    // 32 bits a channel keep what 16-bit files hold.
+    let picture = decode(path)?.into_rgba32f();
+    let shape = (picture.height() as usize, picture.width() as usize, 4);
+    Ok(Array3::from_shape_vec(shape, picture.into_raw()).expect("a picture's length is its shape's"))
+}
+
+/// Reads a picture over a background, as bytes where the file has bytes.
+///
+/// # Errors
+/// As [`read_rgba`].
+pub fn read_photo(path: &Path, background: [f32; 3]) -> Result<Photo> {
+    let picture = decode(path)?;
+    let (height, width) = (picture.height() as usize, picture.width() as usize);
+    let color = picture.color();
+    if color.bytes_per_pixel() > color.channel_count() {
+        let rgba = picture.into_rgba32f();
+        let shape = (height, width, 4);
+        let rgba = Array3::from_shape_vec(shape, rgba.into_raw()).expect("a picture's length is its shape's");
+        let cut = rgba.iter().skip(3).step_by(4).any(|&a| a < 1.0);
+        return Ok(Photo::fine(over(rgba.view(), background), cut));
+    }
+    Ok(if color.has_alpha() {
+        Photo::cut(height, width, picture.into_rgba8().into_raw().as_chunks().0.to_vec(), background)
+    } else {
+        Photo::opaque(height, width, picture.into_rgb8().into_raw().as_chunks().0.to_vec())
+    })
+}
+
+fn decode(path: &Path) -> Result<DynamicImage> {
     let bytes = std::fs::read(path).map_err(Error::reading(path))?;
     let decode = || {
         let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
@@ -33,14 +63,10 @@ pub fn read_rgba(path: &Path) -> Result<Array3<f32>> {
         reader.limits(limits);
         reader.decode()
     };
-    let picture = decode().map_err(|error| {
+    decode().map_err(|error| {
         let advice = "Save it again as PNG or JPEG.";
         Error::input(path.display(), "picture", error, "a whole PNG, JPEG or GIF file", advice)
-    })?;
-    // 32 bits a channel keep what 16-bit files hold.
-    let picture = picture.into_rgba32f();
-    let shape = (picture.height() as usize, picture.width() as usize, 4);
-    Ok(Array3::from_shape_vec(shape, picture.into_raw()).expect("a picture's length is its shape's"))
+    })
 }
 
 /// Drops the opacity: c a + b (1 - a) over background `b`.

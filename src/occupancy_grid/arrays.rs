@@ -59,6 +59,7 @@ pub(crate) fn lengths(o: [f64; 3], d: [f64; 3], near: f64, far: f64, r: usize) -
 pub(super) fn update(a: &Arrays, _: &Conventions) -> Arrays {
     let Update { mut grid, decay, points, sigmas, queries } = update_of(a);
     grid.update(decay, &points, &sigmas);
+    grid.threshold = grid.threshold_below(grid.threshold);
     let one = |yes: bool| f64::from(u8::from(yes));
     let occupied = grid.density.iter().map(|&density| one(density > grid.threshold)).collect();
     let found = queries.iter().map(|&x| one(grid.occupied(x))).collect();

@@ -25,25 +25,27 @@ pub(crate) fn surely_in_its_cell(x: [f64; 3], resolution: usize, m: &Arithmetic)
 pub fn update(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let Update { grid, decay, points, sigmas, queries } = update_of(a);
     let r = grid.resolution;
-    let decayed = |&density: &f64| m.mul(exact(density), hyper(decay, m));
-    let mut density: Vec<Bounded> = grid.density.iter().map(decayed).collect();
-    for (&x, &sigma) in points.iter().zip(&sigmas) {
-        let cell = grid.cell(x);
-        let Bounded { y, e } = density[cell];
-        let highest = (y + e).max(sigma);
-        density[cell] = if sigma >= y + e {
-            exact(sigma)
-        } else {
-            Bounded { y: y.max(sigma), e: highest - y.max(sigma) + e }
-        };
-    }
-    let threshold = hyper(grid.threshold, m);
-    let open = |d: &Bounded| (d.y - threshold.y).abs() <= d.e + threshold.e && d.e + threshold.e > 0.0;
-    let bit = |open: bool| f64::from(u8::from(open));
     if points.iter().any(|&x| !surely_in_its_cell(x, r, m)) {
         let all = vec![f64::INFINITY; r * r * r];
         return updated(r, all.clone(), all, vec![f64::INFINITY; queries.len()]);
     }
+    let mut found = vec![-1.0f64; grid.density.len()];
+    for (&x, &sigma) in points.iter().zip(&sigmas) {
+        let cell = grid.cell(x);
+        found[cell] = found[cell].max(sigma);
+    }
+    let new = |(&density, &sigma): (&f64, &f64)| {
+        if density < 0.0 || sigma < 0.0 {
+            return exact(density);
+        }
+        let Bounded { y, e } = m.mul(exact(density), hyper(decay, m));
+        let highest = (y + e).max(sigma);
+        if sigma >= y + e { exact(sigma) } else { Bounded { y: y.max(sigma), e: highest - y.max(sigma) + e } }
+    };
+    let density: Vec<Bounded> = grid.density.iter().zip(&found).map(new).collect();
+    let threshold = threshold(&density, hyper(grid.threshold, m), m);
+    let open = |d: &Bounded| (d.y - threshold.y).abs() <= d.e + threshold.e && d.e + threshold.e > 0.0;
+    let bit = |open: bool| f64::from(u8::from(open));
     let found = |&x: &[f64; 3]| bit(open(&density[grid.cell(x)]) || !surely_in_its_cell(x, r, m));
     updated(
         r,
@@ -51,6 +53,30 @@ pub fn update(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
         density.iter().map(|d| bit(open(d))).collect(),
         queries.iter().map(found).collect(),
     )
+}
+
+/// The smaller of the limit and the mean of what is above 0, summed in any order, as a sum or as a sum of shares (Higham, section
+/// 4.2: n roundings, one for each division). Where rounding alone decides whether any cell lies above it, nothing is said.
+fn threshold(density: &[Bounded], limit: Bounded, m: &Arithmetic) -> Bounded {
+    let known: Vec<Bounded> = density.iter().copied().filter(|d| d.y > 0.0).collect();
+    let n = known.len() as f64;
+    let (sum, errors) = known.iter().fold((0.0, 0.0), |(y, e), d| (y + d.y, e + d.e));
+    let rounded = (1.0 + m.u).powf(n + 1.0) - 1.0;
+    let mean = Bounded {
+        y: sum / n,
+        e: (errors + rounded * (sum + errors) + (2.0 * n + 1.0) * m.tiny) / n.max(1.0),
+    };
+    let smaller = match () {
+        _ if known.is_empty() || mean.y - mean.e > limit.y + limit.e => limit,
+        _ if mean.y + mean.e < limit.y - limit.e => mean,
+        _ => Bounded { y: mean.y.min(limit.y), e: mean.e.max(limit.e) + (mean.y - limit.y).abs() },
+    };
+    let above = |sign: f64| known.iter().any(|d| d.y + sign * d.e > smaller.y - sign * smaller.e);
+    match (above(-1.0), above(1.0)) {
+        (true, _) => smaller,
+        (false, false) => exact(-1.0),
+        (false, true) => Bounded { y: smaller.y, e: f64::INFINITY },
+    }
 }
 
 /// The interval of t inside one slab of cells along an axis, with the errors of its ends; the outermost cells reach to infinity, as

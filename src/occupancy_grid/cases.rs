@@ -73,7 +73,7 @@ pub fn update() -> Vec<Case> {
         ),
         update_case(
             "nothing_seen",
-            "no point: all densities fall",
+            "no point: nothing is known, so every density stays",
             two.clone(),
             &[],
             &[[0.25, 0.75, 0.25]],
@@ -94,6 +94,22 @@ pub fn update() -> Vec<Case> {
             &[[0.25, 0.25, 0.25, 1.0], [0.75, 0.25, 0.75, 1.0078125]],
             &[[0.25, 0.25, 0.25], [0.75, 0.25, 0.75]],
             [0.25, 1.0],
+        ),
+        update_case(
+            "thin_everywhere",
+            "every density below the threshold: the mean of what is above 0 decides, and the densest cells stay",
+            (2, vec![0.0, 0.25, 0.125, -1.0, 0.0, 0.0, -1.0, 0.0]),
+            &[[0.25, 0.25, 0.75, 0.0625], [0.75, 0.75, 0.75, 0.03125]],
+            &[[0.75, 0.25, 0.25], [0.25, 0.75, 0.25], [0.25, 0.25, 0.75], [0.25, 0.25, 0.25]],
+            [0.5, 1.0],
+        ),
+        update_case(
+            "nothing_anywhere",
+            "no density at all: every cell that a camera sees is open, and what no camera sees stays empty",
+            (2, vec![0.0, 0.0, -1.0, 0.0, 0.0, -1.0, 0.0, 0.0]),
+            &[[0.25, 0.75, 0.25, 4.0], [0.25, 0.25, 0.25, 0.0]],
+            &[[0.75, 0.25, 0.25], [0.25, 0.75, 0.25]],
+            [0.5, 1.0],
         ),
         update_case(
             "outside",

@@ -8,10 +8,14 @@ use crate::contract::special::Special;
 pub const OCCUPANCY_GRID: Component = Component {
     name: "occupancy_grid",
     folder: "occupancy_grid",
-    formula: "density_out = max(decay density, max of the sigmas of the points in the cell); occupied where density_out > threshold",
-    source: "Instant-NGP (Mueller et al. 2022) appendix C",
+    formula: "where points lie in a cell that is seen, density_out = max(decay density, max of their sigmas), elsewhere density; occupied where density_out > min(threshold, mean of the density_out > 0), all cells with density_out >= 0 where that leaves none",
+    source: "Instant-NGP (Mueller et al. 2022) appendix C; nerfacc's OccGridEstimator",
     inputs: &[
-        Port::plain("density", "G,G,G", "density of each cell of the unit box, index [z, y, x]"),
+        Port::plain(
+            "density",
+            "G,G,G",
+            "density of each cell of the unit box, index [z, y, x]; -1 where no camera sees it",
+        ),
         Port::plain(
             "points",
             "M,3",
@@ -23,8 +27,8 @@ pub const OCCUPANCY_GRID: Component = Component {
             "Q,3",
             "points to look up after the update; outside the box the nearest cell's",
         ),
-        Port::plain("decay", "", "factor of all densities"),
-        Port::plain("threshold", "", "occupied is what lies above"),
+        Port::plain("decay", "", "factor of the densities of cells that were looked into"),
+        Port::plain("threshold", "", "occupied is what lies above it, or above the mean where that is less"),
     ],
     outputs: &[
         Port::plain("density_out", "G,G,G", "densities after the update"),

@@ -14,13 +14,18 @@ const BLOCK: usize = 16;
 /// The margin around occupied bricks, so that no ray loses a cell to rounding.
 const MARGIN: f32 = 1e-4;
 
+/// What stands for a density where there is none: less than any.
+const NOWHERE: f32 = -1.0;
+
 /// A cubic grid of cells over the unit box.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Occupancy {
     /// Cells along an edge, a multiple of 16.
     pub resolution: usize,
-    /// The largest recent density, (R^3), index x + R (y + R z).
+    /// The largest recent density, (R^3), index x + R (y + R z); below 0 where no camera sees the cell.
     pub density: Vec<f32>,
+    /// The largest density found in each cell since the last [`Self::update`]; below 0 where nobody looked.
+    pub found: Vec<f32>,
     /// For each brick, the bits of its occupied cells, and of those that are opaque.
     words: Vec<[u64; 2]>,
     /// For each block, the bits of the bricks with occupied cells.
@@ -42,7 +47,9 @@ impl Occupancy {
         let words = vec![[!0, 0]; (resolution / BRICK).pow(3)];
         let blocks = vec![!0; (resolution / BLOCK).pow(3)];
         let bounds = [[0.0; 3], [1.0; 3]];
-        Occupancy { resolution, density: vec![0.0; resolution.pow(3)], words, blocks, bounds }
+        let cells = resolution.pow(3);
+        let (density, found) = (vec![0.0; cells], vec![NOWHERE; cells]);
+        Occupancy { resolution, density, found, words, blocks, bounds }
     }
 
     /// A grid from its parts, as [`Self::density`] and [`Self::bits`] return them; `None` if the lengths don't match.
@@ -90,13 +97,29 @@ impl Occupancy {
         word >> ((z % BRICK * BRICK + y % BRICK) * BRICK + x % BRICK) & 1 == 1
     }
 
+    /// The indices of all occupied cells, brick by brick.
+    pub fn occupied_cells(&self) -> Vec<u32> {
+        let (r, bricks) = (self.resolution, self.resolution / BRICK);
+        let mut out = vec![];
+        for (n, &[mut word, _]) in self.words.iter().enumerate() {
+            let (x, y, z) = (n % bricks * BRICK, n / bricks % bricks * BRICK, n / bricks / bricks * BRICK);
+            while word != 0 {
+                let bit = word.trailing_zeros() as usize;
+                let (i, j, k) = (bit % BRICK, bit / BRICK % BRICK, bit / BRICK / BRICK);
+                out.push((((z + k) * r + y + j) * r + x + i) as u32);
+                word &= word - 1;
+            }
+        }
+        out
+    }
+
     /// Share of the cells that are occupied.
     pub fn fraction(&self) -> f64 {
         let ones: u32 = self.words.iter().map(|[occupied, _]| occupied.count_ones()).sum();
         f64::from(ones) / self.density.len() as f64
     }
 
-    /// Raises the cells of the points to their densities.
+    /// Takes down the densities found at points, for the next [`Self::update`].
     ///
     /// # Panics
     /// Where the lengths differ.
@@ -104,13 +127,34 @@ impl Occupancy {
         assert_eq!(points.len(), sigmas.len(), "points and sigmas: one each a point");
         for (&p, &sigma) in points.iter().zip(sigmas) {
             let cell = self.cell(p);
-            self.density[cell] = self.density[cell].max(sigma);
+            self.found[cell] = self.found[cell].max(sigma);
         }
     }
 
-    /// All densities times `decay`.
-    pub fn decay(&mut self, decay: f32) {
-        self.density.iter_mut().for_each(|d| *d *= decay);
+    /// Cells that were looked at: their density times `decay`, or what was found, where that is more. All others stay as they are.
+    pub fn update(&mut self, decay: f32) {
+        for (density, found) in self.density.iter_mut().zip(&mut self.found) {
+            if *found >= 0.0 && *density >= 0.0 {
+                *density = (*density * decay).max(*found);
+            }
+            *found = NOWHERE;
+        }
+    }
+
+    /// No camera sees these cells: they stay empty, whatever is found in them.
+    pub fn hide(&mut self, hidden: impl Fn(usize) -> bool) {
+        let cells = self.density.iter_mut().enumerate().filter(|(cell, _)| hidden(*cell));
+        cells.for_each(|(_, density)| *density = NOWHERE);
+    }
+
+    /// The smaller of `limit` and the mean of the densities above 0; below all that is seen where no cell is denser than that.
+    pub fn threshold(&self, limit: f32) -> f32 {
+        let (mut sum, mut count, mut most) = (0.0, 0u32, 0f32);
+        for &density in self.density.iter().filter(|density| **density > 0.0) {
+            (sum, count, most) = (sum + f64::from(density), count + 1, most.max(density));
+        }
+        let threshold = limit.min((sum / f64::from(count.max(1))) as f32);
+        if most > threshold { threshold } else { NOWHERE }
     }
 
     /// Marks the cells denser than `threshold` as occupied; none is opaque.

@@ -19,16 +19,37 @@ fn cell(x: [f64; 3], r: usize, m: &Machine) -> usize {
 /// Update and queries.
 pub fn update(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let Update { grid, decay, points, sigmas, queries } = update_of(a);
-    let (r, decay, threshold) = (grid.resolution, m.round(decay), m.round(grid.threshold));
-    let mut density: Vec<f64> = grid.density.iter().map(|&density| m.mul(decay, density)).collect();
+    let (r, decay, limit) = (grid.resolution, m.round(decay), m.round(grid.threshold));
+    let mut found = vec![-1.0f64; grid.density.len()];
     for (&x, &sigma) in points.iter().zip(&sigmas) {
         let cell = cell(x, r, m);
-        density[cell] = density[cell].max(sigma);
+        found[cell] = found[cell].max(sigma);
     }
+    let new = |(&density, &found): (&f64, &f64)| {
+        if density < 0.0 || found < 0.0 { density } else { m.mul(decay, density).max(found) }
+    };
+    let density: Vec<f64> = grid.density.iter().zip(&found).map(new).collect();
+    let threshold = threshold(&density, limit, m);
     let bit = |density: f64| f64::from(u8::from(density > threshold));
     let occupied = density.iter().map(|&d| bit(d)).collect();
     let found = queries.iter().map(|&x| bit(density[cell(x, r, m)])).collect();
     updated(r, density, occupied, found)
+}
+
+/// The mean as a sum over a number, or as a sum of shares; from the first cell to the last, or back.
+fn threshold(density: &[f64], limit: f64, m: &Machine) -> f64 {
+    let mut known: Vec<f64> = density.iter().copied().filter(|&d| d > 0.0).collect();
+    if m.form / 2 % 2 == 1 {
+        known.reverse();
+    }
+    let count = known.len() as f64;
+    let mean = if m.form % 2 == 0 {
+        m.div(known.iter().fold(0.0, |sum, &d| m.add(sum, d)), count)
+    } else {
+        known.iter().fold(0.0, |sum, &d| m.add(sum, m.div(d, count)))
+    };
+    let threshold = if known.is_empty() { limit } else { limit.min(mean) };
+    if known.iter().any(|&d| d > threshold) { threshold } else { -1.0 }
 }
 
 /// From cell to cell (Amanatides and Woo), each face from its coordinate or one step after the last; the ray stays inside of the box.

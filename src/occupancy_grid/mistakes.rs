@@ -17,6 +17,11 @@ pub const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("axes_reversed", "x and z exchanged in the index", "empty space is skipped in the wrong place", "index [z, y, x], x fastest", "between grids of both orders", 2),
     Mistake::new("nearest_cell", "round(x R) for floor(x R)", "the grid is shifted by half a cell", "floor: cells lie between faces", "align_corners and its like", 2),
     Mistake::new("threshold_included", "occupied where density >= threshold", "with a threshold of 0 no cell is ever empty", "larger than the threshold", "hand-written grids", 1),
+    Mistake::new("all_decay", "every density falls at every update", "a cell that is looked at once in 1,000 steps is called empty first", "let fall only the cells that were looked into", "hand-written grids", 1),
+    Mistake::new("threshold_alone", "occupied where density > threshold, without the mean", "a thin field is called empty as a whole: no samples, no gradients, for ever", "the smaller of the threshold and the mean", "hand-written grids", 1),
+    Mistake::new("mean_of_all", "the mean counts cells of density 0 and those that no camera sees", "the threshold falls with the empty space around the object", "the mean of the densities above 0", "alpha_thre of nerfacc's OccGridEstimator.sampling", 1),
+    Mistake::new("stays_empty", "no cell is occupied where none is denser than the threshold", "no samples, no gradients, for ever", "open all cells that are seen", "hand-written grids", 1),
+    Mistake::new("unseen_cells_rise", "cells that no camera sees rise to what is found in them", "fog behind the cameras", "leave densities below 0 as they are", "never; cheap to keep", 0),
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
 ];
 
@@ -41,10 +46,10 @@ fn wrong_cell(grid: &OccupancyGrid, x: [f64; 3], wrong: &[&str]) -> usize {
 
 /// Update and queries.
 pub fn update(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
-    let Update { grid, decay, points, sigmas, queries } = update_of(a);
+    let Update { mut grid, decay, points, sigmas, queries } = update_of(a);
     let is = |name: &str| wrong.contains(&name);
-    let mut density: Vec<f64> = grid.density.iter().map(|density| density * decay).collect();
-    let mut seen: Vec<Option<f64>> = vec![None; density.len()];
+    let before = grid.clone();
+    let mut seen: Vec<Option<f64>> = vec![None; grid.density.len()];
     for (&x, &sigma) in points.iter().zip(&sigmas) {
         let seen = &mut seen[wrong_cell(&grid, x, wrong)];
         *seen = Some(match *seen {
@@ -53,21 +58,37 @@ pub fn update(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
             _ => sigma,
         });
     }
-    for (n, seen) in seen.iter().enumerate() {
-        let Some(sigma) = *seen else { continue };
-        density[n] = match () {
-            _ if is("density_replaced") => sigma,
-            _ if is("moving_average") => density[n] + (1.0 - decay) * sigma,
-            _ if is("rise_decays") => density[n].max(decay * sigma),
-            _ => density[n].max(sigma),
+    for (density, seen) in grid.density.iter_mut().zip(seen) {
+        if *density < 0.0 && !is("unseen_cells_rise") {
+            continue;
+        }
+        let faded = decay * *density;
+        *density = match seen {
+            None if is("all_decay") => faded,
+            None => *density,
+            Some(sigma) if is("density_replaced") => sigma,
+            Some(sigma) if is("moving_average") => faded + (1.0 - decay) * sigma,
+            Some(sigma) if is("rise_decays") => faded.max(decay * sigma),
+            Some(sigma) => faded.max(sigma),
         };
     }
-    let source = if is("occupied_before") { &grid.density } else { &density };
-    let bit =
-        |d: f64| f64::from(u8::from(d > grid.threshold || is("threshold_included") && d == grid.threshold));
-    let occupied = source.iter().map(|&d| bit(d)).collect();
-    let found = queries.iter().map(|&x| bit(source[wrong_cell(&grid, x, wrong)])).collect();
-    updated(grid.resolution, density, occupied, found)
+    let source = if is("occupied_before") { &before } else { &grid };
+    let threshold = wrong_threshold(source, wrong);
+    let bit = |d: f64| f64::from(u8::from(d > threshold || is("threshold_included") && d == threshold));
+    let occupied = source.density.iter().map(|&d| bit(d)).collect();
+    let found = queries.iter().map(|&x| bit(source.density[wrong_cell(source, x, wrong)])).collect();
+    updated(grid.resolution, grid.density, occupied, found)
+}
+
+fn wrong_threshold(grid: &OccupancyGrid, wrong: &[&str]) -> f64 {
+    let is = |name: &str| wrong.contains(&name);
+    let limit = grid.threshold;
+    if is("mean_of_all") {
+        let mean = grid.density.iter().sum::<f64>() / grid.density.len() as f64;
+        return limit.min(mean);
+    }
+    let threshold = grid.threshold_below(limit);
+    if is("threshold_alone") || is("stays_empty") && threshold < 0.0 { limit } else { threshold }
 }
 
 /// Traversal.

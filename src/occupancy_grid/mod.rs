@@ -20,7 +20,7 @@ mod tests;
 pub struct OccupancyGrid {
     /// R.
     pub resolution: usize,
-    /// The largest recent density in each cell, (R^3).
+    /// The largest recent density in each cell, (R^3); -1 where no camera sees the cell.
     pub density: Vec<f64>,
     /// A cell is occupied where its density is larger.
     pub threshold: f64,
@@ -60,9 +60,10 @@ impl OccupancyGrid {
         self.density[self.cell(x)] > self.threshold
     }
 
-    /// One update: all densities fall by the factor `decay`, then each cell rises to the densities found in it.
+    /// One update: the cells that somebody looked into fall by the factor `decay`, or rise to what was found there. Nothing is known of
+    /// the others, which stay as they are; those that no camera sees (density below 0) stay so.
     ///
-    /// density = max(decay density, max of sigma over the points in the cell).
+    /// density = max(decay density, max of sigma over the points in the cell), where there are points in the cell.
     ///
     /// # Shapes
     /// `points` (M), `sigmas` (M).
@@ -72,13 +73,43 @@ impl OccupancyGrid {
     pub fn update(&mut self, decay: f64, points: &[[f64; 3]], sigmas: &[f64]) {
         assert_eq!(points.len(), sigmas.len(), "points and sigmas: one each a point");
         assert_eq!(self.density.len(), self.resolution.pow(3), "density and cells: one each a cell");
-        for density in &mut self.density {
-            *density *= decay;
-        }
+        let mut found = vec![-1.0_f64; self.density.len()];
         for m in 0..points.len() {
             let cell = self.cell(points[m]);
-            self.density[cell] = self.density[cell].max(sigmas[m]);
+            found[cell] = found[cell].max(sigmas[m]);
         }
+        for cell in 0..found.len() {
+            if found[cell] >= 0.0 && self.density[cell] >= 0.0 {
+                self.density[cell] = (decay * self.density[cell]).max(found[cell]);
+            }
+        }
+    }
+
+    /// The threshold that can't empty the grid: the smaller of `limit` and the mean of the densities above 0 (nerfacc,
+    /// `OccGridEstimator`); -1, so that every cell that is seen counts as occupied, where no cell would be denser.
+    ///
+    /// A field that is thin everywhere keeps its densest cells, and with them samples and gradients; a limit alone would end both
+    /// for ever. `limit` is a density, an optical depth over the width of a cell: never one over a step, which depends on how many
+    /// samples a ray has.
+    ///
+    /// ```
+    /// use nerf_oracle::occupancy_grid::OccupancyGrid;
+    /// let mut density = vec![0.0; 8];
+    /// (density[0], density[1], density[2]) = (0.25, 0.75, -1.0);
+    /// let grid = OccupancyGrid { resolution: 2, density, threshold: 0.0 };
+    /// assert_eq!((grid.threshold_below(2.0), grid.threshold_below(0.1)), (0.5, 0.1));
+    /// ```
+    pub fn threshold_below(&self, limit: f64) -> f64 {
+        let (mut sum, mut count, mut most) = (0.0, 0.0, 0.0_f64);
+        for density in &self.density {
+            if *density > 0.0 {
+                sum += density;
+                count += 1.0;
+                most = most.max(*density);
+            }
+        }
+        let threshold = if count > 0.0 { limit.min(sum / count) } else { limit };
+        if most > threshold { threshold } else { -1.0 }
     }
 
     /// The cells that a ray passes between `near` and `far`, in order, without gaps or overlaps.

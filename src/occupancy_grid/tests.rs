@@ -66,12 +66,32 @@ fn starts_on_a_face() {
     assert_eq!(diagonal.len(), 32);
 }
 
+/// By hand.
 #[test]
-fn update_decays_and_rises() {
-    let mut grid = OccupancyGrid { resolution: 2, density: vec![1.0; 8], threshold: 0.6 };
-    grid.update(0.5, &[[0.1, 0.1, 0.1], [0.2, 0.2, 0.2], [0.9, 0.1, 0.1]], &[2.0, 3.0, 0.1]);
-    assert_eq!(grid.density, [3.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5]);
+fn update_decays_and_rises_where_somebody_looked() {
+    let mut density = vec![1.0; 8];
+    density[7] = -1.0;
+    let mut grid = OccupancyGrid { resolution: 2, density, threshold: 0.6 };
+    let points = [[0.1, 0.1, 0.1], [0.2, 0.2, 0.2], [0.9, 0.1, 0.1], [0.9, 0.9, 0.9]];
+    grid.update(0.5, &points, &[2.0, 3.0, 0.1, 9.0]);
+    assert_eq!(grid.density, [3.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0]);
     assert!(grid.occupied([0.49, 0.0, 0.3]) && !grid.occupied([0.5, 0.0, 0.3]));
+}
+
+/// A thin field keeps its densest cells, an empty one all that are seen, whatever the limit.
+#[test]
+fn a_threshold_never_empties_the_grid() {
+    let limits = [0.01, 0.3, 1e9];
+    let opened = |four: [f64; 4], limit: f64| {
+        let grid = OccupancyGrid { resolution: 2, density: four.repeat(2), threshold: 0.0 };
+        four.map(|density| density > grid.threshold_below(limit))
+    };
+    for limit in limits {
+        assert_eq!(opened([0.0, 0.0, -1.0, 0.0], limit), [true, true, false, true]);
+        assert_eq!(opened([0.5, 0.5, -1.0, 0.5], limit), [true, true, false, true], "all alike");
+    }
+    let thin = limits.map(|limit| opened([0.125, 0.25, 0.0, -1.0], limit));
+    assert_eq!(thin, [[true, true, false, false], [false, true, false, false], [false, true, false, false]]);
 }
 
 /// A ray that starts in a face and goes down is never in the cell above, and there is no crossing of length 0.

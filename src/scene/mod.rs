@@ -7,11 +7,11 @@ use std::borrow::Borrow;
 use std::path::Path;
 
 use glam::DVec3;
-use ndarray::Array3;
 use serde_json::{Map, Value};
 
-use crate::camera::Camera;
+use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
+use crate::parallel;
 use crate::random::Key;
 use crate::ray::draw_index;
 
@@ -21,11 +21,13 @@ mod check;
 mod layout;
 mod lens;
 mod npz;
+mod photo;
 mod transforms;
 
 pub use builtin::Medium;
 pub use card::card;
 pub use layout::common_focus;
+pub use photo::Photo;
 
 /// One camera, with its photograph.
 #[derive(Clone, Debug)]
@@ -34,8 +36,8 @@ pub struct Frame {
     pub name: String,
     /// The camera.
     pub camera: Camera,
-    /// The photograph, (H, W, 3) in [0, 1]; `None` if the scene has only a pose (a film path).
-    pub image: Option<Array3<f32>>,
+    /// The photograph; `None` if the scene has only a pose (a film path).
+    pub image: Option<Photo>,
 }
 
 /// Everything that training and evaluation need to know about a scene.
@@ -77,6 +79,8 @@ pub struct Options {
     pub holdout: Option<usize>,
     /// `--background`: the color under transparent pixels (black by default).
     pub background: Option<[f64; 3]>,
+    /// `--scale 1/N`: pictures of one pixel for each square of N x N.
+    pub shrink: Option<usize>,
     /// Whether photographs of a test split are loaded too; they are many, and only an evaluation on them needs them.
     pub test_images: bool,
 }
@@ -121,10 +125,36 @@ impl Scene {
         self.reasons.insert("val".into(), Value::from(format!("every {n}th frame: {why}")));
     }
 
+    /// A pixel for each square of `n` x `n`: area means, and the cameras that would have taken them, exactly.
+    fn shrunk(mut self, n: usize) -> Result<Scene> {
+        let (width, height) = self.size();
+        if n > width.min(height) {
+            let expected = format!("at least 1/{}, a pixel of {width}x{height}", width.min(height));
+            return Err(Error::usage("--scale", format!("1/{n}"), expected));
+        }
+        let mut frames: Vec<&mut Frame> =
+            self.train.iter_mut().chain(&mut self.val).chain(&mut self.test).collect();
+        parallel::for_each(&mut frames, |frame| {
+            frame.image = frame.image.take().map(|image| image.shrunk(n));
+            frame.camera = shrunk(&frame.camera, n);
+        });
+        let why = format!("given: 1/{n} of {width}x{height}, area means of premultiplied colors");
+        self.reasons.insert("scale".into(), Value::from(why));
+        Ok(self)
+    }
+
     /// Picture width and height in pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.train[0].camera.width, self.train[0].camera.height)
     }
+}
+
+/// The camera whose pixels are `n` x `n` of this one's, from the upper left corner on: the same rays, so all lengths in pixels are an
+/// n-th, the principal point's place included, and distortion coefficients stay.
+fn shrunk(camera: &Camera, n: usize) -> Camera {
+    let Intrinsics { fx, fy, cx, cy } = camera.k;
+    let [fx, fy, cx, cy] = [fx, fy, cx, cy].map(|x| x / n as f64);
+    Camera { width: camera.width / n, height: camera.height / n, k: Intrinsics { fx, fy, cx, cy }, ..*camera }
 }
 
 /// Loads `builtin:NAME`, an `.npz` (CS180 or tiny-NeRF layout, told apart by its arrays), or a folder or file of `transforms*.json`.
@@ -133,6 +163,14 @@ impl Scene {
 /// Where anything in the scene isn't what it should be, by file and field.
 pub fn load(scene: &str, options: &Options) -> Result<Scene> {
     check::options(options)?;
+    let scene = read(scene, options)?;
+    match options.shrink {
+        Some(n) if n > 1 => scene.shrunk(n),
+        _ => Ok(scene),
+    }
+}
+
+fn read(scene: &str, options: &Options) -> Result<Scene> {
     if let Some(name) = scene.strip_prefix("builtin:") {
         return builtin::load(name, options);
     }

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use glam::DMat4;
-use ndarray::{Array3, Array4, ArrayD, Axis, Ix3, Ix4};
+use ndarray::{ArrayD, Axis, Ix3, Ix4};
 use serde_json::Value;
 
 use super::layout::{Backdrop, settle};
-use super::{Frame, Options, Scene, check};
+use super::{Frame, Options, Photo, Scene, check};
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Result};
 use crate::files::npz::{Array, Npz};
@@ -88,15 +88,15 @@ fn frames(
     axes: fn(DMat4) -> DMat4,
 ) -> Result<Vec<Frame>> {
     let poses = poses(npz, file, poses_name)?;
-    let stack = images_of(npz, file, images)?;
-    let (count, height, width, _) = stack.dim();
+    let photos = images_of(npz, file, images)?;
+    let count = photos.len();
     if poses.len() != count {
         let advice = "Every image needs its pose, in the same order.";
         return Err(Error::input(file, poses_name, poses.len(), format!("{count}, as {images} has"), advice));
     }
     let mut frames = Vec::with_capacity(count);
-    for (i, (image, c2w)) in stack.axis_iter(Axis(0)).zip(poses).enumerate() {
-        let image: Array3<f32> = image.to_owned();
+    for (i, (image, c2w)) in photos.into_iter().zip(poses).enumerate() {
+        let (height, width) = image.size();
         let camera = camera(width, height, focal, axes(c2w));
         frames.push(Frame { name: format!("{images}[{i}]"), camera, image: Some(image) });
     }
@@ -109,8 +109,8 @@ fn camera(width: usize, height: usize, focal: f64, c2w: DMat4) -> Camera {
     Camera { width, height, k, c2w, distortion: None }
 }
 
-/// Bytes / 255, or floats in [0, 1].
-fn images_of(npz: &mut Npz, file: &str, name: &str) -> Result<Array4<f32>> {
+/// Bytes, or floats in [0, 1].
+fn images_of(npz: &mut Npz, file: &str, name: &str) -> Result<Vec<Photo>> {
     let array = npz.array(name)?;
     let shape = array.shape().to_vec();
     let advice = "Stack the pictures as red, green, blue: bytes, or floats in [0, 1].";
@@ -119,7 +119,13 @@ fn images_of(npz: &mut Npz, file: &str, name: &str) -> Result<Array4<f32>> {
         return Err(Error::input(file, name, format!("shape {shape:?}"), expected, advice));
     }
     let floats: ArrayD<f32> = match array {
-        Array::U8(bytes) => bytes.mapv(|byte| f32::from(byte) / 255.0),
+        Array::U8(bytes) => {
+            let (bytes, _) = bytes.as_standard_layout().into_owned().into_raw_vec_and_offset();
+            let pictures = bytes.chunks_exact(3 * shape[1] * shape[2]);
+            return Ok(pictures
+                .map(|p| Photo::opaque(shape[1], shape[2], p.as_chunks().0.to_vec()))
+                .collect());
+        }
         Array::F32(floats) => floats,
         Array::F16(floats) => floats.mapv(f32::from),
         Array::F64(floats) => floats.mapv(|x| x as f32),
@@ -130,7 +136,8 @@ fn images_of(npz: &mut Npz, file: &str, name: &str) -> Result<Array4<f32>> {
     if let Some(x) = floats.iter().find(|x| !(-1e-3..=1.001).contains(*x)) {
         return Err(Error::input(file, name, x, "colors in [0, 1]", advice));
     }
-    Ok(floats.into_dimensionality::<Ix4>().expect("four axes were just counted"))
+    let stack = floats.into_dimensionality::<Ix4>().expect("four axes were just counted");
+    Ok(stack.axis_iter(Axis(0)).map(|image| Photo::from(image.to_owned())).collect())
 }
 
 /// (F, 4, 4) camera-to-world matrices.

@@ -7,10 +7,11 @@ use serde_json::Value;
 
 use super::layout::{Backdrop, settle};
 use super::lens::{intrinsics, lens};
-use super::{Frame, Options, Scene, check};
+use super::{Frame, Options, Photo, Scene, check};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::files::{self, picture};
+use crate::parallel;
 
 /// One parsed file.
 pub struct Transforms {
@@ -53,6 +54,11 @@ impl Transforms {
         Ok(named)
     }
 
+    /// Whether any frame has its picture.
+    fn any_picture(&self) -> Result<bool> {
+        Ok(self.frames()?.iter().any(|(name, _)| self.picture(name).is_some()))
+    }
+
     /// The picture of a frame: beside the file, `.png` where the path has no extension (Blender). `None` where it isn't there.
     fn picture(&self, name: &str) -> Option<PathBuf> {
         let beside = self.path.parent().unwrap_or(Path::new("")).join(name);
@@ -79,7 +85,8 @@ pub fn load(path: &Path, options: &Options) -> Result<Scene> {
     finish(scene, &transforms.file(), backdrop, options)
 }
 
-/// Blender's three files. Without a validation split, frames of the training split are held out.
+/// Blender's three files. Without a validation split, a test split with pictures is what is measured on, and all training frames are
+/// learned from; without that, or where `--holdout` asks for it, frames of the training split are held out.
 fn splits(folder: &Path, train: PathBuf, val: PathBuf, test: PathBuf, options: &Options) -> Result<Scene> {
     let mut scene = Scene::empty(&folder.display().to_string(), options);
     let mut reader = Reader { scene: &mut scene, seen_through: false, size: None };
@@ -89,12 +96,27 @@ fn splits(folder: &Path, train: PathBuf, val: PathBuf, test: PathBuf, options: &
         val_frames = reader.frames(&Transforms::read(&val)?, true)?;
     }
     let mut test_frames = Vec::new();
+    let mut measured = false;
     if test.is_file() {
-        test_frames = reader.frames(&Transforms::read(&test)?, options.test_images)?;
+        let test = Transforms::read(&test)?;
+        measured = val_frames.is_empty() && options.holdout.is_none() && test.any_picture()?;
+        test_frames = reader.frames(&test, options.test_images || measured)?;
     }
     let backdrop = reader.backdrop();
     scene.test = test_frames;
-    if val_frames.is_empty() {
+    if measured {
+        scene.train = train_frames;
+        scene.val.clone_from(&scene.test);
+        if !options.test_images {
+            scene.test.iter_mut().for_each(|frame| frame.image = None);
+        }
+        let why = format!("the {} test frames: the scene has no validation split", scene.val.len());
+        scene.warnings.push(format!(
+            "Validation is on {why}. All {} training frames are learned from.",
+            scene.train.len()
+        ));
+        scene.reasons.insert("val".into(), Value::from(why));
+    } else if val_frames.is_empty() {
         scene.hold_out(train_frames, options);
     } else {
         scene.train = train_frames;
@@ -128,11 +150,16 @@ impl Reader<'_> {
         let named = transforms.frames()?;
         let mut frames = Vec::with_capacity(named.len());
         let mut missing = Vec::new();
+        let background = self.scene.background.map(|c| c as f32);
+        let mut photos = parallel::map(if images { named.len() } else { 0 }, |n| {
+            transforms.picture(named[n].0).map(|path| picture::read_photo(&path, background)).transpose()
+        })
+        .into_iter();
         for (name, value) in named {
-            match (images, transforms.picture(name)) {
-                (true, None) => missing.push(name),
-                (true, Some(path)) => frames.push(self.frame(transforms, name, value, Some(&path))?),
-                (false, _) => frames.push(self.frame(transforms, name, value, None)?),
+            match photos.next().transpose()? {
+                Some(None) => missing.push(name),
+                Some(photo) => frames.push(self.frame(transforms, name, value, photo)?),
+                None => frames.push(self.frame(transforms, name, value, None)?),
             }
         }
         if frames.is_empty() {
@@ -153,7 +180,7 @@ impl Reader<'_> {
         transforms: &Transforms,
         name: &str,
         value: &Value,
-        path: Option<&Path>,
+        image: Option<Photo>,
     ) -> Result<Frame> {
         let file = transforms.file();
         let field = format!("transform_matrix of {name}");
@@ -162,12 +189,10 @@ impl Reader<'_> {
             return Err(Error::input(file, field, "no matrix", "four rows of four numbers", advice));
         };
         let c2w = check::opengl_to_opencv(check::pose(&file, &field, matrix.view())?);
-        let mut image = None;
-        if let Some(path) = path {
-            let rgba = picture::read_rgba(path)?;
-            self.size = Some((rgba.dim().1, rgba.dim().0));
-            self.seen_through |= rgba.iter().skip(3).step_by(4).any(|&a| a < 1.0);
-            image = Some(picture::over(rgba.view(), self.scene.background.map(|c| c as f32)));
+        if let Some(photo) = &image {
+            let (height, width) = photo.size();
+            self.size = Some((width, height));
+            self.seen_through |= photo.seen_through();
         }
         let (width, height, k) = intrinsics(transforms, name, value, self.size)?;
         let distortion = lens(transforms, name, value)?;

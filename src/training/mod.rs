@@ -11,5 +11,6 @@ pub mod nerf;
 pub mod reference;
 pub mod run;
 pub mod schedule;
+pub mod watch;
 
 pub use model::{Model, Pixel, StepReport};

@@ -18,6 +18,8 @@ pub struct StepReport {
     pub mse: f64,
     /// Points that went forward and backward through the field.
     pub samples: u64,
+    /// Whether no parameter got a gradient.
+    pub still: bool,
 }
 
 /// A rendered ray.
@@ -50,6 +52,11 @@ pub trait Model: Any + Sync + Send {
 
     /// Every setting, given or derived, with the reason where it was derived.
     fn settings(&self) -> Map<String, Value>;
+
+    /// Steps until its pictures must show more than one color does, or the run is given up.
+    fn start(&self) -> u64 {
+        1000
+    }
 
     /// A warning for the user, e.g. that the density head died (TR1). Called at every validation.
     fn warning(&self) -> Option<String> {

@@ -145,7 +145,7 @@ impl NerfModel {
             let u = jitter.uniforms(step, r, samples + fine);
             drawn.t.extend(sample_along_ray(near, far, &u[..samples], CS180.grid));
             drawn.u.extend(&u[samples..]);
-            drawn.targets.extend((0..3).map(|k| image[[j, i, k]]));
+            drawn.targets.extend(image.at(j, i));
         }
         Ok(drawn)
     }
@@ -229,11 +229,13 @@ impl Model for NerfModel {
         let live = self.mask(&rays);
         let first = self.coarse.step(rays, skipping(live.as_deref()), &targets, background, &adam);
         self.dead = first.dead;
-        let mut report = StepReport { loss: first.loss, mse: first.loss, samples: first.points as u64 };
+        let mut report =
+            StepReport { loss: first.loss, mse: first.loss, samples: first.points as u64, still: first.dead };
         if let (Some(network), Some(fine)) = (&mut self.fine, fine) {
             let rays = fine.rays(&origins, &directions);
             let second = network.step(rays, Skipping::default(), &targets, background, &adam);
             self.dead |= second.dead;
+            report.still = self.dead;
             report.samples += second.points as u64;
             (report.loss, report.mse) = (first.loss + second.loss, second.loss);
         }

@@ -9,17 +9,18 @@ use serde::{Deserialize, Serialize};
 
 use super::checkpoint::RunFolder;
 use super::model::{Model, StepReport};
-use super::schedule::{EXPENSIVE_AT, Schedule};
+use super::schedule::{MOST, Schedule};
+use super::watch::Watch;
 use crate::error::{Error, Result};
 use crate::evaluation::{Scores, evaluate, over};
 use crate::files::{self, picture};
 use crate::loss::psnr;
 use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray};
-use crate::scene::{Scene, random_pixel};
+use crate::scene::{Frame, Scene, random_pixel};
 
-/// Pixels of a quick validation.
-const PROBE_PIXELS: usize = 4096;
+/// The most views of a full validation, evenly chosen, unless all are asked for.
+const VIEWS: usize = 8;
 
 /// Wall clock between checkpoints, seconds.
 const SAVE_EVERY: f64 = 60.0;
@@ -29,16 +30,18 @@ const SAVE_EVERY: f64 = 60.0;
 pub struct Options {
     /// Stop after this step.
     pub steps: Option<u64>,
-    /// Stop after this many seconds of training.
+    /// Stop after this many seconds of wall clock from the first step, everything included.
     pub seconds: Option<f64>,
     /// Stop when the full validation reaches this PSNR, in dB.
     pub stop_at_psnr: Option<f64>,
     /// Full validation every N steps.
     pub val_every: Option<u64>,
+    /// Full validation at these steps.
+    pub val_at: Vec<u64>,
+    /// All views in full validations, however many.
+    pub val_all: bool,
     /// The run's seed, for the probe's pixels.
     pub seed: u64,
-    /// Whether a full validation costs minutes.
-    pub expensive: bool,
 }
 
 /// One line of `log.jsonl`.
@@ -46,7 +49,7 @@ pub struct Options {
 pub struct LogPoint {
     /// Steps done.
     pub step: u64,
-    /// Seconds of training, without validation and files.
+    /// Wall clock from the first step, everything included but the full validation at the end.
     pub seconds: f64,
     /// Points with forward and backward so far.
     pub samples: u64,
@@ -55,12 +58,15 @@ pub struct LogPoint {
     /// Its PSNR; infinite (null in the file) if the batch was reproduced exactly.
     #[serde(deserialize_with = "decibels")]
     pub train_psnr: f64,
-    /// PSNR over 4,096 seeded pixels of all validation views.
+    /// PSNR over seeded pixels of all validation views, [`Schedule::pixels`] of them.
     pub val_probe: Option<f64>,
     /// Mean of the validation views' PSNRs, all pixels.
     pub val_psnr: Option<f64>,
     /// PSNR of their pooled error.
     pub val_psnr_pooled: Option<f64>,
+    /// How many views those are.
+    #[serde(default)]
+    pub val_views: Option<usize>,
 }
 
 /// The state of the loop.
@@ -71,7 +77,9 @@ pub struct Run<'a> {
     options: &'a Options,
     probe: Vec<(Ray, [f32; 3])>,
     schedule: Schedule,
+    watch: Watch,
     step: u64,
+    /// Of the wall clock after the last step.
     seconds: f64,
     samples: u64,
     saved_at: Instant,
@@ -79,6 +87,8 @@ pub struct Run<'a> {
     pub log: Vec<LogPoint>,
     /// Warnings for the user.
     pub warnings: Vec<String>,
+    /// Why the run was given up, where it doesn't learn.
+    pub failure: Option<String>,
 }
 
 impl<'a> Run<'a> {
@@ -93,10 +103,11 @@ impl<'a> Run<'a> {
         options: &'a Options,
     ) -> Result<Self> {
         let probe = probe_pixels(scene, options.seed)?;
-        let schedule = Schedule::new(options.expensive, options.val_every);
+        let schedule = Schedule::new(options.val_every, &options.val_at);
+        let watch = Watch::new(scene, model.start());
         let (log, warnings, saved_at) = (vec![], vec![], Instant::now());
         #[rustfmt::skip]
-        let run = Run { model, scene, folder, options, probe, schedule, step: 0, seconds: 0.0, samples: 0, saved_at, log, warnings };
+        let run = Run { model, scene, folder, options, probe, schedule, watch, step: 0, seconds: 0.0, samples: 0, saved_at, log, warnings, failure: None };
         Ok(run)
     }
 
@@ -134,7 +145,7 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// Steps until an end is reached; `seen` gets every log point.
+    /// Steps until an end is reached, or the run turns out not to learn; `seen` hears of every log point.
     ///
     /// # Errors
     /// Where a step fails or a file can't be written.
@@ -144,22 +155,19 @@ impl<'a> Run<'a> {
             // At once, so that the parameters of an earlier run don't lie beside this one's settings.
             self.save()?;
         }
+        let (before, start) = (self.seconds, Instant::now());
         while !self.finished() {
-            let start = Instant::now();
             let report = self.model.step(self.scene, self.step + 1)?;
-            self.seconds += start.elapsed().as_secs_f64();
+            self.seconds = before + start.elapsed().as_secs_f64();
             self.step += 1;
             self.samples += report.samples;
-            if !report.loss.is_finite() {
-                return Err(Error::input(
-                    &self.scene.name,
-                    format!("loss at step {}", self.step),
-                    report.loss,
-                    "a finite number",
-                    "Lower --lr.",
-                ));
+            self.failure = self.watch.failure(self.step, &report);
+            let reached = self.measure(&report, &mut seen)?;
+            if self.failure.is_some() {
+                // The last checkpoint stays: it may be from when the run still learned.
+                return Ok(());
             }
-            if self.measure(&report, &mut seen)? {
+            if reached {
                 break;
             }
         }
@@ -173,22 +181,25 @@ impl<'a> Run<'a> {
 
     /// Probes and validates where it is due; true when the run has reached its goal.
     fn measure(&mut self, report: &StepReport, seen: &mut impl FnMut(&LogPoint)) -> Result<bool> {
-        let last = self.finished();
+        let failed = self.failure.is_some();
+        let last = self.finished() && !failed;
         let probe_due = self.schedule.probe(self.step);
         let full_due = self.schedule.full(self.step);
         let (mut probe, mut full) = (None, None);
         let mut reached = false;
-        if (probe_due || last) && !self.probe.is_empty() {
-            let value = self.probe_psnr();
+        if (probe_due.is_some() || last) && !self.probe.is_empty() {
+            let value = self.probe_psnr(Schedule::pixels(self.step));
             reached = self.options.stop_at_psnr.is_some_and(|goal| value >= goal);
             probe = Some(value);
         }
-        if (full_due || last || reached) && !self.scene.val.is_empty() {
-            let scores = self.validate(last || reached || EXPENSIVE_AT.contains(&self.step))?;
+        if (full_due || last || reached) && !self.probe.is_empty() {
+            let scores = self.validate()?;
             reached = self.options.stop_at_psnr.is_some_and(|goal| scores.psnr >= goal);
             full = Some(scores);
         }
-        if probe_due || full_due || last {
+        if probe_due.is_some() || full_due || last || failed {
+            let asked = self.model.warning().filter(|_| full.is_some() || failed);
+            self.warnings.extend(asked.filter(|warning| !self.warnings.contains(warning)));
             let point = LogPoint {
                 step: self.step,
                 seconds: self.seconds,
@@ -198,39 +209,40 @@ impl<'a> Run<'a> {
                 val_probe: probe,
                 val_psnr: full.as_ref().map(|s| s.psnr),
                 val_psnr_pooled: full.as_ref().map(|s| s.psnr_pooled),
+                val_views: full.as_ref().map(|s| s.views.len()),
             };
             self.append(&point)?;
             seen(&point);
             self.log.push(point);
         }
-        if self.saved_at.elapsed().as_secs_f64() > SAVE_EVERY {
+        if self.saved_at.elapsed().as_secs_f64() > SAVE_EVERY && !failed {
             self.save()?;
         }
         Ok(reached && full.is_some())
     }
 
-    fn probe_psnr(&self) -> f64 {
-        let rays: Vec<Ray> = self.probe.iter().map(|p| p.0).collect();
+    fn probe_psnr(&self, pixels: usize) -> f64 {
+        let probe = &self.probe[..pixels];
+        let rays: Vec<Ray> = probe.iter().map(|p| p.0).collect();
         let background = self.scene.background.map(|b| b as f32);
         let mut error = 0.0;
-        for (pixel, (_, target)) in self.model.render(&rays).into_iter().zip(&self.probe) {
+        for (pixel, (_, target)) in self.model.render(&rays).into_iter().zip(probe) {
             let color = over(pixel, background);
             error += (0..3).map(|k| f64::from(color[k].clamp(0.0, 1.0) - target[k]).powi(2)).sum::<f64>();
         }
         psnr(error / (3 * rays.len()) as f64, 1.0)
     }
 
-    fn validate(&mut self, with_pictures: bool) -> Result<Scores> {
-        if let Some(warning) = self.model.warning().filter(|w| !self.warnings.contains(w)) {
-            self.warnings.push(warning);
-        }
+    fn validate(&self) -> Result<Scores> {
         let background = self.scene.background.map(|b| b as f32);
-        let (folder, step) = (self.folder, self.step);
-        let mut n = 0;
-        evaluate(&*self.model, &self.scene.val, background, false, |_, view| {
-            n += 1;
-            let name = format!("views/step{step:06}_view{:02}.png", n - 1);
-            if with_pictures { picture::write_png(&folder.file(&name), view.rgb.view()) } else { Ok(()) }
+        let views: Vec<&Frame> = self.scene.val.iter().filter(|frame| frame.image.is_some()).collect();
+        let most = if self.options.val_all { views.len() } else { VIEWS };
+        let mut chosen = evenly(views.len(), most).into_iter();
+        let frames: Vec<&Frame> = chosen.clone().map(|n| views[n]).collect();
+        evaluate(&*self.model, frames, background, false, |_, view| {
+            let n = chosen.next().expect("a view for each that was chosen");
+            let name = format!("views/step{:06}_view{n:02}.png", self.step);
+            picture::write_png(&self.folder.file(&name), view.rgb.view())
         })
     }
 
@@ -244,6 +256,12 @@ impl<'a> Run<'a> {
         self.saved_at = Instant::now();
         self.folder.save(self.model.state(), self.step, self.seconds, self.samples)
     }
+}
+
+/// At most `most` of `count` numbers, as far from each other as from the ends twice over.
+fn evenly(count: usize, most: usize) -> Vec<usize> {
+    let chosen = count.min(most);
+    (0..chosen).map(|n| (2 * n + 1) * count / (2 * chosen)).collect()
 }
 
 /// Decibels as [`line`] writes them: null is infinite.
@@ -268,7 +286,29 @@ fn probe_pixels(scene: &Scene, seed: u64) -> Result<Vec<(Ray, [f32; 3])>> {
         let frame = frames[frame];
         let image = frame.image.as_ref().expect("kept those that have one");
         let ray = camera_ray(&frame.camera, DVec2::new(i as f64 + 0.5, j as f64 + 0.5))?;
-        Ok((ray, [image[[j, i, 0]], image[[j, i, 1]], image[[j, i, 2]]]))
+        Ok((ray, image.at(j, i)))
     };
-    (0..PROBE_PIXELS).map(pixel).collect()
+    (0..MOST).map(pixel).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn views_are_chosen_evenly() {
+        assert_eq!(evenly(3, 8), [0, 1, 2]);
+        assert_eq!(evenly(8, 8), [0, 1, 2, 3, 4, 5, 6, 7]);
+        assert_eq!(evenly(100, 8), [6, 18, 31, 43, 56, 68, 81, 93]);
+        assert!(evenly(0, 8).is_empty());
+    }
+
+    /// A line of before this version has no number of views.
+    #[test]
+    fn older_lines_are_read() {
+        let old = r#"{"step":1,"seconds":0.5,"samples":9,"loss":0.1,"train_psnr":10.0,"val_probe":null,"val_psnr":9.0,"val_psnr_pooled":9.0}"#;
+        let point: LogPoint = serde_json::from_str(old).unwrap();
+        assert_eq!((point.val_views, point.val_psnr), (None, Some(9.0)));
+        assert!(line(&point).contains(r#""val_views":null"#));
+    }
 }

@@ -1,60 +1,53 @@
-//! When a run is measured: quick probes at steps that grow by at most 5%, full validations at steps that grow by at most 25%.
+//! When a run is measured: quick probes at steps that grow by at most 5%, full validations at the steps that are asked for.
 
 /// The measuring steps of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Schedule {
-    /// Full validations at exactly these steps, where validation is expensive.
-    fixed: Option<&'static [u64]>,
     /// `--val-every N`.
     every: Option<u64>,
+    /// `--val-at A,B`.
+    at: Vec<u64>,
     next_probe: u64,
-    next_full: u64,
 }
 
-/// The steps at which the 8x256 network is validated in full.
-pub const EXPENSIVE_AT: &[u64] = &[100, 500, 1000, 2000, 4000, 5000];
+/// Pixels of the first probes, and the most of a later one.
+const PIXELS: [u64; 2] = [256, MOST as u64];
+
+/// The most pixels of a probe.
+pub const MOST: usize = 1 << 14;
 
 impl Schedule {
-    /// A schedule; `expensive` for models whose validation costs minutes.
-    pub fn new(expensive: bool, every: Option<u64>) -> Self {
-        Schedule { fixed: expensive.then_some(EXPENSIVE_AT), every, next_probe: 1, next_full: 1 }
+    /// A schedule with full validations every so many steps, and at some.
+    pub fn new(every: Option<u64>, at: &[u64]) -> Self {
+        Schedule { every, at: at.to_vec(), next_probe: 1 }
     }
 
-    /// Continues as in a run that measured up to `step`.
+    /// Stands where a run that measured up to `step` stood.
     pub fn skip_to(&mut self, step: u64) {
-        for s in 1..=step {
-            let _ = (self.probe(s), self.full(s));
-        }
+        (1..=step).for_each(|step| {
+            self.probe(step);
+        });
     }
 
-    /// Whether `step` is probed. Steps must be passed in ascending order.
-    pub fn probe(&mut self, step: u64) -> bool {
+    /// How many pixels are probed at `step`, if it is due: two a step, so that a probe costs about a twentieth of the steps up to the
+    /// next. Depends on the step alone, as a resumed run's log has to have the same figures. Steps must be asked in ascending order.
+    pub fn probe(&mut self, step: u64) -> Option<usize> {
         let due = step >= self.next_probe;
         if due {
-            self.next_probe = grown(step, 20);
+            self.next_probe = (step + step / 20).max(step + 1);
         }
-        due
+        due.then_some(Self::pixels(step))
     }
 
-    /// Whether `step` is validated in full. Steps must be passed in ascending order.
-    pub fn full(&mut self, step: u64) -> bool {
-        if let Some(every) = self.every {
-            return step.is_multiple_of(every);
-        }
-        if let Some(fixed) = self.fixed {
-            return fixed.contains(&step);
-        }
-        let due = step >= self.next_full;
-        if due {
-            self.next_full = grown(step, 4);
-        }
-        due
+    /// Pixels of a probe at `step`.
+    pub fn pixels(step: u64) -> usize {
+        (2 * step).clamp(PIXELS[0], PIXELS[1]) as usize
     }
-}
 
-/// The largest step that is at most 1 + 1/`part` times as far, and at least the next one.
-fn grown(step: u64, part: u64) -> u64 {
-    (step + step / part).max(step + 1)
+    /// Whether a full validation was asked for at `step`.
+    pub fn full(&self, step: u64) -> bool {
+        self.every.is_some_and(|every| step.is_multiple_of(every)) || self.at.contains(&step)
+    }
 }
 
 #[cfg(test)]
@@ -62,26 +55,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn growth_is_bounded() {
-        let mut schedule = Schedule::new(false, None);
-        let (mut probes, mut fulls) = (vec![], vec![]);
-        for step in 1..20_000 {
-            probes.extend(schedule.probe(step).then_some(step));
-            fulls.extend(schedule.full(step).then_some(step));
-        }
-        let bounded = |steps: &[u64], factor: f64| {
-            steps.windows(2).all(|s| s[1] == s[0] + 1 || s[1] as f64 <= factor * s[0] as f64)
-        };
-        assert!(bounded(&probes, 1.05) && bounded(&fulls, 1.25));
-        assert!(probes.len() > 150 && fulls.len() > 30, "{} {}", probes.len(), fulls.len());
+    fn probes_grow_slowly_in_step_and_size() {
+        let mut schedule = Schedule::new(None, &[]);
+        let probes: Vec<(u64, usize)> =
+            (1..20_000).filter_map(|step| Some((step, schedule.probe(step)?))).collect();
+        let slow = |a: u64, b: u64| b == a + 1 || b as f64 <= 1.05 * a as f64;
+        assert!(
+            probes.windows(2).all(|two| slow(two[0].0, two[1].0)) && probes.len() > 150,
+            "{}",
+            probes.len()
+        );
+        assert!(probes.windows(2).all(|two| two[0].1 <= two[1].1));
+        assert_eq!((probes[0], probes.last().unwrap().1), ((1, 256), MOST));
+        // From where a run stood, the same.
+        let mut resumed = Schedule::new(None, &[]);
+        resumed.skip_to(1000);
+        let rest: Vec<u64> = (1001..20_000).filter(|&step| resumed.probe(step).is_some()).collect();
+        assert!(probes.iter().map(|p| p.0).filter(|&step| step > 1000).eq(rest));
     }
 
     #[test]
-    fn dear_models_are_validated_where_the_contract_says() {
-        let mut schedule = Schedule::new(true, None);
-        let fulls: Vec<u64> = (1..=5000).filter(|&step| schedule.full(step)).collect();
-        assert_eq!(fulls, EXPENSIVE_AT);
-        let mut every = Schedule::new(true, Some(7));
-        assert_eq!((1..=21).filter(|&step| every.full(step)).collect::<Vec<_>>(), [7, 14, 21]);
+    fn full_validations_come_where_they_are_asked_for() {
+        let fulls = |schedule: Schedule| (1..=30).filter(|&step| schedule.full(step)).collect::<Vec<_>>();
+        assert!(fulls(Schedule::new(None, &[])).is_empty());
+        assert_eq!(fulls(Schedule::new(Some(7), &[5, 14])), [5, 7, 14, 21, 28]);
     }
 }

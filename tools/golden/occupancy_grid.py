@@ -1,4 +1,4 @@
-"""occupancy_grid(density, points, sigmas, queries, decay, threshold): max(decay density, sigmas in the cell); above the threshold is occupied.
+"""occupancy_grid(density, points, sigmas, queries, decay, threshold): max(decay density, sigmas) in cells with points; above the smaller of threshold and mean is occupied.
 
 Cells are floor(x R), the last one closed, outside points the nearest cell's; index [z, y, x].
 """
@@ -23,6 +23,13 @@ def cases():
     faces = np.array([[0.5, 0.25, 0.0], [0.75, 0.5, 1.0], [1.0, 1.0, 1.0], [0.25, 0.0, 0.25]])
     yield case("faces-CG3", draw.uniform((4, 4, 4)), faces, draw)
     yield case("outside", draw.uniform((2, 2, 2)), draw.uniform((8, 3), -1.0, 2.0), draw)
+    draw = Draw(PURPOSE, "unseen")
+    density = draw.uniform((3, 3, 3), 0.0, 2.0)
+    density[draw.uniform((3, 3, 3)) < 0.4] = -1.0
+    yield case("unseen", density, draw.uniform((6, 3)), draw)
+    yield case("thin", 0.1 * draw.uniform((3, 3, 3)), draw.uniform((0, 3)), draw)
+    empty = np.where(draw.uniform((2, 2, 2)) < 0.5, -1.0, 0.0)
+    yield case("empty", empty, draw.uniform((0, 3)), draw)
 
 
 def case(name, density, points, draw):
@@ -43,10 +50,19 @@ def over_reals(x):
     density = np.empty(x["density"].shape, object)
     for index in np.ndindex(density.shape):
         inside = [s for p, s in zip(x["points"], x["sigmas"]) if cell(p) == index]
-        density[index] = max([x["decay"].item() * x["density"][index], *inside], key=lambda d: d.value)
+        before = x["density"][index]
+        density[index] = before
+        if inside and before.value >= 0:
+            density[index] = max([x["decay"].item() * before, *inside], key=lambda d: d.value)
+    known = [d.value for d in density.flat if d.value > 0]
+    threshold = x["threshold"].item().value
+    if known:
+        threshold = min(threshold, mpmath.fsum(known) / len(known))
+    if not any(d > threshold for d in known):
+        threshold = -1
     occupied = np.empty(density.shape, object)
     for index in np.ndindex(density.shape):
-        occupied[index] = Real(int(density[index].value > x["threshold"].item().value))
+        occupied[index] = Real(int(density[index].value > threshold))
     found = np.array([occupied[cell(q)] for q in x["queries"]], object)
     return {"density_out": density, "occupied": occupied, "found": found}
 
@@ -59,7 +75,13 @@ def in_torch(x):
         i, j, k = (points * resolution).floor().clamp(0, resolution - 1).long().unbind(-1)
         return (k * resolution + j) * resolution + i
 
-    decayed = (x["decay"] * x["density"]).flatten()
-    density = decayed.scatter_reduce(0, cells(x["points"]), x["sigmas"], "amax").reshape(x["density"].shape)
-    occupied = (density > x["threshold"]).double()
+    before = x["density"].flatten()
+    found = torch.full_like(before, -1.0).scatter_reduce(0, cells(x["points"]), x["sigmas"], "amax")
+    risen = torch.maximum(x["decay"] * before, found)
+    density = torch.where((found >= 0) & (before >= 0), risen, before).reshape(x["density"].shape)
+    known = density[density > 0]
+    threshold = torch.minimum(x["threshold"], known.mean()) if len(known) else x["threshold"]
+    if not (known > threshold).any():
+        threshold = torch.tensor(-1.0)
+    occupied = (density > threshold).double()
     return {"density_out": density, "occupied": occupied, "found": occupied.flatten()[cells(x["queries"])]}

@@ -93,7 +93,7 @@ impl Trained<'_> {
         let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
         let delta = (far - near) / samples as f64;
         // A run's own grid is part of its model: density 0 in empty cells.
-        let live = |t: &f64| self.model.used_grid().is_none_or(|grid| grid.live(ray.at(*t).to_array()));
+        let live = |t: &f64| self.model.grid.as_ref().is_none_or(|grid| grid.live(ray.at(*t).to_array()));
         let mut t: Vec<f64> = t.into_iter().filter(live).collect();
         if stop > 0.0 {
             let sigmas: Vec<f64> = t.iter().map(|&t| self.field.at(ray, t).sigma).collect();

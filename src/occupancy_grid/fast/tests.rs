@@ -4,6 +4,7 @@ use approx::assert_abs_diff_eq;
 use pulp::Arch;
 
 use super::*;
+use crate::occupancy_grid::OccupancyGrid;
 use crate::occupancy_grid::tests::{key, random_grid, ray};
 
 /// The f32 traversal visits what the oracle visits, except for lattice points within rounding of a face or of an end: one ray
@@ -174,4 +175,43 @@ fn fast_box_agrees() {
     let (enter, leave) = ray_box([0.5, 1.5, 0.5], [1.0, 0.0, 0.0]);
     assert!(enter > leave);
     assert_eq!(ray_box([-1.0, 1.0, 0.5], [1.0, 0.0, 0.0]), (1.0, 2.0));
+}
+
+/// Only cells that were looked at change, and none that is hidden; the next update begins anew.
+#[test]
+fn an_update_changes_what_was_looked_at() {
+    let mut fast = Occupancy::full(16);
+    let cell = |x: f32| fast.cell([x; 3]);
+    let (once, twice, hidden) = (cell(0.1), cell(0.5), cell(0.9));
+    fast.density.fill(1.0);
+    fast.hide(|cell| cell == hidden);
+    fast.raise(&[[0.1; 3], [0.5; 3], [0.9; 3]], &[0.25, 3.0, 9.0]);
+    fast.raise(&[[0.5; 3]], &[2.0]);
+    fast.update(0.5);
+    assert_eq!([once, twice, hidden, 1].map(|cell| fast.density[cell]), [0.5, 3.0, -1.0, 1.0]);
+    fast.update(0.5);
+    assert_eq!(fast.density[once], 0.5, "nobody looked since");
+}
+
+/// The threshold is the oracle's, for thin, empty and dense fields, and opens the same cells.
+#[test]
+fn the_threshold_is_the_oracles() {
+    for four in
+        [[0.0, 0.0, -1.0, 0.0], [0.5, 0.5, -1.0, 0.5], [0.125, 0.25, 0.0, -1.0], [8.0, 0.25, 0.0, 2.0]]
+    {
+        for limit in [0.01, 0.3, 1e9] {
+            let oracle = OccupancyGrid { resolution: 16, density: four.repeat(1024), threshold: 0.0 };
+            let threshold = oracle.threshold_below(limit);
+            let mut fast = Occupancy::full(16);
+            fast.density = oracle.density.iter().map(|&d| d as f32).collect();
+            assert_eq!(fast.threshold(limit as f32), threshold as f32);
+            fast.apply_threshold(fast.threshold(limit as f32));
+            let open: Vec<u32> =
+                (0..4096).filter(|&cell| oracle.density[cell as usize] > threshold).collect();
+            let mut found = fast.occupied_cells();
+            found.sort_unstable();
+            assert_eq!(found, open);
+            assert!((0..4096).all(|cell| fast.occupied(cell) == open.contains(&(cell as u32))));
+        }
+    }
 }

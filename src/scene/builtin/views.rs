@@ -6,7 +6,7 @@ use ndarray::Array3;
 use super::{Medium, ray_box};
 use crate::camera::{Camera, Intrinsics};
 use crate::convention::{Delta, Grid, LastDelta, PixelCenter, ProductEps, Rest};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::math::{cos_pi, sin_pi};
 use crate::parallel;
 use crate::ray::{Ray, camera_ray, pixel_position};
@@ -15,27 +15,79 @@ use crate::scene::layout::{Backdrop, settle};
 use crate::scene::{Frame, Options, Scene};
 use crate::volume_rendering::{Rendering, composite_background, volume_render};
 
-/// Width and height of a photograph, in pixels.
-const SIZE: usize = 64;
-/// Samples per ray, all of them inside the scene's box.
-const SAMPLES: usize = 192;
-/// Numbers of training and validation views.
-const VIEWS: (usize, usize) = (24, 4);
+/// Samples a ray, all of them inside the scene's box; in pictures larger than [`Shot::default`]'s, which have many rays.
+const SAMPLES: [usize; 2] = [192, 64];
+/// Photographs to measure on.
+const VAL: usize = 4;
+/// The part of a picture of 40 degrees, from a distance of 4, that the bodies fill, about.
+const FILLED: f64 = 0.27;
 /// Poses of the film.
 const FILM: usize = 60;
 
+/// How a built-in scene is photographed: `builtin:NAME,size=N,views=N,fill=X`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Shot {
+    /// Width and height in pixels.
+    size: usize,
+    /// Photographs to learn from.
+    views: usize,
+    /// Distance of the cameras from the origin.
+    distance: f64,
+    /// Focal length over half of the size.
+    focal: f64,
+}
+
+impl Default for Shot {
+    fn default() -> Self {
+        // 40 degrees across: the box of +-1.2 fills the picture.
+        Shot { size: 64, views: 24, distance: 4.0, focal: 2.75 }
+    }
+}
+
+impl Shot {
+    /// From what stands after the name. To fill less of the picture, cameras step back; to fill more, they look closer.
+    fn parse(options: &str) -> Result<Shot> {
+        let mut shot = Shot::default();
+        for option in options.split(',').filter(|option| !option.is_empty()) {
+            let wrong = || {
+                let expected = "size=4 to 4096, views=1 to 1000, fill=0.001 to 1";
+                Error::usage("builtin", option, expected)
+            };
+            let (name, value) = option.split_once('=').ok_or_else(wrong)?;
+            let whole =
+                |most| value.parse::<usize>().ok().filter(|n| (1..=most).contains(n)).ok_or_else(wrong);
+            match name {
+                "size" => shot.size = whole(4096)?.max(4),
+                "views" => shot.views = whole(1000)?,
+                "fill" => {
+                    let fill =
+                        value.parse::<f64>().ok().filter(|x| (0.001..=1.0).contains(x)).ok_or_else(wrong)?;
+                    let scale = (fill / FILLED).sqrt();
+                    (shot.distance, shot.focal) = (4.0 / scale.min(1.0), 2.75 * scale.max(1.0));
+                }
+                _ => return Err(wrong()),
+            }
+        }
+        Ok(shot)
+    }
+}
+
 /// Loads `builtin:NAME`.
 pub fn load(name: &str, options: &Options) -> Result<Scene> {
-    let medium = Medium::named(name)?;
+    let (body, shot) = name.split_once(',').unwrap_or((name, ""));
+    let (medium, shot) = (Medium::named(body)?, Shot::parse(shot)?);
     let mut scene = Scene::empty(&format!("builtin:{name}"), options);
     scene.bounds = Some(medium.bounds);
     let unseen = |name: String, camera| Frame { name, camera, image: None };
     // Validation views stand between training views: the same spiral, shifted by half a view.
-    let spiral =
-        |n, i, shift| camera_at(6.0 + 62.0 * (i as f64 + shift) / n as f64, 137.50776 * (i as f64 + shift));
-    scene.train = (0..VIEWS.0).map(|i| unseen(format!("train[{i}]"), spiral(VIEWS.0, i, 0.0))).collect();
-    scene.val = (0..VIEWS.1).map(|i| unseen(format!("val[{i}]"), spiral(VIEWS.1, i, 0.5))).collect();
-    let circle = |i| camera_at(25.0, 360.0 * i as f64 / FILM as f64);
+    let spiral = |n: usize, i: usize, shift: f64| {
+        let at = i as f64 + shift;
+        shot.camera(6.0 + 62.0 * at / n as f64, 137.50776 * at)
+    };
+    scene.train =
+        (0..shot.views).map(|i| unseen(format!("train[{i}]"), spiral(shot.views, i, 0.0))).collect();
+    scene.val = (0..VAL).map(|i| unseen(format!("val[{i}]"), spiral(VAL, i, 0.5))).collect();
+    let circle = |i| shot.camera(25.0, 360.0 * i as f64 / FILM as f64);
     scene.test = (0..FILM).map(|i| unseen(format!("test[{i}]"), circle(i))).collect();
     let name = scene.name.clone();
     settle(&mut scene, &name, Backdrop::Plain, options)?;
@@ -46,23 +98,25 @@ pub fn load(name: &str, options: &Options) -> Result<Scene> {
         shown.extend(&mut scene.test);
     }
     for frame in shown {
-        frame.image = Some(photograph(&medium, &frame.camera, near, far, background)?);
+        frame.image = Some(photograph(&medium, &frame.camera, near, far, background)?.into());
     }
     Ok(scene)
 }
 
-/// A camera 4 from the origin, looking at it; `elevation` above the horizon and `azimuth` in degrees, z up.
-fn camera_at(elevation: f64, azimuth: f64) -> Camera {
-    let (e, a) = (elevation / 180.0, azimuth / 180.0);
-    let away = DVec3::new(cos_pi(e) * cos_pi(a), cos_pi(e) * sin_pi(a), sin_pi(e));
-    let right = DVec3::new(-sin_pi(a), cos_pi(a), 0.0);
-    let down = right.cross(away);
-    let column = |v: DVec3| v.extend(0.0);
-    let c2w = DMat4::from_cols(column(right), column(down), column(-away), (4.0 * away).extend(1.0));
-    let half = SIZE as f64 / 2.0;
-    // 40 degrees across: the box of +-1.2 fills the picture.
-    let k = Intrinsics { fx: 2.75 * half, fy: 2.75 * half, cx: half, cy: half };
-    Camera { width: SIZE, height: SIZE, k, c2w, distortion: None }
+impl Shot {
+    /// A camera that looks at the origin; `elevation` above the horizon and `azimuth` in degrees, z up.
+    fn camera(&self, elevation: f64, azimuth: f64) -> Camera {
+        let (e, a) = (elevation / 180.0, azimuth / 180.0);
+        let away = DVec3::new(cos_pi(e) * cos_pi(a), cos_pi(e) * sin_pi(a), sin_pi(e));
+        let right = DVec3::new(-sin_pi(a), cos_pi(a), 0.0);
+        let down = right.cross(away);
+        let column = |v: DVec3| v.extend(0.0);
+        let place = (self.distance * away).extend(1.0);
+        let c2w = DMat4::from_cols(column(right), column(down), column(-away), place);
+        let half = self.size as f64 / 2.0;
+        let k = Intrinsics { fx: self.focal * half, fy: self.focal * half, cx: half, cy: half };
+        Camera { width: self.size, height: self.size, k, c2w, distortion: None }
+    }
 }
 
 /// A picture of every pixel's ray, (H, W, 3).
@@ -73,11 +127,14 @@ fn photograph(
     far: f64,
     background: [f64; 3],
 ) -> Result<Array3<f32>> {
+    let samples = SAMPLES[usize::from(camera.width > Shot::default().size)];
     let rows = parallel::map(camera.height, |j| {
         let mut row = Vec::with_capacity(3 * camera.width);
         for i in 0..camera.width {
             let ray = camera_ray(camera, pixel_position(i, j, PixelCenter::Half))?;
-            let seen = render(medium, &ray, near, far, SAMPLES);
+            // Nothing on the way: no need to look for it.
+            let empty = medium.optical_depth(&ray, near, far) == 0.0;
+            let seen = render(medium, &ray, near, far, if empty { 0 } else { samples });
             row.extend(composite_background(seen.color, seen.opacity, background).map(|c| c as f32));
         }
         Ok(row)
@@ -97,4 +154,34 @@ pub fn render(medium: &Medium, ray: &Ray, near: f64, far: f64, samples: usize) -
     let sigmas: Vec<f64> = points.iter().map(|&x| medium.density(x)).collect();
     let rgbs: Vec<[f64; 3]> = points.iter().map(|&x| medium.color(x, ray.d)).collect();
     volume_render(&sigmas, &rgbs, &deltas, ProductEps::None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shot_has_the_size_the_views_and_the_fill_it_is_asked_for() {
+        let plain = load("spheres", &Options::default()).unwrap();
+        let filled = |scene: &Scene| {
+            let pixels = scene
+                .train
+                .iter()
+                .flat_map(|frame| frame.image.as_ref().unwrap().colors())
+                .map(|c| c.iter().sum::<f32>() > 0.05);
+            let (count, lit) = pixels.fold((0, 0), |(n, m), lit| (n + 1, m + usize::from(lit)));
+            lit as f64 / count as f64
+        };
+        assert!((filled(&plain) / FILLED - 1.0).abs() < 0.25, "{}", filled(&plain));
+        for fill in [0.05, 0.5, 1.0] {
+            let scene = load(&format!("spheres,size=24,views=5,fill={fill}"), &Options::default()).unwrap();
+            assert_eq!((scene.size(), scene.train.len(), scene.val.len()), ((24, 24), 5, 4));
+            assert!((filled(&scene) / fill - 1.0).abs() < 0.4, "{} for {fill}", filled(&scene));
+        }
+        for wrong in
+            ["spheres,size=0", "spheres,fill=2", "spheres,large", "spheres,views=x", "nothing,size=9"]
+        {
+            assert!(load(wrong, &Options::default()).is_err(), "{wrong}");
+        }
+    }
 }

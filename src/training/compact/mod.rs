@@ -102,6 +102,10 @@ impl Model for CompactModel {
         Ok(self.train_step(step))
     }
 
+    fn start(&self) -> u64 {
+        300
+    }
+
     fn render(&self, rays: &[Ray]) -> Vec<Pixel> {
         self.render_rays(rays)
     }

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 
+use super::occupancy::OPAQUE;
 use crate::camera::Camera;
 use crate::convention::Exponent;
 use crate::hash_grid;
@@ -110,10 +111,9 @@ pub(crate) const EXPONENT: Exponent = Exponent::Both;
 /// Samples of a picture over those of training, along the same ray.
 pub(crate) const AT_REST: f64 = 2.0;
 
-/// Number of samples in opaque cells after which a training ray is ended. Each takes at least [`super::occupancy::OPAQUE`] of optical depth
-/// if the grid is right, together more than the early stop needs; where the grid is out of date and light is left, the
-/// ray is drawn again in the next step, and then marched to its end.
-const PATIENCE: u32 = 12;
+/// Optical depth in opaque cells after which a training ray is ended, if the grid is right: more than the early stop asks for.
+/// Where the grid is out of date and light is left, the ray is drawn again in the next step, and then seen to its end.
+const PATIENCE: f64 = 12.0;
 
 impl CompactSettings {
     /// The settings of a scene.
@@ -156,14 +156,14 @@ impl CompactSettings {
             "patience",
             or(
                 Part::Patience,
-                "a training ray ends after so many samples in cells of optical depth 1 a step",
+                "a training ray ends after so many samples in opaque cells, those of optical depth 1.5: 12 of it in all",
             ),
         );
         because(
             "occupancy",
             or(
                 Part::Occupancy,
-                "128 cells an edge: about two steps a cell, and bits that fit into a core's L2 cache",
+                "128 cells an edge, bits that fit into a core's L2 cache; occupied from an optical depth of 0.015 a cell on, or from the mean on where that is less, whatever the samples",
             ),
         );
         because(
@@ -255,10 +255,11 @@ impl CompactSettings {
         ((growth * self.batch as f64) as usize).next_multiple_of(1024)
     }
 
-    /// Number of samples in opaque cells after which a training ray is ended.
+    /// Samples in opaque cells after which a training ray is ended: as many as take [`PATIENCE`].
     pub fn patience(&self) -> u32 {
         let off = [Part::Patience, Part::Stop].iter().any(|part| self.without.contains(part));
-        if off { u32::MAX } else { PATIENCE }
+        let each = OPAQUE * self.occupancy as f64 / self.samples;
+        if off { u32::MAX } else { (PATIENCE / each).ceil() as u32 }
     }
 
     /// The learning rates' factor at a training step: 1 / sqrt(1 + step / 1500).
@@ -318,12 +319,12 @@ fn cube(scene: &Scene) -> (DVec3, f64, String) {
 fn cut_out(scene: &Scene) -> bool {
     let (mut border, mut plain) = (0, 0);
     for image in scene.train.iter().filter_map(|frame| frame.image.as_ref()) {
-        let (h, w, _) = image.dim();
+        let (h, w) = image.size();
         let edge = (0..w).flat_map(|i| [(0, i), (h - 1, i)]).chain((0..h).flat_map(|j| [(j, 0), (j, w - 1)]));
         for (j, i) in edge {
             border += 1;
-            plain +=
-                usize::from((0..3).all(|k| (f64::from(image[[j, i, k]]) - scene.background[k]).abs() < 0.02));
+            let color = image.at(j, i);
+            plain += usize::from((0..3).all(|k| (f64::from(color[k]) - scene.background[k]).abs() < 0.02));
         }
     }
     plain * 20 >= border * 19

@@ -65,6 +65,7 @@ impl CompactModel {
         }
         let r = self.occupancy.resolution;
         out.insert("occupancy_density".into(), f32s(&[r, r, r], &self.occupancy.density));
+        out.insert("occupancy_found".into(), f32s(&[r, r, r], &self.occupancy.found));
         for (name, bits) in ["occupancy_bits", "occupancy_opaque"].into_iter().zip(self.occupancy.bits()) {
             out.insert(name.into(), i64s(bits.into_iter().map(|b| b as i64).collect()));
         }
@@ -101,6 +102,10 @@ impl CompactModel {
         self.occupancy = Occupancy::from_parts(resolution, density, &occupied, &opaque).ok_or_else(|| {
             wrong(file, "occupancy_bits or occupancy_opaque", "another length", "64 cells a word")
         })?;
+        // Neither did an older one tell what it had found from what it knew.
+        if state.contains_key("occupancy_found") {
+            copy(state, "occupancy_found", file, &mut self.occupancy.found)?;
+        }
         let pixels = self.views.len();
         let again = if known { whole(state, "compact_again", file)? } else { vec![] };
         self.again = again

@@ -43,7 +43,7 @@ impl CompactModel {
         let mut chunks = std::mem::take(&mut self.chunks);
         let rays = self.draw(&mut chunks, step);
         self.run(&mut chunks, rays, step, &Plain);
-        self.apply(&mut chunks, step);
+        let slope = self.apply(&mut chunks, step);
         let seen: usize = chunks.iter().map(|c| c.visited.len()).sum();
         let live: usize = chunks.iter().map(|c| c.counted).sum();
         self.again = chunks.iter().flat_map(|c| c.again.iter().copied()).collect();
@@ -55,8 +55,13 @@ impl CompactModel {
             (rays as f64 * wanted.clamp(0.5, 1.5)).clamp(64.0, 65_536.0) as usize
         });
         self.update_occupancy(step);
-        let loss = error / (3 * counted) as f64;
-        StepReport { loss, mse: loss, samples: live as u64 }
+        if seen == 0 {
+            self.reopen();
+        }
+        let mse = error / (3 * counted) as f64;
+        // A gradient that is no number spoils all weights; activations of NaN may still look like 0.
+        let loss = if slope.is_finite() { mse } else { f64::NAN };
+        StepReport { loss, mse, samples: live as u64, still: slope == 0.0 }
     }
 
     /// A step's batch: random rays, marched and encoded; how many they are.
@@ -98,10 +103,12 @@ impl CompactModel {
         });
     }
 
-    /// Adam with the gradients of all chunks, in order. The occupancy grid gets the densities of the step's samples.
-    fn apply(&mut self, chunks: &mut [Chunk], step: u64) {
+    /// Gradients of all chunks, in order, into Adam. The occupancy grid learns the densities seen meanwhile.
+    /// Returns the networks' slope, the sum of the sizes of its entries.
+    fn apply(&mut self, chunks: &mut [Chunk], step: u64) -> f32 {
         let mut gradient = Weights::zeros();
         chunks.iter().for_each(|chunk| gradient.add(&chunk.gradient));
+        let slope = gradient.parts().into_iter().flatten().map(|g| g.abs()).sum();
         let [grid_lr, net_lr] = self.settings.lr;
         self.nets.update(&gradient, self.rates(net_lr, step));
         let (rates, active, arch) = (self.rates(grid_lr, step), self.settings.levels_at(step), self.arch);
@@ -119,13 +126,17 @@ impl CompactModel {
                 });
             },
         );
+        slope
     }
 }
 
-/// The step length in the unit in which densities are 1 / length: a third of the box, so that a network that starts at density 1
-/// starts with e^-3 of the light coming through, whatever the scene's unit.
+/// The box's edge in the unit in which densities are 1 / length: a network that starts at density 1 starts with e^-3 of the light coming
+/// through, whatever the scene's unit.
+pub(super) const OPTICAL_SIZE: f64 = 3.0;
+
+/// The step length in that unit.
 pub(crate) fn optical_step(samples: f64) -> f32 {
-    (3.0 / samples) as f32
+    (OPTICAL_SIZE / samples) as f32
 }
 
 /// The first `active` levels, fine and coarse alternating: fine ones cost more, and neighbors go to the same thread.

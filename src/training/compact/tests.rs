@@ -44,7 +44,7 @@ fn ball() -> Scene {
             if root < 0.0 { 0.0 } else { [0.5 + hit.x, 0.5 + hit.y, 0.1][c] as f32 }
         };
         let image = Array3::from_shape_fn((size, size, 3), |(j, i, c)| color(j, i, c));
-        Frame { name: n.to_string(), camera, image: Some(image) }
+        Frame { name: n.to_string(), camera, image: Some(image.into()) }
     };
     let (val, train) = (0..12).map(frame).partition(|f: &Frame| f.name == "5");
     Scene {
@@ -350,10 +350,10 @@ fn learns_a_ball() {
     let image = frame.image.as_ref().unwrap();
     let error: f64 = seen
         .iter()
-        .zip(image.as_slice().unwrap().as_chunks::<3>().0)
+        .zip(image.colors())
         .flat_map(|(a, b)| (0..3).map(move |k| f64::from(a.rgb[k] - b[k]).powi(2)))
         .sum();
-    let db = psnr(error / image.len() as f64, 1.0);
+    let db = psnr(error / (3 * image.len()) as f64, 1.0);
     assert!(db > 20.0, "{db} dB");
     assert!(model.occupancy.fraction() < 0.7, "{}", model.occupancy.fraction());
     // In the middle the ball's front stands at distance 3/2 and its back at 5/2; fog in between would be at 2.

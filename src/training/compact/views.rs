@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::evaluation::camera_rays;
 use crate::random::Key;
 use crate::ray::{Ray, draw_index};
-use crate::scene::Scene;
+use crate::scene::{Photo, Scene};
 
 /// A ray in units of the box.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +37,7 @@ struct View {
     origin: [f32; 3],
     /// Row r: component r of the scene's direction from the camera's.
     rotation: [[f32; 3]; 3],
-    colors: Vec<[f32; 3]>,
+    colors: Photo,
     lens: usize,
 }
 
@@ -69,9 +69,7 @@ impl Views {
                     camera_rays(&upright)?.iter().map(|ray| ray.d.to_array().map(|x| x as f32)).collect(),
                 );
             }
-            let image = frame.image.as_ref().expect("training frames have pictures");
-            let colors =
-                image.as_standard_layout().as_slice().expect("standard layout").as_chunks::<3>().0.to_vec();
+            let colors = frame.image.clone().expect("training frames have pictures");
             let origin = (camera.c2w.w_axis.truncate() - settings.low) / settings.size;
             let rotation = std::array::from_fn(|r| std::array::from_fn(|c| camera.c2w.col(c)[r] as f32));
             views.push(View { origin: origin.to_array().map(|x| x as f32), rotation, colors, lens });
@@ -98,12 +96,25 @@ impl Views {
         (draw_index(u, self.views.len()) * height + draw_index(v, height)) * width + draw_index(w, width)
     }
 
+    /// Number of pictures.
+    pub fn count(&self) -> usize {
+        self.views.len()
+    }
+
+    /// Rays all over a picture, its border included: about so many along each side.
+    pub fn lattice(&self, view: usize, lines: usize) -> impl Iterator<Item = BoxRay> {
+        let [width, height] = self.size;
+        let along = move |n: usize| (0..n).step_by(n.div_ceil(lines)).chain([n - 1]);
+        let pixels = along(height).flat_map(move |j| along(width).map(move |i| j * width + i));
+        pixels.map(move |pixel| self.pixel(view * self.pixels + pixel).0)
+    }
+
     /// The ray and the color of pixel `n` of all.
     #[inline(always)]
     pub fn pixel(&self, n: usize) -> (BoxRay, [f32; 3]) {
         let (view, pixel) = (&self.views[n / self.pixels], n % self.pixels);
         let c = self.lenses[view.lens][pixel];
         let unit = view.rotation.map(|r| r[0] * c[0] + r[1] * c[1] + r[2] * c[2]);
-        (BoxRay { o: view.origin, d: unit.map(|x| x * self.inverse_size), unit }, view.colors[pixel])
+        (BoxRay { o: view.origin, d: unit.map(|x| x * self.inverse_size), unit }, view.colors.pixel(pixel))
     }
 }

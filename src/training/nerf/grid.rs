@@ -16,9 +16,9 @@ use crate::scene::Scene;
 const PARTS: usize = 8;
 /// Rounds over occupied cells and their neighbors when the grid is filled.
 const FIRST_LOOKS: u64 = 12;
-/// The factor of a cell's density in an update that doesn't find more.
+/// What an update leaves of the density of a cell that it looks at and finds no more in.
 const DECAY: f32 = 0.8;
-/// Opacity of one step above which a cell is occupied.
+/// Opacity of a 64th of the way from near to far above which a cell is occupied, however many samples a ray has.
 pub(super) const OPACITY: f64 = 0.01;
 /// Points per task.
 const TASK: usize = 1 << 13;
@@ -60,13 +60,13 @@ impl Grid {
         Ok(Grid { low, high, cells: Occupancy::full(resolution) })
     }
 
-    /// A grid as [`Self::corners`] and [`Self::densities`] gave it; `step` is a sample's step length.
+    /// A grid as [`Self::corners`] and [`Self::densities`] gave it; `step` is a 64th of the way from near to far.
     pub fn from_parts(corners: &[f64], resolution: usize, densities: Vec<f32>, step: f64) -> Option<Self> {
         let none = vec![0; (resolution / 4).pow(3)];
         let cells = Occupancy::from_parts(resolution, densities, &none, &none)?;
         let corner = |n: usize| <[f64; 3]>::try_from(corners.get(3 * n..3 * n + 3)?).ok();
         let mut grid = Grid { low: corner(0)?, high: corner(1)?, cells };
-        grid.cells.apply_threshold(threshold(step));
+        grid.close(step);
         Some(grid)
     }
 
@@ -74,11 +74,6 @@ impl Grid {
     pub fn corners(&self) -> [f64; 6] {
         let ([a, b, c], [d, e, f]) = (self.low, self.high);
         [a, b, c, d, e, f]
-    }
-
-    /// Whether some cell is occupied.
-    pub fn any(&self) -> bool {
-        self.cells.fraction() > 0.0
     }
 
     /// Cells along an edge.
@@ -114,29 +109,36 @@ impl Grid {
         mask
     }
 
-    /// The first fill: every cell once, then around the occupied ones. `step` is a sample's step length, `number` the training step.
+    /// The first look: at every cell once, then around what was found. `step` is a 64th of the way, `number` the training step.
     pub fn fill(&mut self, key: &Key, number: u64, step: f64, density_at: DensityAt) {
         self.cells.density.fill(0.0);
         let all: Vec<usize> = (0..self.cells.density.len()).collect();
         self.raise(&all, key, number, 0, density_at);
+        self.cells.update(1.0);
         for round in 1..=FIRST_LOOKS {
-            self.cells.apply_threshold(threshold(step));
+            self.close(step);
             self.raise(&self.surroundings(), key, number, round, density_at);
+            self.cells.update(1.0);
         }
-        self.cells.apply_threshold(threshold(step));
+        self.close(step);
     }
 
     /// A later update, the `turn`-th: a part of all cells, and around the occupied ones.
     pub fn update(&mut self, key: &Key, (number, turn): (u64, u64), step: f64, density_at: DensityAt) {
-        self.cells.decay(DECAY);
         let part = turn as usize % PARTS;
         let some: Vec<usize> = (part..self.cells.density.len()).step_by(PARTS).collect();
         self.raise(&some, key, number, 0, density_at);
         self.raise(&self.surroundings(), key, number, 1, density_at);
-        self.cells.apply_threshold(threshold(step));
+        self.cells.update(DECAY);
+        self.close(step);
     }
 
-    /// Raises cells to the network's density at a random point in each of them.
+    /// Closes the cells of too little density; a thin field keeps its densest cells, a field without any all of them.
+    fn close(&mut self, step: f64) {
+        self.cells.apply_threshold(self.cells.threshold(threshold(step)));
+    }
+
+    /// Takes down the network's density at a random point in each of some cells.
     fn raise(&mut self, cells: &[usize], key: &Key, number: u64, round: u64, density_at: DensityAt) {
         let mut points = vec![0.0; 3 * cells.len()];
         parallel::for_chunks(&mut points, 3 * TASK, |task, points| {
@@ -151,8 +153,8 @@ impl Grid {
         });
         let densities = density_at(&points);
         for (&cell, sigma) in cells.iter().zip(densities) {
-            // A NaN raises nothing here; it shows in the loss.
-            self.cells.density[cell] = self.cells.density[cell].max(sigma);
+            // A NaN raises nothing here; it comes out in the loss.
+            self.cells.found[cell] = self.cells.found[cell].max(sigma);
         }
     }
 

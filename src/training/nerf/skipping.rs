@@ -64,21 +64,17 @@ impl NerfModel {
 
     /// The samples that may have a density; `None` without a grid.
     pub(super) fn mask(&self, rays: &Rays) -> Option<Vec<bool>> {
-        self.used_grid().map(|grid| grid.mask(rays))
-    }
-
-    /// The grid, unless it calls everything empty: the field would never get a gradient again.
-    pub(crate) fn used_grid(&self) -> Option<&Grid> {
-        self.grid.as_ref().filter(|grid| grid.any())
+        self.grid.as_ref().map(|grid| grid.mask(rays))
     }
 
     /// Rays end where less light than this comes through.
     pub(crate) fn skipping_stop(&self) -> f64 {
-        if self.used_grid().is_some() { f64::from(STOP) } else { 0.0 }
+        if self.grid.is_some() { f64::from(STOP) } else { 0.0 }
     }
 
+    /// A 64th of the way from near to far, over which cells are judged: a step of the paper's, whatever the samples here.
     pub(crate) fn step_length(&self) -> f64 {
-        (self.settings.far - self.settings.near) / self.settings.samples as f64
+        (self.settings.far - self.settings.near) / 64.0
     }
 
     /// The grid's part of a checkpoint.
@@ -121,7 +117,7 @@ impl NerfModel {
                 "skip_samples": true, "skip_after_step": after, "skip_update_every": every, "occupancy": resolution,
                 "occupancy_opacity": grid::OPACITY, "stop": STOP,
                 "reasons": {
-                    "skip_samples": "asked for: cells where a step's opacity is below occupancy_opacity have density 0, not evaluated",
+                    "skip_samples": "asked for: cells where the opacity of a 64th of the way is below occupancy_opacity have density 0, not evaluated",
                     "skip_after_step": "before it densities are still the initial network's",
                     "stop": "a color moves by at most this",
                 },

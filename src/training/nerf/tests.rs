@@ -17,8 +17,14 @@ fn settings(fine: usize, reference: bool) -> NerfSettings {
 }
 
 fn scene() -> Scene {
-    let options =
-        scene::Options { near: None, far: None, holdout: None, background: None, test_images: false };
+    let options = scene::Options {
+        near: None,
+        far: None,
+        holdout: None,
+        background: None,
+        shrink: None,
+        test_images: false,
+    };
     scene::load("builtin:spheres", &options).unwrap()
 }
 
