@@ -3,7 +3,7 @@
 //! From Rust, a candidate is a set of closures over named arrays:
 //!
 //! ```
-//! use crate::contract::arrays::{array, arrays, input};
+//! use nerf_oracle::contract::arrays::{array, arrays, input};
 //! use nerf_oracle::judge::{Candidate, Verdict, judge};
 //! use nerf_oracle::contract::Dtype;
 //!
