@@ -186,15 +186,15 @@ pub enum Density {
     Exp,
 }
 
-/// Where the exponent of an exponential density is held to [-15, 15].
+/// Whether the exponent of an exponential density is held to [-15, 15] in the forward pass. In the gradient it always is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exponent {
-    /// In the gradient alone: sigma = e^x.
+    /// sigma = e^x; the gradient alone is held.
     #[default]
-    Gradient,
-    /// Forward too: sigma = e^clamp(x, -15, 15).
-    Both,
+    Free,
+    /// sigma = e^clamp(x, -15, 15): forward too.
+    Clamped,
 }
 
 /// The order in which a skip connection is concatenated.
@@ -312,7 +312,7 @@ pub const CS180: Conventions = Conventions {
     bands: Bands::Octaves,
     columns: Columns::BandSinCos,
     density: Density::Relu,
-    exponent: Exponent::Gradient,
+    exponent: Exponent::Free,
     skip_layer: 4,
     skip_order: SkipOrder::HiddenFirst,
     last_trunk: Activation::Relu,
@@ -343,7 +343,7 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("bands", &["octaves", "linear"]),
     ("columns", &["band_sin_cos", "dim_sin_cos", "dim_interleaved", "all_sin_all_cos", "band_interleaved"]),
     ("density", &["relu", "softplus", "exp"]),
-    ("exponent", &["gradient", "both"]),
+    ("exponent", &["free", "clamped"]),
     ("skip_layer", &["4", "5"]),
     ("skip_order", &["hidden_first", "encoding_first"]),
     ("last_trunk", &["relu", "none"]),

@@ -36,7 +36,7 @@ CS180 = {
     "bands": "octaves",
     "columns": "band_sin_cos",
     "density": "relu",
-    "exponent": "gradient",
+    "exponent": "free",
     "skip_order": "hidden_first",
     "last_trunk": "relu",
     "feature": "none",

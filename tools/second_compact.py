@@ -9,7 +9,7 @@ def trunc_exp(a, c, wrong):
     x = a["x"]
     if "bias_inside" in wrong:
         x = x - x.dtype.type(1)
-    if c["exponent"] == "both":
+    if c["exponent"] == "clamped":
         x = np.clip(x, -15, 15)
     with np.errstate(over="ignore"):
         return {"sigmas": np.exp2(x) if "base_two" in wrong else np.exp(x)}

@@ -3,9 +3,10 @@
 use ndarray::{ArrayD, Axis};
 
 use super::nerf_mlp::{NerfMlp, Shape};
+use super::trunk::Plan;
 use crate::contract::arrays::{Arrays, array};
 use crate::contract::case::{Case, Draw};
-use crate::convention::{Conventions, SkipOrder};
+use crate::convention::Conventions;
 use crate::random::{Key, Purpose};
 
 /// Weights as large as PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
@@ -106,15 +107,17 @@ fn full_size() -> Case {
 /// layers' weights are exchanged, so that the shapes fit; where the encoding lacks x itself, the weights lack those columns.
 pub fn reshape(inputs: &mut Arrays, c: &Conventions) {
     let name = |layer: usize| format!("trunk{layer}_w");
+    let columns = |inputs: &Arrays, name: &str| inputs.get(name).map(|w| w.shape()[1]);
     if !c.identity {
-        let rows = |inputs: &Arrays, name: &str| inputs[name].shape()[0];
-        let hidden = match c.skip_order {
-            SkipOrder::HiddenFirst => rows(inputs, "trunk3_w"),
-            SkipOrder::EncodingFirst => 0,
-        };
-        let feature = rows(inputs, "feature_w");
-        for (name, first) in [("trunk0_w", 0), ("trunk4_w", hidden), ("color0_w", feature)] {
-            let w = inputs.get_mut(name).expect("a network's arrays");
+        let written = Plan { skip: 4, order: c.skip_order };
+        let encoding = columns(inputs, &name(0)).expect("a network's arrays");
+        let mut identity = vec![("color0_w".to_string(), inputs["feature_w"].shape()[0])];
+        for n in 0.. {
+            let Some(inputs) = columns(inputs, &name(n)) else { break };
+            identity.extend(written.encoding_begins(n, inputs, encoding).map(|first| (name(n), first)));
+        }
+        for (name, first) in identity {
+            let w = inputs.get_mut(&name).expect("a network's arrays");
             let kept: Vec<usize> = (0..w.shape()[1]).filter(|i| !(first..first + 3).contains(i)).collect();
             *w = w.select(Axis(1), &kept);
         }
@@ -128,10 +131,10 @@ pub fn reshape(inputs: &mut Arrays, c: &Conventions) {
 
 /// A network's widths belong to conventions: which layer reads the encoding again, and whether the encoding keeps x itself.
 pub fn admits(inputs: &Arrays, c: &Conventions) -> bool {
-    let columns = |layer: usize| inputs.get(&format!("trunk{layer}_w")).map(|w| w.shape()[1]);
+    let layers = (0..).map_while(|n| inputs.get(&format!("trunk{n}_w")));
+    let shapes: Vec<&[usize]> = layers.map(|w| w.shape()).collect();
+    let Some(&&[width, encoding]) = shapes.first() else { return false };
     let identity = if c.identity { 3 } else { 0 };
-    let encoding = columns(0).unwrap_or(0);
-    encoding % 6 == identity
-        && columns(c.skip_layer) > columns(c.skip_layer - 1)
-        && columns(c.skip_layer) > columns(1)
+    let fits = |n: usize| shapes[n][1] == Plan::of(c).columns(n, width, encoding);
+    encoding % 6 == identity && c.skip_layer < shapes.len() && (0..shapes.len()).all(fits)
 }

@@ -2,7 +2,7 @@
 //!
 //! Instant-NGP's density activation, as torch-ngp and nerfstudio call it: forward e^x, backward with the argument clamped to
 //! [-15, 15]. The gradient is a surrogate and says so (VR6): outside that range it isn't the derivative. Some clamp forward too
-//! ([`Exponent::Both`]); the gradient stays the surrogate.
+//! ([`Exponent::Clamped`]); the gradient stays the surrogate.
 
 use crate::convention::Exponent;
 use crate::math::exp;
@@ -38,8 +38,8 @@ pub fn trunc_exp(x: f64) -> f64 {
 /// ```
 /// use nerf_oracle::convention::Exponent;
 /// use nerf_oracle::trunc_exp::{density, trunc_exp};
-/// assert_eq!(density(20.0, Exponent::Gradient), trunc_exp(20.0));
-/// assert_eq!(density(20.0, Exponent::Both), trunc_exp(15.0));
+/// assert_eq!(density(20.0, Exponent::Free), trunc_exp(20.0));
+/// assert_eq!(density(20.0, Exponent::Clamped), trunc_exp(15.0));
 /// ```
 pub fn density(x: f64, exponent: Exponent) -> f64 {
     trunc_exp(argument(x, exponent))
@@ -48,7 +48,7 @@ pub fn density(x: f64, exponent: Exponent) -> f64 {
 /// What the exponential is taken of.
 fn argument(x: f64, exponent: Exponent) -> f64 {
     match exponent {
-        Exponent::Gradient => x,
-        Exponent::Both => x.clamp(-LIMIT, LIMIT),
+        Exponent::Free => x,
+        Exponent::Clamped => x.clamp(-LIMIT, LIMIT),
     }
 }

@@ -11,19 +11,11 @@ use std::path::Path;
 use super::{code, root, sources};
 
 /// Imports against the order, each with its reason: at most five. One that is gone fails too.
-const AGAINST_THE_ORDER: &[(&str, &str, &str)] = &[
-    (
-        "evaluation",
-        "training",
-        "evaluation asks whatever is trained for its pixels, by the trait that training trains",
-    ),
-    ("field::fast::dense", "bench", "the training step that is written a second time in order to time it"),
-    (
-        "training::compact::dense",
-        "bench",
-        "the training step that is written a second time in order to time it",
-    ),
-];
+const AGAINST_THE_ORDER: &[(&str, &str, &str)] = &[(
+    "evaluation",
+    "training",
+    "evaluation asks whatever is trained for its pixels, by the trait that training trains",
+)];
 
 /// Files that import one another, each circle with its reason. One that is gone fails too.
 const CIRCLES: &[(&[&str], &str)] = &[

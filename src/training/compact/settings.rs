@@ -106,7 +106,7 @@ pub struct CompactSettings {
 pub const LR_HALF_LIFE: f64 = 1500.0;
 
 /// Where the density's exponent is clamped: in the forward pass too.
-pub(crate) const EXPONENT: Exponent = Exponent::Both;
+pub(crate) const EXPONENT: Exponent = Exponent::Clamped;
 
 /// Samples of a picture over those of training, along the same ray.
 pub(crate) const AT_REST: f64 = 2.0;

@@ -9,6 +9,7 @@ use crate::encoding::{Encoding, positional_encoding};
 use crate::field::arrays::Nerf;
 use crate::field::fast::Network;
 use crate::field::nerf_mlp::{NerfMlp, Shape};
+use crate::field::trunk::{Part, Plan};
 use crate::parallel;
 use crate::random::{Key, Purpose};
 
@@ -86,12 +87,12 @@ fn nerf_plain(a: &Arrays) -> Box<dyn Kernel> {
     let depth = nerf.net.trunk.len();
     point_by_point(a, move |x, d| {
         let (x, d) = (plain_encoding(x, &nerf.position), plain_encoding(d, &nerf.direction));
-        let mut h = x.clone();
+        let mut h: Vec<f32> = vec![];
         for (n, layer) in layers[..depth].iter().enumerate() {
-            if n == CS180.skip_layer {
-                h.extend(&x);
-            }
-            h = plain_forward(layer, &h, true);
+            let parts = Plan::of(&CS180).parts(n).iter();
+            let input: Vec<f32> =
+                parts.flat_map(|part| if *part == Part::Hidden { &h } else { &x }).copied().collect();
+            h = plain_forward(layer, &input, true);
         }
         let sigma = plain_forward(&layers[depth], &h, true)[0];
         let mut feature = plain_forward(&layers[depth + 1], &h, false);
