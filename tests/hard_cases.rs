@@ -75,7 +75,7 @@ fn every_hard_case_is_a_named_case() {
             (component.cases)().iter().filter(|case| case.id.starts_with(|c: char| c.is_ascii_uppercase()))
         {
             let id = format!("{} {}", component.name, case.id);
-            assert!(named.contains(&id), "{id} isn't listed");
+            assert!(named.contains(&id), "{id}: add its hazard and component to HARD in tests/hard_cases.rs");
         }
     }
 }

@@ -1,15 +1,25 @@
-//! Error bounds of the networks. The probabilistic model, lambda and the false-alarm probability are in `propagate.rs`.
+//! Error bounds of the networks. The probabilistic model, lambda and the false-alarm probability are in `contract/propagate.rs`.
 
 use super::arrays::{Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::mlp::Mlp;
-use super::propagate::{Vector, affine, transposed};
 use super::trunk::{Part, Plan};
 use super::{Layer, density, density_slope, sigmoid, sigmoid_slope};
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::bounded::{Bounded, exact};
+use crate::contract::propagate::Vector;
 use crate::convention::{Activation, Conventions, Density};
 use crate::encoding::bound::{encode, gradient as encoding_gradient};
+
+/// One layer.
+fn affine(layer: &Layer, x: &Vector, m: &Arithmetic) -> Vector {
+    x.through(&layer.w, Some(&layer.b), m)
+}
+
+/// w^T g.
+fn transposed(layer: &Layer, g: &Vector, m: &Arithmetic) -> Vector {
+    g.through(&layer.w.t().to_owned(), None, m)
+}
 
 /// 1 / (1 + e^-z), or e^z / (1 + e^z) where z < 0.
 fn sigmoid_of(z: Bounded, m: &Arithmetic) -> Bounded {

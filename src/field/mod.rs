@@ -21,7 +21,6 @@ pub mod honest;
 pub mod mistakes;
 pub mod mlp;
 pub mod nerf_mlp;
-mod propagate;
 pub mod trunk;
 
 #[cfg(test)]

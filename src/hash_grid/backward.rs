@@ -12,7 +12,7 @@ use super::{Level, cell, corner};
 /// Where `g_tables` isn't shaped like `levels`, or `g_out` doesn't have their features, level by level.
 pub fn encode(levels: &[Level], x: [f64; 3], g_out: &[f64], g_tables: &mut [Level]) -> [f64; 3] {
     assert_eq!(g_tables.len(), levels.len(), "g_tables and levels: one each a level");
-    let width: usize = levels.iter().map(|level| level.table[0].len()).sum();
+    let width = levels.iter().fold(0, |width, level| width + level.table[0].len());
     assert_eq!(g_out.len(), width, "g_out and the levels' features: one each a feature");
     let mut g_x = [0.0; 3];
     let mut first = 0;

@@ -24,7 +24,6 @@ const AROUND: &[&str] = &[
     "fast",
     "variants",
     "statistics",
-    "propagate",
     "chain",
 ];
 

@@ -114,14 +114,14 @@ fn registry_and_fixtures_hold_the_same_components() {
     for basis in ["mpmath", "torch"] {
         let found: BTreeSet<&str> =
             all.iter().filter(|f| f.basis == basis).map(|f| f.component.as_str()).collect();
-        let registered = COMPONENTS.iter().map(|c| c.name).filter(|name| !STATISTICS.contains(name));
+        let registered = COMPONENTS.iter().map(|c| c.name);
         let expected: BTreeSet<&str> = registered.chain(SYSTEMS.iter().copied()).collect();
         assert_eq!(found, expected, "components with {basis} fixtures (left), in the registry (right)");
     }
     let rows: BTreeSet<&str> = OWN_ERRORS.iter().map(|row| row.component).collect();
     let found: BTreeSet<&str> = all.iter().map(|f| f.component.as_str()).collect();
     assert_eq!(rows, found, "rows of OWN_ERRORS (left), components with fixtures (right)");
-    for component in COMPONENTS.iter().filter(|c| !STATISTICS.contains(&c.name)) {
+    for component in COMPONENTS {
         for basis in ["mpmath", "torch"] {
             let fixture = all.iter().find(|f| f.component == component.name && f.basis == basis).unwrap();
             let vjps = fixture.cases.iter().filter(|case| case.vjp).count();
@@ -134,9 +134,6 @@ fn registry_and_fixtures_hold_the_same_components() {
         }
     }
 }
-
-/// Components that have no single right answer.
-const STATISTICS: &[&str] = &["sample_random_rays"];
 
 #[test]
 fn shapes_are_those_of_the_registry() {

@@ -39,7 +39,7 @@ const ARRAYS: &[&str] = &[
     "OccupancyGrid",
 ];
 
-/// Files of a component folder that are no oracle, as in tests/architecture.rs.
+/// Files of a component folder that are no oracle, as in tests/architecture.
 const AROUND: &[&str] = &[
     "arrays",
     "bound",
@@ -51,7 +51,7 @@ const AROUND: &[&str] = &[
     "honest",
     "judge",
     "mistakes",
-    "propagate",
+    "sampler",
     "statistics",
     "tests",
     "variants",

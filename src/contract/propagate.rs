@@ -9,9 +9,8 @@
 
 use ndarray::{Array1, Array2, Axis, concatenate, s};
 
-use super::Layer;
-use crate::contract::arithmetic::Arithmetic;
-use crate::contract::bounded::{Bounded, gamma};
+use super::arithmetic::Arithmetic;
+use super::bounded::{Bounded, gamma};
 
 /// The number of standard deviations that an honest error stays within.
 pub const LAMBDA: f64 = 8.0;
@@ -198,16 +197,6 @@ impl Vector {
         }
         out
     }
-}
-
-/// One layer.
-pub fn affine(layer: &Layer, x: &Vector, m: &Arithmetic) -> Vector {
-    x.through(&layer.w, Some(&layer.b), m)
-}
-
-/// w^T g.
-pub fn transposed(layer: &Layer, g: &Vector, m: &Arithmetic) -> Vector {
-    g.through(&layer.w.t().to_owned(), None, m)
 }
 
 /// size times residual, with 0 times infinity being 0.
