@@ -19,11 +19,19 @@ const AGAINST_THE_ORDER: &[(&str, &str, &str)] = &[(
 
 /// Files that import one another, each circle with its reason. One that is gone fails too.
 const CIRCLES: &[(&[&str], &str)] = &[
-    (&["cli::recipe", "cli::train"], "the recipe is made of the options"),
-    (&["field::fast::chunk", "field::fast::network"], "a chunk goes through a network that makes chunks"),
-    (&["scene::lens", "scene::transforms"], "lenses are read from the file's fields"),
-    (&["training::compact::backward", "training::compact::forward"], "a tile goes forward and back at once"),
-    (&["training::nerf", "training::nerf::path", "training::nerf::skipping"], "parts of one model"),
+    (
+        &["cli::recipe", "cli::train"],
+        "a recipe is made of the options that `train` takes, and `train` follows it",
+    ),
+    (
+        &["field::fast::chunk", "field::fast::network"],
+        "a network owns the buffers of its chunks, and each chunk goes through it",
+    ),
+    (&["scene::lens", "scene::transforms"], "a lens is read from the fields of transforms.json"),
+    (
+        &["training::nerf", "training::nerf::path", "training::nerf::skipping"],
+        "one model in three files: its settings, its two ways to compute, and what it skips",
+    ),
 ];
 
 /// The rooms that may iterate all components.

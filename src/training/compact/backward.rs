@@ -2,8 +2,7 @@
 
 use pulp::Simd;
 
-use super::chunk::Chunk;
-use super::forward::{Pass, TILE};
+use super::chunk::{Chunk, Pass, TILE};
 use super::kernels::Multiply;
 use super::networks::{GEOMETRY, HIDDEN};
 use crate::hash_grid::fast::WIDTH;

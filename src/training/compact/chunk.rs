@@ -1,6 +1,6 @@
 //! A chunk of whole rays and the buffers of their samples, small enough for a core's L2 cache.
 
-use super::networks::{GEOMETRY, HIDDEN, Weights};
+use super::networks::{GEOMETRY, HIDDEN, Networks, Weights};
 use super::views::BoxRay;
 use crate::hash_grid::fast::{Entry, FEATURES, LEVELS, WIDTH};
 use crate::occupancy_grid::fast::{MarchRay, Steps};
@@ -9,6 +9,23 @@ use crate::spherical_harmonics::fast::{self as harmonics, harmonics};
 
 /// Rows of a block: the kernels take whole blocks.
 pub(super) const BLOCK: usize = 16;
+
+/// Samples that pass through a network together: their activations fill the L1 cache.
+pub(super) const TILE: usize = 64;
+
+/// The parameters that all chunks of a batch share.
+#[derive(Clone, Copy)]
+pub(super) struct Pass<'a> {
+    pub nets: &'a Networks,
+    /// Step length in the unit in which the network's densities are 1 / length.
+    pub delta: f32,
+    /// A ray ends where its transmittance falls below this.
+    pub stop: f32,
+    pub background: [f32; 3],
+    pub view_dependent: bool,
+    /// d loss / d color over the error, 2 / (3 rays): the loss is the mean squared error. `None`: forward alone.
+    pub gradient: Option<f32>,
+}
 
 /// A ray, the range of its samples in the chunk, and its rendering.
 #[derive(Clone, Copy)]

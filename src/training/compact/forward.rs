@@ -3,29 +3,12 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::backward::backward;
-use super::chunk::Chunk;
+use super::chunk::{Chunk, Pass, TILE};
 use super::kernels::{Multiply, Plain};
-use super::networks::{GEOMETRY, HIDDEN, Networks};
+use super::networks::{GEOMETRY, HIDDEN};
 use crate::approximate::exp;
 use crate::hash_grid::fast::WIDTH;
 use crate::simd::CacheAligned;
-
-/// Samples that pass through a network together: their activations fill the L1 cache.
-pub(super) const TILE: usize = 64;
-
-/// The parameters that all chunks of a batch share.
-#[derive(Clone, Copy)]
-pub(super) struct Pass<'a> {
-    pub nets: &'a Networks,
-    /// Step length in the unit in which the network's densities are 1 / length.
-    pub delta: f32,
-    /// A ray ends where its transmittance falls below this.
-    pub stop: f32,
-    pub background: [f32; 3],
-    pub view_dependent: bool,
-    /// d loss / d color over the error, 2 / (3 rays): the loss is the mean squared error. `None`: forward alone.
-    pub gradient: Option<f32>,
-}
 
 struct Densities<'a, 'b>(&'b Pass<'a>, &'b mut Chunk);
 

@@ -1,8 +1,8 @@
 //! One training step: march rays, encode, networks forward and backward, scatter, Adam.
 
 use super::CompactModel;
-use super::chunk::Chunk;
-use super::forward::{Pass, run};
+use super::chunk::{Chunk, Pass};
+use super::forward::run;
 use super::kernels::{Multiply, Plain};
 use super::march::March;
 use super::networks::Weights;

@@ -4,8 +4,8 @@ use glam::{DMat3, DMat4, DVec3};
 use ndarray::Array3;
 use pulp::Arch;
 
-use super::chunk::Chunk;
-use super::forward::{Pass, run};
+use super::chunk::{Chunk, Pass};
+use super::forward::run;
 use super::kernels::{Plain, outer, product};
 use super::networks::{Networks, Weights};
 use super::views::BoxRay;
