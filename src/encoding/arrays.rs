@@ -16,6 +16,11 @@ pub(crate) fn dims(a: &Arrays) -> usize {
     input(a, "x").view().into_dimensionality::<Ix2>().expect("x is (M, D)").ncols()
 }
 
+/// Whether a cotangent is as wide as these conventions make the encoding.
+pub(super) fn admits(a: &Arrays, c: &Conventions) -> bool {
+    a.get("grad_encoding").is_none_or(|g| g.shape()[1] == settings(a, c).width(dims(a)))
+}
+
 pub(super) fn encoding(a: &Arrays, c: &Conventions) -> Arrays {
     let encoding = settings(a, c);
     let out: Vec<Vec<f64>> = rows(a, "x").iter().map(|x| super::positional_encoding(x, &encoding)).collect();

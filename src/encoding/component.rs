@@ -30,5 +30,5 @@ pub const POSITIONAL_ENCODING: Component = Component {
     }),
     cases: cases::positional_encoding,
     mistakes: mistakes::POSITIONAL_ENCODING,
-    special: Special { columns: Some(("columns", "band_sin_cos")), ..Special::NONE },
+    special: Special { columns: Some(("columns", "band_sin_cos")), admits: arrays::admits, ..Special::NONE },
 };

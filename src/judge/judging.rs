@@ -214,6 +214,10 @@ fn marks(
     if question.statistics() {
         return (statistics::mark(question, answers, c), None);
     }
+    if !question.admits(c) {
+        let fault = "its questions have the shapes of other conventions than the run's: pin the profile";
+        return (Marks { faults: vec![fault.into()], ..Marks::default() }, None);
+    }
     let graded = question.cases.iter().any(|case| {
         let direction = question.component.direction(question.kind).expect("a question has its direction");
         let bound = |grade| (direction.bound)(&case.inputs, c, &options.arithmetic(grade));
