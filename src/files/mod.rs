@@ -8,6 +8,7 @@ use std::path::Path;
 use crate::error::{Error, Result};
 
 pub mod npz;
+pub mod photo;
 pub mod picture;
 
 /// Makes `folder` and those above it, where they aren't there yet.

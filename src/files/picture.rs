@@ -6,9 +6,9 @@ use std::path::Path;
 use image::{DynamicImage, ImageFormat, ImageReader, Limits, RgbImage};
 use ndarray::{Array3, ArrayView3};
 
+use super::photo::Photo;
 use crate::error::{Error, Result};
 use crate::files;
-use crate::scene::Photo;
 
 /// The most bytes a picture may take when decoded.
 const LARGEST: u64 = 1 << 30;

@@ -21,13 +21,12 @@ mod check;
 mod layout;
 mod lens;
 mod npz;
-mod photo;
 mod transforms;
 
+pub use crate::files::photo::Photo;
 pub use builtin::Medium;
 pub use card::card;
 pub use layout::common_focus;
-pub use photo::Photo;
 
 /// One camera, with its photograph.
 #[derive(Clone, Debug)]

@@ -6,7 +6,7 @@
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::densities;
-use super::settings::{CompactSettings, Part};
+use super::settings::{CompactSettings, OPAQUE, Part};
 use super::step::OPTICAL_SIZE;
 use super::views::Views;
 use crate::hash_grid::fast as hash_grid;
@@ -28,8 +28,6 @@ const DECAY: f32 = 0.9;
 const LOOKS: usize = 1 << 15;
 /// Optical depth over the width of a cell above which it is occupied: 1.9 across the whole box.
 const OCCUPIED: f64 = 0.015;
-/// The same above which it is opaque.
-pub(super) const OPAQUE: f64 = 1.5;
 /// Cells of a task.
 const TASK: usize = 2048;
 

@@ -3,12 +3,14 @@
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 
-use super::occupancy::OPAQUE;
 use crate::camera::Camera;
 use crate::convention::Exponent;
 use crate::hash_grid;
 use crate::hash_grid::fast::LEVELS;
 use crate::scene::Scene;
+
+/// Optical depth over the width of a cell above which it is opaque.
+pub(super) const OPAQUE: f64 = 1.5;
 
 /// The parts of a compact model that can be switched off, to see what they are worth (`--without`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
