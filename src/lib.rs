@@ -75,6 +75,7 @@ pub mod importance_sampling;
 pub mod occupancy_grid;
 pub mod ray_aabb;
 pub mod spherical_harmonics;
+pub mod srgb;
 pub mod trunc_exp;
 
 pub mod registry;

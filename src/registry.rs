@@ -3,7 +3,7 @@
 use crate::contract::Component;
 use crate::{
     camera, early_stop, encoding, field, hash_grid, importance_sampling, loss, occupancy_grid, optimizer,
-    ray, ray_aabb, sample, spherical_harmonics, trace, trunc_exp, volume_rendering,
+    ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp, volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
