@@ -29,6 +29,7 @@ pub const COMPONENTS: &[Component] = &[
     loss::component::MSE,
     loss::component::PSNR,
     loss::component::TO_UINT8,
+    srgb::component::LINEAR_TO_SRGB,
     optimizer::component::ADAM_STEP,
     importance_sampling::component::IMPORTANCE_SAMPLING,
     ray_aabb::component::RAY_AABB,

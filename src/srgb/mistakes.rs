@@ -87,9 +87,9 @@ pub const LINEAR_TO_SRGB: &[Mistake] = &[
     Mistake::new(
         "exponent_rounded",
         "x^0.41666",
-        "4e-5 of the value in the shadows: nothing to see, a hundred roundings in single precision",
+        "too bright by 9e-5 of the value in the shadows: nothing to see, a thousand roundings in single precision",
         "1/2.4, or 0.41666667",
-        "three.js, and what follows it or OpenGL's specification, which print five digits (six read)",
+        "ports of three.js, and what follows OpenGL's specification, which prints five digits (six read)",
         6,
     ),
     Mistake::new(
