@@ -19,7 +19,7 @@
 //!
 //! Components that save work where a scene is empty or opaque, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
-//! steps for one picture.
+//! steps for one picture. [`srgb`] is the curve between linear light and a picture file.
 //!
 //! Rooms, from the ground up: each may import those before it; `tests/architecture` reads this list and fails on anything else.
 //!
@@ -28,7 +28,7 @@
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
-//!    [`occupancy_grid`]
+//!    [`occupancy_grid`], [`srgb`]
 //! 4. their f32 variants, in each folder's `fast`
 //! 5. all of them in a list: [`registry`]
 //! 6. verdicts on others: [`judge`]
@@ -75,6 +75,7 @@ pub mod importance_sampling;
 pub mod occupancy_grid;
 pub mod ray_aabb;
 pub mod spherical_harmonics;
+pub mod srgb;
 pub mod trunc_exp;
 
 pub mod registry;

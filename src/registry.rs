@@ -3,7 +3,7 @@
 use crate::contract::Component;
 use crate::{
     camera, early_stop, encoding, field, hash_grid, importance_sampling, loss, occupancy_grid, optimizer,
-    ray, ray_aabb, sample, spherical_harmonics, trace, trunc_exp, volume_rendering,
+    ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp, volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
@@ -29,6 +29,7 @@ pub const COMPONENTS: &[Component] = &[
     loss::component::MSE,
     loss::component::PSNR,
     loss::component::TO_UINT8,
+    srgb::component::LINEAR_TO_SRGB,
     optimizer::component::ADAM_STEP,
     importance_sampling::component::IMPORTANCE_SAMPLING,
     ray_aabb::component::RAY_AABB,

@@ -143,7 +143,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",
         compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
-        training: "mse mse_vjp psnr to_uint8 adam_step",
+        training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step",
         sampler: "sample_random_rays",
         sampling: "importance_sampling importance_sampling_vjp ray_aabb ray_aabb_vjp occupancy_grid grid_traversal",
     }.items()

@@ -51,6 +51,47 @@ def to_uint8(a, c, wrong):
     return {"bytes": x}
 
 
+def linear_to_srgb(a, c, wrong):
+    """Both pieces, one selected; the power as e^(ln x / 2.4)."""
+    x = a["linear"]
+    if "clamped" in wrong:
+        x = np.clip(x, 0, 1)
+    if "applied_twice" in wrong:
+        x = linear_to_srgb({"linear": x}, c, ())["srgb"]
+    with np.errstate(divide="ignore"):
+        log = np.log(x)
+    if "gamma_2_2" in wrong:
+        return {"srgb": np.exp(log / x.dtype.type(2.2))}
+    if "way_back" in wrong:
+        return {"srgb": np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4).astype(x.dtype)}
+    exponent = 2.4 if "exponent_swapped" in wrong else 0.41666 if "exponent_rounded" in wrong else 5 / 12
+    exponent -= 0.055 if "offset_in_the_exponent" in wrong else 0
+    inside = float(np.log(1.055)) if "scale_under_the_power" in wrong else 0
+    scale = 1 if "scale_under_the_power" in wrong else 1.055
+    offset = 0 if {"offset_forgotten", "offset_in_the_exponent"} & set(wrong) else 0.055
+    curved = (np.exp((log + inside) * exponent) * scale - offset).astype(x.dtype)
+    if "straight_piece_forgotten" in wrong:
+        return {"srgb": curved}
+    threshold = 0.04045 if "threshold_of_the_way_back" in wrong else 0.0031308
+    return {"srgb": np.where(x <= threshold, x * x.dtype.type(12.92), curved)}
+
+
+def linear_to_srgb_vjp(a, c, wrong):
+    """The slope from what the forward pass returns: (srgb + 0.055) / (2.4 x)."""
+    x, g = a["linear"], a["grad_srgb"]
+    dark = x <= 0.0031308
+    y = linear_to_srgb(a, c, ())["srgb"]
+    curved = (y + x.dtype.type(0.055)) / (x.dtype.type(2.4) * np.where(dark, x.dtype.type(1), x))
+    if "exponent_not_lowered" in wrong:
+        curved = curved * x
+    slope = np.where(dark, x.dtype.type(0 if "straight_slope_missing" in wrong else 12.92), curved)
+    if "gradient_clamped" in wrong:
+        slope = np.where(x > 1, x.dtype.type(0), slope)
+    if "not_a_number_at_black" in wrong:
+        slope = np.where(x == 0, x.dtype.type(np.nan), slope)
+    return {"grad_linear": g if "slope_dropped" in wrong else g * slope}
+
+
 def adam_step(a, c, wrong):
     """Kingma and Ba's algorithm 1."""
     p, step, b1, b2, decay = a["params"], a["step"], a["beta1"], a["beta2"], a["weight_decay"]

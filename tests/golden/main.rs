@@ -48,7 +48,9 @@ fn the_table_of_own_errors_is_true() {
     }
     let mut wrong = Vec::new();
     for ((name, vjp), (error, at)) in &measured {
-        let limit = limit(name, *vjp);
+        // A new component has no row yet: 0, so that all are measured and printed.
+        let known = OWN_ERRORS.iter().any(|row| row.component == *name);
+        let limit = if known { limit(name, *vjp) } else { 0.0 };
         let direction = if *vjp { "vjp" } else { "forward" };
         println!("{name:22} {direction:8} {error:9.3} of {limit:7.3} ULP at {at}");
         if *error > limit || limit > 2.0 * error {
@@ -57,7 +59,7 @@ fn the_table_of_own_errors_is_true() {
     }
     assert!(
         wrong.is_empty(),
-        "own_error.rs: a limit is exceeded, or looser than twice the error:\n{}",
+        "own_error.rs: a limit is exceeded (0: there is no row), or looser than twice the error; take 1.3 times what is measured:\n{}",
         wrong.join("\n")
     );
 }

@@ -28,6 +28,7 @@ COMPONENTS = [
     "mse",
     "psnr",
     "to_uint8",
+    "linear_to_srgb",
     "adam_step",
     "importance_sampling",
     "ray_aabb",
