@@ -34,8 +34,8 @@ BAD = ("unnamed", "named wrong", "passed wrongly", "failed wrongly", "not judged
 def program(*words):
     """JSON that the program prints."""
     done = subprocess.run([*map(str, words), "--json"], capture_output=True, text=True, check=False)
-    if done.returncode not in (0, 1) and not done.stdout:
-        sys.exit(f"{' '.join(map(str, words))}: {done.stderr}")
+    if done.returncode not in (0, 1) or not done.stdout:
+        raise CandidateError(f"{' '.join(map(str, words))}: {done.stderr.strip().splitlines()[:3]}")
     return json.loads(done.stdout)
 
 
@@ -115,7 +115,11 @@ def judged(tool, cases, folder, component):
     """The component's rows by kind."""
     if not any(folder.rglob("*.npz")):
         return {}
-    report = program(tool, "judge", cases, folder)
+    try:
+        report = program(tool, "judge", cases, folder)
+    except CandidateError as error:
+        print(error, file=sys.stderr)
+        return dict.fromkeys(("forward", "vjp", "trace", "statistics"), {"verdict": "crashed", "reason": "the judge itself crashed"})
     return {row["kind"]: row for row in report["components"] if row["name"] == component}
 
 
