@@ -235,7 +235,7 @@ def plain_exponential(x):
     return torch.exp(x)
 
 
-@fault("trunc_exp", "forward_clamped", seen="codes that clamp before exp", times=3)
+@convention("trunc_exp", {"exponent": "both"}, gradient=("zero_outside",), seen="codes that clamp before exp", times=3)
 def clamped_before(x):
     """e^clamp(x, -15, 15), differentiated as it stands."""
     return torch.exp(x.clamp(-15, 15))
