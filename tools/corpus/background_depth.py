@@ -1,0 +1,131 @@
+"""The background behind a ray, and its depth."""
+
+import numpy as np
+import torch
+from entry import convention, fault, right
+
+
+@right("composite_background", seen="nerfacc volrend.py; nearly everybody", times=20)
+def what_is_left_of_one(colors, opacity, background):
+    """C + (1 - A) b."""
+    return colors + background * (1.0 - opacity[:, None])
+
+
+@right("composite_background", seen="100-line NeRF and its ports (white), as c + 1 - sum", times=6)
+def opacity_taken_off_the_background(colors, opacity, background):
+    """C + b - A b."""
+    return colors + background - opacity.unsqueeze(-1) * background
+
+
+@right("composite_background", seen="a torch splat renderer")
+def linear_interpolation(colors, opacity, background):
+    """torch.addcmul of what is left."""
+    return torch.addcmul(colors, 1 - opacity[:, None], background.expand_as(colors))
+
+
+@right("composite_background", seen="numpy ports", times=2, arrays="numpy")
+def numpy_outer(colors, opacity, background):
+    """An outer product."""
+    return colors + np.outer(1 - opacity, background)
+
+
+@right("composite_background", seen="GLSL and WGSL renderers", times=4, arrays="numpy")
+def channel_by_channel(colors, opacity, background):
+    """A loop over rays and channels."""
+    return np.array([[c[k] + (1 - a) * background[k] for k in range(3)] for c, a in zip(colors, opacity)])
+
+
+@fault("composite_background", "attenuated_twice", seen="nerfstudio#2165, instant-nsr-pl#54", times=2)
+def mixed_as_if_not_multiplied(colors, opacity, background):
+    """A C + (1 - A) b: C was multiplied by its weights before."""
+    return opacity[:, None] * colors + (1 - opacity[:, None]) * background
+
+
+@fault("composite_background", "background_always", seen="an earlier reading of 114 implementations")
+def background_added(colors, opacity, background):
+    """C + b."""
+    return colors + background.expand(len(colors), 3)
+
+
+@fault("composite_background", seen="a splat renderer in torch (1 - (1 - prod))")
+def background_by_opacity(colors, opacity, background):
+    """C + A b: opacity in the place of what is left."""
+    return colors + opacity[:, None] * background
+
+
+@fault("composite_background", "one_channel", seen="an earlier reading of 114 implementations")
+def first_channel_alone(colors, opacity, background):
+    """The background goes into the first channel."""
+    return torch.cat([colors[:, :1] + (1 - opacity[:, None]) * background[0], colors[:, 1:]], 1)
+
+
+@fault("composite_background", "background_255", seen="an earlier reading of 114 implementations")
+def background_in_bytes(colors, opacity, background):
+    """The background counts from 0 to 255."""
+    return colors + (1 - opacity[:, None]) * (background * 255)
+
+
+@right("depth", seen="jaxnerf and mip-NeRF (far where there is nothing)", times=2)
+def mean_distance_or_far(weights, t, far):
+    """The mean distance, far for an empty ray."""
+    total = weights.sum(-1)
+    return torch.where(total > 0, (weights * t).sum(-1) / total.clamp_min(1e-30), torch.full_like(total, far))
+
+
+@convention(
+    "depth", {"depth": "plain"}, seen="bmild/nerf, krrish94, kwea123/nerf_pl, keras-io, CMU, CS180 (volrend_depth)", times=14
+)
+def summed_distance(weights, t):
+    """sum w t, not divided."""
+    return torch.sum(weights * t, dim=-1)
+
+
+@convention("depth", {"depth": "plain"}, seen="kornia-like and MLX ports", times=3, arrays="numpy")
+def summed_distance_in_numpy(weights, t):
+    """sum w t in numpy."""
+    return np.einsum("rn,rn->r", weights, t)
+
+
+@convention("depth", seen="nerfstudio-project/nerfacc volrend.py")
+def divided_by_at_least_eps(weights, t):
+    """Divided by max(A, machine epsilon): 0 for an empty ray."""
+    return (weights * t).sum(-1) / weights.sum(-1).clamp_min(torch.finfo(weights.dtype).eps)
+
+
+@convention("depth", seen="nerfstudio model_components/renderers.py, method expected")
+def divided_and_clipped(weights, t):
+    """Divided by A + 1e-10, clipped to the smallest and largest t: the smallest for an empty ray."""
+    return torch.clip((weights * t).sum(-1) / (weights.sum(-1) + 1e-10), t.min(), t.max())
+
+
+@convention("depth", seen="google/nerfies and a jax port of it", times=2)
+def divided_by_at_least_1e_12(weights, t):
+    """Divided by max(A, 1e-12)."""
+    return (weights * t).sum(-1) / weights.sum(-1).clamp(1e-12)
+
+
+@convention("depth", seen="mip-NeRF in jax: nan to infinity, clipped to the ray", gradient="none")
+def nan_to_the_far_end(weights, t, near=0.0, far=None):
+    """0 / 0 becomes infinite and is cut at the last sample's place."""
+    mean = torch.nan_to_num((weights * t).sum(-1) / weights.sum(-1), float("inf"))
+    return torch.minimum(torch.maximum(mean, t[:, 0]), t[:, -1])
+
+
+@fault("depth", "zero_by_zero", seen="krrish94/nerf-pytorch volume_rendering_utils.py (its disparity)", times=2)
+def divided_as_it_comes(weights, t):
+    """0 / 0 for an empty ray."""
+    return (weights * t).sum(-1) / weights.sum(-1)
+
+
+@fault("depth", gradient="none", seen="nerfstudio model_components/renderers.py, method median: another quantity")
+def median_distance(weights, t):
+    """Where half of the light is spent, not the mean."""
+    index = torch.searchsorted(torch.cumsum(weights, -1), torch.full((len(weights), 1), 0.5), side="left")
+    return torch.gather(t, -1, index.clamp(0, t.shape[1] - 1))[:, 0]
+
+
+@fault("depth", gradient="none", seen="yenchenlin/nerf-pytorch run_nerf.py: disparity, where depth is asked for", times=3)
+def disparity(weights, t):
+    """One over the depth."""
+    depth = (weights * t).sum(-1)
+    return 1 / torch.clamp(depth / weights.sum(-1).clamp_min(1e-30), min=1e-10)

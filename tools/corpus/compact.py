@@ -1,0 +1,247 @@
+"""Hash grid, harmonics, truncated exponential."""
+
+import numpy as np
+import torch
+from entry import convention, fault, right
+
+PRIMES = (1, 2654435761, 805459861)
+
+
+def tables(rest):
+    """The levels' tables."""
+    return [rest[f"table{i}"] for i in range(sum(name.startswith("table") for name in rest))]
+
+
+def resolutions(base, finest, L, how):
+    """Cells along an edge, level by level."""
+    growth = (finest / base) ** (1 / (L - 1)) if L > 1 else 1.0
+    return [int(how(base * growth**level + (1e-6 if how is np.floor else 0))) for level in range(L)]
+
+
+def entry_of(corner, n, size, primes=PRIMES, dense=True, combine=np.bitwise_xor):
+    """The entry of each vertex: dense where all fit, else hashed."""
+    x, y, z = (corner[:, k].astype(np.uint64) for k in range(3))
+    if dense and (n + 1) ** 3 <= size:
+        return (x + np.uint64(n + 1) * (y + np.uint64(n + 1) * z)).astype(np.int64)
+    mixed = combine(combine(x * np.uint64(primes[0]), y * np.uint64(primes[1])), z * np.uint64(primes[2]))
+    return (mixed % np.uint64(size)).astype(np.int64)
+
+
+def encoded(x, levels, sizes, offset=0.0, smooth=False, last_cell=True, **how):
+    """Trilinear interpolation, level by level."""
+    out = []
+    for table, n in zip(levels, sizes):
+        at = x * n + offset
+        cell = np.floor(at.detach().numpy())
+        cell = np.minimum(cell, n - 1) if last_cell else cell
+        part = at - torch.from_numpy(cell)
+        part = part * part * (3 - 2 * part) if smooth else part
+        total = 0
+        for corner in range(8):
+            bits = np.array([corner >> k & 1 for k in range(3)])
+            weight = torch.stack([part[:, k] if bits[k] else 1 - part[:, k] for k in range(3)]).prod(0)
+            total = total + weight[:, None] * table[torch.from_numpy(entry_of(cell + bits, n, len(table), **how))]
+        out.append(total)
+    return torch.cat(out, -1)
+
+
+@right("hash_grid", seen="torch ports that index coarse levels densely and round", times=2)
+def rounded_and_dense(x, base, finest, **rest):
+    """Whole resolutions, coarse levels dense, corners by bits."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.rint))
+
+
+@convention("hash_grid", seen="Instant-NGP's equation 2; int(base * growth ** level) of a torch port", times=6)
+def resolutions_cut(x, base, finest, **rest):
+    """floor(base growth^l), coarse levels dense."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.floor))
+
+
+@convention("hash_grid", seen="nerfstudio encodings.py (its torch code); HashNeRF-pytorch hash_encoding.py; a jax port", times=4)
+def all_levels_hashed(x, base, finest, **rest):
+    """floor of the resolutions, and every level hashed."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.floor), dense=False)
+
+
+@convention("hash_grid", seen="tiny-cuda-nn encodings/grid.h, interpolation Smoothstep; nerfstudio's option", times=2)
+def smooth_weights(x, base, finest, **rest):
+    """3 t^2 - 2 t^3 of the fractions."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), smooth=True)
+
+
+@convention("hash_grid", seen="tiny-cuda-nn hash type Prime; a python mirror of it", times=2)
+def another_first_prime(x, base, finest, **rest):
+    """1958374283 for x."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), primes=(1958374283, *PRIMES[1:]))
+
+
+@fault("hash_grid", "growth_over_levels", seen="ports whose growth is taken over L steps")
+def growth_too_small(x, base, finest, **rest):
+    """(finest / base)^(1 / L)."""
+    levels = tables(rest)
+    growth = (finest / base) ** (1 / len(levels))
+    return encoded(x, levels, [int(np.rint(base * growth**i)) for i in range(len(levels))])
+
+
+@fault("hash_grid", "sum_for_xor", seen="hash functions that add", times=1)
+def hashed_by_a_sum(x, base, finest, **rest):
+    """A sum in the place of the exclusive or."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), combine=np.add)
+
+
+@fault("hash_grid", "primes_rolled", seen="kaolin-wisp#132")
+def primes_of_other_axes(x, base, finest, **rest):
+    """2654435761, 805459861, 1."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), primes=(*PRIMES[1:], 1))
+
+
+@fault("hash_grid", "nearest_vertex", seen="a robot's hash encoder that looks up one entry", times=2)
+def one_vertex_alone(x, base, finest, **rest):
+    """The nearest vertex, not interpolated."""
+    out, levels = [], tables(rest)
+    for table, n in zip(levels, resolutions(base, finest, len(levels), np.rint)):
+        vertex = np.floor(x.detach().numpy() * n + 0.5)
+        out.append(table[torch.from_numpy(entry_of(vertex, n, len(table)))])
+    return torch.cat(out, -1)
+
+
+def harmonics(d, degree, sign):
+    """Real harmonics up to degree 4 on the unit sphere; `sign` times those of odd m."""
+    x, y, z = d.unbind(-1)
+    xx, yy, zz, s = x * x, y * y, z * z, sign
+    out = [0.28209479177387814 + 0 * x]
+    if degree > 0:
+        out += [s * 0.4886025119029199 * y, 0.4886025119029199 * z, s * 0.4886025119029199 * x]
+    if degree > 1:
+        out += [1.0925484305920792 * x * y, s * 1.0925484305920792 * y * z, 0.9461746957575601 * zz - 0.31539156525251999]
+        out += [s * 1.0925484305920792 * x * z, 0.5462742152960396 * (xx - yy)]
+    if degree > 2:
+        out += [
+            s * 0.5900435899266435 * y * (3 * xx - yy),
+            2.890611442640554 * x * y * z,
+            s * 0.4570457994644658 * y * (5 * zz - 1),
+        ]
+        out += [
+            0.3731763325901154 * z * (5 * zz - 3),
+            s * 0.4570457994644658 * x * (5 * zz - 1),
+            1.445305721320277 * z * (xx - yy),
+        ]
+        out += [s * 0.5900435899266435 * x * (xx - 3 * yy)]
+    if degree > 3:
+        out += [2.5033429417967046 * x * y * (xx - yy), s * 1.7701307697799304 * y * z * (3 * xx - yy)]
+        out += [0.9461746957575601 * x * y * (7 * zz - 1), s * 0.6690465435572892 * y * z * (7 * zz - 3)]
+        out += [0.10578554691520431 * (35 * zz * zz - 30 * zz + 3), s * 0.6690465435572892 * x * z * (7 * zz - 3)]
+        out += [0.47308734787878004 * (xx - yy) * (7 * zz - 1), s * 1.7701307697799304 * x * z * (xx - 3 * yy)]
+        out += [0.6258357354491761 * (xx * (xx - 3 * yy) - yy * (3 * xx - yy))]
+    return out
+
+
+@right("spherical_harmonics", seen="tiny-cuda-nn spherical_harmonics.h: polynomials on the unit sphere", times=2)
+def signed_polynomials(d, degree):
+    """With (-1)^m."""
+    return torch.stack(harmonics(d, degree, -1), -1)
+
+
+@convention("spherical_harmonics", seen="nerfstudio utils/math.py (its torch code), degrees 0 to 3", times=2)
+def unsigned_polynomials(d, degree):
+    """Without (-1)^m."""
+    return torch.stack(harmonics(d, degree, 1), -1)
+
+
+@convention("spherical_harmonics", seen="3DGS sh_utils.py, svox2, PlenOctrees, HashNeRF-pytorch", times=5)
+def homogeneous_polynomials(d, degree):
+    """With (-1)^m, zz - xx - yy for what needs unit length: the same on the sphere, another gradient beside it."""
+    x, y, z = d.unbind(-1)
+    xx, yy, zz = x * x, y * y, z * z
+    out = harmonics(d, degree, -1)
+    if degree > 1:
+        out[6] = 0.31539156525252005 * (2.0 * zz - xx - yy)
+    if degree > 2:
+        out[11], out[13] = -0.4570457994644658 * y * (4 * zz - xx - yy), -0.4570457994644658 * x * (4 * zz - xx - yy)
+        out[12] = 0.3731763325901154 * z * (2 * zz - 3 * xx - 3 * yy)
+    return torch.stack(out, -1)
+
+
+@fault("spherical_harmonics", seen="nerfstudio utils/math.py, degree 4 of its torch code")
+def two_slips_in_the_fifth_band(d, degree):
+    """Without (-1)^m; in band 4 one harmonic lacks its z, and another has a constant too small by the root of 2."""
+    out = harmonics(d, degree, 1)
+    if degree > 3:
+        x, y, z = d.unbind(-1)
+        out[19] = 0.6690465435572892 * y * (7 * z * z - 3)
+        out[24] = out[24] * (0.4425326924449826 / 0.6258357354491761)
+    return torch.stack(out, -1)
+
+
+@fault(
+    "spherical_harmonics", "directions_in_unit_cube", seen="torch-ngp and tiny-cuda-nn callers: (d + 1) / 2 handed on", times=3
+)
+def shifted_directions(d, degree):
+    """(d + 1) / 2 for d."""
+    return torch.stack(harmonics((d + 1) / 2, degree, -1), -1)
+
+
+@fault("spherical_harmonics", "m_descending", seen="not met in this reading", times=0)
+def other_order(d, degree):
+    """m from l down to -l."""
+    out = harmonics(d, degree, -1)
+    return torch.stack([out[band * band + band - m] for band in range(degree + 1) for m in range(-band, band + 1)], -1)
+
+
+class Surrogate(torch.autograd.Function):
+    """e^x whose gradient is clamped."""
+
+    @staticmethod
+    def forward(ctx, x, low, high):
+        """e^x."""
+        ctx.save_for_backward(x)
+        ctx.ends = low, high
+        return torch.exp(x)
+
+    @staticmethod
+    def backward(ctx, g):
+        """g e^clamp(x)."""
+        return g * torch.exp(ctx.saved_tensors[0].clamp(*ctx.ends)), None, None
+
+
+@right("trunc_exp", seen="torch-ngp activation.py, nerfstudio activations.py, kwea123/ngp_pl custom_functions.py", times=5)
+def clamped_at_both_ends(x):
+    """Gradient clamped to [-15, 15]."""
+    return Surrogate.apply(x, -15, 15)
+
+
+@convention("trunc_exp", seen="nerfacc's examples and later versions of torch-ngp", times=3)
+def clamped_from_above(x):
+    """Gradient clamped at 15 alone."""
+    return Surrogate.apply(x, None, 15)
+
+
+@convention("trunc_exp", seen="nerfacc's examples: density = trunc_exp(x - 1)", times=2)
+def shifted_by_one(x):
+    """e^(x - 1)."""
+    return Surrogate.apply(x - 1, -15, 15)
+
+
+@right("trunc_exp", gradient=("gradient_not_clamped",), seen="torch.exp for the density", times=3)
+def plain_exponential(x):
+    """e^x and its own gradient."""
+    return torch.exp(x)
+
+
+@convention("trunc_exp", {"exponent": "both"}, gradient=("zero_outside",), seen="codes that clamp before exp", times=3)
+def clamped_before(x):
+    """e^clamp(x, -15, 15), differentiated as it stands."""
+    return torch.exp(x.clamp(-15, 15))
+
+
+@fault("trunc_exp", seen="softplus for the density, where e^x is asked for", times=2)
+def soft_plus(x):
+    """log(1 + e^x)."""
+    return torch.nn.functional.softplus(x)

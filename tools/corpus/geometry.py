@@ -1,0 +1,249 @@
+"""Boxes, occupancy grids, and walks through them."""
+
+import numpy as np
+import torch
+from entry import convention, fault, right
+
+
+def slabs(rays_o, rays_d, low, high):
+    """Smallest and largest t of each axis; a ray along a slab is inside of it for ever, or never."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        a, b = (low - rays_o) / rays_d, (high - rays_o) / rays_d
+    along = rays_d == 0
+    inside = (rays_o >= low) & (rays_o <= high)
+    enter = np.where(along, np.where(inside, -np.inf, np.inf), np.minimum(a, b))
+    leave = np.where(along, np.where(inside, np.inf, -np.inf), np.maximum(a, b))
+    return enter.max(1), leave.min(1)
+
+
+def answer(enter, leave, near, far, kind):
+    """The three outputs, far on a miss."""
+    enter, leave = np.maximum(enter, near), np.minimum(leave, far)
+    hit = enter <= leave
+    return np.where(hit, enter, far).astype(kind), np.where(hit, leave, far).astype(kind), hit.astype(kind)
+
+
+@right("ray_aabb", seen="tests for parallel rays, axis by axis: three codes", times=3, arrays="numpy")
+def parallel_rays_apart(rays_o, rays_d, low, high, near, far):
+    """A case of its own for components of 0."""
+    return answer(*slabs(rays_o, rays_d, low, high), near, far, rays_o.dtype)
+
+
+@right("ray_aabb", seen="pure Python engines: a loop over axes", times=3, arrays="numpy")
+def axis_by_axis(rays_o, rays_d, low, high, near, far):
+    """A loop over rays and axes with two numbers carried along."""
+    out = []
+    for o, d in zip(rays_o, rays_d):
+        first, last = near, far
+        for k in range(3):
+            if d[k] == 0:
+                if not low[k] <= o[k] <= high[k]:
+                    first, last = np.inf, -np.inf
+                continue
+            a, b = (low[k] - o[k]) / d[k], (high[k] - o[k]) / d[k]
+            first, last = max(first, min(a, b)), min(last, max(a, b))
+        out.append((first, last, 1) if first <= last else (far, far, 0))
+    return tuple(np.array(column, rays_o.dtype) for column in zip(*out))
+
+
+@fault("ray_aabb", seen="an engine in numpy: sign(d) max(|d|, 1e-9)", arrays="numpy")
+def components_of_at_least_1e_9(rays_o, rays_d, low, high, near, far):
+    """Zeros become 1e-9: right but for rays that lie in the far face, which leave at 0."""
+    sign = np.where(rays_d < 0, -1, 1).astype(rays_d.dtype)
+    safe = sign * np.maximum(np.abs(rays_d), 1e-9).astype(rays_d.dtype)
+    a, b = (low - rays_o) / safe, (high - rays_o) / safe
+    return answer(np.minimum(a, b).max(1), np.maximum(a, b).min(1), near, far, rays_o.dtype)
+
+
+@fault("ray_aabb", seen="nerfstudio utils/math.py _intersect_aabb", gradient="none")
+def touching_is_a_miss(rays_o, rays_d, low, high, near, far):
+    """A part of length 0 is a miss, 0 / 0 in a face is left to the arithmetic; 1e10 on a miss."""
+    a, b = (low - rays_o) / rays_d, (high - rays_o) / rays_d
+    enter = torch.clamp(torch.min(a, b).max(-1).values, min=near, max=far)
+    leave = torch.clamp(torch.max(a, b).min(-1).values, min=near, max=far)
+    miss = leave <= enter
+    return torch.where(miss, 1e10, enter), torch.where(miss, 1e10, leave), 1 - miss.float()
+
+
+def with_eps(rays_o, rays_d, low, high, near, far, eps):
+    """1 / (d + eps)."""
+    a, b = (low - rays_o) / (rays_d + eps), (high - rays_o) / (rays_d + eps)
+    enter = torch.clamp(torch.minimum(a, b).max(-1).values, min=near)
+    leave = torch.clamp(torch.maximum(a, b).min(-1).values, max=far)
+    hit = enter <= leave
+    return torch.where(hit, enter, torch.full_like(enter, far)), torch.where(hit, leave, torch.full_like(leave, far)), hit.float()
+
+
+@fault("ray_aabb", "eps_in_direction", seen="hand-written occupancy grids (1e-6)", times=2)
+def direction_plus_1e_6(rays_o, rays_d, low, high, near, far):
+    """d + 1e-6."""
+    return with_eps(rays_o, rays_d, low, high, near, far, 1e-6)
+
+
+@fault("ray_aabb", "eps_in_direction", seen="two NeRF libraries' intersections (1e-8)", times=2)
+def direction_plus_1e_8(rays_o, rays_d, low, high, near, far):
+    """d + 1e-8."""
+    return with_eps(rays_o, rays_d, low, high, near, far, 1e-8)
+
+
+@fault("ray_aabb", "near_ignored", seen="paradoxxxzero/raymarcher iBox.glsl: both t as they are", times=2, arrays="numpy")
+def near_not_applied(rays_o, rays_d, low, high, near, far):
+    """The first t isn't cut at near."""
+    enter, leave = slabs(rays_o, rays_d, low, high)
+    leave = np.minimum(leave, far)
+    hit = enter <= leave
+    return tuple(x.astype(rays_o.dtype) for x in (np.where(hit, enter, far), np.where(hit, leave, far), hit))
+
+
+@fault("ray_aabb", "far_ignored", seen="codes that cut at 0 alone", times=3, arrays="numpy")
+def far_not_applied(rays_o, rays_d, low, high, near, far):
+    """The last t isn't cut at far."""
+    enter, leave = slabs(rays_o, rays_d, low, high)
+    enter = np.maximum(enter, near)
+    hit = enter <= leave
+    return tuple(x.astype(rays_o.dtype) for x in (np.where(hit, enter, far), np.where(hit, leave, far), hit))
+
+
+@fault("ray_aabb", "behind_is_a_hit", seen="HLSL and GLSL: return tFar >= tNear", times=2, arrays="numpy")
+def boxes_behind_are_hit(rays_o, rays_d, low, high, near, far):
+    """hit is asked of the whole line."""
+    enter, leave = slabs(rays_o, rays_d, low, high)
+    hit = enter <= leave
+    enter, leave = np.maximum(enter, near), np.minimum(leave, far)
+    return tuple(x.astype(rays_o.dtype) for x in (np.where(hit, enter, far), np.where(hit, leave, far), hit))
+
+
+@fault("ray_aabb", "sign_ignored", seen="not met in this reading", times=0, arrays="numpy")
+def low_face_first(rays_o, rays_d, low, high, near, far):
+    """Entered by the low face whatever the sign of d."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        a, b = (low - rays_o) / rays_d, (high - rays_o) / rays_d
+    along, inside = rays_d == 0, (rays_o >= low) & (rays_o <= high)
+    enter = np.where(along, np.where(inside, -np.inf, np.inf), a).max(1)
+    leave = np.where(along, np.where(inside, np.inf, -np.inf), b).min(1)
+    return answer(enter, leave, near, far, rays_o.dtype)
+
+
+@fault("ray_aabb", "parallel_is_a_miss", seen="codes that return on |d| < eps", times=1, arrays="numpy")
+def parallel_rays_never_hit(rays_o, rays_d, low, high, near, far):
+    """A component of 0 is a miss."""
+    enter, leave = slabs(rays_o, rays_d, low, high)
+    enter = np.where((rays_d == 0).any(1), np.inf, enter)
+    return answer(enter, leave, near, far, rays_o.dtype)
+
+
+def cells(points, n):
+    """Cell of each point, (z, y, x); the box's end belongs to the last."""
+    return tuple(np.clip(np.floor(points * points.dtype.type(n)).astype(int), 0, n - 1).T[::-1])
+
+
+def looked_up(density, queries, threshold, before=None):
+    """The outputs of the grid."""
+    occupied = (density if before is None else before) > threshold
+    return density, occupied.astype(density.dtype), occupied[cells(queries, len(density))].astype(density.dtype)
+
+
+@right("occupancy_grid", seen="instant-ngp: decay, then an atomic maximum", times=3, arrays="numpy")
+def decayed_then_raised(density, points, sigmas, decay, threshold, queries):
+    """np.maximum.at of the decayed grid."""
+    out = (density * density.dtype.type(decay)).copy()
+    np.maximum.at(out, cells(points, len(density)), sigmas)
+    return looked_up(out, queries, threshold)
+
+
+@right("occupancy_grid", seen="torch-ngp: maximum of decayed density and new", times=3)
+def scattered_maximum(density, points, sigmas, decay, threshold, queries):
+    """torch's scatter_reduce with amax."""
+    n = len(density)
+
+    def flat(x):
+        """Number of each point's cell."""
+        i = torch.clamp((x * n).floor().long(), 0, n - 1)
+        return i[:, 0] + n * (i[:, 1] + n * i[:, 2])
+
+    out = (density * decay).flatten().scatter_reduce(0, flat(points), sigmas, "amax").reshape(density.shape)
+    occupied = (out > threshold).to(density.dtype)
+    return out, occupied, occupied.flatten()[flat(queries)]
+
+
+@convention(
+    "occupancy_grid", seen="nerfstudio-project/nerfacc grid.py: only cells that were asked decay", times=2, arrays="numpy"
+)
+def others_keep_their_density(density, points, sigmas, decay, threshold, queries):
+    """Cells without a point don't decay."""
+    out, at = density.copy(), cells(points, len(density))
+    out[at] = density[at] * density.dtype.type(decay)
+    np.maximum.at(out, at, sigmas)
+    return looked_up(out, queries, threshold)
+
+
+@fault(
+    "occupancy_grid", "last_point_wins", seen="nerfstudio-project/nerfacc grid.py, by its own comment", times=2, arrays="numpy"
+)
+def last_of_a_cell(density, points, sigmas, decay, threshold, queries):
+    """Of several points in a cell the last counts."""
+    out, at = density * density.dtype.type(decay), cells(points, len(density))
+    out[at] = np.maximum(out[at], sigmas)
+    return looked_up(out, queries, threshold)
+
+
+@fault("occupancy_grid", "density_replaced", seen="a student's grid that is evaluated anew", times=2, arrays="numpy")
+def evaluated_anew(density, points, sigmas, decay, threshold, queries):
+    """The new density replaces the old one."""
+    out, at = density * density.dtype.type(decay), cells(points, len(density))
+    fresh = np.full_like(out, -np.inf)
+    np.maximum.at(fresh, at, sigmas)
+    return looked_up(np.where(np.isinf(fresh), out, fresh), queries, threshold)
+
+
+@fault("occupancy_grid", "threshold_included", seen="occupied = density >= threshold", times=1, arrays="numpy")
+def at_the_threshold_too(density, points, sigmas, decay, threshold, queries):
+    """>= for >."""
+    out = decayed_then_raised(density, points, sigmas, decay, threshold, queries)[0]
+    occupied = (out >= threshold).astype(out.dtype)
+    return out, occupied, occupied[cells(queries, len(out))]
+
+
+@fault("occupancy_grid", "nearest_cell", seen="a voxel radiance field: .5 added before the cut", times=1, arrays="numpy")
+def rounded_to_cells(density, points, sigmas, decay, threshold, queries):
+    """round(p R) for floor(p R)."""
+    half = points.dtype.type(0.5 / len(density))
+    return decayed_then_raised(density, points + half, sigmas, decay, threshold, queries + half)
+
+
+def crossings(o, d, near, far, n):
+    """Sorted t of all planes between near and far, in f64."""
+    t = [near, far]
+    for k in range(3):
+        if d[k]:
+            t += [x for x in ((np.arange(n + 1) / n - o[k]) / d[k]) if near < x < far]
+    return np.unique(t)
+
+
+def walked(rays_o, rays_d, near, far, resolution, pieces):
+    """Lengths and numbers of cells from pieces of each ray."""
+    lengths = np.zeros((len(rays_o), resolution, resolution, resolution))
+    for r, (o, d) in enumerate(zip(rays_o.astype(np.float64), rays_d.astype(np.float64))):
+        t = pieces(o, d)
+        for a, b in zip(t, t[1:]):
+            x = o + d * (a + b) / 2
+            lengths[r][tuple(np.clip(np.floor(x * resolution).astype(int), 0, resolution - 1)[::-1])] += b - a
+    return lengths.astype(rays_o.dtype), (lengths > 0).sum((1, 2, 3)).astype(rays_o.dtype)
+
+
+@right("grid_traversal", seen="ray tracers that sort all crossings; DDA codes", times=3, arrays="numpy")
+def sorted_crossings(rays_o, rays_d, near, far, resolution):
+    """All planes' t, sorted; the middle of a piece names its cell."""
+    return walked(rays_o, rays_d, near, far, resolution, lambda o, d: crossings(o, d, near, far, resolution))
+
+
+@fault("grid_traversal", "equal_steps", seen="ray marchers with a fixed step through a grid", times=4, arrays="numpy")
+def fixed_steps(rays_o, rays_d, near, far, resolution):
+    """Equal steps, each counted to the cell of its middle."""
+    return walked(rays_o, rays_d, near, far, resolution, lambda o, d: np.linspace(near, far, 8 * resolution + 1))
+
+
+@fault("grid_traversal", "first_cell_missing", seen="walks that count a cell when its face is crossed", times=1, arrays="numpy")
+def from_the_first_face_on(rays_o, rays_d, near, far, resolution):
+    """The cell where a ray begins isn't counted."""
+    return walked(rays_o, rays_d, near, far, resolution, lambda o, d: crossings(o, d, near, far, resolution)[1:])

@@ -1,0 +1,121 @@
+"""Samples by the weights of a first pass."""
+
+import numpy as np
+import torch
+from entry import convention, fault, right
+
+
+def steps(weights, padding=0.0):
+    """0, F_1, ..., 1; equal weights for an empty ray."""
+    weights = weights + padding
+    weights = torch.where(weights.sum(-1, keepdim=True) == 0, torch.ones_like(weights), weights)
+    cdf = torch.cumsum(weights / weights.sum(-1, keepdim=True), -1)
+    return torch.cat([torch.zeros_like(cdf[..., :1]), cdf], -1)
+
+
+def inverted(edges, cdf, u, floor=None, side=True):
+    """The places where cdf is u; differences below `floor` are taken for 1."""
+    found = torch.searchsorted(cdf.contiguous(), u.contiguous(), right=side)
+    below, above = (found - 1).clamp(min=0), found.clamp(max=cdf.shape[-1] - 1)
+    low, high = torch.gather(cdf, -1, below), torch.gather(cdf, -1, above)
+    first, last = torch.gather(edges, -1, below), torch.gather(edges, -1, above)
+    width = high - low
+    width = (
+        torch.where(width < floor, torch.ones_like(width), width)
+        if floor
+        else torch.where(width == 0, torch.ones_like(width), width)
+    )
+    return first + (u - low) / width * (last - first)
+
+
+@convention(
+    "importance_sampling", seen="bmild/nerf sample_pdf, kwea123/nerf_pl, pytorch3d, nexuslrf/Accel-RF and dozens more", times=24
+)
+def original_as_it_stands(edges, weights, u):
+    """Right side, gather, differences below 1e-5 taken for 1; 1e-5 is added to all weights."""
+    return inverted(edges, steps(weights.detach(), 1e-5), u, 1e-5)
+
+
+@convention("importance_sampling", seen="a student's sample_pdf with 1e-6")
+def a_millionth_added(edges, weights, u):
+    """1e-6 is always added."""
+    return inverted(edges, steps(weights.detach(), 1e-6), u)
+
+
+@right("importance_sampling", seen="blog posts that divide by the difference as it is", times=2, digits=True)
+def divided_as_it_is(edges, weights, u, padding):
+    """Right side, gather, divided by the difference unless it is 0; empty rays by equal weights."""
+    return inverted(edges, steps(weights.detach(), padding), u)
+
+
+@right("importance_sampling", seen="numpy.interp on the cumulative sum", times=3, arrays="numpy", digits=True)
+def interpolated_by_numpy(edges, weights, u, padding):
+    """np.interp, ray by ray."""
+    out = np.zeros_like(u)
+    for r in range(len(u)):
+        w = weights[r].astype(np.float64) + padding
+        w = w if w.sum() else np.ones_like(w)
+        cdf = np.concatenate([[0], np.cumsum(w / w.sum())])
+        for i, x in enumerate(u[r]):
+            k = min(max(int(np.searchsorted(cdf, x, side="right")) - 1, 0), len(w) - 1)
+            while not w[k]:
+                k -= 1
+            out[r, i] = edges[r, k] + (min(x, cdf[k + 1]) - cdf[k]) / (cdf[k + 1] - cdf[k]) * (edges[r, k + 1] - edges[r, k])
+    return out
+
+
+@right(
+    "importance_sampling", seen="google-research/multinerf internal/stepfun.py: the sum is cut at 1, the last is 1", digits=True
+)
+def last_step_is_one(edges, weights, u, padding):
+    """0, the cumulative sum cut at 1 without its last, 1."""
+    w = weights.detach() + padding
+    w = torch.where(w.sum(-1, keepdim=True) == 0, torch.ones_like(w), w)
+    w = w / w.sum(-1, keepdim=True)
+    cut = torch.cumsum(w[..., :-1], -1).clamp(max=1)
+    cdf = torch.cat([torch.zeros_like(w[..., :1]), cut, torch.ones_like(w[..., :1])], -1)
+    return inverted(edges, cdf, u)
+
+
+@fault("importance_sampling", "interior_alone", seen="bmild's call with z_vals_mid, applied to intervals", times=4)
+def inner_weights_between_midpoints(edges, weights, u, padding):
+    """weights[1:-1] between midpoints."""
+    mids = 0.5 * (edges[..., 1:] + edges[..., :-1])
+    if weights.shape[-1] < 3:
+        return divided_as_it_is(edges, weights, u, padding)
+    return inverted(mids, steps(weights[..., 1:-1], padding), u)
+
+
+@fault("importance_sampling", "no_leading_zero", seen="students who forget the zero in front", times=2)
+def without_the_zero(edges, weights, u, padding):
+    """F starts with the first weight: each sample falls one bin too early."""
+    cdf = torch.cat([steps(weights, padding)[..., 1:], torch.ones_like(weights[..., :1])], -1)
+    return inverted(edges, cdf, u)
+
+
+@fault("importance_sampling", "searched_from_the_left", seen="ports whose searchsorted has another default", times=2)
+def from_the_left(edges, weights, u, padding):
+    """searchsorted from the left."""
+    return inverted(edges, steps(weights, padding), u, side=False)
+
+
+@fault("importance_sampling", "left_edge", seen="a fine sampler that never interpolates")
+def edges_of_the_bins(edges, weights, u, padding):
+    """The bin's left edge."""
+    found = torch.searchsorted(steps(weights, padding).contiguous(), u.contiguous(), right=True)
+    return torch.gather(edges, -1, (found - 1).clamp(0, weights.shape[-1] - 1))
+
+
+@fault("importance_sampling", "not_normalized", seen="students who skip the division", times=1)
+def sums_of_raw_weights(edges, weights, u, padding):
+    """The cumulative sum of weights that don't sum to one."""
+    cdf = torch.cumsum(weights + padding, -1)
+    return inverted(edges, torch.cat([torch.zeros_like(cdf[..., :1]), cdf], -1), u)
+
+
+@fault("importance_sampling", seen="davidemiro/NeRF-pytorch nerf/sampling.py: a sum without its axis kept")
+def divided_by_another_ray(edges, weights, u, padding):
+    """weights / weights.sum(-1): columns divided by the sums of rays; an error but for as many bins as rays, and for one ray."""
+    w = weights + padding
+    cdf = torch.cumsum(w / torch.sum(w, dim=-1), -1)
+    return inverted(edges, torch.cat([torch.zeros_like(cdf[..., :1]), cdf], -1), u)

@@ -1,0 +1,269 @@
+"""Samples along rays, and their steps."""
+
+import numpy as np
+import torch
+from entry import convention, fault, right
+
+
+def on_rays(rays_o, rays_d, t):
+    """t and o + t d."""
+    return t, rays_o[:, None, :] + t[..., None] * rays_d[:, None, :]
+
+
+def ends(near, far, n):
+    """n places from near to far, both held."""
+    return torch.linspace(near, far, n)
+
+
+@right("sample_along_rays", seen="CS180 students (edges N + 1)", times=4)
+def between_edges(rays_o, rays_d, near, far, u):
+    """N + 1 edges, one sample in each interval."""
+    edges = ends(near, far, u.shape[1] + 1)
+    return on_rays(rays_o, rays_d, edges[:-1] + (edges[1:] - edges[:-1]) * u)
+
+
+@right("sample_along_rays", seen="nerfstudio ray_samplers.py (spacing), blended as near (1 - x) + far x", times=3)
+def blended_between_near_and_far(rays_o, rays_d, near, far, u):
+    """x = (i + u) / N, near (1 - x) + far x."""
+    x = (torch.arange(u.shape[1]) + u) / u.shape[1]
+    return on_rays(rays_o, rays_d, near * (1.0 - x) + far * x)
+
+
+@right("sample_along_rays", seen="CS180 students return the points alone", times=5)
+def points_alone(rays_o, rays_d, near, far, u):
+    """t isn't handed out."""
+    return {"points": between_edges(rays_o, rays_d, near, far, u)[1]}
+
+
+@right("sample_along_rays", seen="numpy ports", times=2, arrays="numpy")
+def numpy_intervals(rays_o, rays_d, near, far, u):
+    """numpy, flattened points (R N, 3)."""
+    n = u.shape[1]
+    t = (near + (np.arange(n, dtype=np.float32) + u) * np.float32((far - near) / n)).astype(np.float32)
+    return t, (rays_o[:, None] + t[..., None] * rays_d[:, None]).reshape(-1, 3)
+
+
+@convention("sample_along_rays", {"grid": "ends_plus_width"}, seen="keras-io, krrish94, tiny NeRF, most CS180 students", times=18)
+def both_ends_plus_width(rays_o, rays_d, near, far, u):
+    """linspace(near, far, N) + u (far - near) / N."""
+    n = u.shape[1]
+    return on_rays(rays_o, rays_d, ends(near, far, n) + u * (far - near) / n)
+
+
+@convention(
+    "sample_along_rays", {"grid": "ends_between_midpoints"}, seen="bmild/nerf, kwea123/nerf_pl, the 100-line NeRF", times=16
+)
+def between_midpoints(rays_o, rays_d, near, far, u):
+    """Between the midpoints of linspace(near, far, N), half as wide at both ends."""
+    t = ends(near, far, u.shape[1])
+    mids = 0.5 * (t[1:] + t[:-1])
+    upper, lower = torch.cat([mids, t[-1:]]), torch.cat([t[:1], mids])
+    return on_rays(rays_o, rays_d, lower + (upper - lower) * u)
+
+
+@convention("sample_along_rays", {"grid": "ends_plus_spacing"}, seen="CS180 students (spacing of linspace)", times=2)
+def both_ends_plus_spacing(rays_o, rays_d, near, far, u):
+    """linspace(near, far, N) + u times its spacing."""
+    t = ends(near, far, u.shape[1])
+    spacing = t[1] - t[0] if len(t) > 1 else 0.0
+    return on_rays(rays_o, rays_d, t + u * spacing)
+
+
+@fault("sample_along_rays", "one_jitter_for_all_rays", seen="CS180 students: rand_like of t (N), aviral2004", times=5)
+def one_row_of_jitter(rays_o, rays_d, near, far, u):
+    """linspace plus noise of shape N, the same for all rays."""
+    n = u.shape[1]
+    t = ends(near, far, n) + u[0] * (far - near) / n
+    return on_rays(rays_o, rays_d, t.expand(len(rays_o), n))
+
+
+@fault("sample_along_rays", "one_jitter_for_all_rays+jitter_width_1", seen="aviral2004/nerf_from_scratch (t_width=1)")
+def one_row_of_wide_jitter(rays_o, rays_d, near, far, u):
+    """The same, as wide as 1."""
+    t = ends(near, far, u.shape[1]) + u[0] * 1.0
+    return on_rays(rays_o, rays_d, t.expand(len(rays_o), len(t)))
+
+
+def fixed_width(rays_o, rays_d, near, far, u, width):
+    """linspace plus u times a fixed width."""
+    return on_rays(rays_o, rays_d, ends(near, far, u.shape[1]) + u * width)
+
+
+@fault("sample_along_rays", "jitter_width_0.02", seen="CS180 students: the course's own t_width", times=3)
+def jitter_as_wide_as_a_fiftieth(rays_o, rays_d, near, far, u):
+    """A width of 0.02 whatever the interval."""
+    return fixed_width(rays_o, rays_d, near, far, u, 0.02)
+
+
+@fault(
+    "sample_along_rays",
+    "jitter_width",
+    "jitter_width_0.1",
+    "jitter_width_0.02",
+    seen="not met: a number beside those that were",
+    times=0,
+)
+def jitter_as_wide_as_a_twentieth(rays_o, rays_d, near, far, u):
+    """A width of 0.05: the same fault with another number."""
+    return fixed_width(rays_o, rays_d, near, far, u, 0.05)
+
+
+@fault("sample_along_rays", "jitter_width_1", seen="aviral2004, of shape (R, N)", times=2)
+def jitter_as_wide_as_one(rays_o, rays_d, near, far, u):
+    """A width of 1."""
+    return fixed_width(rays_o, rays_d, near, far, u, 1.0)
+
+
+@fault("sample_along_rays", "never_jittered", seen="JerryAIwei/nerf_pytorch render.py; a student's render_rays", times=4)
+def linspace_alone(rays_o, rays_d, near, far, u):
+    """linspace(near, far, N); u is ignored."""
+    t = ends(near, far, u.shape[1])
+    return on_rays(rays_o, rays_d, t.expand(len(rays_o), len(t)))
+
+
+@fault("sample_along_rays", "never_jittered", seen="samplers that rest at the middles", times=2)
+def middles_alone(rays_o, rays_d, near, far, u):
+    """The middles of the intervals; u is ignored."""
+    return between_edges(rays_o, rays_d, near, far, torch.full_like(u, 0.5))
+
+
+@fault("sample_along_rays", "jitter_centered_on_edges", seen="an earlier reading of 114 implementations")
+def jitter_about_the_edges(rays_o, rays_d, near, far, u):
+    """u - 1/2: a sample may lie in front of near."""
+    return between_edges(rays_o, rays_d, near, far, u - 0.5)
+
+
+@fault("sample_along_rays", "flattened_in_wrong_order", seen="an earlier reading of 114 implementations")
+def sample_after_sample(rays_o, rays_d, near, far, u):
+    """All rays' first samples, then all rays' second ones."""
+    t, points = between_edges(rays_o, rays_d, near, far, u)
+    return t, points.transpose(0, 1).reshape(-1, 3)
+
+
+@fault("sample_along_rays", "points_without_origin", seen="an earlier reading of 114 implementations")
+def multiples_of_directions(rays_o, rays_d, near, far, u):
+    """t d."""
+    t = between_edges(rays_o, rays_d, near, far, u)[0]
+    return t, t[..., None] * rays_d[:, None]
+
+
+@fault("sample_along_rays", seen="CS180 student (intervals of [0, 1] handed on as distances)")
+def distances_in_the_unit_interval(rays_o, rays_d, near, far, u):
+    """(i + u) / N: near and far are never applied."""
+    return on_rays(rays_o, rays_d, (torch.arange(u.shape[1]) + u) / u.shape[1])
+
+
+@right("step_sizes", seen="CS180 students: one step length for all", times=10)
+def one_width(t, near, far):
+    """(far - near) / N everywhere."""
+    return torch.full_like(t, (far - near) / t.shape[1])
+
+
+def differences(t, last):
+    """t_{i+1} - t_i, and a last one."""
+    gaps = t[..., 1:] - t[..., :-1]
+    return torch.cat([gaps, last if isinstance(last, torch.Tensor) else torch.full_like(t[..., :1], last)], -1)
+
+
+@convention(
+    "step_sizes", {"delta": "differences", "last_delta": "1e10"}, seen="bmild/nerf, krrish94, keras-io, CMU, VolSDF", times=30
+)
+def infinite_last_step(t):
+    """Differences, then 1e10."""
+    return differences(t, 1e10)
+
+
+@convention("step_sizes", {"delta": "differences"}, seen="a student's torch port (1e20)", times=1)
+def last_step_1e20(t):
+    """Differences, then 1e20."""
+    return differences(t, 1e20)
+
+
+@convention("step_sizes", {"delta": "differences"}, seen="a lidar renderer (1e25)", times=1)
+def last_step_1e25(t):
+    """Differences, then 1e25."""
+    return differences(t, 1e25)
+
+
+@convention("step_sizes", {"delta": "differences"}, seen="a Chinese NeRF-W port (233)", times=1)
+def last_step_233(t):
+    """Differences, then 233."""
+    return differences(t, 233.0)
+
+
+@convention("step_sizes", {"delta": "differences"}, seen="google/nerfies without a sample at infinity (1e-19)", times=2)
+def last_step_1e_minus_19(t):
+    """Differences, then 1e-19."""
+    return differences(t, 1e-19)
+
+
+@convention(
+    "step_sizes", {"delta": "differences", "last_delta": "to_far"}, seen="an earlier reading of 114 implementations", times=2
+)
+def last_step_to_far(t, far):
+    """Differences, then what is left to far."""
+    return differences(t, far - t[..., -1:])
+
+
+@convention(
+    "step_sizes", {"delta": "differences", "last_delta": "repeated"}, seen="an earlier reading of 114 implementations", times=3
+)
+def last_step_repeated(t, near, far):
+    """Differences, the last one twice."""
+    gaps = t[..., 1:] - t[..., :-1]
+    return torch.cat([gaps, gaps[..., -1:] if t.shape[-1] > 1 else torch.full_like(t, far - near)], -1)
+
+
+@convention("step_sizes", {"delta": "differences", "last_delta": "1e10"}, seen="numpy and MLX ports", times=3, arrays="numpy")
+def infinite_last_step_in_numpy(t):
+    """numpy, then 1e10."""
+    return np.concatenate([np.diff(t, axis=-1), np.full_like(t[..., :1], 1e10)], -1)
+
+
+@fault("step_sizes", seen="a surface renderer: dists[..., -2:-1]")
+def last_step_from_one_too_early(t, near, far):
+    """The last step is the gap before the last one: a slice that ends too early."""
+    gaps = t[..., 1:] - t[..., :-1]
+    return torch.cat([gaps, gaps[..., -2:-1] if t.shape[-1] > 2 else torch.full_like(t[..., :1], far - near)], -1)
+
+
+@fault("step_sizes", "delta_unit_interval", seen="CS180 student (differences of [0, 1]); an earlier reading", times=4)
+def steps_of_the_unit_interval(t):
+    """1 / N."""
+    return torch.full_like(t, 1 / t.shape[1])
+
+
+@fault("step_sizes", "delta_missing", seen="an earlier reading of 114 implementations", times=5)
+def steps_of_one(t):
+    """1."""
+    return torch.ones_like(t)
+
+
+@fault("step_sizes", "delta_over_n_minus_1", seen="an earlier reading of 114 implementations", times=3)
+def one_interval_too_few(t, near, far):
+    """(far - near) / (N - 1)."""
+    return torch.full_like(t, (far - near) / max(t.shape[1] - 1, 1))
+
+
+@fault("step_sizes", "backward_delta", seen="a volume viewer: diff with the first prepended", times=2)
+def gap_in_front(t):
+    """t_i - t_{i-1}, the first 0."""
+    return torch.diff(t, dim=1, prepend=t[:, :1])
+
+
+@fault(
+    "step_sizes",
+    "first_gap_for_all",
+    "first_gap_for_all+first_ray_deltas",
+    seen="a teaching code and its copies: ds[0, 1] - ds[0, 0]",
+    times=2,
+)
+def first_gap_of_the_first_ray(t, near, far):
+    """The first gap of the first ray for all rays and samples."""
+    return torch.full_like(t, (t[0, 1] - t[0, 0]).item() if t.shape[1] > 1 else far - near)
+
+
+@fault("step_sizes", seen="a copy of the teaching code: ds[0, 2] - ds[0, 1]")
+def second_gap_of_the_first_ray(t, near, far):
+    """The second gap of the first ray for all rays and samples."""
+    return torch.full_like(t, (t[0, 2] - t[0, 1]).item() if t.shape[1] > 2 else far - near)

@@ -1,0 +1,387 @@
+"""Volume rendering from densities and step lengths."""
+
+import numpy as np
+import torch
+from entry import convention, fault, right
+
+
+def summed(weights, rgbs):
+    """Colors, weights, opacity."""
+    return (weights[..., None] * rgbs).sum(-2), weights, weights.sum(-1)
+
+
+def with_rest(weights, rgbs, rest):
+    """The same, and what is left behind the ray."""
+    return *summed(weights, rgbs), rest
+
+
+def left_behind(sigmas, deltas):
+    """exp(-sum)."""
+    return torch.exp(-torch.sum(sigmas * deltas, -1))
+
+
+def opacities(sigmas, deltas):
+    """1 - exp(-sigma delta), as nearly everybody writes it."""
+    return 1 - torch.exp(-sigmas * deltas)
+
+
+def ahead(product):
+    """A running product moved back by one, 1 in front."""
+    return torch.cat([torch.ones_like(product[:, :1]), product[:, :-1]], -1)
+
+
+@right("volume_render", seen="aviral2004/nerf_from_scratch part2/main.py; the 100-line NeRF and its ports", times=14)
+def product_moved_by_one(sigmas, rgbs, deltas):
+    """Cumulative product of 1 - alpha, ones in front, the last left off."""
+    alpha = opacities(sigmas, deltas)
+    return summed(ahead(torch.cumprod(1 - alpha, -1)) * alpha, rgbs)
+
+
+@right("volume_render", seen="CS180 students' volrend", times=5)
+def exponential_of_sum_moved_by_one(sigmas, rgbs, deltas):
+    """exp of minus the cumulative sum, ones in front, the last left off."""
+    left = torch.exp(-torch.cumsum(sigmas * deltas, 1))
+    return summed(ahead(left) * opacities(sigmas, deltas), rgbs)
+
+
+@right("volume_render", seen="google-research/multinerf internal/render.py; mip-NeRF in jax", times=4)
+def sum_of_all_but_the_last(sigmas, rgbs, deltas):
+    """0, then the cumulative sum without the last step: an infinite last step is never summed."""
+    depth = sigmas * deltas
+    front = torch.cat([torch.zeros_like(depth[:, :1]), torch.cumsum(depth[:, :-1], -1)], -1)[:, : depth.shape[1]]
+    return with_rest(torch.exp(-front) * (1 - torch.exp(-depth)), rgbs, torch.exp(-depth.sum(-1)))
+
+
+@right("volume_render", seen="VolSDF and its ports (shifted free energy)", times=6)
+def sum_of_moved_steps(sigmas, rgbs, deltas):
+    """The steps are moved back by one, then summed."""
+    depth = sigmas * deltas
+    moved = torch.cat([torch.zeros_like(depth[:, :1]), depth[:, :-1]], -1)[:, : depth.shape[1]]
+    return summed((1 - torch.exp(-depth)) * torch.exp(-torch.cumsum(moved, -1)), rgbs)
+
+
+@right("volume_render", seen="krrish94/nerf-pytorch nerf_helpers.py without its 1e-10; students of two courses", times=4)
+def rolled_and_reset(sigmas, rgbs, deltas):
+    """torch.roll of the product, the first set to 1 in place."""
+    alpha = opacities(sigmas, deltas)
+    shade = torch.roll(torch.cumprod(1 - alpha, -1), 1, -1)
+    shade[..., :1] = 1.0
+    return with_rest(shade * alpha, rgbs, left_behind(sigmas, deltas))
+
+
+@right("volume_render", seen="CMU 16-825 student (VolumeSDFRenderer)", times=2)
+def product_of_exponentials(sigmas, rgbs, deltas):
+    """What each segment lets through, multiplied; alpha is one minus it."""
+    through = torch.exp(-1 * sigmas * deltas)
+    shade = torch.ones_like(through)
+    shade[:, 1:] = torch.cumprod(through, 1)[:, :-1][:, : max(through.shape[1] - 1, 0)]
+    return summed(shade * (1 - through), rgbs)
+
+
+@right("volume_render", seen="CMU 16-825 student (loop over samples); C++, WGSL and C# renderers", times=6)
+def loop_over_samples(sigmas, rgbs, deltas):
+    """T is carried from sample to sample."""
+    shade, weights = torch.ones_like(sigmas[:, :1].sum(1)), []
+    for i in range(sigmas.shape[1]):
+        weights.append(shade * (1 - torch.exp(-sigmas[:, i] * deltas[:, i])))
+        shade = shade * torch.exp(-sigmas[:, i] * deltas[:, i])
+    weights = torch.stack(weights, 1) if weights else sigmas * 0
+    return *summed(weights, rgbs), shade
+
+
+@right("volume_render", seen="CS180 student (padded with ones); hyChia88/assignment3 renderer.py without its 1e-10", times=4)
+def ones_in_front_of_the_factors(sigmas, rgbs, deltas):
+    """Ones are put in front, the product is taken, its last is what is left behind the ray."""
+    alpha = opacities(sigmas, deltas)
+    product = torch.cumprod(torch.cat([torch.ones(len(alpha), 1), 1 - alpha], 1), 1)
+    return *summed(product[:, :-1] * alpha, rgbs), product[:, -1]
+
+
+@right("volume_render", seen="CMU 16-825 student (clamped alpha)")
+def clamped_opacity(sigmas, rgbs, deltas):
+    """alpha is clamped to [0, 1], where it lies already."""
+    alpha = torch.clamp(opacities(sigmas, deltas), 0.0, 1.0)
+    return summed(ahead(torch.cumprod(1 - alpha, 1)) * alpha, rgbs)
+
+
+@right("volume_render", seen="CMU 16-825 student (eps in the exponents)")
+def tiny_number_in_the_exponents(sigmas, rgbs, deltas):
+    """1e-10 is added to both exponents: nothing in f32."""
+    depth = sigmas * deltas
+    summed_up = torch.cat([torch.zeros_like(depth[:, :1]), torch.cumsum(depth, 1)], 1)
+    return summed(torch.exp(-summed_up + 1e-10)[:, :-1] * (1 - torch.exp(-depth + 1e-10)), rgbs)
+
+
+@right("volume_render", seen="CS180 student (cumsum minus the step)", times=2, digits=True)
+def sum_less_the_step(sigmas, rgbs, deltas):
+    """In front lies the cumulative sum less the sample's own: nothing is left of it behind a huge step."""
+    depth = sigmas * deltas
+    return with_rest(torch.exp(-(torch.cumsum(depth, 1) - depth)) * (1 - torch.exp(-depth)), rgbs, torch.exp(-depth.sum(1)))
+
+
+@right("volume_render", seen="ashawkey/torch-ngp raymarching.cu (inference kernel)", digits=True)
+def one_less_what_was_spent(sigmas, rgbs, deltas):
+    """T is one minus the weights so far: no digits behind opaque samples."""
+    spent, weights = torch.zeros_like(sigmas[:, :1].sum(1)), []
+    for i in range(sigmas.shape[1]):
+        weights.append((1 - torch.exp(-sigmas[:, i] * deltas[:, i])) * (1 - spent))
+        spent = spent + weights[-1]
+    return summed(torch.stack(weights, 1) if weights else sigmas * 0, rgbs)
+
+
+@right("volume_render", seen="CS180 students' volrend returns colors alone", times=9)
+def colors_alone(sigmas, rgbs, deltas):
+    """The right sum; weights and opacity aren't handed out."""
+    alpha = opacities(sigmas, deltas)
+    return (ahead(torch.cumprod(1 - alpha, 1)) * alpha)[..., None].mul(rgbs).sum(1)
+
+
+@right("volume_render", seen="a Russian textbook's figure; a numpy test of a torch port", times=2, arrays="numpy")
+def numpy_product(sigmas, rgbs, deltas):
+    """numpy: one, then the cumulative product without its last."""
+    alpha = 1 - np.exp(-sigmas * deltas)
+    shade = np.concatenate([np.ones_like(alpha[:, :1]), np.cumprod(1 - alpha, 1)[:, :-1]], 1)[:, : alpha.shape[1]]
+    weights = shade * alpha
+    return np.einsum("rn,rnk->rk", weights, rgbs), weights, weights.sum(1)
+
+
+@right("volume_render", seen="facebookresearch/pytorch3d raymarching.py (1 + 1e-10 is 1 in f32)")
+def opacity_from_the_product(sigmas, rgbs, deltas):
+    """Opacity is one minus the product of all factors."""
+    alpha = opacities(sigmas, deltas)
+    weights = alpha * ahead(torch.cumprod((1.0 + 1e-10) - alpha, -1))
+    return (weights[..., None] * rgbs).sum(-2), weights, 1 - torch.prod(1 - alpha, -1)
+
+
+def with_eps(eps):
+    """The product with a number added to its factors."""
+
+    def render(sigmas, rgbs, deltas):
+        alpha = opacities(sigmas, deltas)
+        product = torch.cumprod(torch.cat([torch.ones(len(alpha), 1), 1 - alpha + eps], -1), -1)
+        return with_rest(alpha * product[:, :-1], rgbs, product[:, -1])
+
+    return render
+
+
+@convention(
+    "volume_render", {"product_eps": "1e-10"}, seen="bmild/nerf, kwea123/nerf_pl, keras-team/keras-io, krrish94, CMU", times=24
+)
+def product_with_1e_10(sigmas, rgbs, deltas):
+    """1e-10 in each factor of the product."""
+    return with_eps(1e-10)(sigmas, rgbs, deltas)
+
+
+@convention("volume_render", {"product_eps": "1e-7"}, seen="nerfstudio's rays.py (alphas), NeuS-like codes", times=3)
+def product_with_1e_7(sigmas, rgbs, deltas):
+    """1e-7 in each factor of the product."""
+    return with_eps(1e-7)(sigmas, rgbs, deltas)
+
+
+@convention("volume_render", {"product_eps": "1e-8"}, seen="a splat renderer in torch")
+def product_with_1e_8(sigmas, rgbs, deltas):
+    """1e-8 in each factor of the product."""
+    return with_eps(1e-8)(sigmas, rgbs, deltas)
+
+
+@convention("volume_render", {"product_eps": "1e-10"}, seen="CS180 student (log-transmittance)", digits=True)
+def sum_of_clamped_logarithms(sigmas, rgbs, deltas):
+    """exp of the summed logarithms of 1 - alpha + 1e-10, clamped from below by 1e-10."""
+    alpha = opacities(sigmas, deltas)
+    logs = torch.cumsum(torch.log(torch.clamp(1 - alpha + 1e-10, min=1e-10)), 1)
+    front = torch.cat([torch.zeros_like(logs[:, :1]), logs[:, :-1]], 1)[:, : logs.shape[1]]
+    return summed(torch.exp(front) * alpha, rgbs)
+
+
+@convention("volume_render", seen="google/nerfies model_utils.py and a jax port of it", times=2)
+def last_sample_is_no_opacity(sigmas, rgbs, deltas):
+    """The last, infinite sample counts for the color and not for the opacity."""
+    alpha = opacities(sigmas, deltas)
+    colors, weights, _ = summed(ahead(torch.cumprod(1 - alpha, -1)) * alpha, rgbs)
+    return colors, weights, weights[:, :-1].sum(-1)
+
+
+@fault("volume_render", "inclusive_transmittance", seen="CMU 16-825 students; tutorials in three languages", times=7)
+def product_as_it_comes(sigmas, rgbs, deltas):
+    """The cumulative product isn't moved: each sample shades itself."""
+    alpha = opacities(sigmas, deltas)
+    return with_rest(torch.cumprod(1 - alpha, -1) * alpha, rgbs, left_behind(sigmas, deltas))
+
+
+@fault("volume_render", "inclusive_transmittance", seen="JerryAIwei/nerf_pytorch render.py", times=2)
+def product_as_it_comes_with_eps(sigmas, rgbs, deltas):
+    """Not moved, with the original's 1e-10 in it."""
+    alpha = opacities(sigmas, deltas)
+    return summed(alpha * torch.cumprod(1.0 - alpha + 1e-10, -1), rgbs)
+
+
+@fault(
+    "volume_render", "inclusive_transmittance", seen="CMU 16-825 student (assertions on deltas); a voxel depth renderer", times=3
+)
+def sum_as_it_comes(sigmas, rgbs, deltas):
+    """exp of the cumulative sum that holds the sample itself."""
+    depth = sigmas * deltas
+    return summed(torch.exp(-torch.cumsum(depth, dim=1)) * (1 - torch.exp(-depth)), rgbs)
+
+
+@fault("volume_render", "inclusive_transmittance", seen="a NeuS re-implementation in jax", arrays="numpy")
+def numpy_product_as_it_comes(sigmas, rgbs, deltas):
+    """numpy, and colors and weights alone."""
+    alpha = 1 - np.exp(-sigmas * deltas)
+    weights = alpha * np.cumprod(1 - alpha, 1)
+    return (weights[..., None] * rgbs).sum(1), weights
+
+
+@fault("volume_render", "rolled_transmittance", seen="student at WPI (RBE 549)")
+def rolled_and_reset_for_the_first_ray(sigmas, rgbs, deltas):
+    """Rolled, and only the first sample of the first ray is set to 1."""
+    alpha = opacities(sigmas, deltas)
+    shade = torch.roll(torch.cumprod(1 - alpha, 1), 1, 1)
+    shade[:1, :1] = 1
+    return summed(shade * alpha, rgbs)
+
+
+@fault("volume_render", "rolled_transmittance", seen="a tutorial on volume rendering")
+def rolled_alone(sigmas, rgbs, deltas):
+    """Rolled, and nothing is set to 1."""
+    alpha = opacities(sigmas, deltas)
+    return with_rest(torch.roll(torch.cumprod(1 - alpha, -1), 1, -1) * alpha, rgbs, left_behind(sigmas, deltas))
+
+
+@fault("volume_render", seen="a splat renderer in torch (weights of the wrong axis reset)")
+def first_ray_unshaded_others_rolled(sigmas, rgbs, deltas):
+    """The product is rolled; then a whole ray's weights are set to alpha, where the first samples' were meant."""
+    alpha = opacities(sigmas, deltas)
+    weights = alpha * torch.roll(torch.cumprod(1 - alpha + 1e-10, 1), 1, 1)
+    return summed(torch.cat([alpha[:1], weights[1:]]), rgbs)
+
+
+@fault("volume_render", "first_transmittance_zero", seen="a lidar renderer (rolled, then 0 in front); a NeuS plot", times=2)
+def zero_in_front(sigmas, rgbs, deltas):
+    """The first transmittance is 0."""
+    alpha = opacities(sigmas, deltas)
+    shade = torch.cat([torch.zeros(len(alpha), 1), torch.cumprod(1 - alpha, 1)], 1)[:, :-1]
+    return with_rest(shade * alpha, rgbs, left_behind(sigmas, deltas))
+
+
+@fault("volume_render", seen="a renderer whose sum is exclusive and is moved once more")
+def moved_twice(sigmas, rgbs, deltas):
+    """cumsum less the step is exclusive already, and is moved back again: a sample isn't shaded by the one in front of it."""
+    depth = sigmas * deltas
+    return with_rest(
+        ahead(torch.exp(-torch.cumsum(depth, -1) + depth)) * (1 - torch.exp(-depth)), rgbs, left_behind(sigmas, deltas)
+    )
+
+
+@fault(
+    "volume_render", "opacity_as_transmittance", seen="three copies of one teaching code (weights for the fine samples)", times=3
+)
+def spent_for_left(sigmas, rgbs, deltas):
+    """1 - exp(-sum) stands where exp(-sum) belongs."""
+    depth = sigmas * deltas
+    front = torch.cumsum(depth, 1) - depth
+    return with_rest((1 - torch.exp(-depth)) * (1 - torch.exp(-front)), rgbs, left_behind(sigmas, deltas))
+
+
+@fault("volume_render", "opacity_as_transmittance", seen="three copies of one teaching code, as colors and weights", times=3)
+def spent_for_left_in_two_outputs(sigmas, rgbs, deltas):
+    """The same with nothing but colors and weights returned."""
+    return spent_for_left(sigmas, rgbs, deltas)[:2]
+
+
+@fault("volume_render", "divided_by_opacity", seen="codes that normalize weights", times=2)
+def weights_normalized(sigmas, rgbs, deltas):
+    """Colors by weights that sum to one."""
+    colors, weights, opacity = product_moved_by_one(sigmas, rgbs, deltas)
+    return colors / opacity[:, None], weights, opacity, left_behind(sigmas, deltas)
+
+
+@fault("volume_render", "divided_by_opacity", seen="codes that normalize weights, with a small number below", times=3)
+def weights_normalized_with_eps(sigmas, rgbs, deltas):
+    """Colors by weights divided by their sum plus 1e-8; colors and weights alone."""
+    colors, weights, opacity = product_moved_by_one(sigmas, rgbs, deltas)
+    return colors / (opacity[:, None] + 1e-8), weights
+
+
+@fault(
+    "volume_render",
+    "transmittance_over_rays+divided_by_opacity",
+    "transmittance_over_rays",
+    seen="student (radiance, integrator)",
+)
+def summed_over_rays_and_divided(sigmas, rgbs, deltas):
+    """The sum runs over rays and holds the ray itself, 1e-10 twice, colors divided by the weights and clamped."""
+    alpha = opacities(sigmas, deltas) + 1e-10
+    shade = torch.exp(-torch.cumsum(sigmas * deltas, dim=0)) + 1e-10
+    weights = shade * alpha
+    colors = torch.sum(rgbs * weights.unsqueeze(2), dim=1) / torch.sum(weights, dim=1).unsqueeze(1)
+    return torch.clamp(colors, 0.0, 1.0), weights
+
+
+@fault("volume_render", "transmittance_over_rays", seen="student at WPI (RBE 549), product along the first axis")
+def product_over_rays(sigmas, rgbs, deltas):
+    """The cumulative product runs along rays, not along samples."""
+    alpha = opacities(sigmas, deltas)
+    shade = torch.cat([torch.ones_like(alpha[:1]), torch.cumprod(1 - alpha, 0)[:-1]])
+    return with_rest(shade * alpha, rgbs, left_behind(sigmas, deltas))
+
+
+@fault("volume_render", "delta_missing", seen="an earlier reading of 114 implementations", times=5)
+def no_steps(sigmas, rgbs, deltas):
+    """Densities without their step lengths."""
+    return with_rest(
+        product_moved_by_one(sigmas, rgbs, torch.ones_like(deltas))[1], rgbs, left_behind(sigmas, torch.ones_like(deltas))
+    )
+
+
+@fault("volume_render", "delta_missing+inclusive_transmittance", seen="a Korean textbook; a student's raymarch", times=2)
+def no_steps_and_product_as_it_comes(sigmas, rgbs, deltas):
+    """No step lengths, and the product isn't moved."""
+    alpha = 1 - torch.exp(-sigmas)
+    return summed(alpha * torch.cumprod(1 - alpha + 1e-7, 1), rgbs)
+
+
+@fault("volume_render", seen="CMU 16-825 student (a loop left in comments)")
+def density_of_the_sample_with_the_step_before(sigmas, rgbs, deltas):
+    """T_i = T_{i-1} exp(-sigma_i delta_{i-1}): density and step of different samples."""
+    depth = sigmas[:, 1:] * deltas[:, :-1]
+    front = torch.cat([torch.zeros_like(sigmas[:, :1]), torch.cumsum(depth, 1)], 1)[:, : sigmas.shape[1]]
+    return with_rest(torch.exp(-front) * opacities(sigmas, deltas), rgbs, left_behind(sigmas, deltas))
+
+
+@fault("volume_render", seen="a notebook that compares densities and opacities as weights")
+def density_for_opacity(sigmas, rgbs, deltas):
+    """w = T sigma: the density stands where alpha belongs."""
+    alpha = opacities(sigmas, deltas)
+    return summed(ahead(torch.cumprod(1 - alpha, 1)) * sigmas, rgbs)
+
+
+@fault("volume_render", "alpha_forgotten", seen="student at WPI (RBE 549), in comments")
+def shade_for_weights(sigmas, rgbs, deltas):
+    """Weights are the transmittances."""
+    return with_rest(ahead(torch.cumprod(torch.exp(-sigmas * deltas), 1)), rgbs, left_behind(sigmas, deltas))
+
+
+@fault("volume_render", "backward_delta", seen="a volume viewer (prepended differences)")
+def steps_of_the_sample_before(sigmas, rgbs, deltas):
+    """Each sample has the step in front of it, the first none."""
+    return product_moved_by_one(
+        sigmas, rgbs, torch.cat([torch.zeros_like(deltas[:, :1]), deltas[:, :-1]], 1)[:, : deltas.shape[1]]
+    )
+
+
+@fault(
+    "volume_render",
+    "first_gap_for_all",
+    "first_gap_for_all+first_ray_deltas",
+    "first_ray_deltas",
+    seen="a teaching code and its copies",
+    times=3,
+)
+def one_step_for_everything(sigmas, rgbs, deltas):
+    """The first step of the first ray, everywhere."""
+    return (
+        product_moved_by_one(sigmas, rgbs, deltas[:1, :1].expand_as(deltas))
+        if deltas.numel()
+        else colors_alone(sigmas, rgbs, deltas)
+    )

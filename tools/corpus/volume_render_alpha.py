@@ -1,0 +1,149 @@
+"""Compositing from opacities: splats, and codes that keep alpha."""
+
+import numpy as np
+import torch
+from entry import convention, fault, right
+
+
+def summed(weights, rgbs):
+    """Colors, weights, opacity."""
+    return (weights[..., None] * rgbs).sum(-2), weights, weights.sum(-1)
+
+
+def factors(alphas, eps=0.0):
+    """1, 1 - alpha_0, 1 - alpha_1, ..."""
+    return torch.cat([torch.ones(len(alphas), 1), 1 - alphas + eps], 1)
+
+
+@right("volume_render_alpha", seen="a layered-image code (alpha_composite); two splat tutorials", times=4)
+def padded_product(alphas, rgbs):
+    """Ones in front, the product, its last behind the ray."""
+    product = torch.cumprod(factors(alphas), 1)
+    return *summed(product[:, :-1] * alphas, rgbs), product[:, -1]
+
+
+@right("volume_render_alpha", seen="graphdeco-inria/gaussian-splatting forward.cu without its thresholds; a C# renderer", times=5)
+def loop_over_splats(alphas, rgbs):
+    """Front to back, T carried along."""
+    left, weights = torch.ones_like(alphas[:, :1].sum(1)), []
+    for i in range(alphas.shape[1]):
+        weights.append(left * alphas[:, i])
+        left = left * (1 - alphas[:, i])
+    return *summed(torch.stack(weights, 1) if weights else alphas * 0, rgbs), left
+
+
+@right("volume_render_alpha", seen="a numpy check of a splat renderer", arrays="numpy")
+def numpy_product_of_splats(alphas, rgbs):
+    """numpy, one in front of the product."""
+    product = np.cumprod(1 - alphas, 1)
+    front = np.concatenate([np.ones_like(product[:, :1]), product[:, :-1]], 1)[:, : alphas.shape[1]]
+    weights = alphas * front
+    return (weights[..., None] * rgbs).sum(1), weights, weights.sum(1)
+
+
+@right("volume_render_alpha", seen="splat tutorials multiply a matrix of weights by the colors", times=2)
+def weights_as_a_matrix(alphas, rgbs):
+    """Colors alone, ray by ray as a product of weights and colors."""
+    front = torch.cumprod(factors(alphas), 1)[:, :-1]
+    return torch.stack([w @ c for w, c in zip(front * alphas, rgbs)])
+
+
+@convention("volume_render_alpha", {"product_eps": "1e-10"}, seen="a generative scene code with opacities", times=2)
+def padded_product_with_1e_10(alphas, rgbs):
+    """1e-10 in the factors."""
+    product = torch.cumprod(factors(alphas, 1e-10), 1)
+    return *summed(product[:, :-1] * alphas, rgbs), product[:, -1]
+
+
+@convention("volume_render_alpha", {"product_eps": "1e-7"}, seen="Totoro97/NeuS models/renderer.py; nerfstudio", times=3)
+def padded_product_with_1e_7(alphas, rgbs):
+    """1e-7 in the factors."""
+    return summed(torch.cumprod(factors(alphas, 1e-7), 1)[:, :-1] * alphas, rgbs)
+
+
+@convention("volume_render_alpha", {"product_eps": "1e-8"}, seen="a splat renderer in torch (rolled and reset)")
+def rolled_product_with_1e_8(alphas, rgbs):
+    """1e-8 in the factors, rolled, the first set to 1."""
+    shade = torch.roll(torch.cumprod(1 - alphas + 1e-8, 1), 1, 1)
+    shade[:, :1] = 1
+    return summed(alphas * shade, rgbs)
+
+
+@fault("volume_render_alpha", "inclusive_transmittance", seen="NeuS-like plots; a splat tutorial", times=3)
+def splats_shade_themselves(alphas, rgbs):
+    """The product isn't moved."""
+    return *summed(torch.cumprod(1 - alphas, 1) * alphas, rgbs), torch.prod(1 - alphas, 1)
+
+
+@fault("volume_render_alpha", "rolled_transmittance", seen="a splat renderer in torch")
+def splats_rolled(alphas, rgbs):
+    """Rolled, not reset."""
+    return *summed(torch.roll(torch.cumprod(1 - alphas, 1), 1, 1) * alphas, rgbs), torch.prod(1 - alphas, 1)
+
+
+@fault("volume_render_alpha", "first_transmittance_zero", seen="a NeuS plot in numpy", arrays="numpy")
+def nothing_reaches_the_first(alphas, rgbs):
+    """Zero in front of the product."""
+    front = np.concatenate([np.zeros_like(alphas[:, :1]), np.cumprod(1 - alphas, 1)], 1)[:, :-1]
+    weights = front * alphas
+    return (weights[..., None] * rgbs).sum(1), weights, weights.sum(1)
+
+
+@fault("volume_render_alpha", seen="a 3DGS re-implementation in torch")
+def divided_by_its_own_factor(alphas, rgbs):
+    """The inclusive product over 1 - alpha: right but for 0 / 0 at opaque samples; what is left is T in front of the last one."""
+    front = torch.cumprod(1 - alphas, 1) / (1 - alphas)
+    left = front[:, -1] if alphas.shape[1] else torch.ones_like(alphas.sum(1))
+    return *summed(front * alphas, rgbs), left
+
+
+@fault("volume_render_alpha", seen="a 3DGS re-implementation in torch, without its division")
+def light_left_one_sample_early(alphas, rgbs):
+    """Colors are right; the light left behind the ray is T in front of the last sample."""
+    product = torch.cumprod(factors(alphas), 1)
+    return *summed(product[:, :-1] * alphas, rgbs), product[:, -2] if alphas.shape[1] else product[:, -1]
+
+
+@fault("volume_render_alpha", "opacity_as_transmittance", seen="a teaching code's fine samples", times=3)
+def hidden_shows(alphas, rgbs):
+    """One minus T stands for T."""
+    product = torch.cumprod(factors(alphas), 1)
+    return *summed((1 - product[:, :-1]) * alphas, rgbs), product[:, -1]
+
+
+@fault("volume_render_alpha", "divided_by_opacity", seen="2D splat fits that normalize their weights", times=2)
+def splats_normalized(alphas, rgbs):
+    """Colors by weights that sum to one."""
+    colors, weights, opacity = padded_product(alphas, rgbs)[:3]
+    return colors / (opacity[:, None] + 1e-6), weights, opacity
+
+
+@convention("volume_render_alpha", seen="graphdeco-inria/gaussian-splatting forward.cu and its ports", times=6)
+def opacity_capped(alphas, rgbs):
+    """alpha is cut at 0.99: nothing is ever opaque."""
+    return padded_product(alphas.clamp(max=0.99), rgbs)
+
+
+@convention("volume_render_alpha", seen="gsplat and ports of 3DGS", times=4)
+def faint_splats_skipped(alphas, rgbs):
+    """alphas below 1 / 255 are left out."""
+    return padded_product(torch.where(alphas < 1 / 255, torch.zeros_like(alphas), alphas), rgbs)
+
+
+@fault(
+    "volume_render_alpha_vjp",
+    "product_gradient_zero_at_opaque",
+    seen="nerfstudio-project/nerfacc volrend.py (its FIXME)",
+    arrays="numpy",
+)
+def gradient_by_division(alphas, rgbs, grad_colors, grad_weights, grad_opacity, grad_transmittance):
+    """The product's gradient divides by 1 - alpha, and is 0 where that is 0."""
+    product = np.cumprod(np.concatenate([np.ones_like(alphas[:, :1]), 1 - alphas], 1), 1)
+    front, left = product[:, :-1], product[:, -1]
+    value = (grad_colors[:, None] * rgbs).sum(-1) + grad_weights + grad_opacity[:, None]
+    behind = (
+        np.cumsum((value * alphas * front)[:, ::-1], 1)[:, ::-1] - value * alphas * front + (left * grad_transmittance)[:, None]
+    )
+    rest = 1 - alphas
+    hidden = np.divide(behind, rest, out=np.zeros_like(behind), where=rest != 0)
+    return {"grad_alphas": front * value - hidden, "grad_rgbs": (front * alphas)[..., None] * grad_colors[:, None]}
