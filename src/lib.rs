@@ -98,5 +98,8 @@ pub mod cli;
 #[cfg(feature = "cli")]
 pub mod report;
 
+// What the types of this crate are made of.
+pub use {glam, ndarray};
+
 pub use error::{Error, Result};
 pub use registry::COMPONENTS;

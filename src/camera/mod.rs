@@ -13,12 +13,14 @@ pub mod cases;
 pub mod component;
 pub mod distortion;
 pub mod honest;
+pub mod judge;
 pub mod mistakes;
 
 #[cfg(test)]
 pub(crate) mod tests;
 
 pub use distortion::Distortion;
+pub use judge::judge;
 
 /// A pinhole camera's intrinsic parameters, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

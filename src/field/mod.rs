@@ -18,6 +18,7 @@ pub mod component;
 #[cfg(feature = "fast")]
 pub mod fast;
 pub mod honest;
+pub mod judge;
 pub mod mistakes;
 pub mod mlp;
 pub mod nerf_mlp;
@@ -27,6 +28,7 @@ pub mod trunk;
 #[cfg(test)]
 mod tests;
 
+pub use judge::judge;
 pub use mlp::Mlp;
 pub use nerf_mlp::NerfMlp;
 

@@ -11,7 +11,10 @@ pub mod bound;
 pub mod cases;
 pub mod component;
 pub mod honest;
+pub mod judge;
 pub mod mistakes;
+
+pub use judge::judge;
 
 #[cfg(test)]
 mod tests;

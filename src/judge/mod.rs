@@ -3,6 +3,7 @@
 pub mod answer;
 pub mod assignment;
 pub mod diagnose;
+pub mod door;
 pub mod exam;
 #[cfg(feature = "files")]
 pub mod exchange;
@@ -15,7 +16,10 @@ pub mod numeric;
 pub mod page;
 pub mod report;
 pub mod statistics;
+pub mod typed;
 
+pub use door::Door;
 pub use exam::Exam;
 pub use judging::{Candidate, judge};
 pub use report::{Report, Verdict};
+pub use typed::{Element, Input, Output, Outputs};

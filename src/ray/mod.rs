@@ -14,12 +14,14 @@ pub mod bound;
 pub mod cases;
 pub mod component;
 pub mod honest;
+pub mod judge;
 pub mod mistakes;
 mod random;
 
 #[cfg(test)]
 mod tests;
 
+pub use judge::judge;
 pub use random::{PixelDraw, PixelDraws, draw_index, draw_pixel, sample_random_rays};
 
 /// r(t) = o + t d.

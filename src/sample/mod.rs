@@ -11,9 +11,12 @@ pub mod bound;
 pub mod cases;
 pub mod component;
 pub mod honest;
+pub mod judge;
 pub mod mistakes;
 pub mod sampler;
 pub mod statistics;
+
+pub use judge::judge;
 
 #[cfg(test)]
 mod tests;

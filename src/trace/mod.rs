@@ -15,10 +15,13 @@ pub mod cases;
 mod chain;
 pub mod component;
 pub mod honest;
+pub mod judge;
 pub mod mistakes;
 
 #[cfg(test)]
 mod by_hand;
+pub use judge::judge;
+
 #[cfg(test)]
 mod tests;
 

@@ -16,7 +16,10 @@ pub mod component;
 #[cfg(feature = "fast")]
 pub mod fast;
 pub mod honest;
+pub mod judge;
 pub mod mistakes;
+
+pub use judge::judge;
 
 #[cfg(test)]
 mod tests;
