@@ -42,7 +42,7 @@ front_door! {
     /// use nerf_oracle::occupancy_grid::{OccupancyGrid, judge};
     /// judge::grid_traversal(|o, d, near, far, g| {
     ///     let grid = OccupancyGrid { resolution: g, density: vec![0.0; g * g * g], threshold: 0.0 };
-    ///     let mut lengths = Array3::zeros((g, g, g));
+    ///     let mut lengths = Array3::<f64>::zeros((g, g, g));
     ///     for crossing in grid.crossings(o, d, near, far) {
     ///         lengths.as_slice_mut().unwrap()[crossing.cell] += crossing.leave - crossing.enter;
     ///     }
