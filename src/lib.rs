@@ -92,15 +92,19 @@
 //! `cases.rs` the questions, and `component.rs` puts them together as rows of the registry.
 
 #[cfg(feature = "fast")]
+#[doc(hidden)]
 pub mod approximate;
 pub mod convention;
 pub mod error;
 #[cfg(feature = "files")]
+#[doc(hidden)]
 pub mod files;
 pub mod math;
+#[doc(hidden)]
 pub mod parallel;
 pub mod random;
 #[cfg(feature = "fast")]
+#[doc(hidden)]
 pub mod simd;
 
 pub mod contract;
@@ -123,10 +127,12 @@ pub mod ray_aabb;
 pub mod spherical_harmonics;
 pub mod trunc_exp;
 
+#[doc(hidden)]
 pub mod registry;
 
 pub mod judge;
 #[cfg(feature = "files")]
+#[doc(hidden)]
 pub mod proof;
 
 #[cfg(feature = "cli")]
@@ -135,14 +141,17 @@ pub mod evaluation;
 pub mod training;
 
 #[cfg(feature = "cli")]
+#[doc(hidden)]
+#[allow(missing_debug_implementations, reason = "for the program and the tests alone")]
 pub mod bench;
 #[cfg(feature = "files")]
 pub mod scene;
 
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
 #[cfg(feature = "cli")]
-pub mod report;
+pub(crate) mod report;
 
 // What the types of this crate are made of.
 pub use {glam, ndarray};

@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) mod arrays;
 pub mod backward;
-pub mod bound;
-pub mod cases;
-pub mod component;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
 pub mod distortion;
-pub mod honest;
+pub(crate) mod honest;
 pub mod judge;
-pub mod mistakes;
+pub(crate) mod mistakes;
 
 #[cfg(test)]
 pub(crate) mod tests;

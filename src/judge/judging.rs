@@ -1,22 +1,4 @@
 //! The judge: answers in, verdicts and diagnoses out.
-//!
-//! From Rust, a candidate is a set of closures over named arrays:
-//!
-//! ```
-//! use nerf_oracle::contract::arrays::{array, arrays, input};
-//! use nerf_oracle::judge::{Candidate, Verdict, judge};
-//! use nerf_oracle::contract::Dtype;
-//!
-//! // C' = C + (1 - A) b, as a candidate might write it.
-//! let candidate = Candidate::new().forward("composite_background", |inputs| {
-//!     let (colors, opacity) = (input(inputs, "colors"), input(inputs, "opacity"));
-//!     let b = input(inputs, "background");
-//!     let out = colors.indexed_iter().map(|(i, c)| c + (1.0 - opacity[[i[0]]]) * b[[i[1]]]).collect();
-//!     arrays([("colors_out", array(colors.shape(), out))])
-//! });
-//! let report = judge(&candidate, Dtype::F64).unwrap();
-//! assert_eq!(report.of("composite_background", "forward").unwrap().verdict, Verdict::Pass);
-//! ```
 
 use std::collections::BTreeMap;
 
@@ -42,10 +24,37 @@ pub const EXP_ULP: f64 = 4.0;
 type Closure<'a> = Box<dyn Fn(&Arrays) -> Arrays + Sync + 'a>;
 
 /// Somebody's implementation: closures by component, forward or VJP.
+///
+/// Of any rows at once, over the contract's own arrays; a kernel of one row has a typed front door in its component ([`super::Door`]).
+///
+/// ```
+/// use nerf_oracle::contract::arrays::{array, arrays, input};
+/// use nerf_oracle::judge::{Candidate, Verdict, judge};
+/// use nerf_oracle::contract::Dtype;
+///
+/// // C' = C + (1 - A) b, as somebody might write it.
+/// let candidate = Candidate::new().forward("composite_background", |inputs| {
+///     let (colors, opacity) = (input(inputs, "colors"), input(inputs, "opacity"));
+///     let b = input(inputs, "background");
+///     let out = colors.indexed_iter().map(|(i, c)| c + (1.0 - opacity[[i[0]]]) * b[[i[1]]]).collect();
+///     arrays([("colors_out", array(colors.shape(), out))])
+/// });
+/// let report = judge(&candidate, Dtype::F64).unwrap();
+/// assert_eq!(report.of("composite_background", "forward").unwrap().verdict, Verdict::Pass);
+/// ```
 #[derive(Default)]
 pub struct Candidate<'a> {
     functions: BTreeMap<(String, Kind), Closure<'a>>,
     profile: Option<&'static Profile>,
+}
+
+impl std::fmt::Debug for Candidate<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("Candidate")
+            .field("rows", &self.functions.keys())
+            .field("profile", &self.profile.map(|p| p.name))
+            .finish_non_exhaustive()
+    }
 }
 
 impl<'a> Candidate<'a> {

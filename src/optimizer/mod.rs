@@ -8,12 +8,12 @@ pub(crate) mod arrays;
 #[cfg(feature = "fast")]
 pub mod fast;
 
-pub mod bound;
-pub mod cases;
-pub mod component;
-pub mod honest;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
+pub(crate) mod honest;
 pub mod judge;
-pub mod mistakes;
+pub(crate) mod mistakes;
 
 pub use judge::judge;
 

@@ -10,12 +10,12 @@ use crate::error::Result;
 
 pub(crate) mod arrays;
 pub mod backward;
-pub mod bound;
-pub mod cases;
-pub mod component;
-pub mod honest;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
+pub(crate) mod honest;
 pub mod judge;
-pub mod mistakes;
+pub(crate) mod mistakes;
 mod random;
 
 #[cfg(test)]

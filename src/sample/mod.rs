@@ -7,14 +7,14 @@ use crate::convention::{Delta, Grid, LastDelta, Rest};
 use crate::math::Sum;
 
 pub(crate) mod arrays;
-pub mod bound;
-pub mod cases;
-pub mod component;
-pub mod honest;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
+pub(crate) mod honest;
 pub mod judge;
-pub mod mistakes;
-pub mod sampler;
-pub mod statistics;
+pub(crate) mod mistakes;
+pub(crate) mod sampler;
+pub(crate) mod statistics;
 
 pub use judge::judge;
 

@@ -9,12 +9,12 @@ use crate::math::exp;
 
 pub(crate) mod arrays;
 pub mod backward;
-pub mod bound;
-pub mod cases;
-pub mod component;
-pub mod honest;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
+pub(crate) mod honest;
 pub mod judge;
-pub mod mistakes;
+pub(crate) mod mistakes;
 
 pub use judge::judge;
 
