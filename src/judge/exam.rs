@@ -189,17 +189,6 @@ impl Question {
     /// Whether the cases have the shapes that these conventions need.
     pub fn admits(&self, c: &Conventions) -> bool {
         self.cases.iter().all(|case| (self.component.special.admits)(&case.inputs, c))
-            && self.cotangents_fit(c)
-    }
-
-    /// A gradient is asked for with cotangents of the outputs' shapes, which conventions may change (an encoding without x).
-    fn cotangents_fit(&self, c: &Conventions) -> bool {
-        let Some(case) = self.cases.first().filter(|_| self.kind == Kind::Vjp) else { return true };
-        let outputs = (self.component.forward.oracle)(&case.inputs, c);
-        let fits = |(name, output): (&String, &ArrayD<f64>)| {
-            case.inputs.get(&format!("grad_{name}")).is_none_or(|g| g.shape() == output.shape())
-        };
-        outputs.iter().all(fits)
     }
 
     /// Where a case's arrays lie, below the folder, without the extension.
