@@ -24,7 +24,8 @@ pub(crate) mod numeric;
 pub(crate) mod page;
 #[doc(hidden)]
 pub mod report;
-pub(crate) mod statistics;
+#[doc(hidden)]
+pub mod statistics;
 pub(crate) mod typed;
 
 pub use door::Door;
