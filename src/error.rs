@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 /// Everything that can be wrong with a user's input. The program ends with exit code 2 on any of these.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A file, an array or a field that isn't what it should be.
     #[error("{file}: {field}: found {found}; expected {expected}. {advice}")]
@@ -22,7 +23,7 @@ pub enum Error {
     /// An argument that can't be used.
     #[error("{argument}: found {found}; expected {expected}")]
     Usage {
-        /// The argument as typed, e.g. `--near`.
+        /// Its name, e.g. `near`.
         argument: String,
         /// Its value.
         found: String,

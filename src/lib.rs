@@ -2,6 +2,52 @@
 //!
 //! The reference that neural radiance field implementations are checked against.
 //!
+//! # Two examples
+//!
+//! The oracle: a component in plain f64, as the paper has it.
+//!
+//! ```
+//! use nerf_oracle::{convention::ProductEps, volume_rendering::volume_render};
+//!
+//! let ln2 = std::f64::consts::LN_2;
+//! let ray = volume_render(&[ln2, ln2, 0.0, ln2], &[[1.0, 0.5, 0.0]; 4], &[1.0; 4], ProductEps::None);
+//! assert_eq!(ray.weights, [0.5, 0.25, 0.0, 0.125]);
+//! assert_eq!(ray.color, [0.875, 0.4375, 0.0]);
+//! ```
+//!
+//! The judge: a kernel of yours inside your `cargo test`. It is asked the hard cases, and may be off by what honest arithmetic in its
+//! type can cost, element by element. Where it is wrong, the panic shows the worst element and names the mistake that explains the
+//! numbers. Every component has such a front door in its module: `judge(...)`, and the module `judge` with the others.
+//!
+//! ```
+//! use nerf_oracle::volume_rendering;
+//!
+//! /// Your kernel, in f32.
+//! fn render(sigmas: &[f64], rgbs: &[[f64; 3]], deltas: &[f64]) -> [f32; 3] {
+//!     let (mut color, mut through) = ([0f32; 3], 1f32);
+//!     for i in 0..sigmas.len() {
+//!         let x = -(sigmas[i] as f32 * deltas[i] as f32);
+//!         (0..3).for_each(|a| color[a] -= through * x.exp_m1() * rgbs[i][a] as f32);
+//!         through *= x.exp();
+//!     }
+//!     color
+//! }
+//!
+//! # /*
+//! #[test]
+//! # */
+//! fn renders_as_the_paper_says() {
+//!     volume_rendering::judge(render).in_f32().assert_pass();
+//! }
+//! # renders_as_the_paper_says();
+//! ```
+//!
+//! `default-features = false` is all that these need: the oracle and the judge, 31 crates besides this one. The feature `fast` adds the
+//! f32 paths, `files` readers and writers (npz, pictures, scenes; the judge's folders of cases and answers), and `cli`, the default, the
+//! program with training, evaluation and bench.
+//!
+//! # The map
+//!
 //! Data flows through the modules in this order:
 //!
 //! | stage | module | what it does |
@@ -46,15 +92,19 @@
 //! `cases.rs` the questions, and `component.rs` puts them together as rows of the registry.
 
 #[cfg(feature = "fast")]
+#[doc(hidden)]
 pub mod approximate;
 pub mod convention;
 pub mod error;
 #[cfg(feature = "files")]
+#[doc(hidden)]
 pub mod files;
 pub mod math;
+#[doc(hidden)]
 pub mod parallel;
 pub mod random;
 #[cfg(feature = "fast")]
+#[doc(hidden)]
 pub mod simd;
 
 pub mod contract;
@@ -78,10 +128,12 @@ pub mod spherical_harmonics;
 pub mod srgb;
 pub mod trunc_exp;
 
+#[doc(hidden)]
 pub mod registry;
 
 pub mod judge;
 #[cfg(feature = "files")]
+#[doc(hidden)]
 pub mod proof;
 
 #[cfg(feature = "cli")]
@@ -90,14 +142,25 @@ pub mod evaluation;
 pub mod training;
 
 #[cfg(feature = "cli")]
+#[doc(hidden)]
+#[allow(missing_debug_implementations, reason = "for the program and the tests alone")]
 pub mod bench;
 #[cfg(feature = "files")]
 pub mod scene;
 
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
 #[cfg(feature = "cli")]
-pub mod report;
+pub(crate) mod report;
+
+// What the types of this crate are made of.
+pub use {glam, ndarray};
 
 pub use error::{Error, Result};
 pub use registry::COMPONENTS;
+
+/// The README's examples, compiled and run with the others.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;

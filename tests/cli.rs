@@ -93,7 +93,7 @@ fn bad_input_is_named() {
     refused(&["train", &path(dir.path(), "broken.npz"), "--out", &path(dir.path(), "run")], &["broken.npz"]);
     refused(&["evaluate", &path(dir.path(), "no_run")], &["run.json", "Train first"]);
     let near = ["train", "builtin:spheres", "--out", &path(dir.path(), "run"), "--near", "5", "--far", "2"];
-    refused(&near, &["near"]);
+    refused(&near, &["--near: found 5"]);
     fs::write(dir.path().join("file"), b"").expect("written");
     let below_a_file = path(dir.path(), "file/run");
     refused(&["train", "builtin:spheres", "--out", &below_a_file], &["file"]);

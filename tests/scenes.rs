@@ -286,7 +286,7 @@ fn cameras_that_look_the_same_way_need_near_and_far() {
             .push(json!({ "file_path": "./a.png", "transform_matrix": POSES[1] }));
     });
     let path = folder.path().join("transforms.json");
-    refused(&path, &["near and far", "meet nowhere", "--near"]);
+    refused(&path, &["near and far", "meet nowhere", "Give both"]);
     let options = Options { near: Some(1.0), far: Some(7.0), ..Options::default() };
     let scene = scene::load(path.to_str().unwrap(), &options).unwrap();
     assert!(scene.focus.length() < 1e-12, "the middle of the range of a camera 4 from the origin");
@@ -296,10 +296,10 @@ fn cameras_that_look_the_same_way_need_near_and_far() {
 fn arguments_that_make_no_sense_are_refused() {
     let options = Options::default;
     for (word, options) in [
-        ("--near", Options { near: Some(6.0), far: Some(2.0), ..options() }),
-        ("--near", Options { near: Some(f64::NAN), ..options() }),
-        ("--far", Options { far: Some(-1.0), ..options() }),
-        ("--holdout", Options { holdout: Some(1), ..options() }),
+        ("near: found", Options { near: Some(6.0), far: Some(2.0), ..options() }),
+        ("near: found", Options { near: Some(f64::NAN), ..options() }),
+        ("far: found", Options { far: Some(-1.0), ..options() }),
+        ("holdout: found", Options { holdout: Some(1), ..options() }),
         ("near and far", Options { near: Some(7.0), ..options() }),
         ("builtin:cube", options()),
     ] {

@@ -17,6 +17,7 @@ const READS: usize = 1 << 22;
 const LAYER: [usize; 3] = [1024, 256, 256];
 
 /// The machine's figures, round by round.
+#[derive(Debug)]
 pub struct Calibration {
     n: usize,
     /// A thread's products of a round.

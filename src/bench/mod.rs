@@ -108,7 +108,7 @@ pub fn uniform(stream: u64, count: usize, low: f64, high: f64) -> Vec<f64> {
 }
 
 /// One way to compute a component.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Variant {
     /// Name, unique within the suite.
     pub name: &'static str,
@@ -151,7 +151,7 @@ impl Variant {
 }
 
 /// A component with a workload and its variants.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Suite {
     /// Name of the component; where [`crate::COMPONENTS`] has it and `judged`, its oracle and its bound are used.
     pub component: &'static str,

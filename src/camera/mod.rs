@@ -8,17 +8,19 @@ use serde::{Deserialize, Serialize};
 
 pub(crate) mod arrays;
 pub mod backward;
-pub mod bound;
-pub mod cases;
-pub mod component;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
 pub mod distortion;
-pub mod honest;
-pub mod mistakes;
+pub(crate) mod honest;
+pub mod judge;
+pub(crate) mod mistakes;
 
 #[cfg(test)]
 pub(crate) mod tests;
 
 pub use distortion::Distortion;
+pub use judge::judge;
 
 /// A pinhole camera's intrinsic parameters, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -105,7 +105,7 @@ impl FromStr for Dtype {
     type Err = Error;
     fn from_str(s: &str) -> Result<Self> {
         let found = Dtype::ALL.into_iter().find(|dtype| dtype.to_string() == s);
-        found.ok_or_else(|| Error::usage("--dtype", s, "f64, f32, tf32, bf16 or f16"))
+        found.ok_or_else(|| Error::usage("dtype", s, "f64, f32, tf32, bf16 or f16"))
     }
 }
 

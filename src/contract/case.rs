@@ -38,6 +38,7 @@ impl Case {
 }
 
 /// A seeded source of short numbers: 7 significant bits, so that every type holds them.
+#[derive(Debug)]
 pub struct Draw {
     key: Key,
     stream: u64,

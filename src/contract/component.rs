@@ -122,7 +122,7 @@ pub type Honest = fn(&Arrays, &Conventions, &Machine) -> Arrays;
 pub type Wrong = fn(&Arrays, &Conventions, &[&str]) -> Arrays;
 
 /// One row of the judging contract.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Component {
     /// Name of the row, e.g. `volume_render`.
     pub name: &'static str,
@@ -151,7 +151,7 @@ pub struct Component {
 }
 
 /// One direction of a component: everything that is known about forward, or about its VJP.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Direction {
     /// Plain f64.
     pub oracle: Function,

@@ -5,7 +5,7 @@ use super::case::{Case, Draw};
 use crate::convention::Conventions;
 
 /// What only a few rows need; most have [`Special::NONE`].
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Special {
     /// What the forward direction is called in files and reports.
     pub forward_name: &'static str,
@@ -38,7 +38,7 @@ impl Special {
 }
 
 /// A row that is judged by statistics over its cases.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Statistics {
     /// Outputs that needn't be answered.
     pub optional: &'static [&'static str],

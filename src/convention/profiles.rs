@@ -6,6 +6,7 @@ use super::*;
 use crate::error::{Error, Result};
 
 /// The conventions of one code base.
+#[derive(Debug)]
 pub struct Profile {
     /// Name, as `--profile` takes it.
     pub name: &'static str,
@@ -250,7 +251,7 @@ pub const PROFILES: &[Profile] = &[
 pub fn find(name: &str) -> Result<&'static Profile> {
     let names = PROFILES.iter().map(|profile| profile.name).collect::<Vec<_>>().join(", ");
     let found = PROFILES.iter().find(|profile| profile.name == name);
-    found.ok_or_else(|| Error::usage("--profile", name, format!("one of {names}")))
+    found.ok_or_else(|| Error::usage("profile", name, format!("one of {names}")))
 }
 
 /// An assignment in words: the nearest profile, and where it deviates.

@@ -9,13 +9,16 @@ use crate::math::{cos, cos_pi, power_of_two, sin, sin_pi};
 
 pub(crate) mod arrays;
 pub mod backward;
-pub mod bound;
-pub mod cases;
-pub mod component;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
 #[cfg(feature = "fast")]
 pub mod fast;
-pub mod honest;
-pub mod mistakes;
+pub(crate) mod honest;
+pub mod judge;
+pub(crate) mod mistakes;
+
+pub use judge::judge;
 
 #[cfg(test)]
 mod tests;

@@ -12,13 +12,14 @@ use crate::trunc_exp::trunc_exp;
 
 pub(crate) mod arrays;
 pub mod backward;
-pub mod bound;
-pub mod cases;
-pub mod component;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
 #[cfg(feature = "fast")]
 pub mod fast;
-pub mod honest;
-pub mod mistakes;
+pub(crate) mod honest;
+pub mod judge;
+pub(crate) mod mistakes;
 pub mod mlp;
 pub mod nerf_mlp;
 pub mod trunk;
@@ -26,6 +27,9 @@ pub mod trunk;
 #[cfg(test)]
 mod tests;
 
+#[doc(hidden)]
+pub use bound::{mlp_kink, nerf_mlp_kink};
+pub use judge::judge;
 pub use mlp::Mlp;
 pub use nerf_mlp::NerfMlp;
 

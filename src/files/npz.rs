@@ -85,6 +85,7 @@ macro_rules! from_ndarray {
 from_ndarray!(f64 => F64, f32 => F32, f16 => F16, u8 => U8, i64 => I64);
 
 /// An open archive. Arrays are read on demand, so that one of an unknown type does no harm unless it is needed.
+#[derive(Debug)]
 pub struct Npz {
     path: PathBuf,
     archive: ZipArchive<BufReader<File>>,

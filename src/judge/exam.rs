@@ -18,6 +18,7 @@ use crate::registry::all_rows;
 pub const SCHEMA: &str = "nerf-oracle/cases/1";
 
 /// One component in one direction with all of its cases.
+#[derive(Debug)]
 pub struct Question {
     /// The row of the contract.
     pub component: &'static Component,
@@ -28,6 +29,7 @@ pub struct Question {
 }
 
 /// All questions that a candidate is asked.
+#[derive(Debug)]
 pub struct Exam {
     /// What the candidate computes in.
     pub dtype: Dtype,
@@ -68,13 +70,41 @@ impl Exam {
     /// A filter that no component matches.
     pub fn new(filter: &str, dtype: Dtype, profile: Option<&'static Profile>) -> Result<Exam> {
         let filter = &american(filter);
-        let mut exam =
-            Exam { dtype, profile, filter: filter.to_string(), questions: vec![], left_out: vec![] };
-        let wanted = |c: &&Component| c.name.contains(filter) || c.folder.contains(filter);
+        let wanted = |c: &Component, _| c.name.contains(filter) || c.folder.contains(filter);
+        let exam = Exam { filter: filter.to_string(), ..Exam::asking(wanted, dtype, profile) };
+        if exam.questions.is_empty() {
+            return Err(Error::usage("filter", filter, format!("a part of one of: {}", names())));
+        }
+        Ok(exam)
+    }
+
+    /// The questions on these rows alone, by their exact names.
+    ///
+    /// # Errors
+    /// A row that isn't in the contract (for this type).
+    pub fn of(rows: &[(&str, Kind)], dtype: Dtype, profile: Option<&'static Profile>) -> Result<Exam> {
+        let exam = Exam::asking(|c, kind| rows.contains(&(c.name, kind)), dtype, profile);
+        let asked =
+            |name: &str, kind| exam.questions.iter().any(|s| s.component.name == name && s.kind == kind);
+        match rows.iter().find(|(name, kind)| !asked(name, *kind)) {
+            Some((name, kind)) => {
+                Err(Error::usage("component", format!("{name} ({kind:?}, {dtype})"), names()))
+            }
+            None => Ok(exam),
+        }
+    }
+
+    fn asking(
+        wanted: impl Fn(&Component, Kind) -> bool,
+        dtype: Dtype,
+        profile: Option<&'static Profile>,
+    ) -> Exam {
+        let mut exam = Exam { dtype, profile, filter: String::new(), questions: vec![], left_out: vec![] };
         // Statistics need types in which a sampler's numbers are fine enough.
         let fine = [Dtype::F64, Dtype::F32].contains(&dtype);
-        for component in all_rows().filter(|c| fine || c.special.statistics.is_none()).filter(wanted) {
-            for kind in [Kind::Forward, Kind::Vjp].into_iter().filter(|&k| component.direction(k).is_some()) {
+        for component in all_rows().filter(|c| fine || c.special.statistics.is_none()) {
+            let asked = |&kind: &Kind| component.direction(kind).is_some() && wanted(component, kind);
+            for kind in [Kind::Forward, Kind::Vjp].into_iter().filter(asked) {
                 let (cases, out): (Vec<_>, Vec<_>) = component
                     .cases_of(kind, &exam.conventions())
                     .into_iter()
@@ -83,11 +113,7 @@ impl Exam {
                 exam.questions.push(Question { component, kind, cases });
             }
         }
-        if exam.questions.is_empty() {
-            let names = all_rows().map(|c| c.name).collect::<Vec<_>>().join(", ");
-            return Err(Error::usage("FILTER", filter, format!("a part of one of: {names}")));
-        }
-        Ok(exam)
+        exam
     }
 
     /// The pinned conventions, or the default's.
@@ -181,6 +207,11 @@ impl Question {
         names.sort_by_key(|name| place(name));
         names
     }
+}
+
+/// The rows' names on a line.
+fn names() -> String {
+    all_rows().map(|c| c.name).collect::<Vec<_>>().join(", ")
 }
 
 /// `forward`, `vjp` or `trace`.

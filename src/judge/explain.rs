@@ -30,7 +30,7 @@ pub fn explain(name: &str) -> Result<(Value, String)> {
     found.extend(PROFILES.iter().filter(|p| p.name == name).map(profile));
     found.extend(HAZARDS.iter().filter(|h| h.id == name).map(hazard));
     if found.is_empty() {
-        return Err(Error::usage("NAME", name, suggestions(name)));
+        return Err(Error::usage("name", name, suggestions(name)));
     }
     let (objects, texts): (Vec<_>, Vec<_>) = found.into_iter().unzip();
     Ok((json!({ "name": name, "found": objects }), texts.join("\n")))

@@ -1,22 +1,4 @@
 //! The judge: answers in, verdicts and diagnoses out.
-//!
-//! From Rust, a candidate is a set of closures over named arrays:
-//!
-//! ```
-//! use nerf_oracle::contract::arrays::{array, arrays, input};
-//! use nerf_oracle::judge::{Candidate, Verdict, judge};
-//! use nerf_oracle::contract::Dtype;
-//!
-//! // C' = C + (1 - A) b, as a candidate might write it.
-//! let candidate = Candidate::new().forward("composite_background", |inputs| {
-//!     let (colors, opacity) = (input(inputs, "colors"), input(inputs, "opacity"));
-//!     let b = input(inputs, "background");
-//!     let out = colors.indexed_iter().map(|(i, c)| c + (1.0 - opacity[[i[0]]]) * b[[i[1]]]).collect();
-//!     arrays([("colors_out", array(colors.shape(), out))])
-//! });
-//! let report = judge(&candidate, Dtype::F64).unwrap();
-//! assert_eq!(report.of("composite_background", "forward").unwrap().verdict, Verdict::Pass);
-//! ```
 
 use std::collections::BTreeMap;
 
@@ -32,7 +14,7 @@ use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
 use crate::convention::Conventions;
 use crate::convention::profiles::{self, Profile};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::parallel;
 
 /// The contract's accuracy of exp, log, sin and cos, in ULP.
@@ -42,10 +24,37 @@ pub const EXP_ULP: f64 = 4.0;
 type Closure<'a> = Box<dyn Fn(&Arrays) -> Arrays + Sync + 'a>;
 
 /// Somebody's implementation: closures by component, forward or VJP.
+///
+/// Of any rows at once, over the contract's own arrays; a kernel of one row has a typed front door in its component ([`super::Door`]).
+///
+/// ```
+/// use nerf_oracle::contract::arrays::{array, arrays, input};
+/// use nerf_oracle::judge::{Candidate, Verdict, judge};
+/// use nerf_oracle::contract::Dtype;
+///
+/// // C' = C + (1 - A) b, as somebody might write it.
+/// let candidate = Candidate::new().forward("composite_background", |inputs| {
+///     let (colors, opacity) = (input(inputs, "colors"), input(inputs, "opacity"));
+///     let b = input(inputs, "background");
+///     let out = colors.indexed_iter().map(|(i, c)| c + (1.0 - opacity[[i[0]]]) * b[[i[1]]]).collect();
+///     arrays([("colors_out", array(colors.shape(), out))])
+/// });
+/// let report = judge(&candidate, Dtype::F64).unwrap();
+/// assert_eq!(report.of("composite_background", "forward").unwrap().verdict, Verdict::Pass);
+/// ```
 #[derive(Default)]
 pub struct Candidate<'a> {
     functions: BTreeMap<(String, Kind), Closure<'a>>,
     profile: Option<&'static Profile>,
+}
+
+impl std::fmt::Debug for Candidate<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("Candidate")
+            .field("rows", &self.functions.keys())
+            .field("profile", &self.profile.map(|p| p.name))
+            .finish_non_exhaustive()
+    }
 }
 
 impl<'a> Candidate<'a> {
@@ -76,19 +85,13 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// Asks a candidate that computes in `dtype` every question on the components it has, and judges its answers.
+/// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers.
 ///
 /// # Errors
 /// A component that isn't in the contract.
 pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
-    let exam = Exam::new("", dtype, candidate.profile)?;
-    for (name, kind) in candidate.functions.keys() {
-        if !exam.questions.iter().any(|question| question.component.name == name && question.kind == *kind) {
-            let there = exam.questions.iter().map(|s| format!("{}/{}", s.component.name, s.kind_name()));
-            let expected = there.collect::<Vec<_>>().join(", ");
-            return Err(Error::usage("component", format!("{name} ({kind:?})"), expected));
-        }
-    }
+    let rows: Vec<(&str, Kind)> = candidate.functions.keys().map(|(name, kind)| (&name[..], *kind)).collect();
+    let exam = Exam::of(&rows, dtype, candidate.profile)?;
     let answers = |question: &Question| -> Answers {
         let f = candidate.functions.get(&(question.component.name.to_string(), question.kind));
         question.cases.iter().map(|case| f.map(|f| given(f(&case.inputs)))).collect()

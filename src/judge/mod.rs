@@ -1,21 +1,35 @@
 //! Verdicts on other people's programs: questions, answers, marks, and the mistake that explains them.
 
+#[doc(hidden)]
 pub mod answer;
-pub mod assignment;
+pub(crate) mod assignment;
+#[doc(hidden)]
 pub mod diagnose;
+pub(crate) mod door;
+#[doc(hidden)]
 pub mod exam;
 #[cfg(feature = "files")]
+#[doc(hidden)]
 pub mod exchange;
+#[doc(hidden)]
 pub mod explain;
+#[doc(hidden)]
 pub mod hypothesis;
+#[doc(hidden)]
 pub mod judging;
-pub mod layout;
+pub(crate) mod layout;
+#[doc(hidden)]
 pub mod mark;
-pub mod numeric;
-pub mod page;
+pub(crate) mod numeric;
+pub(crate) mod page;
+#[doc(hidden)]
 pub mod report;
+#[doc(hidden)]
 pub mod statistics;
+pub(crate) mod typed;
 
+pub use door::Door;
 pub use exam::Exam;
 pub use judging::{Candidate, judge};
 pub use report::{Report, Verdict};
+pub use typed::{Element, Input, Output, Outputs};

@@ -4,13 +4,16 @@
 //! index i + R (j + R k); the last cell of an axis is closed. A ray is o + t d in units of the box.
 
 pub(crate) mod arrays;
-pub mod bound;
-pub mod cases;
-pub mod component;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
 #[cfg(feature = "fast")]
 pub mod fast;
-pub mod honest;
-pub mod mistakes;
+pub(crate) mod honest;
+pub mod judge;
+pub(crate) mod mistakes;
+
+pub use judge::judge;
 
 #[cfg(test)]
 mod tests;

@@ -10,16 +10,18 @@ use crate::error::Result;
 
 pub(crate) mod arrays;
 pub mod backward;
-pub mod bound;
-pub mod cases;
-pub mod component;
-pub mod honest;
-pub mod mistakes;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
+pub(crate) mod honest;
+pub mod judge;
+pub(crate) mod mistakes;
 mod random;
 
 #[cfg(test)]
 mod tests;
 
+pub use judge::judge;
 pub use random::{PixelDraw, PixelDraws, draw_index, draw_pixel, sample_random_rays};
 
 /// r(t) = o + t d.

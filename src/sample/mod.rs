@@ -7,13 +7,16 @@ use crate::convention::{Delta, Grid, LastDelta, Rest};
 use crate::math::Sum;
 
 pub(crate) mod arrays;
-pub mod bound;
-pub mod cases;
-pub mod component;
-pub mod honest;
-pub mod mistakes;
-pub mod sampler;
-pub mod statistics;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
+pub(crate) mod honest;
+pub mod judge;
+pub(crate) mod mistakes;
+pub(crate) mod sampler;
+pub(crate) mod statistics;
+
+pub use judge::judge;
 
 #[cfg(test)]
 mod tests;

@@ -11,7 +11,7 @@ const RIGID: f64 = 1e-3;
 
 /// Arguments that make no sense for any scene.
 pub fn options(options: &Options) -> Result<()> {
-    for (argument, value) in [("--near", options.near), ("--far", options.far)] {
+    for (argument, value) in [("near", options.near), ("far", options.far)] {
         if let Some(value) = value.filter(|value| !value.is_finite() || *value < 0.0) {
             return Err(Error::usage(argument, value, "a distance, 0 or more"));
         }
@@ -19,10 +19,10 @@ pub fn options(options: &Options) -> Result<()> {
     if let (Some(near), Some(far)) = (options.near, options.far)
         && near >= far
     {
-        return Err(Error::usage("--near", near, format!("less than --far, which is {far}")));
+        return Err(Error::usage("near", near, format!("less than far, which is {far}")));
     }
     if let Some(n) = options.holdout.filter(|n| *n < 2) {
-        return Err(Error::usage("--holdout", n, "2 or more, so that something is left to learn from"));
+        return Err(Error::usage("holdout", n, "2 or more, so that something is left to learn from"));
     }
     Ok(())
 }

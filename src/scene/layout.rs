@@ -85,7 +85,7 @@ pub fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Optio
             None => "cameras whose axes meet nowhere in front of them".to_string(),
             Some(_) => format!("near {}, far {}", scene.near, scene.far),
         };
-        let advice = "Give both --near and --far, in the units of the cameras' positions.";
+        let advice = "Give both near and far, in the units of the cameras' positions.";
         return Err(Error::input(file, "near and far", found, "near < far", advice));
     }
     let middle = 0.5 * (scene.near + scene.far);

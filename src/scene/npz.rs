@@ -51,7 +51,7 @@ fn cs180(npz: &mut Npz, file: &str, options: &Options, scene: &mut Scene) -> Res
         }
     }
     if options.holdout.is_some() {
-        scene.warnings.push(format!("--holdout is not used: {file} has a validation split of its own."));
+        scene.warnings.push(format!("holdout is not used: {file} has a validation split of its own."));
     }
     scene.reasons.insert("val".into(), Value::from("the file's own split"));
     Ok(())

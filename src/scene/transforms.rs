@@ -123,7 +123,7 @@ fn splits(folder: &Path, train: PathBuf, val: PathBuf, test: PathBuf, options: &
         scene.val = val_frames;
         scene.reasons.insert("val".into(), Value::from("the scene's own split"));
         if options.holdout.is_some() {
-            scene.warnings.push("--holdout is not used: the scene has a validation split of its own.".into());
+            scene.warnings.push("holdout is not used: the scene has a validation split of its own.".into());
         }
     }
     finish(scene, &train.display().to_string(), backdrop, options)

@@ -10,15 +10,18 @@ use crate::sample::{sample_along_ray, step_sizes};
 use crate::volume_rendering::{Rendering, composite_background, volume_render};
 
 pub(crate) mod arrays;
-pub mod bound;
-pub mod cases;
+pub(crate) mod bound;
+pub(crate) mod cases;
 mod chain;
-pub mod component;
-pub mod honest;
-pub mod mistakes;
+pub(crate) mod component;
+pub(crate) mod honest;
+pub mod judge;
+pub(crate) mod mistakes;
 
 #[cfg(test)]
 mod by_hand;
+pub use judge::judge;
+
 #[cfg(test)]
 mod tests;
 

@@ -94,6 +94,12 @@ pub struct NerfModel {
     restored: bool,
 }
 
+impl std::fmt::Debug for NerfModel {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("NerfModel").finish_non_exhaustive()
+    }
+}
+
 /// One step's rays as flat arrays.
 pub(crate) struct Drawn {
     pub origins: Vec<f64>,

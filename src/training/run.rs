@@ -91,6 +91,12 @@ pub struct Run<'a> {
     pub failure: Option<String>,
 }
 
+impl std::fmt::Debug for Run<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("Run").finish_non_exhaustive()
+    }
+}
+
 impl<'a> Run<'a> {
     /// A run from its first step.
     ///

@@ -10,13 +10,16 @@ use crate::math::{Product, Sum, exp, expm1};
 
 pub(crate) mod arrays;
 pub mod backward;
-pub mod bound;
-pub mod cases;
-pub mod component;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
 #[cfg(feature = "fast")]
 pub mod fast;
-pub mod honest;
-pub mod mistakes;
+pub(crate) mod honest;
+pub mod judge;
+pub(crate) mod mistakes;
+
+pub use judge::judge;
 
 #[cfg(test)]
 mod tests;

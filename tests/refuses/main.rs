@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 mod rows;
 
 /// A public oracle function, a call that it takes, and calls that it must refuse, each with the words of its message.
+#[derive(Debug)]
 pub struct Row {
     /// Module path below the crate, the type where it is a method, and the name.
     name: &'static str,

@@ -29,7 +29,7 @@ impl MarchRay {
 }
 
 /// The samples of rays that lie in occupied cells; buffers that are used again.
-#[derive(Default)]
+#[derive(Default, Debug)]
 pub struct Steps {
     /// The range of a ray's samples in `k`.
     pub(super) capacity: usize,

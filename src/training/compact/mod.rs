@@ -57,6 +57,12 @@ pub struct CompactModel {
     arch: Arch,
 }
 
+impl std::fmt::Debug for CompactModel {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.debug_struct("CompactModel").field("settings", &self.settings).finish_non_exhaustive()
+    }
+}
+
 impl CompactModel {
     /// The untrained model of a scene.
     ///
