@@ -107,10 +107,11 @@ def make_crate(target, first):
     lines += ["pub use error::{Error, Result};"] if "error" in done else []
     (target / "src/lib.rs").write_text("\n".join(lines) + "\n")
     manifest = (ROOT / "Cargo.toml").read_text()
-    manifest = re.sub(r"\[\[bench\]\].*?\n\n", "", manifest, flags=re.S)
-    manifest = re.sub(r"\[lints\..*", "", manifest, flags=re.S)
-    manifest = "\n".join(line for line in manifest.splitlines() if "default-run" not in line)
-    for unused in ["clap", "gemm", "image", "indicatif", "npyz", "plotters", "sha2", "zip", "tempfile", "half"]:
+    # The package and what it depends on: no features, programs, lints or profiles.
+    sections = re.split(r"(?m)^(?=\[)", manifest)
+    manifest = "".join(s for s in sections if s.startswith(("[package]", "[dependencies]", "[dev-dependencies]")))
+    manifest = re.sub(r"(?m)^(default-run|include) = .*\n", "", manifest).replace(", optional = true", "")
+    for unused in ["clap", "gemm", "image", "indicatif", "npyz", "sha2", "zip", "tempfile", "half"]:
         manifest = re.sub(rf"(?m)^{unused} = .*\n", "", manifest)
     # Doctests would need the crate built twice.
     manifest += '\n[lib]\ndoctest = false\n\n[profile.dev]\ndebug = false\n[profile.dev.package."*"]\nopt-level = 1\n'
@@ -265,7 +266,8 @@ def main():
     listed = subprocess.run(
         [args.tool, "mutants", "--list-files", "--dir", str(ROOT)], capture_output=True, text=True, check=True
     ).stdout.split()
-    rows = read_rows()
+    # Files that were renamed or deleted leave no row.
+    rows = {file: row for file, row in read_rows().items() if file in listed}
     subprocess.run(["cargo", "build", "--quiet", "--locked", "--manifest-path", ROOT / "tools/mutants/Cargo.toml"], check=True)
     tool = Path(os.environ["CARGO_TARGET_DIR"]) / "debug/mutants-in-one"
     for file in args.files or listed:

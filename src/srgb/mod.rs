@@ -8,11 +8,14 @@ use crate::math::pow;
 
 pub(crate) mod arrays;
 pub mod backward;
-pub mod bound;
-pub mod cases;
-pub mod component;
-pub mod honest;
-pub mod mistakes;
+pub(crate) mod bound;
+pub(crate) mod cases;
+pub(crate) mod component;
+pub(crate) mod honest;
+pub mod judge;
+pub(crate) mod mistakes;
+
+pub use judge::judge;
 
 #[cfg(test)]
 mod tests;
