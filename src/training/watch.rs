@@ -114,7 +114,7 @@ mod tests {
         assert_eq!(first(|_| GOOD), None);
         // Slow at first, a step without a sample now and then.
         let report = |step: u64| {
-            let mse = if step < 299 { 0.1 } else { 0.02 };
+            let mse = if step < 250 { 0.1 } else { 0.02 };
             StepReport {
                 mse,
                 samples: u64::from(!step.is_multiple_of(40)),
