@@ -197,6 +197,30 @@ pub enum Exponent {
     Clamped,
 }
 
+/// Which cells of an occupancy grid fade at an update.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GridDecay {
+    /// Those in which a density was found (nerfacc).
+    #[default]
+    Touched,
+    /// Every cell that a camera sees (instant-ngp).
+    EveryCell,
+}
+
+/// The density above which a cell of an occupancy grid is occupied.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum GridThreshold {
+    /// The smaller of the limit and the mean of the densities above 0; where no cell is denser, every cell that is seen is occupied.
+    #[default]
+    MeanOfDense,
+    /// The smaller of the limit and the mean over all cells that are seen (nerfacc).
+    MeanOfSeen,
+    /// The limit.
+    LimitAlone,
+}
+
 /// The order in which a skip connection is concatenated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -281,6 +305,12 @@ pub struct Conventions {
     /// Where an exponential density's exponent is clamped.
     #[serde(default)]
     pub exponent: Exponent,
+    /// Which cells of an occupancy grid fade.
+    #[serde(default)]
+    pub grid_decay: GridDecay,
+    /// What an occupied cell is denser than.
+    #[serde(default)]
+    pub grid_threshold: GridThreshold,
     /// Index (from 0) of the trunk layer whose input contains the encoding again.
     pub skip_layer: usize,
     /// Order of that concatenation.
@@ -313,6 +343,8 @@ pub const CS180: Conventions = Conventions {
     columns: Columns::BandSinCos,
     density: Density::Relu,
     exponent: Exponent::Free,
+    grid_decay: GridDecay::Touched,
+    grid_threshold: GridThreshold::MeanOfDense,
     skip_layer: 4,
     skip_order: SkipOrder::HiddenFirst,
     last_trunk: Activation::Relu,
@@ -344,6 +376,8 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("columns", &["band_sin_cos", "dim_sin_cos", "dim_interleaved", "all_sin_all_cos", "band_interleaved"]),
     ("density", &["relu", "softplus", "exp"]),
     ("exponent", &["free", "clamped"]),
+    ("grid_decay", &["touched", "every_cell"]),
+    ("grid_threshold", &["mean_of_dense", "mean_of_seen", "limit_alone"]),
     ("skip_layer", &["4", "5"]),
     ("skip_order", &["hidden_first", "encoding_first"]),
     ("last_trunk", &["relu", "none"]),

@@ -176,7 +176,7 @@ fn a_wrong_panic_names_the_mistake() {
         color
     }));
     assert!(inclusive.contains("inclusive_transmittance"), "{inclusive}");
-    assert!(inclusive.contains("FAIL volume_render forward") && inclusive.contains("to mend"), "{inclusive}");
+    assert!(inclusive.contains("FAIL volume_render forward") && inclusive.contains("to fix"), "{inclusive}");
 
     let root = panic_of(optimizer::judge(|p, g, m, v, step, lr, beta1, beta2, eps, decay| {
         let g = g + decay * p;

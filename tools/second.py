@@ -36,6 +36,8 @@ CS180 = {
     "bands": "octaves",
     "columns": "band_sin_cos",
     "density": "relu",
+    "grid_decay": "touched",
+    "grid_threshold": "mean_of_dense",
     "exponent": "free",
     "skip_order": "hidden_first",
     "last_trunk": "relu",

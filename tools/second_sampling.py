@@ -143,17 +143,16 @@ def cells(points, n, wrong):
     return tuple((index if "axes_reversed" in wrong else index[:, ::-1]).T)
 
 
-def mean_or(density, threshold, wrong):
+def mean_or(density, threshold, convention, wrong):
     """The smaller of the threshold and the mean of what is there; below all cells that are seen where none is above that."""
-    known = density if "mean_of_all" in wrong else density[density > 0]
-    level = min(threshold, known.mean(dtype=density.dtype)) if known.size else threshold
-    if "mean_of_all" in wrong:
-        return level
-    if "threshold_alone" in wrong:
+    if "mean_of_all" not in wrong and convention == "limit_alone":
         return threshold
-    if (known > level).any():
+    seen = density[density >= 0] if convention == "mean_of_seen" else density[density > 0]
+    known = density if "mean_of_all" in wrong else seen
+    level = min(threshold, known.mean(dtype=density.dtype)) if known.size else threshold
+    if "mean_of_all" in wrong or convention == "mean_of_seen" or (known > level).any():
         return level
-    return threshold if "stays_empty" in wrong else -1
+    return -1
 
 
 def occupancy_grid(a, c, wrong):
@@ -179,11 +178,11 @@ def occupancy_grid(a, c, wrong):
         density = decayed + (1 - decay) * sigma
     if "rise_decays" in wrong:
         density = np.maximum(decayed, decay * sigma)
-    density = np.where(some, density, decayed if "all_decay" in wrong else before)
+    density = np.where(some, density, decayed if c["grid_decay"] == "every_cell" else before)
     if "unseen_cells_rise" not in wrong:
         density = np.where(before < 0, before, density)
     source = before if "occupied_before" in wrong else density
-    level = mean_or(source, threshold, wrong)
+    level = mean_or(source, threshold, c["grid_threshold"], wrong)
     occupied = (source >= level if "threshold_included" in wrong else source > level).astype(kind)
     return {"density_out": density, "occupied": occupied, "found": occupied[cells(a["queries"], n, wrong)]}
 

@@ -159,6 +159,7 @@ pub const PROFILES: &[Profile] = &[
             directions: Directions::Depth,
             delta: Delta::DifferencesTimesNorm,
             last_delta: LastDelta::ToFar,
+            grid_threshold: GridThreshold::MeanOfSeen,
             frequency: Frequency::One,
             columns: Columns::AllSinAllCos,
             density: Density::Softplus,
@@ -209,6 +210,14 @@ pub const PROFILES: &[Profile] = &[
             ("directions", "examples/datasets/nerf_synthetic.py: viewdirs normalized"),
             ("delta", "nerfacc/volrend.py render_transmittance_from_density: t_ends - t_starts"),
             ("product_eps", "nerfacc/volrend.py: exp(-exclusive_sum), nothing added"),
+            (
+                "grid_decay",
+                "nerfacc/estimators/occ_grid.py _update: occs[cell_ids] = maximum(occs[cell_ids] * ema_decay, occ)",
+            ),
+            (
+                "grid_threshold",
+                "nerfacc/estimators/occ_grid.py _update: clamp(occs[occs >= 0].mean(), max=occ_thre)",
+            ),
             ("frequency", "examples/radiance_fields/mlp.py SinusoidalEncoder: 2^i"),
             ("columns", "examples/radiance_fields/mlp.py SinusoidalEncoder: all sin, then sin(x + pi / 2)"),
             ("density", "examples/radiance_fields/mlp.py VanillaNeRFRadianceField: relu"),
@@ -226,9 +235,14 @@ pub const PROFILES: &[Profile] = &[
             delta: Delta::Differences,
             last_delta: LastDelta::Width,
             density: Density::Exp,
+            grid_decay: GridDecay::EveryCell,
             ..CS180
         },
         sources: &[
+            (
+                "grid_decay",
+                "src/testbed_nerf.cu ema_grid_samples_nerf: max(prev_val * decay, importance) in every cell that isn't below 0",
+            ),
             ("density", "src/testbed_nerf.cu network_to_density: __expf (ENerfActivation::Exponential)"),
             (
                 "exponent",

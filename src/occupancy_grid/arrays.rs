@@ -56,10 +56,10 @@ pub(crate) fn lengths(o: [f64; 3], d: [f64; 3], near: f64, far: f64, r: usize) -
     (lengths, crossings.len() as f64)
 }
 
-pub(super) fn update(a: &Arrays, _: &Conventions) -> Arrays {
+pub(super) fn update(a: &Arrays, c: &Conventions) -> Arrays {
     let Update { mut grid, decay, points, sigmas, queries } = update_of(a);
-    grid.update(decay, &points, &sigmas);
-    grid.threshold = grid.threshold_below(grid.threshold);
+    grid.update(decay, &points, &sigmas, c.grid_decay);
+    grid.threshold = grid.threshold_below(grid.threshold, c.grid_threshold);
     let one = |yes: bool| f64::from(u8::from(yes));
     let occupied = grid.density.iter().map(|&density| one(density > grid.threshold)).collect();
     let found = queries.iter().map(|&x| one(grid.occupied(x))).collect();

@@ -8,7 +8,7 @@ use crate::camera::bound::hyper;
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact};
-use crate::convention::Conventions;
+use crate::convention::{Conventions, GridDecay, GridThreshold};
 
 /// Whether every honest evaluation finds the same cell: x R is exact where R is a power of two, and off by three roundings elsewhere
 /// (x / (1 / R)), except at the ends of the box.
@@ -22,7 +22,7 @@ pub(crate) fn surely_in_its_cell(x: [f64; 3], resolution: usize, m: &Arithmetic)
 }
 
 /// Bound of [`super::OccupancyGrid::update`] and of what is occupied after it.
-pub fn update(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub fn update(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let Update { grid, decay, points, sigmas, queries } = update_of(a);
     let r = grid.resolution;
     if points.iter().any(|&x| !surely_in_its_cell(x, r, m)) {
@@ -35,7 +35,7 @@ pub fn update(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
         found[cell] = found[cell].max(sigma);
     }
     let new = |(&density, &sigma): (&f64, &f64)| {
-        if density < 0.0 || sigma < 0.0 {
+        if density < 0.0 || sigma < 0.0 && c.grid_decay == GridDecay::Touched {
             return exact(density);
         }
         let Bounded { y, e } = m.mul(exact(density), hyper(decay, m));
@@ -43,7 +43,7 @@ pub fn update(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
         if sigma >= y + e { exact(sigma) } else { Bounded { y: y.max(sigma), e: highest - y.max(sigma) + e } }
     };
     let density: Vec<Bounded> = grid.density.iter().zip(&found).map(new).collect();
-    let threshold = threshold(&density, hyper(grid.threshold, m), m);
+    let threshold = threshold(&density, hyper(grid.threshold, m), c.grid_threshold, m);
     let open = |d: &Bounded| (d.y - threshold.y).abs() <= d.e + threshold.e && d.e + threshold.e > 0.0;
     let bit = |open: bool| f64::from(u8::from(open));
     let found = |&x: &[f64; 3]| bit(open(&density[grid.cell(x)]) || !surely_in_its_cell(x, r, m));
@@ -57,8 +57,12 @@ pub fn update(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
 
 /// The smaller of the limit and the mean of what is above 0, summed in any order, as a sum or as a sum of shares (Higham, section
 /// 4.2: n roundings, one for each division). Where rounding alone decides whether any cell lies above it, nothing is said.
-fn threshold(density: &[Bounded], limit: Bounded, m: &Arithmetic) -> Bounded {
-    let known: Vec<Bounded> = density.iter().copied().filter(|d| d.y > 0.0).collect();
+fn threshold(density: &[Bounded], limit: Bounded, convention: GridThreshold, m: &Arithmetic) -> Bounded {
+    if convention == GridThreshold::LimitAlone {
+        return limit;
+    }
+    let zeros = convention == GridThreshold::MeanOfSeen;
+    let known: Vec<Bounded> = density.iter().copied().filter(|d| d.y > 0.0 || zeros && d.y == 0.0).collect();
     let n = known.len() as f64;
     let (sum, errors) = known.iter().fold((0.0, 0.0), |(y, e), d| (y + d.y, e + d.e));
     let rounded = (1.0 + m.u).powf(n + 1.0) - 1.0;
@@ -71,6 +75,9 @@ fn threshold(density: &[Bounded], limit: Bounded, m: &Arithmetic) -> Bounded {
         _ if mean.y + mean.e < limit.y - limit.e => mean,
         _ => Bounded { y: mean.y.min(limit.y), e: mean.e.max(limit.e) + (mean.y - limit.y).abs() },
     };
+    if convention == GridThreshold::MeanOfSeen {
+        return smaller;
+    }
     let above = |sign: f64| known.iter().any(|d| d.y + sign * d.e > smaller.y - sign * smaller.e);
     match (above(-1.0), above(1.0)) {
         (true, _) => smaller,

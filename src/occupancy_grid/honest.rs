@@ -3,7 +3,7 @@
 use super::arrays::{Update, each_ray, update_of, updated};
 use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
-use crate::convention::Conventions;
+use crate::convention::{Conventions, GridDecay, GridThreshold};
 
 /// Index of a coordinate's cell.
 fn along(x: f64, r: usize, m: &Machine) -> usize {
@@ -17,7 +17,7 @@ fn cell(x: [f64; 3], r: usize, m: &Machine) -> usize {
 }
 
 /// Update and queries.
-pub fn update(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub fn update(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let Update { grid, decay, points, sigmas, queries } = update_of(a);
     let (r, decay, limit) = (grid.resolution, m.round(decay), m.round(grid.threshold));
     let mut found = vec![-1.0f64; grid.density.len()];
@@ -26,10 +26,14 @@ pub fn update(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
         found[cell] = found[cell].max(sigma);
     }
     let new = |(&density, &found): (&f64, &f64)| {
-        if density < 0.0 || found < 0.0 { density } else { m.mul(decay, density).max(found) }
+        if density < 0.0 || found < 0.0 && c.grid_decay == GridDecay::Touched {
+            density
+        } else {
+            m.mul(decay, density).max(found)
+        }
     };
     let density: Vec<f64> = grid.density.iter().zip(&found).map(new).collect();
-    let threshold = threshold(&density, limit, m);
+    let threshold = threshold(&density, limit, c.grid_threshold, m);
     let bit = |density: f64| f64::from(u8::from(density > threshold));
     let occupied = density.iter().map(|&d| bit(d)).collect();
     let found = queries.iter().map(|&x| bit(density[cell(x, r, m)])).collect();
@@ -37,8 +41,12 @@ pub fn update(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// The mean as a sum over a number, or as a sum of shares; from the first cell to the last, or back.
-fn threshold(density: &[f64], limit: f64, m: &Machine) -> f64 {
-    let mut known: Vec<f64> = density.iter().copied().filter(|&d| d > 0.0).collect();
+fn threshold(density: &[f64], limit: f64, convention: GridThreshold, m: &Machine) -> f64 {
+    if convention == GridThreshold::LimitAlone {
+        return limit;
+    }
+    let zeros = convention == GridThreshold::MeanOfSeen;
+    let mut known: Vec<f64> = density.iter().copied().filter(|&d| d > 0.0 || zeros && d == 0.0).collect();
     if m.form / 2 % 2 == 1 {
         known.reverse();
     }
@@ -49,7 +57,7 @@ fn threshold(density: &[f64], limit: f64, m: &Machine) -> f64 {
         known.iter().fold(0.0, |sum, &d| m.add(sum, m.div(d, count)))
     };
     let threshold = if known.is_empty() { limit } else { limit.min(mean) };
-    if known.iter().any(|&d| d > threshold) { threshold } else { -1.0 }
+    if zeros || known.iter().any(|&d| d > threshold) { threshold } else { -1.0 }
 }
 
 /// From cell to cell (Amanatides and Woo), each face from its coordinate or one step after the last; the ray stays inside of the box.

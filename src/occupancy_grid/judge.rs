@@ -12,11 +12,14 @@ front_door! {
     /// ```
     /// use nerf_oracle::occupancy_grid;
     /// occupancy_grid::judge(|density, points, sigmas, _, decay, threshold| {
+    ///     // As instant-ngp has it: every cell fades that a camera sees.
     ///     let g = density.dim().0;
-    ///     let mut out = density.mapv(|x| decay * x);
+    ///     let mut out = density.mapv(|x| if x < 0.0 { x } else { decay * x });
     ///     for (p, &sigma) in points.iter().zip(sigmas) {
     ///         let [x, y, z] = p.map(|x| ((x * g as f64) as usize).min(g - 1));
-    ///         out[[z, y, x]] = sigma.max(out[[z, y, x]]);
+    ///         if density[[z, y, x]] >= 0.0 {
+    ///             out[[z, y, x]] = sigma.max(out[[z, y, x]]);
+    ///         }
     ///     }
     ///     let occupied = out.mapv(|x| x > threshold);
     ///     (out, occupied)

@@ -4,7 +4,7 @@ use super::OccupancyGrid;
 use super::arrays::{Update, each_ray, lengths, update_of, updated};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
-use crate::convention::Conventions;
+use crate::convention::{Conventions, GridDecay, GridThreshold};
 
 /// Mistakes of update and query.
 #[rustfmt::skip]
@@ -17,10 +17,7 @@ pub const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("axes_reversed", "x and z exchanged in the index", "empty space is skipped in the wrong place", "index [z, y, x], x fastest", "between grids of both orders", 2),
     Mistake::new("nearest_cell", "round(x R) for floor(x R)", "the grid is shifted by half a cell", "floor: cells lie between faces", "align_corners and its like", 2),
     Mistake::new("threshold_included", "occupied where density >= threshold", "with a threshold of 0 no cell is ever empty", "larger than the threshold", "hand-written grids", 1),
-    Mistake::new("all_decay", "every density falls at every update", "a cell that is looked at once in 1,000 steps is called empty first", "let fall only the cells that were looked into", "hand-written grids", 1),
-    Mistake::new("threshold_alone", "occupied where density > threshold, without the mean", "a thin field is called empty as a whole: no samples, no gradients, for ever", "the smaller of the threshold and the mean", "hand-written grids", 1),
-    Mistake::new("mean_of_all", "the mean counts cells of density 0 and those that no camera sees", "the threshold falls with the empty space around the object", "the mean of the densities above 0", "alpha_thre of nerfacc's OccGridEstimator.sampling", 1),
-    Mistake::new("stays_empty", "no cell is occupied where none is denser than the threshold", "no samples, no gradients, for ever", "open all cells that are seen", "hand-written grids", 1),
+    Mistake::new("mean_of_all", "the mean counts the -1 of cells that no camera sees", "the threshold falls with the space that no camera sees, below 0 where that is most of it", "the mean of the densities of cells that are seen", "alpha_thre of nerfacc's OccGridEstimator.sampling", 1),
     Mistake::new("unseen_cells_rise", "cells that no camera sees rise to what is found in them", "fog behind the cameras", "leave densities below 0 as they are", "never; cheap to keep", 0),
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
 ];
@@ -45,7 +42,7 @@ fn wrong_cell(grid: &OccupancyGrid, x: [f64; 3], wrong: &[&str]) -> usize {
 }
 
 /// Update and queries.
-pub fn update(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let Update { mut grid, decay, points, sigmas, queries } = update_of(a);
     let is = |name: &str| wrong.contains(&name);
     let before = grid.clone();
@@ -64,7 +61,7 @@ pub fn update(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
         }
         let faded = decay * *density;
         *density = match seen {
-            None if is("all_decay") => faded,
+            None if c.grid_decay == GridDecay::EveryCell => faded,
             None => *density,
             Some(sigma) if is("density_replaced") => sigma,
             Some(sigma) if is("moving_average") => faded + (1.0 - decay) * sigma,
@@ -73,22 +70,20 @@ pub fn update(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
         };
     }
     let source = if is("occupied_before") { &before } else { &grid };
-    let threshold = wrong_threshold(source, wrong);
+    let threshold = wrong_threshold(source, c.grid_threshold, wrong);
     let bit = |d: f64| f64::from(u8::from(d > threshold || is("threshold_included") && d == threshold));
     let occupied = source.density.iter().map(|&d| bit(d)).collect();
     let found = queries.iter().map(|&x| bit(source.density[wrong_cell(source, x, wrong)])).collect();
     updated(grid.resolution, grid.density, occupied, found)
 }
 
-fn wrong_threshold(grid: &OccupancyGrid, wrong: &[&str]) -> f64 {
-    let is = |name: &str| wrong.contains(&name);
+fn wrong_threshold(grid: &OccupancyGrid, convention: GridThreshold, wrong: &[&str]) -> f64 {
     let limit = grid.threshold;
-    if is("mean_of_all") {
+    if wrong.contains(&"mean_of_all") {
         let mean = grid.density.iter().sum::<f64>() / grid.density.len() as f64;
         return limit.min(mean);
     }
-    let threshold = grid.threshold_below(limit);
-    if is("threshold_alone") || is("stays_empty") && threshold < 0.0 { limit } else { threshold }
+    grid.threshold_below(limit, convention)
 }
 
 /// Traversal.

@@ -3,6 +3,8 @@
 //! Instant-NGP (Mueller et al. 2022) appendix C. Letters: `R` cells along an edge; cell (i, j, k) is [i, i+1) x [j, j+1) x [k, k+1) over R,
 //! index i + R (j + R k); the last cell of an axis is closed. A ray is o + t d in units of the box.
 
+use crate::convention::{GridDecay, GridThreshold};
+
 pub(crate) mod arrays;
 pub(crate) mod bound;
 pub(crate) mod cases;
@@ -71,9 +73,12 @@ impl OccupancyGrid {
     /// # Shapes
     /// `points` (M), `sigmas` (M).
     ///
+    /// # Convention
+    /// `fades`: or every cell that a camera sees falls, as instant-ngp has it, which looks into all of them often enough.
+    ///
     /// # Panics
     /// Where the lengths differ, or `density` doesn't have R^3 cells.
-    pub fn update(&mut self, decay: f64, points: &[[f64; 3]], sigmas: &[f64]) {
+    pub fn update(&mut self, decay: f64, points: &[[f64; 3]], sigmas: &[f64], fades: GridDecay) {
         assert_eq!(points.len(), sigmas.len(), "points and sigmas: one each a point");
         assert_eq!(self.density.len(), self.resolution.pow(3), "density and cells: one each a cell");
         let mut found = vec![-1.0_f64; self.density.len()];
@@ -82,37 +87,46 @@ impl OccupancyGrid {
             found[cell] = found[cell].max(sigmas[m]);
         }
         for cell in 0..found.len() {
-            if found[cell] >= 0.0 && self.density[cell] >= 0.0 {
+            let fades = found[cell] >= 0.0 || fades == GridDecay::EveryCell;
+            if fades && self.density[cell] >= 0.0 {
                 self.density[cell] = (decay * self.density[cell]).max(found[cell]);
             }
         }
     }
 
-    /// The threshold that can't empty the grid: the smaller of `limit` and the mean of the densities above 0 (nerfacc,
-    /// `OccGridEstimator`); -1, so that every cell that is seen counts as occupied, where no cell would be denser.
+    /// The threshold that can't empty the grid: the smaller of `limit` and the mean of the densities above 0 (after
+    /// nerfacc's `OccGridEstimator`); -1, so that every cell that is seen counts as occupied, where no cell would be denser.
     ///
     /// A field that is thin everywhere keeps its densest cells, and with them samples and gradients; a limit alone would end both
     /// for ever. `limit` is a density, an optical depth over the width of a cell: never one over a step, which depends on how many
     /// samples a ray has.
     ///
+    /// # Convention
+    /// nerfacc takes the mean over all cells that are seen, those of density 0 too, and older grids take the limit alone.
+    ///
     /// ```
-    /// use nerf_oracle::occupancy_grid::OccupancyGrid;
+    /// use nerf_oracle::{convention::GridThreshold::*, occupancy_grid::OccupancyGrid};
     /// let mut density = vec![0.0; 8];
     /// (density[0], density[1], density[2]) = (0.25, 0.75, -1.0);
     /// let grid = OccupancyGrid { resolution: 2, density, threshold: 0.0 };
-    /// assert_eq!((grid.threshold_below(2.0), grid.threshold_below(0.1)), (0.5, 0.1));
+    /// assert_eq!((grid.threshold_below(2.0, LimitAlone), grid.threshold_below(2.0, MeanOfSeen)), (2.0, 1.0 / 7.0));
+    /// assert_eq!((grid.threshold_below(2.0, MeanOfDense), grid.threshold_below(0.1, MeanOfDense)), (0.5, 0.1));
     /// ```
-    pub fn threshold_below(&self, limit: f64) -> f64 {
+    pub fn threshold_below(&self, limit: f64, convention: GridThreshold) -> f64 {
+        if convention == GridThreshold::LimitAlone {
+            return limit;
+        }
         let (mut sum, mut count, mut most) = (0.0, 0.0, 0.0_f64);
         for density in &self.density {
-            if *density > 0.0 {
+            if *density > 0.0 || *density == 0.0 && convention == GridThreshold::MeanOfSeen {
                 sum += density;
                 count += 1.0;
                 most = most.max(*density);
             }
         }
         let threshold = if count > 0.0 { limit.min(sum / count) } else { limit };
-        if most > threshold { threshold } else { -1.0 }
+        let opens = most <= threshold && convention == GridThreshold::MeanOfDense;
+        if opens { -1.0 } else { threshold }
     }
 
     /// The cells that a ray passes between `near` and `far`, in order, without gaps or overlaps.

@@ -3,6 +3,7 @@
 use approx::assert_abs_diff_eq;
 
 use super::{Crossing, OccupancyGrid};
+use crate::convention::{GridDecay, GridThreshold};
 use crate::random::{Key, Purpose};
 use crate::ray_aabb;
 
@@ -73,9 +74,24 @@ fn update_decays_and_rises_where_somebody_looked() {
     density[7] = -1.0;
     let mut grid = OccupancyGrid { resolution: 2, density, threshold: 0.6 };
     let points = [[0.1, 0.1, 0.1], [0.2, 0.2, 0.2], [0.9, 0.1, 0.1], [0.9, 0.9, 0.9]];
-    grid.update(0.5, &points, &[2.0, 3.0, 0.1, 9.0]);
+    grid.update(0.5, &points, &[2.0, 3.0, 0.1, 9.0], GridDecay::Touched);
     assert_eq!(grid.density, [3.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0]);
     assert!(grid.occupied([0.49, 0.0, 0.3]) && !grid.occupied([0.5, 0.0, 0.3]));
+}
+
+/// By hand: instant-ngp's decay, nerfacc's mean, the limit alone.
+#[test]
+fn what_other_grids_do() {
+    let mut grid = OccupancyGrid { resolution: 2, density: vec![1.0; 8], threshold: 0.6 };
+    grid.density[7] = -1.0;
+    grid.update(0.5, &[[0.1; 3]], &[3.0], GridDecay::EveryCell);
+    assert_eq!(grid.density, [3.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, -1.0]);
+    grid.density = vec![0.0, 1.0, 2.0, -1.0, -1.0, -1.0, -1.0, -1.0];
+    let below = |limit, convention| grid.threshold_below(limit, convention);
+    assert_eq!((below(9.0, GridThreshold::MeanOfSeen), below(9.0, GridThreshold::MeanOfDense)), (1.0, 1.5));
+    assert_eq!((below(0.5, GridThreshold::MeanOfSeen), below(9.0, GridThreshold::LimitAlone)), (0.5, 9.0));
+    grid.density = vec![0.0; 8];
+    assert_eq!(below(9.0, GridThreshold::MeanOfSeen), 0.0);
 }
 
 /// A thin field keeps its densest cells, an empty one all that are seen, whatever the limit.
@@ -84,7 +100,7 @@ fn a_threshold_never_empties_the_grid() {
     let limits = [0.01, 0.3, 1e9];
     let opened = |four: [f64; 4], limit: f64| {
         let grid = OccupancyGrid { resolution: 2, density: four.repeat(2), threshold: 0.0 };
-        four.map(|density| density > grid.threshold_below(limit))
+        four.map(|density| density > grid.threshold_below(limit, GridThreshold::MeanOfDense))
     };
     for limit in limits {
         assert_eq!(opened([0.0, 0.0, -1.0, 0.0], limit), [true, true, false, true]);

@@ -1,11 +1,6 @@
 //! Tables for people: columns as wide as their widest entry, right-aligned.
 
 /// A table as text, a line a row, the header underlined.
-///
-/// ```
-/// let text = nerf_oracle::report::table::text(&["step", "PSNR"], &[vec!["1".into(), "12.5".into()]]);
-/// assert_eq!(text, "step  PSNR\n----  ----\n   1  12.5\n");
-/// ```
 pub fn text(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |c: usize| {
         let cells = rows.iter().map(|row| row[c].chars().count());
@@ -22,4 +17,13 @@ pub fn text(header: &[&str], rows: &[Vec<String>]) -> String {
     let header: Vec<String> = header.iter().map(|h| h.to_string()).collect();
     let rule: String = widths.iter().map(|&w| "-".repeat(w)).collect::<Vec<_>>().join("  ") + "\n";
     line(&header) + &rule + &rows.iter().map(|row| line(row)).collect::<String>()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn numbers_stand_on_the_right() {
+        let text = super::text(&["step", "PSNR"], &[vec!["1".into(), "12.5".into()]]);
+        assert_eq!(text, "step  PSNR\n----  ----\n   1  12.5\n");
+    }
 }

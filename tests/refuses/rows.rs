@@ -3,7 +3,7 @@
 use glam::{DMat4, DVec3};
 use ndarray::{Array3, Array4};
 use nerf_oracle::camera::{Camera, Intrinsics};
-use nerf_oracle::convention::{CS180, Depth, PixelCenter, ProductEps, PsnrOf};
+use nerf_oracle::convention::{CS180, Depth, GridDecay, PixelCenter, ProductEps, PsnrOf};
 use nerf_oracle::encoding::{self, Encoding};
 use nerf_oracle::field::mlp::{self, Mlp, Output};
 use nerf_oracle::field::nerf_mlp::{self, NerfMlp, Shape};
@@ -439,7 +439,7 @@ fn grids() -> Vec<Row> {
         OccupancyGrid { resolution: 2, density: ones(cells), threshold: 0.5 }
     }
     fn update(cells: usize, points: usize, sigmas: usize) {
-        grid(cells).update(0.5, &gray(points), &ones(sigmas));
+        grid(cells).update(0.5, &gray(points), &ones(sigmas), GridDecay::Touched);
     }
     fn occupied(cells: usize) {
         grid(cells).occupied([0.5; 3]);

@@ -4,6 +4,7 @@ use approx::assert_abs_diff_eq;
 use pulp::Arch;
 
 use super::*;
+use crate::convention::GridThreshold;
 use crate::occupancy_grid::OccupancyGrid;
 use crate::occupancy_grid::tests::{key, random_grid, ray};
 
@@ -201,7 +202,7 @@ fn the_threshold_is_the_oracles() {
     {
         for limit in [0.01, 0.3, 1e9] {
             let oracle = OccupancyGrid { resolution: 16, density: four.repeat(1024), threshold: 0.0 };
-            let threshold = oracle.threshold_below(limit);
+            let threshold = oracle.threshold_below(limit, GridThreshold::MeanOfDense);
             let mut fast = Occupancy::full(16);
             fast.density = oracle.density.iter().map(|&d| d as f32).collect();
             assert_eq!(fast.threshold(limit as f32), threshold as f32);
