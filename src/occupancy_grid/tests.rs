@@ -91,7 +91,7 @@ fn what_other_grids_do() {
     assert_eq!((below(9.0, GridThreshold::MeanOfSeen), below(9.0, GridThreshold::MeanOfDense)), (1.0, 1.5));
     assert_eq!((below(0.5, GridThreshold::MeanOfSeen), below(9.0, GridThreshold::LimitAlone)), (0.5, 9.0));
     grid.density = vec![0.0; 8];
-    assert_eq!(below(9.0, GridThreshold::MeanOfSeen), 0.0);
+    assert_eq!(grid.threshold_below(9.0, GridThreshold::MeanOfSeen), 0.0);
 }
 
 /// A thin field keeps its densest cells, an empty one all that are seen, whatever the limit.
