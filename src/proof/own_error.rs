@@ -43,7 +43,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("mse", 0.5, 1.4),
     row("psnr", 1.2, 0.0),
     row("to_uint8", 0.0, 0.0),
-    row("linear_to_srgb", 2.0, 5.0),
+    row("linear_to_srgb", 1.9, 5.0),
     row("adam_step", 1.9, 0.0),
     row("training_step", 1.8, 16.0),
     row("adam", 3.2, 0.0),
