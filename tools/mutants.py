@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "tests" / "pages" / "MUTANTS.md"
 # Files of a component that are not oracle (tests/architecture has the same list).
 AROUND = [
-    "arrays", "bound", "by_hand", "cases", "chain", "component", "fast", "honest", "judge", "mistakes", "sampler", "statistics",
+    "arrays", "bound", "cases", "chain", "component", "fast", "honest", "judge", "mistakes", "sampler", "statistics",
 ]
 SECONDS = 60  # a mutant whose tests take longer loops for ever
 

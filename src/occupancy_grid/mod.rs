@@ -124,7 +124,7 @@ impl OccupancyGrid {
                 most = most.max(*density);
             }
         }
-        let threshold = if count > 0.0 { limit.min(sum / count) } else { limit };
+        let threshold = if count == 0.0 { limit } else { limit.min(sum / count) };
         let opens = most <= threshold && convention == GridThreshold::MeanOfDense;
         if opens { -1.0 } else { threshold }
     }

@@ -82,10 +82,10 @@ fn update_decays_and_rises_where_somebody_looked() {
 /// By hand: instant-ngp's decay, nerfacc's mean, the limit alone.
 #[test]
 fn what_other_grids_do() {
-    let mut grid = OccupancyGrid { resolution: 2, density: vec![1.0; 8], threshold: 0.6 };
+    let mut grid = OccupancyGrid { resolution: 2, density: vec![2.0; 8], threshold: 0.6 };
     grid.density[7] = -1.0;
     grid.update(0.5, &[[0.1; 3]], &[3.0], GridDecay::EveryCell);
-    assert_eq!(grid.density, [3.0, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, -1.0]);
+    assert_eq!(grid.density, [3.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0]);
     grid.density = vec![0.0, 1.0, 2.0, -1.0, -1.0, -1.0, -1.0, -1.0];
     let below = |limit, convention| grid.threshold_below(limit, convention);
     assert_eq!((below(9.0, GridThreshold::MeanOfSeen), below(9.0, GridThreshold::MeanOfDense)), (1.0, 1.5));
