@@ -37,7 +37,7 @@ impl Grade {
 
 /// (e^-x, 1 - e^-x) for x >= 0.
 ///
-/// Where the grade is full: -x = n ln 2 + r, see [`power_and_rest`]; else -x log2 e = n + f with |f| <= 1/2 and p = 2^f - 1. Either way
+/// Where the grade is full: -x = n ln 2 + r, see `power_and_rest`; else -x log2 e = n + f with |f| <= 1/2 and p = 2^f - 1. Either way
 /// p is a polynomial without constant, so that thin samples keep their relative accuracy; e^-x = 2^n + 2^n p.
 #[inline(always)]
 pub fn attenuation(x: f32, grade: Grade) -> (f32, f32) {

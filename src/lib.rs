@@ -82,7 +82,7 @@
 //! 8. what our own tests need: [`proof`]
 //! 9. photographs and cameras: [`scene`]
 //! 10. quality of pictures, and training: [`evaluation`], [`training`]
-//! 11. charts, tables and pages: [`report`]
+//! 11. charts, tables and pages: `report`
 //! 12. speed against error: [`bench`]
 //! 13. the program: [`cli`]
 //!

@@ -37,6 +37,19 @@ fn orthonormal() {
     }
 }
 
+/// Closed forms of the first two bands, with the signs of the convention: neither lengths nor integrals show these.
+#[test]
+fn signs_are_those_of_the_convention() {
+    let [x, y, z] = [0.6, 0.48, 0.64];
+    let of = |n: f64| (n / PI).sqrt();
+    let one = [-y, z, -x].map(|p| of(0.75) * p);
+    let two = [x * y, -y * z, -x * z].map(|p| of(3.75) * p);
+    let got = harmonics([x, y, z], 4);
+    for (expected, n) in one.into_iter().chain(two).zip([1, 2, 3, 4, 5, 7]) {
+        assert_abs_diff_eq!(got[n], expected, epsilon = 1e-15);
+    }
+}
+
 /// Unsoeld's theorem: the squares of a band sum to (2 l + 1) / 4 pi in every direction.
 #[test]
 fn bands_have_constant_length() {

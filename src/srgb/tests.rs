@@ -37,6 +37,9 @@ fn is_the_derivative_of_each_piece() {
         assert_relative_eq!(backward::linear_to_srgb(x, 1.0), by_differences, max_relative = 1e-9);
     }
     assert_eq!(backward::linear_to_srgb(0.0, 1.0), 12.92);
+    for x in [0.0, 0.18] {
+        assert_relative_eq!(backward::linear_to_srgb(x, 3.0), 3.0 * backward::linear_to_srgb(x, 1.0));
+    }
 }
 
 /// The pieces don't meet: a step of 2.9e-8 down, and a slope that falls by 0.22.

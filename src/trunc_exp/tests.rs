@@ -2,8 +2,9 @@
 
 use approx::assert_relative_eq;
 
-use super::{LIMIT, backward, trunc_exp};
+use super::{LIMIT, backward, density, trunc_exp};
 use crate::contract::testing::slope;
+use crate::convention::Exponent;
 use crate::math::exp;
 
 /// The function whose derivative is the surrogate: e^x, continued as a straight line outside of [-15, 15].
@@ -31,6 +32,15 @@ fn a_plain_check_fails_outside_and_the_stated_one_passes() {
     for x in [-60.0, -16.0, -14.0, 0.0, 14.0, 16.0, 60.0] {
         let by_differences = slope(|s| stated(x + s));
         assert_relative_eq!(backward::trunc_exp(x, 1.0), by_differences, max_relative = 1e-10);
+    }
+}
+
+/// Clamped forward, the density is constant outside of the limits; free, it is the exponential itself.
+#[test]
+fn a_clamped_exponent_has_two_ends() {
+    for (x, clamped) in [(-16.0, -15.0), (-3.0, -3.0), (2.5, 2.5), (16.0, 15.0)] {
+        assert_eq!(density(x, Exponent::Free), exp(x));
+        assert_eq!(density(x, Exponent::Clamped), exp(clamped));
     }
 }
 

@@ -257,7 +257,7 @@ impl CompactSettings {
         ((growth * self.batch as f64) as usize).next_multiple_of(1024)
     }
 
-    /// Samples in opaque cells after which a training ray is ended: as many as take [`PATIENCE`].
+    /// Samples in opaque cells after which a training ray is ended: as many as take `PATIENCE`.
     pub fn patience(&self) -> u32 {
         let off = [Part::Patience, Part::Stop].iter().any(|part| self.without.contains(part));
         let each = OPAQUE * self.occupancy as f64 / self.samples;
