@@ -18,6 +18,7 @@ const AROUND: &[&str] = &[
     "cases",
     "mistakes",
     "component",
+    "judge",
     "tests",
     "sampler",
     "by_hand",
