@@ -24,6 +24,7 @@ PARTS = {
     "growth": "growing batch",
     "decay": "falling learning rate",
     "view_dependence": "view dependence",
+    "random_backgrounds": "random backgrounds",
 }
 
 

@@ -36,6 +36,9 @@ impl ValueEnum for Part {
             Part::Growth => ("growth", "Batches that grow with the step"),
             Part::Decay => ("decay", "Learning rates that fall"),
             Part::ViewDependence => ("view_dependence", "Colors that depend on the direction"),
+            Part::RandomBackgrounds => {
+                ("random_backgrounds", "Random colors behind pictures that have opacity")
+            }
         };
         Some(PossibleValue::new(name).help(help))
     }

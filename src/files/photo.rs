@@ -92,15 +92,26 @@ impl Photo {
     /// The color of pixel `n`, row by row: c a + b (1 - a) over background `b`.
     #[inline(always)]
     pub fn pixel(&self, n: usize) -> [f32; 3] {
+        self.pixel_over(n, self.background)
+    }
+
+    /// The color of pixel `n` over another background; where the picture's opacity isn't kept, the color that it has.
+    #[inline(always)]
+    pub fn pixel_over(&self, n: usize, background: [f32; 3]) -> [f32; 3] {
         match &*self.pixels {
             Pixels::Opaque(pixels) => pixels[n].map(value),
             Pixels::Cut(pixels) => {
                 let [r, g, b, a] = pixels[n].map(value);
-                let over = |c: f32, k: usize| c * a + self.background[k] * (1.0 - a);
+                let over = |c: f32, k: usize| c * a + background[k] * (1.0 - a);
                 [over(r, 0), over(g, 1), over(b, 2)]
             }
             Pixels::Fine(pixels) => pixels[n],
         }
+    }
+
+    /// Whether the opacity of its pixels is kept, so that they can be seen over any background.
+    pub fn keeps_opacity(&self) -> bool {
+        matches!(*self.pixels, Pixels::Cut(_))
     }
 
     /// All colors, row by row.

@@ -46,7 +46,8 @@ const KNOBS: [(&str, &str, Knob); 14] = [
 /// A model with one of its knobs turned; turned back when dropped.
 pub struct Trained<'a> {
     model: &'a mut CompactModel,
-    /// As trained.
+    /// As trained: samples at first and in the end, and those of the last step.
+    range: [f64; 2],
     samples: f64,
     stop: f64,
     occupancy: Occupancy,
@@ -56,9 +57,11 @@ pub struct Trained<'a> {
 impl<'a> Trained<'a> {
     /// The model as it is.
     pub fn new(model: &'a mut CompactModel) -> Self {
-        let (samples, stop) = (model.settings.samples, model.settings.stop_at_rest);
+        let settings = &model.settings;
+        let (range, stop) = ([settings.samples_first, settings.samples], settings.stop_at_rest);
+        let samples = settings.samples_at(model.step);
         let (occupancy, reference) = (model.occupancy.clone(), Reference::new(model));
-        Trained { model, samples, stop, occupancy, reference }
+        Trained { model, range, samples, stop, occupancy, reference }
     }
 }
 
@@ -75,14 +78,20 @@ impl System for Trained<'_> {
 
     fn choose(&mut self, n: usize) {
         let model = &mut *self.model;
-        (model.settings.samples, model.settings.stop_at_rest) = (self.samples, self.stop);
+        let settings = &mut model.settings;
+        [settings.samples_first, settings.samples] = self.range;
+        settings.stop_at_rest = self.stop;
+        let mut samples = |factor: f64| {
+            let samples = factor / AT_REST * self.samples;
+            (settings.samples_first, settings.samples) = (samples, samples);
+        };
         model.occupancy.clone_from(&self.occupancy);
         match KNOBS[n].2 {
             Knob::Nothing => {}
-            Knob::Samples(factor) => model.settings.samples = factor / AT_REST * self.samples,
+            Knob::Samples(factor) => samples(factor),
             Knob::Training => {
-                (model.settings.samples, model.settings.stop_at_rest) =
-                    (self.samples / AT_REST, model.settings.stop);
+                samples(1.0);
+                model.settings.stop_at_rest = model.settings.stop;
             }
             Knob::Stop(eps) => model.settings.stop_at_rest = eps,
             Knob::Opacity(opacity) => {

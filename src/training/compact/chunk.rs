@@ -21,7 +21,6 @@ pub(super) struct Pass<'a> {
     pub delta: f32,
     /// A ray ends where its transmittance falls below this.
     pub stop: f32,
-    pub background: [f32; 3],
     pub view_dependent: bool,
     /// d loss / d color over the error, 2 / (3 rays): the loss is the mean squared error. `None`: forward alone.
     pub gradient: Option<f32>,
@@ -33,16 +32,18 @@ pub(crate) struct Ray {
     pub first: usize,
     pub count: usize,
     pub target: [f32; 3],
+    /// What lies behind it.
+    pub background: [f32; 3],
     pub harmonics: [f32; harmonics::WIDTH],
     /// The training pixel that it comes from.
     pub pixel: u32,
     /// Whether there may be more samples after its last one.
     pub cut: bool,
-    /// Color over the background.
+    /// Color over the background. Before a pass: what samples in front of this chunk's have added.
     pub color: [f32; 3],
-    /// T behind the last sample.
+    /// T behind the last sample. Before a pass: the light that is left for this chunk's samples.
     pub transmittance: f32,
-    /// sum of w t.
+    /// sum of w t, with what was added before.
     pub depth: f32,
     /// Forward: the harmonics' part of the color network's hidden layer, the same for all samples. Backward: its gradient.
     pub view: [f32; HIDDEN],
@@ -109,13 +110,20 @@ impl Chunk {
         self.ray_of.clear();
     }
 
-    /// The next ray; samples pushed from now on are its own.
+    /// The next ray, its color and what it is seen over; samples pushed from now on are its own.
     #[inline(always)]
-    pub(super) fn push_ray(&mut self, ray: &BoxRay, target: [f32; 3], pixel: u32, cut: bool) {
+    pub(super) fn push_ray(
+        &mut self,
+        ray: &BoxRay,
+        [target, background]: [[f32; 3]; 2],
+        pixel: u32,
+        cut: bool,
+    ) {
         self.rays.push(Ray {
             first: self.points.len(),
             count: 0,
             target,
+            background,
             harmonics: harmonics(ray.unit),
             pixel,
             cut,
@@ -124,6 +132,12 @@ impl Chunk {
             depth: 0.0,
             view: [0.0; HIDDEN],
         });
+    }
+
+    /// A ray of a pass before, with the light that was left; samples pushed from now on lie behind those that it had.
+    #[inline(always)]
+    pub(super) fn resume(&mut self, ray: Ray) {
+        self.rays.push(Ray { first: self.points.len(), count: 0, view: [0.0; HIDDEN], ..ray });
     }
 
     /// The samples of the last ray.

@@ -67,15 +67,18 @@ fn density<S: Simd>(s: S, pass: &Pass, c: &mut Chunk, on: &impl Multiply) {
         on.product(s, encoding, WIDTH, &w.density0, &mut c.hidden0[tile.clone()], false, true);
         on.product(s, &c.hidden0[tile.clone()], HIDDEN, &w.density1, &mut c.geometry[tile], false, false);
     }
-    c.sigma.clear();
-    c.sigma.extend(c.geometry[..c.points.len()].iter().map(|g| trunc_exp(g[0])));
+    // Written as a loop: what a closure does in an iterator's library code isn't compiled for this machine's vectors.
+    c.sigma.resize(c.points.len(), 0.0);
+    for (sigma, geometry) in c.sigma.iter_mut().zip(c.geometry.iter()) {
+        *sigma = trunc_exp(geometry[0]);
+    }
 }
 
 /// Leaves out what lies behind the sample that takes a ray's transmittance below `stop`.
 #[inline(always)]
 fn early_stop(pass: &Pass, c: &mut Chunk) {
-    let limit = -pass.stop.ln();
-    c.keep(|_, sigmas| {
+    c.keep(|ray, sigmas| {
+        let limit = -(pass.stop / ray.transmittance).ln();
         let (mut depth, mut live) = (0.0, 0);
         while live < sigmas.len() && depth < limit {
             depth += sigmas[live] * pass.delta;
@@ -125,7 +128,7 @@ fn composite(pass: &Pass, c: &mut Chunk) {
     (c.error, c.counted) = (0.0, 0);
     c.again.clear();
     for ray in &mut c.rays {
-        let (mut transmittance, mut color, mut depth) = (1.0f32, [0f32; 3], 0f32);
+        let (mut transmittance, mut color, mut depth) = (ray.transmittance, ray.color, ray.depth);
         for p in ray.first..ray.first + ray.count {
             let sigma = trunc_exp(c.geometry[p][0]);
             let next = transmittance * exp((-sigma * pass.delta).max(-40.0));
@@ -148,14 +151,15 @@ fn composite(pass: &Pass, c: &mut Chunk) {
         }
         let mut g_color = [0f32; 3];
         for k in 0..3 {
-            ray.color[k] = color[k] + transmittance * pass.background[k];
+            ray.color[k] = color[k] + transmittance * ray.background[k];
             let error = if counts { ray.color[k] - ray.target[k] } else { 0.0 };
             c.error += f64::from(error * error);
             g_color[k] = pass.gradient.unwrap_or(0.0) * error;
         }
         if pass.gradient.is_some() {
             let samples = &mut c.rgb[ray.first..ray.first + ray.count];
-            composite_backward(pass, samples, transmittance, g_color);
+            let background = g_color.iter().zip(ray.background).map(|(g, b)| g * b).sum::<f32>();
+            composite_backward(pass, samples, transmittance * background, g_color);
         }
     }
 }
@@ -169,11 +173,10 @@ fn flush(gradient: f32) -> f32 {
     if gradient.abs() < LEAST { 0.0 } else { gradient }
 }
 
-/// From the last sample to the first, as in the oracle: `behind` is the value of one unit of light behind the sample.
+/// From the last sample to the first, as in the oracle: `behind` is what the light behind the sample is worth, at first the background's.
 #[inline(always)]
-fn composite_backward(pass: &Pass, samples: &mut [[f32; 16]], transmittance: f32, g: [f32; 3]) {
+fn composite_backward(pass: &Pass, samples: &mut [[f32; 16]], mut behind: f32, g: [f32; 3]) {
     let dot = |c: [f32; 3]| g[0] * c[0] + g[1] * c[1] + g[2] * c[2];
-    let mut behind = transmittance * dot(pass.background);
     for sample in samples.iter_mut().rev() {
         let [r, green, b, weight, next, sigma, ..] = *sample;
         let seen = dot([r, green, b]);

@@ -1,19 +1,27 @@
 //! Renders rays with a trained model, without jitter. The occupancy grid is part of the model: density is 0 in empty cells.
+//!
+//! In rounds: each takes the next few samples of every ray that has light left, so that hardly anything behind a surface is evaluated,
+//! and no ray ends before its light does.
 
 use super::CompactModel;
-use super::chunk::Chunk;
+use super::chunk::{self, Chunk, Pass};
 use super::forward::run;
 use super::kernels::Plain;
-use super::march::MarchAtRest;
+use super::views::BoxRay;
 use crate::hash_grid::fast as hash_grid;
+use crate::occupancy_grid::fast::MarchRay;
 use crate::parallel;
 use crate::ray::Ray;
 use crate::training::Pixel;
 
-/// Rays of a chunk: a few thousand samples at most, as most rays miss or stop soon.
+/// Rays of a chunk.
 const RAYS: usize = 128;
 /// Chunks per task, which reuses its buffers.
 const CHUNKS: usize = 16;
+/// Samples of a round, about: their activations stay in a core's L2 cache.
+const ROUND: usize = 1024;
+/// The fewest samples that a round takes of a ray, so that what a ray costs by itself is shared.
+const FEWEST: usize = 8;
 
 impl CompactModel {
     pub(super) fn render_rays(&self, rays: &[Ray]) -> Vec<Pixel> {
@@ -31,21 +39,63 @@ impl CompactModel {
 
     fn render_chunk(&self, rays: &[Ray], samples: f64, chunk: &mut Chunk) -> Vec<Pixel> {
         let length = (self.settings.size / samples) as f32;
-        self.arch.dispatch(MarchAtRest { model: self, length, rays, chunk });
+        let mut pass = self.pass(samples, None);
+        pass.stop = self.settings.stop_at_rest as f32;
+        chunk.clear();
+        let march_ray = |(n, ray): (usize, &Ray)| {
+            let ray = BoxRay::new(ray, &self.settings);
+            // A ray's number stands for its pixel.
+            chunk.push_ray(&ray, [[0.0; 3]; 2], n as u32, false);
+            self.march_ray(&ray, 0.5, u32::MAX)
+        };
+        let march_rays: Vec<MarchRay> = rays.iter().enumerate().map(march_ray).collect();
+        let mut steps = std::mem::take(&mut chunk.steps);
+        self.occupancy.march(self.arch, &march_rays, length, &mut steps);
+
+        let mut pixels =
+            vec![Pixel { rgb: [0.0; 3], opacity: 0.0, depth: self.settings.far as f32 }; rays.len()];
+        let mut taken = vec![0; rays.len()];
+        let mut lit = std::mem::take(&mut chunk.rays);
+        lit.retain(|ray| !steps.of(ray.pixel as usize).is_empty());
+        while !lit.is_empty() {
+            let most = (ROUND / lit.len()).max(FEWEST);
+            chunk.clear();
+            for ray in lit.drain(..) {
+                let n = ray.pixel as usize;
+                let next = &steps.of(n)[taken[n]..];
+                let next = &next[..next.len().min(most)];
+                chunk.resume(ray);
+                chunk.push_samples(&march_rays[n], next, length);
+                taken[n] += next.len();
+            }
+            self.render_round(&pass, chunk);
+            for ray in &chunk.rays {
+                pixels[ray.pixel as usize] = self.pixel(ray);
+            }
+            std::mem::swap(&mut lit, &mut chunk.rays);
+            lit.retain(|ray| {
+                let n = ray.pixel as usize;
+                ray.transmittance > pass.stop && taken[n] < steps.of(n).len()
+            });
+        }
+        chunk.steps = steps;
+        pixels
+    }
+
+    /// The samples of a chunk, encoded and rendered.
+    fn render_round(&self, pass: &Pass, chunk: &mut Chunk) {
+        chunk.reserve();
         let active = self.settings.levels_at(self.step);
         for (level, out) in self.levels.iter().zip(&mut chunk.encoding).take(active) {
             hash_grid::encode_level(self.arch, level, &chunk.points, out);
         }
         chunk.clear_levels(active);
-        let mut pass = self.pass(samples, None);
-        (pass.background, pass.stop) = ([0.0; 3], self.settings.stop_at_rest as f32);
-        run(self.arch, &pass, chunk, &Plain);
-        let far = self.settings.far as f32;
-        let pixel = |ray: &super::chunk::Ray| {
-            let opacity = 1.0 - ray.transmittance;
-            let depth = if opacity > 0.0 { ray.depth / opacity } else { far };
-            Pixel { rgb: ray.color, opacity, depth }
-        };
-        chunk.rays.iter().map(pixel).collect()
+        run(self.arch, pass, chunk, &Plain);
+    }
+
+    fn pixel(&self, ray: &chunk::Ray) -> Pixel {
+        let opacity = 1.0 - ray.transmittance;
+        let depth = if opacity > 0.0 { ray.depth / opacity } else { self.settings.far as f32 };
+        Pixel { rgb: ray.color, opacity, depth }
     }
 }

@@ -32,11 +32,13 @@ pub enum Part {
     Decay,
     /// Colors that depend on the direction.
     ViewDependence,
+    /// Random colors behind pictures that have opacity: the scene's background instead.
+    RandomBackgrounds,
 }
 
 impl Part {
     /// All of them.
-    pub const ALL: [Part; 8] = [
+    pub const ALL: [Part; 9] = [
         Part::Occupancy,
         Part::Stop,
         Part::Patience,
@@ -45,6 +47,7 @@ impl Part {
         Part::Growth,
         Part::Decay,
         Part::ViewDependence,
+        Part::RandomBackgrounds,
     ];
 }
 
@@ -76,8 +79,12 @@ pub struct CompactSettings {
     pub far: f64,
     /// The color behind everything.
     pub background: [f64; 3],
-    /// Step lengths across the box, once training has warmed up.
+    /// Whether pictures with opacity are learned over random backgrounds.
+    pub any_background: bool,
+    /// Step lengths across the box in the end.
     pub samples: f64,
+    /// The same early in training; see [`CompactSettings::samples_at`].
+    pub samples_first: f64,
     /// Cells along an edge, level by level.
     pub resolutions: Vec<u32>,
     /// Largest number of table entries of a level.
@@ -107,6 +114,15 @@ pub struct CompactSettings {
 /// Steps over which learning rates fall by the square root of 2.
 pub const LR_HALF_LIFE: f64 = 1500.0;
 
+/// Step lengths across the box early in training, where the scene has details that ask for more.
+const SAMPLES_FIRST: f64 = 128.0;
+
+/// Steps over which samples grow by the square root of 2.
+const SAMPLES_GROW: f64 = 2000.0;
+
+/// Pixels of a scene from which on a level's table has 2^18 entries: a batch is too small a part of them to spoil what others learned.
+const MANY_PIXELS: usize = 8_000_000;
+
 /// Where the density's exponent is clamped: in the forward pass too.
 pub(crate) const EXPONENT: Exponent = Exponent::Clamped;
 
@@ -122,10 +138,17 @@ impl CompactSettings {
     pub fn derive(scene: &Scene, overrides: &Overrides) -> CompactSettings {
         let mut reasons = Map::new();
         let mut because = |name: &str, why: String| drop(reasons.insert(name.into(), Value::from(why)));
+        let without = |part| overrides.without.contains(&part);
+        let or = |part, why: &str| if without(part) { "left out: as asked for" } else { why }.to_string();
         let (low, size, why) = cube(scene);
         because("box", why);
         let footprint = pixel_footprint(scene);
         let samples = overrides.samples.map_or((size / footprint).clamp(64.0, 1024.0), |n| n as f64);
+        let samples_first = if overrides.samples.is_some() || without(Part::CoarseSteps) {
+            samples
+        } else {
+            samples.min(SAMPLES_FIRST)
+        };
         because(
             "samples",
             match overrides.samples {
@@ -146,9 +169,15 @@ impl CompactSettings {
                 "the finest cell is half a pixel's footprint, the coarsest a 16th of the box, {LEVELS} levels of 4 features fill one cache line and a half"
             ),
         );
-        because("table", "2^17 entries of 16 bytes: a level fits into a core's 2 MiB of L2".into());
-        let without = |part| overrides.without.contains(&part);
-        let or = |part, why: &str| if without(part) { "left out: as asked for" } else { why }.to_string();
+        let pixels: usize = scene.train.iter().map(|frame| frame.camera.width * frame.camera.height).sum();
+        let table = if pixels < MANY_PIXELS { 1 << 17 } else { 1 << 18 };
+        because(
+            "table",
+            format!(
+                "{table} entries of 16 bytes for {:.1} million pixels: 2^17, which fit into 2 MiB of cache, below 8 million, else 2^18",
+                pixels as f64 / 1e6
+            ),
+        );
         because("stop", or(Part::Stop, "a color moves by at most 1e-4, a fortieth of an 8-bit step"));
         because(
             "stop_at_rest",
@@ -174,14 +203,20 @@ impl CompactSettings {
              a density beyond lets no light through, or all of it"
                 .into(),
         );
-        because("coarse_steps", or(Part::CoarseSteps, "0.3 of the samples at first, all from step 300 on"));
+        because(
+            "coarse_steps",
+            or(
+                Part::CoarseSteps,
+                "0.3 of the samples at first, 128 across the box from step 300 on, then as sqrt(1 + step / 2000), up to a pixel's footprint: coarse steps leave a batch room for more rays",
+            ),
+        );
         because("coarse_levels", or(Part::CoarseLevels, "4 levels at first, one more every 100 steps"));
         because("lr_half_life", or(Part::Decay, "rates fall by 1 / sqrt(1 + step / 1500)"));
         because(
             "batch",
             or(
                 Part::Growth,
-                "16,384 samples, from step 1000 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs",
+                "16,384 samples, from step 500 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs",
             ),
         );
         let spread = direction_spread(scene);
@@ -202,6 +237,13 @@ impl CompactSettings {
                 None => "left out: the scene has no distortion coefficients".to_string(),
             },
         );
+        because(
+            "any_background",
+            or(
+                Part::RandomBackgrounds,
+                "pictures with opacity are learned over random colors, so that nothing but empty space looks empty and any background can be had later; others over the scene's",
+            ),
+        );
         because("background_model", "left out: what lies beyond the box has one color".into());
         CompactSettings {
             low,
@@ -209,9 +251,11 @@ impl CompactSettings {
             near: scene.near,
             far: scene.far,
             background: scene.background,
+            any_background: !without(Part::RandomBackgrounds),
             samples,
+            samples_first,
             resolutions: hash_grid::resolutions(16, finest, LEVELS),
-            table: 1 << 17,
+            table,
             occupancy: 128,
             stop: if without(Part::Stop) { 0.0 } else { 1e-4 },
             stop_at_rest: if without(Part::Stop) { 0.0 } else { 1e-6 },
@@ -225,12 +269,14 @@ impl CompactSettings {
         }
     }
 
-    /// Step lengths across the box at a training step: coarse at first, while there are no details yet.
+    /// Step lengths across the box at a training step: coarse at first, while there are no details yet; from then on details come ever
+    /// more slowly, and so do the steps that show them. With fewer samples a ray, a batch has more rays.
     pub fn samples_at(&self, step: u64) -> f64 {
         if self.without.contains(&Part::CoarseSteps) {
             return self.samples;
         }
-        self.samples * (0.3 + 0.7 * (step as f64 / 300.0).min(1.0))
+        let fine = self.samples_first * (1.0 + step as f64 / SAMPLES_GROW).sqrt();
+        fine.min(self.samples) * (0.3 + 0.7 * (step as f64 / 300.0).min(1.0))
     }
 
     /// The same for a picture of the model after that step.
@@ -247,20 +293,20 @@ impl CompactSettings {
     }
 
     /// Samples of a training step: as learning slows down, more samples average out more of their noise, and share the fixed cost of a
-    /// step. Constant up to step 1000, then in proportion to it, up to 4 times the first.
+    /// step. Constant up to step 500, then in proportion to it, up to 4 times the first.
     pub fn batch_at(&self, step: u64) -> usize {
         // A given number of rays stays constant.
         if self.rays.is_some() || self.without.contains(&Part::Growth) {
             return self.batch;
         }
-        let growth = (step as f64 / 1000.0).clamp(1.0, 4.0);
+        let growth = (step as f64 / 500.0).clamp(1.0, 4.0);
         ((growth * self.batch as f64) as usize).next_multiple_of(1024)
     }
 
-    /// Samples in opaque cells after which a training ray is ended: as many as take `PATIENCE`.
-    pub fn patience(&self) -> u32 {
+    /// Samples in opaque cells after which a ray of a training step is ended: as many as take `PATIENCE`.
+    pub fn patience_at(&self, step: u64) -> u32 {
         let off = [Part::Patience, Part::Stop].iter().any(|part| self.without.contains(part));
-        let each = OPAQUE * self.occupancy as f64 / self.samples;
+        let each = OPAQUE * self.occupancy as f64 / self.samples_at(step);
         if off { u32::MAX } else { (PATIENCE / each).ceil() as u32 }
     }
 
@@ -276,9 +322,9 @@ impl CompactSettings {
     pub fn to_json(&self) -> Map<String, Value> {
         let object = json!({
             "model": "compact", "box_low": self.low.to_array(), "box_size": self.size, "near": self.near, "far": self.far,
-            "background": self.background, "samples": self.samples, "samples_at_rest": AT_REST * self.samples,
+            "background": self.background, "any_background": self.any_background, "samples": self.samples, "samples_first": self.samples_first, "samples_at_rest": AT_REST * self.samples,
             "resolutions": self.resolutions, "table": self.table, "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop, "stop_at_rest": self.stop_at_rest,
-            "patience": Some(self.patience()).filter(|n| *n < u32::MAX), "batch": self.batch, "batch_most": self.batch_at(u64::MAX),
+            "patience": Some(self.patience_at(u64::MAX)).filter(|n| *n < u32::MAX), "batch": self.batch, "batch_most": self.batch_at(u64::MAX),
             "rays": self.rays, "lr": self.lr, "lr_half_life": LR_HALF_LIFE, "seed": self.seed,
             "view_dependent": self.view_dependent, "density_exponent": EXPONENT, "without": self.without, "reasons": self.reasons,
         });

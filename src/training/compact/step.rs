@@ -32,7 +32,6 @@ impl CompactModel {
             nets: &self.nets,
             delta: optical_step(samples),
             stop: self.settings.stop as f32,
-            background: self.settings.background.map(|b| b as f32),
             view_dependent: self.settings.view_dependent,
             gradient,
         }

@@ -165,7 +165,12 @@ fn chunk_of(encodings: &[[f32; 32]]) -> Chunk {
     let mut chunk = Chunk::default();
     for (r, count) in COUNTS.into_iter().enumerate() {
         let unit = direction(r).map(|x| x as f32);
-        chunk.push_ray(&BoxRay { o: [0.0; 3], d: [1.0; 3], unit }, [0.3; 3], 0, false);
+        chunk.push_ray(
+            &BoxRay { o: [0.0; 3], d: [1.0; 3], unit },
+            [[0.3; 3], BACKGROUND.map(|b| b as f32)],
+            0,
+            false,
+        );
         let march_ray =
             MarchRay { o: [0.5; 3], d: [0.0; 3], near: 0.0, far: 1.0, u: 0.5, patience: u32::MAX };
         chunk.push_samples(&march_ray, &vec![0.5; count], 1.0);
@@ -185,7 +190,6 @@ fn gradients_agree_with_the_oracle() {
         nets: &nets,
         delta,
         stop: 0.0,
-        background: BACKGROUND.map(|b| b as f32),
         view_dependent: true,
         gradient: Some(2.0 / (3 * COUNTS.len()) as f32),
     };
@@ -236,14 +240,7 @@ fn early_stop_keeps_its_word() {
     let encodings = rows::<32>(5, COUNTS.iter().sum());
     let colors = |stop| {
         let mut chunk = chunk_of(&encodings);
-        let pass = Pass {
-            nets: &nets,
-            delta: 0.5,
-            stop,
-            background: [0.0, 0.5, 1.0],
-            view_dependent: true,
-            gradient: None,
-        };
+        let pass = Pass { nets: &nets, delta: 0.5, stop, view_dependent: true, gradient: None };
         run(crate::simd::arch(), &pass, &mut chunk, &Plain);
         (chunk.rays.iter().map(|r| r.color).collect::<Vec<_>>(), chunk.points.len())
     };
@@ -262,14 +259,7 @@ fn a_ray_that_was_given_up_too_early_is_drawn_again() {
     let gradient = |cut: [bool; 5]| {
         let mut chunk = chunk_of(&encodings);
         (0..5).for_each(|r| (chunk.rays[r].cut, chunk.rays[r].pixel) = (cut[r], 70 + r as u32));
-        let pass = Pass {
-            nets: &nets,
-            delta: 0.05,
-            stop: 1e-4,
-            background: [1.0; 3],
-            view_dependent: true,
-            gradient: Some(1.0),
-        };
+        let pass = Pass { nets: &nets, delta: 0.05, stop: 1e-4, view_dependent: true, gradient: Some(1.0) };
         run(crate::simd::arch(), &pass, &mut chunk, &Plain);
         let light: Vec<f32> = chunk.rays.iter().map(|ray| ray.transmittance).collect();
         (chunk, light)

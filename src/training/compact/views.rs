@@ -38,6 +38,8 @@ struct View {
     /// Row r: component r of the scene's direction from the camera's.
     rotation: [[f32; 3]; 3],
     colors: Photo,
+    /// Whether its rays are learned over any background.
+    any_background: bool,
     lens: usize,
 }
 
@@ -49,6 +51,8 @@ pub(super) struct Views {
     size: [usize; 2],
     pixels: usize,
     inverse_size: f32,
+    /// The scene's.
+    background: [f32; 3],
 }
 
 impl Views {
@@ -72,7 +76,14 @@ impl Views {
             let colors = frame.image.clone().expect("training frames have pictures");
             let origin = (camera.c2w.w_axis.truncate() - settings.low) / settings.size;
             let rotation = std::array::from_fn(|r| std::array::from_fn(|c| camera.c2w.col(c)[r] as f32));
-            views.push(View { origin: origin.to_array().map(|x| x as f32), rotation, colors, lens });
+            let any_background = colors.keeps_opacity() && settings.any_background;
+            views.push(View {
+                any_background,
+                origin: origin.to_array().map(|x| x as f32),
+                rotation,
+                colors,
+                lens,
+            });
         }
         let (width, height) = scene.size();
         Ok(Views {
@@ -81,6 +92,7 @@ impl Views {
             size: [width, height],
             pixels: width * height,
             inverse_size: (1.0 / settings.size) as f32,
+            background: settings.background.map(|b| b as f32),
         })
     }
 
@@ -106,15 +118,24 @@ impl Views {
         let [width, height] = self.size;
         let along = move |n: usize| (0..n).step_by(n.div_ceil(lines)).chain([n - 1]);
         let pixels = along(height).flat_map(move |j| along(width).map(move |i| j * width + i));
-        pixels.map(move |pixel| self.pixel(view * self.pixels + pixel).0)
+        pixels.map(move |pixel| self.ray(view * self.pixels + pixel))
     }
 
-    /// The ray and the color of pixel `n` of all.
+    /// The color of pixel `n` of all and the background that it is seen over: `drawn` where the picture's opacity is known, so that
+    /// nothing but an empty ray has the right color, the scene's where it isn't.
     #[inline(always)]
-    pub fn pixel(&self, n: usize) -> (BoxRay, [f32; 3]) {
+    pub fn color(&self, n: usize, drawn: [f32; 3]) -> [[f32; 3]; 2] {
+        let view = &self.views[n / self.pixels];
+        let background = if view.any_background { drawn } else { self.background };
+        [view.colors.pixel_over(n % self.pixels, background), background]
+    }
+
+    /// The ray of pixel `n` of all.
+    #[inline(always)]
+    pub fn ray(&self, n: usize) -> BoxRay {
         let (view, pixel) = (&self.views[n / self.pixels], n % self.pixels);
         let c = self.lenses[view.lens][pixel];
         let unit = view.rotation.map(|r| r[0] * c[0] + r[1] * c[1] + r[2] * c[2]);
-        (BoxRay { o: view.origin, d: unit.map(|x| x * self.inverse_size), unit }, view.colors.pixel(pixel))
+        BoxRay { o: view.origin, d: unit.map(|x| x * self.inverse_size), unit }
     }
 }
