@@ -127,7 +127,7 @@ const MANY_PIXELS: usize = 8_000_000;
 pub(crate) const EXPONENT: Exponent = Exponent::Clamped;
 
 /// Samples of a picture over those of training, along the same ray.
-pub(crate) const AT_REST: f64 = 2.0;
+pub(crate) const AT_REST: f64 = 1.5;
 
 /// Optical depth in opaque cells after which a training ray is ended, if the grid is right: more than the early stop asks for.
 /// Where the grid is out of date and light is left, the ray is drawn again in the next step, and then seen to its end.
@@ -160,7 +160,7 @@ impl CompactSettings {
         );
         because(
             "samples_at_rest",
-            "a picture's samples lie twice as close as training's: nearer to the field's own integral".into(),
+            "a picture's samples lie closer than the last step's, 3 for its 2: nearer to the field's own integral".into(),
         );
         let finest = (2.0 * size / footprint).clamp(64.0, 2048.0) as u32;
         because(

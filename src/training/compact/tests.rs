@@ -1,5 +1,7 @@
 //! The f32 model against the oracle's formulas in f64, equal bits on any number of threads, and checkpoints.
 
+mod pictures;
+
 use glam::{DMat3, DMat4, DVec3};
 use ndarray::Array3;
 use pulp::Arch;

@@ -1,0 +1,53 @@
+//! Pictures out of the model, and pictures with opacity into it.
+
+use super::{ball, trained};
+use crate::files::photo::Photo;
+use crate::training::Model;
+use crate::training::compact::chunk::Ray;
+use crate::training::compact::reference::Reference;
+use crate::training::compact::{CompactModel, Overrides, Part};
+
+/// Pictures, which are rendered in rounds, have the colors and opacities of all samples at once in f64.
+#[test]
+fn pictures_agree_with_the_reference() {
+    let model = trained(40);
+    let rays = crate::evaluation::camera_rays(&ball().val[0].camera).unwrap();
+    let reference = Reference::new(&model);
+    let samples = model.settings.samples_at_rest(model.step);
+    let (mut most, mut worst) = (0, 0.0f64);
+    for (ray, seen) in rays.iter().zip(model.render(&rays)) {
+        let truth = reference.render(ray, samples, 0.0);
+        most = most.max(truth.samples);
+        let colors = (0..3).map(|k| f64::from(seen.rgb[k]) - truth.color[k]);
+        worst = colors.chain([f64::from(seen.opacity) - truth.opacity]).map(f64::abs).fold(worst, f64::max);
+    }
+    assert!(most > 3 * 8, "{most} samples: several rounds");
+    assert!(worst < 2e-5, "{worst}");
+}
+
+/// Behind clear pixels lies another color each time, if the picture's opacity is known and nobody asked for the scene's.
+#[test]
+fn clear_pixels_are_learned_over_random_backgrounds() {
+    let mut scene = ball();
+    scene.background = [0.25, 0.5, 1.0];
+    for frame in &mut scene.train {
+        let pixels = (0..24 * 24).map(|n| [200, 100, 0, if n % 2 == 0 { 255 } else { 0 }]).collect();
+        frame.image = Some(Photo::cut(24, 24, pixels, [0.25, 0.5, 1.0]));
+    }
+    let rays = |without: Vec<Part>| {
+        let mut model = CompactModel::new(&scene, &Overrides { without, ..Overrides::default() }).unwrap();
+        model.step(&scene, 1).unwrap();
+        model.chunks.iter().flat_map(|chunk| chunk.rays.clone()).collect::<Vec<_>>()
+    };
+    let backgrounds = |rays: &[Ray]| {
+        let bits = rays.iter().map(|ray| ray.background.map(f32::to_bits));
+        bits.collect::<std::collections::BTreeSet<_>>().len()
+    };
+    let drawn = rays(vec![]);
+    assert!(drawn.len() > 100 && backgrounds(&drawn) == drawn.len());
+    let clear = |ray: &&Ray| ray.pixel % 2 == 1;
+    assert!(drawn.iter().filter(clear).all(|ray| ray.target == ray.background));
+    assert!(drawn.iter().filter(|ray| !clear(ray)).all(|ray| ray.target != ray.background));
+    let fixed = rays(vec![Part::RandomBackgrounds]);
+    assert!(fixed.iter().all(|ray| ray.background == [0.25, 0.5, 1.0]));
+}
