@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::options::{Backend, positive};
 use super::recipe::{build, load_scene};
 use super::{output, progress};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::evaluation::{self, Scores};
 use crate::parallel;
 use crate::report::table;
@@ -76,8 +76,14 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         let with_image = frames.iter().filter(|frame| frame.image.is_some()).count();
         if with_image == 0 {
             let split = format!("{:?} split", args.split).to_lowercase();
-            let advice = "Use --split val, or a scene with photographs in that split.";
-            return Err(Error::input(&trained.scene.name, split, "no photographs", "at least one", advice));
+            let remedy = "Use --split val, or a scene with photographs in that split.";
+            return Err(Error::input(Input {
+                file: &trained.scene.name,
+                field: split,
+                found: "no photographs",
+                expected: "at least one",
+                remedy,
+            }));
         }
         let bar = progress::bar(Some(with_image as u64), "evaluate");
         let background = trained.scene.background.map(|b| b as f32);

@@ -9,8 +9,7 @@ use serde_json::json;
 
 use super::options::{Backend, positive, positive_number};
 use super::{output, progress};
-use crate::Error;
-use crate::error::Result;
+use crate::error::{Error, Input, Result};
 use crate::files::{self, picture};
 use crate::parallel;
 use crate::report::{curve, sheet, table};
@@ -69,13 +68,13 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         let keep = |point: &LogPoint, fitted: &Array3<f32>| {
             if !point.loss.is_finite() {
                 let (file, field) = (args.image.clone(), format!("loss at step {}", point.step));
-                return Err(Error::input(
+                return Err(Error::input(Input {
                     file,
                     field,
-                    point.loss,
-                    "a finite number",
-                    "Lower --lr or --levels.",
-                ));
+                    found: point.loss,
+                    expected: "a finite number",
+                    remedy: "Lower --lr or --levels.",
+                }));
             }
             picture::write_png(&args.out.join(format!("step_{:04}.png", point.step)), fitted.view())?;
             pictures.push(picture::to_rgb(fitted.view()));

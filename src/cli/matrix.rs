@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::options::{positive, positive_number};
 use super::output;
+use super::spelling::spelled;
 use crate::error::Result;
 use crate::evaluation::over;
 use crate::loss::psnr;
@@ -165,7 +166,7 @@ fn train(c: &Combination, steps: u64) -> Result<Row> {
     let (mut done, mut failure) = (0, None);
     while done < steps && failure.is_none() {
         done += 1;
-        failure = watch.failure(done, &model.step(&scene, done)?);
+        failure = watch.failure(done, &model.step(&scene, done)?).as_deref().map(spelled);
     }
     let [psnr, constant_psnr] = figures(&model, &scene, seed)?;
     let learned = failure.is_none() && psnr >= constant_psnr + LEARNED;

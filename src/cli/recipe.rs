@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::train::Args;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
 use crate::training::compact::{CompactModel, Overrides, Part};
@@ -54,10 +54,16 @@ pub fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Ve
     let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
     for name in KEPT {
         if let Some(had) = before.get(name).or(defaults.get(name)).filter(|had| **had != recipe[name]) {
-            let advice =
+            let remedy =
                 "Give --resume the options that the run was begun with; --steps and --seconds may differ.";
             let file = folder.file("run.json").display().to_string();
-            return Err(Error::input(file, name, &recipe[name], had, advice));
+            return Err(Error::input(Input {
+                file,
+                field: name,
+                found: &recipe[name],
+                expected: had,
+                remedy,
+            }));
         }
     }
     let warnings = before.get("warnings").and_then(Value::as_array).cloned().unwrap_or_default();
@@ -68,7 +74,13 @@ pub fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Ve
 pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) -> Result<Scene> {
     let given = &recipe.get("scene_options").cloned().unwrap_or_default();
     let name = recipe.get("scene").and_then(Value::as_str).ok_or_else(|| {
-        Error::input(file, "scene", "no name", "the scene that was trained", "Train the run again.")
+        Error::input(Input {
+            file,
+            field: "scene",
+            found: "no name",
+            expected: "the scene that was trained",
+            remedy: "Train the run again.",
+        })
     })?;
     let number = |key: &str| given[key].as_f64();
     let background = given["background"].as_array().map(|b| {
@@ -91,7 +103,13 @@ pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model
     // A run from before this option has none.
     let without = recipe.get("without").cloned().unwrap_or_else(|| json!([]));
     let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {
-        Error::input("run.json", "without", error, "names of parts", "Train the run again.")
+        Error::input(Input {
+            file: "run.json",
+            field: "without",
+            found: error,
+            expected: "names of parts",
+            remedy: "Train the run again.",
+        })
     })?;
     if named(recipe, "model", "compact") {
         return Ok(Box::new(compact(recipe, scene, without)?));

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::options::{Backend, at_most, color, finite_number, none_or, positive, positive_number, scale};
+use super::spelling::spelled;
 use super::{output, progress, recipe};
 use crate::error::Result;
 use crate::parallel;
@@ -176,9 +177,10 @@ pub fn train(args: &Args) -> Result<Summary> {
         bar.set_message(format!("loss {:.5}, val {} dB", point.loss, output::decibels(point.val_probe)));
     })?;
     bar.finish_and_clear();
-    run.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    let new: Vec<Value> = run.warnings.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
-    let failure = run.failure.clone();
+    let said: Vec<String> = run.warnings.iter().map(|warning| spelled(warning)).collect();
+    said.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let new: Vec<Value> = said.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
+    let failure = run.failure.as_deref().map(spelled);
     if !new.is_empty() || failure.is_some() {
         // The warnings of training are all that wasn't known then.
         settings.insert("failure".into(), json!(failure));
@@ -187,7 +189,7 @@ pub fn train(args: &Args) -> Result<Summary> {
         folder.write_settings(&settings)?;
     }
     write_curve(&folder, &scene, &run.log)?;
-    Ok(summary(&run.log, &run.warnings, failure, args))
+    Ok(summary(&run.log, &said, failure, args))
 }
 
 /// The parts that the model leaves out in this scene, with their reasons.

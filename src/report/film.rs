@@ -5,7 +5,7 @@ use std::path::Path;
 use image::codecs::gif::{GifEncoder, Repeat};
 use image::{Delay, DynamicImage, Frame, RgbImage};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files;
 
 /// Writes frames as a GIF that repeats for ever.
@@ -31,6 +31,12 @@ pub fn check_count(count: usize, scene: &str) -> Result<()> {
     if count > 0 {
         return Ok(());
     }
-    let advice = "Render an orbit: --path orbit:60.";
-    Err(Error::input(scene, "test path", "no cameras", "at least one", advice))
+    let remedy = "Render an orbit: `path` orbit:60.";
+    Err(Error::input(Input {
+        file: scene,
+        field: "test path",
+        found: "no cameras",
+        expected: "at least one",
+        remedy,
+    }))
 }

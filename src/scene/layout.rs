@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::{Options, Scene};
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 
 /// The least-squares point closest to all optical axes: sum (I - d d^T) (x - o) = 0 over the cameras.
 ///
@@ -85,8 +85,14 @@ pub fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Optio
             None => "cameras whose axes meet nowhere in front of them".to_string(),
             Some(_) => format!("near {}, far {}", scene.near, scene.far),
         };
-        let advice = "Give both near and far, in the units of the cameras' positions.";
-        return Err(Error::input(file, "near and far", found, "near < far", advice));
+        let remedy = "Give both near and far, in the units of the cameras' positions.";
+        return Err(Error::input(Input {
+            file,
+            field: "near and far",
+            found,
+            expected: "near < far",
+            remedy,
+        }));
     }
     let middle = 0.5 * (scene.near + scene.far);
     scene.focus = focus.unwrap_or_else(|| center(cameras[0]) + axis(cameras[0]) * middle);

@@ -3,6 +3,7 @@
 mod complete;
 mod imports;
 mod names;
+mod words;
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -97,7 +97,7 @@ fn a_checkpoint_goes_on_and_threads_change_nothing() {
     // One network alone can't take a pair's checkpoint, nor the other way round.
     let message =
         NerfModel::new(settings(0, false)).restore(&half.state(), "checkpoint.npz").unwrap_err().to_string();
-    assert!(message.contains("--fine") && message.contains("checkpoint.npz"), "{message}");
+    assert!(message.contains("`fine`") && message.contains("checkpoint.npz"), "{message}");
     let alone = trained(settings(0, false), &scene, 1).0;
     assert!(resumed.restore(&alone.state(), "checkpoint.npz").is_err());
 }
