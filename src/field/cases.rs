@@ -6,7 +6,7 @@ use super::nerf_mlp::{NerfMlp, Shape};
 use super::trunk::Plan;
 use crate::contract::arrays::{Arrays, array};
 use crate::contract::case::{Case, Draw};
-use crate::convention::Conventions;
+use crate::convention::{CS180, Conventions};
 use crate::random::{Key, Purpose};
 
 /// Weights as large as PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
@@ -57,9 +57,9 @@ fn nerf(id: &str, comment: &'static str, stream: u64, width: usize, levels: [usi
     let inputs =
         vec![("positions", draw.array(&[2, 3], -1.0, 1.0)), ("directions", draw.array(&[2, 3], -1.0, 1.0))];
     let mut case = Case::new(id, comment, inputs);
-    let shape = Shape { position, direction, width, depth: 8, color: width / 2, skip: 4 };
+    let shape = Shape { position, direction, width, depth: 8, color: width / 2 };
     let mut sizes: Vec<(String, usize, usize, f64)> =
-        (0..8).map(|n| (format!("trunk{n}"), shape.trunk_inputs(n), width, bias)).collect();
+        (0..8).map(|n| (format!("trunk{n}"), shape.trunk_inputs(n, &CS180), width, bias)).collect();
     sizes.push(("sigma".into(), width, 1, 0.5));
     sizes.push(("feature".into(), width, width, 0.25));
     sizes.push(("color0".into(), width + direction, width / 2, bias));
@@ -90,7 +90,7 @@ pub fn nerf_mlp() -> Vec<Case> {
 /// 8 layers of 256 with PyTorch's initial values, rounded to f32: `Key::new(0, Purpose::Parameters)`, streams as in
 /// [`NerfMlp::initial`].
 fn full_size() -> Case {
-    let net = NerfMlp::initial(&Shape::PAPER, &Key::new(0, Purpose::Parameters));
+    let net = NerfMlp::initial(&Shape::PAPER, &CS180, &Key::new(0, Purpose::Parameters));
     let mut draw = Draw::new("nerf_mlp", 100);
     let inputs =
         vec![("positions", draw.array(&[1, 3], -1.0, 1.0)), ("directions", draw.array(&[1, 3], -1.0, 1.0))];
@@ -103,13 +103,13 @@ fn full_size() -> Case {
     case.forward_only()
 }
 
-/// The network's cases are written for an encoding that enters the trunk again in layer 4. Where it enters in another layer, the two
+/// The network's cases are written for the skip of `cs180`. Where the encoding enters the trunk again in another layer, the two
 /// layers' weights are exchanged, so that the shapes fit; where the encoding lacks x itself, the weights lack those columns.
 pub fn reshape(inputs: &mut Arrays, c: &Conventions) {
     let name = |layer: usize| format!("trunk{layer}_w");
     let columns = |inputs: &Arrays, name: &str| inputs.get(name).map(|w| w.shape()[1]);
     if !c.identity {
-        let written = Plan { skip: 4, order: c.skip_order };
+        let written = Plan { skip: CS180.skip_layer, order: c.skip_order };
         let encoding = columns(inputs, &name(0)).expect("a network's arrays");
         let mut identity = vec![("color0_w".to_string(), inputs["feature_w"].shape()[0])];
         for n in 0.. {
@@ -122,10 +122,11 @@ pub fn reshape(inputs: &mut Arrays, c: &Conventions) {
             *w = w.select(Axis(1), &kept);
         }
     }
-    if c.skip_layer != 4 && inputs.contains_key(&name(c.skip_layer)) {
-        let (wide, narrow) = (inputs.remove(&name(4)), inputs.remove(&name(c.skip_layer)));
-        inputs.extend(wide.map(|w| (name(c.skip_layer), w)));
-        inputs.extend(narrow.map(|w| (name(4), w)));
+    let (here, there) = (name(CS180.skip_layer), name(c.skip_layer));
+    if here != there && inputs.contains_key(&there) {
+        let (wide, narrow) = (inputs.remove(&here), inputs.remove(&there));
+        inputs.extend(wide.map(|w| (there, w)));
+        inputs.extend(narrow.map(|w| (here, w)));
     }
 }
 

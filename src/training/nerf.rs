@@ -287,7 +287,7 @@ impl Model for NerfModel {
         let NerfSettings { near, far, rays, samples, fine, lr, shape, levels, .. } = self.settings;
         let value = json!({
             "near": near, "far": far, "rays": rays, "samples": samples, "fine": fine, "lr": lr,
-            "width": shape.width, "depth": shape.depth, "color_width": shape.color, "skip": shape.skip,
+            "width": shape.width, "depth": shape.depth, "color_width": shape.color, "skip": CS180.skip_layer,
             "levels_position": levels.0, "levels_direction": levels.1, "profile": "cs180",
             "density_head": "at step 1 the sign that gives at least half of the samples a density",
         });

@@ -12,7 +12,7 @@ fn settings(fine: usize, reference: bool) -> NerfSettings {
     (settings.rays, settings.samples, settings.fine) = (24, 8, fine);
     (settings.levels, settings.reference) = ((4, 2), reference);
     let (position, direction) = (3 + 6 * 4, 3 + 6 * 2);
-    settings.shape = Shape { position, direction, width: 16, depth: 8, color: 8, skip: 4 };
+    settings.shape = Shape { position, direction, width: 16, depth: 8, color: 8 };
     settings
 }
 
