@@ -107,7 +107,8 @@ fn other_conventions_pass_without_a_profile_and_fail_with_another() {
                 exam.questions[n].cases.iter().map(|case| Some(given(right(n, &case.inputs)))).collect();
         }
         let report = judge_answers(&exam, &answers, EXP_ULP);
-        assert_eq!(report.count(Verdict::Fail), 0, "{}: {:?}", profile.name, failures(&report));
+        let wrong = report.count(Verdict::Fail) + report.count(Verdict::Unproved);
+        assert_eq!(wrong, 0, "{}: {:?}", profile.name, failures(&report));
         println!("{} found as: {}", profile.name, report.profile);
         // Two profiles may agree on all that the components depend on: the assignment counts.
         let differs = report.assignment.iter().find(|(key, value)| profile.conventions.get(key) != **value);
@@ -288,6 +289,22 @@ fn vacuous_elements_use_no_budget_and_still_have_to_fit() {
     assert_eq!((within.budget_used, within.vacuous, within.pass()), (right.budget_used, right.vacuous, true));
     assert!((moved(proving, 0.9).budget_used - 0.9).abs() < 1e-3);
     assert!(!moved(empty, 1.1).pass() && !moved(proving, 1.1).pass());
+}
+
+/// A deep network's gradient in bf16: of this case alone nothing shows that it isn't 0.
+#[test]
+fn right_answers_that_0_would_match_are_unproved() {
+    let mut exam = Exam::of(&[("mlp", Kind::Vjp)], Dtype::Bf16, None).unwrap();
+    let oracle = exam.questions[0].component.vjp.unwrap().oracle;
+    exam.questions[0].cases.retain(|case| case.id == "wide");
+    let report = judge_answers(&exam, &answer_all(&exam, |_, inputs| oracle(inputs, &CS180)), EXP_ULP);
+    let row = report.of("mlp", "vjp").unwrap();
+    assert_eq!((row.verdict, report.exit_code()), (Verdict::Unproved, 1), "{report}");
+    assert!(row.unproved.contains(&"grad_w1".to_string()), "{:?}", row.unproved);
+    assert!(!row.unproved.contains(&"grad_b3".to_string()), "{:?}", row.unproved);
+    assert_eq!(report.json()["components"][0]["verdict"], "unproved");
+    assert_eq!(report.json()["components"][0]["unproved"][0], row.unproved[0].as_str());
+    assert!(report.to_string().contains("UNPROVED mlp vjp"), "{report}");
 }
 
 /// One component's forward answers alone, with nothing pinned.

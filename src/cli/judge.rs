@@ -19,7 +19,7 @@ pub struct Args {
     exp_ulp: f64,
 }
 
-/// Runs it. 0: something passed and nothing failed; 1: something failed; 2: nothing was answered.
+/// Runs it. 0: something passed and nothing failed; 1: something failed or is unproved; 2: nothing was answered.
 ///
 /// # Errors
 /// Folders that can't be read, or that hold something else than cases and answers.

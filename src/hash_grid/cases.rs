@@ -2,7 +2,7 @@
 
 use super::{Level, resolutions};
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Cells of the coarsest and the finest level, number of levels, entries of a table at most, features.
 type Shape = (u32, u32, usize, usize, usize);
@@ -29,7 +29,7 @@ pub fn hash_grid() -> Vec<Case> {
         (0..3 * n).map(|_| draw.between(0.0, 1.0)).collect::<Vec<f64>>()
     };
     let corners = (0..24).map(|i| f64::from((i / 3) >> (i % 3) & 1)).collect();
-    vec![
+    let cases = vec![
         case("dense", "one level, every vertex with its own entry", (3, 3, 1, 64, 2), seeded(0, 8)),
         case("corners", "the box's own corners read single entries", (3, 3, 1, 64, 1), corners),
         case("hashed", "one level whose vertices share 32 entries", (7, 7, 1, 32, 2), seeded(1, 8)),
@@ -40,6 +40,12 @@ pub fn hash_grid() -> Vec<Case> {
             "3, 6.53, 14.2 and 31 cells: 7 and 14 in between",
             (3, 31, 4, 32, 2),
             seeded(4, 8),
+        ),
+        case(
+            "first_cell",
+            "one point in the first cell of each of four levels: its place in it keeps its digits",
+            (3, 31, 4, 32, 2),
+            vec![0.015625, 0.01171875, 0.0078125],
         ),
         case(
             "collisions",
@@ -67,5 +73,6 @@ pub fn hash_grid() -> Vec<Case> {
             (4, 8, 2, 128, 1),
             vec![0.125, 0.375, 0.625, 0.875, 0.875, 0.125, 0.625, 0.625, 0.625],
         ),
-    ]
+    ];
+    in_full(cases, "dense_and_hashed")
 }

@@ -228,9 +228,9 @@ fn marks(
     });
     // The wider bound first: what exceeds it exceeds the other too.
     let textbook = mark(question, answers, c, options, if graded { Grade::B } else { Grade::A });
-    if !graded || !textbook.pass() {
+    if !graded || !textbook.right() {
         return (textbook, None);
     }
     let stable = mark(question, answers, c, options, Grade::A);
-    if stable.pass() { (stable, Some(Grade::A)) } else { (textbook, Some(Grade::B)) }
+    if stable.right() { (stable, Some(Grade::A)) } else { (textbook, Some(Grade::B)) }
 }

@@ -42,8 +42,9 @@ impl fmt::Display for Report {
         for row in self.rows.iter().filter(|row| row.verdict != Verdict::Unsupported) {
             notes(f, row)?;
         }
-        let (pass, fail) = (self.count(Verdict::Pass), self.count(Verdict::Fail));
-        writeln!(f, "\n{pass} passed, {fail} failed, {} unsupported", self.count(Verdict::Unsupported))
+        let [pass, fail, unproved, unsupported] =
+            [Verdict::Pass, Verdict::Fail, Verdict::Unproved, Verdict::Unsupported].map(|v| self.count(v));
+        writeln!(f, "\n{pass} passed, {fail} failed, {unproved} unproved, {unsupported} unsupported")
     }
 }
 
@@ -74,6 +75,15 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             )?;
         }
         return Ok(());
+    }
+    if row.verdict == Verdict::Unproved {
+        return writeln!(
+            f,
+            "\nUNPROVED {} {}: within its bounds, but 0 would be too, in every element of {}",
+            row.name,
+            row.kind,
+            row.unproved.join(", ")
+        );
     }
     writeln!(f, "\nFAIL {} {}", row.name, row.kind)?;
     for fault in row.faults.iter().take(4) {

@@ -21,6 +21,8 @@ pub enum Verdict {
     Pass,
     /// Something isn't.
     Fail,
+    /// Every answer is within its bound, but some output has no element that proves it.
+    Unproved,
     /// Nothing was answered.
     Unsupported,
 }
@@ -30,6 +32,7 @@ impl fmt::Display for Verdict {
         f.pad(match self {
             Verdict::Pass => "pass",
             Verdict::Fail => "fail",
+            Verdict::Unproved => "unproved",
             Verdict::Unsupported => "unsupported",
         })
     }
@@ -54,6 +57,8 @@ pub struct Row {
     pub budget_used: Option<f64>,
     /// Elements that prove nothing.
     pub vacuous: usize,
+    /// Answered outputs that no element proves.
+    pub unproved: Vec<String>,
     /// Outputs without an answer.
     pub missing_outputs: Vec<String>,
     /// The element that used most.
@@ -88,6 +93,7 @@ impl Row {
             grade: None,
             budget_used: None,
             vacuous: 0,
+            unproved: vec![],
             missing_outputs: vec![],
             worst_case: None,
             conventions: Partial::new(),
@@ -111,10 +117,15 @@ impl Row {
     ) -> Row {
         Row {
             answered: answers.iter().flatten().count(),
-            verdict: if marks.pass() { Verdict::Pass } else { Verdict::Fail },
+            verdict: match (marks.right(), marks.unproved.is_empty()) {
+                (true, true) => Verdict::Pass,
+                (true, false) => Verdict::Unproved,
+                (false, _) => Verdict::Fail,
+            },
             grade,
             budget_used: Some(marks.budget_used),
             vacuous: marks.vacuous,
+            unproved: marks.unproved.iter().cloned().collect(),
             missing_outputs: marks.missing.iter().cloned().collect(),
             worst_case: marks.worst.clone(),
             conventions: partial(question.component, c),
@@ -136,6 +147,7 @@ impl Row {
             "grade": self.grade.map(|grade| format!("{grade:?}")),
             "budget_used": self.budget_used.map(number),
             "vacuous": self.vacuous,
+            "unproved": self.unproved,
             "missing_outputs": self.missing_outputs,
             "worst_case": self.worst_case.as_ref().map(|w| json!({
                 "id": w.id, "output": w.output, "index": w.index, "got": number(w.got),
@@ -213,9 +225,9 @@ impl Report {
         self.rows.iter().filter(|row| row.verdict == verdict).count()
     }
 
-    /// 0: something passed and nothing failed; 1: something failed; 2: nothing was answered.
+    /// 0: something passed and nothing failed; 1: something failed or is unproved; 2: nothing was answered.
     pub fn exit_code(&self) -> u8 {
-        match (self.count(Verdict::Fail), self.count(Verdict::Pass)) {
+        match (self.count(Verdict::Fail) + self.count(Verdict::Unproved), self.count(Verdict::Pass)) {
             (0, 0) => 2,
             (0, _) => 0,
             _ => 1,

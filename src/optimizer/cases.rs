@@ -1,7 +1,7 @@
 //! Cases of Adam's step: early and late steps, gradients of every size, both decays.
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 fn case(id: &str, comment: &'static str, step: f64, settings: [f64; 3], arrays: [Vec<f64>; 4]) -> Case {
     let [lr, eps, weight_decay] = settings;
@@ -35,7 +35,7 @@ pub fn adam_step() -> Vec<Case> {
     let usual = [5e-4, 1e-8, 0.0];
     let sizes = vec![1e-300, 1e-150, 1e-30, 1e-12, 1e-8, 1.0, -1e12, 1e150, 0.0];
     let n = sizes.len();
-    vec![
+    let cases = vec![
         case("first", "from zero moments: lr sign(g) but for eps", 1.0, usual, fresh(0)),
         case("first_long", "a first step of 1/8", 1.0, [0.125, 1e-8, 0.0], fresh(1)),
         case("second", "the second step", 2.0, [0.125, 1e-8, 0.0], running(2)),
@@ -78,5 +78,6 @@ pub fn adam_step() -> Vec<Case> {
             [0.125, 1e-8, 0.0],
             [vec![0.5; 2], vec![0.000244140625, -0.000244140625], vec![0.0; 2], vec![0.0; 2]],
         ),
-    ]
+    ];
+    in_full(cases, "second")
 }

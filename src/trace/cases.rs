@@ -2,18 +2,19 @@
 
 use crate::camera::cases::random_pose;
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// H, W and N: small, and all different.
 const SIZE: [usize; 3] = [3, 4, 6];
 
 /// The trace of a picture.
 pub fn render_trace() -> Vec<Case> {
-    vec![
+    let cases = vec![
         traced("at_rest", "evaluation: u = 1/2 everywhere", Some(0.5), 0),
         traced("left_edges", "u = 0 everywhere: the grid itself", Some(0.0), 1),
         traced("jittered", "training: u differs from ray to ray and sample to sample", None, 2),
-    ]
+    ];
+    in_full(cases, "jittered")
 }
 
 fn traced(id: &str, comment: &'static str, u: Option<f64>, stream: u64) -> Case {
