@@ -7,6 +7,7 @@ use super::assignment::{self, Found, partial};
 use super::diagnose::{Explanation, diagnose, difference};
 use super::exam::{Exam, Question};
 use super::mark::{MarkOptions, Marks, mark};
+use super::repeat::Rounds;
 use super::report::{Report, Row, Verdict};
 use super::{layout, statistics};
 use crate::contract::arithmetic::{Dtype, Grade};
@@ -85,19 +86,21 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers.
+/// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers. Every
+/// question comes three times, so that answers that depend on chance or on the question before show.
 ///
 /// # Errors
 /// A component that isn't in the contract.
 pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
     let rows: Vec<(&str, Kind)> = candidate.functions.keys().map(|(name, kind)| (&name[..], *kind)).collect();
     let exam = Exam::of(&rows, dtype, candidate.profile)?;
-    let answers = |question: &Question| -> Answers {
-        let f = candidate.functions.get(&(question.component.name.to_string(), question.kind));
-        question.cases.iter().map(|case| f.map(|f| given(f(&case.inputs)))).collect()
-    };
-    let answers = exam.questions.iter().map(answers).collect::<Vec<_>>();
-    Ok(judge_answers(&exam, &answers, EXP_ULP))
+    let rounds = Rounds::new(&exam, |question, case| {
+        let f = candidate.functions.get(&(question.component.name.to_string(), question.kind))?;
+        Some(given(f(&case.inputs)))
+    });
+    let mut report = judge_answers(&exam, &rounds.first, EXP_ULP);
+    rounds.tell(&exam, EXP_ULP, &mut report);
+    Ok(report)
 }
 
 /// Judges answers to an exam, a list per question.

@@ -22,6 +22,7 @@ pub(crate) mod layout;
 pub mod mark;
 pub(crate) mod numeric;
 pub(crate) mod page;
+mod repeat;
 #[doc(hidden)]
 pub mod report;
 #[doc(hidden)]
