@@ -144,6 +144,7 @@ pub fn pixel_to_camera() -> Vec<Case> {
             &[20.5, 2.5, 20.5, 2.5, 20.5, 2.5],
             vec![0.0, 2.0, -4.0],
         ),
+        case("far_points", "depths of 48 and 1000", LENS, &[20.5, 2.5, 3.5, 17.5], vec![48.0, 1000.0]),
         case(
             "near_the_center",
             "u - cx = 2^-4: a matrix inverse cancels, the difference doesn't",

@@ -1,6 +1,7 @@
 //! Cases of the hash grid: dense, hashed and colliding levels; points inside of cells and on their faces.
 
 use super::{Level, resolutions};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
 
@@ -28,6 +29,7 @@ pub fn hash_grid() -> Vec<Case> {
         let mut draw = Draw::new("hash_grid", stream);
         (0..3 * n).map(|_| draw.between(0.0, 1.0)).collect::<Vec<f64>>()
     };
+    let mut fine = Draw::new("hash_grid", 7);
     let corners = (0..24).map(|i| f64::from((i / 3) >> (i % 3) & 1)).collect();
     let cases = vec![
         case("dense", "one level, every vertex with its own entry", (3, 3, 1, 64, 2), seeded(0, 8)),
@@ -52,6 +54,13 @@ pub fn hash_grid() -> Vec<Case> {
             "8 entries: corners of one cell collide, gradients add up",
             (5, 9, 2, 8, 2),
             seeded(5, 10),
+        ),
+        case("four_features", "F = 4, a dense and a hashed level", (3, 7, 2, 64, 4), seeded(6, 4)),
+        case(
+            "PE6_overflow",
+            "2048^3 vertices are 0 of them in 32 bits, and yet not dense",
+            (2047, 2047, 1, 64, 1),
+            (0..12).map(|_| Dtype::F32.round(fine.unit())).collect(),
         ),
         case(
             "PE6_faces",

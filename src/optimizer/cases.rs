@@ -16,6 +16,13 @@ fn case(id: &str, comment: &'static str, step: f64, settings: [f64; 3], arrays: 
     Case::new(id, comment, inputs)
 }
 
+/// The same with other betas.
+fn with_betas(mut case: Case, beta1: f64, beta2: f64) -> Case {
+    case.inputs.insert("beta1".into(), scalar(beta1));
+    case.inputs.insert("beta2".into(), scalar(beta2));
+    case
+}
+
 /// One step of Adam.
 pub fn adam_step() -> Vec<Case> {
     let running = |stream: u64| {
@@ -42,6 +49,23 @@ pub fn adam_step() -> Vec<Case> {
         case("tenth", "moments of a running optimization", 10.0, [0.125, 1e-8, 0.0], running(3)),
         case("thousandth", "the corrections have nearly vanished", 1000.0, [0.0625, 1e-8, 0.0], running(4)),
         case("late", "beta1^step has vanished", 100_000.0, usual, running(5)),
+        case("five_thousandth", "beta2^step is still 0.7%", 5_000.0, [0.0625, 1e-8, 0.0], running(8)),
+        with_betas(
+            case("other_betas", "betas of 1/2 and 0.9", 7.0, [0.125, 1e-8, 0.0], running(9)),
+            0.5,
+            0.9,
+        ),
+        with_betas(
+            case(
+                "long_memory",
+                "beta2^step is still 0.37 after 100,000 steps",
+                100_000.0,
+                [0.0625, 1e-8, 0.0],
+                running(10),
+            ),
+            0.95,
+            0.99999,
+        ),
         case(
             "weight_decay",
             "coupled: the penalty enters the moments",

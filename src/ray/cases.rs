@@ -65,6 +65,8 @@ pub fn image_rays() -> Vec<Case> {
         [4.1, 1.3, 1.1],
         identity,
     ));
+    let turned = &poses()[3].2;
+    cases.push(case("portrait", "taller than wide", [7.0, 3.0], [5.5, 1.25, 3.75], turned));
     for n in 0..3 {
         let mut draw = Draw::new("image_rays", n);
         let size = [2.0 + draw.below(4) as f64, 7.0 + draw.below(4) as f64];

@@ -102,6 +102,15 @@ pub fn ray_aabb() -> Vec<Case> {
             [0.0, 8.0],
         ),
         case(
+            "CG1_flat_box",
+            "a box without thickness: rays in its plane hit, others along it miss",
+            &[[-1.0, 0.25, 0.5, 1.0, 0.125, 0.0], [-1.0, 0.25, 0.625, 1.0, 0.125, 0.0]],
+            [[0.0, 0.0, 0.5], [1.0, 1.0, 0.5]],
+            [0.0, 8.0],
+        )
+        // A step out of the plane misses.
+        .forward_only(),
+        case(
             "CG1_resting",
             "a direction of 0: all of [near, far] inside, nothing outside",
             &[[0.5, 0.5, 0.5, 0.0, 0.0, 0.0], [0.5, 1.0, 0.5, 0.0, 0.0, 0.0], [0.5, 1.5, 0.5, 0.0, 0.0, 0.0]],

@@ -96,6 +96,36 @@ pub fn volume_render() -> Vec<Case> {
             gray(4),
             vec![0.25, 0.25, 0.25, 1e10],
         ),
+        one_ray(
+            "VR2_dense_end",
+            "a last step of 1e10 in fog: T in front of it is no difference of two sums that contain it",
+            vec![0.5, 1.0, 0.75, 0.5],
+            gray(4),
+            vec![0.25, 0.25, 0.25, 1e10],
+        ),
+        one_ray(
+            "colors_beyond",
+            "colors below 0 and above 1 aren't clipped",
+            vec![0.5, 1.0, 2.0],
+            array(&[1, 3, 3], vec![-1.0, 2.0, 0.5, 4.0, -0.25, 1.5, -2.0, 0.75, 1.25]),
+            vec![0.5; 3],
+        ),
+        one_ray(
+            "VR9_no_step",
+            "a step of 0 has no weight, whatever its density",
+            vec![1.0, 800.0, 2.0],
+            gray(3),
+            vec![0.5, 0.0, 0.25],
+        ),
+        one_ray(
+            "VR9_infinite",
+            "an infinite density is opaque, and nothing behind it is NaN",
+            vec![0.5, f64::INFINITY, 1.0],
+            gray(3),
+            vec![0.5; 3],
+        )
+        // sigma times a gradient of 0 has no value.
+        .forward_only(),
         one_ray("VR9_underflow", "T underflows behind x = 800", vec![800.0, 1.0, 1.0], gray(3), vec![1.0; 3]),
         one_ray("VR9_huge", "sigma = 1e300 and 1e-300", vec![1e-300, 0.5, 1e300, 1.0], gray(4), vec![1.0; 4]),
         one_ray(
