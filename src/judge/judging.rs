@@ -6,6 +6,7 @@ use super::answer::{Answers, given};
 use super::assignment::{self, Found, partial};
 use super::diagnose::{Explanation, diagnose, difference};
 use super::exam::{Exam, Question};
+use super::imprecise::lost_bits;
 use super::mark::{MarkOptions, Marks, mark};
 use super::repeat::Rounds;
 use super::report::{Report, Row, Verdict};
@@ -99,7 +100,7 @@ pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
         Some(given(f(&case.inputs)))
     });
     let mut report = judge_answers(&exam, &rounds.first, EXP_ULP);
-    rounds.tell(&exam, EXP_ULP, &mut report);
+    rounds.tell(&exam, |answers| judge_answers(&exam, answers, EXP_ULP), &mut report);
     Ok(report)
 }
 
@@ -175,7 +176,10 @@ impl Round {
                 row.diagnosis = diagnose(question, &answers[n], c, known, options);
                 let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
-                if exam.profile.is_none() {
+                if row.diagnosis.is_empty() && row.faults.is_empty() {
+                    imprecise(&mut row, exam, question, &answers[n], c, options);
+                }
+                if exam.profile.is_none() && row.verdict == Verdict::Fail {
                     nearest(&mut row, question, &answers[n], c, options);
                 }
             }
@@ -183,6 +187,27 @@ impl Round {
         }
         report.settle();
         report
+    }
+}
+
+/// Where no mistake explains the answers: whether they are right but for lost digits, in the run's conventions or those next to them.
+fn imprecise(
+    row: &mut Row,
+    exam: &Exam,
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) {
+    if question.statistics() {
+        return;
+    }
+    let c = if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base) };
+    if let Some(bits) = lost_bits(question, answers, &c, options) {
+        let marks = mark(question, answers, &c, options, Grade::B);
+        *row = Row { layouts: row.layouts.clone(), ..Row::marked(question, answers, &marks, None, &c) };
+        (row.verdict, row.lost_bits) = (Verdict::Imprecise, Some(bits));
+        row.shown_in = difference(&partial(question.component, &c), &partial(question.component, base));
     }
 }
 

@@ -15,6 +15,7 @@ pub mod exchange;
 pub mod explain;
 #[doc(hidden)]
 pub mod hypothesis;
+mod imprecise;
 #[doc(hidden)]
 pub mod judging;
 pub(crate) mod layout;

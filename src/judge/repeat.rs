@@ -1,8 +1,7 @@
 //! Asked again: the same question must get the same answer, whatever was asked before it.
 
-use super::answer::{Answer, Answers};
+use super::answer::{Answer, Answers, Given};
 use super::exam::{Exam, Question};
-use super::judging::judge_answers;
 use super::report::{Report, Verdict};
 use crate::contract::case::Case;
 
@@ -33,12 +32,12 @@ impl Rounds {
 
     /// Adds what the other rounds show: where other bits came, whether by chance or after another question, and by how much. That is
     /// told of a row whose answers are right every time, and fails one whose aren't.
-    pub fn tell(&self, exam: &Exam, exp_ulp: f64, report: &mut Report) {
+    pub fn tell(&self, exam: &Exam, judge: impl Fn(&[Answers]) -> Report, report: &mut Report) {
         for other in [&self.at_once, &self.again] {
             if changed(&self.first, other).is_empty() {
                 continue;
             }
-            let later = judge_answers(exam, other, exp_ulp);
+            let later = judge(other);
             for (n, text) in self.changes(exam, other) {
                 let row = &mut report.rows[n];
                 if row.verdict == Verdict::Pass && later.rows[n].verdict == Verdict::Fail {
@@ -84,7 +83,7 @@ fn differs(a: &Option<Answer>, b: &Option<Answer>) -> bool {
 
 /// The array that differs most and by how much, relative to its largest number; `None` where all are equal.
 fn largest(a: &Answer, b: &Answer) -> Option<(String, f64)> {
-    let one = |(name, a): (&String, &super::answer::Given)| {
+    let one = |(name, a): (&String, &Given)| {
         let b = &b.get(name)?.values;
         if a.values.shape() != b.shape() {
             return Some((name.clone(), f64::INFINITY));

@@ -23,6 +23,8 @@ pub enum Verdict {
     Fail,
     /// Every answer is within its bound, but some output has no element that proves it.
     Unproved,
+    /// The right formula, with more digits lost than its arithmetic costs.
+    Imprecise,
     /// Nothing was answered.
     Unsupported,
 }
@@ -33,6 +35,7 @@ impl fmt::Display for Verdict {
             Verdict::Pass => "pass",
             Verdict::Fail => "fail",
             Verdict::Unproved => "unproved",
+            Verdict::Imprecise => "imprecise",
             Verdict::Unsupported => "unsupported",
         })
     }
@@ -59,6 +62,8 @@ pub struct Row {
     pub vacuous: usize,
     /// Answered outputs that no element proves.
     pub unproved: Vec<String>,
+    /// Bits that an imprecise row lost.
+    pub lost_bits: Option<i32>,
     /// Outputs without an answer.
     pub missing_outputs: Vec<String>,
     /// The element that used most.
@@ -94,6 +99,7 @@ impl Row {
             budget_used: None,
             vacuous: 0,
             unproved: vec![],
+            lost_bits: None,
             missing_outputs: vec![],
             worst_case: None,
             conventions: Partial::new(),
@@ -148,6 +154,7 @@ impl Row {
             "budget_used": self.budget_used.map(number),
             "vacuous": self.vacuous,
             "unproved": self.unproved,
+            "lost_bits": self.lost_bits,
             "missing_outputs": self.missing_outputs,
             "worst_case": self.worst_case.as_ref().map(|w| json!({
                 "id": w.id, "output": w.output, "index": w.index, "got": number(w.got),
@@ -225,9 +232,17 @@ impl Report {
         self.rows.iter().filter(|row| row.verdict == verdict).count()
     }
 
-    /// 0: something passed and nothing failed; 1: something failed or is unproved; 2: nothing was answered.
+    /// 0: something passed and nothing failed; 1: something failed, is unproved or imprecise; 2: nothing was answered.
     pub fn exit_code(&self) -> u8 {
-        match (self.count(Verdict::Fail) + self.count(Verdict::Unproved), self.count(Verdict::Pass)) {
+        self.exit_code_allowing(&[])
+    }
+
+    /// The same where these verdicts count as passes.
+    pub fn exit_code_allowing(&self, allowed: &[Verdict]) -> u8 {
+        let wrong = [Verdict::Fail, Verdict::Unproved, Verdict::Imprecise].into_iter();
+        let wrong: usize = wrong.filter(|verdict| !allowed.contains(verdict)).map(|v| self.count(v)).sum();
+        let right: usize = allowed.iter().chain(&[Verdict::Pass]).map(|v| self.count(*v)).sum();
+        match (wrong, right) {
             (0, 0) => 2,
             (0, _) => 0,
             _ => 1,
