@@ -88,7 +88,7 @@ impl<'a> Candidate<'a> {
 }
 
 /// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers. Every
-/// question comes three times, so that answers that depend on chance or on the question before show.
+/// question comes four times, so that answers that depend on chance or on the question before show.
 ///
 /// # Errors
 /// A component that isn't in the contract.

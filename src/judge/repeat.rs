@@ -5,14 +5,12 @@ use super::exam::{Exam, Question};
 use super::report::{Report, Verdict};
 use crate::contract::case::Case;
 
-/// Answers to the exam in its order, and then to the same questions in the opposite one, each asked twice in a row.
+/// Answers to the exam in its order, and then to the same questions in the opposite one, each asked three times in a row: the first of
+/// these comes after another question, the others after the same one.
 pub struct Rounds {
     /// In the exam's order.
     pub first: Vec<Answers>,
-    /// In the opposite order.
-    again: Vec<Answers>,
-    /// The repetition of each of those.
-    at_once: Vec<Answers>,
+    again: [Vec<Answers>; 3],
 }
 
 impl Rounds {
@@ -20,20 +18,19 @@ impl Rounds {
     pub fn new(exam: &Exam, ask: impl Fn(&Question, &Case) -> Option<Answer>) -> Rounds {
         let all = |question: &Question| question.cases.iter().map(|case| ask(question, case)).collect();
         let first: Vec<Answers> = exam.questions.iter().map(all).collect();
-        let (mut again, mut at_once) = (first.clone(), first.clone());
+        let mut again = [0; 3].map(|_| first.clone());
         for (n, question) in exam.questions.iter().enumerate().rev().filter(|(_, q)| !q.statistics()) {
             for (k, case) in question.cases.iter().enumerate().rev() {
-                again[n][k] = ask(question, case);
-                at_once[n][k] = ask(question, case);
+                again.iter_mut().for_each(|round| round[n][k] = ask(question, case));
             }
         }
-        Rounds { first, again, at_once }
+        Rounds { first, again }
     }
 
     /// Adds what the other rounds show: where other bits came, whether by chance or after another question, and by how much. That is
     /// told of a row whose answers are right every time, and fails one whose aren't.
     pub fn tell(&self, exam: &Exam, judge: impl Fn(&[Answers]) -> Report, report: &mut Report) {
-        for other in [&self.at_once, &self.again] {
+        for other in &self.again {
             if changed(&self.first, other).is_empty() {
                 continue;
             }
@@ -53,7 +50,8 @@ impl Rounds {
     /// The questions whose answers changed, and the largest change.
     fn changes(&self, exam: &Exam, other: &[Answers]) -> Vec<(usize, String)> {
         let describe = |n: usize| {
-            let chance = (0..self.again[n].len()).any(|k| differs(&self.again[n][k], &self.at_once[n][k]));
+            let [_, second, third] = &self.again;
+            let chance = second[n].iter().zip(&third[n]).any(|(a, b)| differs(a, b));
             let cause = if chance {
                 "not deterministic: asked twice in a row, it answers with other bits"
             } else {
