@@ -7,7 +7,7 @@ use super::arrays::{Arrays, array};
 use crate::random::{Key, Purpose};
 
 /// One case of a component.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// Unique within the component, e.g. `spikes` or `VR1_tiny_alpha`.
     pub id: String,
@@ -67,7 +67,7 @@ pub fn lengthen(array: &mut ArrayD<f64>, dtype: Dtype, draw: &mut Draw) {
 }
 
 /// A seeded source of short numbers: 7 significant bits, so that every type holds them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Draw {
     key: Key,
     stream: u64,

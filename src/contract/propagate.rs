@@ -16,7 +16,7 @@ use super::bounded::{Bounded, gamma};
 pub const LAMBDA: f64 = 8.0;
 
 /// A vector with everything that is known about its error.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Vector {
     /// Values.
     pub y: Array1<f64>,

@@ -29,7 +29,7 @@ pub use card::card;
 pub use layout::common_focus;
 
 /// One camera, with its photograph.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// The picture's path as the scene writes it, or the array and index it comes from.
     pub name: String,
@@ -40,7 +40,7 @@ pub struct Frame {
 }
 
 /// Everything that training and evaluation need to know about a scene.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Its name, as given to [`load`].
     pub name: String,
@@ -68,7 +68,7 @@ pub struct Scene {
 }
 
 /// What a caller may say about a scene; `None` leaves it to the scene.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Where samples start.
     pub near: Option<f64>,

@@ -26,7 +26,7 @@ const VIEWS: usize = 8;
 const SAVE_EVERY: f64 = 60.0;
 
 /// When a run ends, and how it is measured.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Stop after this step.
     pub steps: Option<u64>,

@@ -16,7 +16,7 @@ const SHOWS_NOTHING: f64 = 0.9;
 const PLAIN: f64 = 1e-4;
 
 /// The last steps of a run, and what they are held against.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Watch {
     /// Mean squared error of the best constant color over all training pixels.
     constant: f64,

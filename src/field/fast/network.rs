@@ -34,7 +34,7 @@ pub struct Network {
 }
 
 /// What a training step sees: rays, and the colors that they should have.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Batch<'a> {
     /// R rays.
     pub rays: Rays<'a>,
