@@ -19,7 +19,7 @@ use crate::training::model::Model;
 
 /// Options of `evaluate`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// The folder of a run.
     pub run: PathBuf,
     /// Which frames.
@@ -35,7 +35,7 @@ pub struct Args {
 
 /// A split of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Split {
+pub(super) enum Split {
     /// Validation frames.
     Val,
     /// Test frames.
@@ -43,7 +43,7 @@ pub enum Split {
 }
 
 /// A trained model with its scene.
-pub struct Trained {
+pub(super) struct Trained {
     /// The scene it was trained on.
     pub scene: Scene,
     /// The model with the checkpoint's parameters.
@@ -53,7 +53,7 @@ pub struct Trained {
 }
 
 /// Opens a run: its scene, its model, its checkpoint.
-pub fn open(run: &std::path::Path, backend: Backend, test_images: bool) -> Result<Trained> {
+pub(super) fn open(run: &std::path::Path, backend: Backend, test_images: bool) -> Result<Trained> {
     let folder = RunFolder::open(run)?;
     let mut settings = folder.settings()?;
     settings.insert("backend".into(), json!(backend));
@@ -66,7 +66,7 @@ pub fn open(run: &std::path::Path, backend: Backend, test_images: bool) -> Resul
 }
 
 /// Runs `evaluate`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
         let trained = open(&args.run, args.backend, args.split == Split::Test)?;
         let frames = match args.split {

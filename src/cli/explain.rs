@@ -8,7 +8,7 @@ use crate::judge::explain::explain;
 
 /// Explain a component, a mistake, a convention, a profile or a hazard (VR9).
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// Its name, as `list` prints it, or a hazard's id, as hard cases begin with.
     name: String,
 }
@@ -17,7 +17,7 @@ pub struct Args {
 ///
 /// # Errors
 /// A name that nothing has.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let (object, text) = explain(&args.name).map_err(where_to_look)?;
     output::print(json, &object, &text);
     Ok(ExitCode::SUCCESS)

@@ -18,7 +18,7 @@ use crate::training::image::{FitSettings, LogPoint, fit};
 
 /// Options of `fit-image`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// A PNG, JPEG or GIF, or builtin:card.
     pub image: String,
     /// The output folder.
@@ -57,7 +57,7 @@ pub struct Args {
 }
 
 /// Runs `fit-image`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
         let target = load(&args.image, args.size)?;
         files::make_folder(&args.out)?;
@@ -111,7 +111,7 @@ fn settings(args: &Args) -> FitSettings {
 }
 
 /// A picture by path or `builtin:card`, its longest side reduced to `size`.
-pub fn load(image: &str, size: Option<usize>) -> Result<Array3<f32>> {
+pub(super) fn load(image: &str, size: Option<usize>) -> Result<Array3<f32>> {
     if image == "builtin:card" {
         return Ok(scene::card(size.unwrap_or(256)));
     }

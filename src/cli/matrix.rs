@@ -23,7 +23,7 @@ use crate::training::watch::Watch;
 
 /// Train the compact model on built-in scenes of many kinds, and say where it learns.
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// Steps of each run.
     #[arg(long, default_value_t = 300, value_parser = positive)]
     steps: usize,
@@ -106,7 +106,7 @@ struct Row {
 }
 
 /// Runs it. 1 where a run doesn't learn.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let mut combinations = pairwise(args.megapixels);
     combinations.truncate(args.runs.unwrap_or(usize::MAX));
     let rows: Vec<Row> = parallel::with_threads(args.threads, || {

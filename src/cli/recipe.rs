@@ -29,7 +29,7 @@ const KEPT: [&str; 12] = [
 ];
 
 /// The recipe that the command line gives.
-pub fn given(args: &Args) -> Map<String, Value> {
+pub(super) fn given(args: &Args) -> Map<String, Value> {
     let mut scene_options = json!({
         "near": args.near, "far": args.far, "holdout": args.holdout, "background": args.background,
     });
@@ -47,7 +47,7 @@ pub fn given(args: &Args) -> Map<String, Value> {
 }
 
 /// The run to resume, which must have been started with this recipe, and the warnings that it had so far.
-pub fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Vec<Value>)> {
+pub(super) fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Vec<Value>)> {
     let folder = RunFolder::open(run)?;
     let before = folder.settings()?;
     // A field that an older run lacks was at its default.
@@ -71,7 +71,7 @@ pub fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Ve
 }
 
 /// The scene that a recipe (given on the command line, or read from `run.json`) names.
-pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) -> Result<Scene> {
+pub(super) fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) -> Result<Scene> {
     let given = &recipe.get("scene_options").cloned().unwrap_or_default();
     let name = recipe.get("scene").and_then(Value::as_str).ok_or_else(|| {
         Error::input(Input {
@@ -99,7 +99,7 @@ pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) ->
 }
 
 /// The model that a recipe describes, with its initial parameters.
-pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
+pub(super) fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
     // A run from before this option has none.
     let without = recipe.get("without").cloned().unwrap_or_else(|| json!([]));
     let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {

@@ -6,7 +6,7 @@ use super::Cli;
 use crate::error::Error;
 
 /// A message of the library's with options where it has settings in backticks.
-pub fn spelled(message: &str) -> String {
+pub(super) fn spelled(message: &str) -> String {
     let options = options();
     let (mut text, mut rest) = (String::new(), message);
     while let Some((before, quoted)) = rest.split_once('`') {
@@ -25,7 +25,7 @@ pub fn spelled(message: &str) -> String {
 }
 
 /// The same of an error, whose argument may be an option.
-pub fn error(error: &Error) -> String {
+pub(super) fn error(error: &Error) -> String {
     match error {
         Error::Usage { argument, .. } if options().contains(argument) => spelled(&format!("--{error}")),
         _ => spelled(&error.to_string()),

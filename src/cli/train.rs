@@ -21,7 +21,7 @@ use crate::training::run::{LogPoint, Options, Run};
 
 /// Options of `train`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// `builtin:NAME`, an .npz, or a folder or file of transforms*.json.
     pub scene: String,
     /// The run's folder.
@@ -100,7 +100,7 @@ pub struct Args {
 
 impl Args {
     /// Defaults, as the command line has them.
-    pub fn new(scene: &str, out: &Path) -> Self {
+    pub(super) fn new(scene: &str, out: &Path) -> Self {
         #[rustfmt::skip]
         let args = Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
@@ -115,7 +115,7 @@ impl Args {
 /// Which field is trained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub(super) enum Kind {
     /// A hash grid and two small networks: seconds instead of hours.
     Compact,
     /// The NeRF paper's network.
@@ -123,7 +123,7 @@ pub enum Kind {
 }
 
 /// Runs `train`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
         let summary = train(args)?;
         output::print(json, &summary.object, &summary.text);
@@ -138,7 +138,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
 }
 
 /// The summary of a run.
-pub struct Summary {
+pub(super) struct Summary {
     /// For `--json`.
     pub object: Value,
     /// For people.
@@ -150,7 +150,7 @@ pub struct Summary {
 }
 
 /// Trains as `args` say.
-pub fn train(args: &Args) -> Result<Summary> {
+pub(super) fn train(args: &Args) -> Result<Summary> {
     let recipe = recipe::given(args);
     let scene = recipe::load_scene(&recipe, false, "arguments")?;
     scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));

@@ -12,7 +12,7 @@ use crate::files;
 ///
 /// # Errors
 /// Where the file can't be written.
-pub fn write_gif(path: &Path, frames: &[RgbImage], frames_per_second: u32) -> Result<()> {
+pub(crate) fn write_gif(path: &Path, frames: &[RgbImage], frames_per_second: u32) -> Result<()> {
     files::write_with(path, |out| {
         // Speed 10 of 1 (best palette) to 30 (fastest).
         let mut encoder = GifEncoder::new_with_speed(out, 10);
@@ -27,7 +27,7 @@ pub fn write_gif(path: &Path, frames: &[RgbImage], frames_per_second: u32) -> Re
 }
 
 /// Rejects a film without frames before an hour of rendering.
-pub fn check_count(count: usize, scene: &str) -> Result<()> {
+pub(crate) fn check_count(count: usize, scene: &str) -> Result<()> {
     if count > 0 {
         return Ok(());
     }

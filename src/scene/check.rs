@@ -10,7 +10,7 @@ use crate::error::{Error, Input, Result};
 const RIGID: f64 = 1e-3;
 
 /// Arguments that make no sense for any scene.
-pub fn options(options: &Options) -> Result<()> {
+pub(super) fn options(options: &Options) -> Result<()> {
     for (argument, value) in [("near", options.near), ("far", options.far)] {
         if let Some(value) = value.filter(|value| !value.is_finite() || *value < 0.0) {
             return Err(Error::usage(argument, value, "a distance, 0 or more"));
@@ -28,7 +28,7 @@ pub fn options(options: &Options) -> Result<()> {
 }
 
 /// A pose from a 4x4 matrix, (row, column): finite, rigid, last row (0, 0, 0, 1).
-pub fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<DMat4> {
+pub(super) fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<DMat4> {
     let bad = |found: String, expected: &str| {
         let remedy = "Write camera-to-world matrices without scale; undo any normalization of the rotation.";
         Err(Error::input(Input { file, field, found, expected, remedy }))
@@ -58,12 +58,12 @@ pub fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<DMat4> {
 }
 
 /// OpenGL (Blender, tiny-NeRF) to OpenCV: the camera's y and z axes change sign; the camera stays where it is.
-pub fn opengl_to_opencv(c2w: DMat4) -> DMat4 {
+pub(super) fn opengl_to_opencv(c2w: DMat4) -> DMat4 {
     DMat4::from_cols(c2w.x_axis, -c2w.y_axis, -c2w.z_axis, c2w.w_axis)
 }
 
 /// A focal length: finite and positive.
-pub fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
+pub(super) fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
     if value.is_finite() && value > 0.0 {
         return Ok(value);
     }
@@ -72,7 +72,7 @@ pub fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
 }
 
 /// All images of one size, and at least one frame to learn from.
-pub fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
+pub(super) fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
     let Some(first) = train.first() else {
         let remedy = "Add frames, or hold out fewer of them.";
         return Err(Error::input(Input {
@@ -97,7 +97,7 @@ pub fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
 }
 
 /// A 4x4 array from JSON's nested rows, NaN where something isn't a number (so that [`pose`] names it).
-pub fn matrix(rows: &serde_json::Value) -> Option<Array2<f64>> {
+pub(super) fn matrix(rows: &serde_json::Value) -> Option<Array2<f64>> {
     let rows = rows.as_array()?;
     let columns = rows.first()?.as_array()?.len();
     let mut flat = Vec::new();

@@ -40,7 +40,7 @@ fn axis(camera: &Camera) -> DVec3 {
 
 /// What lies behind the object decides how far samples must reach.
 #[derive(Clone, Copy, PartialEq)]
-pub enum Backdrop {
+pub(super) enum Backdrop {
     /// One color: rendered or cut-out objects.
     Plain,
     /// The world: photographs.
@@ -52,7 +52,7 @@ pub enum Backdrop {
 /// The nearest camera at distance r: near = r / 2. With a smaller near, a field explains single photographs with specks in front of their
 /// cameras. The farthest at R: far = 3 R / 2 over a plain background (an object as large as half the distance to it), 2 R in front of the
 /// real world. On the synthetic scenes of the NeRF paper, r = R = 4.03, this is their customary 2 and 6, which is used exactly.
-pub fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Options) -> Result<()> {
+pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Options) -> Result<()> {
     // Held-out cameras count too: the scene doesn't change when another frame is held out.
     let cameras: Vec<&Camera> = scene.train.iter().chain(&scene.val).map(|frame| &frame.camera).collect();
     let focus = common_focus(&cameras);

@@ -19,7 +19,7 @@ fn number(transforms: &Transforms, frame: &Value, key: &str) -> Option<f64> {
 ///
 /// fx is `fl_x`, or from `camera_angle_x`: w / 2 / tan(angle / 2). fy is `fl_y`, or from `camera_angle_y` where fx came from an
 /// angle too, or fx. The principal point is `cx`, `cy`, or the middle.
-pub fn intrinsics(
+pub(super) fn intrinsics(
     transforms: &Transforms,
     name: &str,
     frame: &Value,
@@ -88,7 +88,7 @@ pub fn intrinsics(
 ///
 /// # Errors
 /// Where the file names a camera that isn't modeled, or has coefficients beyond k1, k2, p1, p2: leaving them out would bend every ray.
-pub fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result<Option<Distortion>> {
+pub(super) fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result<Option<Distortion>> {
     let refuse = |field: &str, found: String| {
         let remedy =
             "Undistort the pictures beforehand (colmap image_undistorter) and give a pinhole camera.";

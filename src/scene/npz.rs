@@ -16,7 +16,7 @@ use crate::files::npz::{Array, Npz};
 const TINY_TRAIN: usize = 100;
 
 /// Reads either layout: with `images_train` it is CS180's, with `images` and `poses` tiny-NeRF's.
-pub fn load(path: &Path, options: &Options) -> Result<Scene> {
+pub(super) fn load(path: &Path, options: &Options) -> Result<Scene> {
     let file = path.display().to_string();
     let mut npz = Npz::open(path)?;
     let mut scene = Scene::empty(&file, options);

@@ -14,7 +14,7 @@ use crate::files::{self, picture};
 use crate::parallel;
 
 /// One parsed file.
-pub struct Transforms {
+pub(super) struct Transforms {
     /// Where it lies.
     pub path: PathBuf,
     /// All of it.
@@ -38,7 +38,7 @@ impl Transforms {
     }
 
     /// The file's name for messages.
-    pub fn file(&self) -> String {
+    pub(super) fn file(&self) -> String {
         self.path.display().to_string()
     }
 
@@ -87,7 +87,7 @@ impl Transforms {
 }
 
 /// Reads a folder with `transforms_train.json` (and `_val`, `_test`) or `transforms.json`, or one such file.
-pub fn load(path: &Path, options: &Options) -> Result<Scene> {
+pub(super) fn load(path: &Path, options: &Options) -> Result<Scene> {
     let split = |name: &str| path.join(format!("transforms_{name}.json"));
     if path.is_dir() && split("train").is_file() {
         return splits(path, split("train"), split("val"), split("test"), options);

@@ -118,7 +118,7 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    pub fn rays<'a>(&'a self, origins: &'a [f64], directions: &'a [f64]) -> Rays<'a> {
+    pub(crate) fn rays<'a>(&'a self, origins: &'a [f64], directions: &'a [f64]) -> Rays<'a> {
         Rays { origins, directions, t: &self.t, deltas: &self.deltas, samples: self.count }
     }
 }

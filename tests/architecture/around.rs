@@ -1,7 +1,7 @@
 //! What in a component's folder is no oracle file. `tests/refuses` and `tools/mutants.py` read the same lists.
 
 /// Harness and fast variants.
-pub const AROUND: &[&str] = &[
+pub(crate) const AROUND: &[&str] = &[
     "arrays",
     "bound",
     "cases",
@@ -16,9 +16,9 @@ pub const AROUND: &[&str] = &[
 ];
 
 /// Tests, which need nothing of those around them.
-pub const TESTS: &[&str] = &["by_hand", "tests"];
+pub(crate) const TESTS: &[&str] = &["by_hand", "tests"];
 
 /// Whether a file or folder of this name is an oracle's.
-pub fn is_oracle(name: &str) -> bool {
+pub(crate) fn is_oracle(name: &str) -> bool {
     !AROUND.contains(&name) && !TESTS.contains(&name)
 }

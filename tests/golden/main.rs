@@ -109,7 +109,13 @@ fn registry_and_fixtures_hold_the_same_components() {
             all.iter().filter(|f| f.basis == basis).map(|f| f.component.as_str()).collect();
         let registered = COMPONENTS.iter().map(|c| c.name);
         let expected: BTreeSet<&str> = registered.chain(SYSTEMS.iter().copied()).collect();
-        assert_eq!(found, expected, "components with {basis} fixtures (left), in the registry (right)");
+        let missing: Vec<_> = expected.difference(&found).collect();
+        assert!(
+            missing.is_empty(),
+            "{basis}: no fixtures of {missing:?}: python tools/golden.py --only NAME"
+        );
+        let gone: Vec<_> = found.difference(&expected).collect();
+        assert!(gone.is_empty(), "{basis}: fixtures of {gone:?}, which src/registry.rs lacks: delete them");
     }
     let rows: BTreeSet<&str> = OWN_ERRORS.iter().map(|row| row.component).collect();
     let found: BTreeSet<&str> = all.iter().map(|f| f.component.as_str()).collect();

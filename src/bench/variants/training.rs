@@ -103,7 +103,7 @@ fn step(a: &Arrays, dense: bool) -> Box<dyn Kernel> {
 }
 
 /// The suite of the training step.
-pub const SUITE: Suite = Suite {
+pub(crate) const SUITE: Suite = Suite {
     component: "training_step",
     judged: false,
     item: "point",

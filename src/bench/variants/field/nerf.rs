@@ -124,7 +124,7 @@ fn nerf_batched(a: &Arrays, shape: &Shape, threads: usize, store: fn(&[f32]) -> 
 }
 
 /// The suite of the NeRF paper's network.
-pub const NERF_MLP: Suite = Suite {
+pub(crate) const NERF_MLP: Suite = Suite {
     component: "nerf_mlp",
     judged: true,
     item: "point",
@@ -173,7 +173,7 @@ fn nerf_of_width(width: usize, points: usize, threads: usize) -> Box<dyn Kernel>
 }
 
 /// Time against points, width and threads.
-pub const SCALING: &[Scaling] = &[
+pub(crate) const SCALING: &[Scaling] = &[
     Scaling {
         component: "nerf_mlp",
         parameter: "points",
