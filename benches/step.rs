@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use nerf_oracle::convention::Density;
+use nerf_oracle::convention::CS180;
 use nerf_oracle::encoding::fast::positional_encoding;
 use nerf_oracle::field::fast::{Batch, Gradient, ImageNetwork, Network, Rays};
 use nerf_oracle::field::nerf_mlp::Shape;
@@ -84,9 +84,9 @@ fn training_step() -> (f64, f64, f64) {
 
 /// The paper's network, initial but for a density bias that keeps every density alive.
 fn network() -> Network {
-    let mut oracle = NerfMlp::initial(&Shape::PAPER, &Key::new(0, Purpose::Parameters));
+    let mut oracle = NerfMlp::initial(&Shape::PAPER, &CS180, &Key::new(0, Purpose::Parameters));
     oracle.sigma.b[0] += 0.1;
-    Network::new(&oracle, &Shape::PAPER, Density::Relu)
+    Network::new(&oracle, &Shape::PAPER, &CS180)
 }
 
 /// Points per second, densities and colors, one direction for 64 points.

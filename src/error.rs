@@ -1,5 +1,8 @@
 //! One error type. Each message says what was read, what was found, what was expected, and what to try next.
+//!
+//! Settings are named in backticks, `near`, as a caller in Rust knows them; the program spells them as its options.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Everything that can be wrong with a user's input. The program ends with exit code 2 on any of these.
@@ -7,19 +10,8 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum Error {
     /// A file, an array or a field that isn't what it should be.
-    #[error("{file}: {field}: found {found}; expected {expected}. {advice}")]
-    Input {
-        /// The file (or scene, or folder) that was read.
-        file: String,
-        /// The array, the JSON field or the part of the file.
-        field: String,
-        /// What was there.
-        found: String,
-        /// What should have been there.
-        expected: String,
-        /// The next thing to try, a whole sentence.
-        advice: String,
-    },
+    #[error("{0}")]
+    Input(Input),
     /// An argument that can't be used.
     #[error("{argument}: found {found}; expected {expected}")]
     Usage {
@@ -31,7 +23,7 @@ pub enum Error {
         expected: String,
     },
     /// The operating system refused.
-    #[error("{}: {action}: {source}. {advice}", path.display())]
+    #[error("{}: {action}: {source}. {remedy}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -40,29 +32,60 @@ pub enum Error {
         /// The system's own words.
         source: std::io::Error,
         /// The next thing to try, a whole sentence.
-        advice: String,
+        remedy: String,
     },
+}
+
+/// What was read, what was there, and what should have been: [`Error::Input`], made of whatever can be shown.
+///
+/// ```
+/// use nerf_oracle::error::{Error, Input};
+/// let remedy = "Round it.";
+/// let error = Error::input(Input { file: "run.json", field: "step", found: 1.5, expected: "a whole number", remedy });
+/// assert_eq!(error.to_string(), "run.json: step: found 1.5; expected a whole number. Round it.");
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Input<File = String, Field = String, Found = String, Expected = String, Remedy = String> {
+    /// The file (or scene, or folder) that was read.
+    pub file: File,
+    /// The array, the JSON field or the part of the file.
+    pub field: Field,
+    /// What was there.
+    pub found: Found,
+    /// What should have been there.
+    pub expected: Expected,
+    /// The next thing to try, a whole sentence.
+    pub remedy: Remedy,
+}
+
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Input { file, field, found, expected, remedy } = self;
+        write!(f, "{file}: {field}: found {found}; expected {expected}. {remedy}")
+    }
 }
 
 /// The crate's result.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
-    /// An input that isn't what it should be: `file`, `field`, what was found, what was expected, what to do.
+    /// An input that isn't what it should be.
     pub fn input(
-        file: impl ToString,
-        field: impl ToString,
-        found: impl ToString,
-        expected: impl ToString,
-        advice: impl ToString,
+        Input { file, field, found, expected, remedy }: Input<
+            impl ToString,
+            impl ToString,
+            impl ToString,
+            impl ToString,
+            impl ToString,
+        >,
     ) -> Self {
-        Error::Input {
+        Error::Input(Input {
             file: file.to_string(),
             field: field.to_string(),
             found: found.to_string(),
             expected: expected.to_string(),
-            advice: advice.to_string(),
-        }
+            remedy: remedy.to_string(),
+        })
     }
 
     /// An argument that can't be used.
@@ -80,7 +103,7 @@ impl Error {
             path: path.to_path_buf(),
             action: "can't be read",
             source,
-            advice: "Check the path and its permissions.".into(),
+            remedy: "Check the path and its permissions.".into(),
         }
     }
 
@@ -90,7 +113,7 @@ impl Error {
             path: path.to_path_buf(),
             action: "can't be written",
             source,
-            advice: "Choose an output folder that exists or can be made, with space left.".into(),
+            remedy: "Choose an output folder that exists or can be made, with space left.".into(),
         }
     }
 }

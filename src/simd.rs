@@ -48,7 +48,7 @@ pub fn copied<T: Clone>(values: &[T]) -> Aligned<T> {
 }
 
 /// A value on the stack that begins on a cache line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(align(64))]
 pub struct CacheAligned<T>(pub T);
 

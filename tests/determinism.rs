@@ -52,8 +52,8 @@ fn a_second_run_and_other_threads_give_the_same_bits() {
 fn training_step() -> Vec<f64> {
     let c = Conventions { density: Density::Softplus, ..CS180 };
     let (position, direction) = (Encoding::new(6, &c), Encoding::new(2, &c));
-    let shape = Shape { position: 39, direction: 15, width: 16, depth: 8, color: 8, skip: 4 };
-    let net = NerfMlp::initial(&shape, &Key::new(1, Purpose::Parameters));
+    let shape = Shape { position: 39, direction: 15, width: 16, depth: 8, color: 8 };
+    let net = NerfMlp::initial(&shape, &c, &Key::new(1, Purpose::Parameters));
     let u = Key::new(1, Purpose::Samples).uniforms(0, 0, 8);
     let t = sample_along_ray(2.0, 6.0, &u, Grid::Intervals);
     let d = positional_encoding(&[0.48, -0.6, 0.64], &direction);

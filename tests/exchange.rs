@@ -164,7 +164,11 @@ fn changed_cases_are_refused() {
     json["cases"].as_array_mut().unwrap().remove(0);
     fs::write(&manifest, json.to_string()).unwrap();
     assert!(refused(&cases, &answers).contains("cases.json"));
-    fs::write(&manifest, text.replacen("composite_background/", "../composite_background/", 1)).unwrap();
+    fs::write(
+        &manifest,
+        text.replacen("\"composite_background/forward-three", "\"../composite_background/", 1),
+    )
+    .unwrap();
     assert!(refused(&cases, &answers).contains("inside the folder"));
     fs::write(&manifest, &text).unwrap();
     let input = cases.join("composite_background/forward-three_opacities.npz");

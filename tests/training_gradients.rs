@@ -39,7 +39,7 @@ impl Step {
     }
 
     fn shape(&self, width: usize, depth: usize, color: usize) -> Shape {
-        Shape { position: self.x.width(3), direction: self.d.width(3), width, depth, color, skip: 4 }
+        Shape { position: self.x.width(3), direction: self.d.width(3), width, depth, color }
     }
 
     fn tapes(&self, net: &NerfMlp, ray: usize) -> Vec<Tape> {
@@ -133,7 +133,7 @@ fn shifted(net: &NerfMlp, v: &[f64], s: f64) -> NerfMlp {
 
 /// A network whose density head isn't dead.
 fn network(shape: &Shape, seed: u64) -> NerfMlp {
-    let mut net = NerfMlp::initial(shape, &Key::new(seed, Purpose::Parameters));
+    let mut net = NerfMlp::initial(shape, &CS180, &Key::new(seed, Purpose::Parameters));
     net.sigma.b.fill(0.5);
     net
 }

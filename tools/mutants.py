@@ -26,10 +26,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "tests" / "pages" / "MUTANTS.md"
-# Files of a component that are not oracle (tests/architecture has the same list).
-AROUND = [
-    "arrays", "bound", "cases", "chain", "component", "fast", "honest", "judge", "mistakes", "sampler", "statistics",
-]
+# Files of a component that are neither oracle nor its tests.
+AROUND = re.findall(r'"(\w+)"', re.search(r"AROUND: .*?\[(.*?)\];", (ROOT / "tests/architecture/around.rs").read_text(), re.S)[1])
 SECONDS = 60  # a mutant whose tests take longer loops for ever
 
 # What is added to the crate: which mutant is switched on.

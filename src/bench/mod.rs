@@ -283,7 +283,7 @@ pub fn run(
             None
         }
         Some(Err(why)) => Some(why),
-        None => Some("another library's product (--peer)".into()),
+        None => Some("another library's product (`peer`)".into()),
     };
     let scaling = measured.iter().map(scaling::Measured::json).collect();
     let mut report = BenchReport {

@@ -15,7 +15,7 @@ use serde_json::{Map, Value, json};
 use super::dense::CeilingCandidate;
 use super::report::Row;
 use super::rounds::quantile;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 
 /// Figures of `tools/bench_torch.py`: the field, the suite it belongs to, and how many of that suite's items its seconds are for.
 const FIGURES: [(&str, &str, f64); 3] = [
@@ -37,9 +37,9 @@ impl Peer {
     }
 
     fn error(&self, found: impl ToString) -> Error {
-        let advice = "Run the command by itself; tools/bench_torch.py --rounds 1 is an example.";
+        let remedy = "Run the command by itself; tools/bench_torch.py --rounds 1 is an example.";
         let expected = "one JSON object a run, and exit code 0";
-        Error::input("--peer", &self.command, found, expected, advice)
+        Error::input(Input { file: "`peer`", field: &self.command, found, expected, remedy })
     }
 
     /// Runs the program once.

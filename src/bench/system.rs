@@ -9,7 +9,7 @@ use super::frontier::on_frontier;
 use super::rounds::{quantile, seconds};
 use super::scaling::exponent;
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::evaluation::{camera_rays, over};
 use crate::loss::psnr;
 use crate::parallel;
@@ -79,7 +79,13 @@ pub fn rows(
 ) -> Result<(Vec<Value>, Vec<Value>)> {
     let frames = if scene.val.is_empty() { &scene.train } else { &scene.val };
     let frame = frames.first().ok_or_else(|| {
-        Error::input(&scene.name, "views", "none", "at least one", "Choose a scene with views.")
+        Error::input(Input {
+            file: &scene.name,
+            field: "views",
+            found: "none",
+            expected: "at least one",
+            remedy: "Choose a scene with views.",
+        })
     })?;
     let views = frames.iter().map(|f| camera_rays(&f.camera)).collect::<Result<Vec<_>>>()?;
     let key = Key::new(0, Purpose::Probe);

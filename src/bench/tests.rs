@@ -157,7 +157,7 @@ fn a_peer_takes_part_in_every_round() {
     for (bad, word) in [("exit 3", "3"), ("echo nothing", "no JSON"), ("echo '[1]'", "no JSON")] {
         let options = Options { peer: Some(bad.into()), ..options.clone() };
         let error = run(&[DOUBLE], &[], &[], &options, |_| {}).unwrap_err().to_string();
-        assert!(error.contains("--peer") && error.contains(word), "{error}");
+        assert!(error.contains("`peer`") && error.contains(word), "{error}");
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) struct Truth {
 
 impl Truth {
     /// The oracle's results on the suite's inputs.
-    pub fn new(suite: &Suite) -> Truth {
+    pub(super) fn new(suite: &Suite) -> Truth {
         let inputs = (suite.workload)(suite.checked);
         let expected = match suite.registered() {
             Some(component) => (component.forward.oracle)(&inputs, &CS180),
@@ -39,7 +39,7 @@ impl Truth {
     }
 
     /// Checks a variant: its errors, or why it is rejected.
-    pub fn check(&mut self, suite: &Suite, variant: &Variant) -> Result<Errors, String> {
+    pub(super) fn check(&mut self, suite: &Suite, variant: &Variant) -> Result<Errors, String> {
         let got = output(variant.prepare, &self.inputs);
         same_shapes(&got, &self.expected)?;
         let allowed = match variant.tolerance.exp_ulp {

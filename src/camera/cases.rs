@@ -3,7 +3,7 @@
 use ndarray::ArrayD;
 
 use crate::contract::arrays::array;
-use crate::contract::case::{Case, Draw, short};
+use crate::contract::case::{Case, Draw, in_full, short};
 
 /// fx, fy, cx, cy that differ, with the center off the middle and between pixels.
 pub(crate) const LENS: [f64; 4] = [40.0, 28.0, 17.5, 11.5];
@@ -108,7 +108,7 @@ pub fn transform() -> Vec<Case> {
         let inputs = vec![("c2w", random_poses(&mut draw, 8)), ("x_c", draw.array(&[8, 3], -4.0, 4.0))];
         cases.push(Case::new(format!("random_{n}"), "a random pose for every point", inputs));
     }
-    cases
+    in_full(cases, "random_0")
 }
 
 /// Pixel and depth to camera space.
@@ -144,6 +144,7 @@ pub fn pixel_to_camera() -> Vec<Case> {
             &[20.5, 2.5, 20.5, 2.5, 20.5, 2.5],
             vec![0.0, 2.0, -4.0],
         ),
+        case("far_points", "depths of 48 and 1000", LENS, &[20.5, 2.5, 3.5, 17.5], vec![48.0, 1000.0]),
         case(
             "near_the_center",
             "u - cx = 2^-4: a matrix inverse cancels, the difference doesn't",
@@ -163,5 +164,5 @@ pub fn pixel_to_camera() -> Vec<Case> {
         let inputs = vec![("K", lens(k)), ("uv", pixels(&mut draw, 8)), ("s", draw.array(&[8], 0.5, 6.0))];
         cases.push(Case::new(format!("random_{n}"), "a random lens and random pixels", inputs));
     }
-    cases
+    in_full(cases, "random_1")
 }

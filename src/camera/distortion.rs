@@ -3,7 +3,7 @@
 use glam::{DMat2, DVec2};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 
 /// Coefficients as OpenCV and COLMAP name them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,12 +70,12 @@ impl Distortion {
             }
             p -= jacobian.inverse() * residual;
         }
-        Err(Error::input(
-            "lens distortion",
-            format!("k1 {}, k2 {}, p1 {}, p2 {}", self.k1, self.k2, self.p1, self.p2),
-            format!("no inverse at ({}, {})", target.x, target.y),
-            "a lens that doesn't fold over inside the picture",
-            "Check the coefficients, or undistort the pictures beforehand and set them to 0.",
-        ))
+        Err(Error::input(Input {
+            file: "lens distortion",
+            field: format!("k1 {}, k2 {}, p1 {}, p2 {}", self.k1, self.k2, self.p1, self.p2),
+            found: format!("no inverse at ({}, {})", target.x, target.y),
+            expected: "a lens that doesn't fold over inside the picture",
+            remedy: "Check the coefficients, or undistort the pictures beforehand and set them to 0.",
+        }))
     }
 }

@@ -13,7 +13,7 @@ use crate::parallel;
 
 /// Measure speed against error: variants are checked, timed, and their errors measured.
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// Components whose name contains this (all where absent); `dense`: the share of the machine's peak that dense layers reach.
     #[arg(default_value = "")]
     filter: String,
@@ -41,7 +41,7 @@ pub struct Args {
 ///
 /// # Errors
 /// A filter that no component matches, a run that can't be read, a peer that fails.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     if args.rounds < 5 {
         return Err(Error::usage("--rounds", args.rounds, "at least 5"));
     }

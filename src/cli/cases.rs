@@ -13,7 +13,7 @@ use crate::judge::{Exam, exchange};
 
 /// Write the cases that an implementation is judged by: cases.json and one npz a case, with the inputs alone.
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// Components whose name or folder contains this (all where absent).
     #[arg(default_value = "")]
     filter: String,
@@ -32,7 +32,7 @@ pub struct Args {
 ///
 /// # Errors
 /// An unknown filter or profile, or a folder that can't be written.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let profile = args.profile.as_deref().map(profiles::find).transpose()?;
     let exam = Exam::new(&args.filter, args.dtype, profile)?;
     let bytes = exchange::write_cases(&exam, &args.out)?;

@@ -13,7 +13,7 @@ use crate::proof::{catalogue, tables};
 
 /// Check the reference's bounds against honest machines and the catalogue of mistakes.
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// Components whose name or folder contains this (all where absent).
     #[arg(default_value = "")]
     filter: String,
@@ -29,7 +29,7 @@ pub struct Args {
 ///
 /// # Errors
 /// A filter that no component matches.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     if let Some(path) = &args.catalogue {
         files::write(path, catalogue::page())?;
         return Ok(ExitCode::SUCCESS);

@@ -16,7 +16,7 @@ use crate::report::{sheet, table};
 
 /// Options of `demo`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// The output folder.
     #[arg(long, default_value = "out/demo")]
     pub out: PathBuf,
@@ -42,7 +42,7 @@ const CHECKED_RAYS: usize = 64;
 const FRAMES: usize = 40;
 
 /// Runs `demo`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let run = args.out.join("run");
     eprintln!("Training a small network on {SCENE} for {} s ...", args.seconds);
     let summary = train::train(&training(args, &run))?;

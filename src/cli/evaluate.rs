@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::options::{Backend, positive};
 use super::recipe::{build, load_scene};
 use super::{output, progress};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::evaluation::{self, Scores};
 use crate::parallel;
 use crate::report::table;
@@ -19,7 +19,7 @@ use crate::training::model::Model;
 
 /// Options of `evaluate`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// The folder of a run.
     pub run: PathBuf,
     /// Which frames.
@@ -35,7 +35,7 @@ pub struct Args {
 
 /// A split of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Split {
+pub(super) enum Split {
     /// Validation frames.
     Val,
     /// Test frames.
@@ -43,7 +43,7 @@ pub enum Split {
 }
 
 /// A trained model with its scene.
-pub struct Trained {
+pub(super) struct Trained {
     /// The scene it was trained on.
     pub scene: Scene,
     /// The model with the checkpoint's parameters.
@@ -53,7 +53,7 @@ pub struct Trained {
 }
 
 /// Opens a run: its scene, its model, its checkpoint.
-pub fn open(run: &std::path::Path, backend: Backend, test_images: bool) -> Result<Trained> {
+pub(super) fn open(run: &std::path::Path, backend: Backend, test_images: bool) -> Result<Trained> {
     let folder = RunFolder::open(run)?;
     let mut settings = folder.settings()?;
     settings.insert("backend".into(), json!(backend));
@@ -66,7 +66,7 @@ pub fn open(run: &std::path::Path, backend: Backend, test_images: bool) -> Resul
 }
 
 /// Runs `evaluate`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
         let trained = open(&args.run, args.backend, args.split == Split::Test)?;
         let frames = match args.split {
@@ -76,8 +76,14 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         let with_image = frames.iter().filter(|frame| frame.image.is_some()).count();
         if with_image == 0 {
             let split = format!("{:?} split", args.split).to_lowercase();
-            let advice = "Use --split val, or a scene with photographs in that split.";
-            return Err(Error::input(&trained.scene.name, split, "no photographs", "at least one", advice));
+            let remedy = "Use --split val, or a scene with photographs in that split.";
+            return Err(Error::input(Input {
+                file: &trained.scene.name,
+                field: split,
+                found: "no photographs",
+                expected: "at least one",
+                remedy,
+            }));
         }
         let bar = progress::bar(Some(with_image as u64), "evaluate");
         let background = trained.scene.background.map(|b| b as f32);

@@ -9,8 +9,7 @@ use serde_json::json;
 
 use super::options::{Backend, positive, positive_number};
 use super::{output, progress};
-use crate::Error;
-use crate::error::Result;
+use crate::error::{Error, Input, Result};
 use crate::files::{self, picture};
 use crate::parallel;
 use crate::report::{curve, sheet, table};
@@ -19,7 +18,7 @@ use crate::training::image::{FitSettings, LogPoint, fit};
 
 /// Options of `fit-image`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// A PNG, JPEG or GIF, or builtin:card.
     pub image: String,
     /// The output folder.
@@ -58,7 +57,7 @@ pub struct Args {
 }
 
 /// Runs `fit-image`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
         let target = load(&args.image, args.size)?;
         files::make_folder(&args.out)?;
@@ -69,13 +68,13 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
         let keep = |point: &LogPoint, fitted: &Array3<f32>| {
             if !point.loss.is_finite() {
                 let (file, field) = (args.image.clone(), format!("loss at step {}", point.step));
-                return Err(Error::input(
+                return Err(Error::input(Input {
                     file,
                     field,
-                    point.loss,
-                    "a finite number",
-                    "Lower --lr or --levels.",
-                ));
+                    found: point.loss,
+                    expected: "a finite number",
+                    remedy: "Lower --lr or --levels.",
+                }));
             }
             picture::write_png(&args.out.join(format!("step_{:04}.png", point.step)), fitted.view())?;
             pictures.push(picture::to_rgb(fitted.view()));
@@ -112,7 +111,7 @@ fn settings(args: &Args) -> FitSettings {
 }
 
 /// A picture by path or `builtin:card`, its longest side reduced to `size`.
-pub fn load(image: &str, size: Option<usize>) -> Result<Array3<f32>> {
+pub(super) fn load(image: &str, size: Option<usize>) -> Result<Array3<f32>> {
     if image == "builtin:card" {
         return Ok(scene::card(size.unwrap_or(256)));
     }

@@ -22,7 +22,7 @@ use crate::scene::{self, Frame, Options, Scene, random_pixel};
 
 /// Options of `inspect`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// builtin:NAME, an .npz, or a folder or file of transforms*.json.
     pub scene: String,
     /// The output folder: rays.npz and outside.png.
@@ -59,7 +59,7 @@ struct Drawn {
 }
 
 /// Runs `inspect`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let options = Options { near: args.near, far: args.far, holdout: args.holdout, ..Options::default() };
     let scene = scene::load(&args.scene, &options)?;
     for warning in &scene.warnings {

@@ -13,13 +13,13 @@ use crate::registry::all_rows;
 
 /// List components, their mistakes, conventions and profiles.
 #[derive(clap::Args, Debug)]
-pub struct Args {}
+pub(super) struct Args {}
 
 /// Runs it.
 ///
 /// # Errors
 /// None.
-pub fn run(_: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(_: &Args, json: bool) -> Result<ExitCode> {
     let object = json!({
         "components": all_rows().map(object).collect::<Vec<_>>(),
         "conventions": CHOICES.iter().map(|(key, values)| json!({ "name": key, "values": values })).collect::<Vec<_>>(),

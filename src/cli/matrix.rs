@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::options::{positive, positive_number};
 use super::output;
+use super::spelling::spelled;
 use crate::error::Result;
 use crate::evaluation::over;
 use crate::loss::psnr;
@@ -22,7 +23,7 @@ use crate::training::watch::Watch;
 
 /// Train the compact model on built-in scenes of many kinds, and say where it learns.
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// Steps of each run.
     #[arg(long, default_value_t = 300, value_parser = positive)]
     steps: usize,
@@ -105,7 +106,7 @@ struct Row {
 }
 
 /// Runs it. 1 where a run doesn't learn.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let mut combinations = pairwise(args.megapixels);
     combinations.truncate(args.runs.unwrap_or(usize::MAX));
     let rows: Vec<Row> = parallel::with_threads(args.threads, || {
@@ -165,7 +166,7 @@ fn train(c: &Combination, steps: u64) -> Result<Row> {
     let (mut done, mut failure) = (0, None);
     while done < steps && failure.is_none() {
         done += 1;
-        failure = watch.failure(done, &model.step(&scene, done)?);
+        failure = watch.failure(done, &model.step(&scene, done)?).as_deref().map(spelled);
     }
     let [psnr, constant_psnr] = figures(&model, &scene, seed)?;
     let learned = failure.is_none() && psnr >= constant_psnr + LEARNED;

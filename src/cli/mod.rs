@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 
 mod bench;
 mod cases;
@@ -24,6 +24,7 @@ mod output;
 mod progress;
 mod recipe;
 mod render;
+mod spelling;
 mod sweep_image;
 mod train;
 
@@ -74,18 +75,9 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     run(&cli).unwrap_or_else(|error| {
-        eprintln!("error: {}", spelled(&error));
+        eprintln!("error: {}", spelling::error(&error));
         ExitCode::from(2)
     })
-}
-
-/// The message, with the library's arguments as the command line spells them.
-fn spelled(error: &Error) -> String {
-    const OPTIONS: [&str; 5] = ["near", "far", "holdout", "profile", "dtype"];
-    match error {
-        Error::Usage { argument, .. } if OPTIONS.contains(&&argument[..]) => format!("--{error}"),
-        _ => error.to_string(),
-    }
 }
 
 fn run(cli: &Cli) -> Result<ExitCode> {

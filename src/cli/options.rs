@@ -9,7 +9,7 @@ use crate::training::compact::Part;
 /// Which path computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Backend {
+pub(super) enum Backend {
     /// f32, batched, threaded.
     Fast,
     /// The f64 oracle: slow.
@@ -45,7 +45,7 @@ impl ValueEnum for Part {
 }
 
 /// A color: `black`, `white`, or `R,G,B` in [0, 1].
-pub fn color(text: &str) -> Result<[f64; 3], String> {
+pub(super) fn color(text: &str) -> Result<[f64; 3], String> {
     match text {
         "black" => return Ok([0.0; 3]),
         "white" => return Ok([1.0; 3]),
@@ -59,13 +59,13 @@ pub fn color(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// A scale: `1/N`, as N.
-pub fn scale(text: &str) -> Result<usize, String> {
+pub(super) fn scale(text: &str) -> Result<usize, String> {
     let n = text.strip_prefix("1/").and_then(|n| n.parse::<usize>().ok()).filter(|n| (1..=64).contains(n));
     n.ok_or_else(|| "expected 1/N, such as 1/2, N at most 64".into())
 }
 
 /// A picture's size: `WxH`.
-pub fn size(text: &str) -> Result<(usize, usize), String> {
+pub(super) fn size(text: &str) -> Result<(usize, usize), String> {
     let (w, h) = text.split_once('x').ok_or("expected WxH, such as 400x300")?;
     match (w.parse(), h.parse()) {
         (Ok(w), Ok(h)) if w > 0 && h > 0 && w <= 16_384 && h <= 16_384 => Ok((w, h)),
@@ -74,29 +74,29 @@ pub fn size(text: &str) -> Result<(usize, usize), String> {
 }
 
 /// A whole number above 0, and not so large that memory runs out.
-pub fn positive(text: &str) -> Result<usize, String> {
+pub(super) fn positive(text: &str) -> Result<usize, String> {
     at_most::<{ 1 << 24 }>(text)
 }
 
 /// A whole number from 1 to `MOST`.
-pub fn at_most<const MOST: usize>(text: &str) -> Result<usize, String> {
+pub(super) fn at_most<const MOST: usize>(text: &str) -> Result<usize, String> {
     let number = text.parse().ok().filter(|n| (1..=MOST).contains(n));
     number.ok_or_else(|| format!("expected a whole number above 0 and at most {MOST}"))
 }
 
 /// A whole number from 0 to `MOST`.
-pub fn none_or<const MOST: usize>(text: &str) -> Result<usize, String> {
+pub(super) fn none_or<const MOST: usize>(text: &str) -> Result<usize, String> {
     if text == "0" { Ok(0) } else { at_most::<MOST>(text) }
 }
 
 /// A finite number.
-pub fn finite_number(text: &str) -> Result<f64, String> {
+pub(super) fn finite_number(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|n: &f64| n.is_finite());
     number.ok_or_else(|| "expected a finite number".into())
 }
 
 /// A finite number above 0.
-pub fn positive_number(text: &str) -> Result<f64, String> {
+pub(super) fn positive_number(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|n: &f64| n.is_finite() && *n > 0.0);
     number.ok_or_else(|| "expected a number above 0".into())
 }

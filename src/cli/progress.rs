@@ -3,7 +3,7 @@
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// A bar over `length` steps, a spinner where the length isn't known. Silent where stderr is no terminal.
-pub fn bar(length: Option<u64>, what: &'static str) -> ProgressBar {
+pub(super) fn bar(length: Option<u64>, what: &'static str) -> ProgressBar {
     let (bar, template) = match length {
         Some(n) => (ProgressBar::new(n), "{prefix} [{bar:30}] {pos}/{len} {elapsed} (left {eta}) {msg}"),
         None => (ProgressBar::new_spinner(), "{prefix} {spinner} {pos} {elapsed} {msg}"),

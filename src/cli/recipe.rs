@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::{Map, Value, json};
 
 use super::train::Args;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
 use crate::training::compact::{CompactModel, Overrides, Part};
@@ -29,7 +29,7 @@ const KEPT: [&str; 12] = [
 ];
 
 /// The recipe that the command line gives.
-pub fn given(args: &Args) -> Map<String, Value> {
+pub(super) fn given(args: &Args) -> Map<String, Value> {
     let mut scene_options = json!({
         "near": args.near, "far": args.far, "holdout": args.holdout, "background": args.background,
     });
@@ -47,17 +47,23 @@ pub fn given(args: &Args) -> Map<String, Value> {
 }
 
 /// The run to resume, which must have been started with this recipe, and the warnings that it had so far.
-pub fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Vec<Value>)> {
+pub(super) fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Vec<Value>)> {
     let folder = RunFolder::open(run)?;
     let before = folder.settings()?;
     // A field that an older run lacks was at its default.
     let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
     for name in KEPT {
         if let Some(had) = before.get(name).or(defaults.get(name)).filter(|had| **had != recipe[name]) {
-            let advice =
+            let remedy =
                 "Give --resume the options that the run was begun with; --steps and --seconds may differ.";
             let file = folder.file("run.json").display().to_string();
-            return Err(Error::input(file, name, &recipe[name], had, advice));
+            return Err(Error::input(Input {
+                file,
+                field: name,
+                found: &recipe[name],
+                expected: had,
+                remedy,
+            }));
         }
     }
     let warnings = before.get("warnings").and_then(Value::as_array).cloned().unwrap_or_default();
@@ -65,10 +71,16 @@ pub fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Ve
 }
 
 /// The scene that a recipe (given on the command line, or read from `run.json`) names.
-pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) -> Result<Scene> {
+pub(super) fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) -> Result<Scene> {
     let given = &recipe.get("scene_options").cloned().unwrap_or_default();
     let name = recipe.get("scene").and_then(Value::as_str).ok_or_else(|| {
-        Error::input(file, "scene", "no name", "the scene that was trained", "Train the run again.")
+        Error::input(Input {
+            file,
+            field: "scene",
+            found: "no name",
+            expected: "the scene that was trained",
+            remedy: "Train the run again.",
+        })
     })?;
     let number = |key: &str| given[key].as_f64();
     let background = given["background"].as_array().map(|b| {
@@ -87,11 +99,17 @@ pub fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &str) ->
 }
 
 /// The model that a recipe describes, with its initial parameters.
-pub fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
+pub(super) fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
     // A run from before this option has none.
     let without = recipe.get("without").cloned().unwrap_or_else(|| json!([]));
     let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {
-        Error::input("run.json", "without", error, "names of parts", "Train the run again.")
+        Error::input(Input {
+            file: "run.json",
+            field: "without",
+            found: error,
+            expected: "names of parts",
+            remedy: "Train the run again.",
+        })
     })?;
     if named(recipe, "model", "compact") {
         return Ok(Box::new(compact(recipe, scene, without)?));

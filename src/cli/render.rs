@@ -21,7 +21,7 @@ use crate::scene::Scene;
 
 /// Options of `render`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// The folder of a run.
     pub run: PathBuf,
     /// A .gif, or a folder for frames as PNG and a film.gif.
@@ -49,7 +49,7 @@ pub struct Args {
 
 /// The cameras of a film.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CameraPath {
+pub(super) enum CameraPath {
     /// The scene's own.
     Test,
     /// A circle of this many cameras.
@@ -65,7 +65,7 @@ fn path(text: &str) -> Result<CameraPath, String> {
 }
 
 /// Runs `render`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
         let (frames, out) = (render(args)?, args.out.display().to_string());
         output::print(json, &json!({"out": out, "frames": frames}), &format!("{out}: {frames} frames\n"));
@@ -74,7 +74,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
 }
 
 /// Renders as `args` say; returns how many frames.
-pub fn render(args: &Args) -> Result<usize> {
+pub(super) fn render(args: &Args) -> Result<usize> {
     let trained = open(&args.run, args.backend, false)?;
     let scene = &trained.scene;
     let cameras = cameras(args, scene)?;
@@ -93,7 +93,7 @@ pub fn render(args: &Args) -> Result<usize> {
 }
 
 /// One GIF, or a folder with frames and a film.
-pub fn write(out: &Path, frames: &[RgbImage]) -> Result<()> {
+pub(super) fn write(out: &Path, frames: &[RgbImage]) -> Result<()> {
     const FRAMES_PER_SECOND: u32 = 20;
     if out.extension().is_some_and(|e| e.eq_ignore_ascii_case("gif")) {
         return film::write_gif(out, frames, FRAMES_PER_SECOND);

@@ -17,7 +17,7 @@ use crate::training::image::{FitSettings, LogPoint, fit};
 
 /// Options of `sweep-image`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// A PNG, JPEG or GIF, or builtin:card.
     pub image: String,
     /// The output folder.
@@ -66,7 +66,7 @@ impl Row {
 }
 
 /// Runs `sweep-image`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
         let target = fit_image::load(&args.image, args.size)?;
         files::make_folder(&args.out)?;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::options::{Backend, at_most, color, finite_number, none_or, positive, positive_number, scale};
+use super::spelling::spelled;
 use super::{output, progress, recipe};
 use crate::error::Result;
 use crate::parallel;
@@ -20,7 +21,7 @@ use crate::training::run::{LogPoint, Options, Run};
 
 /// Options of `train`.
 #[derive(clap::Args, Clone, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// `builtin:NAME`, an .npz, or a folder or file of transforms*.json.
     pub scene: String,
     /// The run's folder.
@@ -99,7 +100,7 @@ pub struct Args {
 
 impl Args {
     /// Defaults, as the command line has them.
-    pub fn new(scene: &str, out: &Path) -> Self {
+    pub(super) fn new(scene: &str, out: &Path) -> Self {
         #[rustfmt::skip]
         let args = Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
@@ -114,7 +115,7 @@ impl Args {
 /// Which field is trained.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub(super) enum Kind {
     /// A hash grid and two small networks: seconds instead of hours.
     Compact,
     /// The NeRF paper's network.
@@ -122,7 +123,7 @@ pub enum Kind {
 }
 
 /// Runs `train`.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
         let summary = train(args)?;
         output::print(json, &summary.object, &summary.text);
@@ -137,7 +138,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
 }
 
 /// The summary of a run.
-pub struct Summary {
+pub(super) struct Summary {
     /// For `--json`.
     pub object: Value,
     /// For people.
@@ -149,7 +150,7 @@ pub struct Summary {
 }
 
 /// Trains as `args` say.
-pub fn train(args: &Args) -> Result<Summary> {
+pub(super) fn train(args: &Args) -> Result<Summary> {
     let recipe = recipe::given(args);
     let scene = recipe::load_scene(&recipe, false, "arguments")?;
     scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
@@ -176,9 +177,10 @@ pub fn train(args: &Args) -> Result<Summary> {
         bar.set_message(format!("loss {:.5}, val {} dB", point.loss, output::decibels(point.val_probe)));
     })?;
     bar.finish_and_clear();
-    run.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    let new: Vec<Value> = run.warnings.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
-    let failure = run.failure.clone();
+    let said: Vec<String> = run.warnings.iter().map(|warning| spelled(warning)).collect();
+    said.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    let new: Vec<Value> = said.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
+    let failure = run.failure.as_deref().map(spelled);
     if !new.is_empty() || failure.is_some() {
         // The warnings of training are all that wasn't known then.
         settings.insert("failure".into(), json!(failure));
@@ -187,7 +189,7 @@ pub fn train(args: &Args) -> Result<Summary> {
         folder.write_settings(&settings)?;
     }
     write_curve(&folder, &scene, &run.log)?;
-    Ok(summary(&run.log, &run.warnings, failure, args))
+    Ok(summary(&run.log, &said, failure, args))
 }
 
 /// The parts that the model leaves out in this scene, with their reasons.

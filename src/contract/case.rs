@@ -7,7 +7,7 @@ use super::arrays::{Arrays, array};
 use crate::random::{Key, Purpose};
 
 /// One case of a component.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// Unique within the component, e.g. `spikes` or `VR1_tiny_alpha`.
     pub id: String,
@@ -17,13 +17,15 @@ pub struct Case {
     pub inputs: Arrays,
     /// Left out of the VJP's cases, e.g. for its size.
     pub forward_only: bool,
+    /// The type whose every bit the numbers use, if they do ([`in_full`]): cotangents do then too.
+    pub full: Option<Dtype>,
 }
 
 impl Case {
     /// A named case.
     pub fn new(id: impl ToString, comment: &'static str, inputs: Vec<(&str, ArrayD<f64>)>) -> Self {
         let inputs = inputs.into_iter().map(|(name, array)| (name.to_string(), array)).collect();
-        Case { id: id.to_string(), comment, inputs, forward_only: false }
+        Case { id: id.to_string(), comment, inputs, forward_only: false, full: None }
     }
 
     /// The same without a VJP case.
@@ -37,8 +39,35 @@ impl Case {
     }
 }
 
+/// The cases, and that of this id twice more, with numbers near its own that use every bit of f32 and of f64: whoever rounds an input to
+/// a shorter type on the way is off there.
+///
+/// # Panics
+/// Without a case of this id.
+pub fn in_full(mut cases: Vec<Case>, id: &str) -> Vec<Case> {
+    let short = cases.iter().find(|case| case.id == id).unwrap_or_else(|| panic!("no case {id}")).clone();
+    for (dtype, comment) in
+        [(Dtype::F32, "numbers that use every bit of f32"), (Dtype::F64, "numbers that use every bit of f64")]
+    {
+        let mut case = Case { id: format!("{id}_{dtype}"), comment, full: Some(dtype), ..short.clone() };
+        let mut draw = Draw::new(&case.id, 0);
+        case.inputs.values_mut().for_each(|array| lengthen(array, dtype, &mut draw));
+        cases.push(case);
+    }
+    cases
+}
+
+/// Moves numbers by up to 2^-8 of their size to others of `dtype`. Whole ones stay: they are counts, or exact in every type for a reason
+/// (the last row of a pose). So do scalars, which are hyper-parameters.
+pub fn lengthen(array: &mut ArrayD<f64>, dtype: Dtype, draw: &mut Draw) {
+    if array.ndim() > 0 {
+        let near = |x: f64, u: f64| dtype.round(x * (1.0 + (u - 0.5) / 128.0));
+        array.mapv_inplace(|x| if x.fract() == 0.0 { x } else { near(x, draw.unit()) });
+    }
+}
+
 /// A seeded source of short numbers: 7 significant bits, so that every type holds them.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Draw {
     key: Key,
     stream: u64,

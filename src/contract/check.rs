@@ -4,7 +4,7 @@ use ndarray::{ArrayD, Zip};
 
 use super::arithmetic::{Arithmetic, Dtype, Grade};
 use super::arrays::Arrays;
-use super::case::{Case, Draw};
+use super::case::{Case, Draw, lengthen};
 use super::component::{Component, Direction};
 use crate::convention::Conventions;
 
@@ -26,7 +26,8 @@ impl Component {
         }
     }
 
-    /// The cases of this direction: for the VJP the forward ones, with cotangents k / 16 (k = +-1, ..., +-16) that every type holds.
+    /// The cases of this direction: for the VJP the forward ones, with cotangents k / 16 (k = +-1, ..., +-16) that every type holds, or
+    /// near those and of every bit of a type, as the case's own numbers.
     pub fn cases_of(&self, kind: Kind, c: &Conventions) -> Vec<Case> {
         let mut cases = (self.cases)();
         cases.iter_mut().for_each(|case| (self.special.reshape)(&mut case.inputs, c));
@@ -36,10 +37,13 @@ impl Component {
                 let outputs = (self.forward.oracle)(&case.inputs, c);
                 let mut draw = Draw::new(self.name, 1000 + n as u64);
                 for port in self.outputs.iter().filter(|port| port.gradient) {
-                    let cotangent = outputs[port.name].mapv(|_| {
+                    let mut cotangent = outputs[port.name].mapv(|_| {
                         let k = 1.0 + draw.below(16) as f64;
                         if draw.below(2) == 0 { k / 16.0 } else { -k / 16.0 }
                     });
+                    if let Some(dtype) = case.full {
+                        lengthen(&mut cotangent, dtype, &mut draw);
+                    }
                     case.inputs.insert(format!("grad_{}", port.name), cotangent);
                 }
             }

@@ -30,7 +30,7 @@ impl Entries {
 }
 
 /// One input or output array.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Port {
     /// Name, as in the judging contract. A last `*` stands for a number: `w*` is w0, w1, ...
     pub name: &'static str,
@@ -72,7 +72,7 @@ impl Port {
 }
 
 /// A mistake that people really make, runnable through [`Direction::wrong`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mistake {
     /// Name, unique within the component, e.g. `inclusive_transmittance`.
     pub name: &'static str,

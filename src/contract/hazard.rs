@@ -5,7 +5,7 @@
 //! Numbers that are missing were hazards of components that the crate doesn't have.
 
 /// A kind of input on which implementations go wrong.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hazard {
     /// Its id, e.g. `VR9`.
     pub id: &'static str,

@@ -19,7 +19,7 @@ pub enum Order {
 }
 
 /// One honest machine.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Machine {
     /// Every result is rounded to this type.
     pub dtype: Dtype,

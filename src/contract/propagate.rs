@@ -16,7 +16,7 @@ use super::bounded::{Bounded, gamma};
 pub const LAMBDA: f64 = 8.0;
 
 /// A vector with everything that is known about its error.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Vector {
     /// Values.
     pub y: Array1<f64>,
@@ -119,7 +119,8 @@ impl Vector {
     /// after the bias in the short types.
     fn round_dot(&mut self, o: usize, terms: &[f64], bias: f64, m: &Arithmetic) {
         let sum: f64 = terms.iter().sum::<f64>() + bias;
-        let n = terms.len() as f64;
+        // A product that is exactly 0 neither rounds nor flushes.
+        let n = terms.iter().filter(|term| **term > 0.0).count() as f64;
         let reach = self.y[o].abs() + self.error(o);
         let result = if m.u_sum < m.u { m.u * (2.0 * reach + bias) } else { 0.0 };
         let squares: f64 = terms.iter().map(|term| term * term).sum();

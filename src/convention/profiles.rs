@@ -6,7 +6,7 @@ use super::*;
 use crate::error::{Error, Result};
 
 /// The conventions of one code base.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Profile {
     /// Name, as `--profile` takes it.
     pub name: &'static str,

@@ -1,7 +1,7 @@
 //! Cases of packed rendering with early stop: rays of every length, and stops at every place.
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Packed rendering with early stop.
 pub fn early_stop() -> Vec<Case> {
@@ -83,5 +83,5 @@ pub fn early_stop() -> Vec<Case> {
         let deltas = (0..samples).map(|_| draw.between(0.5, 1.5)).collect();
         cases.push(case(regime, comment, eps, &lengths, sigmas, rgbs, deltas));
     }
-    cases
+    in_full(cases, "mixed")
 }

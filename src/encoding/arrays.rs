@@ -29,9 +29,7 @@ pub(super) fn encoding(a: &Arrays, c: &Conventions) -> Arrays {
 
 pub(super) fn encoding_vjp(a: &Arrays, c: &Conventions) -> Arrays {
     let encoding = settings(a, c);
-    let mut g = rows(a, "grad_encoding");
-    // The judge tries conventions whose encoding is narrower than the one that the case's gradients belong to.
-    g.iter_mut().for_each(|g| g.truncate(encoding.width(dims(a))));
+    let g = rows(a, "grad_encoding");
     let out: Vec<Vec<f64>> =
         rows(a, "x").iter().zip(&g).map(|(x, g)| backward::positional_encoding(x, &encoding, g)).collect();
     arrays([("grad_x", from_rows(&out, dims(a)))])

@@ -1,7 +1,7 @@
 //! Cases of the positional encoding: zeros and ones of sin and cos, high bands, large and tiny x.
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw, short};
+use crate::contract::case::{Case, Draw, in_full, short};
 
 /// Positional encoding.
 pub fn positional_encoding() -> Vec<Case> {
@@ -16,7 +16,7 @@ pub fn positional_encoding() -> Vec<Case> {
     let irrational = std::f64::consts::SQRT_2 / 3.0;
     let probe = vec![0.0, 0.5, short(irrational)];
     let halves = vec![0.0, -0.0, 0.5, -0.5, 1.0, -1.0, 2.0, 0.25, -1.5, 0.75];
-    vec![
+    let cases = vec![
         case("probe", "x = 0, 1/2 and sqrt(2)/3 at three bands", 3.0, 3, probe.clone()),
         case(
             "probe_exact",
@@ -67,5 +67,6 @@ pub fn positional_encoding() -> Vec<Case> {
             2,
             vec![0.5 - f64::EPSILON / 4.0, 0.5 + f64::EPSILON / 2.0, 1.5 - f64::EPSILON, 1.0 + f64::EPSILON],
         ),
-    ]
+    ];
+    in_full(cases, "directions")
 }

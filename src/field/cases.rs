@@ -5,8 +5,8 @@ use ndarray::{ArrayD, Axis};
 use super::nerf_mlp::{NerfMlp, Shape};
 use super::trunk::Plan;
 use crate::contract::arrays::{Arrays, array};
-use crate::contract::case::{Case, Draw};
-use crate::convention::Conventions;
+use crate::contract::case::{Case, Draw, in_full};
+use crate::convention::{CS180, Conventions};
 use crate::random::{Key, Purpose};
 
 /// Weights as large as PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
@@ -32,6 +32,30 @@ fn plain(id: &str, comment: &'static str, stream: u64, sizes: &[usize], points: 
     case
 }
 
+/// Weights that pass on one input each, the `n` from `first` on by turns: sums of one product keep most digits even in bf16.
+fn passing_on([outputs, inputs]: [usize; 2], first: usize, n: usize, gain: f64) -> ArrayD<f64> {
+    let weight = |k: usize| if k % inputs == first + (k / inputs) % n { gain } else { 0.0 };
+    array(&[outputs, inputs], (0..outputs * inputs).map(weight).collect())
+}
+
+/// Weights and biases that keep hidden units near 3/4, and small logits, where the sigmoid's slope is sharpest.
+const GAIN: f64 = 0.875;
+const BIAS: f64 = 0.09375;
+const LAST_GAIN: f64 = 0.25;
+
+/// A plain network of such weights, with small biases.
+fn passing_mlp(sizes: &[usize]) -> Case {
+    let comment = "every unit passes on one of the layer below: the gradient keeps its digits in every type";
+    let mut case = plain("passing_on", comment, 10, sizes, 1, 1.0);
+    case.inputs.insert("x".into(), Draw::new("mlp", 11).array(&[1, sizes[0]], 0.5, 1.0));
+    for (n, size) in sizes.windows(2).enumerate() {
+        let gain = if n + 2 == sizes.len() { LAST_GAIN } else { GAIN };
+        case.inputs.insert(format!("w{n}"), passing_on([size[1], size[0]], 0, size[0], gain));
+        case.inputs.insert(format!("b{n}"), array(&[size[1]], vec![BIAS; size[1]]));
+    }
+    case
+}
+
 /// The plain network.
 pub fn mlp() -> Vec<Case> {
     let mut dead =
@@ -42,13 +66,15 @@ pub fn mlp() -> Vec<Case> {
     saturated.inputs.insert("w0".into(), array(&[2, 1], vec![-88.0, 8.0]));
     saturated.inputs.insert("b0".into(), array(&[2], vec![0.0, 0.0]));
     saturated.inputs.insert("x".into(), array(&[1, 1], vec![1.0]));
-    vec![
+    let cases = vec![
         plain("one_layer", "no hidden layer", 0, &[3, 2], 3, 0.25),
         plain("two_hidden", "two hidden layers of 16", 1, &[6, 16, 16, 3], 4, 2.0),
         plain("wide", "three hidden layers of 32", 2, &[10, 32, 32, 32, 3], 2, 3.0),
         dead,
         saturated,
-    ]
+        passing_mlp(&[4, 8, 8, 8, 3]),
+    ];
+    in_full(in_full(cases, "two_hidden"), "passing_on")
 }
 
 fn nerf(id: &str, comment: &'static str, stream: u64, width: usize, levels: [usize; 2], bias: f64) -> Case {
@@ -57,9 +83,9 @@ fn nerf(id: &str, comment: &'static str, stream: u64, width: usize, levels: [usi
     let inputs =
         vec![("positions", draw.array(&[2, 3], -1.0, 1.0)), ("directions", draw.array(&[2, 3], -1.0, 1.0))];
     let mut case = Case::new(id, comment, inputs);
-    let shape = Shape { position, direction, width, depth: 8, color: width / 2, skip: 4 };
+    let shape = Shape { position, direction, width, depth: 8, color: width / 2 };
     let mut sizes: Vec<(String, usize, usize, f64)> =
-        (0..8).map(|n| (format!("trunk{n}"), shape.trunk_inputs(n), width, bias)).collect();
+        (0..8).map(|n| (format!("trunk{n}"), shape.trunk_inputs(n, &CS180), width, bias)).collect();
     sizes.push(("sigma".into(), width, 1, 0.5));
     sizes.push(("feature".into(), width, width, 0.25));
     sizes.push(("color0".into(), width + direction, width / 2, bias));
@@ -74,23 +100,53 @@ fn nerf(id: &str, comment: &'static str, stream: u64, width: usize, levels: [usi
     case
 }
 
+/// A NeRF network of weights that pass on one input each. The first layer reads the position itself, and has larger biases for networks
+/// without it; where the encoding enters again, columns 9 to 15 are hidden units in either order; red is a feature, green and blue
+/// are directions.
+fn passing_nerf() -> Case {
+    let comment = "every unit passes on one of the layer below: the gradient keeps its digits in every type";
+    let mut case = nerf("passing_on", comment, 4, 16, [1, 1], 1.0);
+    let mut draw = Draw::new("nerf_mlp", 5);
+    for (name, array) in &mut case.inputs {
+        *array = match name.as_str() {
+            "positions" | "directions" => draw.array(&[1, 3], 0.5, 1.0),
+            "trunk0_b" => array.mapv(|_| 0.5),
+            _ if name.ends_with("_b") => array.mapv(|_| BIAS),
+            _ => {
+                let [outputs, inputs] = [array.shape()[0], array.shape()[1]];
+                let (first, n) = match name.as_str() {
+                    "trunk0_w" => (0, 3),
+                    "trunk4_w" => (9, 7),
+                    "color0_w" => (12, 8),
+                    "color1_w" => (3, 3),
+                    _ => (0, inputs.min(16)),
+                };
+                passing_on([outputs, inputs], first, n, if name == "color1_w" { LAST_GAIN } else { GAIN })
+            }
+        };
+    }
+    case
+}
+
 /// The NeRF network.
 pub fn nerf_mlp() -> Vec<Case> {
     let mut dead = nerf("TR1_dead", "sigma is 0 everywhere and its head has no gradient", 2, 16, [1, 1], 2.0);
     dead.inputs.insert("sigma_b".into(), array(&[1], vec![-64.0]));
-    vec![
+    let cases = vec![
         nerf("short", "one band each: accurate in every type", 0, 16, [1, 1], 2.0),
         nerf("width_16", "63 and 27 columns, as in the paper", 1, 16, [10, 4], 4.0),
         nerf("width_32", "width 32, short encodings", 3, 32, [2, 1], 4.0),
         dead,
         full_size(),
-    ]
+        passing_nerf(),
+    ];
+    in_full(cases, "passing_on")
 }
 
 /// 8 layers of 256 with PyTorch's initial values, rounded to f32: `Key::new(0, Purpose::Parameters)`, streams as in
 /// [`NerfMlp::initial`].
 fn full_size() -> Case {
-    let net = NerfMlp::initial(&Shape::PAPER, &Key::new(0, Purpose::Parameters));
+    let net = NerfMlp::initial(&Shape::PAPER, &CS180, &Key::new(0, Purpose::Parameters));
     let mut draw = Draw::new("nerf_mlp", 100);
     let inputs =
         vec![("positions", draw.array(&[1, 3], -1.0, 1.0)), ("directions", draw.array(&[1, 3], -1.0, 1.0))];
@@ -103,13 +159,13 @@ fn full_size() -> Case {
     case.forward_only()
 }
 
-/// The network's cases are written for an encoding that enters the trunk again in layer 4. Where it enters in another layer, the two
+/// The network's cases are written for the skip of `cs180`. Where the encoding enters the trunk again in another layer, the two
 /// layers' weights are exchanged, so that the shapes fit; where the encoding lacks x itself, the weights lack those columns.
 pub fn reshape(inputs: &mut Arrays, c: &Conventions) {
     let name = |layer: usize| format!("trunk{layer}_w");
     let columns = |inputs: &Arrays, name: &str| inputs.get(name).map(|w| w.shape()[1]);
     if !c.identity {
-        let written = Plan { skip: 4, order: c.skip_order };
+        let written = Plan { skip: CS180.skip_layer, order: c.skip_order };
         let encoding = columns(inputs, &name(0)).expect("a network's arrays");
         let mut identity = vec![("color0_w".to_string(), inputs["feature_w"].shape()[0])];
         for n in 0.. {
@@ -122,10 +178,11 @@ pub fn reshape(inputs: &mut Arrays, c: &Conventions) {
             *w = w.select(Axis(1), &kept);
         }
     }
-    if c.skip_layer != 4 && inputs.contains_key(&name(c.skip_layer)) {
-        let (wide, narrow) = (inputs.remove(&name(4)), inputs.remove(&name(c.skip_layer)));
-        inputs.extend(wide.map(|w| (name(c.skip_layer), w)));
-        inputs.extend(narrow.map(|w| (name(4), w)));
+    let (here, there) = (name(CS180.skip_layer), name(c.skip_layer));
+    if here != there && inputs.contains_key(&there) {
+        let (wide, narrow) = (inputs.remove(&here), inputs.remove(&there));
+        inputs.extend(wide.map(|w| (there, w)));
+        inputs.extend(narrow.map(|w| (here, w)));
     }
 }
 

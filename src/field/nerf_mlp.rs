@@ -2,7 +2,7 @@
 
 use super::trunk::Plan;
 use super::{Layer, density, relu, sigmoid};
-use crate::convention::{Activation, Conventions, SkipOrder};
+use crate::convention::{Activation, Conventions};
 use crate::random::Key;
 
 /// Parameters. In the paper: 8 trunk layers of 256, the encoding (63 columns) concatenated again into the input of the fifth,
@@ -34,22 +34,15 @@ pub struct Shape {
     pub depth: usize,
     /// Width of the color layer.
     pub color: usize,
-    /// Index (from 0) of the trunk layer whose input is [h, encoding].
-    pub skip: usize,
 }
 
 impl Shape {
-    /// The paper's: L = 10 and 4, 8 layers of 256, 128 for the color, skip into the fifth layer.
-    pub const PAPER: Shape = Shape { position: 63, direction: 27, width: 256, depth: 8, color: 128, skip: 4 };
+    /// The paper's: L = 10 and 4, 8 layers of 256, 128 for the color.
+    pub const PAPER: Shape = Shape { position: 63, direction: 27, width: 256, depth: 8, color: 128 };
 
     /// Columns that go into trunk layer n.
-    pub fn trunk_inputs(&self, n: usize) -> usize {
-        self.plan().columns(n, self.width, self.position)
-    }
-
-    /// The plan of a trunk of this shape, in the order of `cs180`: [h, encoding].
-    pub fn plan(&self) -> Plan {
-        Plan { skip: self.skip, order: SkipOrder::HiddenFirst }
+    pub fn trunk_inputs(&self, n: usize, c: &Conventions) -> usize {
+        Plan::of(c).columns(n, self.width, self.position)
     }
 }
 
@@ -81,12 +74,12 @@ pub struct Tape {
 }
 
 impl NerfMlp {
-    /// PyTorch's initial values. Streams in the order of the names: trunk 0, 1, ..., sigma, feature, color0, color1.
-    pub fn initial(shape: &Shape, key: &Key) -> Self {
+    /// PyTorch's initial values, for the skip of `c`. Streams in the order of the names: trunk 0, 1, ..., sigma, feature, color0, color1.
+    pub fn initial(shape: &Shape, c: &Conventions, key: &Key) -> Self {
         let Shape { direction, width, depth, color, .. } = *shape;
         let layer = |n: usize, inputs, outputs| Layer::initial(inputs, outputs, key, n as u64);
         NerfMlp {
-            trunk: (0..depth).map(|n| layer(n, shape.trunk_inputs(n), width)).collect(),
+            trunk: (0..depth).map(|n| layer(n, shape.trunk_inputs(n, c), width)).collect(),
             sigma: layer(depth, width, 1),
             feature: layer(depth + 1, width, width),
             color0: layer(depth + 2, width + direction, color),

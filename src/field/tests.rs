@@ -8,10 +8,10 @@ use crate::contract::testing::{properties, slope};
 use crate::convention::{Activation, CS180, Conventions, SkipOrder};
 use crate::random::Purpose;
 
-const SHAPE: Shape = Shape { position: 5, direction: 3, width: 4, depth: 8, color: 3, skip: 4 };
+const SHAPE: Shape = Shape { position: 5, direction: 3, width: 4, depth: 8, color: 3 };
 
 fn net(seed: u64) -> NerfMlp {
-    NerfMlp::initial(&SHAPE, &Key::new(seed, Purpose::Parameters))
+    NerfMlp::initial(&SHAPE, &CS180, &Key::new(seed, Purpose::Parameters))
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn initial_values_are_uniform_within_one_over_the_root_of_the_inputs() {
     assert_eq!(layer.w[[0, 1]], 0.1 * (2.0 * key.uniform(0, 2, 1) - 1.0));
     assert_eq!(layer.b[3], 0.1 * (2.0 * key.uniform(0, 2, 5003) - 1.0));
     // Each layer has its own stream: no two begin alike.
-    let net = NerfMlp::initial(&SHAPE, &key);
+    let net = NerfMlp::initial(&SHAPE, &CS180, &key);
     assert_eq!(net.trunk[7], Layer::initial(4, 4, &key, 7));
     assert_eq!([&net.sigma, &net.feature], [&Layer::initial(4, 1, &key, 8), &Layer::initial(4, 4, &key, 9)]);
     assert_eq!(
@@ -184,7 +184,7 @@ fn initial_values_are_uniform_within_one_over_the_root_of_the_inputs() {
 
 #[test]
 fn the_papers_network_has_its_parameters() {
-    let net = NerfMlp::initial(&Shape::PAPER, &Key::new(0, Purpose::Parameters));
+    let net = NerfMlp::initial(&Shape::PAPER, &CS180, &Key::new(0, Purpose::Parameters));
     let shapes: Vec<_> = net.layers().iter().map(|(_, layer)| layer.w.dim()).collect();
     assert_eq!(shapes[..5], [(256, 63), (256, 256), (256, 256), (256, 256), (256, 319)]);
     assert_eq!(shapes[5..], [(256, 256), (256, 256), (256, 256), (1, 256), (256, 256), (128, 283), (3, 128)]);
@@ -251,7 +251,8 @@ fn conventions_change_what_they_name() {
 /// The first layer's input is the encoding already: a skip into layer 0 is no skip, forward and backward.
 #[test]
 fn a_skip_into_the_first_layer_is_none() {
-    let mut plain = NerfMlp::initial(&Shape { skip: 0, ..SHAPE }, &Key::new(5, Purpose::Parameters));
+    let none = Conventions { skip_layer: 0, ..CS180 };
+    let mut plain = NerfMlp::initial(&SHAPE, &none, &Key::new(5, Purpose::Parameters));
     plain.trunk.iter_mut().for_each(|layer| layer.b.fill(0.5));
     assert!(plain.trunk[1..].iter().all(|layer| layer.w.dim() == (4, 4)));
     let (x, d) = ([0.3, -0.2, 0.9, 0.5, -0.7], [0.1, 0.8, -0.6]);

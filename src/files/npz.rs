@@ -10,7 +10,7 @@ use ndarray::{ArrayD, Dimension, IxDyn};
 use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder};
 use zip::ZipArchive;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files;
 
 /// The most bytes one array may fill: a larger one is refused before anything is allocated for it.
@@ -100,8 +100,14 @@ impl Npz {
     pub fn open(path: &Path) -> Result<Npz> {
         let file = File::open(path).map_err(Error::reading(path))?;
         let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|error| {
-            let advice = "Fetch the file again if it was cut short; numpy.savez writes such archives.";
-            Error::input(path.display(), "archive", error, "a whole .npz (zip) archive", advice)
+            let remedy = "Fetch the file again if it was cut short; numpy.savez writes such archives.";
+            Error::input(Input {
+                file: path.display(),
+                field: "archive",
+                found: error,
+                expected: "a whole .npz (zip) archive",
+                remedy,
+            })
         })?;
         let mut names = BTreeMap::new();
         for index in 0..archive.len() {
@@ -140,12 +146,18 @@ impl Npz {
         let file = self.path.display().to_string();
         let Some(&index) = self.names.get(name) else {
             let there = self.names().collect::<Vec<_>>().join(", ");
-            let advice = "Check which program wrote the file, and under which names.";
-            return Err(Error::input(file, name, format!("only [{there}]"), "an array of this name", advice));
+            let remedy = "Check which program wrote the file, and under which names.";
+            return Err(Error::input(Input {
+                file,
+                field: name,
+                found: format!("only [{there}]"),
+                expected: "an array of this name",
+                remedy,
+            }));
         };
         self.read(index).map_err(|(found, expected)| {
-            let advice = "Write the array again, as plain numbers, with numpy.savez.";
-            Error::input(file, format!("array {name}"), found, expected, advice)
+            let remedy = "Write the array again, as plain numbers, with numpy.savez.";
+            Error::input(Input { file, field: format!("array {name}"), found, expected, remedy })
         })
     }
 

@@ -7,7 +7,7 @@ use image::{DynamicImage, ImageFormat, ImageReader, Limits, RgbImage};
 use ndarray::{Array3, ArrayView3};
 
 use super::photo::Photo;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files;
 
 /// The most bytes a picture may take when decoded.
@@ -64,8 +64,14 @@ fn decode(path: &Path) -> Result<DynamicImage> {
         reader.decode()
     };
     decode().map_err(|error| {
-        let advice = "Save it again as PNG or JPEG.";
-        Error::input(path.display(), "picture", error, "a whole PNG, JPEG or GIF file", advice)
+        let remedy = "Save it again as PNG or JPEG.";
+        Error::input(Input {
+            file: path.display(),
+            field: "picture",
+            found: error,
+            expected: "a whole PNG, JPEG or GIF file",
+            remedy,
+        })
     })
 }
 

@@ -1,8 +1,9 @@
 //! Cases of the hash grid: dense, hashed and colliding levels; points inside of cells and on their faces.
 
 use super::{Level, resolutions};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Cells of the coarsest and the finest level, number of levels, entries of a table at most, features.
 type Shape = (u32, u32, usize, usize, usize);
@@ -28,8 +29,9 @@ pub fn hash_grid() -> Vec<Case> {
         let mut draw = Draw::new("hash_grid", stream);
         (0..3 * n).map(|_| draw.between(0.0, 1.0)).collect::<Vec<f64>>()
     };
+    let mut fine = Draw::new("hash_grid", 7);
     let corners = (0..24).map(|i| f64::from((i / 3) >> (i % 3) & 1)).collect();
-    vec![
+    let cases = vec![
         case("dense", "one level, every vertex with its own entry", (3, 3, 1, 64, 2), seeded(0, 8)),
         case("corners", "the box's own corners read single entries", (3, 3, 1, 64, 1), corners),
         case("hashed", "one level whose vertices share 32 entries", (7, 7, 1, 32, 2), seeded(1, 8)),
@@ -42,11 +44,26 @@ pub fn hash_grid() -> Vec<Case> {
             seeded(4, 8),
         ),
         case(
+            "first_cell",
+            "one point in the first cell of each of four levels: its place in it keeps its digits",
+            (3, 31, 4, 32, 2),
+            vec![0.015625, 0.01171875, 0.0078125],
+        ),
+        case(
             "collisions",
             "8 entries: corners of one cell collide, gradients add up",
             (5, 9, 2, 8, 2),
             seeded(5, 10),
         ),
+        case("four_features", "F = 4, a dense and a hashed level", (3, 7, 2, 64, 4), seeded(6, 4)),
+        case(
+            "PE6_overflow",
+            "2048^3 vertices are 0 of them in 32 bits, and yet not dense",
+            (2047, 2047, 1, 64, 1),
+            (0..12).map(|_| Dtype::F32.round(fine.unit())).collect(),
+        )
+        // Differences for a numeric gradient cross these cells' faces.
+        .forward_only(),
         case(
             "PE6_faces",
             "on faces, edges and vertices of cells: continuous, but for the derivative",
@@ -67,5 +84,6 @@ pub fn hash_grid() -> Vec<Case> {
             (4, 8, 2, 128, 1),
             vec![0.125, 0.375, 0.625, 0.875, 0.875, 0.125, 0.625, 0.625, 0.625],
         ),
-    ]
+    ];
+    in_full(cases, "dense_and_hashed")
 }

@@ -1,7 +1,7 @@
 //! Cases of importance sampling: random rays, empty and opaque ones, ties, ends and bins of width 0.
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Rows of equal length as an array.
 fn table(rows: &[Vec<f64>]) -> ndarray::ArrayD<f64> {
@@ -56,7 +56,7 @@ pub fn importance_sampling() -> Vec<Case> {
     [0, 1, 4, 7].into_iter().for_each(|k| empty_between[k] = 0.0);
     let inner = numbers(&mut draw, 6, 0.0625, 0.9375);
     let steps = numbers(&mut draw, 4, 0.125, 0.875);
-    vec![
+    let cases = vec![
         random("plain", "uneven bins, random weights, u in any order", [3, 6, 5], 0.0),
         random("one_bin", "N = 1: uniform between the two edges", [2, 1, 4], 0.0),
         random("two_bins", "N = 2", [3, 2, 3], 0.0),
@@ -120,5 +120,6 @@ pub fn importance_sampling() -> Vec<Case> {
             [&[quarters], &[vec![0.0, 0.0, 0.75, 1.25]], &[vec![0.0, 0.25, 0.6875]]],
             0.0,
         ),
-    ]
+    ];
+    in_full(cases, "plain")
 }

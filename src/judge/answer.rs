@@ -9,7 +9,7 @@ use crate::contract::arrays::Arrays;
 use crate::contract::component::Entries;
 
 /// One array of an answer.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Given {
     /// The values; every type a candidate may use fits into f64.
     pub values: ArrayD<f64>,

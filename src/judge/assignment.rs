@@ -1,12 +1,12 @@
 //! Which conventions a run follows: one assignment over all of its components, from closed lists, nothing fitted.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped};
 use super::exam::Question;
-use super::mark::{MarkOptions, within};
+use super::mark::{MarkOptions, proves, within};
 use super::statistics;
 use crate::contract::arithmetic::Grade;
 use crate::contract::arrays::Arrays;
@@ -106,7 +106,8 @@ pub fn possible(
     all
 }
 
-/// Whether all small cases are right in these conventions.
+/// Whether all small cases are right in these conventions, with evidence in every output: where 0 would be right too, these
+/// conventions aren't what the answers follow, they only say nothing.
 pub fn holds(question: &Question, answers: &Answers, c: &Conventions, options: &MarkOptions) -> bool {
     if question.statistics() {
         return statistics::plausible(question, answers, c);
@@ -116,13 +117,16 @@ pub fn holds(question: &Question, answers: &Answers, c: &Conventions, options: &
     }
     let cases = small_cases(question, answers);
     let direction = question.component.direction(question.kind).expect("a question has its direction");
-    !cases.is_empty()
-        && cases.iter().all(|(case, answer)| {
-            let expected = (direction.oracle)(&case.inputs, c);
-            within(answer, &expected, options.may_reject_early(case), || {
-                options.truth(question, case, c, Grade::B).1
-            })
+    let mut unproved: BTreeSet<&String> = cases.iter().flat_map(|(_, answer)| answer.keys()).collect();
+    let right = cases.iter().all(|(case, answer)| {
+        let expected = (direction.oracle)(&case.inputs, c);
+        within(answer, &expected, options.may_reject_early(case), || {
+            let bound = options.truth(question, case, c, Grade::B).1;
+            unproved.retain(|name| expected.get(*name).is_some_and(|e| !proves(e, &bound[*name])));
+            bound
         })
+    });
+    !cases.is_empty() && right && unproved.is_empty()
 }
 
 /// One assignment over the whole run.

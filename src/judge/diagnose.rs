@@ -13,7 +13,7 @@ use crate::convention::Conventions;
 use crate::parallel;
 
 /// A hypothesis that explains every answered element.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Explanation {
     /// The mistakes.
     pub mistakes: Vec<&'static Mistake>,

@@ -183,7 +183,8 @@ impl<'a, Row> Door<'a, Row> {
     /// The verdict, with what explains it.
     ///
     /// # Panics
-    /// On a profile that doesn't exist, and where the kernel panics.
+    /// On a profile that doesn't exist; where the kernel panics, has more outputs than the contract, or outputs whose shapes differ
+    /// between rays (points).
     #[track_caller]
     pub fn report(&self) -> Report {
         let name = self.component.name;
@@ -202,7 +203,7 @@ impl<'a, Row> Door<'a, Row> {
     /// Passes, or panics with the whole report: the worst element, and the mistake that explains the numbers.
     ///
     /// # Panics
-    /// Where the verdict isn't a pass.
+    /// Where the verdict isn't a pass, and where [`Self::report`] does.
     #[track_caller]
     pub fn assert_pass(&self) {
         let report = self.report();
@@ -222,6 +223,9 @@ macro_rules! front_door {
         pub struct $row;
 
         $(#[$doc])*
+        ///
+        /// # Panics
+        /// Not here: [`report`]($crate::judge::Door::report) and [`assert_pass`]($crate::judge::Door::assert_pass) say when they do.
         pub fn $name<'a, O: $crate::judge::Outputs>(
             kernel: impl Fn($($type),*) -> O + Sync + 'a,
         ) -> $crate::judge::Door<'a, $row> {
@@ -241,6 +245,9 @@ macro_rules! front_door {
 
         impl<'a> $crate::judge::Door<'a, $row> {
             $(#[$vjp_doc])*
+            ///
+            /// # Panics
+            /// Not here: [`report`](Self::report) and [`assert_pass`](Self::assert_pass) say when they do.
             pub fn vjp<O: $crate::judge::Outputs>(
                 self,
                 kernel: impl Fn($($type,)* $($cotangent_type),*) -> O + Sync + 'a,

@@ -18,7 +18,7 @@ use crate::registry::all_rows;
 pub const SCHEMA: &str = "nerf-oracle/cases/1";
 
 /// One component in one direction with all of its cases.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Question {
     /// The row of the contract.
     pub component: &'static Component,
@@ -29,7 +29,7 @@ pub struct Question {
 }
 
 /// All questions that a candidate is asked.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Exam {
     /// What the candidate computes in.
     pub dtype: Dtype,

@@ -13,7 +13,7 @@ use super::exam::{Exam, Manifest, Question, SCHEMA, Stored};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::convention::profiles;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files::{self, npz};
 use crate::parallel;
 
@@ -64,15 +64,15 @@ fn packed(name: &str, array: &ArrayD<f64>, question: &Question, exam: &Exam) -> 
 pub fn read_exam(folder: &Path) -> Result<Exam> {
     let path = folder.join("cases.json");
     let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
-    let again = "Write the cases again with `nerf-oracle cases`, into an empty folder.";
+    let again = "Write the cases again, into an empty folder.";
     let wrong = |field: &str, found: String, expected: &str| {
-        Error::input(path.display(), field, found, expected, again)
+        Error::input(Input { file: path.display(), field, found, expected, remedy: again })
     };
     if size > LONGEST_MANIFEST {
-        return Err(wrong("size", format!("{size} bytes"), "a manifest that `nerf-oracle cases` wrote"));
+        return Err(wrong("size", format!("{size} bytes"), "a manifest of cases, as it was written"));
     }
     let found: Manifest = serde_json::from_str(&files::read_text(&path)?)
-        .map_err(|error| wrong("JSON", error.to_string(), "a manifest that `nerf-oracle cases` wrote"))?;
+        .map_err(|error| wrong("JSON", error.to_string(), "a manifest of cases, as it was written"))?;
     if found.schema != SCHEMA || found.version != env!("CARGO_PKG_VERSION") {
         let here = format!("{SCHEMA} of version {}", env!("CARGO_PKG_VERSION"));
         return Err(wrong("schema", format!("{} of version {}", found.schema, found.version), &here));
@@ -107,13 +107,13 @@ fn unchanged(exam: &Exam, folder: &Path) -> Result<()> {
                 .find(|(name, input)| found.get(*name).is_none_or(|f| !same(&f.values, input)))
             {
                 None => Ok(()),
-                Some((name, _)) => Err(Error::input(
-                    path.display(),
-                    format!("array {name}"),
-                    "other numbers than the case has",
-                    "the inputs as they were written",
-                    "Write the cases again with `nerf-oracle cases`.",
-                )),
+                Some((name, _)) => Err(Error::input(Input {
+                    file: path.display(),
+                    field: format!("array {name}"),
+                    found: "other numbers than the case has",
+                    expected: "the inputs as they were written",
+                    remedy: "Write the cases again.",
+                })),
             }
         })
     });
@@ -156,9 +156,10 @@ pub fn read_answers(exam: &Exam, folder: &Path) -> Result<Vec<Answers>> {
 /// Reads the arrays of these names, if the archive unpacks to at most `allowed` bytes (and some slack).
 fn read_arrays(path: &Path, names: BTreeSet<&String>, allowed: u64) -> Result<BTreeMap<String, Given>> {
     let expected = format!("at most {} bytes, as the manifest has it", allowed + SLACK);
-    let advice = "Store the outputs that cases.json lists, uncompressed (numpy.savez), and nothing else.";
-    let refuse =
-        |what: &str, found: String| Err(Error::input(path.display(), what, found, &expected, advice));
+    let remedy = "Store the outputs that cases.json lists, uncompressed (numpy.savez), and nothing else.";
+    let refuse = |what: &str, found: String| {
+        Err(Error::input(Input { file: path.display(), field: what, found, expected: &expected, remedy }))
+    };
     let size = fs::metadata(path).map_err(Error::reading(path))?.len();
     if size > allowed + SLACK {
         return refuse("file", format!("{size} bytes"));
@@ -187,8 +188,14 @@ fn inside(file: &Path, name: &str) -> Result<()> {
     if plain && !name.is_empty() && !name.contains(['\\', '\0']) {
         return Ok(());
     }
-    let advice = "Use the names that cases.json lists.";
-    Err(Error::input(file.display(), "name", name, "a name inside the folder", advice))
+    let remedy = "Use the names that cases.json lists.";
+    Err(Error::input(Input {
+        file: file.display(),
+        field: "name",
+        found: name,
+        expected: "a name inside the folder",
+        remedy,
+    }))
 }
 
 /// Refuses whatever else lies in the folder of answers: a file in the wrong place would silently not be judged.
@@ -201,8 +208,14 @@ fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
         list.collect::<std::io::Result<_>>().map_err(Error::reading(folder))
     };
     let refuse = |path: &Path, found: &str| {
-        let advice = "Remove it, or store it at the `file` that cases.json gives.";
-        Err(Error::input(path.display(), "answers", found, "only files that cases.json lists", advice))
+        let remedy = "Remove it, or store it at the `file` that cases.json gives.";
+        Err(Error::input(Input {
+            file: path.display(),
+            field: "answers",
+            found,
+            expected: "only files that cases.json lists",
+            remedy,
+        }))
     };
     for entry in entries(folder)? {
         let (path, kind) = (entry.path(), entry.file_type().map_err(Error::reading(folder))?);

@@ -44,7 +44,11 @@ fn suggestions(name: &str) -> String {
     let all = all_rows().map(|c| c.name).chain(mistakes).chain(others);
     let near = |other: &&str| name.split(['_', '-']).any(|part| part.len() > 2 && other.contains(part));
     let near: Vec<_> = all.filter(near).collect();
-    if near.is_empty() { "a name that `nerf-oracle list` shows".into() } else { near.join(", ") }
+    if near.is_empty() {
+        "the name of a row, a convention, a profile, a mistake or a hazard".into()
+    } else {
+        near.join(", ")
+    }
 }
 
 fn component(c: &Component) -> (Value, String) {

@@ -6,7 +6,9 @@ use super::answer::{Answers, given};
 use super::assignment::{self, Found, partial};
 use super::diagnose::{Explanation, diagnose, difference};
 use super::exam::{Exam, Question};
+use super::imprecise::lost_bits;
 use super::mark::{MarkOptions, Marks, mark};
+use super::repeat::Rounds;
 use super::report::{Report, Row, Verdict};
 use super::{layout, statistics};
 use crate::contract::arithmetic::{Dtype, Grade};
@@ -85,19 +87,21 @@ impl<'a> Candidate<'a> {
     }
 }
 
-/// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers.
+/// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers. Every
+/// question comes four times, so that answers that depend on chance or on the question before show.
 ///
 /// # Errors
 /// A component that isn't in the contract.
 pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
     let rows: Vec<(&str, Kind)> = candidate.functions.keys().map(|(name, kind)| (&name[..], *kind)).collect();
     let exam = Exam::of(&rows, dtype, candidate.profile)?;
-    let answers = |question: &Question| -> Answers {
-        let f = candidate.functions.get(&(question.component.name.to_string(), question.kind));
-        question.cases.iter().map(|case| f.map(|f| given(f(&case.inputs)))).collect()
-    };
-    let answers = exam.questions.iter().map(answers).collect::<Vec<_>>();
-    Ok(judge_answers(&exam, &answers, EXP_ULP))
+    let rounds = Rounds::new(&exam, |question, case| {
+        let f = candidate.functions.get(&(question.component.name.to_string(), question.kind))?;
+        Some(given(f(&case.inputs)))
+    });
+    let mut report = judge_answers(&exam, &rounds.first, EXP_ULP);
+    rounds.tell(&exam, |answers| judge_answers(&exam, answers, EXP_ULP), &mut report);
+    Ok(report)
 }
 
 /// Judges answers to an exam, a list per question.
@@ -172,7 +176,10 @@ impl Round {
                 row.diagnosis = diagnose(question, &answers[n], c, known, options);
                 let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
-                if exam.profile.is_none() {
+                if row.diagnosis.is_empty() && row.faults.is_empty() {
+                    imprecise(&mut row, exam, question, &answers[n], c, options);
+                }
+                if exam.profile.is_none() && row.verdict == Verdict::Fail {
                     nearest(&mut row, question, &answers[n], c, options);
                 }
             }
@@ -180,6 +187,27 @@ impl Round {
         }
         report.settle();
         report
+    }
+}
+
+/// Where no mistake explains the answers: whether they are right but for lost digits, in the run's conventions or those next to them.
+fn imprecise(
+    row: &mut Row,
+    exam: &Exam,
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) {
+    if question.statistics() {
+        return;
+    }
+    let c = if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base) };
+    if let Some(bits) = lost_bits(question, answers, &c, options) {
+        let marks = mark(question, answers, &c, options, Grade::B);
+        *row = Row { layouts: row.layouts.clone(), ..Row::marked(question, answers, &marks, None, &c) };
+        (row.verdict, row.lost_bits) = (Verdict::Imprecise, Some(bits));
+        row.shown_in = difference(&partial(question.component, &c), &partial(question.component, base));
     }
 }
 
@@ -228,9 +256,9 @@ fn marks(
     });
     // The wider bound first: what exceeds it exceeds the other too.
     let textbook = mark(question, answers, c, options, if graded { Grade::B } else { Grade::A });
-    if !graded || !textbook.pass() {
+    if !graded || !textbook.right() {
         return (textbook, None);
     }
     let stable = mark(question, answers, c, options, Grade::A);
-    if stable.pass() { (stable, Some(Grade::A)) } else { (textbook, Some(Grade::B)) }
+    if stable.right() { (stable, Some(Grade::A)) } else { (textbook, Some(Grade::B)) }
 }

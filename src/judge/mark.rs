@@ -41,8 +41,8 @@ pub struct Marks {
     pub worst: Option<Worst>,
     /// Elements whose bound reaches their size: they prove nothing.
     pub vacuous: usize,
-    /// Elements that prove something.
-    pub proving: usize,
+    /// Answered outputs without an element that proves something: one that isn't 0, with a bound smaller than itself.
+    pub unproved: BTreeSet<String>,
     /// Problems of the answers as files: absent, of a wrong shape, of a type too narrow, NaN.
     pub faults: Vec<String>,
     /// Outputs that no case answers.
@@ -56,9 +56,14 @@ pub struct Marks {
 }
 
 impl Marks {
-    /// Everything answered, nothing wrong, something proved.
+    /// Everything answered, nothing wrong.
+    pub fn right(&self) -> bool {
+        self.budget_used <= 1.0 && self.faults.is_empty()
+    }
+
+    /// The same, and every output that was answered is proved.
     pub fn pass(&self) -> bool {
-        self.budget_used <= 1.0 && self.faults.is_empty() && self.proving > 0
+        self.right() && self.unproved.is_empty()
     }
 }
 
@@ -99,8 +104,8 @@ pub fn mark(
     options: &MarkOptions,
     grade: Grade,
 ) -> Marks {
-    let mut marks = Marks::default();
     let answered: BTreeSet<&String> = answers.iter().flatten().flat_map(|answer| answer.keys()).collect();
+    let (mut marks, mut proved) = (Marks::default(), BTreeSet::new());
     for (case, answer) in question.cases.iter().zip(answers) {
         let Some(answer) = answer else {
             marks.faults.push(format!("{}: no answer", case.id));
@@ -117,15 +122,25 @@ pub fn mark(
             } else {
                 let entries = question.component.output_entries(name);
                 marks.output(case, (name, entries), answer, (&expected[name], &bound[name]), options.dtype);
+                marks.unproved.insert(name.clone());
+                if proves(&expected[name], &bound[name]) {
+                    proved.insert(name.clone());
+                }
             }
         }
     }
+    marks.unproved.retain(|name| !proved.contains(name));
     marks.off = question
         .ordered(marks.off.iter().collect::<BTreeSet<_>>().into_iter())
         .into_iter()
         .cloned()
         .collect();
     marks
+}
+
+/// Whether some element is evidence: it isn't 0, and its bound is smaller than itself, so that an answer of 0 would have failed.
+pub fn proves(expected: &ArrayD<f64>, bound: &ArrayD<f64>) -> bool {
+    expected.iter().zip(bound).any(|(expected, bound)| *bound < expected.abs())
 }
 
 impl Marks {
@@ -162,7 +177,6 @@ impl Marks {
             let used = budget_used(got, expected, bound);
             let vacuous = expected.is_finite() && bound >= expected.abs() && bound > 0.0;
             self.vacuous += usize::from(vacuous);
-            self.proving += usize::from(!vacuous);
             if used > 1.0 {
                 self.off.push(name.clone());
             }

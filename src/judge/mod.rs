@@ -15,6 +15,7 @@ pub mod exchange;
 pub mod explain;
 #[doc(hidden)]
 pub mod hypothesis;
+mod imprecise;
 #[doc(hidden)]
 pub mod judging;
 pub(crate) mod layout;
@@ -22,6 +23,7 @@ pub(crate) mod layout;
 pub mod mark;
 pub(crate) mod numeric;
 pub(crate) mod page;
+mod repeat;
 #[doc(hidden)]
 pub mod report;
 #[doc(hidden)]

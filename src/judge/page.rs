@@ -42,8 +42,12 @@ impl fmt::Display for Report {
         for row in self.rows.iter().filter(|row| row.verdict != Verdict::Unsupported) {
             notes(f, row)?;
         }
-        let (pass, fail) = (self.count(Verdict::Pass), self.count(Verdict::Fail));
-        writeln!(f, "\n{pass} passed, {fail} failed, {} unsupported", self.count(Verdict::Unsupported))
+        let all = [Verdict::Pass, Verdict::Fail, Verdict::Unproved, Verdict::Imprecise, Verdict::Unsupported];
+        let [pass, fail, unproved, imprecise, unsupported] = all.map(|v| self.count(v));
+        writeln!(
+            f,
+            "\n{pass} passed, {fail} failed, {unproved} unproved, {imprecise} imprecise, {unsupported} unsupported"
+        )
     }
 }
 
@@ -75,7 +79,28 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         }
         return Ok(());
     }
-    writeln!(f, "\nFAIL {} {}", row.name, row.kind)?;
+    if row.verdict == Verdict::Unproved {
+        return writeln!(
+            f,
+            "\nUNPROVED {} {}: within its bounds, but 0 would be too, in every element of {}",
+            row.name,
+            row.kind,
+            row.unproved.join(", ")
+        );
+    }
+    let word = if row.verdict == Verdict::Imprecise { "IMPRECISE" } else { "FAIL" };
+    writeln!(f, "\n{word} {} {}", row.name, row.kind)?;
+    if let Some(bits) = row.lost_bits {
+        let digits = f64::from(bits) * std::f64::consts::LOG10_2;
+        writeln!(
+            f,
+            "  the right formula, with {bits} bits ({digits:.1} digits) lost, first of all in {}",
+            row.off.join(", ")
+        )?;
+        if bits >= 24 {
+            writeln!(f, "    no more is left than f32 has: something is computed in it on the way")?;
+        }
+    }
     for fault in row.faults.iter().take(4) {
         writeln!(f, "  {fault}")?;
     }
@@ -100,7 +125,7 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     if !row.contradiction.is_empty() {
         writeln!(f, "  right with {}, which contradicts the rest of this run", list(&row.contradiction))?;
     }
-    if row.budget_used > Some(1.0) {
+    if row.verdict == Verdict::Fail && row.budget_used > Some(1.0) {
         diagnosis(f, row)?;
     }
     Ok(())

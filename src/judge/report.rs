@@ -21,6 +21,10 @@ pub enum Verdict {
     Pass,
     /// Something isn't.
     Fail,
+    /// Every answer is within its bound, but some output has no element that proves it.
+    Unproved,
+    /// The right formula, with more digits lost than its arithmetic costs.
+    Imprecise,
     /// Nothing was answered.
     Unsupported,
 }
@@ -30,6 +34,8 @@ impl fmt::Display for Verdict {
         f.pad(match self {
             Verdict::Pass => "pass",
             Verdict::Fail => "fail",
+            Verdict::Unproved => "unproved",
+            Verdict::Imprecise => "imprecise",
             Verdict::Unsupported => "unsupported",
         })
     }
@@ -54,6 +60,10 @@ pub struct Row {
     pub budget_used: Option<f64>,
     /// Elements that prove nothing.
     pub vacuous: usize,
+    /// Answered outputs that no element proves.
+    pub unproved: Vec<String>,
+    /// Bits that an imprecise row lost.
+    pub lost_bits: Option<i32>,
     /// Outputs without an answer.
     pub missing_outputs: Vec<String>,
     /// The element that used most.
@@ -88,6 +98,8 @@ impl Row {
             grade: None,
             budget_used: None,
             vacuous: 0,
+            unproved: vec![],
+            lost_bits: None,
             missing_outputs: vec![],
             worst_case: None,
             conventions: Partial::new(),
@@ -111,10 +123,15 @@ impl Row {
     ) -> Row {
         Row {
             answered: answers.iter().flatten().count(),
-            verdict: if marks.pass() { Verdict::Pass } else { Verdict::Fail },
+            verdict: match (marks.right(), marks.unproved.is_empty()) {
+                (true, true) => Verdict::Pass,
+                (true, false) => Verdict::Unproved,
+                (false, _) => Verdict::Fail,
+            },
             grade,
             budget_used: Some(marks.budget_used),
             vacuous: marks.vacuous,
+            unproved: marks.unproved.iter().cloned().collect(),
             missing_outputs: marks.missing.iter().cloned().collect(),
             worst_case: marks.worst.clone(),
             conventions: partial(question.component, c),
@@ -136,6 +153,8 @@ impl Row {
             "grade": self.grade.map(|grade| format!("{grade:?}")),
             "budget_used": self.budget_used.map(number),
             "vacuous": self.vacuous,
+            "unproved": self.unproved,
+            "lost_bits": self.lost_bits,
             "missing_outputs": self.missing_outputs,
             "worst_case": self.worst_case.as_ref().map(|w| json!({
                 "id": w.id, "output": w.output, "index": w.index, "got": number(w.got),
@@ -213,9 +232,17 @@ impl Report {
         self.rows.iter().filter(|row| row.verdict == verdict).count()
     }
 
-    /// 0: something passed and nothing failed; 1: something failed; 2: nothing was answered.
+    /// 0: something passed and nothing failed; 1: something failed, is unproved or imprecise; 2: nothing was answered.
     pub fn exit_code(&self) -> u8 {
-        match (self.count(Verdict::Fail), self.count(Verdict::Pass)) {
+        self.exit_code_allowing(&[])
+    }
+
+    /// The same where these verdicts count as passes.
+    pub fn exit_code_allowing(&self, allowed: &[Verdict]) -> u8 {
+        let wrong = [Verdict::Fail, Verdict::Unproved, Verdict::Imprecise].into_iter();
+        let wrong: usize = wrong.filter(|verdict| !allowed.contains(verdict)).map(|v| self.count(v)).sum();
+        let right: usize = allowed.iter().chain(&[Verdict::Pass]).map(|v| self.count(*v)).sum();
+        match (wrong, right) {
             (0, 0) => 2,
             (0, _) => 0,
             _ => 1,

@@ -66,7 +66,6 @@ pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
     let never = |name: &&&str| answers.iter().flatten().all(|answer| !answer.contains_key(**name));
     Marks {
         budget_used: if faults.is_empty() { 0.0 } else { f64::INFINITY },
-        proving: 1,
         findings: choices.iter().map(shown).collect(),
         missing: optional(question).iter().filter(never).map(|name| name.to_string()).collect(),
         faults,

@@ -2,8 +2,9 @@
 
 use ndarray::ArrayD;
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 fn pair(
     id: &str,
@@ -21,7 +22,7 @@ pub fn mse() -> Vec<Case> {
     let shape = [4, 3];
     let gray = array(&shape, vec![0.5; 12]);
     let close = gray.mapv(|x| x + 0.00390625);
-    [
+    let cases = [
         pair("batch", "random colors", draw.array(&[8, 3], 0.0, 1.0), draw.array(&[8, 3], 0.0, 1.0)),
         pair(
             "picture",
@@ -35,7 +36,8 @@ pub fn mse() -> Vec<Case> {
     ]
     .into_iter()
     .map(|(case, _, _)| case)
-    .collect()
+    .collect();
+    in_full(cases, "batch")
 }
 
 /// PSNR: pictures whose errors differ by a factor, so that the two means differ.
@@ -54,7 +56,7 @@ pub fn psnr() -> Vec<Case> {
         Case::new(id, comment, inputs)
     };
     let byte = |x: f64| (x * 255.0).round().min(255.0);
-    vec![
+    let cases = vec![
         with_peak("two_pictures", "two pictures of unequal error: the two means differ", &two, &target, 1.0),
         with_peak("eighth", "an error of 1/8 everywhere: 18.06 dB", &tenth, &half, 1.0),
         with_peak("bytes", "bytes, peak 255", &two.mapv(byte), &target.mapv(byte), 255.0),
@@ -66,7 +68,18 @@ pub fn psnr() -> Vec<Case> {
             &half.mapv(|_| 0.0),
             1.0,
         ),
-    ]
+    ];
+    in_full(cases, "two_pictures")
+}
+
+/// (k + 1/2) / 255 and then a little, of 2^-9 to 2^-`last` of it, up or down: a number of fewer bits is on the other side, or a tie.
+fn beside_ties(id: &str, dtype: Dtype, last: i32) -> Case {
+    let entry = |k: i32| {
+        let little = libm::ldexp(if k % 2 == 0 { 1.0 } else { -1.0 }, -9 - k % (last - 8));
+        dtype.round((f64::from(5 * k) + 0.5) / 255.0 * (1.0 + little))
+    };
+    let image = array(&[4, 4, 3], (0..48).map(entry).collect());
+    Case::new(id, "beside the ties between two bytes", vec![("image", image)])
 }
 
 /// Bytes: inside and beyond [0, 1], on a picture that isn't square.
@@ -80,6 +93,8 @@ pub fn to_uint8() -> Vec<Case> {
             "the ends of [0, 1], beyond them, and the tie 127.5",
             vec![("image", array(&[1, 3, 3], ends))],
         ),
+        beside_ties("beside_ties_f32", Dtype::F32, 20),
+        beside_ties("beside_ties_f64", Dtype::F64, 49),
         Case::new("levels", "steps of 1/32 from -1/4", vec![("image", array(&[4, 4, 3], levels))]),
         Case::new(
             "picture",

@@ -1,7 +1,7 @@
 //! Cases of the occupancy grid: points in and on cells, several in one, at the threshold; rays from faces, along them, through corners.
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// (R, R, R) densities, points with their sigmas, queries.
 fn update_case(
@@ -46,7 +46,14 @@ pub fn update() -> Vec<Case> {
     };
     let (points4, queries4) = random(4, 12);
     let (points3, queries3) = random(3, 8);
-    vec![
+    // Below a face by so little that a shorter type puts it on the face.
+    let beside = |id, n: i32| {
+        let x = 0.5 - libm::ldexp(1.0, n);
+        let point = [[x, 0.25, 0.25, 5.0]];
+        update_case(id, "closely below a face", two.clone(), &point, &[[0.25, x, 0.25]], [0.5, 1.75])
+    };
+    let beside = [beside("beside_a_face_f32", -21), beside("beside_a_face_f64", -48)];
+    let mut cases = vec![
         update_case(
             "plain",
             "R = 4, points in cells, decay 0.95",
@@ -119,7 +126,9 @@ pub fn update() -> Vec<Case> {
             &[[1.5, -0.25, 0.25], [1.5, 0.25, 2.0], [-1.0, 0.25, 0.25]],
             [0.5, 1.5],
         ),
-    ]
+    ];
+    cases.extend(beside);
+    in_full(cases, "plain")
 }
 
 fn rays_case(id: &str, comment: &'static str, r: usize, rays: &[[f64; 6]], [near, far]: [f64; 2]) -> Case {
@@ -152,7 +161,7 @@ pub fn traverse() -> Vec<Case> {
     };
     let mut some = |n: usize| (0..n).map(|_| through()).collect::<Vec<[f64; 6]>>();
     let tiny = libm::ldexp(-1.0, -50);
-    vec![
+    let cases = vec![
         rays_case("plain", "from place to place, R = 4", 4, &some(4), [0.0, 0.96875]),
         rays_case("three_cells", "R = 3: faces that no type holds", 3, &some(3), [0.0, 0.96875]),
         rays_case("one_cell", "R = 1: all of the way", 1, &some(2), [0.0, 0.9375]),
@@ -200,5 +209,6 @@ pub fn traverse() -> Vec<Case> {
             &[[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], [1.0, 0.0, 1.0, -1.0, 1.0, -1.0]],
             [0.0, 0.96875],
         ),
-    ]
+    ];
+    in_full(cases, "plain")
 }

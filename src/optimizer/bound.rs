@@ -9,7 +9,7 @@ use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact};
 use crate::convention::Conventions;
-use crate::math::ln;
+use crate::math::{expm1, ln};
 
 /// Numbers computed from hyper-parameters alone.
 struct Scalars {
@@ -34,8 +34,8 @@ fn correction(beta: f64, step: u64, s: &Arithmetic) -> Bounded {
     }
     // beta itself is rounded before the power: 1 + step roundings, as in repeated products.
     let power = 1.0 - y;
-    let roundings = (step as f64 + 1.0).min(1.0 / (s.u * step as f64));
-    let textbook = s.sub(exact(1.0), s.elementary(power, power * roundings * s.u));
+    let relative = expm1((step as f64 + 1.0) * s.u);
+    let textbook = s.sub(exact(1.0), s.elementary(power, power * relative));
     Bounded { y, e: textbook.e }
 }
 

@@ -1,7 +1,7 @@
 //! Cases of Adam's step: early and late steps, gradients of every size, both decays.
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 fn case(id: &str, comment: &'static str, step: f64, settings: [f64; 3], arrays: [Vec<f64>; 4]) -> Case {
     let [lr, eps, weight_decay] = settings;
@@ -14,6 +14,13 @@ fn case(id: &str, comment: &'static str, step: f64, settings: [f64; 3], arrays: 
         ("beta1", beta1), ("beta2", beta2), ("eps", eps), ("weight_decay", weight_decay),
     ];
     Case::new(id, comment, inputs)
+}
+
+/// The same with other betas.
+fn with_betas(mut case: Case, beta1: f64, beta2: f64) -> Case {
+    case.inputs.insert("beta1".into(), scalar(beta1));
+    case.inputs.insert("beta2".into(), scalar(beta2));
+    case
 }
 
 /// One step of Adam.
@@ -35,13 +42,30 @@ pub fn adam_step() -> Vec<Case> {
     let usual = [5e-4, 1e-8, 0.0];
     let sizes = vec![1e-300, 1e-150, 1e-30, 1e-12, 1e-8, 1.0, -1e12, 1e150, 0.0];
     let n = sizes.len();
-    vec![
+    let cases = vec![
         case("first", "from zero moments: lr sign(g) but for eps", 1.0, usual, fresh(0)),
         case("first_long", "a first step of 1/8", 1.0, [0.125, 1e-8, 0.0], fresh(1)),
         case("second", "the second step", 2.0, [0.125, 1e-8, 0.0], running(2)),
         case("tenth", "moments of a running optimization", 10.0, [0.125, 1e-8, 0.0], running(3)),
         case("thousandth", "the corrections have nearly vanished", 1000.0, [0.0625, 1e-8, 0.0], running(4)),
         case("late", "beta1^step has vanished", 100_000.0, usual, running(5)),
+        case("five_thousandth", "beta2^step is still 0.7%", 5_000.0, [0.0625, 1e-8, 0.0], running(8)),
+        with_betas(
+            case("other_betas", "betas of 1/2 and 0.9", 7.0, [0.125, 1e-8, 0.0], running(9)),
+            0.5,
+            0.9,
+        ),
+        with_betas(
+            case(
+                "long_memory",
+                "beta2^step is still 0.37 after 100,000 steps",
+                100_000.0,
+                [0.0625, 1e-8, 0.0],
+                running(10),
+            ),
+            0.95,
+            0.99999,
+        ),
         case(
             "weight_decay",
             "coupled: the penalty enters the moments",
@@ -78,5 +102,6 @@ pub fn adam_step() -> Vec<Case> {
             [0.125, 1e-8, 0.0],
             [vec![0.5; 2], vec![0.000244140625, -0.000244140625], vec![0.0; 2], vec![0.0; 2]],
         ),
-    ]
+    ];
+    in_full(cases, "second")
 }

@@ -9,7 +9,7 @@ use crate::parallel;
 const CHUNK: usize = 1 << 15;
 
 /// Running means of all parameters, and the number of steps taken.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Moments {
     /// Steps taken so far.
     pub step: u64,
@@ -45,7 +45,7 @@ impl Moments {
 }
 
 /// The factors that all parameters share in a step, computed in f64.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rates {
     rate: f32,
     /// One over the root of the second bias correction: a product a parameter where there would be a division.

@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::{Component, Port};
 use crate::convention::{CS180, Conventions};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files::npz::{Array, Npz};
 
 /// The format that this module reads.
@@ -148,8 +148,14 @@ pub fn load_all(folder: &Path) -> Result<Vec<Fixture>> {
     }
     notes.sort();
     if notes.is_empty() {
-        let advice = "Make them with: python tools/golden.py";
-        return Err(Error::input(folder.display(), "fixtures", "none", "<component>/<basis>.json", advice));
+        let remedy = "Make them with: python tools/golden.py";
+        return Err(Error::input(Input {
+            file: folder.display(),
+            field: "fixtures",
+            found: "none",
+            expected: "<component>/<basis>.json",
+            remedy,
+        }));
     }
     notes.iter().map(|path| load(path)).collect()
 }
@@ -164,8 +170,14 @@ pub fn load(path: &Path) -> Result<Fixture> {
     let folder = path.parent().and_then(Path::file_name).unwrap_or_default().to_string_lossy().to_string();
     let npz = path.with_extension("npz");
     let wrong = |file: &Path, field: &str, found: &dyn ToString, expected: &dyn ToString| {
-        let advice = format!("Make it again with: python tools/golden.py --only {folder}");
-        Error::input(file.display(), field, found.to_string(), expected.to_string(), advice)
+        let remedy = format!("Make it again with: python tools/golden.py --only {folder}");
+        Error::input(Input {
+            file: file.display(),
+            field,
+            found: found.to_string(),
+            expected: expected.to_string(),
+            remedy,
+        })
     };
     let note: Note = serde_json::from_str(&text)
         .map_err(|error| wrong(path, "JSON", &error, &"the fields of a fixture"))?;
@@ -208,8 +220,14 @@ fn arrays_of(path: &Path) -> Result<Arrays> {
     let read = |name: String| match npz.array(&name)? {
         Array::F64(array) => Ok((name, array)),
         other => {
-            let advice = "Fixtures are written by tools/golden.py alone.";
-            Err(Error::input(path.display(), name, other.dtype(), "f64", advice))
+            let remedy = "Fixtures are written by tools/golden.py alone.";
+            Err(Error::input(Input {
+                file: path.display(),
+                field: name,
+                found: other.dtype(),
+                expected: "f64",
+                remedy,
+            }))
         }
     };
     names.into_iter().map(read).collect()

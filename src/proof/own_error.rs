@@ -54,12 +54,59 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("grid_traversal", 1.5, 0.0),
 ];
 
+impl OwnError {
+    fn limit(&self, vjp: bool) -> f64 {
+        if vjp { self.vjp } else { self.forward }
+    }
+}
+
+fn find(component: &str) -> Option<&'static OwnError> {
+    OWN_ERRORS.iter().find(|row| row.component == component)
+}
+
 /// The limit of a component, or of several in a row, in one direction.
 ///
 /// # Panics
 /// Where the table lacks the name.
 pub fn limit(component: &str, vjp: bool) -> f64 {
-    let row = OWN_ERRORS.iter().find(|row| row.component == component);
-    let row = row.unwrap_or_else(|| panic!("{component} has no row in OWN_ERRORS (src/proof/own_error.rs)"));
-    if vjp { row.vjp } else { row.forward }
+    let row = find(component);
+    row.unwrap_or_else(|| panic!("{component} has no row in OWN_ERRORS (src/proof/own_error.rs)")).limit(vjp)
+}
+
+/// What is wrong with the table, given an error that was measured: no row, a limit that is exceeded, or one that is looser than twice
+/// the error; with the limit to write.
+pub fn fault(component: &str, vjp: bool, measured: f64) -> Option<String> {
+    let direction = if vjp { "vjp" } else { "forward" };
+    let wrong = match find(component).map(|row| row.limit(vjp)) {
+        None => "no row yet".to_string(),
+        Some(limit) if measured > limit => format!("the limit {limit} is exceeded"),
+        Some(limit) if limit > 2.0 * measured => format!("the limit {limit} is looser than twice the error"),
+        Some(_) => return None,
+    };
+    Some(format!("{component} {direction}: {wrong}; measured {measured:.3}, so write {:.1}", 1.3 * measured))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_says_what_to_write() {
+        let fault = |name: &str, times: f64| fault(name, false, times * OWN_ERRORS[0].forward);
+        let known = OWN_ERRORS[0].component;
+        assert_eq!((fault(known, 1.0), fault(known, 0.5)), (None, None));
+        assert!(fault(known, 1.01).unwrap().contains("is exceeded"));
+        assert!(fault(known, 0.49).unwrap().contains("is looser"));
+        assert_eq!(fault("new", 0.0).unwrap(), "new forward: no row yet; measured 0.000, so write 0.0");
+        assert_eq!(
+            super::fault("new", true, 2.0).unwrap(),
+            "new vjp: no row yet; measured 2.000, so write 2.6"
+        );
+    }
+
+    #[test]
+    #[should_panic(expected = "new has no row in OWN_ERRORS")]
+    fn a_limit_needs_its_row() {
+        limit("new", false);
+    }
 }

@@ -1,8 +1,8 @@
 //! Cases of rays: cameras that tell mistakes apart, and seeded ones.
 
-use crate::camera::cases::{LENS, lens, pixels, poses, random_pose, random_poses, repeated};
+use crate::camera::cases::{IDENTITY, LENS, lens, pixels, poses, random_pose, random_poses, repeated};
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// The ray through a pixel.
 pub fn pixel_to_ray() -> Vec<Case> {
@@ -14,6 +14,11 @@ pub fn pixel_to_ray() -> Vec<Case> {
             Case::new(id, comment, vec![("K", lens(LENS)), ("c2w", repeated(&pose, 3)), ("uv", uv())])
         })
         .collect();
+    cases.push(Case::new(
+        "on_the_axis",
+        "the only pixel is the center: its gradient loses no digits",
+        vec![("K", lens(LENS)), ("c2w", repeated(&IDENTITY, 1)), ("uv", array(&[1, 2], LENS[2..].to_vec()))],
+    ));
     for n in 0..4 {
         let mut draw = Draw::new("pixel_to_ray", n);
         let k = [
@@ -25,7 +30,7 @@ pub fn pixel_to_ray() -> Vec<Case> {
         let inputs = vec![("K", lens(k)), ("c2w", random_poses(&mut draw, 6)), ("uv", pixels(&mut draw, 6))];
         cases.push(Case::new(format!("random_{n}"), "a random lens, poses and pixels", inputs));
     }
-    cases
+    in_full(cases, "random_0")
 }
 
 /// The rays of a picture.
@@ -60,6 +65,8 @@ pub fn image_rays() -> Vec<Case> {
         [4.1, 1.3, 1.1],
         identity,
     ));
+    let turned = &poses()[3].2;
+    cases.push(case("portrait", "taller than wide", [7.0, 3.0], [5.5, 1.25, 3.75], turned));
     for n in 0..3 {
         let mut draw = Draw::new("image_rays", n);
         let size = [2.0 + draw.below(4) as f64, 7.0 + draw.below(4) as f64];
@@ -67,5 +74,5 @@ pub fn image_rays() -> Vec<Case> {
         let pose = random_pose(&mut draw);
         cases.push(case(&format!("random_{n}"), "wide pictures, the center off the middle", size, k, &pose));
     }
-    cases
+    in_full(cases, "random_0")
 }

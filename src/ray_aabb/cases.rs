@@ -1,7 +1,7 @@
 //! Cases of rays and boxes: random hits among misses, origins inside and beyond, rays in faces, directions of nearly 0.
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Rows of (o, d), a box, a range.
 fn case(
@@ -57,7 +57,7 @@ pub fn ray_aabb() -> Vec<Case> {
         .collect();
     let far_away: Vec<[f64; 6]> = (0..3).map(|_| toward(&mut draw, unit, 1024.0)).collect();
     let up = |x: f64, y: f64| [x, y, -1.0, 0.0, 0.0, 1.0];
-    vec![
+    let cases = vec![
         case("mixed", "six hits, two boxes behind, one passed by", &mixed, uneven, [0.0, 64.0]),
         case("inside", "origins inside: entered at near", &inside, unit, [0.0, 64.0]),
         case(
@@ -102,6 +102,15 @@ pub fn ray_aabb() -> Vec<Case> {
             [0.0, 8.0],
         ),
         case(
+            "CG1_flat_box",
+            "a box without thickness: rays in its plane hit, others along it miss",
+            &[[-1.0, 0.25, 0.5, 1.0, 0.125, 0.0], [-1.0, 0.25, 0.625, 1.0, 0.125, 0.0]],
+            [[0.0, 0.0, 0.5], [1.0, 1.0, 0.5]],
+            [0.0, 8.0],
+        )
+        // A step out of the plane misses.
+        .forward_only(),
+        case(
             "CG1_resting",
             "a direction of 0: all of [near, far] inside, nothing outside",
             &[[0.5, 0.5, 0.5, 0.0, 0.0, 0.0], [0.5, 1.0, 0.5, 0.0, 0.0, 0.0], [0.5, 1.5, 0.5, 0.0, 0.0, 0.0]],
@@ -122,5 +131,6 @@ pub fn ray_aabb() -> Vec<Case> {
         // No difference step is short enough beside 2^-20: tests.rs has this gradient in closed form.
         .forward_only(),
         case("CG9_far_away", "origins at 1,000 sizes of the box", &far_away, unit, [0.0, 65536.0]),
-    ]
+    ];
+    in_full(cases, "mixed")
 }

@@ -14,7 +14,7 @@ const FINER: usize = 2;
 const NEAREST: f64 = 0.02;
 
 /// A picture under construction.
-pub struct Canvas {
+pub(crate) struct Canvas {
     camera: Camera,
     pixels: RgbImage,
     depths: Vec<f64>,
@@ -23,7 +23,7 @@ pub struct Canvas {
 
 impl Canvas {
     /// An empty picture, `width` x `height` when shown, of `target` from `eye` with `up` pointing up, 40 degrees high.
-    pub fn new(width: usize, height: usize, eye: DVec3, target: DVec3, up: DVec3) -> Canvas {
+    pub(crate) fn new(width: usize, height: usize, eye: DVec3, target: DVec3, up: DVec3) -> Canvas {
         let forward = (target - eye).normalize();
         let right = forward.cross(up).normalize();
         let down = forward.cross(right);
@@ -41,7 +41,7 @@ impl Canvas {
     }
 
     /// The picture as it is shown.
-    pub fn finish(self) -> RgbImage {
+    pub(crate) fn finish(self) -> RgbImage {
         let (width, height) = (self.camera.width / FINER, self.camera.height / FINER);
         imageops::resize(&self.pixels, width as u32, height as u32, imageops::FilterType::Triangle)
     }
@@ -65,7 +65,7 @@ impl Canvas {
     }
 
     /// A disc of `radius` drawn pixels.
-    pub fn point(&mut self, x: DVec3, radius: i64, color: [u8; 3]) {
+    pub(crate) fn point(&mut self, x: DVec3, radius: i64, color: [u8; 3]) {
         let seen = self.seen(x);
         if seen.z < self.nearest {
             return;
@@ -81,7 +81,7 @@ impl Canvas {
     }
 
     /// A straight line, two drawn pixels wide.
-    pub fn line(&mut self, a: DVec3, b: DVec3, color: [u8; 3]) {
+    pub(crate) fn line(&mut self, a: DVec3, b: DVec3, color: [u8; 3]) {
         let (mut a, mut b) = (self.seen(a), self.seen(b));
         if a.z < b.z {
             (a, b) = (b, a);
@@ -108,7 +108,7 @@ impl Canvas {
     }
 
     /// A photograph as a plane at `depth` in front of its camera; `pixel(u, v)` is its color at a share of its width and height.
-    pub fn photograph(&mut self, shot: &Camera, depth: f64, pixel: impl Fn(f64, f64) -> [u8; 3]) {
+    pub(crate) fn photograph(&mut self, shot: &Camera, depth: f64, pixel: impl Fn(f64, f64) -> [u8; 3]) {
         let corners = corners(shot, depth).map(|corner| self.seen(corner));
         if corners.iter().any(|corner| corner.z < self.nearest) {
             return;
@@ -137,7 +137,7 @@ impl Canvas {
 }
 
 /// The corners of a camera's picture at `depth`, in order around it.
-pub fn corners(camera: &Camera, depth: f64) -> [DVec3; 4] {
+pub(crate) fn corners(camera: &Camera, depth: f64) -> [DVec3; 4] {
     let (w, h) = (camera.width as f64, camera.height as f64);
     [(0.0, 0.0), (w, 0.0), (w, h), (0.0, h)].map(|(u, v)| {
         let x_c = crate::camera::pixel_to_camera(&camera.k, DVec2::new(u, v), depth);

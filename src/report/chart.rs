@@ -17,14 +17,14 @@ pub(super) struct Axis {
 
 impl Axis {
     /// Over the decades from 10^`low` to 10^`high`, a name at every `step`-th.
-    pub fn decades(name: &str, (low, high): (i32, i32), step: usize) -> Axis {
+    pub(super) fn decades(name: &str, (low, high): (i32, i32), step: usize) -> Axis {
         let power = |n: i32| format!("10<tspan dy=\"-5\" font-size=\"9\">{n}</tspan>");
         let ticks = (low..=high).step_by(step).map(|n| (10f64.powi(n), power(n))).collect();
         Axis { name: name.into(), low: low.into(), high: high.into(), log: true, ticks }
     }
 
     /// Over the finite values with a margin, never empty; grid lines at 1, 2 or 5 times a power of ten, at most eight.
-    pub fn linear(name: &str, values: impl Iterator<Item = f64>) -> Axis {
+    pub(super) fn linear(name: &str, values: impl Iterator<Item = f64>) -> Axis {
         let (low, high) = values
             .filter(|v| v.is_finite())
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -60,7 +60,7 @@ pub(super) struct Chart {
 
 impl Chart {
     /// The frame, (width, height) in size: title (shown where the mouse is), grid, names of ticks and axes.
-    pub fn new(title: &str, (width, height): (f64, f64), plot: [f64; 4], x: Axis, y: Axis) -> Chart {
+    pub(super) fn new(title: &str, (width, height): (f64, f64), plot: [f64; 4], x: Axis, y: Axis) -> Chart {
         let [left, right, top, bottom] = plot;
         let svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" \
@@ -103,19 +103,19 @@ impl Chart {
     }
 
     /// Where a value stands along x.
-    pub fn x(&self, v: f64) -> f64 {
+    pub(super) fn x(&self, v: f64) -> f64 {
         let [left, right, ..] = self.plot;
         left + self.x.share(v) * (right - left)
     }
 
     /// Where a value stands along y.
-    pub fn y(&self, v: f64) -> f64 {
+    pub(super) fn y(&self, v: f64) -> f64 {
         let [_, _, top, bottom] = self.plot;
         bottom + self.y.share(v) * (top - bottom)
     }
 
     /// The SVG text.
-    pub fn finish(self) -> String {
+    pub(super) fn finish(self) -> String {
         self.svg + "</svg>\n"
     }
 }

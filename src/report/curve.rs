@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::files;
 
 /// One named line.
-pub struct Series {
+pub(crate) struct Series {
     /// Shown in the legend.
     pub name: String,
     /// (x, y), in the order of x; points that aren't finite are left out.
@@ -26,12 +26,12 @@ const COLORS: [&str; 6] = ["#2a6fb0", "#d9822b", "#7a4fa3", "#2f9e8f", "#b3446c"
 ///
 /// # Errors
 /// Where the file can't be written.
-pub fn write(path: &Path, title: &str, x_name: &str, y_name: &str, series: &[Series]) -> Result<()> {
+pub(crate) fn write(path: &Path, title: &str, x_name: &str, y_name: &str, series: &[Series]) -> Result<()> {
     files::write(path, svg(title, x_name, y_name, series))
 }
 
 /// The chart as SVG text.
-pub fn svg(title: &str, x_name: &str, y_name: &str, series: &[Series]) -> String {
+pub(crate) fn svg(title: &str, x_name: &str, y_name: &str, series: &[Series]) -> String {
     let finite = |p: &&(f64, f64)| p.0.is_finite() && p.1.is_finite();
     let all = || series.iter().flat_map(|s| s.points.iter().filter(finite));
     let (x, y) = (Axis::linear(x_name, all().map(|p| p.0)), Axis::linear(y_name, all().map(|p| p.1)));

@@ -5,14 +5,14 @@ use std::path::Path;
 use image::codecs::gif::{GifEncoder, Repeat};
 use image::{Delay, DynamicImage, Frame, RgbImage};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files;
 
 /// Writes frames as a GIF that repeats for ever.
 ///
 /// # Errors
 /// Where the file can't be written.
-pub fn write_gif(path: &Path, frames: &[RgbImage], frames_per_second: u32) -> Result<()> {
+pub(crate) fn write_gif(path: &Path, frames: &[RgbImage], frames_per_second: u32) -> Result<()> {
     files::write_with(path, |out| {
         // Speed 10 of 1 (best palette) to 30 (fastest).
         let mut encoder = GifEncoder::new_with_speed(out, 10);
@@ -27,10 +27,16 @@ pub fn write_gif(path: &Path, frames: &[RgbImage], frames_per_second: u32) -> Re
 }
 
 /// Rejects a film without frames before an hour of rendering.
-pub fn check_count(count: usize, scene: &str) -> Result<()> {
+pub(crate) fn check_count(count: usize, scene: &str) -> Result<()> {
     if count > 0 {
         return Ok(());
     }
-    let advice = "Render an orbit: --path orbit:60.";
-    Err(Error::input(scene, "test path", "no cameras", "at least one", advice))
+    let remedy = "Render an orbit: `path` orbit:60.";
+    Err(Error::input(Input {
+        file: scene,
+        field: "test path",
+        found: "no cameras",
+        expected: "at least one",
+        remedy,
+    }))
 }

@@ -8,7 +8,7 @@ use crate::camera::Camera;
 use crate::ray::Ray;
 
 /// What is drawn.
-pub struct Outside<'a> {
+pub(crate) struct Outside<'a> {
     /// Every camera, with a small version of its photograph.
     pub cameras: &'a [(Camera, RgbImage)],
     /// Rays, each with the positions t of its samples.
@@ -27,7 +27,7 @@ const RAY: [u8; 3] = [150, 180, 215];
 const SAMPLE: [u8; 3] = [220, 95, 30];
 
 /// Draws frustums in gray, rays in blue, samples in orange.
-pub fn draw(scene: &Outside) -> RgbImage {
+pub(crate) fn draw(scene: &Outside) -> RgbImage {
     let (eye, target, up) = viewpoint(scene);
     let mut canvas = Canvas::new(SIZE.0, SIZE.1, eye, target, up);
     let depth = 0.04 * (eye - target).length();

@@ -1,11 +1,11 @@
 //! What people look at: curves, films, contact sheets, tables, pages.
 
-pub mod canvas;
+pub(crate) mod canvas;
 mod chart;
-pub mod curve;
-pub mod film;
-pub mod inspect;
-pub mod page;
-pub mod scatter;
-pub mod sheet;
-pub mod table;
+pub(crate) mod curve;
+pub(crate) mod film;
+pub(crate) mod inspect;
+pub(crate) mod page;
+pub(crate) mod scatter;
+pub(crate) mod sheet;
+pub(crate) mod table;

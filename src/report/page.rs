@@ -3,13 +3,13 @@
 use std::fmt::Write;
 
 /// A page under construction.
-pub struct Page {
+pub(crate) struct Page {
     html: String,
 }
 
 impl Page {
     /// A page with a title and a sentence under it.
-    pub fn new(title: &str, lead: &str) -> Self {
+    pub(crate) fn new(title: &str, lead: &str) -> Self {
         let style = "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}\
             figure{margin:1rem 1rem 1rem 0;display:inline-block;vertical-align:top}\
             figcaption{font-size:.85rem;color:#555}img{max-width:100%;image-rendering:auto}\
@@ -24,25 +24,25 @@ impl Page {
     }
 
     /// A heading.
-    pub fn heading(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn heading(&mut self, text: &str) -> &mut Self {
         let _ = writeln!(self.html, "<h2>{}</h2>", escape(text));
         self
     }
 
     /// A paragraph.
-    pub fn paragraph(&mut self, text: &str) -> &mut Self {
+    pub(crate) fn paragraph(&mut self, text: &str) -> &mut Self {
         let _ = writeln!(self.html, "<p>{}</p>", escape(text));
         self
     }
 
     /// A picture as SVG, inside the page.
-    pub fn figure(&mut self, svg: &str) -> &mut Self {
+    pub(crate) fn figure(&mut self, svg: &str) -> &mut Self {
         let _ = writeln!(self.html, "<figure>{svg}</figure>");
         self
     }
 
     /// A picture file beside the page, `width` pixels wide, with a caption that is also its alternative text.
-    pub fn picture(&mut self, file: &str, caption: &str, width: u32) -> &mut Self {
+    pub(crate) fn picture(&mut self, file: &str, caption: &str, width: u32) -> &mut Self {
         let (file, caption) = (escape(file), escape(caption));
         let _ = writeln!(
             self.html,
@@ -52,7 +52,7 @@ impl Page {
     }
 
     /// A table.
-    pub fn table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
+    pub(crate) fn table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
         let cells = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
             cells.map(|c| format!("<{tag}>{}</{tag}>", escape(c))).collect::<String>()
         };
@@ -65,7 +65,7 @@ impl Page {
     }
 
     /// The whole page.
-    pub fn finish(&self) -> String {
+    pub(crate) fn finish(&self) -> String {
         format!("{}</body></html>\n", self.html)
     }
 }

@@ -7,7 +7,7 @@ use super::page::escape;
 
 /// One dot.
 #[derive(Clone, Debug)]
-pub struct Point {
+pub(crate) struct Point {
     /// x, above 0.
     pub x: f64,
     /// y; 0 is drawn on the lower edge.
@@ -37,7 +37,7 @@ fn decades(values: impl Iterator<Item = f64>) -> (i32, i32) {
 }
 
 /// The picture. Points whose x isn't a number above 0, or whose y isn't one of at least 0, are left out.
-pub fn svg(title: &str, x_name: &str, y_name: &str, points: &[Point]) -> String {
+pub(crate) fn svg(title: &str, x_name: &str, y_name: &str, points: &[Point]) -> String {
     let shown = |p: &&Point| p.x > 0.0 && p.x.is_finite() && p.y >= 0.0 && p.y.is_finite();
     let points: Vec<&Point> = points.iter().filter(shown).collect();
     let (x0, x1) = decades(points.iter().map(|p| p.x));

@@ -3,7 +3,7 @@
 use image::{Rgb, RgbImage, imageops};
 
 /// Pictures of one size in rows of `columns`, with a thin white gap.
-pub fn contact_sheet(pictures: &[RgbImage], columns: usize) -> RgbImage {
+pub(crate) fn contact_sheet(pictures: &[RgbImage], columns: usize) -> RgbImage {
     const GAP: u32 = 4;
     let (w, h) = pictures.first().map_or((1, 1), |p| p.dimensions());
     let columns = columns.clamp(1, pictures.len().max(1)) as u32;

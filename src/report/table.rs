@@ -1,7 +1,7 @@
 //! Tables for people: columns as wide as their widest entry, right-aligned.
 
 /// A table as text, a line a row, the header underlined.
-pub fn text(header: &[&str], rows: &[Vec<String>]) -> String {
+pub(crate) fn text(header: &[&str], rows: &[Vec<String>]) -> String {
     let width = |c: usize| {
         let cells = rows.iter().map(|row| row[c].chars().count());
         cells.chain([header[c].chars().count()]).max().unwrap_or(0)

@@ -3,7 +3,7 @@
 use ndarray::ArrayD;
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Positions and points.
 pub fn sample_along_rays() -> Vec<Case> {
@@ -21,7 +21,7 @@ pub fn sample_along_rays() -> Vec<Case> {
     };
     let constant = |rays: usize, n: usize, u: f64| array(&[rays, n], vec![u; rays * n]);
     let random = |stream: u64, rays: usize, n: usize| Draw::new("u", stream).array(&[rays, n], 0.0, 0.984375);
-    vec![
+    let cases = vec![
         case(
             "rest",
             "u = 0.5 everywhere: the middle of each interval, the same for all rays",
@@ -43,7 +43,8 @@ pub fn sample_along_rays() -> Vec<Case> {
         case("SA4_near_0", "near = 0 and a far that no type holds", [0.0, 0.7], random(3, 3, 5), 1.0),
         case("inexact_bounds", "near and far that no type holds", [0.1, 3.7], random(4, 3, 7), 2.0),
         case("CG9_far_away", "origins up to 2^20: o + t d cancels", [2.0, 6.0], random(5, 3, 6), 1_048_576.0),
-    ]
+    ];
+    in_full(cases, "jittered")
 }
 
 /// Step lengths.
@@ -61,7 +62,7 @@ pub fn step_sizes() -> Vec<Case> {
         array(&[rays, n], t.collect())
     };
     let even: Vec<f64> = (0..8).map(|i| 2.25 + 0.5 * f64::from(i)).collect();
-    vec![
+    let cases = vec![
         case("even", "the middles of 8 intervals of 1/2", [2.0, 6.0], array(&[1, 8], even)),
         case(
             "jittered",
@@ -77,5 +78,6 @@ pub fn step_sizes() -> Vec<Case> {
             jittered(1, 2, 5, 0.0, 0.125),
         ),
         case("inexact_bounds", "near and far that no type holds", [0.1, 3.7], jittered(2, 2, 6, 0.125, 0.5)),
-    ]
+    ];
+    in_full(cases, "jittered")
 }

@@ -23,7 +23,7 @@ const ROUNDING: f64 = 1e-3;
 const MOST_IMAGES: usize = 64;
 
 /// The draws of one call.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Call {
     /// The image of each ray, (R).
     pub image_ids: Vec<f64>,

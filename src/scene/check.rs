@@ -4,13 +4,13 @@ use glam::{DMat4, DVec4};
 use ndarray::{Array2, ArrayView2};
 
 use super::{Frame, Options};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 
 /// How far R R^T may be from the identity: three decimals, which is what hand-written poses have.
 const RIGID: f64 = 1e-3;
 
 /// Arguments that make no sense for any scene.
-pub fn options(options: &Options) -> Result<()> {
+pub(super) fn options(options: &Options) -> Result<()> {
     for (argument, value) in [("near", options.near), ("far", options.far)] {
         if let Some(value) = value.filter(|value| !value.is_finite() || *value < 0.0) {
             return Err(Error::usage(argument, value, "a distance, 0 or more"));
@@ -28,10 +28,10 @@ pub fn options(options: &Options) -> Result<()> {
 }
 
 /// A pose from a 4x4 matrix, (row, column): finite, rigid, last row (0, 0, 0, 1).
-pub fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<DMat4> {
+pub(super) fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<DMat4> {
     let bad = |found: String, expected: &str| {
-        let advice = "Write camera-to-world matrices without scale; undo any normalization of the rotation.";
-        Err(Error::input(file, field, found, expected, advice))
+        let remedy = "Write camera-to-world matrices without scale; undo any normalization of the rotation.";
+        Err(Error::input(Input { file, field, found, expected, remedy }))
     };
     if matrix.dim() != (4, 4) {
         return bad(format!("shape {:?}", matrix.shape()), "shape [4, 4]");
@@ -58,24 +58,30 @@ pub fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<DMat4> {
 }
 
 /// OpenGL (Blender, tiny-NeRF) to OpenCV: the camera's y and z axes change sign; the camera stays where it is.
-pub fn opengl_to_opencv(c2w: DMat4) -> DMat4 {
+pub(super) fn opengl_to_opencv(c2w: DMat4) -> DMat4 {
     DMat4::from_cols(c2w.x_axis, -c2w.y_axis, -c2w.z_axis, c2w.w_axis)
 }
 
 /// A focal length: finite and positive.
-pub fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
+pub(super) fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
     if value.is_finite() && value > 0.0 {
         return Ok(value);
     }
-    let advice = "Give the focal length in pixels.";
-    Err(Error::input(file, field, value, "a positive number of pixels", advice))
+    let remedy = "Give the focal length in pixels.";
+    Err(Error::input(Input { file, field, found: value, expected: "a positive number of pixels", remedy }))
 }
 
 /// All images of one size, and at least one frame to learn from.
-pub fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
+pub(super) fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
     let Some(first) = train.first() else {
-        let advice = "Add frames, or hold out fewer of them.";
-        return Err(Error::input(file, "frames", "no frame to learn from", "at least one", advice));
+        let remedy = "Add frames, or hold out fewer of them.";
+        return Err(Error::input(Input {
+            file,
+            field: "frames",
+            found: "no frame to learn from",
+            expected: "at least one",
+            remedy,
+        }));
     };
     let size = (first.camera.width, first.camera.height);
     for frame in train.iter().chain(val) {
@@ -83,15 +89,15 @@ pub fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
         if this != size {
             let found = format!("{}x{}", this.0, this.1);
             let expected = format!("{}x{} as {}", size.0, size.1, first.name);
-            let advice = "Bring all pictures of a scene to one size, and its intrinsics with them.";
-            return Err(Error::input(file, &frame.name, found, expected, advice));
+            let remedy = "Bring all pictures of a scene to one size, and its intrinsics with them.";
+            return Err(Error::input(Input { file, field: &frame.name, found, expected, remedy }));
         }
     }
     Ok(())
 }
 
 /// A 4x4 array from JSON's nested rows, NaN where something isn't a number (so that [`pose`] names it).
-pub fn matrix(rows: &serde_json::Value) -> Option<Array2<f64>> {
+pub(super) fn matrix(rows: &serde_json::Value) -> Option<Array2<f64>> {
     let rows = rows.as_array()?;
     let columns = rows.first()?.as_array()?.len();
     let mut flat = Vec::new();

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::{Options, Scene};
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 
 /// The least-squares point closest to all optical axes: sum (I - d d^T) (x - o) = 0 over the cameras.
 ///
@@ -40,7 +40,7 @@ fn axis(camera: &Camera) -> DVec3 {
 
 /// What lies behind the object decides how far samples must reach.
 #[derive(Clone, Copy, PartialEq)]
-pub enum Backdrop {
+pub(super) enum Backdrop {
     /// One color: rendered or cut-out objects.
     Plain,
     /// The world: photographs.
@@ -52,7 +52,7 @@ pub enum Backdrop {
 /// The nearest camera at distance r: near = r / 2. With a smaller near, a field explains single photographs with specks in front of their
 /// cameras. The farthest at R: far = 3 R / 2 over a plain background (an object as large as half the distance to it), 2 R in front of the
 /// real world. On the synthetic scenes of the NeRF paper, r = R = 4.03, this is their customary 2 and 6, which is used exactly.
-pub fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Options) -> Result<()> {
+pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Options) -> Result<()> {
     // Held-out cameras count too: the scene doesn't change when another frame is held out.
     let cameras: Vec<&Camera> = scene.train.iter().chain(&scene.val).map(|frame| &frame.camera).collect();
     let focus = common_focus(&cameras);
@@ -85,8 +85,14 @@ pub fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Optio
             None => "cameras whose axes meet nowhere in front of them".to_string(),
             Some(_) => format!("near {}, far {}", scene.near, scene.far),
         };
-        let advice = "Give both near and far, in the units of the cameras' positions.";
-        return Err(Error::input(file, "near and far", found, "near < far", advice));
+        let remedy = "Give both near and far, in the units of the cameras' positions.";
+        return Err(Error::input(Input {
+            file,
+            field: "near and far",
+            found,
+            expected: "near < far",
+            remedy,
+        }));
     }
     let middle = 0.5 * (scene.near + scene.far);
     scene.focus = focus.unwrap_or_else(|| center(cameras[0]) + axis(cameras[0]) * middle);

@@ -5,7 +5,7 @@ use serde_json::Value;
 use super::check;
 use super::transforms::Transforms;
 use crate::camera::{Distortion, Intrinsics};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 
 /// Names of camera models that k1, k2, p1, p2 cover.
 const MODELLED: [&str; 6] = ["OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "perspective"];
@@ -19,7 +19,7 @@ fn number(transforms: &Transforms, frame: &Value, key: &str) -> Option<f64> {
 ///
 /// fx is `fl_x`, or from `camera_angle_x`: w / 2 / tan(angle / 2). fy is `fl_y`, or from `camera_angle_y` where fx came from an
 /// angle too, or fx. The principal point is `cx`, `cy`, or the middle.
-pub fn intrinsics(
+pub(super) fn intrinsics(
     transforms: &Transforms,
     name: &str,
     frame: &Value,
@@ -34,20 +34,26 @@ pub fn intrinsics(
     if let (Some(size), Some(declared)) = (size, declared)
         && size != declared
     {
-        let advice = "Resize the pictures, or scale w, h, fl_x, fl_y, cx and cy to them.";
+        let remedy = "Resize the pictures, or scale w, h, fl_x, fl_y, cx and cy to them.";
         let (found, expected) = (format!("{}x{}", size.0, size.1), format!("{}x{}", declared.0, declared.1));
-        return Err(Error::input(
+        return Err(Error::input(Input {
             file,
-            format!("size of {name}"),
+            field: format!("size of {name}"),
             found,
-            format!("{expected} (w, h)"),
-            advice,
-        ));
+            expected: format!("{expected} (w, h)"),
+            remedy,
+        }));
     }
     let (width, height) = size.or(declared).unwrap_or((0, 0));
     if width == 0 || height == 0 {
-        let advice = "Give w and h in pixels.";
-        return Err(Error::input(file, format!("w and h of {name}"), "no size", "a picture's size", advice));
+        let remedy = "Give w and h in pixels.";
+        return Err(Error::input(Input {
+            file,
+            field: format!("w and h of {name}"),
+            found: "no size",
+            expected: "a picture's size",
+            remedy,
+        }));
     }
     let from_angle =
         |key: &str, side: usize| get(key).map(|angle| 0.5 * side as f64 / libm::tan(0.5 * angle));
@@ -56,8 +62,14 @@ pub fn intrinsics(
         None => ("camera_angle_x", from_angle("camera_angle_x", width)),
     };
     let Some(fx) = fx else {
-        let advice = "Give fl_x in pixels or camera_angle_x in radians.";
-        return Err(Error::input(file, "fl_x", "neither fl_x nor camera_angle_x", "a focal length", advice));
+        let remedy = "Give fl_x in pixels or camera_angle_x in radians.";
+        return Err(Error::input(Input {
+            file,
+            field: "fl_x",
+            found: "neither fl_x nor camera_angle_x",
+            expected: "a focal length",
+            remedy,
+        }));
     };
     let fx = check::focal(&file, field, fx)?;
     let fy = match (get("fl_y"), field) {
@@ -76,12 +88,18 @@ pub fn intrinsics(
 ///
 /// # Errors
 /// Where the file names a camera that isn't modeled, or has coefficients beyond k1, k2, p1, p2: leaving them out would bend every ray.
-pub fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result<Option<Distortion>> {
+pub(super) fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result<Option<Distortion>> {
     let refuse = |field: &str, found: String| {
-        let advice =
+        let remedy =
             "Undistort the pictures beforehand (colmap image_undistorter) and give a pinhole camera.";
         let expected = "a pinhole camera, with k1, k2, p1, p2 at most";
-        Err(Error::input(transforms.file(), format!("{field} of {name}"), found, expected, advice))
+        Err(Error::input(Input {
+            file: transforms.file(),
+            field: format!("{field} of {name}"),
+            found,
+            expected,
+            remedy,
+        }))
     };
     for source in [frame, &transforms.json] {
         if let Some(model) = source["camera_model"].as_str().filter(|model| !MODELLED.contains(model)) {

@@ -10,7 +10,7 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use crate::camera::{Camera, Intrinsics};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::parallel;
 use crate::random::Key;
 use crate::ray::draw_index;
@@ -29,7 +29,7 @@ pub use card::card;
 pub use layout::common_focus;
 
 /// One camera, with its photograph.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// The picture's path as the scene writes it, or the array and index it comes from.
     pub name: String,
@@ -40,9 +40,9 @@ pub struct Frame {
 }
 
 /// Everything that training and evaluation need to know about a scene.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// Its name, as given on the command line.
+    /// Its name, as given to [`load`].
     pub name: String,
     /// Frames to learn from, at least one, all with images of one size.
     pub train: Vec<Frame>,
@@ -67,18 +67,18 @@ pub struct Scene {
     pub reasons: Map<String, Value>,
 }
 
-/// What the command line may say about a scene; `None` leaves it to the scene.
-#[derive(Clone, Debug, Default)]
+/// What a caller may say about a scene; `None` leaves it to the scene.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// `--near`.
+    /// Where samples start.
     pub near: Option<f64>,
-    /// `--far`.
+    /// Where they end.
     pub far: Option<f64>,
-    /// `--holdout N`: every Nth frame, sorted by file_path and from index 0, is for validation where the scene has no split.
+    /// Every Nth frame, sorted by file_path and from index 0, is for validation where the scene has no split.
     pub holdout: Option<usize>,
-    /// `--background`: the color under transparent pixels (black by default).
+    /// The color under transparent pixels (black by default).
     pub background: Option<[f64; 3]>,
-    /// `--scale 1/N`: pictures of one pixel for each square of N x N.
+    /// N: pictures of one pixel for each square of N x N.
     pub shrink: Option<usize>,
     /// Whether photographs of a test split are loaded too; they are many, and only an evaluation on them needs them.
     pub test_images: bool,
@@ -129,7 +129,7 @@ impl Scene {
         let (width, height) = self.size();
         if n > width.min(height) {
             let expected = format!("at least 1/{}, a pixel of {width}x{height}", width.min(height));
-            return Err(Error::usage("--scale", format!("1/{n}"), expected));
+            return Err(Error::usage("scale", format!("1/{n}"), expected));
         }
         let mut frames: Vec<&mut Frame> =
             self.train.iter_mut().chain(&mut self.val).chain(&mut self.test).collect();
@@ -188,6 +188,6 @@ fn read(scene: &str, options: &Options) -> Result<Scene> {
         (_, false) => "nothing there",
     };
     let expected = "builtin:NAME, an .npz, or a folder or file of transforms*.json";
-    let advice = "Start with `nerf-oracle train builtin:spheres --out out/spheres`, which needs no file.";
-    Err(Error::input(scene, "scene", found, expected, advice))
+    let remedy = "Start with builtin:spheres, which needs no file.";
+    Err(Error::input(Input { file: scene, field: "scene", found, expected, remedy }))
 }

@@ -9,14 +9,14 @@ use serde_json::Value;
 use super::layout::{Backdrop, settle};
 use super::{Frame, Options, Photo, Scene, check};
 use crate::camera::{Camera, Intrinsics};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files::npz::{Array, Npz};
 
 /// How many frames of a tiny-NeRF file are for training: the notebook's own `images[:100]`.
 const TINY_TRAIN: usize = 100;
 
 /// Reads either layout: with `images_train` it is CS180's, with `images` and `poses` tiny-NeRF's.
-pub fn load(path: &Path, options: &Options) -> Result<Scene> {
+pub(super) fn load(path: &Path, options: &Options) -> Result<Scene> {
     let file = path.display().to_string();
     let mut npz = Npz::open(path)?;
     let mut scene = Scene::empty(&file, options);
@@ -26,8 +26,8 @@ pub fn load(path: &Path, options: &Options) -> Result<Scene> {
         (false, false) => {
             let found = format!("[{}]", npz.names().collect::<Vec<_>>().join(", "));
             let expected = "images_train, c2ws_train, ..., focal (CS180) or images, poses, focal (tiny-NeRF)";
-            let advice = "Rename the arrays, or give a folder of transforms.json.";
-            return Err(Error::input(file, "arrays", found, expected, advice));
+            let remedy = "Rename the arrays, or give a folder of transforms.json.";
+            return Err(Error::input(Input { file, field: "arrays", found, expected, remedy }));
         }
     }
     check::frames(&file, &scene.train, &scene.val)?;
@@ -91,8 +91,14 @@ fn frames(
     let photos = images_of(npz, file, images)?;
     let count = photos.len();
     if poses.len() != count {
-        let advice = "Every image needs its pose, in the same order.";
-        return Err(Error::input(file, poses_name, poses.len(), format!("{count}, as {images} has"), advice));
+        let remedy = "Every image needs its pose, in the same order.";
+        return Err(Error::input(Input {
+            file,
+            field: poses_name,
+            found: poses.len(),
+            expected: format!("{count}, as {images} has"),
+            remedy,
+        }));
     }
     let mut frames = Vec::with_capacity(count);
     for (i, (image, c2w)) in photos.into_iter().zip(poses).enumerate() {
@@ -113,10 +119,16 @@ fn camera(width: usize, height: usize, focal: f64, c2w: DMat4) -> Camera {
 fn images_of(npz: &mut Npz, file: &str, name: &str) -> Result<Vec<Photo>> {
     let array = npz.array(name)?;
     let shape = array.shape().to_vec();
-    let advice = "Stack the pictures as red, green, blue: bytes, or floats in [0, 1].";
+    let remedy = "Stack the pictures as red, green, blue: bytes, or floats in [0, 1].";
     if shape.len() != 4 || shape[3] != 3 || shape[1] == 0 || shape[2] == 0 {
         let expected = "shape [frames, height, width, 3]";
-        return Err(Error::input(file, name, format!("shape {shape:?}"), expected, advice));
+        return Err(Error::input(Input {
+            file,
+            field: name,
+            found: format!("shape {shape:?}"),
+            expected,
+            remedy,
+        }));
     }
     let floats: ArrayD<f32> = match array {
         Array::U8(bytes) => {
@@ -130,11 +142,23 @@ fn images_of(npz: &mut Npz, file: &str, name: &str) -> Result<Vec<Photo>> {
         Array::F16(floats) => floats.mapv(f32::from),
         Array::F64(floats) => floats.mapv(|x| x as f32),
         Array::I64(_) => {
-            return Err(Error::input(file, name, "wide integers", "u8, f16, f32 or f64", advice));
+            return Err(Error::input(Input {
+                file,
+                field: name,
+                found: "wide integers",
+                expected: "u8, f16, f32 or f64",
+                remedy,
+            }));
         }
     };
     if let Some(x) = floats.iter().find(|x| !(-1e-3..=1.001).contains(*x)) {
-        return Err(Error::input(file, name, x, "colors in [0, 1]", advice));
+        return Err(Error::input(Input {
+            file,
+            field: name,
+            found: x,
+            expected: "colors in [0, 1]",
+            remedy,
+        }));
     }
     let stack = floats.into_dimensionality::<Ix4>().expect("four axes were just counted");
     Ok(stack.axis_iter(Axis(0)).map(|image| Photo::from(image.to_owned())).collect())
@@ -145,8 +169,14 @@ fn poses(npz: &mut Npz, file: &str, name: &str) -> Result<Vec<DMat4>> {
     let array = npz.array(name)?;
     let shape = array.shape().to_vec();
     if shape.len() != 3 || shape[1..] != [4, 4] {
-        let advice = "Give homogeneous camera-to-world matrices, one a frame.";
-        return Err(Error::input(file, name, format!("shape {shape:?}"), "shape [frames, 4, 4]", advice));
+        let remedy = "Give homogeneous camera-to-world matrices, one a frame.";
+        return Err(Error::input(Input {
+            file,
+            field: name,
+            found: format!("shape {shape:?}"),
+            expected: "shape [frames, 4, 4]",
+            remedy,
+        }));
     }
     let array = array.to_f64().into_dimensionality::<Ix3>().expect("three axes were just counted");
     let poses = array.axis_iter(Axis(0)).enumerate();
@@ -158,8 +188,14 @@ fn focal(npz: &mut Npz, file: &str) -> Result<f64> {
     let array = npz.array("focal")?;
     let values = array.to_f64();
     if values.len() != 1 {
-        let advice = "Give one focal length in pixels for all frames.";
-        return Err(Error::input(file, "focal", format!("shape {:?}", array.shape()), "one number", advice));
+        let remedy = "Give one focal length in pixels for all frames.";
+        return Err(Error::input(Input {
+            file,
+            field: "focal",
+            found: format!("shape {:?}", array.shape()),
+            expected: "one number",
+            remedy,
+        }));
     }
     check::focal(file, "focal", values.iter().copied().next().unwrap_or(f64::NAN))
 }

@@ -9,12 +9,12 @@ use super::layout::{Backdrop, settle};
 use super::lens::{intrinsics, lens};
 use super::{Frame, Options, Photo, Scene, check};
 use crate::camera::Camera;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files::{self, picture};
 use crate::parallel;
 
 /// One parsed file.
-pub struct Transforms {
+pub(super) struct Transforms {
     /// Where it lies.
     pub path: PathBuf,
     /// All of it.
@@ -25,28 +25,46 @@ impl Transforms {
     fn read(path: &Path) -> Result<Transforms> {
         let text = files::read_text(path)?;
         let json = serde_json::from_str(&text).map_err(|error| {
-            let advice = "Write it again with instant-ngp's, nerfstudio's or Blender's exporter.";
-            Error::input(path.display(), "JSON", error, "a whole transforms.json", advice)
+            let remedy = "Write it again with instant-ngp's, nerfstudio's or Blender's exporter.";
+            Error::input(Input {
+                file: path.display(),
+                field: "JSON",
+                found: error,
+                expected: "a whole transforms.json",
+                remedy,
+            })
         })?;
         Ok(Transforms { path: path.to_path_buf(), json })
     }
 
     /// The file's name for messages.
-    pub fn file(&self) -> String {
+    pub(super) fn file(&self) -> String {
         self.path.display().to_string()
     }
 
     /// The frames, sorted by `file_path`.
     fn frames(&self) -> Result<Vec<(&str, &Value)>> {
-        let advice = "Check which program wrote the file.";
+        let remedy = "Check which program wrote the file.";
         let Some(frames) = self.json["frames"].as_array().filter(|frames| !frames.is_empty()) else {
-            return Err(Error::input(self.file(), "frames", "none", "a list of frames", advice));
+            return Err(Error::input(Input {
+                file: self.file(),
+                field: "frames",
+                found: "none",
+                expected: "a list of frames",
+                remedy,
+            }));
         };
         let mut named = Vec::with_capacity(frames.len());
         for (i, frame) in frames.iter().enumerate() {
             let Some(name) = frame["file_path"].as_str() else {
                 let field = format!("frames[{i}].file_path");
-                return Err(Error::input(self.file(), field, &frame["file_path"], "a path", advice));
+                return Err(Error::input(Input {
+                    file: self.file(),
+                    field,
+                    found: &frame["file_path"],
+                    expected: "a path",
+                    remedy,
+                }));
             };
             named.push((name, frame));
         }
@@ -69,7 +87,7 @@ impl Transforms {
 }
 
 /// Reads a folder with `transforms_train.json` (and `_val`, `_test`) or `transforms.json`, or one such file.
-pub fn load(path: &Path, options: &Options) -> Result<Scene> {
+pub(super) fn load(path: &Path, options: &Options) -> Result<Scene> {
     let split = |name: &str| path.join(format!("transforms_{name}.json"));
     if path.is_dir() && split("train").is_file() {
         return splits(path, split("train"), split("val"), split("test"), options);
@@ -163,9 +181,15 @@ impl Reader<'_> {
             }
         }
         if frames.is_empty() {
-            let advice = "Paths are taken from the folder that the file lies in.";
+            let remedy = "Paths are taken from the folder that the file lies in.";
             let found = format!("none of {} pictures, {} the first", missing.len(), missing[0]);
-            return Err(Error::input(transforms.file(), "frames", found, "pictures at file_path", advice));
+            return Err(Error::input(Input {
+                file: transforms.file(),
+                field: "frames",
+                found,
+                expected: "pictures at file_path",
+                remedy,
+            }));
         }
         if !missing.is_empty() {
             let list = missing.join(", ");
@@ -185,8 +209,14 @@ impl Reader<'_> {
         let file = transforms.file();
         let field = format!("transform_matrix of {name}");
         let Some(matrix) = check::matrix(&value["transform_matrix"]) else {
-            let advice = "Every frame needs its camera-to-world pose.";
-            return Err(Error::input(file, field, "no matrix", "four rows of four numbers", advice));
+            let remedy = "Every frame needs its camera-to-world pose.";
+            return Err(Error::input(Input {
+                file,
+                field,
+                found: "no matrix",
+                expected: "four rows of four numbers",
+                remedy,
+            }));
         };
         let c2w = check::opengl_to_opencv(check::pose(&file, &field, matrix.view())?);
         if let Some(photo) = &image {

@@ -1,7 +1,7 @@
 //! Cases of the spherical harmonics: axes, diagonals, random directions, and directions that aren't unit.
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Spherical harmonics.
 pub fn spherical_harmonics() -> Vec<Case> {
@@ -19,7 +19,7 @@ pub fn spherical_harmonics() -> Vec<Case> {
     };
     let axes =
         vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, -1.0];
-    vec![
+    let cases = vec![
         case("axes", "along the axes, both ways: every harmonic is 0 or extreme", 4.0, axes),
         case("constant", "degree 0: 1 / sqrt(4 pi), whatever the direction", 0.0, seeded(0, 3)),
         case("linear", "degree 1: y, z, x in this order", 1.0, seeded(1, 4)),
@@ -38,5 +38,6 @@ pub fn spherical_harmonics() -> Vec<Case> {
             vec![0.25, -0.375, 0.125, 1.0, -1.5, 0.5],
         ),
         case("nearly_up", "beside the pole, where m > 0 vanishes", 4.0, vec![0.0078125, -0.00390625, 1.0]),
-    ]
+    ];
+    in_full(cases, "five_bands")
 }

@@ -3,7 +3,7 @@
 use super::THRESHOLD;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::array;
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Linear light to sRGB.
 pub fn linear_to_srgb() -> Vec<Case> {
@@ -14,7 +14,7 @@ pub fn linear_to_srgb() -> Vec<Case> {
     };
     let mut dark = Draw::new("linear_to_srgb", 0);
     let step = libm::ldexp(1.0, -15);
-    vec![
+    let cases = vec![
         case("black", "0, and light too faint to see", vec![0.0, -0.0, libm::ldexp(1.0, -14), step]),
         case("dark", "the straight piece", (0..12).map(|_| dark.decades(-4.0, -2.6)).collect()),
         case(
@@ -40,5 +40,6 @@ pub fn linear_to_srgb() -> Vec<Case> {
             "0.0031308 in double precision: either piece is honest",
             vec![THRESHOLD.next_down(), THRESHOLD, THRESHOLD.next_up()],
         ),
-    ]
+    ];
+    in_full(cases, "usual")
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use ndarray::{ArrayD, IxDyn};
 use serde_json::{Map, Value};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files::{self, npz};
 
 /// The version of run folders: readers refuse other versions.
@@ -29,13 +29,13 @@ impl RunFolder {
     pub fn open(path: &Path) -> Result<Self> {
         let run = path.join("run.json");
         if !run.is_file() {
-            return Err(Error::input(
-                path.display(),
-                "run.json",
-                "no such file",
-                "the folder of a run",
-                "Train first: nerf-oracle train SCENE --out RUN.",
-            ));
+            return Err(Error::input(Input {
+                file: path.display(),
+                field: "run.json",
+                found: "no such file",
+                expected: "the folder of a run",
+                remedy: "Train first, into this folder.",
+            }));
         }
         Ok(RunFolder(path.to_path_buf()))
     }
@@ -58,7 +58,13 @@ impl RunFolder {
     pub fn settings(&self) -> Result<Map<String, Value>> {
         let path = self.file("run.json");
         serde_json::from_str(&files::read_text(&path)?).map_err(|e| {
-            Error::input(path.display(), "JSON", e, "an object as train writes it", "Train the run again.")
+            Error::input(Input {
+                file: path.display(),
+                field: "JSON",
+                found: e,
+                expected: "an object as train writes it",
+                remedy: "Train the run again.",
+            })
         })
     }
 
@@ -83,20 +89,26 @@ impl RunFolder {
         let mut state = npz::read(&path)?;
         let mut number = |name: &str| {
             state.remove(name).and_then(|a| a.to_f64().iter().copied().next()).ok_or_else(|| {
-                let advice = "Train the run again.";
-                Error::input(
-                    path.display(),
-                    name,
-                    "no such number",
-                    "a checkpoint as train writes it",
-                    advice,
-                )
+                let remedy = "Train the run again.";
+                Error::input(Input {
+                    file: path.display(),
+                    field: name,
+                    found: "no such number",
+                    expected: "a checkpoint as train writes it",
+                    remedy,
+                })
             })
         };
         let (version, step) = (number("version")?, number("step")?);
         if version != VERSION as f64 {
-            let advice = "Train the run again, or use the program that wrote it.";
-            return Err(Error::input(path.display(), "version", version, VERSION, advice));
+            let remedy = "Train the run again, or use the program that wrote it.";
+            return Err(Error::input(Input {
+                file: path.display(),
+                field: "version",
+                found: version,
+                expected: VERSION,
+                remedy,
+            }));
         }
         let (seconds, samples) = (number("seconds")?, number("samples")?);
         Ok((state, step as u64, seconds, samples as u64))

@@ -17,7 +17,7 @@ use self::skipping::skipping;
 use super::model::{Model, Pixel, StepReport};
 use super::reference::{fine_samples, interval_edges};
 use crate::convention::CS180;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::field::NerfMlp;
 use crate::field::fast::{Rays, Skipping};
 use crate::field::nerf_mlp::Shape;
@@ -118,7 +118,7 @@ pub(crate) struct Samples {
 }
 
 impl Samples {
-    pub fn rays<'a>(&'a self, origins: &'a [f64], directions: &'a [f64]) -> Rays<'a> {
+    pub(crate) fn rays<'a>(&'a self, origins: &'a [f64], directions: &'a [f64]) -> Rays<'a> {
         Rays { origins, directions, t: &self.t, deltas: &self.deltas, samples: self.count }
     }
 }
@@ -269,8 +269,14 @@ impl Model for NerfModel {
             Some(fine) => fine.restore(state, FINE, file),
             None => match state.keys().find(|name| name.starts_with(FINE)) {
                 Some(name) => {
-                    let advice = "The run has two networks: go on with the --fine it was trained with.";
-                    Err(Error::input(file, name, "an array of a fine network", "none without --fine", advice))
+                    let remedy = "The run has two networks: go on with the `fine` it was trained with.";
+                    Err(Error::input(Input {
+                        file,
+                        field: name,
+                        found: "an array of a fine network",
+                        expected: "none without `fine`",
+                        remedy,
+                    }))
                 }
                 None => Ok(()),
             },
@@ -281,7 +287,7 @@ impl Model for NerfModel {
         let NerfSettings { near, far, rays, samples, fine, lr, shape, levels, .. } = self.settings;
         let value = json!({
             "near": near, "far": far, "rays": rays, "samples": samples, "fine": fine, "lr": lr,
-            "width": shape.width, "depth": shape.depth, "color_width": shape.color, "skip": shape.skip,
+            "width": shape.width, "depth": shape.depth, "color_width": shape.color, "skip": CS180.skip_layer,
             "levels_position": levels.0, "levels_direction": levels.1, "profile": "cs180",
             "density_head": "at step 1 the sign that gives at least half of the samples a density",
         });
@@ -293,8 +299,8 @@ impl Model for NerfModel {
     fn warning(&self) -> Option<String> {
         if self.dead {
             return Some(
-                "every density is 0, so no gradient flows and pictures stay empty (a dead density head). Try another --seed, or a \
-                 smaller --lr."
+                "every density is 0, so no gradient flows and pictures stay empty (a dead density head). Try another `seed`, or a \
+                 smaller `lr`."
                     .into(),
             );
         }
@@ -310,12 +316,24 @@ fn flat(net: &NerfMlp) -> Vec<f32> {
 
 /// An array of a checkpoint, by name and shape.
 fn find(state: &Arrays, name: &str, shape: &[usize], file: &str) -> Result<ndarray::ArrayD<f64>> {
-    let advice = "Use the options that the run was trained with, or train it again.";
-    let array = state
-        .get(name)
-        .ok_or_else(|| Error::input(file, name, "no such array", format!("{shape:?}"), advice))?;
+    let remedy = "Use the options that the run was trained with, or train it again.";
+    let array = state.get(name).ok_or_else(|| {
+        Error::input(Input {
+            file,
+            field: name,
+            found: "no such array",
+            expected: format!("{shape:?}"),
+            remedy,
+        })
+    })?;
     if array.shape() != shape {
-        return Err(Error::input(file, name, format!("{:?}", array.shape()), format!("{shape:?}"), advice));
+        return Err(Error::input(Input {
+            file,
+            field: name,
+            found: format!("{:?}", array.shape()),
+            expected: format!("{shape:?}"),
+            remedy,
+        }));
     }
     Ok(array.to_f64())
 }

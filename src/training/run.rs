@@ -11,7 +11,7 @@ use super::checkpoint::RunFolder;
 use super::model::{Model, StepReport};
 use super::schedule::{MOST, Schedule};
 use super::watch::Watch;
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::evaluation::{Scores, evaluate, over};
 use crate::files::{self, picture};
 use crate::loss::psnr;
@@ -26,7 +26,7 @@ const VIEWS: usize = 8;
 const SAVE_EVERY: f64 = 60.0;
 
 /// When a run ends, and how it is measured.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Options {
     /// Stop after this step.
     pub steps: Option<u64>,
@@ -132,14 +132,14 @@ impl<'a> Run<'a> {
         let whole = text.rfind('\n').map_or("", |end| &text[..end]);
         for (n, line) in whole.lines().enumerate() {
             let point: LogPoint = serde_json::from_str(line).map_err(|e| {
-                let advice = "Delete the line, or train from the start without --resume.";
-                Error::input(
-                    path.display(),
-                    format!("line {}", n + 1),
-                    e,
-                    "an object as train writes it",
-                    advice,
-                )
+                let remedy = "Delete the line, or train from the start without `resume`.";
+                Error::input(Input {
+                    file: path.display(),
+                    field: format!("line {}", n + 1),
+                    found: e,
+                    expected: "an object as train writes it",
+                    remedy,
+                })
             })?;
             if point.step <= step {
                 self.log.push(point);

@@ -16,7 +16,7 @@ const SHOWS_NOTHING: f64 = 0.9;
 const PLAIN: f64 = 1e-4;
 
 /// The last steps of a run, and what they are held against.
-#[derive(Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Watch {
     /// Mean squared error of the best constant color over all training pixels.
     constant: f64,
@@ -38,7 +38,7 @@ impl Watch {
     pub fn failure(&mut self, step: u64, report: &StepReport) -> Option<String> {
         if !report.loss.is_finite() {
             return Some(format!(
-                "the loss at step {step} is {}, no finite number. Lower --lr.",
+                "the loss at step {step} is {}, no finite number. Lower `lr`.",
                 report.loss
             ));
         }
@@ -52,13 +52,13 @@ impl Watch {
         if self.unseen >= WINDOW {
             return Some(format!(
                 "no ray has met a sample for {WINDOW} steps, up to step {step}: nothing lies between near and far where the cameras \
-                 look, or everything is taken for empty. Check --near and --far, or try --without occupancy."
+                 look, or everything is taken for empty. Check `near` and `far`, or try `without` occupancy."
             ));
         }
         if self.still >= WINDOW {
             return Some(format!(
-                "no gradient has flowed for {WINDOW} steps, up to step {step}: every density is 0. Try another --seed, or a smaller \
-                 --lr."
+                "no gradient has flowed for {WINDOW} steps, up to step {step}: every density is 0. Try another `seed`, or a smaller \
+                 `lr`."
             ));
         }
         let mean = self.recent.iter().sum::<f64>() / self.recent.len() as f64;
@@ -66,7 +66,7 @@ impl Watch {
         (judged && mean > SHOWS_NOTHING * self.constant).then(|| {
             format!(
                 "over the last {WINDOW} steps, up to step {step}, pictures are no better than one color all over ({mean:.5} to {:.5} mean \
-                 squared error). Check the poses and --near, --far; try another --background, --seed or --lr.",
+                 squared error). Check the poses and `near`, `far`; try another `background`, `seed` or `lr`.",
                 self.constant
             )
         })

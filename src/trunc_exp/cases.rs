@@ -1,7 +1,7 @@
 //! Cases of the truncated exponential: inside, at and beyond the limits of its gradient, and where each type overflows.
 
 use crate::contract::arrays::array;
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Truncated exponential.
 pub fn trunc_exp() -> Vec<Case> {
@@ -11,7 +11,7 @@ pub fn trunc_exp() -> Vec<Case> {
         (0..12).map(|_| draw.between(low, high)).collect::<Vec<f64>>()
     };
     let tiny = libm::ldexp(1.0, -20);
-    vec![
+    let cases = vec![
         case("zero", "e^0 is 1, beside it too", vec![0.0, -0.0, tiny, -tiny, 0.5, -0.5]),
         case("usual", "raw densities of a trained field", seeded(0, -6.0, 8.0)),
         case("thin", "empty space: densities of 1e-3 and below", seeded(1, -14.0, -7.0)),
@@ -37,5 +37,6 @@ pub fn trunc_exp() -> Vec<Case> {
             "e^704 is a double-precision number, e^712 is infinite",
             vec![704.0, 712.0, -704.0, -752.0],
         ),
-    ]
+    ];
+    in_full(cases, "usual")
 }

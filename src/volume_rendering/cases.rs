@@ -7,7 +7,7 @@ use std::f64::consts::LN_2;
 use ndarray::ArrayD;
 
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw};
+use crate::contract::case::{Case, Draw, in_full};
 
 /// Seeded regimes: typical optical depth of one sample.
 const REGIMES: [(&str, &str, f64, f64); 4] = [
@@ -96,6 +96,36 @@ pub fn volume_render() -> Vec<Case> {
             gray(4),
             vec![0.25, 0.25, 0.25, 1e10],
         ),
+        one_ray(
+            "VR2_dense_end",
+            "a last step of 1e10 in fog: T in front of it is no difference of two sums that contain it",
+            vec![0.5, 1.0, 0.75, 0.5],
+            gray(4),
+            vec![0.25, 0.25, 0.25, 1e10],
+        ),
+        one_ray(
+            "colors_beyond",
+            "colors below 0 and above 1 aren't clipped",
+            vec![0.5, 1.0, 2.0],
+            array(&[1, 3, 3], vec![-1.0, 2.0, 0.5, 4.0, -0.25, 1.5, -2.0, 0.75, 1.25]),
+            vec![0.5; 3],
+        ),
+        one_ray(
+            "VR9_no_step",
+            "a step of 0 has no weight, whatever its density",
+            vec![1.0, 800.0, 2.0],
+            gray(3),
+            vec![0.5, 0.0, 0.25],
+        ),
+        one_ray(
+            "VR9_infinite",
+            "an infinite density is opaque, and nothing behind it is NaN",
+            vec![0.5, f64::INFINITY, 1.0],
+            gray(3),
+            vec![0.5; 3],
+        )
+        // sigma times a gradient of 0 has no value.
+        .forward_only(),
         one_ray("VR9_underflow", "T underflows behind x = 800", vec![800.0, 1.0, 1.0], gray(3), vec![1.0; 3]),
         one_ray("VR9_huge", "sigma = 1e300 and 1e-300", vec![1e-300, 0.5, 1e300, 1.0], gray(4), vec![1.0; 4]),
         one_ray(
@@ -136,7 +166,7 @@ pub fn volume_render() -> Vec<Case> {
             ("deltas", array(&[rays, samples], deltas)),
         ]
     }));
-    cases
+    in_full(in_full(cases, "mixed_0"), "thin_0")
 }
 
 /// From opacities.
@@ -165,6 +195,7 @@ pub fn volume_render_alpha() -> Vec<Case> {
             one_hot(5),
         ),
         one_ray("empty_ray", "nothing on the ray", vec![0.0; 6], array(&[1, 6, 3], vec![0.5; 18])),
+        one_ray("one_sample", "a ray with one sample", vec![0.25], array(&[1, 1, 3], vec![0.5, 0.75, 1.0])),
         one_ray(
             "VR9_underflow",
             "T reaches subnormals and 0",
@@ -181,7 +212,7 @@ pub fn volume_render_alpha() -> Vec<Case> {
             ("rgbs", draw.array(&[rays, samples, 3], 0.05, 1.0)),
         ]
     }));
-    cases
+    in_full(cases, "mixed_0")
 }
 
 /// Background.
@@ -197,10 +228,11 @@ pub fn composite_background() -> Vec<Case> {
         ("opacity", draw.array(&[16], 0.05, 0.95)),
         ("background", array(&[3], vec![0.75, 0.25, 0.625])),
     ];
-    vec![
+    let cases = vec![
         Case::new("three_opacities", "A = 0, 1/2, 1 over three different channels", three),
         Case::new("seeded", "random rays", seeded),
-    ]
+    ];
+    in_full(cases, "seeded")
 }
 
 /// Expected distance.
@@ -211,7 +243,7 @@ pub fn depth() -> Vec<Case> {
         array(&[rays, 8], std::iter::repeat_n(row, rays).flatten().collect())
     };
     let spike = vec![0.0, 0.0, 0.5, 0.0, 0.25, 0.0, 0.0, 0.0];
-    vec![
+    let cases = vec![
         Case::new(
             "spike",
             "two weights: (0.5 * 3.25 + 0.25 * 4.25) / 0.75",
@@ -223,9 +255,19 @@ pub fn depth() -> Vec<Case> {
             vec![("weights", array(&[1, 8], vec![0.0; 8])), ("t", t(1)), ("far", scalar(6.25))],
         ),
         Case::new(
+            "two_ends",
+            "weights at both ends alone: t - z loses no digits",
+            vec![
+                ("weights", array(&[1, 2], vec![0.5, 0.25])),
+                ("t", array(&[1, 2], vec![0.5, 8.0])),
+                ("far", scalar(8.0)),
+            ],
+        ),
+        Case::new(
             "seeded",
             "random weights",
             vec![("weights", draw.array(&[6, 8], 0.001, 0.12)), ("t", t(6)), ("far", scalar(6.25))],
         ),
-    ]
+    ];
+    in_full(cases, "seeded")
 }

@@ -12,7 +12,7 @@ use nerf_oracle::proof::own_error::OWN_ERRORS;
 use super::imports::{component_folders, rooms};
 use super::root;
 
-/// The files of a component's folder, and what each holds. Any of them but the first may be a folder instead.
+/// The files of a component's folder, which `mod.rs` declares, and what each holds. Any of them but the first may be a folder instead.
 const FILES: &[(&str, &str)] = &[
     ("mod", "the formula in plain f64, with its source, shapes and units"),
     ("arrays", "the same on named arrays: fn(&Arrays, &Conventions) -> Arrays"),
@@ -24,19 +24,41 @@ const FILES: &[(&str, &str)] = &[
     ("mistakes", "what people get wrong: a list of `Mistake`, and the formula with mistakes by name"),
     ("cases", "the questions: seeded and hard `Case`s, of numbers that every type holds"),
     ("component", "the row of the registry: a `Component` that puts all of these together"),
+    ("judge", "the front door: `front_door!`, by which somebody's own function is judged in a line"),
     ("tests", "closed forms and properties"),
 ];
+
+/// What lies in `src` and isn't in the list of rooms.
+fn without_room() -> Vec<String> {
+    let rooms = rooms();
+    let entries = fs::read_dir(root().join("src")).expect("src").map(|entry| entry.expect("an entry").path());
+    let names = entries.map(|path| path.file_stem().expect("a name").to_string_lossy().into_owned());
+    let known =
+        |name: &String| name == "lib" || name == "main" || rooms.iter().flatten().any(|room| room == name);
+    let step = |name: String| {
+        format!(
+            "name {name} in the numbered list of src/lib.rs (a component: item 3, in backticks and after those it imports), then run this again"
+        )
+    };
+    names.filter(|name| !known(name)).map(step).collect()
+}
 
 /// What is missing in a component's folder and around it.
 fn around(folder: &str) -> Vec<String> {
     let src = root().join("src");
-    let mut missing = vec![];
+    let declared = fs::read_to_string(src.join(folder).join("mod.rs")).unwrap_or_default();
+    let (mut missing, mut undeclared) = (vec![], vec![]);
     for (file, what) in FILES {
         let there =
             src.join(folder).join(format!("{file}.rs")).exists() || src.join(folder).join(file).is_dir();
         if !there {
             missing.push(format!("write src/{folder}/{file}.rs: {what}"));
+        } else if *file != "mod" && !declared.contains(&format!("mod {file};")) {
+            undeclared.push(format!("mod {file};"));
         }
+    }
+    if !undeclared.is_empty() {
+        missing.push(format!("declare in src/{folder}/mod.rs: {}", undeclared.join(" ")));
     }
     let lib = fs::read_to_string(src.join("lib.rs")).expect("lib.rs");
     if !lib.contains(&format!("pub mod {folder};")) {
@@ -80,7 +102,7 @@ fn of_row(component: &Component) -> Vec<String> {
     check(
         exists(&format!("tools/golden/{name}.py")),
         format!(
-            "write tools/golden/{name}.py: the same formula in mpmath and torch (a short one to start from: trunc_exp.py)"
+            "write tools/golden/{name}.py: the same formula in mpmath and torch (a short one to start from: trunc_exp.py), with a PURPOSE that no other has"
         ),
     );
     let registry =
@@ -104,26 +126,19 @@ fn of_row(component: &Component) -> Vec<String> {
 
 #[test]
 fn every_component_is_complete() {
-    let mut missing: Vec<String> = component_folders().iter().flat_map(|folder| around(folder)).collect();
+    let mut missing = without_room();
+    missing.extend(component_folders().iter().flat_map(|folder| around(folder)));
     missing.extend(COMPONENTS.iter().flat_map(of_row));
     let steps: String = missing.iter().map(|step| format!("\n  * {step}")).collect();
-    assert!(missing.is_empty(), "what is left to do:{steps}\n");
+    assert!(
+        missing.is_empty(),
+        "what is left to do (src/trunc_exp is a small component to look at):{steps}\n"
+    );
 }
 
-/// Whatever lies in `src` is in the list of rooms, and what is registered lies in a component's folder.
+/// What is registered lies in a component's folder.
 #[test]
-fn every_folder_has_its_room() {
-    let rooms = rooms();
-    for entry in fs::read_dir(root().join("src")).expect("src") {
-        let path = entry.expect("a readable entry").path();
-        let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-        let known =
-            ["lib", "main"].contains(&name.as_str()) || rooms.iter().flatten().any(|room| *room == name);
-        assert!(
-            known,
-            "src/{name} is in no room: name it in the numbered list of src/lib.rs (a component in item 3, after those it imports)"
-        );
-    }
+fn every_row_has_its_folder() {
     let folders: BTreeSet<String> = component_folders().into_iter().collect();
     for component in COMPONENTS {
         assert!(

@@ -48,7 +48,7 @@ struct Source {
 }
 
 /// The numbered list of `lib.rs`: the names in backticks of each item. Its third item are the components.
-pub fn rooms() -> Vec<Vec<String>> {
+pub(crate) fn rooms() -> Vec<Vec<String>> {
     let text = fs::read_to_string(root().join("src/lib.rs")).expect("lib.rs");
     let lines = text.lines().skip_while(|line| !line.starts_with("//! 1. "));
     let mut items: Vec<String> = vec![];
@@ -63,7 +63,7 @@ pub fn rooms() -> Vec<Vec<String>> {
 }
 
 /// The components' folders.
-pub fn component_folders() -> Vec<String> {
+pub(crate) fn component_folders() -> Vec<String> {
     let folders = rooms().swap_remove(2);
     assert!(
         folders.iter().any(|folder| folder == "camera"),

@@ -1,32 +1,17 @@
 //! The house rules, as far as a program can check them.
 
+mod around;
 mod complete;
 mod imports;
 mod names;
+mod words;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use around::{AROUND, TESTS, is_oracle};
 use imports::component_folders;
 use sha2::{Digest, Sha256};
-
-/// Files of a component folder that are not oracle: harness, tests and fast variants.
-const AROUND: &[&str] = &[
-    "arrays",
-    "bound",
-    "honest",
-    "cases",
-    "mistakes",
-    "component",
-    "judge",
-    "tests",
-    "sampler",
-    "by_hand",
-    "fast",
-    "variants",
-    "statistics",
-    "chain",
-];
 
 /// What an oracle file may not contain, and why.
 const FORBIDDEN: &[(&str, &str)] = &[
@@ -81,9 +66,19 @@ fn oracle_files(folder: &str) -> Vec<PathBuf> {
     files.retain(|file| {
         let inside = file.strip_prefix(&folder).expect("below its folder");
         let first = inside.components().next().expect("a name");
-        !AROUND.contains(&name(Path::new(first.as_os_str())).as_str())
+        is_oracle(&name(Path::new(first.as_os_str())))
     });
     files
+}
+
+#[test]
+fn what_is_around_the_oracle_is_there() {
+    let src = root().join("src");
+    for name in AROUND.iter().chain(TESTS) {
+        let there =
+            component_folders().iter().any(|folder| src.join(folder).join(format!("{name}.rs")).exists());
+        assert!(there, "no component has {name}.rs: take it off tests/architecture/around.rs");
+    }
 }
 
 #[test]

@@ -10,12 +10,12 @@ use nerf_oracle::convention::{CS180, Conventions, Directions};
 use nerf_oracle::proof::golden::Golden;
 
 /// Fixtures of several components in a row.
-pub const SYSTEMS: &[&str] = &["training_step", "adam", "loss_curve"];
+pub(crate) const SYSTEMS: &[&str] = &["training_step", "adam", "loss_curve"];
 
 const HYPER: [&str; 5] = ["lr", "beta1", "beta2", "eps", "weight_decay"];
 
 /// What is changed on purpose.
-pub enum Change<'a> {
+pub(crate) enum Change<'a> {
     /// Nothing.
     None,
     /// This known difference is left out: a convention `key=value` or a quirk.
@@ -23,12 +23,12 @@ pub enum Change<'a> {
 }
 
 /// A component by its name.
-pub fn component(name: &str) -> Option<&'static Component> {
+pub(crate) fn component(name: &str) -> Option<&'static Component> {
     COMPONENTS.iter().find(|component| component.name == name)
 }
 
 /// The reference's outputs for a case.
-pub fn answer(name: &str, case: &Golden, change: &Change) -> Arrays {
+pub(crate) fn answer(name: &str, case: &Golden, change: &Change) -> Arrays {
     let mut case = Cow::Borrowed(case);
     if let Change::Without(difference) = change {
         let case = case.to_mut();

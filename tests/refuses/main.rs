@@ -6,7 +6,11 @@ use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
+#[path = "../architecture/around.rs"]
+mod around;
 mod rows;
+
+use around::is_oracle;
 
 /// A public oracle function, a call that it takes, and calls that it must refuse, each with the words of its message.
 #[derive(Debug)]
@@ -40,24 +44,6 @@ const ARRAYS: &[&str] = &[
     "OccupancyGrid",
 ];
 
-/// Files of a component folder that are no oracle, as in tests/architecture.
-const AROUND: &[&str] = &[
-    "arrays",
-    "bound",
-    "by_hand",
-    "cases",
-    "chain",
-    "component",
-    "fast",
-    "honest",
-    "judge",
-    "mistakes",
-    "sampler",
-    "statistics",
-    "tests",
-    "variants",
-];
-
 /// A public function of an oracle file.
 struct Function {
     /// Parameters that hold arrays, `self` among them.
@@ -78,7 +64,7 @@ fn oracle_files() -> Vec<PathBuf> {
             let inside = fs::read_dir(&entry).expect("a folder").map(|file| file.expect("an entry").path());
             files.extend(inside.filter(|file| {
                 let stem = file.file_stem().expect("a name").to_string_lossy().into_owned();
-                file.is_file() && !AROUND.contains(&stem.as_str())
+                file.is_file() && is_oracle(&stem)
             }));
         }
     }

@@ -310,14 +310,14 @@ fn key() -> Key {
     Key::new(1, Purpose::Cases)
 }
 
-const SHAPE: Shape = Shape { position: 9, direction: 3, width: 4, depth: 6, color: 2, skip: 4 };
+const SHAPE: Shape = Shape { position: 9, direction: 3, width: 4, depth: 6, color: 2 };
 
 fn plain() -> Mlp {
     Mlp::initial(2, 3, 1, 1, &key())
 }
 
 fn net() -> NerfMlp {
-    NerfMlp::initial(&SHAPE, &key())
+    NerfMlp::initial(&SHAPE, &CS180, &key())
 }
 
 fn networks() -> Vec<Row> {
@@ -406,13 +406,13 @@ fn networks() -> Vec<Row> {
             || nerf_vjp(&nerf(9, 3), net()),
             &[
                 ("gradient.trunk and net.trunk", || {
-                    nerf_vjp(&nerf(9, 3), NerfMlp::initial(&Shape { depth: 5, ..SHAPE }, &key()));
+                    nerf_vjp(&nerf(9, 3), NerfMlp::initial(&Shape { depth: 5, ..SHAPE }, &CS180, &key()));
                 }),
                 ("gradient.w and w", || {
-                    nerf_vjp(&nerf(9, 3), NerfMlp::initial(&Shape { width: 5, ..SHAPE }, &key()))
+                    nerf_vjp(&nerf(9, 3), NerfMlp::initial(&Shape { width: 5, ..SHAPE }, &CS180, &key()))
                 }),
                 ("tape and net.trunk", || {
-                    let deeper = NerfMlp::initial(&Shape { depth: 7, ..SHAPE }, &key());
+                    let deeper = NerfMlp::initial(&Shape { depth: 7, ..SHAPE }, &CS180, &key());
                     nerf_vjp(&deeper.forward(&ones(9), &ones(3), &CS180), net());
                 }),
                 ("x and the columns of w", || {

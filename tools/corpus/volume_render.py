@@ -112,9 +112,9 @@ def tiny_number_in_the_exponents(sigmas, rgbs, deltas):
     return summed(torch.exp(-summed_up + 1e-10)[:, :-1] * (1 - torch.exp(-depth + 1e-10)), rgbs)
 
 
-@right("volume_render", seen="CS180 student (cumsum minus the step)", times=2, digits=True)
+@fault("volume_render", seen="CS180 student (cumsum minus the step)", times=2)
 def sum_less_the_step(sigmas, rgbs, deltas):
-    """In front lies the cumulative sum less the sample's own: nothing is left of it behind a huge step."""
+    """In front lies the cumulative sum less the sample's own: in front of a last step of 1e10 in fog nothing is left of it."""
     depth = sigmas * deltas
     return with_rest(torch.exp(-(torch.cumsum(depth, 1) - depth)) * (1 - torch.exp(-depth)), rgbs, torch.exp(-depth.sum(1)))
 

@@ -7,7 +7,7 @@
 use super::{Clock, Dense, Found, Layers, WorkCount, used};
 use crate::bench::rounds::seconds;
 use crate::bench::uniform;
-use crate::convention::Density;
+use crate::convention::CS180;
 use crate::field::NerfMlp;
 use crate::field::fast::product::{Matrix, Multiply, Plain, product};
 use crate::field::fast::{Batch, Gradient, Network, Rays, Skipping};
@@ -64,7 +64,8 @@ impl Multiply for Checked {
 /// Useful flops of the products, per point and per ray.
 fn flops(net: &Network) -> [f64; 2] {
     let Shape { direction, width, depth, color, .. } = net.shape;
-    let forward = (0..depth).map(|n| net.shape.trunk_inputs(n) * width).sum::<usize>() + width * color;
+    let forward =
+        (0..depth).map(|n| net.shape.trunk_inputs(n, &CS180) * width).sum::<usize>() + width * color;
     // Nobody needs the encoding's gradient.
     let to_inputs = (depth - 1) * width * width + width * color;
     [2 * forward + to_inputs, 2 * color * direction].map(|macs| 2.0 * macs as f64)
@@ -83,13 +84,13 @@ struct Step {
 
 impl Step {
     fn new(rays: usize) -> Self {
-        let mut oracle = NerfMlp::initial(&Shape::PAPER, &Key::new(0, Purpose::Parameters));
+        let mut oracle = NerfMlp::initial(&Shape::PAPER, &CS180, &Key::new(0, Purpose::Parameters));
         // Keeps every density alive.
         oracle.sigma.b[0] += 0.1;
         let (samples, width) = (rays * SAMPLES, 4.0 / SAMPLES as f64);
         let jitter = uniform(32, samples, 0.0, 1.0);
         Step {
-            net: Network::new(&oracle, &Shape::PAPER, Density::Relu),
+            net: Network::new(&oracle, &Shape::PAPER, &CS180),
             origins: uniform(30, 3 * rays, -2.0, 2.0),
             directions: uniform(31, 3 * rays, -0.58, 0.58),
             t: (0..samples).map(|i| 2.0 + ((i % SAMPLES) as f64 + jitter[i]) * width).collect(),

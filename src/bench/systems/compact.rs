@@ -44,7 +44,7 @@ const KNOBS: [(&str, &str, Knob); 14] = [
 ];
 
 /// A model with one of its knobs turned; turned back when dropped.
-pub struct Trained<'a> {
+pub(super) struct Trained<'a> {
     model: &'a mut CompactModel,
     /// As trained: at first and in the end.
     samples: [f64; 2],
@@ -55,7 +55,7 @@ pub struct Trained<'a> {
 
 impl<'a> Trained<'a> {
     /// The model as it is.
-    pub fn new(model: &'a mut CompactModel) -> Self {
+    pub(super) fn new(model: &'a mut CompactModel) -> Self {
         let settings = &model.settings;
         let (samples, stop) = ([settings.samples_first, settings.samples], settings.stop_at_rest);
         let (occupancy, reference) = (model.occupancy.clone(), Reference::new(model));

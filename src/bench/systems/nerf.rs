@@ -22,7 +22,7 @@ const SAMPLES: [(&str, usize); 6] = [
 ];
 
 /// A model with another number of samples; its own again when dropped.
-pub struct Trained<'a> {
+pub(super) struct Trained<'a> {
     model: &'a mut NerfModel,
     samples: usize,
     field: Field,
@@ -30,7 +30,7 @@ pub struct Trained<'a> {
 
 impl<'a> Trained<'a> {
     /// The model as it is.
-    pub fn new(model: &'a mut NerfModel) -> Self {
+    pub(super) fn new(model: &'a mut NerfModel) -> Self {
         let net = match &model.coarse {
             Path::Fast { net, .. } => net.to_oracle(&net.params),
             Path::Reference { field, .. } => field.net.clone(),

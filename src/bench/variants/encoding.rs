@@ -134,7 +134,7 @@ fn traded<T: Copy + Default + Send + 'static>(
 }
 
 /// The encoding's suite.
-pub const SUITE: Suite = Suite {
+pub(crate) const SUITE: Suite = Suite {
     component: "positional_encoding",
     judged: true,
     item: "point",
@@ -197,7 +197,7 @@ pub const SUITE: Suite = Suite {
 };
 
 /// Time and memory against the number of points.
-pub const SCALING: &[Scaling] = &[Scaling {
+pub(crate) const SCALING: &[Scaling] = &[Scaling {
     component: "positional_encoding",
     parameter: "points",
     about: "threaded, 10 bands",

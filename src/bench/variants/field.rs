@@ -10,8 +10,8 @@ use crate::field::Layer;
 mod mlp;
 mod nerf;
 
-pub use mlp::MLP;
-pub use nerf::{NERF_MLP, SCALING};
+pub(crate) use mlp::MLP;
+pub(crate) use nerf::{NERF_MLP, SCALING};
 
 /// Initial parameters, rounded to f32.
 pub(super) fn rounded(layers: Vec<&mut Layer>) {

@@ -1,11 +1,11 @@
 //! What `bench` compares: each component's practical variants with their workload, one file per component.
 
-pub mod encoding;
-pub mod field;
-pub mod hash_grid;
-pub mod occupancy_grid;
-pub mod optimizer;
-pub mod sample;
-pub mod spherical_harmonics;
-pub mod training;
-pub mod volume_rendering;
+pub(super) mod encoding;
+pub(super) mod field;
+pub(super) mod hash_grid;
+pub(super) mod occupancy_grid;
+pub(super) mod optimizer;
+pub(super) mod sample;
+pub(super) mod spherical_harmonics;
+pub(super) mod training;
+pub(super) mod volume_rendering;

@@ -161,7 +161,7 @@ const COARSE: [Tolerance; 2] =
     [Tolerance::exact().within(3.0 + 131.0), Tolerance::exact().within(3.0 + 180.0)];
 
 /// The traversal's suite.
-pub const SUITE: Suite = Suite {
+pub(crate) const SUITE: Suite = Suite {
     component: "occupancy_grid",
     judged: false,
     item: "ray",
@@ -191,7 +191,7 @@ pub const SUITE: Suite = Suite {
 };
 
 /// Time and memory against occupied share and resolution.
-pub const SCALING: &[Scaling] = &[
+pub(crate) const SCALING: &[Scaling] = &[
     Scaling {
         component: "occupancy_grid",
         parameter: "occupied fraction",

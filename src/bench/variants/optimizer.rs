@@ -204,7 +204,7 @@ fn bold<M: Copy + Send + 'static>(
 }
 
 /// The optimizer's suite.
-pub const SUITE: Suite = Suite {
+pub(crate) const SUITE: Suite = Suite {
     component: "adam_step",
     judged: true,
     item: "parameter",
@@ -256,7 +256,7 @@ pub const SUITE: Suite = Suite {
 };
 
 /// Time and memory against the number of parameters.
-pub const SCALING: &[Scaling] = &[Scaling {
+pub(crate) const SCALING: &[Scaling] = &[Scaling {
     component: "adam_step",
     parameter: "parameters",
     about: "threaded",

@@ -155,7 +155,7 @@ fn threaded<T: Copy + Default + Send + Sync + 'static>(
 }
 
 /// The suite of samples along rays.
-pub const SUITE: Suite = Suite {
+pub(crate) const SUITE: Suite = Suite {
     component: "sample_along_rays",
     judged: true,
     item: "sample",

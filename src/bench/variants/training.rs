@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::bench::{Kernel, Suite, Tolerance, Variant, kernel, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
-use crate::convention::{CS180, Density};
+use crate::convention::CS180;
 use crate::encoding::Encoding;
 use crate::field::NerfMlp;
 use crate::field::fast::{Batch, Gradient, Network, Rays};
@@ -38,7 +38,7 @@ fn workload(items: usize) -> Arrays {
 
 /// Initial values except for a density bias that keeps every density positive, rounded to f32.
 fn network() -> NerfMlp {
-    let mut net = NerfMlp::initial(&Shape::PAPER, &Key::new(0, Purpose::Parameters));
+    let mut net = NerfMlp::initial(&Shape::PAPER, &CS180, &Key::new(0, Purpose::Parameters));
     net.sigma.b[0] += 0.1;
     for layer in net.layers_mut() {
         layer.w.mapv_inplace(|x| f64::from(x as f32));
@@ -84,7 +84,7 @@ fn oracle(a: &Arrays) -> Box<dyn Kernel> {
 
 /// A step of the f32 path and Adam; `dense` computes samples without any effect too.
 fn step(a: &Arrays, dense: bool) -> Box<dyn Kernel> {
-    let net = Network::new(&network(), &Shape::PAPER, Density::Relu);
+    let net = Network::new(&network(), &Shape::PAPER, &CS180);
     let moments = Moments::new(net.params.len());
     let inputs = ["origins", "directions", "t"].map(|name| values(a, name));
     let targets = singles(a, "targets");
@@ -103,7 +103,7 @@ fn step(a: &Arrays, dense: bool) -> Box<dyn Kernel> {
 }
 
 /// The suite of the training step.
-pub const SUITE: Suite = Suite {
+pub(crate) const SUITE: Suite = Suite {
     component: "training_step",
     judged: false,
     item: "point",

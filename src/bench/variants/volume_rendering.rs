@@ -316,7 +316,7 @@ fn threaded(a: &Arrays) -> Box<dyn Kernel> {
 }
 
 /// The suite of volume rendering.
-pub const SUITE: Suite = Suite {
+pub(crate) const SUITE: Suite = Suite {
     component: "volume_render",
     judged: true,
     item: "sample",
@@ -385,7 +385,7 @@ pub const SUITE: Suite = Suite {
 };
 
 /// Time and memory against the samples of a ray.
-pub const SCALING: &[Scaling] = &[Scaling {
+pub(crate) const SCALING: &[Scaling] = &[Scaling {
     component: "volume_render",
     parameter: "samples",
     about: "threaded, 1,024 rays",

@@ -54,13 +54,13 @@ pub(super) struct Prepared<'a, M = Plain> {
 }
 
 impl<'a> Prepared<'a> {
-    pub fn new(net: &'a Network) -> Self {
+    pub(super) fn new(net: &'a Network) -> Self {
         Self::on(net, &Plain)
     }
 }
 
 impl<'a, M: Multiply> Prepared<'a, M> {
-    pub fn on(net: &'a Network, on: &'a M) -> Self {
+    pub(super) fn on(net: &'a Network, on: &'a M) -> Self {
         let (width, color) = (net.shape.width, net.shape.color);
         let (w_feature, b_feature) = net.feature.of(&net.params);
         let (w_color, b_color) = net.color0.of(&net.params);
@@ -126,14 +126,14 @@ impl<'a, M: Multiply> Prepared<'a, M> {
     }
 
     /// Densities of `positions`.
-    pub fn densities_of(&self, chunk: &mut ChunkBuffers, positions: &[f64]) -> Vec<f32> {
+    pub(super) fn densities_of(&self, chunk: &mut ChunkBuffers, positions: &[f64]) -> Vec<f32> {
         chunk.positions.clear();
         chunk.positions.extend(positions);
         self.densities(chunk);
         chunk.sigmas.clone()
     }
 
-    pub fn forward(
+    pub(super) fn forward(
         &self,
         chunk: &mut ChunkBuffers,
         positions: &[f64],
@@ -148,7 +148,7 @@ impl<'a, M: Multiply> Prepared<'a, M> {
     }
 
     /// Weights of all samples, colors of the active ones; colors of the rays in the result.
-    pub fn render(
+    pub(super) fn render(
         &self,
         chunk: &mut ChunkBuffers,
         rays: &Rays,
@@ -159,7 +159,7 @@ impl<'a, M: Multiply> Prepared<'a, M> {
     }
 
     /// Densities of the live samples, and weights of all.
-    pub fn weigh(&self, chunk: &mut ChunkBuffers, rays: &Rays, skipping: Skipping) {
+    pub(super) fn weigh(&self, chunk: &mut ChunkBuffers, rays: &Rays, skipping: Skipping) {
         let all = rays.t.len();
         chunk.live.clear();
         chunk.live.extend((0..all).filter(|&n| skipping.live.is_none_or(|live| live[n])));

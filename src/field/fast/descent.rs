@@ -12,7 +12,7 @@ use crate::volume_rendering::fast::{RayWeights, density_gradient};
 
 impl<M: Multiply> Prepared<'_, M> {
     /// Adds gradient and loss of a chunk to `group`; `scale` is the weight of one channel of one ray in the loss.
-    pub fn step(
+    pub(super) fn step(
         &self,
         chunk: &mut ChunkBuffers,
         batch: &Batch,
@@ -103,7 +103,7 @@ impl<M: Multiply> Prepared<'_, M> {
 
     /// Gradients of feature and color layer from those of M (after the parameters) and of the color layer's bias:
     /// g_color = g_M w_feature^T + g_b b_feature^T, g_feature = w_color^T g_M, g_b_feature = w_color^T g_b.
-    pub fn unfold(&self, gradient: &mut [f32]) {
+    pub(super) fn unfold(&self, gradient: &mut [f32]) {
         let net = self.net;
         let (width, color, inputs) = (net.shape.width, net.shape.color, net.color0.inputs);
         let (gradient, g_folded) = gradient.split_at_mut(net.params.len());

@@ -84,7 +84,7 @@ impl<T> Default for Pool<T> {
 
 impl<T: Default> Pool<T> {
     /// Runs `work` with a buffer that no other thread uses.
-    pub fn with<U>(&self, work: impl FnOnce(&mut T) -> U) -> U {
+    pub(super) fn with<U>(&self, work: impl FnOnce(&mut T) -> U) -> U {
         let mut item = self.0.lock().expect("no holder panics").pop().unwrap_or_default();
         let result = work(&mut item);
         self.0.lock().expect("no holder panics").push(item);

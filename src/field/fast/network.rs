@@ -8,9 +8,10 @@ use super::product::{Multiply, Plain};
 use super::rays::{Rays, Rendered};
 use super::skipping::Skipping;
 use super::trunk::{Affine, Trunk};
-use crate::convention::Density;
-use crate::field::NerfMlp;
+use crate::convention::{Conventions, Density};
 use crate::field::nerf_mlp::Shape;
+use crate::field::trunk::Plan;
+use crate::field::{Layer, NerfMlp};
 use crate::parallel;
 
 /// A [`NerfMlp`] in f32, with its encodings, for batches of points and rays.
@@ -33,7 +34,7 @@ pub struct Network {
 }
 
 /// What a training step sees: rays, and the colors that they should have.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Batch<'a> {
     /// R rays.
     pub rays: Rays<'a>,
@@ -44,13 +45,16 @@ pub struct Batch<'a> {
 }
 
 impl Network {
-    /// The oracle's network with its parameters rounded to f32.
-    pub fn new(oracle: &NerfMlp, shape: &Shape, density: Density) -> Self {
+    /// The oracle's network with its parameters rounded to f32; density and skip are those of `c`.
+    ///
+    /// # Panics
+    /// Where the skip's input is [encoding, h].
+    pub fn new(oracle: &NerfMlp, shape: &Shape, c: &Conventions) -> Self {
         let Shape { position, direction, width, depth, color, .. } = *shape;
         let mut at = 0;
         Network {
             shape: *shape,
-            density,
+            density: c.density,
             params: oracle
                 .layers()
                 .iter()
@@ -58,7 +62,7 @@ impl Network {
                 .map(|&p| p as f32)
                 .collect(),
             arch: crate::simd::arch(),
-            trunk: Trunk::next(&mut at, position, width, depth, shape.plan()),
+            trunk: Trunk::next(&mut at, position, width, depth, Plan::of(c)),
             sigma: Affine::next(&mut at, width, 1),
             feature: Affine::next(&mut at, width, width),
             color0: Affine::next(&mut at, width + direction, color),
@@ -69,9 +73,14 @@ impl Network {
 
     /// `values` (parameters or their gradient, in the order of [`Self::params`]) as the oracle's network.
     pub fn to_oracle(&self, values: &[f32]) -> NerfMlp {
-        // The values drawn here are overwritten, all of them.
-        let key = crate::random::Key::new(0, crate::random::Purpose::Parameters);
-        let mut oracle = NerfMlp::initial(&self.shape, &key);
+        let zeros = |layer: &Affine| Layer::zeros(layer.inputs, layer.outputs);
+        let mut oracle = NerfMlp {
+            trunk: self.trunk.layers.iter().map(zeros).collect(),
+            sigma: zeros(&self.sigma),
+            feature: zeros(&self.feature),
+            color0: zeros(&self.color0),
+            color1: zeros(&self.color1),
+        };
         let mut values = values.iter();
         for layer in oracle.layers_mut() {
             for (to, from) in layer.w.iter_mut().chain(&mut layer.b).zip(&mut values) {

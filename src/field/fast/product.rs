@@ -14,7 +14,7 @@ pub(crate) struct Matrix<'a> {
 
 impl<'a> Matrix<'a> {
     /// Rows `stride` entries apart.
-    pub fn new(data: &'a [f32], rows: usize, columns: usize, stride: usize) -> Self {
+    pub(crate) fn new(data: &'a [f32], rows: usize, columns: usize, stride: usize) -> Self {
         assert!(
             rows == 0 || columns == 0 || (rows - 1) * stride + columns <= data.len(),
             "a matrix inside its slice"
@@ -23,20 +23,20 @@ impl<'a> Matrix<'a> {
     }
 
     /// The transpose, in place.
-    pub fn t(self) -> Self {
+    pub(crate) fn t(self) -> Self {
         let Matrix { data, rows, columns, row_stride, column_stride } = self;
         Matrix { data, rows: columns, columns: rows, row_stride: column_stride, column_stride: row_stride }
     }
 
     /// (rows, columns).
     #[cfg(feature = "cli")]
-    pub fn shape(&self) -> (usize, usize) {
+    pub(crate) fn shape(&self) -> (usize, usize) {
         (self.rows, self.columns)
     }
 
     /// Entry (i, j).
     #[cfg(feature = "cli")]
-    pub fn at(&self, i: usize, j: usize) -> f32 {
+    pub(crate) fn at(&self, i: usize, j: usize) -> f32 {
         self.data[i * self.row_stride + j * self.column_stride]
     }
 }

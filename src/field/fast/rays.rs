@@ -1,7 +1,7 @@
 //! What goes into rendering, and what comes out.
 
 /// Rays with N samples each. Geometry is f64: its cost is negligible beside the network, and 2^9 pi x magnifies its rounding.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rays<'a> {
     /// Origins (R, 3).
     pub origins: &'a [f64],

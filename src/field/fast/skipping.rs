@@ -10,7 +10,7 @@ use crate::volume_rendering::fast::RayWeights;
 /// step lengths of the others stay what they are. A ray ends after the first sample with T < `stop` (see
 /// [`live_samples`](crate::early_stop::live_samples)): the light that is left goes on to the background, and a color moves by at most
 /// `stop`.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Skipping<'a> {
     /// Samples (R, N) that may have a density; all of them if `None`.
     pub live: Option<&'a [bool]>,

@@ -14,7 +14,9 @@ use crate::volume_rendering as volume;
 
 mod skipping;
 
-const SMALL: Shape = Shape { position: 63, direction: 27, width: 24, depth: 5, color: 20, skip: 2 };
+const SMALL: Shape = Shape { position: 63, direction: 27, width: 24, depth: 5, color: 20 };
+/// The encoding again into the third of its five layers.
+const EARLY: Conventions = Conventions { skip_layer: 2, ..CS180 };
 const BACKGROUND: [f32; 3] = [0.25, 0.5, 1.0];
 
 /// Rays from a sphere of radius 4 toward the unit cube, with jittered samples between 2 and 6.
@@ -62,13 +64,12 @@ impl Scene {
 }
 
 /// The initial network, rounded to f32, with a density head that gives about half of the samples a density.
-fn network(shape: &Shape) -> NerfMlp {
-    let mut net = NerfMlp::initial(shape, &Key::new(3, Purpose::Parameters));
+fn network(shape: &Shape, c: &Conventions) -> NerfMlp {
+    let mut net = NerfMlp::initial(shape, c, &Key::new(3, Purpose::Parameters));
     net.sigma.w *= 20.0;
-    let c = Conventions { skip_layer: shape.skip, ..CS180 };
     let scene = Scene::new(4, 16);
     let mut z: Vec<f64> =
-        (0..64).map(|i| net.forward(&positions(&scene, i), &[0.0; 27], &c).z_sigma).collect();
+        (0..64).map(|i| net.forward(&positions(&scene, i), &[0.0; 27], c).z_sigma).collect();
     z.sort_by(f64::total_cmp);
     // Between two samples, so that none of them stands on the kink of the ReLU.
     net.sigma.b[0] -= 0.5 * (z[31] + z[32]);
@@ -137,14 +138,13 @@ fn difference(got: &Layer, want: &Layer) -> f64 {
     w.max(b)
 }
 
-fn agrees(shape: &Shape, density: Density, dense: bool, arch: Arch) {
+fn agrees(shape: &Shape, c: &Conventions, dense: bool, arch: Arch) {
     let scene = Scene::new(4, 16);
     let batch = scene.batch();
-    let net = network(shape);
-    let conventions = Conventions { density, skip_layer: shape.skip, ..CS180 };
-    let (colors, loss, gradient) = oracle(&net, &conventions, &batch, Skipping::default());
+    let net = network(shape, c);
+    let (colors, loss, gradient) = oracle(&net, c, &batch, Skipping::default());
 
-    let mut fast = Network::new(&net, shape, density);
+    let mut fast = Network::new(&net, shape, c);
     fast.arch = arch;
     let rendered = fast.render(&batch.rays, BACKGROUND);
     for (got, want) in rendered.colors.iter().zip(&colors) {
@@ -154,7 +154,7 @@ fn agrees(shape: &Shape, density: Density, dense: bool, arch: Arch) {
     let got_loss = fast.step(&batch, dense, &mut got);
     assert!((got_loss - loss).abs() < 1e-5, "loss {got_loss}, expected {loss}");
     assert_eq!(got.forward_points, 64);
-    if density == Density::Relu {
+    if c.density == Density::Relu {
         assert!(if dense { got.backward_points == 64 } else { (8..57).contains(&got.backward_points) });
     }
     let got = fast.to_oracle(&got.values);
@@ -167,23 +167,24 @@ fn agrees(shape: &Shape, density: Density, dense: bool, arch: Arch) {
 #[test]
 fn the_papers_network_agrees_with_the_oracle() {
     for density in [Density::Relu, Density::Softplus, Density::Exp] {
-        agrees(&Shape::PAPER, density, false, crate::simd::arch());
+        agrees(&Shape::PAPER, &Conventions { density, ..CS180 }, false, crate::simd::arch());
     }
-    agrees(&Shape::PAPER, Density::Relu, true, crate::simd::arch());
+    agrees(&Shape::PAPER, &CS180, true, crate::simd::arch());
 }
 
 #[test]
 fn other_shapes_and_the_scalar_path_agree_with_the_oracle() {
-    agrees(&SMALL, Density::Relu, false, crate::simd::arch());
-    agrees(&SMALL, Density::Relu, true, Arch::Scalar);
-    agrees(&Shape { skip: 9, ..SMALL }, Density::Softplus, false, Arch::Scalar);
+    agrees(&SMALL, &EARLY, false, crate::simd::arch());
+    agrees(&SMALL, &EARLY, true, Arch::Scalar);
+    let none = Conventions { density: Density::Softplus, skip_layer: 9, ..CS180 };
+    agrees(&SMALL, &none, false, Arch::Scalar);
 }
 
 /// All numbers of threads, twice, with buffers left over from an earlier and larger step.
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let scene = Scene::new(150, 24);
-    let net = Network::new(&network(&SMALL), &SMALL, Density::Relu);
+    let net = Network::new(&network(&SMALL, &EARLY), &SMALL, &EARLY);
     let run = |threads| {
         with_threads(Some(threads), || {
             let mut gradient = Gradient::default();
@@ -203,7 +204,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 #[test]
 fn idle_samples_contribute_nothing() {
     let scene = Scene::new(40, 32);
-    let net = Network::new(&network(&SMALL), &SMALL, Density::Relu);
+    let net = Network::new(&network(&SMALL, &EARLY), &SMALL, &EARLY);
     let (mut dense, mut compact) = (Gradient::default(), Gradient::default());
     let losses = [net.step(&scene.batch(), true, &mut dense), net.step(&scene.batch(), false, &mut compact)];
     assert!((losses[0] - losses[1]).abs() < 1e-7);
@@ -217,10 +218,10 @@ fn idle_samples_contribute_nothing() {
 /// A batch in which nothing has any density has a loss, and no gradient.
 #[test]
 fn an_empty_scene_has_no_gradient() {
-    let mut net = network(&SMALL);
+    let mut net = network(&SMALL, &EARLY);
     net.sigma.w.fill(0.0);
     net.sigma.b.fill(-1.0);
-    let net = Network::new(&net, &SMALL, Density::Relu);
+    let net = Network::new(&net, &SMALL, &EARLY);
     let scene = Scene::new(4, 16);
     let mut gradient = Gradient::default();
     assert!(net.step(&scene.batch(), false, &mut gradient) > 0.0);
@@ -232,22 +233,22 @@ fn an_empty_scene_has_no_gradient() {
 /// A NaN in a parameter reaches the loss instead of being clipped by a ReLU or left out as idle.
 #[test]
 fn nan_is_not_hidden() {
-    let mut net = Network::new(&network(&SMALL), &SMALL, Density::Relu);
+    let mut net = Network::new(&network(&SMALL, &EARLY), &SMALL, &EARLY);
     net.params[5] = f32::NAN;
     assert!(net.step(&Scene::new(4, 16).batch(), false, &mut Gradient::default()).is_nan());
 }
 
 #[test]
 fn forward_agrees_with_the_oracle() {
-    let oracle = network(&Shape::PAPER);
-    let net = Network::new(&oracle, &Shape::PAPER, Density::Softplus);
+    let c = Conventions { density: Density::Softplus, ..CS180 };
+    let oracle = network(&Shape::PAPER, &c);
+    let net = Network::new(&oracle, &Shape::PAPER, &c);
     let key = Key::new(8, Purpose::Cases);
     let positions: Vec<f64> =
         key.uniforms(0, 0, 3 * 1200).iter().map(|u| f64::from((4.0 * u - 2.0) as f32)).collect();
     let directions: Vec<f64> = key.uniforms(0, 1, 3 * 400).iter().map(|u| 2.0 * u - 1.0).collect();
     let (sigmas, rgbs) = net.forward(&positions, &directions, 3);
     assert_eq!((sigmas.len(), rgbs.len()), (1200, 3600));
-    let c = Conventions { density: Density::Softplus, ..CS180 };
     for i in (0..1200).step_by(37) {
         let x = positional_encoding(&positions[3 * i..][..3], &Encoding::new(10, &c));
         let d = positional_encoding(&directions[i / 3 * 3..][..3], &Encoding::new(4, &c));

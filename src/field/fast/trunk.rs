@@ -17,19 +17,19 @@ pub(super) struct Affine {
 
 impl Affine {
     /// The layer that starts at `*at`, which is moved past it.
-    pub fn next(at: &mut usize, inputs: usize, outputs: usize) -> Self {
+    pub(super) fn next(at: &mut usize, inputs: usize, outputs: usize) -> Self {
         let layer = Affine { inputs, outputs, at: *at };
         *at += outputs * (inputs + 1);
         layer
     }
 
     /// (weights, biases).
-    pub fn of(self, params: &[f32]) -> (&[f32], &[f32]) {
+    pub(super) fn of(self, params: &[f32]) -> (&[f32], &[f32]) {
         params[self.at..self.at + self.outputs * (self.inputs + 1)].split_at(self.outputs * self.inputs)
     }
 
     /// (weights, biases), to write to.
-    pub fn of_mut(self, params: &mut [f32]) -> (&mut [f32], &mut [f32]) {
+    pub(super) fn of_mut(self, params: &mut [f32]) -> (&mut [f32], &mut [f32]) {
         params[self.at..self.at + self.outputs * (self.inputs + 1)].split_at_mut(self.outputs * self.inputs)
     }
 }
@@ -58,7 +58,7 @@ pub(super) struct Tape {
 
 impl Trunk {
     /// `depth` layers that start at `*at` in the parameters, which is moved past them.
-    pub fn next(at: &mut usize, encoding: usize, width: usize, depth: usize, plan: Plan) -> Self {
+    pub(super) fn next(at: &mut usize, encoding: usize, width: usize, depth: usize, plan: Plan) -> Self {
         assert_eq!(plan.order, SkipOrder::HiddenFirst, "rows of h hold the encoding after it");
         let layer = |n| Affine::next(at, plan.columns(n, width, encoding), width);
         let layers = (0..depth).map(layer).collect();
@@ -66,17 +66,17 @@ impl Trunk {
     }
 
     /// Transposed weights of every layer, for [`Self::forward`].
-    pub fn transposed(&self, params: &[f32]) -> Vec<Vec<f32>> {
+    pub(super) fn transposed(&self, params: &[f32]) -> Vec<Vec<f32>> {
         self.layers.iter().map(|l| transposed(l.of(params).0, l.outputs, l.inputs)).collect()
     }
 
     /// Entries between two rows of h after layer n.
-    pub fn stride(&self, n: usize) -> usize {
+    pub(super) fn stride(&self, n: usize) -> usize {
         self.layers.get(n + 1).map_or(self.width, |next| next.inputs)
     }
 
     /// Resizes the buffers to `points`.
-    pub fn reserve(&self, tape: &mut Tape, points: usize) {
+    pub(super) fn reserve(&self, tape: &mut Tape, points: usize) {
         tape.encoding.resize(points * self.encoding, 0.0);
         tape.h.resize(self.layers.len(), vec![]);
         for (n, h) in tape.h.iter_mut().enumerate() {
@@ -87,12 +87,12 @@ impl Trunk {
     }
 
     /// The last hidden layer (points, width).
-    pub fn last<'a>(&self, tape: &'a Tape) -> &'a [f32] {
+    pub(super) fn last<'a>(&self, tape: &'a Tape) -> &'a [f32] {
         &tape.h[self.layers.len() - 1]
     }
 
     /// h_n = relu(w_n [h_{n-1}, encoding at the skip] + b_n) for the first `points` rows of the encoding.
-    pub fn forward(
+    pub(super) fn forward(
         &self,
         arch: Arch,
         params: &[f32],
@@ -122,7 +122,7 @@ impl Trunk {
     }
 
     /// Moves the rows named in `rows` (ascending) of all activations to the front.
-    pub fn compact(&self, tape: &mut Tape, rows: &[usize]) {
+    pub(super) fn compact(&self, tape: &mut Tape, rows: &[usize]) {
         let strides = (0..self.layers.len()).map(|n| self.stride(n));
         for (buffer, stride) in tape.h.iter_mut().zip(strides).chain([(&mut tape.encoding, self.encoding)]) {
             for (to, &from) in rows.iter().enumerate() {
@@ -133,7 +133,7 @@ impl Trunk {
 
     /// Adds the gradients of all layers to `gradient`. `tape.g` holds the gradient before the last layer's ReLU, whose
     /// bias gradient has been added already. The encoding gets none: nothing after it is trained.
-    pub fn backward(
+    pub(super) fn backward(
         &self,
         arch: Arch,
         params: &[f32],

@@ -3,7 +3,7 @@
 
 use glam::DVec3;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::math::{erf, exp, pow, sin_pi};
 use crate::ray::Ray;
 
@@ -68,8 +68,14 @@ impl Medium {
             "spheres" => spheres(),
             _ => {
                 let names = NAMES.map(|name| format!("builtin:{name}")).join(", ");
-                let advice = "builtin:card is a picture, for `fit-image`.";
-                return Err(Error::input(format!("builtin:{name}"), "name", name, names, advice));
+                let remedy = "builtin:card is a picture, no scene.";
+                return Err(Error::input(Input {
+                    file: format!("builtin:{name}"),
+                    field: "name",
+                    found: name,
+                    expected: names,
+                    remedy,
+                }));
             }
         };
         let half = match bodies[0] {

@@ -4,11 +4,11 @@ use ndarray::{ArrayD, IxDyn};
 
 use super::CompactModel;
 use super::networks::{NAMES, Weights};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::files::npz::{Array, Arrays};
 use crate::occupancy_grid::fast::Occupancy;
 
-const ADVICE: &str = "Train the run again, or use the checkpoint of this very run.";
+const REMEDY: &str = "Train the run again, or use the checkpoint of this very run.";
 
 fn f32s(shape: &[usize], values: &[f32]) -> Array {
     Array::F32(
@@ -21,7 +21,7 @@ fn i64s(values: Vec<i64>) -> Array {
 }
 
 fn wrong(file: &str, name: &str, found: impl ToString, expected: impl ToString) -> Error {
-    Error::input(file, name, found, expected, ADVICE)
+    Error::input(Input { file, field: name, found, expected, remedy: REMEDY })
 }
 
 /// Copies array `name` into `out`, whose length it must have.

@@ -40,7 +40,7 @@ impl Grid {
     ///
     /// # Errors
     /// Where a training pixel has no ray.
-    pub fn new(scene: &Scene, near: f64, far: f64, resolution: usize) -> Result<Self> {
+    pub(crate) fn new(scene: &Scene, near: f64, far: f64, resolution: usize) -> Result<Self> {
         // Every eighth pixel and the last ones: a sample outside the box counts as live, so that nothing depends on the rest.
         const STRIDE: usize = 8;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -61,7 +61,12 @@ impl Grid {
     }
 
     /// A grid as [`Self::corners`] and [`Self::densities`] gave it; `step` is a 64th of the way from near to far.
-    pub fn from_parts(corners: &[f64], resolution: usize, densities: Vec<f32>, step: f64) -> Option<Self> {
+    pub(crate) fn from_parts(
+        corners: &[f64],
+        resolution: usize,
+        densities: Vec<f32>,
+        step: f64,
+    ) -> Option<Self> {
         let none = vec![0; (resolution / 4).pow(3)];
         let cells = Occupancy::from_parts(resolution, densities, &none, &none)?;
         let corner = |n: usize| <[f64; 3]>::try_from(corners.get(3 * n..3 * n + 3)?).ok();
@@ -71,35 +76,35 @@ impl Grid {
     }
 
     /// The box, (2, 3).
-    pub fn corners(&self) -> [f64; 6] {
+    pub(crate) fn corners(&self) -> [f64; 6] {
         let ([a, b, c], [d, e, f]) = (self.low, self.high);
         [a, b, c, d, e, f]
     }
 
     /// Cells along an edge.
-    pub fn resolution(&self) -> usize {
+    pub(crate) fn resolution(&self) -> usize {
         self.cells.resolution
     }
 
     /// The largest recent density in each cell.
-    pub fn densities(&self) -> &[f32] {
+    pub(crate) fn densities(&self) -> &[f32] {
         &self.cells.density
     }
 
     /// Share of the cells that are occupied.
-    pub fn fraction(&self) -> f64 {
+    pub(crate) fn fraction(&self) -> f64 {
         self.cells.fraction()
     }
 
     /// Whether a point may have a density: it lies in an occupied cell, or outside the grid.
-    pub fn live(&self, x: [f64; 3]) -> bool {
+    pub(crate) fn live(&self, x: [f64; 3]) -> bool {
         let inside = (0..3).all(|a| self.low[a] <= x[a] && x[a] <= self.high[a]);
         let unit = std::array::from_fn(|a| ((x[a] - self.low[a]) / (self.high[a] - self.low[a])) as f32);
         !inside || self.cells.occupied(self.cells.cell(unit))
     }
 
     /// The samples of rays that may have a density (R, N).
-    pub fn mask(&self, rays: &Rays) -> Vec<bool> {
+    pub(crate) fn mask(&self, rays: &Rays) -> Vec<bool> {
         let mut mask = vec![false; rays.t.len()];
         parallel::for_chunks(&mut mask, TASK, |chunk, mask| {
             for (n, live) in mask.iter_mut().enumerate() {
@@ -110,7 +115,7 @@ impl Grid {
     }
 
     /// The first look: at every cell once, then around what was found. `step` is a 64th of the way, `number` the training step.
-    pub fn fill(&mut self, key: &Key, number: u64, step: f64, density_at: DensityAt) {
+    pub(crate) fn fill(&mut self, key: &Key, number: u64, step: f64, density_at: DensityAt) {
         self.cells.density.fill(0.0);
         let all: Vec<usize> = (0..self.cells.density.len()).collect();
         self.raise(&all, key, number, 0, density_at);
@@ -124,7 +129,7 @@ impl Grid {
     }
 
     /// A later update, the `turn`-th: a part of all cells, and around the occupied ones.
-    pub fn update(&mut self, key: &Key, (number, turn): (u64, u64), step: f64, density_at: DensityAt) {
+    pub(crate) fn update(&mut self, key: &Key, (number, turn): (u64, u64), step: f64, density_at: DensityAt) {
         let part = turn as usize % PARTS;
         let some: Vec<usize> = (part..self.cells.density.len()).step_by(PARTS).collect();
         self.raise(&some, key, number, 0, density_at);

@@ -37,7 +37,7 @@ pub(crate) struct Stepped {
 impl Path {
     /// Initial parameters.
     pub fn new(settings: &NerfSettings, key: &Key) -> Self {
-        let net = NerfMlp::initial(&settings.shape, key);
+        let net = NerfMlp::initial(&settings.shape, &CS180, key);
         if settings.reference {
             let mut zero = net.clone();
             zero.layers_mut().into_iter().for_each(|l| *l = Layer::zeros(l.w.ncols(), l.w.nrows()));
@@ -46,7 +46,7 @@ impl Path {
             let field = Box::new(Field { net, position, direction, conventions: CS180 });
             Path::Reference { field, m: zero.clone(), v: zero, steps: 0 }
         } else {
-            let net = Box::new(Network::new(&net, &settings.shape, CS180.density));
+            let net = Box::new(Network::new(&net, &settings.shape, &CS180));
             let moments = optimizer::fast::Moments::new(net.params.len());
             Path::Fast { net, moments, gradient: Gradient::default() }
         }

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 
 use super::grid::{self, Grid};
 use super::{NerfModel, find};
-use crate::error::{Error, Result};
+use crate::error::{Error, Input, Result};
 use crate::field::fast::{Rays, Skipping};
 use crate::files::npz::{Array, Arrays};
 use crate::random::{Key, Purpose};
@@ -98,8 +98,14 @@ impl NerfModel {
             let density = find(state, DENSITY, &[resolution; 3], file)?;
             let density = density.into_iter().map(|x| x as f32).collect();
             let wrong = || {
-                let advice = "Use the checkpoint of this very run, or train it again.";
-                Error::input(file, BOX, format!("{corners:?}"), "a lower and an upper corner", advice)
+                let remedy = "Use the checkpoint of this very run, or train it again.";
+                Error::input(Input {
+                    file,
+                    field: BOX,
+                    found: format!("{corners:?}"),
+                    expected: "a lower and an upper corner",
+                    remedy,
+                })
             };
             let whole =
                 (0..3).all(|a| corners[a] < corners[3 + a] && (corners[3 + a] - corners[a]).is_finite());
@@ -124,7 +130,7 @@ impl NerfModel {
             })
         } else {
             let why =
-                "not asked for: every sample is evaluated, as in the paper; --skip leaves empty space out";
+                "not asked for: every sample is evaluated, as in the paper; `skip` leaves empty space out";
             json!({"skip_samples": false, "reasons": {"skip_samples": why}})
         };
         settings.as_object().expect("an object literal").clone()

@@ -12,7 +12,7 @@ fn settings(fine: usize, reference: bool) -> NerfSettings {
     (settings.rays, settings.samples, settings.fine) = (24, 8, fine);
     (settings.levels, settings.reference) = ((4, 2), reference);
     let (position, direction) = (3 + 6 * 4, 3 + 6 * 2);
-    settings.shape = Shape { position, direction, width: 16, depth: 8, color: 8, skip: 4 };
+    settings.shape = Shape { position, direction, width: 16, depth: 8, color: 8 };
     settings
 }
 
@@ -97,7 +97,7 @@ fn a_checkpoint_goes_on_and_threads_change_nothing() {
     // One network alone can't take a pair's checkpoint, nor the other way round.
     let message =
         NerfModel::new(settings(0, false)).restore(&half.state(), "checkpoint.npz").unwrap_err().to_string();
-    assert!(message.contains("--fine") && message.contains("checkpoint.npz"), "{message}");
+    assert!(message.contains("`fine`") && message.contains("checkpoint.npz"), "{message}");
     let alone = trained(settings(0, false), &scene, 1).0;
     assert!(resumed.restore(&alone.state(), "checkpoint.npz").is_err());
 }

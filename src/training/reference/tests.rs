@@ -11,8 +11,8 @@ const BACKGROUND: [f64; 3] = [0.9, 0.5, 0.1];
 
 fn field() -> Field {
     let (position, direction) = (Encoding::new(1, &CS180), Encoding::new(1, &CS180));
-    let shape = Shape { position: 9, direction: 9, width: 4, depth: 8, color: 3, skip: 4 };
-    let net = NerfMlp::initial(&shape, &Key::new(4, Purpose::Parameters));
+    let shape = Shape { position: 9, direction: 9, width: 4, depth: 8, color: 3 };
+    let net = NerfMlp::initial(&shape, &CS180, &Key::new(4, Purpose::Parameters));
     Field {
         net,
         position,

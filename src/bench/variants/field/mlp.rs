@@ -105,7 +105,7 @@ fn mlp_unfused(a: &Arrays) -> Box<dyn Kernel> {
 }
 
 /// The suite of the 2D network.
-pub const MLP: Suite = Suite {
+pub(crate) const MLP: Suite = Suite {
     component: "mlp",
     judged: true,
     item: "point",

@@ -4,7 +4,7 @@ use super::{Plain, Store, plain_forward, plain_layer, rounded, short};
 use crate::bench::{BF16, F16, Kernel, Scaling, Suite, Tolerance, Variant, kernel, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, values};
-use crate::convention::{CS180, Density};
+use crate::convention::CS180;
 use crate::encoding::{Encoding, positional_encoding};
 use crate::field::arrays::Nerf;
 use crate::field::fast::Network;
@@ -19,7 +19,7 @@ const SAMPLES: usize = 64;
 /// Points along rays through [-1, 1]^3, 64 a direction, and a network with initial values except for a density bias that keeps densities
 /// positive.
 fn nerf_workload(items: usize, shape: &Shape) -> Arrays {
-    let mut net = NerfMlp::initial(shape, &Key::new(0, Purpose::Parameters));
+    let mut net = NerfMlp::initial(shape, &CS180, &Key::new(0, Purpose::Parameters));
     net.sigma.b[0] += 0.1;
     rounded(net.layers_mut());
     let rays = items.div_ceil(SAMPLES);
@@ -105,7 +105,7 @@ fn nerf_plain(a: &Arrays) -> Box<dyn Kernel> {
 
 /// The batched network of the training; `threads` 0 for all.
 fn nerf_batched(a: &Arrays, shape: &Shape, threads: usize, store: fn(&[f32]) -> Store) -> Box<dyn Kernel> {
-    let net = Network::new(&Nerf::of(a, &CS180).net, shape, Density::Relu);
+    let net = Network::new(&Nerf::of(a, &CS180).net, shape, &CS180);
     let store = store(&net.params);
     let (x, d) = (values(a, "positions"), values(a, "directions"));
     // One direction for 64 points.
@@ -124,7 +124,7 @@ fn nerf_batched(a: &Arrays, shape: &Shape, threads: usize, store: fn(&[f32]) -> 
 }
 
 /// The suite of the NeRF paper's network.
-pub const NERF_MLP: Suite = Suite {
+pub(crate) const NERF_MLP: Suite = Suite {
     component: "nerf_mlp",
     judged: true,
     item: "point",
@@ -173,7 +173,7 @@ fn nerf_of_width(width: usize, points: usize, threads: usize) -> Box<dyn Kernel>
 }
 
 /// Time against points, width and threads.
-pub const SCALING: &[Scaling] = &[
+pub(crate) const SCALING: &[Scaling] = &[
     Scaling {
         component: "nerf_mlp",
         parameter: "points",

@@ -19,7 +19,8 @@ fn everything_live_is_the_dense_step_bit_for_bit() {
     for (rays, samples) in [(70, 24), (33, 100), (3, 700), (1, 5)] {
         let scene = Scene::new(rays, samples);
         for density in [Density::Relu, Density::Softplus] {
-            let net = Network::new(&network(&SMALL), &SMALL, density);
+            let c = Conventions { density, ..EARLY };
+            let net = Network::new(&network(&SMALL, &c), &SMALL, &c);
             let (mut a, mut b) = (Gradient::default(), Gradient::default());
             let all = vec![true; rays * samples];
             let dense = net.step(&scene.batch(), false, &mut a);
@@ -60,15 +61,15 @@ fn what_is_left_agrees_with_the_oracle() {
     for (density, stop) in
         [(Density::Relu, 0.0), (Density::Relu, 0.5), (Density::Softplus, 0.25), (Density::Exp, 0.3)]
     {
-        let conventions = Conventions { density, skip_layer: SMALL.skip, ..CS180 };
-        let mut net = network(&SMALL);
+        let conventions = Conventions { density, ..EARLY };
+        let mut net = network(&SMALL, &EARLY);
         // So dense that rays end.
         net.sigma.w *= 8.0;
         net.sigma.b *= 8.0;
         for live in [None, Some(&live[..])] {
             let skipping = Skipping { live, stop };
             let (colors, loss, gradient) = oracle(&net, &conventions, &scene.batch(), skipping);
-            let fast = Network::new(&net, &SMALL, density);
+            let fast = Network::new(&net, &SMALL, &conventions);
             let rendered = fast.render_skipping(&scene.batch().rays, skipping, BACKGROUND);
             for (got, want) in rendered.colors.iter().zip(&colors) {
                 assert!((f64::from(*got) - want).abs() < 1e-5, "color {got}, expected {want}");
@@ -96,10 +97,10 @@ fn what_is_left_agrees_with_the_oracle() {
 #[test]
 fn an_early_end_costs_at_most_its_transmittance() {
     let scene = Scene::new(40, 32);
-    let mut net = network(&SMALL);
+    let mut net = network(&SMALL, &EARLY);
     net.sigma.w *= 30.0;
     net.sigma.b *= 30.0;
-    let net = Network::new(&net, &SMALL, Density::Relu);
+    let net = Network::new(&net, &SMALL, &EARLY);
     let whole = net.render(&scene.batch().rays, BACKGROUND);
     let mut seen = 0;
     for stop in [0.01, 0.1, 0.5] {
@@ -118,7 +119,7 @@ fn an_early_end_costs_at_most_its_transmittance() {
 #[test]
 fn skipping_gives_the_same_bits_on_any_number_of_threads() {
     let (scene, live) = (Scene::new(150, 24), some(150, 24));
-    let net = Network::new(&network(&SMALL), &SMALL, Density::Relu);
+    let net = Network::new(&network(&SMALL, &EARLY), &SMALL, &EARLY);
     let run = |threads| {
         with_threads(Some(threads), || {
             let mut gradient = Gradient::default();
@@ -140,7 +141,7 @@ fn skipping_gives_the_same_bits_on_any_number_of_threads() {
 #[test]
 fn nothing_live_and_nan() {
     let scene = Scene::new(4, 16);
-    let mut net = Network::new(&network(&SMALL), &SMALL, Density::Relu);
+    let mut net = Network::new(&network(&SMALL, &EARLY), &SMALL, &EARLY);
     let (nothing, mut gradient) = (vec![false; 64], Gradient::default());
     let skipping = Skipping { live: Some(&nothing), stop: 0.0 };
     assert!(net.step_skipping(&scene.batch(), skipping, &mut gradient) > 0.0);

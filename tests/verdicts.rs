@@ -1,0 +1,86 @@
+//! Verdicts besides pass and fail: nothing proved, digits lost, other bits every time.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use nerf_oracle::COMPONENTS;
+use nerf_oracle::contract::arrays::Arrays;
+use nerf_oracle::contract::check::Kind;
+use nerf_oracle::contract::{Dtype, Machine};
+use nerf_oracle::convention::CS180;
+use nerf_oracle::judge::answer::given;
+use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
+use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge};
+
+/// A deep network's gradient in bf16: of this case alone nothing shows that it isn't 0.
+#[test]
+fn right_answers_that_0_would_match_are_unproved() {
+    let mut exam = Exam::of(&[("mlp", Kind::Vjp)], Dtype::Bf16, None).unwrap();
+    let oracle = exam.questions[0].component.vjp.unwrap().oracle;
+    exam.questions[0].cases.retain(|case| case.id == "wide");
+    let answers = exam.questions[0].cases.iter().map(|case| Some(given(oracle(&case.inputs, &CS180))));
+    let report = judge_answers(&exam, &[answers.collect()], EXP_ULP);
+    let row = report.of("mlp", "vjp").unwrap();
+    assert_eq!((row.verdict, report.exit_code()), (Verdict::Unproved, 1), "{report}");
+    assert!(row.unproved.contains(&"grad_w1".to_string()), "{:?}", row.unproved);
+    assert!(!row.unproved.contains(&"grad_b3".to_string()), "{:?}", row.unproved);
+    assert_eq!(report.json()["components"][0]["verdict"], "unproved");
+    assert_eq!(report.json()["components"][0]["unproved"][0], row.unproved[0].as_str());
+    assert!(report.to_string().contains("UNPROVED mlp vjp"), "{report}");
+}
+
+/// In f64, all of it computed in f32; and a wrong formula of nearly the same size.
+#[test]
+fn lost_digits_are_told_apart_from_wrong_formulas() {
+    let single = Machine::number(Dtype::F32, 8);
+    for name in ["volume_render", "mlp", "pixel_to_ray"] {
+        let component = COMPONENTS.iter().find(|component| component.name == name).unwrap();
+        let honest = component.forward.honest;
+        let candidate = Candidate::new().forward(name, |inputs| honest(inputs, &CS180, &single));
+        let report = judge(&candidate, Dtype::F64).unwrap();
+        let row = report.of(name, "forward").unwrap();
+        assert_eq!((row.verdict, report.exit_code()), (Verdict::Imprecise, 1), "{report}");
+        assert_eq!(report.exit_code_allowing(&[Verdict::Imprecise]), 0);
+        assert!(row.lost_bits.is_some_and(|bits| (20..=30).contains(&bits)), "{report}");
+        assert!(
+            report.to_string().contains("computed in it on the way") || row.lost_bits < Some(24),
+            "{report}"
+        );
+    }
+    let off = composited(|_, out| out.into_iter().map(|(name, y)| (name, y * 1.0001)).collect());
+    assert_eq!(off.of("composite_background", "forward").unwrap().verdict, Verdict::Fail, "{off}");
+}
+
+/// C + (1 - A) b of a candidate that may change its answers.
+fn composited(change: impl Fn(&Arrays, Arrays) -> Arrays + Sync) -> Report {
+    let oracle = COMPONENTS.iter().find(|c| c.name == "composite_background").unwrap().forward.oracle;
+    let candidate = |inputs: &Arrays| change(inputs, oracle(inputs, &CS180));
+    judge(&Candidate::new().forward("composite_background", candidate), Dtype::F64).unwrap()
+}
+
+#[test]
+fn answers_that_change_from_call_to_call_are_told() {
+    let calls = AtomicUsize::new(0);
+    let noisy = |by: f64| {
+        let factor = || 1.0 + if calls.fetch_add(1, Ordering::Relaxed) % 2 == 0 { by } else { 0.0 };
+        composited(|_, out| out.into_iter().map(|(name, y)| (name, y.mapv(|y| y * factor()))).collect())
+    };
+    let row = |report: &Report| report.of("composite_background", "forward").unwrap().clone();
+    let (little, much) = (noisy(f64::EPSILON / 2.0), noisy(1e-3));
+    assert!(row(&little).findings.is_empty(), "half an ULP is no change: {little}");
+    assert_eq!(row(&much).verdict, Verdict::Fail, "{much}");
+    let little = noisy(f64::EPSILON);
+    assert_eq!(row(&little).verdict, Verdict::Pass, "{little}");
+    assert!(row(&little).findings[0].starts_with("not deterministic"), "{little}");
+    // Rows of the buffer that the last call left behind.
+    let last = AtomicUsize::new(0);
+    let stale = composited(|inputs, mut out| {
+        let rays = inputs["opacity"].len();
+        if last.swap(rays, Ordering::Relaxed) > rays {
+            out.get_mut("colors_out").unwrap()[[0, 0]] += 0.25;
+        }
+        out
+    });
+    assert_eq!(row(&stale).verdict, Verdict::Fail, "{stale}");
+    assert!(row(&stale).faults[0].starts_with("stale state"), "{stale}");
+    assert!(row(&composited(|_, out| out)).findings.is_empty());
+}
