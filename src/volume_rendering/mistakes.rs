@@ -230,14 +230,14 @@ pub fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     depths
 }
 
-/// The first t at which the weights' sum reaches 1/2; the last t where it never does.
+/// The first t at which the weights' sum reaches 1/2, but for its rounding; the last t where it never does.
 fn medians(a: &Arrays) -> ArrayD<f64> {
     let median = |r| {
         let (weights, t) = (row(a, "weights", r), row(a, "t", r));
         let mut spent = 0.0;
         let reached = weights.iter().position(|w| {
             spent += w;
-            spent >= 0.5
+            spent >= 0.499_99
         });
         t[reached.unwrap_or(t.len() - 1)]
     };

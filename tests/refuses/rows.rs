@@ -296,7 +296,7 @@ fn samples() -> Vec<Row> {
         row(
             "spherical_harmonics::harmonics",
             || drop(spherical_harmonics::harmonics([0.0, 0.0, 1.0], 4, Sphere, Plain)),
-            &[("out of range", || drop(spherical_harmonics::harmonics([0.0, 0.0, 1.0], 5, Sphere, Plain)))],
+            &[("out of bounds", || drop(spherical_harmonics::harmonics([0.0, 0.0, 1.0], 5, Sphere, Plain)))],
         ),
         row(
             "spherical_harmonics::backward::harmonics",
