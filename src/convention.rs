@@ -4,10 +4,16 @@
 //! them so that a profile (`cs180`, `nerf2020`, ...) can be named, and lists the closed set of values that the judge
 //! searches when no profile is pinned.
 
+mod compact;
+mod encoding;
 pub mod profiles;
+mod results;
 mod spelling;
 
-pub use spelling::american;
+pub use compact::*;
+pub use encoding::*;
+pub use results::*;
+pub use spelling::{CHOICES, american};
 
 use serde::{Deserialize, Serialize};
 
@@ -136,44 +142,6 @@ impl ProductEps {
     }
 }
 
-/// The factor in front of the encoding's bands: band k is sin(factor f_k x).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Frequency {
-    /// pi, as in the paper.
-    Pi,
-    /// 1, as in the paper's code (bmild/nerf#12).
-    One,
-    /// 2 pi (nerfstudio).
-    TwoPi,
-}
-
-/// How f_k grows with k = 0, ..., L - 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Bands {
-    /// 2^k.
-    Octaves,
-    /// L values evenly spaced from 1 to 2^(L-1) (kornia's default).
-    Linear,
-}
-
-/// The order of the encoding's columns (after the identity, where it is kept). A matter of layout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Columns {
-    /// For each band: sin of all dimensions, then cos of all dimensions.
-    BandSinCos,
-    /// For each dimension: sin of all bands, then cos of all bands.
-    DimSinCos,
-    /// For each dimension: (sin, cos) of each band.
-    DimInterleaved,
-    /// sin of all (dimension, band) pairs, then cos of all of them.
-    AllSinAllCos,
-    /// For each band and each dimension: (sin, cos).
-    BandInterleaved,
-}
-
 /// What turns the density head's output into a density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -184,41 +152,6 @@ pub enum Density {
     Softplus,
     /// e^z.
     Exp,
-}
-
-/// Whether the exponent of an exponential density is held to [-15, 15] in the forward pass. In the gradient it always is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Exponent {
-    /// sigma = e^x; the gradient alone is held.
-    #[default]
-    Free,
-    /// sigma = e^clamp(x, -15, 15): forward too.
-    Clamped,
-}
-
-/// Which cells of an occupancy grid fade at an update.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum GridDecay {
-    /// Those in which a density was found (nerfacc).
-    #[default]
-    Touched,
-    /// Every cell that a camera sees (instant-ngp).
-    EveryCell,
-}
-
-/// The density above which a cell of an occupancy grid is occupied.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum GridThreshold {
-    /// The smaller of the limit and the mean of the densities above 0; where no cell is denser, every cell that is seen is occupied.
-    #[default]
-    MeanOfDense,
-    /// The smaller of the limit and the mean over all cells that are seen (nerfacc).
-    MeanOfSeen,
-    /// The limit.
-    LimitAlone,
 }
 
 /// The order in which a skip connection is concatenated.
@@ -239,36 +172,6 @@ pub enum Activation {
     Relu,
     /// z.
     None,
-}
-
-/// Expected depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Depth {
-    /// sum w t / sum w; far where all weights are 0.
-    Divided,
-    /// sum w t.
-    Plain,
-}
-
-/// PSNR of several images.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PsnrOf {
-    /// The mean of the images' PSNRs.
-    Images,
-    /// The PSNR of the mean squared error over all pixels of all images.
-    MeanError,
-}
-
-/// How [0, 1] becomes a byte.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Bytes {
-    /// round(255 x).
-    Round,
-    /// floor(255 x).
-    Truncate,
 }
 
 /// One assignment of all conventions.
@@ -294,23 +197,56 @@ pub struct Conventions {
     pub product_eps: ProductEps,
     /// Whether the encoding begins with x itself.
     pub identity: bool,
+    /// Where that stands.
+    #[serde(default)]
+    pub identity_place: IdentityPlace,
     /// Factor of the encoding's bands.
     pub frequency: Frequency,
     /// Spacing of the encoding's bands.
     pub bands: Bands,
     /// Column order of the encoding.
     pub columns: Columns,
+    /// How the encoding's cosine is computed.
+    #[serde(default)]
+    pub cosine: Cosine,
     /// Density activation.
     pub density: Density,
     /// Where an exponential density's exponent is clamped.
     #[serde(default)]
     pub exponent: Exponent,
+    /// Where its gradient is clamped.
+    #[serde(default)]
+    pub exponent_gradient: ExponentGradient,
+    /// What is taken off it.
+    #[serde(default)]
+    pub exponent_shift: ExponentShift,
     /// Which cells of an occupancy grid fade.
     #[serde(default)]
     pub grid_decay: GridDecay,
     /// What an occupied cell is denser than.
     #[serde(default)]
     pub grid_threshold: GridThreshold,
+    /// Cells below 0.
+    #[serde(default)]
+    pub grid_unseen: GridUnseen,
+    /// How the levels of a hash grid lie on the box.
+    #[serde(default)]
+    pub hash_levels: HashLevels,
+    /// Which of them have an entry for each vertex.
+    #[serde(default)]
+    pub hash_index: HashIndex,
+    /// The factors of the hash.
+    #[serde(default)]
+    pub hash_primes: HashPrimes,
+    /// How a hash grid interpolates.
+    #[serde(default)]
+    pub hash_weights: HashWeights,
+    /// Sign of the harmonics of odd m.
+    #[serde(default)]
+    pub harmonic_sign: HarmonicSign,
+    /// Polynomials of the harmonics.
+    #[serde(default)]
+    pub harmonic_form: HarmonicForm,
     /// Index (from 0) of the trunk layer whose input contains the encoding again.
     pub skip_layer: usize,
     /// Order of that concatenation.
@@ -321,10 +257,22 @@ pub struct Conventions {
     pub feature: Activation,
     /// Expected depth.
     pub depth: Depth,
+    /// Depth of an empty ray.
+    #[serde(default)]
+    pub empty_depth: EmptyDepth,
     /// PSNR aggregation.
     pub psnr: PsnrOf,
+    /// PSNR of equal pictures.
+    #[serde(default)]
+    pub psnr_floor: PsnrFloor,
+    /// Peak of the PSNR.
+    #[serde(default)]
+    pub psnr_peak: PsnrPeak,
     /// Quantization.
     pub bytes: Bytes,
+    /// What Adam's eps is added to.
+    #[serde(default)]
+    pub adam_eps: AdamEps,
 }
 
 /// The default: Berkeley's CS180 course, which is the paper's text taken literally.
@@ -338,20 +286,35 @@ pub const CS180: Conventions = Conventions {
     last_delta: LastDelta::Width,
     product_eps: ProductEps::None,
     identity: true,
+    identity_place: IdentityPlace::First,
     frequency: Frequency::Pi,
     bands: Bands::Octaves,
     columns: Columns::BandSinCos,
+    cosine: Cosine::Own,
     density: Density::Relu,
     exponent: Exponent::Free,
+    exponent_gradient: ExponentGradient::BothEnds,
+    exponent_shift: ExponentShift::None,
     grid_decay: GridDecay::Touched,
     grid_threshold: GridThreshold::MeanOfDense,
+    grid_unseen: GridUnseen::Kept,
+    hash_levels: HashLevels::Nearest,
+    hash_index: HashIndex::DenseWhereItFits,
+    hash_primes: HashPrimes::Coherent,
+    hash_weights: HashWeights::Linear,
+    harmonic_sign: HarmonicSign::Alternating,
+    harmonic_form: HarmonicForm::Sphere,
     skip_layer: 4,
     skip_order: SkipOrder::HiddenFirst,
     last_trunk: Activation::Relu,
     feature: Activation::None,
     depth: Depth::Divided,
+    empty_depth: EmptyDepth::Far,
     psnr: PsnrOf::Images,
+    psnr_floor: PsnrFloor::None,
+    psnr_peak: PsnrPeak::Given,
     bytes: Bytes::Round,
+    adam_eps: AdamEps::Corrected,
 };
 
 impl Default for Conventions {
@@ -359,30 +322,3 @@ impl Default for Conventions {
         CS180
     }
 }
-
-/// Every convention with the closed list of its values, as they are written in JSON.
-pub const CHOICES: &[(&str, &[&str])] = &[
-    ("axes", &["opencv", "opengl"]),
-    ("pixel_center", &["half", "integer"]),
-    ("directions", &["unit", "depth"]),
-    ("grid", &["intervals", "ends_plus_width", "ends_plus_spacing", "ends_between_midpoints"]),
-    ("rest", &["left", "mid", "right"]),
-    ("delta", &["width", "differences", "differences_times_norm"]),
-    ("last_delta", &["width", "repeated", "mean", "1e10", "1e9", "1e-3", "to_far"]),
-    ("product_eps", &["none", "1e-10", "1e-9", "1e-8", "1e-7"]),
-    ("identity", &["true", "false"]),
-    ("frequency", &["pi", "one", "two_pi"]),
-    ("bands", &["octaves", "linear"]),
-    ("columns", &["band_sin_cos", "dim_sin_cos", "dim_interleaved", "all_sin_all_cos", "band_interleaved"]),
-    ("density", &["relu", "softplus", "exp"]),
-    ("exponent", &["free", "clamped"]),
-    ("grid_decay", &["touched", "every_cell"]),
-    ("grid_threshold", &["mean_of_dense", "mean_of_seen", "limit_alone"]),
-    ("skip_layer", &["4", "5"]),
-    ("skip_order", &["hidden_first", "encoding_first"]),
-    ("last_trunk", &["relu", "none"]),
-    ("feature", &["none", "relu"]),
-    ("depth", &["divided", "plain"]),
-    ("psnr", &["images", "mean_error"]),
-    ("bytes", &["round", "truncate"]),
-];

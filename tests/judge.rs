@@ -184,7 +184,7 @@ fn the_answers_themselves_are_checked() {
     };
     assert!(with(&|a| a.dtype = "f32").contains("too narrow"));
     assert!(with(&|a| a.values[[0, 0]] = f64::NAN).contains("NaN"));
-    assert!(with(&|a| a.values = a.values.clone().insert_axis(ndarray::Axis(0))).contains("wrong shape"));
+    assert!(with(&|a| a.values = ndarray::ArrayD::zeros(ndarray::IxDyn(&[7]))).contains("wrong shape"));
     let nothing: Vec<Answers> =
         exam.questions.iter().map(|question| vec![None; question.cases.len()]).collect();
     assert_eq!(judge_answers(&exam, &nothing, EXP_ULP).exit_code(), 2);
@@ -222,7 +222,7 @@ fn layouts_pass_and_are_reported() {
         answer.insert("rays_o".into(), d);
         answer.insert("rays_d".into(), o);
     });
-    // The identity after the bands, as nerfstudio has it.
+    // All columns from the last to the first.
     let after = laid_out("positional_encoding", &CS180.with("frequency", "two_pi").unwrap(), |answer| {
         let given = answer.get_mut("encoding").unwrap();
         let width = given.values.shape()[1];
@@ -234,6 +234,33 @@ fn layouts_pass_and_are_reported() {
         assert_eq!(report.exit_code(), 0, "{report}");
         assert!(report.to_string().contains(says), "{report}");
     }
+}
+
+/// A number that programs choose freely: any constant is told and passes, what varies fails.
+#[test]
+fn a_last_step_of_ones_own_is_told() {
+    let c = CS180.with("delta", "differences").unwrap();
+    let last = |step: fn(f64) -> f64| {
+        laid_out("step_sizes", &c, |answer| {
+            for mut deltas in answer.get_mut("deltas").unwrap().values.rows_mut() {
+                let n = deltas.len() - 1;
+                deltas[n] = step(deltas[0]);
+            }
+        })
+    };
+    for (step, says) in [(233.0, "2.33e2"), (1e25, "1e25"), (0.0, "0e0")] {
+        let report = match step {
+            233.0 => last(|_| 233.0),
+            0.0 => last(|_| 0.0),
+            _ => last(|_| 1e25),
+        };
+        assert_eq!(report.exit_code(), 0, "{report}");
+        assert!(report.to_string().contains(&format!("the last step is {says} in all cases")), "{report}");
+    }
+    let first = last(|first| 2.0 * first);
+    assert_eq!(first.exit_code(), 1, "{first}");
+    let negative = last(|_| -1.0);
+    assert_eq!(negative.exit_code(), 1, "{negative}");
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use ndarray::{arr1, arr2};
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::contract::{Arithmetic, Component, Dtype, Grade, Kind};
-use nerf_oracle::convention::{CHOICES, CS180, Conventions, Density, Depth, ProductEps};
+use nerf_oracle::convention::{CHOICES, CS180, Conventions, Density, Depth, EmptyDepth, ProductEps};
 use nerf_oracle::field::mlp::Output;
 use nerf_oracle::field::{Layer, Mlp, backward as field_backward, density, density_slope, sigmoid_slope};
 use nerf_oracle::field::{mlp_kink, nerf_mlp_kink};
@@ -111,9 +111,9 @@ fn at_the_edge_of_its_domain_rendering_has_the_derivative_from_inside() {
 /// On an empty ray the depth jumps to `far`, a constant: by definition all of its gradients are 0.
 #[test]
 fn depth_of_an_empty_ray_has_no_gradient() {
-    let depth = |w: f64, t: f64| render::depth(&[w, 0.0], &[t, 3.0], 6.0, Depth::Divided);
+    let depth = |w: f64, t: f64| render::depth(&[w, 0.0], &[t, 3.0], 6.0, Depth::Divided, EmptyDepth::Far);
     assert_eq!((depth(0.0, 1.0), depth(1e-300, 1.0)), (6.0, 1.0), "a jump");
     assert_eq!(one_sided(|s| depth(0.0, 1.0 + s), 0.25).value, 0.0);
-    let gradients = render::backward::depth(&[0.0; 2], &[1.0, 3.0], Depth::Divided, 1.0);
+    let gradients = render::backward::depth(&[0.0; 2], &[1.0, 3.0], Depth::Divided, EmptyDepth::Far, 1.0);
     assert_eq!(gradients, (vec![0.0; 2], vec![0.0; 2]));
 }

@@ -4,28 +4,34 @@ import numpy as np
 import second_rendering as rendering
 
 
+def shifted(x, c):
+    """x, or x - 1."""
+    return x - x.dtype.type(1) if c["exponent_shift"] == "one" else x
+
+
 def trunc_exp(a, c, wrong):
-    """e^x, or e^clamp(x, -15, 15)."""
-    x = a["x"]
-    if "bias_inside" in wrong:
-        x = x - x.dtype.type(1)
+    """e^x, or e^clamp(x, -15, 15), of x or x - 1."""
+    x = shifted(a["x"], c)
     if c["exponent"] == "clamped":
         x = np.clip(x, -15, 15)
     with np.errstate(over="ignore"):
+        if "softplus" in wrong:
+            return {"sigmas": np.logaddexp(x, x.dtype.type(0))}
         return {"sigmas": np.exp2(x) if "base_two" in wrong else np.exp(x)}
 
 
 def trunc_exp_vjp(a, c, wrong):
     """The surrogate."""
-    x = a["x"]
-    low, high = np.exp(x.dtype.type(-15)), np.exp(x.dtype.type(15))
+    x = shifted(a["x"], c)
+    held = c["exponent_gradient"]
+    low, high = np.exp(x.dtype.type(-15)), np.exp(x.dtype.type(11 if held == "above11" else 15))
     with np.errstate(over="ignore", invalid="ignore"):
         slope = np.exp(x)
         if "gradient_not_clamped" in wrong:
             return {"grad_x": a["grad_sigmas"] * slope}
         if "value_clamped" in wrong:
             return {"grad_x": a["grad_sigmas"] * np.minimum(slope, x.dtype.type(15))}
-        slope = np.minimum(slope, high) if "clamped_above_alone" in wrong else np.clip(slope, low, high)
+        slope = np.clip(slope, low, high) if held == "both_ends" else np.minimum(slope, high)
         if "zero_outside" in wrong:
             slope = np.where(np.abs(x) > 15, x.dtype.type(0), slope)
     return {"grad_x": a["grad_sigmas"] * slope}
@@ -95,31 +101,42 @@ def early_stop_vjp(a, c, wrong):
 
 
 def sizes_of(a, wrong):
-    """The tables, and N of each level."""
+    """The tables, and n of each level: base times the growth to the level's power."""
     tables = [a[f"table{n}"] for n in range(sum(name.startswith("table") for name in a))]
     steps = len(tables) if "growth_over_levels" in wrong else max(len(tables) - 1, 1)
     exact = a["base"] * (a["finest"] / a["base"]) ** (np.arange(len(tables)) / steps)
-    if "resolution_rounded_down" in wrong:
-        return tables, np.floor(exact + 1e-9).astype(int)
-    if "resolution_rounded_up" in wrong:
-        return tables, np.ceil(exact - 1e-9).astype(int)
-    return tables, np.rint(exact).astype(int)
+    exact = np.where(np.abs(exact - np.rint(exact)) < 1e-9 * exact, np.rint(exact), exact)
+    return tables, np.ceil(exact) if "resolution_rounded_up" in wrong else exact
 
 
-def entries_of(vertices, n, size, wrong):
+# Scale, shift and vertices along an edge of a level of n cells.
+LAID = {
+    "nearest": lambda n: (np.rint(n), 0, int(np.rint(n)) + 1),
+    "floor": lambda n: (np.floor(n), 0, int(n) + 1),
+    "tiny_cuda_nn": lambda n: (n - 1, 0.5, int(np.ceil(n - 1)) + 1),
+    "torch_ngp": lambda n: (n - 1, 0.5, int(np.ceil(n - 1)) + 2),
+    "align_corners": lambda n: (n - 1, 0, int(np.ceil(n - 1)) + 1),
+}
+PRIMES = {
+    "coherent": [1, 2654435761, 805459861],
+    "prime": [1958374283, 2654435761, 805459861],
+    "reversed": [2165219737, 1434869437, 2097192037],
+}
+
+
+def entries_of(vertices, n, size, c, wrong):
     """The entries of integer vertices (..., 3)."""
     x, y, z = np.moveaxis(vertices.astype(np.uint64), -1, 0)
-    if (n + 1) ** 3 <= size and "no_dense_levels" not in wrong:
-        side = np.uint64(n if "side_without_one" in wrong else n + 1)
+    side = LAID[c["hash_levels"]](n)[2]
+    if side**3 <= size and c["hash_index"] != "hashed":
+        side = np.uint64(side - 1 if "side_without_one" in wrong else side)
         x, z = (z, x) if "z_fastest" in wrong else (x, z)
         return (x + side * (y + side * z)).astype(int) % size
-    primes = [1, 2654435761, 805459861]
-    if "first_prime_not_one" in wrong:
-        primes[0] = 1958374283
+    primes = list(PRIMES[c["hash_primes"]])
     if "prime_mistyped" in wrong:
         primes[1] = 265443567
     if "primes_rolled" in wrong:
-        primes = [2654435761, 805459861, 1]
+        primes = primes[1:] + primes[:1]
     x, y, z = (axis * np.uint64(prime) % np.uint64(2**32) for axis, prime in zip((x, y, z), primes))
     mixed = (x + y + z) % np.uint64(2**32) if "sum_for_xor" in wrong else x ^ y ^ z
     return mixed.astype(int) % (size - 1 if "modulo_one_less" in wrong else size)
@@ -128,18 +145,22 @@ def entries_of(vertices, n, size, wrong):
 CORNERS = np.array([[z, y, x] for x in (0, 1) for y in (0, 1) for z in (0, 1)])[:, ::-1]
 
 
-def located(x, n, wrong):
-    """Cells and fractions, (M, 3) each."""
-    scaled = x * x.dtype.type(n) + x.dtype.type(0.5 if "offset_half" in wrong else 0)
-    cells = np.clip(np.floor(scaled), x.dtype.type(0), x.dtype.type(n - 1))
+def located(x, n, c, wrong):
+    """Cells, weights of the upper side, and their slopes, (M, 3) each."""
+    scale, shift, _ = LAID[c["hash_levels"]](n)
+    last = int(np.floor(scale + shift)) - (c["hash_levels"] in ("nearest", "floor"))
+    shift = shift + 0.5 * ("offset_half" in wrong)
+    scaled = x * x.dtype.type(scale) + x.dtype.type(shift)
+    cells = np.clip(np.floor(scaled), x.dtype.type(0), x.dtype.type(last))
     f = scaled - cells
     if "nearest_vertex" in wrong:
         f = (f >= 0.5).astype(x.dtype)
     if "weights_swapped" in wrong:
         f = 1 - f
-    if "smoothstep" in wrong:
-        f = f * f * (3 - 2 * f)
-    return cells.astype(int), f
+    slope = np.full_like(f, scale)
+    if c["hash_weights"] == "smoothstep":
+        f, slope = f * f * (3 - 2 * f), slope * 6 * f * (1 - f)
+    return cells.astype(int), f, slope
 
 
 def sides_of(f):
@@ -151,8 +172,8 @@ def hash_grid(a, c, wrong):
     """All points of a level at once."""
     out = []
     for table, n in zip(*sizes_of(a, wrong)):
-        cells, f = located(a["x"], n, wrong)
-        at = entries_of(cells[:, None] + CORNERS, n, len(table), wrong)
+        cells, f, _ = located(a["x"], n, c, wrong)
+        at = entries_of(cells[:, None] + CORNERS, n, len(table), c, wrong)
         out.append(np.einsum("mk,mkf->mf", sides_of(f).prod(-1), table[at]))
     return {"encoding": np.concatenate(out, 1)}
 
@@ -163,8 +184,8 @@ def hash_grid_vjp(a, c, wrong):
     parts = np.split(a["grad_encoding"], np.cumsum([table.shape[1] for table in tables])[:-1], 1)
     out, g_x = {}, 0
     for level, (table, n, g) in enumerate(zip(tables, sizes, parts)):
-        cells, f = located(a["x"], n, ())
-        at, sides = entries_of(cells[:, None] + CORNERS, n, len(table), ()), sides_of(f)
+        cells, f, steep = located(a["x"], n, c, ())
+        at, sides = entries_of(cells[:, None] + CORNERS, n, len(table), c, ()), sides_of(f)
         g_table, given = np.zeros_like(table), sides.prod(-1)[..., None] * g[:, None]
         if "collisions_overwrite" in wrong:
             for point, (where, what) in enumerate(zip(at, given)):
@@ -177,5 +198,6 @@ def hash_grid_vjp(a, c, wrong):
         worth = np.einsum("mkf,mf->mk", table[at], g)
         others = [np.delete(sides, axis, 2).prod(-1) * np.where(CORNERS[:, axis] == 1, 1, -1) for axis in range(3)]
         slope = np.stack([(worth * other.astype(worth.dtype)).sum(1) for other in others], 1)
-        g_x = g_x + slope * slope.dtype.type(1 if "resolution_forgotten" in wrong else n)
+        scale = slope.dtype.type(LAID[c["hash_levels"]](n)[0])
+        g_x = g_x + slope * (steep / scale if "resolution_forgotten" in wrong else steep)
     return out | {"grad_x": g_x}

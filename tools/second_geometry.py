@@ -198,8 +198,10 @@ def step_sizes(a, c, wrong):
         deltas = np.concatenate([np.zeros_like(t[:, :1]), np.diff(t)], 1)
     if "delta_differenced_twice" in wrong:
         deltas = np.concatenate([np.diff(gaps), np.full_like(t[:, :1], 1e10)], 1)
-    if "first_gap_for_all" in wrong:
+    if "last_gap_too_early" in wrong and n > 2:
+        deltas = np.concatenate([deltas[:, :-1], gaps[:, n - 3 : n - 2]], 1)
+    if "first_gap_for_all" in wrong and n > 1:
         deltas = np.broadcast_to(gaps[:, :1], t.shape)
     if "first_ray_deltas" in wrong:
-        deltas = np.broadcast_to(gaps[:1], t.shape)
+        deltas = np.broadcast_to((gaps if n > 1 else deltas)[:1], t.shape)
     return {"deltas": deltas}

@@ -26,11 +26,24 @@ def terms(band, m, sign=True):
     return out
 
 
-def all_terms(degree, wrong):
+def homogeneous(column):
+    """Each term of bands 2 and 3 times x^2 + y^2 + z^2 until it has the column's degree."""
+    band = max(sum(powers) for _, *powers in column)
+    out = []
+    for coefficient, i, j, k in column:
+        if i + j + k == band or band > 3:
+            out.append((coefficient, i, j, k))
+        else:
+            out += [(coefficient, i + 2, j, k), (coefficient, i, j + 2, k), (coefficient, i, j, k + 2)]
+    return out
+
+
+def all_terms(degree, c, wrong):
     """Those of all columns, in order."""
     orders = lambda band: range(band, -band - 1, -1) if "m_descending" in wrong else range(-band, band + 1)  # noqa: E731
-    sign = "no_condon_shortley" not in wrong
-    return [terms(band, m, sign) for band in range(int(degree) + 1) for m in orders(band)]
+    sign = c["harmonic_sign"] == "alternating"
+    columns = [terms(band, m, sign) for band in range(int(degree) + 1) for m in orders(band)]
+    return [homogeneous(column) for column in columns] if c["harmonic_form"] == "homogeneous" else columns
 
 
 def spherical_harmonics(a, c, wrong):
@@ -38,20 +51,31 @@ def spherical_harmonics(a, c, wrong):
     d = a["d"]
     if "directions_in_unit_cube" in wrong:
         d = (d + 1) / 2
+    if c["harmonic_form"] == "normalized":
+        d = d / np.linalg.norm(d, axis=1, keepdims=True)
     x, y, z = (d[:, [0, 2, 1]] if "polar_axis_y" in wrong else d).T
-    columns = [sum(d.dtype.type(c) * (x**i * y**j * z**k) for c, i, j, k in column) for column in all_terms(a["degree"], wrong)]
+    columns = [sum(d.dtype.type(c) * (x**i * y**j * z**k) for c, i, j, k in column) for column in all_terms(a["degree"], c, wrong)]
+    if "band_4_slips" in wrong and len(columns) == 25:
+        sign = 1 if c["harmonic_sign"] == "plain" else -1
+        columns[19] = d.dtype.type(sign * 0.6690465435572892) * y * (7 * z * z - 3)
+        columns[24] = columns[24] * d.dtype.type(0.4425326924449826 / 0.6258357354491761)
     return {"harmonics": np.stack(columns, 1)}
 
 
 def spherical_harmonics_vjp(a, c, wrong):
     """The power rule, monomial by monomial."""
     d, g = a["d"], a["grad_harmonics"]
-    out = np.zeros_like(d)
-    for column, own in zip(all_terms(a["degree"], ()), g.T):
+    out, length = np.zeros_like(d), np.ones_like(d[:, :1])
+    if c["harmonic_form"] == "normalized":
+        length = np.linalg.norm(d, axis=1, keepdims=True)
+        d = d / length
+    for column, own in zip(all_terms(a["degree"], c, ()), g.T):
         for coefficient, *powers in column:
             for axis, power in enumerate(powers):
                 if power:
                     factors = [d[:, b] ** (n - (b == axis)) for b, n in enumerate(powers)]
                     factor = 1 if "power_rule_forgotten" in wrong else power
                     out[:, axis] += d.dtype.type(factor * coefficient) * own * factors[0] * factors[1] * factors[2]
+    if c["harmonic_form"] == "normalized":
+        out = (out - (out * d).sum(1, keepdims=True) * d) / length
     return {"grad_d": out}

@@ -8,6 +8,10 @@ FACTORS = {"pi": np.pi, "one": 1.0, "two_pi": 2 * np.pi}
 def bands(levels, c, wrong):
     """Factor times f_k."""
     f = 2.0 ** np.arange(levels) if c["bands"] == "octaves" else np.linspace(1, 2 ** max(levels - 1, 0), levels)
+    if c["bands"] == "stretched":
+        f = 2.0 ** np.linspace(0, max(levels - 2, 0), levels)
+    if "first_band_twice" in wrong and levels:
+        f[0] = 2.0
     if "linear_ladder" in wrong:
         f = np.arange(levels, dtype=float)
     return f * FACTORS[c["frequency"]]
@@ -20,6 +24,7 @@ def order(waves, c):
         "dim_sin_cos": (0, 3, 1, 2),
         "dim_interleaved": (0, 3, 2, 1),
         "all_sin_all_cos": (0, 1, 3, 2),
+        "all_sin_all_cos_by_band": (0, 1, 2, 3),
         "band_interleaved": (0, 2, 3, 1),
     }[c["columns"]]
     return np.transpose(waves, axes).reshape(len(waves), waves[0].size)
@@ -33,20 +38,28 @@ def disorder(columns, levels, dims, c):
     return waves.reshape(len(columns), 2, levels, dims)
 
 
+# A network's columns are its own: x in front, and every digit.
+OF_NETWORKS = {"identity_place": "first", "cosine": "own"}
+
+
 def encode(x, levels, c, wrong=()):
     """x, then the waves."""
     angle = x[:, None, :] * bands(levels, c, wrong).astype(x.dtype)[:, None]
-    waves = np.stack([np.sin(angle), np.sin(angle) if "cosine_missing" in wrong else np.cos(angle)], 1)
+    cosine = np.sin(angle + x.dtype.type(np.pi / 2)) if c["cosine"] == "shifted_sine" else np.cos(angle)
+    waves = np.stack([np.sin(angle), np.sin(angle) if "cosine_missing" in wrong else cosine], 1)
     if "last_band_missing" in wrong and levels > 0:
         waves[:, :, -1] = 0
-    return np.concatenate([x, order(waves, c)] if c["identity"] == "true" else [order(waves, c)], 1)
+    parts = [x, order(waves, c)] if c["identity"] == "true" else [order(waves, c)]
+    return np.concatenate(parts[::-1] if c["identity_place"] == "last" else parts, 1)
 
 
 def encode_vjp(x, levels, g, c, wrong=()):
     """g_x."""
     dims = x.shape[1]
-    own = g[:, :dims] if c["identity"] == "true" else np.zeros_like(x)
-    waves = disorder(g[:, dims:] if c["identity"] == "true" else g, levels, dims, c)
+    own = np.zeros_like(x)
+    if c["identity"] == "true":
+        g, own = (g[:, :-dims], g[:, -dims:]) if c["identity_place"] == "last" else (g[:, dims:], g[:, :dims])
+    waves = disorder(g, levels, dims, c)
     f = bands(levels, c, wrong).astype(x.dtype)[:, None]
     angle = x[:, None, :] * f
     sign = 1 if "cosine_gradient_sign" in wrong else -1
@@ -149,6 +162,7 @@ def nerf_tape(a, c, wrong):
     own = 3 if c["identity"] == "true" else 0
     columns, width = a["trunk0_w"].shape[1], len(a["feature_w"])
     levels = ((columns - own) // 6, (a["color0_w"].shape[1] - width - own) // 6)
+    c = c | OF_NETWORKS
     x, d = encode(a["positions"], levels[0], c, wrong), encode(a["directions"], levels[1], c, wrong)
     if "no_view_direction" in wrong:
         d = np.zeros_like(d)
@@ -197,4 +211,4 @@ def nerf_mlp_vjp(a, c, wrong):
             first = c["skip_order"] != "hidden_first"
             g_again, g = (g[:, :columns], g[:, columns:]) if first else (g[:, width:], g[:, :width])
             g_x = 0 if "skip_gradient_forgotten" in wrong else g_again
-    return out | {"grad_positions": encode_vjp(a["positions"], tape["level"], g + g_x, c)}
+    return out | {"grad_positions": encode_vjp(a["positions"], tape["level"], g + g_x, c | OF_NETWORKS)}

@@ -124,7 +124,15 @@ def depth(a, c, wrong):
         with np.errstate(invalid="ignore", divide="ignore"):
             out = out / total
         if "zero_by_zero" not in wrong:
-            out = np.where(total == 0, w.dtype.type(a["far"]), out)
+            far = w.dtype.type(a["far"])
+            empty = {"far": far, "zero": w.dtype.type(0), "first": t[:, 0], "last": t[:, -1]}[c["empty_depth"]]
+            out = np.where(total == 0, empty, out)
+    if "median_depth" in wrong:
+        reached = np.cumsum(w, 1) >= 0.5
+        at = np.where(reached.any(1), reached.argmax(1), t.shape[1] - 1)
+        out = np.take_along_axis(t, at[:, None], 1)[:, 0]
+    if "disparity" in wrong:
+        out = 1 / np.maximum(out, out.dtype.type(1e-10))
     return {"depth": out}
 
 
@@ -135,4 +143,7 @@ def depth_vjp(a, c, wrong):
         return {"grad_weights": g * t, "grad_t": g * w}
     total = w.sum(1, keepdims=True)
     scale = np.divide(g, total, out=np.zeros_like(g), where=total != 0)
-    return {"grad_weights": scale * (t - depth(a, c, ())["depth"][:, None]), "grad_t": scale * w}
+    g_t = scale * w
+    if c["empty_depth"] in ("first", "last"):
+        g_t[:, {"first": 0, "last": -1}[c["empty_depth"]]] += np.where(total == 0, g, 0)[:, 0]
+    return {"grad_weights": scale * (t - depth(a, c, ())["depth"][:, None]), "grad_t": g_t}

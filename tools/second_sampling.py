@@ -147,10 +147,10 @@ def mean_or(density, threshold, convention, wrong):
     """The smaller of the threshold and the mean of what is there; below all cells that are seen where none is above that."""
     if "mean_of_all" not in wrong and convention == "limit_alone":
         return threshold
-    seen = density[density >= 0] if convention == "mean_of_seen" else density[density > 0]
-    known = density if "mean_of_all" in wrong else seen
+    seen = {"mean_of_seen": density[density >= 0], "mean_over_all": np.maximum(density, 0)}
+    known = density if "mean_of_all" in wrong else seen.get(convention, density[density > 0])
     level = min(threshold, known.mean(dtype=density.dtype)) if known.size else threshold
-    if "mean_of_all" in wrong or convention == "mean_of_seen" or (known > level).any():
+    if "mean_of_all" in wrong or convention != "mean_of_dense" or (known > level).any():
         return level
     return -1
 
@@ -179,7 +179,7 @@ def occupancy_grid(a, c, wrong):
     if "rise_decays" in wrong:
         density = np.maximum(decayed, decay * sigma)
     density = np.where(some, density, decayed if c["grid_decay"] == "every_cell" else before)
-    if "unseen_cells_rise" not in wrong:
+    if c["grid_unseen"] == "kept":
         density = np.where(before < 0, before, density)
     source = before if "occupied_before" in wrong else density
     level = mean_or(source, threshold, c["grid_threshold"], wrong)

@@ -7,7 +7,9 @@ def mse(a, c, wrong):
     """Mean of squares."""
     p = a["prediction"]
     scale = p.size if "sum_for_mean" in wrong else p.shape[-1] if "mean_over_rays" in wrong else 1
-    return {"value": np.vdot(p - a["target"], p - a["target"]) / p.size * scale}
+    off = p - a["target"]
+    value = (np.abs(off).sum() if "absolute_error" in wrong else np.vdot(off, off)) / p.size * scale
+    return {"value": np.sqrt(value) if "root_of_mean" in wrong else value}
 
 
 def mse_vjp(a, c, wrong):
@@ -20,13 +22,19 @@ def mse_vjp(a, c, wrong):
 def psnr(a, c, wrong):
     """20 log10(peak) - 10 log10(mse)."""
     p, t, peak = a["prediction"], a["target"], a["peak"]
+    if c["psnr_peak"] == "one":
+        peak = 1.0
     if "peak_255" in wrong:
-        peak = 255.0 if peak == 1 else 1.0
+        peak = 255.0
+    if "peak_of_target" in wrong:
+        peak = t.max()
     if "few_pixels" in wrong:
         p, t = p[:, :1], t[:, :1]
     errors = ((p - t) ** 2).mean((1, 2, 3))
     if c["psnr"] == "mean_error":
         errors = errors.mean(keepdims=True)
+    if c["psnr_floor"] == "small":
+        errors = np.maximum(errors, p.dtype.type(1e-10 * peak**2))
     with np.errstate(divide="ignore"):
         value = p.dtype.type((20 * np.log10(peak) - 10 * np.log10(errors)).mean())
     if "regularized_psnr" in wrong:
@@ -100,9 +108,12 @@ def adam_step(a, c, wrong):
     decoupled = "decoupled_decay" in wrong
     g = a["grad"] + (0 if decoupled else decay) * p
     m, v = b1 * a["m"] + (1 - b1) * g, b2 * a["v"] + (1 - b2) * g**2
+    eps = a["eps"] / np.sqrt(1 - b2**step) if c["adam_eps"] == "uncorrected" else a["eps"]
+    power = 1 if "corrected_as_in_first_step" in wrong else step
     corrected = "no_bias_correction" not in wrong
-    m_hat = m / (1 - b1**step) if corrected else m
-    v_hat = v / (1 - b2**step) if corrected else v
-    root = np.sqrt(v_hat + a["eps"]) if "eps_inside_root" in wrong else np.sqrt(v_hat) + a["eps"]
-    out = p - a["lr"] * m_hat / root
+    m_hat = m / (1 - b1**power) if corrected else m
+    v_hat = v / (1 - b2**power) if corrected else v
+    root = np.sqrt(v_hat + eps) if "eps_inside_root" in wrong else np.sqrt(v_hat) + eps
+    rate = a["lr"] * (np.sqrt(1 - b2**step) / (1 - b1**step) if "corrected_twice" in wrong else 1)
+    out = p - rate * m_hat / root
     return {"params_out": out - a["lr"] * decay * p if decoupled else out, "m_out": m, "v_out": v}

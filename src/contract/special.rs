@@ -20,8 +20,23 @@ pub struct Special {
     pub columns: Option<(&'static str, &'static str)>,
     /// Adds to inputs that are off by `relative` what an honest formula rounds inside, which wrong code may magnify.
     pub rounds_inside: fn(&mut Arrays, relative: f64, &mut Draw),
+    /// A number that a program chooses for itself, the same in all cases.
+    pub chosen: Option<Chosen>,
     /// How all cases are judged together, where single elements say nothing.
     pub statistics: Option<Statistics>,
+}
+
+/// A number that stands at places of an output whatever the inputs. Programs choose it freely: it is told, and not compared.
+#[derive(Clone, Copy, Debug)]
+pub struct Chosen {
+    /// The output.
+    pub output: &'static str,
+    /// What it is, as in "the last step is 1e20".
+    pub what: &'static str,
+    /// Whether it stands at this index of an array of this shape.
+    pub at: fn(index: &[usize], shape: &[usize]) -> bool,
+    /// The number of a listed convention in its place.
+    pub listed: f64,
 }
 
 impl Special {
@@ -33,6 +48,7 @@ impl Special {
         admits: |_, _| true,
         columns: None,
         rounds_inside: |_, _, _| {},
+        chosen: None,
         statistics: None,
     };
 }

@@ -119,10 +119,16 @@ pub const PROFILES: &[Profile] = &[
             axes: Axes::Opengl,
             delta: Delta::Differences,
             last_delta: LastDelta::ToFar,
+            identity_place: IdentityPlace::Last,
             frequency: Frequency::TwoPi,
             columns: Columns::AllSinAllCos,
+            cosine: Cosine::ShiftedSine,
             density: Density::Softplus,
+            hash_levels: HashLevels::Floor,
+            hash_index: HashIndex::Hashed,
+            harmonic_sign: HarmonicSign::Plain,
             skip_order: SkipOrder::EncodingFirst,
+            empty_depth: EmptyDepth::First,
             ..CS180
         },
         sources: &[
@@ -136,6 +142,23 @@ pub const PROFILES: &[Profile] = &[
                 "columns",
                 "field_components/encodings.py NeRFEncoding: sin of all (dimension, frequency) pairs, then cos",
             ),
+            (
+                "identity_place",
+                "field_components/encodings.py NeRFEncoding: cat([encoded_inputs, in_tensor])",
+            ),
+            ("cosine", "field_components/encodings.py NeRFEncoding: sin(cat([scaled, scaled + pi / 2]))"),
+            ("exponent_gradient", "field_components/activations.py: clamp(x, min=-15, max=15)"),
+            (
+                "hash_levels",
+                "field_components/encodings.py HashEncoding: floor(min_res * growth_factor**levels)",
+            ),
+            ("hash_index", "field_components/encodings.py HashEncoding.pytorch_fwd: hash_fn for every level"),
+            ("harmonic_sign", "utils/math.py components_from_spherical_harmonics: no (-1)^m"),
+            ("harmonic_form", "utils/math.py components_from_spherical_harmonics: 0.946 zz - 0.315"),
+            (
+                "empty_depth",
+                "model_components/renderers.py DepthRenderer expected: clip(depth, steps.min(), steps.max())",
+            ),
             ("density", "field_components/field_heads.py DensityFieldHead: Softplus"),
             (
                 "skip_layer",
@@ -148,8 +171,8 @@ pub const PROFILES: &[Profile] = &[
                 "model_components/renderers.py DepthRenderer expected: divided by sum of weights + 1e-10",
             ),
         ],
-        beyond: "the identity comes after the bands; cos is sin(x + pi / 2); vanilla NeRF's exponents run from 0 to 8 in ten \
-                 steps, not octaves; no feature layer; 1e-10 in the depth's divisor, which is clipped to the samples",
+        beyond: "vanilla NeRF's exponents run from 0 to 8 in ten steps, not octaves; no feature layer; in its torch code two \
+                 harmonics of band 4 are others",
     },
     Profile {
         name: "multinerf",
@@ -159,10 +182,11 @@ pub const PROFILES: &[Profile] = &[
             directions: Directions::Depth,
             delta: Delta::DifferencesTimesNorm,
             last_delta: LastDelta::ToFar,
-            grid_threshold: GridThreshold::MeanOfSeen,
             frequency: Frequency::One,
-            columns: Columns::AllSinAllCos,
+            columns: Columns::AllSinAllCosByBand,
+            cosine: Cosine::ShiftedSine,
             density: Density::Softplus,
+            empty_depth: EmptyDepth::Last,
             skip_layer: 5,
             ..CS180
         },
@@ -184,13 +208,18 @@ pub const PROFILES: &[Profile] = &[
                 "columns",
                 "internal/coord.py pos_enc: sin of all (frequency, dimension) pairs, then sin(x + pi / 2)",
             ),
+            ("cosine", "internal/coord.py pos_enc: sin(concatenate([scaled_x, scaled_x + 0.5 * pi]))"),
+            (
+                "empty_depth",
+                "internal/render.py volumetric_rendering: nan_to_num to infinity, clipped to tdist",
+            ),
             ("density", "internal/models.py MLP.density_activation: softplus"),
             ("skip_layer", "internal/models.py MLP: concatenated after layer 4, read by layer 5 (from 0)"),
             ("skip_order", "internal/models.py MLP: [x, inputs]"),
             ("depth", "internal/render.py volumetric_rendering: expectation divided by acc"),
         ],
-        beyond: "positions are encoded as Gaussians; -1 is added to the raw density; colors are padded by 0.001; the pairs of \
-                 the encoding run over dimensions first; depth is the exponential of the expected logarithm",
+        beyond: "positions are encoded as Gaussians; -1 is added to the raw density; colors are padded by 0.001; depth is the \
+                 exponential of the expected logarithm",
     },
     Profile {
         name: "nerfacc",
@@ -200,8 +229,13 @@ pub const PROFILES: &[Profile] = &[
             delta: Delta::Differences,
             last_delta: LastDelta::ToFar,
             frequency: Frequency::One,
-            columns: Columns::AllSinAllCos,
+            columns: Columns::AllSinAllCosByBand,
+            cosine: Cosine::ShiftedSine,
+            exponent_gradient: ExponentGradient::Above,
+            exponent_shift: ExponentShift::One,
+            grid_threshold: GridThreshold::MeanOfSeen,
             skip_layer: 5,
+            empty_depth: EmptyDepth::Zero,
             ..CS180
         },
         sources: &[
@@ -219,14 +253,21 @@ pub const PROFILES: &[Profile] = &[
                 "nerfacc/estimators/occ_grid.py _update: clamp(occs[occs >= 0].mean(), max=occ_thre)",
             ),
             ("frequency", "examples/radiance_fields/mlp.py SinusoidalEncoder: 2^i"),
-            ("columns", "examples/radiance_fields/mlp.py SinusoidalEncoder: all sin, then sin(x + pi / 2)"),
+            (
+                "columns",
+                "examples/radiance_fields/mlp.py SinusoidalEncoder: sin of all (frequency, dimension) pairs first",
+            ),
+            ("cosine", "examples/radiance_fields/mlp.py SinusoidalEncoder: sin(cat([xb, xb + 0.5 * pi]))"),
+            ("exponent_gradient", "examples/radiance_fields/ngp.py _TruncExp: clamp(x, max=15)"),
+            ("exponent_shift", "examples/radiance_fields/ngp.py density_activation: trunc_exp(x - 1)"),
+            ("empty_depth", "nerfacc/volrend.py rendering: divided by opacities.clamp_min(eps)"),
             ("density", "examples/radiance_fields/mlp.py VanillaNeRFRadianceField: relu"),
             ("skip_layer", "examples/radiance_fields/mlp.py MLP: concatenated after layer 4"),
             ("skip_order", "examples/radiance_fields/mlp.py MLP: [x, inputs]"),
             ("feature", "examples/radiance_fields/mlp.py bottleneck_layer: identity"),
             ("depth", "nerfacc/volrend.py rendering: divided by the opacity, not below eps"),
         ],
-        beyond: "the pairs of the encoding run over dimensions first; steps come from an occupancy grid",
+        beyond: "steps come from an occupancy grid",
     },
     Profile {
         name: "ngp",
@@ -236,9 +277,19 @@ pub const PROFILES: &[Profile] = &[
             last_delta: LastDelta::Width,
             density: Density::Exp,
             grid_decay: GridDecay::EveryCell,
+            grid_threshold: GridThreshold::MeanOverAll,
+            hash_levels: HashLevels::TinyCudaNn,
+            adam_eps: AdamEps::Uncorrected,
             ..CS180
         },
         sources: &[
+            (
+                "grid_threshold",
+                "src/testbed_nerf.cu update_density_grid_mean_and_bitfield: mean of fmaxf(val, 0) over all, and \
+                 min(NERF_MIN_OPTICAL_THICKNESS(), mean)",
+            ),
+            ("hash_levels", "its encodings are tiny-cuda-nn's"),
+            ("adam_eps", "its optimizer is tiny-cuda-nn's"),
             (
                 "grid_decay",
                 "src/testbed_nerf.cu ema_grid_samples_nerf: max(prev_val * decay, importance) in every cell that isn't below 0",
@@ -255,6 +306,37 @@ pub const PROFILES: &[Profile] = &[
             ),
         ],
         beyond: "hash grid and spherical harmonics in place of the encoding; marching stops at T < 1e-4 and renormalizes",
+    },
+    Profile {
+        name: "tiny-cuda-nn",
+        title: "tiny-cuda-nn: hash grid, spherical harmonics, Adam",
+        conventions: Conventions {
+            hash_levels: HashLevels::TinyCudaNn,
+            adam_eps: AdamEps::Uncorrected,
+            ..CS180
+        },
+        sources: &[
+            (
+                "hash_levels",
+                "include/tiny-cuda-nn/encodings/grid.h kernel_grid: scale = exp2f(level * log2_per_level_scale) * \
+                 base_resolution - 1, grid_resolution = ceil(scale) + 1; common_device.h pos_fract: scale * input + 0.5",
+            ),
+            (
+                "hash_index",
+                "include/tiny-cuda-nn/encodings/grid.h grid_index: by strides while they fit the table",
+            ),
+            ("hash_primes", "include/tiny-cuda-nn/encodings/grid.h: hash type CoherentPrime is the default"),
+            ("hash_weights", "include/tiny-cuda-nn/encodings/grid.h: interpolation Linear is the default"),
+            ("harmonic_sign", "include/tiny-cuda-nn/encodings/spherical_harmonics.h: -0.488 y"),
+            ("harmonic_form", "include/tiny-cuda-nn/encodings/spherical_harmonics.h: 0.946 z2 - 0.315"),
+            (
+                "adam_eps",
+                "include/tiny-cuda-nn/optimizers/adam.h adam_step: learning_rate * sqrt(1 - beta2^t) / (1 - beta1^t) / \
+                 (sqrt(second_moment) + epsilon)",
+            ),
+        ],
+        beyond: "harmonics are handed (d + 1) / 2 and turn it back; weight decay is beside the gradient, l2_reg in it; parameters \
+                 of the encoding without a gradient take no step; hashes other than by exclusive or; half precision",
     },
 ];
 

@@ -4,8 +4,60 @@ use serde::de::IntoDeserializer;
 use serde::de::value::{Error as Unlisted, StrDeserializer};
 use serde::{Deserialize, Serialize};
 
-use super::{CHOICES, Conventions};
+use super::Conventions;
 use crate::error::{Error, Result};
+
+/// Every convention with the closed list of its values, as they are written in JSON.
+pub const CHOICES: &[(&str, &[&str])] = &[
+    ("axes", &["opencv", "opengl"]),
+    ("pixel_center", &["half", "integer"]),
+    ("directions", &["unit", "depth"]),
+    ("grid", &["intervals", "ends_plus_width", "ends_plus_spacing", "ends_between_midpoints"]),
+    ("rest", &["left", "mid", "right"]),
+    ("delta", &["width", "differences", "differences_times_norm"]),
+    ("last_delta", &["width", "repeated", "mean", "1e10", "1e9", "1e-3", "to_far"]),
+    ("product_eps", &["none", "1e-10", "1e-9", "1e-8", "1e-7"]),
+    ("identity", &["true", "false"]),
+    ("identity_place", &["first", "last"]),
+    ("frequency", &["pi", "one", "two_pi"]),
+    ("bands", &["octaves", "linear", "stretched"]),
+    (
+        "columns",
+        &[
+            "band_sin_cos",
+            "dim_sin_cos",
+            "dim_interleaved",
+            "all_sin_all_cos",
+            "all_sin_all_cos_by_band",
+            "band_interleaved",
+        ],
+    ),
+    ("cosine", &["own", "shifted_sine"]),
+    ("density", &["relu", "softplus", "exp"]),
+    ("exponent", &["free", "clamped"]),
+    ("exponent_gradient", &["both_ends", "above", "above11"]),
+    ("exponent_shift", &["none", "one"]),
+    ("grid_decay", &["touched", "every_cell"]),
+    ("grid_threshold", &["mean_of_dense", "mean_of_seen", "mean_over_all", "limit_alone"]),
+    ("grid_unseen", &["kept", "ordinary"]),
+    ("hash_levels", &["nearest", "floor", "tiny_cuda_nn", "torch_ngp", "align_corners"]),
+    ("hash_index", &["dense_where_it_fits", "hashed"]),
+    ("hash_primes", &["coherent", "prime", "reversed"]),
+    ("hash_weights", &["linear", "smoothstep"]),
+    ("harmonic_sign", &["alternating", "plain"]),
+    ("harmonic_form", &["sphere", "homogeneous", "normalized"]),
+    ("skip_layer", &["4", "5"]),
+    ("skip_order", &["hidden_first", "encoding_first"]),
+    ("last_trunk", &["relu", "none"]),
+    ("feature", &["none", "relu"]),
+    ("depth", &["divided", "plain"]),
+    ("empty_depth", &["far", "zero", "first", "last"]),
+    ("psnr", &["images", "mean_error"]),
+    ("psnr_floor", &["none", "small"]),
+    ("psnr_peak", &["given", "one"]),
+    ("bytes", &["round", "truncate"]),
+    ("adam_eps", &["corrected", "uncorrected"]),
+];
 
 /// A convention's name, how its value is read, and how it is set.
 type Field = (&'static str, fn(&Conventions) -> String, fn(&mut Conventions, &str));
@@ -21,20 +73,35 @@ const FIELDS: &[Field] = &[
     ("last_delta", |c| name(&c.last_delta), |c, v| c.last_delta = listed(v)),
     ("product_eps", |c| name(&c.product_eps), |c, v| c.product_eps = listed(v)),
     ("identity", |c| c.identity.to_string(), |c, v| c.identity = v == "true"),
+    ("identity_place", |c| name(&c.identity_place), |c, v| c.identity_place = listed(v)),
     ("frequency", |c| name(&c.frequency), |c, v| c.frequency = listed(v)),
     ("bands", |c| name(&c.bands), |c, v| c.bands = listed(v)),
     ("columns", |c| name(&c.columns), |c, v| c.columns = listed(v)),
+    ("cosine", |c| name(&c.cosine), |c, v| c.cosine = listed(v)),
     ("density", |c| name(&c.density), |c, v| c.density = listed(v)),
     ("exponent", |c| name(&c.exponent), |c, v| c.exponent = listed(v)),
+    ("exponent_gradient", |c| name(&c.exponent_gradient), |c, v| c.exponent_gradient = listed(v)),
+    ("exponent_shift", |c| name(&c.exponent_shift), |c, v| c.exponent_shift = listed(v)),
     ("grid_decay", |c| name(&c.grid_decay), |c, v| c.grid_decay = listed(v)),
     ("grid_threshold", |c| name(&c.grid_threshold), |c, v| c.grid_threshold = listed(v)),
+    ("grid_unseen", |c| name(&c.grid_unseen), |c, v| c.grid_unseen = listed(v)),
+    ("hash_levels", |c| name(&c.hash_levels), |c, v| c.hash_levels = listed(v)),
+    ("hash_index", |c| name(&c.hash_index), |c, v| c.hash_index = listed(v)),
+    ("hash_primes", |c| name(&c.hash_primes), |c, v| c.hash_primes = listed(v)),
+    ("hash_weights", |c| name(&c.hash_weights), |c, v| c.hash_weights = listed(v)),
+    ("harmonic_sign", |c| name(&c.harmonic_sign), |c, v| c.harmonic_sign = listed(v)),
+    ("harmonic_form", |c| name(&c.harmonic_form), |c, v| c.harmonic_form = listed(v)),
     ("skip_layer", |c| c.skip_layer.to_string(), |c, v| c.skip_layer = v.parse().expect("a listed number")),
     ("skip_order", |c| name(&c.skip_order), |c, v| c.skip_order = listed(v)),
     ("last_trunk", |c| name(&c.last_trunk), |c, v| c.last_trunk = listed(v)),
     ("feature", |c| name(&c.feature), |c, v| c.feature = listed(v)),
     ("depth", |c| name(&c.depth), |c, v| c.depth = listed(v)),
+    ("empty_depth", |c| name(&c.empty_depth), |c, v| c.empty_depth = listed(v)),
     ("psnr", |c| name(&c.psnr), |c, v| c.psnr = listed(v)),
+    ("psnr_floor", |c| name(&c.psnr_floor), |c, v| c.psnr_floor = listed(v)),
+    ("psnr_peak", |c| name(&c.psnr_peak), |c, v| c.psnr_peak = listed(v)),
     ("bytes", |c| name(&c.bytes), |c, v| c.bytes = listed(v)),
+    ("adam_eps", |c| name(&c.adam_eps), |c, v| c.adam_eps = listed(v)),
 ];
 
 /// As serde spells it.

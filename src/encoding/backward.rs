@@ -22,7 +22,7 @@ pub fn positional_encoding(x: &[f64], encoding: &Encoding, g_out: &[f64]) -> Vec
             g.add(f * (g_out[encoding.column(dims, k, d, 0)] * cos));
             g.add(-f * (g_out[encoding.column(dims, k, d, 1)] * sin));
         }
-        let identity = if encoding.identity { g_out[d] } else { 0.0 };
+        let identity = if encoding.identity { g_out[encoding.identity_column(dims, d)] } else { 0.0 };
         g_x.push(factor(encoding.frequency) * g.value() + identity);
     }
     g_x

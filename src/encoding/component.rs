@@ -15,7 +15,7 @@ pub const POSITIONAL_ENCODING: Component = Component {
         Port::plain("L", "", "number of bands").of(Entries::Count),
     ],
     outputs: &[Port::smooth("encoding", "M,D+2LD", "identity, then the bands")],
-    conventions: &["identity", "frequency", "bands", "columns"],
+    conventions: &["identity", "identity_place", "frequency", "bands", "columns", "cosine"],
     forward: Direction {
         oracle: arrays::encoding,
         bound: bound::positional_encoding,

@@ -20,6 +20,14 @@ pub const POSITIONAL_ENCODING: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "first_band_twice",
+        "the band in front of the loop is one octave too high: 2, 2, 4, ...",
+        "the slowest wave is missing: points a period apart look alike",
+        "2^k from k = 0",
+        "a student's 2D fit",
+        1,
+    ),
+    Mistake::new(
         "last_band_missing",
         "the last band's columns are never written",
         "the finest detail is lost",
@@ -74,6 +82,9 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
             if wrong.contains(&"linear_ladder") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, k as f64, x);
             }
+            if wrong.contains(&"first_band_twice") && k == 0 {
+                (out[sine], out[cosine]) = wave(encoding.frequency, 2.0, x);
+            }
             if wrong.contains(&"cosine_missing") {
                 out[cosine] = out[sine];
             }
@@ -99,7 +110,7 @@ pub fn positional_encoding_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> A
     let mut g = rows(&a, "grad_encoding");
     for g in &mut g {
         if wrong.contains(&"identity_gradient_forgotten") && encoding.identity {
-            g[..dims].fill(0.0);
+            (0..dims).for_each(|d| g[encoding.identity_column(dims, d)] = 0.0);
         }
         for k in 0..encoding.levels {
             let a = factor(encoding.frequency) * encoding.band(k);

@@ -4,8 +4,8 @@
 
 use std::f64::consts::PI;
 
-use crate::convention::{Bands, Columns, Conventions, Frequency};
-use crate::math::{cos, cos_pi, power_of_two, sin, sin_pi};
+use crate::convention::{Bands, Columns, Conventions, Frequency, IdentityPlace};
+use crate::math::{cos, cos_pi, pow, power_of_two, sin, sin_pi};
 
 pub(crate) mod arrays;
 pub mod backward;
@@ -28,8 +28,10 @@ mod tests;
 pub struct Encoding {
     /// L, the number of bands.
     pub levels: usize,
-    /// Whether x itself comes first.
+    /// Whether x itself is kept.
     pub identity: bool,
+    /// In front of the bands, or behind them.
+    pub identity_place: IdentityPlace,
     /// pi, 1 or 2 pi.
     pub frequency: Frequency,
     /// Octaves or evenly spaced.
@@ -41,8 +43,8 @@ pub struct Encoding {
 impl Encoding {
     /// The encoding with L `levels` in these conventions.
     pub fn new(levels: usize, conventions: &Conventions) -> Self {
-        let Conventions { identity, frequency, bands, columns, .. } = *conventions;
-        Encoding { levels, identity, frequency, bands, columns }
+        let Conventions { identity, identity_place, frequency, bands, columns, .. } = *conventions;
+        Encoding { levels, identity, identity_place, frequency, bands, columns }
     }
 
     /// Columns for `dims` dimensions: D + 2 L D, or 2 L D without the identity.
@@ -50,13 +52,15 @@ impl Encoding {
         dims * (2 * self.levels + usize::from(self.identity))
     }
 
-    /// f_k: 2^k, or evenly spaced from 1 to 2^(L-1). 2^k x is exact; evenly spaced bands are rounded, and so is f_k x.
+    /// f_k: 2^k, or evenly spaced from 1 to 2^(L-1), or in even octaves from 1 to 2^(L-2). 2^k x is exact; other bands are rounded, and so
+    /// is f_k x.
     pub fn band(&self, k: usize) -> f64 {
         let last = self.levels - 1;
         match self.bands {
             Bands::Octaves => power_of_two(k as i32),
-            Bands::Linear if last == 0 => 1.0,
+            _ if last == 0 => 1.0,
             Bands::Linear => 1.0 + k as f64 * (power_of_two(last as i32) - 1.0) / last as f64,
+            Bands::Stretched => pow(2.0, k as f64 * (last - 1) as f64 / last as f64),
         }
     }
 
@@ -68,9 +72,18 @@ impl Encoding {
             Columns::DimSinCos => (2 * d + cosine) * levels + k,
             Columns::DimInterleaved => (d * levels + k) * 2 + cosine,
             Columns::AllSinAllCos => (cosine * dims + d) * levels + k,
+            Columns::AllSinAllCosByBand => (cosine * levels + k) * dims + d,
             Columns::BandInterleaved => (k * dims + d) * 2 + cosine,
         };
-        encoded + if self.identity { dims } else { 0 }
+        encoded + if self.identity && self.identity_place == IdentityPlace::First { dims } else { 0 }
+    }
+
+    /// The column of x itself in dimension d, where it is kept.
+    pub fn identity_column(&self, dims: usize, d: usize) -> usize {
+        match self.identity_place {
+            IdentityPlace::First => d,
+            IdentityPlace::Last => 2 * self.levels * dims + d,
+        }
     }
 }
 
@@ -109,7 +122,9 @@ pub fn positional_encoding(x: &[f64], encoding: &Encoding) -> Vec<f64> {
     let dims = x.len();
     let mut out = vec![0.0; encoding.width(dims)];
     if encoding.identity {
-        out[..dims].copy_from_slice(x);
+        for d in 0..dims {
+            out[encoding.identity_column(dims, d)] = x[d];
+        }
     }
     for k in 0..encoding.levels {
         for d in 0..dims {

@@ -4,11 +4,12 @@ use super::*;
 use crate::contract::testing::{properties, slope};
 use crate::convention::CS180;
 
-const EVERY_ORDER: [Columns; 5] = [
+const EVERY_ORDER: [Columns; 6] = [
     Columns::BandSinCos,
     Columns::DimSinCos,
     Columns::DimInterleaved,
     Columns::AllSinAllCos,
+    Columns::AllSinAllCosByBand,
     Columns::BandInterleaved,
 ];
 
@@ -20,6 +21,7 @@ fn column_orders_as_they_are_written_out() {
         (Columns::DimSinCos, "s0a s1a c0a c1a s0b s1b c0b c1b"),
         (Columns::DimInterleaved, "s0a c0a s1a c1a s0b c0b s1b c1b"),
         (Columns::AllSinAllCos, "s0a s1a s0b s1b c0a c1a c0b c1b"),
+        (Columns::AllSinAllCosByBand, "s0a s0b s1a s1b c0a c0b c1a c1b"),
         (Columns::BandInterleaved, "s0a c0a s0b c0b s1a c1a s1b c1b"),
     ] {
         let x = [0.3, -1.7];
@@ -33,6 +35,9 @@ fn column_orders_as_they_are_written_out() {
             }
             assert_eq!(positional_encoding(&x, &encoding), expected, "{columns:?}");
             assert_eq!(encoding.width(2), expected.len());
+            let last = Encoding { identity_place: IdentityPlace::Last, ..encoding };
+            expected.rotate_left(if identity { 2 } else { 0 });
+            assert_eq!(positional_encoding(&x, &last), expected, "{columns:?}");
         }
     }
 }
@@ -45,6 +50,13 @@ fn factors_and_bands() {
     assert_eq!([0, 3].map(|k| linear.band(k)), [1.0, 8.0]);
     assert!((linear.band(1) - 10.0 / 3.0).abs() < 1e-15 && (linear.band(2) - 17.0 / 3.0).abs() < 1e-15);
     assert_eq!(Encoding { levels: 1, ..linear }.band(0), 1.0);
+    // Four values in three even steps from 2^0 to 2^2.
+    let stretched = Encoding { bands: Bands::Stretched, ..base };
+    assert_eq!([0, 3].map(|k| stretched.band(k)), [1.0, 4.0]);
+    assert!(
+        (stretched.band(1).powi(3) - 4.0).abs() < 1e-14 && (stretched.band(2).powi(3) - 16.0).abs() < 1e-13
+    );
+    assert_eq!(Encoding { levels: 1, ..stretched }.band(0), 1.0);
     let band0 =
         |frequency| positional_encoding(&[0.3], &Encoding { frequency, levels: 1, identity: false, ..base });
     assert_eq!(band0(Frequency::One), [sin(0.3), cos(0.3)]);
@@ -58,8 +70,15 @@ fn factors_and_bands() {
 fn gradients_in_every_convention() {
     let (x, levels) = ([0.3, -0.7], 3);
     for frequency in [Frequency::Pi, Frequency::One, Frequency::TwoPi] {
-        for (bands, identity) in [(Bands::Octaves, true), (Bands::Linear, false)] {
-            let encoding = Encoding { levels, identity, frequency, bands, columns: Columns::DimSinCos };
+        for (bands, identity) in [(Bands::Octaves, true), (Bands::Linear, false), (Bands::Stretched, true)] {
+            let encoding = Encoding {
+                identity,
+                frequency,
+                bands,
+                columns: Columns::DimSinCos,
+                ..Encoding::new(levels, &CS180)
+            };
+            let encoding = Encoding { identity_place: IdentityPlace::Last, ..encoding };
             let g: Vec<f64> = (0..encoding.width(2)).map(|i| 0.5 - 0.375 * i as f64).collect();
             let g_x = backward::positional_encoding(&x, &encoding, &g);
             for d in 0..2 {

@@ -8,7 +8,7 @@ use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::bounded::{Bounded, exact};
 use crate::contract::propagate::Vector;
-use crate::convention::{Activation, Conventions, Density};
+use crate::convention::{Activation, Conventions, Cosine, Density};
 use crate::encoding::bound::{encode, gradient as encoding_gradient};
 
 /// One layer.
@@ -191,7 +191,7 @@ struct NerfTape {
 }
 
 fn nerf_tape(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, m: &Arithmetic) -> NerfTape {
-    let (x, d) = (encode(x, &nerf.position, m), encode(d, &nerf.direction, m));
+    let (x, d) = (encode(x, &nerf.position, Cosine::Own, m), encode(d, &nerf.direction, Cosine::Own, m));
     let sources = x.len() + d.len();
     let direction = Vector::from_bounded(&d, x.len(), sources);
     let encoding = Vector::from_bounded(&x, 0, sources);
@@ -243,7 +243,7 @@ pub fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     for (i, (g_sigma, g_rgb)) in cotangents(a).into_iter().enumerate() {
         let tape = nerf_tape(&nerf, &positions[i], &directions[i], c, m);
         let g_x = nerf_point(&nerf, &tape, c, g_sigma, g_rgb, &mut outer, m);
-        let g = encoding_gradient(&positions[i], &nerf.position, &g_x, m);
+        let g = encoding_gradient(&positions[i], &nerf.position, Cosine::Own, &g_x, m);
         g_positions.push(g.iter().map(|g| g.e).collect());
         if density_gradient(&tape, c, g_sigma, m).e == f64::INFINITY {
             overflow = true;

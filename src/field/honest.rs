@@ -5,7 +5,7 @@ use super::trunk::Plan;
 use super::{Layer, density_slope};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::machine::Machine;
-use crate::convention::{Activation, Conventions, Density};
+use crate::convention::{Activation, Conventions, Cosine, Density};
 use crate::encoding::honest::{encode, gradient as encoding_gradient};
 use crate::math::{exp, ln_1p};
 
@@ -134,7 +134,8 @@ struct Tape {
 }
 
 fn tape(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, m: &Machine) -> Tape {
-    let (encoding, direction) = (encode(x, &nerf.position, m), encode(d, &nerf.direction, m));
+    let (encoding, direction) =
+        (encode(x, &nerf.position, Cosine::Own, m), encode(d, &nerf.direction, Cosine::Own, m));
     let (mut inputs, mut zs, mut h) = (vec![], vec![], vec![]);
     for (n, layer) in nerf.net.trunk.iter().enumerate() {
         let input = Plan::of(c).join(n, &h, &encoding);
@@ -175,7 +176,7 @@ pub fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     for (i, (g_sigma, g_rgb)) in cotangents(a).into_iter().enumerate() {
         let tape = tape(&nerf, &positions[i], &directions[i], c, m);
         let g_x = point_gradient(&nerf, &tape, c, g_sigma, g_rgb, &mut outer, m);
-        g_positions.push(encoding_gradient(&positions[i], &nerf.position, &g_x, m));
+        g_positions.push(encoding_gradient(&positions[i], &nerf.position, Cosine::Own, &g_x, m));
     }
     let mut gradient = nerf.zeros();
     outer.iter().zip(gradient.layers_mut()).for_each(|(outer, into)| outer.sums(into, m));

@@ -1,7 +1,7 @@
 //! The oracle of this folder on named arrays, and what turns these into its types and back.
 
-use super::{Level, backward, encode, resolutions};
-use crate::contract::arrays::{Arrays, arrays, from_rows, number, rows};
+use super::{Level, backward, encode, growing};
+use crate::contract::arrays::{Arrays, arrays, from_rows, input, number, rows};
 use crate::convention::Conventions;
 
 /// The number of levels: table0, table1, ...
@@ -9,15 +9,19 @@ pub(crate) fn count(a: &Arrays) -> usize {
     (0..).take_while(|l| a.contains_key(&format!("table{l}"))).count()
 }
 
-/// The tables, each with its level's resolution.
-pub(crate) fn levels_of(a: &Arrays, resolutions: &[u32]) -> Vec<Level> {
-    let level = |(l, &resolution)| Level { resolution, table: rows(a, &format!("table{l}")) };
-    resolutions.iter().enumerate().map(level).collect()
+/// The levels, n cells each ([`growing`]), in these conventions.
+pub(crate) fn levels_of(a: &Arrays, n: impl Fn(usize) -> f64, c: &Conventions) -> Vec<Level> {
+    (0..count(a)).map(|l| Level::by_convention(n(l), rows(a, &format!("table{l}")), c)).collect()
+}
+
+/// n of the levels of a case.
+pub(crate) fn n_of(a: &Arrays, l: usize) -> f64 {
+    growing(number(a, "base") as u32, number(a, "finest") as u32, count(a), l)
 }
 
 /// The grid of a case.
-pub(crate) fn levels(a: &Arrays) -> Vec<Level> {
-    levels_of(a, &resolutions(number(a, "base") as u32, number(a, "finest") as u32, count(a)))
+pub(crate) fn levels(a: &Arrays, c: &Conventions) -> Vec<Level> {
+    levels_of(a, |l| n_of(a, l), c)
 }
 
 /// The points.
@@ -34,7 +38,7 @@ pub(crate) fn zeros(levels: &[Level]) -> Vec<Level> {
 
 /// `f(point)` for each point, as the output.
 pub(crate) fn forward(a: &Arrays, f: impl Fn([f64; 3]) -> Vec<f64>) -> Arrays {
-    let width = levels(a).iter().map(|level| level.table[0].len()).sum();
+    let width = (0..count(a)).map(|l| input(a, &format!("table{l}")).shape()[1]).sum();
     arrays([("encoding", from_rows(&points(a).into_iter().map(f).collect::<Vec<_>>(), width))])
 }
 
@@ -48,13 +52,13 @@ pub(crate) fn gradients(g_x: &[[f64; 3]], g_tables: &[Level]) -> Arrays {
     all
 }
 
-pub(super) fn hash_grid(a: &Arrays, _: &Conventions) -> Arrays {
-    let levels = levels(a);
+pub(super) fn hash_grid(a: &Arrays, c: &Conventions) -> Arrays {
+    let levels = levels(a, c);
     forward(a, |x| encode(&levels, x))
 }
 
-pub(super) fn hash_grid_vjp(a: &Arrays, _: &Conventions) -> Arrays {
-    let levels = levels(a);
+pub(super) fn hash_grid_vjp(a: &Arrays, c: &Conventions) -> Arrays {
+    let levels = levels(a, c);
     let (mut g_tables, mut g_x) = (zeros(&levels), vec![]);
     for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
         g_x.push(backward::encode(&levels, x, &g, &mut g_tables));

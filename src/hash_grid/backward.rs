@@ -1,11 +1,12 @@
 //! Vector-Jacobian product of the hash grid, by hand.
 
-use super::{Level, cell, corner};
+use super::{Level, corner};
+use crate::convention::HashWeights;
 
 /// Adds the gradient of one point to `g_tables` (shaped like `levels`) and returns the gradient with respect to `x`.
 ///
 /// The encoding is linear in the tables: g_entry += weight g_out for each corner, colliding corners add up. In x it is trilinear
-/// inside a cell: d weight / d x_a = +-N times the other two axes' weights. At cell faces the derivative jumps (PE6): the value is
+/// inside a cell: d weight / d x_a = +-N times the other two axes' weights, times the slope of the weight where that isn't linear. At cell faces the derivative jumps (PE6): the value is
 /// that of the cell which [`cell`] picks.
 ///
 /// # Panics
@@ -22,7 +23,8 @@ pub fn encode(levels: &[Level], x: [f64; 3], g_out: &[f64], g_tables: &mut [Leve
         assert_eq!(g_tables[l].table.len(), level.table.len(), "g_tables and levels: as many entries");
         let g_level = &g_out[first..first + features];
         first += features;
-        let cells = x.map(|x| cell(x, level.resolution));
+        let places = x.map(|x| level.cell(x));
+        let cells = places.map(|(cell, f)| (cell, level.weight(f)));
         for k in 0..8 {
             let (vertex, weight) = corner(k, cells);
             let entry = level.entry(vertex);
@@ -33,15 +35,16 @@ pub fn encode(levels: &[Level], x: [f64; 3], g_out: &[f64], g_tables: &mut [Leve
                 g_weight += level.table[entry][f] * g_level[f];
             }
             for a in 0..3 {
-                g_x[a] += g_weight * weight_slope(k, cells, a) * f64::from(level.resolution);
+                g_x[a] +=
+                    g_weight * corner_slope(k, cells, a) * weight_slope(level, places[a].1) * level.scale;
             }
         }
     }
     g_x
 }
 
-/// d weight / d fraction_a of corner k.
-fn weight_slope(k: usize, cells: [(u32, f64); 3], a: usize) -> f64 {
+/// d weight / d (weight of the upper side along axis a) of corner k.
+fn corner_slope(k: usize, cells: [(u32, f64); 3], a: usize) -> f64 {
     let mut slope = if k >> a & 1 == 1 { 1.0 } else { -1.0 };
     for b in 0..3 {
         if b != a {
@@ -49,4 +52,12 @@ fn weight_slope(k: usize, cells: [(u32, f64); 3], a: usize) -> f64 {
         }
     }
     slope
+}
+
+/// d [`Level::weight`] / d fraction.
+fn weight_slope(level: &Level, f: f64) -> f64 {
+    match level.weights {
+        HashWeights::Linear => 1.0,
+        HashWeights::Smoothstep => 6.0 * f * (1.0 - f),
+    }
 }

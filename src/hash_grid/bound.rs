@@ -1,61 +1,127 @@
 //! Error bounds of the hash grid.
 //!
 //! x N is rounded, so a point close to a cell's face may fall into either cell. The value is continuous there; the derivative
-//! jumps (PE6), and the gradient of the tables goes to other entries. The bound covers every cell that x N may round to.
+//! jumps (PE6), and the gradient of the tables goes to other entries. The bound covers every cell that x N may round to, and every N
+//! that a rounded power may give where N is cut.
 
-use super::arrays::{forward, gradients, levels, points, zeros};
+use super::arrays::{count, forward, gradients, n_of, points, zeros};
 use super::{Level, corner};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, rows};
 use crate::contract::bounded::{Bounded, exact, gamma};
-use crate::convention::Conventions;
+use crate::convention::{Conventions, HashLevels, HashWeights};
 
-/// A cell that a point may fall into: along each axis its lower vertex and the point's place inside.
-type Cell = [(u32, Bounded); 3];
+/// A level as rounding may make it: where a power misses a whole number, `floor` and `ceil` find the next one.
+struct Reading {
+    level: Level,
+    /// Cells along an edge, with the error of the power.
+    scale: Bounded,
+}
+
+/// All readings of each level, the oracle's first.
+fn readings(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Vec<Vec<Reading>> {
+    let one = |l: usize| {
+        let (n, base) = (n_of(a, l), n_of(a, 0));
+        let level = |n: f64| Level::by_convention(n, rows(a, &format!("table{l}")), c);
+        let mut all = vec![level(n)];
+        if l > 0 && n == n.round() {
+            match c.hash_levels {
+                HashLevels::Nearest => {}
+                HashLevels::Floor => all.push(level(n - 1.0)),
+                _ => all.push(Level { side: all[0].side + 1, ..level(n) }),
+            }
+        }
+        // Logarithm, product, power, product with the base, and the 1 that is taken off: at least in f32, as of hyper-parameters alone.
+        let off = if l == 0 { 0.0 } else { n * m.u_sum.min(m.u) * (8.0 + 4.0 * (n / base).ln()) };
+        let whole = [HashLevels::Nearest, HashLevels::Floor].contains(&c.hash_levels);
+        let scale = |y: f64| if whole || l == 0 { exact(y) } else { m.rounded(y, off) };
+        all.into_iter().map(|level| Reading { scale: scale(level.scale), level }).collect()
+    };
+    (0..count(a)).map(one).collect()
+}
+
+/// A point inside a cell, along one axis.
+#[derive(Clone, Copy)]
+struct Along {
+    cell: u32,
+    /// Weight of the upper side.
+    upper: Bounded,
+    /// Its derivative with respect to x.
+    slope: Bounded,
+    /// Whether rounding may put the point on a face.
+    face: bool,
+}
+
+/// A cell that a point may fall into.
+struct Cell<'a> {
+    level: &'a Level,
+    along: [Along; 3],
+}
 
 /// All candidate cells, the oracle's first.
-fn cells(x: [f64; 3], resolution: u32, m: &Arithmetic) -> Vec<Cell> {
-    let last = f64::from(resolution - 1);
+fn cells<'a>(x: [f64; 3], readings: &'a [Reading], m: &Arithmetic) -> Vec<Cell<'a>> {
+    readings.iter().flat_map(|reading| cells_of(x, reading, m)).collect()
+}
+
+fn cells_of<'a>(x: [f64; 3], Reading { level, scale }: &'a Reading, m: &Arithmetic) -> Vec<Cell<'a>> {
     let along = |x: f64| {
-        let scaled = m.mul(exact(x), exact(f64::from(resolution)));
-        let cell = |y: f64| y.floor().clamp(0.0, last);
+        let product = m.mul(exact(x), *scale);
+        let scaled = if level.shift == 0.0 { product } else { m.add(product, exact(level.shift)) };
+        let cell = |y: f64| y.floor().clamp(0.0, f64::from(level.last));
         let mut found = vec![cell(scaled.y), cell(scaled.y - scaled.e), cell(scaled.y + scaled.e)];
         found.dedup();
         if found.len() == 3 && found[0] == found[2] {
             found.pop();
         }
-        found.into_iter().map(|c| (c as u32, m.sub(scaled, exact(c)))).collect::<Vec<_>>()
+        let place = |c: f64| {
+            let (upper, slope) = weight(level, m.sub(scaled, exact(c)), m);
+            let face = (scaled.y - scaled.y.round()).abs() <= scaled.e;
+            Along { cell: c as u32, upper, face, slope: slope.map_or(*scale, |slope| m.mul(*scale, slope)) }
+        };
+        found.into_iter().map(place).collect::<Vec<_>>()
     };
     let [x, y, z] = x.map(along);
     let mut all = vec![];
     for &z in &z {
         for &y in &y {
             for &x in &x {
-                all.push([x, y, z]);
+                all.push(Cell { level, along: [x, y, z] });
             }
         }
     }
     all
 }
 
+/// The weight of the upper side and its derivative, where that isn't 1.
+fn weight(level: &Level, f: Bounded, m: &Arithmetic) -> (Bounded, Option<Bounded>) {
+    match level.weights {
+        HashWeights::Linear => (f, None),
+        HashWeights::Smoothstep => {
+            let rest = m.sub(exact(3.0), m.mul(exact(2.0), f));
+            let slope = m.mul(m.mul(exact(6.0), f), m.sub(exact(1.0), f));
+            (m.mul(m.mul(f, f), rest), Some(slope))
+        }
+    }
+}
+
 /// The weight of one side along one axis.
-fn side(upper: bool, fraction: Bounded, m: &Arithmetic) -> Bounded {
-    if upper { fraction } else { m.sub(exact(1.0), fraction) }
+fn side(upper: bool, weight: Bounded, m: &Arithmetic) -> Bounded {
+    if upper { weight } else { m.sub(exact(1.0), weight) }
 }
 
 /// The entry of corner k and its weight; for the derivative along axis `but`, that axis' factor is replaced by its sign.
-fn weighted(level: &Level, cell: &Cell, k: usize, but: Option<usize>, m: &Arithmetic) -> (usize, Bounded) {
-    let (vertex, _) = corner(k, cell.map(|(c, f)| (c, f.y)));
+fn weighted(cell: &Cell, k: usize, but: Option<usize>, m: &Arithmetic) -> (usize, Bounded) {
+    let (vertex, _) = corner(k, cell.along.map(|along| (along.cell, along.upper.y)));
     let mut weight = exact(1.0);
     for a in 0..3 {
         let upper = k >> a & 1 == 1;
         weight = match but {
             Some(axis) if axis == a && upper => weight,
             Some(axis) if axis == a => weight.neg(),
-            _ => m.mul(weight, side(upper, cell[a].1, m)),
+            _ => m.mul(weight, side(upper, cell.along[a].upper, m)),
         };
     }
-    (level.entry(vertex), weight)
+    (cell.level.entry(vertex), weight)
 }
 
 /// A sum inside of one operation, or of tensors, one after the other.
@@ -71,13 +137,13 @@ fn reach(right: f64, other: Bounded) -> f64 {
 }
 
 /// Feature f of a level by weights, or by interpolating along one axis after the other.
-fn feature(level: &Level, cell: &Cell, f: usize, m: &Arithmetic) -> Bounded {
-    let corners: Vec<(usize, Bounded)> = (0..8).map(|k| weighted(level, cell, k, None, m)).collect();
+fn feature(cell: &Cell, f: usize, m: &Arithmetic) -> Bounded {
+    let (level, corners) = (cell.level, (0..8).map(|k| weighted(cell, k, None, m)).collect::<Vec<_>>());
     let terms: Vec<Bounded> = corners.iter().map(|&(e, w)| m.mul(w, exact(level.table[e][f]))).collect();
     let mut values: Vec<Bounded> = corners.iter().map(|&(e, _)| exact(level.table[e][f])).collect();
-    for (_, fraction) in cell {
+    for along in &cell.along {
         let between = |pair: &[Bounded]| {
-            m.add(m.mul(side(false, *fraction, m), pair[0]), m.mul(side(true, *fraction, m), pair[1]))
+            m.add(m.mul(side(false, along.upper, m), pair[0]), m.mul(side(true, along.upper, m), pair[1]))
         };
         values = values.chunks_exact(2).map(between).collect();
     }
@@ -85,14 +151,14 @@ fn feature(level: &Level, cell: &Cell, f: usize, m: &Arithmetic) -> Bounded {
 }
 
 /// Bound of [`super::encode`].
-pub fn hash_grid(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
-    let levels = levels(a);
+pub fn hash_grid(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let levels = readings(a, c, m);
     forward(a, |x| {
         let mut errors = vec![];
-        for level in &levels {
-            let cells = cells(x, level.resolution, m);
-            for f in 0..level.table[0].len() {
-                let values: Vec<Bounded> = cells.iter().map(|cell| feature(level, cell, f, m)).collect();
+        for readings in &levels {
+            let cells = cells(x, readings, m);
+            for f in 0..readings[0].level.table[0].len() {
+                let values: Vec<Bounded> = cells.iter().map(|cell| feature(cell, f, m)).collect();
                 errors.push(values.iter().map(|&value| reach(values[0].y, value)).fold(0.0, f64::max));
             }
         }
@@ -101,8 +167,9 @@ pub fn hash_grid(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// The derivative along an axis in one cell: corners outside and features inside, or the other way round.
-fn slope(level: &Level, cell: &Cell, axis: usize, g: &[f64], m: &Arithmetic) -> Bounded {
-    let corners: Vec<(usize, Bounded)> = (0..8).map(|k| weighted(level, cell, k, Some(axis), m)).collect();
+fn slope(cell: &Cell, axis: usize, g: &[f64], m: &Arithmetic) -> Bounded {
+    let level = cell.level;
+    let corners: Vec<(usize, Bounded)> = (0..8).map(|k| weighted(cell, k, Some(axis), m)).collect();
     let (mut by_corner, mut by_feature) = (vec![], vec![]);
     for &(entry, weight) in &corners {
         let products: Vec<Bounded> =
@@ -115,13 +182,13 @@ fn slope(level: &Level, cell: &Cell, axis: usize, g: &[f64], m: &Arithmetic) -> 
         by_feature.push(m.mul(exact(g), any_sum(&products, m)));
     }
     let sum = any_sum(&by_corner, m).or(any_sum(&by_feature, m));
-    m.mul(exact(f64::from(level.resolution)), m.rounded(sum.y, sum.e))
+    m.mul(cell.along[axis].slope, m.rounded(sum.y, sum.e))
 }
 
 /// What a point in one cell adds to each entry that it touches: (entry, contribution to feature f).
-fn contributions(level: &Level, cell: &Cell, g: f64, m: &Arithmetic) -> Vec<(usize, Bounded)> {
+fn contributions(cell: &Cell, g: f64, m: &Arithmetic) -> Vec<(usize, Bounded)> {
     let one = |k| {
-        let (entry, weight) = weighted(level, cell, k, None, m);
+        let (entry, weight) = weighted(cell, k, None, m);
         (entry, m.mul(weight, exact(g)))
     };
     (0..8).map(one).collect()
@@ -137,27 +204,33 @@ fn total(contributions: &[(usize, Bounded)], entry: usize) -> Bounded {
     Bounded { y, e }
 }
 
+/// The derivative along an axis in any of the cells. On a face it is 0 where both corners are taken for the same vertex (floor and ceil of
+/// a whole number, as nerfstudio has it).
+fn any_slope(cells: &[Cell], axis: usize, g: &[f64], m: &Arithmetic) -> Bounded {
+    let slopes: Vec<Bounded> = cells.iter().map(|cell| slope(cell, axis, g, m)).collect();
+    let e = slopes.iter().map(|&s| reach(slopes[0].y, s)).fold(0.0, f64::max);
+    let flat = if cells[0].along[axis].face { slopes[0].y.abs() } else { 0.0 };
+    Bounded { y: slopes[0].y, e: e.max(flat) }
+}
+
 /// Bound of [`super::backward::encode`].
-pub fn hash_grid_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
-    let levels = levels(a);
+pub fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let levels = readings(a, c, m);
+    let plain: Vec<Level> = levels.iter().map(|readings| readings[0].level.clone()).collect();
     // The gradient of every entry's features.
     let mut terms: Vec<Vec<Vec<Vec<Bounded>>>> =
-        levels.iter().map(|l| l.table.iter().map(|entry| vec![vec![]; entry.len()]).collect()).collect();
+        plain.iter().map(|l| l.table.iter().map(|entry| vec![vec![]; entry.len()]).collect()).collect();
     let mut g_x = vec![];
     for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
         let mut first = 0;
         let mut of_levels = [vec![], vec![], vec![]];
-        for (l, level) in levels.iter().enumerate() {
-            let g = &g[first..first + level.table[0].len()];
+        for (l, readings) in levels.iter().enumerate() {
+            let g = &g[first..first + plain[l].table[0].len()];
             first += g.len();
-            let cells = cells(x, level.resolution, m);
-            for axis in 0..3 {
-                let slopes: Vec<Bounded> = cells.iter().map(|cell| slope(level, cell, axis, g, m)).collect();
-                let e = slopes.iter().map(|&s| reach(slopes[0].y, s)).fold(0.0, f64::max);
-                of_levels[axis].push(Bounded { y: slopes[0].y, e });
-            }
+            let cells = cells(x, readings, m);
+            (0..3).for_each(|axis| of_levels[axis].push(any_slope(&cells, axis, g, m)));
             for (f, &g) in g.iter().enumerate() {
-                let all: Vec<_> = cells.iter().map(|cell| contributions(level, cell, g, m)).collect();
+                let all: Vec<_> = cells.iter().map(|cell| contributions(cell, g, m)).collect();
                 for &(entry, one) in &all[0] {
                     terms[l][entry][f].push(one);
                 }
@@ -174,7 +247,7 @@ pub fn hash_grid_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
         }
         g_x.push(of_levels.map(|levels| any_sum(&levels, m).e));
     }
-    let mut g_tables = zeros(&levels);
+    let mut g_tables = zeros(&plain);
     for (level, terms) in g_tables.iter_mut().zip(&terms) {
         for (entry, terms) in level.table.iter_mut().zip(terms) {
             entry.iter_mut().zip(terms).for_each(|(e, terms)| *e = any_sum(terms, m).e);

@@ -11,15 +11,23 @@ type Shape = (u32, u32, usize, usize, usize);
 /// The hash grid.
 pub fn hash_grid() -> Vec<Case> {
     let case = |id: &'static str, comment, (base, finest, levels, entries, features): Shape, x: Vec<f64>| {
-        let mut draw = Draw::new(id, 0);
+        let (mut draw, mut spare) = (Draw::new(id, 0), Draw::new(id, 1));
         let mut inputs = vec![
             ("base".to_string(), scalar(f64::from(base))),
             ("finest".to_string(), scalar(f64::from(finest))),
             ("x".to_string(), array(&[x.len() / 3, 3], x)),
         ];
         for (l, n) in resolutions(base, finest, levels).into_iter().enumerate() {
-            let entries = Level::zeros(n, entries, 1).table.len();
-            inputs.push((format!("table{l}"), draw.array(&[entries, features], -1.0, 1.0)));
+            // A dense level doesn't use the last of its entries.
+            let used = Level::zeros(n, entries, 1).table.len();
+            let tables = [
+                draw.array(&[used, features], -1.0, 1.0),
+                spare.array(&[entries - used, features], -1.0, 1.0),
+            ];
+            inputs.push((
+                format!("table{l}"),
+                array(&[entries, features], tables.iter().flatten().copied().collect()),
+            ));
         }
         let inputs = inputs.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();
         Case::new(id, comment, inputs)

@@ -4,13 +4,22 @@ use super::arrays::{forward, gradients, levels, points, zeros};
 use super::{Level, corner};
 use crate::contract::arrays::{Arrays, rows};
 use crate::contract::machine::Machine;
-use crate::convention::Conventions;
+use crate::convention::{Conventions, HashWeights};
 
-/// Cell and fraction along each axis, x N rounded.
-fn cells(x: [f64; 3], resolution: u32, m: &Machine) -> [(u32, f64); 3] {
+/// Cell and weight of the upper side along each axis, x N rounded.
+fn cells(x: [f64; 3], level: &Level, m: &Machine) -> [(u32, f64); 3] {
+    fractions(x, level, m).map(|(cell, f)| match level.weights {
+        HashWeights::Linear => (cell, f),
+        HashWeights::Smoothstep => (cell, m.mul(m.mul(f, f), m.sub(3.0, m.mul(2.0, f)))),
+    })
+}
+
+/// Cell and fraction along each axis.
+fn fractions(x: [f64; 3], level: &Level, m: &Machine) -> [(u32, f64); 3] {
     x.map(|x| {
-        let scaled = m.mul(x, f64::from(resolution));
-        let cell = scaled.floor().clamp(0.0, f64::from(resolution - 1));
+        let scaled = m.mul(x, m.round(level.scale));
+        let scaled = if level.shift == 0.0 { scaled } else { m.add(scaled, level.shift) };
+        let cell = scaled.floor().clamp(0.0, f64::from(level.last));
         (cell as u32, m.sub(scaled, cell))
     })
 }
@@ -52,19 +61,19 @@ fn feature(level: &Level, cells: [(u32, f64); 3], f: usize, m: &Machine) -> f64 
         let terms: Vec<f64> = (0..8).map(|k| m.mul(weight(cells, k, None, m), values[k])).collect();
         return sum(&terms, m);
     }
-    for (_, fraction) in cells {
-        let between = |pair: &[f64]| m.add(m.mul(m.sub(1.0, fraction), pair[0]), m.mul(fraction, pair[1]));
+    for (_, upper) in cells {
+        let between = |pair: &[f64]| m.add(m.mul(m.sub(1.0, upper), pair[0]), m.mul(upper, pair[1]));
         values = values.chunks_exact(2).map(between).collect();
     }
     values[0]
 }
 
 /// The encoding.
-pub fn hash_grid(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
-    let levels = levels(a);
+pub fn hash_grid(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    let levels = levels(a, c);
     forward(a, |x| {
         let level = |level: &Level| {
-            let cells = cells(x, level.resolution, m);
+            let cells = cells(x, level, m);
             (0..level.table[0].len()).map(|f| feature(level, cells, f, m)).collect::<Vec<_>>()
         };
         levels.iter().flat_map(level).collect()
@@ -72,7 +81,8 @@ pub fn hash_grid(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// d encoding . g / d x along one axis.
-fn slope(level: &Level, cells: [(u32, f64); 3], axis: usize, g: &[f64], m: &Machine) -> f64 {
+fn slope(level: &Level, x: [f64; 3], axis: usize, g: &[f64], m: &Machine) -> f64 {
+    let cells = cells(x, level, m);
     let corners: Vec<(&Vec<f64>, f64)> = (0..8)
         .map(|k| (&level.table[level.entry(corner(k, cells).0)], weight(cells, k, Some(axis), m)))
         .collect();
@@ -82,12 +92,19 @@ fn slope(level: &Level, cells: [(u32, f64); 3], axis: usize, g: &[f64], m: &Mach
         let along = |f: usize| corners.iter().map(|(entry, w)| m.mul(*w, entry[f])).collect::<Vec<_>>();
         g.iter().enumerate().map(|(f, &g)| m.mul(g, sum(&along(f), m))).collect()
     };
-    m.mul(f64::from(level.resolution), sum(&terms, m))
+    let slope = m.mul(m.round(level.scale), sum(&terms, m));
+    match level.weights {
+        HashWeights::Linear => slope,
+        HashWeights::Smoothstep => {
+            let f = fractions(x, level, m)[axis].1;
+            m.mul(slope, m.mul(m.mul(6.0, f), m.sub(1.0, f)))
+        }
+    }
 }
 
 /// Its gradient.
-pub fn hash_grid_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
-    let levels = levels(a);
+pub fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    let levels = levels(a, c);
     let mut terms: Vec<Vec<Vec<Vec<f64>>>> =
         levels.iter().map(|l| l.table.iter().map(|entry| vec![vec![]; entry.len()]).collect()).collect();
     let mut g_x = vec![];
@@ -97,9 +114,9 @@ pub fn hash_grid_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
         for (l, level) in levels.iter().enumerate() {
             let g = &g[first..first + level.table[0].len()];
             first += g.len();
-            let cells = cells(x, level.resolution, m);
+            let cells = cells(x, level, m);
             for axis in 0..3 {
-                of_levels[axis].push(slope(level, cells, axis, g, m));
+                of_levels[axis].push(slope(level, x, axis, g, m));
             }
             for k in 0..8 {
                 let weight = weight(cells, k, None, m);

@@ -5,6 +5,7 @@ use ndarray::{Array2, ArrayView2};
 use super::component::HASH_GRID;
 use super::{Level, arrays};
 use crate::contract::arrays::from_rows;
+use crate::convention::CS180;
 use crate::judge::Door;
 use crate::judge::typed::Output;
 
@@ -26,7 +27,9 @@ pub struct Points;
 /// .assert_pass();
 /// ```
 pub fn judge<'a>(kernel: impl Fn(&[Level], &[[f64; 3]]) -> Array2<f64> + Sync + 'a) -> Door<'a, Points> {
-    Door::whole(&HASH_GRID, move |of| vec![kernel(&arrays::levels(of.arrays), of.get("x")).into_array()])
+    Door::whole(&HASH_GRID, move |of| {
+        vec![kernel(&arrays::levels(of.arrays, &CS180), of.get("x")).into_array()]
+    })
 }
 
 impl<'a> Door<'a, Points> {
@@ -37,7 +40,7 @@ impl<'a> Door<'a, Points> {
     ) -> Self {
         self.whole_vjp(move |of| {
             let (x, g) = (of.get("x"), of.get("grad_encoding"));
-            let (g_x, g_levels) = kernel(&arrays::levels(of.arrays), x, g);
+            let (g_x, g_levels) = kernel(&arrays::levels(of.arrays, &CS180), x, g);
             let table = |level: &Level| Some(from_rows(&level.table, level.table[0].len()));
             std::iter::once(g_x.into_array()).chain(g_levels.iter().map(table)).collect()
         })

@@ -1,7 +1,7 @@
 //! The hash grid, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::arrays::{self, count, forward, gradients, levels, levels_of, points, zeros};
-use super::{Level, PRIMES, backward, cell, corner, encode as oracle, resolutions};
+use super::arrays::{self, count, forward, gradients, levels, levels_of, n_of, points, zeros};
+use super::{Level, backward, corner, encode as oracle, primes};
 use crate::contract::arrays::{Arrays, number, rows};
 use crate::convention::Conventions;
 use crate::math::pow;
@@ -10,38 +10,34 @@ mod catalogue;
 
 pub use catalogue::HASH_GRID;
 
-/// The levels' resolutions as the mistakes have them.
-fn wrong_resolutions(a: &Arrays, wrong: &[&str]) -> Vec<u32> {
+/// The levels as the mistakes have them.
+fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
     let (base, finest, levels) = (number(a, "base"), number(a, "finest"), count(a));
-    let steps = if wrong.contains(&"growth_over_levels") { levels } else { levels.max(2) - 1 } as f64;
-    let exact = |l: usize| base * pow(finest / base, l as f64 / steps);
-    match () {
-        // Rounded up to a whole number where the power misses it by a rounding.
-        () if wrong.contains(&"resolution_rounded_down") => {
-            (0..levels).map(|l| (exact(l) + 1e-9).floor() as u32).collect()
-        }
-        () if wrong.contains(&"resolution_rounded_up") => {
-            (0..levels).map(|l| (exact(l) - 1e-9).ceil() as u32).collect()
-        }
-        () if wrong.contains(&"growth_over_levels") => (0..levels).map(|l| exact(l).round() as u32).collect(),
-        () => resolutions(base as u32, finest as u32, levels),
+    let n = |l: usize| match () {
+        () if wrong.contains(&"growth_over_levels") => base * pow(finest / base, l as f64 / levels as f64),
+        () if wrong.contains(&"resolution_rounded_up") => n_of(a, l).ceil(),
+        () => n_of(a, l),
+    };
+    let mut out = levels_of(a, n, c);
+    if wrong.contains(&"offset_half") {
+        out.iter_mut().for_each(|level| level.shift += 0.5);
     }
+    out
 }
 
 /// The entry of a vertex as the mistakes have it.
 fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
     let entries = level.table.len();
-    if level.dense() && !wrong.contains(&"no_dense_levels") {
-        let side = level.resolution as usize + usize::from(!wrong.contains(&"side_without_one"));
+    if level.dense() {
+        let side = level.side as usize - usize::from(wrong.contains(&"side_without_one"));
         let [x, y, z] = if wrong.contains(&"z_fastest") { [z, y, x] } else { [x, y, z] };
         return (x as usize + side * (y as usize + side * z as usize)) % entries;
     }
-    let mut primes = PRIMES;
+    let mut primes = primes(level.primes);
     for name in wrong {
         match *name {
-            "first_prime_not_one" => primes[0] = 1_958_374_283,
             "prime_mistyped" => primes[1] = 265_443_567,
-            "primes_rolled" => primes = [PRIMES[1], PRIMES[2], PRIMES[0]],
+            "primes_rolled" => primes.rotate_left(1),
             _ => {}
         }
     }
@@ -50,29 +46,23 @@ fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
     hash as usize % if wrong.contains(&"modulo_one_less") { entries - 1 } else { entries }
 }
 
-/// Cell and fraction along one axis as the mistakes have them.
-fn wrong_cell(x: f64, resolution: u32, wrong: &[&str]) -> (u32, f64) {
-    let (mut cell, mut fraction) = cell(x, resolution);
+/// Cell and weight of the upper side along one axis as the mistakes have them.
+fn wrong_cell(level: &Level, x: f64, wrong: &[&str]) -> (u32, f64) {
+    let (cell, mut fraction) = level.cell(x);
     for name in wrong {
         match *name {
-            "offset_half" => {
-                let scaled = x * f64::from(resolution) + 0.5;
-                cell = scaled.floor().min(f64::from(resolution - 1)) as u32;
-                fraction = scaled - f64::from(cell);
-            }
             "nearest_vertex" => fraction = f64::from(u8::from(fraction >= 0.5)),
             "weights_swapped" => fraction = 1.0 - fraction,
-            "smoothstep" => fraction = fraction * fraction * (3.0 - 2.0 * fraction),
             _ => {}
         }
     }
-    (cell, fraction)
+    (cell, level.weight(fraction))
 }
 
 fn encode(levels: &[Level], x: [f64; 3], wrong: &[&str]) -> Vec<f64> {
     let mut out = vec![];
     for level in levels {
-        let cells = x.map(|x| wrong_cell(x, level.resolution, wrong));
+        let cells = x.map(|x| wrong_cell(level, x, wrong));
         let mut features = vec![0.0; level.table[0].len()];
         for k in 0..8 {
             let (vertex, weight) = corner(k, cells);
@@ -85,15 +75,15 @@ fn encode(levels: &[Level], x: [f64; 3], wrong: &[&str]) -> Vec<f64> {
 }
 
 /// The encoding.
-pub fn hash_grid(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
-    let levels = levels_of(a, &wrong_resolutions(a, wrong));
+pub fn hash_grid(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let levels = wrong_levels(a, c, wrong);
     forward(a, |x| if wrong.is_empty() { oracle(&levels, x) } else { encode(&levels, x, wrong) })
 }
 
 /// Its gradient.
 pub fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut right = arrays::hash_grid_vjp(a, c);
-    let levels = levels(a);
+    let levels = levels(a, c);
     if wrong.contains(&"resolution_forgotten") {
         let (mut g_x, scratch) = (vec![], &mut zeros(&levels));
         for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
@@ -102,7 +92,7 @@ pub fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
                 let g = &g[first..first + level.table[0].len()];
                 first += g.len();
                 let one = backward::encode(&levels[l..=l], x, g, &mut scratch[l..=l]);
-                (0..3).for_each(|i| sum[i] += one[i] / f64::from(level.resolution));
+                (0..3).for_each(|i| sum[i] += one[i] / level.scale);
             }
             g_x.push(sum);
         }
@@ -113,7 +103,7 @@ pub fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
             let mut first = 0;
             for (level, last) in levels.iter().zip(&mut last) {
-                let cells = x.map(|x| cell(x, level.resolution));
+                let cells = x.map(|x| level.cell(x)).map(|(cell, f)| (cell, level.weight(f)));
                 for k in 0..8 {
                     let (vertex, weight) = corner(k, cells);
                     let entry = &mut last.table[level.entry(vertex)];

@@ -2,7 +2,8 @@
 
 use approx::assert_abs_diff_eq;
 
-use super::{Level, backward, encode, is_dense, resolutions};
+use super::{Level, backward, encode, growing, is_dense, primes, resolutions};
+use crate::convention::{CHOICES, CS180, Conventions, HashIndex, HashLevels, HashPrimes, HashWeights};
 use crate::random::{Key, Purpose};
 
 /// Numbers an entry.
@@ -85,6 +86,78 @@ fn resolutions_grow_geometrically() {
     n.windows(2).for_each(|w| assert!((1.5..1.65).contains(&(f64::from(w[1]) / f64::from(w[0])))));
 }
 
+/// Level 1 of three from 3 to 25: n = sqrt(75) = 8.66.
+#[test]
+fn levels_lie_on_the_box_as_their_convention_says() {
+    let n = growing(3, 25, 3, 1);
+    assert_abs_diff_eq!(n, 75f64.sqrt(), epsilon = 1e-14);
+    let at = |hash_levels, n| {
+        let level = Level::by_convention(n, vec![], &Conventions { hash_levels, ..CS180 });
+        (level.scale, level.shift, level.last, level.side)
+    };
+    assert_eq!(at(HashLevels::Nearest, n), (9.0, 0.0, 8, 10));
+    assert_eq!(at(HashLevels::Floor, n), (8.0, 0.0, 7, 9));
+    // x (n - 1) + 1/2: x = 1 lies at 8.16, in cell 8, whose upper vertex is the last of 9.
+    assert_eq!(at(HashLevels::TinyCudaNn, n), (n - 1.0, 0.5, 8, 9));
+    assert_eq!(at(HashLevels::TorchNgp, n), (n - 1.0, 0.5, 8, 10));
+    assert_eq!(at(HashLevels::AlignCorners, n), (n - 1.0, 0.0, 7, 9));
+    // A whole number of cells.
+    assert_eq!(at(HashLevels::TinyCudaNn, 16.0), (15.0, 0.5, 15, 16));
+    assert_eq!((growing(3, 25, 3, 0), growing(3, 25, 3, 2)), (3.0, 25.0));
+}
+
+/// By hand: tiny-cuda-nn's level of n = 3 in dimension one, with entries 0, 1, 4, 9 along x, at x = 0.6: 0.6 * 2 + 0.5 = 1.7.
+#[test]
+fn tiny_cuda_nn_by_hand() {
+    let c = Conventions { hash_levels: HashLevels::TinyCudaNn, ..CS180 };
+    // 3 vertices along an edge: the fourth along x is the first of the next row.
+    let table = (0..32).map(|i| vec![f64::from(i * i)]).collect();
+    let level = Level::by_convention(3.0, table, &c);
+    assert_eq!(level.cell(1.0), (2, 0.5));
+    // y and z at -1/2 of a cell don't exist: x = 0 lies at 1/2, between vertices 0 and 1.
+    let along = |x: f64| {
+        let row = |first: usize| {
+            let at = |i: usize| ((first + i) * (first + i)) as f64;
+            let p = x * 2.0 + 0.5;
+            at(p as usize) * (1.0 - p.fract()) + at(p as usize + 1) * p.fract()
+        };
+        // y = z = 0: halves of the rows 0 and 3, and of the planes 0 and 9.
+        (row(0) + row(3) + row(9) + row(12)) / 4.0
+    };
+    for x in [0.0, 0.3, 0.6, 1.0] {
+        assert_abs_diff_eq!(encode(&[level.clone()], [x, 0.0, 0.0])[0], along(x), epsilon = 1e-12);
+    }
+}
+
+#[test]
+fn factors_and_dense_levels_by_convention() {
+    assert_eq!(primes(HashPrimes::Prime), [1_958_374_283, 2_654_435_761, 805_459_861]);
+    let table = vec![vec![0.0]; 64];
+    let of = |c: Conventions| Level::by_convention(3.0, table.clone(), &c);
+    assert!(of(CS180).dense());
+    let hashed = of(Conventions { hash_index: HashIndex::Hashed, ..CS180 });
+    assert!(!hashed.dense());
+    let product = |factor: u64, x: u64| factor * x % (1 << 32);
+    let by_hand = |p: [u64; 3]| ((product(p[0], 3) ^ product(p[1], 1) ^ product(p[2], 2)) % 64) as usize;
+    assert_eq!(hashed.entry([3, 1, 2]), by_hand([1, 2_654_435_761, 805_459_861]));
+    let reversed = Level { primes: HashPrimes::Reversed, ..hashed.clone() };
+    assert_eq!(reversed.entry([3, 1, 2]), by_hand([2_165_219_737, 1_434_869_437, 2_097_192_037]));
+}
+
+/// 3 f^2 - 2 f^3 is 0, 1/2, 1 at 0, 1/2, 1, and flat at both ends.
+#[test]
+fn smoothstep_is_flat_at_vertices() {
+    let mut level = Level::zeros(1, 8, 1);
+    level.weights = HashWeights::Smoothstep;
+    level.table[1] = vec![1.0];
+    let at = |x: f64| encode(std::slice::from_ref(&level), [x, 0.0, 0.0])[0];
+    assert_eq!([0.0, 0.25, 0.5, 1.0].map(at), [0.0, 0.15625, 0.5, 1.0]);
+    let slope = |x: f64| {
+        backward::encode(std::slice::from_ref(&level), [x, 0.0, 0.0], &[1.0], &mut [level.clone()])[0]
+    };
+    assert_eq!([0.0, 0.5, 1.0].map(slope), [0.0, 1.5, 0.0]);
+}
+
 /// Continuous across cell faces: from both sides of a face the value is the face's.
 #[test]
 fn continuous_across_faces() {
@@ -99,25 +172,38 @@ fn continuous_across_faces() {
 
 #[test]
 fn gradients_are_finite_differences() {
-    let levels = random_levels(&[3, 20], 64);
+    let each = |key: &str| CHOICES.iter().find(|(name, _)| *name == key).unwrap().1;
+    for hash_levels in each("hash_levels") {
+        for hash_weights in each("hash_weights") {
+            let c =
+                CS180.with("hash_levels", hash_levels).unwrap().with("hash_weights", hash_weights).unwrap();
+            let levels = random_levels(&[3, 20], 64);
+            let lay = |level: Level| Level::by_convention(level.scale - 0.25, level.table, &c);
+            gradients_of(&levels.into_iter().map(lay).collect::<Vec<_>>());
+        }
+    }
+}
+
+fn gradients_of(levels: &[Level]) {
     let x = [0.37, 0.81, 0.12];
     let g_out: Vec<f64> = (0..2 * FEATURES).map(|i| 0.5 - i as f64 * 0.3).collect();
     let loss =
         |levels: &[Level], x: [f64; 3]| encode(levels, x).iter().zip(&g_out).map(|(e, g)| e * g).sum::<f64>();
-    let mut g_tables: Vec<Level> = levels.clone();
+    let mut g_tables: Vec<Level> = levels.to_vec();
     g_tables.iter_mut().flat_map(|l| &mut l.table).for_each(|e| e.fill(0.0));
-    let g_x = backward::encode(&levels, x, &g_out, &mut g_tables);
-    // Linear in x inside a cell along one axis, linear in the tables: central differences are exact up to rounding.
+    let g_x = backward::encode(levels, x, &g_out, &mut g_tables);
+    // Linear or cubic in x inside a cell along one axis, linear in the tables: central differences are nearly exact.
     for a in 0..3 {
         let step = |h: f64| std::array::from_fn(|b| if a == b { x[b] + h } else { x[b] });
-        let slope = (loss(&levels, step(1e-4)) - loss(&levels, step(-1e-4))) / 2e-4;
-        assert_abs_diff_eq!(g_x[a], slope, epsilon = 1e-9);
+        let slope = (loss(levels, step(1e-5)) - loss(levels, step(-1e-5))) / 2e-5;
+        // h^2 / 6 times a third derivative of 12 N^3.
+        assert_abs_diff_eq!(g_x[a], slope, epsilon = 1e-5);
     }
     for l in 0..2 {
         for entry in 0..levels[l].table.len() {
-            let mut moved = levels.clone();
+            let mut moved = levels.to_vec();
             moved[l].table[entry][1] += 1.0;
-            let slope = loss(&moved, x) - loss(&levels, x);
+            let slope = loss(&moved, x) - loss(levels, x);
             assert_abs_diff_eq!(g_tables[l].table[entry][1], slope, epsilon = 1e-12);
         }
     }

@@ -40,17 +40,22 @@ pub fn wide_enough(entries: Entries, given: &str, dtype: Dtype) -> bool {
     }
 }
 
-/// The answer in the expected shape: as it is, or with merged axes split (rays of an (H, W) picture as H W rows). The text says which
-/// layout it was.
+/// The answer in the expected shape: as it is, with other axes of length one, or with merged axes split (rays of an (H, W) picture as H W
+/// rows). The text says which layout it was.
 pub fn reshaped(values: &ArrayD<f64>, expected: &[usize]) -> Option<(ArrayD<f64>, Option<String>)> {
     if values.shape() == expected {
         return Some((values.clone(), None));
     }
+    let longer = |shape: &[usize]| shape.iter().copied().filter(|&n| n != 1).collect::<Vec<_>>();
+    let ones = longer(values.shape()) == longer(expected);
     let merged = values.ndim() < expected.len() && merges(values.shape(), expected);
-    let array = merged.then(|| {
+    let array = (ones || merged).then(|| {
         let flat: Vec<f64> = values.iter().copied().collect();
-        ArrayD::from_shape_vec(IxDyn(expected), flat).expect("merging keeps the number of elements")
+        ArrayD::from_shape_vec(IxDyn(expected), flat).expect("neither changes the number of elements")
     })?;
+    if ones {
+        return Some((array, Some(format!("axes of length one: {:?} for {expected:?}", values.shape()))));
+    }
     Some((array, Some(format!("{:?} flattened to {:?}", expected, values.shape()))))
 }
 
@@ -72,10 +77,12 @@ mod tests {
     fn flattening_merges_neighbors_only() {
         assert!(merges(&[20, 3], &[4, 5, 3]) && merges(&[60], &[4, 5, 3]));
         assert!(!merges(&[12, 5], &[4, 5, 3]) && !merges(&[4, 3, 5], &[4, 5, 3]));
-        assert!(
-            reshaped(&ArrayD::zeros(IxDyn(&[1, 4])), &[4]).is_none(),
-            "an axis too many is a wrong shape"
-        );
+        let of = |given: &[usize], expected: &[usize]| reshaped(&ArrayD::zeros(IxDyn(given)), expected);
+        for (given, expected) in [(&[1, 4][..], &[4][..]), (&[4, 1], &[4]), (&[1], &[]), (&[], &[1, 1])] {
+            let (array, says) = of(given, expected).unwrap();
+            assert!(array.shape() == expected && says.unwrap().contains("length one"));
+        }
+        assert!(of(&[2, 4], &[4]).is_none() && of(&[4, 2], &[8]).is_none() && of(&[3, 1], &[4]).is_none());
     }
 
     #[test]

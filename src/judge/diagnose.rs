@@ -26,7 +26,7 @@ pub struct Explanation {
 }
 
 /// The largest number of conventions that may differ, with one mistake and with two.
-const CHANGES: [usize; 3] = [usize::MAX, 2, 1];
+const CHANGES: [usize; 3] = [usize::MAX, 3, 1];
 
 /// The largest number of assignments that are tried, with one mistake and with two.
 const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];

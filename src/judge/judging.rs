@@ -113,7 +113,8 @@ pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
     let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
     let base = first.found.conventions;
     let laid = parallel::map(failing.len(), |n| {
-        layout::normalized(&exam.questions[failing[n]], &answers[failing[n]], &base, &options)
+        let (question, answers) = (&exam.questions[failing[n]], &answers[failing[n]]);
+        layout::normalized(question, answers, &base, exam.profile.is_some(), &options)
     });
     let laid: BTreeMap<usize, (Answers, String)> =
         failing.into_iter().zip(laid).filter_map(|(n, laid)| Some((n, laid?))).collect();

@@ -13,17 +13,51 @@ use crate::contract::case::Case;
 use crate::contract::check::{Kind, budget_used};
 use crate::convention::Conventions;
 
-/// The answers in the contract's layout, and a description of theirs; `None` if no layout makes them right.
+/// The answers in the contract's layout, and a description of theirs; `None` if no layout makes them right. Numbers that programs choose
+/// for themselves count as layout, where no profile is pinned that has chosen one.
 pub fn normalized(
     question: &Question,
     answers: &Answers,
     base: &Conventions,
+    pinned: bool,
     options: &MarkOptions,
 ) -> Option<(Answers, String)> {
     if question.kind == Kind::Vjp || question.statistics() {
         return None;
     }
-    swapped(question, answers, base, options).or_else(|| columns(question, answers, base, options))
+    swapped(question, answers, base, options)
+        .or_else(|| columns(question, answers, base, options))
+        .or_else(|| (!pinned).then(|| chosen(question, answers, base, options))?)
+}
+
+/// A number that the program chooses for itself, replaced by that of a listed convention.
+fn chosen(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Option<(Answers, String)> {
+    let chosen = question.component.special.chosen?;
+    let mut found = None;
+    let mut listed = answers.clone();
+    for given in listed.iter_mut().flatten().filter_map(|answer| answer.get_mut(chosen.output)) {
+        let shape = given.values.shape().to_vec();
+        for (index, value) in given.values.indexed_iter_mut() {
+            let index = ndarray::Dimension::slice(&index);
+            if index.len() != shape.len() || !(chosen.at)(index, &shape) {
+                continue;
+            }
+            // Everywhere the same, and no NaN.
+            if *found.get_or_insert(*value) != *value || *value < 0.0 {
+                return None;
+            }
+            *value = chosen.listed;
+        }
+    }
+    let mut all = assignments(question.component, base).into_iter().map(|p| apply(&p, base));
+    let right = all.any(|c| holds(question, &listed, &c, options));
+    right
+        .then(|| Some((listed, format!("{}: {} is {:e} in all cases", chosen.output, chosen.what, found?))))?
 }
 
 /// Two outputs of the same shape exchanged, as (d, o) for (o, d).

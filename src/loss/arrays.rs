@@ -4,7 +4,7 @@ use ndarray::Axis;
 
 use super::backward;
 use crate::contract::arrays::{Arrays, array, arrays, input, number, scalar, values};
-use crate::convention::Conventions;
+use crate::convention::{Conventions, PsnrPeak};
 
 /// The pictures of a batch, each a flat slice.
 pub(crate) fn pictures(a: &Arrays, name: &str) -> Vec<Vec<f64>> {
@@ -24,7 +24,13 @@ pub(super) fn psnr(a: &Arrays, c: &Conventions) -> Arrays {
     let (predictions, targets) = (pictures(a, "prediction"), pictures(a, "target"));
     let predictions: Vec<&[f64]> = predictions.iter().map(Vec::as_slice).collect();
     let targets: Vec<&[f64]> = targets.iter().map(Vec::as_slice).collect();
-    arrays([("value", scalar(super::psnr_of_images(&predictions, &targets, number(a, "peak"), c.psnr)))])
+    let value = super::psnr_of_images(&predictions, &targets, peak(a, c), c.psnr, c.psnr_floor);
+    arrays([("value", scalar(value))])
+}
+
+/// The largest color value, as given or by convention 1.
+pub(crate) fn peak(a: &Arrays, c: &Conventions) -> f64 {
+    if c.psnr_peak == PsnrPeak::One { 1.0 } else { number(a, "peak") }
 }
 
 pub(super) fn to_uint8(a: &Arrays, c: &Conventions) -> Arrays {

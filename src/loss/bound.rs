@@ -2,11 +2,11 @@
 
 use std::f64::consts::LN_10;
 
-use super::arrays::{like, pictures};
+use super::arrays::{like, peak, pictures};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, arrays, input, number, scalar, values};
 use crate::contract::bounded::{Bounded, exact};
-use crate::convention::{Bytes, Conventions, PsnrOf};
+use crate::convention::{Bytes, Conventions, PsnrFloor, PsnrOf};
 use crate::math::{ln_1p, log10};
 
 /// The mean of squared differences: differences, squares, a sum in any order, one division (or a product with 1 / n).
@@ -59,22 +59,40 @@ fn log_10(x: Bounded, m: &Arithmetic) -> Bounded {
     Bounded { y: direct.y, e: direct.e.max(by_ln.e) }
 }
 
+/// The same where a number up to 1e-6 peak^2 may have been added to the error, or may be its least; for equal pictures anything from 40 to
+/// 160 dB.
+fn floored(error: Bounded, peak: f64, floor: PsnrFloor, m: &Arithmetic) -> Bounded {
+    if floor == PsnrFloor::None {
+        return decibels(error, peak, m);
+    }
+    let (least, most) = (1e-10 * peak * peak, 1e-6 * peak * peak);
+    let y = super::psnr(error.y.max(least), peak);
+    if error == exact(0.0) {
+        // Half precision doesn't hold such numbers.
+        return Bounded { y, e: if most > 1e3 * m.tiny { 60.0 } else { f64::INFINITY } };
+    }
+    let raised = Bounded { y: error.y + most, ..error };
+    let reach = |b: Bounded| (b.y - y).abs() + b.e;
+    Bounded { y, e: reach(decibels(error, peak, m)).max(reach(decibels(raised, peak, m))) }
+}
+
 /// Bound of [`super::psnr_of_images`].
 pub fn psnr(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (predictions, targets) = (pictures(a, "prediction"), pictures(a, "target"));
     let errors: Vec<Bounded> = predictions.iter().zip(&targets).map(|(p, t)| mean_square(p, t, m)).collect();
-    let peak = number(a, "peak");
+    let peak = peak(a, c);
     let mean = |terms: &[Bounded]| m.mul(m.sum(terms), m.div(exact(1.0), exact(terms.len() as f64)));
     let e = match c.psnr {
         PsnrOf::Images => {
-            let each: Vec<Bounded> = errors.iter().map(|&error| decibels(error, peak, m)).collect();
+            let each: Vec<Bounded> =
+                errors.iter().map(|&error| floored(error, peak, c.psnr_floor, m)).collect();
             // One infinite PSNR makes the mean infinite, in every arithmetic (ME1).
             if each.iter().any(|b| b.y.is_infinite()) { 0.0 } else { mean(&each).e }
         }
         // The mean over all pixels, or the mean of the pictures' means.
         PsnrOf::MeanError => {
             let all = mean_square(&predictions.concat(), &targets.concat(), m);
-            decibels(all, peak, m).e.max(decibels(mean(&errors), peak, m).e)
+            floored(all, peak, c.psnr_floor, m).e.max(floored(mean(&errors), peak, c.psnr_floor, m).e)
         }
     };
     arrays([("value", scalar(e))])

@@ -40,7 +40,7 @@ pub const PSNR: Component = Component {
         Port::plain("peak", "", "largest color value"),
     ],
     outputs: &[Port::plain("value", "", "decibels; infinite where a picture is reproduced exactly")],
-    conventions: &["psnr"],
+    conventions: &["psnr", "psnr_floor", "psnr_peak"],
     forward: Direction {
         oracle: arrays::psnr,
         bound: bound::psnr,

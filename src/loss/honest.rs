@@ -2,10 +2,10 @@
 
 use std::f64::consts::LN_10;
 
-use super::arrays::{like, pictures};
+use super::arrays::{like, peak, pictures};
 use crate::contract::arrays::{Arrays, arrays, input, number, scalar, values};
 use crate::contract::machine::Machine;
-use crate::convention::{Bytes, Conventions, PsnrOf};
+use crate::convention::{Bytes, Conventions, PsnrFloor, PsnrOf};
 use crate::math::{ln, log10};
 
 /// The sum over n, or times 1 / n.
@@ -50,15 +50,26 @@ fn decibels(error: f64, peak: f64, m: &Machine) -> f64 {
     }
 }
 
+/// The error kept away from 0: at least 1e-7, or 1e-8 more, of the squared peak.
+fn floored(error: f64, peak: f64, floor: PsnrFloor, m: &Machine) -> f64 {
+    let square = m.mul(peak, peak);
+    match floor {
+        PsnrFloor::None => error,
+        PsnrFloor::Small if m.form % 2 == 0 => error.max(m.mul(m.round(1e-7), square)),
+        PsnrFloor::Small => m.add(error, m.mul(m.round(1e-8), square)),
+    }
+}
+
 /// Peak signal-to-noise ratio.
 pub fn psnr(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (predictions, targets) = (pictures(a, "prediction"), pictures(a, "target"));
     let each: Vec<f64> = predictions.iter().zip(&targets).map(|(p, t)| mean_square(p, t, m)).collect();
-    let peak = number(a, "peak");
+    let peak = peak(a, c);
+    let decibels = |error| decibels(floored(error, peak, c.psnr_floor, m), peak, m);
     let value = match c.psnr {
-        PsnrOf::Images => mean(&each.iter().map(|&e| decibels(e, peak, m)).collect::<Vec<_>>(), m),
-        PsnrOf::MeanError if m.form % 2 == 0 => decibels(mean(&each, m), peak, m),
-        PsnrOf::MeanError => decibels(mean_square(&predictions.concat(), &targets.concat(), m), peak, m),
+        PsnrOf::Images => mean(&each.iter().map(|&e| decibels(e)).collect::<Vec<_>>(), m),
+        PsnrOf::MeanError if m.form % 2 == 0 => decibels(mean(&each, m)),
+        PsnrOf::MeanError => decibels(mean_square(&predictions.concat(), &targets.concat(), m)),
     };
     arrays([("value", scalar(value))])
 }

@@ -3,7 +3,7 @@
 use super::arrays::{self, like};
 use crate::contract::arrays::{Arrays, arrays, input, scalar};
 use crate::contract::component::Mistake;
-use crate::convention::{Bytes, Conventions};
+use crate::convention::{Bytes, Conventions, PsnrPeak};
 
 const MEAN_FORGOTTEN: Mistake = Mistake::new(
     "mean_forgotten",
@@ -31,6 +31,22 @@ pub const MSE: &[Mistake] = &[
         "divide by all entries, channels too",
         "never; cheap to keep",
         0,
+    ),
+    Mistake::new(
+        "absolute_error",
+        "mean |p - t|",
+        "another loss: its PSNR is no PSNR, and bright errors weigh less",
+        "square the differences",
+        "L1 losses of neighboring codes",
+        2,
+    ),
+    Mistake::new(
+        "root_of_mean",
+        "the root of the mean square",
+        "figures that can't be compared; gradients that don't shrink with the error",
+        "leave the root out",
+        "metrics modules (RMSE)",
+        1,
     ),
     MEAN_FORGOTTEN.of_gradient(),
     Mistake::new(
@@ -79,9 +95,17 @@ pub const PSNR: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "peak_of_target",
+        "the target's largest value for the peak",
+        "figures that differ from picture to picture for the same error",
+        "peak is the largest value that a color may have",
+        "an imaging code",
+        1,
+    ),
+    Mistake::new(
         "peak_255",
-        "peak 255 for colors in [0, 1] (or 1 for bytes)",
-        "48.13 dB too many (or too few)",
+        "peak 255 whatever the colors",
+        "48.13 dB too many for colors in [0, 1]",
         "peak is the largest value that a color may have",
         "never; cheap to keep",
         0,
@@ -129,6 +153,13 @@ pub fn mse(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut out = arrays::mse(a, c);
     let entries = input(a, "prediction").len() as f64;
     let channels = input(a, "prediction").shape().last().copied().unwrap_or(1) as f64;
+    if wrong.contains(&"absolute_error") {
+        let sizes = (input(a, "prediction") - input(a, "target")).mapv(f64::abs);
+        out.insert("value".into(), scalar(sizes.sum() / entries));
+    }
+    if wrong.contains(&"root_of_mean") {
+        out.insert("value".into(), input(&out, "value").mapv(f64::sqrt));
+    }
     for name in wrong {
         let factor = match *name {
             "sum_for_mean" => entries,
@@ -159,7 +190,10 @@ pub fn mse_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 pub fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"peak_255") {
-        a.get_mut("peak").expect("checked").mapv_inplace(|peak| if peak == 1.0 { 255.0 } else { 1.0 });
+        a.insert("peak".into(), scalar(255.0));
+    }
+    if wrong.contains(&"peak_of_target") {
+        a.insert("peak".into(), scalar(input(&a, "target").iter().copied().fold(f64::MIN, f64::max)));
     }
     if wrong.contains(&"few_pixels") {
         for name in ["prediction", "target"] {
@@ -167,9 +201,12 @@ pub fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             a.insert(name.into(), row);
         }
     }
+    let by_peak = wrong.contains(&"peak_255") || wrong.contains(&"peak_of_target");
+    // Where the peak is 1 by convention, another one is still a mistake.
+    let c = &Conventions { psnr_peak: if by_peak { PsnrPeak::Given } else { c.psnr_peak }, ..*c };
     let mut value = input(&arrays::psnr(&a, c), "value").sum();
     if wrong.contains(&"regularized_psnr") {
-        let peak = input(&a, "peak").sum();
+        let peak = arrays::peak(&a, c);
         let error = peak * peak * crate::math::pow(10.0, -value / 10.0);
         value = super::psnr(error + 1e-3, peak);
     }

@@ -2,7 +2,7 @@
 
 use ndarray::ArrayView3;
 
-use crate::convention::{Bytes, PsnrOf};
+use crate::convention::{Bytes, PsnrFloor, PsnrOf};
 use crate::math::{Sum, exp, log10};
 
 pub(crate) mod arrays;
@@ -50,22 +50,32 @@ pub fn psnr(mse: f64, peak: f64) -> f64 {
 /// The first is never smaller: for errors .01 and .001 it is 25.00 dB, the second 22.60. One image without any error makes the first
 /// infinite (ME1).
 ///
+/// # Convention
+/// `floor`: with [`PsnrFloor::Small`] an error of at least 1e-10 peak^2 is taken, so that equal pictures have 100 dB.
+///
 /// # Panics
 /// Where there are more predictions than targets or fewer, or an image and its target differ in length.
-pub fn psnr_of_images(predictions: &[&[f64]], targets: &[&[f64]], peak: f64, of: PsnrOf) -> f64 {
+pub fn psnr_of_images(
+    predictions: &[&[f64]],
+    targets: &[&[f64]],
+    peak: f64,
+    of: PsnrOf,
+    floor: PsnrFloor,
+) -> f64 {
     assert_eq!(predictions.len(), targets.len(), "predictions and targets: one image for one image");
+    let least = if floor == PsnrFloor::Small { 1e-10 * peak * peak } else { 0.0 };
     let mut sum = Sum::default();
     for (prediction, target) in predictions.iter().zip(targets) {
         let error = mse(prediction, target);
         sum.add(match of {
-            PsnrOf::Images => psnr(error, peak),
+            PsnrOf::Images => psnr(error.max(least), peak),
             PsnrOf::MeanError => error,
         });
     }
     let mean = sum.value() / predictions.len() as f64;
     match of {
         PsnrOf::Images => mean,
-        PsnrOf::MeanError => psnr(mean, peak),
+        PsnrOf::MeanError => psnr(mean.max(least), peak),
     }
 }
 

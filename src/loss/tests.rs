@@ -16,15 +16,29 @@ fn psnr_of_known_errors() {
 fn me1_identical_pictures_are_infinitely_good() {
     assert_eq!(psnr(mse(&[0.3, 0.7], &[0.3, 0.7]), 1.0), f64::INFINITY);
     let (exact, off, target) = ([0.5; 4], [0.6; 4], [0.5; 4]);
-    let of = |of| psnr_of_images(&[&exact, &off], &[&target, &target], 1.0, of);
+    let of = |of| psnr_of_images(&[&exact, &off], &[&target, &target], 1.0, of, PsnrFloor::None);
     assert_eq!(of(PsnrOf::Images), f64::INFINITY, "one exact picture poisons the mean");
     assert!((of(PsnrOf::MeanError) - 23.010_299_956_639_81).abs() < 1e-12);
+}
+
+/// With a floor equal pictures have 100 dB, whatever the peak, and others what they had.
+#[test]
+fn a_floor_keeps_equal_pictures_finite() {
+    let of =
+        |p: &[f64], peak, of| psnr_of_images(&[p, &[0.5]], &[&[0.5], &[0.5]], peak, of, PsnrFloor::Small);
+    for peak in [1.0, 255.0] {
+        assert!((of(&[0.5], peak, PsnrOf::Images) - 100.0).abs() < 1e-12);
+        assert!((of(&[0.5], peak, PsnrOf::MeanError) - 100.0).abs() < 1e-12);
+    }
+    // An error of 1/100 and one of 0: 20 dB and 100 dB.
+    assert!((of(&[0.6], 1.0, PsnrOf::Images) - 60.0).abs() < 1e-12);
+    assert!((of(&[0.6], 1.0, PsnrOf::MeanError) - 23.010_299_956_639_81).abs() < 1e-12);
 }
 
 #[test]
 fn the_mean_of_psnrs_is_not_the_psnr_of_the_mean() {
     let (a, b) = ([0.1], [0.001f64.sqrt()]);
-    let of = |of| psnr_of_images(&[&a, &b], &[&[0.0], &[0.0]], 1.0, of);
+    let of = |of| psnr_of_images(&[&a, &b], &[&[0.0], &[0.0]], 1.0, of, PsnrFloor::None);
     assert!((of(PsnrOf::Images) - 25.0).abs() < 1e-12);
     assert!((of(PsnrOf::MeanError) - 22.596_373_105_057_56).abs() < 1e-12);
 }

@@ -58,7 +58,7 @@ pub(crate) fn lengths(o: [f64; 3], d: [f64; 3], near: f64, far: f64, r: usize) -
 
 pub(super) fn update(a: &Arrays, c: &Conventions) -> Arrays {
     let Update { mut grid, decay, points, sigmas, queries } = update_of(a);
-    grid.update(decay, &points, &sigmas, c.grid_decay);
+    grid.update(decay, &points, &sigmas, c.grid_decay, c.grid_unseen);
     grid.threshold = grid.threshold_below(grid.threshold, c.grid_threshold);
     let one = |yes: bool| f64::from(u8::from(yes));
     let occupied = grid.density.iter().map(|&density| one(density > grid.threshold)).collect();

@@ -8,7 +8,7 @@ use crate::camera::bound::hyper;
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact};
-use crate::convention::{Conventions, GridDecay, GridThreshold};
+use crate::convention::{Conventions, GridDecay, GridThreshold, GridUnseen};
 
 /// Whether every honest evaluation finds the same cell: x R is exact where R is a power of two, and off by three roundings elsewhere
 /// (x / (1 / R)), except at the ends of the box.
@@ -29,13 +29,14 @@ pub fn update(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
         let all = vec![f64::INFINITY; r * r * r];
         return updated(r, all.clone(), all, vec![f64::INFINITY; queries.len()]);
     }
-    let mut found = vec![-1.0f64; grid.density.len()];
+    let mut found = vec![f64::NEG_INFINITY; grid.density.len()];
     for (&x, &sigma) in points.iter().zip(&sigmas) {
         let cell = grid.cell(x);
         found[cell] = found[cell].max(sigma);
     }
     let new = |(&density, &sigma): (&f64, &f64)| {
-        if density < 0.0 || sigma < 0.0 && c.grid_decay == GridDecay::Touched {
+        let unseen = density < 0.0 && c.grid_unseen == GridUnseen::Kept;
+        if unseen || sigma < 0.0 && c.grid_decay == GridDecay::Touched {
             return exact(density);
         }
         let Bounded { y, e } = m.mul(exact(density), hyper(decay, m));
@@ -61,8 +62,13 @@ fn threshold(density: &[Bounded], limit: Bounded, convention: GridThreshold, m: 
     if convention == GridThreshold::LimitAlone {
         return limit;
     }
-    let zeros = convention == GridThreshold::MeanOfSeen;
-    let known: Vec<Bounded> = density.iter().copied().filter(|d| d.y > 0.0 || zeros && d.y == 0.0).collect();
+    let counts = |d: &Bounded| match convention {
+        GridThreshold::MeanOverAll => true,
+        GridThreshold::MeanOfSeen => d.y >= 0.0,
+        _ => d.y > 0.0,
+    };
+    let known: Vec<Bounded> =
+        density.iter().filter(|d| counts(d)).map(|d| if d.y < 0.0 { exact(0.0) } else { *d }).collect();
     let n = known.len() as f64;
     let (sum, errors) = known.iter().fold((0.0, 0.0), |(y, e), d| (y + d.y, e + d.e));
     let rounded = (1.0 + m.u).powf(n + 1.0) - 1.0;
@@ -75,7 +81,7 @@ fn threshold(density: &[Bounded], limit: Bounded, convention: GridThreshold, m: 
         _ if mean.y + mean.e < limit.y - limit.e => mean,
         _ => Bounded { y: mean.y.min(limit.y), e: mean.e.max(limit.e) + (mean.y - limit.y).abs() },
     };
-    if convention == GridThreshold::MeanOfSeen {
+    if convention != GridThreshold::MeanOfDense {
         return smaller;
     }
     let above = |sign: f64| known.iter().any(|d| d.y + sign * d.e > smaller.y - sign * smaller.e);

@@ -35,7 +35,7 @@ pub const OCCUPANCY_GRID: Component = Component {
         Port::plain("occupied", "G,G,G", "1 where the cell is occupied, else 0").of(Entries::Bit),
         Port::plain("found", "Q", "1 where the query's cell is occupied, else 0").of(Entries::Bit),
     ],
-    conventions: &["grid_decay", "grid_threshold"],
+    conventions: &["grid_decay", "grid_threshold", "grid_unseen"],
     forward: Direction {
         oracle: arrays::update,
         bound: bound::update,

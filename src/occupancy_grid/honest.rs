@@ -3,7 +3,7 @@
 use super::arrays::{Update, each_ray, update_of, updated};
 use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
-use crate::convention::{Conventions, GridDecay, GridThreshold};
+use crate::convention::{Conventions, GridDecay, GridThreshold, GridUnseen};
 
 /// Index of a coordinate's cell.
 fn along(x: f64, r: usize, m: &Machine) -> usize {
@@ -20,13 +20,14 @@ fn cell(x: [f64; 3], r: usize, m: &Machine) -> usize {
 pub fn update(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let Update { grid, decay, points, sigmas, queries } = update_of(a);
     let (r, decay, limit) = (grid.resolution, m.round(decay), m.round(grid.threshold));
-    let mut found = vec![-1.0f64; grid.density.len()];
+    let mut found = vec![f64::NEG_INFINITY; grid.density.len()];
     for (&x, &sigma) in points.iter().zip(&sigmas) {
         let cell = cell(x, r, m);
         found[cell] = found[cell].max(sigma);
     }
     let new = |(&density, &found): (&f64, &f64)| {
-        if density < 0.0 || found < 0.0 && c.grid_decay == GridDecay::Touched {
+        let unseen = density < 0.0 && c.grid_unseen == GridUnseen::Kept;
+        if unseen || found < 0.0 && c.grid_decay == GridDecay::Touched {
             density
         } else {
             m.mul(decay, density).max(found)
@@ -45,8 +46,12 @@ fn threshold(density: &[f64], limit: f64, convention: GridThreshold, m: &Machine
     if convention == GridThreshold::LimitAlone {
         return limit;
     }
-    let zeros = convention == GridThreshold::MeanOfSeen;
-    let mut known: Vec<f64> = density.iter().copied().filter(|&d| d > 0.0 || zeros && d == 0.0).collect();
+    let counts = |d: &f64| match convention {
+        GridThreshold::MeanOverAll => true,
+        GridThreshold::MeanOfSeen => *d >= 0.0,
+        _ => *d > 0.0,
+    };
+    let mut known: Vec<f64> = density.iter().filter(|d| counts(d)).map(|d| d.max(0.0)).collect();
     if m.form / 2 % 2 == 1 {
         known.reverse();
     }
@@ -57,7 +62,8 @@ fn threshold(density: &[f64], limit: f64, convention: GridThreshold, m: &Machine
         known.iter().fold(0.0, |sum, &d| m.add(sum, m.div(d, count)))
     };
     let threshold = if known.is_empty() { limit } else { limit.min(mean) };
-    if zeros || known.iter().any(|&d| d > threshold) { threshold } else { -1.0 }
+    let opens = convention == GridThreshold::MeanOfDense;
+    if !opens || known.iter().any(|&d| d > threshold) { threshold } else { -1.0 }
 }
 
 /// From cell to cell (Amanatides and Woo), each face from its coordinate or one step after the last; the ray stays inside of the box.

@@ -4,7 +4,7 @@ use super::OccupancyGrid;
 use super::arrays::{Update, each_ray, lengths, update_of, updated};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
-use crate::convention::{Conventions, GridDecay, GridThreshold};
+use crate::convention::{Conventions, GridDecay, GridThreshold, GridUnseen};
 
 /// Mistakes of update and query.
 #[rustfmt::skip]
@@ -18,7 +18,6 @@ pub const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("nearest_cell", "round(x R) for floor(x R)", "the grid is shifted by half a cell", "floor: cells lie between faces", "align_corners and its like", 2),
     Mistake::new("threshold_included", "occupied where density >= threshold", "with a threshold of 0 no cell is ever empty", "larger than the threshold", "hand-written grids", 1),
     Mistake::new("mean_of_all", "the mean counts the -1 of cells that no camera sees", "the threshold falls with the space that no camera sees, below 0 where that is most of it", "the mean of the densities of cells that are seen", "alpha_thre of nerfacc's OccGridEstimator.sampling", 1),
-    Mistake::new("unseen_cells_rise", "cells that no camera sees rise to what is found in them", "fog behind the cameras", "leave densities below 0 as they are", "never; cheap to keep", 0),
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
 ];
 
@@ -56,7 +55,7 @@ pub fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         });
     }
     for (density, seen) in grid.density.iter_mut().zip(seen) {
-        if *density < 0.0 && !is("unseen_cells_rise") {
+        if *density < 0.0 && c.grid_unseen == GridUnseen::Kept {
             continue;
         }
         let faded = decay * *density;

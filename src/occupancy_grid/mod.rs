@@ -3,7 +3,7 @@
 //! Instant-NGP (Mueller et al. 2022) appendix C. Letters: `R` cells along an edge; cell (i, j, k) is [i, i+1) x [j, j+1) x [k, k+1) over R,
 //! index i + R (j + R k); the last cell of an axis is closed. A ray is o + t d in units of the box.
 
-use crate::convention::{GridDecay, GridThreshold};
+use crate::convention::{GridDecay, GridThreshold, GridUnseen};
 
 pub(crate) mod arrays;
 pub(crate) mod bound;
@@ -74,21 +74,29 @@ impl OccupancyGrid {
     /// `points` (M), `sigmas` (M).
     ///
     /// # Convention
-    /// `fades`: or every cell that a camera sees falls, as instant-ngp has it, which looks into all of them often enough.
+    /// `fades`: or every cell that a camera sees falls, as instant-ngp has it, which looks into all of them often enough. `unseen`: or a
+    /// density below 0 is one like any other.
     ///
     /// # Panics
     /// Where the lengths differ, or `density` doesn't have R^3 cells.
-    pub fn update(&mut self, decay: f64, points: &[[f64; 3]], sigmas: &[f64], fades: GridDecay) {
+    pub fn update(
+        &mut self,
+        decay: f64,
+        points: &[[f64; 3]],
+        sigmas: &[f64],
+        fades: GridDecay,
+        unseen: GridUnseen,
+    ) {
         assert_eq!(points.len(), sigmas.len(), "points and sigmas: one each a point");
         assert_eq!(self.density.len(), self.resolution.pow(3), "density and cells: one each a cell");
-        let mut found = vec![-1.0_f64; self.density.len()];
+        let mut found = vec![f64::NEG_INFINITY; self.density.len()];
         for m in 0..points.len() {
             let cell = self.cell(points[m]);
             found[cell] = found[cell].max(sigmas[m]);
         }
         for cell in 0..found.len() {
             let fades = found[cell] >= 0.0 || fades == GridDecay::EveryCell;
-            if fades && self.density[cell] >= 0.0 {
+            if fades && (self.density[cell] >= 0.0 || unseen == GridUnseen::Ordinary) {
                 self.density[cell] = (decay * self.density[cell]).max(found[cell]);
             }
         }
@@ -102,7 +110,8 @@ impl OccupancyGrid {
     /// samples a ray has.
     ///
     /// # Convention
-    /// nerfacc takes the mean over all cells that are seen, those of density 0 too, and older grids take the limit alone.
+    /// nerfacc takes the mean over all cells that are seen, those of density 0 too; instant-ngp and torch-ngp over all cells, those that
+    /// aren't seen as 0; older grids take the limit alone.
     ///
     /// ```
     /// use nerf_oracle::{convention::GridThreshold::*, occupancy_grid::OccupancyGrid};
@@ -110,6 +119,7 @@ impl OccupancyGrid {
     /// (density[0], density[1], density[2]) = (0.25, 0.75, -1.0);
     /// let grid = OccupancyGrid { resolution: 2, density, threshold: 0.0 };
     /// assert_eq!((grid.threshold_below(2.0, LimitAlone), grid.threshold_below(2.0, MeanOfSeen)), (2.0, 1.0 / 7.0));
+    /// assert_eq!(grid.threshold_below(2.0, MeanOverAll), 1.0 / 8.0);
     /// assert_eq!((grid.threshold_below(2.0, MeanOfDense), grid.threshold_below(0.1, MeanOfDense)), (0.5, 0.1));
     /// ```
     pub fn threshold_below(&self, limit: f64, convention: GridThreshold) -> f64 {
@@ -118,8 +128,13 @@ impl OccupancyGrid {
         }
         let (mut sum, mut count, mut most) = (0.0, 0.0, 0.0_f64);
         for density in &self.density {
-            if *density > 0.0 || *density == 0.0 && convention == GridThreshold::MeanOfSeen {
-                sum += density;
+            let counts = match convention {
+                GridThreshold::MeanOverAll => true,
+                GridThreshold::MeanOfSeen => *density >= 0.0,
+                _ => *density > 0.0,
+            };
+            if counts {
+                sum += density.max(0.0);
                 count += 1.0;
                 most = most.max(*density);
             }

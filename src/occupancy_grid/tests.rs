@@ -3,7 +3,7 @@
 use approx::assert_abs_diff_eq;
 
 use super::{Crossing, OccupancyGrid};
-use crate::convention::{GridDecay, GridThreshold};
+use crate::convention::{GridDecay, GridThreshold, GridUnseen};
 use crate::random::{Key, Purpose};
 use crate::ray_aabb;
 
@@ -74,7 +74,7 @@ fn update_decays_and_rises_where_somebody_looked() {
     density[7] = -1.0;
     let mut grid = OccupancyGrid { resolution: 2, density, threshold: 0.6 };
     let points = [[0.1, 0.1, 0.1], [0.2, 0.2, 0.2], [0.9, 0.1, 0.1], [0.9, 0.9, 0.9]];
-    grid.update(0.5, &points, &[2.0, 3.0, 0.1, 9.0], GridDecay::Touched);
+    grid.update(0.5, &points, &[2.0, 3.0, 0.1, 9.0], GridDecay::Touched, GridUnseen::Kept);
     assert_eq!(grid.density, [3.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0]);
     assert!(grid.occupied([0.49, 0.0, 0.3]) && !grid.occupied([0.5, 0.0, 0.3]));
 }
@@ -84,14 +84,22 @@ fn update_decays_and_rises_where_somebody_looked() {
 fn what_other_grids_do() {
     let mut grid = OccupancyGrid { resolution: 2, density: vec![2.0; 8], threshold: 0.6 };
     grid.density[7] = -1.0;
-    grid.update(0.5, &[[0.1; 3]], &[3.0], GridDecay::EveryCell);
+    grid.update(0.5, &[[0.1; 3]], &[3.0], GridDecay::EveryCell, GridUnseen::Kept);
     assert_eq!(grid.density, [3.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0]);
     grid.density = vec![0.0, 1.0, 2.0, -1.0, -1.0, -1.0, -1.0, -1.0];
     let below = |limit, convention| grid.threshold_below(limit, convention);
     assert_eq!((below(9.0, GridThreshold::MeanOfSeen), below(9.0, GridThreshold::MeanOfDense)), (1.0, 1.5));
     assert_eq!((below(0.5, GridThreshold::MeanOfSeen), below(9.0, GridThreshold::LimitAlone)), (0.5, 9.0));
+    assert_eq!(below(9.0, GridThreshold::MeanOverAll), 3.0 / 8.0);
     grid.density = vec![0.0; 8];
     assert_eq!(grid.threshold_below(9.0, GridThreshold::MeanOfSeen), 0.0);
+    assert_eq!(grid.threshold_below(9.0, GridThreshold::MeanOverAll), 0.0);
+    // A grid without a mark for cells that no camera sees: -1 is a density as any other.
+    for (fades, rest) in [(GridDecay::EveryCell, -0.5), (GridDecay::Touched, -1.0)] {
+        grid.density = vec![-1.0; 8];
+        grid.update(0.5, &[[0.1; 3]], &[3.0], fades, GridUnseen::Ordinary);
+        assert_eq!(grid.density, [&[3.0][..], &[rest; 7]].concat());
+    }
 }
 
 /// A thin field keeps its densest cells, an empty one all that are seen, whatever the limit.

@@ -30,7 +30,8 @@ pub(crate) fn each(a: &Arrays, step: impl Fn(Moments, f64) -> Moments) -> Arrays
     ])
 }
 
-pub(super) fn adam_step(a: &Arrays, _: &Conventions) -> Arrays {
+pub(super) fn adam_step(a: &Arrays, c: &Conventions) -> Arrays {
     let (adam, step) = settings(a);
+    let adam = Adam { eps: super::eps(&adam, step, c.adam_eps), ..adam };
     each(a, |before, grad| super::adam_step(&adam, before, grad, step))
 }

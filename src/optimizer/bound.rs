@@ -8,7 +8,7 @@ use super::{Adam, Moments, bias_correction};
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact};
-use crate::convention::Conventions;
+use crate::convention::{AdamEps, Conventions};
 use crate::math::{expm1, ln};
 
 /// Numbers computed from hyper-parameters alone.
@@ -20,6 +20,8 @@ struct Scalars {
     correction1: Bounded,
     correction2: Bounded,
     step_size: Bounded,
+    /// lr sqrt(1 - b2^t) / (1 - b1^t).
+    whole_rate: Bounded,
     lr: Bounded,
     eps: Bounded,
     decay: Bounded,
@@ -52,6 +54,7 @@ impl Scalars {
             rest1: rounded(1.0 - adam.beta1),
             rest2: rounded(1.0 - adam.beta2),
             step_size: to_type(s.div(s.rounded(adam.lr, 0.0), correction1)),
+            whole_rate: to_type(s.div(s.mul(s.rounded(adam.lr, 0.0), s.sqrt(correction2)), correction1)),
             correction1: to_type(correction1),
             correction2: to_type(correction2),
             lr: rounded(adam.lr),
@@ -67,7 +70,22 @@ fn mean(beta: Bounded, rest: Bounded, m: Bounded, g: Bounded, a: &Arithmetic) ->
     weighted.or(a.add(m, a.mul(rest, a.sub(g, m))))
 }
 
-fn moments(before: Moments, grad: f64, adam: &Adam, s: &Scalars, m: &Arithmetic) -> Moments {
+/// lr sqrt(1 - b2^t) / (1 - b1^t) m' / (sqrt(v') + eps), in any order.
+fn uncorrected(mean1: Bounded, mean2: Bounded, s: &Scalars, m: &Arithmetic) -> Bounded {
+    let denominator = m.add(m.sqrt(mean2), s.eps);
+    let quotient_first = m.mul(s.whole_rate, m.div(mean1, denominator));
+    let product_first = m.div(m.mul(s.whole_rate, mean1), denominator);
+    quotient_first.or(product_first).or(m.mul(m.div(s.whole_rate, denominator), mean1))
+}
+
+fn moments(
+    before: Moments,
+    grad: f64,
+    adam: &Adam,
+    s: &Scalars,
+    convention: AdamEps,
+    m: &Arithmetic,
+) -> Moments {
     let param = exact(before.param);
     let g = if adam.weight_decay == 0.0 { exact(grad) } else { m.add(exact(grad), m.mul(s.decay, param)) };
     let mean1 = mean(s.beta1, s.rest1, exact(before.m), g, m);
@@ -75,6 +93,10 @@ fn moments(before: Moments, grad: f64, adam: &Adam, s: &Scalars, m: &Arithmetic)
     let kept = m.mul(s.beta2, exact(before.v));
     let square = m.mul(s.rest2, m.mul(g, g)).or(m.mul(m.mul(s.rest2, g), g));
     let mean2 = m.add(kept, square);
+    if convention == AdamEps::Uncorrected {
+        let after = m.sub(param, uncorrected(mean1, mean2, s, m));
+        return Moments { param: after.e, m: mean1.e, v: mean2.e };
+    }
     let root = m.div(m.sqrt(mean2), m.sqrt(s.correction2)).or(m.sqrt(m.div(mean2, s.correction2)));
     let denominator = m.add(root, s.eps);
     let update = m.mul(s.step_size, m.div(mean1, denominator));
@@ -86,8 +108,8 @@ fn moments(before: Moments, grad: f64, adam: &Adam, s: &Scalars, m: &Arithmetic)
 }
 
 /// Bound of [`super::adam_step`].
-pub fn adam_step(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub fn adam_step(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (adam, step) = settings(a);
     let scalars = Scalars::new(&adam, step, m);
-    each(a, |before, grad| moments(before, grad, &adam, &scalars, m))
+    each(a, |before, grad| moments(before, grad, &adam, &scalars, c.adam_eps, m))
 }

@@ -19,7 +19,11 @@ pub const ADAM_STEP: Component = Component {
         Port::plain("lr", "", "learning rate"),
         Port::plain("beta1", "", "decay of m"),
         Port::plain("beta2", "", "decay of v"),
-        Port::plain("eps", "", "added to the root, outside of it"),
+        Port::plain(
+            "eps",
+            "",
+            "added to the root, outside of it; by convention before or after its correction",
+        ),
         Port::plain("weight_decay", "", "times the parameter, added to the gradient (coupled)"),
     ],
     outputs: &[
@@ -27,7 +31,7 @@ pub const ADAM_STEP: Component = Component {
         Port::plain("m_out", "P", "m'"),
         Port::plain("v_out", "P", "v'"),
     ],
-    conventions: &[],
+    conventions: &["adam_eps"],
     forward: Direction {
         oracle: arrays::adam_step,
         bound: bound::adam_step,

@@ -1,7 +1,7 @@
 //! Adam's step, wrong on purpose. Without a mistake it equals the oracle.
 
 use super::arrays::{each, settings};
-use super::{Moments, adam_step as oracle, bias_correction};
+use super::{Moments, adam_step as oracle, bias_correction, eps};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
@@ -40,29 +40,53 @@ pub const ADAM_STEP: &[Mistake] = &[
         "hand-written optimizers",
         0,
     ),
+    Mistake::new(
+        "corrected_as_in_first_step",
+        "1 - beta for 1 - beta^step in every step",
+        "steps that grow up to 10 times too long (and 1 / sqrt(1000) of it): the corrections never fade",
+        "raise beta to the number of the step",
+        "a teaching library",
+        1,
+    ),
+    Mistake::new(
+        "corrected_twice",
+        "corrected moments, and sqrt(1 - beta2^step) / (1 - beta1^step) in the rate besides",
+        "first steps wrong by that factor",
+        "either of the two",
+        "an algorithm collection in Python",
+        1,
+    ),
 ];
 
 /// Adam's step.
-pub fn adam_step(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (mut adam, mut step) = settings(a);
-    if wrong.contains(&"step_from_zero") {
+    let is = |name: &str| wrong.contains(&name);
+    if is("step_from_zero") {
         step = (step - 1).max(1);
     }
     let decay = adam.weight_decay;
-    let decoupled = wrong.contains(&"decoupled_decay");
-    if decoupled {
+    if is("decoupled_decay") {
         adam.weight_decay = 0.0;
     }
-    let (uncorrected, inside) = (wrong.contains(&"no_bias_correction"), wrong.contains(&"eps_inside_root"));
+    adam.eps = eps(&adam, step, c.adam_eps);
+    let correction = |beta: f64| match () {
+        () if is("no_bias_correction") => 1.0,
+        () if is("corrected_as_in_first_step") => 1.0 - beta,
+        () => bias_correction(beta, step),
+    };
+    let rewritten =
+        ["no_bias_correction", "eps_inside_root", "corrected_as_in_first_step", "corrected_twice"];
     each(a, |before, grad| {
         let mut after = oracle(&adam, before, grad, step);
-        if uncorrected || inside {
-            let correction = |beta| if uncorrected { 1.0 } else { bias_correction(beta, step) };
+        if rewritten.into_iter().any(is) {
             let (m, v) = (after.m / correction(adam.beta1), after.v / correction(adam.beta2));
-            let root = if inside { (v + adam.eps).sqrt() } else { v.sqrt() + adam.eps };
-            after = Moments { param: before.param - adam.lr * m / root, ..after };
+            let root = if is("eps_inside_root") { (v + adam.eps).sqrt() } else { v.sqrt() + adam.eps };
+            let twice = bias_correction(adam.beta2, step).sqrt() / bias_correction(adam.beta1, step);
+            let rate = if is("corrected_twice") { adam.lr * twice } else { adam.lr };
+            after = Moments { param: before.param - rate * m / root, ..after };
         }
-        if decoupled {
+        if is("decoupled_decay") {
             after.param -= adam.lr * decay * before.param;
         }
         after

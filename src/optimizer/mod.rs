@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::convention::AdamEps;
 use crate::math::{expm1, ln};
 
 pub(crate) mod arrays;
@@ -59,7 +60,7 @@ pub struct Moments {
 /// p' = p - lr / (1 - b1^step) m' / (sqrt(v') / sqrt(1 - b2^step) + eps).
 ///
 /// # Convention
-/// eps is added outside the root, and the bias corrections are applied to both means. The first step is lr sign(g), whatever the
+/// eps is added outside the root, and the bias corrections are applied to both means; another place of eps is another eps ([`eps`]). The first step is lr sign(g), whatever the
 /// size of g, as long as it is well above eps.
 ///
 /// ```
@@ -76,6 +77,22 @@ pub fn adam_step(adam: &Adam, before: Moments, grad: f64, step: u64) -> Moments 
     let (correction1, correction2) = (bias_correction(beta1, step), bias_correction(beta2, step));
     let denominator = v.sqrt() / correction2.sqrt() + eps;
     Moments { param: before.param - lr / correction1 * (m / denominator), m, v }
+}
+
+/// The eps that stands beside the corrected root. lr sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + eps), the paper's shorter form, is
+/// [`adam_step`] with eps / sqrt(1 - b2^t) for eps.
+///
+/// ```
+/// use nerf_oracle::convention::AdamEps;
+/// use nerf_oracle::optimizer::{Adam, eps};
+/// let adam = Adam { eps: 1e-4, beta2: 0.75, ..Adam::default() };
+/// assert_eq!((eps(&adam, 1, AdamEps::Corrected), eps(&adam, 1, AdamEps::Uncorrected)), (1e-4, 2e-4));
+/// ```
+pub fn eps(adam: &Adam, step: u64, convention: AdamEps) -> f64 {
+    match convention {
+        AdamEps::Corrected => adam.eps,
+        AdamEps::Uncorrected => adam.eps / bias_correction(adam.beta2, step).sqrt(),
+    }
 }
 
 /// 1 - beta^step. `1 - pow(beta, step)` cancels while beta^step is near 1: at beta = 0.999 the first steps lose 3 digits.

@@ -19,6 +19,21 @@ fn tr3_the_first_step_is_lr_whatever_the_gradient() {
     assert!((1.0 - steps(&adam, &[1e-8]).param - 0.005).abs() < 1e-15);
 }
 
+/// The paper's shorter form, written out: lr sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + eps).
+#[test]
+fn an_uncorrected_eps_is_the_papers_shorter_form() {
+    let adam = Adam { lr: 0.125, eps: 0.5, ..Adam::default() };
+    let before = Moments { param: 1.0, m: 0.25, v: 0.75 };
+    for step in [1, 2, 10, 1000] {
+        let shorter = Adam { eps: eps(&adam, step, AdamEps::Uncorrected), ..adam };
+        let after = adam_step(&shorter, before, -0.75, step);
+        let rate = 0.125 * (1.0 - 0.999f64.powi(step as i32)).sqrt() / (1.0 - 0.9f64.powi(step as i32));
+        let expected = 1.0 - rate * after.m / (after.v.sqrt() + 0.5);
+        assert!((after.param - expected).abs() < 1e-12, "{step}: {} {expected}", after.param);
+        assert!((after.param - adam_step(&adam, before, -0.75, step).param).abs() > 1e-4);
+    }
+}
+
 #[test]
 fn tr4_no_gradient_no_step() {
     assert_eq!(steps(&Adam::default(), &[0.0; 5]), START);

@@ -133,6 +133,14 @@ pub const STEP_SIZES: &[Mistake] = &[
     DELTA_DIFFERENCED_TWICE,
     FIRST_GAP_FOR_ALL,
     FIRST_RAY_DELTAS,
+    Mistake::new(
+        "last_gap_too_early",
+        "the last step is the gap before the last one: deltas[-2:-1], where deltas has N - 1 entries",
+        "the last sample has another sample's step",
+        "deltas[-1:]",
+        "a surface renderer",
+        1,
+    ),
 ];
 
 /// One ray's positions as the mistakes have them.
@@ -190,8 +198,9 @@ fn wrong_steps(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64
             "delta_differenced_twice" => {
                 deltas = (1..n).map(|i| gap(i) - gap(i - 1)).chain([1e10]).collect();
             }
-            "first_gap_for_all" if n > 0 => deltas.fill(gap(0)),
-            "first_ray_deltas" => deltas = (0..n).map(gap).collect(),
+            "first_gap_for_all" if n > 1 => deltas.fill(gap(0)),
+            "last_gap_too_early" if n > 2 => deltas[n - 1] = gap(n - 3),
+            "first_ray_deltas" if n > 1 => deltas = (0..n).map(gap).collect(),
             _ => {}
         }
     }

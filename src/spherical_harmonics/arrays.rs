@@ -32,10 +32,10 @@ pub(crate) fn vjp(a: &Arrays, f: impl Fn([f64; 3], &[f64]) -> [f64; 3]) -> Array
     arrays([("grad_d", from_rows(&out, 3))])
 }
 
-pub(super) fn harmonics(a: &Arrays, _: &Conventions) -> Arrays {
-    forward(a, |d| super::harmonics(d, degree(a)))
+pub(super) fn harmonics(a: &Arrays, c: &Conventions) -> Arrays {
+    forward(a, |d| super::harmonics(d, degree(a), c.harmonic_form, c.harmonic_sign))
 }
 
-pub(super) fn harmonics_vjp(a: &Arrays, _: &Conventions) -> Arrays {
-    vjp(a, |d, g| backward::harmonics(d, degree(a), g))
+pub(super) fn harmonics_vjp(a: &Arrays, c: &Conventions) -> Arrays {
+    vjp(a, |d, g| backward::harmonics(d, degree(a), c.harmonic_form, c.harmonic_sign, g))
 }

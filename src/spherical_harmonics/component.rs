@@ -8,14 +8,14 @@ use crate::contract::special::Special;
 pub const SPHERICAL_HARMONICS: Component = Component {
     name: "spherical_harmonics",
     folder: "spherical_harmonics",
-    formula: "Y_l^m(d) for l = 0, ..., degree and m = -l, ..., l, real, orthonormal, sign (-1)^m",
+    formula: "Y_l^m(d) for l = 0, ..., degree and m = -l, ..., l, real, orthonormal, sign (-1)^m (none by convention)",
     source: "Sloan, Stupid Spherical Harmonics Tricks (2008), A2; Instant-NGP (Mueller et al. 2022) section 5.3",
     inputs: &[
         Port::smooth("d", "M,3", "directions of length 1, components in [-1, 1]"),
         Port::plain("degree", "", "last band, 0 to 4").of(Entries::Count),
     ],
     outputs: &[Port::smooth("harmonics", "M,(degree+1)^2", "band by band, m ascending")],
-    conventions: &[],
+    conventions: &["harmonic_sign", "harmonic_form"],
     forward: Direction {
         oracle: arrays::harmonics,
         bound: bound::harmonics,

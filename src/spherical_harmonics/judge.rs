@@ -9,8 +9,11 @@ front_door! {
     /// Judges the harmonics of one direction: (d, degree) -> (degree + 1)^2 numbers, band by band.
     ///
     /// ```
+    /// use nerf_oracle::convention::{HarmonicForm::Sphere, HarmonicSign::Alternating};
     /// use nerf_oracle::spherical_harmonics::{backward, harmonics, judge};
-    /// judge(harmonics).vjp(|d, degree, g| backward::harmonics(d, degree, g)).assert_pass();
+    /// judge(|d, degree| harmonics(d, degree, Sphere, Alternating))
+    ///     .vjp(|d, degree, g| backward::harmonics(d, degree, Sphere, Alternating, g))
+    ///     .assert_pass();
     /// ```
     each SPHERICAL_HARMONICS: judge as Direction(d: [f64; 3], degree: usize);
     /// With its gradient: (d, degree, grad_harmonics) -> grad_d.

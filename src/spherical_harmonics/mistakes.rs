@@ -1,21 +1,13 @@
 //! Spherical harmonics, wrong on purpose. Without a mistake every function equals the oracle.
 
 use super::arrays::{degree, forward, vjp};
-use super::{POLYNOMIALS, backward, power};
+use super::{backward, polynomial, power};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
-use crate::convention::Conventions;
+use crate::convention::{Conventions, HarmonicSign};
 
 /// Mistakes of the spherical harmonics.
 pub const SPHERICAL_HARMONICS: &[Mistake] = &[
-    Mistake::new(
-        "no_condon_shortley",
-        "odd m without the sign (-1)^m",
-        "a network trained with one sign renders wrong highlights with the other",
-        "multiply odd m by -1",
-        "between spherical-harmonics codes; Sloan 2008 discusses it",
-        2,
-    ),
     Mistake::new(
         "directions_in_unit_cube",
         "(d + 1) / 2 is handed to polynomials that want d in [-1, 1]",
@@ -23,6 +15,14 @@ pub const SPHERICAL_HARMONICS: &[Mistake] = &[
         "hand over the unit direction itself, or undo the shift inside",
         "instant-ngp's and tiny-cuda-nn's input range, ported without the shift",
         2,
+    ),
+    Mistake::new(
+        "band_4_slips",
+        "two slips in band 4: m = -1 lacks its z, and m = 4 has the constant 0.4425 for 0.6258",
+        "degree 4 isn't orthonormal: two colors of 25 lean the wrong way",
+        "0.669 y z (7 z^2 - 3), and 0.6258 (x^2 (x^2 - 3 y^2) - y^2 (3 x^2 - y^2))",
+        "nerfstudio's utils/math.py and copies of it",
+        1,
     ),
     Mistake::new(
         "m_descending",
@@ -52,7 +52,7 @@ pub const SPHERICAL_HARMONICS: &[Mistake] = &[
 ];
 
 /// Spherical harmonics.
-pub fn harmonics(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     forward(a, |mut d| {
         if wrong.contains(&"directions_in_unit_cube") {
             d = d.map(|x| 0.5 * (x + 1.0));
@@ -60,35 +60,35 @@ pub fn harmonics(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
         if wrong.contains(&"polar_axis_y") {
             d.swap(1, 2);
         }
-        let mut out = super::harmonics(d, degree(a));
-        for l in 0..=degree(a) {
-            let band = &mut out[l * l..(l + 1) * (l + 1)];
-            if wrong.contains(&"no_condon_shortley") {
-                // Index i holds m = i - l.
-                band.iter_mut().enumerate().filter(|(i, _)| (i + l) % 2 == 1).for_each(|(_, y)| *y = -*y);
-            }
-            if wrong.contains(&"m_descending") {
-                band.reverse();
-            }
+        let mut out = super::harmonics(d, degree(a), c.harmonic_form, c.harmonic_sign);
+        if wrong.contains(&"band_4_slips") && degree(a) == 4 {
+            let sign = if c.harmonic_sign == HarmonicSign::Plain { 1.0 } else { -1.0 };
+            out[19] = sign * 0.669_046_543_557_289_2 * d[1] * (7.0 * d[2] * d[2] - 3.0);
+            out[24] *= 0.442_532_692_444_982_6 / 0.625_835_735_449_176_1;
+        }
+        if wrong.contains(&"m_descending") {
+            (0..=degree(a)).for_each(|l| out[l * l..(l + 1) * (l + 1)].reverse());
         }
         out
     })
 }
 
 /// Their gradient.
-pub fn harmonics_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub fn harmonics_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let (form, sign) = (c.harmonic_form, c.harmonic_sign);
     if !wrong.contains(&"power_rule_forgotten") {
-        return vjp(a, |d, g| backward::harmonics(d, degree(a), g));
+        return vjp(a, |d, g| backward::harmonics(d, degree(a), form, sign, g));
     }
     vjp(a, |d, g| {
         let mut g_d = [0.0; 3];
-        for n in 0..(degree(a) + 1) * (degree(a) + 1) {
-            for &(coefficient, exponents) in POLYNOMIALS[n] {
+        for (n, g) in g.iter().enumerate() {
+            let (polynomial, factor) = polynomial(n, form, sign);
+            for &(coefficient, exponents) in polynomial {
                 for axis in (0..3).filter(|&axis| exponents[axis] > 0) {
                     let mut lowered = exponents;
                     lowered[axis] -= 1;
                     let product: f64 = (0..3).map(|b| power(d[b], lowered[b])).product();
-                    g_d[axis] += g[n] * coefficient * product;
+                    g_d[axis] += g * factor * coefficient * product;
                 }
             }
         }

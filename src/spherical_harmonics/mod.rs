@@ -3,6 +3,8 @@
 //! Y_l^m(d) = K P_l^|m|(z) (cos or sin of m phi), as polynomials of x, y, z (Sloan, "Stupid Spherical Harmonics Tricks", 2008, A2).
 //! Letters: `l` band, `m` order from -l to l; the value of (l, m) has the index l (l + 1) + m.
 
+use crate::convention::{HarmonicForm, HarmonicSign};
+
 pub(crate) mod arrays;
 pub mod backward;
 pub(crate) mod bound;
@@ -62,6 +64,37 @@ pub const POLYNOMIALS: [Polynomial; MAX_WIDTH] = [
     &[(0.625_835_735_449_176_1, [4, 0, 0]), (-3.755_014_412_695_056_6, [2, 2, 0]), (0.625_835_735_449_176_1, [0, 4, 0])],
 ];
 
+/// What the harmonics of these indices are with x^2 + y^2 + z^2 for 1, as PlenOctrees writes them.
+#[rustfmt::skip]
+const HOMOGENEOUS: [(usize, Polynomial); 4] = [
+    (6, &[(0.630_783_130_505_040_1, [0, 0, 2]), (-0.315_391_565_252_520_05, [2, 0, 0]), (-0.315_391_565_252_520_05, [0, 2, 0])]),
+    (11, &[(-1.828_183_197_857_863_2, [0, 1, 2]), (0.457_045_799_464_465_8, [2, 1, 0]), (0.457_045_799_464_465_8, [0, 3, 0])]),
+    (12, &[(0.746_352_665_180_230_8, [0, 0, 3]), (-1.119_528_997_770_346_2, [2, 0, 1]), (-1.119_528_997_770_346_2, [0, 2, 1])]),
+    (13, &[(-1.828_183_197_857_863_2, [1, 0, 2]), (0.457_045_799_464_465_8, [3, 0, 0]), (0.457_045_799_464_465_8, [1, 2, 0])]),
+];
+
+/// The harmonic of index n and the factor of its convention: its polynomial, and -1 where the sign of odd m is left out.
+pub(crate) fn polynomial(n: usize, form: HarmonicForm, sign: HarmonicSign) -> (Polynomial, f64) {
+    let mut polynomial = POLYNOMIALS[n];
+    for (index, homogeneous) in HOMOGENEOUS {
+        if index == n && form == HarmonicForm::Homogeneous {
+            polynomial = homogeneous;
+        }
+    }
+    // n = l (l + 1) + m, and l (l + 1) is even.
+    let turned = n % 2 == 1 && sign == HarmonicSign::Plain;
+    (polynomial, if turned { -1.0 } else { 1.0 })
+}
+
+/// The direction that is handed to the polynomials, and its length: 1 but where the convention normalizes.
+pub(crate) fn normalized(d: [f64; 3], form: HarmonicForm) -> ([f64; 3], f64) {
+    if form != HarmonicForm::Normalized {
+        return (d, 1.0);
+    }
+    let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+    (d.map(|x| x / length), length)
+}
+
 /// x^n by repeated multiplication.
 pub(crate) fn power(x: f64, n: u32) -> f64 {
     let mut product = 1.0;
@@ -77,25 +110,30 @@ pub(crate) fn power(x: f64, n: u32) -> f64 {
 /// `d` (3), result ((degree + 1)^2).
 ///
 /// # Convention
-/// `d` lies in [-1, 1]^3 and has length 1 (instant-ngp's code takes (d + 1) / 2 instead, PE7). Other lengths aren't normalized:
-/// the polynomials are evaluated as they are. Instant-NGP's "degree 4" means four bands, 0 to 3: here that is `degree` 3.
+/// `d` lies in [-1, 1]^3 and has length 1 (instant-ngp's code takes (d + 1) / 2 instead, PE7). Other lengths aren't normalized but in
+/// [`HarmonicForm::Normalized`]: the polynomials are evaluated as they are. Instant-NGP's "degree 4" means four bands, 0 to 3: here that
+/// is `degree` 3.
 ///
 /// # Panics
 /// Where `degree` is above 4.
 ///
 /// ```
+/// use nerf_oracle::convention::{HarmonicForm::Sphere, HarmonicSign::{Alternating, Plain}};
 /// use nerf_oracle::spherical_harmonics::harmonics;
-/// let y = harmonics([0.0, 0.0, 1.0], 1);
+/// let y = harmonics([0.0, 0.0, 1.0], 1, Sphere, Alternating);
 /// assert!((y[2] / y[0] - 3f64.sqrt()).abs() < 1e-15 && y[1] == 0.0 && y[3] == 0.0);
+/// assert_eq!(harmonics([0.6, 0.0, 0.8], 1, Sphere, Plain)[3], -harmonics([0.6, 0.0, 0.8], 1, Sphere, Alternating)[3]);
 /// ```
-pub fn harmonics(d: [f64; 3], degree: usize) -> Vec<f64> {
+pub fn harmonics(d: [f64; 3], degree: usize, form: HarmonicForm, sign: HarmonicSign) -> Vec<f64> {
+    let (d, _) = normalized(d, form);
     let mut out = vec![];
-    for polynomial in &POLYNOMIALS[..(degree + 1) * (degree + 1)] {
+    for n in 0..(degree + 1) * (degree + 1) {
+        let (polynomial, factor) = polynomial(n, form, sign);
         let mut value = 0.0;
-        for &(coefficient, [i, j, k]) in *polynomial {
+        for &(coefficient, [i, j, k]) in polynomial {
             value += coefficient * power(d[0], i) * power(d[1], j) * power(d[2], k);
         }
-        out.push(value);
+        out.push(factor * value);
     }
     out
 }

@@ -18,9 +18,9 @@ pub(crate) fn vjp(a: &Arrays, f: impl Fn(f64, f64) -> f64) -> Arrays {
 }
 
 pub(super) fn trunc_exp(a: &Arrays, c: &Conventions) -> Arrays {
-    forward(a, |x| super::density(x, c.exponent))
+    forward(a, |x| super::density(x, c.exponent, c.exponent_shift))
 }
 
-pub(super) fn trunc_exp_vjp(a: &Arrays, _: &Conventions) -> Arrays {
-    vjp(a, backward::trunc_exp)
+pub(super) fn trunc_exp_vjp(a: &Arrays, c: &Conventions) -> Arrays {
+    vjp(a, |x, g| backward::trunc_exp(x, g, c.exponent_gradient, c.exponent_shift))
 }

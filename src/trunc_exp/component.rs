@@ -8,11 +8,11 @@ use crate::contract::special::Special;
 pub const TRUNC_EXP: Component = Component {
     name: "trunc_exp",
     folder: "trunc_exp",
-    formula: "sigma = e^x, or e^clamp(x, -15, 15) by convention; the gradient is stated, not derived: grad_x = grad_sigma e^clamp(x, -15, 15)",
+    formula: "sigma = e^x, or e^clamp(x, -15, 15) by convention; the gradient is stated, not derived: grad_x = grad_sigma e^clamp(x, -15, 15), by convention e^min(x, 15)",
     source: "Instant-NGP (Mueller et al. 2022) src/testbed_nerf.cu network_to_density_derivative; torch-ngp activation.py",
     inputs: &[Port::smooth("x", "M", "what the network says about density")],
     outputs: &[Port::smooth("sigmas", "M", "densities, 1 / length")],
-    conventions: &["exponent"],
+    conventions: &["exponent", "exponent_gradient", "exponent_shift"],
     forward: Direction {
         oracle: arrays::trunc_exp,
         bound: bound::trunc_exp,

@@ -1,21 +1,21 @@
 //! The truncated exponential, wrong on purpose. Without a mistake every function equals the oracle.
 
 use super::arrays::{forward, vjp};
-use super::{LIMIT, argument, backward, density};
+use super::{LIMIT, argument, backward, density, shifted};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
-use crate::math::{exp, pow};
+use crate::math::{exp, ln_1p, pow};
 
 /// Mistakes of the truncated exponential.
 pub const TRUNC_EXP: &[Mistake] = &[
     Mistake::new(
-        "bias_inside",
-        "e^(x - 1)",
-        "densities start lower by a factor of e; training makes up for it, exchanged weights don't",
-        "e^x; put an offset into the layer's bias",
-        "nerfacc's examples, where it is meant",
-        1,
+        "softplus",
+        "ln(1 + e^x)",
+        "densities that grow with x, not e^x: above 3 nearly x itself",
+        "e^x, or softplus in the reference too: a network trained with one is nothing to the other",
+        "softplus for the density, where the exponential is asked for",
+        2,
     ),
     Mistake::new(
         "base_two",
@@ -31,15 +31,6 @@ pub const TRUNC_EXP: &[Mistake] = &[
         "one large density makes a gradient of 1e20 and more, and the training is lost",
         "g e^clamp(x, -15, 15)",
         "torch.exp used as it is",
-        2,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "clamped_above_alone",
-        "g e^min(x, 15)",
-        "none above -15; below, empty space has no gradient to become anything again (e^-30 for e^-15)",
-        "clamp at both ends, or say that this is the surrogate you mean",
-        "later versions of torch-ngp, and codes made from them, where it is meant",
         2,
     )
     .of_gradient(),
@@ -66,18 +57,26 @@ pub const TRUNC_EXP: &[Mistake] = &[
 /// e^x.
 pub fn trunc_exp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     forward(a, |x| {
-        let x = if wrong.contains(&"bias_inside") { x - 1.0 } else { x };
-        if wrong.contains(&"base_two") { pow(2.0, argument(x, c.exponent)) } else { density(x, c.exponent) }
+        if wrong.contains(&"softplus") {
+            let x = argument(x, c.exponent, c.exponent_shift);
+            return x.max(0.0) + ln_1p(exp(-x.abs()));
+        }
+        if wrong.contains(&"base_two") {
+            return pow(2.0, argument(x, c.exponent, c.exponent_shift));
+        }
+        density(x, c.exponent, c.exponent_shift)
     })
 }
 
 /// Its surrogate gradient.
-pub fn trunc_exp_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
-    vjp(a, |x, g| match wrong.first() {
-        Some(&"gradient_not_clamped") => g * exp(x),
-        Some(&"clamped_above_alone") => g * exp(x.min(LIMIT)),
-        Some(&"zero_outside") if x.abs() > LIMIT => 0.0,
-        Some(&"value_clamped") => g * exp(x).min(LIMIT),
-        _ => backward::trunc_exp(x, g),
+pub fn trunc_exp_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    vjp(a, |x, g| {
+        let shifted = shifted(x, c.exponent_shift);
+        match wrong.first() {
+            Some(&"gradient_not_clamped") => g * exp(shifted),
+            Some(&"zero_outside") if shifted.abs() > LIMIT => 0.0,
+            Some(&"value_clamped") => g * exp(shifted).min(LIMIT),
+            _ => backward::trunc_exp(x, g, c.exponent_gradient, c.exponent_shift),
+        }
     })
 }

@@ -100,14 +100,15 @@ pub(super) fn background_vjp(a: &Arrays, _: &Conventions) -> Arrays {
 
 pub(super) fn depths(a: &Arrays, c: &Conventions) -> Arrays {
     let (rays, _) = size(a, "weights");
-    let ray = |r| depth(&row(a, "weights", r), &row(a, "t", r), number(a, "far"), c.depth);
+    let ray = |r| depth(&row(a, "weights", r), &row(a, "t", r), number(a, "far"), c.depth, c.empty_depth);
     arrays([("depth", array(&[rays], (0..rays).map(ray).collect()))])
 }
 
 pub(super) fn depths_vjp(a: &Arrays, c: &Conventions) -> Arrays {
     let (rays, samples) = size(a, "weights");
     let g = values(a, "grad_depth");
-    let ray = |r: usize| backward::depth(&row(a, "weights", r), &row(a, "t", r), c.depth, g[r]);
+    let ray =
+        |r: usize| backward::depth(&row(a, "weights", r), &row(a, "t", r), c.depth, c.empty_depth, g[r]);
     let (g_weights, g_t): (Vec<_>, Vec<_>) = (0..rays).map(ray).unzip();
     arrays([
         ("grad_weights", array(&[rays, samples], g_weights.concat())),

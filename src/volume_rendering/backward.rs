@@ -1,7 +1,7 @@
 //! Vector-Jacobian products of volume rendering, by hand. `g_` marks the gradient of the loss with respect to what follows.
 
 use super::{Rendering, optical_depths, product};
-use crate::convention::{Depth, ProductEps};
+use crate::convention::{Depth, EmptyDepth, ProductEps};
 use crate::math::{Sum, exp, expm1};
 
 /// Gradients of the loss with respect to what a ray returns.
@@ -110,20 +110,36 @@ pub fn composite_background(opacity: f64, background: [f64; 3], g: [f64; 3]) -> 
 
 /// Gradients of [`super::depth`] with respect to `weights` and `t`.
 ///
-/// z = sum w t / A: g_w_i = g (t_i - z) / A and g_t_i = g w_i / A; both 0 where A = 0, since `far` is a constant.
+/// z = sum w t / A: g_w_i = g (t_i - z) / A and g_t_i = g w_i / A. Where A = 0, both are 0, since `far` is a constant; but the first or
+/// last t has g, where that is an empty ray's depth by convention.
 ///
 /// # Panics
 /// Where the lengths differ.
-pub fn depth(weights: &[f64], t: &[f64], convention: Depth, g: f64) -> (Vec<f64>, Vec<f64>) {
+pub fn depth(
+    weights: &[f64],
+    t: &[f64],
+    convention: Depth,
+    empty: EmptyDepth,
+    g: f64,
+) -> (Vec<f64>, Vec<f64>) {
     assert_eq!(weights.len(), t.len(), "weights and t: one each a sample");
     let mut opacity = Sum::default();
     weights.iter().for_each(|&w| opacity.add(w));
     let opacity = opacity.value();
     match convention {
         Depth::Plain => (t.iter().map(|&t| product(g, t)).collect(), weights.iter().map(|w| g * w).collect()),
-        Depth::Divided if opacity == 0.0 => (vec![0.0; t.len()], vec![0.0; t.len()]),
+        Depth::Divided if opacity == 0.0 => {
+            let mut g_t = vec![0.0; t.len()];
+            for i in 0..t.len() {
+                let (first, last) = (i == 0, i + 1 == t.len());
+                if first && empty == EmptyDepth::First || last && empty == EmptyDepth::Last {
+                    g_t[i] = g;
+                }
+            }
+            (vec![0.0; t.len()], g_t)
+        }
         Depth::Divided => {
-            let z = super::depth(weights, t, 0.0, Depth::Divided);
+            let z = super::depth(weights, t, 0.0, Depth::Divided, EmptyDepth::Far);
             let g_weights = t.iter().map(|t| product(g, t - z) / opacity).collect();
             (g_weights, weights.iter().map(|w| g * (w / opacity)).collect())
         }

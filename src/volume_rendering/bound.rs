@@ -8,7 +8,7 @@ use super::backward::Cotangent;
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::bounded::{Bounded, exact};
-use crate::convention::{Conventions, Depth, ProductEps};
+use crate::convention::{Conventions, Depth, EmptyDepth, ProductEps};
 
 /// One ray with its errors.
 pub(crate) struct Ray {
@@ -248,6 +248,14 @@ fn divided(a: &Arrays, r: usize, m: &Arithmetic) -> (Bounded, Bounded, Bounded) 
     (weighted, opacity, m.div(weighted, opacity))
 }
 
+/// The largest number beside A, where one keeps empty rays from 0 / 0: it is told, and changes a depth by that over A.
+const BESIDE: f64 = 1e-6;
+
+/// How far a quotient by A may be off where A may have such a number beside it.
+fn beside(opacity: Bounded, powers: f64, c: &Conventions) -> f64 {
+    if c.empty_depth == EmptyDepth::Far { 0.0 } else { powers * BESIDE / opacity.y }
+}
+
 /// Bound of [`super::depth`]: the quotient of two sums, or the sum of normalized weights times t.
 pub fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, samples) = size(a, "weights");
@@ -255,9 +263,12 @@ pub fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
         let (weighted, opacity, z) = divided(a, r, m);
         match c.depth {
             Depth::Plain => weighted.e,
-            Depth::Divided if opacity.y == 0.0 => m.rounded(number(a, "far"), 0.0).e,
+            Depth::Divided if opacity.y == 0.0 && c.empty_depth == EmptyDepth::Far => {
+                m.rounded(number(a, "far"), 0.0).e
+            }
+            Depth::Divided if opacity.y == 0.0 => 0.0,
             // Normalizing the weights first rounds each of them once more.
-            Depth::Divided => z.e + m.u * samples.min(3) as f64 * z.size(),
+            Depth::Divided => z.e + (m.u * samples.min(3) as f64 + beside(opacity, 1.0, c)) * z.size(),
         }
     };
     arrays([("depth", array(&[rays], (0..rays).map(error).collect()))])
@@ -273,12 +284,24 @@ pub fn depth_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
             let (g, w, t) = (exact(g), exact(w), exact(t));
             let (on_w, on_t) = match c.depth {
                 Depth::Plain => (m.mul(g, t), m.mul(g, w)),
+                // g t / eps, whatever eps is. The first and the last t that a depth is clipped to may be constants.
+                Depth::Divided if opacity.y == 0.0 && c.empty_depth != EmptyDepth::Far => {
+                    let clipped = c.empty_depth != EmptyDepth::Zero;
+                    let on_t = if clipped { g.size() } else { 0.0 };
+                    (exact(0.0).widened(f64::INFINITY), exact(0.0).widened(on_t))
+                }
                 Depth::Divided if opacity.y == 0.0 => (exact(0.0), exact(0.0)),
                 Depth::Divided => {
                     let factored = m.div(m.mul(g, m.sub(t, z)), opacity);
                     let square = m.mul(opacity, opacity);
                     let terms = m.sub(m.mul(m.div(g, opacity), t), m.div(m.mul(g, weighted), square));
-                    (factored.or(terms), m.div(m.mul(g, w), opacity).or(m.mul(m.div(g, opacity), w)))
+                    // g t / A and g z / A cancel: each moves by the number beside A.
+                    let size = (g.size() * t.size() + g.size() * z.size()) / opacity.y;
+                    let on_t = m.div(m.mul(g, w), opacity).or(m.mul(m.div(g, opacity), w));
+                    (
+                        factored.or(terms).widened(beside(opacity, 2.0, c) * size),
+                        on_t.widened(beside(opacity, 1.0, c) * on_t.size()),
+                    )
                 }
             };
             g_weights.push(on_w.e);

@@ -99,7 +99,7 @@ pub const COMPOSITE_BACKGROUND: Component = Component {
 pub const DEPTH: Component = Component {
     name: "depth",
     folder: "volume_rendering",
-    formula: "z = sum w_i t_i / sum w_i, far where the ray meets nothing",
+    formula: "z = sum w_i t_i / sum w_i, far where the ray meets nothing (by convention 0, the first t or the last)",
     source: "bmild/nerf run_nerf.py raw2outputs (undivided); nerfstudio renderers.py (divided)",
     inputs: &[
         Port::smooth("weights", "R,N", "w"),
@@ -107,7 +107,7 @@ pub const DEPTH: Component = Component {
         Port::plain("far", "", "depth of an empty ray"),
     ],
     outputs: &[Port::smooth("depth", "R", "expected distance")],
-    conventions: &["depth"],
+    conventions: &["depth", "empty_depth"],
     forward: Direction {
         oracle: arrays::depths,
         bound: bound::depth,

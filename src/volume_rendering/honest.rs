@@ -5,7 +5,7 @@ use super::arrays::{cotangent, renderings};
 use super::backward::Cotangent;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::machine::Machine;
-use crate::convention::{Conventions, Depth, ProductEps};
+use crate::convention::{Conventions, Depth, EmptyDepth, ProductEps};
 
 fn alphas(x: &[f64], m: &Machine) -> Vec<f64> {
     x.iter().map(|&x| if m.stable { -m.expm1(-x) } else { m.sub(1.0, m.exp(-x)) }).collect()
@@ -174,15 +174,29 @@ pub fn composite_background_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arr
     ])
 }
 
+/// A, or by convention A kept from 0: at least 1e-12, or 1e-7 more.
+fn beside(opacity: f64, c: &Conventions, m: &Machine) -> f64 {
+    match c.empty_depth {
+        EmptyDepth::Far => opacity,
+        _ if m.form % 2 == 0 => opacity.max(1e-12),
+        _ => m.add(opacity, m.round(1e-7)),
+    }
+}
+
 /// Sum of w t over sum of w, or the sum of normalized weights times t.
 pub fn depth(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, _) = size(a, "weights");
     let ray = |r: usize| {
         let (w, t) = (row(a, "weights", r), row(a, "t", r));
-        let opacity = m.sum(&w);
+        let opacity = beside(m.sum(&w), c, m);
         match c.depth {
             Depth::Plain => m.dot(&w, &t),
-            Depth::Divided if opacity == 0.0 => m.round(number(a, "far")),
+            Depth::Divided if w.iter().all(|&w| w == 0.0) => match c.empty_depth {
+                EmptyDepth::Far => m.round(number(a, "far")),
+                EmptyDepth::Zero => m.div(0.0, opacity),
+                EmptyDepth::First => t[0],
+                EmptyDepth::Last => t[t.len() - 1],
+            },
             Depth::Divided if m.form % 2 == 0 => m.div(m.dot(&w, &t), opacity),
             Depth::Divided => m.dot(&w.iter().map(|&w| m.div(w, opacity)).collect::<Vec<_>>(), &t),
         }
@@ -196,11 +210,11 @@ pub fn depth_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (mut g_weights, mut g_t) = (vec![], vec![]);
     for (r, g) in values(a, "grad_depth").into_iter().enumerate() {
         let (w, t) = (row(a, "weights", r), row(a, "t", r));
-        let (weighted, opacity) = (m.dot(&w, &t), m.sum(&w));
+        let (weighted, opacity) = (m.dot(&w, &t), beside(m.sum(&w), c, m));
         for i in 0..samples {
             let (on_w, on_t) = match c.depth {
                 Depth::Plain => (m.mul(g, t[i]), m.mul(g, w[i])),
-                Depth::Divided if opacity == 0.0 => (0.0, 0.0),
+                Depth::Divided if w.iter().all(|&w| w == 0.0) => (0.0, 0.0),
                 Depth::Divided if m.form % 2 == 0 => {
                     let centered = m.sub(t[i], m.div(weighted, opacity));
                     (m.div(m.mul(g, centered), opacity), m.div(m.mul(g, w[i]), opacity))

@@ -1,8 +1,10 @@
 //! Volume rendering, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
 
+use ndarray::ArrayD;
+
 use super::arrays::{self, renderings};
 use super::{Rendering, volume_render as oracle, volume_render_alpha as oracle_alpha};
-use crate::contract::arrays::{Arrays, input, row, rows3, scalar, size};
+use crate::contract::arrays::{Arrays, array, input, row, rows3, scalar, size};
 use crate::contract::case::Draw;
 use crate::convention::{Conventions, ProductEps};
 use crate::math::exp;
@@ -218,7 +220,29 @@ pub fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.contains(&"depth_of_index") {
         a.get_mut("t").expect("checked").indexed_iter_mut().for_each(|(i, t)| *t = i[1] as f64);
     }
-    arrays::depths(&a, c)
+    let mut depths = arrays::depths(&a, c);
+    if wrong.contains(&"median_depth") {
+        depths.insert("depth".into(), medians(&a));
+    }
+    if wrong.contains(&"disparity") {
+        depths.insert("depth".into(), input(&depths, "depth").mapv(|z| 1.0 / z.max(1e-10)));
+    }
+    depths
+}
+
+/// The first t at which the weights' sum reaches 1/2, but for its rounding; the last t where it never does.
+fn medians(a: &Arrays) -> ArrayD<f64> {
+    let median = |r| {
+        let (weights, t) = (row(a, "weights", r), row(a, "t", r));
+        let mut spent = 0.0;
+        let reached = weights.iter().position(|w| {
+            spent += w;
+            spent >= 0.499_99
+        });
+        t[reached.unwrap_or(t.len() - 1)]
+    };
+    let (rays, _) = size(a, "weights");
+    array(&[rays], (0..rays).map(median).collect())
 }
 
 /// Gradient of the expected distance: none of its own.

@@ -5,7 +5,7 @@
 //! opacity, `T` = product of (1 - alpha) of the samples before = transmittance, `w` = T alpha weight, `c` color,
 //! A = sum of w, the ray's opacity.
 
-use crate::convention::{Depth, ProductEps};
+use crate::convention::{Depth, EmptyDepth, ProductEps};
 use crate::math::{Product, Sum, exp, expm1};
 
 pub(crate) mod arrays;
@@ -142,6 +142,9 @@ pub fn composite_background(color: [f64; 3], opacity: f64, background: [f64; 3])
 /// Expected distance: sum w_i t_i / A, and `far` where A = 0; or the sum alone. A sample without weight adds nothing, even at an
 /// infinite distance.
 ///
+/// # Convention
+/// `empty`: an empty ray's depth, where the sum is divided; the first and the last t of a ray without samples are `far` too.
+///
 /// # Shapes
 /// `weights` (N), `t` (N).
 ///
@@ -149,12 +152,13 @@ pub fn composite_background(color: [f64; 3], opacity: f64, background: [f64; 3])
 /// Where the lengths differ.
 ///
 /// ```
-/// use nerf_oracle::{convention::Depth, volume_rendering::depth};
+/// use nerf_oracle::{convention::{Depth, EmptyDepth}, volume_rendering};
+/// let depth = |w: &[f64], t: &[f64], far, of| volume_rendering::depth(w, t, far, of, EmptyDepth::Far);
 /// assert_eq!(depth(&[0.25, 0.25], &[2.0, 4.0], 6.0, Depth::Divided), 3.0);
 /// assert_eq!(depth(&[0.25, 0.25], &[2.0, 4.0], 6.0, Depth::Plain), 1.5);
 /// assert_eq!(depth(&[0.0, 0.0], &[2.0, 4.0], 6.0, Depth::Divided), 6.0);
 /// ```
-pub fn depth(weights: &[f64], t: &[f64], far: f64, convention: Depth) -> f64 {
+pub fn depth(weights: &[f64], t: &[f64], far: f64, convention: Depth, empty: EmptyDepth) -> f64 {
     assert_eq!(weights.len(), t.len(), "weights and t: one each a sample");
     let (mut weighted, mut opacity) = (Sum::default(), Sum::default());
     for (w, t) in weights.iter().zip(t) {
@@ -163,7 +167,12 @@ pub fn depth(weights: &[f64], t: &[f64], far: f64, convention: Depth) -> f64 {
     }
     match convention {
         Depth::Plain => weighted.value(),
-        Depth::Divided if opacity.value() == 0.0 => far,
+        Depth::Divided if opacity.value() == 0.0 => match empty {
+            EmptyDepth::Zero => 0.0,
+            EmptyDepth::First if !t.is_empty() => t[0],
+            EmptyDepth::Last if !t.is_empty() => t[t.len() - 1],
+            _ => far,
+        },
         Depth::Divided => weighted.value() / opacity.value(),
     }
 }

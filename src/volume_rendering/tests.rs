@@ -122,13 +122,13 @@ fn gradients_of_rendering() {
 fn gradients_of_depth() {
     let (weights, t, far) = ([0.25, 0.125, 0.5], [2.0, 3.5, 5.0], 6.0);
     for convention in [Depth::Divided, Depth::Plain] {
-        let (g_weights, g_t) = backward::depth(&weights, &t, convention, 0.75);
+        let (g_weights, g_t) = backward::depth(&weights, &t, convention, EmptyDepth::Far, 0.75);
         for i in 0..3 {
             let moved = |x: [f64; 3], h: f64| {
                 std::array::from_fn::<f64, 3, _>(|j| if i == j { x[j] + h } else { x[j] })
             };
-            let by_weight = slope(|h| 0.75 * depth(&moved(weights, h), &t, far, convention));
-            let by_t = slope(|h| 0.75 * depth(&weights, &moved(t, h), far, convention));
+            let by_weight = slope(|h| 0.75 * depth(&moved(weights, h), &t, far, convention, EmptyDepth::Far));
+            let by_t = slope(|h| 0.75 * depth(&weights, &moved(t, h), far, convention, EmptyDepth::Far));
             assert!(
                 (g_weights[i] - by_weight).abs() < 1e-10 && (g_t[i] - by_t).abs() < 1e-10,
                 "{convention:?} {i}"
@@ -231,21 +231,33 @@ fn vr4_the_gradient_at_an_opaque_sample() {
 
 #[test]
 fn vr7_depth_of_an_empty_ray() {
-    assert_eq!(depth(&[0.0; 3], &[1.0, 2.0, 3.0], 6.0, Depth::Divided), 6.0);
-    assert_eq!(depth(&[], &[], 6.0, Depth::Divided), 6.0);
+    let empty = |of| depth(&[0.0; 3], &[1.0, 2.0, 3.0], 6.0, Depth::Divided, of);
+    let all = [EmptyDepth::Far, EmptyDepth::Zero, EmptyDepth::First, EmptyDepth::Last];
+    assert_eq!(all.map(empty), [6.0, 0.0, 1.0, 3.0]);
+    assert_eq!(all.map(|of| depth(&[], &[], 6.0, Depth::Divided, of)), [6.0, 0.0, 6.0, 6.0]);
+    // Where there is any weight, the convention says nothing.
+    assert_eq!(all.map(|of| depth(&[0.5; 3], &[1.0, 2.0, 3.0], 6.0, Depth::Divided, of)), [2.0; 4]);
     // A sample at infinity that has no weight.
     for convention in [Depth::Divided, Depth::Plain] {
         let (weights, t) = ([0.25, 0.75, 0.0], [2.0, 4.0, f64::INFINITY]);
-        assert_eq!(depth(&weights, &t, 6.0, convention), 3.5);
-        let (g_weights, g_t) = backward::depth(&weights, &t, convention, 0.0);
+        assert_eq!(depth(&weights, &t, 6.0, convention, EmptyDepth::Far), 3.5);
+        let (g_weights, g_t) = backward::depth(&weights, &t, convention, EmptyDepth::Far, 0.0);
         assert_eq!((g_weights, g_t), (vec![0.0; 3], vec![0.0; 3]));
-        assert_eq!(backward::depth(&weights, &t, convention, 1.0).1, weights);
+        assert_eq!(backward::depth(&weights, &t, convention, EmptyDepth::Far, 1.0).1, weights);
     }
-    let g = backward::depth(&[0.0; 2], &[1.0, 2.0], Depth::Divided, 1.0);
+    // What an empty ray's depth is has a gradient of its own.
+    let of = |empty| backward::depth(&[0.0; 2], &[1.0, 2.0], Depth::Divided, empty, 3.0);
+    assert_eq!(of(EmptyDepth::Zero), (vec![0.0; 2], vec![0.0; 2]));
+    assert_eq!(of(EmptyDepth::First), (vec![0.0; 2], vec![3.0, 0.0]));
+    assert_eq!(of(EmptyDepth::Last), (vec![0.0; 2], vec![0.0, 3.0]));
+    let g = backward::depth(&[0.0; 2], &[1.0, 2.0], Depth::Divided, EmptyDepth::Far, 1.0);
     assert_eq!(g, (vec![0.0; 2], vec![0.0; 2]));
     let opacity: f64 = [0.0; 3].iter().sum();
     assert!((opacity / opacity).is_nan(), "the textbook's quotient");
-    assert!((depth(&[1e-300, 3e-300], &[1.0, 5.0], 6.0, Depth::Divided) - 4.0).abs() <= 4.0 * EPS);
+    assert!(
+        (depth(&[1e-300, 3e-300], &[1.0, 5.0], 6.0, Depth::Divided, EmptyDepth::Far) - 4.0).abs()
+            <= 4.0 * EPS
+    );
 }
 
 #[test]

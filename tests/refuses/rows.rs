@@ -3,7 +3,11 @@
 use glam::{DMat4, DVec3};
 use ndarray::{Array3, Array4};
 use nerf_oracle::camera::{Camera, Intrinsics};
-use nerf_oracle::convention::{CS180, Depth, GridDecay, PixelCenter, ProductEps, PsnrOf};
+use nerf_oracle::convention::HarmonicForm::Sphere;
+use nerf_oracle::convention::HarmonicSign::Plain;
+use nerf_oracle::convention::{
+    CS180, Depth, EmptyDepth, GridDecay, GridUnseen, PixelCenter, ProductEps, PsnrFloor, PsnrOf,
+};
 use nerf_oracle::encoding::{self, Encoding};
 use nerf_oracle::field::mlp::{self, Mlp, Output};
 use nerf_oracle::field::nerf_mlp::{self, NerfMlp, Shape};
@@ -70,10 +74,10 @@ fn rendering() -> Vec<Row> {
         volume_rendering::backward::volume_render_alpha(&alphas, &rgbs, NONE, seen, &g);
     }
     fn depth(weights: usize, t: usize) {
-        volume_rendering::depth(&ones(weights), &ones(t), 6.0, Depth::Plain);
+        volume_rendering::depth(&ones(weights), &ones(t), 6.0, Depth::Plain, EmptyDepth::Far);
     }
     fn depth_vjp(weights: usize, t: usize) {
-        volume_rendering::backward::depth(&ones(weights), &ones(t), Depth::Plain, 1.0);
+        volume_rendering::backward::depth(&ones(weights), &ones(t), Depth::Plain, EmptyDepth::Far, 1.0);
     }
     fn trace(u: usize, sigmas: usize, rgbs: usize) {
         let k = Intrinsics { fx: 4.0, fy: 4.0, cx: 2.0, cy: 1.0 };
@@ -193,7 +197,7 @@ fn images() -> Vec<Row> {
         loss::mse(prediction, target);
     }
     fn psnr(predictions: &[&[f64]], targets: &[&[f64]]) {
-        loss::psnr_of_images(predictions, targets, 1.0, PsnrOf::Images);
+        loss::psnr_of_images(predictions, targets, 1.0, PsnrOf::Images, PsnrFloor::None);
     }
     fn ssim(a: [usize; 3], b: [usize; 3]) {
         loss::ssim(Array3::ones(a).view(), Array3::ones(b).view(), 1.0);
@@ -259,7 +263,7 @@ fn samples() -> Vec<Row> {
         encoding::backward::positional_encoding(&[0.5; 2], &Encoding::new(3, &CS180), &ones(g));
     }
     fn harmonics_vjp(degree: usize, g: usize) {
-        spherical_harmonics::backward::harmonics([0.0, 0.0, 1.0], degree, &ones(g));
+        spherical_harmonics::backward::harmonics([0.0, 0.0, 1.0], degree, Sphere, Plain, &ones(g));
     }
     vec![
         row(
@@ -291,8 +295,8 @@ fn samples() -> Vec<Row> {
         ),
         row(
             "spherical_harmonics::harmonics",
-            || drop(spherical_harmonics::harmonics([0.0, 0.0, 1.0], 4)),
-            &[("out of range", || drop(spherical_harmonics::harmonics([0.0, 0.0, 1.0], 5)))],
+            || drop(spherical_harmonics::harmonics([0.0, 0.0, 1.0], 4, Sphere, Plain)),
+            &[("out of bounds", || drop(spherical_harmonics::harmonics([0.0, 0.0, 1.0], 5, Sphere, Plain)))],
         ),
         row(
             "spherical_harmonics::backward::harmonics",
@@ -439,7 +443,7 @@ fn grids() -> Vec<Row> {
         OccupancyGrid { resolution: 2, density: ones(cells), threshold: 0.5 }
     }
     fn update(cells: usize, points: usize, sigmas: usize) {
-        grid(cells).update(0.5, &gray(points), &ones(sigmas), GridDecay::Touched);
+        grid(cells).update(0.5, &gray(points), &ones(sigmas), GridDecay::Touched, GridUnseen::Kept);
     }
     fn occupied(cells: usize) {
         grid(cells).occupied([0.5; 3]);

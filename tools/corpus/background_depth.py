@@ -86,29 +86,35 @@ def summed_distance_in_numpy(weights, t):
     return np.einsum("rn,rn->r", weights, t)
 
 
-@convention("depth", seen="nerfstudio-project/nerfacc volrend.py")
+@convention("depth", {"empty_depth": "zero"}, seen="nerfstudio-project/nerfacc volrend.py")
 def divided_by_at_least_eps(weights, t):
     """Divided by max(A, machine epsilon): 0 for an empty ray."""
     return (weights * t).sum(-1) / weights.sum(-1).clamp_min(torch.finfo(weights.dtype).eps)
 
 
-@convention("depth", seen="nerfstudio model_components/renderers.py, method expected")
+@convention("depth", {"empty_depth": "first"}, seen="nerfstudio model_components/renderers.py, method expected")
 def divided_and_clipped(weights, t):
     """Divided by A + 1e-10, clipped to the smallest and largest t: the smallest for an empty ray."""
     return torch.clip((weights * t).sum(-1) / (weights.sum(-1) + 1e-10), t.min(), t.max())
 
 
-@convention("depth", seen="google/nerfies and a jax port of it", times=2)
+@convention("depth", {"empty_depth": "zero"}, seen="google/nerfies and a jax port of it", times=2)
 def divided_by_at_least_1e_12(weights, t):
     """Divided by max(A, 1e-12)."""
     return (weights * t).sum(-1) / weights.sum(-1).clamp(1e-12)
 
 
-@convention("depth", seen="mip-NeRF in jax: nan to infinity, clipped to the ray", gradient="none")
+@convention("depth", {"empty_depth": "last"}, seen="mip-NeRF in jax: nan to infinity, clipped to the ray", gradient="none")
 def nan_to_the_far_end(weights, t, near=0.0, far=None):
     """0 / 0 becomes infinite and is cut at the last sample's place."""
     mean = torch.nan_to_num((weights * t).sum(-1) / weights.sum(-1), float("inf"))
     return torch.minimum(torch.maximum(mean, t[:, 0]), t[:, -1])
+
+
+@convention("depth", {"empty_depth": "zero"}, seen="renderers with 1e-6 or 1e-8 beside the opacity", times=3)
+def divided_by_a_little_more(weights, t):
+    """Divided by A + 1e-6."""
+    return (weights * t).sum(-1) / (weights.sum(-1) + 1e-6)
 
 
 @fault("depth", "zero_by_zero", seen="krrish94/nerf-pytorch volume_rendering_utils.py (its disparity)", times=2)
@@ -117,14 +123,14 @@ def divided_as_it_comes(weights, t):
     return (weights * t).sum(-1) / weights.sum(-1)
 
 
-@fault("depth", gradient="none", seen="nerfstudio model_components/renderers.py, method median: another quantity")
+@fault("depth", "median_depth", gradient="none", seen="nerfstudio model_components/renderers.py, method median: another quantity")
 def median_distance(weights, t):
     """Where half of the light is spent, not the mean."""
     index = torch.searchsorted(torch.cumsum(weights, -1), torch.full((len(weights), 1), 0.5), side="left")
     return torch.gather(t, -1, index.clamp(0, t.shape[1] - 1))[:, 0]
 
 
-@fault("depth", gradient="none", seen="yenchenlin/nerf-pytorch run_nerf.py: disparity, where depth is asked for", times=3)
+@fault("depth", "disparity", gradient="none", seen="yenchenlin/nerf-pytorch run_nerf.py: disparity, where depth is asked for", times=3)
 def disparity(weights, t):
     """One over the depth."""
     depth = (weights * t).sum(-1)

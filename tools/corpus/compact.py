@@ -52,32 +52,115 @@ def rounded_and_dense(x, base, finest, **rest):
     return encoded(x, levels, resolutions(base, finest, len(levels), np.rint))
 
 
-@convention("hash_grid", seen="Instant-NGP's equation 2; int(base * growth ** level) of a torch port", times=6)
+@convention("hash_grid", {"hash_levels": "floor"}, seen="Instant-NGP's equation 2; int(base * growth ** level) of a torch port", times=6)
 def resolutions_cut(x, base, finest, **rest):
     """floor(base growth^l), coarse levels dense."""
     levels = tables(rest)
     return encoded(x, levels, resolutions(base, finest, len(levels), np.floor))
 
 
-@convention("hash_grid", seen="nerfstudio encodings.py (its torch code); HashNeRF-pytorch hash_encoding.py; a jax port", times=4)
+@convention(
+    "hash_grid",
+    {"hash_levels": "floor", "hash_index": "hashed"},
+    seen="nerfstudio encodings.py (its torch code); HashNeRF-pytorch hash_encoding.py; a jax port",
+    times=4,
+)
 def all_levels_hashed(x, base, finest, **rest):
     """floor of the resolutions, and every level hashed."""
     levels = tables(rest)
     return encoded(x, levels, resolutions(base, finest, len(levels), np.floor), dense=False)
 
 
-@convention("hash_grid", seen="tiny-cuda-nn encodings/grid.h, interpolation Smoothstep; nerfstudio's option", times=2)
+@convention("hash_grid", {"hash_weights": "smoothstep"}, seen="tiny-cuda-nn encodings/grid.h, interpolation Smoothstep; nerfstudio's option", times=2)
 def smooth_weights(x, base, finest, **rest):
     """3 t^2 - 2 t^3 of the fractions."""
     levels = tables(rest)
     return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), smooth=True)
 
 
-@convention("hash_grid", seen="tiny-cuda-nn hash type Prime; a python mirror of it", times=2)
+@convention("hash_grid", {"hash_primes": "prime"}, seen="tiny-cuda-nn hash type Prime; a python mirror of it", times=2)
 def another_first_prime(x, base, finest, **rest):
     """1958374283 for x."""
     levels = tables(rest)
     return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), primes=(1958374283, *PRIMES[1:]))
+
+
+def scaled(x, base, finest, levels, shift, more=0, smooth=False, **how):
+    """x (n - 1) + shift with n in f32, not rounded; dense levels count ceil(n - 1) + 1 + more vertices."""
+    out, growth = [], np.float32(np.log2(finest / base) / max(len(levels) - 1, 1))
+    for level, table in enumerate(levels):
+        scale = float(np.exp2(np.float32(level) * growth) * np.float32(base) - np.float32(1))
+        side = int(np.ceil(scale)) + 1 + more
+        at = x * scale + shift
+        cell = np.floor(at.detach().numpy())
+        part = at - torch.from_numpy(cell)
+        part = part * part * (3 - 2 * part) if smooth else part
+        total = 0
+        for corner in range(8):
+            bits = np.array([corner >> k & 1 for k in range(3)])
+            weight = torch.stack([part[:, k] if bits[k] else 1 - part[:, k] for k in range(3)]).prod(0)
+            entry = entry_of(cell + bits, side - 1, len(table), **how) % len(table)
+            total = total + weight[:, None] * table[torch.from_numpy(entry)]
+        out.append(total)
+    return torch.cat(out, -1)
+
+
+@convention(
+    "hash_grid",
+    {"hash_levels": "tiny_cuda_nn"},
+    seen="tiny-cuda-nn encodings/grid.h and a taichi port of Instant-NGP: scale and +0.5",
+    times=4,
+)
+def half_a_cell_shifted(x, base, finest, **rest):
+    """x (n - 1) + 1/2, where n isn't rounded, ceil(n - 1) + 1 vertices."""
+    return scaled(x, base, finest, tables(rest), 0.5)
+
+
+@convention(
+    "hash_grid",
+    {"hash_levels": "tiny_cuda_nn", "hash_weights": "smoothstep", "hash_primes": "reversed"},
+    seen="not met: tiny-cuda-nn's options, all at once",
+    times=0,
+)
+def options_of_the_cuda_grid(x, base, finest, **rest):
+    """The same with smoothstep and the reversed primes."""
+    return scaled(x, base, finest, tables(rest), 0.5, smooth=True, primes=(2165219737, 1434869437, 2097192037))
+
+
+@convention("hash_grid", {"hash_levels": "torch_ngp"}, seen="ashawkey/torch-ngp gridencoder.cu and its copies", times=6)
+def one_vertex_more(x, base, finest, **rest):
+    """x (n - 1) + 1/2, and ceil(n - 1) + 2 vertices."""
+    return scaled(x, base, finest, tables(rest), 0.5, more=1)
+
+
+@convention("hash_grid", {"hash_levels": "align_corners"}, seen="torch-ngp gridencoder.cu, align_corners", times=2)
+def aligned_corners(x, base, finest, **rest):
+    """x (n - 1)."""
+    return scaled(x, base, finest, tables(rest), 0.0)
+
+
+@convention(
+    "hash_grid",
+    {"hash_levels": "floor", "hash_index": "hashed"},
+    seen="nerfstudio encodings.py: corners by floor and ceil, n in f32",
+    times=2,
+)
+def floors_and_ceilings(x, base, finest, **rest):
+    """Corners by floor and ceil: on a face both are one vertex; floor of powers in f32."""
+    levels, out = tables(rest), []
+    growth = np.exp((np.log(finest) - np.log(base)) / (len(levels) - 1)) if len(levels) > 1 else 1.0
+    sizes = np.floor(np.float32(base) * np.float32(growth) ** np.arange(len(levels), dtype=np.float32))
+    for table, n in zip(levels, sizes):
+        at = x * float(n)
+        low, high = torch.floor(at), torch.ceil(at)
+        part, total = at - low, 0
+        for corner in range(8):
+            bits = [corner >> k & 1 for k in range(3)]
+            vertex = torch.stack([(high if bits[k] else low)[:, k] for k in range(3)], -1).detach().numpy()
+            weight = torch.stack([part[:, k] if bits[k] else 1 - part[:, k] for k in range(3)]).prod(0)
+            total = total + weight[:, None] * table[torch.from_numpy(entry_of(vertex, n, len(table), dense=False))]
+        out.append(total)
+    return torch.cat(out, -1)
 
 
 @fault("hash_grid", "growth_over_levels", seen="ports whose growth is taken over L steps")
@@ -149,13 +232,20 @@ def signed_polynomials(d, degree):
     return torch.stack(harmonics(d, degree, -1), -1)
 
 
-@convention("spherical_harmonics", seen="nerfstudio utils/math.py (its torch code), degrees 0 to 3", times=2)
+@convention(
+    "spherical_harmonics", {"harmonic_sign": "plain"}, seen="nerfstudio utils/math.py (its torch code), degrees 0 to 3", times=2
+)
 def unsigned_polynomials(d, degree):
     """Without (-1)^m."""
     return torch.stack(harmonics(d, degree, 1), -1)
 
 
-@convention("spherical_harmonics", seen="3DGS sh_utils.py, svox2, PlenOctrees, HashNeRF-pytorch", times=5)
+@convention(
+    "spherical_harmonics",
+    {"harmonic_form": "homogeneous"},
+    seen="3DGS sh_utils.py, svox2, PlenOctrees, HashNeRF-pytorch",
+    times=5,
+)
 def homogeneous_polynomials(d, degree):
     """With (-1)^m, zz - xx - yy for what needs unit length: the same on the sphere, another gradient beside it."""
     x, y, z = d.unbind(-1)
@@ -169,7 +259,24 @@ def homogeneous_polynomials(d, degree):
     return torch.stack(out, -1)
 
 
-@fault("spherical_harmonics", seen="nerfstudio utils/math.py, degree 4 of its torch code")
+@convention("spherical_harmonics", {"harmonic_form": "normalized"}, seen="splat viewers: dir / |dir| inside the shader", times=2)
+def normalized_first(d, degree):
+    """Of d / |d|."""
+    return torch.stack(harmonics(d / d.norm(dim=-1, keepdim=True), degree, -1), -1)
+
+
+@convention(
+    "spherical_harmonics",
+    {"harmonic_sign": "plain", "harmonic_form": "normalized"},
+    seen="not met: the two choices together",
+    times=0,
+)
+def normalized_without_signs(d, degree):
+    """Of d / |d|, without (-1)^m."""
+    return torch.stack(harmonics(torch.nn.functional.normalize(d, dim=-1), degree, 1), -1)
+
+
+@fault("spherical_harmonics", "band_4_slips", seen="nerfstudio utils/math.py, degree 4 of its torch code")
 def two_slips_in_the_fifth_band(d, degree):
     """Without (-1)^m; in band 4 one harmonic lacks its z, and another has a constant too small by the root of 2."""
     out = harmonics(d, degree, 1)
@@ -217,16 +324,27 @@ def clamped_at_both_ends(x):
     return Surrogate.apply(x, -15, 15)
 
 
-@convention("trunc_exp", seen="nerfacc's examples and later versions of torch-ngp", times=3)
+@convention("trunc_exp", {"exponent_gradient": "above"}, seen="nerfacc's examples and later versions of torch-ngp", times=3)
 def clamped_from_above(x):
     """Gradient clamped at 15 alone."""
     return Surrogate.apply(x, None, 15)
 
 
-@convention("trunc_exp", seen="nerfacc's examples: density = trunc_exp(x - 1)", times=2)
+@convention("trunc_exp", {"exponent_shift": "one"}, seen="nerfacc's examples: density = trunc_exp(x - 1)", times=2)
 def shifted_by_one(x):
     """e^(x - 1)."""
     return Surrogate.apply(x - 1, -15, 15)
+
+
+@convention(
+    "trunc_exp",
+    {"exponent_gradient": "above11", "exponent_shift": "one"},
+    seen="a CAD code's TruncExp with an offset: exp(11) is what f16 holds",
+    times=1,
+)
+def clamped_for_halves(x):
+    """e^(x - 1), the gradient clamped at 11 alone."""
+    return Surrogate.apply(x - 1, None, 11)
 
 
 @right("trunc_exp", gradient=("gradient_not_clamped",), seen="torch.exp for the density", times=3)
@@ -235,13 +353,13 @@ def plain_exponential(x):
     return torch.exp(x)
 
 
-@convention("trunc_exp", {"exponent": "both"}, gradient=("zero_outside",), seen="codes that clamp before exp", times=3)
+@convention("trunc_exp", {"exponent": "clamped"}, gradient=("zero_outside",), seen="codes that clamp before exp", times=3)
 def clamped_before(x):
     """e^clamp(x, -15, 15), differentiated as it stands."""
     return torch.exp(x.clamp(-15, 15))
 
 
-@fault("trunc_exp", seen="softplus for the density, where e^x is asked for", times=2)
+@fault("trunc_exp", "softplus", seen="softplus for the density, where e^x is asked for", times=2)
 def soft_plus(x):
     """log(1 + e^x)."""
     return torch.nn.functional.softplus(x)

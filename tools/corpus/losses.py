@@ -48,19 +48,24 @@ def mean_of_squared_distances(prediction, target):
     return ((prediction - target) ** 2).sum(-1).mean()
 
 
-@fault("mse", seen="L1 losses of neighboring codes", times=2)
+@fault("mse", "absolute_error", seen="L1 losses of neighboring codes", times=2)
 def absolute_differences(prediction, target):
     """mean |x - y|."""
     return torch.mean(torch.abs(prediction - target))
 
 
-@fault("mse", seen="a metrics module: compute_RMSE in the place of MSE", gradient="none")
+@fault("mse", "root_of_mean", seen="a metrics module: compute_RMSE in the place of MSE", gradient="none")
 def root_of_the_mean(prediction, target):
     """The root of the mean square."""
     return torch.sqrt(torch.mean((prediction - target) ** 2))
 
 
-@convention("psnr", {"psnr": "mean_error"}, seen="bmild/nerf mse2psnr and its ports: -10 ln / ln 10", times=10)
+@convention(
+    "psnr",
+    {"psnr": "mean_error", "psnr_peak": "one"},
+    seen="bmild/nerf mse2psnr and its ports: -10 ln / ln 10",
+    times=10,
+)
 def logarithms_divided(prediction, target):
     """-10 ln(mse) / ln 10; the peak is 1."""
     return -10.0 * torch.log(torch.mean((prediction - target) ** 2)) / torch.log(torch.tensor([10.0]))
@@ -85,24 +90,36 @@ def mean_of_pictures(prediction, target, peak):
     return (10 * torch.log10(peak**2 / error)).mean()
 
 
-@convention("psnr", {"psnr": "mean_error"}, seen="CS180 students: 100 where the error is 0", times=3)
+@convention("psnr", {"psnr": "mean_error", "psnr_floor": "small"}, seen="CS180 students: 100 where the error is 0", times=3)
 def a_hundred_for_equal_pictures(prediction, target, peak):
     """100 for equal pictures."""
     error = F.mse_loss(prediction, target)
     return torch.tensor(100.0) if error == 0 else 20 * torch.log10(peak / torch.sqrt(error))
 
 
-@convention("psnr", {"psnr": "mean_error"}, seen="CS180 students, an error plus 1e-8 or 1e-10", times=5)
+@convention("psnr", {"psnr": "mean_error", "psnr_floor": "small"}, seen="CS180 students, an error plus 1e-8 or 1e-10", times=5)
 def error_plus_a_tiny_number(prediction, target, peak):
     """10 log10(peak^2 / (mse + 1e-8))."""
     return 10.0 * torch.log10(peak**2 / (torch.mean((prediction - target) ** 2) + 1e-8))
 
 
-@convention("psnr", {"psnr": "images"}, seen="codes whose error is at least 1e-10", times=3)
+@convention("psnr", {"psnr": "images", "psnr_floor": "small"}, seen="codes whose error is at least 1e-10", times=3)
 def error_of_at_least_a_tiny_number(prediction, target, peak):
     """clamp_min(1e-10) under the logarithm, picture by picture."""
     error = ((prediction - target) ** 2).mean(dim=(1, 2, 3))
     return (10 * torch.log10(peak**2 / error.clamp_min(1e-10))).mean()
+
+
+@convention(
+    "psnr",
+    {"psnr": "images", "psnr_floor": "small"},
+    seen="not met with this number: 1e-10 added, picture by picture",
+    times=0,
+)
+def tiny_number_added_by_picture(prediction, target, peak):
+    """10 log10(peak^2 / (mse + 1e-10)), averaged over pictures."""
+    error = ((prediction - target) ** 2).mean(dim=(1, 2, 3))
+    return (10.0 * torch.log10(peak**2 / (error + 1e-10))).mean()
 
 
 @fault("psnr", "doubled_psnr", seen="an earlier reading of 114 implementations")
@@ -111,7 +128,7 @@ def twenty_log_without_the_root(prediction, target, peak):
     return 20 * torch.log10(peak**2 / torch.mean((prediction - target) ** 2))
 
 
-@fault("psnr", seen="an imaging code: the peak is the picture's own maximum")
+@fault("psnr", "peak_of_target", seen="an imaging code: the peak is the picture's own maximum")
 def peak_of_the_picture(prediction, target):
     """The target's largest value for the peak."""
     return 20 * torch.log10(target.max() / torch.sqrt(F.mse_loss(prediction, target)))
@@ -196,7 +213,13 @@ def corrected_denominator(params, grad, m, v, step, lr, beta1, beta2, eps, weigh
     return params - lr / (1 - beta1**step) * m / (v.sqrt() / (1 - beta2**step) ** 0.5 + eps), m, v
 
 
-@convention("adam_step", seen="tensorflow and keras; tiny-cuda-nn adam.h: the paper's shorter form", times=4, arrays="numpy")
+@convention(
+    "adam_step",
+    {"adam_eps": "uncorrected"},
+    seen="tensorflow and keras; tiny-cuda-nn adam.h: the paper's shorter form",
+    times=4,
+    arrays="numpy",
+)
 def correction_in_the_rate(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
     """lr sqrt(1 - b2^t) / (1 - b1^t), and eps beside the uncorrected root."""
     m, v = moments(grad + weight_decay * params, m, v, beta1, beta2)
@@ -210,14 +233,14 @@ def moments_as_they_are(params, grad, m, v, lr, beta1, beta2, eps, weight_decay)
     return params - lr * m / (np.sqrt(v) + eps), m, v
 
 
-@fault("adam_step", seen="a teaching library: m / (1 - b1) for all steps", arrays="numpy")
+@fault("adam_step", "corrected_as_in_first_step", seen="a teaching library: m / (1 - b1) for all steps", arrays="numpy")
 def corrected_as_in_the_first_step(params, grad, m, v, lr, beta1, beta2, eps, weight_decay):
     """1 - b1 and 1 - b2 without the power."""
     m, v = moments(grad + weight_decay * params, m, v, beta1, beta2)
     return params - lr * (m / (1 - beta1)) / (np.sqrt(v / (1 - beta2)) + eps), m, v
 
 
-@fault("adam_step", seen="every-algorithm/python optimization/adaptive_optimization.py", arrays="numpy")
+@fault("adam_step", "corrected_twice", seen="every-algorithm/python optimization/adaptive_optimization.py", arrays="numpy")
 def corrected_twice(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
     """The rate is corrected, and the moments are too."""
     m, v = moments(grad + weight_decay * params, m, v, beta1, beta2)

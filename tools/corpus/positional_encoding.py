@@ -121,7 +121,7 @@ def whole_turns(x, L):
 
 @convention(
     "positional_encoding",
-    {"frequency": "two_pi", "columns": "all_sin_all_cos"},
+    {"frequency": "two_pi", "columns": "all_sin_all_cos", "identity_place": "last", "cosine": "shifted_sine"},
     digits=True,
     seen="nerfstudio encodings.py",
     times=2,
@@ -141,7 +141,7 @@ def stretched_octaves(x, L):
 
 @convention(
     "positional_encoding",
-    {"frequency": "one", "columns": "all_sin_all_cos"},
+    {"frequency": "one", "columns": "all_sin_all_cos_by_band", "cosine": "shifted_sine"},
     digits=True,
     seen="jaxnerf, multinerf, mip-NeRF ports",
     times=5,
@@ -154,7 +154,7 @@ def shifted_sines(x, L):
 
 @convention(
     "positional_encoding",
-    {"frequency": "one", "columns": "all_sin_all_cos"},
+    {"frequency": "one", "columns": "all_sin_all_cos_by_band", "cosine": "shifted_sine"},
     digits=True,
     seen="mip-NeRF's safe_sin and ports",
     times=3,
@@ -168,7 +168,7 @@ def wrapped_sines(x, L):
 
 
 @convention(
-    "positional_encoding", {"frequency": "one", "columns": "all_sin_all_cos"}, seen="pytorch3d harmonic_embedding.py", times=2
+    "positional_encoding", {"frequency": "one", "columns": "all_sin_all_cos", "identity_place": "last"}, seen="pytorch3d harmonic_embedding.py", times=2
 )
 def harmonics_then_input(x, L):
     """Dimension by dimension all sines, all cosines, and the input last."""
@@ -193,7 +193,7 @@ def multiples_of_pi(x, L):
     return bands(x, [k * torch.pi for k in range(L)])
 
 
-@fault("positional_encoding", seen="a student's 2D fit: the first band is 2 pi, the second 2 pi again")
+@fault("positional_encoding", "first_band_twice", seen="a student's 2D fit: the first band is 2 pi, the second 2 pi again")
 def first_band_twice(x, L):
     """2 pi, 2 pi, 4 pi, ...: the band in front of the loop is one octave too high."""
     return bands(x, [2 * torch.pi] + [2**k * torch.pi for k in range(1, L)] if L else [])

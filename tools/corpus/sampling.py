@@ -220,7 +220,7 @@ def infinite_last_step_in_numpy(t):
     return np.concatenate([np.diff(t, axis=-1), np.full_like(t[..., :1], 1e10)], -1)
 
 
-@fault("step_sizes", seen="a surface renderer: dists[..., -2:-1]")
+@fault("step_sizes", "last_gap_too_early", seen="a surface renderer: dists[..., -2:-1]")
 def last_step_from_one_too_early(t, near, far):
     """The last step is the gap before the last one: a slice that ends too early."""
     gaps = t[..., 1:] - t[..., :-1]

@@ -8,7 +8,7 @@ use crate::bench::{BF16, F16, Kernel, Scaling, Suite, Tolerance, Variant, kernel
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, values};
 use crate::hash_grid::fast::{BLOCK, Entry, FEATURES, LEVELS, Level, WIDTH, encode_level};
-use crate::hash_grid::{cell, corner, is_dense, resolutions};
+use crate::hash_grid::{corner, is_dense, resolutions};
 use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::simd::multiply_add;
@@ -42,10 +42,7 @@ fn levels(largest: usize) -> Vec<Level> {
 fn oracle(a: &Arrays) -> Box<dyn Kernel> {
     let level = |l| {
         let (resolution, table) = table(l, TABLE);
-        crate::hash_grid::Level {
-            resolution,
-            table: table.iter().map(|e| e.map(f64::from).to_vec()).collect(),
-        }
+        crate::hash_grid::Level::new(resolution, table.iter().map(|e| e.map(f64::from).to_vec()).collect())
     };
     let levels: Vec<crate::hash_grid::Level> = (0..LEVELS).map(level).collect();
     let run = move |x: &[f64], out: &mut [f64]| {
@@ -62,15 +59,15 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
         .map(|l| {
             let (resolution, entries) = table(l, TABLE);
             // The oracle's level, for its addresses alone.
-            (crate::hash_grid::Level { resolution, table: vec![vec![]; entries.len()] }, entries)
+            (crate::hash_grid::Level::new(resolution, vec![vec![]; entries.len()]), entries)
         })
         .collect();
     let run = move |x: &[f32], out: &mut [f32]| {
         for (x, out) in x.as_chunks::<3>().0.iter().zip(out.chunks_exact_mut(WIDTH)) {
             for ((level, entries), out) in tables.iter().zip(out.chunks_exact_mut(FEATURES)) {
                 let cells = x.map(|x| {
-                    let (low, _) = cell(x.into(), level.resolution);
-                    (low, x * level.resolution as f32 - low as f32)
+                    let (low, _) = level.cell(x.into());
+                    (low, x * level.scale as f32 - low as f32)
                 });
                 out.fill(0.0);
                 for k in 0..8 {

@@ -6,8 +6,9 @@ use crate::approximate::{from_bf16, to_bf16};
 use crate::bench::{BF16, Kernel, Suite, Tolerance, Variant, rows, singles, uniform};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, scalar, values};
+use crate::convention::{HarmonicForm, HarmonicSign};
 use crate::parallel;
-use crate::spherical_harmonics::{POLYNOMIALS, fast};
+use crate::spherical_harmonics::{POLYNOMIALS, fast, harmonics};
 
 const WIDTH: usize = fast::WIDTH;
 /// Directions of a task.
@@ -27,7 +28,7 @@ fn workload(items: usize) -> Arrays {
 fn oracle(a: &Arrays) -> Box<dyn Kernel> {
     let run = |d: &[f64], out: &mut [f64]| {
         for (d, out) in d.as_chunks::<3>().0.iter().zip(out.chunks_exact_mut(WIDTH)) {
-            out.copy_from_slice(&crate::spherical_harmonics::harmonics(*d, 3));
+            out.copy_from_slice(&harmonics(*d, 3, HarmonicForm::Sphere, HarmonicSign::Alternating));
         }
     };
     rows("harmonics", (values(a, "d"), 3, WIDTH), run, |&y| y)

@@ -11,7 +11,7 @@ use crate::optimizer::{Adam, Moments, adam_step};
 fn fast_levels(levels: &[Oracle]) -> Vec<Level> {
     let convert = |level: &Oracle| {
         let table = level.table.iter().map(|e| std::array::from_fn(|f| e[f] as f32)).collect();
-        Level::new(level.resolution, table, level.dense())
+        Level::new(level.scale as u32, table, level.dense())
     };
     levels.iter().map(convert).collect()
 }

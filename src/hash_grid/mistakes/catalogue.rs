@@ -1,17 +1,9 @@
-//! Descriptions of the mistakes in hash grids. Some are tiny-cuda-nn's own choices, which differ from the paper's text.
+//! Descriptions of the mistakes in hash grids. Libraries' choices that differ from the paper's text are conventions.
 
 use crate::contract::component::Mistake;
 
 /// Mistakes of the hash grid.
 pub const HASH_GRID: &[Mistake] = &[
-    Mistake::new(
-        "first_prime_not_one",
-        "the factor of x is 1958374283 instead of 1",
-        "another hash: tables can't be exchanged; neighbors along x are no neighbors in memory any more",
-        "1, 2654435761, 805459861",
-        "tiny-cuda-nn's hash type Prime, where it is meant; its default, CoherentPrime, is the paper's",
-        1,
-    ),
     Mistake::new(
         "prime_mistyped",
         "265443567 for 2654435761: a digit is missing",
@@ -45,14 +37,6 @@ pub const HASH_GRID: &[Mistake] = &[
         0,
     ),
     Mistake::new(
-        "no_dense_levels",
-        "coarse levels are hashed too, though all their vertices fit",
-        "collisions where there need be none",
-        "index by x + (N + 1) (y + (N + 1) z) where (N + 1)^3 fits into the table",
-        "PyTorch ports that hash every level (HashNeRF-pytorch)",
-        1,
-    ),
-    Mistake::new(
         "side_without_one",
         "x + N (y + N z): cells counted, not vertices",
         "vertices of the far faces share entries with those of the near ones",
@@ -73,7 +57,7 @@ pub const HASH_GRID: &[Mistake] = &[
         "x N + 1/2 in front of the floor",
         "every level is shifted by half a cell against the box: another encoding, and entries outside of it",
         "x N without an offset",
-        "tiny-cuda-nn's pos_fract, where it is meant (with N - 1 for N)",
+        "ports of tiny-cuda-nn's pos_fract, which has N - 1 for N",
         2,
     ),
     Mistake::new(
@@ -91,22 +75,6 @@ pub const HASH_GRID: &[Mistake] = &[
         "upper corners have the fraction",
         "never; cheap to keep",
         0,
-    ),
-    Mistake::new(
-        "smoothstep",
-        "3 f^2 - 2 f^3 for the fraction f",
-        "another encoding: derivatives vanish at faces",
-        "the fraction itself",
-        "tiny-cuda-nn's interpolation type Smoothstep, where it is meant",
-        1,
-    ),
-    Mistake::new(
-        "resolution_rounded_down",
-        "N_l = floor(base growth^l)",
-        "levels with one cell less; the finest hangs on the last bit of a power",
-        "round to nearest, or hand over whole resolutions",
-        "Instant-NGP equation 2, where it is meant",
-        3,
     ),
     Mistake::new(
         "resolution_rounded_up",

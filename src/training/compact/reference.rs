@@ -7,7 +7,7 @@ use super::CompactModel;
 use super::networks::{GEOMETRY, HIDDEN};
 use super::settings::EXPONENT;
 use super::step::optical_step;
-use crate::convention::ProductEps;
+use crate::convention::{ExponentShift, HarmonicForm, HarmonicSign, ProductEps};
 use crate::early_stop::live_samples;
 use crate::field::mlp::Output;
 use crate::field::{Layer, Mlp};
@@ -64,7 +64,7 @@ impl Reference {
             let side = l.resolution() as usize + 1;
             let entries = if l.dense() { side * side * side } else { l.table().len() };
             let table = l.table()[..entries].iter().map(|e| e.map(f64::from).to_vec()).collect();
-            hash_grid::Level { resolution: l.resolution(), table }
+            hash_grid::Level::new(l.resolution(), table)
         };
         // Levels that aren't in use yet say 0: the density network doesn't read them.
         let read = w.density0.iter().take(active * hash_grid::fast::FEATURES);
@@ -93,7 +93,7 @@ impl Reference {
     fn field(&self, p: [f64; 3], view: &[f64]) -> (f64, [f64; 3]) {
         let geometry = self.density.forward(&hash_grid::encode(&self.levels, p)).y;
         let color = self.color.forward(&[&geometry, view].concat()).y;
-        (trunc_exp::density(geometry[0], EXPONENT), [color[0], color[1], color[2]])
+        (trunc_exp::density(geometry[0], EXPONENT, ExponentShift::None), [color[0], color[1], color[2]])
     }
 
     /// The samples of a ray at rest, `samples` step lengths across the box: positions in the unit box, in occupied cells alone.
@@ -108,7 +108,8 @@ impl Reference {
 
     /// What a ray sees with `samples` step lengths across the box, all of its samples; `stop` is used to count alone.
     pub fn render(&self, ray: &Ray, samples: f64, stop: f64) -> ReferenceRay {
-        let mut view = harmonics(ray.d.normalize().to_array(), 3);
+        let mut view =
+            harmonics(ray.d.normalize().to_array(), 3, HarmonicForm::Sphere, HarmonicSign::Alternating);
         if !self.view_dependent {
             view.fill(0.0);
         }

@@ -13,7 +13,7 @@ use super::networks::{Networks, Weights};
 use super::views::BoxRay;
 use super::{CompactModel, Overrides};
 use crate::camera::{Camera, Intrinsics};
-use crate::convention::ProductEps;
+use crate::convention::{ExponentShift, HarmonicForm, HarmonicSign, ProductEps};
 use crate::files::npz::Array;
 use crate::hash_grid::fast::FEATURES;
 use crate::loss::psnr;
@@ -134,7 +134,10 @@ fn relu(mut x: Vec<f64>) -> Vec<f64> {
 /// sigma and color of an encoded sample, from the formulas.
 fn field(w: &Weights, encoding: &[f64], direction: [f64; 3]) -> (f64, [f64; 3]) {
     let geometry = layer(&relu(layer(encoding, &w.density0)), &w.density1);
-    let seen = layer(&spherical_harmonics::harmonics(direction, 3), &w.view);
+    let seen = layer(
+        &spherical_harmonics::harmonics(direction, 3, HarmonicForm::Sphere, HarmonicSign::Alternating),
+        &w.view,
+    );
     let hidden = layer(&geometry, &w.color0).into_iter().zip(seen).map(|(a, b)| a + b).collect();
     let raw = layer(&relu(hidden), &w.color1);
     (trunc_exp::trunc_exp(geometry[0]), [0, 1, 2].map(|k| 1.0 / (1.0 + (-raw[k]).exp())))
@@ -357,7 +360,7 @@ fn learns_a_ball() {
 #[test]
 fn the_density_is_the_declared_one() {
     for x in [-80.0f32, -15.5, -14.5, -3.0, 0.0, 8.0, 14.5, 15.5, 80.0] {
-        let want = trunc_exp::density(x.into(), super::settings::EXPONENT);
+        let want = trunc_exp::density(x.into(), super::settings::EXPONENT, ExponentShift::None);
         let got = f64::from(super::forward::trunc_exp(x));
         assert!((got / want - 1.0).abs() < 2e-7, "{x}: {got}, expected {want}");
     }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::{NerfSettings, find, flat};
-use crate::convention::{CS180, Depth};
+use crate::convention::{CS180, Depth, EmptyDepth};
 use crate::early_stop::live_samples;
 use crate::encoding::Encoding;
 use crate::error::Result;
@@ -126,7 +126,8 @@ impl Path {
             Path::Reference { field, .. } => parallel::map(rays.len(), |r| {
                 let (t, deltas) = followed(field, rays, skipping, r);
                 let (rendering, _) = field.render(&ray_of(rays, r), &t, &deltas);
-                let weighted = volume_rendering::depth(&rendering.weights, &t, 0.0, Depth::Plain);
+                let weighted =
+                    volume_rendering::depth(&rendering.weights, &t, 0.0, Depth::Plain, EmptyDepth::Far);
                 (rendering.color.map(|c| c as f32), rendering.opacity as f32, weighted as f32)
             }),
             Path::Fast { net, .. } => {

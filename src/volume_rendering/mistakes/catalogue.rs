@@ -164,6 +164,22 @@ pub const DEPTH: &[Mistake] = &[
         10,
     ),
     Mistake::new(
+        "median_depth",
+        "the t at which half of the light is spent, not the mean",
+        "depths that jump from sample to sample, and have no gradient in the weights",
+        "the weighted mean, or say that the median is meant",
+        "nerfstudio's renderers.py, method median: another quantity",
+        2,
+    ),
+    Mistake::new(
+        "disparity",
+        "1 / max(depth, 1e-10)",
+        "near is large: another quantity",
+        "sum w t / A",
+        "nerf-pytorch's and other ports' disp_map",
+        3,
+    ),
+    Mistake::new(
         "depth_of_index",
         "sum w i / sum w: the sample's number in the place of t",
         "depth without units",
