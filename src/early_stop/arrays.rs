@@ -1,8 +1,9 @@
 //! The oracle of this folder on named arrays, and what turns these into its types and back.
 
 use super::{backward, render_packed};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, threes, values};
-use crate::convention::Conventions;
+use crate::convention::{CS180, Conventions};
 use crate::volume_rendering::backward::Cotangent;
 
 /// Where each ray begins, and the end. Made whole and in order, so that no inputs, however perturbed, read past the arrays.
@@ -103,4 +104,10 @@ pub(super) fn early_stop_vjp(a: &Arrays, _: &Conventions) -> Arrays {
         ("grad_rgbs", array(&[g_rgbs.len(), 3], g_rgbs.concat())),
         ("grad_deltas", array(&[g_deltas.len()], g_deltas)),
     ])
+}
+
+/// Whether all samples of all rays are used.
+pub(super) fn nothing_stops(a: &Arrays, _: Dtype) -> bool {
+    let live = values(&early_stop(a, &CS180), "live");
+    spans(a).iter().zip(live).all(|((_, length), live)| *length as f64 == live)
 }

@@ -1,9 +1,13 @@
 //! The judge: answers in, verdicts and diagnoses out.
 
+use std::any::Any;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::answer::{Answers, given};
 use super::assignment::{self, Found, partial};
+use super::declared::Declared;
 use super::diagnose::{Explanation, diagnose, difference};
 use super::exam::{Exam, Question};
 use super::imprecise::lost_bits;
@@ -13,10 +17,11 @@ use super::report::{Report, Row, Verdict};
 use super::{layout, statistics};
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::convention::Conventions;
 use crate::convention::profiles::{self, Profile};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::parallel;
 
 /// The contract's accuracy of exp, log, sin and cos, in ULP.
@@ -47,6 +52,7 @@ type Closure<'a> = Box<dyn Fn(&Arrays) -> Arrays + Sync + 'a>;
 #[derive(Default)]
 pub struct Candidate<'a> {
     functions: BTreeMap<(String, Kind), Closure<'a>>,
+    declared: BTreeMap<(String, Kind), Declared>,
     profile: Option<&'static Profile>,
 }
 
@@ -77,6 +83,23 @@ impl<'a> Candidate<'a> {
         self
     }
 
+    /// Says which inputs a component's functions take: cases that need others are left out and told (a center off the middle for rays of
+    /// `height`, `width`, `focal` and `c2w`).
+    pub fn takes(mut self, component: &str, inputs: &[&str]) -> Self {
+        for kind in [Kind::Forward, Kind::Vjp] {
+            let declared = self.declared.entry((component.into(), kind)).or_default();
+            declared.takes = Some(inputs.iter().map(ToString::to_string).collect());
+        }
+        self
+    }
+
+    /// Says which outputs a component's gradient goes through: the cotangents of the others are 0.
+    pub fn returns(mut self, component: &str, outputs: &[&str]) -> Self {
+        let declared = self.declared.entry((component.into(), Kind::Vjp)).or_default();
+        declared.returns = Some(outputs.iter().map(ToString::to_string).collect());
+        self
+    }
+
     /// Pins the conventions: deviating from them fails.
     ///
     /// # Errors
@@ -88,20 +111,46 @@ impl<'a> Candidate<'a> {
 }
 
 /// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers. Every
-/// question comes four times, so that answers that depend on chance or on the question before show.
+/// question comes four times, so that answers that depend on chance or on the question before show. Where it panics, that case has no
+/// answer but what it said.
 ///
 /// # Errors
-/// A component that isn't in the contract.
+/// A component that isn't in the contract, or an input or output that the component doesn't have.
 pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
     let rows: Vec<(&str, Kind)> = candidate.functions.keys().map(|(name, kind)| (&name[..], *kind)).collect();
     let exam = Exam::of(&rows, dtype, candidate.profile)?;
+    let declared = exam.questions.iter().filter_map(|question| {
+        let of = (question.component.name.to_string(), question.kind);
+        Some((question.row(), candidate.declared.get(&of)?.clone()))
+    });
+    let declared = declared.collect();
+    let mut exam = exam
+        .narrowed(&declared)
+        .map_err(|what| Error::usage("takes, returns", what, "the contract's names"))?;
+    let crashed = RefCell::new(vec![]);
     let rounds = Rounds::new(&exam, |question, case| {
         let f = candidate.functions.get(&(question.component.name.to_string(), question.kind))?;
-        Some(given(f(&case.inputs)))
+        match catch_unwind(AssertUnwindSafe(|| f(&case.inputs))) {
+            Ok(outputs) => Some(given(outputs)),
+            Err(panic) => {
+                crashed.borrow_mut().push((question.row(), case.id.clone(), said(&*panic)));
+                None
+            }
+        }
     });
+    for (row, id, said) in crashed.into_inner() {
+        let question = exam.questions.iter_mut().find(|question| question.row() == row);
+        question.expect("it was asked").crashed.insert(id, said);
+    }
     let mut report = judge_answers(&exam, &rounds.first, EXP_ULP);
     rounds.tell(&exam, |answers| judge_answers(&exam, answers, EXP_ULP), &mut report);
     Ok(report)
+}
+
+/// What a panic said.
+fn said(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic".into())
 }
 
 /// Judges answers to an exam, a list per question.
@@ -134,7 +183,9 @@ struct Round {
 
 impl Round {
     fn new(exam: &Exam, answers: &[Answers], options: &MarkOptions) -> Round {
-        let answered = |n: &usize| answers[*n].iter().any(Option::is_some);
+        // A row that crashed on every case has an answer: that.
+        let crashed = |n: usize| !exam.questions[n].crashed.is_empty();
+        let answered = |n: &usize| answers[*n].iter().any(Option::is_some) || crashed(*n);
         let answered_questions: Vec<usize> = (0..answers.len()).filter(answered).collect();
         let questions: Vec<_> =
             answered_questions.iter().map(|&n| (&exam.questions[n], &answers[n])).collect();

@@ -64,6 +64,13 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     for finding in &row.findings {
         writeln!(f, "\n{} {}: a choice, no mistake: {finding}", row.name, row.kind)?;
     }
+    if !row.left_out.is_empty() {
+        let mut needed: Vec<&str> = row.left_out.values().flat_map(|names| names.split(", ")).collect();
+        needed.sort_unstable();
+        needed.dedup();
+        let (cases, needed) = (row.left_out.len(), needed.join(", "));
+        writeln!(f, "\n{} {}: {cases} cases left out, as they need {needed}", row.name, row.kind)?;
+    }
     if row.verdict == Verdict::Pass {
         for layout in &row.layouts {
             writeln!(f, "\n{} {}: layout {layout}", row.name, row.kind)?;
@@ -100,6 +107,9 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         if bits >= 24 {
             writeln!(f, "    no more is left than f32 has: something is computed in it on the way")?;
         }
+    }
+    if !row.edge_cases.is_empty() {
+        writeln!(f, "  in edge cases alone: {}", row.edge_cases.join(", "))?;
     }
     for fault in row.faults.iter().take(4) {
         writeln!(f, "  {fault}")?;

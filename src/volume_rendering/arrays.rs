@@ -2,6 +2,7 @@
 
 use super::backward::Cotangent;
 use super::{Rendering, backward, composite_background, depth};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::convention::Conventions;
 
@@ -113,4 +114,23 @@ pub(super) fn depths_vjp(a: &Arrays, c: &Conventions) -> Arrays {
         ("grad_weights", array(&[rays, samples], g_weights.concat())),
         ("grad_t", array(&[rays, samples], g_t.concat())),
     ])
+}
+
+/// Whether step lengths come back, bit for bit, as differences of positions in a type.
+pub(super) fn steps_from_positions(a: &Arrays, dtype: Dtype) -> bool {
+    (0..size(a, "deltas").0).all(|r| {
+        let mut t = 0.0;
+        row(a, "deltas", r).into_iter().all(|delta| {
+            let next = dtype.round(t + delta);
+            let comes_back = dtype.round(next - t) == delta;
+            t = next;
+            comes_back
+        })
+    })
+}
+
+/// Whether all steps are alike.
+pub(super) fn one_step(a: &Arrays, _: Dtype) -> bool {
+    let deltas = values(a, "deltas");
+    deltas.iter().all(|delta| *delta == deltas[0])
 }
