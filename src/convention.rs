@@ -12,10 +12,11 @@ pub use spelling::american;
 use serde::{Deserialize, Serialize};
 
 /// Where the camera looks, in its own frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Axes {
     /// x right, y down, z forward (OpenCV, COLMAP, CS180).
+    #[default]
     Opencv,
     /// x right, y up, z backward (OpenGL, Blender, the original NeRF).
     Opengl,
@@ -221,6 +222,98 @@ pub enum GridThreshold {
     LimitAlone,
 }
 
+/// What is added to the weights of a coarse pass before samples are drawn by them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PdfPadding {
+    /// What the caller says.
+    #[default]
+    AsGiven,
+    /// Nothing, whatever the caller says: the paper.
+    None,
+    /// 1e-5 (bmild/nerf).
+    #[serde(rename = "1e-5")]
+    TenToMinusFive,
+    /// 1e-6.
+    #[serde(rename = "1e-6")]
+    TenToMinusSix,
+    /// 0.01 (nerfstudio).
+    #[serde(rename = "0.01")]
+    Hundredth,
+}
+
+impl PdfPadding {
+    /// The number, where the caller says `given`.
+    pub fn value(self, given: f64) -> f64 {
+        match self {
+            PdfPadding::AsGiven => given,
+            PdfPadding::None => 0.0,
+            PdfPadding::TenToMinusFive => 1e-5,
+            PdfPadding::TenToMinusSix => 1e-6,
+            PdfPadding::Hundredth => 0.01,
+        }
+    }
+}
+
+/// What the place inside a bin is divided by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PdfDivision {
+    /// The bin's share.
+    #[default]
+    AsItIs,
+    /// The bin's share, or 1 where that is below 1e-5: samples in faint bins fall on the bin's edge (bmild/nerf).
+    Snapped,
+}
+
+/// Which sample of a ray that stops early is the last to count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// The one behind which the transmittance is below the limit.
+    #[default]
+    Behind,
+    /// The one in front of that: it isn't added (3D Gaussian splatting).
+    InFront,
+}
+
+/// The largest opacity of a sample or splat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AlphaCap {
+    /// 1.
+    #[default]
+    None,
+    /// 0.99 (3D Gaussian splatting).
+    #[serde(rename = "0.99")]
+    Hundredth,
+    /// 0.999 (gsplat).
+    #[serde(rename = "0.999")]
+    Thousandth,
+}
+
+impl AlphaCap {
+    /// The number.
+    pub fn value(self) -> f64 {
+        match self {
+            AlphaCap::None => 1.0,
+            AlphaCap::Hundredth => 0.99,
+            AlphaCap::Thousandth => 0.999,
+        }
+    }
+}
+
+/// What becomes of opacities below 1 / 255.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Faint {
+    /// They count as all others do.
+    #[default]
+    Kept,
+    /// They are skipped (3D Gaussian splatting, gsplat).
+    Skipped,
+}
+
 /// The order in which a skip connection is concatenated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -277,6 +370,9 @@ pub enum Bytes {
 pub struct Conventions {
     /// Camera axes.
     pub axes: Axes,
+    /// Camera axes of points at a depth, which code may have otherwise than its rays.
+    #[serde(default)]
+    pub camera_axes: Axes,
     /// Pixel centers.
     #[serde(alias = "pixel_centre")]
     pub pixel_center: PixelCenter,
@@ -311,6 +407,21 @@ pub struct Conventions {
     /// What an occupied cell is denser than.
     #[serde(default)]
     pub grid_threshold: GridThreshold,
+    /// What is added to the weights of a coarse pass.
+    #[serde(default)]
+    pub pdf_padding: PdfPadding,
+    /// What the place inside a bin is divided by.
+    #[serde(default)]
+    pub pdf_division: PdfDivision,
+    /// Which sample of a ray that stops is the last.
+    #[serde(default)]
+    pub stop: Stop,
+    /// The largest opacity.
+    #[serde(default)]
+    pub alpha_cap: AlphaCap,
+    /// What becomes of faint samples.
+    #[serde(default)]
+    pub faint: Faint,
     /// Index (from 0) of the trunk layer whose input contains the encoding again.
     pub skip_layer: usize,
     /// Order of that concatenation.
@@ -330,6 +441,7 @@ pub struct Conventions {
 /// The default: Berkeley's CS180 course, which is the paper's text taken literally.
 pub const CS180: Conventions = Conventions {
     axes: Axes::Opencv,
+    camera_axes: Axes::Opencv,
     pixel_center: PixelCenter::Half,
     directions: Directions::Unit,
     grid: Grid::Intervals,
@@ -345,6 +457,11 @@ pub const CS180: Conventions = Conventions {
     exponent: Exponent::Free,
     grid_decay: GridDecay::Touched,
     grid_threshold: GridThreshold::MeanOfDense,
+    pdf_padding: PdfPadding::AsGiven,
+    pdf_division: PdfDivision::AsItIs,
+    stop: Stop::Behind,
+    alpha_cap: AlphaCap::None,
+    faint: Faint::Kept,
     skip_layer: 4,
     skip_order: SkipOrder::HiddenFirst,
     last_trunk: Activation::Relu,
@@ -363,6 +480,7 @@ impl Default for Conventions {
 /// Every convention with the closed list of its values, as they are written in JSON.
 pub const CHOICES: &[(&str, &[&str])] = &[
     ("axes", &["opencv", "opengl"]),
+    ("camera_axes", &["opencv", "opengl"]),
     ("pixel_center", &["half", "integer"]),
     ("directions", &["unit", "depth"]),
     ("grid", &["intervals", "ends_plus_width", "ends_plus_spacing", "ends_between_midpoints"]),
@@ -378,6 +496,11 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("exponent", &["free", "clamped"]),
     ("grid_decay", &["touched", "every_cell"]),
     ("grid_threshold", &["mean_of_dense", "mean_of_seen", "limit_alone"]),
+    ("pdf_padding", &["as_given", "none", "1e-5", "1e-6", "0.01"]),
+    ("pdf_division", &["as_it_is", "snapped"]),
+    ("stop", &["behind", "in_front"]),
+    ("alpha_cap", &["none", "0.99", "0.999"]),
+    ("faint", &["kept", "skipped"]),
     ("skip_layer", &["4", "5"]),
     ("skip_order", &["hidden_first", "encoding_first"]),
     ("last_trunk", &["relu", "none"]),

@@ -285,6 +285,9 @@ def differentiated(function, case, inputs, names, what):
     if "grad_K" in found:
         # The contract's K is (fx, fy, cx, cy) alone; an inverse of the matrix depends on its other entries too.
         found["grad_K"] = found["grad_K"] * found["grad_K"].new_tensor([[1, 0, 1], [0, 1, 1], [0, 0, 0]])
+    if "grad_c2w" in found:
+        # And its pose the upper three rows.
+        found["grad_c2w"] = found["grad_c2w"] * found["grad_c2w"].new_tensor([[1], [1], [1], [0]])
     return found
 
 

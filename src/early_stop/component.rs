@@ -30,7 +30,7 @@ pub const EARLY_STOP: Component = Component {
         Port::smooth("opacity", "R", "sum of w"),
         Port::smooth("transmittance", "R", "T behind the last live sample"),
     ],
-    conventions: &[],
+    conventions: &["stop"],
     forward: Direction {
         oracle: arrays::early_stop,
         bound: bound::early_stop,

@@ -40,18 +40,24 @@ pub fn wide_enough(entries: Entries, given: &str, dtype: Dtype) -> bool {
     }
 }
 
-/// The answer in the expected shape: as it is, or with merged axes split (rays of an (H, W) picture as H W rows). The text says which
-/// layout it was.
+/// The answer in the expected shape: as it is, with merged axes split (rays of an (H, W) picture as H W rows), or with axes of length 1
+/// added or left off. The text says which layout it was.
 pub fn reshaped(values: &ArrayD<f64>, expected: &[usize]) -> Option<(ArrayD<f64>, Option<String>)> {
     if values.shape() == expected {
         return Some((values.clone(), None));
     }
     let merged = values.ndim() < expected.len() && merges(values.shape(), expected);
-    let array = merged.then(|| {
+    let array = (merged || long(values.shape()).eq(long(expected))).then(|| {
         let flat: Vec<f64> = values.iter().copied().collect();
-        ArrayD::from_shape_vec(IxDyn(expected), flat).expect("merging keeps the number of elements")
+        ArrayD::from_shape_vec(IxDyn(expected), flat).expect("as many elements")
     })?;
-    Some((array, Some(format!("{:?} flattened to {:?}", expected, values.shape()))))
+    let layout = if merged { "flattened to" } else { "with other axes of length 1, as" };
+    Some((array, Some(format!("{:?} {layout} {:?}", expected, values.shape()))))
+}
+
+/// The axes that are longer than 1.
+fn long(shape: &[usize]) -> impl Iterator<Item = &usize> {
+    shape.iter().filter(|n| **n != 1)
 }
 
 /// Whether `short` comes from `long` by multiplying neighboring axes.
@@ -73,9 +79,12 @@ mod tests {
         assert!(merges(&[20, 3], &[4, 5, 3]) && merges(&[60], &[4, 5, 3]));
         assert!(!merges(&[12, 5], &[4, 5, 3]) && !merges(&[4, 3, 5], &[4, 5, 3]));
         assert!(
-            reshaped(&ArrayD::zeros(IxDyn(&[1, 4])), &[4]).is_none(),
+            reshaped(&ArrayD::zeros(IxDyn(&[2, 2])), &[4]).is_none(),
             "an axis too many is a wrong shape"
         );
+        let (column, layout) = reshaped(&ArrayD::zeros(IxDyn(&[4, 1])), &[4]).unwrap();
+        assert_eq!(column.shape(), [4]);
+        assert_eq!(layout.unwrap(), "[4] with other axes of length 1, as [4, 1]");
     }
 
     #[test]

@@ -85,18 +85,29 @@ impl<'a> Candidate<'a> {
 
     /// Says which inputs a component's functions take: cases that need others are left out and told (a center off the middle for rays of
     /// `height`, `width`, `focal` and `c2w`).
-    pub fn takes(mut self, component: &str, inputs: &[&str]) -> Self {
-        for kind in [Kind::Forward, Kind::Vjp] {
-            let declared = self.declared.entry((component.into(), kind)).or_default();
-            declared.takes = Some(inputs.iter().map(ToString::to_string).collect());
-        }
-        self
+    pub fn takes(self, component: &str, inputs: &[&str]) -> Self {
+        let inputs = inputs.iter().map(ToString::to_string).collect();
+        self.declaring(component, Some(&inputs), None)
     }
 
     /// Says which outputs a component's gradient goes through: the cotangents of the others are 0.
-    pub fn returns(mut self, component: &str, outputs: &[&str]) -> Self {
-        let declared = self.declared.entry((component.into(), Kind::Vjp)).or_default();
-        declared.returns = Some(outputs.iter().map(ToString::to_string).collect());
+    pub fn returns(self, component: &str, outputs: &[&str]) -> Self {
+        let outputs = outputs.iter().map(ToString::to_string).collect();
+        self.declaring(component, None, Some(&outputs))
+    }
+
+    /// Both at once, as far as they are said.
+    pub(crate) fn declaring(
+        mut self,
+        component: &str,
+        takes: Option<&Vec<String>>,
+        returns: Option<&Vec<String>>,
+    ) -> Self {
+        for kind in [Kind::Forward, Kind::Vjp] {
+            let declared = self.declared.entry((component.into(), kind)).or_default();
+            declared.takes = takes.cloned().or(declared.takes.take());
+            declared.returns = returns.cloned().or(declared.returns.take());
+        }
         self
     }
 

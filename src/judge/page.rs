@@ -152,6 +152,13 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             None => Ok(()),
         };
     };
+    if best.inaccurate {
+        return writeln!(
+            f,
+            "  consistent with: no mistake: {}the right formula, with more digits lost than are allowed",
+            before(best)
+        );
+    }
     writeln!(f, "  consistent with: {}", name(best))?;
     for same in row.diagnosis.iter().filter(|e| e.same_as_best) {
         writeln!(f, "  or, the same on every case: {}", name(same))?;
@@ -177,6 +184,11 @@ fn places(w: &Worst) -> String {
         ulp if ulp < 1e6 => format!(" ({ulp:.1} ULP)"),
         ulp => format!(" ({ulp:.1e} ULP)"),
     }
+}
+
+/// The conventions in which the right formula lost its digits.
+fn before(e: &Explanation) -> String {
+    if e.conventions.is_empty() { String::new() } else { format!("with {}, ", list(&e.conventions)) }
 }
 
 /// An explanation on a line.

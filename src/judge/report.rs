@@ -185,6 +185,7 @@ impl Row {
                 "conventions": e.conventions,
                 "residual": number(e.residual),
                 "same_as_best": e.same_as_best,
+                "inaccurate": e.inaccurate,
             })).collect::<Vec<_>>(),
         })
     }
