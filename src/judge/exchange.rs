@@ -143,8 +143,8 @@ pub fn declared(exam: Exam, folder: &Path) -> Result<Exam> {
     }
     let wrong = |field: &str, found: String| {
         let expected = format!("{} with rows by component/kind", declared::SCHEMA);
-        let advice = "Write it again with tools/candidate.py, or remove it: then everything is asked.";
-        Error::input(path.display(), field, found, expected, advice)
+        let remedy = "Write it again, or remove it: then everything is asked.";
+        Error::input(Input { file: path.display(), field, found, expected, remedy })
     };
     let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
     if size > LONGEST_MANIFEST {

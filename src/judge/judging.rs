@@ -17,7 +17,6 @@ use super::report::{Report, Row, Verdict};
 use super::{layout, statistics};
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
-use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::convention::Conventions;
 use crate::convention::profiles::{self, Profile};
@@ -238,7 +237,7 @@ impl Round {
                 row.diagnosis = diagnose(question, &answers[n], c, known, options);
                 let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
-                if row.diagnosis.is_empty() && row.faults.is_empty() {
+                if row.diagnosis.iter().all(|e| e.inaccurate) && row.faults.is_empty() {
                     imprecise(&mut row, exam, question, &answers[n], c, options);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {
