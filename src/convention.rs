@@ -7,21 +7,24 @@
 mod compact;
 mod encoding;
 pub mod profiles;
+mod rendering;
 mod results;
 mod spelling;
 
 pub use compact::*;
 pub use encoding::*;
+pub use rendering::*;
 pub use results::*;
 pub use spelling::{CHOICES, american};
 
 use serde::{Deserialize, Serialize};
 
 /// Where the camera looks, in its own frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Axes {
     /// x right, y down, z forward (OpenCV, COLMAP, CS180).
+    #[default]
     Opencv,
     /// x right, y up, z backward (OpenGL, Blender, the original NeRF).
     Opengl,
@@ -180,6 +183,9 @@ pub enum Activation {
 pub struct Conventions {
     /// Camera axes.
     pub axes: Axes,
+    /// Camera axes of points at a depth, which code may have otherwise than its rays.
+    #[serde(default)]
+    pub camera_axes: Axes,
     /// Pixel centers.
     #[serde(alias = "pixel_centre")]
     pub pixel_center: PixelCenter,
@@ -247,6 +253,21 @@ pub struct Conventions {
     /// Polynomials of the harmonics.
     #[serde(default)]
     pub harmonic_form: HarmonicForm,
+    /// What is added to the weights of a coarse pass.
+    #[serde(default)]
+    pub pdf_padding: PdfPadding,
+    /// What the place inside a bin is divided by.
+    #[serde(default)]
+    pub pdf_division: PdfDivision,
+    /// Which sample of a ray that stops is the last.
+    #[serde(default)]
+    pub stop: Stop,
+    /// The largest opacity.
+    #[serde(default)]
+    pub alpha_cap: AlphaCap,
+    /// What becomes of faint samples.
+    #[serde(default)]
+    pub faint: Faint,
     /// Index (from 0) of the trunk layer whose input contains the encoding again.
     pub skip_layer: usize,
     /// Order of that concatenation.
@@ -278,6 +299,7 @@ pub struct Conventions {
 /// The default: Berkeley's CS180 course, which is the paper's text taken literally.
 pub const CS180: Conventions = Conventions {
     axes: Axes::Opencv,
+    camera_axes: Axes::Opencv,
     pixel_center: PixelCenter::Half,
     directions: Directions::Unit,
     grid: Grid::Intervals,
@@ -304,6 +326,11 @@ pub const CS180: Conventions = Conventions {
     hash_weights: HashWeights::Linear,
     harmonic_sign: HarmonicSign::Alternating,
     harmonic_form: HarmonicForm::Sphere,
+    pdf_padding: PdfPadding::AsGiven,
+    pdf_division: PdfDivision::AsItIs,
+    stop: Stop::Behind,
+    alpha_cap: AlphaCap::None,
+    faint: Faint::Kept,
     skip_layer: 4,
     skip_order: SkipOrder::HiddenFirst,
     last_trunk: Activation::Relu,

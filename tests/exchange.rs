@@ -8,15 +8,20 @@ use nerf_oracle::contract::Dtype;
 use nerf_oracle::convention::CS180;
 use nerf_oracle::files::npz::{self, Array};
 use nerf_oracle::judge::Exam;
-use nerf_oracle::judge::exchange::{read_answers, read_exam, write_cases};
+use nerf_oracle::judge::exchange::{declared, read_answers, read_exam, write_cases};
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
 use tempfile::TempDir;
 
 /// Cases of the background's component, and right answers to them.
 fn folders() -> (TempDir, PathBuf, PathBuf) {
+    folders_of("composite_background")
+}
+
+/// Cases of a component, and right answers to them.
+fn folders_of(component: &str) -> (TempDir, PathBuf, PathBuf) {
     let root = tempfile::tempdir().unwrap();
     let (cases, answers) = (root.path().join("cases"), root.path().join("answers"));
-    let exam = Exam::new("composite_background", Dtype::F32, None).unwrap();
+    let exam = Exam::new(component, Dtype::F32, None).unwrap();
     write_cases(&exam, &cases).unwrap();
     for question in &exam.questions {
         for case in &question.cases {
@@ -176,4 +181,67 @@ fn changed_cases_are_refused() {
     arrays.insert("opacity".into(), Array::F32(ndarray::arr1(&[0.0, 0.0, 0.0]).into_dyn()));
     npz::write(&input, &arrays, false).unwrap();
     assert!(refused(&cases, &answers).contains("opacity"));
+}
+
+/// The report on a folder with an `answers.json` of these rows.
+fn judged(cases: &Path, answers: &Path, rows: &str) -> Result<nerf_oracle::judge::Report, String> {
+    let text = format!(r#"{{"schema": "nerf-oracle/answers/1", "rows": {{{rows}}}}}"#);
+    fs::write(answers.join("answers.json"), text).unwrap();
+    let exam =
+        read_exam(cases).and_then(|exam| declared(exam, answers)).map_err(|error| error.to_string())?;
+    let given = read_answers(&exam, answers).map_err(|error| error.to_string())?;
+    Ok(judge_answers(&exam, &given, EXP_ULP))
+}
+
+#[test]
+fn what_a_candidate_doesnt_take_is_left_out_and_told() {
+    let (_root, cases, answers) = folders_of("image_rays");
+    let off_center = answers.join("image_rays/forward-inexact_lens.npz");
+    fs::remove_file(&off_center).unwrap();
+    let without = r#""image_rays/forward": {"takes": ["height", "width", "focal", "c2w"]}"#;
+    let report = judged(&cases, &answers, without).unwrap();
+    let row = report.of("image_rays", "forward").unwrap();
+    assert_eq!(report.exit_code(), 0, "{report}");
+    assert_eq!(row.left_out["inexact_lens"], "cx, cy");
+    assert!(!row.left_out.contains_key("moved_and_turned"), "the center of 5 x 3 pixels is (2.5, 1.5)");
+    assert!(report.to_string().contains("cases left out, as they need cx, cy"), "{report}");
+    // With K nothing is assumed, and whatever isn't answered fails.
+    let with_matrix = r#""image_rays/forward": {"takes": ["height", "width", "K", "c2w"]}"#;
+    let report = judged(&cases, &answers, with_matrix).unwrap();
+    assert_eq!(report.exit_code(), 1, "{report}");
+    assert!(report.rows[0].left_out.is_empty());
+}
+
+#[test]
+fn a_crash_is_its_cases_result() {
+    let (_root, cases, answers) = folders_of("volume_render");
+    for kind in ["forward", "vjp"] {
+        fs::remove_file(answers.join(format!("volume_render/{kind}-VR9_no_samples.npz"))).unwrap();
+    }
+    let crashed = |case: &str| {
+        format!(r#""volume_render/forward": {{"crashed": {{"{case}": "index 0 out of range"}}}}"#)
+    };
+    let report = judged(&cases, &answers, &crashed("VR9_no_samples")).unwrap();
+    let row = report.of("volume_render", "forward").unwrap();
+    assert_eq!(row.faults, ["VR9_no_samples: crashed: index 0 out of range"]);
+    assert_eq!(row.edge_cases, ["no samples"]);
+    // Another case without an answer is no edge case.
+    fs::remove_file(answers.join("volume_render/forward-slab.npz")).unwrap();
+    let report = judged(&cases, &answers, &crashed("VR9_no_samples")).unwrap();
+    let row = report.of("volume_render", "forward").unwrap();
+    assert_eq!((row.faults.len(), row.edge_cases.len()), (2, 0), "{report}");
+}
+
+#[test]
+fn declarations_are_checked() {
+    let (_root, cases, answers) = folders();
+    let refused = |rows: &str, word: &str| {
+        let message = judged(&cases, &answers, rows).expect_err("not refused");
+        assert!(message.contains("answers.json") && message.contains(word), "{message}");
+    };
+    refused(r#""composite/forward": {}"#, "composite/forward: no row");
+    refused(r#""composite_background/forward": {"takes": ["sigmas"]}"#, "sigmas: no input");
+    refused(r#""composite_background/vjp": {"returns": ["weights"]}"#, "weights: no output");
+    refused(r#""composite_background/forward": {"crashed": {"nowhere": "x"}}"#, "nowhere: no case");
+    refused(r#""composite_background/forward": {"passes": true}"#, "unknown field");
 }

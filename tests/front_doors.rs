@@ -34,6 +34,7 @@ fn doors_fit_the_contract() {
         ($($door:expr;)*) => { $(
             let report = $door.report();
             assert!(report.rows.iter().all(|row| row.verdict == Verdict::Fail), "{report}");
+            assert!(report.rows.iter().all(|row| row.crashed.is_empty()), "{report}");
         )* };
     }
     nothing! {

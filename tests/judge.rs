@@ -185,6 +185,13 @@ fn the_answers_themselves_are_checked() {
     assert!(with(&|a| a.dtype = "f32").contains("too narrow"));
     assert!(with(&|a| a.values[[0, 0]] = f64::NAN).contains("NaN"));
     assert!(with(&|a| a.values = ndarray::ArrayD::zeros(ndarray::IxDyn(&[7]))).contains("wrong shape"));
+    assert!(
+        with(&|a| a.values = a.values.clone().reversed_axes()).is_empty(),
+        "3 rays of 3 channels, transposed: other numbers"
+    );
+    let first_ray =
+        |a: &mut Given| a.values = a.values.clone().slice_axis(ndarray::Axis(0), (..1).into()).to_owned();
+    assert!(with(&first_ray).contains("wrong shape"));
     let nothing: Vec<Answers> =
         exam.questions.iter().map(|question| vec![None; question.cases.len()]).collect();
     assert_eq!(judge_answers(&exam, &nothing, EXP_ULP).exit_code(), 2);
@@ -386,4 +393,56 @@ fn what_the_textbook_loses_may_be_magnified_by_a_mistake() {
     let report = alone("volume_render", Dtype::F32, textbook);
     let best = report.of("volume_render", "forward").unwrap().diagnosis.first();
     assert!(best.is_some_and(|best| best.mistakes[0].name == "divided_by_opacity"), "{report}");
+}
+
+/// Rays of height, width, focal length and pose: the center is the middle, as in most of the world's `get_rays`.
+#[test]
+fn a_center_in_the_middle_is_asked_what_it_can_answer() {
+    let get_rays = |inputs: &Arrays| {
+        let mut inputs = inputs.clone();
+        for (center, size) in [("cx", "width"), ("cy", "height")] {
+            inputs.insert(center.into(), input(&inputs, size) / 2.0);
+        }
+        let component = COMPONENTS.iter().find(|c| c.name == "image_rays").unwrap();
+        (component.forward.oracle)(&inputs, &CS180)
+    };
+    let candidate = || Candidate::new().forward("image_rays", get_rays);
+    let report = judge(&candidate(), Dtype::F32).unwrap();
+    assert_eq!(report.exit_code(), 1, "asked everything, it is wrong: {report}");
+    let taking = candidate().takes("image_rays", &["height", "width", "focal", "c2w"]);
+    let report = judge(&taking, Dtype::F32).unwrap();
+    assert_eq!(report.exit_code(), 0, "{report}");
+    assert!(report.rows[0].left_out.contains_key("random_0"), "{report}");
+    let unknown = candidate().takes("image_rays", &["heigth"]);
+    assert!(judge(&unknown, Dtype::F32).unwrap_err().to_string().contains("heigth"));
+}
+
+/// A renderer of colors alone: its gradient goes through them, and the other cotangents are 0.
+#[test]
+fn a_gradient_through_colors_alone_is_judged() {
+    let component = COMPONENTS.iter().find(|c| c.name == "volume_render").unwrap();
+    let through_colors = |inputs: &Arrays| {
+        let mut inputs = inputs.clone();
+        for name in ["grad_weights", "grad_opacity", "grad_transmittance"] {
+            inputs.get_mut(name).unwrap().fill(0.0);
+        }
+        (component.vjp.unwrap().oracle)(&inputs, &CS180)
+    };
+    let candidate = || Candidate::new().vjp("volume_render", through_colors);
+    assert_eq!(judge(&candidate(), Dtype::F32).unwrap().exit_code(), 1);
+    let report = judge(&candidate().returns("volume_render", &["colors"]), Dtype::F32).unwrap();
+    assert_eq!(report.exit_code(), 0, "{report}");
+}
+
+#[test]
+fn a_panic_is_its_cases_result() {
+    let careless = |inputs: &Arrays| {
+        assert!(input(inputs, "sigmas").shape()[1] > 0, "no samples");
+        my_volume_render(inputs)
+    };
+    let report = judge(&Candidate::new().forward("volume_render", careless), Dtype::F32).unwrap();
+    let row = report.of("volume_render", "forward").unwrap();
+    assert_eq!(row.crashed["VR9_no_samples"], "no samples");
+    assert_eq!((row.verdict, &row.edge_cases[..]), (Verdict::Fail, &["no samples"][..]), "{report}");
+    assert_eq!(row.answered, row.cases - 1);
 }

@@ -20,9 +20,22 @@ Arrays come in the type under test: float64, float32 or float16; tf32 and bf16 a
 is torch's. Scalars (`near`, `far`, `lr`, `L`) come as Python numbers. A function is torch's where the file that defines it
 imports torch; `arrays="torch"` or `arrays="numpy"` says so instead.
 
-Gradients: a torch function is differentiated by autograd. Where that can't be (numpy, or an output is never returned whose
-gradient is asked for), nothing is answered and the judge reports `unsupported`. A gradient of your own goes in as
-`volume_render_vjp=f`, which is handed the inputs and `grad_<output>`, and returns `grad_<input>` in the contract's order.
+A function may take less, or something else: `get_rays(height, width, focal, c2w)` assumes the center in the middle of the picture.
+Cases that it can't be asked are left out, and the judge says so; `forms` in cases.json says what there is:
+
+* image_rays, render_trace: without `cx` and `cy`; `K` in the place of `focal`, `cx`, `cy`;
+* volume_render: `t` (R, N + 1) in the place of `deltas`, with an empty sample at the end for a last step of the function's own (of
+  its weights the judge is handed N); `step`, one number, in the place of `deltas`;
+* early_stop: without `eps`, where nothing stops.
+
+Where the function crashes, that is the case's answer, and the others are judged.
+
+Gradients: a torch function is differentiated by autograd, through the outputs that it returns. Where that can't be (numpy), nothing is
+answered and the judge reports `unsupported`. A gradient of your own goes in as `volume_render_vjp=f`, which is handed the inputs
+and `grad_<output>`, and returns `grad_<input>` in the contract's order.
+
+`answers.json`, beside the answers, holds what the judge can't see in them: what a function takes, the outputs that its gradient goes
+through, and where it crashed.
 """
 
 import difflib
@@ -37,6 +50,10 @@ import numpy as np
 
 class CandidateError(Exception):
     """What doesn't fit: the case, the function, what was found, what was expected, what to do."""
+
+
+class Crash(CandidateError):
+    """What the function raised."""
 
 
 class Unsupported(Exception):
@@ -63,22 +80,84 @@ def run(cases, answers, *, arrays=None, device="cpu", **functions):
         group = [case for case in manifest["cases"] if (case["component"], case["kind"]) == (component, kind)]
         style = arrays or ("torch" if uses_torch(function) else "numpy")
         by_autograd = kind == "vjp" and own is None
-        ask = differentiated if by_autograd else called
-        results = []
+        row, what, results = f"{component}/{kind}", Declared(), {}
         try:
-            # All or nothing: a component with some of its cases answered fails for the others.
+            what.takes = taken(function, group[0])
             for case in group:
+                if needed(case, what.takes):
+                    what.left.append(case["id"])
+                    continue
                 # What the function returns: autograd's gradients come from the forward outputs.
                 names = [port["name"] for port in (forward[component] if by_autograd else case)["outputs"]]
-                results.append(ask(function, case, inputs_of(cases, case, manifest["dtype"], style, device), names))
-            for case, result in zip(group, results):
-                write(answers / case["file"], result)
-            outcome[f"{component}/{kind}"] = "answered"
+                inputs = inputs_of(cases, case, manifest["dtype"], style, device)
+                try:
+                    results[case["file"]] = (
+                        differentiated(function, case, inputs, names, what) if by_autograd else called(function, case, inputs, names)
+                    )
+                except Crash as crash:
+                    what.crashed.setdefault(case["id"], crash)
+            if not results and what.crashed:
+                raise next(iter(what.crashed.values()))
+            if not results or (by_autograd and not what.differentiable):
+                raise Unsupported("the result isn't differentiable" if results else "every case needs more than it takes")
+            outcome[row] = "answered" + (f", but for {len(what.left)} cases that need more than it takes" if what.left else "")
         except Unsupported as reason:
-            for case in group:
+            results, what = {}, None
+            outcome[row] = f"unsupported: {reason}"
+        for case in group:
+            if case["file"] in results:
+                write(answers / case["file"], results[case["file"]])
+            else:
                 (answers / case["file"]).unlink(missing_ok=True)
-            outcome[f"{component}/{kind}"] = f"unsupported: {reason}"
+        declare(answers / "answers.json", row, what)
     return outcome
+
+
+class Declared:
+    """What the judge can't see in the answers to a row."""
+
+    def __init__(self):
+        self.takes, self.returns, self.crashed, self.left, self.differentiable = None, None, {}, [], False
+
+    def json(self):
+        """As answers.json has it."""
+        out = {} if self.takes is None else {"takes": self.takes}
+        out |= {} if self.returns is None else {"returns": self.returns}
+        return out | ({"crashed": {name: str(what)[:1000] for name, what in self.crashed.items()}} if self.crashed else {})
+
+
+def declare(path, row, what):
+    """Writes a row of answers.json, or removes it where nothing was answered."""
+    rows = json.loads(path.read_text(encoding="utf-8"))["rows"] if path.exists() else {}
+    rows.pop(row, None)
+    if what is not None and what.json():
+        rows[row] = what.json()
+    path.unlink(missing_ok=True)
+    if rows:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        text = json.dumps({"schema": "nerf-oracle/answers/1", "rows": rows}, indent=1)
+        path.write_text(text + "\n", encoding="utf-8")
+
+
+def taken(function, case):
+    """The inputs that a function takes, in the contract's form or another; None: all of them."""
+    try:
+        parameters = inspect.signature(getattr(function, "forward", function)).parameters.values()
+    except ValueError:
+        return None
+    if any(p.kind is p.VAR_KEYWORD for p in parameters):
+        return None
+    known = {port["name"] for port in case["inputs"]} | {form["takes"] for form in case["forms"]}
+    return [p.name for p in parameters if p.name in known]
+
+
+def needed(case, takes):
+    """The inputs that a case needs and a function doesn't take, neither themselves nor in another form."""
+    needed = []
+    for name in [] if takes is None else [port["name"] for port in case["inputs"] if port["name"] not in takes]:
+        forms = [form for form in case["forms"] if name in form["without"] and (form["takes"] is None or form["takes"] in takes)]
+        needed += [name] if forms and not forms[0]["holds"] else []
+    return needed
 
 
 def read_manifest(cases):
@@ -113,6 +192,9 @@ def called(function, case, inputs, outputs):
         parameters = inspect.signature(getattr(function, "forward", function)).parameters.values()
     except ValueError:
         raise CandidateError(f"{title}: Python can't tell its parameters. {wrap}") from None
+    samples = None if "deltas" not in inputs else inputs["deltas"].shape[-1]
+    named = {p.name for p in parameters}
+    inputs = inputs if named >= set(inputs) else inputs | other_forms(case, inputs, named)
     takes_all = any(p.kind is p.VAR_KEYWORD for p in parameters)
     given = inputs if takes_all else {p.name: inputs[p.name] for p in parameters if p.name in inputs}
     for p in parameters:
@@ -126,7 +208,7 @@ def called(function, case, inputs, outputs):
     except Exception as error:
         handed = ", ".join(f"{name} {type(x).__name__}{tuple(getattr(x, 'shape', ()))}" for name, x in given.items())
         advice = 'arrays="numpy" or arrays="torch" in run(...) says which it takes'
-        raise CandidateError(f"{title}: {type(error).__name__}: {error}. It was handed {handed}; {advice}.") from error
+        raise Crash(f"{title}: {type(error).__name__}: {error}. It was handed {handed}; {advice}.") from error
     if isinstance(result, dict):
         strange = [name for name in result if name not in outputs]
         if strange:
@@ -138,11 +220,38 @@ def called(function, case, inputs, outputs):
         result = dict(zip(outputs, result, strict=False))
     if not any(x is not None for x in result.values()):
         raise CandidateError(f"{title}: returned nothing; {hint('', outputs)}.")
+    if "t" in given and result.get("weights") is not None and "deltas" not in given and samples is not None:
+        result["weights"] = result["weights"][:, :samples]
     return {name: x for name, x in result.items() if x is not None}
 
 
-def differentiated(function, case, inputs, names):
-    """Gradients of a torch function by autograd."""
+def other_forms(case, inputs, named):
+    """The inputs in the forms that a function takes in their place."""
+    forms = {form["takes"] for form in case["forms"] if form["holds"] and form["takes"] in named}
+    out = {}
+    if "K" in forms:
+        c2w, (focal, cx, cy) = inputs["c2w"], (inputs[name] for name in ("focal", "cx", "cy"))
+        K = [[focal, 0, cx], [0, focal, cy], [0, 0, 1]]
+        out["K"] = c2w.new_tensor(K) if hasattr(c2w, "new_tensor") else np.array(K, c2w.dtype)
+    if "step" in forms:
+        out["step"] = float(inputs["deltas"].reshape(-1)[0]) if inputs["deltas"].shape[-1] else 1.0
+    if "t" in forms:
+        deltas = inputs["deltas"]
+        torch = sys.modules["torch"] if hasattr(deltas, "detach") else None
+        deltas = deltas.detach() if torch else deltas
+        t = [deltas[:, :0].sum(1)]
+        for i in range(deltas.shape[1]):
+            t.append(t[-1] + deltas[:, i])
+        out["t"] = (torch or np).stack(t, 1)
+        for name in ("sigmas", "rgbs"):
+            x = inputs[name]
+            empty = (len(x), 1, *x.shape[2:])
+            out[name] = torch.cat([x, x.new_zeros(empty)], 1) if torch else np.concatenate([x, np.zeros(empty, x.dtype)], 1)
+    return out
+
+
+def differentiated(function, case, inputs, names, what):
+    """Gradients of a torch function by autograd, through the outputs that it returns."""
     torch = sys.modules.get("torch")
     wanted = {port["name"]: port["name"].removeprefix("grad_") for port in case["outputs"]}
     # A scalar's cotangent came as a number, which a tensor of its own type would round to f32.
@@ -151,23 +260,34 @@ def differentiated(function, case, inputs, names):
     inputs = {name: x for name, x in inputs.items() if not name.startswith("grad_")}
     if torch is None or not all(isinstance(inputs[name], torch.Tensor) for name in wanted.values()):
         raise Unsupported("no function of torch tensors")
-    leaves = [inputs[name].requires_grad_() for name in wanted.values()]
+    smooth = list(wanted.values())
+    leaves = [inputs[name].requires_grad_() for name in smooth]
     result = called(function, case, inputs, names)
-    lost = [name for name, g in cotangents.items() if name not in result and bool(g.any())]
-    if lost:
-        raise Unsupported(f"the gradient through {lost[0]} is asked for, which isn't returned")
+    what.returns = [name for name in names if name in result]
     for name, x in result.items():
         if name in cotangents and x.numel() != cotangents[name].numel():
             raise Unsupported(f"{name} has the shape {tuple(x.shape)}, the gradient asked for {tuple(cotangents[name].shape)}")
-    pairs = [(x, cotangents[name]) for name, x in result.items() if getattr(x, "requires_grad", False)]
-    if not pairs:
-        raise Unsupported("the result isn't differentiable")
-    values, given = zip(*((x, torch.as_tensor(g, dtype=x.dtype, device=x.device).reshape(x.shape)) for x, g in pairs))
-    gradients = torch.autograd.grad(values, leaves, given, allow_unused=True)
-    found = {n: torch.zeros_like(x) if g is None else g for n, x, g in zip(wanted, leaves, gradients)}
+    pairs = [(x, cotangents[name]) for name, x in result.items() if name in cotangents and getattr(x, "requires_grad", False)]
+    what.differentiable = what.differentiable or bool(pairs)
+    # A result that depends on nothing, such as that of a ray without samples, has a gradient of 0.
+    gradients = [None] * len(leaves)
+    if pairs:
+        values, given = zip(*((x, torch.as_tensor(g, dtype=x.dtype, device=x.device).reshape(x.shape)) for x, g in pairs))
+        try:
+            gradients = torch.autograd.grad(values, leaves, given, allow_unused=True)
+        except RuntimeError as error:
+            raise Crash(f"case {case['file']}: its gradient: {error}") from error
+    # What is taken in another form has no gradient in the contract's.
+    replaced = {name for form in case["forms"] if what.takes and form["takes"] in what.takes for name in form["without"]}
+    wanted = {n: name for n, name in wanted.items() if name not in replaced or name in what.takes}
+    found = {f"grad_{name}": torch.zeros_like(inputs[name]) if g is None else g for name, g in zip(smooth, gradients)}
+    found = {name: g for name, g in found.items() if name in wanted}
     if "grad_K" in found:
         # The contract's K is (fx, fy, cx, cy) alone; an inverse of the matrix depends on its other entries too.
         found["grad_K"] = found["grad_K"] * found["grad_K"].new_tensor([[1, 0, 1], [0, 1, 1], [0, 0, 0]])
+    if "grad_c2w" in found:
+        # And its pose the upper three rows.
+        found["grad_c2w"] = found["grad_c2w"] * found["grad_c2w"].new_tensor([[1], [1], [1], [0]])
     return found
 
 

@@ -24,6 +24,7 @@ from candidate import inputs_of, read_manifest, write
 
 CS180 = {
     "axes": "opencv",
+    "camera_axes": "opencv",
     "pixel_center": "half",
     "directions": "unit",
     "grid": "intervals",
@@ -50,6 +51,11 @@ CS180 = {
     "exponent": "free",
     "exponent_gradient": "both_ends",
     "exponent_shift": "none",
+    "pdf_padding": "as_given",
+    "pdf_division": "as_it_is",
+    "stop": "behind",
+    "alpha_cap": "none",
+    "faint": "kept",
     "skip_order": "hidden_first",
     "last_trunk": "relu",
     "feature": "none",
@@ -73,6 +79,8 @@ DEVIATIONS = {
         "delta": "differences_times_norm",
         "last_delta": "1e10",
         "product_eps": "1e-10",
+        "pdf_padding": "1e-5",
+        "pdf_division": "snapped",
         "frequency": "one",
         "skip_order": "encoding_first",
         "depth": "plain",
@@ -213,6 +221,9 @@ def differentiated(function, a, c, wrong, wanted):
             x[i] = at
             gradient[i] = slope / (12 * h)
         out[f"grad_{name}"] = gradient
+    if "grad_c2w" in out:
+        # The contract's pose is the upper three rows.
+        out["grad_c2w"] = out["grad_c2w"] * np.array([[1], [1], [1], [0]])
     if "grad_K" in out:
         # The contract's K is (fx, fy, cx, cy) alone.
         out["grad_K"] = out["grad_K"] * np.array([[1, 0, 1], [0, 1, 1], [0, 0, 0]])

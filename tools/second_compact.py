@@ -37,7 +37,7 @@ def trunc_exp_vjp(a, c, wrong):
     return {"grad_x": a["grad_sigmas"] * slope}
 
 
-def live_of(weights, behind, carried, eps, wrong):
+def live_of(weights, behind, carried, eps, stop, wrong):
     """How many samples a ray uses; `behind` is T behind each."""
     if "weight_tested" in wrong:
         low = np.flatnonzero(carried * weights < eps)
@@ -47,7 +47,7 @@ def live_of(weights, behind, carried, eps, wrong):
         return len(behind)
     n = int(low[0]) + 1
     n = min(n + 1, len(behind)) if "tested_too_late" in wrong else n
-    return n - 1 if "last_sample_dropped" in wrong else n
+    return n - 1 if stop == "in_front" else n
 
 
 def one_ray(a, first, n):
@@ -65,7 +65,7 @@ def early_stop(a, c, wrong):
         n = end if "ends_taken_for_counts" in wrong else end - first
         ray = one_ray(a, first, n)
         behind = np.cumprod(np.exp(-(ray["sigmas"] * ray["deltas"])), 1)[0]
-        n = live_of(rendering.volume_render(ray, c, ())["weights"][0], behind, carried, a["eps"], wrong)
+        n = live_of(rendering.volume_render(ray, c, ())["weights"][0], behind, carried, a["eps"], c["stop"], wrong)
         ray = {name: carried * value[0] for name, value in rendering.volume_render(one_ray(a, first, n), c, ()).items()}
         left = ray["transmittance"]
         if "renormalized" in wrong and left < a["eps"]:
@@ -89,7 +89,7 @@ def early_stop_vjp(a, c, wrong):
         n = end - first
         if "gradient_behind_the_stop" not in wrong:
             behind = np.exp(-np.cumsum(a["sigmas"][first:end] * a["deltas"][first:end]))
-            n = live_of(None, behind, 1, a["eps"], ())
+            n = live_of(None, behind, 1, a["eps"], c["stop"], ())
         ray = one_ray(a, first, n) | {"grad_weights": a["grad_weights"][None, first : first + n]}
         for name in ("colors", "opacity", "transmittance"):
             ray[f"grad_{name}"] = a[f"grad_{name}"][r : r + 1]

@@ -53,6 +53,10 @@ def point(k, uv, wrong):
         k[:2, 2] = np.floor(k[:2, 2])
     if "focal_ignored" in wrong:
         k[0, 0] = k[1, 1] = 1
+    if "one_focal_length" in wrong:
+        k[1, 1] = k[0, 0]
+    if "focals_swapped" in wrong:
+        k[0, 0], k[1, 1] = k[1, 1], k[0, 0]
     if "intrinsics_not_rescaled" in wrong:
         k[:2] *= 2
     uv = uv - (0.5 if "no_half_pixel" in wrong else 1 if "minus_half_pixel" in wrong else 0)
@@ -69,12 +73,14 @@ def point(k, uv, wrong):
 def pixel_to_camera(a, c, wrong):
     """s K^-1 (u, v, 1)."""
     s = np.ones_like(a["s"]) if "depth_forgotten" in wrong else a["s"]
-    return {"x_c": flip(point(a["K"], a["uv"], wrong) * s[:, None], wrong)}
+    axes = np.array([1, 1, 1] if c["camera_axes"] == "opencv" else [1, -1, -1], s.dtype)
+    return {"x_c": flip(point(a["K"], a["uv"], wrong) * s[:, None], wrong) * axes}
 
 
 def pixel_to_camera_vjp(a, c, wrong):
     """By the chain rule through x = (u - cx) / fx."""
     focal, center, s, g = np.diag(a["K"])[:2], a["K"][:2, 2], a["s"][:, None], a["grad_x_c"]
+    g = g * np.array([1, 1, 1] if c["camera_axes"] == "opencv" else [1, -1, -1], g.dtype)
     x = (a["uv"] - center) / focal
     g_uv = g[:, :2] * s / focal
     g_k = np.zeros_like(a["K"])
@@ -86,15 +92,18 @@ def pixel_to_camera_vjp(a, c, wrong):
 def rays(k, c2w, uv, c, wrong):
     """The textbook's way: a point at depth 1 to world space, minus the origin, divided by its length."""
     x = flip(point(k, uv, wrong), wrong) * np.array([1, 1, 1] if c["axes"] == "opencv" else [1, -1, -1], uv.dtype)
+    c2w = inverse(c2w) if "inverse_pose" in wrong else c2w
     m = turned(c2w) if "rotation_transposed" in wrong else c2w
     o = np.broadcast_to(c2w[..., :3, 3], x.shape)
     x_w = (m[..., :3, :3] @ x[..., None])[..., 0] + o
     d = x_w if "translation_in_direction" in wrong else x_w - o
     if c["directions"] == "unit":
-        norms = np.linalg.norm(d, axis=-1, keepdims=True)
+        norms = np.linalg.norm(d, axis=None if "norm_of_all_rays" in wrong else -1, keepdims=True)
         d = d / (norms[..., 0] if "norm_without_axis" in wrong and d.shape == (3, 3) else norms)
     if "origin_minus_rt" in wrong:
         o = -(np.swapaxes(c2w[..., :3, :3], -1, -2) @ o[..., None])[..., 0]
+    if "origin_minus_inverse_rt" in wrong:
+        o = -(inverse(c2w[..., :3, :3]) @ o[..., None])[..., 0]
     if "origin_normalized" in wrong:
         with np.errstate(invalid="ignore"):
             o = o / np.linalg.norm(o, axis=-1, keepdims=True)
@@ -133,6 +142,11 @@ def image_rays(a, c, wrong):
     kind = a["c2w"].dtype
     v, u = np.indices((a["height"], a["width"])).astype(kind) + (0.5 if c["pixel_center"] == "half" else 0)
     uv = np.stack([u, v], -1)
+    if "grid_size_swapped" in wrong:
+        u, v = np.meshgrid(np.arange(a["height"], dtype=kind), np.arange(a["width"], dtype=kind))
+        uv = np.stack([u, v], -1).reshape(uv.shape) + (0.5 if c["pixel_center"] == "half" else 0)
+    if "picture_transposed" in wrong:
+        uv = np.swapaxes(uv, 0, 1)
     k = np.array([[a["focal"], 0, a["cx"]], [0, a["focal"], a["cy"]], [0, 0, 1]], kind)
     o, d = rays(k, a["c2w"], uv, c, wrong)
     return {"uv": uv[..., ::-1] if "row_column_swapped" in wrong else uv, "rays_o": o, "rays_d": d}
@@ -160,14 +174,18 @@ def sample_along_rays(a, c, wrong):
     u, near, far = a["u"], a["near"], a["far"]
     if "one_jitter_for_all_rays" in wrong:
         u = np.broadcast_to(u[:1], u.shape)
+    if "unit_interval" in wrong:
+        near, far = 0.0, 1.0
+    grid = c["grid"]
     if "never_jittered" in wrong:
-        u = np.full_like(u, 0.5)
+        u = np.full_like(u, 0.5 if grid == "intervals" else 0)
+        grid = grid if grid == "intervals" else "ends_plus_width"
     if "jitter_centered_on_edges" in wrong:
         u = u - 0.5
     for name in wrong:
         if name.startswith("jitter_width_"):
             u = u * (float(name.removeprefix("jitter_width_")) * u.shape[-1] / (far - near))
-    t = positions(near, far, u, c["grid"])
+    t = positions(near, far, u, grid)
     o = np.zeros_like(a["rays_o"]) if "points_without_origin" in wrong else a["rays_o"]
     points = o[:, None] + t[..., None] * a["rays_d"][:, None]
     if "flattened_in_wrong_order" in wrong:

@@ -5,8 +5,9 @@ import numpy as np
 EPS = {"none": 0.0, "1e-10": 1e-10, "1e-9": 1e-9, "1e-8": 1e-8, "1e-7": 1e-7}
 
 
-def composite(alphas, rgbs, eps, wrong):
-    """Weights by the cumulative product of 1 - alpha + eps, with everything that goes wrong there."""
+def composite(alphas, rgbs, eps, wrong, shown=None, opaque=None):
+    """Weights by the cumulative product of 1 - alpha + eps, with everything that goes wrong there; `shown` and `opaque` stand for T and
+    alpha where the caller has made them wrong already."""
     ones = np.ones((len(alphas), 1), alphas.dtype)
     product = np.cumprod(np.concatenate([ones, 1 - alphas + alphas.dtype.type(eps)], 1), 1)
     shade, behind = product[:, :-1].copy(), product[:, -1]
@@ -14,13 +15,25 @@ def composite(alphas, rgbs, eps, wrong):
         shade = product[:, 1:].copy()
     if "rolled_transmittance" in wrong:
         shade[:, :1] = behind[:, None]
+    if "rolled_but_in_first_ray" in wrong:
+        shade[1:, :1] = behind[1:, None]
     if "first_transmittance_zero" in wrong:
         shade[:, :1] = 0
     if "opacity_as_transmittance" in wrong:
         shade = 1 - product[:, 1:]
+    if "opacity_in_front_as_transmittance" in wrong:
+        shade = 1 - shade
+    if "transmittance_moved_twice" in wrong:
+        shade = np.concatenate([ones, shade[:, :-1]], 1)[:, : shade.shape[1]]
+    if "divided_by_own_factor" in wrong:
+        with np.errstate(invalid="ignore"):
+            shade = product[:, 1:] / (1 - alphas)
     if "transmittance_over_rays" in wrong:
         shade = np.cumprod(np.concatenate([np.ones_like(alphas[:1]), 1 - alphas], 0), 0)[:-1]
-    weights = shade if "alpha_forgotten" in wrong else shade * alphas
+    if "transmittance_before_last" in wrong and alphas.shape[1]:
+        behind = shade[:, -1]
+    shade = shade if shown is None else shown
+    weights = shade if "alpha_forgotten" in wrong else shade * (alphas if opaque is None else opaque)
     colors, opacity = np.einsum("rn,rnk->rk", weights, rgbs), weights.sum(1)
     if "divided_by_opacity" in wrong:
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -52,7 +65,11 @@ def volume_render(a, c, wrong):
         alphas = 1 - (sigmas.dtype.type(0.99) * passed if "scaled_exponential" in wrong else passed)
         if "eps_on_alpha" in wrong:
             alphas, eps = alphas + sigmas.dtype.type(1e-10), 1e-10
-        return composite(alphas, a["rgbs"], eps, wrong)
+        shown = None
+        if "density_with_step_before" in wrong and n:
+            ahead = np.concatenate([np.zeros_like(sigmas[:, :1]), sigmas[:, 1:] * deltas[:, :-1]], 1)
+            shown = np.exp(-np.cumsum(ahead, 1))
+        return composite(alphas, a["rgbs"], eps, wrong, shown, sigmas if "density_for_opacity" in wrong else None)
 
 
 def volume_render_alpha(a, c, wrong):

@@ -11,7 +11,13 @@ def distribution(weights, padding, kind):
     return np.concatenate([np.zeros(1, kind), np.cumsum(padded / padded.sum(), dtype=kind)])
 
 
-def places(edges, f, u, wrong):
+def padding_of(a, c):
+    """What is added to the weights."""
+    named = {"as_given": a["padding"], "none": 0.0}
+    return named[c["pdf_padding"]] if c["pdf_padding"] in named else float(c["pdf_padding"])
+
+
+def places(edges, f, u, c, wrong):
     """Bins by searchsorted, clamped to those with some weight, and the places inside them."""
     heavy = np.flatnonzero(np.diff(f) > 0)
     if "searched_from_the_left" in wrong:
@@ -21,7 +27,7 @@ def places(edges, f, u, wrong):
     below = np.clip(k, 0, len(f) - 1)
     above = np.clip(k + 1, 0, len(f) - 1)
     difference = f[above] - f[below]
-    snapped = difference == 0 if "differences_snapped" not in wrong else difference < 1e-5
+    snapped = difference < 1e-5 if c["pdf_division"] == "snapped" else difference == 0
     s = (u - f[below]) / np.where(snapped, u.dtype.type(1), difference)
     return below, above, s
 
@@ -37,11 +43,11 @@ def importance_sampling(a, c, wrong):
             edges, weights = (edges[1:] + edges[:-1]) / 2, weights[1:-1]
         if "weights_as_densities" in wrong:
             weights = weights * np.diff(edges)
-        padding = 1e-5 if "padding_always" in wrong else a["padding"]
+        padding = padding_of(a, c)
         f = distribution(weights, padding, kind)
-        if "not_normalized" in wrong and (weights + padding).any():
+        if "not_normalized" in wrong:
             f = f * (weights + kind(padding)).sum()
-            t[r] = np.where(u >= f[-1], edges[-1], take(edges, *places(edges, f, np.minimum(u, f[-1]), wrong)))
+            t[r] = np.where(u >= f[-1], edges[-1], take(edges, *places(edges, f, np.minimum(u, f[-1]), c, wrong)))
         elif "no_leading_zero" in wrong:
             k = np.searchsorted(f[1:], u, "right") - 1
             f = np.append(f[1:], f[-1])
@@ -50,7 +56,7 @@ def importance_sampling(a, c, wrong):
             s = (u - f[inner]) / np.where(difference == 0, kind(1), difference)
             t[r] = np.where(k < 0, edges[0], np.where(k > len(edges) - 2, edges[-1], edges[inner] + s * np.diff(edges)[inner]))
         else:
-            below, above, s = places(edges, f, u, wrong)
+            below, above, s = places(edges, f, u, c, wrong)
             s = kind(0) * s if "left_edge" in wrong else kind(0) * s + kind(0.5) if "middle_of_bin" in wrong else s
             t[r] = take(edges, below, above, s)
     return {"t": t}
@@ -65,12 +71,14 @@ def importance_sampling_vjp(a, c, wrong):
     """The gradient of the two edges and of u."""
     g_edges, g_u = np.zeros_like(a["edges"]), np.zeros_like(a["u"])
     for r, (edges, g) in enumerate(zip(a["edges"], a["grad_t"])):
-        f = distribution(a["weights"][r], a["padding"], edges.dtype.type)
-        below, above, s = places(edges, f, a["u"][r], ())
+        f = distribution(a["weights"][r], padding_of(a, c), edges.dtype.type)
+        below, above, s = places(edges, f, a["u"][r], c, ())
         s = np.full_like(s, 0.5) if "edges_half_each" in wrong else s
         np.add.at(g_edges[r], below, g * (1 - s))
         np.add.at(g_edges[r], above, g * s)
-        g_u[r] = 0 if "place_detached" in wrong else g * ((edges[above] - edges[below]) / (f[above] - f[below]))
+        share = f[above] - f[below]
+        share = np.where(share < 1e-5, share.dtype.type(1), share) if c["pdf_division"] == "snapped" else share
+        g_u[r] = 0 if "place_detached" in wrong else g * ((edges[above] - edges[below]) / share)
     return {"grad_edges": g_edges, "grad_u": g_u}
 
 

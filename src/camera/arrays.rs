@@ -4,7 +4,7 @@ use glam::{DMat4, DVec2, DVec3};
 
 use super::{Intrinsics, backward};
 use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
-use crate::convention::Conventions;
+use crate::convention::{Axes, Conventions};
 
 /// The m-th 4x4 matrix of a flat row-major list.
 pub(crate) fn pose(c2w: &[f64], m: usize) -> DMat4 {
@@ -50,13 +50,23 @@ pub(super) fn transform_vjp(a: &Arrays, _: &Conventions) -> Arrays {
     arrays([("grad_c2w", array(&[points, 4, 4], g_c2w)), ("grad_x_c", array(&[points, 3], g_x_c))])
 }
 
-pub(super) fn pixel_to_camera(a: &Arrays, _: &Conventions) -> Arrays {
-    let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
-    let point = |m: usize| super::pixel_to_camera(&k, DVec2::from(uv[m]), s[m]).to_array();
-    arrays([("x_c", array(&[s.len(), 3], (0..s.len()).flat_map(point).collect()))])
+/// Points (M, 3), or their cotangents, in the axes of the convention: OpenGL's y and z are the other way round.
+pub(super) fn in_axes(mut a: Arrays, name: &str, c: &Conventions) -> Arrays {
+    if c.camera_axes == Axes::Opengl {
+        let points = a.get_mut(name).expect("points");
+        points.indexed_iter_mut().filter(|(i, _)| i[1] > 0).for_each(|(_, x)| *x = -*x);
+    }
+    a
 }
 
-pub(super) fn pixel_to_camera_vjp(a: &Arrays, _: &Conventions) -> Arrays {
+pub(super) fn pixel_to_camera(a: &Arrays, c: &Conventions) -> Arrays {
+    let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
+    let point = |m: usize| super::pixel_to_camera(&k, DVec2::from(uv[m]), s[m]).to_array();
+    in_axes(arrays([("x_c", array(&[s.len(), 3], (0..s.len()).flat_map(point).collect()))]), "x_c", c)
+}
+
+pub(super) fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions) -> Arrays {
+    let a = &in_axes(a.clone(), "grad_x_c", c);
     let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let g = threes(a, "grad_x_c");
     let (mut g_k, mut g_uv, mut g_s) = ([0.0; 4], vec![], vec![]);

@@ -3,7 +3,7 @@
 //! Covered: K inverted as a matrix (by elimination, or adjugate over determinant) or the pinhole formula written out; points as
 //! 3-vectors or in homogeneous coordinates; every order of sums, as one operation or one addition at a time, fused or not.
 
-use super::arrays::{intrinsics, matrix, rows34};
+use super::arrays::{in_axes, intrinsics, matrix, rows34};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
 use crate::contract::bounded::{Bounded, exact};
@@ -172,7 +172,8 @@ pub fn pixel_to_camera(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::backward::pixel_to_camera`]: through the pinhole formula, or through the inverse matrix.
-pub fn pixel_to_camera_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let a = &in_axes(a.clone(), "grad_x_c", c);
     let (axes, uv, s) = (Axis::of(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let (mut gather, mut g_uv, mut g_s) = (Gather::default(), vec![], vec![]);
     for (n, g) in threes(a, "grad_x_c").into_iter().enumerate() {

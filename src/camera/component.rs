@@ -47,7 +47,7 @@ pub const PIXEL_TO_CAMERA: Component = Component {
     source: "pinhole camera; Hartley and Zisserman 2004, section 6.1",
     inputs: &[K, UV, Port::smooth("s", "M", "depths along the camera's axis")],
     outputs: &[Port::smooth("x_c", "M,3", "points in camera space")],
-    conventions: &[],
+    conventions: &["camera_axes"],
     forward: Direction {
         oracle: arrays::pixel_to_camera,
         bound: bound::pixel_to_camera,

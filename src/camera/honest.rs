@@ -1,7 +1,7 @@
 //! Honest implementations of the camera in emulated arithmetic: what the bound must never reject.
 
 use super::Intrinsics;
-use super::arrays::{intrinsics, matrix, rows34};
+use super::arrays::{in_axes, intrinsics, matrix, rows34};
 use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
@@ -140,14 +140,15 @@ pub fn transform_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Pixel and depth to camera space.
-pub fn pixel_to_camera(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub fn pixel_to_camera(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let points = (0..s.len()).flat_map(|n| point(&k, uv[n], s[n], m)).collect();
-    arrays([("x_c", array(&[s.len(), 3], points))])
+    in_axes(arrays([("x_c", array(&[s.len(), 3], points))]), "x_c", c)
 }
 
 /// Its gradient.
-pub fn pixel_to_camera_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    let a = &in_axes(a.clone(), "grad_x_c", c);
     let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let (mut gather, mut g_u, mut g_v, mut g_s) = (Gather::default(), vec![], vec![], vec![]);
     for (n, g) in threes(a, "grad_x_c").into_iter().enumerate() {

@@ -3,7 +3,7 @@
 //! Two rows of the catalogue are not here because no case can show them: K read from the wrong array axes (cy = I / 2, with I the
 //! number of images, which no row receives), and the sign pattern (+, -, -), which is the other value of the convention `axes`.
 
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 
 use super::arrays::{self, intrinsics, pose};
 use super::{Intrinsics, transform as oracle};
@@ -70,6 +70,30 @@ pub(crate) const FOCAL_IGNORED: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
+pub(crate) const ONE_FOCAL_LENGTH: Mistake = Mistake::new(
+    "one_focal_length",
+    "fx for both axes",
+    "nothing where pixels are square; stretched views where they aren't",
+    "divide v - cy by fy",
+    "robotics code and students, 3 public implementations",
+    3,
+);
+pub(crate) const FOCALS_SWAPPED: Mistake = Mistake::new(
+    "focals_swapped",
+    "fx and fy exchanged, as where K is built from (height, width)",
+    "nothing where pixels are square; stretched views where they aren't",
+    "u belongs to fx, v to fy",
+    "never; cheap to keep",
+    0,
+);
+pub(crate) const INVERSE_POSE: Mistake = Mistake::new(
+    "inverse_pose",
+    "the inverse of c2w is used as it: world to camera taken for camera to world",
+    "points land in the wrong place, and a round trip with the same mistake passes",
+    "use c2w, not its inverse",
+    "1 CS180 project, 2 public implementations",
+    3,
+);
 pub(crate) const NOT_RESCALED: Mistake = Mistake::new(
     "intrinsics_not_rescaled",
     "the pictures were halved, K was not: it is twice the right one",
@@ -114,14 +138,7 @@ pub(crate) const FLIPS: [Mistake; 6] = [
 /// Mistakes of the transform.
 pub const TRANSFORM: &[Mistake] = &[
     ROTATION_TRANSPOSED,
-    Mistake::new(
-        "inverse_pose",
-        "x_w = c2w^-1 x_c",
-        "points land in the wrong place, and a round trip with the same mistake passes",
-        "multiply by c2w, not by its inverse",
-        "1 CS180 project",
-        1,
-    ),
+    INVERSE_POSE,
     Mistake::new(
         "translation_missing",
         "x_w = R x_c: a 0 was appended to the point in the place of a 1",
@@ -146,6 +163,8 @@ pub const PIXEL_TO_CAMERA: &[Mistake] = &[
     CENTER_SWAPPED,
     CENTER_FLOORED,
     FOCAL_IGNORED,
+    ONE_FOCAL_LENGTH,
+    FOCALS_SWAPPED,
     NOT_RESCALED,
     K_TRANSPOSED,
     K_FOR_INVERSE,
@@ -179,6 +198,8 @@ fn wrong_lens(mut k: Intrinsics, wrong: &[&str]) -> Intrinsics {
             "center_swapped" => (k.cx, k.cy) = (k.cy, k.cx),
             "center_floored" => (k.cx, k.cy) = (libm::floor(k.cx), libm::floor(k.cy)),
             "focal_ignored" => (k.fx, k.fy) = (1.0, 1.0),
+            "one_focal_length" => k.fy = k.fx,
+            "focals_swapped" => (k.fx, k.fy) = (k.fy, k.fx),
             "intrinsics_not_rescaled" => {
                 k = Intrinsics { fx: 2.0 * k.fx, fy: 2.0 * k.fy, cx: 2.0 * k.cx, cy: 2.0 * k.cy }
             }
@@ -221,6 +242,14 @@ pub(crate) fn with_transposed_rotation(c2w: &DMat4) -> DMat4 {
     transposed
 }
 
+/// The inverse of a pose, whatever its last row is.
+pub(crate) fn inverse(c2w: &DMat4) -> DMat4 {
+    let r = DMat3::from_mat4(*c2w).inverse();
+    let mut out = DMat4::from_mat3(r);
+    out.w_axis = (-(r * c2w.w_axis.truncate())).extend(1.0);
+    out
+}
+
 /// Camera space to world space.
 pub fn transform(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let (c2w, x_c) = (values(a, "c2w"), threes(a, "x_c"));
@@ -229,7 +258,7 @@ pub fn transform(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
         for name in wrong {
             match *name {
                 "rotation_transposed" => c2w = with_transposed_rotation(&c2w),
-                "inverse_pose" => c2w = c2w.inverse(),
+                "inverse_pose" => c2w = inverse(&c2w),
                 "translation_missing" => c2w.w_axis = glam::DVec4::W,
                 _ => {}
             }
@@ -245,13 +274,14 @@ pub fn transform_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
 }
 
 /// Pixel and depth to camera space.
-pub fn pixel_to_camera(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub fn pixel_to_camera(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let point = |m: usize| {
         let s = if wrong.contains(&"depth_forgotten") { 1.0 } else { s[m] };
         flip(wrong_point(&k, DVec2::from(uv[m]), s, wrong), wrong).to_array()
     };
-    arrays([("x_c", array(&[s.len(), 3], (0..s.len()).flat_map(point).collect()))])
+    let points = arrays([("x_c", array(&[s.len(), 3], (0..s.len()).flat_map(point).collect()))]);
+    arrays::in_axes(points, "x_c", c)
 }
 
 /// Its gradient: no mistakes of its own.

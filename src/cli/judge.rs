@@ -12,7 +12,7 @@ use crate::judge::{Verdict, exchange, judging};
 pub struct Args {
     /// The folder that `cases` wrote.
     cases: PathBuf,
-    /// The folder of answers: one npz a case, at the same relative path.
+    /// The folder of answers: one npz a case, at the same relative path; in answers.json what the candidate takes, where that isn't all.
     answers: PathBuf,
     /// How far off exp, log, sin and cos may be, in ULP of the type.
     #[arg(long, default_value_t = judging::EXP_ULP)]
@@ -30,7 +30,7 @@ pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
     if !(args.exp_ulp >= 0.5 && args.exp_ulp <= 1e6) {
         return Err(Error::usage("--exp-ulp", args.exp_ulp, "a number from 0.5 to 1e6"));
     }
-    let exam = exchange::read_exam(&args.cases)?;
+    let exam = exchange::declared(exchange::read_exam(&args.cases)?, &args.answers)?;
     let answers = exchange::read_answers(&exam, &args.answers)?;
     let report = judging::judge_answers(&exam, &answers, args.exp_ulp);
     output::print(json, &report.json(), &report.to_string());

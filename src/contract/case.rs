@@ -19,18 +19,25 @@ pub struct Case {
     pub forward_only: bool,
     /// The type whose every bit the numbers use, if they do ([`in_full`]): cotangents do then too.
     pub full: Option<Dtype>,
+    /// What makes it an edge case, which few programs ever meet: no samples, one sample.
+    pub edge: Option<&'static str>,
 }
 
 impl Case {
     /// A named case.
     pub fn new(id: impl ToString, comment: &'static str, inputs: Vec<(&str, ArrayD<f64>)>) -> Self {
         let inputs = inputs.into_iter().map(|(name, array)| (name.to_string(), array)).collect();
-        Case { id: id.to_string(), comment, inputs, forward_only: false, full: None }
+        Case { id: id.to_string(), comment, inputs, forward_only: false, full: None, edge: None }
     }
 
     /// The same without a VJP case.
     pub fn forward_only(self) -> Self {
         Case { forward_only: true, ..self }
+    }
+
+    /// The same as an edge case.
+    pub fn edge(self, what: &'static str) -> Self {
+        Case { edge: Some(what), ..self }
     }
 
     /// Whether all inputs are numbers of `dtype`. Hyper-parameters (scalars) are f64 in every type.

@@ -21,4 +21,4 @@ pub use case::{Case, Draw};
 pub use check::Kind;
 pub use component::{Component, Direction, Entries, Mistake, Port};
 pub use machine::Machine;
-pub use special::{Finding, Special, Statistics};
+pub use special::{Finding, Form, Special, Statistics};

@@ -1,5 +1,6 @@
 //! What only a few rows of the contract need.
 
+use super::arithmetic::Dtype;
 use super::arrays::Arrays;
 use super::case::{Case, Draw};
 use crate::convention::Conventions;
@@ -24,6 +25,8 @@ pub struct Special {
     pub chosen: Option<Chosen>,
     /// How all cases are judged together, where single elements say nothing.
     pub statistics: Option<Statistics>,
+    /// The forms in which functions take less than all inputs, or others in their place.
+    pub forms: &'static [Form],
 }
 
 /// A number that stands at places of an output whatever the inputs. Programs choose it freely: it is told, and not compared.
@@ -50,7 +53,22 @@ impl Special {
         rounds_inside: |_, _, _| {},
         chosen: None,
         statistics: None,
+        forms: &[],
     };
+}
+
+/// A form in which functions often take a row's inputs: some of them are left off and assumed, or something else is taken in their place.
+/// Cases whose inputs can't be had in this form are left out for such a function.
+#[derive(Clone, Copy, Debug)]
+pub struct Form {
+    /// The inputs that it does without.
+    pub without: &'static [&'static str],
+    /// What is taken in their place; `None`: nothing, they are assumed.
+    pub takes: Option<&'static str>,
+    /// What that is, or what is assumed.
+    pub meaning: &'static str,
+    /// Whether a case's inputs can be had in this form in a type.
+    pub holds: fn(&Arrays, Dtype) -> bool,
 }
 
 /// A row that is judged by statistics over its cases.

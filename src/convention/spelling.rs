@@ -10,6 +10,7 @@ use crate::error::{Error, Result};
 /// Every convention with the closed list of its values, as they are written in JSON.
 pub const CHOICES: &[(&str, &[&str])] = &[
     ("axes", &["opencv", "opengl"]),
+    ("camera_axes", &["opencv", "opengl"]),
     ("pixel_center", &["half", "integer"]),
     ("directions", &["unit", "depth"]),
     ("grid", &["intervals", "ends_plus_width", "ends_plus_spacing", "ends_between_midpoints"]),
@@ -46,6 +47,11 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("hash_weights", &["linear", "smoothstep"]),
     ("harmonic_sign", &["alternating", "plain"]),
     ("harmonic_form", &["sphere", "homogeneous", "normalized"]),
+    ("pdf_padding", &["as_given", "none", "1e-5", "1e-6", "0.01"]),
+    ("pdf_division", &["as_it_is", "snapped"]),
+    ("stop", &["behind", "in_front"]),
+    ("alpha_cap", &["none", "0.99", "0.999"]),
+    ("faint", &["kept", "skipped"]),
     ("skip_layer", &["4", "5"]),
     ("skip_order", &["hidden_first", "encoding_first"]),
     ("last_trunk", &["relu", "none"]),
@@ -65,6 +71,7 @@ type Field = (&'static str, fn(&Conventions) -> String, fn(&mut Conventions, &st
 /// One line per field: a search reads hundreds of thousands of them, so none is read by serializing the whole struct.
 const FIELDS: &[Field] = &[
     ("axes", |c| name(&c.axes), |c, v| c.axes = listed(v)),
+    ("camera_axes", |c| name(&c.camera_axes), |c, v| c.camera_axes = listed(v)),
     ("pixel_center", |c| name(&c.pixel_center), |c, v| c.pixel_center = listed(v)),
     ("directions", |c| name(&c.directions), |c, v| c.directions = listed(v)),
     ("grid", |c| name(&c.grid), |c, v| c.grid = listed(v)),
@@ -91,6 +98,11 @@ const FIELDS: &[Field] = &[
     ("hash_weights", |c| name(&c.hash_weights), |c, v| c.hash_weights = listed(v)),
     ("harmonic_sign", |c| name(&c.harmonic_sign), |c, v| c.harmonic_sign = listed(v)),
     ("harmonic_form", |c| name(&c.harmonic_form), |c, v| c.harmonic_form = listed(v)),
+    ("pdf_padding", |c| name(&c.pdf_padding), |c, v| c.pdf_padding = listed(v)),
+    ("pdf_division", |c| name(&c.pdf_division), |c, v| c.pdf_division = listed(v)),
+    ("stop", |c| name(&c.stop), |c, v| c.stop = listed(v)),
+    ("alpha_cap", |c| name(&c.alpha_cap), |c, v| c.alpha_cap = listed(v)),
+    ("faint", |c| name(&c.faint), |c, v| c.faint = listed(v)),
     ("skip_layer", |c| c.skip_layer.to_string(), |c, v| c.skip_layer = v.parse().expect("a listed number")),
     ("skip_order", |c| name(&c.skip_order), |c, v| c.skip_order = listed(v)),
     ("last_trunk", |c| name(&c.last_trunk), |c, v| c.last_trunk = listed(v)),

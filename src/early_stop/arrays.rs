@@ -1,8 +1,9 @@
 //! The oracle of this folder on named arrays, and what turns these into its types and back.
 
-use super::{backward, render_packed};
+use super::{backward, render_packed_to};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, threes, values};
-use crate::convention::Conventions;
+use crate::convention::{CS180, Conventions};
 use crate::volume_rendering::backward::Cotangent;
 
 /// Where each ray begins, and the end. Made whole and in order, so that no inputs, however perturbed, read past the arrays.
@@ -75,9 +76,9 @@ pub(crate) fn packed(rays: Vec<Arrays>) -> Arrays {
     names.iter().map(join).collect()
 }
 
-pub(super) fn early_stop(a: &Arrays, _: &Conventions) -> Arrays {
+pub(super) fn early_stop(a: &Arrays, c: &Conventions) -> Arrays {
     let (sigmas, deltas) = (values(a, "sigmas"), values(a, "deltas"));
-    let rays = render_packed(&sigmas, &threes(a, "rgbs"), &deltas, &offsets(a), number(a, "eps"));
+    let rays = render_packed_to(&sigmas, &threes(a, "rgbs"), &deltas, &offsets(a), number(a, "eps"), c.stop);
     let one = |(ray, (_, length)): (&crate::volume_rendering::Rendering, (usize, usize))| {
         let live = ray.weights.len();
         let of = crate::volume_rendering::arrays::renderings(live, std::slice::from_ref(ray));
@@ -86,10 +87,10 @@ pub(super) fn early_stop(a: &Arrays, _: &Conventions) -> Arrays {
     packed(rays.iter().zip(spans(a)).map(one).collect())
 }
 
-pub(super) fn early_stop_vjp(a: &Arrays, _: &Conventions) -> Arrays {
+pub(super) fn early_stop_vjp(a: &Arrays, c: &Conventions) -> Arrays {
     let (sigmas, rgbs, deltas, offsets) =
         (values(a, "sigmas"), threes(a, "rgbs"), values(a, "deltas"), offsets(a));
-    let rays = render_packed(&sigmas, &rgbs, &deltas, &offsets, number(a, "eps"));
+    let rays = render_packed_to(&sigmas, &rgbs, &deltas, &offsets, number(a, "eps"), c.stop);
     let g = |r: usize| Cotangent {
         color: threes(a, "grad_colors")[r],
         weights: values(a, "grad_weights")[offsets[r]..offsets[r] + rays[r].weights.len()].to_vec(),
@@ -103,4 +104,10 @@ pub(super) fn early_stop_vjp(a: &Arrays, _: &Conventions) -> Arrays {
         ("grad_rgbs", array(&[g_rgbs.len(), 3], g_rgbs.concat())),
         ("grad_deltas", array(&[g_deltas.len()], g_deltas)),
     ])
+}
+
+/// Whether all samples of all rays are used.
+pub(super) fn nothing_stops(a: &Arrays, _: Dtype) -> bool {
+    let live = values(&early_stop(a, &CS180), "live");
+    spans(a).iter().zip(live).all(|((_, length), live)| *length as f64 == live)
 }

@@ -5,16 +5,22 @@
 //! number.
 
 use super::arrays::{one_ray, packed, spans, stopped};
-use super::live_samples;
+use super::used_samples;
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, number, values};
 use crate::contract::component::Direction;
-use crate::convention::{CS180, Conventions};
+use crate::convention::{CS180, Conventions, Stop};
 use crate::math::{expm1, ln};
 use crate::volume_rendering::component::VOLUME_RENDER;
 
 /// The numbers of samples of a ray that an honest implementation may use.
-fn candidates(a: &Arrays, r: usize, (first, length): (usize, usize), m: &Arithmetic) -> Vec<usize> {
+fn candidates(
+    a: &Arrays,
+    r: usize,
+    (first, length): (usize, usize),
+    stop: Stop,
+    m: &Arithmetic,
+) -> Vec<usize> {
     let eps = number(a, "eps");
     // eps itself rounded, or its logarithm compared with the optical depth.
     let slack =
@@ -25,7 +31,7 @@ fn candidates(a: &Arrays, r: usize, (first, length): (usize, usize), m: &Arithme
         let t = number(&(VOLUME_RENDER.forward.oracle)(&ray, &CS180), "transmittance");
         let off = number(&(VOLUME_RENDER.forward.bound)(&ray, &CS180, m), "transmittance");
         if (t - off).max(0.0) < eps + slack {
-            found.push(n);
+            found.push(n - usize::from(stop == Stop::InFront));
         }
         if t + off < eps - slack {
             return found;
@@ -38,15 +44,15 @@ fn candidates(a: &Arrays, r: usize, (first, length): (usize, usize), m: &Arithme
 }
 
 /// The bound of one direction: over all candidate numbers, the distance of their exact answer from the oracle's, plus their own bound.
-fn covering(a: &Arrays, direction: &Direction, m: &Arithmetic) -> Arrays {
+fn covering(a: &Arrays, direction: &Direction, stop: Stop, m: &Arithmetic) -> Arrays {
     let mut rays = vec![];
     for (r, (first, length)) in spans(a).into_iter().enumerate() {
         let answer = |n: usize| stopped(n, length, (direction.oracle)(&one_ray(a, r, first, n), &CS180));
         let (sigmas, deltas) = (values(a, "sigmas"), values(a, "deltas"));
         let span = first..first + length;
-        let right = answer(live_samples(&sigmas[span.clone()], &deltas[span], number(a, "eps")));
+        let right = answer(used_samples(&sigmas[span.clone()], &deltas[span], number(a, "eps"), stop));
         let mut bound: Arrays = right.iter().map(|(name, y)| (name.clone(), y.mapv(|_| 0.0))).collect();
-        for n in candidates(a, r, (first, length), m) {
+        for n in candidates(a, r, (first, length), stop, m) {
             let own = stopped(0, length, (direction.bound)(&one_ray(a, r, first, n), &CS180, m));
             let other = answer(n);
             for (name, bound) in &mut bound {
@@ -60,11 +66,11 @@ fn covering(a: &Arrays, direction: &Direction, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::render_packed`].
-pub fn early_stop(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
-    covering(a, &VOLUME_RENDER.forward, m)
+pub fn early_stop(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    covering(a, &VOLUME_RENDER.forward, c.stop, m)
 }
 
 /// Bound of [`super::backward::render_packed`].
-pub fn early_stop_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
-    covering(a, &VOLUME_RENDER.vjp.expect("it has a gradient"), m)
+pub fn early_stop_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    covering(a, &VOLUME_RENDER.vjp.expect("it has a gradient"), c.stop, m)
 }

@@ -4,7 +4,11 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Form, Special};
+
+/// Functions that never stop.
+const FORMS: &[Form] =
+    &[Form { without: &["eps"], takes: None, meaning: "0: nothing stops", holds: arrays::nothing_stops }];
 
 /// Packed rays, each as far as light comes through.
 pub const EARLY_STOP: Component = Component {
@@ -26,7 +30,7 @@ pub const EARLY_STOP: Component = Component {
         Port::smooth("opacity", "R", "sum of w"),
         Port::smooth("transmittance", "R", "T behind the last live sample"),
     ],
-    conventions: &[],
+    conventions: &["stop"],
     forward: Direction {
         oracle: arrays::early_stop,
         bound: bound::early_stop,
@@ -41,5 +45,5 @@ pub const EARLY_STOP: Component = Component {
     }),
     cases: cases::early_stop,
     mistakes: mistakes::EARLY_STOP,
-    special: Special::NONE,
+    special: Special { forms: FORMS, ..Special::NONE },
 };

@@ -3,12 +3,12 @@
 use super::arrays::{one_ray, packed, spans, stopped};
 use crate::contract::arrays::{Arrays, number};
 use crate::contract::machine::Machine;
-use crate::convention::{CS180, Conventions};
+use crate::convention::{CS180, Conventions, Stop};
 use crate::math::ln;
 use crate::volume_rendering::honest;
 
 /// Where this machine stops: T behind a sample against eps, or (every fourth form) the optical depth against -ln eps.
-fn live(a: &Arrays, r: usize, (first, length): (usize, usize), m: &Machine) -> usize {
+fn live(a: &Arrays, r: usize, (first, length): (usize, usize), stop: Stop, m: &Machine) -> usize {
     let eps = number(a, "eps");
     let passed = |n: &usize| {
         let ray = one_ray(a, r, first, *n);
@@ -18,22 +18,22 @@ fn live(a: &Arrays, r: usize, (first, length): (usize, usize), m: &Machine) -> u
         }
         number(&honest::volume_render(&ray, &CS180, m), "transmittance") < m.round(eps)
     };
-    (1..=length).find(passed).unwrap_or(length)
+    (1..=length).find(passed).map_or(length, |n| n - usize::from(stop == Stop::InFront))
 }
 
 /// Packed rendering with early stop.
-pub fn early_stop(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub fn early_stop(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let one = |(r, span): (usize, (usize, usize))| {
-        let n = live(a, r, span, m);
+        let n = live(a, r, span, c.stop, m);
         stopped(n, span.1, honest::volume_render(&one_ray(a, r, span.0, n), &CS180, m))
     };
     packed(spans(a).into_iter().enumerate().map(one).collect())
 }
 
 /// Its gradient.
-pub fn early_stop_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub fn early_stop_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let one = |(r, span): (usize, (usize, usize))| {
-        let n = live(a, r, span, m);
+        let n = live(a, r, span, c.stop, m);
         stopped(n, span.1, honest::volume_render_vjp(&one_ray(a, r, span.0, n), &CS180, m))
     };
     packed(spans(a).into_iter().enumerate().map(one).collect())

@@ -4,7 +4,7 @@ use super::arrays::{self, one_ray, packed, spans, stopped};
 use super::live_samples;
 use crate::contract::arrays::{Arrays, number, scalar, values};
 use crate::contract::component::Mistake;
-use crate::convention::{CS180, Conventions, ProductEps};
+use crate::convention::{CS180, Conventions, ProductEps, Stop};
 use crate::volume_rendering::component::VOLUME_RENDER;
 use crate::volume_rendering::volume_render;
 
@@ -17,14 +17,6 @@ pub const EARLY_STOP: &[Mistake] = &[
         "leave the color as it is: the error is at most eps without it",
         "instant-ngp#384, where it is meant, and its ports",
         3,
-    ),
-    Mistake::new(
-        "last_sample_dropped",
-        "the test comes in front of the sum: the sample that takes T below eps isn't added",
-        "up to all of the ray's light is missing: an opaque surface behind a half-transparent one isn't there",
-        "add the sample, then test what it lets through",
-        "gsplat#541",
-        1,
     ),
     Mistake::new(
         "tested_too_late",
@@ -79,7 +71,7 @@ pub const EARLY_STOP: &[Mistake] = &[
 ];
 
 /// Number of samples that are used, as the mistakes have it; `carried` is the light that arrives.
-fn live(ray: &Arrays, carried: f64, eps: f64, wrong: &[&str]) -> usize {
+fn live(ray: &Arrays, carried: f64, eps: f64, stop: Stop, wrong: &[&str]) -> usize {
     let (sigmas, deltas) = (values(ray, "sigmas"), values(ray, "deltas"));
     let n = sigmas.len();
     if wrong.contains(&"weight_tested") {
@@ -92,7 +84,7 @@ fn live(ray: &Arrays, carried: f64, eps: f64, wrong: &[&str]) -> usize {
     if carried * t.transmittance[live] >= eps {
         return live;
     }
-    let earlier = usize::from(wrong.contains(&"last_sample_dropped"));
+    let earlier = usize::from(stop == Stop::InFront);
     let later = usize::from(wrong.contains(&"tested_too_late"));
     (live + later).min(n) - earlier
 }
@@ -107,7 +99,7 @@ pub fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     for (r, (first, length)) in spans(a).into_iter().enumerate() {
         let counts = wrong.contains(&"ends_taken_for_counts");
         let reach = if counts { (first + length).min(samples - first) } else { length };
-        let n = live(&one_ray(a, r, first, reach), carried, eps, wrong);
+        let n = live(&one_ray(a, r, first, reach), carried, eps, c.stop, wrong);
         let mut ray = (VOLUME_RENDER.forward.oracle)(&one_ray(a, r, first, n), &CS180);
         for name in ["colors", "weights", "opacity", "transmittance"] {
             ray.get_mut(name).expect("an output").mapv_inplace(|x| carried * x);

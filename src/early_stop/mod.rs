@@ -4,7 +4,7 @@
 //! until T < `eps`. Nothing is renormalized (instant-ngp divides by the opacity, VR5): the light that is left goes on to the background.
 //! Packed: the samples of all rays in one array; those of ray r are `offsets[r] .. offsets[r + 1]`.
 
-use crate::convention::ProductEps;
+use crate::convention::{ProductEps, Stop};
 use crate::math::{Sum, exp};
 use crate::volume_rendering::{Rendering, optical_depths, volume_render};
 
@@ -52,6 +52,15 @@ pub fn live_samples(sigmas: &[f64], deltas: &[f64], eps: f64) -> usize {
     x.len()
 }
 
+/// The samples that are used: [`live_samples`], without the one that ends the ray where that is the convention.
+pub(crate) fn used_samples(sigmas: &[f64], deltas: &[f64], eps: f64, stop: Stop) -> usize {
+    let live = live_samples(sigmas, deltas, eps);
+    let mut depth = Sum::default();
+    optical_depths(&sigmas[..live], &deltas[..live]).into_iter().for_each(|x| depth.add(x));
+    let stopped = live > 0 && exp(-depth.value()) < eps;
+    live - usize::from(stopped && stop == Stop::InFront)
+}
+
 /// Renders packed rays with early stop: for each ray [`live_samples`], and [`volume_render`] of so many samples.
 ///
 /// # Shapes
@@ -79,10 +88,22 @@ pub fn render_packed(
     assert_eq!(sigmas.len(), deltas.len(), "sigmas and deltas: one each a sample");
     assert_eq!(sigmas.len(), rgbs.len(), "sigmas and rgbs: one each a sample");
     assert!(!offsets.is_empty(), "offsets and rays: one more than rays, and not none");
+    render_packed_to(sigmas, rgbs, deltas, offsets, eps, Stop::Behind)
+}
+
+/// The same in a convention.
+pub(crate) fn render_packed_to(
+    sigmas: &[f64],
+    rgbs: &[[f64; 3]],
+    deltas: &[f64],
+    offsets: &[usize],
+    eps: f64,
+    stop: Stop,
+) -> Vec<Rendering> {
     let mut rays = vec![];
     for r in 0..offsets.len() - 1 {
         let (first, end) = (offsets[r], offsets[r + 1]);
-        let last = first + live_samples(&sigmas[first..end], &deltas[first..end], eps);
+        let last = first + used_samples(&sigmas[first..end], &deltas[first..end], eps, stop);
         let (s, c, d) = (&sigmas[first..last], &rgbs[first..last], &deltas[first..last]);
         rays.push(volume_render(s, c, d, ProductEps::None));
     }

@@ -1,6 +1,6 @@
 //! Vector-Jacobian product of importance sampling, by hand.
 
-use super::{bin_of, cdf};
+use super::{SNAPPED, bin_of, cdf};
 
 /// Gradients of [`super::sample`] with respect to `edges` and `u`.
 ///
@@ -24,6 +24,28 @@ pub fn sample(edges: &[f64], weights: &[f64], padding: f64, u: &[f64], g_t: &[f6
         g_edges[k] += g_t[i] * (1.0 - s);
         g_edges[k + 1] += g_t[i] * s;
         g_u.push(g_t[i] * (edges[k + 1] - edges[k]) / weight);
+    }
+    (g_edges, g_u)
+}
+
+/// Gradients of [`super::sample_snapped`]: in a bin whose share counts as 1, s = u - F_k.
+pub(crate) fn sample_snapped(
+    edges: &[f64],
+    weights: &[f64],
+    padding: f64,
+    u: &[f64],
+    g_t: &[f64],
+) -> (Vec<f64>, Vec<f64>) {
+    let f = cdf(weights, padding);
+    let (mut g_edges, mut g_u) = (vec![0.0; edges.len()], vec![]);
+    for i in 0..u.len() {
+        let k = bin_of(&f, u[i]);
+        let share = f[k + 1] - f[k];
+        let divisor = if share < SNAPPED { 1.0 } else { share };
+        let s = (u[i] - f[k]) / divisor;
+        g_edges[k] += g_t[i] * (1.0 - s);
+        g_edges[k + 1] += g_t[i] * s;
+        g_u.push(g_t[i] * (edges[k + 1] - edges[k]) / divisor);
     }
     (g_edges, g_u)
 }

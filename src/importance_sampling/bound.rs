@@ -5,13 +5,13 @@
 //! that interval, from the left and from the right. Where F is constant (bins without weight) these are far apart, and all answers in
 //! between are admissible. Errors local to the bin are added.
 
-use super::arrays::{Ray, forward, vjp};
-use super::cdf;
+use super::arrays::{Ray, drawn, forward, vjp};
+use super::{SNAPPED, cdf};
 use crate::camera::bound::any_order;
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact, gamma};
-use crate::convention::Conventions;
+use crate::convention::{Conventions, PdfDivision};
 
 /// Roundings of one weight on its way into F: padding, its sum, the total, the quotient, the product with u.
 const ROUNDINGS: f64 = 6.0;
@@ -26,6 +26,7 @@ struct Distribution<'a> {
     absolute: f64,
     /// Sum of the padded weights, at most 1: implementations need not divide by it.
     total: f64,
+    division: PdfDivision,
     m: &'a Arithmetic,
 }
 
@@ -39,14 +40,15 @@ struct Reach {
 }
 
 impl<'a> Distribution<'a> {
-    fn new(ray: &'a Ray, m: &'a Arithmetic) -> Self {
+    fn new(ray: &'a Ray, c: &Conventions, m: &'a Arithmetic) -> Self {
         let n = ray.weights.len() as f64;
         let f = cdf(&ray.weights, ray.padding);
         let relative = gamma(2.0 * n, m.u_sum) + gamma(ROUNDINGS, m.u);
         let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
         let scale = if total > 0.0 { 1.0 + 1.0 / total } else { 1.0 };
         let absolute = 2.0 * (n + 4.0) * m.tiny * scale;
-        Distribution { ray, f, relative, absolute, total: if total > 0.0 { total.min(1.0) } else { 1.0 }, m }
+        let total = if total > 0.0 { total.min(1.0) } else { 1.0 };
+        Distribution { ray, f, relative, absolute, total, division: c.pdf_division, m }
     }
 
     fn reach(&self, u: f64) -> Reach {
@@ -99,8 +101,33 @@ impl<'a> Distribution<'a> {
         if self.overflows(reach.bins) {
             return f64::INFINITY;
         }
-        let e = (t - reach.low).max(reach.high - t).max(0.0) + self.local(reach.bins);
+        let [low, high] = self.snapped_too(reach.bins, [reach.low, reach.high]);
+        let e = (t - low).max(high - t).max(0.0) + self.local(reach.bins);
         if t.abs() + e > self.m.largest { f64::INFINITY } else { e }
+    }
+
+    /// Whether an honest machine may take a bin's share for 1, and whether all do.
+    fn snaps(&self, k: usize) -> (bool, bool) {
+        let (share, _) = self.inside(k, 0.0);
+        let limit = SNAPPED * (1.0 + self.m.u);
+        let on = self.division == PdfDivision::Snapped;
+        (on && share.y - share.e < limit, on && share.y + share.e < SNAPPED * (1.0 - self.m.u))
+    }
+
+    /// The interval of answers where some of these bins' shares may count as 1: then they lie beside the bin's edge.
+    fn snapped_too(&self, [first, last]: [usize; 2], as_it_is: [f64; 2]) -> [f64; 2] {
+        let bins = first..=last;
+        let all = bins.clone().all(|k| self.snaps(k).1);
+        let mut answers = if all { [f64::INFINITY, f64::NEG_INFINITY] } else { as_it_is };
+        for k in bins.filter(|k| self.snaps(*k).0) {
+            let (edges, (share, _)) = (&self.ray.edges, self.inside(k, 0.0));
+            let width = edges[k + 1] - edges[k];
+            answers = [
+                answers[0].min(edges[k] - share.e * width),
+                answers[1].max(edges[k] + (share.y + share.e) * width),
+            ];
+        }
+        answers
     }
 
     /// F_{k+1} - F_k, and s inside the bin.
@@ -118,25 +145,25 @@ impl<'a> Distribution<'a> {
 }
 
 /// Bound of [`super::sample`].
-pub fn sample(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
-    forward(a, |ray| {
-        let d = Distribution::new(ray, m);
-        let t = super::sample(&ray.edges, &ray.weights, ray.padding, &ray.u);
-        ray.u.iter().zip(t).map(|(&u, t)| d.error(u, t)).collect()
+pub fn sample(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    forward(a, c, |ray| {
+        let d = Distribution::new(ray, c, m);
+        ray.u.iter().zip(drawn(ray, c)).map(|(&u, t)| d.error(u, t)).collect()
     })
 }
 
 /// Bound of [`super::backward::sample`]. At a kink any slope dt / du is admissible, and each edge next to the sample may get any
 /// share of the cotangent.
-pub fn sample_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
-    vjp(a, |ray, g| {
-        let d = Distribution::new(ray, m);
+pub fn sample_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    vjp(a, c, |ray, g| {
+        let d = Distribution::new(ray, c, m);
         let mut terms: Vec<Vec<Bounded>> = vec![vec![]; ray.edges.len()];
         let mut g_u = vec![];
         for (&u, &g) in ray.u.iter().zip(g) {
             let reach = d.reach(u);
             let k = super::bin_of(&d.f, u);
-            if !reach.smooth {
+            let (perhaps, surely) = d.snaps(k);
+            if !reach.smooth || perhaps != surely {
                 let share = Bounded { y: 0.5 * g, e: 0.5 * g.abs() };
                 // The sum rounds for any shares of its terms.
                 let [first, last] = reach.bins;
@@ -144,7 +171,10 @@ pub fn sample_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
                 g_u.push(f64::INFINITY);
                 continue;
             }
-            let (weight, s) = d.inside(k, u);
+            let (mut weight, mut s) = d.inside(k, u);
+            if surely {
+                (weight, s) = (exact(1.0), m.sub(exact(u), d.honest(d.f[k])));
+            }
             let width = m.sub(exact(ray.edges[k + 1]), exact(ray.edges[k]));
             terms[k].push(m.mul(exact(g), m.sub(exact(1.0), s)));
             // Through the lerp a + s (b - a), the gradient of a is a difference too.

@@ -17,7 +17,7 @@ pub const IMPORTANCE_SAMPLING: Component = Component {
         Port::smooth("u", "R,M", "numbers in [0, 1], in any order"),
     ],
     outputs: &[Port::smooth("t", "R,M", "samples, in the order of u")],
-    conventions: &[],
+    conventions: &["pdf_padding", "pdf_division"],
     forward: Direction {
         oracle: arrays::sample,
         bound: bound::sample,

@@ -1,21 +1,13 @@
 //! Importance sampling, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::arrays::{Ray, forward, vjp};
-use super::{backward, bin_of, cdf};
+use super::arrays::{Ray, forward, gradient, vjp};
+use super::{SNAPPED, bin_of, cdf};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
-use crate::convention::Conventions;
+use crate::convention::{Conventions, PdfDivision};
 
 /// Mistakes of importance sampling.
 pub const IMPORTANCE_SAMPLING: &[Mistake] = &[
-    Mistake::new(
-        "differences_snapped",
-        "where F_{k+1} - F_k < 1e-5 it is divided by 1",
-        "samples in faint bins fall on the bin's edge: 61 of 62 bins beside an opaque one",
-        "divide by the difference as it is; a bin that is chosen has one",
-        "bmild/nerf run_nerf_helpers.py sample_pdf, and its ports",
-        30,
-    ),
     Mistake::new(
         "searched_from_the_left",
         "the bin by searchsorted with side left: F_k < u in the place of F_k <= u",
@@ -73,14 +65,6 @@ pub const IMPORTANCE_SAMPLING: &[Mistake] = &[
         0,
     ),
     Mistake::new(
-        "padding_always",
-        "1e-5 is added whatever the padding is",
-        "empty bins are sampled",
-        "add the padding that was asked for",
-        "sample_pdf has the number inside",
-        30,
-    ),
-    Mistake::new(
         "one_u_for_all_rays",
         "the first ray's u for all",
         "rays share their noise",
@@ -110,7 +94,7 @@ pub const IMPORTANCE_SAMPLING: &[Mistake] = &[
 
 /// Changes to a ray's inputs, before anything is computed.
 fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
-    let Ray { mut edges, mut weights, mut padding, u } = Ray {
+    let Ray { mut edges, mut weights, padding, u } = Ray {
         edges: ray.edges.clone(),
         weights: ray.weights.clone(),
         padding: ray.padding,
@@ -123,9 +107,6 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     if wrong.contains(&"weights_as_densities") {
         weights.iter_mut().zip(edges.windows(2)).for_each(|(w, e)| *w *= e[1] - e[0]);
     }
-    if wrong.contains(&"padding_always") {
-        padding = 1e-5;
-    }
     Ray { edges, weights, padding, u }
 }
 
@@ -133,7 +114,7 @@ fn cdf_of(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
     let mut f = cdf(&ray.weights, ray.padding);
     if wrong.contains(&"not_normalized") {
         let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
-        f.iter_mut().for_each(|f| *f *= if total > 0.0 { total } else { 1.0 });
+        f.iter_mut().for_each(|f| *f *= total);
     }
     if wrong.contains(&"no_leading_zero") {
         f.remove(0);
@@ -142,7 +123,7 @@ fn cdf_of(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
     f
 }
 
-fn one(ray: &Ray, f: &[f64], u: f64, wrong: &[&str]) -> f64 {
+fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     let left = wrong.contains(&"searched_from_the_left");
     let searched = left || wrong.contains(&"no_leading_zero") || wrong.contains(&"not_normalized");
     let k = if searched {
@@ -157,7 +138,7 @@ fn one(ray: &Ray, f: &[f64], u: f64, wrong: &[&str]) -> f64 {
     };
     let (a, b) = (ray.edges[k], ray.edges[k + 1]);
     let mut difference = f[k + 1] - f[k];
-    if difference == 0.0 || wrong.contains(&"differences_snapped") && difference < 1e-5 {
+    if difference == 0.0 || c.pdf_division == PdfDivision::Snapped && difference < SNAPPED {
         difference = 1.0;
     }
     let s = match () {
@@ -169,20 +150,20 @@ fn one(ray: &Ray, f: &[f64], u: f64, wrong: &[&str]) -> f64 {
 }
 
 /// Samples.
-pub fn sample(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
-    let shared = super::arrays::ray(a, 0).u;
-    forward(a, |ray| {
+pub fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let shared = super::arrays::ray(a, 0, c).u;
+    forward(a, c, |ray| {
         let ray = changed(ray, wrong);
         let f = cdf_of(&ray, wrong);
         let u = if wrong.contains(&"one_u_for_all_rays") { &shared } else { &ray.u };
-        u.iter().map(|&u| one(&ray, &f, u, wrong)).collect()
+        u.iter().map(|&u| one(&ray, &f, u, c, wrong)).collect()
     })
 }
 
 /// Their gradient.
-pub fn sample_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
-    vjp(a, |ray, g| {
-        let (mut g_edges, mut g_u) = backward::sample(&ray.edges, &ray.weights, ray.padding, &ray.u, g);
+pub fn sample_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    vjp(a, c, |ray, g| {
+        let (mut g_edges, mut g_u) = gradient(ray, g, c);
         if wrong.contains(&"place_detached") {
             g_u.fill(0.0);
         }

@@ -10,6 +10,7 @@ use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
+use crate::convention::profiles::PROFILES;
 use crate::parallel;
 
 /// A hypothesis that explains every answered element.
@@ -23,6 +24,8 @@ pub struct Explanation {
     pub residual: f64,
     /// Whether it predicts the same as the best explanation on every case: no answer can tell the two apart.
     pub same_as_best: bool,
+    /// Whether it is no mistake: the right formula, with digits lost.
+    pub inaccurate: bool,
 }
 
 /// The largest number of conventions that may differ, with one mistake and with two.
@@ -30,6 +33,9 @@ const CHANGES: [usize; 3] = [usize::MAX, 3, 1];
 
 /// The largest number of assignments that are tried, with one mistake and with two.
 const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
+
+/// By how many times a mistake must explain the answers better than lost digits do, to be named.
+const MUCH_BETTER: f64 = 4.0;
 
 /// Gradients of mistakes in the forward function are numeric and expensive: this many of the smallest cases are used.
 const NUMERIC: usize = 12;
@@ -53,6 +59,7 @@ pub fn diagnose(
             conventions: Partial::new(),
             residual: 0.0,
             same_as_best: false,
+            inaccurate: false,
         };
         return shown.map(each).collect();
     }
@@ -66,6 +73,10 @@ pub fn diagnose(
         let all = if count == 0 { &right } else { &all };
         let mut near: Vec<&Partial> = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).collect();
         near.truncate(ASSIGNMENTS[count]);
+        // What known programs do is near, however many conventions they change at once.
+        let known: Vec<Partial> =
+            PROFILES.iter().map(|p| partial(question.component, &p.conventions)).collect();
+        near.extend(all.iter().filter(|p| known.contains(p) && changes(p, &home) > CHANGES[count]));
         let mut fitting = vec![];
         // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
         for ring in near.chunk_by(|a, b| changes(a, &home) == changes(b, &home)) {
@@ -74,6 +85,21 @@ pub fn diagnose(
             if had {
                 break;
             }
+        }
+        let inaccurate = if count == 1 { inaccuracy(&near, question, answers, base, options) } else { None };
+        if let Some((_, lost)) = &inaccurate {
+            // A name is only given where it explains the answers better than lost digits do.
+            fitting.retain(|h| MUCH_BETTER * largest_residual(h, question, answers, options) < *lost);
+        }
+        if let Some((h, residual)) = inaccurate.filter(|_| fitting.is_empty()) {
+            let conventions = difference(&partial(question.component, &h.conventions), &home);
+            return vec![Explanation {
+                mistakes: vec![],
+                conventions,
+                residual,
+                same_as_best: false,
+                inaccurate: true,
+            }];
         }
         if !fitting.is_empty() {
             if count == 0 {
@@ -103,12 +129,33 @@ fn explaining(
             // No mistake in the run's own conventions isn't an explanation: it has just failed.
             let home = conventions == *base;
             if (home || !numeric) && !(home && mistakes.is_empty()) {
-                hypotheses.push(Hypothesis { mistakes: mistakes.clone(), conventions });
+                hypotheses.push(Hypothesis { mistakes: mistakes.clone(), conventions, loose: false });
             }
         }
     }
     let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], question, answers, options));
     hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect()
+}
+
+/// The right formula in the nearest of these assignments that explains every answer if digits were lost, and how much of what wrong code
+/// is allowed it uses.
+fn inaccuracy(
+    near: &[&Partial],
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Option<(Hypothesis, f64)> {
+    let right = |p: &&Partial| Hypothesis { mistakes: vec![], conventions: apply(p, base), loose: true };
+    let h = near.iter().map(right).find(|h| explains_all(h, question, answers, options))?;
+    let residual = largest_residual(&h, question, answers, options);
+    Some((h, residual))
+}
+
+/// The largest error over a hypothesis' own bound.
+fn largest_residual(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> f64 {
+    let cases = usable(h, question, answers);
+    cases.iter().map(|(case, answer)| h.residual(question, case, answer, options)).fold(0.0, f64::max)
 }
 
 /// Single mistakes in the run's own conventions that explain everything.
@@ -118,7 +165,7 @@ fn alone(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Vec<Hypothesis> {
-    let single = |mistakes| Hypothesis { mistakes, conventions: *base };
+    let single = |mistakes| Hypothesis { mistakes, conventions: *base, loose: false };
     let hypotheses = sets(question, 1, &[]).into_iter().map(single);
     hypotheses.filter(|h| explains_all(h, question, answers, options)).collect()
 }
@@ -178,10 +225,7 @@ fn ranked(
     let row =
         |name: &str| question.component.mistakes.iter().find(|m| m.name == name).expect("its own mistake");
     let moved = |h: &Hypothesis| changes(&partial(question.component, &h.conventions), home);
-    let residual = |h: &Hypothesis| {
-        let cases = usable(h, question, answers);
-        cases.iter().map(|(case, answer)| h.residual(question, case, answer, options)).fold(0.0, f64::max)
-    };
+    let residual = |h: &Hypothesis| largest_residual(h, question, answers, options);
     // Conventions that a mistake hides need no check: the same numbers, bit for bit, with fewer changes.
     fitting.sort_by_key(moved);
     let mut seen: Vec<(Hypothesis, Vec<Arrays>)> = vec![];
@@ -235,6 +279,7 @@ fn ranked(
             conventions: difference(&partial(question.component, &h.conventions), home),
             residual: *residual,
             same_as_best: n > 0 && predicts_same(h, &best),
+            inaccurate: false,
         })
         .collect()
 }

@@ -34,6 +34,8 @@ pub struct Door<'a, Row> {
     vjp: Option<Kernel<'a>>,
     dtype: Dtype,
     profile: Option<String>,
+    takes: Option<Vec<String>>,
+    returns: Option<Vec<String>>,
     row: PhantomData<fn() -> Row>,
 }
 
@@ -124,7 +126,17 @@ fn on_each(
 
 impl<'a, Row> Door<'a, Row> {
     fn new(component: &'static Component, forward: Kernel<'a>) -> Self {
-        Door { component, forward, vjp: None, dtype: Dtype::F64, profile: None, row: PhantomData }
+        let (takes, returns) = (None, None);
+        Door {
+            component,
+            forward,
+            vjp: None,
+            dtype: Dtype::F64,
+            profile: None,
+            takes,
+            returns,
+            row: PhantomData,
+        }
     }
 
     /// A kernel of one ray or point.
@@ -180,11 +192,22 @@ impl<'a, Row> Door<'a, Row> {
         Door { profile: Some(name.into()), ..self }
     }
 
-    /// The verdict, with what explains it.
+    /// Says which inputs the kernel looks at: cases that need others are left out and told (`&["height", "width", "focal", "c2w"]` for a
+    /// center that is always the middle). Where a kernel of one number for all steps takes `step`, or one of positions `t`, see
+    /// [`crate::contract::Form`].
+    pub fn takes(self, inputs: &[&str]) -> Self {
+        Door { takes: Some(inputs.iter().map(ToString::to_string).collect()), ..self }
+    }
+
+    /// Says which outputs the gradient goes through: the cotangents of the others are 0 (`&["colors"]` for a renderer of colors alone).
+    pub fn returns(self, outputs: &[&str]) -> Self {
+        Door { returns: Some(outputs.iter().map(ToString::to_string).collect()), ..self }
+    }
+
+    /// The verdict, with what explains it. Where the kernel panics, that is the case's answer.
     ///
     /// # Panics
-    /// On a profile that doesn't exist; where the kernel panics, has more outputs than the contract, or outputs whose shapes differ
-    /// between rays (points).
+    /// On a profile, an input or an output that doesn't exist.
     #[track_caller]
     pub fn report(&self) -> Report {
         let name = self.component.name;
@@ -192,6 +215,7 @@ impl<'a, Row> Door<'a, Row> {
         if let Some(vjp) = &self.vjp {
             candidate = candidate.vjp(name, vjp);
         }
+        candidate = candidate.declaring(name, self.takes.as_ref(), self.returns.as_ref());
         let profile = self.profile.as_ref();
         let pinned = match profile {
             Some(profile) => candidate.profile(profile),

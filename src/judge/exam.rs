@@ -1,5 +1,7 @@
 //! The exam: every case of every component and direction for one type, and its manifest.
 
+use std::collections::BTreeMap;
+
 use ndarray::ArrayD;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -26,6 +28,10 @@ pub struct Question {
     pub kind: Kind,
     /// Its cases in the exam's type.
     pub cases: Vec<Case>,
+    /// Cases that need more than the candidate takes, with the inputs that they need.
+    pub left_out: BTreeMap<String, String>,
+    /// Cases on which the candidate crashed, with what it said.
+    pub crashed: BTreeMap<String, String>,
 }
 
 /// All questions that a candidate is asked.
@@ -109,8 +115,9 @@ impl Exam {
                     .cases_of(kind, &exam.conventions())
                     .into_iter()
                     .partition(|case| case.exists_in(dtype));
-                exam.left_out.extend(out.iter().map(|case| path(component, kind, case)));
-                exam.questions.push(Question { component, kind, cases });
+                exam.left_out.extend(out.iter().map(|case| path(component, kind, &case.id)));
+                let (left_out, crashed) = Default::default();
+                exam.questions.push(Question { component, kind, cases, left_out, crashed });
             }
         }
         exam
@@ -152,14 +159,17 @@ impl Exam {
             "id": case.id,
             "component": component.name,
             "kind": question.kind_name(),
-            "file": path(component, *kind, case) + ".npz",
+            "file": path(component, *kind, &case.id) + ".npz",
             "inputs": inputs.collect::<Vec<_>>(),
             "outputs": outputs.map(|(n, s)| port(n, s, answer_type(component.output_entries(n), self.dtype).name())).collect::<Vec<_>>(),
             // Without a profile nothing is pinned, and the judge looks for the assignment that holds.
             "conventions": match self.profile {
-                Some(_) => json!(pinned.collect::<std::collections::BTreeMap<_, _>>()),
+                Some(_) => json!(pinned.collect::<BTreeMap<_, _>>()),
                 None => json!({}),
             },
+            "forms": component.special.forms.iter().map(|form| json!({
+                "without": form.without, "takes": form.takes, "holds": (form.holds)(&case.inputs, self.dtype),
+            })).collect::<Vec<_>>(),
             "flags": flags(case),
             "comment": case.comment,
         })
@@ -193,7 +203,13 @@ impl Question {
 
     /// Where a case's arrays lie, below the folder, without the extension.
     pub fn path(&self, case: &Case) -> String {
-        path(self.component, self.kind, case)
+        path(self.component, self.kind, &case.id)
+    }
+
+    /// The paths of all cases, those that the candidate isn't asked too.
+    pub fn paths(&self) -> impl Iterator<Item = String> {
+        let ids = self.cases.iter().map(|case| &case.id).chain(self.left_out.keys());
+        ids.map(|id| path(self.component, self.kind, id))
     }
 
     /// Output names in the contract's order, which is the order in which a mistake propagates.
@@ -222,8 +238,8 @@ pub fn kind_name(component: &Component, kind: Kind) -> &'static str {
     }
 }
 
-fn path(component: &Component, kind: Kind, case: &Case) -> String {
-    format!("{}/{}-{}", component.name, kind_name(component, kind), case.id)
+fn path(component: &Component, kind: Kind, id: &str) -> String {
+    format!("{}/{}-{id}", component.name, kind_name(component, kind))
 }
 
 /// The id of a hard case begins with that of its hazard.

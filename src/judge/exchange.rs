@@ -9,6 +9,7 @@ use half::f16;
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, Given};
+use super::declared::{self, Declarations};
 use super::exam::{Exam, Manifest, Question, SCHEMA, Stored};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -19,6 +20,9 @@ use crate::parallel;
 
 /// A manifest longer than this isn't one of ours.
 const LONGEST_MANIFEST: u64 = 16 << 20;
+
+/// Where a candidate declares what it takes.
+const DECLARATIONS: &str = "answers.json";
 
 /// The bytes by which an archive may be larger than its arrays: headers, the directory, a few small extras.
 const SLACK: u64 = 64 << 10;
@@ -128,6 +132,32 @@ fn bytes(arrays: &Arrays) -> u64 {
     arrays.values().map(|array| 8 * array.len() as u64).sum()
 }
 
+/// The exam as a candidate is asked it that may have declared something: `answers.json` in the folder of its answers.
+///
+/// # Errors
+/// A file that isn't what the contract says, or that names what the exam doesn't have.
+pub fn declared(exam: Exam, folder: &Path) -> Result<Exam> {
+    let path = folder.join(DECLARATIONS);
+    if !path.is_file() {
+        return Ok(exam);
+    }
+    let wrong = |field: &str, found: String| {
+        let expected = format!("{} with rows by component/kind", declared::SCHEMA);
+        let remedy = "Write it again, or remove it: then everything is asked.";
+        Error::input(Input { file: path.display(), field, found, expected, remedy })
+    };
+    let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
+    if size > LONGEST_MANIFEST {
+        return Err(wrong("size", format!("{size} bytes")));
+    }
+    let found: Declarations =
+        serde_json::from_str(&files::read_text(&path)?).map_err(|error| wrong("JSON", error.to_string()))?;
+    if found.schema != declared::SCHEMA {
+        return Err(wrong("schema", found.schema));
+    }
+    exam.narrowed(&found.rows).map_err(|what| wrong("rows", what))
+}
+
 /// All answers below a folder, a list per question.
 ///
 /// # Errors
@@ -200,8 +230,8 @@ fn inside(file: &Path, name: &str) -> Result<()> {
 
 /// Refuses whatever else lies in the folder of answers: a file in the wrong place would silently not be judged.
 fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
-    let paths = exam.questions.iter().flat_map(|s| s.cases.iter().map(|case| s.path(case) + ".npz"));
-    let asked: BTreeSet<_> = paths.map(|path| folder.join(path)).collect();
+    let asked: BTreeSet<_> =
+        exam.questions.iter().flat_map(Question::paths).map(|path| folder.join(path + ".npz")).collect();
     let folders: BTreeSet<_> = exam.questions.iter().map(|s| folder.join(s.component.name)).collect();
     let entries = |folder: &Path| -> Result<Vec<fs::DirEntry>> {
         let list = fs::read_dir(folder).map_err(Error::reading(folder))?;
@@ -221,6 +251,9 @@ fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
         let (path, kind) = (entry.path(), entry.file_type().map_err(Error::reading(folder))?);
         if kind.is_symlink() {
             return refuse(&path, "a link");
+        }
+        if kind.is_file() && path == folder.join(DECLARATIONS) {
+            continue;
         }
         if !kind.is_dir() || !folders.contains(&path) {
             return refuse(&path, "something that no case asks for");

@@ -1,9 +1,13 @@
 //! The judge: answers in, verdicts and diagnoses out.
 
+use std::any::Any;
+use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::answer::{Answers, given};
 use super::assignment::{self, Found, partial};
+use super::declared::Declared;
 use super::diagnose::{Explanation, diagnose, difference};
 use super::exam::{Exam, Question};
 use super::imprecise::lost_bits;
@@ -16,7 +20,7 @@ use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
 use crate::convention::Conventions;
 use crate::convention::profiles::{self, Profile};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::parallel;
 
 /// The contract's accuracy of exp, log, sin and cos, in ULP.
@@ -47,6 +51,7 @@ type Closure<'a> = Box<dyn Fn(&Arrays) -> Arrays + Sync + 'a>;
 #[derive(Default)]
 pub struct Candidate<'a> {
     functions: BTreeMap<(String, Kind), Closure<'a>>,
+    declared: BTreeMap<(String, Kind), Declared>,
     profile: Option<&'static Profile>,
 }
 
@@ -77,6 +82,34 @@ impl<'a> Candidate<'a> {
         self
     }
 
+    /// Says which inputs a component's functions take: cases that need others are left out and told (a center off the middle for rays of
+    /// `height`, `width`, `focal` and `c2w`).
+    pub fn takes(self, component: &str, inputs: &[&str]) -> Self {
+        let inputs = inputs.iter().map(ToString::to_string).collect();
+        self.declaring(component, Some(&inputs), None)
+    }
+
+    /// Says which outputs a component's gradient goes through: the cotangents of the others are 0.
+    pub fn returns(self, component: &str, outputs: &[&str]) -> Self {
+        let outputs = outputs.iter().map(ToString::to_string).collect();
+        self.declaring(component, None, Some(&outputs))
+    }
+
+    /// Both at once, as far as they are said.
+    pub(crate) fn declaring(
+        mut self,
+        component: &str,
+        takes: Option<&Vec<String>>,
+        returns: Option<&Vec<String>>,
+    ) -> Self {
+        for kind in [Kind::Forward, Kind::Vjp] {
+            let declared = self.declared.entry((component.into(), kind)).or_default();
+            declared.takes = takes.cloned().or(declared.takes.take());
+            declared.returns = returns.cloned().or(declared.returns.take());
+        }
+        self
+    }
+
     /// Pins the conventions: deviating from them fails.
     ///
     /// # Errors
@@ -88,20 +121,46 @@ impl<'a> Candidate<'a> {
 }
 
 /// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers. Every
-/// question comes four times, so that answers that depend on chance or on the question before show.
+/// question comes four times, so that answers that depend on chance or on the question before show. Where it panics, that case has no
+/// answer but what it said.
 ///
 /// # Errors
-/// A component that isn't in the contract.
+/// A component that isn't in the contract, or an input or output that the component doesn't have.
 pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
     let rows: Vec<(&str, Kind)> = candidate.functions.keys().map(|(name, kind)| (&name[..], *kind)).collect();
     let exam = Exam::of(&rows, dtype, candidate.profile)?;
+    let declared = exam.questions.iter().filter_map(|question| {
+        let of = (question.component.name.to_string(), question.kind);
+        Some((question.row(), candidate.declared.get(&of)?.clone()))
+    });
+    let declared = declared.collect();
+    let mut exam = exam
+        .narrowed(&declared)
+        .map_err(|what| Error::usage("takes, returns", what, "the contract's names"))?;
+    let crashed = RefCell::new(vec![]);
     let rounds = Rounds::new(&exam, |question, case| {
         let f = candidate.functions.get(&(question.component.name.to_string(), question.kind))?;
-        Some(given(f(&case.inputs)))
+        match catch_unwind(AssertUnwindSafe(|| f(&case.inputs))) {
+            Ok(outputs) => Some(given(outputs)),
+            Err(panic) => {
+                crashed.borrow_mut().push((question.row(), case.id.clone(), said(&*panic)));
+                None
+            }
+        }
     });
+    for (row, id, said) in crashed.into_inner() {
+        let question = exam.questions.iter_mut().find(|question| question.row() == row);
+        question.expect("it was asked").crashed.insert(id, said);
+    }
     let mut report = judge_answers(&exam, &rounds.first, EXP_ULP);
     rounds.tell(&exam, |answers| judge_answers(&exam, answers, EXP_ULP), &mut report);
     Ok(report)
+}
+
+/// What a panic said.
+fn said(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic".into())
 }
 
 /// Judges answers to an exam, a list per question.
@@ -135,7 +194,9 @@ struct Round {
 
 impl Round {
     fn new(exam: &Exam, answers: &[Answers], options: &MarkOptions) -> Round {
-        let answered = |n: &usize| answers[*n].iter().any(Option::is_some);
+        // A row that crashed on every case has an answer: that.
+        let crashed = |n: usize| !exam.questions[n].crashed.is_empty();
+        let answered = |n: &usize| answers[*n].iter().any(Option::is_some) || crashed(*n);
         let answered_questions: Vec<usize> = (0..answers.len()).filter(answered).collect();
         let questions: Vec<_> =
             answered_questions.iter().map(|&n| (&exam.questions[n], &answers[n])).collect();
@@ -177,7 +238,7 @@ impl Round {
                 row.diagnosis = diagnose(question, &answers[n], c, known, options);
                 let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
-                if row.diagnosis.is_empty() && row.faults.is_empty() {
+                if row.diagnosis.iter().all(|e| e.inaccurate) && row.faults.is_empty() {
                     imprecise(&mut row, exam, question, &answers[n], c, options);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {

@@ -108,7 +108,9 @@ pub fn mark(
     let (mut marks, mut proved) = (Marks::default(), BTreeSet::new());
     for (case, answer) in question.cases.iter().zip(answers) {
         let Some(answer) = answer else {
-            marks.faults.push(format!("{}: no answer", case.id));
+            let why =
+                question.crashed.get(&case.id).map_or("no answer".into(), |said| format!("crashed: {said}"));
+            marks.faults.push(format!("{}: {why}", case.id));
             continue;
         };
         let (expected, bound) = options.truth(question, case, c, grade);

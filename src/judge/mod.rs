@@ -4,6 +4,8 @@
 pub mod answer;
 pub(crate) mod assignment;
 #[doc(hidden)]
+pub mod declared;
+#[doc(hidden)]
 pub mod diagnose;
 pub(crate) mod door;
 #[doc(hidden)]

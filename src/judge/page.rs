@@ -64,6 +64,13 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     for finding in &row.findings {
         writeln!(f, "\n{} {}: a choice, no mistake: {finding}", row.name, row.kind)?;
     }
+    if !row.left_out.is_empty() {
+        let mut needed: Vec<&str> = row.left_out.values().flat_map(|names| names.split(", ")).collect();
+        needed.sort_unstable();
+        needed.dedup();
+        let (cases, needed) = (row.left_out.len(), needed.join(", "));
+        writeln!(f, "\n{} {}: {cases} cases left out, as they need {needed}", row.name, row.kind)?;
+    }
     if row.verdict == Verdict::Pass {
         for layout in &row.layouts {
             writeln!(f, "\n{} {}: layout {layout}", row.name, row.kind)?;
@@ -100,6 +107,9 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         if bits >= 24 {
             writeln!(f, "    no more is left than f32 has: something is computed in it on the way")?;
         }
+    }
+    if !row.edge_cases.is_empty() {
+        writeln!(f, "  in edge cases alone: {}", row.edge_cases.join(", "))?;
     }
     for fault in row.faults.iter().take(4) {
         writeln!(f, "  {fault}")?;
@@ -142,6 +152,13 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             None => Ok(()),
         };
     };
+    if best.inaccurate {
+        return writeln!(
+            f,
+            "  consistent with: no mistake: {}the right formula, with more digits lost than are allowed",
+            before(best)
+        );
+    }
     writeln!(f, "  consistent with: {}", name(best))?;
     for same in row.diagnosis.iter().filter(|e| e.same_as_best) {
         writeln!(f, "  or, the same on every case: {}", name(same))?;
@@ -167,6 +184,11 @@ fn places(w: &Worst) -> String {
         ulp if ulp < 1e6 => format!(" ({ulp:.1} ULP)"),
         ulp => format!(" ({ulp:.1e} ULP)"),
     }
+}
+
+/// The conventions in which the right formula lost its digits.
+fn before(e: &Explanation) -> String {
+    if e.conventions.is_empty() { String::new() } else { format!("with {}, ", list(&e.conventions)) }
 }
 
 /// An explanation on a line.

@@ -78,6 +78,12 @@ pub struct Row {
     pub layouts: Vec<String>,
     /// Faults of the answers themselves.
     pub faults: Vec<String>,
+    /// Cases that need more inputs than the candidate takes, with those inputs.
+    pub left_out: BTreeMap<String, String>,
+    /// Cases on which it crashed, with what it said.
+    pub crashed: BTreeMap<String, String>,
+    /// Whether it is wrong in edge cases alone, and which: no samples, one sample, poses that aren't rigid.
+    pub edge_cases: Vec<&'static str>,
     /// The outputs that are off, in the order in which they are computed.
     pub off: Vec<String>,
     /// Choices that no convention names and that are no mistake; they pass.
@@ -107,6 +113,9 @@ impl Row {
             contradiction: Partial::new(),
             layouts: vec![],
             faults: vec![],
+            left_out: question.left_out.clone(),
+            crashed: question.crashed.clone(),
+            edge_cases: vec![],
             off: vec![],
             findings: vec![],
             diagnosis: vec![],
@@ -137,6 +146,7 @@ impl Row {
             conventions: partial(question.component, c),
             layouts: marks.layouts.iter().cloned().collect(),
             faults: marks.faults.clone(),
+            edge_cases: edge_cases(question, marks),
             off: marks.off.clone(),
             findings: marks.findings.clone(),
             ..Row::unsupported(question)
@@ -166,15 +176,29 @@ impl Row {
             "layouts": self.layouts,
             "findings": self.findings,
             "faults": self.faults,
+            "left_out": self.left_out,
+            "crashed": self.crashed,
+            "edge_cases": self.edge_cases,
             "first_to_differ": self.off.first(),
             "diagnosis": self.diagnosis.iter().map(|e| json!({
                 "mistakes": e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(),
                 "conventions": e.conventions,
                 "residual": number(e.residual),
                 "same_as_best": e.same_as_best,
+                "inaccurate": e.inaccurate,
             })).collect::<Vec<_>>(),
         })
     }
+}
+
+/// The edge cases on which a candidate crashed, where nothing else is wrong.
+fn edge_cases(question: &Question, marks: &Marks) -> Vec<&'static str> {
+    let crashed = |id: &String| question.cases.iter().find(|case| case.id == *id).and_then(|case| case.edge);
+    let edges: Vec<Option<&str>> = question.crashed.keys().map(crashed).collect();
+    if marks.budget_used > 1.0 || marks.faults.len() > edges.len() {
+        return vec![];
+    }
+    edges.into_iter().collect::<Option<Vec<_>>>().unwrap_or_default()
 }
 
 /// JSON has no infinity and no NaN: they become strings.

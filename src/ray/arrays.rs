@@ -5,6 +5,7 @@ use glam::{DMat4, DVec2, DVec3};
 use super::{Ray, backward, pixel_position};
 use crate::camera::Intrinsics;
 use crate::camera::arrays::{flat, intrinsics, matrix, pose};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, threes, twos, values};
 use crate::convention::Conventions;
 
@@ -50,6 +51,11 @@ pub(crate) fn picture(a: &Arrays) -> (usize, usize, Intrinsics, DMat4) {
     let focal = number(a, "focal");
     let k = Intrinsics { fx: focal, fy: focal, cx: number(a, "cx"), cy: number(a, "cy") };
     (number(a, "height") as usize, number(a, "width") as usize, k, pose(&values(a, "c2w"), 0))
+}
+
+/// Whether the principal point is the middle of the picture.
+pub(crate) fn centered(a: &Arrays, _: Dtype) -> bool {
+    number(a, "cx") == number(a, "width") / 2.0 && number(a, "cy") == number(a, "height") / 2.0
 }
 
 /// Positions of all pixels, row by row.

@@ -1,6 +1,8 @@
 //! Cases of rays: cameras that tell mistakes apart, and seeded ones.
 
-use crate::camera::cases::{IDENTITY, LENS, lens, pixels, poses, random_pose, random_poses, repeated};
+use crate::camera::cases::{
+    IDENTITY, LENS, lens, marked, pixels, poses, random_pose, random_poses, repeated,
+};
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
 
@@ -13,6 +15,7 @@ pub fn pixel_to_ray() -> Vec<Case> {
         .map(|(id, comment, pose)| {
             Case::new(id, comment, vec![("K", lens(LENS)), ("c2w", repeated(&pose, 3)), ("uv", uv())])
         })
+        .map(marked)
         .collect();
     cases.push(Case::new(
         "on_the_axis",
@@ -49,6 +52,7 @@ pub fn image_rays() -> Vec<Case> {
     let mut cases: Vec<Case> = poses()
         .into_iter()
         .map(|(id, comment, pose)| case(id, comment, [3.0, 5.0], [4.5, 2.5, 1.5], &pose))
+        .map(marked)
         .collect();
     let identity = &poses()[0].2;
     cases.push(case(
@@ -73,6 +77,13 @@ pub fn image_rays() -> Vec<Case> {
         let k = [draw.between(4.0, 12.0), draw.between(3.0, 5.0), draw.between(1.0, 2.5)];
         let pose = random_pose(&mut draw);
         cases.push(case(&format!("random_{n}"), "wide pictures, the center off the middle", size, k, &pose));
+    }
+    // What functions of height, width, focal and pose can be asked: portrait and landscape.
+    for (n, size) in [[6.0, 5.0], [3.0, 8.0]].into_iter().enumerate() {
+        let mut draw = Draw::new("image_rays", 3 + n as u64);
+        let k = [draw.between(4.0, 12.0), size[1] / 2.0, size[0] / 2.0];
+        let pose = random_pose(&mut draw);
+        cases.push(case(&format!("centered_{n}"), "the center in the middle, a random pose", size, k, &pose));
     }
     in_full(cases, "random_0")
 }

@@ -3,7 +3,7 @@
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::camera::component::{C2W, K, UV};
 use crate::contract::component::{Component, Direction, Entries, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Form, Special};
 
 /// The ray through a pixel.
 pub const PIXEL_TO_RAY: Component = Component {
@@ -34,6 +34,22 @@ pub const PIXEL_TO_RAY: Component = Component {
     special: Special::NONE,
 };
 
+/// How functions take a picture's lens.
+pub(crate) const PICTURE_FORMS: &[Form] = &[
+    Form {
+        without: &["focal", "cx", "cy"],
+        takes: Some("K"),
+        meaning: "((focal, 0, cx), (0, focal, cy), (0, 0, 1))",
+        holds: |_, _| true,
+    },
+    Form {
+        without: &["cx", "cy"],
+        takes: None,
+        meaning: "width / 2 and height / 2",
+        holds: arrays::centered,
+    },
+];
+
 /// The rays of a whole picture.
 pub const IMAGE_RAYS: Component = Component {
     name: "image_rays",
@@ -63,5 +79,5 @@ pub const IMAGE_RAYS: Component = Component {
     vjp: None,
     cases: cases::image_rays,
     mistakes: mistakes::IMAGE_RAYS,
-    special: Special::NONE,
+    special: Special { forms: PICTURE_FORMS, ..Special::NONE },
 };

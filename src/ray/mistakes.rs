@@ -4,12 +4,12 @@
 //! `no_half_pixel` reports the center (or reports no uv) and shoots through the corner. Directions that are not normalized are the
 //! convention `directions`; a norm that is taken over the wrong axis is a mistake.
 
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat3, DMat4, DVec2, DVec3};
 
 use super::arrays::{self, bundle, picture, positions};
-use super::{Ray, camera_direction};
+use super::{Ray, camera_direction, pixel_position};
 use crate::camera::arrays::{intrinsics, pose};
-use crate::camera::mistakes::{self, FLIPS, flip, with_transposed_rotation, wrong_point};
+use crate::camera::mistakes::{self, FLIPS, flip, inverse, with_transposed_rotation, wrong_point};
 use crate::camera::{Intrinsics, rotate};
 use crate::contract::arrays::{Arrays, array, twos, values};
 use crate::contract::component::Mistake;
@@ -23,9 +23,17 @@ const ORIGIN_MINUS_RT: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
+const ORIGIN_MINUS_INVERSE_RT: Mistake = Mistake::new(
+    "origin_minus_inverse_rt",
+    "o = -R^-1 t, with R and t of c2w: the formula for a world-to-camera matrix",
+    "cameras at the right distance in the wrong places",
+    "o is the translation of c2w",
+    "CS180 students, 3 public implementations",
+    3,
+);
 const TRANSLATION_IN_DIRECTION: Mistake = Mistake::new(
     "translation_in_direction",
-    "d = R d_c + t: a 1 was appended to the direction, or x_w was taken without subtracting o",
+    "d = R d_c + t: a 1 was appended to the direction, or x_w was taken without subtracting o (beside a wrong o: less that)",
     "directions change when the camera is moved",
     "rotate directions, translate points",
     "CUT3R#90",
@@ -40,6 +48,15 @@ const ORIGIN_NORMALISED: Mistake = Mistake::new(
     0,
 );
 
+const NORM_OF_ALL: Mistake = Mistake::new(
+    "norm_of_all_rays",
+    "d / norm(d) without an axis: the norm of all rays together",
+    "directions far too short, and shorter the larger the batch is",
+    "norm(d, axis=-1, keepdims=True)",
+    "1 public implementation",
+    1,
+);
+
 /// Mistakes of the ray through a pixel.
 pub const PIXEL_TO_RAY: &[Mistake] = &[
     mistakes::NO_HALF,
@@ -48,13 +65,18 @@ pub const PIXEL_TO_RAY: &[Mistake] = &[
     mistakes::CENTER_SWAPPED,
     mistakes::CENTER_FLOORED,
     mistakes::FOCAL_IGNORED,
+    mistakes::ONE_FOCAL_LENGTH,
+    mistakes::FOCALS_SWAPPED,
     mistakes::NOT_RESCALED,
     mistakes::K_TRANSPOSED,
     mistakes::K_FOR_INVERSE,
     mistakes::ROTATION_TRANSPOSED,
+    mistakes::INVERSE_POSE,
     ORIGIN_MINUS_RT,
+    ORIGIN_MINUS_INVERSE_RT,
     TRANSLATION_IN_DIRECTION,
     ORIGIN_NORMALISED,
+    NORM_OF_ALL,
     Mistake::new(
         "norm_without_axis",
         "d / norm(d, axis=1) without keepdims: (M, 3) / (M,)",
@@ -83,9 +105,28 @@ pub const IMAGE_RAYS: &[Mistake] = &[
     mistakes::K_TRANSPOSED,
     mistakes::K_FOR_INVERSE,
     mistakes::ROTATION_TRANSPOSED,
+    mistakes::INVERSE_POSE,
     ORIGIN_MINUS_RT,
+    ORIGIN_MINUS_INVERSE_RT,
     TRANSLATION_IN_DIRECTION,
     ORIGIN_NORMALISED,
+    NORM_OF_ALL,
+    Mistake::new(
+        "grid_size_swapped",
+        "columns run over the height and rows over the width, and the grid is read as (H, W)",
+        "nothing on a square picture; pixels in other places on any other",
+        "meshgrid(arange(W), arange(H), indexing=\"xy\")",
+        "1 CS180 project",
+        1,
+    ),
+    Mistake::new(
+        "picture_transposed",
+        "the grid's first axis is the column: rays are (W, H), or listed column by column",
+        "a transposed picture, or one that is torn where it is folded again",
+        "meshgrid(..., indexing=\"xy\"), or transpose the grid",
+        "torch's meshgrid without indexing: 4 public implementations",
+        4,
+    ),
     FLIPS[0],
     FLIPS[1],
     FLIPS[2],
@@ -96,18 +137,22 @@ pub const IMAGE_RAYS: &[Mistake] = &[
 
 /// One ray as the mistakes have it, not yet divided by its norm.
 fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&str]) -> Ray {
+    let c2w = &if wrong.contains(&"inverse_pose") { inverse(c2w) } else { *c2w };
     let turned = if wrong.contains(&"rotation_transposed") { with_transposed_rotation(c2w) } else { *c2w };
     let camera = match c.axes {
         Axes::Opencv => wrong_point(k, uv, 1.0, wrong),
         Axes::Opengl if wrong.is_empty() => camera_direction(k, uv, c.axes),
         Axes::Opengl => wrong_point(k, uv, 1.0, wrong) * DVec3::new(1.0, -1.0, -1.0),
     };
-    let mut ray = Ray { o: c2w.w_axis.truncate(), d: rotate(&turned, flip(camera, wrong)) };
+    let o = c2w.w_axis.truncate();
+    let mut ray = Ray { o, d: rotate(&turned, flip(camera, wrong)) };
     for name in wrong {
         match *name {
             "origin_minus_rt" => ray.o = -rotate(&with_transposed_rotation(c2w), ray.o),
             "origin_normalized" => ray.o /= ray.o.length(),
-            "translation_in_direction" => ray.d += c2w.w_axis.truncate(),
+            "origin_minus_inverse_rt" => ray.o = -(DMat3::from_mat4(*c2w).inverse() * ray.o),
+            "translation_in_direction" if ray.o == o => ray.d += o,
+            "translation_in_direction" => ray.d += o - ray.o,
             _ => {}
         }
     }
@@ -121,7 +166,9 @@ fn normalize(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
     }
     let norms: Vec<f64> = rays.iter().map(|ray| ray.d.length()).collect();
     let mixed = wrong.contains(&"norm_without_axis") && rays.len() == 3;
+    let all = norms.iter().map(|norm| norm * norm).sum::<f64>().sqrt();
     for (ray, &norm) in rays.iter_mut().zip(&norms) {
+        let norm = if wrong.contains(&"norm_of_all_rays") { all } else { norm };
         ray.d = if mixed { ray.d / DVec3::new(norms[0], norms[1], norms[2]) } else { ray.d / norm };
     }
 }
@@ -143,12 +190,20 @@ pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
 /// The rays of a picture. A grid whose rows and columns are exchanged shows it in uv.
 pub fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (height, width, k, c2w) = picture(a);
-    let uv = positions(a, c);
+    let mut uv = positions(a, c);
+    let (mut rows, mut columns) = (height, width);
+    if wrong.contains(&"grid_size_swapped") {
+        uv = (0..height * width).map(|n| pixel_position(n % height, n / height, c.pixel_center)).collect();
+    }
+    if wrong.contains(&"picture_transposed") {
+        uv = (0..height * width).map(|n| uv[n % height * width + n / height]).collect();
+        (rows, columns) = (width, height);
+    }
     let mut rays: Vec<Ray> = uv.iter().map(|&uv| wrong_ray(&k, &c2w, uv, c, wrong)).collect();
     normalize(&mut rays, c, wrong);
-    let mut out = bundle(&rays, &[height, width, 3]);
+    let mut out = bundle(&rays, &[rows, columns, 3]);
     let swapped = wrong.contains(&"row_column_swapped");
     let said = uv.iter().flat_map(|uv| if swapped { [uv.y, uv.x] } else { uv.to_array() });
-    out.insert("uv".into(), array(&[height, width, 2], said.collect()));
+    out.insert("uv".into(), array(&[rows, columns, 2], said.collect()));
     out
 }

@@ -6,7 +6,7 @@
 use super::{arrays, sample_along_ray, step_sizes as oracle_steps};
 use crate::contract::arrays::{Arrays, array, arrays, input, number, row, size};
 use crate::contract::component::Mistake;
-use crate::convention::Conventions;
+use crate::convention::{Conventions, Grid};
 
 const fn fixed(name: &'static str, cause: &'static str) -> Mistake {
     Mistake::new(
@@ -31,7 +31,7 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
     ),
     Mistake::new(
         "never_jittered",
-        "u isn't used: always the middle of the interval",
+        "u isn't used: always the middle of the interval, or linspace(near, far, N)",
         "the network knows the scene at N depths and bands appear between them",
         "add the noise in training",
         "3 public implementations",
@@ -42,6 +42,14 @@ pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         "t = near + (i + u - 0.5) D: noise in [-0.5, 0.5) around left edges",
         "samples in front of near",
         "noise in [0, 1) from left edges, or in [-0.5, 0.5) around the middles",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "unit_interval",
+        "t = (i + u) / N: near and far are never applied",
+        "samples in front of the scene, or in a small part of it",
+        "near + t (far - near)",
         "1 public implementation",
         1,
     ),
@@ -145,12 +153,17 @@ pub const STEP_SIZES: &[Mistake] = &[
 
 /// One ray's positions as the mistakes have them.
 fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64> {
-    let (near, far) = (number(a, "near"), number(a, "far"));
+    let unit = wrong.contains(&"unit_interval");
+    let (near, far) = if unit { (0.0, 1.0) } else { (number(a, "near"), number(a, "far")) };
     let mut u = row(a, "u", if wrong.contains(&"one_jitter_for_all_rays") { 0 } else { r });
     let n = u.len();
     let width = (far - near) / n as f64;
     for name in wrong {
         match *name {
+            // Where the grid has both ends, they are what is left without a jitter.
+            "never_jittered" if c.grid != Grid::Intervals => {
+                return sample_along_ray(near, far, &vec![0.0; n], Grid::EndsPlusWidth);
+            }
             "never_jittered" => u.fill(0.5),
             "jitter_centered_on_edges" => u.iter_mut().for_each(|u| *u -= 0.5),
             _ => {

@@ -3,6 +3,7 @@
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::Special;
+use crate::ray::component::PICTURE_FORMS;
 use crate::volume_rendering::mistakes::rounds_alpha;
 
 /// The conventions that each output depends on; the others depend on all.
@@ -53,5 +54,11 @@ pub const RENDER_TRACE: Component = Component {
     vjp: None,
     cases: cases::render_trace,
     mistakes: mistakes::RENDER_TRACE,
-    special: Special { forward_name: "trace", reads: READS, rounds_inside: rounds_alpha, ..Special::NONE },
+    special: Special {
+        forward_name: "trace",
+        reads: READS,
+        rounds_inside: rounds_alpha,
+        forms: PICTURE_FORMS,
+        ..Special::NONE
+    },
 };

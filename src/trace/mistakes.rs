@@ -44,8 +44,15 @@ const AFTER: &str = "background_shaded_twice";
 const ROWS: [&[Mistake]; 6] =
     [AT_THE_CALL, IMAGE_RAYS, SAMPLE_ALONG_RAYS, STEP_SIZES, VOLUME_RENDER, COMPOSITE_BACKGROUND];
 
-/// Mistakes that no array of a trace shows (it has no points), and one that `jitter_ignored` covers already.
-const ELSEWHERE: &[&str] = &["flattened_in_wrong_order", "points_without_origin", "never_jittered"];
+/// Mistakes that no array of a trace shows (it has no points and no transmittance, and its samples have the picture's shape), and one that
+/// `jitter_ignored` covers already.
+const ELSEWHERE: &[&str] = &[
+    "flattened_in_wrong_order",
+    "points_without_origin",
+    "never_jittered",
+    "picture_transposed",
+    "transmittance_before_last",
+];
 
 /// Mistakes of the caller, and those of every component: the first component that has a name owns it.
 pub const RENDER_TRACE: &[Mistake] = &gathered::<{ count() }>();

@@ -2,8 +2,9 @@
 
 use super::backward::Cotangent;
 use super::{Rendering, backward, composite_background, depth};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
-use crate::convention::Conventions;
+use crate::convention::{Conventions, Faint};
 
 /// The outputs of R rays as arrays.
 pub(crate) fn renderings(samples: usize, rays: &[Rendering]) -> Arrays {
@@ -53,12 +54,14 @@ pub(super) fn render_vjp(a: &Arrays, c: &Conventions) -> Arrays {
 }
 
 pub(super) fn render_alpha(a: &Arrays, c: &Conventions) -> Arrays {
+    let a = &counted(a, c);
     let (rays, samples) = size(a, "alphas");
     let ray = |r| super::volume_render_alpha(&row(a, "alphas", r), &rows3(a, "rgbs", r), c.product_eps);
     renderings(samples, &(0..rays).map(ray).collect::<Vec<_>>())
 }
 
-pub(super) fn render_alpha_vjp(a: &Arrays, c: &Conventions) -> Arrays {
+pub(super) fn render_alpha_vjp(given: &Arrays, c: &Conventions) -> Arrays {
+    let a = &counted(given, c);
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
     for r in 0..rays {
@@ -68,10 +71,11 @@ pub(super) fn render_alpha_vjp(a: &Arrays, c: &Conventions) -> Arrays {
         g_alphas.extend(g.0);
         g_rgbs.extend(g.1.concat());
     }
-    arrays([
+    let gradients = arrays([
         ("grad_alphas", array(&[rays, samples], g_alphas)),
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
-    ])
+    ]);
+    gradients_of_counted(given, c, gradients)
 }
 
 pub(super) fn background(a: &Arrays, _: &Conventions) -> Arrays {
@@ -114,4 +118,44 @@ pub(super) fn depths_vjp(a: &Arrays, c: &Conventions) -> Arrays {
         ("grad_weights", array(&[rays, samples], g_weights.concat())),
         ("grad_t", array(&[rays, samples], g_t.concat())),
     ])
+}
+
+/// Whether step lengths come back, bit for bit, as differences of positions in a type.
+pub(super) fn steps_from_positions(a: &Arrays, dtype: Dtype) -> bool {
+    (0..size(a, "deltas").0).all(|r| {
+        let mut t = 0.0;
+        row(a, "deltas", r).into_iter().all(|delta| {
+            let next = dtype.round(t + delta);
+            let comes_back = dtype.round(next - t) == delta;
+            t = next;
+            comes_back
+        })
+    })
+}
+
+/// Whether all steps are alike.
+pub(super) fn one_step(a: &Arrays, _: Dtype) -> bool {
+    let deltas = values(a, "deltas");
+    deltas.iter().all(|delta| *delta == deltas[0])
+}
+
+/// The opacities that count: capped, and 0 where they are faint and skipped.
+pub(super) fn counted(a: &Arrays, c: &Conventions) -> Arrays {
+    let mut a = a.clone();
+    let skipped = |alpha: f64| c.faint == Faint::Skipped && alpha < 1.0 / 255.0;
+    let one = |alpha: f64| if skipped(alpha) { 0.0 } else { alpha.min(c.alpha_cap.value()) };
+    a.get_mut("alphas").expect("an input").mapv_inplace(one);
+    a
+}
+
+/// The same without gradients of opacities that don't count as they are.
+pub(super) fn gradients_of_counted(a: &Arrays, c: &Conventions, mut gradients: Arrays) -> Arrays {
+    let counted = counted(a, c);
+    let gradient = gradients.get_mut("grad_alphas").expect("a gradient");
+    for ((g, given), used) in gradient.iter_mut().zip(&a["alphas"]).zip(&counted["alphas"]) {
+        if given != used {
+            *g = 0.0;
+        }
+    }
+    gradients
 }

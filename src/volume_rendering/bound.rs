@@ -3,12 +3,12 @@
 //! Every form that the contract calls honest is covered: T as the exponential of a cumulative sum or as a cumulative
 //! product, sums in any order, the light behind a sample as a recursion, as a suffix sum, or as the total minus a prefix sum.
 
-use super::arrays::cotangent;
+use super::arrays::{cotangent, counted, gradients_of_counted};
 use super::backward::Cotangent;
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::bounded::{Bounded, exact};
-use crate::convention::{Conventions, Depth, EmptyDepth, ProductEps};
+use crate::convention::{AlphaCap, Conventions, Depth, EmptyDepth, ProductEps};
 
 /// One ray with its errors.
 pub(crate) struct Ray {
@@ -54,9 +54,12 @@ impl Ray {
         Ray::new(alphas, slopes, rgbs, transmittance, m)
     }
 
-    fn from_alphas(a: &Arrays, r: usize, eps: ProductEps, m: &Arithmetic) -> Ray {
-        let alphas: Vec<Bounded> = row(a, "alphas", r).into_iter().map(exact).collect();
-        let transmittance = products(&alphas, eps, m);
+    fn from_alphas(a: &Arrays, r: usize, c: &Conventions, m: &Arithmetic) -> Ray {
+        // A cap is a number that types round.
+        let capped = |alpha: f64| c.alpha_cap != AlphaCap::None && alpha == c.alpha_cap.value();
+        let one = |alpha| if capped(alpha) { exact(alpha).widened(m.u * alpha) } else { exact(alpha) };
+        let alphas: Vec<Bounded> = row(a, "alphas", r).into_iter().map(one).collect();
+        let transmittance = products(&alphas, c.product_eps, m);
         let slopes = vec![exact(1.0); alphas.len()];
         Ray::new(alphas, slopes, rows3(a, "rgbs", r), transmittance, m)
     }
@@ -157,12 +160,9 @@ pub fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 
 /// Bound of [`super::volume_render_alpha`].
 pub fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let a = &counted(a, c);
     let (rays, _) = size(a, "alphas");
-    forward(
-        &(0..rays).map(|r| Ray::from_alphas(a, r, c.product_eps, m)).collect::<Vec<_>>(),
-        c.product_eps,
-        m,
-    )
+    forward(&(0..rays).map(|r| Ray::from_alphas(a, r, c, m)).collect::<Vec<_>>(), c.product_eps, m)
 }
 
 /// Bound of [`super::backward::volume_render`].
@@ -184,19 +184,21 @@ pub fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
 }
 
 /// Bound of [`super::backward::volume_render_alpha`].
-pub fn volume_render_alpha_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let a = &counted(given, c);
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
     for r in 0..rays {
-        let ray = Ray::from_alphas(a, r, c.product_eps, m);
+        let ray = Ray::from_alphas(a, r, c, m);
         let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
         g_alphas.extend(g_x.iter().map(|g| g.e));
         g_rgbs.extend(g_rgb.concat());
     }
-    arrays([
+    let bounds = arrays([
         ("grad_alphas", array(&[rays, samples], g_alphas)),
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
-    ])
+    ]);
+    gradients_of_counted(given, c, bounds)
 }
 
 /// Bound of [`super::composite_background`]: C + (1 - A) b, or C + b - A b.

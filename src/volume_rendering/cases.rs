@@ -81,7 +81,7 @@ pub fn volume_render() -> Vec<Case> {
             gray(5),
             vec![1.0; 5],
         ),
-        one_ray("VR9_one_sample", "a ray with one sample", vec![0.75], gray(1), vec![0.5]),
+        one_ray("VR9_one_sample", "a ray with one sample", vec![0.75], gray(1), vec![0.5]).edge("one sample"),
         one_ray(
             "VR1_tiny_alpha",
             "x = 2^-20: 1 - exp(-x) loses every digit in f32",
@@ -135,7 +135,8 @@ pub fn volume_render() -> Vec<Case> {
             gray(256),
             vec![0.0625; 256],
         ),
-        one_ray("VR9_no_samples", "no samples: color 0, T 1", vec![], array(&[1, 0, 3], vec![]), vec![]),
+        one_ray("VR9_no_samples", "no samples: color 0, T 1", vec![], array(&[1, 0, 3], vec![]), vec![])
+            .edge("no samples"),
         Case::new(
             "VR10_unequal_steps",
             "two rays alike but for their steps: those of ray 0 for both would show",

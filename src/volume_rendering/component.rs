@@ -2,7 +2,23 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Form, Special};
+
+/// How functions take step lengths.
+const FORMS: &[Form] = &[
+    Form {
+        without: &["deltas"],
+        takes: Some("t"),
+        meaning: "t_0 = 0, t_{i+1} = t_i + delta_i, (R, N + 1): behind it lies an empty sample, for a last step of one's own",
+        holds: arrays::steps_from_positions,
+    },
+    Form {
+        without: &["deltas"],
+        takes: Some("step"),
+        meaning: "one number for all",
+        holds: arrays::one_step,
+    },
+];
 
 const SIGMAS: Port = Port::smooth("sigmas", "R,N", "densities, 1 / length");
 const ALPHAS: Port = Port::smooth("alphas", "R,N", "opacities in [0, 1]");
@@ -36,7 +52,7 @@ pub const VOLUME_RENDER: Component = Component {
     }),
     cases: cases::volume_render,
     mistakes: mistakes::VOLUME_RENDER,
-    special: Special { rounds_inside: mistakes::rounds_alpha, ..Special::NONE },
+    special: Special { rounds_inside: mistakes::rounds_alpha, forms: FORMS, ..Special::NONE },
 };
 
 /// Rendering from opacities.
@@ -47,7 +63,7 @@ pub const VOLUME_RENDER_ALPHA: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) equation 3, with alpha given",
     inputs: &[ALPHAS, RGBS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
-    conventions: &["product_eps"],
+    conventions: &["product_eps", "alpha_cap", "faint"],
     forward: Direction {
         oracle: arrays::render_alpha,
         bound: bound::volume_render_alpha,

@@ -1,7 +1,7 @@
 //! Honest implementations of volume rendering in emulated arithmetic: what the bound must never reject.
 
 use super::Rendering;
-use super::arrays::{cotangent, renderings};
+use super::arrays::{cotangent, counted, gradients_of_counted, renderings};
 use super::backward::Cotangent;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::machine::Machine;
@@ -55,7 +55,7 @@ fn render_ray(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rendering {
 }
 
 fn render_ray_alpha(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rendering {
-    let alphas = row(a, "alphas", r);
+    let alphas: Vec<f64> = row(a, "alphas", r).into_iter().map(|alpha| m.round(alpha)).collect();
     let t = products(&alphas, c.product_eps, m);
     composite(&alphas, &rows3(a, "rgbs", r), t, c.product_eps, m)
 }
@@ -68,6 +68,7 @@ pub fn volume_render(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 
 /// Rendering from opacities.
 pub fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    let a = &counted(a, c);
     let (rays, samples) = size(a, "alphas");
     renderings(samples, &(0..rays).map(|r| render_ray_alpha(a, r, c, m)).collect::<Vec<_>>())
 }
@@ -126,19 +127,22 @@ pub fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Gradient of rendering from opacities.
-pub fn volume_render_alpha_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+    let a = &counted(given, c);
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
     for r in 0..rays {
         let (f, g) = (render_ray_alpha(a, r, c, m), cotangent(a, r));
         let slopes = vec![1.0; samples];
-        g_alphas.extend(gradients(&row(a, "alphas", r), &rows3(a, "rgbs", r), &slopes, &f, &g, c, m));
+        let alphas: Vec<f64> = row(a, "alphas", r).into_iter().map(|alpha| m.round(alpha)).collect();
+        g_alphas.extend(gradients(&alphas, &rows3(a, "rgbs", r), &slopes, &f, &g, c, m));
         g_rgbs.extend(f.weights.iter().flat_map(|&w| g.color.map(|g| m.mul(w, g))));
     }
-    arrays([
+    let gradients = arrays([
         ("grad_alphas", array(&[rays, samples], g_alphas)),
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
-    ])
+    ]);
+    gradients_of_counted(given, c, gradients)
 }
 
 /// C + (1 - A) b, or C + b - A b.

@@ -49,18 +49,34 @@ fn wrong_deltas(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<f64> {
 }
 
 /// Mistakes between opacities and outputs.
-fn wrong_composite(mut rendering: Rendering, alphas: &[f64], rgbs: &[[f64; 3]], wrong: &[&str]) -> Rendering {
+fn wrong_composite(
+    mut rendering: Rendering,
+    r: usize,
+    alphas: &[f64],
+    rgbs: &[[f64; 3]],
+    wrong: &[&str],
+) -> Rendering {
     let n = alphas.len();
     let mut t = rendering.transmittance.clone();
     for name in wrong {
         match *name {
             "inclusive_transmittance" => t.rotate_left(1),
             "rolled_transmittance" => t[0] = t[n],
+            "rolled_but_in_first_ray" if r > 0 => t[0] = t[n],
             "first_transmittance_zero" => t[0] = 0.0,
+            "opacity_in_front_as_transmittance" => t.iter_mut().for_each(|t| *t = 1.0 - *t),
+            "transmittance_moved_twice" => {
+                t.rotate_right(1);
+                t[0] = 1.0;
+            }
+            "divided_by_own_factor" => {
+                t = (0..n).map(|i| t[i + 1] / (1.0 - alphas[i])).chain([t[n]]).collect()
+            }
             "opacity_as_transmittance" => t = (0..=n).map(|i| 1.0 - t[(i + 1).min(n)]).collect(),
             _ => {}
         }
     }
+    let early = wrong.contains(&"transmittance_before_last").then(|| t[n.saturating_sub(1)]);
     let forgotten = wrong.contains(&"alpha_forgotten");
     if forgotten || t != rendering.transmittance {
         let behind = rendering.transmittance[n];
@@ -69,6 +85,9 @@ fn wrong_composite(mut rendering: Rendering, alphas: &[f64], rgbs: &[[f64; 3]], 
         rendering.opacity = rendering.weights.iter().sum();
         rendering.transmittance = t;
         rendering.transmittance[n] = behind;
+    }
+    if let Some(early) = early {
+        rendering.transmittance[n] = early;
     }
     if wrong.contains(&"divided_by_opacity") {
         rendering.color = rendering.color.map(|c| c / rendering.opacity);
@@ -108,7 +127,7 @@ fn render_all(
         if wrong.contains(&"transmittance_over_rays") {
             ray = recompose(ray, &alphas[r], &rgbs(r));
         }
-        wrong_composite(ray, &alphas[r], &rgbs(r), wrong)
+        wrong_composite(ray, r, &alphas[r], &rgbs(r), wrong)
     };
     rays.into_iter().enumerate().map(finish).collect()
 }
@@ -146,6 +165,18 @@ pub fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             alphas.iter_mut().for_each(|alpha| *alpha += 1e-10);
             ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), ProductEps::TenToMinusTen);
         }
+        if wrong.contains(&"density_with_step_before") {
+            let mut depth = 0.0;
+            for i in 1..samples {
+                depth += super::product(sigmas[i], deltas[i - 1]);
+                ray.transmittance[i] = exp(-depth);
+            }
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+        }
+        if wrong.contains(&"density_for_opacity") {
+            alphas = sigmas;
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+        }
         all.push(alphas);
         rays.push(ray);
     }
@@ -154,6 +185,7 @@ pub fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 
 /// Rendering from opacities.
 pub fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let a = &arrays::counted(a, c);
     let (count, samples) = size(a, "alphas");
     let alphas: Vec<Vec<f64>> = (0..count).map(|r| row(a, "alphas", r)).collect();
     let rays = (0..count).map(|r| oracle_alpha(&alphas[r], &rows3(a, "rgbs", r), c.product_eps)).collect();
@@ -166,8 +198,9 @@ pub fn volume_render_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
 }
 
 /// Gradient from opacities.
-pub fn volume_render_alpha_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut gradients = arrays::render_alpha_vjp(a, c);
+pub fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut gradients = arrays::render_alpha_vjp(given, c);
+    let a = &arrays::counted(given, c);
     if wrong.contains(&"product_gradient_zero_at_opaque") {
         // Where alpha = 1, the gradient through the product is lost; that through the sample's own weight stays.
         let (rays, samples) = size(a, "alphas");
@@ -183,7 +216,7 @@ pub fn volume_render_alpha_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> A
         }
         gradients.insert("grad_alphas".into(), g_alphas);
     }
-    gradients
+    arrays::gradients_of_counted(given, c, gradients)
 }
 
 /// Background.

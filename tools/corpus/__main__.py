@@ -144,7 +144,7 @@ def results(tool, entries, dtype):
             rows = future.result()
             for kind in kinds:
                 why = became.get(kind, "no answer")
-                row = rows.get(kind) if why == "answered" else {"verdict": "unsupported", "reason": why}
+                row = rows.get(kind) if why.startswith("answered") else {"verdict": "unsupported", "reason": why}
                 out.append((entry, kind, *outcome(entry, kind, row or {"verdict": "unsupported", "reason": "no row"})))
         return out
 

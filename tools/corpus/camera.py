@@ -138,7 +138,7 @@ def center_in_whole_pixels(K, uv, s):
     return torch.stack([s * x, s * y, s], -1)
 
 
-@fault("pixel_to_camera", seen="robotics code and students that use one focal length for both", times=3)
+@fault("pixel_to_camera", "one_focal_length", seen="robotics code and students that use one focal length for both", times=3)
 def one_focal_length(K, uv, s):
     """fx for both axes."""
     x, y = (uv[:, 0] - K[0, 2]) / K[0, 0], (uv[:, 1] - K[1, 2]) / K[0, 0]
@@ -214,14 +214,14 @@ def opencv_not_normalized(K, c2w, uv):
     return c2w[:, :3, 3], turned(c2w, at_depth(K, uv))
 
 
-@fault("pixel_to_ray", "origin_minus_rt", seen="aviral2004/nerf_from_scratch, an earlier version; CS180 students", times=2)
+@fault("pixel_to_ray", "origin_minus_rt", "origin_minus_inverse_rt", seen="aviral2004/nerf_from_scratch, an earlier version; CS180 students", times=2)
 def minus_inverse_rotation_times_translation(K, c2w, uv):
     """o = -R^-1 t with R and t of the camera-to-world pose; directions are right."""
     origin = torch.bmm(-torch.inverse(c2w[:, :3, :3]), c2w[:, :3, 3:]).squeeze(-1)
     return origin, unit(turned(c2w, at_depth(K, uv)))
 
 
-@fault("pixel_to_ray", "origin_minus_rt", "origin_minus_rt+translation_in_direction", seen="aviral2004, an earlier version")
+@fault("pixel_to_ray", "origin_minus_rt", "origin_minus_rt+translation_in_direction", "origin_minus_inverse_rt+translation_in_direction", seen="aviral2004, an earlier version")
 def minus_inverse_rotation_in_both(K, c2w, uv):
     """The same origin, and the direction is the world point less it."""
     origin = torch.bmm(-torch.inverse(c2w[:, :3, :3]), c2w[:, :3, 3:]).squeeze(-1)
@@ -234,7 +234,7 @@ def direction_times_rotation(K, c2w, uv):
     return c2w[:, :3, 3], unit(torch.einsum("mi,mij->mj", at_depth(K, uv), c2w[:, :3, :3]))
 
 
-@fault("pixel_to_ray", "rotation_transposed+origin_minus_rt", seen="poses that were inverted before", times=2)
+@fault("pixel_to_ray", "rotation_transposed+origin_minus_rt", "inverse_pose", seen="poses that were inverted before", times=2)
 def inverse_pose_taken_for_the_pose(K, c2w, uv):
     """The world-to-camera pose is used as camera to world."""
     return turned_direction(K, torch.linalg.inv(c2w), uv)
@@ -246,7 +246,7 @@ def point_for_direction(K, c2w, uv):
     return c2w[:, :3, 3], unit(homogeneous_product(c2w, at_depth(K, uv)))
 
 
-@fault("pixel_to_ray", seen="a student's K[:3, 3] code: norm without an axis")
+@fault("pixel_to_ray", "norm_of_all_rays", seen="a student's K[:3, 3] code: norm without an axis")
 def norm_of_everything(K, c2w, uv):
     """torch.norm of all rays together."""
     d = turned(c2w, at_depth(K, uv))

@@ -153,14 +153,14 @@ def halves_announced_and_not_used(height, width, focal, cx, cy, c2w):
     return {"uv": torch.stack([i + 0.5, j + 0.5], -1)} | unit(posed(opencv(i, j, focal, cx, cy), c2w))
 
 
-@fault("image_rays", "row_column_swapped", seen="two ports of tiny NeRF: torch's meshgrid without indexing", times=3)
+@fault("image_rays", "row_column_swapped", "picture_transposed", seen="two ports of tiny NeRF: torch's meshgrid without indexing", times=3)
 def grid_the_other_way_round(height, width, focal, c2w):
     """An ij grid of columns and rows, not transposed: (W, H, 3)."""
     i, j = torch.meshgrid(torch.arange(width).float(), torch.arange(height).float(), indexing="ij")
     return posed(opengl(i, j, focal, width * 0.5, height * 0.5), c2w)
 
 
-@fault("image_rays", "row_column_swapped", seen="LAJKKMC/3DBirdReconstruction models/rays.py")
+@fault("image_rays", "row_column_swapped", "picture_transposed", seen="LAJKKMC/3DBirdReconstruction models/rays.py")
 def grid_the_other_way_round_and_flattened(height, width, focal, c2w):
     """The same, flattened: column by column."""
     return {name: x.reshape(-1, 3) for name, x in grid_the_other_way_round(height, width, focal, c2w).items()}
@@ -180,7 +180,7 @@ def rows_along_x_without_half(height, width, focal, cx, cy, c2w):
     return {"uv": uv} | unit(posed(opencv(uv[..., 0], uv[..., 1], focal, cx, cy), c2w))
 
 
-@fault("image_rays", seen="CS180 student (arange(h), arange(w), xy)")
+@fault("image_rays", "grid_size_swapped", seen="CS180 student (arange(h), arange(w), xy)")
 def height_and_width_exchanged_in_the_grid(height, width, focal, cx, cy, c2w):
     """Columns run over the height and rows over the width; right for square pictures."""
     i, j = torch.meshgrid(torch.arange(height).float(), torch.arange(width).float(), indexing="xy")
@@ -223,14 +223,14 @@ def rotation_on_the_wrong_side(height, width, focal, cx, cy, c2w):
     return unit(posed(opencv(i + 0.5, j + 0.5, focal, cx, cy), pose))
 
 
-@fault("image_rays", "origin_minus_rt", seen="CS180 students (-R^-1 t with the pose's own R and t)", times=2)
+@fault("image_rays", "origin_minus_rt", "origin_minus_inverse_rt", seen="CS180 students (-R^-1 t with the pose's own R and t)", times=2)
 def origin_of_the_inverse(height, width, focal, cx, cy, c2w):
     """o = -R^-1 t with the pose's own R and t."""
     rays = grid_plus_half(height, width, focal, cx, cy, c2w)
     return rays | {"rays_o": (-torch.inverse(c2w[:3, :3]) @ c2w[:3, 3]).expand(rays["rays_d"].shape)}
 
 
-@fault("image_rays", "rotation_transposed+origin_minus_rt", seen="poses that were inverted before", times=2)
+@fault("image_rays", "rotation_transposed+origin_minus_rt", "inverse_pose", seen="poses that were inverted before", times=2)
 def inverted_pose(height, width, focal, cx, cy, c2w):
     """World to camera taken for camera to world."""
     return grid_plus_half(height, width, focal, cx, cy, torch.linalg.inv(c2w))

@@ -147,7 +147,7 @@ def multiples_of_directions(rays_o, rays_d, near, far, u):
     return t, t[..., None] * rays_d[:, None]
 
 
-@fault("sample_along_rays", seen="CS180 student (intervals of [0, 1] handed on as distances)")
+@fault("sample_along_rays", "unit_interval", seen="CS180 student (intervals of [0, 1] handed on as distances)")
 def distances_in_the_unit_interval(rays_o, rays_d, near, far, u):
     """(i + u) / N: near and far are never applied."""
     return on_rays(rays_o, rays_d, (torch.arange(u.shape[1]) + u) / u.shape[1])

@@ -232,7 +232,7 @@ def numpy_product_as_it_comes(sigmas, rgbs, deltas):
     return (weights[..., None] * rgbs).sum(1), weights
 
 
-@fault("volume_render", "rolled_transmittance", seen="student at WPI (RBE 549)")
+@fault("volume_render", "rolled_transmittance", "rolled_but_in_first_ray", seen="student at WPI (RBE 549)")
 def rolled_and_reset_for_the_first_ray(sigmas, rgbs, deltas):
     """Rolled, and only the first sample of the first ray is set to 1."""
     alpha = opacities(sigmas, deltas)
@@ -264,7 +264,7 @@ def zero_in_front(sigmas, rgbs, deltas):
     return with_rest(shade * alpha, rgbs, left_behind(sigmas, deltas))
 
 
-@fault("volume_render", seen="a renderer whose sum is exclusive and is moved once more")
+@fault("volume_render", "transmittance_moved_twice", seen="a renderer whose sum is exclusive and is moved once more")
 def moved_twice(sigmas, rgbs, deltas):
     """cumsum less the step is exclusive already, and is moved back again: a sample isn't shaded by the one in front of it."""
     depth = sigmas * deltas
@@ -274,7 +274,7 @@ def moved_twice(sigmas, rgbs, deltas):
 
 
 @fault(
-    "volume_render", "opacity_as_transmittance", seen="three copies of one teaching code (weights for the fine samples)", times=3
+    "volume_render", "opacity_as_transmittance", "opacity_in_front_as_transmittance", seen="three copies of one teaching code (weights for the fine samples)", times=3
 )
 def spent_for_left(sigmas, rgbs, deltas):
     """1 - exp(-sum) stands where exp(-sum) belongs."""
@@ -283,7 +283,7 @@ def spent_for_left(sigmas, rgbs, deltas):
     return with_rest((1 - torch.exp(-depth)) * (1 - torch.exp(-front)), rgbs, left_behind(sigmas, deltas))
 
 
-@fault("volume_render", "opacity_as_transmittance", seen="three copies of one teaching code, as colors and weights", times=3)
+@fault("volume_render", "opacity_as_transmittance", "opacity_in_front_as_transmittance", seen="three copies of one teaching code, as colors and weights", times=3)
 def spent_for_left_in_two_outputs(sigmas, rgbs, deltas):
     """The same with nothing but colors and weights returned."""
     return spent_for_left(sigmas, rgbs, deltas)[:2]
@@ -341,7 +341,7 @@ def no_steps_and_product_as_it_comes(sigmas, rgbs, deltas):
     return summed(alpha * torch.cumprod(1 - alpha + 1e-7, 1), rgbs)
 
 
-@fault("volume_render", seen="CMU 16-825 student (a loop left in comments)")
+@fault("volume_render", "density_with_step_before", seen="CMU 16-825 student (a loop left in comments)")
 def density_of_the_sample_with_the_step_before(sigmas, rgbs, deltas):
     """T_i = T_{i-1} exp(-sigma_i delta_{i-1}): density and step of different samples."""
     depth = sigmas[:, 1:] * deltas[:, :-1]
@@ -349,7 +349,7 @@ def density_of_the_sample_with_the_step_before(sigmas, rgbs, deltas):
     return with_rest(torch.exp(-front) * opacities(sigmas, deltas), rgbs, left_behind(sigmas, deltas))
 
 
-@fault("volume_render", seen="a notebook that compares densities and opacities as weights")
+@fault("volume_render", "density_for_opacity", seen="a notebook that compares densities and opacities as weights")
 def density_for_opacity(sigmas, rgbs, deltas):
     """w = T sigma: the density stands where alpha belongs."""
     alpha = opacities(sigmas, deltas)

@@ -89,7 +89,7 @@ def nothing_reaches_the_first(alphas, rgbs):
     return (weights[..., None] * rgbs).sum(1), weights, weights.sum(1)
 
 
-@fault("volume_render_alpha", seen="a 3DGS re-implementation in torch")
+@fault("volume_render_alpha", "divided_by_own_factor+transmittance_before_last", seen="a 3DGS re-implementation in torch")
 def divided_by_its_own_factor(alphas, rgbs):
     """The inclusive product over 1 - alpha: right but for 0 / 0 at opaque samples; what is left is T in front of the last one."""
     front = torch.cumprod(1 - alphas, 1) / (1 - alphas)
@@ -97,14 +97,14 @@ def divided_by_its_own_factor(alphas, rgbs):
     return *summed(front * alphas, rgbs), left
 
 
-@fault("volume_render_alpha", seen="a 3DGS re-implementation in torch, without its division")
+@fault("volume_render_alpha", "transmittance_before_last", seen="a 3DGS re-implementation in torch, without its division")
 def light_left_one_sample_early(alphas, rgbs):
     """Colors are right; the light left behind the ray is T in front of the last sample."""
     product = torch.cumprod(factors(alphas), 1)
     return *summed(product[:, :-1] * alphas, rgbs), product[:, -2] if alphas.shape[1] else product[:, -1]
 
 
-@fault("volume_render_alpha", "opacity_as_transmittance", seen="a teaching code's fine samples", times=3)
+@fault("volume_render_alpha", "opacity_as_transmittance", "opacity_in_front_as_transmittance", seen="a teaching code's fine samples", times=3)
 def hidden_shows(alphas, rgbs):
     """One minus T stands for T."""
     product = torch.cumprod(factors(alphas), 1)

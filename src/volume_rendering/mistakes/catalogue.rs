@@ -38,6 +38,46 @@ const OPACITY_AS_T: Mistake = Mistake::new(
     "3 public implementations",
     3,
 );
+const OPACITY_IN_FRONT_AS_T: Mistake = Mistake::new(
+    "opacity_in_front_as_transmittance",
+    "T_i = 1 - prod_{j<i}(1 - alpha_j): what was spent in front of a sample in the place of what is left",
+    "the first sample is invisible, and what lies behind shines through what lies in front; spikes read (0, .25, .375)",
+    "use the product itself",
+    "3 copies of a teaching code",
+    3,
+);
+const MOVED_TWICE: Mistake = Mistake::new(
+    "transmittance_moved_twice",
+    "an exclusive product (a cumsum less the step) is moved by one once more",
+    "no sample is shaded by the one in front of it",
+    "move it once",
+    "1 public implementation",
+    1,
+);
+const ROLLED_BUT_FIRST: Mistake = Mistake::new(
+    "rolled_but_in_first_ray",
+    "T is rolled, and T[0, 0] alone is set to 1: the first sample of the first ray",
+    "the first ray is right, all others are attenuated by what lies behind",
+    "T[:, 0] = 1",
+    "1 public implementation",
+    1,
+);
+const LEFT_EARLY: Mistake = Mistake::new(
+    "transmittance_before_last",
+    "what is left behind the ray is T in front of its last sample",
+    "the background shines through the last sample",
+    "the product of all factors",
+    "1 public implementation",
+    1,
+);
+const OWN_FACTOR: Mistake = Mistake::new(
+    "divided_by_own_factor",
+    "T_i = prod_{j<=i}(1 - alpha_j) / (1 - alpha_i)",
+    "0 / 0 in opaque samples: NaN",
+    "shift the product, which divides by nothing",
+    "1 public implementation",
+    1,
+);
 const DIVIDED: Mistake = Mistake::new(
     "divided_by_opacity",
     "C / A: the weights are normalized",
@@ -72,6 +112,26 @@ pub const VOLUME_RENDER: &[Mistake] = &[
     DIVIDED,
     ALPHA_FORGOTTEN,
     OVER_RAYS,
+    OPACITY_IN_FRONT_AS_T,
+    MOVED_TWICE,
+    ROLLED_BUT_FIRST,
+    LEFT_EARLY,
+    Mistake::new(
+        "density_for_opacity",
+        "w_i = T_i sigma_i: the density in the place of alpha",
+        "weights in units of 1 / length, above 1 where it is dense",
+        "alpha_i = 1 - exp(-sigma_i delta_i)",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "density_with_step_before",
+        "T_i = T_{i-1} exp(-sigma_i delta_{i-1}): density and step of different samples, and the sample shades itself",
+        "shadows one sample too early",
+        "T_i = T_{i-1} exp(-sigma_{i-1} delta_{i-1})",
+        "1 CMU 16-825 student",
+        1,
+    ),
     DELTA_MISSING,
     DELTA_UNIT_INTERVAL,
     DELTA_OVER_N_MINUS_1,
@@ -106,6 +166,11 @@ pub const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     DIVIDED,
     ALPHA_FORGOTTEN,
     OVER_RAYS,
+    OPACITY_IN_FRONT_AS_T,
+    MOVED_TWICE,
+    ROLLED_BUT_FIRST,
+    LEFT_EARLY,
+    OWN_FACTOR,
     Mistake {
         name: "product_gradient_zero_at_opaque",
         cause: "the product's gradient divides by 1 - alpha and is set to 0 where that is 0",

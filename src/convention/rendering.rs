@@ -1,0 +1,95 @@
+//! Choices of sampling by weights, and of how rays end.
+
+use serde::{Deserialize, Serialize};
+
+/// What is added to the weights of a coarse pass before samples are drawn by them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PdfPadding {
+    /// What the caller says.
+    #[default]
+    AsGiven,
+    /// Nothing, whatever the caller says: the paper.
+    None,
+    /// 1e-5 (bmild/nerf).
+    #[serde(rename = "1e-5")]
+    TenToMinusFive,
+    /// 1e-6.
+    #[serde(rename = "1e-6")]
+    TenToMinusSix,
+    /// 0.01 (nerfstudio).
+    #[serde(rename = "0.01")]
+    Hundredth,
+}
+
+impl PdfPadding {
+    /// The number, where the caller says `given`.
+    pub fn value(self, given: f64) -> f64 {
+        match self {
+            PdfPadding::AsGiven => given,
+            PdfPadding::None => 0.0,
+            PdfPadding::TenToMinusFive => 1e-5,
+            PdfPadding::TenToMinusSix => 1e-6,
+            PdfPadding::Hundredth => 0.01,
+        }
+    }
+}
+
+/// What the place inside a bin is divided by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PdfDivision {
+    /// The bin's share.
+    #[default]
+    AsItIs,
+    /// The bin's share, or 1 where that is below 1e-5: samples in faint bins fall on the bin's edge (bmild/nerf).
+    Snapped,
+}
+
+/// Which sample of a ray that stops early is the last to count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stop {
+    /// The one behind which the transmittance is below the limit.
+    #[default]
+    Behind,
+    /// The one in front of that: it isn't added (3D Gaussian splatting).
+    InFront,
+}
+
+/// The largest opacity of a sample or splat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AlphaCap {
+    /// 1.
+    #[default]
+    None,
+    /// 0.99 (3D Gaussian splatting).
+    #[serde(rename = "0.99")]
+    Hundredth,
+    /// 0.999 (gsplat).
+    #[serde(rename = "0.999")]
+    Thousandth,
+}
+
+impl AlphaCap {
+    /// The number.
+    pub fn value(self) -> f64 {
+        match self {
+            AlphaCap::None => 1.0,
+            AlphaCap::Hundredth => 0.99,
+            AlphaCap::Thousandth => 0.999,
+        }
+    }
+}
+
+/// What becomes of opacities below 1 / 255.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Faint {
+    /// They count as all others do.
+    #[default]
+    Kept,
+    /// They are skipped (3D Gaussian splatting, gsplat).
+    Skipped,
+}
