@@ -97,9 +97,15 @@ pub fn budget_used(got: f64, expected: f64, bound: f64) -> f64 {
     if error.is_nan() || bound == 0.0 { f64::INFINITY } else { error / bound }
 }
 
-/// The worst outcome over all of a direction's outputs.
+/// The worst outcome over all of a direction's outputs. An output of another shape exceeds any bound.
 pub fn worst(got: &Arrays, expected: &Arrays, bound: &Arrays) -> f64 {
-    let used =
-        |(name, expected): (&String, &ArrayD<f64>)| compare(&got[name], expected, &bound[name]).budget_used;
+    let used = |(name, expected): (&String, &ArrayD<f64>)| {
+        let got = &got[name];
+        if got.shape() == expected.shape() {
+            compare(got, expected, &bound[name]).budget_used
+        } else {
+            f64::INFINITY
+        }
+    };
     expected.iter().map(used).fold(0.0, f64::max)
 }
