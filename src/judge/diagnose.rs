@@ -1,12 +1,13 @@
 //! Diagnosis: which conventions and which mistakes explain the answers of a component that failed.
 
-use super::answer::Answers;
+use super::answer::{Answer, Answers};
 use super::assignment::{Partial, apply, assignments, changes, partial, possible, small_cases};
 use super::exam::Question;
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::MarkOptions;
 use super::statistics;
 use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
@@ -33,9 +34,6 @@ const CHANGES: [usize; 3] = [usize::MAX, 3, 1];
 
 /// The largest number of assignments that are tried, with one mistake and with two.
 const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
-
-/// By how many times a mistake must explain the answers better than lost digits do, to be named.
-const MUCH_BETTER: f64 = 4.0;
 
 /// Gradients of mistakes in the forward function are numeric and expensive: this many of the smallest cases are used.
 const NUMERIC: usize = 12;
@@ -86,12 +84,10 @@ pub fn diagnose(
                 break;
             }
         }
-        let inaccurate = if count == 1 { inaccuracy(&near, question, answers, base, options) } else { None };
-        if let Some((_, lost)) = &inaccurate {
-            // A name is only given where it explains the answers better than lost digits do.
-            fitting.retain(|h| MUCH_BETTER * largest_residual(h, question, answers, options) < *lost);
-        }
-        if let Some((h, residual)) = inaccurate.filter(|_| fitting.is_empty()) {
+        fitting.retain(|h| shows(h, question, answers));
+        let lost = count == 1 && fitting.is_empty();
+        let inaccurate = if lost { inaccuracy(&near, question, answers, base, options) } else { None };
+        if let Some((h, residual)) = inaccurate {
             let conventions = difference(&partial(question.component, &h.conventions), &home);
             return vec![Explanation {
                 mistakes: vec![],
@@ -150,6 +146,16 @@ fn inaccuracy(
     let h = near.iter().map(right).find(|h| explains_all(h, question, answers, options))?;
     let residual = largest_residual(&h, question, answers, options);
     Some((h, residual))
+}
+
+/// Whether its mistakes change anything that was answered: what doesn't is no explanation, but lost digits.
+fn shows(h: &Hypothesis, question: &Question, answers: &Answers) -> bool {
+    let right = Hypothesis { mistakes: vec![], ..h.clone() };
+    let differs = |(case, answer): &(&Case, &Answer)| {
+        let (wrong, right) = (h.prediction(question, case).0, right.prediction(question, case).0);
+        answer.keys().any(|name| wrong.get(name) != right.get(name))
+    };
+    h.mistakes.is_empty() || usable(h, question, answers).iter().any(differs)
 }
 
 /// The largest error over a hypothesis' own bound.

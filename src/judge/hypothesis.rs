@@ -61,7 +61,8 @@ impl Hypothesis {
         let longest = case.inputs.values().flat_map(|a| a.shape()).max().copied().unwrap_or(0);
         roundings = roundings.max(2.0 * longest as f64);
         // A mistake may return one fraction in place of another: T, of which 1 - exp(-x) leaves few digits, in place of T alpha.
-        let fractions = |name: &String| truth[name].iter().all(|x| (0.0..=1.0).contains(x));
+        let whole = |name: &String| question.component.output_entries(name).whole();
+        let fractions = |name: &String| !whole(name) && truth[name].iter().all(|x| (0.0..=1.0).contains(x));
         let of_fractions = right.iter().filter(|(name, _)| fractions(name)).flat_map(|(_, bound)| bound);
         let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
         let moved: Vec<Arrays> = match error {
