@@ -87,7 +87,7 @@ const BLUNT: [(&str, f64); 11] = [
     ("early_stop/forward bf16", 0.08),
     ("early_stop/vjp bf16", 0.105),
     ("hash_grid/forward bf16", 0.066),
-    ("hash_grid/vjp bf16", 0.098),
+    ("hash_grid/vjp bf16", 0.13),
     ("mlp/vjp bf16", 0.16),
     ("nerf_mlp/forward bf16", 0.08),
     ("nerf_mlp/vjp bf16", 0.265),

@@ -125,7 +125,11 @@ fn tiny_cuda_nn_by_hand() {
         (row(0) + row(3) + row(9) + row(12)) / 4.0
     };
     for x in [0.0, 0.3, 0.6, 1.0] {
-        assert_abs_diff_eq!(encode(&[level.clone()], [x, 0.0, 0.0])[0], along(x), epsilon = 1e-12);
+        assert_abs_diff_eq!(
+            encode(std::slice::from_ref(&level), [x, 0.0, 0.0])[0],
+            along(x),
+            epsilon = 1e-12
+        );
     }
 }
 
