@@ -1,7 +1,7 @@
 //! The stated error of the early stop, in color and in gradient.
 
-use super::{live_samples, render_packed};
-use crate::convention::ProductEps;
+use super::{live_samples, render_packed, used_samples};
+use crate::convention::{ProductEps, Stop};
 use crate::random::{Key, Purpose};
 use crate::volume_rendering::{backward, composite_background, volume_render};
 
@@ -150,4 +150,21 @@ fn between_the_extremes_fewer_samples_for_larger_eps() {
         assert!(used.windows(2).all(|pair| pair[0] >= pair[1]), "{used:?}");
         assert_eq!((used[0], used[5]), (64, 1));
     }
+}
+
+/// Optical depths of ln 2: T is 1/2, 1/4, 1/8, ... exactly. The sample that ends a ray is the last, or isn't used at all; a ray that
+/// comes to its end with light left, be it exactly the limit, keeps all.
+#[test]
+fn the_sample_that_ends_a_ray_counts_by_convention() {
+    let ln2 = std::f64::consts::LN_2;
+    let used = |count: usize, eps: f64| {
+        let (sigmas, deltas) = (vec![ln2; count], vec![1.0; count]);
+        [Stop::Behind, Stop::InFront].map(|stop| used_samples(&sigmas, &deltas, eps, stop))
+    };
+    assert_eq!(used(6, 0.2), [3, 2]);
+    assert_eq!(used(6, 0.6), [1, 0]);
+    assert_eq!(used(2, 0.2), [2, 2]);
+    let left = f64::exp(-ln2);
+    assert_eq!(used(1, left), [1, 1]);
+    assert_eq!(used(0, 1.5), [0, 0]);
 }

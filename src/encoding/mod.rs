@@ -56,9 +56,11 @@ impl Encoding {
     /// is f_k x.
     pub fn band(&self, k: usize) -> f64 {
         let last = self.levels - 1;
+        if last == 0 {
+            return 1.0;
+        }
         match self.bands {
             Bands::Octaves => power_of_two(k as i32),
-            _ if last == 0 => 1.0,
             Bands::Linear => 1.0 + k as f64 * (power_of_two(last as i32) - 1.0) / last as f64,
             Bands::Stretched => pow(2.0, k as f64 * (last - 1) as f64 / last as f64),
         }
