@@ -86,6 +86,28 @@ fn resolutions_grow_geometrically() {
     n.windows(2).for_each(|w| assert!((1.5..1.65).contains(&(f64::from(w[1]) / f64::from(w[0])))));
 }
 
+/// 10 to the power of l + 1: the power alone misses some of them by its rounding. What lies between whole numbers stays there.
+#[test]
+fn growth_is_whole_where_it_should_be() {
+    for l in 0..6 {
+        assert_eq!(growing(10, 1_000_000, 6, l), 10f64.powi(l as i32 + 1));
+    }
+    assert_ne!(10.0 * crate::math::pow(1e5, 3.0 / 5.0), 1e4);
+    assert_abs_diff_eq!(growing(2, 3, 3, 1), 6f64.sqrt(), epsilon = 1e-15);
+}
+
+#[test]
+fn a_level_keeps_its_conventions() {
+    let c = Conventions {
+        hash_index: HashIndex::Hashed,
+        hash_primes: HashPrimes::Reversed,
+        hash_weights: HashWeights::Smoothstep,
+        ..CS180
+    };
+    let level = Level::by_convention(6.5, vec![], &c);
+    assert_eq!((level.index, level.primes, level.weights), (c.hash_index, c.hash_primes, c.hash_weights));
+}
+
 /// Level 1 of three from 3 to 25: n = sqrt(75) = 8.66.
 #[test]
 fn levels_lie_on_the_box_as_their_convention_says() {

@@ -71,6 +71,25 @@ fn gradients_of_edges_by_hand() {
     assert_eq!(g_u, [4.0, -4.0 / 0.75, 16.0 / 0.75]);
 }
 
+/// Bins of shares 1/2, 2^-20 and the rest, by hand: in the middle one s = u - F, its share counting as 1; in the others it is as always.
+#[test]
+fn faint_bins_are_snapped_by_hand() {
+    let faint = 2f64.powi(-20);
+    let edges = [2.0, 3.0, 5.0, 9.0];
+    let weights = [0.5 / faint, 1.0, 0.5 / faint - 1.0];
+    let u = [0.25, 0.5 + faint / 2.0, 0.75];
+    let s = (0.25 - faint) / (0.5 - faint);
+    assert_eq!(sample_snapped(&edges, &weights, 0.0, &u), [2.5, 3.0 + faint, 5.0 + 4.0 * s]);
+    let (g_edges, g_u) = backward::sample_snapped(&edges, &weights, 0.0, &u, &[1.0, 4.0, 8.0]);
+    assert_eq!(g_edges, [0.5, 0.5 + 4.0 * (1.0 - faint / 2.0), 2.0 * faint + 8.0 * (1.0 - s), 8.0 * s]);
+    assert_eq!(g_u, [2.0, 8.0, 32.0 / (0.5 - faint)]);
+    // A share of exactly 1e-5 isn't faint.
+    let weights = [SNAPPED, 1.0 - SNAPPED];
+    assert_eq!(sample_snapped(&edges[..3], &weights, 0.0, &[0.5 * SNAPPED]), [2.5]);
+    let g_u = backward::sample_snapped(&edges[..3], &weights, 0.0, &[0.5 * SNAPPED], &[1.0]).1;
+    assert_eq!(g_u, [1.0 / SNAPPED]);
+}
+
 fn rays() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
     let weight = prop_oneof![Just(0.0), 0.01..1.0f64];
     prop::collection::vec((0.01..1.0f64, weight), 1..40).prop_map(|bins| {

@@ -139,21 +139,24 @@ pub(super) fn one_step(a: &Arrays, _: Dtype) -> bool {
     deltas.iter().all(|delta| *delta == deltas[0])
 }
 
+/// Whether an opacity is skipped as too faint.
+fn skipped(alpha: f64, c: &Conventions) -> bool {
+    c.faint == Faint::Skipped && alpha < 1.0 / 255.0
+}
+
 /// The opacities that count: capped, and 0 where they are faint and skipped.
 pub(super) fn counted(a: &Arrays, c: &Conventions) -> Arrays {
     let mut a = a.clone();
-    let skipped = |alpha: f64| c.faint == Faint::Skipped && alpha < 1.0 / 255.0;
-    let one = |alpha: f64| if skipped(alpha) { 0.0 } else { alpha.min(c.alpha_cap.value()) };
+    let one = |alpha: f64| if skipped(alpha, c) { 0.0 } else { alpha.min(c.alpha_cap.value()) };
     a.get_mut("alphas").expect("an input").mapv_inplace(one);
     a
 }
 
-/// The same without gradients of opacities that don't count as they are.
+/// The same without gradients of opacities that don't count as they are. A skipped 0 counts no more than its neighbors do.
 pub(super) fn gradients_of_counted(a: &Arrays, c: &Conventions, mut gradients: Arrays) -> Arrays {
-    let counted = counted(a, c);
     let gradient = gradients.get_mut("grad_alphas").expect("a gradient");
-    for ((g, given), used) in gradient.iter_mut().zip(&a["alphas"]).zip(&counted["alphas"]) {
-        if given != used {
+    for (g, &alpha) in gradient.iter_mut().zip(&a["alphas"]) {
+        if skipped(alpha, c) || alpha > c.alpha_cap.value() {
             *g = 0.0;
         }
     }
