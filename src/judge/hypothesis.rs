@@ -71,9 +71,17 @@ impl Hypothesis {
         };
         let one = |(name, w): (&String, &ArrayD<f64>)| {
             let mut bound = w.mapv(|w| roundings * u * w.abs() + options.dtype.smallest_normal());
-            if let Some(right) = right.get(name).filter(|b| b.shape() == w.shape()) {
-                let least = if fractions(name) { largest } else { 0.0 };
-                bound.zip_mut_with(right, |b, right| *b += generous * right.max(least));
+            let least = if fractions(name) { largest } else { 0.0 };
+            match right.get(name) {
+                Some(right) if right.shape() == w.shape() => {
+                    bound.zip_mut_with(right, |b, right| *b += generous * right.max(least));
+                }
+                // Elements in other places: which of the bounds is whose isn't known.
+                Some(right) => {
+                    let most = right.iter().filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
+                    bound += generous * most;
+                }
+                None => {}
             }
             for moved in moved.iter().filter_map(|m| m.get(name)).filter(|m| m.shape() == w.shape()) {
                 let change = moved - w;
