@@ -29,7 +29,7 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// The two axes of a K that is exact.
-    pub fn of(k: &[f64]) -> [Axis; 2] {
+    pub(crate) fn of(k: &[f64]) -> [Axis; 2] {
         let k = intrinsics(k);
         [Axis { f: exact(k.fx), c: exact(k.cx) }, Axis { f: exact(k.fy), c: exact(k.cy) }]
     }
@@ -41,13 +41,13 @@ impl Axis {
     }
 
     /// The terms s u / f and -s c / f of a row of s K^-1 (u, v, 1).
-    pub fn terms(&self, u: Bounded, s: Bounded, m: &Arithmetic) -> [Bounded; 2] {
+    pub(crate) fn terms(&self, u: Bounded, s: Bounded, m: &Arithmetic) -> [Bounded; 2] {
         let inverse = self.inverse(m);
         [m.mul(m.mul(s, u), inverse), m.mul(m.mul(s, self.c), inverse).neg()]
     }
 
     /// s (u - c) / f, in any of its forms.
-    pub fn point(&self, u: Bounded, s: Bounded, m: &Arithmetic) -> Bounded {
+    pub(crate) fn point(&self, u: Bounded, s: Bounded, m: &Arithmetic) -> Bounded {
         let pixels = m.sub(u, self.c);
         m.mul(s, m.div(pixels, self.f))
             .or(m.div(m.mul(s, pixels), self.f))
@@ -73,7 +73,7 @@ pub(crate) struct Gather {
 
 impl Gather {
     /// Errors of the gradients of uv and s of one pixel; its contribution to the gradient of K is kept.
-    pub fn pixel(
+    pub(crate) fn pixel(
         &mut self,
         axes: &[Axis; 2],
         uv: [f64; 2],
@@ -96,7 +96,7 @@ impl Gather {
     }
 
     /// Errors of the gradient of K: sums over the batch, each one operation.
-    pub fn k(&self, m: &Arithmetic) -> ndarray::ArrayD<f64> {
+    pub(crate) fn k(&self, m: &Arithmetic) -> ndarray::ArrayD<f64> {
         let total = |terms: &[Bounded]| {
             let sum = m.sum(terms);
             m.rounded(sum.y, sum.e)
@@ -110,7 +110,7 @@ impl Gather {
 }
 
 /// Bound of [`super::transform`].
-pub fn transform(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn transform(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let (c2w, x_c) = (values(a, "c2w"), threes(a, "x_c"));
     let point = |(n, x): (usize, &[f64; 3])| {
         let homogeneous = [x[0], x[1], x[2], 1.0];
@@ -124,7 +124,7 @@ pub fn transform(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::backward::transform`]. The translation's gradient is the cotangent itself.
-pub fn transform_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn transform_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let (c2w, x_c, g) = (values(a, "c2w"), threes(a, "x_c"), threes(a, "grad_x_w"));
     let (mut g_c2w, mut g_x_c) = (vec![], vec![]);
     for n in 0..x_c.len() {
@@ -162,7 +162,7 @@ pub(crate) fn rotate_transposed(rows: &[[f64; 4]; 3], g: [Bounded; 3], m: &Arith
 }
 
 /// Bound of [`super::pixel_to_camera`]. The depth is passed through unchanged.
-pub fn pixel_to_camera(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn pixel_to_camera(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let (axes, uv, s) = (Axis::of(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let point = |n: usize| {
         let along = |k: usize| axes[k].point(exact(uv[n][k]), exact(s[n]), m).e;
@@ -172,7 +172,7 @@ pub fn pixel_to_camera(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::backward::pixel_to_camera`]: through the pinhole formula, or through the inverse matrix.
-pub fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let a = &in_axes(a.clone(), "grad_x_c", c);
     let (axes, uv, s) = (Axis::of(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let (mut gather, mut g_uv, mut g_s) = (Gather::default(), vec![], vec![]);

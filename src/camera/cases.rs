@@ -100,7 +100,7 @@ pub(crate) fn pixels(draw: &mut Draw, n: usize) -> ArrayD<f64> {
 }
 
 /// Camera space to world space.
-pub fn transform() -> Vec<Case> {
+pub(crate) fn transform() -> Vec<Case> {
     let points = vec![0.5, -0.25, 2.0, 0.0, 0.0, 0.0, -1.5, 0.75, 4.0];
     let mut cases: Vec<Case> = poses()
         .into_iter()
@@ -119,7 +119,7 @@ pub fn transform() -> Vec<Case> {
 }
 
 /// Pixel and depth to camera space.
-pub fn pixel_to_camera() -> Vec<Case> {
+pub(crate) fn pixel_to_camera() -> Vec<Case> {
     let case = |id, comment, k, uv: &[f64], s: Vec<f64>| {
         let n = s.len();
         Case::new(

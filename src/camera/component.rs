@@ -14,7 +14,7 @@ pub(crate) const K: Port = Port::smooth("K", "3,3", "intrinsics in pixels: fx, f
 pub(crate) const UV: Port = Port::smooth("uv", "M,2", "pixel positions, u right, v down");
 
 /// Camera space to world space.
-pub const TRANSFORM: Component = Component {
+pub(crate) const TRANSFORM: Component = Component {
     name: "transform",
     folder: "camera",
     formula: "x_w = R x_c + o, with R and o the upper 3x4 of c2w",
@@ -40,7 +40,7 @@ pub const TRANSFORM: Component = Component {
 };
 
 /// Pixel and depth to camera space.
-pub const PIXEL_TO_CAMERA: Component = Component {
+pub(crate) const PIXEL_TO_CAMERA: Component = Component {
     name: "pixel_to_camera",
     folder: "camera",
     formula: "x_c = s K^-1 (u, v, 1) = s ((u - cx) / fx, (v - cy) / fy, 1)",

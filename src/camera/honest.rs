@@ -57,7 +57,7 @@ pub(crate) struct Gather {
 }
 
 impl Gather {
-    pub fn pixel(
+    pub(crate) fn pixel(
         &mut self,
         k: &Intrinsics,
         uv: [f64; 2],
@@ -91,7 +91,7 @@ impl Gather {
     }
 
     /// Summed per pixel, or through the inverse matrix: -K^-T G K^-T.
-    pub fn k(&self, k: &Intrinsics, g_u: [&[f64]; 2], m: &Machine) -> ndarray::ArrayD<f64> {
+    pub(crate) fn k(&self, k: &Intrinsics, g_u: [&[f64]; 2], m: &Machine) -> ndarray::ArrayD<f64> {
         let inverse = inverse(k, m);
         let focal = |n: usize| {
             if m.form % 2 == 0 {
@@ -109,7 +109,7 @@ impl Gather {
 }
 
 /// Camera space to world space.
-pub fn transform(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn transform(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let (c2w, x_c) = (values(a, "c2w"), threes(a, "x_c"));
     let point = |(n, x): (usize, &[f64; 3])| transformed(&rows34(&c2w, n), x, m);
     arrays([("x_w", array(&[x_c.len(), 3], x_c.iter().enumerate().flat_map(point).collect()))])
@@ -131,7 +131,7 @@ pub(crate) fn rotate_transposed(rows: &[[f64; 4]; 3], g: [f64; 3], m: &Machine) 
 }
 
 /// Gradient of the transform.
-pub fn transform_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn transform_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let (c2w, x_c, g) = (values(a, "c2w"), threes(a, "x_c"), threes(a, "grad_x_w"));
     let points = x_c.len();
     let g_c2w = (0..points).flat_map(|n| pose_gradient(g[n], x_c[n], g[n], m)).collect();
@@ -140,14 +140,14 @@ pub fn transform_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Pixel and depth to camera space.
-pub fn pixel_to_camera(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn pixel_to_camera(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let points = (0..s.len()).flat_map(|n| point(&k, uv[n], s[n], m)).collect();
     in_axes(arrays([("x_c", array(&[s.len(), 3], points))]), "x_c", c)
 }
 
 /// Its gradient.
-pub fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let a = &in_axes(a.clone(), "grad_x_c", c);
     let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let (mut gather, mut g_u, mut g_v, mut g_s) = (Gather::default(), vec![], vec![], vec![]);

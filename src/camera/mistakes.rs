@@ -136,7 +136,7 @@ pub(crate) const FLIPS: [Mistake; 6] = [
 ];
 
 /// Mistakes of the transform.
-pub const TRANSFORM: &[Mistake] = &[
+pub(crate) const TRANSFORM: &[Mistake] = &[
     ROTATION_TRANSPOSED,
     INVERSE_POSE,
     Mistake::new(
@@ -156,7 +156,7 @@ pub const TRANSFORM: &[Mistake] = &[
 ];
 
 /// Mistakes of the lens.
-pub const PIXEL_TO_CAMERA: &[Mistake] = &[
+pub(crate) const PIXEL_TO_CAMERA: &[Mistake] = &[
     NO_HALF,
     MINUS_HALF,
     ROW_COLUMN,
@@ -251,7 +251,7 @@ pub(crate) fn inverse(c2w: &DMat4) -> DMat4 {
 }
 
 /// Camera space to world space.
-pub fn transform(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn transform(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let (c2w, x_c) = (values(a, "c2w"), threes(a, "x_c"));
     let point = |m: usize| {
         let mut c2w = pose(&c2w, m);
@@ -269,12 +269,12 @@ pub fn transform(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Its gradient: no mistakes of its own.
-pub fn transform_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
+pub(crate) fn transform_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
     arrays::transform_vjp(a, c)
 }
 
 /// Pixel and depth to camera space.
-pub fn pixel_to_camera(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn pixel_to_camera(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
     let point = |m: usize| {
         let s = if wrong.contains(&"depth_forgotten") { 1.0 } else { s[m] };
@@ -285,6 +285,6 @@ pub fn pixel_to_camera(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Its gradient: no mistakes of its own.
-pub fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
+pub(crate) fn pixel_to_camera_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
     arrays::pixel_to_camera_vjp(a, c)
 }

@@ -9,7 +9,7 @@ use crate::judge::{Verdict, exchange, judging};
 
 /// Judge answers: right or wrong, component by component, and what the mistake probably is.
 #[derive(clap::Args, Debug)]
-pub struct Args {
+pub(super) struct Args {
     /// The folder that `cases` wrote.
     cases: PathBuf,
     /// The folder of answers: one npz a case, at the same relative path; in answers.json what the candidate takes, where that isn't all.
@@ -26,7 +26,7 @@ pub struct Args {
 ///
 /// # Errors
 /// Folders that can't be read, or that hold something else than cases and answers.
-pub fn run(args: &Args, json: bool) -> Result<ExitCode> {
+pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     if !(args.exp_ulp >= 0.5 && args.exp_ulp <= 1e6) {
         return Err(Error::usage("--exp-ulp", args.exp_ulp, "a number from 0.5 to 1e6"));
     }

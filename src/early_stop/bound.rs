@@ -66,11 +66,11 @@ fn covering(a: &Arrays, direction: &Direction, stop: Stop, m: &Arithmetic) -> Ar
 }
 
 /// Bound of [`super::render_packed`].
-pub fn early_stop(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn early_stop(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     covering(a, &VOLUME_RENDER.forward, c.stop, m)
 }
 
 /// Bound of [`super::backward::render_packed`].
-pub fn early_stop_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn early_stop_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     covering(a, &VOLUME_RENDER.vjp.expect("it has a gradient"), c.stop, m)
 }

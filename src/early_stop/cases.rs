@@ -4,7 +4,7 @@ use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
 
 /// Packed rendering with early stop.
-pub fn early_stop() -> Vec<Case> {
+pub(crate) fn early_stop() -> Vec<Case> {
     let case =
         |id, comment, eps: f64, lengths: &[usize], sigmas: Vec<f64>, rgbs: Vec<f64>, deltas: Vec<f64>| {
             let mut offsets = vec![0.0];

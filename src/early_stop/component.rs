@@ -11,7 +11,7 @@ const FORMS: &[Form] =
     &[Form { without: &["eps"], takes: None, meaning: "0: nothing stops", holds: arrays::nothing_stops }];
 
 /// Packed rays, each as far as light comes through.
-pub const EARLY_STOP: Component = Component {
+pub(crate) const EARLY_STOP: Component = Component {
     name: "early_stop",
     folder: "early_stop",
     formula: "ray r has samples offsets_r, ..., offsets_{r+1} - 1; live_r = up to and with the first behind which T < eps; volume_render of these, not renormalized",

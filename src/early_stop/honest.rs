@@ -22,7 +22,7 @@ fn live(a: &Arrays, r: usize, (first, length): (usize, usize), stop: Stop, m: &M
 }
 
 /// Packed rendering with early stop.
-pub fn early_stop(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn early_stop(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let one = |(r, span): (usize, (usize, usize))| {
         let n = live(a, r, span, c.stop, m);
         stopped(n, span.1, honest::volume_render(&one_ray(a, r, span.0, n), &CS180, m))
@@ -31,7 +31,7 @@ pub fn early_stop(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Its gradient.
-pub fn early_stop_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn early_stop_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let one = |(r, span): (usize, (usize, usize))| {
         let n = live(a, r, span, c.stop, m);
         stopped(n, span.1, honest::volume_render_vjp(&one_ray(a, r, span.0, n), &CS180, m))

@@ -9,7 +9,7 @@ use crate::volume_rendering::component::VOLUME_RENDER;
 use crate::volume_rendering::volume_render;
 
 /// Mistakes of packed rendering with early stop.
-pub const EARLY_STOP: &[Mistake] = &[
+pub(crate) const EARLY_STOP: &[Mistake] = &[
     Mistake::new(
         "renormalized",
         "a ray that stops is divided by its opacity, which becomes 1 (VR5)",
@@ -90,7 +90,7 @@ fn live(ray: &Arrays, carried: f64, eps: f64, stop: Stop, wrong: &[&str]) -> usi
 }
 
 /// Packed rendering with early stop.
-pub fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
         return arrays::early_stop(a, c);
     }
@@ -121,7 +121,7 @@ pub fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Its gradient.
-pub fn early_stop_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn early_stop_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"gradient_behind_the_stop") {
         a.insert("eps".into(), scalar(0.0));

@@ -136,14 +136,14 @@ fn errors(bounded: Vec<Bounded>) -> Vec<f64> {
 }
 
 /// Bound of [`super::positional_encoding`].
-pub fn positional_encoding(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn positional_encoding(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let encoding = settings(a, c);
     let out: Vec<Vec<f64>> = rows(a, "x").iter().map(|x| errors(encode(x, &encoding, c.cosine, m))).collect();
     arrays([("encoding", from_rows(&out, encoding.width(dims(a))))])
 }
 
 /// Bound of [`super::backward::positional_encoding`].
-pub fn positional_encoding_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn positional_encoding_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let encoding = settings(a, c);
     let one = |(x, g): (&Vec<f64>, &Vec<f64>)| {
         let g: Vec<Bounded> = g.iter().copied().map(exact).collect();

@@ -4,7 +4,7 @@ use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full, short};
 
 /// Positional encoding.
-pub fn positional_encoding() -> Vec<Case> {
+pub(crate) fn positional_encoding() -> Vec<Case> {
     let case = |id, comment, levels: f64, dims: usize, x: Vec<f64>| {
         Case::new(id, comment, vec![("x", array(&[x.len() / dims, dims], x)), ("L", scalar(levels))])
     };

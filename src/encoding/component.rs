@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::Special;
 
 /// Positional encoding.
-pub const POSITIONAL_ENCODING: Component = Component {
+pub(crate) const POSITIONAL_ENCODING: Component = Component {
     name: "positional_encoding",
     folder: "encoding",
     formula: "x, then sin(2^k pi x), cos(2^k pi x) for k = 0, ..., L - 1",

@@ -100,14 +100,14 @@ pub(crate) fn gradient(x: &[f64], encoding: &Encoding, cosine: Cosine, g: &[f64]
 }
 
 /// Positional encoding.
-pub fn positional_encoding(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn positional_encoding(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let encoding = settings(a, c);
     let out: Vec<Vec<f64>> = rows(a, "x").iter().map(|x| encode(x, &encoding, c.cosine, m)).collect();
     arrays([("encoding", from_rows(&out, encoding.width(dims(a))))])
 }
 
 /// Its gradient.
-pub fn positional_encoding_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn positional_encoding_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let encoding = settings(a, c);
     let g = rows(a, "grad_encoding");
     let out: Vec<Vec<f64>> =

@@ -10,7 +10,7 @@ use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Mistakes of the encoding.
-pub const POSITIONAL_ENCODING: &[Mistake] = &[
+pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
     Mistake::new(
         "linear_ladder",
         "bands k pi for 2^k pi, k from 0",
@@ -97,14 +97,14 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
 }
 
 /// Positional encoding.
-pub fn positional_encoding(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn positional_encoding(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let encoding = settings(a, c);
     let out: Vec<Vec<f64>> = rows(a, "x").iter().map(|x| encode(x, &encoding, wrong)).collect();
     arrays([("encoding", from_rows(&out, encoding.width(dims(a))))])
 }
 
 /// Its gradient.
-pub fn positional_encoding_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn positional_encoding_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (encoding, dims) = (settings(a, c), dims(a));
     let mut a = a.clone();
     let mut g = rows(&a, "grad_encoding");

@@ -61,7 +61,7 @@ pub(crate) struct Nerf {
 
 impl Nerf {
     /// L of both encodings follows from the widths: D + 2 L D columns (2 L D without the identity).
-    pub fn of(a: &Arrays, c: &Conventions) -> Nerf {
+    pub(crate) fn of(a: &Arrays, c: &Conventions) -> Nerf {
         let count = (0..).take_while(|n| a.contains_key(&format!("trunk{n}_w"))).count();
         let named = |name: &str| layer(a, &format!("{name}_w"), &format!("{name}_b"));
         let net = NerfMlp {
@@ -80,7 +80,7 @@ impl Nerf {
     }
 
     /// A network of zeros.
-    pub fn zeros(&self) -> NerfMlp {
+    pub(crate) fn zeros(&self) -> NerfMlp {
         let mut net = self.net.clone();
         for layer in net.layers_mut() {
             layer.w.fill(0.0);
@@ -90,7 +90,7 @@ impl Nerf {
     }
 
     /// Gradients as arrays.
-    pub fn gradients(gradient: &NerfMlp, g_positions: &[Vec<f64>]) -> Arrays {
+    pub(crate) fn gradients(gradient: &NerfMlp, g_positions: &[Vec<f64>]) -> Arrays {
         let mut out = arrays([("grad_positions", from_rows(g_positions, 3))]);
         for (name, layer) in gradient.layers() {
             out.insert(format!("grad_{name}_w"), layer.w.clone().into_dyn());

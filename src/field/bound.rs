@@ -86,7 +86,7 @@ fn mlp_tape(net: &Mlp, x: &[f64], m: &Arithmetic) -> Tape {
 }
 
 /// Bound of the plain network.
-pub fn mlp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn mlp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let net = network(a);
     let point = |x: &Vec<f64>| {
         let tape = mlp_tape(&net, x, m);
@@ -155,7 +155,7 @@ impl Outer {
 }
 
 /// Bound of [`super::backward::mlp`].
-pub fn mlp_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn mlp_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let net = network(a);
     let count = net.layers.len();
     let mut outer: Vec<Outer> = (0..count).map(|_| Outer::default()).collect();
@@ -220,7 +220,7 @@ fn nerf_tape(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, m: &Arithmetic)
 }
 
 /// Bound of the NeRF network.
-pub fn nerf_mlp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn nerf_mlp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let nerf = Nerf::of(a, c);
     let point = |(x, d): (&Vec<f64>, &Vec<f64>)| {
         let tape = nerf_tape(&nerf, x, d, c, m);
@@ -233,7 +233,7 @@ pub fn nerf_mlp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::backward::nerf_mlp`], the encoding's gradient included.
-pub fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let nerf = Nerf::of(a, c);
     let (positions, directions) = (rows(a, "positions"), rows(a, "directions"));
     let depth = nerf.net.trunk.len();

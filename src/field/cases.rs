@@ -57,7 +57,7 @@ fn passing_mlp(sizes: &[usize]) -> Case {
 }
 
 /// The plain network.
-pub fn mlp() -> Vec<Case> {
+pub(crate) fn mlp() -> Vec<Case> {
     let mut dead =
         plain("TR1_dead", "every hidden unit is off: y is sigmoid(b), no gradient", 9, &[3, 8, 3], 2, 1.0);
     dead.inputs.insert("b0".into(), array(&[8], vec![-64.0; 8]));
@@ -129,7 +129,7 @@ fn passing_nerf() -> Case {
 }
 
 /// The NeRF network.
-pub fn nerf_mlp() -> Vec<Case> {
+pub(crate) fn nerf_mlp() -> Vec<Case> {
     let mut dead = nerf("TR1_dead", "sigma is 0 everywhere and its head has no gradient", 2, 16, [1, 1], 2.0);
     dead.inputs.insert("sigma_b".into(), array(&[1], vec![-64.0]));
     let cases = vec![
@@ -161,7 +161,7 @@ fn full_size() -> Case {
 
 /// The network's cases are written for the skip of `cs180`. Where the encoding enters the trunk again in another layer, the two
 /// layers' weights are exchanged, so that the shapes fit; where the encoding lacks x itself, the weights lack those columns.
-pub fn reshape(inputs: &mut Arrays, c: &Conventions) {
+pub(crate) fn reshape(inputs: &mut Arrays, c: &Conventions) {
     let name = |layer: usize| format!("trunk{layer}_w");
     let columns = |inputs: &Arrays, name: &str| inputs.get(name).map(|w| w.shape()[1]);
     if !c.identity {
@@ -187,7 +187,7 @@ pub fn reshape(inputs: &mut Arrays, c: &Conventions) {
 }
 
 /// A network's widths belong to conventions: which layer reads the encoding again, and whether the encoding keeps x itself.
-pub fn admits(inputs: &Arrays, c: &Conventions) -> bool {
+pub(crate) fn admits(inputs: &Arrays, c: &Conventions) -> bool {
     let layers = (0..).map_while(|n| inputs.get(&format!("trunk{n}_w")));
     let shapes: Vec<&[usize]> = layers.map(|w| w.shape()).collect();
     let Some(&&[width, encoding]) = shapes.first() else { return false };

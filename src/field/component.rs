@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
 /// The plain network.
-pub const MLP: Component = Component {
+pub(crate) const MLP: Component = Component {
     name: "mlp",
     folder: "field",
     formula: "h_0 = x, z_n = w_n h_n + b_n, h_{n+1} = max(z_n, 0), y = sigmoid(z_last)",
@@ -30,7 +30,7 @@ pub const MLP: Component = Component {
 };
 
 /// The network of the NeRF paper, encodings inside.
-pub const NERF_MLP: Component = Component {
+pub(crate) const NERF_MLP: Component = Component {
     name: "nerf_mlp",
     folder: "field",
     formula: "h = trunk(encode(x)), the encoding again in trunk 4; sigma = max(w h + b, 0); rgb = sigmoid(color1 relu(color0 [feature h, encode(d)]))",

@@ -88,7 +88,7 @@ fn forward(layers: &[Layer], x: &[f64], m: &Machine) -> (Vec<Vec<f64>>, Vec<Vec<
 }
 
 /// The plain network.
-pub fn mlp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn mlp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let net = network(a);
     let point = |x: &Vec<f64>| {
         let (_, z) = forward(&net.layers, x, m);
@@ -99,7 +99,7 @@ pub fn mlp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Its gradients.
-pub fn mlp_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn mlp_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let net = network(a);
     let count = net.layers.len();
     let mut outer: Vec<Outer> = (0..count).map(|_| Outer::default()).collect();
@@ -156,7 +156,7 @@ fn tape(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, m: &Machine) -> Tape
 }
 
 /// The NeRF network.
-pub fn nerf_mlp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn nerf_mlp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let nerf = Nerf::of(a, c);
     let point = |(x, d): (&Vec<f64>, &Vec<f64>)| {
         let tape = tape(&nerf, x, d, c, m);
@@ -168,7 +168,7 @@ pub fn nerf_mlp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Its gradients.
-pub fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let nerf = Nerf::of(a, c);
     let (positions, directions) = (rows(a, "positions"), rows(a, "directions"));
     let mut outer: Vec<Outer> = (0..nerf.net.trunk.len() + 4).map(|_| Outer::default()).collect();

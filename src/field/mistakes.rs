@@ -73,7 +73,7 @@ const RELU_MASK: Mistake = Mistake::new(
 .of_gradient();
 
 /// Mistakes of the plain network.
-pub const MLP: &[Mistake] = &[
+pub(crate) const MLP: &[Mistake] = &[
     SIGMOID_MISSING,
     RELU_BEFORE_SIGMOID,
     BIAS_FORGOTTEN,
@@ -84,7 +84,7 @@ pub const MLP: &[Mistake] = &[
 ];
 
 /// Mistakes of the NeRF network.
-pub const NERF_MLP: &[Mistake] = &[
+pub(crate) const NERF_MLP: &[Mistake] = &[
     encoding::POSITIONAL_ENCODING[0],
     SIGMOID_MISSING,
     RELU_BEFORE_SIGMOID,
@@ -150,7 +150,7 @@ fn head(y: f64, z: f64, wrong: &[&str]) -> f64 {
 }
 
 /// The plain network.
-pub fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
         return arrays::mlp(a, c);
     }
@@ -171,7 +171,7 @@ fn open(z: &mut [Vec<f64>]) {
 }
 
 /// Gradient of the plain network.
-pub fn mlp_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn mlp_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let net = network(a);
     let mut gradient = zeros(&net.layers);
     let point = |(x, g): (&Vec<f64>, &Vec<f64>)| {
@@ -199,7 +199,7 @@ fn cut_skip(nerf: &mut Nerf, c: &Conventions) {
 }
 
 /// The NeRF network.
-pub fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
         return arrays::nerf(a, c);
     }
@@ -223,7 +223,7 @@ pub fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Gradient of the NeRF network.
-pub fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn nerf_mlp_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let nerf = Nerf::of(a, c);
     let mut without_skip = Nerf::of(a, c);
     cut_skip(&mut without_skip, c);

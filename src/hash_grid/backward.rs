@@ -6,8 +6,8 @@ use crate::convention::HashWeights;
 /// Adds the gradient of one point to `g_tables` (shaped like `levels`) and returns the gradient with respect to `x`.
 ///
 /// The encoding is linear in the tables: g_entry += weight g_out for each corner, colliding corners add up. In x it is trilinear
-/// inside a cell: d weight / d x_a = +-N times the other two axes' weights, times the slope of the weight where that isn't linear. At cell faces the derivative jumps (PE6): the value is
-/// that of the cell which `cell` picks.
+/// inside a cell: d weight / d x_a = +-N times the other two axes' weights, times the slope of the weight where that isn't linear.
+/// At cell faces the derivative jumps (PE6): the value is that of the cell which [`Level::cell`] names.
 ///
 /// # Panics
 /// Where `g_tables` isn't shaped like `levels`, or `g_out` doesn't have their features, level by level.

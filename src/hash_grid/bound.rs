@@ -151,7 +151,7 @@ fn feature(cell: &Cell, f: usize, m: &Arithmetic) -> Bounded {
 }
 
 /// Bound of [`super::encode`].
-pub fn hash_grid(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn hash_grid(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let levels = readings(a, c, m);
     forward(a, |x| {
         let mut errors = vec![];
@@ -214,7 +214,7 @@ fn any_slope(cells: &[Cell], axis: usize, g: &[f64], m: &Arithmetic) -> Bounded 
 }
 
 /// Bound of [`super::backward::encode`].
-pub fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let levels = readings(a, c, m);
     let plain: Vec<Level> = levels.iter().map(|readings| readings[0].level.clone()).collect();
     // The gradient of every entry's features.

@@ -9,7 +9,7 @@ use crate::contract::case::{Case, Draw, in_full};
 type Shape = (u32, u32, usize, usize, usize);
 
 /// The hash grid.
-pub fn hash_grid() -> Vec<Case> {
+pub(crate) fn hash_grid() -> Vec<Case> {
     let case = |id: &'static str, comment, (base, finest, levels, entries, features): Shape, x: Vec<f64>| {
         let (mut draw, mut spare) = (Draw::new(id, 0), Draw::new(id, 1));
         let mut inputs = vec![

@@ -69,7 +69,7 @@ fn feature(level: &Level, cells: [(u32, f64); 3], f: usize, m: &Machine) -> f64 
 }
 
 /// The encoding.
-pub fn hash_grid(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn hash_grid(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let levels = levels(a, c);
     forward(a, |x| {
         let level = |level: &Level| {
@@ -103,7 +103,7 @@ fn slope(level: &Level, x: [f64; 3], axis: usize, g: &[f64], m: &Machine) -> f64
 }
 
 /// Its gradient.
-pub fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let levels = levels(a, c);
     let mut terms: Vec<Vec<Vec<Vec<f64>>>> =
         levels.iter().map(|l| l.table.iter().map(|entry| vec![vec![]; entry.len()]).collect()).collect();

@@ -8,7 +8,7 @@ use crate::math::pow;
 
 mod catalogue;
 
-pub use catalogue::HASH_GRID;
+pub(crate) use catalogue::HASH_GRID;
 
 /// The levels as the mistakes have them.
 fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
@@ -75,13 +75,13 @@ fn encode(levels: &[Level], x: [f64; 3], wrong: &[&str]) -> Vec<f64> {
 }
 
 /// The encoding.
-pub fn hash_grid(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn hash_grid(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let levels = wrong_levels(a, c, wrong);
     forward(a, |x| if wrong.is_empty() { oracle(&levels, x) } else { encode(&levels, x, wrong) })
 }
 
 /// Its gradient.
-pub fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut right = arrays::hash_grid_vjp(a, c);
     let levels = levels(a, c);
     if wrong.contains(&"resolution_forgotten") {

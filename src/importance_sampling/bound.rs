@@ -145,7 +145,7 @@ impl<'a> Distribution<'a> {
 }
 
 /// Bound of [`super::sample`].
-pub fn sample(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn sample(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     forward(a, c, |ray| {
         let d = Distribution::new(ray, c, m);
         ray.u.iter().zip(drawn(ray, c)).map(|(&u, t)| d.error(u, t)).collect()
@@ -154,7 +154,7 @@ pub fn sample(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 
 /// Bound of [`super::backward::sample`]. At a kink any slope dt / du is admissible, and each edge next to the sample may get any
 /// share of the cotangent.
-pub fn sample_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn sample_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, c, |ray, g| {
         let d = Distribution::new(ray, c, m);
         let mut terms: Vec<Vec<Bounded>> = vec![vec![]; ray.edges.len()];

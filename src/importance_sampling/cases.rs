@@ -43,7 +43,7 @@ fn random(id: &str, comment: &'static str, [rays, bins, samples]: [usize; 3], pa
 }
 
 /// Samples of a piecewise-constant distribution.
-pub fn importance_sampling() -> Vec<Case> {
+pub(crate) fn importance_sampling() -> Vec<Case> {
     let mut draw = Draw::new("importance_sampling", 100);
     let even = |bins: i32| (0..=bins).map(|k| 2.0 + f64::from(k) / 16.0).collect::<Vec<f64>>();
     let quarters = vec![2.0, 3.0, 4.0, 5.0, 6.0];

@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
 /// Samples of a piecewise-constant distribution.
-pub const IMPORTANCE_SAMPLING: Component = Component {
+pub(crate) const IMPORTANCE_SAMPLING: Component = Component {
     name: "importance_sampling",
     folder: "importance_sampling",
     formula: "F_k = sum_{j<k} (w_j + padding) / sum_j (w_j + padding), t = e_k + (u - F_k) / (F_{k+1} - F_k) (e_{k+1} - e_k)",

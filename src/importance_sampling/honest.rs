@@ -40,7 +40,7 @@ fn edge_of(f: &[f64], u: f64) -> usize {
 }
 
 /// Samples: by s, by the slope, or by weights.
-pub fn sample(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn sample(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     forward(a, c, |ray| {
         let (f, u) = distribution(ray, c, m);
         let one = |&u: &f64| {
@@ -64,7 +64,7 @@ pub fn sample(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Their gradient.
-pub fn sample_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn sample_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     vjp(a, c, |ray, g| {
         let (f, u) = distribution(ray, c, m);
         let n = ray.weights.len();

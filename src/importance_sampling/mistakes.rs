@@ -7,7 +7,7 @@ use crate::contract::component::Mistake;
 use crate::convention::{Conventions, PdfDivision};
 
 /// Mistakes of importance sampling.
-pub const IMPORTANCE_SAMPLING: &[Mistake] = &[
+pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
     Mistake::new(
         "searched_from_the_left",
         "the bin by searchsorted with side left: F_k < u in the place of F_k <= u",
@@ -150,7 +150,7 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
 }
 
 /// Samples.
-pub fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let shared = super::arrays::ray(a, 0, c).u;
     forward(a, c, |ray| {
         let ray = changed(ray, wrong);
@@ -161,7 +161,7 @@ pub fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Their gradient.
-pub fn sample_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn sample_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     vjp(a, c, |ray, g| {
         let (mut g_edges, mut g_u) = gradient(ray, g, c);
         if wrong.contains(&"place_detached") {

@@ -17,7 +17,7 @@ use crate::convention::{CHOICES, CS180, Conventions};
 use crate::parallel;
 
 /// Values of some conventions, spelled as in [`CHOICES`].
-pub type Partial = BTreeMap<&'static str, &'static str>;
+pub(crate) type Partial = BTreeMap<&'static str, &'static str>;
 
 /// Inputs of more elements than this are left to the final marking: a search needs the small cases only.
 const LARGE: usize = 20_000;
@@ -26,7 +26,7 @@ const LARGE: usize = 20_000;
 const PATIENCE: usize = 20_000;
 
 /// The value of a convention as its static name.
-pub fn value(c: &Conventions, key: &str) -> &'static str {
+pub(crate) fn value(c: &Conventions, key: &str) -> &'static str {
     let (_, values) =
         CHOICES.iter().find(|(name, _)| *name == key).expect("components name known conventions");
     let value = c.get(key);
@@ -34,17 +34,17 @@ pub fn value(c: &Conventions, key: &str) -> &'static str {
 }
 
 /// The conventions of `component` in `c`.
-pub fn partial(component: &Component, c: &Conventions) -> Partial {
+pub(crate) fn partial(component: &Component, c: &Conventions) -> Partial {
     component.conventions.iter().map(|key| (*key, value(c, key))).collect()
 }
 
 /// `base` with the values of `partial`.
-pub fn apply(partial: &Partial, base: &Conventions) -> Conventions {
+pub(crate) fn apply(partial: &Partial, base: &Conventions) -> Conventions {
     partial.iter().fold(*base, |c, (key, value)| c.with(key, value).expect("listed values"))
 }
 
 /// All assignments of a component's conventions, those next to `base` first.
-pub fn assignments(component: &Component, base: &Conventions) -> Vec<Partial> {
+pub(crate) fn assignments(component: &Component, base: &Conventions) -> Vec<Partial> {
     let mut all = vec![Partial::new()];
     for key in component.conventions {
         let (_, values) = CHOICES.iter().find(|(name, _)| name == key).expect("known conventions");
@@ -63,12 +63,12 @@ fn with(partial: &Partial, key: &'static str, value: &'static str) -> Partial {
 }
 
 /// In how many conventions `a` differs from `b`.
-pub fn changes(a: &Partial, b: &Partial) -> usize {
+pub(crate) fn changes(a: &Partial, b: &Partial) -> usize {
     a.iter().filter(|(key, value)| b.get(*key).is_some_and(|other| other != *value)).count()
 }
 
 /// The cases that a search goes by, the smallest first.
-pub fn small_cases<'a>(question: &'a Question, answers: &'a Answers) -> Vec<(&'a Case, &'a Answer)> {
+pub(crate) fn small_cases<'a>(question: &'a Question, answers: &'a Answers) -> Vec<(&'a Case, &'a Answer)> {
     let size = |case: &Case| case.inputs.values().map(|a| a.len()).sum::<usize>();
     let pairs = question.cases.iter().zip(answers).filter_map(|(case, a)| a.as_ref().map(|a| (case, a)));
     let mut pairs: Vec<_> = pairs.collect();
@@ -80,7 +80,7 @@ pub fn small_cases<'a>(question: &'a Question, answers: &'a Answers) -> Vec<(&'a
 
 /// The assignments that no output of the smallest case rules out. A row of thousands of assignments says which
 /// conventions an output reads: assignments that differ only in others are checked once.
-pub fn possible(
+pub(crate) fn possible(
     question: &Question,
     answers: &Answers,
     mut all: Vec<Partial>,
@@ -108,7 +108,7 @@ pub fn possible(
 
 /// Whether all small cases are right in these conventions, with evidence in every output: where 0 would be right too, these
 /// conventions aren't what the answers follow, they only say nothing.
-pub fn holds(question: &Question, answers: &Answers, c: &Conventions, options: &MarkOptions) -> bool {
+pub(crate) fn holds(question: &Question, answers: &Answers, c: &Conventions, options: &MarkOptions) -> bool {
     if question.statistics() {
         return statistics::plausible(question, answers, c);
     }
@@ -130,7 +130,7 @@ pub fn holds(question: &Question, answers: &Answers, c: &Conventions, options: &
 }
 
 /// One assignment over the whole run.
-pub struct Found {
+pub(crate) struct Found {
     /// The assignment.
     pub conventions: Conventions,
     /// Sheets that are right in some conventions, but not in the run's, with those conventions.
@@ -138,7 +138,7 @@ pub struct Found {
 }
 
 /// Looks for the one assignment in which every question is right that is right in any.
-pub fn find(questions: &[(&Question, &Answers)], options: &MarkOptions) -> Found {
+pub(crate) fn find(questions: &[(&Question, &Answers)], options: &MarkOptions) -> Found {
     let holds_in = |n: usize, c: &Conventions| holds(questions[n].0, questions[n].1, c, options);
     let named = |c: &Conventions| parallel::map(questions.len(), |n| holds_in(n, c)).into_iter().all(|ok| ok);
     if let Some(profile) = PROFILES.iter().find(|profile| named(&profile.conventions)) {
@@ -204,7 +204,7 @@ fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
 const COMPARED: usize = 2_000;
 
 /// The assignment in which most elements agree with the answers to a few digits; the nearest to `base` among equals.
-pub fn nearest(question: &Question, answers: &Answers, base: &Conventions) -> Conventions {
+pub(crate) fn nearest(question: &Question, answers: &Answers, base: &Conventions) -> Conventions {
     let all = assignments(question.component, base).into_iter().map(|p| apply(&p, base));
     let all: Vec<Conventions> = all.filter(|c| question.admits(c)).take(COMPARED).collect();
     let direction = question.component.direction(question.kind).expect("a question has its direction");

@@ -58,7 +58,7 @@ pub(crate) struct Slice<'a> {
 
 impl<'a> Slice<'a> {
     /// An input in the kernel's type.
-    pub fn get<T: Input<'a>>(&self, name: &str) -> T {
+    pub(crate) fn get<T: Input<'a>>(&self, name: &str) -> T {
         let view = input(self.arrays, name).view();
         T::from_view(match self.item {
             Some(n) if each(self.component, name) => view.index_axis_move(Axis(0), n),

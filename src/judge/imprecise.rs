@@ -19,7 +19,7 @@ fn most(dtype: Dtype) -> i32 {
 }
 
 /// How many bits fewer than `options.dtype` has would make every answer honest, if that is few enough and leaves proof in every output.
-pub fn lost_bits(
+pub(super) fn lost_bits(
     question: &Question,
     answers: &Answers,
     c: &Conventions,

@@ -15,7 +15,7 @@ use crate::convention::Conventions;
 
 /// The answers in the contract's layout, and a description of theirs; `None` if no layout makes them right. Numbers that programs choose
 /// for themselves count as layout, where no profile is pinned that has chosen one.
-pub fn normalized(
+pub(crate) fn normalized(
     question: &Question,
     answers: &Answers,
     base: &Conventions,

@@ -13,7 +13,12 @@ const SAMPLED: usize = 32;
 /// differences at h and h / 2, combined so that the error falls with h^4 (Richardson), plus their rounding, and at a kink the
 /// difference between the slopes of its sides, either of which is a gradient. Arrays longer than `SAMPLED` are differentiated at every
 /// n-th element; the error of the others is infinite.
-pub fn vjp(component: &Component, inputs: &Arrays, c: &Conventions, mistakes: &[&str]) -> (Arrays, Arrays) {
+pub(crate) fn vjp(
+    component: &Component,
+    inputs: &Arrays,
+    c: &Conventions,
+    mistakes: &[&str],
+) -> (Arrays, Arrays) {
     // The sum that is differentiated, and the same without signs.
     let cotangent = |outputs: &Arrays| -> [f64; 2] {
         let inner = |(name, out): (&String, &ArrayD<f64>)| -> [f64; 2] {

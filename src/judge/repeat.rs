@@ -7,7 +7,7 @@ use crate::contract::case::Case;
 
 /// Answers to the exam in its order, and then to the same questions in the opposite one, each asked three times in a row: the first of
 /// these comes after another question, the others after the same one.
-pub struct Rounds {
+pub(super) struct Rounds {
     /// In the exam's order.
     pub first: Vec<Answers>,
     again: [Vec<Answers>; 3],
@@ -15,7 +15,7 @@ pub struct Rounds {
 
 impl Rounds {
     /// Asks. Rows that are judged by statistics are asked once: their answers are random.
-    pub fn new(exam: &Exam, ask: impl Fn(&Question, &Case) -> Option<Answer>) -> Rounds {
+    pub(super) fn new(exam: &Exam, ask: impl Fn(&Question, &Case) -> Option<Answer>) -> Rounds {
         let all = |question: &Question| question.cases.iter().map(|case| ask(question, case)).collect();
         let first: Vec<Answers> = exam.questions.iter().map(all).collect();
         let mut again = [0; 3].map(|_| first.clone());
@@ -29,7 +29,7 @@ impl Rounds {
 
     /// Adds what the other rounds show: where other bits came, whether by chance or after another question, and by how much. That is
     /// told of a row whose answers are right every time, and fails one whose aren't.
-    pub fn tell(&self, exam: &Exam, judge: impl Fn(&[Answers]) -> Report, report: &mut Report) {
+    pub(super) fn tell(&self, exam: &Exam, judge: impl Fn(&[Answers]) -> Report, report: &mut Report) {
         for other in &self.again {
             if changed(&self.first, other).is_empty() {
                 continue;

@@ -20,12 +20,12 @@ fn mean_square(p: &[f64], t: &[f64], m: &Arithmetic) -> Bounded {
 }
 
 /// Bound of [`super::mse`].
-pub fn mse(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn mse(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     arrays([("value", scalar(mean_square(&values(a, "prediction"), &values(a, "target"), m).e))])
 }
 
 /// Bound of [`super::backward::mse`]: ((2 / n) g) (p - t), or (2 (p - t)) g / n.
-pub fn mse_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn mse_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let (p, t) = (values(a, "prediction"), values(a, "target"));
     let (g, n) = (exact(number(a, "grad_value")), exact(p.len() as f64));
     let error = |(&p, &t): (&f64, &f64)| {
@@ -77,7 +77,7 @@ fn floored(error: Bounded, peak: f64, floor: PsnrFloor, m: &Arithmetic) -> Bound
 }
 
 /// Bound of [`super::psnr_of_images`].
-pub fn psnr(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn psnr(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (predictions, targets) = (pictures(a, "prediction"), pictures(a, "target"));
     let errors: Vec<Bounded> = predictions.iter().zip(&targets).map(|(p, t)| mean_square(p, t, m)).collect();
     let peak = peak(a, c);
@@ -99,7 +99,7 @@ pub fn psnr(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::to_uint8`]: 0 where every honest 255 x gives the same byte, otherwise the distance to the other byte.
-pub fn to_uint8(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn to_uint8(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let byte = |y: f64| match c.bytes {
         Bytes::Round => libm::round(y),
         Bytes::Truncate => y.floor(),

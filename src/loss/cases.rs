@@ -17,7 +17,7 @@ fn pair(
 }
 
 /// Mean squared error.
-pub fn mse() -> Vec<Case> {
+pub(crate) fn mse() -> Vec<Case> {
     let mut draw = Draw::new("mse", 0);
     let shape = [4, 3];
     let gray = array(&shape, vec![0.5; 12]);
@@ -41,7 +41,7 @@ pub fn mse() -> Vec<Case> {
 }
 
 /// PSNR: pictures whose errors differ by a factor, so that the two means differ.
-pub fn psnr() -> Vec<Case> {
+pub(crate) fn psnr() -> Vec<Case> {
     let mut draw = Draw::new("psnr", 0);
     let shape = [2, 3, 4, 3];
     let target = draw.array(&shape, 0.25, 0.5);
@@ -83,7 +83,7 @@ fn beside_ties(id: &str, dtype: Dtype, last: i32) -> Case {
 }
 
 /// Bytes: inside and beyond [0, 1], on a picture that isn't square.
-pub fn to_uint8() -> Vec<Case> {
+pub(crate) fn to_uint8() -> Vec<Case> {
     let mut draw = Draw::new("to_uint8", 0);
     let ends = vec![-0.0, 0.0, 1.0, 0.5, 1.0078125, -1.0, 2.0, 0.00390625, 0.99609375];
     let levels = (0..48).map(|k| f64::from(k) / 32.0 - 0.25).collect();

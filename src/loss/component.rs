@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::Special;
 
 /// Mean squared error.
-pub const MSE: Component = Component {
+pub(crate) const MSE: Component = Component {
     name: "mse",
     folder: "loss",
     formula: "mean of (prediction - target)^2 over all entries",
@@ -29,7 +29,7 @@ pub const MSE: Component = Component {
 };
 
 /// Peak signal-to-noise ratio.
-pub const PSNR: Component = Component {
+pub(crate) const PSNR: Component = Component {
     name: "psnr",
     folder: "loss",
     formula: "10 log10(peak^2 / mse), mean over pictures or of the mean error",
@@ -54,7 +54,7 @@ pub const PSNR: Component = Component {
 };
 
 /// Colors as bytes.
-pub const TO_UINT8: Component = Component {
+pub(crate) const TO_UINT8: Component = Component {
     name: "to_uint8",
     folder: "loss",
     formula: "round(255 clip(x, 0, 1)), halves away from 0; or floor",

@@ -20,12 +20,12 @@ fn mean_square(p: &[f64], t: &[f64], m: &Machine) -> f64 {
 }
 
 /// Mean squared error.
-pub fn mse(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn mse(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     arrays([("value", scalar(mean_square(&values(a, "prediction"), &values(a, "target"), m)))])
 }
 
 /// Its gradient, scaled first or last.
-pub fn mse_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn mse_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let (p, t, g) = (values(a, "prediction"), values(a, "target"), number(a, "grad_value"));
     let n = p.len() as f64;
     let gradient = |(&p, &t): (&f64, &f64)| {
@@ -61,7 +61,7 @@ fn floored(error: f64, peak: f64, floor: PsnrFloor, m: &Machine) -> f64 {
 }
 
 /// Peak signal-to-noise ratio.
-pub fn psnr(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn psnr(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (predictions, targets) = (pictures(a, "prediction"), pictures(a, "target"));
     let each: Vec<f64> = predictions.iter().zip(&targets).map(|(p, t)| mean_square(p, t, m)).collect();
     let peak = peak(a, c);
@@ -75,7 +75,7 @@ pub fn psnr(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Bytes by rounding to even, or by a shift of one half.
-pub fn to_uint8(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn to_uint8(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let byte = |x: f64| {
         let y = m.mul(x.clamp(0.0, 1.0), 255.0);
         match c.bytes {

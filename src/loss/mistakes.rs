@@ -15,7 +15,7 @@ const MEAN_FORGOTTEN: Mistake = Mistake::new(
 );
 
 /// Mistakes of the loss.
-pub const MSE: &[Mistake] = &[
+pub(crate) const MSE: &[Mistake] = &[
     Mistake::new(
         "sum_for_mean",
         "the squared differences are summed, not averaged",
@@ -61,7 +61,7 @@ pub const MSE: &[Mistake] = &[
 ];
 
 /// Mistakes of the metric.
-pub const PSNR: &[Mistake] = &[
+pub(crate) const PSNR: &[Mistake] = &[
     Mistake::new(
         "doubled_psnr",
         "20 log10(1 / mse): the formula of the root mean square on the mean square",
@@ -113,7 +113,7 @@ pub const PSNR: &[Mistake] = &[
 ];
 
 /// Mistakes of the bytes.
-pub const TO_UINT8: &[Mistake] = &[
+pub(crate) const TO_UINT8: &[Mistake] = &[
     Mistake::new(
         "uint8_without_clipping",
         "255 x is cast without clipping: 1.01 becomes 1",
@@ -149,7 +149,7 @@ pub const TO_UINT8: &[Mistake] = &[
 ];
 
 /// Mean squared error.
-pub fn mse(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn mse(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut out = arrays::mse(a, c);
     let entries = input(a, "prediction").len() as f64;
     let channels = input(a, "prediction").shape().last().copied().unwrap_or(1) as f64;
@@ -172,7 +172,7 @@ pub fn mse(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Its gradient.
-pub fn mse_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn mse_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut out = arrays::mse_vjp(a, c);
     let entries = input(a, "prediction").len() as f64;
     for name in wrong {
@@ -187,7 +187,7 @@ pub fn mse_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Peak signal-to-noise ratio.
-pub fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"peak_255") {
         a.insert("peak".into(), scalar(255.0));
@@ -220,7 +220,7 @@ pub fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Bytes.
-pub fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut bytes = input(&arrays::to_uint8(a, c), "bytes").clone();
     if wrong.contains(&"uint8_without_clipping") {
         let wrapped = |x: f64| match c.bytes {

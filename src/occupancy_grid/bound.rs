@@ -22,7 +22,7 @@ pub(crate) fn surely_in_its_cell(x: [f64; 3], resolution: usize, m: &Arithmetic)
 }
 
 /// Bound of [`super::OccupancyGrid::update`] and of what is occupied after it.
-pub fn update(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn update(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let Update { grid, decay, points, sigmas, queries } = update_of(a);
     let r = grid.resolution;
     if points.iter().any(|&x| !surely_in_its_cell(x, r, m)) {
@@ -140,7 +140,7 @@ fn extreme(all: &[Bounded], sign: f64) -> [f64; 2] {
 }
 
 /// Bound of [`super::OccupancyGrid::crossings`], cell by cell.
-pub fn traverse(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn traverse(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     each_ray(a, |o, d, near, far, r| {
         let slabs: Vec<Vec<Option<Slab>>> =
             (0..3).map(|a| (0..r).map(|n| slab(o[a], d[a], n, r, [near, far], m)).collect()).collect();

@@ -24,7 +24,7 @@ fn update_case(
 }
 
 /// Update and queries.
-pub fn update() -> Vec<Case> {
+pub(crate) fn update() -> Vec<Case> {
     let mut draw = Draw::new("occupancy_grid", 0);
     let mut densities = |r: usize| (r, (0..r * r * r).map(|_| draw.between(0.125, 2.0)).collect::<Vec<_>>());
     let (two, three, four) = (densities(2), densities(3), densities(4));
@@ -149,7 +149,7 @@ fn rays_case(id: &str, comment: &'static str, r: usize, rays: &[[f64; 6]], [near
 }
 
 /// Traversal. All rays lie in the unit box between near and far.
-pub fn traverse() -> Vec<Case> {
+pub(crate) fn traverse() -> Vec<Case> {
     let mut draw = Draw::new("grid_traversal", 0);
     // From one point of the box to another: t in [0, 1].
     let mut through = || {

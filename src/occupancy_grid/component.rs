@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::Special;
 
 /// Update and queries.
-pub const OCCUPANCY_GRID: Component = Component {
+pub(crate) const OCCUPANCY_GRID: Component = Component {
     name: "occupancy_grid",
     folder: "occupancy_grid",
     formula: "where points lie in a cell that is seen, density_out = max(decay density, max of their sigmas), elsewhere density; occupied where density_out > min(threshold, mean of the density_out > 0), all cells with density_out >= 0 where that leaves none",
@@ -49,7 +49,7 @@ pub const OCCUPANCY_GRID: Component = Component {
 };
 
 /// Traversal.
-pub const GRID_TRAVERSAL: Component = Component {
+pub(crate) const GRID_TRAVERSAL: Component = Component {
     name: "grid_traversal",
     folder: "occupancy_grid",
     formula: "lengths = |{t in [near, far]: o + t d in the cell}|, visited = number of cells with a length above 0",

@@ -17,7 +17,7 @@ fn cell(x: [f64; 3], r: usize, m: &Machine) -> usize {
 }
 
 /// Update and queries.
-pub fn update(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn update(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let Update { grid, decay, points, sigmas, queries } = update_of(a);
     let (r, decay, limit) = (grid.resolution, m.round(decay), m.round(grid.threshold));
     let mut found = vec![f64::NEG_INFINITY; grid.density.len()];
@@ -67,7 +67,7 @@ fn threshold(density: &[f64], limit: f64, convention: GridThreshold, m: &Machine
 }
 
 /// From cell to cell (Amanatides and Woo), each face from its coordinate or one step after the last; the ray stays inside of the box.
-pub fn traverse(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn traverse(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     each_ray(a, |o, d, near, far, r| {
         let (near, far, rs) = (m.round(near), m.round(far), r as f64);
         let mut at = [0, 1, 2].map(|a| along(m.add(o[a], m.mul(near, d[a])), r, m));

@@ -8,7 +8,7 @@ use crate::convention::{Conventions, GridDecay, GridThreshold, GridUnseen};
 
 /// Mistakes of update and query.
 #[rustfmt::skip]
-pub const OCCUPANCY_GRID: &[Mistake] = &[
+pub(crate) const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("rise_decays", "decay max(density, sigma)", "what was just seen has faded already", "decay first, then rise", "never; cheap to keep", 0),
     Mistake::new("density_replaced", "cells that are seen take the density found there", "one empty sample clears a cell that holds something", "the maximum of both", "hand-written grids", 1),
     Mistake::new("moving_average", "decay density + (1 - decay) sigma", "thin things fall below the threshold", "the maximum of both", "hand-written grids", 1),
@@ -23,7 +23,7 @@ pub const OCCUPANCY_GRID: &[Mistake] = &[
 
 /// Mistakes of the traversal.
 #[rustfmt::skip]
-pub const GRID_TRAVERSAL: &[Mistake] = &[
+pub(crate) const GRID_TRAVERSAL: &[Mistake] = &[
     Mistake::new("left_at_a_face", "a ray from the box's face, with a component outwards however small, leaves the grid at once", "one cell for 32, holes along the box", "the last cell is closed: stay in it", "nerfacc#265", 1),
     Mistake::new("equal_steps", "a step of half a cell at a time, all of it for the cell it begins in", "lengths are multiples of the step, corners are missed", "from face to face", "ray marchers that count cells", 2),
     Mistake::new("first_cell_missing", "the cell in which the ray begins isn't listed", "nothing is seen right in front of the camera", "list a cell before stepping out of it", "loops that step first", 1),
@@ -41,7 +41,7 @@ fn wrong_cell(grid: &OccupancyGrid, x: [f64; 3], wrong: &[&str]) -> usize {
 }
 
 /// Update and queries.
-pub fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let Update { mut grid, decay, points, sigmas, queries } = update_of(a);
     let is = |name: &str| wrong.contains(&name);
     let before = grid.clone();
@@ -86,7 +86,7 @@ fn wrong_threshold(grid: &OccupancyGrid, convention: GridThreshold, wrong: &[&st
 }
 
 /// Traversal.
-pub fn traverse(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn traverse(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let is = |name: &str| wrong.contains(&name);
     each_ray(a, |o, d, near, far, r| {
         let near = if is("near_ignored") { 0.0 } else { near };

@@ -108,7 +108,7 @@ fn moments(
 }
 
 /// Bound of [`super::adam_step`].
-pub fn adam_step(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn adam_step(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (adam, step) = settings(a);
     let scalars = Scalars::new(&adam, step, m);
     each(a, |before, grad| moments(before, grad, &adam, &scalars, c.adam_eps, m))

@@ -24,7 +24,7 @@ fn with_betas(mut case: Case, beta1: f64, beta2: f64) -> Case {
 }
 
 /// One step of Adam.
-pub fn adam_step() -> Vec<Case> {
+pub(crate) fn adam_step() -> Vec<Case> {
     let running = |stream: u64| {
         let mut draw = Draw::new("adam_step", stream);
         let n = 8;

@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::Special;
 
 /// One step of Adam.
-pub const ADAM_STEP: Component = Component {
+pub(crate) const ADAM_STEP: Component = Component {
     name: "adam_step",
     folder: "optimizer",
     formula: "m' = b1 m + (1 - b1) g, v' = b2 v + (1 - b2) g^2, p' = p - lr m' / (1 - b1^t) / (sqrt(v' / (1 - b2^t)) + eps)",

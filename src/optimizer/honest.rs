@@ -9,7 +9,7 @@ use crate::convention::{AdamEps, Conventions};
 use crate::math::pow;
 
 /// Adam's step, as PyTorch's `lerp` and `addcdiv` compute it, or as written in the paper's algorithm, or in its shorter form.
-pub fn adam_step(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn adam_step(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (adam, step) = settings(a);
     // What is computed from hyper-parameters alone is computed at least in f32.
     let s = Machine { dtype: if m.dtype == Dtype::F64 { Dtype::F64 } else { Dtype::F32 }, ..*m };

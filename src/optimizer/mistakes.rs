@@ -7,7 +7,7 @@ use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Mistakes of the optimizer.
-pub const ADAM_STEP: &[Mistake] = &[
+pub(crate) const ADAM_STEP: &[Mistake] = &[
     Mistake::new(
         "no_bias_correction",
         "m and v are used as they are",
@@ -59,7 +59,7 @@ pub const ADAM_STEP: &[Mistake] = &[
 ];
 
 /// Adam's step.
-pub fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (mut adam, mut step) = settings(a);
     let is = |name: &str| wrong.contains(&name);
     if is("step_from_zero") {

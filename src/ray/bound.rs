@@ -85,7 +85,7 @@ fn textbook(terms: &[Bounded], o: f64, m: &Arithmetic) -> Bounded {
 }
 
 /// Bound of [`super::pixel_to_ray`]. The origin is passed through unchanged.
-pub fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (lens, c2w, uv) = (Axis::of(&values(a, "K")), values(a, "c2w"), twos(a, "uv"));
     let direction =
         |n: usize| RayDirection::new(&lens, &rows34(&c2w, n), uv[n].map(exact), c, m).d.map(|d| d.e);
@@ -97,7 +97,7 @@ pub fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 
 /// Bound of [`super::backward::pixel_to_ray`]. In the textbook form the gradient of the translation also sums the parts through x_w and
 /// -o, which cancel.
-pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (lens, c2w, uv) = (Axis::of(&values(a, "K")), values(a, "c2w"), twos(a, "uv"));
     let (g_o, g_d) = (threes(a, "grad_rays_o"), threes(a, "grad_rays_d"));
     let (mut gather, mut g_c2w, mut g_uv) = (Gather::default(), vec![], vec![]);
@@ -122,7 +122,7 @@ pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of the rays of a picture: focal length and center are rounded to the type, pixel centers are exact.
-pub fn image_rays(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn image_rays(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (height, width, k, _) = picture(a);
     let rows = rows34(&values(a, "c2w"), 0);
     let axis = |f: f64, c: f64| Axis { f: hyper(f, m), c: hyper(c, m) };

@@ -7,7 +7,7 @@ use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
 
 /// The ray through a pixel.
-pub fn pixel_to_ray() -> Vec<Case> {
+pub(crate) fn pixel_to_ray() -> Vec<Case> {
     // Three pixels: the smallest batch on which a norm without its axis goes wrong instead of failing.
     let uv = || array(&[3, 2], vec![17.5, 11.5, 2.5, 20.5, 33.5, 5.5]);
     let mut cases: Vec<Case> = poses()
@@ -37,7 +37,7 @@ pub fn pixel_to_ray() -> Vec<Case> {
 }
 
 /// The rays of a picture.
-pub fn image_rays() -> Vec<Case> {
+pub(crate) fn image_rays() -> Vec<Case> {
     let case = |id: &str, comment, [height, width]: [f64; 2], [focal, cx, cy]: [f64; 3], pose: &[f64; 16]| {
         let inputs = vec![
             ("height", scalar(height)),

@@ -6,7 +6,7 @@ use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::{Form, Special};
 
 /// The ray through a pixel.
-pub const PIXEL_TO_RAY: Component = Component {
+pub(crate) const PIXEL_TO_RAY: Component = Component {
     name: "pixel_to_ray",
     folder: "ray",
     formula: "o = translation of c2w, d = R K^-1 (u, v, 1) / |R K^-1 (u, v, 1)|",
@@ -51,7 +51,7 @@ pub(crate) const PICTURE_FORMS: &[Form] = &[
 ];
 
 /// The rays of a whole picture.
-pub const IMAGE_RAYS: Component = Component {
+pub(crate) const IMAGE_RAYS: Component = Component {
     name: "image_rays",
     folder: "ray",
     formula: "pixel_to_ray at uv[j, i] = (i + 0.5, j + 0.5), with fx = fy = focal",

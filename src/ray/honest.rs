@@ -64,7 +64,7 @@ fn multiplied_first(
 }
 
 /// Pixel to ray.
-pub fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (k, c2w, uv) = (intrinsics(&values(a, "K")), values(a, "c2w"), twos(a, "uv"));
     let origin = |n: usize| rows34(&c2w, n).map(|row| row[3]);
     let rays_d = (0..uv.len()).flat_map(|n| direction(&k, &rows34(&c2w, n), uv[n], c, m).d).collect();
@@ -98,7 +98,7 @@ fn gradient(ray: &RayDirection, g: [f64; 3], c: &Conventions, m: &Machine) -> [f
 }
 
 /// Gradient of pixel to ray.
-pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (k, c2w, uv) = (intrinsics(&values(a, "K")), values(a, "c2w"), twos(a, "uv"));
     let (g_o, g_d) = (threes(a, "grad_rays_o"), threes(a, "grad_rays_d"));
     let (mut gather, mut g_c2w, mut g_u, mut g_v) = (Gather::default(), vec![], vec![], vec![]);
@@ -127,7 +127,7 @@ pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// The rays of a picture.
-pub fn image_rays(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn image_rays(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (height, width, k, _) = picture(a);
     let k = Intrinsics { fx: m.round(k.fx), fy: m.round(k.fy), cx: m.round(k.cx), cy: m.round(k.cy) };
     let rows = rows34(&values(a, "c2w"), 0);

@@ -58,7 +58,7 @@ const NORM_OF_ALL: Mistake = Mistake::new(
 );
 
 /// Mistakes of the ray through a pixel.
-pub const PIXEL_TO_RAY: &[Mistake] = &[
+pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
     mistakes::NO_HALF,
     mistakes::MINUS_HALF,
     mistakes::ROW_COLUMN,
@@ -94,7 +94,7 @@ pub const PIXEL_TO_RAY: &[Mistake] = &[
 ];
 
 /// Mistakes of the rays of a picture.
-pub const IMAGE_RAYS: &[Mistake] = &[
+pub(crate) const IMAGE_RAYS: &[Mistake] = &[
     mistakes::NO_HALF,
     mistakes::MINUS_HALF,
     mistakes::ROW_COLUMN,
@@ -174,7 +174,7 @@ fn normalize(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
 }
 
 /// Pixel to ray.
-pub fn pixel_to_ray(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn pixel_to_ray(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (k, c2w) = (intrinsics(&values(a, "K")), values(a, "c2w"));
     let ray = |(m, uv): (usize, [f64; 2])| wrong_ray(&k, &pose(&c2w, m), DVec2::from(uv), c, wrong);
     let mut rays: Vec<Ray> = twos(a, "uv").into_iter().enumerate().map(ray).collect();
@@ -183,12 +183,12 @@ pub fn pixel_to_ray(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Its gradient: no mistakes of its own.
-pub fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
+pub(crate) fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
     arrays::pixel_to_ray_vjp(a, c)
 }
 
 /// The rays of a picture. A grid whose rows and columns are exchanged shows it in uv.
-pub fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (height, width, k, c2w) = picture(a);
     let mut uv = positions(a, c);
     let (mut rows, mut columns) = (height, width);

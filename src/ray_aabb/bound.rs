@@ -79,7 +79,7 @@ fn decided(ends: &Option<[End; 2]>) -> Option<bool> {
 }
 
 /// Bound of [`super::between`].
-pub fn ray_aabb(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn ray_aabb(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     forward(a, |q| {
         let ends = ends(q, m);
         let (Some(hit), Some([enter, leave])) = (decided(&ends), &ends) else {
@@ -99,7 +99,7 @@ pub fn ray_aabb(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::backward::between`]: infinite where two axes, or an axis and near or far, may determine an end.
-pub fn ray_aabb_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn ray_aabb_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, |q, g| {
         let ends = ends(q, m);
         if decided(&ends) == Some(false) {

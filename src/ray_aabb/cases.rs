@@ -39,7 +39,7 @@ fn toward(draw: &mut Draw, [low, high]: [[f64; 3]; 2], scale: f64) -> [f64; 6] {
 }
 
 /// Where rays enter and leave a box.
-pub fn ray_aabb() -> Vec<Case> {
+pub(crate) fn ray_aabb() -> Vec<Case> {
     let mut draw = Draw::new("ray_aabb", 0);
     let uneven = [[-1.0, -2.0, 0.5], [1.0, 0.5, 3.0]];
     let unit = [[0.0; 3], [1.0; 3]];

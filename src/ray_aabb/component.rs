@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::Special;
 
 /// Where rays enter and leave a box.
-pub const RAY_AABB: Component = Component {
+pub(crate) const RAY_AABB: Component = Component {
     name: "ray_aabb",
     folder: "ray_aabb",
     formula: "t_near = max(near, max_a min(t_a)), t_far = min(far, min_a max(t_a)) with t_a = (low_a - o_a) / d_a, (high_a - o_a) / d_a; hit = t_near <= t_far",

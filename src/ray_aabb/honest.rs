@@ -35,13 +35,13 @@ fn stretch(q: &RayAndBox, m: &Machine) -> Option<(Hit, [usize; 2])> {
 }
 
 /// Where rays enter and leave a box. The t of a miss are arbitrary.
-pub fn ray_aabb(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn ray_aabb(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let miss = [arrays::rays_and_boxes(a)[0].far, 0.0, f64::INFINITY][(m.form % 3) as usize];
     forward(a, |q| outputs(stretch(q, m).map(|(hit, _)| hit), miss))
 }
 
 /// Their gradient.
-pub fn ray_aabb_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn ray_aabb_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     vjp(a, |q, g| {
         let mut terms: [[Vec<f64>; 3]; 2] = Default::default();
         if let Some((hit, axes)) = stretch(q, m) {

@@ -7,7 +7,7 @@ use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Mistakes of rays and boxes.
-pub const RAY_AABB: &[Mistake] = &[
+pub(crate) const RAY_AABB: &[Mistake] = &[
     Mistake::new(
         "eps_in_direction",
         "1 / (d + 1e-6) for 1 / d",
@@ -147,7 +147,7 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
 }
 
 /// Where rays enter and leave a box.
-pub fn ray_aabb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn ray_aabb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let length = |q: &RayAndBox| match q.d.iter().map(|d| d * d).sum::<f64>() {
         0.0 => 1.0,
         square => square.sqrt(),
@@ -166,7 +166,7 @@ pub fn ray_aabb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Their gradient.
-pub fn ray_aabb_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn ray_aabb_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     vjp(a, |q, g| {
         let hit = between(q.o, q.d, q.low, q.high, q.near, q.far).is_some();
         let (o, mut d) = match hit && wrong.contains(&"gradient_where_cut") {

@@ -78,7 +78,7 @@ impl<'a> Interval<'a> {
 }
 
 /// Bound of positions and points.
-pub fn sample_along_rays(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn sample_along_rays(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let interval = Interval::new(a, m);
     let (rays, samples) = size(a, "u");
     let (o, d) = (threes(a, "rays_o"), threes(a, "rays_d"));
@@ -94,7 +94,7 @@ pub fn sample_along_rays(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
 }
 
 /// Bound of [`super::step_sizes`]: the mean of the differences is their sum over n - 1, or the last t minus the first.
-pub fn step_sizes(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn step_sizes(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let interval = Interval::new(a, m);
     let (rays, samples) = size(a, "t");
     let width = interval.width(samples as f64);

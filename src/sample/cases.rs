@@ -6,7 +6,7 @@ use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
 
 /// Positions and points.
-pub fn sample_along_rays() -> Vec<Case> {
+pub(crate) fn sample_along_rays() -> Vec<Case> {
     let case = |id: &str, comment, [near, far]: [f64; 2], u: ArrayD<f64>, size: f64| {
         let mut draw = Draw::new("sample_along_rays", id.len() as u64);
         let rays = u.shape()[0];
@@ -48,7 +48,7 @@ pub fn sample_along_rays() -> Vec<Case> {
 }
 
 /// Step lengths.
-pub fn step_sizes() -> Vec<Case> {
+pub(crate) fn step_sizes() -> Vec<Case> {
     let case = |id: &str, comment, [near, far]: [f64; 2], t: ArrayD<f64>| {
         Case::new(id, comment, vec![("t", t), ("near", scalar(near)), ("far", scalar(far))])
     };

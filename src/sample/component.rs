@@ -8,7 +8,7 @@ const NEAR: Port = Port::plain("near", "", "where rays begin");
 const FAR: Port = Port::plain("far", "", "where rays end");
 
 /// Positions and points.
-pub const SAMPLE_ALONG_RAYS: Component = Component {
+pub(crate) const SAMPLE_ALONG_RAYS: Component = Component {
     name: "sample_along_rays",
     folder: "sample",
     formula: "D = (far - near) / N, t_i = near + (i + u_i) D, points = o + t d",
@@ -35,7 +35,7 @@ pub const SAMPLE_ALONG_RAYS: Component = Component {
 };
 
 /// Step lengths.
-pub const STEP_SIZES: Component = Component {
+pub(crate) const STEP_SIZES: Component = Component {
     name: "step_sizes",
     folder: "sample",
     formula: "delta = (far - near) / N; by convention t_{i+1} - t_i, with a stated last one",

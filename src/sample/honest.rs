@@ -69,7 +69,7 @@ fn sample(near: f64, far: f64, i: usize, n: usize, u: f64, grid: Grid, m: &Machi
 }
 
 /// Positions and points, o + t d fused or not.
-pub fn sample_along_rays(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn sample_along_rays(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (near, far) = (m.round(number(a, "near")), m.round(number(a, "far")));
     let (rays, samples) = size(a, "u");
     let (o, d) = (threes(a, "rays_o"), threes(a, "rays_d"));
@@ -88,7 +88,7 @@ pub fn sample_along_rays(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Step lengths.
-pub fn step_sizes(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn step_sizes(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (near, far) = (m.round(number(a, "near")), m.round(number(a, "far")));
     let (rays, samples) = size(a, "t");
     let width = width(near, far, samples as f64, m);

@@ -20,7 +20,7 @@ const fn fixed(name: &'static str, cause: &'static str) -> Mistake {
 }
 
 /// Mistakes of positions and points.
-pub const SAMPLE_ALONG_RAYS: &[Mistake] = &[
+pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
     Mistake::new(
         "one_jitter_for_all_rays",
         "noise of shape (N,), broadcast over the rays",
@@ -133,7 +133,7 @@ pub(crate) const FIRST_RAY_DELTAS: Mistake = Mistake::new(
 );
 
 /// Mistakes of step lengths.
-pub const STEP_SIZES: &[Mistake] = &[
+pub(crate) const STEP_SIZES: &[Mistake] = &[
     DELTA_MISSING,
     DELTA_UNIT_INTERVAL,
     DELTA_OVER_N_MINUS_1,
@@ -177,7 +177,7 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
 }
 
 /// Positions and points.
-pub fn sample_along_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn sample_along_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (rays, samples) = size(a, "u");
     let t: Vec<_> = (0..rays).map(|r| wrong_positions(a, r, c, wrong)).collect();
     let mut a = a.clone();
@@ -221,7 +221,7 @@ fn wrong_steps(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64
 }
 
 /// Step lengths.
-pub fn step_sizes(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn step_sizes(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (rays, samples) = size(a, "t");
     let deltas = (0..rays).flat_map(|r| wrong_steps(a, r, c, wrong)).collect();
     arrays([("deltas", array(&[rays, samples], deltas))])

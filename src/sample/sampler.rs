@@ -22,7 +22,7 @@ const RAYS: usize = 4096;
 const SAMPLES: usize = 16;
 
 /// Random rays: four calls, two in training and two at rest, judged together.
-pub const SAMPLER: Component = Component {
+pub(crate) const SAMPLER: Component = Component {
     name: "sample_random_rays",
     folder: "sample",
     formula: "image, row and column uniform over all pixels; t_i by its grid, u_i uniform in training, at rest in evaluation",

@@ -14,7 +14,7 @@ use crate::convention::{Conventions, PixelCenter};
 mod tests;
 
 /// The probability that one test rejects a right sampler.
-pub const FALSE_ALARM: f64 = 1e-8;
+pub(crate) const FALSE_ALARM: f64 = 1e-8;
 
 /// How far u may be off because t was rounded (f32 at t = 6 and D = 1/16 rounds u to 1e-5).
 const ROUNDING: f64 = 1e-3;
@@ -24,7 +24,7 @@ const MOST_IMAGES: usize = 64;
 
 /// The draws of one call.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Call {
+pub(crate) struct Call {
     /// The image of each ray, (R).
     pub image_ids: Vec<f64>,
     /// Pixel positions, (R).
@@ -59,7 +59,7 @@ fn count_slack(n: usize, p: f64, bins: usize) -> f64 {
 ///
 /// # Shapes
 /// `images` (I, H, W, 3). At least 4,096 rays a call, so that each listed mistake is missed with a probability below 1e-6.
-pub fn findings(
+pub(crate) fn findings(
     images: ArrayView4<f64>,
     training: &[Call; 2],
     rest: &[Call; 2],
@@ -73,7 +73,12 @@ pub fn findings(
 }
 
 /// Image ids, pixels and colors: support, uniformity, and that the second call draws anew.
-pub fn rays(images: ArrayView4<f64>, calls: &[Call; 2], rest: &[Call; 2], c: &Conventions) -> Vec<Finding> {
+pub(crate) fn rays(
+    images: ArrayView4<f64>,
+    calls: &[Call; 2],
+    rest: &[Call; 2],
+    c: &Conventions,
+) -> Vec<Finding> {
     let (count, height, width, _) = images.dim();
     let shift = if c.pixel_center == PixelCenter::Half { 0.5 } else { 0.0 };
     let both = || calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv).zip(&call.rgbs));
@@ -146,7 +151,7 @@ fn numbers(call: &Call, [near, far]: [f64; 2], c: &Conventions) -> Vec<Vec<f64>>
 }
 
 /// The jitter of two training calls: independent from ray to ray, sample to sample and call to call, uniform over the interval.
-pub fn jitter(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<Finding> {
+pub(crate) fn jitter(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<Finding> {
     let u = numbers(&calls[0], [near, far], c);
     let (Some(first), n) = (u.first(), u.first().map_or(0, Vec::len)) else { return vec![] };
     if n == 0 {
@@ -227,7 +232,7 @@ fn law(mut sorted: Vec<f64>, width: f64) -> Option<Finding> {
 }
 
 /// Two calls with training off: the same positions for every ray in both, where the convention has them.
-pub fn at_rest(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<Finding> {
+pub(crate) fn at_rest(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<Finding> {
     let Some(first) = calls[0].t.first() else { return vec![] };
     if calls.iter().flat_map(|call| &call.t).any(|t| t != first) {
         return vec![finding("jitter_at_evaluation", "two renders of the same view differ".into())];

@@ -24,7 +24,7 @@ fn error(size: f64, roundings: f64, terms: f64, m: &Arithmetic) -> f64 {
 }
 
 /// Bound of [`super::harmonics`].
-pub fn harmonics(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn harmonics(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     forward(a, |d| {
         let (u, _) = normalized(d, c.harmonic_form);
         let one = |n| {
@@ -63,7 +63,7 @@ fn slope(d: [f64; 3], g: &[f64], axis: usize, c: &Conventions) -> (f64, f64) {
 
 /// Bound of [`super::backward::harmonics`]: the terms of all harmonics are added in one sum, in any order, rounded term by term. Where d
 /// is normalized, the part along d is taken off: the sizes of all three axes count, times 2, and a few roundings more.
-pub fn harmonics_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn harmonics_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, |d, g| {
         let (u, length) = normalized(d, c.harmonic_form);
         let axes = [0, 1, 2].map(|axis| slope(u, g, axis, c));

@@ -4,7 +4,7 @@ use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
 
 /// Spherical harmonics.
-pub fn spherical_harmonics() -> Vec<Case> {
+pub(crate) fn spherical_harmonics() -> Vec<Case> {
     let case = |id, comment, degree: f64, d: Vec<f64>| {
         Case::new(id, comment, vec![("d", array(&[d.len() / 3, 3], d)), ("degree", scalar(degree))])
     };

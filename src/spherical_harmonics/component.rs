@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::Special;
 
 /// Spherical harmonics of directions.
-pub const SPHERICAL_HARMONICS: Component = Component {
+pub(crate) const SPHERICAL_HARMONICS: Component = Component {
     name: "spherical_harmonics",
     folder: "spherical_harmonics",
     formula: "Y_l^m(d) for l = 0, ..., degree and m = -l, ..., l, real, orthonormal, sign (-1)^m (none by convention)",

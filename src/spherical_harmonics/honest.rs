@@ -31,7 +31,7 @@ fn unit(d: [f64; 3], c: &Conventions, m: &Machine) -> ([f64; 3], f64) {
 }
 
 /// Spherical harmonics.
-pub fn harmonics(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn harmonics(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     forward(a, |d| {
         let (d, _) = unit(d, c, m);
         let one = |n| {
@@ -44,7 +44,7 @@ pub fn harmonics(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Their gradient.
-pub fn harmonics_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn harmonics_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     vjp(a, |d, g| {
         let (u, length) = unit(d, c, m);
         let g_u: [f64; 3] = std::array::from_fn(|axis| {

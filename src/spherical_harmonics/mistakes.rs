@@ -7,7 +7,7 @@ use crate::contract::component::Mistake;
 use crate::convention::{Conventions, HarmonicSign};
 
 /// Mistakes of the spherical harmonics.
-pub const SPHERICAL_HARMONICS: &[Mistake] = &[
+pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
     Mistake::new(
         "directions_in_unit_cube",
         "(d + 1) / 2 is handed to polynomials that want d in [-1, 1]",
@@ -52,7 +52,7 @@ pub const SPHERICAL_HARMONICS: &[Mistake] = &[
 ];
 
 /// Spherical harmonics.
-pub fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     forward(a, |mut d| {
         if wrong.contains(&"directions_in_unit_cube") {
             d = d.map(|x| 0.5 * (x + 1.0));
@@ -74,7 +74,7 @@ pub fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Their gradient.
-pub fn harmonics_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn harmonics_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (form, sign) = (c.harmonic_form, c.harmonic_sign);
     if !wrong.contains(&"power_rule_forgotten") {
         return vjp(a, |d, g| backward::harmonics(d, degree(a), form, sign, g));

@@ -55,12 +55,12 @@ fn either(x: f64, straight: Bounded, curved: impl Fn() -> Bounded, m: &Arithmeti
 }
 
 /// Bound of [`super::linear_to_srgb`].
-pub fn linear_to_srgb(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn linear_to_srgb(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     forward(a, |x| either(x, m.mul(constant(12.92, m), exact(x)), || curved(x, m), m))
 }
 
 /// Bound of [`super::backward::linear_to_srgb`].
-pub fn linear_to_srgb_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn linear_to_srgb_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, |x, g| {
         let times_g = |slope| m.mul(exact(g), slope);
         either(x, times_g(constant(12.92, m)), || times_g(slope_of_curved(x, m)), m)

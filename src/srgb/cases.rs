@@ -6,7 +6,7 @@ use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full};
 
 /// Linear light to sRGB.
-pub fn linear_to_srgb() -> Vec<Case> {
+pub(crate) fn linear_to_srgb() -> Vec<Case> {
     let case = |id, comment, x: Vec<f64>| Case::new(id, comment, vec![("linear", array(&[x.len()], x))]);
     let seeded = |stream, low: f64, high: f64| {
         let mut draw = Draw::new("linear_to_srgb", stream);

@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
 /// Linear light to the values of picture files.
-pub const LINEAR_TO_SRGB: Component = Component {
+pub(crate) const LINEAR_TO_SRGB: Component = Component {
     name: "linear_to_srgb",
     folder: "srgb",
     formula: "srgb = 12.92 x for x <= 0.0031308, else 1.055 x^(1/2.4) - 0.055; x >= 0, not clamped above 1",

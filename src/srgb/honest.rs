@@ -49,11 +49,11 @@ fn slope_of_curved(x: f64, m: &Machine) -> f64 {
 }
 
 /// The curve.
-pub fn linear_to_srgb(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn linear_to_srgb(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     forward(a, |x| if straight(x, m) { m.mul(m.round(12.92), x) } else { curved(x, m) })
 }
 
 /// Its gradient.
-pub fn linear_to_srgb_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn linear_to_srgb_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     vjp(a, |x, g| m.mul(g, if straight(x, m) { m.round(12.92) } else { slope_of_curved(x, m) }))
 }

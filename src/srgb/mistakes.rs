@@ -11,7 +11,7 @@ use crate::math::pow;
 const THRESHOLD_BACK: f64 = 0.04045;
 
 /// Mistakes of the sRGB curve.
-pub const LINEAR_TO_SRGB: &[Mistake] = &[
+pub(crate) const LINEAR_TO_SRGB: &[Mistake] = &[
     Mistake::new(
         "gamma_2_2",
         "x^(1/2.2)",
@@ -169,7 +169,7 @@ fn curved(x: f64, wrong: &[&str]) -> f64 {
 }
 
 /// The curve.
-pub fn linear_to_srgb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn linear_to_srgb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let has = |name: &str| wrong.contains(&name);
     forward(a, |x| {
         let x = if has("clamped") { x.clamp(0.0, 1.0) } else { x };
@@ -188,7 +188,7 @@ pub fn linear_to_srgb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Its gradient.
-pub fn linear_to_srgb_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn linear_to_srgb_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     vjp(a, |x, g| match wrong.first() {
         Some(&"gradient_clamped") if x > 1.0 => 0.0,
         Some(&"not_a_number_at_black") if x == 0.0 => f64::NAN,

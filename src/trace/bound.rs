@@ -10,7 +10,7 @@ use crate::convention::{Conventions, Delta};
 use crate::volume_rendering::bound::Ray;
 
 /// Bound of [`super::trace_pixel`].
-pub fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let [h, w, n] = size(a);
     let truth = chain(a, c, |component, a| (component.forward.oracle)(a, c), plainly);
     // Component by component, at the true arrays; the bounds of rays_o, rays_d, uv and t are final.

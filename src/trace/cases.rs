@@ -9,7 +9,7 @@ const SIZE: [usize; 3] = [3, 4, 6];
 const PORTRAIT: [usize; 3] = [5, 3, 4];
 
 /// The trace of a picture.
-pub fn render_trace() -> Vec<Case> {
+pub(crate) fn render_trace() -> Vec<Case> {
     let cases = vec![
         traced("at_rest", "evaluation: u = 1/2 everywhere", SIZE, Some(0.5), 0),
         traced("left_edges", "u = 0 everywhere: the grid itself", SIZE, Some(0.0), 1),

@@ -16,7 +16,7 @@ const READS: &[(&str, &[&str])] = &[
 ];
 
 /// The whole way from the pixel to its color.
-pub const RENDER_TRACE: Component = Component {
+pub(crate) const RENDER_TRACE: Component = Component {
     name: "render_trace",
     folder: "trace",
     formula: "image_rays, sample_along_rays, step_sizes, volume_render and composite_background one after the other",

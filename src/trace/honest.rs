@@ -6,7 +6,7 @@ use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
 /// Traces all pixels, from position to color.
-pub fn render_trace(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn render_trace(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let stretch = |delta, d: [f64; 3]| m.mul(delta, m.sqrt(m.dot(&d, &d)));
     chain(a, c, |component, a| (component.forward.honest)(a, c, m), stretch)
 }

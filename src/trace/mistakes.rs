@@ -55,7 +55,7 @@ const ELSEWHERE: &[&str] = &[
 ];
 
 /// Mistakes of the caller, and those of every component: the first component that has a name owns it.
-pub const RENDER_TRACE: &[Mistake] = &gathered::<{ count() }>();
+pub(crate) const RENDER_TRACE: &[Mistake] = &gathered::<{ count() }>();
 
 /// Whether mistake n of row r belongs to the trace.
 const fn belongs(r: usize, n: usize) -> bool {
@@ -128,7 +128,7 @@ const fn gathered<const N: usize>() -> [Mistake; N] {
 }
 
 /// The trace with mistakes of the caller or of any of its components.
-pub fn render_trace(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn render_trace(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"jitter_ignored") {
         a.get_mut("u").expect("checked").fill(0.5);

@@ -16,7 +16,7 @@ fn shifted(x: f64, c: &Conventions, m: &Arithmetic) -> Bounded {
 }
 
 /// Bound of [`super::density`]: every type holds the limits, so that clamping costs nothing and moves no two numbers apart.
-pub fn trunc_exp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn trunc_exp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     forward(a, |x| {
         let x = shifted(x, c, m);
         let clamped = Bounded { y: x.y.clamp(-LIMIT, LIMIT), ..x };
@@ -25,7 +25,7 @@ pub fn trunc_exp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::backward::trunc_exp`].
-pub fn trunc_exp_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn trunc_exp_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, |x, g| {
         let x = shifted(x, c, m);
         m.mul(exact(g), m.exp(Bounded { y: held(x.y, c.exponent_gradient), ..x })).e

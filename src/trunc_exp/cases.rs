@@ -4,7 +4,7 @@ use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full};
 
 /// Truncated exponential.
-pub fn trunc_exp() -> Vec<Case> {
+pub(crate) fn trunc_exp() -> Vec<Case> {
     let case = |id, comment, x: Vec<f64>| Case::new(id, comment, vec![("x", array(&[x.len()], x))]);
     let seeded = |stream, low: f64, high: f64| {
         let mut draw = Draw::new("trunc_exp", stream);

@@ -5,7 +5,7 @@ use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
 /// Density from a network's last number, with a surrogate gradient.
-pub const TRUNC_EXP: Component = Component {
+pub(crate) const TRUNC_EXP: Component = Component {
     name: "trunc_exp",
     folder: "trunc_exp",
     formula: "sigma = e^x, or e^clamp(x, -15, 15) by convention; the gradient is stated, not derived: grad_x = grad_sigma e^clamp(x, -15, 15), by convention e^min(x, 15)",

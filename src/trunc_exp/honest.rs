@@ -12,7 +12,7 @@ fn shifted(x: f64, c: &Conventions, m: &Machine) -> f64 {
 }
 
 /// e^x, or e^clamp(x, -15, 15).
-pub fn trunc_exp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn trunc_exp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     forward(a, |x| {
         let x = shifted(x, c, m);
         m.exp(if c.exponent == Exponent::Clamped { x.clamp(-LIMIT, LIMIT) } else { x })
@@ -20,7 +20,7 @@ pub fn trunc_exp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Its surrogate gradient; in odd forms from the density that the forward pass has stored.
-pub fn trunc_exp_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn trunc_exp_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     vjp(a, |x, g| {
         let x = shifted(x, c, m);
         let stored = m.form % 2 == 1 && c.exponent_gradient == ExponentGradient::BothEnds;

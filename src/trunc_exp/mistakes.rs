@@ -8,7 +8,7 @@ use crate::convention::Conventions;
 use crate::math::{exp, ln_1p, pow};
 
 /// Mistakes of the truncated exponential.
-pub const TRUNC_EXP: &[Mistake] = &[
+pub(crate) const TRUNC_EXP: &[Mistake] = &[
     Mistake::new(
         "softplus",
         "ln(1 + e^x)",
@@ -55,7 +55,7 @@ pub const TRUNC_EXP: &[Mistake] = &[
 ];
 
 /// e^x.
-pub fn trunc_exp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn trunc_exp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     forward(a, |x| {
         if wrong.contains(&"softplus") {
             let x = argument(x, c.exponent, c.exponent_shift);
@@ -69,7 +69,7 @@ pub fn trunc_exp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Its surrogate gradient.
-pub fn trunc_exp_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn trunc_exp_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     vjp(a, |x, g| {
         let shifted = shifted(x, c.exponent_shift);
         match wrong.first() {

@@ -153,20 +153,20 @@ fn forward(rays: &[Ray], eps: ProductEps, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::volume_render`].
-pub fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, _) = size(a, "sigmas");
     forward(&(0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m)).collect::<Vec<_>>(), c.product_eps, m)
 }
 
 /// Bound of [`super::volume_render_alpha`].
-pub fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let a = &counted(a, c);
     let (rays, _) = size(a, "alphas");
     forward(&(0..rays).map(|r| Ray::from_alphas(a, r, c, m)).collect::<Vec<_>>(), c.product_eps, m)
 }
 
 /// Bound of [`super::backward::volume_render`].
-pub fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, samples) = size(a, "sigmas");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
     for r in 0..rays {
@@ -184,7 +184,7 @@ pub fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
 }
 
 /// Bound of [`super::backward::volume_render_alpha`].
-pub fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let a = &counted(given, c);
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
@@ -202,7 +202,7 @@ pub fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Arithmetic) 
 }
 
 /// Bound of [`super::composite_background`]: C + (1 - A) b, or C + b - A b.
-pub fn composite_background(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn composite_background(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let (opacity, b) = (values(a, "opacity"), rgb(&values(a, "background")));
     let mut errors = vec![];
     for (r, &opacity) in opacity.iter().enumerate() {
@@ -218,7 +218,7 @@ pub fn composite_background(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arra
 }
 
 /// Bound of [`super::backward::composite_background`].
-pub fn composite_background_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn composite_background_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let (opacity, b) = (values(a, "opacity"), rgb(&values(a, "background")));
     let b: Vec<Bounded> = b.into_iter().map(exact).collect();
     let mut g_opacity = vec![];
@@ -259,7 +259,7 @@ fn beside(opacity: Bounded, powers: f64, c: &Conventions) -> f64 {
 }
 
 /// Bound of [`super::depth`]: the quotient of two sums, or the sum of normalized weights times t.
-pub fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, samples) = size(a, "weights");
     let error = |r: usize| {
         let (weighted, opacity, z) = divided(a, r, m);
@@ -277,7 +277,7 @@ pub fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::backward::depth`]: g (t - z) / A, or g t / A - g (w . t) / A^2.
-pub fn depth_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, samples) = size(a, "weights");
     let (mut g_weights, mut g_t) = (vec![], vec![]);
     for (r, g) in values(a, "grad_depth").into_iter().enumerate() {

@@ -42,7 +42,7 @@ fn one_hot(samples: usize) -> ArrayD<f64> {
 }
 
 /// From densities.
-pub fn volume_render() -> Vec<Case> {
+pub(crate) fn volume_render() -> Vec<Case> {
     let one_ray = |id, comment, sigmas: Vec<f64>, rgbs, deltas: Vec<f64>| {
         let n = sigmas.len();
         let inputs =
@@ -171,7 +171,7 @@ pub fn volume_render() -> Vec<Case> {
 }
 
 /// From opacities.
-pub fn volume_render_alpha() -> Vec<Case> {
+pub(crate) fn volume_render_alpha() -> Vec<Case> {
     let one_ray = |id, comment, alphas: Vec<f64>, rgbs| {
         let n = alphas.len();
         Case::new(id, comment, vec![("alphas", array(&[1, n], alphas)), ("rgbs", rgbs)])
@@ -217,7 +217,7 @@ pub fn volume_render_alpha() -> Vec<Case> {
 }
 
 /// Background.
-pub fn composite_background() -> Vec<Case> {
+pub(crate) fn composite_background() -> Vec<Case> {
     let mut draw = Draw::new("composite_background", 0);
     let three = vec![
         ("colors", array(&[3, 3], vec![0.0, 0.0, 0.0, 0.25, 0.125, 0.5, 0.75, 0.5, 1.0])),
@@ -237,7 +237,7 @@ pub fn composite_background() -> Vec<Case> {
 }
 
 /// Expected distance.
-pub fn depth() -> Vec<Case> {
+pub(crate) fn depth() -> Vec<Case> {
     let mut draw = Draw::new("depth", 0);
     let t = |rays: usize| {
         let row = (0..8).map(|i| 2.25 + 0.5 * f64::from(i));

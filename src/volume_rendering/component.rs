@@ -30,7 +30,7 @@ const OPACITY: Port = Port::smooth("opacity", "R", "sum of w");
 const TRANSMITTANCE: Port = Port::smooth("transmittance", "R", "T behind the last sample");
 
 /// Rendering from densities.
-pub const VOLUME_RENDER: Component = Component {
+pub(crate) const VOLUME_RENDER: Component = Component {
     name: "volume_render",
     folder: "volume_rendering",
     formula: "alpha_i = 1 - exp(-sigma_i delta_i), T_i = exp(-sum_{j<i} sigma_j delta_j), w_i = T_i alpha_i, C = sum w_i c_i",
@@ -56,7 +56,7 @@ pub const VOLUME_RENDER: Component = Component {
 };
 
 /// Rendering from opacities.
-pub const VOLUME_RENDER_ALPHA: Component = Component {
+pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     name: "volume_render_alpha",
     folder: "volume_rendering",
     formula: "T_i = prod_{j<i} (1 - alpha_j), w_i = T_i alpha_i, C = sum w_i c_i",
@@ -82,7 +82,7 @@ pub const VOLUME_RENDER_ALPHA: Component = Component {
 };
 
 /// Light from behind.
-pub const COMPOSITE_BACKGROUND: Component = Component {
+pub(crate) const COMPOSITE_BACKGROUND: Component = Component {
     name: "composite_background",
     folder: "volume_rendering",
     formula: "C' = C + (1 - A) b",
@@ -112,7 +112,7 @@ pub const COMPOSITE_BACKGROUND: Component = Component {
 };
 
 /// Expected distance.
-pub const DEPTH: Component = Component {
+pub(crate) const DEPTH: Component = Component {
     name: "depth",
     folder: "volume_rendering",
     formula: "z = sum w_i t_i / sum w_i, far where the ray meets nothing (by convention 0, the first t or the last)",

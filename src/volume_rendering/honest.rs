@@ -61,13 +61,13 @@ fn render_ray_alpha(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rende
 }
 
 /// Rendering from densities.
-pub fn volume_render(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, samples) = size(a, "sigmas");
     renderings(samples, &(0..rays).map(|r| render_ray(a, r, c, m)).collect::<Vec<_>>())
 }
 
 /// Rendering from opacities.
-pub fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let a = &counted(a, c);
     let (rays, samples) = size(a, "alphas");
     renderings(samples, &(0..rays).map(|r| render_ray_alpha(a, r, c, m)).collect::<Vec<_>>())
@@ -107,7 +107,7 @@ fn gradients(
 }
 
 /// Gradient of rendering from densities.
-pub fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, samples) = size(a, "sigmas");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
     for r in 0..rays {
@@ -127,7 +127,7 @@ pub fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Gradient of rendering from opacities.
-pub fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let a = &counted(given, c);
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
@@ -146,7 +146,7 @@ pub fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Machine) -> 
 }
 
 /// C + (1 - A) b, or C + b - A b.
-pub fn composite_background(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn composite_background(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let (opacity, b) = (values(a, "opacity"), rgb(&values(a, "background")));
     let mut out = vec![];
     for (r, &opacity) in opacity.iter().enumerate() {
@@ -162,7 +162,7 @@ pub fn composite_background(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays 
 }
 
 /// Gradient of the background.
-pub fn composite_background_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn composite_background_vjp(a: &Arrays, _: &Conventions, m: &Machine) -> Arrays {
     let (opacity, b) = (values(a, "opacity"), rgb(&values(a, "background")));
     let rays = opacity.len();
     let g: Vec<[f64; 3]> = (0..rays).map(|r| rows3(a, "grad_colors_out", r)[0]).collect();
@@ -188,7 +188,7 @@ fn beside(opacity: f64, c: &Conventions, m: &Machine) -> f64 {
 }
 
 /// Sum of w t over sum of w, or the sum of normalized weights times t.
-pub fn depth(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn depth(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, _) = size(a, "weights");
     let ray = |r: usize| {
         let (w, t) = (row(a, "weights", r), row(a, "t", r));
@@ -209,7 +209,7 @@ pub fn depth(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 }
 
 /// Gradient of the expected distance.
-pub fn depth_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
+pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, samples) = size(a, "weights");
     let (mut g_weights, mut g_t) = (vec![], vec![]);
     for (r, g) in values(a, "grad_depth").into_iter().enumerate() {

@@ -11,13 +11,13 @@ use crate::math::exp;
 
 mod catalogue;
 
-pub use catalogue::{COMPOSITE_BACKGROUND, DEPTH, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
+pub(crate) use catalogue::{COMPOSITE_BACKGROUND, DEPTH, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
-pub const ALPHA_ERROR: &str = "alpha_error";
+pub(crate) const ALPHA_ERROR: &str = "alpha_error";
 
 /// The textbook's opacity is off by a rounding of 1 however small it is, which wrong code may magnify (C / A on a thin ray).
-pub fn rounds_alpha(a: &mut Arrays, relative: f64, draw: &mut Draw) {
+pub(crate) fn rounds_alpha(a: &mut Arrays, relative: f64, draw: &mut Draw) {
     let rounding = 0.25 * relative;
     let error = input(a, "sigmas").mapv(|_| if draw.below(2) == 0 { rounding } else { -rounding });
     a.insert(ALPHA_ERROR.into(), error);
@@ -133,7 +133,7 @@ fn render_all(
 }
 
 /// Rendering from densities.
-pub fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (count, samples) = size(a, "sigmas");
     let (mut all, mut rays) = (vec![], vec![]);
     for r in 0..count {
@@ -184,7 +184,7 @@ pub fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 }
 
 /// Rendering from opacities.
-pub fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let a = &arrays::counted(a, c);
     let (count, samples) = size(a, "alphas");
     let alphas: Vec<Vec<f64>> = (0..count).map(|r| row(a, "alphas", r)).collect();
@@ -193,12 +193,12 @@ pub fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Array
 }
 
 /// Gradient from densities: none of its own.
-pub fn volume_render_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
+pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
     arrays::render_vjp(a, c)
 }
 
 /// Gradient from opacities.
-pub fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut gradients = arrays::render_alpha_vjp(given, c);
     let a = &arrays::counted(given, c);
     if wrong.contains(&"product_gradient_zero_at_opaque") {
@@ -220,7 +220,7 @@ pub fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[&str]) 
 }
 
 /// Background.
-pub fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"background_255") {
         a.get_mut("background").expect("checked").mapv_inplace(|b| 255.0 * b);
@@ -240,12 +240,12 @@ pub fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
 }
 
 /// Gradient of the background: none of its own.
-pub fn composite_background_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
+pub(crate) fn composite_background_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
     arrays::background_vjp(a, c)
 }
 
 /// Expected distance.
-pub fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"zero_by_zero") {
         a.insert("far".into(), scalar(f64::NAN));
@@ -279,6 +279,6 @@ fn medians(a: &Arrays) -> ArrayD<f64> {
 }
 
 /// Gradient of the expected distance: none of its own.
-pub fn depth_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
+pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
     arrays::depths_vjp(a, c)
 }

@@ -30,7 +30,7 @@ use super::Row;
 const NONE: ProductEps = ProductEps::None;
 
 /// All rows.
-pub fn all() -> Vec<Row> {
+pub(crate) fn all() -> Vec<Row> {
     [rendering(), stopping(), images(), samples(), networks(), grids(), training()]
         .into_iter()
         .flatten()

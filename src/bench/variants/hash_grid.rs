@@ -186,7 +186,7 @@ fn short<T: Copy + Send + Sync + 'static>(
 const F32: Tolerance = Tolerance::exact().within(3.0 * 2.0 / 32768.0 + 20.0 / 16_777_216.0);
 
 /// The hash grid's suite.
-pub const SUITE: Suite = Suite {
+pub(crate) const SUITE: Suite = Suite {
     component: "hash_grid",
     judged: false,
     item: "point",
@@ -224,7 +224,7 @@ pub const SUITE: Suite = Suite {
 };
 
 /// Time and memory against points and against the table's size.
-pub const SCALING: &[Scaling] = &[
+pub(crate) const SCALING: &[Scaling] = &[
     Scaling {
         component: "hash_grid",
         parameter: "points",

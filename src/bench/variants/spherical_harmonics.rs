@@ -89,7 +89,7 @@ fn threaded<T: Copy + Default + Send + 'static>(
 }
 
 /// The suite of the spherical harmonics.
-pub const SUITE: Suite = Suite {
+pub(crate) const SUITE: Suite = Suite {
     component: "spherical_harmonics",
     judged: true,
     item: "direction",

@@ -3,7 +3,7 @@
 use crate::contract::component::Mistake;
 
 /// Mistakes of the hash grid.
-pub const HASH_GRID: &[Mistake] = &[
+pub(crate) const HASH_GRID: &[Mistake] = &[
     Mistake::new(
         "prime_mistyped",
         "265443567 for 2654435761: a digit is missing",

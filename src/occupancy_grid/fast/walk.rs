@@ -44,7 +44,7 @@ pub(super) struct Walk {
 
 impl Walk {
     /// No rays yet; `spare` is where lanes without a ray write to.
-    pub fn new(spare: usize) -> Self {
+    pub(super) fn new(spare: usize) -> Self {
         let (lanes, whole) = (CacheAligned([0f32; LANES]), CacheAligned([0; LANES]));
         Walk {
             start: [lanes; 3],
@@ -67,7 +67,7 @@ impl Walk {
 
     /// The lanes without a ray, a bit each.
     #[inline(always)]
-    pub fn idle(&self) -> u32 {
+    pub(super) fn idle(&self) -> u32 {
         let mut walking = 0;
         for i in 0..LANES {
             walking |= u32::from(self.k.0[i] < self.last.0[i]) << i;
@@ -77,7 +77,7 @@ impl Walk {
 
     /// Stores the samples of the lane's ray, if it has one.
     #[inline(always)]
-    pub fn leave(&mut self, lane: usize, steps: &mut Steps) {
+    pub(super) fn leave(&mut self, lane: usize, steps: &mut Steps) {
         if self.busy >> lane & 1 == 1 {
             let ray = self.ray[lane];
             steps.count[ray] = self.next.0[lane] as usize - ray * steps.capacity;
@@ -88,7 +88,7 @@ impl Walk {
 
     /// Puts a ray into a lane.
     #[inline(always)]
-    pub fn enter(
+    pub(super) fn enter(
         &mut self,
         lane: usize,
         (ray, march_ray): (usize, &MarchRay),
@@ -112,7 +112,7 @@ impl Walk {
 
     /// Where the rays are: cells, bricks, blocks and their bits.
     #[inline(always)]
-    pub fn locate<S: Simd>(&mut self, s: S, resolution: usize) {
+    pub(super) fn locate<S: Simd>(&mut self, s: S, resolution: usize) {
         for v in 0..LANES / S::F32_LANES {
             let k = floats::<S>(&self.k)[v];
             let none = [s.splat_u32s(0); 3];
@@ -133,7 +133,7 @@ impl Walk {
 
     /// Finds which of the points are samples, and updates patience; returns whether any is.
     #[inline(always)]
-    pub fn judge<S: Simd>(&mut self, s: S) -> bool {
+    pub(super) fn judge<S: Simd>(&mut self, s: S) -> bool {
         let (one, mut any) = (s.splat_u32s(1), false);
         for v in 0..LANES / S::F32_LANES {
             let walks = s.less_than_f32s(floats::<S>(&self.k)[v], floats::<S>(&self.last)[v]);
@@ -152,7 +152,7 @@ impl Walk {
 
     /// To the next lattice point or, out of an empty cell, brick or block, to the first after it. Out of patience: to the end.
     #[inline(always)]
-    pub fn advance<S: Simd>(&mut self, s: S) {
+    pub(super) fn advance<S: Simd>(&mut self, s: S) {
         let (zero, one) = (s.splat_u32s(0), s.splat_u32s(1));
         let never = s.splat_f32s(f32::INFINITY);
         for v in 0..LANES / S::F32_LANES {

@@ -103,7 +103,7 @@ impl Default for Chunk {
 
 impl Chunk {
     /// No rays, no samples; the buffers keep their size.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.rays.clear();
         self.points.clear();
         self.t.clear();
@@ -142,7 +142,7 @@ impl Chunk {
 
     /// The samples of the last ray.
     #[inline(always)]
-    pub fn push_samples(&mut self, march_ray: &MarchRay, k: &[f32], step: f32) {
+    pub(crate) fn push_samples(&mut self, march_ray: &MarchRay, k: &[f32], step: f32) {
         let ray = self.rays.len() - 1;
         self.points.extend(k.iter().map(|&k| march_ray.at(k, step)));
         self.t.extend(k.iter().map(|&k| (k + march_ray.u) * step));
@@ -151,7 +151,7 @@ impl Chunk {
     }
 
     /// Resizes the activations to the samples pushed so far.
-    pub fn reserve(&mut self) {
+    pub(crate) fn reserve(&mut self) {
         let rows = self.rows();
         if self.rgb.len() < rows {
             self.encoding.iter_mut().for_each(|level| level.resize(rows, [0.0; FEATURES]));
@@ -163,14 +163,14 @@ impl Chunk {
     }
 
     /// Levels that aren't in use yet are 0.
-    pub fn clear_levels(&mut self, active: usize) {
+    pub(crate) fn clear_levels(&mut self, active: usize) {
         let rows = self.rows();
         self.encoding[active..].iter_mut().for_each(|level| level[..rows].fill([0.0; FEATURES]));
     }
 
     /// The encodings of some rows, all levels side by side.
     #[inline(always)]
-    pub fn gather(&self, first: usize, rows: &mut [[f32; WIDTH]]) {
+    pub(crate) fn gather(&self, first: usize, rows: &mut [[f32; WIDTH]]) {
         for (l, level) in self.encoding.iter().enumerate() {
             for (row, entry) in rows.iter_mut().zip(&level[first..]) {
                 row.as_chunks_mut().0[l] = *entry;
@@ -180,7 +180,7 @@ impl Chunk {
 
     /// Writes rows back, level by level.
     #[inline(always)]
-    pub fn spread(&mut self, first: usize, rows: &[[f32; WIDTH]]) {
+    pub(crate) fn spread(&mut self, first: usize, rows: &[[f32; WIDTH]]) {
         for (l, level) in self.encoding.iter_mut().enumerate() {
             for (row, entry) in rows.iter().zip(&mut level[first..]) {
                 *entry = row.as_chunks().0[l];
@@ -189,13 +189,13 @@ impl Chunk {
     }
 
     /// Samples, padded to whole blocks.
-    pub fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         self.points.len().next_multiple_of(BLOCK)
     }
 
     /// Keeps the first `live(ray)` samples of each ray and compacts them, with all of their arrays.
     #[inline(always)]
-    pub fn keep(&mut self, live: impl Fn(&Ray, &[f32]) -> usize) {
+    pub(crate) fn keep(&mut self, live: impl Fn(&Ray, &[f32]) -> usize) {
         self.visited.clone_from(&self.points);
         let mut kept = 0;
         for ray in &mut self.rays {

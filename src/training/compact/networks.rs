@@ -26,7 +26,7 @@ pub(crate) struct Weights {
 }
 
 impl Weights {
-    pub fn zeros() -> Self {
+    pub(crate) fn zeros() -> Self {
         Weights {
             density0: repeated([0.0; HIDDEN], WIDTH),
             density1: repeated([0.0; GEOMETRY], HIDDEN),
@@ -37,7 +37,7 @@ impl Weights {
     }
 
     /// Uniform, hidden layers with He's bound sqrt(6 / inputs); 0.4 of it for output layers, so that densities start near 1.
-    pub fn random(key: &Key) -> Self {
+    pub(crate) fn random(key: &Key) -> Self {
         let mut weights = Self::zeros();
         let inputs = [WIDTH, HIDDEN, 2 * GEOMETRY, 2 * GEOMETRY, HIDDEN];
         let gains = [1.0, 0.4, 1.0, 1.0, 0.4];
@@ -50,23 +50,23 @@ impl Weights {
         weights
     }
 
-    pub fn parts(&self) -> [&[f32]; 5] {
+    pub(crate) fn parts(&self) -> [&[f32]; 5] {
         let Weights { density0, density1, color0, view, color1 } = self;
         let [a, c, d] = [density0, color0, view].map(|w| w.as_flattened());
         [a, density1.as_flattened(), c, d, color1.as_flattened()]
     }
 
-    pub fn parts_mut(&mut self) -> [&mut [f32]; 5] {
+    pub(crate) fn parts_mut(&mut self) -> [&mut [f32]; 5] {
         let Weights { density0, density1, color0, view, color1 } = self;
         let [a, c, d] = [density0, color0, view].map(|w| w.as_flattened_mut());
         [a, density1.as_flattened_mut(), c, d, color1.as_flattened_mut()]
     }
 
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.parts_mut().into_iter().for_each(|part| part.fill(0.0));
     }
 
-    pub fn add(&mut self, other: &Self) {
+    pub(crate) fn add(&mut self, other: &Self) {
         for (a, b) in self.parts_mut().into_iter().zip(other.parts()) {
             a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
         }
@@ -90,7 +90,7 @@ fn transpose<const A: usize, const B: usize>(x: &[[f32; B]]) -> Aligned<[f32; A]
 }
 
 impl Networks {
-    pub fn new(weights: Weights) -> Self {
+    pub(super) fn new(weights: Weights) -> Self {
         let (m, v) = (Weights::zeros(), Weights::zeros());
         let density0_t = transpose(&weights.density0);
         let density1_t = transpose(&weights.density1);
@@ -100,7 +100,7 @@ impl Networks {
     }
 
     /// To be called whenever the weights have changed.
-    pub fn transpose(&mut self) {
+    pub(super) fn transpose(&mut self) {
         self.density0_t = transpose(&self.weights.density0);
         self.density1_t = transpose(&self.weights.density1);
         self.color0_t = transpose(&self.weights.color0);
@@ -108,7 +108,7 @@ impl Networks {
     }
 
     /// One step of Adam.
-    pub fn update(&mut self, gradient: &Weights, rates: Rates) {
+    pub(super) fn update(&mut self, gradient: &Weights, rates: Rates) {
         let moments = self.m.parts_mut().into_iter().zip(self.v.parts_mut());
         for ((p, g), (m, v)) in self.weights.parts_mut().into_iter().zip(gradient.parts()).zip(moments) {
             rates.apply(p, g, m, v);

@@ -56,7 +56,7 @@ fn layer<'a, const N: usize>(rows: impl Iterator<Item = &'a [f32; N]>, outputs: 
 
 impl Reference {
     /// The model's current parameters.
-    pub fn new(model: &CompactModel) -> Self {
+    pub(crate) fn new(model: &CompactModel) -> Self {
         let (settings, w) = (&model.settings, &model.nets.weights);
         let active = settings.levels_at(model.step);
         let level = |l: &hash_grid::fast::Level| {
@@ -107,7 +107,7 @@ impl Reference {
     }
 
     /// What a ray sees with `samples` step lengths across the box, all of its samples; `stop` is used to count alone.
-    pub fn render(&self, ray: &Ray, samples: f64, stop: f64) -> ReferenceRay {
+    pub(crate) fn render(&self, ray: &Ray, samples: f64, stop: f64) -> ReferenceRay {
         let mut view =
             harmonics(ray.d.normalize().to_array(), 3, HarmonicForm::Sphere, HarmonicSign::Alternating);
         if !self.view_dependent {

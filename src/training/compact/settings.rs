@@ -112,7 +112,7 @@ pub struct CompactSettings {
 }
 
 /// Steps over which learning rates fall by the square root of 2.
-pub const LR_HALF_LIFE: f64 = 1500.0;
+pub(crate) const LR_HALF_LIFE: f64 = 1500.0;
 
 /// Step lengths across the box early in training, where the scene has details that ask for more.
 const SAMPLES_FIRST: f64 = 128.0;

@@ -23,7 +23,7 @@ pub(super) struct BoxRay {
 
 impl BoxRay {
     /// A ray of the scene in units of the box.
-    pub fn new(ray: &Ray, settings: &CompactSettings) -> Self {
+    pub(super) fn new(ray: &Ray, settings: &CompactSettings) -> Self {
         let f32s = |v: DVec3| v.to_array().map(|x| x as f32);
         BoxRay {
             o: f32s((ray.o - settings.low) / settings.size),
@@ -60,7 +60,7 @@ impl Views {
     ///
     /// # Errors
     /// Where a lens has no inverse at some pixel.
-    pub fn new(scene: &Scene, settings: &CompactSettings) -> Result<Self> {
+    pub(super) fn new(scene: &Scene, settings: &CompactSettings) -> Result<Self> {
         let mut known: Vec<(Intrinsics, Option<Distortion>)> = vec![];
         let (mut lenses, mut views) = (vec![], vec![]);
         for frame in &scene.train {
@@ -97,24 +97,24 @@ impl Views {
     }
 
     /// Pixels of all pictures.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.views.len() * self.pixels
     }
 
     /// A random pixel of all: picture, row and column from the first three numbers of `ray` in `step`.
     #[inline(always)]
-    pub fn draw(&self, key: &Key, step: u64, ray: u64) -> usize {
+    pub(super) fn draw(&self, key: &Key, step: u64, ray: u64) -> usize {
         let ([u, v, w, _], [width, height]) = (key.four(step, ray), self.size);
         (draw_index(u, self.views.len()) * height + draw_index(v, height)) * width + draw_index(w, width)
     }
 
     /// Number of pictures.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.views.len()
     }
 
     /// Rays all over a picture, its border included: about so many along each side.
-    pub fn lattice(&self, view: usize, lines: usize) -> impl Iterator<Item = BoxRay> {
+    pub(super) fn lattice(&self, view: usize, lines: usize) -> impl Iterator<Item = BoxRay> {
         let [width, height] = self.size;
         let along = move |n: usize| (0..n).step_by(n.div_ceil(lines)).chain([n - 1]);
         let pixels = along(height).flat_map(move |j| along(width).map(move |i| j * width + i));
@@ -124,7 +124,7 @@ impl Views {
     /// The color of pixel `n` of all and the background that it is seen over: `drawn` where the picture's opacity is known, so that
     /// nothing but an empty ray has the right color, the scene's where it isn't.
     #[inline(always)]
-    pub fn color(&self, n: usize, drawn: [f32; 3]) -> [[f32; 3]; 2] {
+    pub(super) fn color(&self, n: usize, drawn: [f32; 3]) -> [[f32; 3]; 2] {
         let view = &self.views[n / self.pixels];
         let background = if view.any_background { drawn } else { self.background };
         [view.colors.pixel_over(n % self.pixels, background), background]
@@ -132,7 +132,7 @@ impl Views {
 
     /// The ray of pixel `n` of all.
     #[inline(always)]
-    pub fn ray(&self, n: usize) -> BoxRay {
+    pub(super) fn ray(&self, n: usize) -> BoxRay {
         let (view, pixel) = (&self.views[n / self.pixels], n % self.pixels);
         let c = self.lenses[view.lens][pixel];
         let unit = view.rotation.map(|r| r[0] * c[0] + r[1] * c[1] + r[2] * c[2]);

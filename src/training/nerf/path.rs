@@ -36,7 +36,7 @@ pub(crate) struct Stepped {
 
 impl Path {
     /// Initial parameters.
-    pub fn new(settings: &NerfSettings, key: &Key) -> Self {
+    pub(crate) fn new(settings: &NerfSettings, key: &Key) -> Self {
         let net = NerfMlp::initial(&settings.shape, &CS180, key);
         if settings.reference {
             let mut zero = net.clone();
@@ -53,7 +53,7 @@ impl Path {
     }
 
     /// The density head with the other sign: as likely a draw as the one it has.
-    pub fn turn_density_head(&mut self) {
+    pub(crate) fn turn_density_head(&mut self) {
         let turn = |net: &mut NerfMlp| {
             net.sigma.w.mapv_inplace(|w| -w);
             net.sigma.b.mapv_inplace(|b| -b);
@@ -69,7 +69,7 @@ impl Path {
     }
 
     /// One step of Adam on a batch.
-    pub fn step(
+    pub(crate) fn step(
         &mut self,
         rays: Rays,
         skipping: Skipping,
@@ -95,7 +95,7 @@ impl Path {
     }
 
     /// Weights of all samples (R, N).
-    pub fn weights(&self, rays: Rays) -> Vec<f64> {
+    pub(crate) fn weights(&self, rays: Rays) -> Vec<f64> {
         match self {
             Path::Fast { net, .. } => net.weights(&rays).into_iter().map(f64::from).collect(),
             Path::Reference { field, .. } => {
@@ -109,7 +109,7 @@ impl Path {
     }
 
     /// Densities of points (M, 3).
-    pub fn densities(&self, points: &[f64]) -> Vec<f32> {
+    pub(crate) fn densities(&self, points: &[f64]) -> Vec<f32> {
         match self {
             Path::Fast { net, .. } => net.densities(points),
             Path::Reference { field, .. } => parallel::map(points.len() / 3, |n| {
@@ -121,7 +121,7 @@ impl Path {
     }
 
     /// Color without background, opacity and sum w t of each ray.
-    pub fn render(&self, rays: Rays, skipping: Skipping) -> Vec<([f32; 3], f32, f32)> {
+    pub(crate) fn render(&self, rays: Rays, skipping: Skipping) -> Vec<([f32; 3], f32, f32)> {
         match self {
             Path::Reference { field, .. } => parallel::map(rays.len(), |r| {
                 let (t, deltas) = followed(field, rays, skipping, r);
@@ -156,7 +156,7 @@ impl Path {
     }
 
     /// All of it by name, each name after `owner`.
-    pub fn state(&self, owner: &str) -> Arrays {
+    pub(crate) fn state(&self, owner: &str) -> Arrays {
         let mut state = Arrays::new();
         for (prefix, net) in self.parts() {
             for (name, layer) in net.layers() {
@@ -179,7 +179,7 @@ impl Path {
     }
 
     /// Loads what [`Self::state`] returned.
-    pub fn restore(&mut self, state: &Arrays, owner: &str, file: &str) -> Result<()> {
+    pub(crate) fn restore(&mut self, state: &Arrays, owner: &str, file: &str) -> Result<()> {
         let mut parts = self.parts();
         for (prefix, net) in &mut parts {
             let names: Vec<String> = net.layers().into_iter().map(|(name, _)| name).collect();

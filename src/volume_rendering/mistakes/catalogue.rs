@@ -104,7 +104,7 @@ const OVER_RAYS: Mistake = Mistake::new(
 );
 
 /// Mistakes of rendering from densities.
-pub const VOLUME_RENDER: &[Mistake] = &[
+pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     INCLUSIVE,
     ROLLED,
     FIRST_ZERO,
@@ -158,7 +158,7 @@ pub const VOLUME_RENDER: &[Mistake] = &[
 ];
 
 /// Mistakes of rendering from opacities.
-pub const VOLUME_RENDER_ALPHA: &[Mistake] = &[
+pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     INCLUSIVE,
     ROLLED,
     FIRST_ZERO,
@@ -183,7 +183,7 @@ pub const VOLUME_RENDER_ALPHA: &[Mistake] = &[
 ];
 
 /// Mistakes of the background.
-pub const COMPOSITE_BACKGROUND: &[Mistake] = &[
+pub(crate) const COMPOSITE_BACKGROUND: &[Mistake] = &[
     Mistake::new(
         "attenuated_twice",
         "A C + (1 - A) b: the rendered color is premultiplied already",
@@ -219,7 +219,7 @@ pub const COMPOSITE_BACKGROUND: &[Mistake] = &[
 ];
 
 /// Mistakes of the expected distance.
-pub const DEPTH: &[Mistake] = &[
+pub(crate) const DEPTH: &[Mistake] = &[
     Mistake::new(
         "zero_by_zero",
         "sum w t / sum w on a ray without weight",
