@@ -20,6 +20,8 @@ def padding_of(a, c):
 def places(edges, f, u, c, wrong):
     """Bins by searchsorted, clamped to those with some weight, and the places inside them."""
     heavy = np.flatnonzero(np.diff(f) > 0)
+    if not heavy.size:
+        heavy = np.zeros(1, int)
     if "searched_from_the_left" in wrong:
         k = np.searchsorted(f, u, "left") - 1
     else:

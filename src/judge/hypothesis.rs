@@ -67,7 +67,9 @@ impl Hypothesis {
         let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
         let moved: Vec<Arrays> = match error {
             Some(_) => vec![],
-            None => (0..2).map(|n| self.nudged(question, case, n, 4.0 * u)).collect(),
+            None => {
+                (0..2).flat_map(|n| [4.0, -4.0].map(|by| self.nudged(question, case, n, by * u))).collect()
+            }
         };
         let one = |(name, w): (&String, &ArrayD<f64>)| {
             let mut bound = w.mapv(|w| roundings * u * w.abs() + options.dtype.smallest_normal());
@@ -100,7 +102,7 @@ impl Hypothesis {
         wrong.iter().map(one).collect()
     }
 
-    /// The wrong function on inputs that are off by up to `relative`.
+    /// The wrong function on inputs that are off by up to `relative`. Both signs of it: across a threshold only one of the two goes.
     fn nudged(&self, question: &Question, case: &Case, n: u64, relative: f64) -> Arrays {
         let direction = question.component.direction(question.kind).expect("a question has its direction");
         let mut draw = Draw::new(&case.id, n);
@@ -114,7 +116,8 @@ impl Hypothesis {
 
     /// Whether it explains an answer.
     pub fn explains(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> bool {
-        let (wrong, error) = self.prediction(question, case);
+        let (mut wrong, error) = self.prediction(question, case);
+        self.leave_infinity(case, answer, &mut wrong);
         // A numeric gradient is known only at some elements, so most elements can't be compared.
         let reject_early = options.may_reject_early(case) && error.is_none();
         within(answer, &wrong, reject_early, || self.bound(question, case, &wrong, error.as_ref(), options))
@@ -122,7 +125,8 @@ impl Hypothesis {
 
     /// The largest error over bound on an answer.
     pub fn residual(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> f64 {
-        let (wrong, error) = self.prediction(question, case);
+        let (mut wrong, error) = self.prediction(question, case);
+        self.leave_infinity(case, answer, &mut wrong);
         let bound = self.bound(question, case, &wrong, error.as_ref(), options);
         let one = |(name, wrong): (&String, &ArrayD<f64>)| {
             let (got, _) = reshaped(&answer.get(name)?.values, wrong.shape())?;
@@ -130,6 +134,20 @@ impl Hypothesis {
             Some(used.fold(0.0, f64::max))
         };
         wrong.iter().filter_map(one).fold(0.0, f64::max)
+    }
+
+    /// What wrong code makes of an infinite input depends on how it is written: infinity times 0, or less infinity. NaN is predicted
+    /// there where the answer has it.
+    fn leave_infinity(&self, case: &Case, answer: &Answer, wrong: &mut Arrays) {
+        if self.mistakes.is_empty() || case.inputs.values().flatten().all(|x| x.is_finite()) {
+            return;
+        }
+        for (name, wrong) in wrong.iter_mut() {
+            let given = answer.get(name).and_then(|given| reshaped(&given.values, wrong.shape()));
+            if let Some((got, _)) = given {
+                wrong.zip_mut_with(&got, |w, g| *w = if g.is_nan() { f64::NAN } else { *w });
+            }
+        }
     }
 
     /// Whether two hypotheses predict the same on a case, up to rounding: no answer could tell them apart.
