@@ -5,6 +5,7 @@ use super::assignment::{Partial, apply, assignments, changes, partial, possible,
 use super::exam::Question;
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::MarkOptions;
+use super::peel::peel;
 use super::statistics;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -27,6 +28,8 @@ pub struct Explanation {
     pub same_as_best: bool,
     /// Whether it is no mistake: the right formula, with digits lost.
     pub inaccurate: bool,
+    /// Outputs that it doesn't explain; those of others are explained by it.
+    pub unexplained: Vec<String>,
 }
 
 /// The largest number of conventions that may differ, with one mistake and with two.
@@ -34,6 +37,9 @@ const CHANGES: [usize; 3] = [usize::MAX, 3, 1];
 
 /// The largest number of assignments that are tried, with one mistake and with two.
 const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
+
+/// By how many times a mistake must explain the answers better than lost digits do, to be named.
+const MUCH_BETTER: f64 = 4.0;
 
 /// Gradients of mistakes in the forward function are numeric and expensive: this many of the smallest cases are used.
 const NUMERIC: usize = 12;
@@ -58,13 +64,22 @@ pub fn diagnose(
             residual: 0.0,
             same_as_best: false,
             inaccurate: false,
+            unexplained: vec![],
         };
         return shown.map(each).collect();
     }
     let home = partial(question.component, base);
     let mut all = assignments(question.component, base);
     all.retain(|p| question.admits(&apply(p, base)));
+    let mut parted = None;
     for count in 0..=2 {
+        if count == 2 {
+            // Output by output first: it is quicker, and knows more than two.
+            parted = peel(question, answers, base, options);
+            if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
+                return vec![found];
+            }
+        }
         let sets = sets(question, count, suspects);
         // Without a mistake, an output may show its conventions by itself.
         let right = if count == 0 { possible(question, answers, all.clone(), base, options) } else { vec![] };
@@ -84,7 +99,7 @@ pub fn diagnose(
                 break;
             }
         }
-        fitting.retain(|h| shows(h, question, answers));
+        fitting.retain(|h| shows(h, question, answers, options));
         let lost = count == 1 && fitting.is_empty();
         let inaccurate = if lost { inaccuracy(&near, question, answers, base, options) } else { None };
         if let Some((h, residual)) = inaccurate {
@@ -95,6 +110,7 @@ pub fn diagnose(
                 residual,
                 same_as_best: false,
                 inaccurate: true,
+                unexplained: vec![],
             }];
         }
         if !fitting.is_empty() {
@@ -105,7 +121,7 @@ pub fn diagnose(
             return ranked(fitting, question, answers, &home, options);
         }
     }
-    vec![]
+    parted.into_iter().collect()
 }
 
 /// The hypotheses of these sets of mistakes in these assignments that explain every answer.
@@ -148,18 +164,26 @@ fn inaccuracy(
     Some((h, residual))
 }
 
-/// Whether its mistakes change anything that was answered: what doesn't is no explanation, but lost digits.
-fn shows(h: &Hypothesis, question: &Question, answers: &Answers) -> bool {
-    let right = Hypothesis { mistakes: vec![], ..h.clone() };
-    let differs = |(case, answer): &(&Case, &Answer)| {
-        let (wrong, right) = (h.prediction(question, case).0, right.prediction(question, case).0);
-        answer.keys().any(|name| wrong.get(name) != right.get(name))
+/// Whether its mistakes explain the answers much better than lost digits do, which are allowed what wrong code is.
+pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> bool {
+    let right = Hypothesis { mistakes: vec![], loose: true, ..h.clone() };
+    if h.mistakes.is_empty() || !explains_all(&right, question, answers, options) {
+        return true;
+    }
+    let off = |of: &Hypothesis| {
+        let one = |(case, answer): &(&Case, &Answer)| right.allows(of, question, case, answer, options);
+        usable(h, question, answers).iter().map(one).fold(0.0, f64::max)
     };
-    h.mistakes.is_empty() || usable(h, question, answers).iter().any(differs)
+    MUCH_BETTER * off(h) < off(&right)
 }
 
 /// The largest error over a hypothesis' own bound.
-fn largest_residual(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> f64 {
+pub(crate) fn largest_residual(
+    h: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> f64 {
     let cases = usable(h, question, answers);
     cases.iter().map(|(case, answer)| h.residual(question, case, answer, options)).fold(0.0, f64::max)
 }
@@ -178,8 +202,9 @@ fn alone(
 
 /// Sets of `count` mistakes that this direction can show; pairs in both orders, as their effects needn't commute.
 fn sets(question: &Question, count: usize, suspects: &[Vec<&'static str>]) -> Vec<Vec<&'static str>> {
+    // Three and more come from the forward answers alone.
     let mut suspected: Vec<_> =
-        suspects.iter().filter(|set| set.len() == count && count > 0).cloned().collect();
+        suspects.iter().filter(|set| set.len() == count || count == 2 && set.len() > 2).cloned().collect();
     let shown = |m: &&Mistake| question.kind == Kind::Vjp || !m.gradient;
     let names: Vec<_> = question.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
     // Numeric gradients of pairs would take minutes: only pairs that the forward answers suggest.
@@ -199,7 +224,12 @@ fn sets(question: &Question, count: usize, suspects: &[Vec<&'static str>]) -> Ve
 }
 
 /// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.
-fn explains_all(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> bool {
+pub(crate) fn explains_all(
+    h: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> bool {
     let cases = usable(h, question, answers);
     // Numeric gradients that are unknown everywhere would explain anything.
     let says = |case| {
@@ -286,6 +316,7 @@ fn ranked(
             residual: *residual,
             same_as_best: n > 0 && predicts_same(h, &best),
             inaccurate: false,
+            unexplained: vec![],
         })
         .collect()
 }

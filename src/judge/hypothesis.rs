@@ -108,7 +108,11 @@ impl Hypothesis {
         let mut draw = Draw::new(&case.id, n);
         let mut inputs = case.inputs.clone();
         for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
-            array.mapv_inplace(|x| x * (1.0 + relative * if draw.below(2) == 0 { 1.0 } else { -1.0 }));
+            array.mapv_inplace(|x| {
+                let by = if draw.below(2) == 0 { relative } else { -relative };
+                // 1 is the limit of what is a fraction.
+                x * (1.0 + if x.abs() == 1.0 { -by.abs() } else { by })
+            });
         }
         (question.component.special.rounds_inside)(&mut inputs, relative, &mut draw);
         (direction.wrong)(&inputs, &self.conventions, &self.mistakes)
@@ -125,11 +129,27 @@ impl Hypothesis {
 
     /// The largest error over bound on an answer.
     pub fn residual(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> f64 {
-        let (mut wrong, error) = self.prediction(question, case);
-        self.leave_infinity(case, answer, &mut wrong);
-        let bound = self.bound(question, case, &wrong, error.as_ref(), options);
+        self.allows(self, question, case, answer, options)
+    }
+
+    /// How far an answer is off from what another hypothesis predicts, over what this one allows.
+    pub fn allows(
+        &self,
+        other: &Hypothesis,
+        question: &Question,
+        case: &Case,
+        answer: &Answer,
+        options: &MarkOptions,
+    ) -> f64 {
+        let (own, error) = self.prediction(question, case);
+        let bound = self.bound(question, case, &own, error.as_ref(), options);
+        let (mut wrong, _) = other.prediction(question, case);
+        other.leave_infinity(case, answer, &mut wrong);
         let one = |(name, wrong): (&String, &ArrayD<f64>)| {
             let (got, _) = reshaped(&answer.get(name)?.values, wrong.shape())?;
+            if bound[name].shape() != wrong.shape() {
+                return Some(f64::INFINITY);
+            }
             let used = got.iter().zip(wrong).zip(&bound[name]).map(|((&g, &w), &b)| budget_used(g, w, b));
             Some(used.fold(0.0, f64::max))
         };

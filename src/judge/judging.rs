@@ -238,7 +238,9 @@ impl Round {
                 row.diagnosis = diagnose(question, &answers[n], c, known, options);
                 let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
-                if row.diagnosis.iter().all(|e| e.inaccurate) && row.faults.is_empty() {
+                if row.diagnosis.iter().all(|e| e.inaccurate || !e.unexplained.is_empty())
+                    && row.faults.is_empty()
+                {
                     imprecise(&mut row, exam, question, &answers[n], c, options);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {

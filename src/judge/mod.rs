@@ -25,6 +25,7 @@ pub(crate) mod layout;
 pub mod mark;
 pub(crate) mod numeric;
 pub(crate) mod page;
+mod peel;
 mod repeat;
 #[doc(hidden)]
 pub mod report;

@@ -54,9 +54,11 @@ pub(crate) fn vjp(
             // A kink smaller than rounding is none.
             let kink = Some((2.0 * half_bend - bend).abs()).filter(|kink| *kink > rounding).unwrap_or(0.0);
             let off = (fine - coarse).abs() + kink + rounding;
-            // Where the function isn't finite, or bends within h, differences say nothing.
+            // Where the function isn't finite, jumps, or bends within h, differences say nothing.
             let bent = (fine - coarse).abs() > 0.5 * fine.abs().max(coarse.abs()).max(rounding);
-            let known = best.is_finite() && off.is_finite() && !bent;
+            // Half the step: half the bend where it is smooth, the same at a kink, twice that where the function jumps.
+            let jumps = half_bend.abs() > rounding.max(1.5 * bend.abs());
+            let known = best.is_finite() && off.is_finite() && !bent && !jumps;
             *gradient.iter_mut().nth(i).expect("same shape") = if known { best } else { 0.0 };
             *error.iter_mut().nth(i).expect("same shape") = if known { off } else { f64::INFINITY };
         }

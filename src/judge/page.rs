@@ -160,6 +160,9 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         );
     }
     writeln!(f, "  consistent with: {}", name(best))?;
+    if !best.unexplained.is_empty() {
+        writeln!(f, "  but for {}, which something more must explain", best.unexplained.join(", "))?;
+    }
     for same in row.diagnosis.iter().filter(|e| e.same_as_best) {
         writeln!(f, "  or, the same on every case: {}", name(same))?;
     }

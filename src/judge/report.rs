@@ -186,6 +186,7 @@ impl Row {
                 "residual": number(e.residual),
                 "same_as_best": e.same_as_best,
                 "inaccurate": e.inaccurate,
+                "unexplained": e.unexplained,
             })).collect::<Vec<_>>(),
         })
     }
