@@ -235,7 +235,10 @@ pub(crate) fn explains_all(
     let says = |case| {
         h.prediction(question, case).1.is_none_or(|error| error.values().flatten().any(|e| e.is_finite()))
     };
-    cases.iter().all(|(case, answer)| h.explains(question, case, answer, options))
+    // Those first that can be rejected without a bound.
+    let (hard, others): (Vec<_>, Vec<_>) =
+        cases.iter().partition(|(case, _)| !options.may_reject_early(case));
+    others.into_iter().chain(hard).all(|(case, answer)| h.explains(question, case, answer, options))
         && cases.iter().any(|(case, _)| says(case))
 }
 

@@ -1,5 +1,7 @@
 //! Hypotheses: what a candidate would answer if it followed some conventions and made some mistakes.
 
+use std::cell::OnceCell;
+
 use ndarray::ArrayD;
 
 use super::answer::{Answer, reshaped};
@@ -125,6 +127,30 @@ impl Hypothesis {
         // A numeric gradient is known only at some elements, so most elements can't be compared.
         let reject_early = options.may_reject_early(case) && error.is_none();
         within(answer, &wrong, reject_early, || self.bound(question, case, &wrong, error.as_ref(), options))
+    }
+
+    /// Keeps the outputs of an answer that it explains one by one; those that weren't answered stay.
+    pub(crate) fn keep_explained(
+        &self,
+        question: &Question,
+        case: &Case,
+        answer: &Answer,
+        options: &MarkOptions,
+        outputs: &mut Vec<&str>,
+    ) {
+        let (mut wrong, _) = self.prediction(question, case);
+        self.leave_infinity(case, answer, &mut wrong);
+        let all = OnceCell::new();
+        let alone = |name: &str, from: &Arrays| -> Arrays {
+            from.get(name).map(|array| (name.to_string(), array.clone())).into_iter().collect()
+        };
+        outputs.retain(|name| {
+            let Some(given) = answer.get(*name) else { return true };
+            let given = [(name.to_string(), given.clone())].into();
+            within(&given, &alone(name, &wrong), options.may_reject_early(case), || {
+                alone(name, all.get_or_init(|| self.bound(question, case, &wrong, None, options)))
+            })
+        });
     }
 
     /// The largest error over bound on an answer.

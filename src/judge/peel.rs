@@ -2,12 +2,13 @@
 //! one can't be, those found before it stand.
 
 use super::answer::{Answer, Answers};
-use super::assignment::{apply, assignments, partial, possible};
-use super::diagnose::{Explanation, difference, explains_all, largest_residual, shows};
+use super::assignment::{apply, assignments, partial, possible, small_cases};
+use super::diagnose::{Explanation, difference, largest_residual, shows};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use crate::contract::check::Kind;
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 use crate::parallel;
 
@@ -20,9 +21,17 @@ const KEPT: [usize; 2] = [120, 12];
 /// Conventions, and the mistakes found so far. An output may show all of them, in this order, or some: one grid of pixels is returned and
 /// another made into rays.
 #[derive(Clone, Debug, PartialEq)]
-struct Layer {
+struct Layer<'a> {
     conventions: Conventions,
     mistakes: Vec<&'static str>,
+    /// The outputs that it explains, and by which of its mistakes.
+    explained: Vec<(&'a str, Hypothesis)>,
+}
+
+impl Layer<'_> {
+    fn explains(&self, name: &str) -> bool {
+        self.explained.iter().any(|(known, _)| *known == name)
+    }
 }
 
 /// What is known of the search.
@@ -47,24 +56,35 @@ pub(crate) fn peel(
     Peeling { question, answers, base, options }.run()
 }
 
-impl Peeling<'_> {
+impl<'a> Peeling<'a> {
     fn run(&self) -> Option<Explanation> {
         let answered = |name: &&str| self.answers.iter().flatten().any(|answer| answer.contains_key(*name));
-        let mut outputs: Vec<&str> =
+        let mut outputs: Vec<&'a str> =
             self.question.component.outputs.iter().map(|port| port.name).filter(answered).collect();
-        let begin = |conventions| Layer { conventions, mistakes: vec![] };
-        let mut layers: Vec<Layer> = self.conventions(&outputs).into_iter().map(begin).collect();
-        let mut explained = vec![];
+        let conventions = self.conventions(&outputs);
+        let mut layers = parallel::map(conventions.len(), |n| {
+            let right = Layer { conventions: conventions[n], mistakes: vec![], explained: vec![] };
+            self.explaining(right, &outputs)
+        });
         loop {
-            self.take(&mut outputs, &mut layers, &mut explained);
+            // What some layers explain is settled by them.
+            while let Some(n) =
+                outputs.iter().position(|name| layers.iter().any(|layer| layer.explains(name)))
+            {
+                layers.retain(|layer| layer.explains(outputs[n]));
+                outputs.remove(n);
+            }
             if outputs.is_empty() || layers[0].mistakes.len() == MISTAKES {
                 break;
             }
-            let grown = outputs.iter().map(|name| self.grow(&layers, name)).find(|grown| !grown.is_empty());
-            let Some(grown) = grown else { break };
-            layers = grown;
+            let grown = self.grow(&layers, &outputs);
+            let Some(name) = outputs.iter().find(|name| grown.iter().any(|layer| layer.explains(name)))
+            else {
+                break;
+            };
+            layers = self.likeliest(grown, name);
         }
-        self.explanation(&layers[0], &explained, &outputs)
+        self.explanation(&layers[0], &outputs)
     }
 
     /// The conventions to begin with: those that the outputs show which are right in some.
@@ -81,69 +101,48 @@ impl Peeling<'_> {
         all.iter().map(|p| apply(p, self.base)).collect()
     }
 
-    /// Moves outputs that some layers explain to `explained`, and keeps those layers.
-    fn take<'n>(&self, outputs: &mut Vec<&'n str>, layers: &mut Vec<Layer>, explained: &mut Vec<&'n str>) {
-        while let Some((n, kept)) = outputs
-            .iter()
-            .enumerate()
-            .map(|(n, name)| (n, self.explaining(layers, name)))
-            .find(|(_, kept)| !kept.is_empty())
-        {
-            explained.push(outputs.remove(n));
-            *layers = kept;
+    /// A layer with what its latest mistake, and any of the others with it, explains of these outputs.
+    fn explaining(&self, mut layer: Layer<'a>, outputs: &[&'a str]) -> Layer<'a> {
+        let count = layer.mistakes.len();
+        let mut sets: Vec<u32> = (0..1 << count).filter(|set| count == 0 || set & 1 == 1).collect();
+        sets.sort_by_key(|set| set.count_ones());
+        for set in sets {
+            let mistakes = (0..count).filter(|n| set >> n & 1 == 1).map(|n| layer.mistakes[n]).collect();
+            let h = Hypothesis { mistakes, conventions: layer.conventions, loose: false };
+            let mut left: Vec<&str> = outputs.iter().copied().filter(|name| !layer.explains(name)).collect();
+            for (case, answer) in small_cases(self.question, self.answers) {
+                if !left.is_empty() {
+                    h.keep_explained(self.question, case, answer, self.options, &mut left);
+                }
+            }
+            left.retain(|name| shows(&h, self.question, &self.alone(name), self.options));
+            layer.explained.extend(left.into_iter().map(|name| (name, h.clone())));
         }
+        layer
     }
 
-    /// The layers that explain this output.
-    fn explaining(&self, layers: &[Layer], name: &str) -> Vec<Layer> {
-        let alone = self.alone(name);
-        let fits = parallel::map(layers.len(), |n| self.subset(&layers[n], &alone).is_some());
-        layers.iter().zip(fits).filter(|(_, fits)| *fits).map(|(layer, _)| layer.clone()).collect()
-    }
-
-    /// Layers with one mistake more, before or after those that they have, that explain this output.
-    fn grow(&self, layers: &[Layer], name: &str) -> Vec<Layer> {
-        let names: Vec<&str> =
-            self.question.component.mistakes.iter().filter(|m| !m.gradient).map(|m| m.name).collect();
+    /// Layers with one mistake more.
+    fn grow(&self, layers: &[Layer<'a>], outputs: &[&'a str]) -> Vec<Layer<'a>> {
+        let all = self.question.component.mistakes.iter().filter(|m| !m.gradient);
         let mut grown = vec![];
-        for layer in layers.iter().take(KEPT[1]) {
-            for name in names.iter().filter(|name| !layer.mistakes.contains(*name)) {
-                let with = |at: usize| {
-                    let mut layer = layer.clone();
-                    layer.mistakes.insert(at, *name);
-                    layer
-                };
-                grown.push(with(layer.mistakes.len()));
-                grown.extend((!layer.mistakes.is_empty()).then(|| with(0)));
+        for name in all.map(|m| m.name) {
+            for layer in layers.iter().take(KEPT[1]).filter(|layer| !layer.mistakes.contains(&name)) {
+                let mut layer = layer.clone();
+                layer.mistakes.insert(0, name);
+                grown.push(layer);
             }
         }
-        let mut grown = self.explaining(&grown, name);
-        // What is seen most often first, in the nearest conventions.
-        let seen = |layer: &Layer| {
-            let count = |name: &&str| {
-                self.question.component.mistakes.iter().find(|m| m.name == *name).map_or(0, |m| m.count)
-            };
-            std::cmp::Reverse(layer.mistakes.iter().map(count).sum::<u32>())
-        };
-        grown.sort_by_key(seen);
-        grown.truncate(KEPT[1]);
-        grown
+        parallel::map(grown.len(), |n| self.explaining(grown[n].clone(), outputs))
     }
 
-    /// Those of a layer's mistakes that explain these answers, as few as do.
-    fn subset(&self, layer: &Layer, answers: &Answers) -> Option<Hypothesis> {
-        let count = layer.mistakes.len();
-        let mut sets: Vec<u32> = (0..1 << count).collect();
-        sets.sort_by_key(|set| set.count_ones());
-        let hypothesis = |set: u32| {
-            let mistakes = (0..count).filter(|n| set >> n & 1 == 1).map(|n| layer.mistakes[n]).collect();
-            Hypothesis { mistakes, conventions: layer.conventions, loose: false }
-        };
-        let fits = |h: &Hypothesis| {
-            explains_all(h, self.question, answers, self.options)
-                && shows(h, self.question, answers, self.options)
-        };
-        sets.into_iter().map(hypothesis).find(fits)
+    /// Those that explain this output, what is seen most often first.
+    fn likeliest(&self, mut layers: Vec<Layer<'a>>, name: &str) -> Vec<Layer<'a>> {
+        layers.retain(|layer| layer.explains(name));
+        let all = self.question.component.mistakes;
+        let count = |name: &&str| all.iter().find(|m| m.name == *name).map_or(0, |m| m.count);
+        layers.sort_by_key(|layer| std::cmp::Reverse(layer.mistakes.iter().map(count).sum::<u32>()));
+        layers.truncate(KEPT[1]);
+        layers
     }
 
     /// Answers with this output alone.
@@ -153,18 +152,14 @@ impl Peeling<'_> {
     }
 
     /// What a layer says, where it says anything.
-    fn explanation(&self, layer: &Layer, explained: &[&str], unexplained: &[&str]) -> Option<Explanation> {
-        let found: Vec<(Hypothesis, Answers)> = explained
-            .iter()
-            .map(|name| self.alone(name))
-            .filter_map(|alone| Some((self.subset(layer, &alone)?, alone)))
-            .collect();
-        let shown = |m: &&str| found.iter().any(|(h, _)| h.mistakes.contains(m));
-        let names: Vec<&str> = layer.mistakes.iter().copied().filter(|name| shown(&name)).collect();
+    fn explanation(&self, layer: &Layer, unexplained: &[&str]) -> Option<Explanation> {
         let all = self.question.component.mistakes;
-        let mistakes: Vec<_> = names.iter().filter_map(|name| all.iter().find(|m| m.name == *name)).collect();
-        let residuals =
-            found.iter().map(|(h, alone)| largest_residual(h, self.question, alone, self.options));
+        let shown = |m: &&Mistake| layer.explained.iter().any(|(_, h)| h.mistakes.contains(&m.name));
+        let mistakes: Vec<_> = all.iter().filter(shown).collect();
+        let residuals = layer
+            .explained
+            .iter()
+            .map(|(name, h)| largest_residual(h, self.question, &self.alone(name), self.options));
         let own = |c: &Conventions| partial(self.question.component, c);
         (!mistakes.is_empty()).then(|| Explanation {
             mistakes,
@@ -174,5 +169,53 @@ impl Peeling<'_> {
             inaccurate: false,
             unexplained: unexplained.iter().map(|name| name.to_string()).collect(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::answer::given;
+    use super::super::exam::Exam;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::convention::CS180;
+
+    const THREE: [&str; 3] = ["row_column_swapped", "delta_missing", "divided_by_opacity"];
+
+    /// What is found in a trace with three mistakes whose outputs have been through `change`.
+    fn found(change: impl Fn(&mut Answer)) -> Explanation {
+        let exam = Exam::new("render_trace", Dtype::F64, None).unwrap();
+        let question = &exam.questions[0];
+        let answer = |case: &crate::contract::case::Case| {
+            let mut answer = given((question.component.forward.wrong)(&case.inputs, &CS180, &THREE));
+            change(&mut answer);
+            Some(answer)
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        let options = MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 };
+        peel(question, &answers, &CS180, &options).unwrap()
+    }
+
+    fn sorted(e: &Explanation) -> Vec<&str> {
+        let mut names: Vec<_> = e.mistakes.iter().map(|m| m.name).collect();
+        names.sort_unstable();
+        names
+    }
+
+    #[test]
+    fn three_mistakes_at_once_are_found_one_after_another() {
+        let all = found(|_| ());
+        let mut three = THREE;
+        three.sort_unstable();
+        assert_eq!((sorted(&all), all.unexplained.len()), (three.to_vec(), 0));
+    }
+
+    #[test]
+    fn what_is_found_stands_where_another_output_is_beyond_it() {
+        let part = found(|answer| {
+            answer.get_mut("weights").unwrap().values.mapv_inplace(|w| (10.0 * w).sin());
+        });
+        assert_eq!(part.unexplained, ["weights"]);
+        assert!(sorted(&part).contains(&"row_column_swapped"), "{:?}", sorted(&part));
     }
 }
