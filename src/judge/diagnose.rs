@@ -166,15 +166,14 @@ fn inaccuracy(
 
 /// Whether its mistakes explain the answers much better than lost digits do, which are allowed what wrong code is.
 pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> bool {
-    let right = Hypothesis { mistakes: vec![], loose: true, ..h.clone() };
-    if h.mistakes.is_empty() || !explains_all(&right, question, answers, options) {
+    if h.mistakes.is_empty() {
         return true;
     }
-    let off = |of: &Hypothesis| {
-        let one = |(case, answer): &(&Case, &Answer)| right.allows(of, question, case, answer, options);
-        usable(h, question, answers).iter().map(one).fold(0.0, f64::max)
-    };
-    MUCH_BETTER * off(h) < off(&right)
+    let right = Hypothesis { mistakes: vec![], loose: true, ..h.clone() };
+    let off = |(case, answer): &(&Case, &Answer)| right.compared(h, question, case, answer, options);
+    let larger = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+    let [lost, wrong] = usable(h, question, answers).iter().map(off).fold([0.0; 2], larger);
+    lost > 1.0 || MUCH_BETTER * wrong < lost
 }
 
 /// The largest error over a hypothesis' own bound.

@@ -155,31 +155,38 @@ impl Hypothesis {
 
     /// The largest error over bound on an answer.
     pub fn residual(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> f64 {
-        self.allows(self, question, case, answer, options)
+        let [_, own] = self.compared(self, question, case, answer, options);
+        own
     }
 
-    /// How far an answer is off from what another hypothesis predicts, over what this one allows.
-    pub fn allows(
+    /// The largest errors of this hypothesis and of another on an answer, both over what this one allows and what is unknown of the other.
+    pub fn compared(
         &self,
         other: &Hypothesis,
         question: &Question,
         case: &Case,
         answer: &Answer,
         options: &MarkOptions,
-    ) -> f64 {
-        let (own, error) = self.prediction(question, case);
-        let bound = self.bound(question, case, &own, error.as_ref(), options);
-        let (mut wrong, _) = other.prediction(question, case);
+    ) -> [f64; 2] {
+        let (right, _) = self.prediction(question, case);
+        let (mut wrong, error) = other.prediction(question, case);
         other.leave_infinity(case, answer, &mut wrong);
-        let one = |(name, wrong): (&String, &ArrayD<f64>)| {
-            let (got, _) = reshaped(&answer.get(name)?.values, wrong.shape())?;
-            if bound[name].shape() != wrong.shape() {
-                return Some(f64::INFINITY);
-            }
-            let used = got.iter().zip(wrong).zip(&bound[name]).map(|((&g, &w), &b)| budget_used(g, w, b));
-            Some(used.fold(0.0, f64::max))
+        let bound = self.bound(question, case, &right, error.as_ref(), options);
+        let off = |predicted: &Arrays| {
+            let one = |(name, predicted): (&String, &ArrayD<f64>)| {
+                let got = reshaped(&answer.get(name)?.values, predicted.shape());
+                let Some((got, _)) = got.filter(|_| bound[name].shape() == predicted.shape()) else {
+                    return Some(f64::INFINITY);
+                };
+                // NaN is off where nothing else is known, too.
+                let used = |((&g, &p), &b): ((&f64, &f64), &f64)| {
+                    if g.is_nan() && !p.is_nan() { f64::INFINITY } else { budget_used(g, p, b) }
+                };
+                Some(got.iter().zip(predicted).zip(&bound[name]).map(used).fold(0.0, f64::max))
+            };
+            predicted.iter().filter_map(one).fold(0.0, f64::max)
         };
-        wrong.iter().filter_map(one).fold(0.0, f64::max)
+        [off(&right), off(&wrong)]
     }
 
     /// What wrong code makes of an infinite input depends on how it is written: infinity times 0, or less infinity. NaN is predicted
