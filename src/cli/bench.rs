@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::evaluate::open;
-use super::options::{Backend, positive};
+use super::options::{Backend, at_most, threads};
 use super::output;
 use crate::bench::{self, Options, nerf_step, page, suites, systems};
 use crate::error::{Error, Result};
 use crate::files;
+use crate::limits::ROUNDS;
 use crate::parallel;
 
 /// Measure speed against error: variants are checked, timed, and their errors measured.
@@ -27,13 +28,13 @@ pub(super) struct Args {
     #[arg(long)]
     run: Option<PathBuf>,
     /// Rounds, at least 5.
-    #[arg(long, default_value_t = 7, value_parser = positive)]
+    #[arg(long, default_value_t = 7, value_parser = at_most::<ROUNDS>)]
     rounds: usize,
     /// A quarter of the work, 5 rounds, a smaller calibration (which is said: a ceiling from it isn't one of 4096^3).
     #[arg(long)]
     quick: bool,
     /// Threads; all cores by default.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = threads)]
     threads: Option<usize>,
 }
 
@@ -76,10 +77,10 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         peer: args.peer.clone(),
     };
     let mut report = parallel::with_threads(args.threads, || {
-        bench::run(&suites, &scalings, layers, &options, |what| eprintln!("{what}"))
+        bench::run(&suites, &scalings, layers, &options, |what| output::say(what))
     })?;
     if let Some((mut system, scene)) = system.filter(|_| whole) {
-        let rows = || bench::system::rows(&mut *system, scene, &options, |what| eprintln!("{what}"));
+        let rows = || bench::system::rows(&mut *system, scene, &options, |what| output::say(what));
         let (rows, scaling) = parallel::with_threads(args.threads, rows)?;
         report.system = rows;
         report.scaling.extend(scaling);
@@ -107,6 +108,6 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         serde_json::to_string_pretty(&object).expect("plain data") + "\n",
     )?;
     files::write(&args.out.join("index.html"), page::page(&report))?;
-    output::print(json, &object, &text);
+    output::print(json, &object, &text)?;
     Ok(if report.refused() == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }

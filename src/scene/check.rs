@@ -5,6 +5,7 @@ use ndarray::{Array2, ArrayView2};
 
 use super::{Frame, Options};
 use crate::error::{Error, Input, Result};
+use crate::limits::LENGTH;
 
 /// How far R R^T may be from the identity: three decimals, which is what hand-written poses have.
 const RIGID: f64 = 1e-3;
@@ -12,8 +13,8 @@ const RIGID: f64 = 1e-3;
 /// Arguments that make no sense for any scene.
 pub(super) fn options(options: &Options) -> Result<()> {
     for (argument, value) in [("near", options.near), ("far", options.far)] {
-        if let Some(value) = value.filter(|value| !value.is_finite() || *value < 0.0) {
-            return Err(Error::usage(argument, value, "a distance, 0 or more"));
+        if let Some(value) = value.filter(|value| !(0.0..=LENGTH).contains(value)) {
+            return Err(Error::usage(argument, value, format!("a distance from 0 to {LENGTH}")));
         }
     }
     if let (Some(near), Some(far)) = (options.near, options.far)
@@ -36,8 +37,8 @@ pub(super) fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<D
     if matrix.dim() != (4, 4) {
         return bad(format!("shape {:?}", matrix.shape()), "shape [4, 4]");
     }
-    if let Some(((i, j), x)) = matrix.indexed_iter().find(|(_, x)| !x.is_finite()) {
-        return bad(format!("{x} in row {i}, column {j}"), "finite numbers");
+    if let Some(((i, j), x)) = matrix.indexed_iter().find(|(_, x)| !(-LENGTH..=LENGTH).contains(*x)) {
+        return bad(format!("{x} in row {i}, column {j}"), "finite numbers, none beyond 1e9");
     }
     let row: [f64; 4] = std::array::from_fn(|j| matrix[[3, j]]);
     if (0..4).any(|j| (row[j] - [0.0, 0.0, 0.0, 1.0][j]).abs() > RIGID) {
@@ -64,7 +65,7 @@ pub(super) fn opengl_to_opencv(c2w: DMat4) -> DMat4 {
 
 /// A focal length: finite and positive.
 pub(super) fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
-    if value.is_finite() && value > 0.0 {
+    if value > 0.0 && value <= LENGTH {
         return Ok(value);
     }
     let remedy = "Give the focal length in pixels.";
