@@ -69,7 +69,7 @@
 //!
 //! Rooms, from the ground up: each may import those before it; `tests/architecture` reads this list and fails on anything else.
 //!
-//! 1. the ground: [`error`], [`shown`], [`limits`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`]
+//! 1. the ground: [`shown`], [`error`], [`limits`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`]
 //!    (the choices that differ between right implementations), [`files`]
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],

@@ -7,7 +7,9 @@ pub fn shown(text: &str) -> Cow<'_, str> {
     if !text.contains(hidden) {
         return Cow::Borrowed(text);
     }
-    Cow::Owned(text.chars().map(|c| if hidden(c) { c.escape_unicode().to_string() } else { c.into() }).collect())
+    Cow::Owned(
+        text.chars().map(|c| if hidden(c) { c.escape_unicode().to_string() } else { c.into() }).collect(),
+    )
 }
 
 /// The same, but with its line ends and tabs: of a text that has lines of its own.
@@ -16,10 +18,14 @@ pub fn lines(text: &str) -> Cow<'_, str> {
     if !text.contains(|c| hidden(c) && !breaks(c)) {
         return Cow::Borrowed(text);
     }
-    Cow::Owned(text.split_inclusive(breaks).map(|line| {
-        let (text, end) = line.split_at(line.len() - usize::from(line.ends_with(breaks)));
-        shown(text).into_owned() + end
-    }).collect())
+    Cow::Owned(
+        text.split_inclusive(breaks)
+            .map(|line| {
+                let (text, end) = line.split_at(line.len() - usize::from(line.ends_with(breaks)));
+                shown(text).into_owned() + end
+            })
+            .collect(),
+    )
 }
 
 /// JSON as it may be shown: the same object, with such characters in its strings as `\u009b`. (serde_json does so below space alone.)

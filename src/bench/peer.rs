@@ -48,7 +48,8 @@ impl Peer {
     /// # Errors
     /// Where it can't be started, fails, takes too long, or prints too much or no object.
     pub fn round(&mut self) -> Result<()> {
-        let output = program::run(&self.command, PEER_TIME, PEER_OUTPUT).map_err(|found| self.error(found))?;
+        let output =
+            program::run(&self.command, PEER_TIME, PEER_OUTPUT).map_err(|found| self.error(found))?;
         if !output.status.success() {
             let words = String::from_utf8_lossy(&output.stderr);
             let last = words.lines().last().unwrap_or("").to_string();

@@ -88,7 +88,10 @@ fn listen(child: &mut Child, until: Instant, most: u64) -> Result<Said, End> {
 fn stop(child: &mut Child) {
     // One that has ended meanwhile can't be stopped, and needn't.
     #[cfg(unix)]
-    let _ = rustix::process::kill_process_group(rustix::process::Pid::from_child(child), rustix::process::Signal::KILL);
+    let _ = rustix::process::kill_process_group(
+        rustix::process::Pid::from_child(child),
+        rustix::process::Signal::KILL,
+    );
     let _ = child.kill();
     let _ = child.wait();
 }
@@ -101,7 +104,10 @@ mod tests {
     fn a_program_has_a_time_and_a_number_of_bytes() {
         let run = |command: &str| run(command, Duration::from_millis(700), 1000);
         let said = run("echo out; echo err >&2; exit 3").unwrap();
-        assert_eq!((said.status.code(), &said.stdout[..], &said.stderr[..]), (Some(3), &b"out\n"[..], &b"err\n"[..]));
+        assert_eq!(
+            (said.status.code(), &said.stdout[..], &said.stderr[..]),
+            (Some(3), &b"out\n"[..], &b"err\n"[..])
+        );
         let start = Instant::now();
         // Also one whose child keeps the pipes, and one that closes them and goes on.
         for endless in ["sleep 60", "sleep 60 & exit 0", "exec >&- 2>&-; sleep 60"] {

@@ -60,8 +60,8 @@ pub(super) fn open(run: &std::path::Path, backend: Backend, test_images: bool) -
     let file = folder.file("run.json").display().to_string();
     recorded::check(&settings, &file)?;
     settings.insert("backend".into(), json!(backend));
-    let scene = load_scene(&settings, test_images, &file)?;
-    let mut model = build(&settings, &scene)?;
+    let scene = load_scene(&settings, test_images, &file).map_err(|error| recorded::named(error, &file))?;
+    let mut model = build(&settings, &scene).map_err(|error| recorded::named(error, &file))?;
     recorded::check_same(&settings, &scene, &*model, &file)?;
     let (state, step, ..) = folder.load()?;
     sound::restore(&mut *model, &state, step, &folder.file("checkpoint.npz").display().to_string())?;

@@ -20,6 +20,7 @@ use crate::ray::{PixelDraw, Ray, camera_ray, pixel_position};
 use crate::report::inspect;
 use crate::sample::sample_along_ray;
 use crate::scene::{self, Frame, Options, Scene, random_pixel};
+use crate::shown::shown;
 
 /// Options of `inspect`.
 #[derive(clap::Args, Clone, Debug)]
@@ -171,10 +172,11 @@ fn text(scene: &Scene, files: &[String; 2]) -> String {
         scene.val.len(),
         scene.test.len()
     );
-    let mut lines = vec![scene.name.clone(), format!("frames: {counts}"), format!("size: {width}x{height}")];
+    let mut lines =
+        vec![shown(&scene.name).into_owned(), format!("frames: {counts}"), format!("size: {width}x{height}")];
     lines.extend(
         scene.reasons.iter().map(|(field, why)| format!("{field}: {}", why.as_str().unwrap_or_default())),
     );
-    lines.extend(files.iter().map(|file| format!("written: {file}")));
+    lines.extend(files.iter().map(|file| format!("written: {}", shown(file))));
     lines.join("\n  ") + "\n"
 }

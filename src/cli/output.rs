@@ -21,7 +21,8 @@ static LOST: AtomicBool = AtomicBool::new(false);
 /// # Errors
 /// Where stdout doesn't take it: a full disk, a closed pipe.
 pub(super) fn print(json: bool, object: &Value, text: &str) -> Result<()> {
-    let text = if json { json_escaped(&object.to_string()).into_owned() + "\n" } else { lines(text).into_owned() };
+    let text =
+        if json { json_escaped(&object.to_string()).into_owned() + "\n" } else { lines(text).into_owned() };
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|source| Error::Io {
         path: "stdout".into(),

@@ -43,6 +43,19 @@ pub(super) fn check(run: &Map<String, Value>, file: &str) -> Result<()> {
     RUN.check(file, "", &Value::Object(run.clone()), REMEDY)
 }
 
+/// An error about a scene or an option that nobody gave on the command line: `file` names them.
+pub(super) fn named(error: Error, file: &str) -> Error {
+    match error {
+        Error::Input(input) if input.file != file => {
+            Error::Input(Input { remedy: format!("{} It is {file} that names it.", input.remedy), ..input })
+        }
+        Error::Usage { argument, found, expected } => {
+            Error::input(Input { file, field: argument, found, expected, remedy: REMEDY })
+        }
+        other => other,
+    }
+}
+
 /// What a scene gives where the options leave it open, as `run.json` has it.
 pub(super) fn derived(scene: &Scene) -> Value {
     let (width, height) = scene.size();
@@ -57,7 +70,12 @@ pub(super) fn derived(scene: &Scene) -> Value {
 ///
 /// # Errors
 /// Where a value was another one when the run was trained.
-pub(super) fn check_same(run: &Map<String, Value>, scene: &Scene, model: &dyn Model, file: &str) -> Result<()> {
+pub(super) fn check_same(
+    run: &Map<String, Value>,
+    scene: &Scene,
+    model: &dyn Model,
+    file: &str,
+) -> Result<()> {
     let (derived, settings) = (derived(scene), Value::Object(model.settings()));
     // Reasons are words; how many test frames are loaded depends on what for.
     let words = ["reasons", "test_frames"];
@@ -65,7 +83,8 @@ pub(super) fn check_same(run: &Map<String, Value>, scene: &Scene, model: &dyn Mo
         for (name, had) in run.get(part).and_then(Value::as_object).into_iter().flatten() {
             let now = now.get(name).unwrap_or(&Value::Null);
             if !words.contains(&name.as_str()) && !same(had, now) {
-                let (field, expected) = (format!("{part}.{name}"), format!("{}, which its scene and options give", short(now)));
+                let (field, expected) =
+                    (format!("{part}.{name}"), format!("{}, which its scene and options give", short(now)));
                 return Err(Error::input(Input { file, field, found: short(had), expected, remedy: REMEDY }));
             }
         }

@@ -8,7 +8,8 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::options::{
-    Backend, at_most, color, distance, finite_number, none_or, positive, positive_number, scale, steps, threads,
+    Backend, at_most, color, distance, finite_number, none_or, positive, positive_number, scale, steps,
+    threads,
 };
 use super::spelling::spelled;
 use super::{output, progress, recipe, recorded};
@@ -167,7 +168,12 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     left_out(&model.settings()).iter().for_each(|line| output::say(line));
     let mut settings = run_json(args, &recipe, &scene, &*model);
     if args.resume {
-        recorded::check_same(&folder.settings()?, &scene, &*model, &folder.file("run.json").display().to_string())?;
+        recorded::check_same(
+            &folder.settings()?,
+            &scene,
+            &*model,
+            &folder.file("run.json").display().to_string(),
+        )?;
     }
     let options = end(args);
     let mut run = Run::new(&mut *model, &scene, &folder, &options)?;

@@ -45,7 +45,8 @@ impl Holds {
     /// Whether a value is such.
     fn holds(&self, value: &Value) -> bool {
         let number = |low: f64, high: f64| value.as_f64().is_some_and(|x| (low..=high).contains(&x));
-        let list = |check: &dyn Fn(&Value) -> bool| value.as_array().is_some_and(|list| list.iter().all(check));
+        let list =
+            |check: &dyn Fn(&Value) -> bool| value.as_array().is_some_and(|list| list.iter().all(check));
         let long = |n: usize| value.as_array().is_some_and(|list| list.len() == n);
         match *self {
             Number(low, high) => number(low, high),
@@ -101,6 +102,8 @@ impl fmt::Display for Holds {
         match *self {
             Number(low, high) if high < f64::MAX => write!(f, "a number from {low} to {high}"),
             Number(..) => write!(f, "a number"),
+            Above(0.0, f64::MAX) => write!(f, "a positive number"),
+            Above(0.0, high) => write!(f, "a positive number, at most {high}"),
             Above(low, high) => write!(f, "a number above {low}, at most {high}"),
             Whole(low, high) => write!(f, "a whole number from {low} to {high}"),
             Flag => write!(f, "true or false"),
@@ -246,6 +249,8 @@ mod tests {
         assert_eq!(said(json!({"b": "x"})), "run.json: a: found no such field; expected true or false. Do.");
         assert_eq!(said(json!({"a": true, "b": 1})), "run.json: b: found 1; expected null or text. Do.");
         let inner = said(json!({"a": true, "c": {"d": "x".repeat(100)}}));
-        assert!(inner.starts_with("run.json: c.d: found \"xxx") && inner.contains("x...; expected true or false"));
+        assert!(
+            inner.starts_with("run.json: c.d: found \"xxx") && inner.contains("x...; expected true or false")
+        );
     }
 }

@@ -178,7 +178,10 @@ impl Npz {
         // No archive can unpack to more than this: such a shape is false, and not worth the memory to find out.
         let packed = entry.compressed_size();
         if declared > packed.saturating_mul(DEFLATE) {
-            return Err((format!("{packed} packed bytes for {:?}", header.shape()), format!("{declared} bytes")));
+            return Err((
+                format!("{packed} packed bytes for {:?}", header.shape()),
+                format!("{declared} bytes"),
+            ));
         }
         // The file's bytes, and the elements made of them.
         limits::short_of((declared + held) as f64).map_or(Ok(()), Err)?;
@@ -215,7 +218,11 @@ fn sizes(header: &NpyHeader) -> (u64, u64) {
 /// As [`Npz::open`] and [`Npz::array`].
 pub fn read(path: &Path) -> Result<Arrays> {
     let mut npz = Npz::open(path)?;
-    limits::fits(path.display(), 2.0 * npz.unpacked_bytes() as f64, "Check that it is the file that was meant.")?;
+    limits::fits(
+        path.display(),
+        2.0 * npz.unpacked_bytes() as f64,
+        "Check that it is the file that was meant.",
+    )?;
     let names: Vec<String> = npz.names().map(String::from).collect();
     names.into_iter().map(|name| npz.array(&name).map(|array| (name, array))).collect()
 }

@@ -7,8 +7,8 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits, RgbIma
 use ndarray::{Array3, ArrayView3};
 
 use super::photo::Photo;
-use crate::error::{Error, Input, Result};
 use super::whole::whole;
+use crate::error::{Error, Input, Result};
 use crate::files;
 use crate::limits;
 
@@ -95,7 +95,8 @@ fn decode(path: &Path) -> Result<DynamicImage> {
 }
 
 fn wrong(path: &Path, found: impl ToString) -> Error {
-    let (expected, remedy) = ("a whole PNG, JPEG or GIF file", "Fetch it again, or save it again as PNG or JPEG.");
+    let (expected, remedy) =
+        ("a whole PNG, JPEG or GIF file", "Fetch it again, or save it again as PNG or JPEG.");
     Error::input(Input { file: path.display(), field: "picture", found, expected, remedy })
 }
 

@@ -23,7 +23,12 @@ pub fn open(path: &Path, most: u64) -> Result<File> {
     }
     if about.len() > most {
         let found = format!("{} bytes", about.len());
-        return refuse("size", found, format!("at most {most} bytes"), "Check that it is the file that was meant.");
+        return refuse(
+            "size",
+            found,
+            format!("at most {most} bytes"),
+            "Check that it is the file that was meant.",
+        );
     }
     File::open(path).map_err(Error::reading(path))
 }

@@ -1,11 +1,13 @@
 //! What every scene must satisfy, whichever file it came from.
 
-use glam::{DMat4, DVec4};
+use glam::{DMat4, DVec2, DVec4};
 use ndarray::{Array2, ArrayView2};
 
 use super::{Frame, Options};
+use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
 use crate::limits::LENGTH;
+use crate::ray::camera_ray;
 
 /// How far R R^T may be from the identity: three decimals, which is what hand-written poses have.
 const RIGID: f64 = 1e-3;
@@ -93,6 +95,26 @@ pub(super) fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
             let remedy = "Bring all pictures of a scene to one size, and its intrinsics with them.";
             return Err(Error::input(Input { file, field: &frame.name, found, expected, remedy }));
         }
+        lens(file, frame)?;
+    }
+    Ok(())
+}
+
+/// A lens that has rays along the whole border of the picture: one that folds over does so from the border inward.
+fn lens(file: &str, frame: &Frame) -> Result<()> {
+    let Camera { width, height, distortion, .. } = frame.camera;
+    if distortion.is_none() {
+        return Ok(());
+    }
+    let sides = |side: usize| [0.5, 0.5 * side as f64, side as f64 - 0.5];
+    for (u, v) in sides(width).into_iter().flat_map(|u| sides(height).map(|v| (u, v))) {
+        let named = |error| match error {
+            Error::Input(input) => {
+                Error::Input(Input { file: file.into(), field: format!("lens of {}", frame.name), ..input })
+            }
+            other => other,
+        };
+        camera_ray(&frame.camera, DVec2::new(u, v)).map_err(named)?;
     }
     Ok(())
 }

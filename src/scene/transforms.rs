@@ -184,11 +184,8 @@ impl Reader<'_> {
         let mut frames = Vec::with_capacity(named.len());
         let mut missing = Vec::new();
         let background = self.scene.background.map(|c| c as f32);
-        let paths: Vec<Option<PathBuf>> = if images {
-            named.iter().map(|(name, _)| transforms.picture(name)).collect()
-        } else {
-            vec![]
-        };
+        let paths: Vec<Option<PathBuf>> =
+            if images { named.iter().map(|(name, _)| transforms.picture(name)).collect() } else { vec![] };
         let bytes = parallel::map(paths.len(), |n| paths[n].as_deref().map_or(Ok(0), picture::held_bytes));
         let bytes = bytes.into_iter().sum::<Result<u64>>()? as f64;
         limits::fits(transforms.file(), bytes, "Make the pictures smaller, or list fewer of them.")?;

@@ -11,13 +11,13 @@ use zip::write::SimpleFileOptions;
 use super::ground::{Ground, RUN, words};
 
 /// An input that was drawn.
-pub struct Input {
+pub(crate) struct Input {
     /// What was done to which file, or the line of arguments.
-    pub what: String,
+    pub(crate) what: String,
     /// The arguments that hand it in.
-    pub args: Vec<String>,
+    pub(crate) args: Vec<String>,
     /// The name that a refusal must have in it.
-    pub name: String,
+    pub(crate) name: String,
 }
 
 /// Files, and the command that reads each.
@@ -37,8 +37,22 @@ const NUMBERS: [(&str, &[&str]); 5] = [
     (
         "train builtin:blob,size=4,views=2 --out out --steps 1",
         &[
-            "--near", "--far", "--seconds", "--stop-at-psnr", "--rays", "--samples", "--fine", "--lr", "--holdout", "--scale",
-            "--val-every", "--val-at", "--background", "--seed", "--threads", "--width",
+            "--near",
+            "--far",
+            "--seconds",
+            "--stop-at-psnr",
+            "--rays",
+            "--samples",
+            "--fine",
+            "--lr",
+            "--holdout",
+            "--scale",
+            "--val-every",
+            "--val-at",
+            "--background",
+            "--seed",
+            "--threads",
+            "--width",
         ],
     ),
     ("render run --out out/film.gif", &["--size", "--path", "--background", "--threads"]),
@@ -55,22 +69,57 @@ const NUMBERS: [(&str, &[&str]); 5] = [
 
 /// What is no number that any of them takes.
 const NO_NUMBERS: [&str; 20] = [
-    "NaN", "nan", "inf", "-inf", "infinity", "1e999", "", "x", "0x10", "1_000", "½", "1,x", "--", "true", "null", "1e-999x", "9e99999",
-    "\u{1b}[31m1", "1\n2", "١",
+    "NaN",
+    "nan",
+    "inf",
+    "-inf",
+    "infinity",
+    "1e999",
+    "",
+    "x",
+    "0x10",
+    "1_000",
+    "½",
+    "1,x",
+    "--",
+    "true",
+    "null",
+    "1e-999x",
+    "9e99999",
+    "\u{1b}[31m1",
+    "1\n2",
+    "١",
 ];
 
 /// What a JSON field may find in its place.
 fn values() -> Vec<Value> {
     let deep = (0..100).fold(json!(0), |inner, _| json!([inner]));
     vec![
-        json!(null), json!(true), json!(""), json!("0.5"), json!("\u{1b}]0;x\u{7}\u{202e}"), json!("a".repeat(5000)), json!([]), json!({}),
-        json!([0]), json!({"a": 1}), json!(-1), json!(0.5), json!(1e300), json!(-1e300), json!(u64::MAX), json!(i64::MIN), json!(1e-320),
-        json!([[1, 2], [3]]), json!(vec![0; 1000]), deep,
+        json!(null),
+        json!(true),
+        json!(""),
+        json!("0.5"),
+        json!("\u{1b}]0;x\u{7}\u{202e}"),
+        json!("a".repeat(5000)),
+        json!([]),
+        json!({}),
+        json!([0]),
+        json!({"a": 1}),
+        json!(-1),
+        json!(0.5),
+        json!(1e300),
+        json!(-1e300),
+        json!(u64::MAX),
+        json!(i64::MIN),
+        json!(1e-320),
+        json!([[1, 2], [3]]),
+        json!(vec![0; 1000]),
+        deep,
     ]
 }
 
 /// The commands of all good files.
-pub fn commands(_: &Ground) -> Vec<Vec<String>> {
+pub(crate) fn commands(_: &Ground) -> Vec<Vec<String>> {
     let folder = |line: &str| words(&line.replace("out/film.gif", "out"));
     let readers = READERS.iter().map(|(_, line)| folder(line));
     readers.chain([words(&format!("train {RUN} --out out")), words("evaluate run")]).collect()
@@ -97,7 +146,7 @@ impl Lot {
 }
 
 /// The `n`-th input: half of them JSON with another value, the others bytes, and one in eight a line of arguments.
-pub fn input(ground: &Ground, n: u64) -> Input {
+pub(crate) fn input(ground: &Ground, n: u64) -> Input {
     let mut lot = Lot { key: Key::new(1, Purpose::Cases), input: n, drawn: 0 };
     if n % 8 == 0 {
         return line(&mut lot);
@@ -115,9 +164,8 @@ fn line(lot: &mut Lot) -> Input {
     let (command, options) = *lot.of(&NUMBERS);
     let (option, value) = (*lot.of(options), *lot.of(&NO_NUMBERS));
     let mut args = words(command);
-    args.extend([option.to_string(), value.to_string()]);
-    let name = if value == "--" { "" } else { option.trim_start_matches('-') };
-    Input { what: format!("{command} {option} {value:?}"), args, name: name.into() }
+    args.push(format!("{option}={value}"));
+    Input { what: format!("{command} {option}={value:?}"), args, name: option.trim_start_matches('-').into() }
 }
 
 /// Puts a value in the place of another, or beside it, or takes one away.
@@ -185,8 +233,8 @@ fn damaged(ground: &Ground, file: &str, lot: &mut Lot) -> String {
 }
 
 /// Changes a file in a way that has a name.
-pub fn bytes(ground: &Ground, file: &str, put: &str) {
-    let path = ground.folder().join(file);
+pub(crate) fn bytes(ground: &Ground, file: &str, put: &str) {
+    let path = ground.touch(file);
     if let Some(cut) = put.strip_prefix("cut ") {
         // A percentage, or bytes from the end.
         let (good, cut) = (ground.bytes(file), cut.parse::<i64>().expect("a number"));
@@ -252,7 +300,11 @@ fn archive(wrong: &str) -> Vec<u8> {
         other => panic!("{other}?"),
     };
     let pose = [0.0, 0.0, -1.0, 4.0, 1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0f64];
-    let poses = [&header("'<f8'", "(2, 4, 4)")[..], &pose.repeat(2).iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>()].concat();
+    let poses = [
+        &header("'<f8'", "(2, 4, 4)")[..],
+        &pose.repeat(2).iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>(),
+    ]
+    .concat();
     let focal = [&header("'<f8'", "()")[..], &8f64.to_le_bytes()].concat();
     let mut zip = zip::ZipWriter::new(Cursor::new(vec![]));
     for (name, bytes) in [("images_train", &images), ("c2ws_train", &poses), ("focal", &focal)] {

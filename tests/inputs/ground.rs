@@ -1,5 +1,6 @@
 //! Good files of every kind that the program reads, small, in a folder of their own.
 
+use std::cell::RefCell;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -11,10 +12,12 @@ use serde_json::{Value, json};
 use super::Ended;
 
 /// A folder with the good files; those that a test has changed come back by `restore`.
-pub struct Ground {
+pub(crate) struct Ground {
     folder: tempfile::TempDir,
     /// Every good file, by its path in the folder.
     files: Vec<(PathBuf, Vec<u8>)>,
+    /// Those that may be others by now.
+    touched: RefCell<Vec<String>>,
 }
 
 /// Two cameras 4 from the origin, along x and along y, looking at it: rows of OpenGL poses.
@@ -24,21 +27,31 @@ const POSES: [[[f64; 4]; 4]; 2] = [
 ];
 
 /// The options of the run in `run/`.
-pub const RUN: &str = "builtin:blob,size=8,views=2 --model nerf --width 8 --rays 8 --samples 4 --steps 2";
+pub(crate) const RUN: &str =
+    "builtin:blob,size=8,views=2 --model nerf --width 8 --rays 8 --samples 4 --steps 2";
 
 impl Ground {
     /// Writes the good files; those of a run are written by the program.
-    pub fn new(run: impl Fn(&Path, &[String]) -> Ended) -> Ground {
-        let ground = Ground { folder: tempfile::tempdir().expect("a folder"), files: vec![] };
+    pub(crate) fn new(run: impl Fn(&Path, &[String]) -> Ended) -> Ground {
+        let ground = Ground {
+            folder: tempfile::tempdir().expect("a folder"),
+            files: vec![],
+            touched: RefCell::default(),
+        };
         let folder = ground.folder();
         fs::create_dir(folder.join("scene")).expect("a folder");
         fs::write(folder.join("scene/transforms.json"), transforms().to_string()).expect("written");
         for name in ["a.png", "b.png"] {
-            let picture = RgbaImage::from_fn(6, 4, |i, j| Rgba([40 * i as u8, 60 * j as u8, 128, 255 - i as u8]));
+            let picture =
+                RgbaImage::from_fn(6, 4, |i, j| Rgba([40 * i as u8, 60 * j as u8, 128, 255 - i as u8]));
             picture.save(folder.join("scene").join(name)).expect("written");
         }
         let photo = RgbImage::from_fn(24, 18, |i, j| Rgb([10 * i as u8, 14 * j as u8, (i * j) as u8]));
-        for (name, format) in [("photo.png", ImageFormat::Png), ("photo.jpg", ImageFormat::Jpeg), ("photo.gif", ImageFormat::Gif)] {
+        for (name, format) in [
+            ("photo.png", ImageFormat::Png),
+            ("photo.jpg", ImageFormat::Jpeg),
+            ("photo.gif", ImageFormat::Gif),
+        ] {
             photo.save_with_format(folder.join(name), format).expect("written");
         }
         npz::write(&folder.join("cs180.npz"), &cs180(), true).expect("written");
@@ -52,7 +65,8 @@ impl Ground {
     fn remembered(mut self) -> Ground {
         let mut left = vec![self.folder()];
         while let Some(folder) = left.pop() {
-            for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+            for entry in fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path())
+            {
                 if entry.is_dir() {
                     left.push(entry);
                 } else {
@@ -65,49 +79,73 @@ impl Ground {
     }
 
     /// The same files in another folder.
-    pub fn copy(&self) -> Ground {
-        let copy = Ground { folder: tempfile::tempdir().expect("a folder"), files: self.files.clone() };
-        copy.restore();
+    pub(crate) fn copy(&self) -> Ground {
+        let (folder, files) = (tempfile::tempdir().expect("a folder"), self.files.clone());
+        let copy = Ground { folder, files, touched: RefCell::default() };
+        self.files.iter().for_each(|(name, bytes)| copy.write(&name.to_string_lossy(), bytes));
+        copy.touched.take();
         copy
     }
 
     /// Where they lie.
-    pub fn folder(&self) -> PathBuf {
+    pub(crate) fn folder(&self) -> PathBuf {
         self.folder.path().to_path_buf()
     }
 
     /// The good bytes of a file.
-    pub fn bytes(&self, name: &str) -> Vec<u8> {
+    pub(crate) fn bytes(&self, name: &str) -> Vec<u8> {
         let file = self.files.iter().find(|(path, _)| path == Path::new(name));
         file.unwrap_or_else(|| panic!("no good {name}")).1.clone()
     }
 
     /// The good JSON of a file.
-    pub fn json(&self, name: &str) -> Value {
+    pub(crate) fn json(&self, name: &str) -> Value {
         serde_json::from_slice(&self.bytes(name)).expect("JSON")
     }
 
-    /// Writes a file that the others stand beside.
-    pub fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
-        let path = self.folder().join(name);
+    /// The path of a file that may be changed there.
+    pub(crate) fn touch(&self, name: &str) -> PathBuf {
+        self.touched.borrow_mut().push(name.into());
+        self.folder().join(name)
+    }
+
+    /// Writes a file in the place of a good one.
+    pub(crate) fn write(&self, name: &str, bytes: impl AsRef<[u8]>) {
+        let path = self.touch(name);
         fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
         fs::write(path, bytes).expect("written");
     }
 
     /// Puts all files back, and takes away what was written besides.
-    pub fn restore(&self) {
-        for entry in fs::read_dir(self.folder()).expect("a folder").map(|entry| entry.expect("an entry").path()) {
-            let gone = if entry.is_dir() { fs::remove_dir_all(&entry) } else { fs::remove_file(&entry) };
-            gone.expect("removed");
+    pub(crate) fn restore(&self) {
+        for entry in
+            fs::read_dir(self.folder()).expect("a folder").map(|entry| entry.expect("an entry").path())
+        {
+            let name = entry.file_name().expect("a name");
+            if !self.files.iter().any(|(path, _)| path.starts_with(name)) {
+                remove(&entry);
+            }
         }
-        for (name, bytes) in &self.files {
-            self.write(&name.to_string_lossy(), bytes);
+        for name in self.touched.take() {
+            remove(&self.folder().join(&name));
+            self.write(&name, self.bytes(&name));
         }
+        self.touched.take();
+    }
+}
+
+/// Takes away a file or a folder, if it is there.
+fn remove(path: &Path) {
+    let about = fs::symlink_metadata(path);
+    match about.map(|about| about.is_dir()) {
+        Ok(true) => fs::remove_dir_all(path).expect("removed"),
+        Ok(false) => fs::remove_file(path).expect("removed"),
+        Err(_) => {}
     }
 }
 
 /// A line of arguments, split at spaces.
-pub fn words(line: &str) -> Vec<String> {
+pub(crate) fn words(line: &str) -> Vec<String> {
     line.split(' ').filter(|word| !word.is_empty()).map(String::from).collect()
 }
 

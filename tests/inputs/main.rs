@@ -79,7 +79,8 @@ fn run(folder: &Path, args: &[String]) -> Ended {
 
 fn takes_threads(args: &[String]) -> bool {
     let command = args.first().map(String::as_str);
-    matches!(command, Some("train" | "render" | "evaluate" | "fit-image")) && !args.iter().any(|a| a == "--threads")
+    matches!(command, Some("train" | "render" | "evaluate" | "fit-image"))
+        && !args.iter().any(|a| a == "--threads")
 }
 
 /// What is wrong with the way a program ended on an input, if anything is. `names` must be in the message of a refusal.
@@ -92,7 +93,9 @@ fn complaint(ended: &Ended, names: &[&str]) -> Option<String> {
         Some(0..=2) if stderr.contains("panicked") => Some("a panic".into()),
         Some(0..=2) if moves(stdout) || moves(stderr) => Some("control characters".into()),
         Some(0 | 1) => None,
-        Some(2) if !["error: ", "Usage: "].iter().any(|head| stderr.contains(head)) => Some("no message".into()),
+        Some(2) if !["error: ", "Usage: "].iter().any(|head| stderr.contains(head)) => {
+            Some("no message".into())
+        }
         Some(2) => missing.map(|name| format!("no {name:?} in the message")),
         Some(code) => Some(format!("exit code {code}")),
     }
@@ -100,25 +103,25 @@ fn complaint(ended: &Ended, names: &[&str]) -> Option<String> {
 
 /// Does `work` for 0, 1, ... n - 1 on all cores, each with its own copy of the good files; gathers what it returns.
 fn on_all_cores<T: Send>(n: usize, work: impl Fn(&Ground, usize) -> T + Sync) -> Vec<T> {
-    let (next, all) = (AtomicUsize::new(0), Mutex::new(vec![]));
+    let (counter, gathered) = (AtomicUsize::new(0), Mutex::new(vec![]));
     let first = Ground::new(run);
     let cores = thread::available_parallelism().map_or(1, usize::from);
+    let (next, all, work) = (&counter, &gathered, &work);
     thread::scope(|scope| {
-        for _ in 0..cores {
-            scope.spawn(|| {
-                let ground = first.copy();
+        for ground in (0..cores).map(|_| first.copy()) {
+            scope.spawn(move || {
                 loop {
-                    let n_th = next.fetch_add(1, Ordering::Relaxed);
-                    if n_th >= n {
+                    let this = next.fetch_add(1, Ordering::Relaxed);
+                    if this >= n {
                         break;
                     }
-                    let done = work(&ground, n_th);
+                    let done = work(&ground, this);
                     all.lock().expect("no panic").push(done);
                 }
             });
         }
     });
-    all.into_inner().expect("no panic")
+    gathered.into_inner().expect("no panic")
 }
 
 #[test]
