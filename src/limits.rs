@@ -13,8 +13,6 @@
 //!
 //! What depends on several of these is estimated and compared with the memory that the machine has left: [`fits`].
 
-use std::time::Duration;
-
 use crate::error::{Error, Input, Result};
 
 /// Bytes of a text file: a `transforms.json` of 100,000 frames has 60 MB.
@@ -73,7 +71,7 @@ pub(crate) const ROUNDS: usize = 1000;
 
 /// Wall clock of one round of another program.
 #[cfg(feature = "cli")]
-pub(crate) const PEER_TIME: Duration = Duration::from_secs(600);
+pub(crate) const PEER_TIME: std::time::Duration = std::time::Duration::from_secs(600);
 
 /// Bytes that it may print in a round, on stdout and on stderr.
 #[cfg(feature = "cli")]

@@ -76,12 +76,12 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         quick: args.quick,
         peer: args.peer.clone(),
     };
-    let mut report = parallel::with_threads(args.threads, || {
-        bench::run(&suites, &scalings, layers, &options, |what| output::say(what))
+    let mut report = parallel::on_threads(args.threads, || {
+        bench::run(&suites, &scalings, layers, &options, output::say)
     })?;
     if let Some((mut system, scene)) = system.filter(|_| whole) {
-        let rows = || bench::system::rows(&mut *system, scene, &options, |what| output::say(what));
-        let (rows, scaling) = parallel::with_threads(args.threads, rows)?;
+        let rows = || bench::system::rows(&mut *system, scene, &options, output::say);
+        let (rows, scaling) = parallel::on_threads(args.threads, rows)?;
         report.system = rows;
         report.scaling.extend(scaling);
         report.stamp();
@@ -89,7 +89,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let (mut object, mut text) = (report.json(), report.text());
     if let Some(trained) = trained.as_mut().filter(|_| steps) {
         let compare = || nerf_step::compare(&mut *trained.model, &trained.scene, options.rounds);
-        let step = parallel::with_threads(args.threads, compare)?;
+        let step = parallel::on_threads(args.threads, compare)?;
         if step.is_none() && suites.is_empty() && layers.is_empty() && !whole {
             return Err(Error::usage(
                 "--run",

@@ -70,7 +70,7 @@ pub(super) fn open(run: &std::path::Path, backend: Backend, test_images: bool) -
 
 /// Runs `evaluate`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let trained = open(&args.run, args.backend, args.split == Split::Test)?;
         let frames = match args.split {
             Split::Val => &trained.scene.val,

@@ -59,7 +59,7 @@ pub(super) struct Args {
 
 /// Runs `fit-image`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let target = load(&args.image, args.size)?;
         let settings = settings(args);
         fits(&target, &[&settings], settings.steps as f64 / 100.0)?;

@@ -109,7 +109,7 @@ struct Row {
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let mut combinations = pairwise(args.megapixels);
     combinations.truncate(args.runs.unwrap_or(usize::MAX));
-    let rows: Vec<Row> = parallel::with_threads(args.threads, || {
+    let rows: Vec<Row> = parallel::on_threads(args.threads, || {
         let one = |(n, c): (usize, &Combination)| {
             let row = train(c, args.steps as u64)?;
             output::say(&format!("{} of {}: {}", n + 1, combinations.len(), cells(&row).join(" ")));

@@ -67,7 +67,7 @@ fn path(text: &str) -> Result<CameraPath, String> {
 
 /// Runs `render`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let (frames, out) = (render(args)?, args.out.display().to_string());
         output::print(json, &json!({"out": out, "frames": frames}), &format!("{out}: {frames} frames\n"))?;
         Ok(ExitCode::SUCCESS)

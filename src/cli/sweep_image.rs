@@ -68,7 +68,7 @@ impl Row {
 
 /// Runs `sweep-image`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let target = fit_image::load(&args.image, args.size)?;
         let all = combinations(args);
         fit_image::fits(&target, &all.iter().collect::<Vec<_>>(), all.len() as f64)?;

@@ -128,7 +128,7 @@ pub(super) enum Kind {
 
 /// Runs `train`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let summary = train(args)?;
         output::print(json, &summary.object, &summary.text)?;
         Ok(match &summary.failure {

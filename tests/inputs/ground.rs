@@ -30,6 +30,9 @@ const POSES: [[[f64; 4]; 4]; 2] = [
 pub(crate) const RUN: &str =
     "builtin:blob,size=8,views=2 --model nerf --width 8 --rays 8 --samples 4 --steps 2";
 
+/// Those of the run in `compact/`, which is large for a test: 24 MB.
+const COMPACT: &str = "builtin:blob,size=4,views=2 --steps 2";
+
 impl Ground {
     /// Writes the good files; those of a run are written by the program.
     pub(crate) fn new(run: impl Fn(&Path, &[String]) -> Ended) -> Ground {
@@ -56,9 +59,10 @@ impl Ground {
         }
         npz::write(&folder.join("cs180.npz"), &cs180(), true).expect("written");
         npz::write(&folder.join("tiny.npz"), &tiny_nerf(), false).expect("written");
-        let args = words(&format!("train {RUN} --out run"));
-        let ended = run(&folder, &args);
-        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        for args in [format!("train {RUN} --out run"), format!("train {COMPACT} --out compact")] {
+            let ended = run(&folder, &words(&args));
+            assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        }
         ground.remembered()
     }
 

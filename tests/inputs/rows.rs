@@ -27,6 +27,9 @@ fn reader(file: &str) -> &'static str {
         "cs180.npz" => "inspect cs180.npz --rays 1 --samples 1 --out out",
         "tiny.npz" => "inspect tiny.npz --rays 1 --samples 1 --out out",
         "run/run.json" | "run/checkpoint.npz" => "render run --path orbit:1 --size 2x2 --out out.gif",
+        "compact/run.json" | "compact/checkpoint.npz" => {
+            "render compact --path orbit:1 --size 2x2 --out out.gif"
+        }
         "photo.png" => "fit-image photo.png --steps 1 --width 2 --layers 1 --batch 2 --size 4 --out out",
         "photo.jpg" => "fit-image photo.jpg --steps 1 --width 2 --layers 1 --batch 2 --size 4 --out out",
         "photo.gif" => "fit-image photo.gif --steps 1 --width 2 --layers 1 --batch 2 --size 4 --out out",
@@ -149,9 +152,11 @@ pub(crate) fn all() -> Vec<Row> {
         SCENE.iter().map(|&(place, put, says)| Row::Json { file: "scene/transforms.json", place, put, says });
     let run = SETTINGS.iter().map(|&(place, put, says)| Row::Json { file: "run/run.json", place, put, says });
     let arrays = ARRAYS.iter().map(|&(file, array, put, says)| Row::Array { file, array, put, says });
+    let compact =
+        COMPACT.iter().map(|&(place, put, says)| Row::Json { file: "compact/run.json", place, put, says });
     let bytes = BYTES.iter().map(|&(file, put, says)| Row::Bytes { file, put, says });
     let lines = LINES.iter().map(|&(line, says)| Row::Line { line, says });
-    scene.chain(run).chain(arrays).chain(bytes).chain(lines).collect()
+    scene.chain(run).chain(compact).chain(arrays).chain(bytes).chain(lines).collect()
 }
 
 /// `transforms.json`: a place, what is put there, part of the message.
@@ -233,6 +238,13 @@ const SETTINGS: &[(&str, &str, &str)] = &[
     ("/threads", "\"2\"", "threads"), ("/threads", "0", "threads"), ("/warnings", "\"none\"", "warnings"), ("/warnings", "[1]", "warnings"), ("/failure", "7", "failure"),
 ];
 
+/// `run.json` of a compact run.
+#[rustfmt::skip]
+const COMPACT: &[(&str, &str, &str)] = &[
+    ("/model", "\"nerf\"", "settings."), ("/fine", "8", "--fine"), ("/width", "8", "--width"), ("/skip", "true", "--skip"), ("/lr", "1", "settings.lr"), ("/rays", "1048576", "settings.rays"), ("/samples", "16384", "settings.samples"),
+    ("/without", "[\"stop\"]", "settings."), ("/settings/box_size", "1", "settings.box_size"), ("/settings/resolutions", "[16]", "settings.resolutions"), ("/settings/table", "\"1\"", "settings.table"), ("/settings/view_dependent", "0", "settings.view_dependent"), ("/settings/lr", "null", "settings.lr"),
+];
+
 /// Archives: the file, an array, what becomes of it, part of the message.
 #[rustfmt::skip]
 const ARRAYS: &[(&str, &str, &str, &str)] = &[
@@ -258,6 +270,11 @@ const ARRAYS: &[(&str, &str, &str, &str)] = &[
     ("run/checkpoint.npz", "trunk0_w", "integers", "trunk0_w"), ("run/checkpoint.npz", "trunk0_b", "nan", "trunk0_b"), ("run/checkpoint.npz", "m.trunk0_w", "nan", "m.trunk0_w"),
     ("run/checkpoint.npz", "m.trunk0_w", "gone", "m.trunk0_w"), ("run/checkpoint.npz", "v.trunk0_w", "-1", "v.trunk0_w: found -1; expected finite numbers, 0 or more"),
     ("run/checkpoint.npz", "v.trunk0_w", "inf", "v.trunk0_w"), ("run/checkpoint.npz", "other", "new", "other: found an array that this model doesn't have"), ("run/checkpoint.npz", "fine.trunk0_w", "new", "fine.trunk0_w"),
+    ("compact/checkpoint.npz", "level0_param", "nan", "level0_param: found NaN"), ("compact/checkpoint.npz", "level0_param", "short", "level0_param"), ("compact/checkpoint.npz", "level0_param", "floats", "level0_param"), ("compact/checkpoint.npz", "level7_v", "-1", "level7_v: found -1"), ("compact/checkpoint.npz", "level3_m", "gone", "level3_m"),
+    ("compact/checkpoint.npz", "occupancy_density", "inf", "occupancy_density"), ("compact/checkpoint.npz", "occupancy_density", "empty", "occupancy_density"), ("compact/checkpoint.npz", "occupancy_density", "longer", "occupancy_density"), ("compact/checkpoint.npz", "occupancy_found", "short", "occupancy_found"), ("compact/checkpoint.npz", "occupancy_found", "nan", "occupancy_found"),
+    ("compact/checkpoint.npz", "occupancy_bits", "longer", "occupancy_bits"), ("compact/checkpoint.npz", "occupancy_bits", "gone", "occupancy_bits"), ("compact/checkpoint.npz", "occupancy_opaque", "none", "occupancy_opaque"), ("compact/checkpoint.npz", "occupancy_bits", "floats", "occupancy_bits"),
+    ("compact/checkpoint.npz", "compact_progress", "-5", "compact_progress"), ("compact/checkpoint.npz", "compact_progress", "1000000000000", "compact_progress"), ("compact/checkpoint.npz", "compact_progress", "empty", "compact_progress"), ("compact/checkpoint.npz", "compact_progress", "longer", "compact_progress"), ("compact/checkpoint.npz", "step", "1000000000000", "step"), ("compact/checkpoint.npz", "step", "1", "compact_progress"),
+    ("compact/checkpoint.npz", "level8_param", "new", "level8_param"), ("compact/checkpoint.npz", "trunk0_w", "new", "trunk0_w"),
 ];
 
 /// Files of other bytes: see `draw::bytes`.
