@@ -4,6 +4,7 @@
 #![cfg(unix)]
 
 use std::fs::{self, File};
+use std::io::{PipeWriter, pipe};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
@@ -18,6 +19,12 @@ fn program(args: &[&str]) -> Command {
 /// A device that takes nothing: writing to it is what a full disk answers.
 fn full() -> Option<File> {
     File::options().write(true).open("/dev/full").ok()
+}
+
+/// A pipe that nobody reads from any more.
+fn closed() -> PipeWriter {
+    let (_, writer) = pipe().expect("a pipe");
+    writer
 }
 
 fn ended(command: &mut Command) -> (Option<i32>, String) {
@@ -82,17 +89,13 @@ fn a_lost_warning_is_no_success() {
     assert_eq!(code, Some(2));
     assert!(dir.path().join("out/rays.npz").exists());
     // A closed pipe is the same.
-    let mut child = program(&args).current_dir(dir.path()).spawn().expect("the program starts");
-    drop(child.stderr.take());
-    assert_eq!(child.wait().expect("an end").code(), Some(2));
+    assert_eq!(ended(program(&args).current_dir(dir.path()).stderr(closed())).0, Some(2));
 }
 
 #[test]
 fn a_reader_that_has_enough_is_left_in_silence() {
     for args in [&["list"][..], &["list", "--json"], &["--help"]] {
-        let mut child = program(args).spawn().expect("the program starts");
-        drop(child.stdout.take());
-        let ended = child.wait_with_output().expect("an end");
+        let ended = program(args).stdout(closed()).output().expect("the program starts");
         assert_eq!(ended.status.code(), Some(141), "{args:?}");
         assert!(ended.stderr.is_empty(), "{args:?}: {}", String::from_utf8_lossy(&ended.stderr));
     }

@@ -76,9 +76,8 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         quick: args.quick,
         peer: args.peer.clone(),
     };
-    let mut report = parallel::on_threads(args.threads, || {
-        bench::run(&suites, &scalings, layers, &options, output::say)
-    })?;
+    let mut report =
+        parallel::on_threads(args.threads, || bench::run(&suites, &scalings, layers, &options, output::say))?;
     if let Some((mut system, scene)) = system.filter(|_| whole) {
         let rows = || bench::system::rows(&mut *system, scene, &options, output::say);
         let (rows, scaling) = parallel::on_threads(args.threads, rows)?;

@@ -241,7 +241,7 @@ const SETTINGS: &[(&str, &str, &str)] = &[
 /// `run.json` of a compact run.
 #[rustfmt::skip]
 const COMPACT: &[(&str, &str, &str)] = &[
-    ("/model", "\"nerf\"", "settings."), ("/fine", "8", "--fine"), ("/width", "8", "--width"), ("/skip", "true", "--skip"), ("/lr", "1", "settings.lr"), ("/rays", "1048576", "settings.rays"), ("/samples", "16384", "settings.samples"),
+    ("/model", "\"nerf\"", "settings."), ("/fine", "8", "--fine"), ("/width", "8", "--width"), ("/skip", "true", "--skip"), ("/lr", "1", "settings.lr"), ("/rays", "1048576", "settings."), ("/samples", "16384", "settings.samples"),
     ("/without", "[\"stop\"]", "settings."), ("/settings/box_size", "1", "settings.box_size"), ("/settings/resolutions", "[16]", "settings.resolutions"), ("/settings/table", "\"1\"", "settings.table"), ("/settings/view_dependent", "0", "settings.view_dependent"), ("/settings/lr", "null", "settings.lr"),
 ];
 
