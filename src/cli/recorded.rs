@@ -12,27 +12,26 @@ use crate::training::model::Model;
 
 const REMEDY: &str = "Put back what train wrote there, or train the run again.";
 
-const DISTANCE: Holds = Or(&Null, &Number(0.0, LENGTH));
-const COUNT: Holds = Or(&Null, &Whole(1, STEPS as u64));
-const POSITIVE: Holds = Or(&Null, &Above(0.0, f64::MAX));
-const NONE_OR_ANY: Holds = Or(&Null, &Anything);
+const DISTANCE: Holds = Maybe(&Number(0.0, LENGTH));
+const COUNT: Holds = Maybe(&Whole(1, STEPS as u64));
+const POSITIVE: Holds = Maybe(&Above(0.0, f64::MAX));
 
 /// The fields that decide what a run is; a run from before an option has no field for it.
 #[rustfmt::skip]
 const RUN: Holds = Object(&[
     ("scene", Text),
     ("scene_options", Object(&[
-        ("near", DISTANCE), ("far", DISTANCE), ("holdout", Or(&Null, &Whole(2, 1 << 24))), ("background", Or(&Null, &Numbers(3, 0.0, 1.0))),
-        ("shrink", Or(&Null, &Whole(1, 64))),
+        ("near", DISTANCE), ("far", DISTANCE), ("holdout", Maybe(&Whole(2, 1 << 24))), ("background", Maybe(&Numbers(3, 0.0, 1.0))),
+        ("shrink", Maybe(&Whole(1, 64))),
     ])),
     ("model", Word(&["compact", "nerf"])), ("backend", Word(&["fast", "reference"])), ("seed", Whole(0, u64::MAX)),
-    ("rays", Or(&Null, &Whole(1, RAYS as u64))), ("samples", Or(&Null, &Whole(1, SAMPLES as u64))),
-    ("fine", Or(&Null, &Whole(0, SAMPLES as u64))), ("lr", POSITIVE), ("width", Or(&Null, &Whole(1, WIDTH as u64))),
-    ("skip", Or(&Flag, &Flag)), ("steps", COUNT), ("without", Or(&List(&Text), &List(&Text))), ("version", Text),
+    ("rays", Maybe(&Whole(1, RAYS as u64))), ("samples", Maybe(&Whole(1, SAMPLES as u64))),
+    ("fine", Maybe(&Whole(0, SAMPLES as u64))), ("lr", POSITIVE), ("width", Maybe(&Whole(1, WIDTH as u64))),
+    ("skip", Maybe(&Flag)), ("steps", COUNT), ("without", Maybe(&List(&Text))), ("version", Text),
     ("derived", Object(&[])), ("reasons", Object(&[])), ("settings", Object(&[])),
-    ("end", Object(&[("steps", COUNT), ("seconds", POSITIVE), ("stop_at_psnr", Or(&Null, &Number(f64::MIN, f64::MAX)))])),
-    ("threads", Or(&Whole(1, 1 << 16), &Null)), ("machine", NONE_OR_ANY), ("warnings", Or(&List(&Text), &List(&Text))),
-    ("failure", Or(&Null, &Text)),
+    ("end", Object(&[("steps", COUNT), ("seconds", POSITIVE), ("stop_at_psnr", Maybe(&Number(f64::MIN, f64::MAX)))])),
+    ("threads", Maybe(&Whole(1, 1 << 16))), ("machine", Maybe(&Anything)), ("warnings", Maybe(&List(&Text))),
+    ("failure", Maybe(&Text)),
 ]);
 
 /// Checks each field of `run.json`.

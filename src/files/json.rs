@@ -15,8 +15,10 @@ pub enum Holds {
     Number(f64, f64),
     /// A number above the first, up to the second.
     Above(f64, f64),
-    /// A whole number from the first to the second (3.0 is one).
+    /// A whole number from the first to the second.
     Whole(u64, u64),
+    /// The same, where 3.0 is one too: exporters write 800.0 pixels.
+    Round(f64, f64),
     /// true or false.
     Flag,
     /// Text, not empty.
@@ -29,12 +31,12 @@ pub enum Holds {
     Rows(usize, usize),
     /// A list of such.
     List(&'static Holds),
-    /// An object with these fields, each of them there unless it is [`Holds::Or`].
+    /// An object with these fields, each of them there unless it is [`Holds::Maybe`].
     Object(&'static [(&'static str, Holds)]),
     /// Either.
     Or(&'static Holds, &'static Holds),
-    /// null.
-    Null,
+    /// Such, null, or no field at all.
+    Maybe(&'static Holds),
     /// Anything: of no consequence here.
     Anything,
 }
@@ -51,12 +53,8 @@ impl Holds {
         match *self {
             Number(low, high) => number(low, high),
             Above(low, high) => number(low, high) && value.as_f64() != Some(low),
-            Whole(low, high) => {
-                // A float may say it too: exporters write 800.0 pixels.
-                let float = value.as_f64().filter(|x| x.fract() == 0.0 && x.abs() < 9e15).map(|x| x as u64);
-                let negative = value.as_f64().is_some_and(|x| x < 0.0);
-                !negative && value.as_u64().or(float).is_some_and(|n| (low..=high).contains(&n))
-            }
+            Whole(low, high) => value.as_u64().is_some_and(|n| (low..=high).contains(&n)),
+            Round(low, high) => number(low, high) && value.as_f64().is_some_and(|x| x.fract() == 0.0),
             Flag => value.is_boolean(),
             Text => value.as_str().is_some_and(|text| !text.is_empty()),
             Word(words) => value.as_str().is_some_and(|word| words.contains(&word)),
@@ -68,7 +66,7 @@ impl Holds {
             List(holds) => list(&|x| holds.holds(x)),
             Object(_) => value.is_object(),
             Or(one, other) => one.holds(value) || other.holds(value),
-            Null => value.is_null(),
+            Maybe(holds) => value.is_null() || holds.holds(value),
             Anything => true,
         }
     }
@@ -86,7 +84,7 @@ impl Holds {
         for (name, holds) in *table {
             match object.get(*name) {
                 Some(value) => holds.check(file, &inner(name), value, remedy)?,
-                None if matches!(holds, Or(..) | Anything) => {}
+                None if matches!(holds, Maybe(_)) => {}
                 None => {
                     let (field, found) = (inner(name), "no such field");
                     return Err(Error::input(Input { file, field, found, expected: holds, remedy }));
@@ -106,6 +104,7 @@ impl fmt::Display for Holds {
             Above(0.0, high) => write!(f, "a positive number, at most {high}"),
             Above(low, high) => write!(f, "a number above {low}, at most {high}"),
             Whole(low, high) => write!(f, "a whole number from {low} to {high}"),
+            Round(low, high) => write!(f, "a whole number from {low} to {high}"),
             Flag => write!(f, "true or false"),
             Text => write!(f, "text"),
             Word(words) => write!(f, "{}", words.join(" or ")),
@@ -114,7 +113,7 @@ impl fmt::Display for Holds {
             List(holds) => write!(f, "a list, in it {holds}"),
             Object(_) => write!(f, "an object"),
             Or(one, other) => write!(f, "{one} or {other}"),
-            Null => write!(f, "null"),
+            Maybe(holds) => write!(f, "{holds} or null"),
             Anything => write!(f, "a value"),
         }
     }
@@ -232,22 +231,24 @@ mod tests {
         for (holds, good, bad) in [
             (Number(0.0, 1.0), json!([0, 1, 0.5]), json!([-0.1, 1.1, "0.5", null, true, [0.5]])),
             (Above(0.0, 9.0), json!([1e-9, 9]), json!([0, -1, 10])),
-            (Whole(1, 9), json!([1, 9, 4.0]), json!([0, 10, 1.5, -1, -1.0, 1e300, "1"])),
+            (Whole(1, 9), json!([1, 9]), json!([0, 10, 4.0, -1, 1e300, "1"])),
+            (Round(1.0, 9.0), json!([1, 9, 4.0]), json!([0, 10, 1.5, -1, -1.0, 1e300, "1"])),
             (Flag, json!([true, false]), json!([0, "true", null])),
             (Text, json!(["a"]), json!(["", 1, null])),
             (Word(&["a", "b"]), json!(["a", "b"]), json!(["c", 1])),
             (Numbers(2, 0.0, 1.0), json!([[0, 1]]), json!([[0], [0, 1, 1], [0, 2], ["0", 1], 0])),
             (Rows(1, 2), json!([[[0, 1]], [[0, 1], [2, 3]]]), json!([[[0]], [], [0, 1]])),
             (List(&Text), json!([[], ["a"]]), json!([["a", 1], "a"])),
-            (Or(&Null, &Flag), json!([null, true]), json!([0])),
+            (Or(&Text, &Flag), json!(["a", true]), json!([0, null])),
+            (Maybe(&Flag), json!([null, true]), json!([0])),
         ] {
             good.as_array().unwrap().iter().for_each(|x| assert!(fits(holds, x.clone()), "{holds}: {x}"));
             bad.as_array().unwrap().iter().for_each(|x| assert!(!fits(holds, x.clone()), "{holds}: {x}"));
         }
-        let table = Object(&[("a", Flag), ("b", Or(&Null, &Text)), ("c", Object(&[("d", Flag)]))]);
+        let table = Object(&[("a", Flag), ("b", Maybe(&Text)), ("c", Object(&[("d", Flag)]))]);
         let said = |value: Value| table.check("run.json", "", &value, "Do.").unwrap_err().to_string();
         assert_eq!(said(json!({"b": "x"})), "run.json: a: found no such field; expected true or false. Do.");
-        assert_eq!(said(json!({"a": true, "b": 1})), "run.json: b: found 1; expected null or text. Do.");
+        assert_eq!(said(json!({"a": true, "b": 1})), "run.json: b: found 1; expected text or null. Do.");
         let inner = said(json!({"a": true, "c": {"d": "x".repeat(100)}}));
         assert!(
             inner.starts_with("run.json: c.d: found \"xxx") && inner.contains("x...; expected true or false")

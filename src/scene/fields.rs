@@ -22,7 +22,7 @@ const FOCAL: Holds = Above(0.0, LENGTH);
 /// Fields that decide where a pixel's ray goes, and the box around the scene.
 #[rustfmt::skip]
 const READ: &[(&str, Holds)] = &[
-    ("w", Whole(1, SIDE as u64)), ("h", Whole(1, SIDE as u64)), ("fl_x", FOCAL), ("fl_y", FOCAL), ("cx", PIXEL), ("cy", PIXEL),
+    ("w", Round(1.0, SIDE as f64)), ("h", Round(1.0, SIDE as f64)), ("fl_x", FOCAL), ("fl_y", FOCAL), ("cx", PIXEL), ("cy", PIXEL),
     ("camera_angle_x", ANGLE), ("camera_angle_y", ANGLE), ("k1", LENS), ("k2", LENS), ("k3", LENS), ("k4", LENS), ("k5", LENS),
     ("k6", LENS), ("p1", LENS), ("p2", LENS), ("ftheta_p0", LENS), ("ftheta_p1", LENS), ("ftheta_p2", LENS), ("ftheta_p3", LENS),
     ("ftheta_p4", LENS), ("rolling_shutter", Or(&Numbers(3, -1e6, 1e6), &Numbers(4, -1e6, 1e6))), ("camera_model", Text),
@@ -40,8 +40,8 @@ const LEFT: &[(&str, Holds)] = &[
     ("enable_depth_loading", Flag), ("enable_ray_loading", Flag), ("integer_depth_scale", NUMBER), ("depth_unit_scale_factor", NUMBER),
     ("depth_path", Text), ("depth_file_path", Text), ("ply_file_path", Text), ("normal_path", Text), ("driver_parameters", Anything),
     ("applied_transform", Rows(3, 4)), ("applied_scale", Above(0.0, LENGTH)), ("orientation_override", Text),
-    ("auto_scale_poses_override", Flag), ("crop", Anything), ("colmap_im_id", Whole(0, 1 << 52)), ("colmap_id", Whole(0, 1 << 52)),
-    ("camera_id", Whole(0, 1 << 52)), ("camera_idx", Whole(0, 1 << 52)), ("cam_idx", Whole(0, 1 << 52)), ("frame_id", Anything),
+    ("auto_scale_poses_override", Flag), ("crop", Anything), ("colmap_im_id", Round(0.0, 9e15)), ("colmap_id", Round(0.0, 9e15)),
+    ("camera_id", Round(0.0, 9e15)), ("camera_idx", Round(0.0, 9e15)), ("cam_idx", Round(0.0, 9e15)), ("frame_id", Anything),
     ("rotation", NUMBER), ("timestamp", NUMBER), ("blur_score", NUMBER), ("name", Text), ("info", Anything), ("path", Anything),
 ];
 
@@ -51,7 +51,7 @@ const MISSED: &[(&str, Holds)] = &[
     ("train_filenames", List(&Text)),
     ("val_filenames", List(&Text)),
     ("test_filenames", List(&Text)),
-    ("n_frames", Whole(0, 1 << 52)),
+    ("n_frames", Round(0.0, 9e15)),
     ("x_fov", Above(0.0, 180.0)),
     ("y_fov", Above(0.0, 180.0)),
     ("envmap", Text),

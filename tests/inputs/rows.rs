@@ -224,7 +224,7 @@ const SETTINGS: &[(&str, &str, &str)] = &[
     ("/scene_options/shrink", "2", "derived."), ("/model", "", "model"), ("/model", "\"Nerf\"", "model: found \"Nerf\"; expected compact or nerf"), ("/model", "7", "model"),
     ("/model", "null", "model"), ("/backend", "\"slow\"", "backend"), ("/backend", "0", "backend"), ("/backend", "", "backend"), ("/seed", "-1", "seed"), ("/seed", "\"0\"", "seed"),
     ("/seed", "0.5", "seed"), ("/seed", "null", "seed"), ("/seed", "", "seed"), ("/seed", "1e300", "seed"), ("/rays", "\"8\"", "rays"), ("/rays", "0", "rays"), ("/rays", "-8", "rays"),
-    ("/rays", "9999999999999", "rays"), ("/rays", "8.5", "rays"), ("/rays", "[8]", "rays"), ("/rays", "16", "settings.rays"), ("/rays", "null", "settings.rays"), ("/samples", "0", "samples"),
+    ("/rays", "9999999999999", "rays"), ("/rays", "8.5", "rays"), ("/rays", "8.0", "rays: found 8.0"), ("/seed", "1.0", "seed: found 1.0"), ("/rays", "[8]", "rays"), ("/rays", "16", "settings.rays"), ("/rays", "null", "settings.rays"), ("/samples", "0", "samples"),
     ("/samples", "\"4\"", "samples"), ("/samples", "1e9", "samples"), ("/samples", "true", "samples"), ("/samples", "5", "settings.samples"), ("/samples", "", "settings.samples"),
     ("/fine", "-1", "fine"), ("/fine", "\"0\"", "fine"), ("/fine", "99999", "fine"), ("/fine", "4", "settings.fine"), ("/lr", "0", "lr"), ("/lr", "-1", "lr"), ("/lr", "\"1e-3\"", "lr"),
     ("/lr", "[]", "lr"), ("/lr", "0.25", "settings.lr"), ("/width", "0", "width"), ("/width", "\"8\"", "width"), ("/width", "4097", "width"), ("/width", "9", "settings.width"),
