@@ -296,6 +296,7 @@ fn archive(wrong: &str) -> Vec<u8> {
         "integer bomb" => [header("'|i1'", "(15, 4000, 4000, 3)"), vec![0; 1000]].concat(),
         "text array" => [header("'<U4'", "(2,)"), vec![0; 32]].concat(),
         "no header" => b"\x93NUMPY\x01\x00\xff".to_vec(),
+        "few nested brackets" => header(&"[".repeat(50), "(2,)"),
         "nested header" => header(&"[".repeat(5000), "(2,)"),
         other => panic!("{other}?"),
     };
