@@ -5,6 +5,8 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::shown::shown;
+
 /// Everything that can be wrong with a user's input. The program ends with exit code 2 on any of these.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -13,7 +15,7 @@ pub enum Error {
     #[error("{0}")]
     Input(Input),
     /// An argument that can't be used.
-    #[error("{argument}: found {found}; expected {expected}")]
+    #[error("{argument}: found {}; expected {expected}", shown(found))]
     Usage {
         /// Its name, e.g. `near`.
         argument: String,
@@ -23,7 +25,7 @@ pub enum Error {
         expected: String,
     },
     /// The operating system refused.
-    #[error("{}: {action}: {source}. {remedy}", path.display())]
+    #[error("{}: {action}: {source}. {remedy}", shown(&path.to_string_lossy()))]
     Io {
         /// The file or folder.
         path: PathBuf,
@@ -60,7 +62,10 @@ pub struct Input<File = String, Field = String, Found = String, Expected = Strin
 
 impl fmt::Display for Input {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Input { file, field, found, expected, remedy } = self;
+        // File names, array names and what was found come from outside.
+        let [file, field, found, expected] =
+            [&self.file, &self.field, &self.found, &self.expected].map(|text| shown(text));
+        let remedy = &self.remedy;
         write!(f, "{file}: {field}: found {found}; expected {expected}. {remedy}")
     }
 }

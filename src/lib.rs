@@ -69,8 +69,8 @@
 //!
 //! Rooms, from the ground up: each may import those before it; `tests/architecture` reads this list and fails on anything else.
 //!
-//! 1. the ground: [`error`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`] (the choices that differ
-//!    between right implementations), [`files`]
+//! 1. the ground: [`shown`], [`error`], [`limits`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`]
+//!    (the choices that differ between right implementations), [`files`]
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
@@ -99,10 +99,15 @@ pub mod error;
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub mod files;
+#[cfg(feature = "files")]
+#[doc(hidden)]
+pub mod limits;
 pub mod math;
 #[doc(hidden)]
 pub mod parallel;
 pub mod random;
+#[doc(hidden)]
+pub mod shown;
 #[cfg(feature = "fast")]
 #[doc(hidden)]
 pub mod simd;

@@ -2,16 +2,24 @@
 
 use rayon::prelude::*;
 
+use crate::error::{Error, Result};
+
 /// Runs `work` with `threads` threads (all cores where `None`).
+///
+/// # Panics
+/// Where they can't be started; [`on_threads`] says so.
 pub fn with_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> T + Send) -> T {
-    match threads {
-        None => work(),
-        Some(n) => rayon::ThreadPoolBuilder::new()
-            .num_threads(n)
-            .build()
-            .expect("threads can be started")
-            .install(work),
-    }
+    on_threads(threads, || Ok(work())).expect("threads can be started")
+}
+
+/// The same of work that may fail.
+///
+/// # Errors
+/// Those of `work`, and where so many threads can't be started.
+pub fn on_threads<T: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+    let Some(n) = threads else { return work() };
+    let refused = |error| Error::usage("threads", n, format!("as many as the system starts ({error})"));
+    rayon::ThreadPoolBuilder::new().num_threads(n).build().map_err(refused)?.install(work)
 }
 
 /// The number of threads in use.

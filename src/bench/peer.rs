@@ -8,14 +8,15 @@
 //! measures nothing else.
 
 use std::collections::BTreeMap;
-use std::process::Command;
 
 use serde_json::{Map, Value, json};
 
 use super::dense::CeilingCandidate;
+use super::program;
 use super::report::Row;
 use super::rounds::quantile;
 use crate::error::{Error, Input, Result};
+use crate::limits::{PEER_OUTPUT, PEER_TIME};
 
 /// Figures of `tools/bench_torch.py`: the field, the suite it belongs to, and how many of that suite's items its seconds are for.
 const FIGURES: [(&str, &str, f64); 3] = [
@@ -45,11 +46,10 @@ impl Peer {
     /// Runs the program once.
     ///
     /// # Errors
-    /// Where it can't be started, fails, or prints no object.
+    /// Where it can't be started, fails, takes too long, or prints too much or no object.
     pub fn round(&mut self) -> Result<()> {
-        let shell = if cfg!(windows) { ["cmd", "/C"] } else { ["sh", "-c"] };
-        let output = Command::new(shell[0]).args([shell[1], &self.command]).output();
-        let output = output.map_err(|e| self.error(e))?;
+        let output =
+            program::run(&self.command, PEER_TIME, PEER_OUTPUT).map_err(|found| self.error(found))?;
         if !output.status.success() {
             let words = String::from_utf8_lossy(&output.stderr);
             let last = words.lines().last().unwrap_or("").to_string();

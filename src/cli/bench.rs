@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::evaluate::open;
-use super::options::{Backend, positive};
+use super::options::{Backend, at_most, threads};
 use super::output;
 use crate::bench::{self, Options, nerf_step, page, suites, systems};
 use crate::error::{Error, Result};
 use crate::files;
+use crate::limits::ROUNDS;
 use crate::parallel;
 
 /// Measure speed against error: variants are checked, timed, and their errors measured.
@@ -27,13 +28,13 @@ pub(super) struct Args {
     #[arg(long)]
     run: Option<PathBuf>,
     /// Rounds, at least 5.
-    #[arg(long, default_value_t = 7, value_parser = positive)]
+    #[arg(long, default_value_t = 7, value_parser = at_most::<ROUNDS>)]
     rounds: usize,
     /// A quarter of the work, 5 rounds, a smaller calibration (which is said: a ceiling from it isn't one of 4096^3).
     #[arg(long)]
     quick: bool,
     /// Threads; all cores by default.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = threads)]
     threads: Option<usize>,
 }
 
@@ -75,12 +76,11 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         quick: args.quick,
         peer: args.peer.clone(),
     };
-    let mut report = parallel::with_threads(args.threads, || {
-        bench::run(&suites, &scalings, layers, &options, |what| eprintln!("{what}"))
-    })?;
+    let mut report =
+        parallel::on_threads(args.threads, || bench::run(&suites, &scalings, layers, &options, output::say))?;
     if let Some((mut system, scene)) = system.filter(|_| whole) {
-        let rows = || bench::system::rows(&mut *system, scene, &options, |what| eprintln!("{what}"));
-        let (rows, scaling) = parallel::with_threads(args.threads, rows)?;
+        let rows = || bench::system::rows(&mut *system, scene, &options, output::say);
+        let (rows, scaling) = parallel::on_threads(args.threads, rows)?;
         report.system = rows;
         report.scaling.extend(scaling);
         report.stamp();
@@ -88,7 +88,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let (mut object, mut text) = (report.json(), report.text());
     if let Some(trained) = trained.as_mut().filter(|_| steps) {
         let compare = || nerf_step::compare(&mut *trained.model, &trained.scene, options.rounds);
-        let step = parallel::with_threads(args.threads, compare)?;
+        let step = parallel::on_threads(args.threads, compare)?;
         if step.is_none() && suites.is_empty() && layers.is_empty() && !whole {
             return Err(Error::usage(
                 "--run",
@@ -107,6 +107,6 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         serde_json::to_string_pretty(&object).expect("plain data") + "\n",
     )?;
     files::write(&args.out.join("index.html"), page::page(&report))?;
-    output::print(json, &object, &text);
+    output::print(json, &object, &text)?;
     Ok(if report.refused() == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }

@@ -44,6 +44,6 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         text += &format!("{} left out, as {} can't hold their inputs:\n", left_out.len(), args.dtype);
         text.extend(left_out.iter().map(|name| format!("  {name}\n")));
     }
-    output::print(json, &object, &text);
+    output::print(json, &object, &text)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -67,6 +67,6 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let failed = rows.iter().filter(|row| !row.pass()).count();
     text += &format!("{} rows, {failed} failed\n", rows.len());
     let object = json!({ "rows": rows.iter().map(Row::json).collect::<Vec<_>>(), "failed": failed });
-    output::print(json, &object, &text);
+    output::print(json, &object, &text)?;
     Ok(if failed == 0 { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }

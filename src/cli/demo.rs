@@ -44,12 +44,12 @@ const FRAMES: usize = 40;
 /// Runs `demo`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let run = args.out.join("run");
-    eprintln!("Training a small network on {SCENE} for {} s ...", args.seconds);
+    output::say(&format!("Training a small network on {SCENE} for {} s ...", args.seconds));
     let summary = train::train(&training(args, &run))?;
-    eprintln!("Checking the f32 path against the f64 reference ...");
+    output::say("Checking the f32 path against the f64 reference ...");
     let trained = evaluate::open(&run, Backend::Fast, false)?;
     let difference = largest_difference(&trained, &evaluate::open(&run, Backend::Reference, false)?)?;
-    eprintln!("Rendering a film of {FRAMES} frames ...");
+    output::say(&format!("Rendering a film of {FRAMES} frames ..."));
     render::render(&film(&run, &args.out.join("film.gif")))?;
     write_comparison(&trained, &args.out.join("comparison.png"))?;
     let rows = vec![
@@ -69,7 +69,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         "out": args.out.display().to_string(), "page": page, "train": summary.object, "val_psnr": summary.val_psnr,
         "largest_difference_from_reference": difference, "tolerance": TOLERANCE, "wanted_psnr": LEARNED, "ok": ok,
     });
-    output::print(json, &object, &(table::text(&["figure", "value"], &rows) + &format!("Open {page}\n")));
+    output::print(json, &object, &(table::text(&["figure", "value"], &rows) + &format!("Open {page}\n")))?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 

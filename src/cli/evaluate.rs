@@ -6,9 +6,9 @@ use std::process::ExitCode;
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use super::options::{Backend, positive};
+use super::options::{Backend, threads};
 use super::recipe::{build, load_scene};
-use super::{output, progress};
+use super::{output, progress, recorded};
 use crate::error::{Error, Input, Result};
 use crate::evaluation::{self, Scores};
 use crate::parallel;
@@ -16,6 +16,7 @@ use crate::report::table;
 use crate::scene::Scene;
 use crate::training::checkpoint::RunFolder;
 use crate::training::model::Model;
+use crate::training::sound;
 
 /// Options of `evaluate`.
 #[derive(clap::Args, Clone, Debug)]
@@ -26,7 +27,7 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value_t = Split::Val)]
     pub split: Split,
     /// Threads; all cores by default.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
     /// Which path computes.
     #[arg(long, value_enum, default_value_t = Backend::Fast)]
@@ -56,18 +57,20 @@ pub(super) struct Trained {
 pub(super) fn open(run: &std::path::Path, backend: Backend, test_images: bool) -> Result<Trained> {
     let folder = RunFolder::open(run)?;
     let mut settings = folder.settings()?;
-    settings.insert("backend".into(), json!(backend));
     let file = folder.file("run.json").display().to_string();
-    let scene = load_scene(&settings, test_images, &file)?;
-    let mut model = build(&settings, &scene)?;
+    recorded::check(&settings, &file)?;
+    settings.insert("backend".into(), json!(backend));
+    let scene = load_scene(&settings, test_images, &file).map_err(|error| recorded::named(error, &file))?;
+    let mut model = build(&settings, &scene).map_err(|error| recorded::named(error, &file))?;
+    recorded::check_same(&settings, &scene, &*model, &file)?;
     let (state, step, ..) = folder.load()?;
-    model.restore(&state, &folder.file("checkpoint.npz").display().to_string())?;
+    sound::restore(&mut *model, &state, step, &folder.file("checkpoint.npz").display().to_string())?;
     Ok(Trained { scene, model, step })
 }
 
 /// Runs `evaluate`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let trained = open(&args.run, args.backend, args.split == Split::Test)?;
         let frames = match args.split {
             Split::Val => &trained.scene.val,
@@ -92,7 +95,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
             Ok(())
         })?;
         bar.finish_and_clear();
-        output::print(json, &object(&scores, trained.step), &text(&scores));
+        output::print(json, &object(&scores, trained.step), &text(&scores))?;
         Ok(ExitCode::SUCCESS)
     })
 }

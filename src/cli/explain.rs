@@ -19,7 +19,7 @@ pub(super) struct Args {
 /// A name that nothing has.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let (object, text) = explain(&args.name).map_err(where_to_look)?;
-    output::print(json, &object, &text);
+    output::print(json, &object, &text)?;
     Ok(ExitCode::SUCCESS)
 }
 

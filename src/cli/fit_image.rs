@@ -7,10 +7,11 @@ use image::imageops::FilterType;
 use ndarray::Array3;
 use serde_json::json;
 
-use super::options::{Backend, positive, positive_number};
+use super::options::{Backend, at_most, none_or, positive, positive_number, steps, threads};
 use super::{output, progress};
 use crate::error::{Error, Input, Result};
 use crate::files::{self, picture};
+use crate::limits::{self, LAYERS, LEVELS, SIDE, WIDTH};
 use crate::parallel;
 use crate::report::{curve, sheet, table};
 use crate::scene;
@@ -25,22 +26,22 @@ pub(super) struct Args {
     #[arg(long)]
     pub out: PathBuf,
     /// Longest side; the picture is reduced to it (Lanczos3), never enlarged.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = at_most::<SIDE>)]
     pub size: Option<usize>,
     /// Steps.
-    #[arg(long, default_value_t = 1000, value_parser = positive)]
+    #[arg(long, default_value_t = 1000, value_parser = steps)]
     pub steps: usize,
     /// Pixels per step.
     #[arg(long, default_value_t = 10_000, value_parser = positive)]
     pub batch: usize,
     /// Bands of the encoding.
-    #[arg(long, default_value_t = 10)]
+    #[arg(long, default_value_t = 10, value_parser = none_or::<LEVELS>)]
     pub levels: usize,
     /// Width of the hidden layers.
-    #[arg(long, default_value_t = 256, value_parser = positive)]
+    #[arg(long, default_value_t = 256, value_parser = at_most::<WIDTH>)]
     pub width: usize,
     /// Number of hidden layers.
-    #[arg(long, default_value_t = 3, value_parser = positive)]
+    #[arg(long, default_value_t = 3, value_parser = at_most::<LAYERS>)]
     pub layers: usize,
     /// Learning rate.
     #[arg(long, default_value_t = 5e-3, value_parser = positive_number)]
@@ -49,7 +50,7 @@ pub(super) struct Args {
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Threads; all cores by default.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
     /// Which path computes.
     #[arg(long, value_enum, default_value_t = Backend::Fast)]
@@ -58,10 +59,11 @@ pub(super) struct Args {
 
 /// Runs `fit-image`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let target = load(&args.image, args.size)?;
-        files::make_folder(&args.out)?;
         let settings = settings(args);
+        fits(&target, &[&settings], settings.steps as f64 / 100.0)?;
+        files::make_folder(&args.out)?;
         picture::write_png(&args.out.join("target.png"), target.view())?;
         let bar = progress::bar(Some(settings.steps), "fit");
         let mut pictures = vec![];
@@ -92,7 +94,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         let object = json!({
             "out": args.out.display().to_string(), "width": w, "height": h, "settings": settings, "log": log,
         });
-        output::print(json, &object, &text(&log, &args.out));
+        output::print(json, &object, &text(&log, &args.out))?;
         Ok(ExitCode::SUCCESS)
     })
 }
@@ -110,9 +112,22 @@ fn settings(args: &Args) -> FitSettings {
     }
 }
 
+/// That fits of a picture, one after the other, fit into memory with the pictures that they keep.
+pub(super) fn fits(target: &Array3<f32>, all: &[&FitSettings], kept: f64) -> Result<()> {
+    let (h, w, _) = target.dim();
+    let largest = |of: &dyn Fn(&FitSettings) -> f64| all.iter().map(|s| of(s)).fold(0.0, f64::max);
+    let parameters = largest(&|s| (s.width * (s.width * s.layers + 4 * s.levels + 8)) as f64);
+    let pixels = (h * w) as f64 * (limits::VIEW_PIXEL + limits::KEPT_PIXEL * kept);
+    let bytes = limits::PARAMETER * parameters + limits::STEP_SAMPLE * largest(&|s| s.batch as f64) + pixels;
+    let what = format!("fits of {w}x{h} pixels that keep {kept:.0} pictures");
+    limits::fits(what, bytes, "Lower `size`, `steps`, `batch`, `width` or `layers`.")
+}
+
 /// A picture by path or `builtin:card`, its longest side reduced to `size`.
 pub(super) fn load(image: &str, size: Option<usize>) -> Result<Array3<f32>> {
     if image == "builtin:card" {
+        let side = size.unwrap_or(256) as f64;
+        limits::fits(image, limits::VIEW_PIXEL * side * side, "Lower `size`.")?;
         return Ok(scene::card(size.unwrap_or(256)));
     }
     let target = picture::read(Path::new(image))?;

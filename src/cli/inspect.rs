@@ -7,18 +7,20 @@ use image::{RgbImage, imageops};
 use ndarray::{Array1, Array2, Array3, Array4};
 use serde_json::json;
 
-use super::options::positive;
+use super::options::{at_most, distance, positive};
 use super::output;
 use crate::camera::Camera;
 use crate::convention::{Grid, PixelCenter};
 use crate::error::Result;
 use crate::files::npz::{self, Arrays};
 use crate::files::{self, picture};
+use crate::limits::{self, RAYS, SAMPLES};
 use crate::random::{Key, Purpose};
 use crate::ray::{PixelDraw, Ray, camera_ray, pixel_position};
 use crate::report::inspect;
 use crate::sample::sample_along_ray;
 use crate::scene::{self, Frame, Options, Scene, random_pixel};
+use crate::shown::shown;
 
 /// Options of `inspect`.
 #[derive(clap::Args, Clone, Debug)]
@@ -29,19 +31,19 @@ pub(super) struct Args {
     #[arg(long)]
     pub out: PathBuf,
     /// How many rays, through random pixels of random training frames.
-    #[arg(long, default_value_t = 100, value_parser = positive)]
+    #[arg(long, default_value_t = 100, value_parser = at_most::<RAYS>)]
     pub rays: usize,
     /// How many samples per ray, jittered as in training.
-    #[arg(long, default_value_t = 64, value_parser = positive)]
+    #[arg(long, default_value_t = 64, value_parser = at_most::<SAMPLES>)]
     pub samples: usize,
     /// Where samples start, instead of what the scene says.
-    #[arg(long)]
+    #[arg(long, value_parser = distance)]
     pub near: Option<f64>,
     /// Where samples end.
-    #[arg(long)]
+    #[arg(long, value_parser = distance)]
     pub far: Option<f64>,
     /// Every Nth frame is for validation, where the scene has no split.
-    #[arg(long)]
+    #[arg(long, value_parser = positive)]
     pub holdout: Option<usize>,
     /// Seed of the rays and their jitter.
     #[arg(long, default_value_t = 0)]
@@ -63,8 +65,11 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let options = Options { near: args.near, far: args.far, holdout: args.holdout, ..Options::default() };
     let scene = scene::load(&args.scene, &options)?;
     for warning in &scene.warnings {
-        eprintln!("warning: {warning}");
+        output::say(&format!("warning: {warning}"));
     }
+    let what = format!("{} rays with {} samples each", args.rays, args.samples);
+    let bytes = limits::SHOWN_SAMPLE * args.rays as f64 * args.samples as f64;
+    limits::fits(what, bytes, "Lower `rays` or `samples`.")?;
     files::make_folder(&args.out)?;
     let drawn = draw_rays(&scene, args)?;
     let shown: Vec<(Camera, RgbImage)> =
@@ -75,7 +80,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let outside = inspect::Outside { cameras: &shown, rays: &lines, far: scene.far, focus: scene.focus };
     picture::write_rgb(&still, &inspect::draw(&outside))?;
     let files = [rays.display().to_string(), still.display().to_string()];
-    output::print(json, &summary(&scene, &files), &text(&scene, &files));
+    output::print(json, &summary(&scene, &files), &text(&scene, &files))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -167,10 +172,11 @@ fn text(scene: &Scene, files: &[String; 2]) -> String {
         scene.val.len(),
         scene.test.len()
     );
-    let mut lines = vec![scene.name.clone(), format!("frames: {counts}"), format!("size: {width}x{height}")];
+    let mut lines =
+        vec![shown(&scene.name).into_owned(), format!("frames: {counts}"), format!("size: {width}x{height}")];
     lines.extend(
         scene.reasons.iter().map(|(field, why)| format!("{field}: {}", why.as_str().unwrap_or_default())),
     );
-    lines.extend(files.iter().map(|file| format!("written: {file}")));
+    lines.extend(files.iter().map(|file| format!("written: {}", shown(file))));
     lines.join("\n  ") + "\n"
 }

@@ -33,7 +33,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let exam = exchange::declared(exchange::read_exam(&args.cases)?, &args.answers)?;
     let answers = exchange::read_answers(&exam, &args.answers)?;
     let report = judging::judge_answers(&exam, &answers, args.exp_ulp);
-    output::print(json, &report.json(), &report.to_string());
+    output::print(json, &report.json(), &report.to_string())?;
     let allowed: &[Verdict] = if args.allow.is_some() { &[Verdict::Imprecise] } else { &[] };
     Ok(ExitCode::from(report.exit_code_allowing(allowed)))
 }

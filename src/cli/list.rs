@@ -25,7 +25,7 @@ pub(super) fn run(_: &Args, json: bool) -> Result<ExitCode> {
         "conventions": CHOICES.iter().map(|(key, values)| json!({ "name": key, "values": values })).collect::<Vec<_>>(),
         "profiles": PROFILES.iter().map(|p| json!({ "name": p.name, "title": p.title })).collect::<Vec<_>>(),
     });
-    output::print(json, &object, &text());
+    output::print(json, &object, &text())?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -6,7 +6,7 @@ use glam::DVec2;
 use serde::Serialize;
 use serde_json::json;
 
-use super::options::{positive, positive_number};
+use super::options::{positive, positive_number, steps, threads};
 use super::output;
 use super::spelling::spelled;
 use crate::error::Result;
@@ -25,7 +25,7 @@ use crate::training::watch::Watch;
 #[derive(clap::Args, Debug)]
 pub(super) struct Args {
     /// Steps of each run.
-    #[arg(long, default_value_t = 300, value_parser = positive)]
+    #[arg(long, default_value_t = 300, value_parser = steps)]
     steps: usize,
     /// The most training pixels of a run, in millions.
     #[arg(long, default_value_t = 100.0, value_parser = positive_number)]
@@ -34,7 +34,7 @@ pub(super) struct Args {
     #[arg(long, value_parser = positive)]
     runs: Option<usize>,
     /// Threads; all cores by default.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = threads)]
     threads: Option<usize>,
 }
 
@@ -109,10 +109,10 @@ struct Row {
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let mut combinations = pairwise(args.megapixels);
     combinations.truncate(args.runs.unwrap_or(usize::MAX));
-    let rows: Vec<Row> = parallel::with_threads(args.threads, || {
+    let rows: Vec<Row> = parallel::on_threads(args.threads, || {
         let one = |(n, c): (usize, &Combination)| {
             let row = train(c, args.steps as u64)?;
-            eprintln!("{} of {}: {}", n + 1, combinations.len(), cells(&row).join(" "));
+            output::say(&format!("{} of {}: {}", n + 1, combinations.len(), cells(&row).join(" ")));
             Ok(row)
         };
         combinations.iter().enumerate().map(one).collect::<Result<_>>()
@@ -124,7 +124,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     );
     text += &format!("{learned} of {} runs learn: {LEARNED} dB above the best constant color\n", rows.len());
     let object = json!({"rows": rows, "runs": rows.len(), "learned": learned, "wanted_gain_db": LEARNED});
-    output::print(json, &object, &text);
+    output::print(json, &object, &text)?;
     Ok(if learned == rows.len() { ExitCode::SUCCESS } else { ExitCode::from(1) })
 }
 

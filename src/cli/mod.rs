@@ -1,7 +1,8 @@
 //! The command line: one file a subcommand. People's tables go to stdout, with `--json` one JSON object instead; progress and
-//! warnings go to stderr. Exit 0: all good; 1: a check failed; 2: usage, input or I/O.
+//! warnings go to stderr. Exit 0: all good; 1: a check failed; 2: usage, input or I/O; 141, silently: stdout's reader has closed it.
 
 use std::ffi::OsString;
+use std::io::ErrorKind;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -23,6 +24,7 @@ mod options;
 mod output;
 mod progress;
 mod recipe;
+mod recorded;
 mod render;
 mod spelling;
 mod sweep_image;
@@ -69,15 +71,23 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
         Err(e) => {
-            // Help and version are no errors; everything else is exit code 2.
-            let code = u8::try_from(e.exit_code()).unwrap_or(2);
-            return if e.print().is_ok() { ExitCode::from(code) } else { ExitCode::from(2) };
+            // Help and version are no errors, and go to stdout; everything else is exit code 2.
+            return match e.print() {
+                Ok(()) => ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2)),
+                Err(lost) if !e.use_stderr() && lost.kind() == ErrorKind::BrokenPipe => output::CLOSED.into(),
+                Err(_) => ExitCode::from(2),
+            };
         }
     };
-    run(&cli).unwrap_or_else(|error| {
-        eprintln!("error: {}", spelling::error(&error));
-        ExitCode::from(2)
-    })
+    match run(&cli) {
+        Err(error) if output::closed(&error) => output::CLOSED.into(),
+        Err(error) => {
+            output::say(&format!("error: {}", spelling::error(&error)));
+            ExitCode::from(2)
+        }
+        Ok(_) if output::lost() => ExitCode::from(2),
+        Ok(code) => code,
+    }
 }
 
 fn run(cli: &Cli) -> Result<ExitCode> {

@@ -4,6 +4,7 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use serde::{Deserialize, Serialize};
 
+use crate::limits::{LENGTH, SIDE, STEPS, THREADS};
 use crate::training::compact::Part;
 
 /// Which path computes.
@@ -51,9 +52,10 @@ pub(super) fn color(text: &str) -> Result<[f64; 3], String> {
         "white" => return Ok([1.0; 3]),
         _ => {}
     }
-    let parts: Vec<f64> = text.split(',').filter_map(|p| p.trim().parse().ok()).collect();
-    match parts[..] {
-        [r, g, b] if parts.iter().all(|p| (0.0..=1.0).contains(p)) => Ok([r, g, b]),
+    let channel = |part: &str| part.trim().parse().ok().filter(|x| (0.0..=1.0).contains(x));
+    let parts: Option<Vec<f64>> = text.split(',').map(channel).collect();
+    match parts.as_deref() {
+        Some(&[r, g, b]) => Ok([r, g, b]),
         _ => Err("expected black, white, or three numbers in [0, 1] such as 0.2,0.4,1".into()),
     }
 }
@@ -68,8 +70,8 @@ pub(super) fn scale(text: &str) -> Result<usize, String> {
 pub(super) fn size(text: &str) -> Result<(usize, usize), String> {
     let (w, h) = text.split_once('x').ok_or("expected WxH, such as 400x300")?;
     match (w.parse(), h.parse()) {
-        (Ok(w), Ok(h)) if w > 0 && h > 0 && w <= 16_384 && h <= 16_384 => Ok((w, h)),
-        _ => Err("expected WxH with both from 1 to 16384, such as 400x300".into()),
+        (Ok(w), Ok(h)) if (1..=SIDE).contains(&w) && (1..=SIDE).contains(&h) => Ok((w, h)),
+        _ => Err(format!("expected WxH with both from 1 to {SIDE}, such as 400x300")),
     }
 }
 
@@ -95,6 +97,22 @@ pub(super) fn finite_number(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a finite number".into())
 }
 
+/// A distance in scene units.
+pub(super) fn distance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|x| (0.0..=LENGTH).contains(x));
+    number.ok_or_else(|| format!("expected a distance from 0 to {LENGTH:e}"))
+}
+
+/// How many threads.
+pub(super) fn threads(text: &str) -> Result<usize, String> {
+    at_most::<THREADS>(text)
+}
+
+/// How many steps.
+pub(super) fn steps(text: &str) -> Result<usize, String> {
+    at_most::<STEPS>(text)
+}
+
 /// A finite number above 0.
 pub(super) fn positive_number(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|n: &f64| n.is_finite() && *n > 0.0);
@@ -109,6 +127,14 @@ mod tests {
     fn colors_and_sizes() {
         assert_eq!(color("white"), Ok([1.0; 3]));
         assert_eq!(color("0,0.5,1"), Ok([0.0, 0.5, 1.0]));
+        for bad in ["0.5,x,1,0", "0,0,0,x", "nan,0,0", "0,0,inf", "0,,0", ""] {
+            assert!(color(bad).is_err(), "{bad}");
+        }
+        for bad in ["nan", "inf", "-1", "1e10", "", "2m"] {
+            assert!(distance(bad).is_err(), "{bad}");
+        }
+        assert_eq!((distance("0"), distance("2.5"), threads("1024")), (Ok(0.0), Ok(2.5), Ok(1024)));
+        assert!(threads("1025").is_err() && threads("0").is_err());
         assert!(color("0,0.5").is_err() && color("2,0,0").is_err() && color("red").is_err());
         assert_eq!(size("4x3"), Ok((4, 3)));
         assert!(size("0x3").is_err() && size("4").is_err());

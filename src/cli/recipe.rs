@@ -2,13 +2,17 @@
 
 use std::path::Path;
 
+use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
+use super::recorded;
 use super::train::Args;
 use crate::error::{Error, Input, Result};
+use crate::field::nerf_mlp::Shape;
+use crate::limits::{self, COMPACT_SAMPLE, PARAMETER, STEP_SAMPLE};
 use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
-use crate::training::compact::{CompactModel, Overrides, Part};
+use crate::training::compact::{CompactModel, CompactSettings, Overrides, Part};
 use crate::training::model::Model;
 use crate::training::nerf::{NerfModel, NerfSettings, Skip};
 
@@ -50,6 +54,7 @@ pub(super) fn given(args: &Args) -> Map<String, Value> {
 pub(super) fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Vec<Value>)> {
     let folder = RunFolder::open(run)?;
     let before = folder.settings()?;
+    recorded::check(&before, &folder.file("run.json").display().to_string())?;
     // A field that an older run lacks was at its default.
     let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
     for name in KEPT {
@@ -83,10 +88,7 @@ pub(super) fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &
         })
     })?;
     let number = |key: &str| given[key].as_f64();
-    let background = given["background"].as_array().map(|b| {
-        let channel = |k: usize| b.get(k).and_then(Value::as_f64).unwrap_or(0.0);
-        [channel(0), channel(1), channel(2)]
-    });
+    let background = <[f64; 3]>::deserialize(&given["background"]).ok();
     let options = scene::Options {
         near: number("near"),
         far: number("far"),
@@ -146,7 +148,11 @@ fn compact(recipe: &Map<String, Value>, scene: &Scene, without: Vec<Part>) -> Re
         ));
     }
     let [samples, rays] = ["samples", "rays"].map(|key| whole(recipe, key).map(|n| n as usize));
-    CompactModel::new(scene, &Overrides { seed: seed(recipe), samples, rays, lr: lr(recipe), without })
+    let overrides = Overrides { seed: seed(recipe), samples, rays, lr: lr(recipe), without };
+    // Without a given number of them, rays fill a batch of a fixed size.
+    let samples = CompactSettings::derive(scene, &overrides).samples;
+    fits_step(rays.unwrap_or(0), samples, COMPACT_SAMPLE)?;
+    CompactModel::new(scene, &overrides)
 }
 
 fn nerf(recipe: &Map<String, Value>, scene: &Scene) -> Result<NerfModel> {
@@ -174,7 +180,18 @@ fn nerf(recipe: &Map<String, Value>, scene: &Scene) -> Result<NerfModel> {
     if let Some(width) = whole(recipe, "width") {
         settings.set_width(width as usize);
     }
+    fits_step(settings.rays, (settings.samples + settings.fine) as f64, STEP_SAMPLE)?;
+    let Shape { width, depth, .. } = settings.shape;
+    let networks = if settings.fine > 0 { 2.0 } else { 1.0 };
+    let parameters = networks * (width * width * (depth + 1)) as f64;
+    limits::fits(format!("a network of width {width}"), PARAMETER * parameters, "Lower `width`.")?;
     Ok(NerfModel::new(settings))
+}
+
+/// That a training step fits into memory.
+fn fits_step(rays: usize, samples: f64, bytes: f64) -> Result<()> {
+    let what = format!("a step of {rays} rays with {samples:.0} samples each");
+    limits::fits(what, bytes * rays as f64 * samples, "Lower `rays` or `samples`.")
 }
 
 fn whole(recipe: &Map<String, Value>, key: &str) -> Option<u64> {

@@ -9,12 +9,13 @@ use ndarray::Array3;
 use serde_json::json;
 
 use super::evaluate::open;
-use super::options::{Backend, color, positive, size};
+use super::options::{Backend, at_most, color, size, threads};
 use super::{output, progress};
 use crate::camera::{Camera, Intrinsics};
 use crate::error::Result;
 use crate::evaluation::{View, render_view};
 use crate::files::{self, picture};
+use crate::limits::{self, FRAMES};
 use crate::parallel;
 use crate::report::film;
 use crate::scene::Scene;
@@ -40,7 +41,7 @@ pub(super) struct Args {
     #[arg(long)]
     pub depth: bool,
     /// Threads; all cores by default.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
     /// Which path computes.
     #[arg(long, value_enum, default_value_t = Backend::Fast)]
@@ -59,16 +60,16 @@ pub(super) enum CameraPath {
 fn path(text: &str) -> Result<CameraPath, String> {
     match text.split_once(':') {
         None if text == "test" => Ok(CameraPath::Test),
-        Some(("orbit", n)) => Ok(CameraPath::Orbit(positive(n)?)),
+        Some(("orbit", n)) => Ok(CameraPath::Orbit(at_most::<FRAMES>(n)?)),
         _ => Err("expected test or orbit:N, such as orbit:60".into()),
     }
 }
 
 /// Runs `render`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let (frames, out) = (render(args)?, args.out.display().to_string());
-        output::print(json, &json!({"out": out, "frames": frames}), &format!("{out}: {frames} frames\n"));
+        output::print(json, &json!({"out": out, "frames": frames}), &format!("{out}: {frames} frames\n"))?;
         Ok(ExitCode::SUCCESS)
     })
 }
@@ -125,6 +126,10 @@ fn cameras(args: &Args, scene: &Scene) -> Result<Vec<Camera>> {
     if let Some((width, height)) = args.size {
         cameras.iter_mut().for_each(|camera| *camera = resized(camera, width, height));
     }
+    let (frames, Camera { width, height, .. }) = (cameras.len(), cameras[0]);
+    let what = format!("{frames} frames of {width}x{height}");
+    let bytes = (width * height) as f64 * (limits::VIEW_PIXEL + limits::KEPT_PIXEL * frames as f64);
+    limits::fits(what, bytes, "Lower `size`, or render fewer frames with `path` orbit:N.")?;
     Ok(cameras)
 }
 

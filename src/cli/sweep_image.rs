@@ -6,10 +6,11 @@ use std::process::ExitCode;
 use ndarray::Array3;
 use serde_json::{Value, json};
 
-use super::options::{positive, positive_number};
+use super::options::{at_most, none_or, positive, positive_number, steps, threads};
 use super::{fit_image, output, progress};
 use crate::error::{Error, Result};
 use crate::files::{self, picture};
+use crate::limits::{LAYERS, LEVELS, SIDE, WIDTH};
 use crate::parallel;
 use crate::report::page::Page;
 use crate::report::{sheet, table};
@@ -24,31 +25,31 @@ pub(super) struct Args {
     #[arg(long)]
     pub out: PathBuf,
     /// Longest side; the picture is reduced to it.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = at_most::<SIDE>)]
     pub size: Option<usize>,
     /// Bands of the encoding, separated by commas.
-    #[arg(long, value_delimiter = ',', default_value = "4,10")]
+    #[arg(long, value_delimiter = ',', default_value = "4,10", value_parser = none_or::<LEVELS>)]
     pub levels: Vec<usize>,
     /// Widths of the hidden layers, separated by commas.
-    #[arg(long, value_delimiter = ',', default_value = "64,256", value_parser = positive)]
+    #[arg(long, value_delimiter = ',', default_value = "64,256", value_parser = at_most::<WIDTH>)]
     pub width: Vec<usize>,
     /// Learning rates, separated by commas.
     #[arg(long, value_delimiter = ',', default_value = "5e-3,1e-2", value_parser = positive_number)]
     pub lr: Vec<f64>,
     /// Steps of each fit.
-    #[arg(long, default_value_t = 1000, value_parser = positive)]
+    #[arg(long, default_value_t = 1000, value_parser = steps)]
     pub steps: usize,
     /// Pixels per step.
     #[arg(long, default_value_t = 10_000, value_parser = positive)]
     pub batch: usize,
     /// Number of hidden layers.
-    #[arg(long, default_value_t = 3, value_parser = positive)]
+    #[arg(long, default_value_t = 3, value_parser = at_most::<LAYERS>)]
     pub layers: usize,
     /// Seed of parameters and pixels.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Threads; all cores by default.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
 }
 
@@ -67,10 +68,11 @@ impl Row {
 
 /// Runs `sweep-image`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let target = fit_image::load(&args.image, args.size)?;
-        files::make_folder(&args.out)?;
         let all = combinations(args);
+        fit_image::fits(&target, &all.iter().collect::<Vec<_>>(), all.len() as f64)?;
+        files::make_folder(&args.out)?;
         let bar = progress::bar(Some(all.len() as u64 * args.steps as u64), "sweep");
         let (mut rows, mut pictures) = (vec![], vec![]);
         for settings in all {
@@ -99,7 +101,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
             .table(&header, &cells);
         files::write(&args.out.join("index.html"), page.finish())?;
         let best = rows.iter().map(|row| row.last.psnr).fold(f64::NEG_INFINITY, f64::max);
-        output::print(json, &json!({"rows": objects, "best_psnr": best}), &text);
+        output::print(json, &json!({"rows": objects, "best_psnr": best}), &text)?;
         Ok(ExitCode::SUCCESS)
     })
 }

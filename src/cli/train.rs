@@ -7,10 +7,14 @@ use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::options::{Backend, at_most, color, finite_number, none_or, positive, positive_number, scale};
+use super::options::{
+    Backend, at_most, color, distance, finite_number, none_or, positive, positive_number, scale, steps,
+    threads,
+};
 use super::spelling::spelled;
-use super::{output, progress, recipe};
+use super::{output, progress, recipe, recorded};
 use crate::error::Result;
+use crate::limits::{RAYS, SAMPLES, WIDTH};
 use crate::parallel;
 use crate::report::{curve, table};
 use crate::scene::Scene;
@@ -31,7 +35,7 @@ pub(super) struct Args {
     #[arg(long, value_enum, default_value_t = Kind::Compact)]
     pub model: Kind,
     /// Stop after this many steps.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = steps)]
     pub steps: Option<usize>,
     /// Stop after this many seconds of wall clock from the first step, everything included but the full validation at the end.
     #[arg(long, value_parser = positive_number)]
@@ -40,19 +44,19 @@ pub(super) struct Args {
     #[arg(long, value_parser = finite_number)]
     pub stop_at_psnr: Option<f64>,
     /// Rays per step.
-    #[arg(long, value_parser = at_most::<{ 1 << 20 }>)]
+    #[arg(long, value_parser = at_most::<RAYS>)]
     pub rays: Option<usize>,
     /// Samples per ray.
-    #[arg(long, value_parser = at_most::<16384>)]
+    #[arg(long, value_parser = at_most::<SAMPLES>)]
     pub samples: Option<usize>,
     /// Samples per ray of a second network, drawn by the first one's weights (--model nerf); 0: one network alone.
-    #[arg(long, default_value_t = 0, value_parser = none_or::<16384>)]
+    #[arg(long, default_value_t = 0, value_parser = none_or::<SAMPLES>)]
     pub fine: usize,
     /// Where samples start.
-    #[arg(long)]
+    #[arg(long, value_parser = distance)]
     pub near: Option<f64>,
     /// Where they end.
-    #[arg(long)]
+    #[arg(long, value_parser = distance)]
     pub far: Option<f64>,
     /// Learning rate.
     #[arg(long, value_parser = positive_number)]
@@ -79,7 +83,7 @@ pub(super) struct Args {
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
     /// Threads; all cores by default. The result doesn't depend on it.
-    #[arg(long, value_parser = positive)]
+    #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
     /// Which path computes.
     #[arg(long, value_enum, default_value_t = Backend::Fast)]
@@ -91,7 +95,7 @@ pub(super) struct Args {
     #[arg(long)]
     pub skip: bool,
     /// Width of the 8x256 network's layers (--model nerf).
-    #[arg(long, value_parser = at_most::<4096>)]
+    #[arg(long, value_parser = at_most::<WIDTH>)]
     pub width: Option<usize>,
     /// Parts of the compact model to leave out, to see what they are worth.
     #[arg(long, value_enum, value_delimiter = ',')]
@@ -124,13 +128,13 @@ pub(super) enum Kind {
 
 /// Runs `train`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
-    parallel::with_threads(args.threads, || {
+    parallel::on_threads(args.threads, || {
         let summary = train(args)?;
-        output::print(json, &summary.object, &summary.text);
+        output::print(json, &summary.object, &summary.text)?;
         Ok(match &summary.failure {
             None => ExitCode::SUCCESS,
             Some(why) => {
-                eprintln!("error: {}: this run doesn't learn: {why}", args.scene);
+                output::say(&format!("error: {}: this run doesn't learn: {why}", args.scene));
                 ExitCode::from(1)
             }
         })
@@ -153,7 +157,7 @@ pub(super) struct Summary {
 pub(super) fn train(args: &Args) -> Result<Summary> {
     let recipe = recipe::given(args);
     let scene = recipe::load_scene(&recipe, false, "arguments")?;
-    scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    scene.warnings.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
     let resumed = args.resume.then(|| recipe::resumed(&args.out, &recipe)).transpose()?;
     let mut model = recipe::build(&recipe, &scene)?;
     // Not earlier: inconsistent options leave no folder.
@@ -161,8 +165,16 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
         Some(resumed) => resumed,
         None => (RunFolder::create(&args.out)?, scene.warnings.iter().map(|w| json!(w)).collect()),
     };
-    left_out(&model.settings()).iter().for_each(|line| eprintln!("{line}"));
+    left_out(&model.settings()).iter().for_each(|line| output::say(line));
     let mut settings = run_json(args, &recipe, &scene, &*model);
+    if args.resume {
+        recorded::check_same(
+            &folder.settings()?,
+            &scene,
+            &*model,
+            &folder.file("run.json").display().to_string(),
+        )?;
+    }
     let options = end(args);
     let mut run = Run::new(&mut *model, &scene, &folder, &options)?;
     if args.resume {
@@ -178,7 +190,7 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     })?;
     bar.finish_and_clear();
     let said: Vec<String> = run.warnings.iter().map(|warning| spelled(warning)).collect();
-    said.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    said.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
     let new: Vec<Value> = said.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
     let failure = run.failure.as_deref().map(spelled);
     if !new.is_empty() || failure.is_some() {
@@ -224,16 +236,8 @@ fn run_json(
     model: &dyn Model,
 ) -> Map<String, Value> {
     let mut run = recipe.clone();
-    let (width, height) = scene.size();
     run.insert("version".into(), env!("CARGO_PKG_VERSION").into());
-    run.insert(
-        "derived".into(),
-        json!({
-            "near": scene.near, "far": scene.far, "background": scene.background, "width": width, "height": height,
-            "train_frames": scene.train.len(), "val_frames": scene.val.len(), "test_frames": scene.test.len(),
-            "focus": scene.focus.to_array(),
-        }),
-    );
+    run.insert("derived".into(), recorded::derived(scene));
     run.insert("reasons".into(), Value::Object(scene.reasons.clone()));
     run.insert("settings".into(), Value::Object(model.settings()));
     run.insert(

@@ -7,9 +7,14 @@ use std::path::Path;
 
 use crate::error::{Error, Result};
 
+pub mod json;
 pub mod npz;
 pub mod photo;
 pub mod picture;
+mod reading;
+mod whole;
+
+pub use reading::{open, read, read_text};
 
 /// Makes `folder` and those above it, where they aren't there yet.
 ///
@@ -17,14 +22,6 @@ pub mod picture;
 /// Where it can't be made.
 pub fn make_folder(folder: &Path) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::writing(folder))
-}
-
-/// The whole of a text file.
-///
-/// # Errors
-/// Where it can't be read or isn't UTF-8.
-pub fn read_text(path: &Path) -> Result<String> {
-    fs::read_to_string(path).map_err(Error::reading(path))
 }
 
 /// Writes `bytes` to `path` by way of [`write_with`].

@@ -12,12 +12,16 @@ use zip::ZipArchive;
 
 use crate::error::{Error, Input, Result};
 use crate::files;
+use crate::limits::{self, ARRAY};
 
-/// The most bytes one array may fill: a larger one is refused before anything is allocated for it.
-pub const LARGEST: u64 = 1 << 30;
+/// Bytes that a deflated byte can unpack to, and a little for an empty array's header.
+const DEFLATE: u64 = 1032;
 
 /// Longest header that is parsed; NumPy itself stops at 10,000 characters.
 const LONGEST_HEADER: usize = 16_384;
+
+/// Brackets in one another in a header: NumPy's have three, around a field of a record's shape.
+const DEEPEST: usize = 6;
 
 /// An array of any shape in one of the types that cross a file boundary.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +102,7 @@ impl Npz {
     /// # Errors
     /// Where the file can't be read, or isn't a whole zip.
     pub fn open(path: &Path) -> Result<Npz> {
-        let file = File::open(path).map_err(Error::reading(path))?;
+        let file = files::open(path, u64::MAX)?;
         let mut archive = ZipArchive::new(BufReader::new(file)).map_err(|error| {
             let remedy = "Fetch the file again if it was cut short; numpy.savez writes such archives.";
             Error::input(Input {
@@ -141,7 +145,7 @@ impl Npz {
     /// Reads one array.
     ///
     /// # Errors
-    /// Where it is missing, cut short, damaged, larger than [`LARGEST`], or of a type that isn't a number's.
+    /// Where it is missing, cut short, damaged, larger than [`ARRAY`], or of a type that isn't a number's.
     pub fn array(&mut self, name: &str) -> Result<Array> {
         let file = self.path.display().to_string();
         let Some(&index) = self.names.get(name) else {
@@ -169,17 +173,23 @@ impl Npz {
         if header.uses_pickled_array() {
             return Err(("Python objects".into(), "an array of numbers".into()));
         }
-        let item = header.dtype().num_bytes().map_or(u64::MAX, |bytes| bytes as u64);
-        let declared = header.len().saturating_mul(item);
-        if declared > LARGEST {
+        let (declared, held) = sizes(&header);
+        if held > ARRAY {
+            let found = format!("{held} bytes in memory for {:?}", header.shape());
+            return Err((found, format!("at most {ARRAY} bytes")));
+        }
+        // No archive can unpack to more than this: such a shape is false, and not worth the memory to find out.
+        let packed = entry.compressed_size();
+        if declared > packed.saturating_mul(DEFLATE) {
             return Err((
-                format!("{declared} bytes for {:?}", header.shape()),
-                format!("at most {LARGEST} bytes"),
+                format!("{packed} packed bytes for {:?}", header.shape()),
+                format!("{declared} bytes"),
             ));
         }
-        // The buffer grows with the data, so that a false shape alone costs nothing. One byte more is read: it detects an entry
-        // that is too long, and makes the reader compare the archive's checksum.
-        let mut data = Vec::new();
+        // The file's bytes, and the elements made of them.
+        limits::short_of((declared + held) as f64).map_or(Ok(()), Err)?;
+        // One byte more is read: it detects an entry that is too long, and makes the reader compare the archive's checksum.
+        let mut data = Vec::with_capacity(declared as usize + 1);
         entry.take(declared + 1).read_to_end(&mut data).map_err(|error| whole(&error))?;
         if data.len() as u64 != declared {
             let more = if data.len() as u64 > declared { "more than " } else { "" };
@@ -193,12 +203,29 @@ impl Npz {
     }
 }
 
+/// Bytes of an array in the file, and in memory, where integers take eight.
+fn sizes(header: &NpyHeader) -> (u64, u64) {
+    let dtype = header.dtype();
+    let item = dtype.num_bytes().map_or(u64::MAX, |bytes| bytes as u64);
+    let held = match &dtype {
+        DType::Plain(plain) if plain.type_char() == TypeChar::Int => 8,
+        DType::Plain(plain) if plain.type_char() == TypeChar::Uint && item > 1 => 8,
+        _ => item,
+    };
+    (header.len().saturating_mul(item), header.len().saturating_mul(held))
+}
+
 /// Reads every array of an archive.
 ///
 /// # Errors
 /// As [`Npz::open`] and [`Npz::array`].
 pub fn read(path: &Path) -> Result<Arrays> {
     let mut npz = Npz::open(path)?;
+    limits::fits(
+        path.display(),
+        2.0 * npz.unpacked_bytes() as f64,
+        "Check that it is the file that was meant.",
+    )?;
     let names: Vec<String> = npz.names().map(String::from).collect();
     names.into_iter().map(|name| npz.array(&name).map(|array| (name, array))).collect()
 }
@@ -227,7 +254,12 @@ fn read_header(entry: &mut impl Read) -> Result<Vec<u8>, (String, String)> {
     text.resize(start + length, 0);
     entry.read_exact(&mut text[start..]).map_err(short)?;
     let body = String::from_utf8_lossy(&text[start..]);
-    if body.matches(['(', '[', '{']).count() > 64 {
+    // Each bracket that isn't closed doubles the parser's time.
+    let depth = body.chars().scan(0usize, |depth, c| {
+        *depth = (*depth + usize::from("([{".contains(c))).saturating_sub(usize::from(")]}".contains(c)));
+        Some(*depth)
+    });
+    if depth.max().unwrap_or(0) > DEEPEST {
         return refused("brackets nested too deep");
     }
     let numbers = body.split(|c: char| !c.is_ascii_digit()).filter(|digits| !digits.is_empty());

@@ -1,17 +1,16 @@
 //! Pictures: PNG, JPEG and GIF read as floats, floats written as PNG.
 
-use std::io::{self, Cursor};
+use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
-use image::{DynamicImage, ImageFormat, ImageReader, Limits, RgbImage};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits, RgbImage};
 use ndarray::{Array3, ArrayView3};
 
 use super::photo::Photo;
+use super::whole::whole;
 use crate::error::{Error, Input, Result};
 use crate::files;
-
-/// The most bytes a picture may take when decoded.
-const LARGEST: u64 = 1 << 30;
+use crate::limits;
 
 /// Reads a picture as (H, W, 3) in [0, 1], transparent pixels over black.
 ///
@@ -26,6 +25,8 @@ pub fn read(path: &Path) -> Result<Array3<f32>> {
 /// # Errors
 /// Where the file can't be read, isn't a picture, or is too large to decode.
 pub fn read_rgba(path: &Path) -> Result<Array3<f32>> {
+    // Decoded, as floats, and those copied.
+    limits::fits(path.display(), 10.0 * held_bytes(path)? as f64, "Make the picture smaller.")?;
     // 32 bits a channel keep what 16-bit files hold.
     let picture = decode(path)?.into_rgba32f();
     let shape = (picture.height() as usize, picture.width() as usize, 4);
@@ -54,25 +55,49 @@ pub fn read_photo(path: &Path, background: [f32; 3]) -> Result<Photo> {
     })
 }
 
+/// Bytes of a picture in memory once [`read_photo`] has read it, from the beginning of the file.
+///
+/// # Errors
+/// Where it isn't a picture, or has more than [`limits::PIXELS`].
+pub fn held_bytes(path: &Path) -> Result<u64> {
+    let file = BufReader::new(files::open(path, limits::PICTURE_FILE)?);
+    let reader = ImageReader::new(file).with_guessed_format().map_err(Error::reading(path))?;
+    let decoder = reader.into_decoder().map_err(|error| wrong(path, error))?;
+    let (width, height) = decoder.dimensions();
+    let (width, height) = (u64::from(width), u64::from(height));
+    if width * height > limits::PIXELS {
+        let expected = format!("at most {} pixels", limits::PIXELS);
+        let remedy = "Make it smaller: no training sees that many pixels.";
+        let found = format!("{width}x{height} pixels");
+        return Err(Error::input(Input { file: path.display(), field: "picture", found, expected, remedy }));
+    }
+    let color = decoder.color_type();
+    let fine = color.bytes_per_pixel() > color.channel_count();
+    // Three floats, or a byte a channel.
+    Ok(width * height * if fine { 12 } else { 3 + u64::from(color.has_alpha()) })
+}
+
 fn decode(path: &Path) -> Result<DynamicImage> {
-    let bytes = std::fs::read(path).map_err(Error::reading(path))?;
+    held_bytes(path)?;
+    let bytes = files::read(path, limits::PICTURE_FILE)?;
+    if !whole(&bytes) {
+        return Err(wrong(path, format!("a file that was cut off, {} bytes", bytes.len())));
+    }
     let decode = || {
         let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
-        let mut limits = Limits::default();
-        limits.max_alloc = Some(LARGEST);
-        reader.limits(limits);
+        let mut most = Limits::default();
+        // 4 channels of 16 bits, and as much again for the decoder.
+        most.max_alloc = Some(16 * limits::PIXELS);
+        reader.limits(most);
         reader.decode()
     };
-    decode().map_err(|error| {
-        let remedy = "Save it again as PNG or JPEG.";
-        Error::input(Input {
-            file: path.display(),
-            field: "picture",
-            found: error,
-            expected: "a whole PNG, JPEG or GIF file",
-            remedy,
-        })
-    })
+    decode().map_err(|error| wrong(path, error))
+}
+
+fn wrong(path: &Path, found: impl ToString) -> Error {
+    let (expected, remedy) =
+        ("a whole PNG, JPEG or GIF file", "Fetch it again, or save it again as PNG or JPEG.");
+    Error::input(Input { file: path.display(), field: "picture", found, expected, remedy })
 }
 
 /// Drops the opacity: c a + b (1 - a) over background `b`.

@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use crate::shown::shown;
+
 /// A page under construction.
 pub(crate) struct Page {
     html: String,
@@ -70,9 +72,9 @@ impl Page {
     }
 }
 
-/// Text as HTML shows it.
+/// Text as HTML and SVG show it.
 pub(super) fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    shown(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 #[cfg(test)]
@@ -87,5 +89,7 @@ mod tests {
                 && page.contains("&quot;&amp;&quot;")
                 && page.contains("alt=\"&lt;i&gt;\"")
         );
+        // XML has no way to write most of them.
+        assert_eq!(escape("a\u{1b}\u{0}<"), "a\\u{1b}\\u{0}&lt;");
     }
 }

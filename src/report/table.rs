@@ -1,7 +1,11 @@
 //! Tables for people: columns as wide as their widest entry, right-aligned.
 
+use crate::shown::shown;
+
 /// A table as text, a line a row, the header underlined.
 pub(crate) fn text(header: &[&str], rows: &[Vec<String>]) -> String {
+    let rows: Vec<Vec<String>> =
+        rows.iter().map(|row| row.iter().map(|cell| shown(cell).into_owned()).collect()).collect();
     let width = |c: usize| {
         let cells = rows.iter().map(|row| row[c].chars().count());
         cells.chain([header[c].chars().count()]).max().unwrap_or(0)

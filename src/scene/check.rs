@@ -1,10 +1,13 @@
 //! What every scene must satisfy, whichever file it came from.
 
-use glam::{DMat4, DVec4};
+use glam::{DMat4, DVec2, DVec4};
 use ndarray::{Array2, ArrayView2};
 
 use super::{Frame, Options};
+use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
+use crate::limits::LENGTH;
+use crate::ray::camera_ray;
 
 /// How far R R^T may be from the identity: three decimals, which is what hand-written poses have.
 const RIGID: f64 = 1e-3;
@@ -12,8 +15,8 @@ const RIGID: f64 = 1e-3;
 /// Arguments that make no sense for any scene.
 pub(super) fn options(options: &Options) -> Result<()> {
     for (argument, value) in [("near", options.near), ("far", options.far)] {
-        if let Some(value) = value.filter(|value| !value.is_finite() || *value < 0.0) {
-            return Err(Error::usage(argument, value, "a distance, 0 or more"));
+        if let Some(value) = value.filter(|value| !(0.0..=LENGTH).contains(value)) {
+            return Err(Error::usage(argument, value, format!("a distance from 0 to {LENGTH}")));
         }
     }
     if let (Some(near), Some(far)) = (options.near, options.far)
@@ -36,8 +39,8 @@ pub(super) fn pose(file: &str, field: &str, matrix: ArrayView2<f64>) -> Result<D
     if matrix.dim() != (4, 4) {
         return bad(format!("shape {:?}", matrix.shape()), "shape [4, 4]");
     }
-    if let Some(((i, j), x)) = matrix.indexed_iter().find(|(_, x)| !x.is_finite()) {
-        return bad(format!("{x} in row {i}, column {j}"), "finite numbers");
+    if let Some(((i, j), x)) = matrix.indexed_iter().find(|(_, x)| !(-LENGTH..=LENGTH).contains(*x)) {
+        return bad(format!("{x} in row {i}, column {j}"), "finite numbers, none beyond 1e9");
     }
     let row: [f64; 4] = std::array::from_fn(|j| matrix[[3, j]]);
     if (0..4).any(|j| (row[j] - [0.0, 0.0, 0.0, 1.0][j]).abs() > RIGID) {
@@ -64,7 +67,7 @@ pub(super) fn opengl_to_opencv(c2w: DMat4) -> DMat4 {
 
 /// A focal length: finite and positive.
 pub(super) fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
-    if value.is_finite() && value > 0.0 {
+    if value > 0.0 && value <= LENGTH {
         return Ok(value);
     }
     let remedy = "Give the focal length in pixels.";
@@ -92,6 +95,26 @@ pub(super) fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
             let remedy = "Bring all pictures of a scene to one size, and its intrinsics with them.";
             return Err(Error::input(Input { file, field: &frame.name, found, expected, remedy }));
         }
+        lens(file, frame)?;
+    }
+    Ok(())
+}
+
+/// A lens that has rays along the whole border of the picture: one that folds over does so from the border inward.
+fn lens(file: &str, frame: &Frame) -> Result<()> {
+    let Camera { width, height, distortion, .. } = frame.camera;
+    if distortion.is_none() {
+        return Ok(());
+    }
+    let sides = |side: usize| [0.5, 0.5 * side as f64, side as f64 - 0.5];
+    for (u, v) in sides(width).into_iter().flat_map(|u| sides(height).map(|v| (u, v))) {
+        let named = |error| match error {
+            Error::Input(input) => {
+                Error::Input(Input { file: file.into(), field: format!("lens of {}", frame.name), ..input })
+            }
+            other => other,
+        };
+        camera_ray(&frame.camera, DVec2::new(u, v)).map_err(named)?;
     }
     Ok(())
 }

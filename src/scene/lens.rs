@@ -10,7 +10,7 @@ use crate::error::{Error, Input, Result};
 /// Names of camera models that k1, k2, p1, p2 cover.
 const MODELLED: [&str; 6] = ["OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "perspective"];
 
-/// A number of a frame, or of the file.
+/// A number of a frame, or of the file; what is there was checked to be one.
 fn number(transforms: &Transforms, frame: &Value, key: &str) -> Option<f64> {
     frame[key].as_f64().or_else(|| transforms.json[key].as_f64())
 }
@@ -27,9 +27,12 @@ pub(super) fn intrinsics(
 ) -> Result<(usize, usize, Intrinsics)> {
     let file = transforms.file();
     let get = |key: &str| number(transforms, frame, key);
-    let declared = match (get("w"), get("h")) {
-        (Some(w), Some(h)) => Some((w as usize, h as usize)),
-        _ => None,
+    // Whichever of the two is there.
+    let declared = [get("w"), get("h")].map(|side| side.map(|side| side as usize));
+    let declared = match (declared, size) {
+        ([None, None], _) => None,
+        ([w, h], Some((width, height))) => Some((w.unwrap_or(width), h.unwrap_or(height))),
+        ([w, h], None) => w.zip(h),
     };
     if let (Some(size), Some(declared)) = (size, declared)
         && size != declared
@@ -105,12 +108,12 @@ pub(super) fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result
         if let Some(model) = source["camera_model"].as_str().filter(|model| !MODELLED.contains(model)) {
             return refuse("camera_model", model.into());
         }
-        for flag in ["is_fisheye", "is_equirectangular", "is_latlong"] {
+        for flag in ["is_fisheye", "is_equirectangular", "is_latlong", "equirectangular", "latlong"] {
             if source[flag].as_bool() == Some(true) {
                 return refuse(flag, "true".into());
             }
         }
-        for key in ["k3", "k4", "k5", "k6", "ftheta_p0", "rolling_shutter"] {
+        for key in ["k3", "k4", "k5", "k6", "ftheta_p0", "ftheta_p1", "rolling_shutter"] {
             let used = source[key].as_f64().is_some_and(|x| x != 0.0)
                 || source[key].as_array().is_some_and(|list| list.iter().any(|x| x.as_f64() != Some(0.0)));
             if used {

@@ -6,11 +6,16 @@ use glam::DMat4;
 use ndarray::{ArrayD, Axis, Ix3, Ix4};
 use serde_json::Value;
 
+use super::fields::listed;
 use super::layout::{Backdrop, settle};
 use super::{Frame, Options, Photo, Scene, check};
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Input, Result};
 use crate::files::npz::{Array, Npz};
+
+/// The arrays of both layouts.
+const CS180: [&str; 6] = ["images_train", "c2ws_train", "images_val", "c2ws_val", "c2ws_test", "focal"];
+const TINY_NERF: [&str; 3] = ["images", "poses", "focal"];
 
 /// How many frames of a tiny-NeRF file are for training: the notebook's own `images[:100]`.
 const TINY_TRAIN: usize = 100;
@@ -29,6 +34,11 @@ pub(super) fn load(path: &Path, options: &Options) -> Result<Scene> {
             let remedy = "Rename the arrays, or give a folder of transforms.json.";
             return Err(Error::input(Input { file, field: "arrays", found, expected, remedy }));
         }
+    }
+    let known: &[&str] = if npz.has("images_train") { &CS180 } else { &TINY_NERF };
+    let unused: Vec<&str> = npz.names().filter(|name| !known.contains(name)).collect();
+    if !unused.is_empty() {
+        scene.warnings.push(format!("{file}: arrays that are not used: {}.", listed(&unused)));
     }
     check::frames(&file, &scene.train, &scene.val)?;
     settle(&mut scene, &file, Backdrop::Plain, options)?;
@@ -132,7 +142,7 @@ fn images_of(npz: &mut Npz, file: &str, name: &str) -> Result<Vec<Photo>> {
     }
     let floats: ArrayD<f32> = match array {
         Array::U8(bytes) => {
-            let (bytes, _) = bytes.as_standard_layout().into_owned().into_raw_vec_and_offset();
+            let (bytes, _) = bytes.into_raw_vec_and_offset();
             let pictures = bytes.chunks_exact(3 * shape[1] * shape[2]);
             return Ok(pictures
                 .map(|p| Photo::opaque(shape[1], shape[2], p.as_chunks().0.to_vec()))

@@ -5,36 +5,47 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use serde_json::Value;
 
+use super::fields::{self, listed};
 use super::layout::{Backdrop, settle};
 use super::lens::{intrinsics, lens};
 use super::{Frame, Options, Photo, Scene, check};
 use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
-use crate::files::{self, picture};
+use crate::files::{self, json, picture};
+use crate::limits;
 use crate::parallel;
 
 /// One parsed file.
 pub(super) struct Transforms {
     /// Where it lies.
     pub path: PathBuf,
-    /// All of it.
+    /// All of it: an object whose fields hold what they may.
     pub json: Value,
+    /// Fields that aren't used, which [`fields`] tells.
+    unused: Vec<String>,
 }
 
 impl Transforms {
     fn read(path: &Path) -> Result<Transforms> {
         let text = files::read_text(path)?;
-        let json = serde_json::from_str(&text).map_err(|error| {
+        let wrong = |found: String| {
             let remedy = "Write it again with instant-ngp's, nerfstudio's or Blender's exporter.";
-            Error::input(Input {
-                file: path.display(),
-                field: "JSON",
-                found: error,
-                expected: "a whole transforms.json",
-                remedy,
-            })
-        })?;
-        Ok(Transforms { path: path.to_path_buf(), json })
+            let (file, expected) = (path.display(), "a whole transforms.json, one object");
+            Error::input(Input { file, field: "JSON", found, expected, remedy })
+        };
+        let json = json::parse(&text).map_err(|error| wrong(error.to_string()))?;
+        let object = json.as_object().ok_or_else(|| wrong(json::short(&json)))?;
+        let (file, mut unused) = (path.display().to_string(), vec![]);
+        fields::check(&file, "", object, &["frames"], &mut unused)?;
+        for frame in object.get("frames").and_then(Value::as_array).into_iter().flatten() {
+            let of = match frame["file_path"].as_str() {
+                Some(name) => format!(" of {name}"),
+                None => String::new(),
+            };
+            let own = ["file_path", "transform_matrix"];
+            frame.as_object().map_or(Ok(()), |frame| fields::check(&file, &of, frame, &own, &mut unused))?;
+        }
+        Ok(Transforms { path: path.to_path_buf(), json, unused })
     }
 
     /// The file's name for messages.
@@ -56,12 +67,12 @@ impl Transforms {
         };
         let mut named = Vec::with_capacity(frames.len());
         for (i, frame) in frames.iter().enumerate() {
-            let Some(name) = frame["file_path"].as_str() else {
+            let Some(name) = frame["file_path"].as_str().filter(|name| !name.is_empty()) else {
                 let field = format!("frames[{i}].file_path");
                 return Err(Error::input(Input {
                     file: self.file(),
                     field,
-                    found: &frame["file_path"],
+                    found: json::short(&frame["file_path"]),
                     expected: "a path",
                     remedy,
                 }));
@@ -166,11 +177,20 @@ impl Reader<'_> {
     /// Every frame of a file; those whose picture is missing are named in a warning and left out.
     fn frames(&mut self, transforms: &Transforms, images: bool) -> Result<Vec<Frame>> {
         let named = transforms.frames()?;
+        if !transforms.unused.is_empty() {
+            let names = listed(&transforms.unused);
+            self.scene.warnings.push(format!("{}: fields that are not used: {names}.", transforms.file()));
+        }
         let mut frames = Vec::with_capacity(named.len());
         let mut missing = Vec::new();
         let background = self.scene.background.map(|c| c as f32);
-        let mut photos = parallel::map(if images { named.len() } else { 0 }, |n| {
-            transforms.picture(named[n].0).map(|path| picture::read_photo(&path, background)).transpose()
+        let paths: Vec<Option<PathBuf>> =
+            if images { named.iter().map(|(name, _)| transforms.picture(name)).collect() } else { vec![] };
+        let bytes = parallel::map(paths.len(), |n| paths[n].as_deref().map_or(Ok(0), picture::held_bytes));
+        let bytes = bytes.into_iter().sum::<Result<u64>>()? as f64;
+        limits::fits(transforms.file(), bytes, "Make the pictures smaller, or list fewer of them.")?;
+        let mut photos = parallel::map(paths.len(), |n| {
+            paths[n].as_deref().map(|path| picture::read_photo(path, background)).transpose()
         })
         .into_iter();
         for (name, value) in named {
@@ -192,7 +212,7 @@ impl Reader<'_> {
             }));
         }
         if !missing.is_empty() {
-            let list = missing.join(", ");
+            let list = listed(&missing);
             self.scene.warnings.push(format!("{}: left out, picture missing: {list}", transforms.file()));
         }
         Ok(frames)
@@ -244,8 +264,8 @@ impl Reader<'_> {
 
 /// instant-ngp's box: a cube of `aabb_scale` in its own units, x_ngp = scale x + offset around 0.5, scale 0.33 unless the file says.
 fn ngp_box(transforms: &Transforms, scene: &mut Scene) -> Option<(DVec3, DVec3)> {
-    let side = transforms.json["aabb_scale"].as_f64().filter(|side| *side > 0.0)?;
-    let scale = transforms.json["scale"].as_f64().filter(|scale| *scale > 0.0).unwrap_or(0.33);
+    let side = transforms.json["aabb_scale"].as_f64()?;
+    let scale = transforms.json["scale"].as_f64().unwrap_or(0.33);
     let centered = transforms.json["offset"].is_null();
     if !centered {
         // The offset is in axes that instant-ngp permutes; a box in the wrong place is worse than none.

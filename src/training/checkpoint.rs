@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use ndarray::{ArrayD, IxDyn};
 use serde_json::{Map, Value};
 
+use super::sound;
 use crate::error::{Error, Input, Result};
-use crate::files::{self, npz};
+use crate::files::{self, json, npz};
 
 /// The version of run folders: readers refuse other versions.
 pub const VERSION: i64 = 1;
@@ -57,7 +58,7 @@ impl RunFolder {
     /// Where it isn't a JSON object.
     pub fn settings(&self) -> Result<Map<String, Value>> {
         let path = self.file("run.json");
-        serde_json::from_str(&files::read_text(&path)?).map_err(|e| {
+        json::parse_object(&files::read_text(&path)?).map_err(|e| {
             Error::input(Input {
                 file: path.display(),
                 field: "JSON",
@@ -111,6 +112,7 @@ impl RunFolder {
             }));
         }
         let (seconds, samples) = (number("seconds")?, number("samples")?);
+        sound::counts(step, seconds, samples, &path.display().to_string())?;
         Ok((state, step as u64, seconds, samples as u64))
     }
 }

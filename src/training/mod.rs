@@ -11,6 +11,7 @@ pub mod nerf;
 pub mod reference;
 pub mod run;
 pub mod schedule;
+pub(crate) mod sound;
 pub mod watch;
 
 pub use model::{Model, Pixel, StepReport};

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::checkpoint::RunFolder;
 use super::model::{Model, StepReport};
 use super::schedule::{MOST, Schedule};
+use super::sound;
 use super::watch::Watch;
 use crate::error::{Error, Input, Result};
 use crate::evaluation::{Scores, evaluate, over};
@@ -124,7 +125,7 @@ impl<'a> Run<'a> {
     pub fn resume(&mut self) -> Result<()> {
         let file = self.folder.file("checkpoint.npz");
         let (state, step, seconds, samples) = self.folder.load()?;
-        self.model.restore(&state, &file.display().to_string())?;
+        sound::restore(self.model, &state, step, &file.display().to_string())?;
         (self.step, self.seconds, self.samples) = (step, seconds, samples);
         let path = self.folder.file("log.jsonl");
         let text = files::read_text(&path)?;

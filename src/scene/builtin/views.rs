@@ -7,6 +7,7 @@ use super::{Medium, ray_box};
 use crate::camera::{Camera, Intrinsics};
 use crate::convention::{Delta, Grid, LastDelta, PixelCenter, ProductEps, Rest};
 use crate::error::{Error, Result};
+use crate::limits;
 use crate::math::{cos_pi, sin_pi};
 use crate::parallel;
 use crate::ray::{Ray, camera_ray, pixel_position};
@@ -77,6 +78,8 @@ pub fn load(name: &str, options: &Options) -> Result<Scene> {
     let (body, shot) = name.split_once(',').unwrap_or((name, ""));
     let (medium, shot) = (Medium::named(body)?, Shot::parse(shot)?);
     let mut scene = Scene::empty(&format!("builtin:{name}"), options);
+    let pixels = ((shot.views + VAL) * shot.size * shot.size) as f64;
+    limits::fits(&scene.name, limits::FINE_PIXEL * pixels, "Choose a smaller size, or fewer views.")?;
     scene.bounds = Some(medium.bounds);
     let unseen = |name: String, camera| Frame { name, camera, image: None };
     // Validation views stand between training views: the same spiral, shifted by half a view.
