@@ -14,7 +14,7 @@ use crate::evaluation::{self, Scores};
 use crate::parallel;
 use crate::report::table;
 use crate::scene::Scene;
-use crate::training::checkpoint::RunFolder;
+use crate::training::checkpoint::{Checkpoint, RunFolder};
 use crate::training::model::Model;
 
 /// Options of `evaluate`.
@@ -59,8 +59,11 @@ pub(super) fn open(run: &std::path::Path, backend: Backend, test_images: bool) -
     settings.insert("backend".into(), json!(backend));
     let file = folder.file("run.json").display().to_string();
     let scene = load_scene(&settings, test_images, &file)?;
+    if let Some(known) = folder.known_identity() {
+        known.check_content(&scene.digest(), &file)?;
+    }
     let mut model = build(&settings, &scene)?;
-    let (state, step, ..) = folder.load()?;
+    let Checkpoint { state, step, .. } = folder.load()?;
     model.restore(&state, &folder.file("checkpoint.npz").display().to_string())?;
     Ok(Trained { scene, model, step })
 }

@@ -1,5 +1,5 @@
 //! The command line: one file a subcommand. People's tables go to stdout, with `--json` one JSON object instead; progress and
-//! warnings go to stderr. Exit 0: all good; 1: a check failed; 2: usage, input or I/O.
+//! warnings go to stderr. Exit 0: all good; 1: a check failed; 2: usage, input or I/O; 130, 143: stopped by SIGINT, SIGTERM.
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -24,6 +24,7 @@ mod output;
 mod progress;
 mod recipe;
 mod render;
+mod signals;
 mod spelling;
 mod sweep_image;
 mod train;

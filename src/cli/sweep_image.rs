@@ -68,6 +68,7 @@ impl Row {
 /// Runs `sweep-image`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::with_threads(args.threads, || {
+        files::check_writable(&args.out)?;
         let target = fit_image::load(&args.image, args.size)?;
         files::make_folder(&args.out)?;
         let all = combinations(args);
