@@ -7,13 +7,13 @@ use ndarray::{ArrayD, IxDyn};
 use serde_json::{Map, Value};
 
 use super::identity::{CONTENT, Identity, RUN};
-use super::log::LOG;
 use crate::error::{Error, Input, Result};
 use crate::files::lock::{self, Lock};
 use crate::files::{self, npz};
 
 const SETTINGS: &str = "run.json";
 const CHECKPOINT: &str = "checkpoint.npz";
+pub(super) const LOG: &str = "log.jsonl";
 const VIEWS: &str = "views";
 
 /// The version of run folders: readers refuse other versions.

@@ -3,13 +3,10 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use super::checkpoint::RunFolder;
+use super::checkpoint::{LOG, RunFolder};
 use super::identity::RUN;
 use crate::error::{Error, Input, Result};
 use crate::files;
-
-/// Its name.
-pub(super) const LOG: &str = "log.jsonl";
 
 /// What every line has.
 #[derive(Deserialize)]

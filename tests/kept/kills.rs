@@ -116,8 +116,7 @@ fn a_second_signal_ends_at_once() {
     let folder = tempfile::tempdir().expect("a folder");
     let run = folder.path().join("run");
     // Steps of minutes, in f64.
-    let args =
-        ["train", SCENE, "--model", "nerf", "--backend", "reference", "--rays", "4096", "--steps", "9"];
+    let args = ["train", SCENE, "--model", "nerf", "--backend", "reference", "--rays", "512", "--steps", "9"];
     let mut child = start(&args, &run);
     while !run.join("checkpoint.npz").exists() {
         assert!(child.try_wait().expect("a state").is_none(), "it ended by itself");
