@@ -5,7 +5,6 @@ use sha2::{Digest, Sha256};
 
 use super::{Frame, Scene};
 use crate::camera::{Camera, Distortion, Intrinsics};
-use crate::files::photo::Photo;
 use crate::parallel;
 
 impl Scene {
@@ -42,7 +41,7 @@ fn of_frame(frame: &Frame) -> [u8; 32] {
     let mut hash = Sha256::new();
     camera(&mut hash, &frame.camera);
     if let Some(image) = &frame.image {
-        picture(&mut hash, image);
+        image.each_part(|part| hash.update(part));
     }
     hash.finalize().into()
 }
@@ -56,22 +55,6 @@ fn camera(hash: &mut Sha256, camera: &Camera) {
     }
 }
 
-/// Colors over black and, where the opacity is kept, over white: that fixes both.
-fn picture(hash: &mut Sha256, image: &Photo) {
-    let backgrounds = if image.keeps_opacity() { &[[0.0; 3], [1.0; 3]][..] } else { &[[0.0; 3]] };
-    let (_, width) = image.size();
-    let mut row = Vec::with_capacity(12 * width);
-    for &background in backgrounds {
-        for n in 0..image.len() {
-            row.extend(image.pixel_over(n, background).into_iter().flat_map(f32::to_le_bytes));
-            if (n + 1).is_multiple_of(width) {
-                hash.update(&row);
-                row.clear();
-            }
-        }
-    }
-}
-
 fn numbers(hash: &mut Sha256, numbers: &[f64]) {
     numbers.iter().for_each(|x| hash.update(x.to_le_bytes()));
 }
@@ -79,6 +62,7 @@ fn numbers(hash: &mut Sha256, numbers: &[f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::files::photo::Photo;
     use crate::scene::{Options, load};
 
     /// The same scene gives the same hash; a camera or a pixel that is another gives another.
