@@ -1,6 +1,5 @@
 //! What a scene holds as one hash, whatever files it came from: another scene, or the same with a changed picture, has another.
 
-use ndarray::Array3;
 use sha2::{Digest, Sha256};
 
 use super::{Frame, Scene};
@@ -25,7 +24,8 @@ impl Scene {
 }
 
 /// SHA-256 of one picture (H, W, 3), in hexadecimal digits.
-pub(crate) fn of_picture(picture: &Array3<f32>) -> String {
+#[cfg(feature = "cli")]
+pub(crate) fn of_picture(picture: &ndarray::Array3<f32>) -> String {
     let mut hash = Sha256::new();
     numbers(&mut hash, &[picture.dim().0 as f64, picture.dim().1 as f64]);
     picture.iter().for_each(|x| hash.update(x.to_le_bytes()));
