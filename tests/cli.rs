@@ -109,8 +109,8 @@ fn a_run_can_be_trained_resumed_measured_and_rendered() {
     let train = |more: &[&str]| object(&[&common[..], &rest, more].concat());
     let first = train(&["--steps", "4"]);
     assert_eq!((&first["step"], &first["samples"]), (&Value::from(4), &Value::from(4 * 64 * 8)));
-    let whole = train(&["--steps", "8"]);
-    train(&["--steps", "4"]);
+    let whole = train(&["--steps", "8", "--overwrite"]);
+    train(&["--steps", "4", "--overwrite"]);
     let resumed = train(&["--steps", "8", "--resume"]);
     for figure in ["step", "samples", "loss", "val_psnr"] {
         assert_eq!(whole[figure], resumed[figure], "{figure} differs after --resume");
@@ -136,7 +136,7 @@ fn a_run_that_leaves_empty_space_out_says_so_and_goes_on() {
     // The grid is filled after step 256.
     let whole = train(&["--skip", "--steps", "264"]);
     assert!(whole["samples"].as_u64() < Some(264 * 16 * 8), "every sample was evaluated: {whole}");
-    train(&["--skip", "--steps", "258"]);
+    train(&["--skip", "--steps", "258", "--overwrite"]);
     let file = Path::new(&run).join("run.json");
     let settings: Value = serde_json::from_slice(&fs::read(&file).expect("settings")).expect("JSON");
     assert_eq!((&settings["skip"], &settings["settings"]["skip_samples"]), (&true.into(), &true.into()));
@@ -229,7 +229,7 @@ fn a_log_says_how_it_was_measured() {
             .iter()
             .all(|line| line["val_psnr"].is_null() && line["val_probe"].is_f64())
     );
-    object(&[&common[..], &["--steps", "9", "--val-at", "3,5", "--val-every", "4"]].concat());
+    object(&[&common[..], &["--steps", "9", "--val-at", "3,5", "--val-every", "4", "--overwrite"]].concat());
     let measured: Vec<u64> = lines()
         .iter()
         .filter(|line| line["val_views"] == 4)

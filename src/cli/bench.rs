@@ -43,6 +43,7 @@ pub(super) struct Args {
 /// # Errors
 /// A filter that no component matches, a run that can't be read, a peer that fails.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    files::check_writable(&args.out)?;
     if args.rounds < 5 {
         return Err(Error::usage("--rounds", args.rounds, "at least 5"));
     }

@@ -9,6 +9,7 @@ use super::output;
 use crate::contract::Dtype;
 use crate::convention::profiles;
 use crate::error::Result;
+use crate::files;
 use crate::judge::{Exam, exchange};
 
 /// Write the cases that an implementation is judged by: cases.json and one npz a case, with the inputs alone.
@@ -33,6 +34,7 @@ pub(super) struct Args {
 /// # Errors
 /// An unknown filter or profile, or a folder that can't be written.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    files::check_writable(&args.out)?;
     let profile = args.profile.as_deref().map(profiles::find).transpose()?;
     let exam = Exam::new(&args.filter, args.dtype, profile)?;
     let bytes = exchange::write_cases(&exam, &args.out)?;

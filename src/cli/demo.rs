@@ -46,6 +46,9 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let run = args.out.join("run");
     output::say(&format!("Training a small network on {SCENE} for {} s ...", args.seconds));
     let summary = train::train(&training(args, &run))?;
+    if let Some(signal) = summary.stopped {
+        return Ok(signal.end("what was trained is kept"));
+    }
     output::say("Checking the f32 path against the f64 reference ...");
     let trained = evaluate::open(&run, Backend::Fast, false)?;
     let difference = largest_difference(&trained, &evaluate::open(&run, Backend::Reference, false)?)?;
@@ -81,6 +84,7 @@ fn training(args: &Args, run: &Path) -> train::Args {
         rays: Some(512),
         samples: Some(48),
         lr: Some(2e-3),
+        overwrite: true,
         ..train::Args::new(SCENE, run)
     }
 }

@@ -14,7 +14,7 @@ use crate::evaluation::{self, Scores};
 use crate::parallel;
 use crate::report::table;
 use crate::scene::Scene;
-use crate::training::checkpoint::RunFolder;
+use crate::training::checkpoint::{Checkpoint, RunFolder};
 use crate::training::model::Model;
 use crate::training::sound;
 
@@ -61,9 +61,12 @@ pub(super) fn open(run: &std::path::Path, backend: Backend, test_images: bool) -
     recorded::check(&settings, &file)?;
     settings.insert("backend".into(), json!(backend));
     let scene = load_scene(&settings, test_images, &file).map_err(|error| recorded::named(error, &file))?;
+    if let Some(known) = folder.known_identity() {
+        known.check_content(&scene.digest(), &file)?;
+    }
     let mut model = build(&settings, &scene).map_err(|error| recorded::named(error, &file))?;
     recorded::check_same(&settings, &scene, &*model, &file)?;
-    let (state, step, ..) = folder.load()?;
+    let Checkpoint { state, step, .. } = folder.load()?;
     sound::restore(&mut *model, &state, step, &folder.file("checkpoint.npz").display().to_string())?;
     Ok(Trained { scene, model, step })
 }

@@ -5,17 +5,21 @@ use std::process::ExitCode;
 
 use image::imageops::FilterType;
 use ndarray::Array3;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::options::{Backend, at_most, none_or, positive, positive_number, steps, threads};
-use super::{output, progress};
+use super::signals::Signals;
+use super::{output, progress, recipe};
 use crate::error::{Error, Input, Result};
 use crate::files::{self, picture};
 use crate::limits::{self, LAYERS, LEVELS, SIDE, WIDTH};
 use crate::parallel;
 use crate::report::{curve, sheet, table};
-use crate::scene;
-use crate::training::image::{FitSettings, LogPoint, fit};
+use crate::scene::{self, digest};
+use crate::training::checkpoint::RunFolder;
+use crate::training::fit::FitRun;
+use crate::training::identity::Identity;
+use crate::training::image::{FitSettings, LogPoint};
 
 /// Options of `fit-image`.
 #[derive(clap::Args, Clone, Debug)]
@@ -55,48 +59,114 @@ pub(super) struct Args {
     /// Which path computes.
     #[arg(long, value_enum, default_value_t = Backend::Fast)]
     pub backend: Backend,
+    /// Go on from the folder's checkpoint.
+    #[arg(long)]
+    pub resume: bool,
+    /// Move a run that is in the folder aside, to OUT.old-1 or the next free number, instead of refusing.
+    #[arg(long, conflicts_with = "resume")]
+    pub overwrite: bool,
 }
+
+/// What `--resume` may not change.
+const KEPT: [&str; 9] = ["image", "size", "batch", "levels", "width", "layers", "lr", "seed", "backend"];
 
 /// Runs `fit-image`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::on_threads(args.threads, || {
+        files::check_writable(&args.out)?;
         let target = load(&args.image, args.size)?;
+        let signals = Signals::listen();
+        let folder = open(args, &target)?;
         let settings = settings(args);
         fits(&target, &[&settings], settings.steps as f64 / 100.0)?;
-        files::make_folder(&args.out)?;
-        picture::write_png(&args.out.join("target.png"), target.view())?;
-        let bar = progress::bar(Some(settings.steps), "fit");
-        let mut pictures = vec![];
-        let keep = |point: &LogPoint, fitted: &Array3<f32>| {
-            if !point.loss.is_finite() {
-                let (file, field) = (args.image.clone(), format!("loss at step {}", point.step));
-                return Err(Error::input(Input {
-                    file,
-                    field,
-                    found: point.loss,
-                    expected: "a finite number",
-                    remedy: "Lower --lr or --levels.",
-                }));
-            }
-            picture::write_png(&args.out.join(format!("step_{:04}.png", point.step)), fitted.view())?;
-            pictures.push(picture::to_rgb(fitted.view()));
-            Ok::<(), Error>(())
-        };
-        let log = fit(&target, &settings, keep, |step, loss| {
-            bar.set_position(step);
-            bar.set_message(format!("loss {loss:.5}"));
-        })?;
-        bar.finish_and_clear();
-        pictures.push(picture::to_rgb(target.view()));
-        picture::write_rgb(&args.out.join("contact_sheet.png"), &sheet::contact_sheet(&pictures, 4))?;
-        write_log(&args.out, &log)?;
+        let (log, failure) = fit(args, &target, &settings, &folder, &signals)?;
+        if let Some(found) = failure {
+            let (file, remedy) = (args.image.clone(), "Lower --lr or --levels.");
+            let expected = "finite numbers";
+            return Err(Error::input(Input { file, field: "fit", found, expected, remedy }));
+        }
+        let stopped = signals.heard();
+        if stopped.is_none() {
+            write_sheet(&folder, &target, &log)?;
+        }
+        write_curve(&folder, &log)?;
         let (h, w, _) = target.dim();
         let object = json!({
             "out": args.out.display().to_string(), "width": w, "height": h, "settings": settings, "log": log,
         });
         output::print(json, &object, &text(&log, &args.out))?;
-        Ok(ExitCode::SUCCESS)
+        Ok(stopped.map_or(ExitCode::SUCCESS, |signal| signal.end("--resume goes on from here")))
     })
+}
+
+/// The folder of a new fit, or of the one to resume, with its settings written.
+fn open(args: &Args, target: &Array3<f32>) -> Result<RunFolder> {
+    let recipe = json!({
+        "image": args.image, "size": args.size, "batch": args.batch, "levels": args.levels, "width": args.width,
+        "layers": args.layers, "lr": args.lr, "seed": args.seed, "backend": args.backend,
+    });
+    let Value::Object(mut recipe) = recipe else { unreachable!("an object literal") };
+    let content = digest::of_picture(target);
+    let mut determining = recipe.clone();
+    // The content says which picture it is, wherever it lies.
+    determining.retain(|name, _| name != "image" && name != "size");
+    let identity = Identity::new(&determining, content);
+    let folder = if args.resume && !RunFolder::is_untouched(&args.out) {
+        let folder = RunFolder::resume(&args.out, identity.clone())?;
+        let file = folder.file("run.json").display().to_string();
+        let before = folder.settings()?;
+        recipe::check_kept(&KEPT, &before, &recipe, &file)?;
+        Identity::of_settings(&before)
+            .map_or(Ok(()), |known| known.check_content(&identity.content, &file))?;
+        folder
+    } else {
+        RunFolder::begin(&args.out, identity.clone(), args.overwrite)?
+    };
+    recipe.insert("steps".into(), args.steps.into());
+    recipe.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+    recipe.extend(identity.settings());
+    folder.write_settings(&recipe)?;
+    picture::write_png(&folder.file("target.png"), target.view())?;
+    Ok(folder)
+}
+
+/// The log, and why the fit was given up, if it was.
+fn fit(
+    args: &Args,
+    target: &Array3<f32>,
+    settings: &FitSettings,
+    folder: &RunFolder,
+    signals: &Signals,
+) -> Result<(Vec<LogPoint>, Option<String>)> {
+    let mut run = FitRun::new(target, settings, folder);
+    if args.resume {
+        run.resume()?;
+    }
+    let bar = progress::bar(Some(settings.steps), "fit");
+    run.go(
+        || signals.heard().is_some(),
+        |point, fitted| picture::write_png(&folder.file(&name(point)), fitted.view()),
+        |step, loss| {
+            bar.set_position(step);
+            bar.set_message(format!("loss {loss:.5}"));
+        },
+    )?;
+    bar.finish_and_clear();
+    Ok((run.log, run.failure))
+}
+
+/// The file of a point's picture.
+fn name(point: &LogPoint) -> String {
+    format!("step_{:04}.png", point.step)
+}
+
+/// All pictures of the log, the target last: read again, as some may be from before the fit was resumed.
+fn write_sheet(folder: &RunFolder, target: &Array3<f32>, log: &[LogPoint]) -> Result<()> {
+    let read = |point: &LogPoint| picture::read(&folder.file(&name(point)));
+    let mut pictures = log.iter().map(read).collect::<Result<Vec<_>>>()?;
+    pictures.push(target.clone());
+    let pictures: Vec<_> = pictures.iter().map(|fitted| picture::to_rgb(fitted.view())).collect();
+    picture::write_rgb(&folder.file("contact_sheet.png"), &sheet::contact_sheet(&pictures, 4))
 }
 
 fn settings(args: &Args) -> FitSettings {
@@ -143,12 +213,10 @@ pub(super) fn load(image: &str, size: Option<usize>) -> Result<Array3<f32>> {
     Ok(small.mapv(|x| x.clamp(0.0, 1.0)))
 }
 
-fn write_log(out: &Path, log: &[LogPoint]) -> Result<()> {
-    let lines: String = log.iter().map(|p| serde_json::to_string(p).expect("plain data") + "\n").collect();
-    files::write(&out.join("log.jsonl"), lines)?;
+fn write_curve(folder: &RunFolder, log: &[LogPoint]) -> Result<()> {
     let points = log.iter().map(|p| (p.step as f64, p.psnr)).collect();
     let series = [curve::Series { name: "whole picture".into(), points }];
-    curve::write(&out.join("psnr.svg"), "PSNR of the fitted picture", "step", "dB", &series)
+    curve::write(&folder.file("psnr.svg"), "PSNR of the fitted picture", "step", "dB", &series)
 }
 
 fn text(log: &[LogPoint], out: &Path) -> String {

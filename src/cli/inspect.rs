@@ -62,6 +62,7 @@ struct Drawn {
 
 /// Runs `inspect`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    files::check_writable(&args.out)?;
     let options = Options { near: args.near, far: args.far, holdout: args.holdout, ..Options::default() };
     let scene = scene::load(&args.scene, &options)?;
     for warning in &scene.warnings {

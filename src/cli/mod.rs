@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand. People's tables go to stdout, with `--json` one JSON object instead; progress and
-//! warnings go to stderr. Exit 0: all good; 1: a check failed; 2: usage, input or I/O; 141, silently: stdout's reader has closed it.
+//! warnings go to stderr. Exit 0: all good; 1: a check failed; 2: usage, input or I/O; 130, 143: stopped by SIGINT, SIGTERM; 141, silently:
+//! stdout's reader has closed it.
 
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -26,6 +27,7 @@ mod progress;
 mod recipe;
 mod recorded;
 mod render;
+mod signals;
 mod spelling;
 mod sweep_image;
 mod train;

@@ -13,6 +13,7 @@ use crate::limits::{self, COMPACT_SAMPLE, PARAMETER, STEP_SAMPLE};
 use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
 use crate::training::compact::{CompactModel, CompactSettings, Overrides, Part};
+use crate::training::identity::Identity;
 use crate::training::model::Model;
 use crate::training::nerf::{NerfModel, NerfSettings, Skip};
 
@@ -50,29 +51,49 @@ pub(super) fn given(args: &Args) -> Map<String, Value> {
     recipe
 }
 
+/// What of a recipe determines every bit of a run; the scene does by its content, wherever it lies.
+pub(super) fn kept(recipe: &Map<String, Value>) -> Map<String, Value> {
+    let names = KEPT.iter().filter(|name| **name != "scene");
+    names.map(|name| (name.to_string(), recipe[*name].clone())).collect()
+}
+
 /// The run to resume, which must have been started with this recipe, and the warnings that it had so far.
-pub(super) fn resumed(run: &Path, recipe: &Map<String, Value>) -> Result<(RunFolder, Vec<Value>)> {
-    let folder = RunFolder::open(run)?;
+pub(super) fn resumed(
+    run: &Path,
+    recipe: &Map<String, Value>,
+    identity: &Identity,
+) -> Result<(RunFolder, Vec<Value>)> {
+    let folder = RunFolder::resume(run, identity.clone())?;
+    let file = folder.file("run.json").display().to_string();
     let before = folder.settings()?;
-    recorded::check(&before, &folder.file("run.json").display().to_string())?;
+    recorded::check(&before, &file)?;
+    check_kept(&KEPT, &before, recipe, &file)?;
+    let warnings = before.get("warnings").and_then(Value::as_array).cloned().unwrap_or_default();
+    if let Some(known) = Identity::of_settings(&before) {
+        known.check_content(&identity.content, &file)?;
+    }
+    Ok((folder, warnings))
+}
+
+/// Refuses options that aren't those that a run was begun with.
+pub(super) fn check_kept(
+    names: &[&str],
+    before: &Map<String, Value>,
+    recipe: &Map<String, Value>,
+    file: &str,
+) -> Result<()> {
     // A field that an older run lacks was at its default.
     let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
-    for name in KEPT {
-        if let Some(had) = before.get(name).or(defaults.get(name)).filter(|had| **had != recipe[name]) {
+    for &name in names {
+        let had = before.get(name).unwrap_or(&defaults[name]);
+        if *had != recipe[name] {
             let remedy =
                 "Give --resume the options that the run was begun with; --steps and --seconds may differ.";
-            let file = folder.file("run.json").display().to_string();
-            return Err(Error::input(Input {
-                file,
-                field: name,
-                found: &recipe[name],
-                expected: had,
-                remedy,
-            }));
+            let found = &recipe[name];
+            return Err(Error::input(Input { file, field: name, found, expected: had, remedy }));
         }
     }
-    let warnings = before.get("warnings").and_then(Value::as_array).cloned().unwrap_or_default();
-    Ok((folder, warnings))
+    Ok(())
 }
 
 /// The scene that a recipe (given on the command line, or read from `run.json`) names.

@@ -76,6 +76,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
 
 /// Renders as `args` say; returns how many frames.
 pub(super) fn render(args: &Args) -> Result<usize> {
+    if is_film(&args.out) { files::check_replaceable(&args.out) } else { files::check_writable(&args.out) }?;
     let trained = open(&args.run, args.backend, false)?;
     let scene = &trained.scene;
     let cameras = cameras(args, scene)?;
@@ -93,10 +94,14 @@ pub(super) fn render(args: &Args) -> Result<usize> {
     Ok(frames.len())
 }
 
+fn is_film(out: &Path) -> bool {
+    out.extension().is_some_and(|e| e.eq_ignore_ascii_case("gif"))
+}
+
 /// One GIF, or a folder with frames and a film.
 pub(super) fn write(out: &Path, frames: &[RgbImage]) -> Result<()> {
     const FRAMES_PER_SECOND: u32 = 20;
-    if out.extension().is_some_and(|e| e.eq_ignore_ascii_case("gif")) {
+    if is_film(out) {
         return film::write_gif(out, frames, FRAMES_PER_SECOND);
     }
     files::make_folder(out)?;

@@ -69,6 +69,7 @@ impl Row {
 /// Runs `sweep-image`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::on_threads(args.threads, || {
+        files::check_writable(&args.out)?;
         let target = fit_image::load(&args.image, args.size)?;
         let all = combinations(args);
         fit_image::fits(&target, &all.iter().collect::<Vec<_>>(), all.len() as f64)?;

@@ -11,17 +11,20 @@ use super::options::{
     Backend, at_most, color, distance, finite_number, none_or, positive, positive_number, scale, steps,
     threads,
 };
+use super::signals::{Signal, Signals};
 use super::spelling::spelled;
 use super::{output, progress, recipe, recorded};
 use crate::error::Result;
+use crate::files;
 use crate::limits::{RAYS, SAMPLES, WIDTH};
 use crate::parallel;
 use crate::report::{curve, table};
 use crate::scene::Scene;
 use crate::training::checkpoint::RunFolder;
 use crate::training::compact::Part;
+use crate::training::identity::Identity;
 use crate::training::model::Model;
-use crate::training::run::{LogPoint, Options, Run};
+use crate::training::run::{LogPoint, News, Options, Run};
 
 /// Options of `train`.
 #[derive(clap::Args, Clone, Debug)]
@@ -91,6 +94,9 @@ pub(super) struct Args {
     /// Go on from the run's checkpoint.
     #[arg(long)]
     pub resume: bool,
+    /// Move a run that is in the folder aside, to RUN.old-1 or the next free number, instead of refusing.
+    #[arg(long, conflicts_with = "resume")]
+    pub overwrite: bool,
     /// Leave out samples in empty space and after the early stop, once that is known (--model nerf; compact always does).
     #[arg(long)]
     pub skip: bool,
@@ -109,7 +115,7 @@ impl Args {
         let args = Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
             samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, scale: None, val_every: None, val_at: vec![], val_all: false, background: None, seed: 0,
-            threads: None, backend: Backend::Fast, resume: false, skip: false, width: None,
+            threads: None, backend: Backend::Fast, resume: false, overwrite: false, skip: false, width: None,
             without: vec![],
         };
         args
@@ -131,9 +137,10 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::on_threads(args.threads, || {
         let summary = train(args)?;
         output::print(json, &summary.object, &summary.text)?;
-        Ok(match &summary.failure {
-            None => ExitCode::SUCCESS,
-            Some(why) => {
+        Ok(match (&summary.failure, summary.stopped) {
+            (None, None) => ExitCode::SUCCESS,
+            (None, Some(signal)) => signal.end("--resume goes on from here"),
+            (Some(why), _) => {
                 output::say(&format!("error: {}: this run doesn't learn: {why}", args.scene));
                 ExitCode::from(1)
             }
@@ -151,23 +158,36 @@ pub(super) struct Summary {
     pub val_psnr: Option<f64>,
     /// Why the run was given up, where it doesn't learn.
     pub failure: Option<String>,
+    /// The signal that stopped it.
+    pub stopped: Option<Signal>,
 }
 
 /// Trains as `args` say.
 pub(super) fn train(args: &Args) -> Result<Summary> {
+    files::check_writable(&args.out)?;
     let recipe = recipe::given(args);
     let scene = recipe::load_scene(&recipe, false, "arguments")?;
     scene.warnings.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
-    let resumed = args.resume.then(|| recipe::resumed(&args.out, &recipe)).transpose()?;
+    let identity = Identity::new(&recipe::kept(&recipe), scene.digest());
+    // A run that was stopped before it had written anything begins.
+    let resume = args.resume && !RunFolder::is_untouched(&args.out);
+    let resumed = resume.then(|| recipe::resumed(&args.out, &recipe, &identity)).transpose()?;
     let mut model = recipe::build(&recipe, &scene)?;
+    // Not earlier: until there is something to keep a signal ends the program at once.
+    let signals = Signals::listen();
     // Not earlier: inconsistent options leave no folder.
     let (folder, mut warnings) = match resumed {
         Some(resumed) => resumed,
-        None => (RunFolder::create(&args.out)?, scene.warnings.iter().map(|w| json!(w)).collect()),
+        None => {
+            let folder = RunFolder::begin(&args.out, identity.clone(), args.overwrite)?;
+            (folder, scene.warnings.iter().map(|w| json!(w)).collect())
+        }
     };
+    files::make_folder(&folder.file("views"))?;
     left_out(&model.settings()).iter().for_each(|line| output::say(line));
     let mut settings = run_json(args, &recipe, &scene, &*model);
-    if args.resume {
+    settings.extend(identity.settings());
+    if resume {
         recorded::check_same(
             &folder.settings()?,
             &scene,
@@ -177,17 +197,25 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     }
     let options = end(args);
     let mut run = Run::new(&mut *model, &scene, &folder, &options)?;
-    if args.resume {
+    if resume {
         run.resume()?;
     }
     // Not earlier: a run that can't be resumed stays unchanged. Not later: one that is stopped is resumed and rendered with these.
     settings.insert("warnings".into(), json!(warnings));
     folder.write_settings(&settings)?;
     let bar = progress::bar(options.steps, "train");
-    run.go(|point| {
-        bar.set_position(point.step);
-        bar.set_message(format!("loss {:.5}, val {} dB", point.loss, output::decibels(point.val_probe)));
-    })?;
+    run.go(
+        || signals.heard().is_some(),
+        |news| match news {
+            News::Point(point) => {
+                bar.set_position(point.step);
+                bar.set_message(format!("loss {:.5}, val {} dB", point.loss, output::decibels(point.val_probe)));
+            }
+            News::SlowCheckpoints { cost, every } => bar.suspend(|| {
+                output::say(&format!("a checkpoint takes {cost:.1} s here: one every {every:.0} s, so that they cost no more than 1%"));
+            }),
+        },
+    )?;
     bar.finish_and_clear();
     let said: Vec<String> = run.warnings.iter().map(|warning| spelled(warning)).collect();
     said.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
@@ -201,7 +229,7 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
         folder.write_settings(&settings)?;
     }
     write_curve(&folder, &scene, &run.log)?;
-    Ok(summary(&run.log, &said, failure, args))
+    Ok(Summary { stopped: signals.heard(), ..summary(&run.log, &said, failure, args) })
 }
 
 /// The parts that the model leaves out in this scene, with their reasons.
@@ -284,5 +312,5 @@ fn summary(log: &[LogPoint], warnings: &[String], failure: Option<String>, args:
         "val_psnr_pooled": full.last().and_then(|p| p.val_psnr_pooled),
         "val_views": full.last().and_then(|p| p.val_views), "warnings": warnings, "failure": failure,
     });
-    Summary { object, text, val_psnr, failure }
+    Summary { object, text, val_psnr, failure, stopped: None }
 }

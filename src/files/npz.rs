@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use half::f16;
@@ -332,8 +332,9 @@ pub fn write(path: &Path, arrays: &Arrays, compress: bool) -> Result<()> {
         .compression_method(method)
         .last_modified_time(zip::DateTime::DEFAULT)
         .large_file(false);
-    files::write_with(path, |file| {
-        let mut zip = zip::ZipWriter::new(file);
+    let archive = || {
+        // In memory: dropping a ZipWriter whose file can't be written to may panic.
+        let mut zip = zip::ZipWriter::new(Cursor::new(vec![]));
         for (name, array) in arrays {
             let large = array.shape().iter().product::<usize>() > (u32::MAX / 16) as usize;
             zip.start_file(format!("{name}.npy"), options.large_file(large))?;
@@ -345,9 +346,9 @@ pub fn write(path: &Path, arrays: &Arrays, compress: bool) -> Result<()> {
                 Array::I64(a) => write_npy(&mut zip, a),
             }?;
         }
-        zip.finish()?;
-        Ok(())
-    })
+        Ok(zip.finish()?.into_inner())
+    };
+    files::write(path, archive().map_err(Error::writing(path))?)
 }
 
 /// One array in C order.

@@ -114,6 +114,19 @@ impl Photo {
         matches!(*self.pixels, Pixels::Cut(_))
     }
 
+    /// Its pixels as they are kept, a part at a time: bytes, or floats in little-endian order.
+    pub(crate) fn each_part(&self, mut part: impl FnMut(&[u8])) {
+        match &*self.pixels {
+            Pixels::Opaque(pixels) => part(pixels.as_flattened()),
+            Pixels::Cut(pixels) => part(pixels.as_flattened()),
+            Pixels::Fine(pixels) => {
+                for some in pixels.chunks(1024) {
+                    part(&some.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
+                }
+            }
+        }
+    }
+
     /// All colors, row by row.
     pub fn colors(&self) -> impl Iterator<Item = [f32; 3]> {
         (0..self.len()).map(|n| self.pixel(n))

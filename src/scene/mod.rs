@@ -18,6 +18,7 @@ use crate::ray::draw_index;
 pub mod builtin;
 mod card;
 mod check;
+pub(crate) mod digest;
 mod fields;
 mod layout;
 mod lens;

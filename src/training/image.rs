@@ -2,14 +2,16 @@
 
 use std::time::Instant;
 
-use ndarray::Array3;
-use serde::Serialize;
+use ndarray::{Array1, Array3};
+use serde::{Deserialize, Serialize};
 
 use super::reference::{adam_layer, image_loss_and_gradient};
 use crate::convention::CS180;
 use crate::encoding::{Encoding, positional_encoding};
+use crate::error::{Error, Input, Result};
 use crate::field::fast::{Gradient, ImageNetwork};
 use crate::field::{Layer, Mlp};
+use crate::files::npz::{Array, Arrays};
 use crate::loss::{mse, psnr};
 use crate::optimizer::{self, Adam};
 use crate::parallel;
@@ -47,7 +49,7 @@ impl Default for FitSettings {
 }
 
 /// One line of the log.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LogPoint {
     /// Updates done.
     pub step: u64,
@@ -55,7 +57,8 @@ pub struct LogPoint {
     pub seconds: f64,
     /// Loss of this step's batch, before the step.
     pub loss: f64,
-    /// PSNR of the whole picture after the step, not quantized.
+    /// PSNR of the whole picture after the step, not quantized; infinite (null in the file) if it was reproduced exactly.
+    #[serde(deserialize_with = "super::log::decibels")]
     pub psnr: f64,
 }
 
@@ -71,8 +74,6 @@ pub fn kept(step: u64, steps: u64) -> bool {
 
 /// Fits `picture` (H, W, 3); `seen` gets each log point with its picture.
 ///
-/// Pixel (i, j) is the point ((i + 0.5) / W, (j + 0.5) / H), in training and in the pictures alike.
-///
 /// # Errors
 /// Those of `seen`.
 pub fn fit<E>(
@@ -81,31 +82,90 @@ pub fn fit<E>(
     mut seen: impl FnMut(&LogPoint, &Array3<f32>) -> Result<(), E>,
     mut progress: impl FnMut(u64, f64),
 ) -> Result<Vec<LogPoint>, E> {
-    let (h, w, _) = picture.dim();
-    let mut path = start(settings);
-    let adam = Adam { lr: settings.lr, ..Adam::default() };
-    let pixels = Key::new(settings.seed, Purpose::Pixels);
-    let (mut log, mut seconds) = (vec![], 0.0);
-    for step in 1..=settings.steps {
+    let (mut fit, mut log) = (Fit::new(settings), vec![]);
+    while fit.step < settings.steps {
+        let loss = fit.step(picture);
+        if kept(fit.step, settings.steps) {
+            let (point, fitted) = fit.measure(picture, loss);
+            seen(&point, &fitted)?;
+            log.push(point);
+        }
+        progress(fit.step, loss);
+    }
+    Ok(log)
+}
+
+/// A network that is being fitted to a picture.
+///
+/// Pixel (i, j) is the point ((i + 0.5) / W, (j + 0.5) / H), in training and in the pictures alike.
+pub(super) struct Fit {
+    settings: FitSettings,
+    path: Path,
+    /// Updates done.
+    pub step: u64,
+    /// Of training so far, without pictures.
+    pub seconds: f64,
+}
+
+impl Fit {
+    /// Before its first step.
+    pub(super) fn new(settings: &FitSettings) -> Self {
+        Fit { settings: settings.clone(), path: start(settings), step: 0, seconds: 0.0 }
+    }
+
+    /// The next step; returns the loss before it.
+    pub(super) fn step(&mut self, picture: &Array3<f32>) -> f64 {
         let clock = Instant::now();
+        let (h, w, _) = picture.dim();
+        let adam = Adam { lr: self.settings.lr, ..Adam::default() };
+        let pixels = Key::new(self.settings.seed, Purpose::Pixels);
+        self.step += 1;
         let (mut x, mut targets) = (vec![], vec![]);
-        for ray in 0..settings.batch as u64 {
-            let [u, v, ..] = pixels.four(step, ray);
+        for ray in 0..self.settings.batch as u64 {
+            let [u, v, ..] = pixels.four(self.step, ray);
             let n = draw_index(u, h) * w + draw_index(v, w);
             x.extend(position(n, h, w));
             targets.extend((0..3).map(|k| picture[[n / w, n % w, k]]));
         }
-        let loss = path.step(&x, &targets, &adam, step);
-        seconds += clock.elapsed().as_secs_f64();
-        if kept(step, settings.steps) {
-            let fitted = path.picture(h, w);
-            let point = LogPoint { step, seconds, loss, psnr: picture_psnr(&fitted, picture) };
-            seen(&point, &fitted)?;
-            log.push(point);
-        }
-        progress(step, loss);
+        let loss = self.path.step(&x, &targets, &adam, self.step);
+        self.seconds += clock.elapsed().as_secs_f64();
+        loss
     }
-    Ok(log)
+
+    /// What the log says after a step, and the whole picture.
+    pub(super) fn measure(&self, picture: &Array3<f32>, loss: f64) -> (LogPoint, Array3<f32>) {
+        let (h, w, _) = picture.dim();
+        let fitted = self.path.picture(h, w);
+        let psnr = picture_psnr(&fitted, picture);
+        (LogPoint { step: self.step, seconds: self.seconds, loss, psnr }, fitted)
+    }
+
+    /// Parameters and their running means by name, as a checkpoint stores them.
+    pub(super) fn state(&self) -> Arrays {
+        NAMES.into_iter().map(String::from).zip(self.path.state()).collect()
+    }
+
+    /// Loads what [`Self::state`] returned after `step`.
+    ///
+    /// # Errors
+    /// Where an array is missing or has another length or type; `file` is named in the message.
+    pub(super) fn restore(&mut self, state: &Arrays, step: u64, seconds: f64, file: &str) -> Result<()> {
+        let own = self.path.state();
+        let wanted = NAMES.into_iter().zip(&own).map(|(name, own)| match state.get(name) {
+            Some(array) if (array.dtype(), array.shape()) == (own.dtype(), own.shape()) => Ok(array),
+            other => Err(Error::input(Input {
+                file,
+                field: name,
+                found: other.map_or("no such array".into(), |a| format!("{} {:?}", a.dtype(), a.shape())),
+                expected: format!("{} {:?}", own.dtype(), own.shape()),
+                remedy: "Use the options that the picture was fitted with, or fit it again.",
+            })),
+        });
+        let wanted: Vec<&Array> = wanted.collect::<Result<_>>()?;
+        self.path.restore([0, 1, 2].map(|n| wanted[n]), step);
+        (self.step, self.seconds) = (step, seconds);
+        Ok(())
+    }
 }
 
 /// The center of pixel n, counted row by row, in [0, 1]^2.
@@ -126,7 +186,46 @@ fn start(settings: &FitSettings) -> Path {
     Path::Fast { net, moments, gradient: Gradient::default() }
 }
 
+/// The arrays of a checkpoint: parameters, their means, their means of squares; each layer's weights (out, in) row by row, then its
+/// biases.
+const NAMES: [&str; 3] = ["params", "m", "v"];
+
+fn flat(layers: &[Layer]) -> Array {
+    layers.iter().flat_map(|layer| layer.w.iter().chain(&layer.b)).copied().collect::<Array1<f64>>().into()
+}
+
+fn unflatten(values: &Array, layers: &mut [Layer]) {
+    let values = values.to_f64();
+    let all = layers.iter_mut().flat_map(|layer| layer.w.iter_mut().chain(&mut layer.b));
+    all.zip(values).for_each(|(to, from)| *to = from);
+}
+
 impl Path {
+    /// In the order of [`NAMES`].
+    fn state(&self) -> [Array; 3] {
+        match self {
+            Path::Fast { net, moments, .. } => {
+                [&net.params, &moments.m, &moments.v].map(|values| Array1::from(values.clone()).into())
+            }
+            Path::Reference { net, m, v, .. } => [flat(&net.layers), flat(m), flat(v)],
+        }
+    }
+
+    /// Loads arrays of the types and lengths that [`Self::state`] returns.
+    fn restore(&mut self, state: [&Array; 3], step: u64) {
+        match self {
+            Path::Fast { net, moments, .. } => {
+                let [params, m, v] = state.map(|array| array.to_f64().iter().map(|&x| x as f32).collect());
+                net.params = params;
+                *moments = optimizer::fast::Moments { step, m, v };
+            }
+            Path::Reference { net, m, v, .. } => {
+                let layers = [&mut net.layers, m, v];
+                state.into_iter().zip(layers).for_each(|(values, layers)| unflatten(values, layers));
+            }
+        }
+    }
+
     fn step(&mut self, x: &[f64], targets: &[f32], adam: &Adam, step: u64) -> f64 {
         match self {
             Path::Fast { net, moments, gradient } => {

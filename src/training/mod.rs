@@ -5,9 +5,13 @@
 
 pub mod checkpoint;
 pub mod compact;
+pub mod fit;
+pub mod identity;
 pub mod image;
+mod log;
 pub mod model;
 pub mod nerf;
+mod pace;
 pub mod reference;
 pub mod run;
 pub mod schedule;

@@ -31,6 +31,9 @@ use crate::scene::{Scene, random_pixel};
 /// Prefix of the names of the fine network's arrays.
 const FINE: &str = "fine.";
 
+/// Name of a number in a checkpoint: 1 where a density head's sign was turned.
+const TURNED: &str = "density_head_turned";
+
 /// Rays that are rendered together, which bounds the memory of a picture.
 const RENDER_CHUNK: usize = 1024;
 
@@ -90,8 +93,8 @@ pub struct NerfModel {
     dead: bool,
     /// Whether a density head's sign was turned at the start.
     turned: bool,
-    /// Whether the parameters come from a checkpoint.
-    restored: bool,
+    /// Whether the parameters have learned already: a step numbered 1 of another loop doesn't wake them.
+    learned: bool,
 }
 
 impl std::fmt::Debug for NerfModel {
@@ -129,7 +132,7 @@ impl NerfModel {
         let of = |seed: u64| Path::new(&settings, &Key::new(seed, Purpose::Parameters));
         let fine = (settings.fine > 0).then(|| of(!settings.seed));
         let coarse = of(settings.seed);
-        NerfModel { coarse, fine, settings, grid: None, dead: false, turned: false, restored: false }
+        NerfModel { coarse, fine, settings, grid: None, dead: false, turned: false, learned: false }
     }
 
     pub(crate) fn adam(&self) -> Adam {
@@ -225,7 +228,7 @@ impl Model for NerfModel {
         let Drawn { origins, directions, t, u, targets } = self.draw(scene, step)?;
         let (background, adam) = (self.settings.background, self.adam());
         let coarse = self.coarse_samples(t);
-        if step == 1 && !self.restored {
+        if step == 1 && !self.learned {
             self.wake(coarse.rays(&origins, &directions));
         }
         // Before the step: both networks use the same parameters of the first, whose weights are constants to the second.
@@ -258,12 +261,15 @@ impl Model for NerfModel {
             state.extend(fine.state(FINE));
         }
         state.extend(self.grid_state());
+        state.insert(TURNED.into(), ndarray::arr0(i64::from(self.turned)).into());
         state
     }
 
     fn restore(&mut self, state: &Arrays, file: &str) -> Result<()> {
         self.coarse.restore(state, "", file)?;
-        self.restored = true;
+        // The checkpoint of a run's beginning holds parameters as they were drawn: its first step wakes them.
+        self.learned = self.coarse.steps() > 0;
+        self.turned = state.get(TURNED).is_some_and(|turned| turned.to_f64().iter().any(|&x| x == 1.0));
         self.restore_grid(state, file)?;
         match &mut self.fine {
             Some(fine) => fine.restore(state, FINE, file),

@@ -1,20 +1,19 @@
 //! The loop over a scene: step, probe, validate, log, save.
 
-use std::fs::OpenOptions;
-use std::io::Write;
 use std::time::Instant;
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::checkpoint::RunFolder;
+use super::checkpoint::{Checkpoint, RunFolder};
 use super::model::{Model, StepReport};
+use super::pace::{Pace, Saved};
 use super::schedule::{MOST, Schedule};
 use super::sound;
 use super::watch::Watch;
-use crate::error::{Error, Input, Result};
+use crate::error::Result;
 use crate::evaluation::{Scores, evaluate, over};
-use crate::files::{self, picture};
+use crate::files::picture;
 use crate::loss::psnr;
 use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray};
@@ -22,9 +21,6 @@ use crate::scene::{Frame, Scene, random_pixel};
 
 /// The most views of a full validation, evenly chosen, unless all are asked for.
 const VIEWS: usize = 8;
-
-/// Wall clock between checkpoints, seconds.
-const SAVE_EVERY: f64 = 60.0;
 
 /// When a run ends, and how it is measured.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,7 +53,7 @@ pub struct LogPoint {
     /// Loss of this step's batch, before the step.
     pub loss: f64,
     /// Its PSNR; infinite (null in the file) if the batch was reproduced exactly.
-    #[serde(deserialize_with = "decibels")]
+    #[serde(deserialize_with = "super::log::decibels")]
     pub train_psnr: f64,
     /// PSNR over seeded pixels of all validation views, [`Schedule::pixels`] of them.
     pub val_probe: Option<f64>,
@@ -68,6 +64,20 @@ pub struct LogPoint {
     /// How many views those are.
     #[serde(default)]
     pub val_views: Option<usize>,
+}
+
+/// What a run tells while it goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum News<'a> {
+    /// It was measured.
+    Point(&'a LogPoint),
+    /// A checkpoint takes `cost` seconds: more than a hundredth of the usual time between two, so they come every so many seconds.
+    SlowCheckpoints {
+        /// Seconds that one takes.
+        cost: f64,
+        /// Seconds between two.
+        every: f64,
+    },
 }
 
 /// The state of the loop.
@@ -83,7 +93,7 @@ pub struct Run<'a> {
     /// Of the wall clock after the last step.
     seconds: f64,
     samples: u64,
-    saved_at: Instant,
+    pace: Pace,
     /// The log, earlier parts of a resumed run included.
     pub log: Vec<LogPoint>,
     /// Warnings for the user.
@@ -112,64 +122,50 @@ impl<'a> Run<'a> {
         let probe = probe_pixels(scene, options.seed)?;
         let schedule = Schedule::new(options.val_every, &options.val_at);
         let watch = Watch::new(scene, model.start());
-        let (log, warnings, saved_at) = (vec![], vec![], Instant::now());
+        let (log, warnings, pace) = (vec![], vec![], Pace::new());
         #[rustfmt::skip]
-        let run = Run { model, scene, folder, options, probe, schedule, watch, step: 0, seconds: 0.0, samples: 0, saved_at, log, warnings, failure: None };
+        let run = Run { model, scene, folder, options, probe, schedule, watch, step: 0, seconds: 0.0, samples: 0, pace, log, warnings, failure: None };
         Ok(run)
     }
 
-    /// Resumes from the folder's checkpoint.
+    /// Resumes from the folder's checkpoint; a run that was stopped before its first begins again.
     ///
     /// # Errors
-    /// Where the checkpoint or the log can't be read, or belongs to another model.
+    /// Where the checkpoint or the log can't be read, or belongs to another model or run.
     pub fn resume(&mut self) -> Result<()> {
-        let file = self.folder.file("checkpoint.npz");
-        let (state, step, seconds, samples) = self.folder.load()?;
-        sound::restore(self.model, &state, step, &file.display().to_string())?;
-        (self.step, self.seconds, self.samples) = (step, seconds, samples);
-        let path = self.folder.file("log.jsonl");
-        let text = files::read_text(&path)?;
-        // A last line without its end was being written when the run was stopped: its step will be done again.
-        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
-        for (n, line) in whole.lines().enumerate() {
-            let point: LogPoint = serde_json::from_str(line).map_err(|e| {
-                let remedy = "Delete the line, or train from the start without `resume`.";
-                Error::input(Input {
-                    file: path.display(),
-                    field: format!("line {}", n + 1),
-                    found: e,
-                    expected: "an object as train writes it",
-                    remedy,
-                })
-            })?;
-            if point.step <= step {
-                self.log.push(point);
-            }
+        if self.folder.is_before_first_checkpoint() {
+            return Ok(());
         }
-        // Lines past the checkpoint belong to steps that will be done again.
-        files::write(&path, self.log.iter().map(line).collect::<String>())?;
+        let Checkpoint { state, step, seconds, samples } = self.folder.load()?;
+        sound::restore(self.model, &state, step, &self.folder.file("checkpoint.npz").display().to_string())?;
+        self.watch.restore(&state);
+        (self.step, self.seconds, self.samples) = (step, seconds, samples);
+        self.log = self.folder.log_until(step)?;
         self.schedule.skip_to(step);
         Ok(())
     }
 
-    /// Steps until an end is reached, or the run turns out not to learn; `seen` hears of every log point.
+    /// Steps until an end is reached, `stop` says so, or the run turns out not to learn; `seen` hears of every log point.
     ///
     /// # Errors
     /// Where a step fails or a file can't be written.
-    pub fn go(&mut self, mut seen: impl FnMut(&LogPoint)) -> Result<()> {
+    pub fn go(&mut self, stop: impl Fn() -> bool, mut seen: impl FnMut(News)) -> Result<()> {
         if self.step == 0 {
-            files::write(&self.folder.file("log.jsonl"), "")?;
-            // At once, so that the parameters of an earlier run don't lie beside this one's settings.
-            self.save()?;
+            self.folder.begin_log()?;
+            // At once, so that the run can be opened as soon as it has begun.
+            self.save(&mut seen)?;
         }
         let (before, start) = (self.seconds, Instant::now());
-        while !self.finished() {
+        while !self.finished() && !stop() {
             let report = self.model.step(self.scene, self.step + 1)?;
             self.seconds = before + start.elapsed().as_secs_f64();
             self.step += 1;
             self.samples += report.samples;
             self.failure = self.watch.failure(self.step, &report);
             let reached = self.measure(&report, &mut seen)?;
+            if self.failure.is_none() && self.pace.due() {
+                self.save(&mut seen)?;
+            }
             if self.failure.is_some() {
                 // The last checkpoint stays: it may be from when the run still learned.
                 return Ok(());
@@ -178,7 +174,7 @@ impl<'a> Run<'a> {
                 break;
             }
         }
-        self.save()
+        self.save(&mut seen)
     }
 
     fn finished(&self) -> bool {
@@ -187,7 +183,7 @@ impl<'a> Run<'a> {
     }
 
     /// Probes and validates where it is due; true when the run has reached its goal.
-    fn measure(&mut self, report: &StepReport, seen: &mut impl FnMut(&LogPoint)) -> Result<bool> {
+    fn measure(&mut self, report: &StepReport, seen: &mut impl FnMut(News)) -> Result<bool> {
         let failed = self.failure.is_some();
         let last = self.finished() && !failed;
         let probe_due = self.schedule.probe(self.step);
@@ -218,12 +214,9 @@ impl<'a> Run<'a> {
                 val_psnr_pooled: full.as_ref().map(|s| s.psnr_pooled),
                 val_views: full.as_ref().map(|s| s.views.len()),
             };
-            self.append(&point)?;
-            seen(&point);
+            self.folder.log(&point)?;
+            seen(News::Point(&point));
             self.log.push(point);
-        }
-        if self.saved_at.elapsed().as_secs_f64() > SAVE_EVERY && !failed {
-            self.save()?;
         }
         Ok(reached && full.is_some())
     }
@@ -253,15 +246,23 @@ impl<'a> Run<'a> {
         })
     }
 
-    fn append(&self, point: &LogPoint) -> Result<()> {
-        let path = self.folder.file("log.jsonl");
-        let mut file = OpenOptions::new().append(true).open(&path).map_err(Error::writing(&path))?;
-        file.write_all(line(point).as_bytes()).map_err(Error::writing(&path))
-    }
-
-    fn save(&mut self) -> Result<()> {
-        self.saved_at = Instant::now();
-        self.folder.save(self.model.state(), self.step, self.seconds, self.samples)
+    /// Writes a checkpoint. A state with a number in it that is none isn't kept: the run has failed, and the last good one stays.
+    fn save(&mut self, seen: &mut impl FnMut(News)) -> Result<()> {
+        let step = self.step;
+        let state = || {
+            let mut state = self.model.state();
+            state.extend(self.watch.state());
+            Checkpoint { state, step, seconds: self.seconds, samples: self.samples }
+        };
+        match self.pace.save(self.folder, state)? {
+            Saved::Usual => {}
+            Saved::Slow { cost, every } => seen(News::SlowCheckpoints { cost, every }),
+            Saved::Spoiled(name) => {
+                self.failure =
+                    Some(format!("after step {step} not every number of its {name} is finite. Lower `lr`."));
+            }
+        }
+        Ok(())
     }
 }
 
@@ -269,16 +270,6 @@ impl<'a> Run<'a> {
 fn evenly(count: usize, most: usize) -> Vec<usize> {
     let chosen = count.min(most);
     (0..chosen).map(|n| (2 * n + 1) * count / (2 * chosen)).collect()
-}
-
-/// Decibels as [`line`] writes them: null is infinite.
-fn decibels<'de, D: serde::Deserializer<'de>>(from: D) -> std::result::Result<f64, D::Error> {
-    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::INFINITY))
-}
-
-/// One line of the log. Infinite figures (a perfect picture) become null, as JSON has no word for them.
-fn line(point: &LogPoint) -> String {
-    serde_json::to_string(point).expect("plain data") + "\n"
 }
 
 /// Seeded pixels of all validation views, with their rays and colors.
@@ -316,6 +307,6 @@ mod tests {
         let old = r#"{"step":1,"seconds":0.5,"samples":9,"loss":0.1,"train_psnr":10.0,"val_probe":null,"val_psnr":9.0,"val_psnr_pooled":9.0}"#;
         let point: LogPoint = serde_json::from_str(old).unwrap();
         assert_eq!((point.val_views, point.val_psnr), (None, Some(9.0)));
-        assert!(line(&point).contains(r#""val_views":null"#));
+        assert!(serde_json::to_string(&point).unwrap().contains(r#""val_views":null"#));
     }
 }

@@ -1,6 +1,7 @@
 //! Whether a checkpoint is what training writes: checked value by value before anything is computed with it.
 
 use super::model::Model;
+use super::watch::Watch;
 use crate::error::{Error, Input, Result};
 use crate::files::npz::{Array, Arrays};
 use crate::limits::STEPS;
@@ -18,7 +19,7 @@ pub(crate) fn restore(model: &mut dyn Model, state: &Arrays, step: u64, file: &s
     }
     model.restore(state, file)?;
     let taken = model.state();
-    for (name, array) in state {
+    for (name, array) in state.iter().filter(|(name, _)| !Watch::has(name)) {
         let Some(mine) = taken.get(name) else {
             return wrong(file, name, "an array that this model doesn't have", "the model's own arrays");
         };

@@ -2,7 +2,10 @@
 
 use std::collections::VecDeque;
 
+use ndarray::Array1;
+
 use super::model::StepReport;
+use crate::files::npz::{Array, Arrays};
 use crate::parallel;
 use crate::scene::Scene;
 
@@ -14,6 +17,10 @@ const SHOWS_NOTHING: f64 = 0.9;
 
 /// Mean squared error of the best constant color below which there is hardly a picture to learn: a color off by 0.01.
 const PLAIN: f64 = 1e-4;
+
+/// Names in a checkpoint.
+const RECENT: &str = "watch_recent";
+const COUNTS: &str = "watch_counts";
 
 /// The last steps of a run, and what they are held against.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +39,28 @@ impl Watch {
     pub fn new(scene: &Scene, start: u64) -> Self {
         let recent = VecDeque::with_capacity(WINDOW + 1);
         Watch { constant: constant_error(scene), start, recent, unseen: 0, still: 0 }
+    }
+
+    /// Its part of a checkpoint, so that a run is given up at the same step however often it was stopped.
+    pub fn state(&self) -> Arrays {
+        let recent = self.recent.iter().copied().collect::<Array1<f64>>();
+        let counts = Array1::from_vec(vec![self.unseen as i64, self.still as i64]);
+        Arrays::from([(RECENT.into(), recent.into()), (COUNTS.into(), counts.into())])
+    }
+
+    /// Whether an array of a checkpoint is the watch's.
+    pub(super) fn has(name: &str) -> bool {
+        [RECENT, COUNTS].contains(&name)
+    }
+
+    /// Loads what [`Self::state`] returned; a checkpoint of before this version has none.
+    pub fn restore(&mut self, state: &Arrays) {
+        if let (Some(Array::F64(recent)), Some(Array::I64(counts))) = (state.get(RECENT), state.get(COUNTS)) {
+            self.recent = recent.iter().copied().take(WINDOW).collect();
+            let mut counts = counts.iter().map(|&n| usize::try_from(n).unwrap_or(0));
+            self.unseen = counts.next().unwrap_or(0);
+            self.still = counts.next().unwrap_or(0);
+        }
     }
 
     /// Why the run is given up after this step, if it is.
@@ -123,6 +152,28 @@ mod tests {
             }
         };
         assert_eq!(first(report), None);
+    }
+
+    /// Stopped and resumed anywhere, it gives up at the same step.
+    #[test]
+    fn a_resumed_watch_sees_what_it_would_have_seen() {
+        let reports = [
+            StepReport { samples: 0, ..GOOD },
+            StepReport { still: true, ..GOOD },
+            StepReport { mse: 0.1, ..GOOD },
+        ];
+        for bad in reports {
+            let from = |step| if step > 380 { bad } else { GOOD };
+            let whole = first(from);
+            let mut watch = watch();
+            let resumed = (1..=1000).find_map(|step| {
+                let state = watch.state();
+                watch = self::watch();
+                watch.restore(&state);
+                Some((step, watch.failure(step, &from(step))?))
+            });
+            assert_eq!(whole, resumed);
+        }
     }
 
     #[test]

@@ -169,13 +169,17 @@ impl Path {
                 state.insert(format!("{owner}{prefix}{name}_b"), b);
             }
         }
-        let steps = match self {
-            Path::Fast { moments, .. } => moments.step,
-            Path::Reference { steps, .. } => *steps,
-        };
-        let steps = ndarray::Array1::from_elem(1, steps as i64).into_dyn();
+        let steps = ndarray::Array1::from_elem(1, self.steps() as i64).into_dyn();
         state.insert(format!("{owner}adam_step"), Array::I64(steps));
         state
+    }
+
+    /// Steps of its optimizer so far.
+    pub(crate) fn steps(&self) -> u64 {
+        match self {
+            Path::Fast { moments, .. } => moments.step,
+            Path::Reference { steps, .. } => *steps,
+        }
     }
 
     /// Loads what [`Self::state`] returned.
