@@ -8,7 +8,7 @@ use nerf_oracle::contract::{Case, Component, Dtype, Mistake};
 use nerf_oracle::convention::profiles::{self, PROFILES};
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
 use nerf_oracle::judge::answer::{Answer, Answers, Given};
-use nerf_oracle::judge::diagnose::Explanation;
+use nerf_oracle::judge::evidence::Explanation;
 use nerf_oracle::judge::exam::Question;
 use nerf_oracle::judge::hypothesis::Hypothesis;
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};

@@ -61,11 +61,12 @@ pub(super) fn open(run: &std::path::Path, backend: Backend, test_images: bool) -
     recorded::check(&settings, &file)?;
     settings.insert("backend".into(), json!(backend));
     let scene = load_scene(&settings, test_images, &file).map_err(|error| recorded::named(error, &file))?;
+    let mut model = build(&settings, &scene).map_err(|error| recorded::named(error, &file))?;
+    recorded::check_same(&settings, &scene, &*model, &file)?;
+    // Later: what was edited in run.json is named by its field.
     if let Some(known) = folder.known_identity() {
         known.check_content(&scene.digest(), &file)?;
     }
-    let mut model = build(&settings, &scene).map_err(|error| recorded::named(error, &file))?;
-    recorded::check_same(&settings, &scene, &*model, &file)?;
     let Checkpoint { state, step, .. } = folder.load()?;
     sound::restore(&mut *model, &state, step, &folder.file("checkpoint.npz").display().to_string())?;
     Ok(Trained { scene, model, step })

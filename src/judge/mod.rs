@@ -9,6 +9,8 @@ pub mod declared;
 pub mod diagnose;
 pub(crate) mod door;
 #[doc(hidden)]
+pub mod evidence;
+#[doc(hidden)]
 pub mod exam;
 #[cfg(feature = "files")]
 #[doc(hidden)]

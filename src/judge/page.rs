@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::assignment::Partial;
-use super::diagnose::Explanation;
+use super::evidence::Explanation;
 use super::mark::Worst;
 use super::report::{Report, Row, Verdict};
 

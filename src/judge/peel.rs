@@ -3,7 +3,7 @@
 
 use super::answer::{Answer, Answers};
 use super::assignment::{apply, assignments, partial, possible, small_cases};
-use super::diagnose::{Explanation, difference, largest_residual, shows};
+use super::evidence::{Explanation, difference, largest_residual, shows};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;

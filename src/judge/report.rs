@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::answer::Answers;
 use super::assignment::{Partial, partial};
-use super::diagnose::Explanation;
+use super::evidence::Explanation;
 use super::exam::{Exam, Question};
 use super::mark::{Marks, Worst};
 use crate::contract::arithmetic::Grade;

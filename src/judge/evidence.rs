@@ -1,0 +1,93 @@
+//! Evidence: how well a hypothesis explains answers, and what is said of one that does.
+
+use super::answer::{Answer, Answers};
+use super::assignment::{Partial, small_cases};
+use super::exam::Question;
+use super::hypothesis::{Hypothesis, of_forward};
+use super::mark::MarkOptions;
+use crate::contract::case::Case;
+use crate::contract::check::Kind;
+use crate::contract::component::Mistake;
+
+/// By how many times a mistake must explain the answers better than lost digits do, to be named.
+const MUCH_BETTER: f64 = 4.0;
+
+/// Gradients of mistakes in the forward function are numeric and expensive: this many of the smallest cases are used.
+const NUMERIC: usize = 12;
+
+/// A hypothesis that explains every answered element.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Explanation {
+    /// The mistakes.
+    pub mistakes: Vec<&'static Mistake>,
+    /// Conventions in which the candidate differs from the run's.
+    pub conventions: Partial,
+    /// Largest error over the hypothesis' own bound.
+    pub residual: f64,
+    /// Whether it predicts the same as the best explanation on every case: no answer can tell the two apart.
+    pub same_as_best: bool,
+    /// Whether it is no mistake: the right formula, with digits lost.
+    pub inaccurate: bool,
+    /// Outputs that it doesn't explain; those of others are explained by it.
+    pub unexplained: Vec<String>,
+}
+
+/// The cases that a hypothesis is held against, the smallest first.
+pub(crate) fn usable<'a>(
+    h: &Hypothesis,
+    question: &'a Question,
+    answers: &'a Answers,
+) -> Vec<(&'a Case, &'a Answer)> {
+    let mut cases = small_cases(question, answers);
+    if question.kind == Kind::Vjp && of_forward(question, &h.mistakes) {
+        cases.truncate(NUMERIC);
+    }
+    cases
+}
+
+/// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.
+pub(crate) fn explains_all(
+    h: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> bool {
+    let cases = usable(h, question, answers);
+    // Numeric gradients that are unknown everywhere would explain anything.
+    let says = |case| {
+        h.prediction(question, case).1.is_none_or(|error| error.values().flatten().any(|e| e.is_finite()))
+    };
+    // Those first that can be rejected without a bound.
+    let (hard, others): (Vec<_>, Vec<_>) =
+        cases.iter().partition(|(case, _)| !options.may_reject_early(case));
+    others.into_iter().chain(hard).all(|(case, answer)| h.explains(question, case, answer, options))
+        && cases.iter().any(|(case, _)| says(case))
+}
+
+/// Whether its mistakes explain the answers much better than lost digits do, which are allowed what wrong code is.
+pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> bool {
+    if h.mistakes.is_empty() {
+        return true;
+    }
+    let right = Hypothesis { mistakes: vec![], loose: true, ..h.clone() };
+    let off = |(case, answer): &(&Case, &Answer)| right.compared(h, question, case, answer, options);
+    let larger = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+    let [lost, wrong] = usable(h, question, answers).iter().map(off).fold([0.0; 2], larger);
+    lost > 1.0 || MUCH_BETTER * wrong < lost
+}
+
+/// The largest error over a hypothesis' own bound.
+pub(crate) fn largest_residual(
+    h: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> f64 {
+    let cases = usable(h, question, answers);
+    cases.iter().map(|(case, answer)| h.residual(question, case, answer, options)).fold(0.0, f64::max)
+}
+
+/// The entries of `a` that differ in `b`.
+pub fn difference(a: &Partial, b: &Partial) -> Partial {
+    a.iter().filter(|(key, value)| b.get(*key) != Some(value)).map(|(key, value)| (*key, *value)).collect()
+}
