@@ -2,7 +2,7 @@
 //! ends in a panic, an abort, a hang, or more memory than the machine should be asked for.
 //!
 //! `rows` is the table of inputs that are known to be bad, with part of each one's message; `draw` makes more of them out of good files.
-//! `INPUTS=20000 cargo test --release --test inputs` draws as many.
+//! `NERF_ORACLE_INPUTS=20000 cargo test --release --test inputs` draws as many.
 
 mod draw;
 mod ground;
@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 
 use ground::Ground;
 
-/// Inputs that are drawn where INPUTS doesn't say how many, and how many of them must be bad: some changes leave a file good.
+/// Inputs that are drawn where NERF_ORACLE_INPUTS doesn't say how many, and how many of them must be bad: some changes leave a file good.
 const DRAWN: usize = 2600;
 const BAD: f64 = 0.8;
 
@@ -145,7 +145,9 @@ fn every_row_is_refused_with_its_message() {
 
 #[test]
 fn nothing_that_is_drawn_gets_through() {
-    let drawn = std::env::var("INPUTS").ok().map_or(DRAWN, |n| n.parse().expect("INPUTS is a number"));
+    let drawn = std::env::var("NERF_ORACLE_INPUTS")
+        .ok()
+        .map_or(DRAWN, |n| n.parse().expect("NERF_ORACLE_INPUTS is a number"));
     let ended = on_all_cores(drawn, |ground, n| {
         let input = draw::input(ground, n as u64);
         let ended = run(&ground.folder(), &input.args);
