@@ -1,6 +1,6 @@
 //! Faults on purpose, for tests of what is kept: one operation on files fails, or is the last that the program does.
 //!
-//! Whatever writes calls [`strike`] before each write, rename, sync and opening. Nothing is armed but by [`arm`], which only tests call.
+//! Whatever writes calls `strike` before each write, rename, sync and opening. Nothing is armed but by [`arm`], which only tests call.
 
 use std::io;
 use std::sync::atomic::{AtomicU8, AtomicU64, Ordering::SeqCst};

@@ -58,7 +58,7 @@ pub fn read_photo(path: &Path, background: [f32; 3]) -> Result<Photo> {
 /// Bytes of a picture in memory once [`read_photo`] has read it, from the beginning of the file.
 ///
 /// # Errors
-/// Where it isn't a picture, or has more than [`limits::PIXELS`].
+/// Where it isn't a picture, or has more than `limits::PIXELS`.
 pub fn held_bytes(path: &Path) -> Result<u64> {
     let file = BufReader::new(files::open(path, limits::PICTURE_FILE)?);
     let reader = ImageReader::new(file).with_guessed_format().map_err(Error::reading(path))?;

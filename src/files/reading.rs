@@ -47,7 +47,7 @@ pub fn read(path: &Path, most: u64) -> Result<Vec<u8>> {
 /// The whole of a text file.
 ///
 /// # Errors
-/// Where it can't be read, isn't UTF-8, or is longer than [`limits::TEXT`].
+/// Where it can't be read, isn't UTF-8, or is longer than `limits::TEXT`.
 pub fn read_text(path: &Path) -> Result<String> {
     let wrong = |error| Error::reading(path)(io::Error::new(io::ErrorKind::InvalidData, error));
     String::from_utf8(read(path, limits::TEXT)?).map_err(wrong)
