@@ -3,15 +3,15 @@
 //!
 //! | what | limit |
 //! |---|---|
-//! | a text file (JSON, a log) | [`TEXT`] bytes; nested at most 128 deep, which is serde_json's own limit |
-//! | a picture | [`PICTURE_FILE`] bytes as a file, [`PIXELS`] pixels |
-//! | an array of an npz | [`ARRAY`] bytes in memory; the archive's arrays together [`fits`] |
-//! | sides of pictures | [`SIDE`] pixels |
-//! | places and lengths | [`LENGTH`] scene units |
+//! | a text file (JSON, a log) | `TEXT` bytes; nested at most 128 deep, which is serde_json's own limit |
+//! | a picture | `PICTURE_FILE` bytes as a file, `PIXELS` pixels |
+//! | an array of an npz | `ARRAY` bytes in memory; the archive's arrays together `fits` |
+//! | sides of pictures | `SIDE` pixels |
+//! | places and lengths | `LENGTH` scene units |
 //! | threads, steps, rays, samples, widths, layers, bands | the constants below |
-//! | another program in a bench | [`PEER_TIME`] a round, [`PEER_OUTPUT`] bytes |
+//! | another program in a bench | `PEER_TIME` a round, `PEER_OUTPUT` bytes |
 //!
-//! What depends on several of these is estimated and compared with the memory that the machine has left: [`fits`].
+//! What depends on several of these is estimated and compared with the memory that the machine has left: `fits`.
 
 use crate::error::{Error, Input, Result};
 
