@@ -97,6 +97,9 @@ def early_stop_vjp(a, c, wrong):
             ray["grad_transmittance"] = np.zeros_like(ray["grad_transmittance"])
         for name, g in rendering.volume_render_vjp(ray, c, ()).items():
             out[name][first : first + n] = g[0]
+        stopped = 0 < n < end - first or (n and np.exp(-(a["sigmas"] * a["deltas"])[first : first + n].sum()) < a["eps"])
+        if "last_sample_learns_nothing" in wrong and stopped:
+            out["grad_sigmas"][first + n - 1] = out["grad_deltas"][first + n - 1] = 0
     return out
 
 

@@ -59,6 +59,8 @@ def point(k, uv, wrong):
         k[0, 0], k[1, 1] = k[1, 1], k[0, 0]
     if "intrinsics_not_rescaled" in wrong:
         k[:2] *= 2
+    if "focal_scaled" in wrong:
+        k[0, 0], k[1, 1] = 2 * k[0, 0], 2 * k[1, 1]
     uv = uv - (0.5 if "no_half_pixel" in wrong else 1 if "minus_half_pixel" in wrong else 0)
     uv = uv[..., ::-1] if "row_column_swapped" in wrong else uv
     ones = np.ones_like(uv[..., :1])
@@ -183,8 +185,9 @@ def sample_along_rays(a, c, wrong):
     if "jitter_centered_on_edges" in wrong:
         u = u - 0.5
     for name in wrong:
-        if name.startswith("jitter_width_"):
-            u = u * (float(name.removeprefix("jitter_width_")) * u.shape[-1] / (far - near))
+        if name.startswith("jitter_width"):
+            width = 0.05 if name == "jitter_width" else float(name.removeprefix("jitter_width_"))
+            u = u * (width * u.shape[-1] / (far - near))
     t = positions(near, far, u, grid)
     o = np.zeros_like(a["rays_o"]) if "points_without_origin" in wrong else a["rays_o"]
     points = o[:, None] + t[..., None] * a["rays_d"][:, None]

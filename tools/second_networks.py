@@ -116,7 +116,12 @@ def mlp(a, c, wrong):
     h = a["x"]
     *hidden, (w, b) = spoiled(plain_layers(a), wrong)
     for v, d in hidden:
-        h = np.maximum(h @ v.T + d, 0)
+        z = h @ v.T + d
+        h = np.maximum(z, 0)
+        if "leaky_units" in wrong:
+            h = np.where(z > 0, z, z.dtype.type(0.01) * z)
+        if "smooth_units" in wrong:
+            h = z * sigmoid(z)
     return {"y": head(h @ w.T + b, wrong)}
 
 
@@ -186,7 +191,8 @@ def nerf_tape(a, c, wrong):
 def nerf_mlp(a, c, wrong):
     """Figure 7."""
     tape = nerf_tape(a, c, wrong)
-    return {"sigmas": density(tape["z_sigma"], c["density"])[0][:, 0], "rgbs": head(tape["z1"], wrong)}
+    sigma = tape["z_sigma"] if "density_without_relu" in wrong else density(tape["z_sigma"], c["density"])[0]
+    return {"sigmas": sigma[:, 0], "rgbs": head(tape["z1"], wrong)}
 
 
 def nerf_mlp_vjp(a, c, wrong):

@@ -119,6 +119,8 @@ def composite_background(a, c, wrong):
         b = b * np.array([1, 0, 0], b.dtype)
     if "background_255" in wrong:
         b = b * 255
+    if "background_by_opacity" in wrong:
+        rest = a["opacity"]
     if "background_always" in wrong:
         rest = np.ones_like(rest)
     return {"colors_out": colors + np.outer(rest, b)}

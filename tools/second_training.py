@@ -50,6 +50,12 @@ def to_uint8(a, c, wrong):
         x = np.clip(x, 0, 255)
     whole = np.trunc(x) if c["bytes"] == "truncate" else np.sign(x) * np.floor(np.abs(x) + x.dtype.type(0.5))
     x = np.mod(whole, 256).astype(np.uint8)
+    if "times_256" in wrong:
+        x = np.minimum(np.floor(256 * np.clip(a["image"], 0, 1)), 255).astype(np.uint8)
+    if "stretched_to_the_range" in wrong:
+        low, high = a["image"].min(), a["image"].max()
+        with np.errstate(invalid="ignore"):
+            x = to_uint8({"image": (a["image"] - low) / (high - low)}, c, ())["bytes"]
     if "red_and_blue_exchanged" in wrong:
         x = x[..., ::-1]
     if "picture_flipped" in wrong:

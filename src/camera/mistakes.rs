@@ -102,6 +102,15 @@ pub(crate) const NOT_RESCALED: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
+pub(crate) const FOCAL_SCALED: Mistake = Mistake::new(
+    "focal_scaled",
+    "the focal length is k times the right one: written in for one data set, or for pictures of another size",
+    "a view too narrow or too wide, which training can't mend",
+    "the focal length in pixels of the picture in hand",
+    "2 public implementations",
+    2,
+)
+.with("k", 2.0, [1e-2, 100.0]);
 pub(crate) const K_TRANSPOSED: Mistake = Mistake::new(
     "K_transposed",
     "K^T is inverted: row vectors multiplied as if they were columns",
@@ -166,6 +175,7 @@ pub(crate) const PIXEL_TO_CAMERA: &[Mistake] = &[
     ONE_FOCAL_LENGTH,
     FOCALS_SWAPPED,
     NOT_RESCALED,
+    FOCAL_SCALED,
     K_TRANSPOSED,
     K_FOR_INVERSE,
     Mistake::new(
@@ -206,7 +216,8 @@ fn wrong_lens(mut k: Intrinsics, wrong: &[&str]) -> Intrinsics {
             _ => {}
         }
     }
-    k
+    let scale = FOCAL_SCALED.among(wrong).unwrap_or(1.0);
+    Intrinsics { fx: scale * k.fx, fy: scale * k.fy, ..k }
 }
 
 /// The pixel as the mistakes have it.

@@ -30,6 +30,10 @@ pub(super) struct Args {
 /// # Errors
 /// A filter that no component matches.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
+    // Before anything is computed.
+    for path in [&args.catalogue, &args.tables].into_iter().flatten() {
+        files::check_replaceable(path)?;
+    }
     if let Some(path) = &args.catalogue {
         files::write(path, catalogue::page())?;
         return Ok(ExitCode::SUCCESS);

@@ -75,10 +75,10 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::on_threads(args.threads, || {
         files::check_writable(&args.out)?;
         let target = load(&args.image, args.size)?;
-        let signals = Signals::listen();
-        let folder = open(args, &target)?;
         let settings = settings(args);
         fits(&target, &[&settings], settings.steps as f64 / 100.0)?;
+        let signals = Signals::listen();
+        let folder = open(args, &target)?;
         let (log, failure) = fit(args, &target, &settings, &folder, &signals)?;
         if let Some(found) = failure {
             let (file, remedy) = (args.image.clone(), "Lower --lr or --levels.");
@@ -150,6 +150,7 @@ fn fit(
             bar.set_position(step);
             bar.set_message(format!("loss {loss:.5}"));
         },
+        |cost, every| bar.suspend(|| progress::say_slow(cost, every)),
     )?;
     bar.finish_and_clear();
     Ok((run.log, run.failure))

@@ -209,11 +209,13 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
         |news| match news {
             News::Point(point) => {
                 bar.set_position(point.step);
-                bar.set_message(format!("loss {:.5}, val {} dB", point.loss, output::decibels(point.val_probe)));
+                bar.set_message(format!(
+                    "loss {:.5}, val {} dB",
+                    point.loss,
+                    output::decibels(point.val_probe)
+                ));
             }
-            News::SlowCheckpoints { cost, every } => bar.suspend(|| {
-                output::say(&format!("a checkpoint takes {cost:.1} s here: one every {every:.0} s, so that they cost no more than 1%"));
-            }),
+            News::SlowCheckpoints { cost, every } => bar.suspend(|| progress::say_slow(cost, every)),
         },
     )?;
     bar.finish_and_clear();

@@ -71,8 +71,19 @@ impl Port {
     }
 }
 
+/// A number in a mistake, which everybody chooses for herself: fitted where the usual one doesn't explain the answers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Number {
+    /// What it is called.
+    pub name: &'static str,
+    /// Its value where it has been seen.
+    pub usual: f64,
+    /// The least and the largest that it can be.
+    pub range: [f64; 2],
+}
+
 /// A mistake that people really make, runnable through [`Direction::wrong`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mistake {
     /// Name, unique within the component, e.g. `inclusive_transmittance`.
     pub name: &'static str,
@@ -88,6 +99,8 @@ pub struct Mistake {
     pub count: u32,
     /// Whether it is a mistake of the gradient alone.
     pub gradient: bool,
+    /// The number in it, if it has one.
+    pub number: Option<Number>,
 }
 
 impl Mistake {
@@ -100,12 +113,26 @@ impl Mistake {
         seen: &'static str,
         count: u32,
     ) -> Mistake {
-        Mistake { name, cause, effect, seen, fix, count, gradient: false }
+        Mistake { name, cause, effect, seen, fix, count, gradient: false, number: None }
     }
 
     /// The same as a mistake of the gradient alone.
     pub const fn of_gradient(self) -> Mistake {
         Mistake { gradient: true, ..self }
+    }
+
+    /// The same with a number in it.
+    pub const fn with(self, name: &'static str, usual: f64, range: [f64; 2]) -> Mistake {
+        Mistake { number: Some(Number { name, usual, range }), ..self }
+    }
+
+    /// The number in it where it is among the names of `wrong`: the usual one, or that of `name=number`.
+    pub(crate) fn among(&self, wrong: &[&str]) -> Option<f64> {
+        let usual = self.number.map_or(f64::NAN, |number| number.usual);
+        wrong.iter().find_map(|name| match name.strip_prefix(self.name)? {
+            "" => Some(usual),
+            rest => rest.strip_prefix('=')?.parse().ok(),
+        })
     }
 }
 

@@ -1,5 +1,7 @@
 //! Packed rendering with early stop, wrong on purpose. Without a mistake every function equals the oracle.
 
+use ndarray::{ArrayD, Axis};
+
 use super::arrays::{self, one_ray, packed, spans, stopped};
 use super::live_samples;
 use crate::contract::arrays::{Arrays, number, scalar, values};
@@ -57,6 +59,15 @@ pub(crate) const EARLY_STOP: &[Mistake] = &[
         "0 behind the last live sample",
         "never; cheap to keep",
         0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "last_sample_learns_nothing",
+        "the sample behind which a ray stops has no gradient: the loop is left before it is written",
+        "the surface that ends a ray learns too slowly",
+        "write the gradient of the last live sample, then leave",
+        "an earlier torch-ngp",
+        2,
     )
     .of_gradient(),
     Mistake::new(
@@ -129,5 +140,19 @@ pub(crate) fn early_stop_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arr
     if wrong.contains(&"light_left_forgotten") {
         a.get_mut("grad_transmittance").expect("a cotangent").fill(0.0);
     }
-    arrays::early_stop_vjp(&a, c)
+    let mut gradient = arrays::early_stop_vjp(&a, c);
+    if wrong.contains(&"last_sample_learns_nothing") {
+        let live = values(&arrays::early_stop(&a, c), "live");
+        let behind = values(&arrays::early_stop(&a, c), "transmittance");
+        for (r, (first, _)) in spans(&a).into_iter().enumerate() {
+            if live[r] > 0.0 && behind[r] < number(&a, "eps") {
+                let last = first + live[r] as usize - 1;
+                for name in ["grad_sigmas", "grad_deltas"] {
+                    let g: &mut ArrayD<f64> = gradient.get_mut(name).expect("a gradient");
+                    g.index_axis_mut(Axis(0), last).fill(0.0);
+                }
+            }
+        }
+    }
+    gradient
 }

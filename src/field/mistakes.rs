@@ -5,7 +5,7 @@
 
 use super::arrays::{self, Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::trunk::Plan;
-use super::{Layer, backward, sigmoid_slope};
+use super::{Layer, backward, sigmoid, sigmoid_slope};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
@@ -72,6 +72,24 @@ const RELU_MASK: Mistake = Mistake::new(
 )
 .of_gradient();
 
+const LEAKY_UNITS: Mistake = Mistake::new(
+    "leaky_units",
+    "LeakyReLU in the hidden layers: k z below 0",
+    "another network: parameters of a ReLU network give other pictures",
+    "max(z, 0)",
+    "3 public implementations",
+    3,
+)
+.with("k", 0.01, [1e-6, 1.0]);
+const SMOOTH_UNITS: Mistake = Mistake::new(
+    "smooth_units",
+    "SiLU in the hidden layers: z / (1 + e^-z)",
+    "another network: parameters of a ReLU network give other pictures",
+    "max(z, 0)",
+    "2 public implementations",
+    2,
+);
+
 /// Mistakes of the plain network.
 pub(crate) const MLP: &[Mistake] = &[
     SIGMOID_MISSING,
@@ -79,6 +97,8 @@ pub(crate) const MLP: &[Mistake] = &[
     BIAS_FORGOTTEN,
     TRANSPOSED,
     NEVER_APPLIED,
+    LEAKY_UNITS,
+    SMOOTH_UNITS,
     SIGMOID_GRADIENT,
     RELU_MASK,
 ];
@@ -104,6 +124,14 @@ pub(crate) const NERF_MLP: &[Mistake] = &[
         "the direction never reaches the color layer",
         "no highlights: a point looks the same from everywhere",
         "[feature, encoded direction] into the color layer",
+        "3 public implementations",
+        3,
+    ),
+    Mistake::new(
+        "density_without_relu",
+        "the density head's output is handed over as it is: it may be negative",
+        "opacities below 0 where nobody takes a ReLU later",
+        "max(z, 0)",
         "3 public implementations",
         3,
     ),
@@ -149,6 +177,22 @@ fn head(y: f64, z: f64, wrong: &[&str]) -> f64 {
     }
 }
 
+/// What stands in the place of the ReLU.
+fn units(wrong: &[&str]) -> Option<impl Fn(f64) -> f64> {
+    let slope = LEAKY_UNITS.among(wrong);
+    let smooth = wrong.contains(&"smooth_units");
+    (smooth || slope.is_some()).then_some(move |z: f64| match slope {
+        Some(slope) => {
+            if z > 0.0 {
+                z
+            } else {
+                slope * z
+            }
+        }
+        None => z * sigmoid(z),
+    })
+}
+
 /// The plain network.
 pub(crate) fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
@@ -158,6 +202,14 @@ pub(crate) fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     spoil(net.layers.iter_mut().collect(), 1, wrong);
     let point = |x: &Vec<f64>| {
         let tape = net.forward(x);
+        if let Some(units) = units(wrong) {
+            let last = net.layers.len() - 1;
+            let hidden = net.layers[..last]
+                .iter()
+                .fold(x.clone(), |h, layer| layer.forward(&h).into_iter().map(&units).collect());
+            let z = net.layers[last].forward(&hidden);
+            return z.iter().map(|&z| head(sigmoid(z), z, wrong)).collect();
+        }
         let z = tape.z.last().expect("a layer");
         tape.y.iter().zip(z).map(|(&y, &z)| head(y, z, wrong)).collect()
     };
@@ -215,7 +267,8 @@ pub(crate) fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             d.fill(0.0);
         }
         let tape = nerf.net.forward(&x, &d, c);
-        (tape.sigma, std::array::from_fn(|k| head(tape.rgb[k], tape.z_color1[k], wrong)))
+        let sigma = if wrong.contains(&"density_without_relu") { tape.z_sigma } else { tape.sigma };
+        (sigma, std::array::from_fn(|k| head(tape.rgb[k], tape.z_color1[k], wrong)))
     };
     let (sigmas, rgbs): (Vec<f64>, Vec<_>) =
         rows(a, "positions").iter().zip(&rows(a, "directions")).map(point).unzip();

@@ -4,8 +4,10 @@ use super::answer::Answers;
 use super::assignment::{Partial, apply, assignments, changes, partial, possible};
 use super::evidence::{Explanation, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
+use super::fitted::fitting;
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::MarkOptions;
+use super::mostly::mostly;
 use super::peel::peel;
 use super::statistics;
 use crate::contract::arrays::Arrays;
@@ -24,33 +26,34 @@ const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 /// The largest number of explanations that are listed.
 const SHOWN: usize = 8;
 
+/// Mistakes that the forward answers showed, with the number in them where it isn't the usual one.
+pub(crate) type Suspect = (Vec<&'static str>, Option<f64>);
+
 /// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
 /// gradient (mistakes that the forward answers showed).
 pub fn diagnose(
     question: &Question,
     answers: &Answers,
     base: &Conventions,
-    suspects: &[Vec<&'static str>],
+    suspects: &[Suspect],
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     if question.statistics() {
         let shown = statistics::mistakes(question, answers, base).into_iter();
-        let each = |mistake| Explanation {
-            mistakes: vec![mistake],
-            conventions: Partial::new(),
-            residual: 0.0,
-            same_as_best: false,
-            inaccurate: false,
-            unexplained: vec![],
-        };
+        let each = |mistake| Explanation { mistakes: vec![mistake], ..Explanation::default() };
         return shown.map(each).collect();
     }
     let home = partial(question.component, base);
     let mut all = assignments(question.component, base);
     all.retain(|p| question.admits(&apply(p, base)));
-    let mut parted = None;
+    let (mut parted, mut singles) = (None, vec![]);
     for count in 0..=2 {
         if count == 2 {
+            let known = singles.iter().map(|p| apply(p, base)).collect::<Vec<_>>();
+            let fitted = fitting(question, answers, base, &known, suspects, options);
+            if !fitted.is_empty() {
+                return ranked(fitted, question, answers, &home, options);
+            }
             // Output by output first: it is quicker, and knows more than two.
             parted = peel(question, answers, base, options);
             if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
@@ -67,38 +70,35 @@ pub fn diagnose(
         let known: Vec<Partial> =
             PROFILES.iter().map(|p| partial(question.component, &p.conventions)).collect();
         near.extend(all.iter().filter(|p| known.contains(p) && changes(p, &home) > CHANGES[count]));
-        let mut fitting = vec![];
+        if count == 1 {
+            singles = near.iter().map(|p| (*p).clone()).collect();
+        }
+        let mut found = vec![];
         // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
         for ring in near.chunk_by(|a, b| changes(a, &home) == changes(b, &home)) {
-            let had = !fitting.is_empty();
-            fitting.extend(explaining(&sets, ring, question, answers, base, options));
+            let had = !found.is_empty();
+            found.extend(explaining(&sets, ring, question, answers, base, options));
             if had {
                 break;
             }
         }
-        fitting.retain(|h| shows(h, question, answers, options));
-        let lost = count == 1 && fitting.is_empty();
+        found.retain(|h| shows(h, question, answers, options));
+        let lost = count == 1 && found.is_empty();
         let inaccurate = if lost { inaccuracy(&near, question, answers, base, options) } else { None };
         if let Some((h, residual)) = inaccurate {
             let conventions = difference(&partial(question.component, &h.conventions), &home);
-            return vec![Explanation {
-                mistakes: vec![],
-                conventions,
-                residual,
-                same_as_best: false,
-                inaccurate: true,
-                unexplained: vec![],
-            }];
+            return vec![Explanation { conventions, residual, inaccurate: true, ..Explanation::default() }];
         }
-        if !fitting.is_empty() {
+        if !found.is_empty() {
             if count == 0 {
                 // A mistake may be another program's convention: the two are reported together.
-                fitting.extend(alone(question, answers, base, options));
+                found.extend(alone(question, answers, base, options));
             }
-            return ranked(fitting, question, answers, &home, options);
+            return ranked(found, question, answers, &home, options);
         }
     }
-    parted.into_iter().collect()
+    // Then what is known of some outputs, or of most cases.
+    parted.or_else(|| mostly(question, answers, base, suspects, options)).into_iter().collect()
 }
 
 /// The hypotheses of these sets of mistakes in these assignments that explain every answer.
@@ -118,7 +118,12 @@ fn explaining(
             // No mistake in the run's own conventions isn't an explanation: it has just failed.
             let home = conventions == *base;
             if (home || !numeric) && !(home && mistakes.is_empty()) {
-                hypotheses.push(Hypothesis { mistakes: mistakes.clone(), conventions, loose: false });
+                hypotheses.push(Hypothesis {
+                    mistakes: mistakes.clone(),
+                    fitted: None,
+                    conventions,
+                    loose: false,
+                });
             }
         }
     }
@@ -135,7 +140,12 @@ fn inaccuracy(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Option<(Hypothesis, f64)> {
-    let right = |p: &&Partial| Hypothesis { mistakes: vec![], conventions: apply(p, base), loose: true };
+    let right = |p: &&Partial| Hypothesis {
+        mistakes: vec![],
+        fitted: None,
+        conventions: apply(p, base),
+        loose: true,
+    };
     let h = near.iter().map(right).find(|h| explains_all(h, question, answers, options))?;
     let residual = largest_residual(&h, question, answers, options);
     Some((h, residual))
@@ -148,16 +158,19 @@ fn alone(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Vec<Hypothesis> {
-    let single = |mistakes| Hypothesis { mistakes, conventions: *base, loose: false };
+    let single = |mistakes| Hypothesis { mistakes, fitted: None, conventions: *base, loose: false };
     let hypotheses = sets(question, 1, &[]).into_iter().map(single);
     hypotheses.filter(|h| explains_all(h, question, answers, options)).collect()
 }
 
 /// Sets of `count` mistakes that this direction can show; pairs in both orders, as their effects needn't commute.
-fn sets(question: &Question, count: usize, suspects: &[Vec<&'static str>]) -> Vec<Vec<&'static str>> {
+fn sets(question: &Question, count: usize, suspects: &[Suspect]) -> Vec<Vec<&'static str>> {
     // Three and more come from the forward answers alone.
-    let mut suspected: Vec<_> =
-        suspects.iter().filter(|set| set.len() == count || count == 2 && set.len() > 2).cloned().collect();
+    let mut suspected: Vec<_> = suspects
+        .iter()
+        .filter(|(set, fitted)| fitted.is_none() && (set.len() == count || count == 2 && set.len() > 2))
+        .map(|(set, _)| set.clone())
+        .collect();
     let shown = |m: &&Mistake| question.kind == Kind::Vjp || !m.gradient;
     let names: Vec<_> = question.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
     // Numeric gradients of pairs would take minutes: only pairs that the forward answers suggest.
@@ -237,11 +250,11 @@ fn ranked(
         .enumerate()
         .map(|(n, (h, residual))| Explanation {
             mistakes: h.mistakes.iter().map(|name| row(name)).collect(),
+            fitted: h.fitted,
             conventions: difference(&partial(question.component, &h.conventions), home),
             residual: *residual,
             same_as_best: n > 0 && predicts_same(h, &best),
-            inaccurate: false,
-            unexplained: vec![],
+            ..Explanation::default()
         })
         .collect()
 }

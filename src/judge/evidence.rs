@@ -15,11 +15,13 @@ const MUCH_BETTER: f64 = 4.0;
 /// Gradients of mistakes in the forward function are numeric and expensive: this many of the smallest cases are used.
 const NUMERIC: usize = 12;
 
-/// A hypothesis that explains every answered element.
-#[derive(Clone, Debug, PartialEq)]
+/// A hypothesis that explains every answered element, but for the outputs and the cases that it names.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Explanation {
     /// The mistakes.
     pub mistakes: Vec<&'static Mistake>,
+    /// The number in its mistake, where it isn't the usual one.
+    pub fitted: Option<f64>,
     /// Conventions in which the candidate differs from the run's.
     pub conventions: Partial,
     /// Largest error over the hypothesis' own bound.
@@ -30,6 +32,15 @@ pub struct Explanation {
     pub inaccurate: bool,
     /// Outputs that it doesn't explain; those of others are explained by it.
     pub unexplained: Vec<String>,
+    /// Cases that it doesn't explain; most are.
+    pub unexplained_cases: Vec<String>,
+}
+
+impl Explanation {
+    /// Whether it explains all that was answered.
+    pub(crate) fn whole(&self) -> bool {
+        self.unexplained.is_empty() && self.unexplained_cases.is_empty()
+    }
 }
 
 /// The cases that a hypothesis is held against, the smallest first.
@@ -69,7 +80,7 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     if h.mistakes.is_empty() {
         return true;
     }
-    let right = Hypothesis { mistakes: vec![], loose: true, ..h.clone() };
+    let right = Hypothesis { mistakes: vec![], fitted: None, loose: true, ..h.clone() };
     let off = |(case, answer): &(&Case, &Answer)| right.compared(h, question, case, answer, options);
     let larger = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
     let [lost, wrong] = usable(h, question, answers).iter().map(off).fold([0.0; 2], larger);

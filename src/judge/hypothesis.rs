@@ -19,6 +19,8 @@ use crate::convention::Conventions;
 pub struct Hypothesis {
     /// Names of the component's mistakes.
     pub mistakes: Vec<&'static str>,
+    /// The number in its mistake, where it isn't the usual one.
+    pub fitted: Option<f64>,
     /// The assignment.
     pub conventions: Conventions,
     /// Whether digits may be lost: then the right formula is given the bound that a wrong one has.
@@ -34,13 +36,32 @@ fn generosity(dtype: Dtype) -> (f64, f64) {
 impl Hypothesis {
     /// What this candidate would answer, and its error where it isn't known exactly (numeric gradients).
     pub fn prediction(&self, question: &Question, case: &Case) -> (Arrays, Option<Arrays>) {
-        let direction = question.component.direction(question.kind).expect("a question has its direction");
         if question.kind == Kind::Vjp && of_forward(question, &self.mistakes) {
-            let (gradient, error) =
-                numeric::vjp(question.component, &case.inputs, &self.conventions, &self.mistakes);
+            let names = self.names();
+            let names: Vec<&str> = names.iter().map(String::as_str).collect();
+            let (gradient, error) = numeric::vjp(question.component, &case.inputs, &self.conventions, &names);
             return (gradient, Some(error));
         }
-        ((direction.wrong)(&case.inputs, &self.conventions, &self.mistakes), None)
+        (self.wrong(question, &case.inputs), None)
+    }
+
+    /// The wrong function.
+    fn wrong(&self, question: &Question, inputs: &Arrays) -> Arrays {
+        let direction = question.component.direction(question.kind).expect("a question has its direction");
+        match self.fitted {
+            None => (direction.wrong)(inputs, &self.conventions, &self.mistakes),
+            Some(_) => {
+                let names = self.names();
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
+                (direction.wrong)(inputs, &self.conventions, &names)
+            }
+        }
+    }
+
+    /// Its mistakes, the fitted number with them.
+    fn names(&self) -> Vec<String> {
+        let number = self.fitted.map_or(String::new(), |number| format!("={number}"));
+        self.mistakes.iter().map(|name| format!("{name}{number}")).collect()
     }
 
     /// The hypothesis' own bound: a multiple of that of the right formula in these conventions, plus the change of the wrong
@@ -106,7 +127,6 @@ impl Hypothesis {
 
     /// The wrong function on inputs that are off by up to `relative`. Both signs of it: across a threshold only one of the two goes.
     fn nudged(&self, question: &Question, case: &Case, n: u64, relative: f64) -> Arrays {
-        let direction = question.component.direction(question.kind).expect("a question has its direction");
         let mut draw = Draw::new(&case.id, n);
         let mut inputs = case.inputs.clone();
         for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
@@ -117,7 +137,7 @@ impl Hypothesis {
             });
         }
         (question.component.special.rounds_inside)(&mut inputs, relative, &mut draw);
-        (direction.wrong)(&inputs, &self.conventions, &self.mistakes)
+        self.wrong(question, &inputs)
     }
 
     /// Whether it explains an answer.
@@ -155,8 +175,10 @@ impl Hypothesis {
 
     /// The largest error over bound on an answer.
     pub fn residual(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> f64 {
-        let [_, own] = self.compared(self, question, case, answer, options);
-        own
+        let (mut wrong, error) = self.prediction(question, case);
+        self.leave_infinity(case, answer, &mut wrong);
+        let bound = self.bound(question, case, &wrong, error.as_ref(), options);
+        off(answer, &wrong, &bound)
     }
 
     /// The largest errors of this hypothesis and of another on an answer, both over what this one allows and what is unknown of the other.
@@ -172,21 +194,7 @@ impl Hypothesis {
         let (mut wrong, error) = other.prediction(question, case);
         other.leave_infinity(case, answer, &mut wrong);
         let bound = self.bound(question, case, &right, error.as_ref(), options);
-        let off = |predicted: &Arrays| {
-            let one = |(name, predicted): (&String, &ArrayD<f64>)| {
-                let got = reshaped(&answer.get(name)?.values, predicted.shape());
-                let Some((got, _)) = got.filter(|_| bound[name].shape() == predicted.shape()) else {
-                    return Some(f64::INFINITY);
-                };
-                // NaN is off where nothing else is known, too.
-                let used = |((&g, &p), &b): ((&f64, &f64), &f64)| {
-                    if g.is_nan() && !p.is_nan() { f64::INFINITY } else { budget_used(g, p, b) }
-                };
-                Some(got.iter().zip(predicted).zip(&bound[name]).map(used).fold(0.0, f64::max))
-            };
-            predicted.iter().filter_map(one).fold(0.0, f64::max)
-        };
-        [off(&right), off(&wrong)]
+        [off(answer, &right, &bound), off(answer, &wrong, &bound)]
     }
 
     /// What wrong code makes of an infinite input depends on how it is written: infinity times 0, or less infinity. NaN is predicted
@@ -228,6 +236,22 @@ impl Hypothesis {
         };
         a.iter().all(equal)
     }
+}
+
+/// The largest error of an answer over a bound.
+fn off(answer: &Answer, predicted: &Arrays, bound: &Arrays) -> f64 {
+    let one = |(name, predicted): (&String, &ArrayD<f64>)| {
+        let got = reshaped(&answer.get(name)?.values, predicted.shape());
+        let Some((got, _)) = got.filter(|_| bound[name].shape() == predicted.shape()) else {
+            return Some(f64::INFINITY);
+        };
+        // NaN is off where nothing else is known, too.
+        let used = |((&g, &p), &b): ((&f64, &f64), &f64)| {
+            if g.is_nan() && !p.is_nan() { f64::INFINITY } else { budget_used(g, p, b) }
+        };
+        Some(got.iter().zip(predicted).zip(&bound[name]).map(used).fold(0.0, f64::max))
+    };
+    predicted.iter().filter_map(one).fold(0.0, f64::max)
 }
 
 /// Whether some of the mistakes lie in the forward function.

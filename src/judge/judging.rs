@@ -8,11 +8,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use super::answer::{Answers, given};
 use super::assignment::{self, Found, partial};
 use super::declared::Declared;
-use super::diagnose::diagnose;
+use super::diagnose::{Suspect, diagnose};
 use super::evidence::{Explanation, difference};
 use super::exam::{Exam, Question};
 use super::imprecise::lost_bits;
 use super::mark::{MarkOptions, Marks, mark};
+use super::observed::observed;
 use super::repeat::Rounds;
 use super::report::{Report, Row, Verdict};
 use super::{layout, statistics};
@@ -223,7 +224,7 @@ impl Round {
         let c = &self.found.conventions;
         let mut report = Report::new(exam, c);
         // Forward explanations are suspects for the gradient of the same component.
-        let mut suspects: BTreeMap<&str, Vec<Vec<&'static str>>> = BTreeMap::new();
+        let mut suspects: BTreeMap<&str, Vec<Suspect>> = BTreeMap::new();
         for (n, question) in exam.questions.iter().enumerate() {
             let Some((marks, grade)) = &self.marked[n] else {
                 report.rows.push(Row::unsupported(question));
@@ -237,15 +238,18 @@ impl Round {
             if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
                 let known = suspects.get(question.component.name).map_or(&[][..], Vec::as_slice);
                 row.diagnosis = diagnose(question, &answers[n], c, known, options);
-                let sets = row.diagnosis.iter().map(names).filter(|set| !set.is_empty()).collect::<Vec<_>>();
+                let sets =
+                    row.diagnosis.iter().map(suspect).filter(|(set, _)| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
-                if row.diagnosis.iter().all(|e| e.inaccurate || !e.unexplained.is_empty())
-                    && row.faults.is_empty()
-                {
+                if row.diagnosis.iter().all(|e| e.inaccurate || !e.whole()) && row.faults.is_empty() {
                     imprecise(&mut row, exam, question, &answers[n], c, options);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {
                     nearest(&mut row, question, &answers[n], c, options);
+                }
+                if row.verdict == Verdict::Fail && row.diagnosis.is_empty() && !question.statistics() {
+                    let shown_in = assignment::apply(&row.shown_in, c);
+                    row.observed = observed(question, &answers[n], &shown_in, options);
                 }
             }
             report.rows.push(row);
@@ -296,8 +300,8 @@ fn nearest(row: &mut Row, question: &Question, answers: &Answers, base: &Convent
     }
 }
 
-fn names(explanation: &Explanation) -> Vec<&'static str> {
-    explanation.mistakes.iter().map(|mistake| mistake.name).collect()
+fn suspect(explanation: &Explanation) -> Suspect {
+    (explanation.mistakes.iter().map(|mistake| mistake.name).collect(), explanation.fitted)
 }
 
 /// Marks by the stable formula's bound, then by the textbook's where the two differ. The grade is null where they don't.

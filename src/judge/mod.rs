@@ -17,6 +17,7 @@ pub mod exam;
 pub mod exchange;
 #[doc(hidden)]
 pub mod explain;
+mod fitted;
 #[doc(hidden)]
 pub mod hypothesis;
 mod imprecise;
@@ -25,7 +26,9 @@ pub mod judging;
 pub(crate) mod layout;
 #[doc(hidden)]
 pub mod mark;
+mod mostly;
 pub(crate) mod numeric;
+mod observed;
 pub(crate) mod page;
 mod peel;
 mod repeat;

@@ -145,8 +145,11 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     let Some(best) = row.diagnosis.first() else {
         writeln!(
             f,
-            "  diagnosis: unknown: no mistake of the catalogue, nor any two that were tried together, give these numbers"
+            "  diagnosis: unknown: no mistake of the catalogue gives these numbers, nor do those that were tried together"
         )?;
+        for sentence in &row.observed {
+            writeln!(f, "    {sentence}")?;
+        }
         return match row.off.first() {
             Some(name) => writeln!(f, "    the first output to differ is {name}: begin there"),
             None => Ok(()),
@@ -162,6 +165,10 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     writeln!(f, "  consistent with: {}", name(best))?;
     if !best.unexplained.is_empty() {
         writeln!(f, "  but for {}, which something more must explain", best.unexplained.join(", "))?;
+    }
+    if !best.unexplained_cases.is_empty() {
+        let cases = best.unexplained_cases.join(", ");
+        writeln!(f, "  but for the cases {cases}, where something more is wrong: look at these by hand")?;
     }
     for same in row.diagnosis.iter().filter(|e| e.same_as_best) {
         writeln!(f, "  or, the same on every case: {}", name(same))?;
@@ -196,8 +203,12 @@ fn before(e: &Explanation) -> String {
 
 /// An explanation on a line.
 fn name(e: &Explanation) -> String {
-    let mistakes = e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>().join(" + ");
+    let mut mistakes = e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>().join(" + ");
+    if let (Some(number), Some(fitted)) = (e.mistakes.first().and_then(|m| m.number), e.fitted) {
+        mistakes += &format!(" ({} = {fitted:.6})", number.name);
+    }
     match (e.mistakes.is_empty(), e.conventions.is_empty()) {
+        (true, true) => "the right formula".into(),
         (false, true) => mistakes,
         (true, _) => format!("no mistake, but the convention {}", list(&e.conventions)),
         (false, false) => format!("{mistakes}, with {}", list(&e.conventions)),

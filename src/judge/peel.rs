@@ -108,7 +108,7 @@ impl<'a> Peeling<'a> {
         sets.sort_by_key(|set| set.count_ones());
         for set in sets {
             let mistakes = (0..count).filter(|n| set >> n & 1 == 1).map(|n| layer.mistakes[n]).collect();
-            let h = Hypothesis { mistakes, conventions: layer.conventions, loose: false };
+            let h = Hypothesis { mistakes, fitted: None, conventions: layer.conventions, loose: false };
             let mut left: Vec<&str> = outputs.iter().copied().filter(|name| !layer.explains(name)).collect();
             for (case, answer) in small_cases(self.question, self.answers) {
                 if !left.is_empty() {
@@ -165,9 +165,8 @@ impl<'a> Peeling<'a> {
             mistakes,
             conventions: difference(&own(&layer.conventions), &own(self.base)),
             residual: residuals.fold(0.0, f64::max),
-            same_as_best: false,
-            inaccurate: false,
             unexplained: unexplained.iter().map(|name| name.to_string()).collect(),
+            ..Explanation::default()
         })
     }
 }

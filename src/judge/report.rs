@@ -86,6 +86,8 @@ pub struct Row {
     pub edge_cases: Vec<&'static str>,
     /// The outputs that are off, in the order in which they are computed.
     pub off: Vec<String>,
+    /// What is known of a failure that nothing explains, output by output.
+    pub observed: Vec<String>,
     /// Choices that no convention names and that are no mistake; they pass.
     pub findings: Vec<String>,
     /// Explanations, best first; empty if unknown.
@@ -117,6 +119,7 @@ impl Row {
             crashed: question.crashed.clone(),
             edge_cases: vec![],
             off: vec![],
+            observed: vec![],
             findings: vec![],
             diagnosis: vec![],
         }
@@ -180,13 +183,16 @@ impl Row {
             "crashed": self.crashed,
             "edge_cases": self.edge_cases,
             "first_to_differ": self.off.first(),
+            "observed": self.observed,
             "diagnosis": self.diagnosis.iter().map(|e| json!({
                 "mistakes": e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(),
+                "fitted": e.fitted,
                 "conventions": e.conventions,
                 "residual": number(e.residual),
                 "same_as_best": e.same_as_best,
                 "inaccurate": e.inaccurate,
                 "unexplained": e.unexplained,
+                "unexplained_cases": e.unexplained_cases,
             })).collect::<Vec<_>>(),
         })
     }

@@ -115,6 +115,22 @@ pub(crate) const PSNR: &[Mistake] = &[
 /// Mistakes of the bytes.
 pub(crate) const TO_UINT8: &[Mistake] = &[
     Mistake::new(
+        "times_256",
+        "256 x, clipped and cut off",
+        "up to one level too bright",
+        "round(255 x)",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "stretched_to_the_range",
+        "255 (x - min) / (max - min), as plotting libraries do",
+        "every picture has another brightness; PSNR of such files means nothing",
+        "clip to [0, 1] and multiply by 255",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "uint8_without_clipping",
         "255 x is cast without clipping: 1.01 becomes 1",
         "black specks in the brightest places",
@@ -228,6 +244,19 @@ pub(crate) fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             Bytes::Truncate => (255.0 * x).trunc().rem_euclid(256.0),
         };
         bytes = input(a, "image").mapv(wrapped);
+    }
+    if wrong.contains(&"times_256") {
+        bytes = input(a, "image").mapv(|x| (256.0 * x.clamp(0.0, 1.0)).trunc().min(255.0));
+    }
+    if wrong.contains(&"stretched_to_the_range") {
+        let image = input(a, "image");
+        let (low, high) =
+            image.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        bytes = input(
+            &arrays::to_uint8(&self::arrays([("image", image.mapv(|x| (x - low) / (high - low)))]), c),
+            "bytes",
+        )
+        .clone();
     }
     if wrong.contains(&"red_and_blue_exchanged") {
         bytes.invert_axis(ndarray::Axis(2));

@@ -6,16 +6,19 @@ use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
+const EPS_IN_DIRECTION: Mistake = Mistake::new(
+    "eps_in_direction",
+    "1 / (d + eps) for 1 / d",
+    "t is off by 1e-6 / d, and a direction of -1e-6 is infinite or turned around",
+    "a case of its own for d = 0, and nothing added elsewhere",
+    "hand-written slab tests",
+    5,
+)
+.with("eps", 1e-6, [1e-16, 1e-2]);
+
 /// Mistakes of rays and boxes.
 pub(crate) const RAY_AABB: &[Mistake] = &[
-    Mistake::new(
-        "eps_in_direction",
-        "1 / (d + 1e-6) for 1 / d",
-        "t is off by 1e-6 / d, and a direction of -1e-6 is infinite or turned around",
-        "a case of its own for d = 0, and nothing added elsewhere",
-        "hand-written slab tests",
-        5,
-    ),
+    EPS_IN_DIRECTION,
     Mistake::new(
         "face_is_a_miss",
         "a ray in a face: 0 * inf is NaN, and every comparison with it false",
@@ -119,7 +122,7 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
     let mut line = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };
     let mut any = Hit { enter: f64::INFINITY, leave: f64::NEG_INFINITY };
     for a in 0..3 {
-        let d = if is("eps_in_direction") { q.d[a] + 1e-6 } else { q.d[a] };
+        let d = q.d[a] + EPS_IN_DIRECTION.among(wrong).unwrap_or(0.0);
         if d == 0.0 {
             let face = q.o[a] == low[a] || q.o[a] == high[a];
             if q.o[a] < low[a] || q.o[a] > high[a] || is("parallel_is_a_miss") || face && is("face_is_a_miss")

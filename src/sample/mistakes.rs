@@ -19,6 +19,9 @@ const fn fixed(name: &'static str, cause: &'static str) -> Mistake {
     )
 }
 
+const JITTER_WIDTH: Mistake =
+    fixed("jitter_width", "t = near + i D + k u with a number k of one's own").with("k", 0.05, [1e-4, 10.0]);
+
 /// Mistakes of positions and points.
 pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
     Mistake::new(
@@ -56,6 +59,7 @@ pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
     fixed("jitter_width_0.02", "t = near + i D + 0.02 u"),
     fixed("jitter_width_0.1", "t = near + i D + 0.1 u"),
     fixed("jitter_width_1", "t = near + i D + u: noise that isn't scaled"),
+    JITTER_WIDTH,
     Mistake::new(
         "flattened_in_wrong_order",
         "points were made as (N, R, 3) and reshaped to (R, N, 3)",
@@ -172,6 +176,9 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
                 }
             }
         }
+    }
+    if let Some(fixed) = JITTER_WIDTH.among(wrong) {
+        u.iter_mut().for_each(|u| *u *= fixed / width);
     }
     sample_along_ray(near, far, &u, c.grid)
 }

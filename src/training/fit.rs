@@ -5,6 +5,7 @@ use ndarray::Array3;
 use super::checkpoint::{Checkpoint, RunFolder};
 use super::image::{Fit, FitSettings, LogPoint, kept};
 use super::pace::{Pace, Saved};
+use super::sound;
 use crate::error::Result;
 
 /// A fit in its folder.
@@ -49,13 +50,15 @@ impl<'a> FitRun<'a> {
             return Ok(());
         }
         let Checkpoint { state, step, seconds, .. } = self.folder.load()?;
-        self.fit.restore(&state, step, seconds, &self.folder.file("checkpoint.npz").display().to_string())?;
+        let file = self.folder.file("checkpoint.npz").display().to_string();
+        sound::numbers(&state, step, &file)?;
+        self.fit.restore(&state, step, seconds, &file)?;
         self.log = self.folder.log_until(step)?;
         Ok(())
     }
 
     /// Steps to the last, until `stop` says so, or until a number isn't finite. `seen` gets each log point with its picture, before
-    /// the log has it.
+    /// the log has it; `slow` what a checkpoint costs and how seldom it is written then, in seconds, once.
     ///
     /// # Errors
     /// Those of `seen`, and where a file can't be written.
@@ -64,12 +67,13 @@ impl<'a> FitRun<'a> {
         stop: impl Fn() -> bool,
         mut seen: impl FnMut(&LogPoint, &Array3<f32>) -> Result<()>,
         mut progress: impl FnMut(u64, f64),
+        mut slow: impl FnMut(f64, f64),
     ) -> Result<()> {
         if self.fit.step == 0 {
             self.folder.begin_log()?;
-            self.save()?;
+            self.save(&mut slow)?;
         }
-        while self.fit.step < self.settings.steps && !stop() {
+        while self.fit.step < self.settings.steps && self.failure.is_none() && !stop() {
             let loss = self.fit.step(self.picture);
             if !loss.is_finite() {
                 // The last checkpoint stays.
@@ -84,19 +88,23 @@ impl<'a> FitRun<'a> {
             }
             progress(self.fit.step, loss);
             if self.pace.due() {
-                self.save()?;
+                self.save(&mut slow)?;
             }
         }
-        self.save()
+        if self.failure.is_none() { self.save(&mut slow) } else { Ok(()) }
     }
 
-    fn save(&mut self) -> Result<()> {
+    fn save(&mut self, slow: &mut impl FnMut(f64, f64)) -> Result<()> {
         let Fit { step, seconds, .. } = self.fit;
         let samples = step * self.settings.batch as u64;
         let saved =
             self.pace.save(self.folder, || Checkpoint { state: self.fit.state(), step, seconds, samples })?;
-        if let Saved::Spoiled(name) = saved {
-            self.failure = Some(format!("after step {step} not every number of its {name} is finite"));
+        match saved {
+            Saved::Usual => {}
+            Saved::Slow { cost, every } => slow(cost, every),
+            Saved::Spoiled(name) => {
+                self.failure = Some(format!("after step {step} not every number of its {name} is finite"));
+            }
         }
         Ok(())
     }

@@ -14,9 +14,7 @@ const REMEDY: &str = "Use the checkpoint of this very run, or train it again.";
 /// # Errors
 /// Where anything isn't what training writes; `file` is named in the message.
 pub(crate) fn restore(model: &mut dyn Model, state: &Arrays, step: u64, file: &str) -> Result<()> {
-    for (name, array) in state {
-        numbers(name, array, step, file)?;
-    }
+    numbers(state, step, file)?;
     model.restore(state, file)?;
     let taken = model.state();
     for (name, array) in state.iter().filter(|(name, _)| !Watch::has(name)) {
@@ -38,8 +36,15 @@ pub(crate) fn restore(model: &mut dyn Model, state: &Arrays, step: u64, file: &s
     Ok(())
 }
 
-/// Floats are finite, and second moments no less than 0; steps are the checkpoint's.
-fn numbers(name: &str, array: &Array, step: u64, file: &str) -> Result<()> {
+/// That floats are finite, and second moments no less than 0; that steps are the checkpoint's.
+///
+/// # Errors
+/// Where they aren't; `file` is named in the message.
+pub(crate) fn numbers(state: &Arrays, step: u64, file: &str) -> Result<()> {
+    state.iter().try_for_each(|(name, array)| numbers_of(name, array, step, file))
+}
+
+fn numbers_of(name: &str, array: &Array, step: u64, file: &str) -> Result<()> {
     if let Array::I64(whole) = array {
         let counts = ["adam_step", "compact_progress"].iter().any(|counter| name.ends_with(counter));
         return match whole.first() {
@@ -49,8 +54,8 @@ fn numbers(name: &str, array: &Array, step: u64, file: &str) -> Result<()> {
             _ => Ok(()),
         };
     }
-    // "v.trunk0_w", "fine.v.trunk0_w", "level0_v".
-    let squares = name.starts_with("v.") || name.contains(".v.") || name.ends_with("_v");
+    // "v", "v.trunk0_w", "fine.v.trunk0_w", "level0_v".
+    let squares = name == "v" || name.starts_with("v.") || name.contains(".v.") || name.ends_with("_v");
     let sound = |x: f64| x.is_finite() && !(squares && x < 0.0);
     let bad = match array {
         Array::F32(a) => a.iter().map(|&x| f64::from(x)).find(|&x| !sound(x)),

@@ -12,6 +12,7 @@ use crate::math::exp;
 mod catalogue;
 
 pub(crate) use catalogue::{COMPOSITE_BACKGROUND, DEPTH, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
+use catalogue::{EPS_ON_ALPHA, SCALED_EXPONENTIAL};
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub(crate) const ALPHA_ERROR: &str = "alpha_error";
@@ -141,10 +142,11 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         let mut alphas: Vec<f64> =
             super::optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(-x)).collect();
         let mut ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
-        let touched = wrong.contains(&"eps_on_alpha") || wrong.contains(&"scaled_exponential");
+        let (eps, scale) = (EPS_ON_ALPHA.among(wrong), SCALED_EXPONENTIAL.among(wrong));
+        let touched = eps.is_some() || scale.is_some();
         if touched {
             for (alpha, x) in alphas.iter_mut().zip(super::optical_depths(&sigmas, &deltas)) {
-                let k = if wrong.contains(&"scaled_exponential") { 0.99 } else { 1.0 };
+                let k = scale.unwrap_or(1.0);
                 *alpha = 1.0 - k * exp(-x);
             }
         }
@@ -161,8 +163,8 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         if touched || textbook {
             ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
         }
-        if wrong.contains(&"eps_on_alpha") {
-            alphas.iter_mut().for_each(|alpha| *alpha += 1e-10);
+        if let Some(eps) = eps {
+            alphas.iter_mut().for_each(|alpha| *alpha += eps);
             ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), ProductEps::TenToMinusTen);
         }
         if wrong.contains(&"density_with_step_before") {
@@ -232,6 +234,9 @@ pub(crate) fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) 
         let opacity = input(&a, "opacity").clone();
         let colors = a.get_mut("colors").expect("checked");
         colors.indexed_iter_mut().for_each(|(i, c)| *c *= opacity[[i[0]]]);
+    }
+    if wrong.contains(&"background_by_opacity") {
+        a.get_mut("opacity").expect("checked").mapv_inplace(|opacity| 1.0 - opacity);
     }
     if wrong.contains(&"background_always") {
         a.get_mut("opacity").expect("checked").fill(0.0);

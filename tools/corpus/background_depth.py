@@ -47,7 +47,7 @@ def background_added(colors, opacity, background):
     return colors + background.expand(len(colors), 3)
 
 
-@fault("composite_background", seen="a splat renderer in torch (1 - (1 - prod))")
+@fault("composite_background", "background_by_opacity", seen="a splat renderer in torch (1 - (1 - prod))")
 def background_by_opacity(colors, opacity, background):
     """C + A b: opacity in the place of what is left."""
     return colors + opacity[:, None] * background

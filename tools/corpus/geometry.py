@@ -46,7 +46,7 @@ def axis_by_axis(rays_o, rays_d, low, high, near, far):
     return tuple(np.array(column, rays_o.dtype) for column in zip(*out))
 
 
-@fault("ray_aabb", seen="an engine in numpy: sign(d) max(|d|, 1e-9)", arrays="numpy")
+@fault("ray_aabb", "eps_in_direction", seen="an engine in numpy: sign(d) max(|d|, 1e-9)", arrays="numpy")
 def components_of_at_least_1e_9(rays_o, rays_d, low, high, near, far):
     """Zeros become 1e-9: right but for rays that lie in the far face, which leave at 0."""
     sign = np.where(rays_d < 0, -1, 1).astype(rays_d.dtype)

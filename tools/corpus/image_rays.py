@@ -202,7 +202,7 @@ def center_by_whole_division(height, width, focal, c2w):
     return unit(posed(opencv(i + 0.5, j + 0.5, focal, width // 2, height // 2), c2w))
 
 
-@fault("image_rays", seen="a ray generator with focal * 1.5")
+@fault("image_rays", "focal_scaled", seen="a ray generator with focal * 1.5")
 def focal_length_scaled(height, width, focal, c2w):
     """The focal length times 1.5, written in for one data set."""
     return tiny_nerf(height, width, focal * 1.5, c2w)

@@ -182,13 +182,13 @@ def blue_first(image):
     return clipped_and_cut(image[..., ::-1])
 
 
-@fault("to_uint8", seen="Zhiyuan-R/Aug-NeLF utils/image.py", arrays="numpy")
+@fault("to_uint8", "stretched_to_the_range", seen="Zhiyuan-R/Aug-NeLF utils/image.py", arrays="numpy")
 def stretched_to_the_range(image):
     """255 (x - min) / (max - min)."""
     return (255 * (image - image.min()) / (image.max() - image.min())).astype(np.uint8)
 
 
-@fault("to_uint8", seen="not met among fields: the 255.99 and 256 of ray tracers", times=0, arrays="numpy")
+@fault("to_uint8", "times_256", seen="not met among fields: the 255.99 and 256 of ray tracers", times=0, arrays="numpy")
 def times_256(image):
     """(256 x), clipped and cut."""
     return (256 * np.clip(image, 0, 0.999)).astype(np.uint8)

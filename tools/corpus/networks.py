@@ -62,13 +62,13 @@ def relu_then_sigmoid(x, **rest):
     return network(x, layers(rest), last=lambda z: torch.sigmoid(torch.relu(z)))
 
 
-@fault("mlp", seen="SiLU networks of neighboring fields", times=3)
+@fault("mlp", "smooth_units", seen="SiLU networks of neighboring fields", times=3)
 def smooth_units(x, **rest):
     """x sigmoid(x) in the hidden layers."""
     return network(x, layers(rest), hidden=F.silu)
 
 
-@fault("mlp", seen="a fluorescence field in keras: LeakyReLU", times=2)
+@fault("mlp", "leaky_units", seen="a fluorescence field in keras: LeakyReLU", times=2)
 def leaky_units(x, **rest):
     """LeakyReLU in the hidden layers."""
     return network(x, layers(rest), hidden=lambda z: F.leaky_relu(z, 0.01))
@@ -187,7 +187,7 @@ def raw_colors(**a):
     return field(a, colors=lambda z: z)
 
 
-@fault("nerf_mlp", seen="networks whose density is activated by the renderer", times=4)
+@fault("nerf_mlp", "density_without_relu", seen="networks whose density is activated by the renderer", times=4)
 def raw_density(**a):
     """No relu on the density: it may be negative."""
     return field(a, density=lambda z: z)

@@ -103,6 +103,24 @@ const OVER_RAYS: Mistake = Mistake::new(
     1,
 );
 
+pub(super) const EPS_ON_ALPHA: Mistake = Mistake::new(
+    "eps_on_alpha",
+    "eps is added to alpha (and 1e-10 to T)",
+    "empty rays aren't empty; below what f32 can see",
+    "add nothing",
+    "1 public implementation",
+    1,
+)
+.with("eps", 1e-10, [1e-16, 1e-2]);
+pub(super) const SCALED_EXPONENTIAL: Mistake = Mistake::new(
+    "scaled_exponential",
+    "alpha = 1 - k exp(-x) with k other than 1",
+    "empty space has an opacity of 1 - k",
+    "alpha = 1 - exp(-x)",
+    "1 public implementation",
+    1,
+)
+.with("k", 0.99, [0.5, 1.5]);
 /// Mistakes of rendering from densities.
 pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     INCLUSIVE,
@@ -139,22 +157,8 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     DELTA_DIFFERENCED_TWICE,
     FIRST_GAP_FOR_ALL,
     FIRST_RAY_DELTAS,
-    Mistake::new(
-        "eps_on_alpha",
-        "1e-10 is added to alpha (and to T)",
-        "empty rays aren't empty; below what f32 can see",
-        "add nothing",
-        "1 public implementation",
-        1,
-    ),
-    Mistake::new(
-        "scaled_exponential",
-        "alpha = 1 - k exp(-x) with k other than 1 (here 0.99)",
-        "empty space has an opacity of 1 - k",
-        "alpha = 1 - exp(-x)",
-        "1 public implementation",
-        1,
-    ),
+    EPS_ON_ALPHA,
+    SCALED_EXPONENTIAL,
 ];
 
 /// Mistakes of rendering from opacities.
@@ -171,19 +175,27 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     ROLLED_BUT_FIRST,
     LEFT_EARLY,
     OWN_FACTOR,
-    Mistake {
-        name: "product_gradient_zero_at_opaque",
-        cause: "the product's gradient divides by 1 - alpha and is set to 0 where that is 0",
-        effect: "an opaque sample can never become transparent again",
-        seen: "nerfacc FIXME; alpha = [.5, 1, .3, .2], cotangent [1, 2, 3, 4]: [2, 0, 0, 0] for [2, 2.9, 0, 0]",
-        fix: "use the recursion from the last sample, which divides by nothing",
-        count: 1,
-        gradient: true,
-    },
+    Mistake::new(
+        "product_gradient_zero_at_opaque",
+        "the product's gradient divides by 1 - alpha and is set to 0 where that is 0",
+        "an opaque sample can never become transparent again",
+        "use the recursion from the last sample, which divides by nothing",
+        "nerfacc FIXME; alpha = [.5, 1, .3, .2], cotangent [1, 2, 3, 4]: [2, 0, 0, 0] for [2, 2.9, 0, 0]",
+        1,
+    )
+    .of_gradient(),
 ];
 
 /// Mistakes of the background.
 pub(crate) const COMPOSITE_BACKGROUND: &[Mistake] = &[
+    Mistake::new(
+        "background_by_opacity",
+        "C + A b: the opacity stands where the light that is left belongs",
+        "the background shines through what is opaque, and is missing behind nothing",
+        "C + (1 - A) b",
+        "1 public implementation",
+        1,
+    ),
     Mistake::new(
         "attenuated_twice",
         "A C + (1 - A) b: the rendered color is premultiplied already",

@@ -1,0 +1,142 @@
+//! Most cases: what explains the answers but for some cases, where something more is wrong. A program that divides by the opacity also
+//! divides 0 by 0 where nothing is there, and whether it adds 1e-8 shows nowhere else.
+
+use super::answer::{Answer, Answers};
+use super::assignment::{Partial, apply, assignments, changes, partial};
+use super::diagnose::Suspect;
+use super::evidence::{Explanation, difference, largest_residual, shows, usable};
+use super::exam::Question;
+use super::hypothesis::Hypothesis;
+use super::mark::MarkOptions;
+use crate::contract::case::Case;
+use crate::contract::check::Kind;
+use crate::contract::component::Mistake;
+use crate::convention::Conventions;
+use crate::parallel;
+
+/// The share of the cases that must be explained.
+const MOST: f64 = 2.0 / 3.0;
+
+/// Cases that the right formula doesn't explain and a mistake does, at least; and their share of those that the right formula doesn't.
+const SHOWN: (usize, f64) = (3, 0.5);
+
+/// Conventions that are tried, the nearest first.
+const ASSIGNMENTS: usize = 48;
+
+/// Which cases a hypothesis explains.
+struct Tried {
+    hypothesis: Hypothesis,
+    explained: Vec<bool>,
+    changes: usize,
+    seen: u32,
+}
+
+impl Tried {
+    fn count(&self) -> usize {
+        self.explained.iter().filter(|explained| **explained).count()
+    }
+
+    /// How many cases it explains that another doesn't.
+    fn beyond(&self, other: &Tried) -> usize {
+        self.explained.iter().zip(&other.explained).filter(|(mine, others)| **mine && !**others).count()
+    }
+}
+
+/// The mistake, or the right formula, that explains most cases; `None` where nothing explains enough of them.
+pub(crate) fn mostly(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    suspects: &[Suspect],
+    options: &MarkOptions,
+) -> Option<Explanation> {
+    let cases = usable(&right(base), question, answers);
+    let numeric = question.kind == Kind::Vjp;
+    let all: Vec<&Mistake> = question.component.mistakes.iter().filter(|m| numeric || !m.gradient).collect();
+    let mut near = assignments(question.component, base);
+    near.retain(|p| question.admits(&apply(p, base)));
+    near.truncate(ASSIGNMENTS);
+    let try_all = |mistakes: Vec<&'static str>, near: &[Partial], cases: &[(&Case, &Answer)]| {
+        let seen = |name: &&str| all.iter().find(|m| m.name == *name).map_or(0, |m| m.count);
+        parallel::map(near.len(), |n| {
+            let h = Hypothesis { conventions: apply(&near[n], base), ..wrong(&mistakes, base) };
+            let explains = |(case, answer): &(&Case, &Answer)| h.explains(question, case, answer, options);
+            Tried {
+                explained: cases.iter().map(explains).collect(),
+                changes: changes(&near[n], &partial(question.component, base)),
+                seen: mistakes.iter().map(seen).sum(),
+                hypothesis: h,
+            }
+        })
+    };
+    let best = |tried: Vec<Tried>| {
+        let key = |t: &Tried| (t.count(), std::cmp::Reverse(t.changes), t.seen);
+        // The last of equals wins in max_by_key: reversed, so that the first does.
+        tried.into_iter().rev().max_by_key(key)
+    };
+    let formula = best(try_all(vec![], &near, &cases))?;
+    let mut found = vec![];
+    for m in all.iter().filter(|m| !numeric || m.gradient) {
+        found.extend(try_all(vec![m.name], &near, &cases));
+    }
+    // Numeric gradients are too expensive for all conventions and cases, and for what the forward answers don't show.
+    for (mistakes, _) in suspects.iter().filter(|_| numeric) {
+        let few = usable(&wrong(mistakes, base), question, answers).len();
+        found.extend(try_all(mistakes.clone(), &near[..1], &cases[..few]));
+    }
+    let enough = |t: &Tried| {
+        let (asked, beyond) = (t.explained.len(), t.beyond(&formula));
+        let wrong = formula.explained[..asked].iter().filter(|explained| !**explained).count();
+        t.count() as f64 >= MOST * asked as f64
+            && beyond >= SHOWN.0
+            && beyond as f64 >= SHOWN.1 * wrong as f64
+    };
+    found.retain(enough);
+    let chosen = match best(found) {
+        Some(mistake) => mistake,
+        None if formula.count() as f64 >= MOST * cases.len() as f64 => formula,
+        None => return None,
+    };
+    explanation(chosen, &cases, question, answers, base, options)
+}
+
+fn right(base: &Conventions) -> Hypothesis {
+    wrong(&[], base)
+}
+
+fn wrong(mistakes: &[&'static str], base: &Conventions) -> Hypothesis {
+    Hypothesis { mistakes: mistakes.to_vec(), fitted: None, conventions: *base, loose: false }
+}
+
+/// What it says, where it says more than lost digits do on the cases that it explains.
+fn explanation(
+    tried: Tried,
+    cases: &[(&Case, &Answer)],
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Option<Explanation> {
+    let unexplained: Vec<String> = cases
+        .iter()
+        .zip(&tried.explained)
+        .filter(|(_, e)| !**e)
+        .map(|((case, _), _)| case.id.clone())
+        .collect();
+    let explained = |case: &Case| {
+        cases.iter().zip(&tried.explained).any(|((known, _), explained)| *explained && known.id == case.id)
+    };
+    let left = |(case, answer): (&Case, &Option<Answer>)| answer.clone().filter(|_| explained(case));
+    let rest: Answers = question.cases.iter().zip(answers).map(left).collect();
+    let h = &tried.hypothesis;
+    let mistakes: Vec<_> =
+        question.component.mistakes.iter().filter(|m| h.mistakes.contains(&m.name)).collect();
+    let own = |c: &Conventions| partial(question.component, c);
+    shows(h, question, &rest, options).then(|| Explanation {
+        mistakes,
+        conventions: difference(&own(&h.conventions), &own(base)),
+        residual: largest_residual(h, question, &rest, options),
+        unexplained_cases: unexplained,
+        ..Explanation::default()
+    })
+}
