@@ -11,6 +11,7 @@ use super::declared::Declared;
 use super::diagnose::{Suspect, diagnose};
 use super::evidence::{Explanation, difference};
 use super::exam::{Exam, Question};
+use super::example::smallest;
 use super::imprecise::lost_bits;
 use super::mark::{MarkOptions, Marks, mark};
 use super::observed::observed;
@@ -247,9 +248,12 @@ impl Round {
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {
                     nearest(&mut row, question, &answers[n], c, options);
                 }
-                if row.verdict == Verdict::Fail && row.diagnosis.is_empty() && !question.statistics() {
+                if row.verdict == Verdict::Fail && !question.statistics() {
                     let shown_in = assignment::apply(&row.shown_in, c);
-                    row.observed = observed(question, &answers[n], &shown_in, options);
+                    row.example = smallest(question, &answers[n], &shown_in, options);
+                    if row.diagnosis.is_empty() {
+                        row.observed = observed(question, &answers[n], &shown_in, options);
+                    }
                 }
             }
             report.rows.push(row);

@@ -12,6 +12,7 @@ pub(crate) mod door;
 pub mod evidence;
 #[doc(hidden)]
 pub mod exam;
+mod example;
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub mod exchange;

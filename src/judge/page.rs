@@ -10,7 +10,11 @@ use super::report::{Report, Row, Verdict};
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let how = if self.pinned { "PINNED" } else { "FOUND" };
-        writeln!(f, "CONVENTIONS {how}: {}   (answers in {})", self.profile, self.dtype)?;
+        if self.assignment.is_empty() {
+            writeln!(f, "answers in {}", self.dtype)?;
+        } else {
+            writeln!(f, "CONVENTIONS {how}: {}   (answers in {})", self.profile, self.dtype)?;
+        }
         if self.left_out > 0 {
             writeln!(f, "{} cases aren't representable in {} and were left out", self.left_out, self.dtype)?;
         }
@@ -138,6 +142,9 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     if row.verdict == Verdict::Fail && row.budget_used > Some(1.0) {
         diagnosis(f, row)?;
     }
+    if let Some(example) = &row.example {
+        write!(f, "{example}")?;
+    }
     Ok(())
 }
 
@@ -162,7 +169,12 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             before(best)
         );
     }
-    writeln!(f, "  consistent with: {}", name(best))?;
+    writeln!(
+        f,
+        "  consistent with: {}   (off by {:.1}% of what such code may be)",
+        name(best),
+        100.0 * best.residual
+    )?;
     if !best.unexplained.is_empty() {
         writeln!(f, "  but for {}, which something more must explain", best.unexplained.join(", "))?;
     }

@@ -9,10 +9,14 @@ use super::answer::Answers;
 use super::assignment::{Partial, partial};
 use super::evidence::Explanation;
 use super::exam::{Exam, Question};
+use super::example::Example;
 use super::mark::{Marks, Worst};
 use crate::contract::arithmetic::Grade;
 use crate::convention::profiles;
 use crate::convention::{CHOICES, Conventions};
+
+/// The schema of `judge --json`: fields are added under the same name, and another name is given where one changes.
+pub const SCHEMA: &str = "nerf-oracle/report/1";
 
 /// The verdict on a component in one direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,6 +90,8 @@ pub struct Row {
     pub edge_cases: Vec<&'static str>,
     /// The outputs that are off, in the order in which they are computed.
     pub off: Vec<String>,
+    /// The smallest case that is wrong.
+    pub example: Option<Example>,
     /// What is known of a failure that nothing explains, output by output.
     pub observed: Vec<String>,
     /// Choices that no convention names and that are no mistake; they pass.
@@ -119,6 +125,7 @@ impl Row {
             crashed: question.crashed.clone(),
             edge_cases: vec![],
             off: vec![],
+            example: None,
             observed: vec![],
             findings: vec![],
             diagnosis: vec![],
@@ -184,6 +191,7 @@ impl Row {
             "edge_cases": self.edge_cases,
             "first_to_differ": self.off.first(),
             "observed": self.observed,
+            "example": self.example.as_ref().map(Example::json),
             "diagnosis": self.diagnosis.iter().map(|e| json!({
                 "mistakes": e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(),
                 "fitted": e.fitted,
@@ -283,6 +291,8 @@ impl Report {
     /// The contract's JSON.
     pub fn json(&self) -> Value {
         json!({
+            "schema": SCHEMA,
+            "version": env!("CARGO_PKG_VERSION"),
             "dtype": self.dtype,
             "profile": self.profile,
             "pinned": self.pinned,
