@@ -29,6 +29,9 @@ use crate::parallel;
 /// The contract's accuracy of exp, log, sin and cos, in ULP.
 pub const EXP_ULP: f64 = 4.0;
 
+/// Bits whose loss is likelier than a mistake that explains the same: an eps of 1e-7 added in f32, or T as 1 less the sum of the weights.
+const FEW_BITS: i32 = 4;
+
 /// A function under test.
 type Closure<'a> = Box<dyn Fn(&Arrays) -> Arrays + Sync + 'a>;
 
@@ -242,8 +245,11 @@ impl Round {
                 let sets =
                     row.diagnosis.iter().map(suspect).filter(|(set, _)| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
-                if row.diagnosis.iter().all(|e| e.inaccurate || !e.whole()) && row.faults.is_empty() {
-                    imprecise(&mut row, exam, question, &answers[n], c, options);
+                if row.faults.is_empty() {
+                    // Where a mistake explains it, too, a few bits must be enough.
+                    let named = row.diagnosis.iter().any(|e| !e.inaccurate && e.whole());
+                    let most = if named { FEW_BITS } else { i32::MAX };
+                    imprecise(&mut row, exam, question, &answers[n], c, options, most);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {
                     nearest(&mut row, question, &answers[n], c, options);
@@ -263,7 +269,7 @@ impl Round {
     }
 }
 
-/// Where no mistake explains the answers: whether they are right but for lost digits, in the run's conventions or those next to them.
+/// Whether the answers are right but for at most so many lost bits, in the run's conventions or those next to them.
 fn imprecise(
     row: &mut Row,
     exam: &Exam,
@@ -271,12 +277,13 @@ fn imprecise(
     answers: &Answers,
     base: &Conventions,
     options: &MarkOptions,
+    most: i32,
 ) {
     if question.statistics() {
         return;
     }
     let c = if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base) };
-    if let Some(bits) = lost_bits(question, answers, &c, options) {
+    if let Some(bits) = lost_bits(question, answers, &c, options).filter(|bits| *bits <= most) {
         let marks = mark(question, answers, &c, options, Grade::B);
         *row = Row { layouts: row.layouts.clone(), ..Row::marked(question, answers, &marks, None, &c) };
         (row.verdict, row.lost_bits) = (Verdict::Imprecise, Some(bits));
