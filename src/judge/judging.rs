@@ -1,11 +1,12 @@
 //! The judge: answers in, verdicts and diagnoses out.
 
 use std::any::Any;
-use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use super::answer::{Answers, given};
+use super::asking::{Reply, examine};
 use super::assignment::{self, Found, partial};
 use super::declared::Declared;
 use super::diagnose::diagnose;
@@ -13,7 +14,6 @@ use super::evidence::{Explanation, difference};
 use super::exam::{Exam, Question};
 use super::imprecise::lost_bits;
 use super::mark::{MarkOptions, Marks, mark};
-use super::repeat::Rounds;
 use super::report::{Report, Row, Verdict};
 use super::{layout, statistics};
 use crate::contract::arithmetic::{Dtype, Grade};
@@ -135,27 +135,18 @@ pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
         Some((question.row(), candidate.declared.get(&of)?.clone()))
     });
     let declared = declared.collect();
-    let mut exam = exam
+    let exam = exam
         .narrowed(&declared)
         .map_err(|what| Error::usage("takes, returns", what, "the contract's names"))?;
-    let crashed = RefCell::new(vec![]);
-    let rounds = Rounds::new(&exam, |question, case| {
-        let f = candidate.functions.get(&(question.component.name.to_string(), question.kind))?;
-        match catch_unwind(AssertUnwindSafe(|| f(&case.inputs))) {
-            Ok(outputs) => Some(given(outputs)),
-            Err(panic) => {
-                crashed.borrow_mut().push((question.row(), case.id.clone(), said(&*panic)));
-                None
-            }
-        }
+    let asked = examine(exam, true, |question, case| {
+        let function = candidate.functions.get(&(question.component.name.to_string(), question.kind));
+        let Some(f) = function else { return Ok(Reply::Nothing) };
+        Ok(match catch_unwind(AssertUnwindSafe(|| f(&case.inputs))) {
+            Ok(outputs) => Reply::Answer(given(outputs)),
+            Err(panic) => Reply::Crash(said(&*panic)),
+        })
     });
-    for (row, id, said) in crashed.into_inner() {
-        let question = exam.questions.iter_mut().find(|question| question.row() == row);
-        question.expect("it was asked").crashed.insert(id, said);
-    }
-    let mut report = judge_answers(&exam, &rounds.first, EXP_ULP);
-    rounds.tell(&exam, |answers| judge_answers(&exam, answers, EXP_ULP), &mut report);
-    Ok(report)
+    asked.map_err(|never: Infallible| match never {})
 }
 
 /// What a panic said.

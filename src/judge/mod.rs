@@ -2,6 +2,8 @@
 
 #[doc(hidden)]
 pub mod answer;
+#[doc(hidden)]
+pub mod asking;
 pub(crate) mod assignment;
 #[doc(hidden)]
 pub mod declared;

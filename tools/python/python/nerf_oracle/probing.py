@@ -1,0 +1,92 @@
+"""Finding out how a function wants to be asked: what its signature doesn't say is tried on one case."""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from typing import Any, Iterator
+
+import numpy as np
+
+from .adapted import Adapted
+from .errors import CandidateError
+from .frameworks import framework, likely
+from .names import Match, matched
+from .plan import Plan, counted
+from .rows import ordered
+
+Case = "tuple[dict[str, Any], dict[str, np.ndarray]]"
+
+
+def planned(candidate: Adapted, row: dict[str, Any], cases: list[Case], dtype: str, own: bool) -> Plan:
+    """The way to ask: the first in which the function returns an output of the right shape, else the first in which it returns anything,
+    else the first. `cases` are (entry of cases.json, inputs); `own`: it is a gradient, which takes cotangents."""
+    arrays = list(cases[0][1])
+    names = ordered(row, [name for name in arrays if own or not name.startswith("grad_")])
+    match = matched(candidate.function, row, names, candidate.names)
+    entry, inputs = telling(cases, match)
+    inputs = {name: x for name, x in inputs.items() if own or not name.startswith("grad_")}
+    first, ran = None, None
+    for place, trailing, each in ways(candidate, row, match, entry, inputs, dtype):
+        plan = Plan(candidate, row, place, match, trailing, each)
+        first = first or plan
+        try:
+            answer = plan.answer(entry, inputs)
+        except KeyboardInterrupt:
+            raise
+        except BaseException:  # noqa: B902, S112: it is asked again, and that is told then
+            continue
+        if right_shapes(entry, answer):
+            return plan
+        ran = ran or plan
+    if first is None:
+        raise CandidateError(f"{row['name']}: no framework to ask it in: name it, nerf_oracle.adapt(f, framework=...)")
+    return ran or first
+
+
+def ways(candidate: Adapted, row: dict[str, Any], match: Match, entry: Any, inputs: Any, dtype: str) -> Iterator[Any]:
+    """Frameworks, each with whole arrays first, then with a last axis of one, then ray by ray."""
+    names = [candidate.framework] if candidate.framework else likely(candidate.function)
+    places = [framework(name, dtype, candidate.device) for name in names if name == candidate.framework or name in sys.modules]
+    shapes = list(layouts(candidate, row, match, inputs))
+    for place in places:
+        for trailing, each in shapes:
+            yield place, trailing, each
+
+
+def layouts(candidate: Adapted, row: dict[str, Any], match: Match, inputs: Any) -> Iterator[tuple[tuple[str, ...], bool]]:
+    """The shapes in which arrays can be handed over."""
+    scalars = [name for name in inputs if match.all or match.takes(name)]
+    shape = {port["name"]: port["shape"] for port in row["inputs"]}
+    scalars = [name for name in scalars if name in shape and counted(row, name) and shape[name].split(",")[-1].isupper()]
+    if candidate.trailing is not None:
+        subsets = [tuple(candidate.trailing)]
+    else:
+        every = range(len(scalars), 0, -1) if len(scalars) <= 3 else [len(scalars)]
+        subsets = [(), *(s for n in every if n for s in itertools.combinations(scalars, n))]
+    if candidate.each is not True:
+        yield from ((trailing, False) for trailing in subsets)
+    if candidate.each is not False and any(counted(row, name) for name in inputs):
+        yield subsets[0], True
+
+
+def telling(cases: list[Case], match: Match) -> Case:
+    """A case whose axes have different lengths, none of them 0, 1 or 3, so that no wrong shape broadcasts by chance; of those that can be
+    had in the function's form the smallest."""
+
+    def badness(case: Case) -> tuple[bool, int, int]:
+        entry, inputs = case
+        held = all(form["holds"] for form in entry["forms"] if match.takes(form["takes"]))
+        arrays = [x for x in inputs.values() if x.ndim]
+        chance = sum(10 * sum(n in (0, 1) for n in x.shape) + (x.shape[0] == 3) + (len({*x.shape}) < x.ndim) for x in arrays)
+        return not held, chance, sum(x.size for x in arrays)
+
+    return min(cases, key=badness)
+
+
+def right_shapes(entry: dict[str, Any], answer: dict[str, Any]) -> bool:
+    """Whether outputs have the shapes of the contract, or flat ones, axes of length one aside."""
+    longer = lambda shape: [n for n in shape if n != 1]  # noqa: E731
+    shapes = {port["name"]: port["shape"] for port in entry["outputs"]}
+    fits = lambda x, shape: x.shape == tuple(shape) or longer(x.shape) == longer(shape) or x.size == np.prod(shape)  # noqa: E731
+    return all(fits(x, shapes[name]) for name, (x, _) in answer.items())
