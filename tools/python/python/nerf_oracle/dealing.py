@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import sys
 from typing import Any, Iterator
-from unittest import mock
 
 import numpy as np
 
@@ -30,13 +29,19 @@ def dealt(u: Any) -> Iterator[None]:
     A function of a row with `u` that doesn't take it is dealt it by itself. Generators that were made before keep their own numbers.
     """
     with contextlib.ExitStack() as stack:
-        for module in ("torch", "numpy.random", "jax.random"):
+        for module in DRAWS:
             if module in sys.modules:
                 for name in DRAWS[module]:
-                    stack.enter_context(mock.patch.object(sys.modules[module], name, stand_in(module, name, u)))
+                    replaced(stack, sys.modules[module], name, stand_in(module, name, u))
         if "torch" in sys.modules:
-            stack.enter_context(mock.patch.object(sys.modules["torch"].Tensor, "uniform_", uniform_(u)))
+            replaced(stack, sys.modules["torch"].Tensor, "uniform_", uniform_(u))
         yield
+
+
+def replaced(stack: contextlib.ExitStack, owner: Any, name: str, value: Any) -> None:
+    """Puts a value in the place of another until the stack ends."""
+    stack.callback(setattr, owner, name, getattr(owner, name))
+    setattr(owner, name, value)
 
 
 def stand_in(module: str, name: str, u: Any) -> Any:

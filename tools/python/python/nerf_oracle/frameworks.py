@@ -35,6 +35,10 @@ class Framework:
         """Zeros beside another array."""
         return self.module.zeros(shape, dtype=like.dtype)
 
+    def stacked(self, items: list[Any]) -> Any:
+        """Arrays or numbers as one array."""
+        return self.module.stack([self.module.asarray(x) for x in items])
+
     def around(self) -> Any:
         """What calls must run in."""
         return contextlib.nullcontext()
@@ -62,6 +66,10 @@ class Torch(Framework):
     def zeros(self, shape, like):
         """Zeros beside another tensor."""
         return like.new_zeros(shape)
+
+    def stacked(self, items):
+        """Tensors as one, their gradients kept."""
+        return self.module.stack([self.module.as_tensor(x) for x in items])
 
     def gradient(self, call, leaves, cotangents):
         """By torch.autograd.grad. A result that depends on nothing, as that of a ray without samples, has a gradient of 0."""
@@ -143,7 +151,10 @@ def likely(function: Callable[..., Any]) -> list[str]:
     if code is not None:
         found += [of(note) for note in getattr(code, "__annotations__", {}).values()]
         found += named(code, set())
-    found += [name for name in NAMES if name == "numpy" or name in getattr(code, "__globals__", {}) or name in sys.modules]
+        imported = {of(x) for x in code.__globals__.values() if inspect.ismodule(x)}
+        # Of a function that names none, those with gradients first.
+        found += [name for name in ("torch", "jax", "numpy") if name in imported]
+    found += [name for name in NAMES if name == "numpy" or name in sys.modules]
     return list(dict.fromkeys(name for name in found if name in NAMES))
 
 

@@ -117,10 +117,11 @@ class Asked:
 
     def told(self, plan: Plan, kind: str) -> None:
         """Notes what isn't as the contract has it."""
-        said = [f"{p} is {name}" for p, name in (plan.match.names or {}).items() if p != name and name != "#N"]
+        said = [f"{p} as {name}" for p, name in (plan.match.names or {}).items() if p != name and name != "#N"]
         said += [f"{name} with a last axis of one" for name in plan.trailing]
         said += ["one at a time"] * plan.each + ["its random numbers are dealt to it"] * plan.draws
-        self.notes.append(f"{plan.title} {kind}: asked with {plan.framework.name}'s arrays{''.join(f', {what}' for what in said)}")
+        told = "".join(f", {what}" for what in said)
+        self.notes.append(f"{plan.row['name']} {kind}: {plan.function} was asked with arrays of {plan.framework.name}{told}")
 
     def differentiable(self, plan: Plan, key: str) -> str | None:
         """Why a function's gradient can't be judged; None where it can."""

@@ -15,7 +15,7 @@ from .forms import in_other_forms
 from .frameworks import Framework
 from .names import Match, called
 from .returned import by_output
-from .rows import covers, letter, ordered, port_of
+from .rows import counted, covers, ordered, port_of
 
 # What a gradient has no entries for: the contract's K is (fx, fy, cx, cy) alone, and its pose the upper three rows.
 MASKS = {"grad_K": [[1, 0, 1], [0, 1, 1], [0, 0, 0]], "grad_c2w": [[1], [1], [1], [0]]}
@@ -37,9 +37,9 @@ class Plan:
     handed: dict[str, Any] = field(default_factory=dict)
 
     @property
-    def title(self) -> str:
-        """The row and the function."""
-        return f"{self.row['name']}: {called(self.candidate.function)}"
+    def function(self) -> str:
+        """The function's name."""
+        return called(self.candidate.function)
 
     @property
     def draws(self) -> bool:
@@ -62,16 +62,16 @@ class Plan:
 
     def gradient(self, entry: dict[str, Any], inputs: dict[str, np.ndarray], outputs: list[str]) -> tuple[Answer, list[str], bool]:
         """The gradients of a case by the framework's own differentiation; the outputs that they go through; whether there are any."""
-        wanted = [port["name"][len("grad_") :] for port in entry["outputs"]]
+        # What is taken in another form has no gradient in the contract's.
+        gone = self.match.replaced(self.row)
+        wanted = [name for name in (port["name"][len("grad_") :] for port in entry["outputs"]) if name not in gone]
         cotangents = {name[len("grad_") :]: x for name, x in inputs.items() if name.startswith("grad_")}
         with self.framework.around():
             arrays = self.arrays(entry, {name: x for name, x in inputs.items() if not name.startswith("grad_")})
             leaves = {name: arrays[name] for name in wanted if hasattr(arrays[name], "reshape")}
             found, returned = self.framework.gradient(lambda x: self.call(entry, {**arrays, **x}, outputs), leaves, cotangents)
             gradients = found or {name: np.zeros(inputs[name].shape, np.float64) for name in leaves}
-            # What is taken in another form has no gradient in the contract's.
-            gone = self.match.replaced(self.row)
-            out = {f"grad_{name}": answered(x, name) for name, x in gradients.items() if name not in gone}
+            out = {f"grad_{name}": answered(x, name) for name, x in gradients.items()}
         masked = {name: (x * np.array(MASKS[name]) if name in MASKS else x, dtype) for name, (x, dtype) in out.items()}
         return masked, returned, found is not None
 
@@ -96,8 +96,7 @@ class Plan:
             like = arrays[items[0]]
             return {port["name"]: self.framework.zeros(tuple(port["shape"]), like) for port in entry["outputs"]}
         answers = [self.one(entry, {n: x[i] if n in items else x for n, x in arrays.items()}, outputs) for i in range(count)]
-        module = self.framework.module
-        return {name: module.stack([module.asarray(answer[name]) for answer in answers]) for name in answers[0]}
+        return {name: self.framework.stacked([answer[name] for answer in answers]) for name in answers[0]}
 
     def one(self, entry: dict[str, Any], arrays: dict[str, Any], outputs: list[str]) -> dict[str, Any]:
         """A call, and what it returns by output."""
@@ -111,17 +110,10 @@ class Plan:
         rest = {name: x for name, x in self.handed.items() if name not in first}
         with dealt(arrays["u"]) if self.draws else contextlib.nullcontext():
             result = self.candidate.function(*(self.handed[name] for name in first), **rest)
-        found = by_output(result, outputs, self.candidate.returns, self.title)
+        found = by_output(result, outputs, self.candidate.returns, f"{self.row['name']}: {self.function}")
         if "t" in forms and "weights" in found:
             found["weights"] = found["weights"][:, : arrays["deltas"].shape[-1]]
         return found
-
-
-def counted(row: dict[str, Any], name: str) -> bool:
-    """Whether each ray or point has its own entry of an input, or of a cotangent."""
-    bare, side = (name[len("grad_") :], "outputs") if name.startswith("grad_") else (name, "inputs")
-    port = port_of(row, bare, side)
-    return port is not None and port["shape"].split(",")[0] == letter(row)
 
 
 def crash(error: BaseException, plan: Plan) -> str:

@@ -12,8 +12,8 @@ from .adapted import Adapted
 from .errors import CandidateError
 from .frameworks import framework, likely
 from .names import Match, matched
-from .plan import Plan, counted
-from .rows import ordered
+from .plan import Plan
+from .rows import counted, letter, ordered
 
 Case = "tuple[dict[str, Any], dict[str, np.ndarray]]"
 
@@ -24,9 +24,9 @@ def planned(candidate: Adapted, row: dict[str, Any], cases: list[Case], dtype: s
     arrays = list(cases[0][1])
     names = ordered(row, [name for name in arrays if own or not name.startswith("grad_")])
     match = matched(candidate.function, row, names, candidate.names)
-    entry, inputs = telling(cases, match)
+    entry, inputs = widened(row, *telling(cases, match))
     inputs = {name: x for name, x in inputs.items() if own or not name.startswith("grad_")}
-    first, ran = None, None
+    first, ran, said = None, None, None
     for place, trailing, each in ways(candidate, row, match, entry, inputs, dtype):
         plan = Plan(candidate, row, place, match, trailing, each)
         first = first or plan
@@ -34,13 +34,16 @@ def planned(candidate: Adapted, row: dict[str, Any], cases: list[Case], dtype: s
             answer = plan.answer(entry, inputs)
         except KeyboardInterrupt:
             raise
-        except BaseException:  # noqa: B902, S112: it is asked again, and that is told then
+        except BaseException as error:  # noqa: B902: it is asked again, and that is told then
+            said = said or error
             continue
         if right_shapes(entry, answer):
             return plan
         ran = ran or plan
     if first is None:
         raise CandidateError(f"{row['name']}: no framework to ask it in: name it, nerf_oracle.adapt(f, framework=...)")
+    if ran is None and isinstance(said, CandidateError):
+        raise said
     return ran or first
 
 
@@ -82,6 +85,19 @@ def telling(cases: list[Case], match: Match) -> Case:
         return not held, chance, sum(x.size for x in arrays)
 
     return min(cases, key=badness)
+
+
+def widened(row: dict[str, Any], entry: dict[str, Any], inputs: dict[str, np.ndarray]) -> Case:
+    """The case with so many rays or points, the same ones over again, as no other axis is long."""
+    axes = [axis for port in (*row["inputs"], *row["outputs"]) for axis in port["shape"].split(",")]
+    items = [name for name in inputs if counted(row, name)]
+    if not items or any(letter(row) in axis and axis != letter(row) for axis in axes) or len(inputs[items[0]]) == 0:
+        return entry, inputs
+    others = {n for name, x in inputs.items() for n in (x.shape[1:] if name in items else x.shape)}
+    count = next(n for n in (5, 7, 11, 13, 17, 19) if n not in others)
+    again = np.arange(count) % len(inputs[items[0]])
+    outputs = [{**p, "shape": [count, *p["shape"][1:]]} if counted(row, p["name"], "outputs") else p for p in entry["outputs"]]
+    return {**entry, "outputs": outputs}, {name: x[again] if name in items else x for name, x in inputs.items()}
 
 
 def right_shapes(entry: dict[str, Any], answer: dict[str, Any]) -> bool:

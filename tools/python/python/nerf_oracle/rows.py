@@ -58,13 +58,18 @@ def port_of(row: dict[str, Any], name: str, side: str = "inputs") -> dict[str, A
 
 
 def letter(row: dict[str, Any]) -> str:
-    """What counts a row's rays or points: the first axis of its first output."""
-    return row["outputs"][0]["shape"].split(",")[0]
+    """What counts a row's rays R, points M or parameters P, each of which stands alone: the first axis of its outputs, if it is one of
+    these. Rows and columns of pictures, and cells of a grid, don't."""
+    first = row["outputs"][0]["shape"].split(",")[0]
+    return first if first in ("R", "M", "P") else "none"
 
 
-def natural(name: str) -> tuple[Any, ...]:
-    """A key that sorts w2 before w10."""
-    return tuple(int(part) if part.isdigit() else part for part in re.split(r"(\d+)", name))
+def counted(row: dict[str, Any], name: str, side: str = "inputs") -> bool:
+    """Whether each ray or point has its own entry of an array, a cotangent or a gradient."""
+    if name.startswith("grad_"):
+        name, side = name[len("grad_") :], "outputs" if side == "inputs" else "inputs"
+    port = port_of(row, name, side)
+    return port is not None and port["shape"].split(",")[0] == letter(row)
 
 
 def ordered(row: dict[str, Any], names: Iterable[str]) -> list[str]:

@@ -113,8 +113,9 @@ def documented(row: dict[str, Any], direction: str, says: str) -> str:
     outputs = [line(port, port["name"]) for port in row["outputs"]]
     if direction == "vjp":
         smooth = [port for port in row["outputs"] if port["gradient"]]
-        inputs += [f"    grad_{port['name']} ({port['shape'] or 'a number'}): what the loss changes by; zeros where left off" for port in smooth]
-        outputs = [line(port, f"grad_{port['name']}") for port in row["inputs"] if port["gradient"]]
+        inputs += [f"    grad_{port['name']} ({port['shape'] or 'a number'}): of the loss, by {port['name']}; zeros where left off" for port in smooth]
+        wanted = [port for port in row["inputs"] if port["gradient"]]
+        outputs = [f"    grad_{port['name']} ({port['shape'] or 'a number'}): of the loss, by {port['name']}" for port in wanted]
     head = f"{says}{' of the gradient' if direction == 'vjp' else ''}: {row['formula']}"
     source = f"{row['source']}. Conventions: those of `profile`, cs180 if None."
     return "\n".join([head, "", source, "", "Args:", *inputs, "", "Returns:", *outputs])
