@@ -1,10 +1,9 @@
 """Verdicts on one's own data."""
 
+import nerf_oracle as no
 import numpy as np
 import pytest
 from conftest import render, shaded_by_itself
-
-import nerf_oracle as no
 
 
 def test_what_is_close_passes(ray):

@@ -1,9 +1,8 @@
 """Functions of torch and jax: found, differentiated, dealt their numbers. Skipped where these aren't installed."""
 
+import nerf_oracle as no
 import numpy as np
 import pytest
-
-import nerf_oracle as no
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +54,9 @@ def test_a_wrong_gradient_is_named_as_the_gradient_s(torch):
 
 
 def test_what_has_no_gradient_is_said(torch):
-    report = no.judge(composite_background=lambda colors, opacity, background: (colors + (1 - opacity)[:, None] * background).detach())
+    report = no.judge(
+        composite_background=lambda colors, opacity, background: (colors + (1 - opacity)[:, None] * background).detach()
+    )
     assert [row.kind for row in report] == ["forward"] and "gradient isn't judged: the result isn't differentiable" in str(report)
 
 
@@ -67,7 +68,9 @@ def test_numpy_in_a_file_that_imports_torch(torch):
 
 
 def test_methods_alone_are_found_by_trying(torch):
-    report = no.judge(composite_background=lambda colors, opacity, background: colors.add((1 - opacity).unsqueeze(-1).mul(background)))
+    report = no.judge(
+        composite_background=lambda colors, opacity, background: colors.add((1 - opacity).unsqueeze(-1).mul(background))
+    )
     assert report.passed and "arrays of torch" in report.notes[0] and len(report) == 2
 
 

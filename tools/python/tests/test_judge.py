@@ -2,11 +2,10 @@
 
 import sys
 
+import nerf_oracle as no
 import numpy as np
 import pytest
 from conftest import render, shaded_by_itself
-
-import nerf_oracle as no
 
 
 def test_right_code_passes_and_says_what_it_followed():
@@ -78,6 +77,17 @@ def test_one_ray_at_a_time():
 
     report = no.judge(volume_render=one)
     assert report.passed and "one at a time" in report.notes[0], report
+
+
+def test_a_batch_of_one_that_crashes_is_told():
+    def squeezes(sigmas, rgbs, deltas):
+        colors, weights = render(*(x.squeeze() for x in (sigmas, rgbs, deltas)))
+        return colors, weights
+
+    report = no.judge(volume_render=no.adapt(squeezes, each=False))
+    assert "one alone as two of the same, as it crashes on one" in report.notes[0]
+    # Of one sample too many axes are gone all the same.
+    assert report["volume_render"].edge_cases == ["one sample"] and report["volume_render"].answered > 20, report
 
 
 def test_a_crash_is_its_case_s_result():

@@ -1,10 +1,9 @@
 """Which argument is which array."""
 
+import nerf_oracle as no
 import numpy as np
 import pytest
 from conftest import render
-
-import nerf_oracle as no
 
 
 @pytest.mark.parametrize(
@@ -39,9 +38,12 @@ def test_a_center_that_is_assumed_and_a_matrix():
         return np.stack([u, v], -1), np.broadcast_to(pose[:3, 3], d.shape), d / np.linalg.norm(d, axis=-1, keepdims=True)
 
     assert no.judge(image_rays=centers, dtype="f64").passed
-    middle = lambda height, width, focal, c2w: centers(height, width, np.array([[focal, 0, width / 2], [0, focal, height / 2], [0, 0, 1]]), c2w)  # noqa: E731
+
+    def middle(height, width, focal, c2w):
+        return centers(height, width, np.array([[focal, 0, width / 2], [0, focal, height / 2], [0, 0, 1]]), c2w)
+
     report = no.judge(image_rays=middle, dtype="f64")
-    assert report.passed and "as they need cx, cy" in str(report) or "as they need cx" in str(report)
+    assert report.passed and "cases left out, as they need cx, cy" in str(report), report
 
 
 def test_what_is_unknown_is_named_with_the_way_out():
@@ -51,6 +53,14 @@ def test_what_is_unknown_is_named_with_the_way_out():
     assert "parameter 'foggy' is none of the inputs" in str(error.value)
     assert "nerf_oracle.adapt(<lambda>, foggy='sigmas')" in str(error.value)
     assert no.judge(volume_render=no.adapt(kernel, foggy="sigmas")).passed
+
+
+def test_what_it_does_not_take_is_said():
+    report = no.judge(composite_background=lambda colors, background: colors + background)
+    assert not report.passed and "and doesn't take opacity: where that matters its answers are off" in report.notes[0]
+    assert "doesn't take" not in str(
+        no.judge(volume_render=lambda sigmas, rgbs, step: render(sigmas, rgbs, np.full_like(sigmas, step)))
+    )
 
 
 @pytest.mark.parametrize(
@@ -92,6 +102,9 @@ def test_numbers_that_a_function_draws_are_dealt():
     assert no.judge(sample_along_rays=own).passed
     u = np.array([[0.25, 0.75]])
     with no.dealt(u):
-        assert np.random.default_rng(3).uniform(2, 4, (2, 1)).tolist() == [[2.5], [3.5]] and np.random.random(2).tolist() == [0.25, 0.75]
+        assert np.random.default_rng(3).uniform(2, 4, (2, 1)).tolist() == [[2.5], [3.5]] and np.random.random(2).tolist() == [
+            0.25,
+            0.75,
+        ]
         with pytest.raises(no.CandidateError, match=r"\(3,\) random numbers are drawn, where u has the shape \(1, 2\)"):
             np.random.rand(3)

@@ -2,7 +2,7 @@
 
 import pytest
 
-KERNELS = '''
+KERNELS = """
 import numpy as np
 import pytest
 
@@ -14,7 +14,7 @@ def wrong(colors, opacity, background):
 
 def back(colors, opacity, background, grad_colors_out):
     return grad_colors_out, -grad_colors_out @ background, ((1 - opacity)[:, None] * grad_colors_out).sum(0)
-'''
+"""
 
 
 @pytest.fixture
@@ -32,13 +32,25 @@ def run(pytester):
 
 
 def test_a_kernel_s_own_parameters_are_arrays(run):
-    result = run("@pytest.mark.nerf_oracle('composite_background', dtype='f64')\ndef test_it(colors, opacity, background):\n    return right(colors, opacity, background)\n")
+    result = run(
+        """
+@pytest.mark.nerf_oracle("composite_background", dtype="f64")
+def test_it(colors, opacity, background):
+    return right(colors, opacity, background)
+"""
+    )
     result.assert_outcomes(passed=1, skipped=1)
     result.stdout.fnmatch_lines(["PASSED *::test_it?composite_background-forward?", "SKIPPED*numpy has no gradients*"])
 
 
 def test_a_failure_is_the_diagnosis_without_a_traceback(run):
-    result = run("@pytest.mark.nerf_oracle('composite_background', gradients=False)\ndef kernel(color, opacity, bg):\n    return wrong(color, opacity, bg)\n")
+    result = run(
+        """
+@pytest.mark.nerf_oracle("composite_background", gradients=False)
+def kernel(color, opacity, bg):
+    return wrong(color, opacity, bg)
+"""
+    )
     result.assert_outcomes(failed=1)
     result.stdout.fnmatch_lines(["*consistent with:*", "*to fix:*"])
     result.stdout.no_fnmatch_line("*Traceback*")

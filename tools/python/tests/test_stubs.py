@@ -3,9 +3,8 @@
 import ast
 from pathlib import Path
 
-import pytest
-
 import nerf_oracle
+import pytest
 from nerf_oracle.stubs import MODULES, stub
 
 

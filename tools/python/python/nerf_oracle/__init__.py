@@ -21,6 +21,7 @@ from .judging import assert_pass, check_close, judge
 from .report import Mistake, Report, Row
 
 __all__ = [
+    "__version__",
     "CandidateError",
     "Mistake",
     "Report",

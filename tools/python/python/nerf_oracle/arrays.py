@@ -29,7 +29,9 @@ def f64(x: Any, name: str) -> np.ndarray:
     except Exception as error:
         raise CandidateError(f"{name}: {type(x).__name__} is no array: {error}") from error
     if x.dtype.kind not in "fiub":
-        raise CandidateError(f"{name}: an array of {x.dtype}, expected numbers. Lists must be of one length: numpy.stack makes an array.")
+        raise CandidateError(
+            f"{name}: an array of {x.dtype}, expected numbers. Lists must be of one length: numpy.stack makes an array."
+        )
     return np.require(x, np.float64, "C")
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import sys
-from typing import Any, Iterator
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,8 @@ def dealt(u: Any) -> Iterator[None]:
             with nerf_oracle.dealt(u):
                 return my_sampler(rays_o, rays_d, near, far, n_samples=u.shape[-1])
 
-    A function of a row with `u` that doesn't take it is dealt it by itself. Generators that were made before keep their own numbers.
+    A function of a row with `u` that doesn't take it is dealt it by itself. Generators that were made before keep their own
+    numbers.
     """
     with contextlib.ExitStack() as stack:
         for module in DRAWS:
@@ -91,7 +93,9 @@ def shape_of(size: Any) -> tuple[int, ...]:
 def reshaped(u: Any, shape: tuple[int, ...]) -> Any:
     """The numbers in another shape of as many, or one ray's numbers where all are alike."""
     if int(np.prod(shape)) != int(np.prod(u.shape)):
-        raise CandidateError(f"dealt: {shape} random numbers are drawn, where u has the shape {tuple(u.shape)}: one for every sample")
+        raise CandidateError(
+            f"dealt: {shape} random numbers are drawn, where u has the shape {tuple(u.shape)}: one for every sample"
+        )
     return u.reshape(shape)
 
 

@@ -1,4 +1,5 @@
-"""Inputs in the forms that functions take in their place: one step for all, positions for steps, a matrix for focal and center."""
+"""Inputs in the forms that functions take in their place: one step for all, positions for steps, a matrix for focal and
+center."""
 
 from __future__ import annotations
 

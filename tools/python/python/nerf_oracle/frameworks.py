@@ -43,7 +43,9 @@ class Framework:
         """What calls must run in."""
         return contextlib.nullcontext()
 
-    def gradient(self, call: Callable[[dict[str, Any]], dict[str, Any]], leaves: dict[str, Any], cotangents: dict[str, np.ndarray]) -> Any:
+    def gradient(
+        self, call: Callable[[dict[str, Any]], dict[str, Any]], leaves: dict[str, Any], cotangents: dict[str, np.ndarray]
+    ) -> Any:
         """The gradients of `call` with respect to `leaves`, and the outputs that it returns."""
         raise Undifferentiable(f"{self.name} has no gradients")
 
@@ -141,9 +143,13 @@ def framework(name: str, dtype: str, device: str | None) -> Framework:
 
 
 def likely(function: Callable[..., Any]) -> list[str]:
-    """The frameworks that a function may be written in, the likeliest first: by what it is, its annotations, and what its code and the
-    code of the functions beside it name. Those that only its file imports come behind."""
-    found = [name for name in ("torch", "jax") if name in sys.modules and type(function).__module__.partition(".")[0] in (name, "jaxlib")]
+    """The frameworks that a function may be written in, the likeliest first: by what it is, its annotations, and what its code
+    and the code of the functions beside it name. Those that only its file imports come behind."""
+    found = [
+        name
+        for name in ("torch", "jax")
+        if name in sys.modules and type(function).__module__.partition(".")[0] in (name, "jaxlib")
+    ]
     torch = sys.modules.get("torch")
     if torch is not None and isinstance(function, torch.nn.Module):
         found.append("torch")
@@ -163,7 +169,7 @@ def code_of(function: Callable[..., Any]) -> Any:
     function = inspect.unwrap(getattr(function, "func", function))
     if hasattr(function, "__globals__"):
         return function
-    method = getattr(function, "forward", None) or getattr(type(function), "__call__", None)
+    method = getattr(function, "forward", None) or type(function).__call__
     method = getattr(method, "__func__", method)
     return method if hasattr(method, "__globals__") else None
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import inspect
-from typing import Any, Callable, Mapping
+from collections.abc import Mapping
+from typing import Any, Callable
 
 from .errors import CandidateError
 from .rows import rows
@@ -31,7 +32,9 @@ def functional(module: Any, weights: Mapping[str, str] | None = None) -> Callabl
                 raise CandidateError(f"functional: no {what}; parameters: {', '.join(own)}; arrays: {', '.join(arrays)}")
             if tuple(arrays[array].shape) != own[name]:
                 shapes = f"{own[name]}, where {array} is {tuple(arrays[array].shape)}"
-                raise CandidateError(f"functional: {name} has the shape {shapes}: hand over a function that makes the module for a case")
+                raise CandidateError(
+                    f"functional: {name} has the shape {shapes}: hand over a function that makes the module for a case"
+                )
         return torch_func.functional_call(made, {name: arrays[array] for name, array in named.items()}, kwargs=inputs)
 
     call.__name__ = getattr(module, "__name__", type(module).__name__)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import Any, Callable, Sequence
+from collections.abc import Sequence
+from typing import Any, Callable
 
 import numpy as np
 
@@ -12,13 +13,16 @@ from .adapted import Adapted, adapt
 from .arrays import answered, type_of
 from .errors import CandidateError, hint
 from .plan import Plan, crash
-from .probing import planned
+from .probing import askable, planned
 from .report import Report
 from .returned import by_output
 from .rows import DTYPES, checked, checked_profile, fits, port_of, row_of, rows
 from .truth import bound_inputs
 
 VERDICTS = ("imprecise", "unproved")
+
+# On so many of the smallest cases a function may have no gradient before it is said to have none.
+TRIES = 8
 
 
 def judge(
@@ -38,13 +42,14 @@ def judge(
         print(report)
         report["volume_render"].diagnosis[0].name        # 'inclusive_transmittance'
 
-    A function's parameters are found by their names, or by what people call them (`adapt` says the rest); it returns an array, a tuple
-    in the contract's order, or a dict. Gradients of torch's and jax's functions are judged too, by autograd; one of your own goes in as
-    `volume_render_vjp=f`, which takes the inputs and `grad_<output>` and returns `grad_<input>`.
+    A function's parameters are found by their names, or by what people call them (`adapt` says the rest); it returns an array,
+    a tuple in the contract's order, or a dict. Gradients of torch's and jax's functions are judged too, by autograd; one of
+    your own goes in as `volume_render_vjp=f`, which takes the inputs and `grad_<output>` and returns `grad_<input>`.
 
     Args:
         dtype: what it computes in, "f64", "f32", "tf32", "bf16" or "f16": arrays come in it, and it decides what is allowed.
-        profile: pins conventions ("cs180", "nerf2020", ...), so that deviating fails; otherwise those that are followed are found.
+        profile: pins conventions ("cs180", "nerf2020", ...), so that deviating fails; otherwise those that are followed are
+            found.
         framework: "numpy", "torch", "jax" or "cupy"; otherwise found by the function's code and by trying.
         device: where torch's and jax's arrays lie.
         gradients: whether gradients are judged.
@@ -56,7 +61,9 @@ def judge(
         checked("allow", verdict, VERDICTS)
     if not functions:
         raise CandidateError("judge: no function. Name one by its row: judge(volume_render=my_volrend)")
-    own = {name: adapt(f, framework=framework, device=device) if framework or device else adapt(f) for name, f in functions.items()}
+    own = {
+        name: adapt(f, framework=framework, device=device) if framework or device else adapt(f) for name, f in functions.items()
+    }
     asked = Asked(own, dtype, checked_profile(profile), gradients)
     return asked.judged(again, allow)
 
@@ -103,7 +110,9 @@ class Asked:
     def plan(self, name: str, kind: str, candidate: Adapted) -> None:
         """Finds out how a function answers a row, if it can."""
         row, key = row_of(name), f"{name}/{kind}"
-        by_autograd = kind == "vjp" and f"{name}/{row['kind']}" in self.plans and self.plans[f"{name}/{row['kind']}"].candidate is candidate
+        by_autograd = (
+            kind == "vjp" and f"{name}/{row['kind']}" in self.plans and self.plans[f"{name}/{row['kind']}"].candidate is candidate
+        )
         if not by_autograd:
             self.plans[key] = planned(candidate, row, self.cases(key), self.dtype, own=kind == "vjp")
             self.told(self.plans[key], kind)
@@ -119,7 +128,13 @@ class Asked:
         """Notes what isn't as the contract has it."""
         said = [f"{p} as {name}" for p, name in (plan.match.names or {}).items() if p != name and name != "#N"]
         said += [f"{name} with a last axis of one" for name in plan.trailing]
-        said += ["one at a time"] * plan.each + ["its random numbers are dealt to it"] * plan.draws
+        said += (
+            ["one at a time"] * plan.each
+            + ["one alone as two of the same, as it crashes on one"] * plan.twice
+            + ["its random numbers are dealt to it"] * plan.draws
+        )
+        ignored = plan.ignored()
+        said += [f"and doesn't take {', '.join(ignored)}: where that matters its answers are off"] if ignored else []
         told = "".join(f", {what}" for what in said)
         self.notes.append(f"{plan.row['name']} {kind}: {plan.function} was asked with arrays of {plan.framework.name}{told}")
 
@@ -128,12 +143,13 @@ class Asked:
         if plan.framework.name not in ("torch", "jax"):
             return f"{plan.framework.name} has no gradients"
         outputs, tried = self.outputs(plan.row), None
-        for entry, inputs in sorted(self.cases(key), key=lambda case: -sum(x.size for x in case[1].values()))[:8][::-1]:
+        cases = [case for case in askable(self.cases(key), plan.match) if all(x.size for x in case[1].values())]
+        for entry, inputs in sorted(cases, key=lambda case: sum(x.size for x in case[1].values()))[:TRIES]:
             try:
                 _, self.returns[key], smooth = plan.gradient(entry, inputs, outputs)
             except KeyboardInterrupt:
                 raise
-            except BaseException as error:  # noqa: B902: whatever it raises
+            except BaseException as error:
                 tried = tried or f"{type(error).__name__}: {(str(error).strip() or '-').splitlines()[0][:120]}"
                 continue
             if smooth:
@@ -154,7 +170,7 @@ class Asked:
             return plan.answer(entry, inputs)
         except KeyboardInterrupt:
             raise
-        except BaseException as error:  # noqa: B902: sys.exit and a failed assertion of pytest's are crashes too
+        except BaseException as error:
             return crash(error, plan)
 
     def judged(self, again: bool, allow: Sequence[str]) -> Report:
@@ -204,5 +220,3 @@ def check_close(
         found = by_output(mine, [port["name"] for port in entry["outputs"]], None, f"{row}: what you handed over")
         answer, notes = {name: answered(x, name) for name, x in found.items()}, []
     return Report(*exam.judge(lambda *_: answer, {}, False, ["unproved"]), notes)
-
-

@@ -9,8 +9,8 @@ from typing import Any, Callable
 from .errors import CandidateError, hint
 from .rows import covers
 
-# What arguments are called, in lower case and without underscores. A name may stand for several arrays: a row has one of them, or the
-# first that isn't taken.
+# What arguments are called, in lower case and without underscores. A name may stand for several arrays: a row has one of them,
+# or the first that isn't taken.
 SYNONYMS = {
     "K": "intrinsics intrinsic camerak intrinsicmatrix cameramatrix kmat",
     "L": "numfreqs nfreqs numfrequencies nfrequencies freqs levels numbands nbands numencodingfunctions multires maxfreq freqnum",
@@ -40,7 +40,7 @@ SYNONYMS = {
     "params": "param parameters theta p x",
     "peak": "maxval datarange maxvalue",
     "positions": "position x xyz points point pts pos p coords",
-    "prediction": "pred preds predictions output outputs yhat rgbpred predicted img1 x input a",
+    "prediction": "image images pred preds predictions output outputs yhat rgbpred predicted img1 x input a",
     "rays_d": "rayd raysd raydirections raydirection raydirs directions direction dirs dir d rd",
     "rays_o": "rayo rayso rayorigins rayorigin origins origin o ro",
     "rgbs": "rgb rgbvals rgbvalues color colors radiance radiances c cs rgbsamples",
@@ -69,7 +69,8 @@ def plain(name: str) -> str:
 
 
 def parameters(function: Callable[..., Any]) -> list[inspect.Parameter] | None:
-    """A function's parameters, a module's those of its `forward`; None where Python can't tell, or where they are `*args` alone."""
+    """A function's parameters, a module's those of its `forward`; None where Python can't tell, or where they are `*args`
+    alone."""
     try:
         found = list(inspect.signature(getattr(function, "forward", function)).parameters.values())
     except (TypeError, ValueError):
@@ -80,8 +81,8 @@ def parameters(function: Callable[..., Any]) -> list[inspect.Parameter] | None:
 
 @dataclass(frozen=True)
 class Match:
-    """The array of each parameter: an input, what a form of the row takes in its place, or `#N`, the number of samples. None: all of
-    the inputs, in the contract's order. `rest`: and every other array by its own name, as `**layers` takes them."""
+    """The array of each parameter: an input, what a form of the row takes in its place, or `#N`, the number of samples. None:
+    all of the inputs, in the contract's order. `rest`: and every other array by its own name, as `**layers` takes them."""
 
     names: dict[str, str] | None
     rest: bool = False

@@ -33,6 +33,8 @@ class Plan:
     match: Match
     trailing: tuple[str, ...] = ()
     each: bool = False
+    # Whether it can't take one ray or point alone, as after a `squeeze()`: it gets that one twice.
+    twice: bool = False
     # What it was handed last, for messages.
     handed: dict[str, Any] = field(default_factory=dict)
 
@@ -54,14 +56,26 @@ class Plan:
         ports = {port["name"] for port in self.row["inputs"] if any(covers(port, name) for name in taken)}
         return sorted({*ports, *(name for name in taken if port_of(self.row, name) is None)})
 
+    def ignored(self) -> list[str]:
+        """The inputs that it neither takes nor, as the contract's forms have it, needn't."""
+        taken = self.takes()
+        if taken is None:
+            return []
+        forms = [form for form in self.row["forms"] if form["takes"] is None or form["takes"] in taken]
+        known = {*taken, *(name for form in forms for name in form["without"])}
+        return [port["name"] for port in self.row["inputs"] if port["name"] not in known]
+
     def answer(self, entry: dict[str, Any], inputs: dict[str, np.ndarray]) -> Answer:
         """What it returns on a case, by output."""
         with self.framework.around():
             result = self.call(entry, self.arrays(entry, inputs), [port["name"] for port in entry["outputs"]])
             return {name: answered(x, name) for name, x in result.items()}
 
-    def gradient(self, entry: dict[str, Any], inputs: dict[str, np.ndarray], outputs: list[str]) -> tuple[Answer, list[str], bool]:
-        """The gradients of a case by the framework's own differentiation; the outputs that they go through; whether there are any."""
+    def gradient(
+        self, entry: dict[str, Any], inputs: dict[str, np.ndarray], outputs: list[str]
+    ) -> tuple[Answer, list[str], bool]:
+        """The gradients of a case by the framework's own differentiation; the outputs that they go through; whether there are
+        any."""
         # What is taken in another form has no gradient in the contract's.
         gone = self.match.replaced(self.row)
         wanted = [name for name in (port["name"][len("grad_") :] for port in entry["outputs"]) if name not in gone]
@@ -88,10 +102,13 @@ class Plan:
 
     def call(self, entry: dict[str, Any], arrays: dict[str, Any], outputs: list[str]) -> dict[str, Any]:
         """Whole, or each ray or point alone."""
+        items = [name for name in arrays if counted(self.row, name)]
+        count = len(arrays[items[0]]) if items else 0
+        if self.twice and count == 1:
+            both = self.one(entry, {n: x[[0, 0]] if n in items else x for n, x in arrays.items()}, outputs)
+            return {name: x[:1] if counted(self.row, name, "outputs") else x for name, x in both.items()}
         if not self.each:
             return self.one(entry, arrays, outputs)
-        items = [name for name in arrays if counted(self.row, name)]
-        count = len(arrays[items[0]])
         if count == 0:
             like = arrays[items[0]]
             return {port["name"]: self.framework.zeros(tuple(port["shape"]), like) for port in entry["outputs"]}

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import itertools
 import sys
-from typing import Any, Iterator
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -19,8 +21,8 @@ Case = "tuple[dict[str, Any], dict[str, np.ndarray]]"
 
 
 def planned(candidate: Adapted, row: dict[str, Any], cases: list[Case], dtype: str, own: bool) -> Plan:
-    """The way to ask: the first in which the function returns an output of the right shape, else the first in which it returns anything,
-    else the first. `cases` are (entry of cases.json, inputs); `own`: it is a gradient, which takes cotangents."""
+    """The way to ask: the first in which the function returns an output of the right shape, else the first in which it returns
+    anything, else the first. `cases` are (entry of cases.json, inputs); `own`: it is a gradient, which takes cotangents."""
     arrays = list(cases[0][1])
     names = ordered(row, [name for name in arrays if own or not name.startswith("grad_")])
     match = matched(candidate.function, row, names, candidate.names)
@@ -30,21 +32,40 @@ def planned(candidate: Adapted, row: dict[str, Any], cases: list[Case], dtype: s
     for place, trailing, each in ways(candidate, row, match, entry, inputs, dtype):
         plan = Plan(candidate, row, place, match, trailing, each)
         first = first or plan
-        try:
-            answer = plan.answer(entry, inputs)
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:  # noqa: B902: it is asked again, and that is told then
-            said = said or error
-            continue
-        if right_shapes(entry, answer):
-            return plan
-        ran = ran or plan
+        answer = tried(plan, entry, inputs)
+        if isinstance(answer, dict) and right_shapes(entry, answer):
+            return plan if own or each else singly(plan, cases)
+        if isinstance(answer, dict):
+            ran = ran or plan
+        else:
+            said = said or answer
     if first is None:
         raise CandidateError(f"{row['name']}: no framework to ask it in: name it, nerf_oracle.adapt(f, framework=...)")
     if ran is None and isinstance(said, CandidateError):
         raise said
     return ran or first
+
+
+def tried(plan: Plan, entry: dict[str, Any], inputs: dict[str, np.ndarray]) -> Any:
+    """What a function answers, or what it raises: that is told where it is asked again."""
+    try:
+        return plan.answer(entry, inputs)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        return error
+
+
+def singly(plan: Plan, cases: list[Case]) -> Plan:
+    """The plan, or where a batch of one crashes and two of the same don't, one that says so."""
+    for entry, inputs in askable(cases, plan.match):
+        inputs = {name: x for name, x in inputs.items() if not name.startswith("grad_")}
+        counts = {len(x) for name, x in inputs.items() if counted(plan.row, name)}
+        if counts == {1} and all(x.size for x in inputs.values()):
+            twice = replace(plan, twice=True)
+            crashes = isinstance(tried(plan, entry, inputs), BaseException)
+            return twice if crashes and isinstance(tried(twice, entry, inputs), dict) else plan
+    return plan
 
 
 def ways(candidate: Adapted, row: dict[str, Any], match: Match, entry: Any, inputs: Any, dtype: str) -> Iterator[Any]:
@@ -74,17 +95,20 @@ def layouts(candidate: Adapted, row: dict[str, Any], match: Match, inputs: Any) 
 
 
 def telling(cases: list[Case], match: Match) -> Case:
-    """A case whose axes have different lengths, none of them 0, 1 or 3, so that no wrong shape broadcasts by chance; of those that can be
-    had in the function's form the smallest."""
+    """A case whose axes have different lengths, none of them 0, 1 or 3, so that no wrong shape broadcasts by chance; of those
+    that can be had in the function's form the smallest."""
 
-    def badness(case: Case) -> tuple[bool, int, int]:
-        entry, inputs = case
-        held = all(form["holds"] for form in entry["forms"] if match.takes(form["takes"]))
-        arrays = [x for x in inputs.values() if x.ndim]
+    def badness(case: Case) -> tuple[int, int]:
+        arrays = [x for x in case[1].values() if x.ndim]
         chance = sum(10 * sum(n in (0, 1) for n in x.shape) + (x.shape[0] == 3) + (len({*x.shape}) < x.ndim) for x in arrays)
-        return not held, chance, sum(x.size for x in arrays)
+        return chance, sum(x.size for x in arrays)
 
-    return min(cases, key=badness)
+    return min(askable(cases, match), key=badness)
+
+
+def askable(cases: list[Case], match: Match) -> list[Case]:
+    """The cases that can be had in the function's form; all where none can, so that there is one to try."""
+    return [case for case in cases if all(form["holds"] for form in case[0]["forms"] if match.takes(form["takes"]))] or cases
 
 
 def widened(row: dict[str, Any], entry: dict[str, Any], inputs: dict[str, np.ndarray]) -> Case:

@@ -8,14 +8,15 @@
     def test_renderer(renderer):                        # fixtures in, kernels by row out
         return {"volume_render": renderer.march, "composite_background": renderer.over}
 
-Further settings of the mark are those of `nerf_oracle.judge`. `nerf_oracle_xfail = "FILE"` in pytest's configuration names what is known
-to fail, a line each: row, direction, reason. What is listed and passes fails.
+Further settings of the mark are those of `nerf_oracle.judge`. `nerf_oracle_xfail = "FILE"` in pytest's configuration names
+what is known to fail, a line each: row, direction, reason. What is listed and passes fails.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, Iterator
+from typing import Any
 
 import pytest
 
@@ -116,7 +117,9 @@ def xfails(config: pytest.Config) -> dict[tuple[str, str], str]:
         row = rows().get(words[0])
         kinds = [] if row is None else [row["kind"], *["vjp"] * row["vjp"]]
         if len(words) < 3 or words[1] not in kinds:
-            expected = f"a direction of {words[0]} ({', '.join(kinds)}) and a reason" if row else "a row, a direction and a reason"
+            expected = (
+                f"a direction of {words[0]} ({', '.join(kinds)}) and a reason" if row else "a row, a direction and a reason"
+            )
             pytest.fail(f"{path}:{n}: found {line.strip()!r}, expected {expected}", pytrace=False)
         out[words[0], words[1]] = words[2]
     return out
@@ -143,7 +146,9 @@ def judged(item: pytest.Function, mark: pytest.Mark) -> Any:
     from .errors import CandidateError
     from .judging import judge
 
-    kernels = item.obj if is_kernel(item.obj, mark) else item.obj(**{name: item.funcargs[name] for name in item._fixtureinfo.argnames})
+    kernels = (
+        item.obj if is_kernel(item.obj, mark) else item.obj(**{name: item.funcargs[name] for name in item._fixtureinfo.argnames})
+    )
     kernels = kernels if isinstance(kernels, dict) else {mark.args[0]: kernels}
     if any(not callable(kernel) for kernel in kernels.values()):
         pytest.fail(f"nerf_oracle: {item.name} returned no function to judge, nor a dict of functions by row", pytrace=False)

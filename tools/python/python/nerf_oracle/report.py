@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Iterator
+from typing import Any
 
 from .errors import hint
 from .rows import row_of
@@ -72,7 +73,9 @@ def row_from(fields: dict[str, Any]) -> Row:
     def mistake(found: dict[str, Any]) -> Mistake:
         found, names = dict(found), found["mistakes"]
         del found["mistakes"]
-        said = {key: " / ".join(known[name][key] for name in names if name in known) for key in ("cause", "effect", "fix", "seen")}
+        said = {
+            key: " / ".join(known[name][key] for name in names if name in known) for key in ("cause", "effect", "fix", "seen")
+        }
         return Mistake(name=" + ".join(names), **said, **{**found, "residual": number(found["residual"])})
 
     worst = fields["worst_case"]
@@ -90,7 +93,8 @@ def number(x: Any) -> Any:
 
 
 class Report:
-    """What `judge` returns. `print(report)` is the page; `report["volume_render"]` and `report["volume_render", "vjp"]` are its rows."""
+    """What `judge` returns. `print(report)` is the page; `report["volume_render"]` and `report["volume_render", "vjp"]` are
+    its rows."""
 
     def __init__(self, text: str, page: str, passed: bool, notes: list[str]) -> None:
         self.json: dict[str, Any] = json.loads(text)

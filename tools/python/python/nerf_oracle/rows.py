@@ -5,7 +5,8 @@ from __future__ import annotations
 import functools
 import json
 import re
-from typing import Any, Iterable
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
@@ -15,13 +16,13 @@ from .errors import CandidateError, hint
 DTYPES = ("f64", "f32", "tf32", "bf16", "f16")
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def registry() -> dict[str, Any]:
     """Rows, profiles and conventions."""
     return json.loads(_core.registry())
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def rows() -> dict[str, dict[str, Any]]:
     """Rows by name, in the order of the pipeline."""
     return {row["name"]: row for row in registry()["rows"]}
@@ -58,8 +59,8 @@ def port_of(row: dict[str, Any], name: str, side: str = "inputs") -> dict[str, A
 
 
 def letter(row: dict[str, Any]) -> str:
-    """What counts a row's rays R, points M or parameters P, each of which stands alone: the first axis of its outputs, if it is one of
-    these. Rows and columns of pictures, and cells of a grid, don't."""
+    """What counts a row's rays R, points M or parameters P, each of which stands alone: the first axis of its outputs, if it
+    is one of these. Rows and columns of pictures, and cells of a grid, don't."""
     first = row["outputs"][0]["shape"].split(",")[0]
     return first if first in ("R", "M", "P") else "none"
 
@@ -94,7 +95,9 @@ def fits(row: dict[str, Any], arrays: dict[str, np.ndarray]) -> None:
         if port is None or port["shape"] == "...":
             continue
         axes = [axis for axis in port["shape"].split(",") if axis]
-        expected = f"{row['name']}: {name} (the array of {port['meaning']}) has the shape {array.shape}, expected ({', '.join(axes)})"
+        expected = (
+            f"{row['name']}: {name} (the array of {port['meaning']}) has the shape {array.shape}, expected ({', '.join(axes)})"
+        )
         if array.ndim != len(axes):
             raise CandidateError(f"{expected}: {len(axes)} axes. {remedy(array, axes)}".rstrip())
         for size, axis in zip(array.shape, axes):

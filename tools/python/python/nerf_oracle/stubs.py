@@ -1,4 +1,5 @@
-"""Type stubs of `oracle` and `bound`, written from the registry: `python -m nerf_oracle.stubs`. A test fails where they are stale."""
+"""Type stubs of `oracle` and `bound`, written from the registry: `python -m nerf_oracle.stubs`. A test fails where they are
+stale."""
 
 from __future__ import annotations
 
@@ -66,10 +67,20 @@ def method(name: str, row: dict[str, Any], direction: str, settings: str, says: 
     named = [port["name"] for port in row["inputs"] if not port["name"].endswith("*")]
     layers = ", **layers: Array" if len(named) < len(row["inputs"]) else ""
     arrays = ", ".join(f"{port}: Array" for port in named)
-    cotangents = [f"grad_{port['name']}: Optional[Array] = None" for port in row["outputs"] if port["gradient"]] if direction == "vjp" else []
+    cotangents = (
+        [f"grad_{port['name']}: Optional[Array] = None" for port in row["outputs"] if port["gradient"]]
+        if direction == "vjp"
+        else []
+    )
     keywords = ", ".join([*cotangents, "profile: Profile = None"]) + settings + layers
     fields = outputs(row, direction)
-    result = "dict[str, Float]" if fields is None else next(iter(fields.values())) if len(fields) == 1 else class_name(row["name"], direction)
+    result = (
+        "dict[str, Float]"
+        if fields is None
+        else next(iter(fields.values()))
+        if len(fields) == 1
+        else class_name(row["name"], direction)
+    )
     lines = documented(row, direction, says).splitlines()
     doc = "\n".join(f"        {line}".rstrip() for line in lines).lstrip()
     return f'    def {name}(self, {arrays}, *, {keywords}) -> {result}:\n        """{doc}\n        """'

@@ -19,8 +19,8 @@ Compute = Callable[..., "dict[str, np.ndarray]"]
 
 
 def bound_inputs(row: dict[str, Any], args: tuple[Any, ...], given: dict[str, Any], direction: str) -> dict[str, np.ndarray]:
-    """Arguments as named arrays in f64: each is there, none is there twice, whole numbers are whole. Cotangents that are left off are
-    zeros."""
+    """Arguments as named arrays in f64: each is there, none is there twice, whole numbers are whole. Cotangents that are left
+    off are zeros."""
     name, ports = row["name"], row["inputs"]
     gradients = [f"grad_{port['name']}" for port in row["outputs"] if port["gradient"]] if direction == "vjp" else []
     expected = [port["name"] for port in ports] + gradients
@@ -36,7 +36,9 @@ def bound_inputs(row: dict[str, Any], args: tuple[Any, ...], given: dict[str, An
     arrays = {key: f64(x, f"{name}: {key}") for key, x in inputs.items() if x is not None}
     absent = [port["name"] for port in ports if not any(covers(port, key) for key in arrays)]
     if absent:
-        raise CandidateError(f"{name}: {absent[0]} is missing: {port_of(row, absent[0])['meaning']}" if port_of(row, absent[0]) else absent[0])
+        raise CandidateError(
+            f"{name}: {absent[0]} is missing: {port_of(row, absent[0])['meaning']}" if port_of(row, absent[0]) else absent[0]
+        )
     for key, array in arrays.items():
         port = port_of(row, key)
         if port is not None and port["whole"] and not np.all(array == np.round(array)):
@@ -60,10 +62,10 @@ def returned(row: dict[str, Any], direction: str, found: dict[str, np.ndarray]) 
     return values[0] if len(values) == 1 else named_tuple(row["name"], direction, tuple(names))(*values)
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def named_tuple(name: str, direction: str, fields: tuple[str, ...]) -> Any:
     """VolumeRender(colors, weights, ...)."""
-    return collections.namedtuple(class_name(name, direction), fields)  # noqa: PYI024: the fields are the registry's
+    return collections.namedtuple(class_name(name, direction), fields)
 
 
 def class_name(name: str, direction: str) -> str:
@@ -94,6 +96,7 @@ class Function:
         return inspect.Signature(parameters + layers)
 
     def __call__(self, *args: Any, profile: str | None = None, **given: Any) -> Any:
+        """The row on these arrays."""
         settings = {name: given.pop(name, default) for name, default in self._settings.items()}
         if "dtype" in settings:
             checked("dtype", settings["dtype"], DTYPES)
@@ -113,7 +116,10 @@ def documented(row: dict[str, Any], direction: str, says: str) -> str:
     outputs = [line(port, port["name"]) for port in row["outputs"]]
     if direction == "vjp":
         smooth = [port for port in row["outputs"] if port["gradient"]]
-        inputs += [f"    grad_{port['name']} ({port['shape'] or 'a number'}): of the loss, by {port['name']}; zeros where left off" for port in smooth]
+        inputs += [
+            f"    grad_{port['name']} ({port['shape'] or 'a number'}): of the loss, by {port['name']}; zeros where left off"
+            for port in smooth
+        ]
         wanted = [port for port in row["inputs"] if port["gradient"]]
         outputs = [f"    grad_{port['name']} ({port['shape'] or 'a number'}): of the loss, by {port['name']}" for port in wanted]
     head = f"{says}{' of the gradient' if direction == 'vjp' else ''}: {row['formula']}"
@@ -124,7 +130,7 @@ def documented(row: dict[str, Any], direction: str, says: str) -> str:
 def resolver(compute: Compute, settings: dict[str, Any], says: str) -> tuple[Callable[[str], Function], Callable[[], list[str]]]:
     """`__getattr__` and `__dir__` of a module whose functions are the rows."""
 
-    @functools.lru_cache(maxsize=None)
+    @functools.cache
     def attribute(name: str) -> Function:
         if name not in names():
             raise AttributeError(f"{name}: no row of the contract; {hint(name, names())}")
