@@ -16,7 +16,10 @@ pub(crate) type Given<'py> = HashMap<String, PyReadonlyArrayDyn<'py, f64>>;
 
 /// As the contract has it: row-major, owned.
 pub(crate) fn owned(given: &Given) -> Arrays {
-    given.iter().map(|(name, array)| (name.clone(), array.as_array().as_standard_layout().into_owned())).collect()
+    given
+        .iter()
+        .map(|(name, array)| (name.clone(), array.as_array().as_standard_layout().into_owned()))
+        .collect()
 }
 
 /// As a dict of arrays of its own.
@@ -35,7 +38,9 @@ pub(crate) fn value_error(error: impl ToString) -> PyErr {
 
 /// A row by its name.
 pub(crate) fn component(name: &str) -> PyResult<&'static Component> {
-    all_rows().find(|row| row.name == name).ok_or_else(|| value_error(format!("{name}: no row of the contract")))
+    all_rows()
+        .find(|row| row.name == name)
+        .ok_or_else(|| value_error(format!("{name}: no row of the contract")))
 }
 
 /// A direction as reports call it.

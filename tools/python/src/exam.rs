@@ -27,7 +27,8 @@ impl Exam {
     #[new]
     #[pyo3(signature = (rows, dtype, profile=None))]
     fn new(rows: Vec<(String, String)>, dtype: &str, profile: Option<&str>) -> PyResult<Exam> {
-        let rows: Vec<(&str, Kind)> = rows.iter().map(|(name, direction)| (&name[..], kind(direction))).collect();
+        let rows: Vec<(&str, Kind)> =
+            rows.iter().map(|(name, direction)| (&name[..], kind(direction))).collect();
         let exam = Questions::of(&rows, self::dtype(dtype)?, self::profile(profile)?).map_err(value_error)?;
         Ok(Exam(exam))
     }
@@ -82,7 +83,9 @@ impl Exam {
             .collect();
         let exam = self.0.clone().narrowed(&declared).map_err(value_error)?;
         let asked = |question: &Question, case: &Case| {
-            Python::attach(|py| reply(ask.bind(py).call1((question.row(), &case.id, dict(py, &case.inputs)?))?))
+            Python::attach(|py| {
+                reply(ask.bind(py).call1((question.row(), &case.id, dict(py, &case.inputs)?))?)
+            })
         };
         let report = py.detach(|| examine(exam, again, asked))?;
         let allowed: Vec<Verdict> = [Verdict::Imprecise, Verdict::Unproved]

@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import nerf_oracle as no
+import pytest
 from nerf_oracle.rows import rows
 
 
@@ -25,7 +26,19 @@ def test_it_is_the_same_program(tmp_path):
     assert wrong.returncode == 2 and "f33" in wrong.stderr
 
 
-def test_importing_brings_numpy_alone():
-    code = "import sys, nerf_oracle; print([m for m in ('torch', 'jax', 'cupy', 'pytest') if m in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+def imported(code):
+    """The large modules that are there after some code."""
+    names = "('numpy', 'torch', 'jax', 'cupy', 'pytest')"
+    code = f"import sys; {code}; print(*[m for m in {names} if m in sys.modules])"
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+
+
+def test_importing_brings_little():
+    assert imported("import nerf_oracle") == []
+    assert imported("import nerf_oracle; nerf_oracle.oracle.mse([1.0], [2.0]); nerf_oracle.judge") == ["numpy"]
+
+
+def test_every_name_is_there():
+    assert all(getattr(no, name) is not None for name in no.__all__) and set(no.__all__) <= set(dir(no))
+    with pytest.raises(AttributeError, match="no attribute 'jugde'"):
+        no.jugde

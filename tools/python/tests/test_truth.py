@@ -79,7 +79,7 @@ def test_a_bound_holds_what_honest_code_does_and_grows_with_the_type(ray):
     [
         (
             {"sigmas": np.ones(7)},
-            "volume_render: sigmas (the array of densities, 1 / length) has the shape (7,), expected (R, N): 2 axes. One alone is",
+            "volume_render: sigmas (the array of densities, 1 / length) has the shape (7,), expected (R, N): 2 axes. One alone",
         ),
         ({"sigmas": np.ones((5, 7, 1))}, "Drop the last axis: x[..., 0]."),
         (

@@ -12,20 +12,24 @@
 """
 
 from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
-from ._core import VERSION as __version__
-from .adapted import adapt
-from .dealing import dealt
-from .errors import CandidateError
-from .judging import assert_pass, check_close, judge
-from .report import Mistake, Report, Row
+if TYPE_CHECKING:
+    from . import bound, oracle
+    from ._core import VERSION as __version__
+    from .adapted import adapt
+    from .dealing import dealt
+    from .errors import CandidateError
+    from .functional import functional
+    from .judging import assert_pass, check_close, judge
+    from .report import Mistake, Report, Row
 
 __all__ = [
-    "__version__",
     "CandidateError",
     "Mistake",
     "Report",
     "Row",
+    "__version__",
     "adapt",
     "assert_pass",
     "bound",
@@ -36,18 +40,31 @@ __all__ = [
     "oracle",
 ]
 
-# Loaded when they are asked for: importing the package costs little more than numpy.
-LATER = {"oracle": "oracle", "bound": "bound", "functional": "functional"}
+# Where each name is. They come when they are asked for: pytest loads the package in every session, with its plugin.
+WHERE = {
+    "CandidateError": "errors",
+    "Mistake": "report",
+    "Report": "report",
+    "Row": "report",
+    "__version__": "_core",
+    "adapt": "adapted",
+    "assert_pass": "judging",
+    "check_close": "judging",
+    "dealt": "dealing",
+    "functional": "functional",
+    "judge": "judging",
+}
 
 
-def __getattr__(name):
-    if name not in LATER:
+def __getattr__(name: str) -> Any:
+    if name in ("bound", "oracle"):
+        return import_module(f".{name}", __name__)
+    if name not in WHERE:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module = import_module(f".{LATER[name]}", __name__)
-    value = module.functional if name == "functional" else module
+    value = getattr(import_module(f".{WHERE[name]}", __name__), "VERSION" if name == "__version__" else name)
     globals()[name] = value
     return value
 
 
-def __dir__():
+def __dir__() -> list[str]:
     return sorted({*globals(), *__all__})

@@ -140,9 +140,9 @@ def matched(function: Callable[..., Any], row: dict[str, Any], arrays: list[str]
     missing = [p.name for p in named if p.name not in out and p.default is p.empty]
     if missing:
         name, free = missing[0], [name for name in known if name not in out.values()]
+        advice = f"nerf_oracle.adapt({called(function)}, {name}={(free or known)[0]!r}), give it a default, or wrap the function"
         raise CandidateError(
-            f"{title}: parameter {name!r} is none of the inputs; {hint(name, known)}. Say which it is: "
-            f"nerf_oracle.adapt({called(function)}, {name}={(free or known)[0]!r}), give it a default, or wrap the function in a lambda."
+            f"{title}: parameter {name!r} is none of the inputs; {hint(name, known)}. Say which it is: {advice}."
         )
     positional = tuple(p.name for p in named if p.kind is p.POSITIONAL_ONLY and p.name in out)
     return Match(out, any(p.kind is p.VAR_KEYWORD for p in found), positional)
