@@ -84,6 +84,18 @@ def test_the_course_s_renderer_in_torch(torch):
     assert report.passed and len(report) == 2 and report["volume_render", "vjp"].missing_outputs == ["grad_deltas"], report
 
 
+def test_gradients_have_no_entries_where_the_contract_has_none(torch):
+    def pixel_to_ray(K, c2w, uv):
+        """By the inverse of the matrix, which depends on its zeros too, and of all 16 numbers of the pose."""
+        x = torch.linalg.inv(K) @ torch.cat([uv, torch.ones_like(uv[:, :1])], -1)[..., None]
+        through = (c2w @ torch.cat([x, torch.ones_like(x[:, :1])], 1))[:, :, 0]
+        d = through[:, :3] / through[:, 3:] - c2w[:, :3, 3]
+        return c2w[:, :3, 3], d / d.norm(dim=-1, keepdim=True)
+
+    report = no.judge(pixel_to_ray=pixel_to_ray)
+    assert report["pixel_to_ray", "vjp"].verdict in ("pass", "imprecise"), report
+
+
 def test_torch_s_own_numbers_are_dealt(torch):
     def sample(rays_o, rays_d, near, far, n_samples):
         step = (far - near) / n_samples

@@ -15,6 +15,7 @@ def test_right_code_passes_and_says_what_it_followed():
     assert row is report["volume_render", "forward"] and row.verdict == "pass" and row.cases == row.answered > 20
     assert row.missing_outputs == ["opacity", "transmittance"] and row.conventions == {"product_eps": "none"}
     assert "CONVENTIONS FOUND: cs180   (answers in f32)" in str(report) and report.profile == "cs180"
+    assert report.notes and all(note in str(report) for note in report.notes)
 
 
 def test_wrong_code_is_told_its_mistake():
