@@ -105,7 +105,7 @@ class Plan:
         items = [name for name in arrays if counted(self.row, name)]
         count = len(arrays[items[0]]) if items else 0
         if self.twice and count == 1:
-            both = self.one(entry, {n: x[[0, 0]] if n in items else x for n, x in arrays.items()}, outputs)
+            both = self.one(entry, {n: x[np.zeros(2, int)] if n in items else x for n, x in arrays.items()}, outputs)
             return {name: x[:1] if counted(self.row, name, "outputs") else x for name, x in both.items()}
         if not self.each:
             return self.one(entry, arrays, outputs)
