@@ -102,6 +102,8 @@ def test_errors_name_the_argument(ray, change, says):
 def test_counts_are_whole_and_names_are_rows():
     with pytest.raises(no.CandidateError, match="positional_encoding: L = 2.5, expected whole numbers: number of bands"):
         no.oracle.positional_encoding(np.ones((2, 3)), 2.5)
+    with pytest.raises(no.CandidateError, match=r"mlp: b\* is missing: biases of layer 0, 1, ..."):
+        no.oracle.mlp(np.ones((2, 3)), w0=np.ones((1, 3)))
     with pytest.raises(AttributeError, match="did you mean volume_render"):
         no.oracle.volume_rendering
     with pytest.raises(no.CandidateError, match="dtype: found 'half'"):

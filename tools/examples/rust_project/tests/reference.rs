@@ -15,14 +15,17 @@ fn colors(x: &[[f64; 3]]) -> Vec<[f32; 3]> {
 
 #[test]
 fn renders_as_the_paper_says() {
-    judge::judge(|sigmas, rgbs, deltas| march(&short(sigmas), &colors(rgbs), &short(deltas))).in_f32().assert_pass();
+    judge::judge(|sigmas, rgbs, deltas| march(&short(sigmas), &colors(rgbs), &short(deltas)))
+        .in_f32()
+        .assert_pass();
 }
 
 #[test]
 fn differentiates_as_it_renders() {
     let judged = judge::judge(|sigmas, rgbs, deltas| march(&short(sigmas), &colors(rgbs), &short(deltas)).0)
         .vjp(|sigmas, rgbs, deltas, grad_color, _, _, _| {
-            let grad = march_back(&short(sigmas), &colors(rgbs), &short(deltas), grad_color.map(|g| g as f32));
+            let grad =
+                march_back(&short(sigmas), &colors(rgbs), &short(deltas), grad_color.map(|g| g as f32));
             // Densities and steps have no gradient here: neither is judged.
             ((), grad)
         })

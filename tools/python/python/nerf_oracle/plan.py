@@ -20,7 +20,7 @@ from .rows import counted, covers, ordered, port_of
 # What a gradient has no entries for: the contract's K is (fx, fy, cx, cy) alone, and its pose the upper three rows.
 MASKS = {"grad_K": [[1, 0, 1], [0, 1, 1], [0, 0, 0]], "grad_c2w": [[1], [1], [1], [0]]}
 
-Answer = "dict[str, tuple[np.ndarray, str]]"
+Answer = dict[str, tuple[np.ndarray, str]]
 
 
 @dataclass

@@ -17,7 +17,7 @@ from .names import Match, matched
 from .plan import Plan
 from .rows import counted, letter, ordered
 
-Case = "tuple[dict[str, Any], dict[str, np.ndarray]]"
+Case = tuple[dict[str, Any], dict[str, np.ndarray]]
 
 
 def planned(candidate: Adapted, row: dict[str, Any], cases: list[Case], dtype: str, own: bool) -> Plan:

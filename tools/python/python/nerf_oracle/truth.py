@@ -15,7 +15,7 @@ from .errors import CandidateError, hint
 from .rows import DTYPES, checked, checked_profile, covers, fits, ordered, port_of, row_of, rows
 
 # What computes: row, direction, inputs, profile, further settings -> outputs.
-Compute = Callable[..., "dict[str, np.ndarray]"]
+Compute = Callable[..., dict[str, np.ndarray]]
 
 
 def bound_inputs(row: dict[str, Any], args: tuple[Any, ...], given: dict[str, Any], direction: str) -> dict[str, np.ndarray]:
@@ -34,11 +34,9 @@ def bound_inputs(row: dict[str, Any], args: tuple[Any, ...], given: dict[str, An
             raise CandidateError(f"{name}: {key} is no input; {hint(key, expected)}")
         inputs[key] = x
     arrays = {key: f64(x, f"{name}: {key}") for key, x in inputs.items() if x is not None}
-    absent = [port["name"] for port in ports if not any(covers(port, key) for key in arrays)]
+    absent = [port for port in ports if not any(covers(port, key) for key in arrays)]
     if absent:
-        raise CandidateError(
-            f"{name}: {absent[0]} is missing: {port_of(row, absent[0])['meaning']}" if port_of(row, absent[0]) else absent[0]
-        )
+        raise CandidateError(f"{name}: {absent[0]['name']} is missing: {absent[0]['meaning']}")
     for key, array in arrays.items():
         port = port_of(row, key)
         if port is not None and port["whole"] and not np.all(array == np.round(array)):
