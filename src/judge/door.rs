@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 
 use ndarray::{ArrayD, Axis, stack};
 
-use super::judging::{Candidate, judge};
+use super::candidate::{Candidate, judge};
 use super::report::Report;
 use super::typed::Input;
 use crate::contract::arithmetic::Dtype;

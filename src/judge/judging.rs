@@ -1,13 +1,9 @@
 //! The judge: answers in, verdicts and diagnoses out.
 
-use std::any::Any;
-use std::cell::RefCell;
 use std::collections::BTreeMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::answer::{Answers, given};
+use super::answer::Answers;
 use super::assignment::{self, Found, partial};
-use super::declared::Declared;
 use super::diagnose::{Suspect, diagnose};
 use super::evidence::{Explanation, difference};
 use super::exam::{Exam, Question};
@@ -15,15 +11,10 @@ use super::example::smallest;
 use super::imprecise::lost_bits;
 use super::mark::{MarkOptions, Marks, mark};
 use super::observed::observed;
-use super::repeat::Rounds;
 use super::report::{Report, Row, Verdict};
 use super::{layout, statistics};
-use crate::contract::arithmetic::{Dtype, Grade};
-use crate::contract::arrays::Arrays;
-use crate::contract::check::Kind;
+use crate::contract::arithmetic::Grade;
 use crate::convention::Conventions;
-use crate::convention::profiles::{self, Profile};
-use crate::error::{Error, Result};
 use crate::parallel;
 
 /// The contract's accuracy of exp, log, sin and cos, in ULP.
@@ -31,143 +22,6 @@ pub const EXP_ULP: f64 = 4.0;
 
 /// Bits whose loss is likelier than a mistake that explains the same: an eps of 1e-7 added in f32, or T as 1 less the sum of the weights.
 const FEW_BITS: i32 = 4;
-
-/// A function under test.
-type Closure<'a> = Box<dyn Fn(&Arrays) -> Arrays + Sync + 'a>;
-
-/// Somebody's implementation: closures by component, forward or VJP.
-///
-/// Of any rows at once, over the contract's own arrays; a kernel of one row has a typed front door in its component ([`super::Door`]).
-///
-/// ```
-/// use nerf_oracle::contract::arrays::{array, arrays, input};
-/// use nerf_oracle::judge::{Candidate, Verdict, judge};
-/// use nerf_oracle::contract::Dtype;
-///
-/// // C' = C + (1 - A) b, as somebody might write it.
-/// let candidate = Candidate::new().forward("composite_background", |inputs| {
-///     let (colors, opacity) = (input(inputs, "colors"), input(inputs, "opacity"));
-///     let b = input(inputs, "background");
-///     let out = colors.indexed_iter().map(|(i, c)| c + (1.0 - opacity[[i[0]]]) * b[[i[1]]]).collect();
-///     arrays([("colors_out", array(colors.shape(), out))])
-/// });
-/// let report = judge(&candidate, Dtype::F64).unwrap();
-/// assert_eq!(report.of("composite_background", "forward").unwrap().verdict, Verdict::Pass);
-/// ```
-#[derive(Default)]
-pub struct Candidate<'a> {
-    functions: BTreeMap<(String, Kind), Closure<'a>>,
-    declared: BTreeMap<(String, Kind), Declared>,
-    profile: Option<&'static Profile>,
-}
-
-impl std::fmt::Debug for Candidate<'_> {
-    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
-        f.debug_struct("Candidate")
-            .field("rows", &self.functions.keys())
-            .field("profile", &self.profile.map(|p| p.name))
-            .finish_non_exhaustive()
-    }
-}
-
-impl<'a> Candidate<'a> {
-    /// A candidate that implements nothing yet.
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Adds a component's forward function (its trace, for `render_trace`): inputs by name -> outputs by name.
-    pub fn forward(mut self, component: &str, f: impl Fn(&Arrays) -> Arrays + Sync + 'a) -> Self {
-        self.functions.insert((component.into(), Kind::Forward), Box::new(f));
-        self
-    }
-
-    /// Adds a component's vector-Jacobian product: inputs and `grad_<output>` by name -> `grad_<input>` by name.
-    pub fn vjp(mut self, component: &str, f: impl Fn(&Arrays) -> Arrays + Sync + 'a) -> Self {
-        self.functions.insert((component.into(), Kind::Vjp), Box::new(f));
-        self
-    }
-
-    /// Says which inputs a component's functions take: cases that need others are left out and told (a center off the middle for rays of
-    /// `height`, `width`, `focal` and `c2w`).
-    pub fn takes(self, component: &str, inputs: &[&str]) -> Self {
-        let inputs = inputs.iter().map(ToString::to_string).collect();
-        self.declaring(component, Some(&inputs), None)
-    }
-
-    /// Says which outputs a component's gradient goes through: the cotangents of the others are 0.
-    pub fn returns(self, component: &str, outputs: &[&str]) -> Self {
-        let outputs = outputs.iter().map(ToString::to_string).collect();
-        self.declaring(component, None, Some(&outputs))
-    }
-
-    /// Both at once, as far as they are said.
-    pub(crate) fn declaring(
-        mut self,
-        component: &str,
-        takes: Option<&Vec<String>>,
-        returns: Option<&Vec<String>>,
-    ) -> Self {
-        for kind in [Kind::Forward, Kind::Vjp] {
-            let declared = self.declared.entry((component.into(), kind)).or_default();
-            declared.takes = takes.cloned().or(declared.takes.take());
-            declared.returns = returns.cloned().or(declared.returns.take());
-        }
-        self
-    }
-
-    /// Pins the conventions: deviating from them fails.
-    ///
-    /// # Errors
-    /// An unknown profile.
-    pub fn profile(mut self, name: &str) -> Result<Self> {
-        self.profile = Some(profiles::find(name)?);
-        Ok(self)
-    }
-}
-
-/// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers. Every
-/// question comes four times, so that answers that depend on chance or on the question before show. Where it panics, that case has no
-/// answer but what it said.
-///
-/// # Errors
-/// A component that isn't in the contract, or an input or output that the component doesn't have.
-pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
-    let rows: Vec<(&str, Kind)> = candidate.functions.keys().map(|(name, kind)| (&name[..], *kind)).collect();
-    let exam = Exam::of(&rows, dtype, candidate.profile)?;
-    let declared = exam.questions.iter().filter_map(|question| {
-        let of = (question.component.name.to_string(), question.kind);
-        Some((question.row(), candidate.declared.get(&of)?.clone()))
-    });
-    let declared = declared.collect();
-    let mut exam = exam
-        .narrowed(&declared)
-        .map_err(|what| Error::usage("takes, returns", what, "the contract's names"))?;
-    let crashed = RefCell::new(vec![]);
-    let rounds = Rounds::new(&exam, |question, case| {
-        let f = candidate.functions.get(&(question.component.name.to_string(), question.kind))?;
-        match catch_unwind(AssertUnwindSafe(|| f(&case.inputs))) {
-            Ok(outputs) => Some(given(outputs)),
-            Err(panic) => {
-                crashed.borrow_mut().push((question.row(), case.id.clone(), said(&*panic)));
-                None
-            }
-        }
-    });
-    for (row, id, said) in crashed.into_inner() {
-        let question = exam.questions.iter_mut().find(|question| question.row() == row);
-        question.expect("it was asked").crashed.insert(id, said);
-    }
-    let mut report = judge_answers(&exam, &rounds.first, EXP_ULP);
-    rounds.tell(&exam, |answers| judge_answers(&exam, answers, EXP_ULP), &mut report);
-    Ok(report)
-}
-
-/// What a panic said.
-fn said(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().map(ToString::to_string);
-    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic".into())
-}
 
 /// Judges answers to an exam, a list per question.
 pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {

@@ -2,7 +2,10 @@
 
 #[doc(hidden)]
 pub mod answer;
+#[doc(hidden)]
+pub mod asking;
 pub(crate) mod assignment;
+pub(crate) mod candidate;
 #[doc(hidden)]
 pub mod declared;
 #[doc(hidden)]
@@ -39,8 +42,8 @@ pub mod report;
 pub mod statistics;
 pub(crate) mod typed;
 
+pub use candidate::{Candidate, judge};
 pub use door::Door;
 pub use exam::Exam;
-pub use judging::{Candidate, judge};
 pub use report::{Report, Verdict};
 pub use typed::{Element, Input, Output, Outputs};

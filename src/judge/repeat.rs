@@ -10,27 +10,39 @@ use crate::contract::case::Case;
 pub(super) struct Rounds {
     /// In the exam's order.
     pub first: Vec<Answers>,
-    again: [Vec<Answers>; 3],
+    /// Where it is asked again at all.
+    again: Option<[Vec<Answers>; 3]>,
 }
 
 impl Rounds {
-    /// Asks. Rows that are judged by statistics are asked once: their answers are random.
-    pub(super) fn new(exam: &Exam, ask: impl Fn(&Question, &Case) -> Option<Answer>) -> Rounds {
-        let all = |question: &Question| question.cases.iter().map(|case| ask(question, case)).collect();
-        let first: Vec<Answers> = exam.questions.iter().map(all).collect();
-        let mut again = [0; 3].map(|_| first.clone());
+    /// Asks, four times or once. Rows that are judged by statistics are asked once: their answers are random.
+    pub(super) fn new<E>(
+        exam: &Exam,
+        again: bool,
+        mut ask: impl FnMut(&Question, &Case) -> Result<Option<Answer>, E>,
+    ) -> Result<Rounds, E> {
+        let mut first: Vec<Answers> = vec![];
+        for question in &exam.questions {
+            first.push(question.cases.iter().map(|case| ask(question, case)).collect::<Result<_, E>>()?);
+        }
+        if !again {
+            return Ok(Rounds { first, again: None });
+        }
+        let mut rounds = [0; 3].map(|_| first.clone());
         for (n, question) in exam.questions.iter().enumerate().rev().filter(|(_, q)| !q.statistics()) {
             for (k, case) in question.cases.iter().enumerate().rev() {
-                again.iter_mut().for_each(|round| round[n][k] = ask(question, case));
+                for round in &mut rounds {
+                    round[n][k] = ask(question, case)?;
+                }
             }
         }
-        Rounds { first, again }
+        Ok(Rounds { first, again: Some(rounds) })
     }
 
     /// Adds what the other rounds show: where other bits came, whether by chance or after another question, and by how much. That is
     /// told of a row whose answers are right every time, and fails one whose aren't.
     pub(super) fn tell(&self, exam: &Exam, judge: impl Fn(&[Answers]) -> Report, report: &mut Report) {
-        for other in &self.again {
+        for other in self.again.iter().flatten() {
             if changed(&self.first, other).is_empty() {
                 continue;
             }
@@ -50,7 +62,7 @@ impl Rounds {
     /// The questions whose answers changed, and the largest change.
     fn changes(&self, exam: &Exam, other: &[Answers]) -> Vec<(usize, String)> {
         let describe = |n: usize| {
-            let [_, second, third] = &self.again;
+            let [_, second, third] = self.again.as_ref().expect("another round differs");
             let chance = second[n].iter().zip(&third[n]).any(|(a, b)| differs(a, b));
             let cause = if chance {
                 "not deterministic: asked twice in a row, it answers with other bits"

@@ -1,0 +1,1 @@
+"""A small renderer in numpy, as a project may have one."""

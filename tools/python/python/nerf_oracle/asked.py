@@ -1,0 +1,122 @@
+"""Functions on their way through an exam."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from .adapted import Adapted
+from .errors import CandidateError, hint
+from .plan import Plan, crash
+from .probing import askable, planned
+from .report import Report
+from .rows import row_of, rows
+
+# On so many of the smallest cases a function may have no gradient before it is said to have none.
+TRIES = 8
+
+
+class Asked:
+    """An exam: a plan for each row and direction, then its questions."""
+
+    def __init__(self, functions: dict[str, Adapted], dtype: str, profile: str | None, gradients: bool) -> None:
+        self.plans: dict[str, Plan] = {}
+        self.returns: dict[str, list[str]] = {}
+        self.notes: list[str] = []
+        directions = [pair for name in functions for pair in self.directions(name, functions, gradients)]
+        everything = _core.Exam([(row, kind) for row, kind, _ in directions], dtype, profile)
+        self.entries = {(f"{e['component']}/{e['kind']}", e["id"]): e for e in json.loads(everything.manifest())["cases"]}
+        self.everything, self.dtype, self.profile = everything, dtype, profile
+        for name, kind, function in directions:
+            self.plan(name, kind, functions[function])
+        kept = [tuple(row.split("/")) for row in self.plans]
+        self.exam = everything if len(kept) == len(directions) else _core.Exam(kept, dtype, profile)
+
+    def directions(self, name: str, functions: dict[str, Adapted], gradients: bool) -> list[tuple[str, str, str]]:
+        """(row, direction, which function answers it) of a keyword."""
+        if name not in rows() and name.endswith("_vjp") and rows().get(name[:-4], {}).get("vjp"):
+            return [(name[:-4], "vjp", name)]
+        if name not in rows():
+            raise CandidateError(f"{name}: no row of the contract, and no setting of judge; {hint(name, rows())}")
+        row = rows()[name]
+        forward = [(name, row["kind"], name)]
+        return forward + [(name, "vjp", name)] * (row["vjp"] and gradients and f"{name}_vjp" not in functions)
+
+    def cases(self, key: str) -> list[Any]:
+        """A row's cases."""
+        entries = [entry for (row, _), entry in self.entries.items() if row == key]
+        return [(entry, self.everything.inputs(key, entry["id"])) for entry in entries]
+
+    def plan(self, name: str, kind: str, candidate: Adapted) -> None:
+        """Finds out how a function answers a row, if it can."""
+        row, key = row_of(name), f"{name}/{kind}"
+        forward = self.plans.get(f"{name}/{row['kind']}")
+        if kind == "vjp" and forward is not None and forward.candidate is candidate:
+            reason = self.undifferentiable(forward, key)
+            if reason is None:
+                self.plans[key] = forward
+            else:
+                self.notes.append(f"{name}: its gradient isn't judged: {reason}; one of your own goes in as {name}_vjp=...")
+        else:
+            plan = planned(candidate, row, self.cases(key), self.dtype, own=kind == "vjp")
+            self.plans[key] = plan
+            self.notes.append(f"{name} {kind}: {plan.function} was asked with arrays of {plan.framework.name}{told(plan)}")
+
+    def undifferentiable(self, plan: Plan, key: str) -> str | None:
+        """Why a function's gradient can't be judged; None where it can."""
+        if plan.framework.name not in ("torch", "jax"):
+            return f"{plan.framework.name} has no gradients"
+        outputs, tried = outputs_of(plan.row), None
+        cases = [case for case in askable(self.cases(key), plan.match) if all(x.size for x in case[1].values())]
+        for entry, inputs in sorted(cases, key=lambda case: sum(x.size for x in case[1].values()))[:TRIES]:
+            try:
+                _, self.returns[key], smooth = plan.gradient(entry, inputs, outputs)
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:
+                tried = tried or f"{type(error).__name__}: {(str(error).strip() or '-').splitlines()[0][:120]}"
+                continue
+            if smooth:
+                return None
+            tried = "the result isn't differentiable"
+        return tried
+
+    def ask(self, key: str, case: str, inputs: dict[str, np.ndarray]) -> Any:
+        """Answers a question; a text where the function crashed. What the user interrupts ends the exam."""
+        plan, entry = self.plans[key], self.entries[key, case]
+        try:
+            if key in self.returns:
+                return plan.gradient(entry, inputs, outputs_of(plan.row))[0]
+            return plan.answer(entry, inputs)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            return crash(error, plan)
+
+    def judged(self, again: bool, allow: Sequence[str]) -> Report:
+        """The verdicts."""
+        if not self.plans:
+            raise CandidateError(f"nothing can be judged. {' '.join(self.notes)}")
+        declared = {key: (plan.takes(), self.returns.get(key)) for key, plan in self.plans.items()}
+        return Report(*self.exam.judge(self.ask, declared, again, list(allow)), self.notes)
+
+
+def outputs_of(row: dict[str, Any]) -> list[str]:
+    """The forward outputs of a row."""
+    return [port["name"] for port in row["outputs"]]
+
+
+def told(plan: Plan) -> str:
+    """What isn't as the contract has it, in words."""
+    said = [f"{p} as {name}" for p, name in (plan.match.names or {}).items() if p != name and name != "#N"]
+    said += [f"{name} with a last axis of one" for name in plan.trailing]
+    said += ["one at a time"] if plan.each else []
+    said += ["one alone as two of the same, as it crashes on one"] if plan.twice else []
+    said += ["its random numbers are dealt to it"] if plan.draws else []
+    ignored = plan.ignored()
+    said += [f"and doesn't take {', '.join(ignored)}: where that matters its answers are off"] if ignored else []
+    return "".join(f", {what}" for what in said)

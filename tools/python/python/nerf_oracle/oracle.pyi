@@ -1,0 +1,1038 @@
+"""Written by `python -m nerf_oracle.stubs`."""
+
+from typing import Any, Literal, NamedTuple, Optional, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+# Arrays of numpy, torch, jax, cupy; lists; numbers.
+Array = Any
+Profile = Optional[Literal["cs180", "nerf2020", "kornia-0.8.2", "nerfstudio", "multinerf", "nerfacc", "ngp", "tiny-cuda-nn"]]
+Dtype = Literal["f64", "f32", "tf32", "bf16", "f16"]
+Float = NDArray[np.float64]
+
+
+class TransformGradients(NamedTuple):
+    grad_c2w: Float
+    grad_x_c: Float
+
+class _Transform:
+    def __call__(self, c2w: Array, x_c: Array, *, profile: Profile = None) -> Float:
+        """The reference: x_w = R x_c + o, with R and o the upper 3x4 of c2w
+
+        homogeneous coordinates; Hartley and Zisserman 2004, section 6.1. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            c2w (M,4,4): camera to world; the upper 3x4 is used
+            x_c (M,3): points in camera space
+
+        Returns:
+            x_w (M,3): points in world space
+        """
+    def vjp(self, c2w: Array, x_c: Array, *, grad_x_w: Optional[Array] = None, profile: Profile = None) -> TransformGradients:
+        """The reference of the gradient: x_w = R x_c + o, with R and o the upper 3x4 of c2w
+
+        homogeneous coordinates; Hartley and Zisserman 2004, section 6.1. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            c2w (M,4,4): camera to world; the upper 3x4 is used
+            x_c (M,3): points in camera space
+            grad_x_w (M,3): of the loss, by x_w; zeros where left off
+
+        Returns:
+            grad_c2w (M,4,4): of the loss, by c2w
+            grad_x_c (M,3): of the loss, by x_c
+        """
+
+transform: _Transform
+
+
+class PixelToCameraGradients(NamedTuple):
+    grad_K: Float
+    grad_uv: Float
+    grad_s: Float
+
+class _PixelToCamera:
+    def __call__(self, K: Array, uv: Array, s: Array, *, profile: Profile = None) -> Float:
+        """The reference: x_c = s K^-1 (u, v, 1) = s ((u - cx) / fx, (v - cy) / fy, 1)
+
+        pinhole camera; Hartley and Zisserman 2004, section 6.1. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            K (3,3): intrinsics in pixels: fx, fy, cx, cy alone
+            uv (M,2): pixel positions, u right, v down
+            s (M): depths along the camera's axis
+
+        Returns:
+            x_c (M,3): points in camera space
+        """
+    def vjp(self, K: Array, uv: Array, s: Array, *, grad_x_c: Optional[Array] = None, profile: Profile = None) -> PixelToCameraGradients:
+        """The reference of the gradient: x_c = s K^-1 (u, v, 1) = s ((u - cx) / fx, (v - cy) / fy, 1)
+
+        pinhole camera; Hartley and Zisserman 2004, section 6.1. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            K (3,3): intrinsics in pixels: fx, fy, cx, cy alone
+            uv (M,2): pixel positions, u right, v down
+            s (M): depths along the camera's axis
+            grad_x_c (M,3): of the loss, by x_c; zeros where left off
+
+        Returns:
+            grad_K (3,3): of the loss, by K
+            grad_uv (M,2): of the loss, by uv
+            grad_s (M): of the loss, by s
+        """
+
+pixel_to_camera: _PixelToCamera
+
+class PixelToRay(NamedTuple):
+    rays_o: Float
+    rays_d: Float
+
+class PixelToRayGradients(NamedTuple):
+    grad_K: Float
+    grad_c2w: Float
+    grad_uv: Float
+
+class _PixelToRay:
+    def __call__(self, K: Array, c2w: Array, uv: Array, *, profile: Profile = None) -> PixelToRay:
+        """The reference: o = translation of c2w, d = R K^-1 (u, v, 1) / |R K^-1 (u, v, 1)|
+
+        NeRF (Mildenhall et al. 2020) section 4; CS180 project 4, part 2.1. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            K (3,3): intrinsics in pixels: fx, fy, cx, cy alone
+            c2w (M,4,4): camera to world; the upper 3x4 is used
+            uv (M,2): pixel positions, u right, v down
+
+        Returns:
+            rays_o (M,3): origins, world space
+            rays_d (M,3): directions, world space
+        """
+    def vjp(self, K: Array, c2w: Array, uv: Array, *, grad_rays_o: Optional[Array] = None, grad_rays_d: Optional[Array] = None, profile: Profile = None) -> PixelToRayGradients:
+        """The reference of the gradient: o = translation of c2w, d = R K^-1 (u, v, 1) / |R K^-1 (u, v, 1)|
+
+        NeRF (Mildenhall et al. 2020) section 4; CS180 project 4, part 2.1. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            K (3,3): intrinsics in pixels: fx, fy, cx, cy alone
+            c2w (M,4,4): camera to world; the upper 3x4 is used
+            uv (M,2): pixel positions, u right, v down
+            grad_rays_o (M,3): of the loss, by rays_o; zeros where left off
+            grad_rays_d (M,3): of the loss, by rays_d; zeros where left off
+
+        Returns:
+            grad_K (3,3): of the loss, by K
+            grad_c2w (M,4,4): of the loss, by c2w
+            grad_uv (M,2): of the loss, by uv
+        """
+
+pixel_to_ray: _PixelToRay
+
+class ImageRays(NamedTuple):
+    uv: Float
+    rays_o: Float
+    rays_d: Float
+
+
+class _ImageRays:
+    def __call__(self, height: Array, width: Array, focal: Array, cx: Array, cy: Array, c2w: Array, *, profile: Profile = None) -> ImageRays:
+        """The reference: pixel_to_ray at uv[j, i] = (i + 0.5, j + 0.5), with fx = fy = focal
+
+        bmild/nerf run_nerf_helpers.py get_rays; CS180 project 4, part 2.2. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            height (a number): rows of pixels
+            width (a number): columns of pixels
+            focal (a number): focal length in pixels
+            cx (a number): principal point, u
+            cy (a number): principal point, v
+            c2w (4,4): camera to world
+
+        Returns:
+            uv (H,W,2): pixel positions
+            rays_o (H,W,3): origins
+            rays_d (H,W,3): directions
+        """
+
+image_rays: _ImageRays
+
+class SampleAlongRays(NamedTuple):
+    t: Float
+    points: Float
+
+
+class _SampleAlongRays:
+    def __call__(self, rays_o: Array, rays_d: Array, near: Array, far: Array, u: Array, *, profile: Profile = None) -> SampleAlongRays:
+        """The reference: D = (far - near) / N, t_i = near + (i + u_i) D, points = o + t d
+
+        NeRF (Mildenhall et al. 2020) equation 2. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            rays_o (R,3): origins
+            rays_d (R,3): directions, as they come
+            near (a number): where rays begin
+            far (a number): where rays end
+            u (R,N): numbers in [0, 1), one for every sample
+
+        Returns:
+            t (R,N): positions along the ray
+            points (R,N,3): o + t d
+        """
+
+sample_along_rays: _SampleAlongRays
+
+
+
+class _StepSizes:
+    def __call__(self, t: Array, near: Array, far: Array, *, profile: Profile = None) -> Float:
+        """The reference: delta = (far - near) / N; by convention t_{i+1} - t_i, with a stated last one
+
+        NeRF (Mildenhall et al. 2020) equation 3; CS180 project 4, part 2.5. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            t (R,N): positions along the ray
+            near (a number): where rays begin
+            far (a number): where rays end
+
+        Returns:
+            deltas (R,N): step lengths
+        """
+
+step_sizes: _StepSizes
+
+
+
+class _PositionalEncoding:
+    def __call__(self, x: Array, L: Array, *, profile: Profile = None) -> Float:
+        """The reference: x, then sin(2^k pi x), cos(2^k pi x) for k = 0, ..., L - 1
+
+        NeRF (Mildenhall et al. 2020) equation 4. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M,D): points, period 2 in band 0
+            L (a number): number of bands
+
+        Returns:
+            encoding (M,D+2LD): identity, then the bands
+        """
+    def vjp(self, x: Array, L: Array, *, grad_encoding: Optional[Array] = None, profile: Profile = None) -> Float:
+        """The reference of the gradient: x, then sin(2^k pi x), cos(2^k pi x) for k = 0, ..., L - 1
+
+        NeRF (Mildenhall et al. 2020) equation 4. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M,D): points, period 2 in band 0
+            L (a number): number of bands
+            grad_encoding (M,D+2LD): of the loss, by encoding; zeros where left off
+
+        Returns:
+            grad_x (M,D): of the loss, by x
+        """
+
+positional_encoding: _PositionalEncoding
+
+
+
+class _Mlp:
+    def __call__(self, x: Array, *, profile: Profile = None, **layers: Array) -> Float:
+        """The reference: h_0 = x, z_n = w_n h_n + b_n, h_{n+1} = max(z_n, 0), y = sigmoid(z_last)
+
+        Berkeley CS180 project 4, part 1; Tancik et al. 2020. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M,D): points
+            w* (out,in): weights of layer 0, 1, ...
+            b* (out): biases of layer 0, 1, ...
+
+        Returns:
+            y (M,O): colors in [0, 1]
+        """
+    def vjp(self, x: Array, *, grad_y: Optional[Array] = None, profile: Profile = None, **layers: Array) -> dict[str, Float]:
+        """The reference of the gradient: h_0 = x, z_n = w_n h_n + b_n, h_{n+1} = max(z_n, 0), y = sigmoid(z_last)
+
+        Berkeley CS180 project 4, part 1; Tancik et al. 2020. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M,D): points
+            w* (out,in): weights of layer 0, 1, ...
+            b* (out): biases of layer 0, 1, ...
+            grad_y (M,O): of the loss, by y; zeros where left off
+
+        Returns:
+            grad_x (M,D): of the loss, by x
+            grad_w* (out,in): of the loss, by w*
+            grad_b* (out): of the loss, by b*
+        """
+
+mlp: _Mlp
+
+class NerfMlp(NamedTuple):
+    sigmas: Float
+    rgbs: Float
+
+class NerfMlpGradients(NamedTuple):
+    grad_positions: Float
+    grad_trunk0_w: Float
+    grad_trunk0_b: Float
+    grad_trunk1_w: Float
+    grad_trunk1_b: Float
+    grad_trunk2_w: Float
+    grad_trunk2_b: Float
+    grad_trunk3_w: Float
+    grad_trunk3_b: Float
+    grad_trunk4_w: Float
+    grad_trunk4_b: Float
+    grad_trunk5_w: Float
+    grad_trunk5_b: Float
+    grad_trunk6_w: Float
+    grad_trunk6_b: Float
+    grad_trunk7_w: Float
+    grad_trunk7_b: Float
+    grad_sigma_w: Float
+    grad_sigma_b: Float
+    grad_feature_w: Float
+    grad_feature_b: Float
+    grad_color0_w: Float
+    grad_color0_b: Float
+    grad_color1_w: Float
+    grad_color1_b: Float
+
+class _NerfMlp:
+    def __call__(self, positions: Array, directions: Array, trunk0_w: Array, trunk0_b: Array, trunk1_w: Array, trunk1_b: Array, trunk2_w: Array, trunk2_b: Array, trunk3_w: Array, trunk3_b: Array, trunk4_w: Array, trunk4_b: Array, trunk5_w: Array, trunk5_b: Array, trunk6_w: Array, trunk6_b: Array, trunk7_w: Array, trunk7_b: Array, sigma_w: Array, sigma_b: Array, feature_w: Array, feature_b: Array, color0_w: Array, color0_b: Array, color1_w: Array, color1_b: Array, *, profile: Profile = None) -> NerfMlp:
+        """The reference: h = trunk(encode(x)), the encoding again in trunk 4; sigma = max(w h + b, 0); rgb = sigmoid(color1 relu(color0 [feature h, encode(d)]))
+
+        NeRF (Mildenhall et al. 2020) figure 7. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            positions (M,3): positions in scene units
+            directions (M,3): viewing directions
+            trunk0_w (out,in): weights
+            trunk0_b (out): biases
+            trunk1_w (out,in): weights
+            trunk1_b (out): biases
+            trunk2_w (out,in): weights
+            trunk2_b (out): biases
+            trunk3_w (out,in): weights
+            trunk3_b (out): biases
+            trunk4_w (out,in): weights
+            trunk4_b (out): biases
+            trunk5_w (out,in): weights
+            trunk5_b (out): biases
+            trunk6_w (out,in): weights
+            trunk6_b (out): biases
+            trunk7_w (out,in): weights
+            trunk7_b (out): biases
+            sigma_w (out,in): weights
+            sigma_b (out): biases
+            feature_w (out,in): weights
+            feature_b (out): biases
+            color0_w (out,in): weights
+            color0_b (out): biases
+            color1_w (out,in): weights
+            color1_b (out): biases
+
+        Returns:
+            sigmas (M): densities, 1 / length
+            rgbs (M,3): colors in [0, 1]
+        """
+    def vjp(self, positions: Array, directions: Array, trunk0_w: Array, trunk0_b: Array, trunk1_w: Array, trunk1_b: Array, trunk2_w: Array, trunk2_b: Array, trunk3_w: Array, trunk3_b: Array, trunk4_w: Array, trunk4_b: Array, trunk5_w: Array, trunk5_b: Array, trunk6_w: Array, trunk6_b: Array, trunk7_w: Array, trunk7_b: Array, sigma_w: Array, sigma_b: Array, feature_w: Array, feature_b: Array, color0_w: Array, color0_b: Array, color1_w: Array, color1_b: Array, *, grad_sigmas: Optional[Array] = None, grad_rgbs: Optional[Array] = None, profile: Profile = None) -> NerfMlpGradients:
+        """The reference of the gradient: h = trunk(encode(x)), the encoding again in trunk 4; sigma = max(w h + b, 0); rgb = sigmoid(color1 relu(color0 [feature h, encode(d)]))
+
+        NeRF (Mildenhall et al. 2020) figure 7. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            positions (M,3): positions in scene units
+            directions (M,3): viewing directions
+            trunk0_w (out,in): weights
+            trunk0_b (out): biases
+            trunk1_w (out,in): weights
+            trunk1_b (out): biases
+            trunk2_w (out,in): weights
+            trunk2_b (out): biases
+            trunk3_w (out,in): weights
+            trunk3_b (out): biases
+            trunk4_w (out,in): weights
+            trunk4_b (out): biases
+            trunk5_w (out,in): weights
+            trunk5_b (out): biases
+            trunk6_w (out,in): weights
+            trunk6_b (out): biases
+            trunk7_w (out,in): weights
+            trunk7_b (out): biases
+            sigma_w (out,in): weights
+            sigma_b (out): biases
+            feature_w (out,in): weights
+            feature_b (out): biases
+            color0_w (out,in): weights
+            color0_b (out): biases
+            color1_w (out,in): weights
+            color1_b (out): biases
+            grad_sigmas (M): of the loss, by sigmas; zeros where left off
+            grad_rgbs (M,3): of the loss, by rgbs; zeros where left off
+
+        Returns:
+            grad_positions (M,3): of the loss, by positions
+            grad_trunk0_w (out,in): of the loss, by trunk0_w
+            grad_trunk0_b (out): of the loss, by trunk0_b
+            grad_trunk1_w (out,in): of the loss, by trunk1_w
+            grad_trunk1_b (out): of the loss, by trunk1_b
+            grad_trunk2_w (out,in): of the loss, by trunk2_w
+            grad_trunk2_b (out): of the loss, by trunk2_b
+            grad_trunk3_w (out,in): of the loss, by trunk3_w
+            grad_trunk3_b (out): of the loss, by trunk3_b
+            grad_trunk4_w (out,in): of the loss, by trunk4_w
+            grad_trunk4_b (out): of the loss, by trunk4_b
+            grad_trunk5_w (out,in): of the loss, by trunk5_w
+            grad_trunk5_b (out): of the loss, by trunk5_b
+            grad_trunk6_w (out,in): of the loss, by trunk6_w
+            grad_trunk6_b (out): of the loss, by trunk6_b
+            grad_trunk7_w (out,in): of the loss, by trunk7_w
+            grad_trunk7_b (out): of the loss, by trunk7_b
+            grad_sigma_w (out,in): of the loss, by sigma_w
+            grad_sigma_b (out): of the loss, by sigma_b
+            grad_feature_w (out,in): of the loss, by feature_w
+            grad_feature_b (out): of the loss, by feature_b
+            grad_color0_w (out,in): of the loss, by color0_w
+            grad_color0_b (out): of the loss, by color0_b
+            grad_color1_w (out,in): of the loss, by color1_w
+            grad_color1_b (out): of the loss, by color1_b
+        """
+
+nerf_mlp: _NerfMlp
+
+
+
+class _HashGrid:
+    def __call__(self, x: Array, base: Array, finest: Array, *, profile: Profile = None, **layers: Array) -> Float:
+        """The reference: level l of L tables has N_l = round(base (finest / base)^(l / (L - 1))) cells along an edge; x N_l = cell + fraction, at x = 1 in the last cell; sum over the cell's 8 corners of trilinear weight times entry; entry x + (N + 1) (y + (N + 1) z) where (N + 1)^3 <= E, else (x xor 2654435761 y xor 805459861 z) mod E
+
+        Instant-NGP (Mueller et al. 2022) equations 1 to 4, N rounded to nearest; by convention as tiny-cuda-nn, torch-ngp or nerfstudio have it. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M,3): points of the unit box, [0, 1]
+            table* (E,F): E entries of level 0, 1, ..., a power of two; dense where (N + 1)^3 <= E
+            base (a number): cells along an edge of the coarsest level, a whole number
+            finest (a number): cells along an edge of the finest level, a whole number
+
+        Returns:
+            encoding (M,LF): features, level by level
+        """
+    def vjp(self, x: Array, base: Array, finest: Array, *, grad_encoding: Optional[Array] = None, profile: Profile = None, **layers: Array) -> dict[str, Float]:
+        """The reference of the gradient: level l of L tables has N_l = round(base (finest / base)^(l / (L - 1))) cells along an edge; x N_l = cell + fraction, at x = 1 in the last cell; sum over the cell's 8 corners of trilinear weight times entry; entry x + (N + 1) (y + (N + 1) z) where (N + 1)^3 <= E, else (x xor 2654435761 y xor 805459861 z) mod E
+
+        Instant-NGP (Mueller et al. 2022) equations 1 to 4, N rounded to nearest; by convention as tiny-cuda-nn, torch-ngp or nerfstudio have it. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M,3): points of the unit box, [0, 1]
+            table* (E,F): E entries of level 0, 1, ..., a power of two; dense where (N + 1)^3 <= E
+            base (a number): cells along an edge of the coarsest level, a whole number
+            finest (a number): cells along an edge of the finest level, a whole number
+            grad_encoding (M,LF): of the loss, by encoding; zeros where left off
+
+        Returns:
+            grad_x (M,3): of the loss, by x
+            grad_table* (E,F): of the loss, by table*
+        """
+
+hash_grid: _HashGrid
+
+
+
+class _SphericalHarmonics:
+    def __call__(self, d: Array, degree: Array, *, profile: Profile = None) -> Float:
+        """The reference: Y_l^m(d) for l = 0, ..., degree and m = -l, ..., l, real, orthonormal, sign (-1)^m (none by convention)
+
+        Sloan, Stupid Spherical Harmonics Tricks (2008), A2; Instant-NGP (Mueller et al. 2022) section 5.3. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            d (M,3): directions of length 1, components in [-1, 1]
+            degree (a number): last band, 0 to 4
+
+        Returns:
+            harmonics (M,(degree+1)^2): band by band, m ascending
+        """
+    def vjp(self, d: Array, degree: Array, *, grad_harmonics: Optional[Array] = None, profile: Profile = None) -> Float:
+        """The reference of the gradient: Y_l^m(d) for l = 0, ..., degree and m = -l, ..., l, real, orthonormal, sign (-1)^m (none by convention)
+
+        Sloan, Stupid Spherical Harmonics Tricks (2008), A2; Instant-NGP (Mueller et al. 2022) section 5.3. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            d (M,3): directions of length 1, components in [-1, 1]
+            degree (a number): last band, 0 to 4
+            grad_harmonics (M,(degree+1)^2): of the loss, by harmonics; zeros where left off
+
+        Returns:
+            grad_d (M,3): of the loss, by d
+        """
+
+spherical_harmonics: _SphericalHarmonics
+
+
+
+class _TruncExp:
+    def __call__(self, x: Array, *, profile: Profile = None) -> Float:
+        """The reference: sigma = e^x, or e^clamp(x, -15, 15) by convention; the gradient is stated, not derived: grad_x = grad_sigma e^clamp(x, -15, 15), by convention e^min(x, 15)
+
+        Instant-NGP (Mueller et al. 2022) src/testbed_nerf.cu network_to_density_derivative; torch-ngp activation.py. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M): what the network says about density
+
+        Returns:
+            sigmas (M): densities, 1 / length
+        """
+    def vjp(self, x: Array, *, grad_sigmas: Optional[Array] = None, profile: Profile = None) -> Float:
+        """The reference of the gradient: sigma = e^x, or e^clamp(x, -15, 15) by convention; the gradient is stated, not derived: grad_x = grad_sigma e^clamp(x, -15, 15), by convention e^min(x, 15)
+
+        Instant-NGP (Mueller et al. 2022) src/testbed_nerf.cu network_to_density_derivative; torch-ngp activation.py. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M): what the network says about density
+            grad_sigmas (M): of the loss, by sigmas; zeros where left off
+
+        Returns:
+            grad_x (M): of the loss, by x
+        """
+
+trunc_exp: _TruncExp
+
+class VolumeRender(NamedTuple):
+    colors: Float
+    weights: Float
+    opacity: Float
+    transmittance: Float
+
+class VolumeRenderGradients(NamedTuple):
+    grad_sigmas: Float
+    grad_rgbs: Float
+    grad_deltas: Float
+
+class _VolumeRender:
+    def __call__(self, sigmas: Array, rgbs: Array, deltas: Array, *, profile: Profile = None) -> VolumeRender:
+        """The reference: alpha_i = 1 - exp(-sigma_i delta_i), T_i = exp(-sum_{j<i} sigma_j delta_j), w_i = T_i alpha_i, C = sum w_i c_i
+
+        NeRF (Mildenhall et al. 2020) equation 3. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            sigmas (R,N): densities, 1 / length
+            rgbs (R,N,3): colors
+            deltas (R,N): step lengths
+
+        Returns:
+            colors (R,3): sum of w c
+            weights (R,N): T alpha
+            opacity (R): sum of w
+            transmittance (R): T behind the last sample
+        """
+    def vjp(self, sigmas: Array, rgbs: Array, deltas: Array, *, grad_colors: Optional[Array] = None, grad_weights: Optional[Array] = None, grad_opacity: Optional[Array] = None, grad_transmittance: Optional[Array] = None, profile: Profile = None) -> VolumeRenderGradients:
+        """The reference of the gradient: alpha_i = 1 - exp(-sigma_i delta_i), T_i = exp(-sum_{j<i} sigma_j delta_j), w_i = T_i alpha_i, C = sum w_i c_i
+
+        NeRF (Mildenhall et al. 2020) equation 3. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            sigmas (R,N): densities, 1 / length
+            rgbs (R,N,3): colors
+            deltas (R,N): step lengths
+            grad_colors (R,3): of the loss, by colors; zeros where left off
+            grad_weights (R,N): of the loss, by weights; zeros where left off
+            grad_opacity (R): of the loss, by opacity; zeros where left off
+            grad_transmittance (R): of the loss, by transmittance; zeros where left off
+
+        Returns:
+            grad_sigmas (R,N): of the loss, by sigmas
+            grad_rgbs (R,N,3): of the loss, by rgbs
+            grad_deltas (R,N): of the loss, by deltas
+        """
+
+volume_render: _VolumeRender
+
+class VolumeRenderAlpha(NamedTuple):
+    colors: Float
+    weights: Float
+    opacity: Float
+    transmittance: Float
+
+class VolumeRenderAlphaGradients(NamedTuple):
+    grad_alphas: Float
+    grad_rgbs: Float
+
+class _VolumeRenderAlpha:
+    def __call__(self, alphas: Array, rgbs: Array, *, profile: Profile = None) -> VolumeRenderAlpha:
+        """The reference: T_i = prod_{j<i} (1 - alpha_j), w_i = T_i alpha_i, C = sum w_i c_i
+
+        NeRF (Mildenhall et al. 2020) equation 3, with alpha given. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            alphas (R,N): opacities in [0, 1]
+            rgbs (R,N,3): colors
+
+        Returns:
+            colors (R,3): sum of w c
+            weights (R,N): T alpha
+            opacity (R): sum of w
+            transmittance (R): T behind the last sample
+        """
+    def vjp(self, alphas: Array, rgbs: Array, *, grad_colors: Optional[Array] = None, grad_weights: Optional[Array] = None, grad_opacity: Optional[Array] = None, grad_transmittance: Optional[Array] = None, profile: Profile = None) -> VolumeRenderAlphaGradients:
+        """The reference of the gradient: T_i = prod_{j<i} (1 - alpha_j), w_i = T_i alpha_i, C = sum w_i c_i
+
+        NeRF (Mildenhall et al. 2020) equation 3, with alpha given. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            alphas (R,N): opacities in [0, 1]
+            rgbs (R,N,3): colors
+            grad_colors (R,3): of the loss, by colors; zeros where left off
+            grad_weights (R,N): of the loss, by weights; zeros where left off
+            grad_opacity (R): of the loss, by opacity; zeros where left off
+            grad_transmittance (R): of the loss, by transmittance; zeros where left off
+
+        Returns:
+            grad_alphas (R,N): of the loss, by alphas
+            grad_rgbs (R,N,3): of the loss, by rgbs
+        """
+
+volume_render_alpha: _VolumeRenderAlpha
+
+
+class CompositeBackgroundGradients(NamedTuple):
+    grad_colors: Float
+    grad_opacity: Float
+    grad_background: Float
+
+class _CompositeBackground:
+    def __call__(self, colors: Array, opacity: Array, background: Array, *, profile: Profile = None) -> Float:
+        """The reference: C' = C + (1 - A) b
+
+        Porter and Duff 1984, premultiplied over. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            colors (R,3): rendered colors, premultiplied
+            opacity (R): A
+            background (3): b
+
+        Returns:
+            colors_out (R,3): colors over b
+        """
+    def vjp(self, colors: Array, opacity: Array, background: Array, *, grad_colors_out: Optional[Array] = None, profile: Profile = None) -> CompositeBackgroundGradients:
+        """The reference of the gradient: C' = C + (1 - A) b
+
+        Porter and Duff 1984, premultiplied over. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            colors (R,3): rendered colors, premultiplied
+            opacity (R): A
+            background (3): b
+            grad_colors_out (R,3): of the loss, by colors_out; zeros where left off
+
+        Returns:
+            grad_colors (R,3): of the loss, by colors
+            grad_opacity (R): of the loss, by opacity
+            grad_background (3): of the loss, by background
+        """
+
+composite_background: _CompositeBackground
+
+
+class DepthGradients(NamedTuple):
+    grad_weights: Float
+    grad_t: Float
+
+class _Depth:
+    def __call__(self, weights: Array, t: Array, far: Array, *, profile: Profile = None) -> Float:
+        """The reference: z = sum w_i t_i / sum w_i, far where the ray meets nothing (by convention 0, the first t or the last)
+
+        bmild/nerf run_nerf.py raw2outputs (undivided); nerfstudio renderers.py (divided). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            weights (R,N): w
+            t (R,N): distances
+            far (a number): depth of an empty ray
+
+        Returns:
+            depth (R): expected distance
+        """
+    def vjp(self, weights: Array, t: Array, far: Array, *, grad_depth: Optional[Array] = None, profile: Profile = None) -> DepthGradients:
+        """The reference of the gradient: z = sum w_i t_i / sum w_i, far where the ray meets nothing (by convention 0, the first t or the last)
+
+        bmild/nerf run_nerf.py raw2outputs (undivided); nerfstudio renderers.py (divided). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            weights (R,N): w
+            t (R,N): distances
+            far (a number): depth of an empty ray
+            grad_depth (R): of the loss, by depth; zeros where left off
+
+        Returns:
+            grad_weights (R,N): of the loss, by weights
+            grad_t (R,N): of the loss, by t
+        """
+
+depth: _Depth
+
+class EarlyStop(NamedTuple):
+    live: Float
+    colors: Float
+    weights: Float
+    opacity: Float
+    transmittance: Float
+
+class EarlyStopGradients(NamedTuple):
+    grad_sigmas: Float
+    grad_rgbs: Float
+    grad_deltas: Float
+
+class _EarlyStop:
+    def __call__(self, sigmas: Array, rgbs: Array, deltas: Array, offsets: Array, eps: Array, *, profile: Profile = None) -> EarlyStop:
+        """The reference: ray r has samples offsets_r, ..., offsets_{r+1} - 1; live_r = up to and with the first behind which T < eps; volume_render of these, not renormalized
+
+        Instant-NGP (Mueller et al. 2022) appendix C.1, without its division by the opacity. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            sigmas (S): densities of all rays' samples, 1 / length
+            rgbs (S,3): colors
+            deltas (S): step lengths
+            offsets (R+1): where each ray's samples begin, and S; whole numbers
+            eps (a number): smallest transmittance that is followed; 0: never stop
+
+        Returns:
+            live (R): samples used of each ray, the last one included
+            colors (R,3): sum of w c over the live samples
+            weights (S): T alpha, 0 behind the last live sample
+            opacity (R): sum of w
+            transmittance (R): T behind the last live sample
+        """
+    def vjp(self, sigmas: Array, rgbs: Array, deltas: Array, offsets: Array, eps: Array, *, grad_colors: Optional[Array] = None, grad_weights: Optional[Array] = None, grad_opacity: Optional[Array] = None, grad_transmittance: Optional[Array] = None, profile: Profile = None) -> EarlyStopGradients:
+        """The reference of the gradient: ray r has samples offsets_r, ..., offsets_{r+1} - 1; live_r = up to and with the first behind which T < eps; volume_render of these, not renormalized
+
+        Instant-NGP (Mueller et al. 2022) appendix C.1, without its division by the opacity. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            sigmas (S): densities of all rays' samples, 1 / length
+            rgbs (S,3): colors
+            deltas (S): step lengths
+            offsets (R+1): where each ray's samples begin, and S; whole numbers
+            eps (a number): smallest transmittance that is followed; 0: never stop
+            grad_colors (R,3): of the loss, by colors; zeros where left off
+            grad_weights (S): of the loss, by weights; zeros where left off
+            grad_opacity (R): of the loss, by opacity; zeros where left off
+            grad_transmittance (R): of the loss, by transmittance; zeros where left off
+
+        Returns:
+            grad_sigmas (S): of the loss, by sigmas
+            grad_rgbs (S,3): of the loss, by rgbs
+            grad_deltas (S): of the loss, by deltas
+        """
+
+early_stop: _EarlyStop
+
+class RenderTrace(NamedTuple):
+    uv: Float
+    rays_o: Float
+    rays_d: Float
+    t: Float
+    deltas: Float
+    weights: Float
+    colors: Float
+
+
+class _RenderTrace:
+    def __call__(self, height: Array, width: Array, focal: Array, cx: Array, cy: Array, c2w: Array, near: Array, far: Array, u: Array, sigmas: Array, rgbs: Array, background: Array, *, profile: Profile = None) -> RenderTrace:
+        """The reference: image_rays, sample_along_rays, step_sizes, volume_render and composite_background one after the other
+
+        NeRF (Mildenhall et al. 2020) sections 4 and 5.2. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            height (a number): H
+            width (a number): W
+            focal (a number): in pixels
+            cx (a number): principal point, in pixels
+            cy (a number): principal point, in pixels
+            c2w (4,4): pose
+            near (a number): where rays begin
+            far (a number): where rays end
+            u (H,W,N): numbers in [0, 1), one for every sample
+            sigmas (H,W,N): densities of the samples
+            rgbs (H,W,N,3): colors of the samples
+            background (3): color behind everything
+
+        Returns:
+            uv (H,W,2): pixel positions
+            rays_o (H,W,3): origins
+            rays_d (H,W,3): directions
+            t (H,W,N): sample positions
+            deltas (H,W,N): step lengths
+            weights (H,W,N): T alpha
+            colors (H,W,3): over the background
+        """
+
+render_trace: _RenderTrace
+
+
+
+class _Mse:
+    def __call__(self, prediction: Array, target: Array, *, profile: Profile = None) -> float:
+        """The reference: mean of (prediction - target)^2 over all entries
+
+        NeRF (Mildenhall et al. 2020) equation 6, with the mean of its code. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            prediction (...): rendered colors
+            target (...): photographed colors
+
+        Returns:
+            value (a number): mean squared error
+        """
+    def vjp(self, prediction: Array, target: Array, *, grad_value: Optional[Array] = None, profile: Profile = None) -> Union[float, Float]:
+        """The reference of the gradient: mean of (prediction - target)^2 over all entries
+
+        NeRF (Mildenhall et al. 2020) equation 6, with the mean of its code. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            prediction (...): rendered colors
+            target (...): photographed colors
+            grad_value (a number): of the loss, by value; zeros where left off
+
+        Returns:
+            grad_prediction (...): of the loss, by prediction
+        """
+
+mse: _Mse
+
+
+
+class _Psnr:
+    def __call__(self, prediction: Array, target: Array, peak: Array, *, profile: Profile = None) -> float:
+        """The reference: 10 log10(peak^2 / mse), mean over pictures or of the mean error
+
+        NeRF (Mildenhall et al. 2020) section 6; bmild/nerf run_nerf_helpers.py mse2psnr. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            prediction (B,H,W,3): rendered pictures
+            target (B,H,W,3): photographs
+            peak (a number): largest color value
+
+        Returns:
+            value (a number): decibels; infinite where a picture is reproduced exactly
+        """
+
+psnr: _Psnr
+
+
+
+class _ToUint8:
+    def __call__(self, image: Array, *, profile: Profile = None) -> Float:
+        """The reference: round(255 clip(x, 0, 1)), halves away from 0; or floor
+
+        bmild/nerf run_nerf_helpers.py to8b (floor); imageio and torchvision (round). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            image (H,W,3): colors, beyond [0, 1] too
+
+        Returns:
+            bytes (H,W,3): 0, ..., 255
+        """
+
+to_uint8: _ToUint8
+
+
+
+class _LinearToSrgb:
+    def __call__(self, linear: Array, *, profile: Profile = None) -> Float:
+        """The reference: srgb = 12.92 x for x <= 0.0031308, else 1.055 x^(1/2.4) - 0.055; x >= 0, not clamped above 1
+
+        IEC 61966-2-1:1999, section 5.2. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            linear (M): linear light, 1 is white, not negative
+
+        Returns:
+            srgb (M): sRGB values, 1 is white
+        """
+    def vjp(self, linear: Array, *, grad_srgb: Optional[Array] = None, profile: Profile = None) -> Float:
+        """The reference of the gradient: srgb = 12.92 x for x <= 0.0031308, else 1.055 x^(1/2.4) - 0.055; x >= 0, not clamped above 1
+
+        IEC 61966-2-1:1999, section 5.2. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            linear (M): linear light, 1 is white, not negative
+            grad_srgb (M): of the loss, by srgb; zeros where left off
+
+        Returns:
+            grad_linear (M): of the loss, by linear
+        """
+
+linear_to_srgb: _LinearToSrgb
+
+class AdamStep(NamedTuple):
+    params_out: Float
+    m_out: Float
+    v_out: Float
+
+
+class _AdamStep:
+    def __call__(self, params: Array, grad: Array, m: Array, v: Array, step: Array, lr: Array, beta1: Array, beta2: Array, eps: Array, weight_decay: Array, *, profile: Profile = None) -> AdamStep:
+        """The reference: m' = b1 m + (1 - b1) g, v' = b2 v + (1 - b2) g^2, p' = p - lr m' / (1 - b1^t) / (sqrt(v' / (1 - b2^t)) + eps)
+
+        Kingma and Ba 2015, algorithm 1; torch.optim.Adam. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            params (P): parameters
+            grad (P): gradient
+            m (P): mean of gradients
+            v (P): mean of squared gradients
+            step (a number): number of the step, from 1
+            lr (a number): learning rate
+            beta1 (a number): decay of m
+            beta2 (a number): decay of v
+            eps (a number): added to the root, outside of it; by convention before or after its correction
+            weight_decay (a number): times the parameter, added to the gradient (coupled)
+
+        Returns:
+            params_out (P): parameters after the step
+            m_out (P): m'
+            v_out (P): v'
+        """
+
+adam_step: _AdamStep
+
+
+class ImportanceSamplingGradients(NamedTuple):
+    grad_edges: Float
+    grad_u: Float
+
+class _ImportanceSampling:
+    def __call__(self, edges: Array, weights: Array, padding: Array, u: Array, *, profile: Profile = None) -> Float:
+        """The reference: F_k = sum_{j<k} (w_j + padding) / sum_j (w_j + padding), t = e_k + (u - F_k) / (F_{k+1} - F_k) (e_{k+1} - e_k)
+
+        NeRF (Mildenhall et al. 2020) section 5.2. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            edges (R,E): edges of the N = E - 1 bins of a ray, ascending
+            weights (R,N): weights of the bins, not normalized; detached, as in the paper
+            padding (a number): added to every weight; 0 as in the paper, 1e-5 as in its code
+            u (R,M): numbers in [0, 1], in any order
+
+        Returns:
+            t (R,M): samples, in the order of u
+        """
+    def vjp(self, edges: Array, weights: Array, padding: Array, u: Array, *, grad_t: Optional[Array] = None, profile: Profile = None) -> ImportanceSamplingGradients:
+        """The reference of the gradient: F_k = sum_{j<k} (w_j + padding) / sum_j (w_j + padding), t = e_k + (u - F_k) / (F_{k+1} - F_k) (e_{k+1} - e_k)
+
+        NeRF (Mildenhall et al. 2020) section 5.2. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            edges (R,E): edges of the N = E - 1 bins of a ray, ascending
+            weights (R,N): weights of the bins, not normalized; detached, as in the paper
+            padding (a number): added to every weight; 0 as in the paper, 1e-5 as in its code
+            u (R,M): numbers in [0, 1], in any order
+            grad_t (R,M): of the loss, by t; zeros where left off
+
+        Returns:
+            grad_edges (R,E): of the loss, by edges
+            grad_u (R,M): of the loss, by u
+        """
+
+importance_sampling: _ImportanceSampling
+
+class RayAabb(NamedTuple):
+    t_near: Float
+    t_far: Float
+    hit: Float
+
+class RayAabbGradients(NamedTuple):
+    grad_rays_o: Float
+    grad_rays_d: Float
+
+class _RayAabb:
+    def __call__(self, rays_o: Array, rays_d: Array, low: Array, high: Array, near: Array, far: Array, *, profile: Profile = None) -> RayAabb:
+        """The reference: t_near = max(near, max_a min(t_a)), t_far = min(far, min_a max(t_a)) with t_a = (low_a - o_a) / d_a, (high_a - o_a) / d_a; hit = t_near <= t_far
+
+        Kay and Kajiya 1986, slabs; the closed box, d_a = 0 as a case of its own. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            rays_o (R,3): origins
+            rays_d (R,3): directions, as they come; t counts in their lengths
+            low (3): the box's corner of least coordinates
+            high (3): the opposite corner
+            near (a number): where rays begin
+            far (a number): where they end
+
+        Returns:
+            t_near (R): where the ray enters the box; anything on a miss (here far)
+            t_far (R): where it leaves the box; anything on a miss (here far)
+            hit (R): 1 where a part of the ray lies in the closed box, a face included, else 0
+        """
+    def vjp(self, rays_o: Array, rays_d: Array, low: Array, high: Array, near: Array, far: Array, *, grad_t_near: Optional[Array] = None, grad_t_far: Optional[Array] = None, profile: Profile = None) -> RayAabbGradients:
+        """The reference of the gradient: t_near = max(near, max_a min(t_a)), t_far = min(far, min_a max(t_a)) with t_a = (low_a - o_a) / d_a, (high_a - o_a) / d_a; hit = t_near <= t_far
+
+        Kay and Kajiya 1986, slabs; the closed box, d_a = 0 as a case of its own. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            rays_o (R,3): origins
+            rays_d (R,3): directions, as they come; t counts in their lengths
+            low (3): the box's corner of least coordinates
+            high (3): the opposite corner
+            near (a number): where rays begin
+            far (a number): where they end
+            grad_t_near (R): of the loss, by t_near; zeros where left off
+            grad_t_far (R): of the loss, by t_far; zeros where left off
+
+        Returns:
+            grad_rays_o (R,3): of the loss, by rays_o
+            grad_rays_d (R,3): of the loss, by rays_d
+        """
+
+ray_aabb: _RayAabb
+
+class OccupancyGrid(NamedTuple):
+    density_out: Float
+    occupied: Float
+    found: Float
+
+
+class _OccupancyGrid:
+    def __call__(self, density: Array, points: Array, sigmas: Array, queries: Array, decay: Array, threshold: Array, *, profile: Profile = None) -> OccupancyGrid:
+        """The reference: where points lie in a cell that is seen, density_out = max(decay density, max of their sigmas), elsewhere density; occupied where density_out > min(threshold, mean of the density_out > 0), all cells with density_out >= 0 where that leaves none
+
+        Instant-NGP (Mueller et al. 2022) appendix C; nerfacc's OccGridEstimator. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            density (G,G,G): density of each cell of the unit box, index [z, y, x]; -1 where no camera sees it
+            points (M,3): points of the unit box, (x, y, z); a face belongs to the cell above it
+            sigmas (M): densities found there
+            queries (Q,3): points to look up after the update; outside the box the nearest cell's
+            decay (a number): factor of the densities of cells that were looked into
+            threshold (a number): occupied is what lies above it, or above the mean where that is less
+
+        Returns:
+            density_out (G,G,G): densities after the update
+            occupied (G,G,G): 1 where the cell is occupied, else 0
+            found (Q): 1 where the query's cell is occupied, else 0
+        """
+
+occupancy_grid: _OccupancyGrid
+
+class GridTraversal(NamedTuple):
+    lengths: Float
+    visited: Float
+
+
+class _GridTraversal:
+    def __call__(self, rays_o: Array, rays_d: Array, near: Array, far: Array, resolution: Array, *, profile: Profile = None) -> GridTraversal:
+        """The reference: lengths = |{t in [near, far]: o + t d in the cell}|, visited = number of cells with a length above 0
+
+        Amanatides and Woo 1987; nerfacc issue 265 (CG3). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            rays_o (M,3): origins, in units of the box
+            rays_d (M,3): directions, as they come; t counts in their lengths
+            near (a number): where rays begin; from there to far they lie in the unit box
+            far (a number): where they end
+            resolution (a number): G, cells along an edge of the box
+
+        Returns:
+            lengths (M,G,G,G): t spent in each cell, index [z, y, x]; faces belong to the cell above
+            visited (M): number of cells
+        """
+
+grid_traversal: _GridTraversal

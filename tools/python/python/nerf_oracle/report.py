@@ -1,0 +1,138 @@
+"""Verdicts: what the judge found, for people and for programs."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from .errors import hint
+from .rows import row_of
+
+
+@dataclass(frozen=True)
+class Mistake:
+    """An explanation of the numbers: mistakes of the catalogue, and conventions that the candidate follows."""
+
+    # The mistakes, joined by " + "; "" where a convention or lost digits alone explain the numbers.
+    name: str
+    cause: str
+    effect: str
+    fix: str
+    seen: str
+    conventions: dict[str, str]
+    # Largest error over the explanation's own bound: at most 1.
+    residual: float
+    # Whether no answer can tell it from the best one.
+    same_as_best: bool
+    # Whether it is no mistake but the right formula with digits lost.
+    inaccurate: bool
+    # Outputs that it doesn't explain.
+    unexplained: list[str]
+
+
+@dataclass(frozen=True)
+class Row:
+    """The verdict on a row in one direction; the fields are those of `nerf-oracle judge --json`."""
+
+    name: str
+    kind: str
+    cases: int
+    answered: int
+    verdict: str
+    grade: str | None
+    budget_used: float | None
+    vacuous: int
+    unproved: list[str]
+    lost_bits: int | None
+    missing_outputs: list[str]
+    worst_case: dict[str, Any] | None
+    conventions: dict[str, str]
+    shown_in: dict[str, str]
+    contradiction: dict[str, str]
+    layouts: list[str]
+    findings: list[str]
+    faults: list[str]
+    left_out: dict[str, str]
+    crashed: dict[str, str]
+    edge_cases: list[str]
+    first_to_differ: str | None
+    diagnosis: list[Mistake]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every answer lies within its bound, and every output is proved."""
+        return self.verdict == "pass"
+
+
+def row_from(fields: dict[str, Any]) -> Row:
+    """A row from the report's JSON."""
+    known = {m["name"]: m for m in row_of(fields["name"])["mistakes"]}
+
+    def mistake(found: dict[str, Any]) -> Mistake:
+        found, names = dict(found), found["mistakes"]
+        del found["mistakes"]
+        said = {
+            key: " / ".join(known[name][key] for name in names if name in known) for key in ("cause", "effect", "fix", "seen")
+        }
+        return Mistake(name=" + ".join(names), **said, **{**found, "residual": number(found["residual"])})
+
+    worst = fields["worst_case"]
+    changed = {
+        "diagnosis": [mistake(found) for found in fields["diagnosis"]],
+        "budget_used": number(fields["budget_used"]),
+        "worst_case": worst and {key: x if key in ("id", "output", "index") else number(x) for key, x in worst.items()},
+    }
+    return Row(**{**fields, **changed})
+
+
+def number(x: Any) -> Any:
+    """JSON has no infinity: it came as text."""
+    return None if x is None else float(x)
+
+
+class Report:
+    """What `judge` returns. `print(report)` is the page; `report["volume_render"]` and `report["volume_render", "vjp"]` are
+    its rows."""
+
+    def __init__(self, text: str, page: str, passed: bool, notes: list[str]) -> None:
+        self.json: dict[str, Any] = json.loads(text)
+        self.rows: list[Row] = [row_from(fields) for fields in self.json["components"]]
+        self.passed: bool = passed
+        self.notes: list[str] = notes
+        self._page = page
+
+    @property
+    def profile(self) -> str:
+        """The conventions that were pinned, or those that were found."""
+        return self.json["profile"]
+
+    @property
+    def dtype(self) -> str:
+        """The type under test."""
+        return self.json["dtype"]
+
+    def __getitem__(self, key: str | tuple[str, str]) -> Row:
+        name, kind = (key, None) if isinstance(key, str) else key
+        found = [row for row in self.rows if row.name == name and kind in (None, row.kind)]
+        if not found:
+            raise KeyError(f"{key}: not judged; {hint(str(name), [f'{row.name} {row.kind}' for row in self.rows])}")
+        return found[0]
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __bool__(self) -> bool:
+        return self.passed
+
+    def __str__(self) -> str:
+        notes = "".join(f"\n{note}" for note in self.notes)
+        return self._page.rstrip() + ("\n" + notes if notes else "")
+
+    def __repr__(self) -> str:
+        rows = ", ".join(f"{row.name} {row.kind}: {row.verdict}" for row in self.rows)
+        return f"<Report {'passed' if self.passed else 'not passed'}: {rows}>"

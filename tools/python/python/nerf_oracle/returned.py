@@ -1,0 +1,48 @@
+"""What a function returned, by output of the contract."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from .errors import CandidateError, hint
+from .names import SYNONYMS, plain
+
+
+def by_output(result: Any, outputs: list[str], order: Sequence[str] | None, title: str) -> dict[str, Any]:
+    """An array alone, a tuple in the contract's order or the one that was said, a named tuple or dict by names."""
+    result = result._asdict() if hasattr(result, "_asdict") else result
+    if isinstance(result, dict):
+        found = by_name(result, outputs)
+        if not found:
+            keys = [str(key) for key in result]
+            raise CandidateError(f"{title} returned a dict of {', '.join(keys)}; {hint(keys[0] if keys else '', outputs)}")
+    else:
+        found = in_order(result, list(order or outputs), outputs, title)
+    found = {name: x for name, x in found.items() if x is not None}
+    if not found:
+        raise CandidateError(f"{title} returned nothing; {hint('', outputs)}")
+    return found
+
+
+def by_name(result: dict[Any, Any], outputs: list[str]) -> dict[str, Any]:
+    """Entries that are outputs, by their own names or others that people give them. What else there is isn't judged."""
+    found = {str(key): x for key, x in result.items() if key in outputs}
+    for key, x in result.items():
+        free = [name for name in outputs if name not in found]
+        name = next((name for name in free if plain(str(key)) in (plain(name), *SYNONYMS.get(name, "").split())), None)
+        if str(key) not in found and name is not None:
+            found[name] = x
+    return found
+
+
+def in_order(result: Any, order: list[str], outputs: list[str], title: str) -> dict[str, Any]:
+    """A tuple; `_` is what isn't judged."""
+    result = list(result) if isinstance(result, (tuple, list)) else [result]
+    if len(result) > len(order):
+        advice = "Return a dict by these names, or say what is what: nerf_oracle.adapt(f, returns=(...))"
+        raise CandidateError(f"{title} returned {len(result)} arrays; {hint('', order)}. {advice}")
+    strange = [name for name in order if name != "_" and name not in outputs]
+    if strange:
+        raise CandidateError(f"{title}: returns: {strange[0]!r} is no output; {hint(strange[0], [*outputs, '_'])}")
+    return {name: x for name, x in zip(order, result) if name != "_"}

@@ -1,0 +1,110 @@
+"""Which argument is which array."""
+
+import nerf_oracle as no
+import numpy as np
+import pytest
+from conftest import render
+
+
+@pytest.mark.parametrize(
+    "kernel",
+    [
+        lambda density, color, dists: render(density, color, dists),
+        lambda Sigma, RGB, step_sizes: render(Sigma, RGB, step_sizes),
+        lambda rgbs, deltas, sigmas: render(sigmas, rgbs, deltas),
+        lambda *arrays: render(*arrays),
+        lambda **arrays: render(**arrays),
+        lambda sigmas, /, rgb, *, deltas, white=False: render(sigmas, rgb, deltas),
+        lambda sigmas, rgbs, deltas: dict(zip(("rgb", "weights", "extra"), (*render(sigmas, rgbs, deltas), None))),
+    ],
+)
+def test_found_by_name(kernel):
+    assert no.judge(volume_render=kernel).passed
+
+
+def test_positions_for_steps():
+    def raw2outputs(rgb, sigma, z_vals):
+        steps = np.diff(z_vals, append=z_vals[:, -1:] + sigma.dtype.type(1e10))
+        return render(sigma, rgb, steps)
+
+    report = no.judge(volume_render=raw2outputs)
+    assert report.passed and "z_vals as t" in report.notes[0], report
+
+
+def test_a_center_that_is_assumed_and_a_matrix():
+    def centers(H, W, K, pose):
+        v, u = np.meshgrid(np.arange(H) + 0.5, np.arange(W) + 0.5, indexing="ij")
+        d = np.stack([(u - K[0, 2]) / K[0, 0], (v - K[1, 2]) / K[1, 1], np.ones_like(u)], -1) @ pose[:3, :3].T
+        return np.stack([u, v], -1), np.broadcast_to(pose[:3, 3], d.shape), d / np.linalg.norm(d, axis=-1, keepdims=True)
+
+    assert no.judge(image_rays=centers, dtype="f64").passed
+
+    def middle(height, width, focal, c2w):
+        return centers(height, width, np.array([[focal, 0, width / 2], [0, focal, height / 2], [0, 0, 1]]), c2w)
+
+    report = no.judge(image_rays=middle, dtype="f64")
+    assert report.passed and "cases left out, as they need cx, cy" in str(report), report
+
+
+def test_what_is_unknown_is_named_with_the_way_out():
+    kernel = lambda foggy, rgbs, deltas: render(foggy, rgbs, deltas)  # noqa: E731
+    with pytest.raises(no.CandidateError) as error:
+        no.judge(volume_render=kernel)
+    assert "parameter 'foggy' is none of the inputs" in str(error.value)
+    assert "nerf_oracle.adapt(<lambda>, foggy='sigmas')" in str(error.value)
+    assert no.judge(volume_render=no.adapt(kernel, foggy="sigmas")).passed
+
+
+def test_what_it_does_not_take_is_said():
+    report = no.judge(composite_background=lambda colors, background: colors + background)
+    assert not report.passed and "and doesn't take opacity: where that matters its answers are off" in report.notes[0]
+    assert "doesn't take" not in str(
+        no.judge(volume_render=lambda sigmas, rgbs, step: render(sigmas, rgbs, np.full_like(sigmas, step)))
+    )
+
+
+@pytest.mark.parametrize(
+    ("adapted", "says"),
+    [
+        ({"fog": "sigmas"}, "has no parameter 'fog'"),
+        ({"sigmas": "density"}, "sigmas='density' is no input of volume_render"),
+    ],
+)
+def test_a_mapping_is_checked(adapted, says):
+    with pytest.raises(no.CandidateError, match=says):
+        no.judge(volume_render=no.adapt(render, **adapted))
+
+
+def test_the_order_of_outputs_can_be_said():
+    kernel = lambda sigmas, rgbs, deltas: ("extra", *render(sigmas, rgbs, deltas)[::-1])  # noqa: E731
+    report = no.judge(volume_render=no.adapt(kernel, returns=("_", "weights", "colors")))
+    assert report.passed and report["volume_render"].missing_outputs == ["opacity", "transmittance"]
+    with pytest.raises(no.CandidateError, match="'colours' is no output; did you mean colors?"):
+        no.judge(volume_render=no.adapt(render, returns=("colours", "weights")))
+
+
+def test_numbers_that_a_function_draws_are_dealt():
+    def sample(rays_o, rays_d, near, far, n_samples=64):
+        step = (far - near) / n_samples
+        t = near + (np.arange(n_samples) + np.random.rand(len(rays_o), n_samples)).astype(rays_o.dtype) * step
+        return t, rays_o[:, None] + t[..., None] * rays_d[:, None]
+
+    report = no.judge(sample_along_rays=sample)
+    assert report.passed and "its random numbers are dealt to it" in report.notes[0], report
+    state = np.random.get_state()[1].tolist()
+    no.judge(sample_along_rays=sample)
+    assert np.random.get_state()[1].tolist() == state
+
+    def own(rays_o, rays_d, near, far, u):
+        with no.dealt(u):
+            return sample(rays_o, rays_d, near, far, u.shape[1])
+
+    assert no.judge(sample_along_rays=own).passed
+    u = np.array([[0.25, 0.75]])
+    with no.dealt(u):
+        assert np.random.default_rng(3).uniform(2, 4, (2, 1)).tolist() == [[2.5], [3.5]] and np.random.random(2).tolist() == [
+            0.25,
+            0.75,
+        ]
+        with pytest.raises(no.CandidateError, match=r"\(3,\) random numbers are drawn, where u has the shape \(1, 2\)"):
+            np.random.rand(3)
