@@ -59,6 +59,8 @@ def volume_render(a, c, wrong):
         deltas = np.concatenate([np.diff(deltas), np.full_like(deltas[:, :1], 1e10)], 1)
     if "first_gap_for_all" in wrong:
         deltas = np.broadcast_to(deltas[:, :1], deltas.shape)
+    if "delta_scaled" in wrong:
+        deltas = 2 * deltas
     eps = EPS[c["product_eps"]]
     with np.errstate(over="ignore", invalid="ignore"):
         passed = np.exp(-(sigmas * deltas))

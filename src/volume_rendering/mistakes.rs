@@ -12,7 +12,7 @@ use crate::math::exp;
 mod catalogue;
 
 pub(crate) use catalogue::{COMPOSITE_BACKGROUND, DEPTH, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
-use catalogue::{EPS_ON_ALPHA, SCALED_EXPONENTIAL};
+use catalogue::{DELTA_SCALED, EPS_ON_ALPHA, SCALED_EXPONENTIAL};
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub(crate) const ALPHA_ERROR: &str = "alpha_error";
@@ -46,7 +46,8 @@ fn wrong_deltas(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<f64> {
             _ => {}
         }
     }
-    deltas
+    let scale = DELTA_SCALED.among(wrong).unwrap_or(1.0);
+    deltas.into_iter().map(|delta| scale * delta).collect()
 }
 
 /// Mistakes between opacities and outputs.

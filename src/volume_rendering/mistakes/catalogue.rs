@@ -103,6 +103,15 @@ const OVER_RAYS: Mistake = Mistake::new(
     1,
 );
 
+pub(super) const DELTA_SCALED: Mistake = Mistake::new(
+    "delta_scaled",
+    "alpha = 1 - exp(-k sigma delta): densities or steps in another unit",
+    "densities are learned k times too small; those of another program render too thin or too thick",
+    "k = 1, or say the unit where densities are handed over",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 2.0, [1e-3, 1e3]);
 pub(super) const EPS_ON_ALPHA: Mistake = Mistake::new(
     "eps_on_alpha",
     "eps is added to alpha (and 1e-10 to T)",
@@ -158,6 +167,7 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     FIRST_GAP_FOR_ALL,
     FIRST_RAY_DELTAS,
     EPS_ON_ALPHA,
+    DELTA_SCALED,
     SCALED_EXPONENTIAL,
 ];
 
