@@ -5,9 +5,8 @@ import json
 import sys
 from pathlib import Path
 
-import pytest
-
 import nerf_oracle as no
+import pytest
 
 CORPUS = Path(__file__).parents[2] / "corpus"
 
