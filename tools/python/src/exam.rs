@@ -17,6 +17,9 @@ use crate::arrays::{component, dict, dtype, kind, owned, profile, value_error};
 /// Types as the judge names them, which it tells an answer's width by.
 const TYPES: [&str; 5] = ["f64", "f32", "f16", "i64", "u8"];
 
+/// The inputs that a candidate takes and the outputs that its gradient goes through; None: all.
+type TakesAndReturns = (Option<Vec<String>>, Option<Vec<String>>);
+
 /// Questions on rows in a type.
 #[pyclass(frozen)]
 pub(crate) struct Exam(Questions);
@@ -73,7 +76,7 @@ impl Exam {
         &self,
         py: Python,
         ask: Py<PyAny>,
-        declared: HashMap<String, (Option<Vec<String>>, Option<Vec<String>>)>,
+        declared: HashMap<String, TakesAndReturns>,
         again: bool,
         allowed: Vec<String>,
     ) -> PyResult<(String, String, bool)> {

@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import nerf_oracle as no
 import pytest
@@ -42,3 +43,8 @@ def test_every_name_is_there():
     assert all(getattr(no, name) is not None for name in no.__all__) and set(no.__all__) <= set(dir(no))
     with pytest.raises(AttributeError, match="no attribute 'jugde'"):
         no.jugde
+
+
+def test_the_license_travels():
+    here = Path(__file__).parents[1]
+    assert (here / "LICENSE").read_bytes() == (here.parents[1] / "LICENSE").read_bytes()

@@ -33,7 +33,7 @@ class Asked:
         self.everything, self.dtype, self.profile = everything, dtype, profile
         for name, kind, function in directions:
             self.plan(name, kind, functions[function])
-        kept = [tuple(row.split("/")) for row in self.plans]
+        kept = [(row, kind) for row, kind, _ in directions if f"{row}/{kind}" in self.plans]
         self.exam = everything if len(kept) == len(directions) else _core.Exam(kept, dtype, profile)
 
     def directions(self, name: str, functions: dict[str, Adapted], gradients: bool) -> list[tuple[str, str, str]]:

@@ -145,7 +145,7 @@ def framework(name: str, dtype: str, device: str | None) -> Framework:
 def likely(function: Callable[..., Any]) -> list[str]:
     """The frameworks that a function may be written in, the likeliest first: by what it is, its annotations, and what its code
     and the code of the functions beside it name. Those that only its file imports come behind."""
-    found = [
+    found: list[str] = [
         name
         for name in ("torch", "jax")
         if name in sys.modules and type(function).__module__.partition(".")[0] in (name, "jaxlib")

@@ -132,11 +132,11 @@ def matched(function: Callable[..., Any], row: dict[str, Any], arrays: list[str]
     for p in named:
         if p.name not in out:
             free = [name for name in known if name not in out.values()]
-            array = next((name for name in free if plain(p.name) in (plain(name), *SYNONYMS.get(name, "").split())), None)
-            if array is None and "u" in free and plain(p.name) in SIZES.split():
-                array = "#N"
-            if array is not None:
-                out[p.name] = array
+            near = [name for name in free if plain(p.name) in (plain(name), *SYNONYMS.get(name, "").split())]
+            if near:
+                out[p.name] = near[0]
+            elif "u" in free and plain(p.name) in SIZES.split():
+                out[p.name] = "#N"
     missing = [p.name for p in named if p.name not in out and p.default is p.empty]
     if missing:
         name, free = missing[0], [name for name in known if name not in out.values()]

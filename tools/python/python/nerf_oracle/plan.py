@@ -52,7 +52,7 @@ class Plan:
         """The inputs that it takes, in the contract's form or another; None: all of them."""
         if self.match.all:
             return None
-        taken = [name for name in self.match.names.values() if name != "#N"] + (["u"] if self.draws else [])
+        taken = [name for name in (self.match.names or {}).values() if name != "#N"] + (["u"] if self.draws else [])
         ports = {port["name"] for port in self.row["inputs"] if any(covers(port, name) for name in taken)}
         return sorted({*ports, *(name for name in taken if port_of(self.row, name) is None)})
 

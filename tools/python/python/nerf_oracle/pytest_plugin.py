@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
@@ -43,8 +43,7 @@ def pytest_pycollect_makeitem(collector: Any, name: str, obj: Any) -> Any:
     def kernel() -> Any:
         return obj
 
-    kernel.__dict__.update(vars(obj))
-    kernel.__test__ = True
+    vars(kernel).update(vars(obj), __test__=True)
     return collector.ihook.pytest_pycollect_makeitem(collector=collector, name=name, obj=kernel)
 
 
@@ -131,7 +130,7 @@ def pytest_pyfunc_call(pyfuncitem: pytest.Function) -> bool | None:
     mark = pyfuncitem.get_closest_marker("nerf_oracle")
     if mark is None:
         return None
-    name, kind = pyfuncitem.callspec.params[DIRECTION]
+    name, kind = cast("tuple[str, str]", pyfuncitem.callspec.params[DIRECTION])
     report = judged(pyfuncitem, mark)
     rows = [row for row in report if (row.name, row.kind) == (name, kind)]
     if not rows:

@@ -70,13 +70,14 @@ def row_from(fields: dict[str, Any]) -> Row:
     """A row from the report's JSON."""
     known = {m["name"]: m for m in row_of(fields["name"])["mistakes"]}
 
-    def mistake(found: dict[str, Any]) -> Mistake:
-        found, names = dict(found), found["mistakes"]
-        del found["mistakes"]
+    def mistake(given: dict[str, Any]) -> Mistake:
+        found = {**given, "residual": number(given["residual"])}
+        names = found.pop("mistakes")
         said = {
             key: " / ".join(known[name][key] for name in names if name in known) for key in ("cause", "effect", "fix", "seen")
         }
-        return Mistake(name=" + ".join(names), **said, **{**found, "residual": number(found["residual"])})
+        whole: dict[str, Any] = {"name": " + ".join(names), **said, **found}
+        return Mistake(**whole)
 
     worst = fields["worst_case"]
     changed = {
