@@ -1,5 +1,6 @@
 //! Files: written whole or not at all, locked, read; arrays and pictures.
 
+pub mod bytes;
 #[doc(hidden)]
 pub mod fault;
 pub mod json;

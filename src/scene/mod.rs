@@ -18,16 +18,21 @@ use crate::ray::draw_index;
 pub mod builtin;
 mod card;
 mod check;
+pub mod cloud;
+mod colmap;
 pub(crate) mod digest;
 mod fields;
 mod layout;
 mod lens;
+mod llff;
 mod npz;
+mod pictures;
 mod transforms;
 
 pub use crate::files::photo::Photo;
 pub use builtin::Medium;
 pub use card::card;
+pub use cloud::Cloud;
 pub use layout::common_focus;
 
 /// One camera, with its photograph.
@@ -61,6 +66,8 @@ pub struct Scene {
     pub background: [f64; 3],
     /// The box that holds everything of interest, lower and upper corner, if the scene states it.
     pub bounds: Option<(DVec3, DVec3)>,
+    /// Points of its surfaces, where it has them.
+    pub cloud: Option<Cloud>,
     /// The point closest to all cameras' axes; where there is none, the middle of the first camera's view.
     pub focus: DVec3,
     /// Warnings, a sentence each.
@@ -109,6 +116,7 @@ impl Scene {
             far: f64::NAN,
             background: options.background.unwrap_or([0.0; 3]),
             bounds: None,
+            cloud: None,
             focus: DVec3::ZERO,
             warnings: Vec::new(),
             reasons,
@@ -158,7 +166,8 @@ fn shrunk(camera: &Camera, n: usize) -> Camera {
     Camera { width: camera.width / n, height: camera.height / n, k: Intrinsics { fx, fy, cx, cy }, ..*camera }
 }
 
-/// Loads `builtin:NAME`, an `.npz` (CS180 or tiny-NeRF layout, told apart by its arrays), or a folder or file of `transforms*.json`.
+/// Loads `builtin:NAME`, an `.npz` (CS180 or tiny-NeRF layout, told apart by its arrays), a folder or file of `transforms*.json`, or the folder
+/// of a capture with COLMAP's model (`sparse/0`) or LLFF's `poses_bounds.npy`, or a folder of pictures inside one of these.
 ///
 /// # Errors
 /// Where anything in the scene isn't what it should be, by file and field.
@@ -184,12 +193,18 @@ fn read(scene: &str, options: &Options) -> Result<Scene> {
     if is("json") || folder {
         return transforms::load(path, options);
     }
+    if let Some(capture) = colmap::at(path) {
+        return colmap::load(&capture, options);
+    }
+    if let Some(capture) = llff::at(path) {
+        return llff::load(&capture, options);
+    }
     let found = match (path.is_dir(), path.exists()) {
-        (true, _) => "a folder without transforms.json or transforms_train.json",
+        (true, _) => "a folder without transforms.json, transforms_train.json, sparse/0 or poses_bounds.npy",
         (_, true) => "a file of another kind",
         (_, false) => "nothing there",
     };
-    let expected = "builtin:NAME, an .npz, or a folder or file of transforms*.json";
+    let expected = "builtin:NAME, an .npz, a folder or file of transforms*.json, or a folder that COLMAP or LLFF wrote";
     let remedy = "Start with builtin:spheres, which needs no file.";
     Err(Error::input(Input { file: scene, field: "scene", found, expected, remedy }))
 }

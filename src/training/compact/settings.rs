@@ -345,7 +345,8 @@ fn distances(scene: &Scene) -> impl Iterator<Item = f64> {
 fn cube(scene: &Scene) -> (DVec3, f64, String) {
     if let Some((low, high)) = scene.bounds {
         let size = (high - low).max_element();
-        return (0.5 * (low + high) - DVec3::splat(0.5 * size), size, "the scene says so".into());
+        let why = scene.reasons.get("bounds").and_then(Value::as_str).unwrap_or("the scene says so");
+        return (0.5 * (low + high) - DVec3::splat(0.5 * size), size, why.into());
     }
     let (mut nearest, mut farthest) = (f64::INFINITY, 0f64);
     for r in distances(scene) {
