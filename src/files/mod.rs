@@ -5,6 +5,7 @@ pub mod bytes;
 pub mod fault;
 pub mod json;
 pub mod lock;
+pub mod mask;
 pub mod npz;
 pub mod photo;
 pub mod picture;

@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 use serde_json::Value;
 
-use super::{Cloud, Options, Scene};
+use super::{Cloud, Options, Scene, doubts};
 use crate::camera::{Camera, pixel_to_camera, rotate};
 use crate::error::{Error, Input, Result};
 
@@ -86,6 +86,7 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
     if scene.bounds.is_none() && known {
         bound(scene, &cameras);
     }
+    scene.warnings.extend(doubts::doubts(scene));
     Ok(())
 }
 

@@ -21,14 +21,17 @@ mod check;
 pub mod cloud;
 mod colmap;
 pub(crate) mod digest;
+mod doubts;
 mod fields;
 mod layout;
 mod lens;
 mod llff;
 mod npz;
+pub mod path;
 mod pictures;
 mod transforms;
 
+use crate::files::mask::Mask;
 pub use crate::files::photo::Photo;
 pub use builtin::Medium;
 pub use card::card;
@@ -51,9 +54,9 @@ pub struct Frame {
 pub struct Scene {
     /// Its name, as given to [`load`].
     pub name: String,
-    /// Frames to learn from, at least one, all with images of one size.
+    /// Frames to learn from, at least one, all with images.
     pub train: Vec<Frame>,
-    /// Frames to measure on; images of the same size.
+    /// Frames to measure on, with images.
     pub val: Vec<Frame>,
     /// The film path, in order, or the frames of a test split; may be empty. Images only where [`Options::test_images`] asks for
     /// them and the scene has them.
@@ -93,12 +96,24 @@ pub struct Options {
     pub test_images: bool,
 }
 
-/// Frame, row and column of a random pixel: each from one of the first three numbers of `ray` in `step`.
+/// Frame, row and column of a random pixel that isn't masked: from the first three numbers of `ray` in `step`.
 pub fn random_pixel<F: Borrow<Frame>>(frames: &[F], key: &Key, step: u64, ray: u64) -> [usize; 3] {
     let [u, v, w, _] = key.four(step, ray);
-    let frame = draw_index(u, frames.len());
-    let camera = &frames[frame].borrow().camera;
-    [frame, draw_index(v, camera.height), draw_index(w, camera.width)]
+    let n = draw_index(u, frames.len());
+    let frame = frames[n].borrow();
+    let camera = &frame.camera;
+    let mask = frame.image.as_ref().and_then(Photo::mask);
+    let pixel = draw_place(mask, [camera.height, camera.width], [v, w]);
+    [n, pixel / camera.width, pixel % camera.width]
+}
+
+/// A random pixel of a picture, height and width, by two numbers in [0, 1): its row and its column, or, of those that count, by the first.
+#[inline(always)]
+pub(crate) fn draw_place(mask: Option<&Mask>, [height, width]: [usize; 2], [v, w]: [f64; 2]) -> usize {
+    match mask {
+        Some(mask) => mask.of(draw_index(v, mask.count())),
+        None => draw_index(v, height) * width + draw_index(w, width),
+    }
 }
 
 impl Scene {
@@ -137,7 +152,10 @@ impl Scene {
     /// A pixel for each square of `n` x `n`: area means, and the cameras that would have taken them, exactly.
     fn shrunk(mut self, n: usize) -> Result<Scene> {
         let (width, height) = self.size();
-        if n > width.min(height) {
+        let frames = self.train.iter().chain(&self.val).chain(&self.test);
+        if let Some(Camera { width, height, .. }) =
+            frames.map(|frame| frame.camera).find(|camera| n > camera.width.min(camera.height))
+        {
             let expected = format!("at least 1/{}, a pixel of {width}x{height}", width.min(height));
             return Err(Error::usage("scale", format!("1/{n}"), expected));
         }
@@ -152,7 +170,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// Picture width and height in pixels.
+    /// Width and height of the first picture, in pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.train[0].camera.width, self.train[0].camera.height)
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::fields::listed;
 use super::{Photo, Scene};
 use crate::error::{Error, Input, Result};
+use crate::files::mask::Mask;
 use crate::files::picture;
 use crate::limits;
 use crate::parallel;
@@ -134,6 +135,24 @@ pub(super) fn read(file: &str, paths: &[Option<PathBuf>], background: [f64; 3]) 
     let background = background.map(|c| c as f32);
     let read = |n: usize| paths[n].as_deref().map(|path| picture::read_photo(path, background)).transpose();
     parallel::map(paths.len(), read).into_iter().collect()
+}
+
+/// The picture, of which only the pixels count that aren't black in the mask.
+///
+/// # Errors
+/// Where the mask has another size, or no pixel that counts.
+pub(super) fn masked(photo: Photo, path: &Path) -> Result<Photo> {
+    let (height, width, counts) = picture::read_mask(path)?;
+    let wrong = |found: String, expected: String| {
+        let remedy = "Make the mask again: as large as its picture, black where nothing is to be learned.";
+        Error::input(Input { file: path.display(), field: "mask", found, expected, remedy })
+    };
+    let (h, w) = photo.size();
+    if (height, width) != (h, w) {
+        return Err(wrong(format!("{width}x{height}"), format!("{w}x{h}, as its picture has")));
+    }
+    let mask = Mask::new(counts).ok_or_else(|| wrong("black alone".into(), "a pixel that counts".into()))?;
+    Ok(photo.masked(mask))
 }
 
 /// Names pictures that are missing in a warning.

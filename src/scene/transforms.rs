@@ -12,6 +12,7 @@ use super::{Frame, Options, Photo, Scene, check, pictures};
 use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
 use crate::files::{self, json};
+use crate::parallel;
 
 /// One parsed file.
 pub(super) struct Transforms {
@@ -181,7 +182,8 @@ impl Reader<'_> {
         let paths: Vec<Option<PathBuf>> =
             if images { named.iter().map(|(name, _)| transforms.picture(name)).collect() } else { vec![] };
         let file = transforms.file();
-        let mut photos = pictures::read(&file, &paths, self.scene.background)?.into_iter();
+        let photos = pictures::read(&file, &paths, self.scene.background)?;
+        let mut photos = masked(transforms, &named, photos)?.into_iter();
         let (mut frames, mut missing) = (Vec::with_capacity(named.len()), Vec::new());
         for &(name, value) in &named {
             match photos.next() {
@@ -237,6 +239,31 @@ impl Reader<'_> {
         self.scene.reasons.insert("background".into(), Value::from(why));
         Backdrop::Plain
     }
+}
+
+/// The pictures, each with the frame's `mask_path` where it has one.
+fn masked(
+    transforms: &Transforms,
+    named: &[(&str, &Value)],
+    photos: Vec<Option<Photo>>,
+) -> Result<Vec<Option<Photo>>> {
+    let folder = transforms.path.parent().unwrap_or(Path::new(""));
+    let one = |n: usize| {
+        let Some((photo, mask)) = photos[n].clone().zip(named[n].1["mask_path"].as_str()) else {
+            return Ok(photos[n].clone());
+        };
+        let path = pictures::file(folder, mask).ok_or_else(|| {
+            Error::input(Input {
+                file: transforms.file(),
+                field: format!("mask_path of {}", named[n].0),
+                found: format!("{mask:?}, where nothing is"),
+                expected: "a mask",
+                remedy: "Paths are taken from the folder that the file lies in.",
+            })
+        })?;
+        pictures::masked(photo, &path).map(Some)
+    };
+    parallel::map(photos.len(), one).into_iter().collect()
 }
 
 /// instant-ngp's box: a cube of `aabb_scale` in its own units, x_ngp = scale x + offset around 0.5, scale 0.33 unless the file says.
