@@ -19,13 +19,15 @@ use crate::random::{Key, Purpose};
 use crate::ray::{PixelDraw, Ray, camera_ray, pixel_position};
 use crate::report::inspect;
 use crate::sample::sample_along_ray;
+use crate::scene::cloud::Reprojection;
 use crate::scene::{self, Frame, Options, Scene, random_pixel};
 use crate::shown::shown;
 
 /// Options of `inspect`.
 #[derive(clap::Args, Clone, Debug)]
 pub(super) struct Args {
-    /// builtin:NAME, an .npz, or a folder or file of transforms*.json.
+    /// builtin:NAME, an .npz, a folder or file of transforms*.json, or a capture's folder with COLMAP's sparse/0 or LLFF's
+    /// poses_bounds.npy (or a folder of pictures in it, such as images_4).
     pub scene: String,
     /// The output folder: rays.npz and outside.png.
     #[arg(long)]
@@ -73,8 +75,12 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     limits::fits(what, bytes, "Lower `rays` or `samples`.")?;
     files::make_folder(&args.out)?;
     let drawn = draw_rays(&scene, args)?;
-    let shown: Vec<(Camera, RgbImage)> =
-        scene.train.iter().chain(&scene.val).map(|frame| (frame.camera, thumbnail(frame, scene.size()))).collect();
+    let shown: Vec<(Camera, RgbImage)> = scene
+        .train
+        .iter()
+        .chain(&scene.val)
+        .map(|frame| (frame.camera, thumbnail(frame, scene.size())))
+        .collect();
     let (rays, still) = (args.out.join("rays.npz"), args.out.join("outside.png"));
     npz::write(&rays, &arrays(&scene, &shown, &drawn), true)?;
     let lines: Vec<(Ray, Vec<f64>)> = drawn.into_iter().map(|drawn| (drawn.ray, drawn.t)).collect();
@@ -164,6 +170,7 @@ fn summary(scene: &Scene, files: &[String; 2]) -> serde_json::Value {
         "width": width, "height": height, "near": scene.near, "far": scene.far, "focus": scene.focus.to_array(),
         "bounds": scene.bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
         "intrinsics": scene.train[0].camera.k, "distortion": lens,
+        "points": scene.cloud.as_ref().map(|cloud| json!({"count": cloud.points.len(), "reprojection": cloud.reprojection})),
         "reasons": scene.reasons, "warnings": scene.warnings, "files": files,
     })
 }
@@ -179,6 +186,13 @@ fn text(scene: &Scene, files: &[String; 2]) -> String {
     );
     let mut lines =
         vec![shown(&scene.name).into_owned(), format!("frames: {counts}"), format!("size: {width}x{height}")];
+    if let Some(cloud) = &scene.cloud {
+        let fit = cloud.reprojection.map_or(String::new(), |fit| {
+            let Reprojection { sights, pixels, stated, .. } = fit;
+            format!(", shown {sights} times, projected {pixels:.2} pixels off on average ({stated:.2} as the file says)")
+        });
+        lines.push(format!("points: {}{fit}", cloud.points.len()));
+    }
     lines.extend(
         scene.reasons.iter().map(|(field, why)| format!("{field}: {}", why.as_str().unwrap_or_default())),
     );

@@ -135,8 +135,11 @@ fn depth_picture(view: &View, near: f64, far: f64) -> Array3<f32> {
 }
 
 fn cameras(args: &Args, scene: &Scene) -> Result<Vec<Camera>> {
-    let chosen =
-        args.path.clone().unwrap_or(if scene.test.is_empty() { CameraPath::Orbit(60) } else { CameraPath::Test });
+    let chosen = args.path.clone().unwrap_or(if scene.test.is_empty() {
+        CameraPath::Orbit(60)
+    } else {
+        CameraPath::Test
+    });
     let mut cameras: Vec<Camera> = match chosen {
         CameraPath::Test => scene.test.iter().map(|frame| frame.camera).collect(),
         CameraPath::Orbit(n) => path::orbit(scene, n),
@@ -178,7 +181,8 @@ mod tests {
         ] {
             assert_eq!(camera_path(text), Ok(path));
         }
-        for bad in ["orbit:0", "circle", "spiral", "spiral:x", "capture:-1", "b.json:0", "b.json:x", "b.txt"] {
+        for bad in ["orbit:0", "circle", "spiral", "spiral:x", "capture:-1", "b.json:0", "b.json:x", "b.txt"]
+        {
             assert!(camera_path(bad).is_err(), "{bad}");
         }
     }

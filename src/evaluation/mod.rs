@@ -117,7 +117,13 @@ pub fn score(name: &str, view: ArrayView3<f32>, image: ArrayView3<f32>, with_ssi
 }
 
 /// The same of the pixels that count: the others are no error, in the MSE as if they weren't there, in the SSIM as if they were right.
-fn masked_score(name: &str, mut view: Array3<f32>, image: ArrayView3<f32>, mask: &Mask, with_ssim: bool) -> ViewScore {
+fn masked_score(
+    name: &str,
+    mut view: Array3<f32>,
+    image: ArrayView3<f32>,
+    mask: &Mask,
+    with_ssim: bool,
+) -> ViewScore {
     let width = view.dim().1;
     for n in (0..mask.len()).filter(|&n| !mask.counts(n)) {
         (0..3).for_each(|k| view[[n / width, n % width, k]] = image[[n / width, n % width, k]]);

@@ -110,7 +110,8 @@ mod tests {
 
     #[test]
     fn what_the_file_has_is_read_and_no_more() {
-        let bytes = [&7u32.to_le_bytes()[..], &0.5f64.to_le_bytes(), b"a.png\0", &2u64.to_le_bytes(), &[1, 2]];
+        let bytes =
+            [&7u32.to_le_bytes()[..], &0.5f64.to_le_bytes(), b"a.png\0", &2u64.to_le_bytes(), &[1, 2]];
         let whole = bytes.concat();
         let mut bytes = Bytes::new("x.bin", &whole);
         assert_eq!((bytes.u32().unwrap(), bytes.f64s().unwrap(), bytes.text().unwrap()), (7, [0.5], "a.png"));
@@ -118,7 +119,13 @@ mod tests {
         assert!(bytes.end().unwrap_err().to_string().contains("1 bytes after its end"));
         assert_eq!(bytes.take(1).unwrap(), [2]);
         bytes.end().unwrap();
-        assert!(bytes.u64().unwrap_err().to_string().contains("x.bin: length: found a file that was cut off, 28 bytes"));
+        assert!(
+            bytes
+                .u64()
+                .unwrap_err()
+                .to_string()
+                .contains("x.bin: length: found a file that was cut off, 28 bytes")
+        );
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Points of a capture's surfaces, as structure from motion finds them: how far away things are, and whether the cameras fit.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::camera::{Camera, camera_to_pixel};
 
@@ -29,6 +29,23 @@ pub struct Reprojection {
 }
 
 impl Cloud {
+    /// Points of which it isn't known which photograph shows them: each that some picture could, from its camera. Of many, some.
+    pub(super) fn around(points: Vec<DVec3>, cameras: &[&Camera]) -> Self {
+        const SOME: usize = 5000;
+        let mut distances = vec![];
+        for camera in cameras {
+            let frame = DVec2::new(camera.width as f64, camera.height as f64);
+            for point in points.iter().step_by(points.len().div_ceil(SOME).max(1)) {
+                let uv = project(camera, *point);
+                if uv.is_some_and(|uv| uv.cmpge(DVec2::ZERO).all() && uv.cmple(frame).all()) {
+                    distances.push((*point - camera.c2w.w_axis.truncate()).length());
+                }
+            }
+        }
+        distances.sort_by(f64::total_cmp);
+        Cloud { points, distances, reprojection: None }
+    }
+
     /// The distance that a share `q` of all is below.
     pub(super) fn distance(&self, q: f64) -> Option<f64> {
         quantile(&self.distances, q)
@@ -53,7 +70,7 @@ fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
 }
 
 /// The pixel position on which a point falls, through the lens where there is one; `None` where it lies behind the camera.
-pub(super) fn project(camera: &Camera, point: DVec3) -> Option<glam::DVec2> {
+pub(super) fn project(camera: &Camera, point: DVec3) -> Option<DVec2> {
     let seen = camera.c2w.inverse().transform_point3(point);
     if seen.z <= 0.0 {
         return None;

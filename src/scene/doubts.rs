@@ -22,7 +22,9 @@ pub(super) fn doubts(scene: &Scene) -> Vec<String> {
                 "The point that the cameras look at, {focus}, is outside of the scene's box, {low} to {high}."
             ));
         }
-        if let Some(share) = scene.cloud.as_ref().map(|cloud| share(&cloud.points, |p| !inside(p))).filter(|s| *s > OUTSIDE) {
+        if let Some(share) =
+            scene.cloud.as_ref().map(|cloud| share(&cloud.points, |p| !inside(p))).filter(|s| *s > OUTSIDE)
+        {
             doubts.push(format!("{:.0}% of the points are outside of the scene's box.", 100.0 * share));
         }
     }
@@ -46,7 +48,9 @@ fn of_cloud(scene: &Scene, cloud: &Cloud) -> Vec<String> {
         let behind = fit.behind as f64 / fit.sights as f64;
         if behind > BEHIND {
             let percent = 100.0 * behind;
-            doubts.push(format!("{percent:.0}% of the points lie behind the cameras whose photographs show them."));
+            doubts.push(format!(
+                "{percent:.0}% of the points lie behind the cameras whose photographs show them."
+            ));
         }
         if fit.pixels > OFF.0 * fit.stated && fit.pixels > OFF.1 {
             doubts.push(format!(

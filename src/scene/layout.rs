@@ -76,10 +76,14 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
     };
     let (focus, why) = match focus.filter(seen) {
         Some(focus) => (focus, "point closest to all cameras' axes"),
-        None if known => {
-            (ahead(&cameras, 2.0 / (1.0 / near + 1.0 / far)), "before the mean camera, halfway in 1 / distance")
-        }
-        None => (center(cameras[0]) + axis(cameras[0]) * (0.5 * (near + far)), "middle of the first camera's range"),
+        None if known => (
+            ahead(&cameras, 2.0 / (1.0 / near + 1.0 / far)),
+            "before the mean camera, halfway in 1 / distance",
+        ),
+        None => (
+            center(cameras[0]) + axis(cameras[0]) * (0.5 * (near + far)),
+            "middle of the first camera's range",
+        ),
     };
     scene.focus = focus;
     scene.reasons.insert("focus".into(), Value::from(why));
@@ -120,7 +124,8 @@ fn of_points(cloud: &Cloud) -> Option<Range> {
 
 /// From depths along the cameras' axes: 0.9 of the nearest as the NeRF paper has it, and the farthest as far as a corner of the picture is.
 fn of_depths(near: f64, far: f64, cameras: &[&Camera]) -> Range {
-    let slant = cameras.iter().map(|camera| corners(camera).map(|d| d.length()).into_iter().fold(1.0, f64::max));
+    let slant =
+        cameras.iter().map(|camera| corners(camera).map(|d| d.length()).into_iter().fold(1.0, f64::max));
     let slant = slant.fold(1.0, f64::max);
     let why = format!(
         "the scene's depths are {near:.3} to {far:.3}: near is 0.9 of the smallest, far the largest in a picture's corner"
@@ -181,7 +186,8 @@ fn bound(scene: &mut Scene, cameras: &[&Camera]) {
         }
         None => {
             let seen = |camera: &Camera| {
-                let ends = corners(camera).map(|d| [scene.near, scene.far].map(|t| center(camera) + d.normalize() * t));
+                let ends = corners(camera)
+                    .map(|d| [scene.near, scene.far].map(|t| center(camera) + d.normalize() * t));
                 ends.concat()
             };
             let ends: Vec<DVec3> = cameras.iter().flat_map(|camera| seen(camera)).collect();

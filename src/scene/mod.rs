@@ -29,6 +29,7 @@ mod llff;
 mod npz;
 pub mod path;
 mod pictures;
+mod ply;
 mod transforms;
 
 use crate::files::mask::Mask;
@@ -222,7 +223,8 @@ fn read(scene: &str, options: &Options) -> Result<Scene> {
         (_, true) => "a file of another kind",
         (_, false) => "nothing there",
     };
-    let expected = "builtin:NAME, an .npz, a folder or file of transforms*.json, or a folder that COLMAP or LLFF wrote";
+    let expected =
+        "builtin:NAME, an .npz, a folder or file of transforms*.json, or a folder that COLMAP or LLFF wrote";
     let remedy = "Start with builtin:spheres, which needs no file.";
     Err(Error::input(Input { file: scene, field: "scene", found, expected, remedy }))
 }

@@ -128,7 +128,11 @@ impl<'a> Capture<'a> {
 ///
 /// # Errors
 /// Where one is no whole picture, or all of them don't fit into memory.
-pub(super) fn read(file: &str, paths: &[Option<PathBuf>], background: [f64; 3]) -> Result<Vec<Option<Photo>>> {
+pub(super) fn read(
+    file: &str,
+    paths: &[Option<PathBuf>],
+    background: [f64; 3],
+) -> Result<Vec<Option<Photo>>> {
     let bytes = parallel::map(paths.len(), |n| paths[n].as_deref().map_or(Ok(0), picture::held_bytes));
     let bytes = bytes.into_iter().sum::<Result<u64>>()? as f64;
     limits::fits(file, bytes, "Make the pictures smaller, or list fewer of them.")?;
@@ -161,7 +165,8 @@ pub(super) fn masked(photo: Photo, path: &Path) -> Result<Photo> {
 /// Where all are.
 pub(super) fn missing(file: &str, names: &[&str], of: usize, remedy: &str, scene: &mut Scene) -> Result<()> {
     if names.len() == of {
-        let (found, expected) = (format!("none of {of} pictures, {} the first", names[0]), "pictures at file_path");
+        let (found, expected) =
+            (format!("none of {of} pictures, {} the first", names[0]), "pictures at file_path");
         return Err(Error::input(Input { file, field: "frames", found, expected, remedy }));
     }
     if !names.is_empty() {

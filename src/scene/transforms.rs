@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::fields::{self, listed};
 use super::layout::{Backdrop, settle};
 use super::lens::{intrinsics, lens};
-use super::{Frame, Options, Photo, Scene, check, pictures};
+use super::{Cloud, Frame, Options, Photo, Scene, check, pictures, ply};
 use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
 use crate::files::{self, json};
@@ -109,6 +109,7 @@ pub(super) fn load(path: &Path, options: &Options) -> Result<Scene> {
     let backdrop = reader.backdrop();
     scene.hold_out(frames, options);
     scene.bounds = ngp_box(&transforms, &mut scene);
+    scene.cloud = points(&transforms, &scene)?;
     finish(scene, &transforms.file(), backdrop, options)
 }
 
@@ -264,6 +265,17 @@ fn masked(
         pictures::masked(photo, &path).map(Some)
     };
     parallel::map(photos.len(), one).into_iter().collect()
+}
+
+/// The points of `ply_file_path`, if the file is there.
+fn points(transforms: &Transforms, scene: &Scene) -> Result<Option<Cloud>> {
+    let Some(name) = transforms.json["ply_file_path"].as_str() else { return Ok(None) };
+    let path = transforms.path.parent().unwrap_or(Path::new("")).join(name);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let cameras: Vec<_> = scene.train.iter().chain(&scene.val).map(|frame| &frame.camera).collect();
+    Ok(Some(Cloud::around(ply::read(&path)?, &cameras)))
 }
 
 /// instant-ngp's box: a cube of `aabb_scale` in its own units, x_ngp = scale x + offset around 0.5, scale 0.33 unless the file says.

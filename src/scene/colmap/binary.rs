@@ -4,8 +4,9 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
+use super::faulty::faulty;
 use super::lens::{Kind, Lens};
-use super::model::{Model, Point, Sight, View, faulty};
+use super::model::{Model, Point, Sight, View};
 use crate::error::Result;
 use crate::files::{self, bytes::Bytes};
 use crate::limits::MODEL;

@@ -1,6 +1,6 @@
 //! COLMAP's camera models, and what they are as a pinhole with a lens.
 
-use super::model::faulty;
+use super::faulty::faulty;
 use crate::camera::{Distortion, Intrinsics};
 use crate::error::Result;
 use crate::limits::{LENGTH, SIDE};
@@ -81,8 +81,10 @@ impl Lens {
                 ([fx, fy, cx, cy], [k1, k2, p1, p2])
             }
             (name, _) => {
-                let expected = "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, or FULL_OPENCV without k3 to k6";
-                let remedy = "Undistort the pictures (colmap image_undistorter) and give the folder that it writes.";
+                let expected =
+                    "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, or FULL_OPENCV without k3 to k6";
+                let remedy =
+                    "Undistort the pictures (colmap image_undistorter) and give the folder that it writes.";
                 return Err(faulty(file, format!("model of camera {id}"), name, expected, remedy));
             }
         };

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 
 use glam::{DMat3, DMat4, DQuat, DVec2, DVec3};
 
+use super::faulty::faulty;
 use super::lens::Lens;
-use crate::error::{Error, Input, Result};
+use crate::error::Result;
 use crate::limits::LENGTH;
 
 /// Cameras, photographs and points.
@@ -53,17 +54,6 @@ pub(super) struct Sight {
     pub point: u64,
 }
 
-/// An error about a file of the model.
-pub(super) fn faulty(
-    file: &str,
-    field: impl ToString,
-    found: impl ToString,
-    expected: &str,
-    remedy: &str,
-) -> Error {
-    Error::input(Input { file, field, found, expected, remedy })
-}
-
 impl Model {
     /// Adds a camera that holds what every camera does.
     pub(super) fn add_camera(&mut self, file: &str, id: u32, lens: Lens) -> Result<()> {
@@ -85,7 +75,13 @@ impl Model {
             return Err(faulty(file, format!("place of point {id}"), point.place, expected, remedy));
         }
         if !point.error.is_finite() {
-            return Err(faulty(file, format!("error of point {id}"), point.error, "a number of pixels", remedy));
+            return Err(faulty(
+                file,
+                format!("error of point {id}"),
+                point.error,
+                "a number of pixels",
+                remedy,
+            ));
         }
         match self.points.insert(id, point) {
             None => Ok(()),

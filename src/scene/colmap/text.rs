@@ -5,8 +5,9 @@ use std::str::{FromStr, SplitWhitespace};
 
 use glam::{DVec2, DVec3};
 
+use super::faulty::faulty;
 use super::lens::{Kind, Lens};
-use super::model::{Model, Point, Sight, View, faulty};
+use super::model::{Model, Point, Sight, View};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::limits::MODEL;

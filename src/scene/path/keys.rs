@@ -7,8 +7,8 @@ use serde_json::Value;
 
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Input, Result};
-use crate::files::{self, json};
 use crate::files::json::Holds::{self, *};
+use crate::files::{self, json};
 use crate::scene::{Frame, Scene, check};
 
 /// Frames between two key cameras, where no number is given.
@@ -127,7 +127,8 @@ fn read(path: &Path, like: &Camera) -> Result<Vec<Key>> {
     let key = |(n, frame): (usize, &Value)| {
         let field = format!("transform_matrix of frames[{n}]");
         let matrix = check::matrix(&frame["transform_matrix"]);
-        let matrix = matrix.ok_or_else(|| wrong(field.clone(), "no matrix".into(), "four rows of four numbers"))?;
+        let matrix =
+            matrix.ok_or_else(|| wrong(field.clone(), "no matrix".into(), "four rows of four numbers"))?;
         let c2w = check::opengl_to_opencv(check::pose(&file, &field, matrix.view())?);
         let key = Key::of(&Camera { c2w, ..*like });
         let angle = &frame["camera_angle_x"];

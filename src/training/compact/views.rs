@@ -99,7 +99,13 @@ impl Views {
         if views.len() * pixels > u32::MAX as usize {
             let found = format!("{} pictures of up to {pixels} pixels", views.len());
             let (expected, remedy) = ("at most 2^32 pixels in all", "Make the pictures smaller (`scale`).");
-            return Err(Error::input(Input { file: &scene.name, field: "pictures", found, expected, remedy }));
+            return Err(Error::input(Input {
+                file: &scene.name,
+                field: "pictures",
+                found,
+                expected,
+                remedy,
+            }));
         }
         Ok(Views {
             views,
