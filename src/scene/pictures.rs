@@ -54,7 +54,7 @@ pub(super) struct Capture<'a> {
 }
 
 impl<'a> Capture<'a> {
-    /// The folder that was given, if it has cameras; or the one that it lies in, whose pictures it then has.
+    /// The folder that was given, if it has cameras; or the one that it lies in, if that has them, and it the pictures.
     pub(super) fn at(path: &'a Path, has_cameras: impl Fn(&Path) -> bool) -> Option<Capture<'a>> {
         if !path.is_dir() {
             return None;
@@ -63,7 +63,7 @@ impl<'a> Capture<'a> {
             return Some(Capture { root: path, chosen: None });
         }
         let parent = path.parent().filter(|parent| has_cameras(parent))?;
-        Some(Capture { root: parent, chosen: Some(path) })
+        (!all(path).is_empty()).then_some(Capture { root: parent, chosen: Some(path) })
     }
 
     /// Folders that may have the pictures: the chosen one; or those with customary names, the capture's own, then any other in it.
@@ -166,7 +166,7 @@ pub(super) fn masked(photo: Photo, path: &Path) -> Result<Photo> {
 pub(super) fn missing(file: &str, names: &[&str], of: usize, remedy: &str, scene: &mut Scene) -> Result<()> {
     if names.len() == of {
         let (found, expected) =
-            (format!("none of {of} pictures, {} the first", names[0]), "pictures at file_path");
+            (format!("none of {of} pictures, {} the first", names[0]), "the pictures that it names");
         return Err(Error::input(Input { file, field: "frames", found, expected, remedy }));
     }
     if !names.is_empty() {

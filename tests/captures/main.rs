@@ -183,7 +183,14 @@ fn intrinsics_follow_the_size_that_pictures_have() {
     fs::remove_dir_all(folder.path().join("images_5")).unwrap();
     assert_eq!(load(folder.path()).size(), (12, 8), "a folder of any name");
     pictures(&folder.path().join("my photos"), [8, 12]);
-    assert!(refusal(folder.path()).contains("size of a.png: found 8x12; expected the shape of 12x8"));
+    let turned = "size of a.png: found 8x12; expected the shape of 12x8";
+    assert!(refusal(folder.path()).contains(turned));
+    fs::remove_dir_all(folder.path().join("sparse")).unwrap();
+    llff(folder.path(), 1.0);
+    assert!(refusal(folder.path()).contains(turned));
+    let empty = folder.path().join("empty");
+    fs::create_dir(&empty).unwrap();
+    assert!(refusal(&empty).contains("a folder without transforms.json"));
 }
 
 /// Copies that were numbered anew, as in LLFF's scenes, are those of the same place in the order.

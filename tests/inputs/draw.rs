@@ -162,8 +162,8 @@ pub(crate) fn input(ground: &Ground, n: u64) -> Input {
     let json = n % 2 == 1;
     let (file, reader) = READERS[if json { lot.below(3) } else { lot.below(READERS.len()) }];
     let what = if json { replaced(ground, file, &mut lot) } else { damaged(ground, file, &mut lot) };
-    // Below the file or folder that the command names, any file may be the one that is found bad.
-    let name = words(reader)[1].clone();
+    // In the folder that the file lies in, any file may be the one that is found bad.
+    let name = file.split('/').next().expect("a name").to_string();
     Input { what: format!("{file}: {what}"), args: words(reader), name }
 }
 
