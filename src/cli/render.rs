@@ -148,7 +148,10 @@ fn cameras(args: &Args, scene: &Scene) -> Result<Vec<Camera>> {
         CameraPath::Keys(file, n) => path::through(&file, scene, n)?,
     };
     film::check_count(cameras.len(), &scene.name)?;
-    if let Some((width, height)) = args.size {
+    // A film has one size.
+    let first = (cameras[0].width, cameras[0].height);
+    let mixed = cameras.iter().any(|camera| (camera.width, camera.height) != first);
+    if let Some((width, height)) = args.size.or(mixed.then_some(first)) {
         cameras.iter_mut().for_each(|camera| *camera = resized(camera, width, height));
     }
     let (frames, Camera { width, height, .. }) = (cameras.len(), cameras[0]);

@@ -46,6 +46,11 @@ impl Cloud {
         Cloud { points, distances, reprojection: None }
     }
 
+    /// The cloud, if photographs show any of it.
+    pub(super) fn useful(self) -> Option<Self> {
+        (!self.distances.is_empty()).then_some(self)
+    }
+
     /// The distance that a share `q` of all is below.
     pub(super) fn distance(&self, q: f64) -> Option<f64> {
         quantile(&self.distances, q)

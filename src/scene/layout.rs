@@ -181,8 +181,14 @@ fn bound(scene: &mut Scene, cameras: &[&Camera]) {
     const OUTSIDE: f64 = 0.01;
     let (low, high, why) = match scene.cloud.as_ref().and_then(|cloud| cloud.bounds(OUTSIDE)) {
         Some((low, high)) => {
-            let margin = 0.1 * (high - low);
-            (low - margin, high + margin, "98% of the points along each axis, and a tenth more")
+            // Points of a wall have no depth, a single one no extent at all.
+            let half = (0.6 * (high - low)).max(DVec3::splat(0.05 * scene.far));
+            let middle = 0.5 * (low + high);
+            (
+                middle - half,
+                middle + half,
+                "98% of the points along each axis, and a tenth more at either end",
+            )
         }
         None => {
             let seen = |camera: &Camera| {

@@ -66,31 +66,37 @@ impl<'a> Capture<'a> {
         (!all(path).is_empty()).then_some(Capture { root: parent, chosen: Some(path) })
     }
 
-    /// Folders that may have the pictures: the chosen one; or those with customary names, the capture's own, then any other in it.
-    fn folders(&self) -> Vec<PathBuf> {
-        if let Some(chosen) = self.chosen {
-            return vec![chosen.to_path_buf()];
+    /// Folders that have the pictures by custom: the chosen one, or those with such names and the capture's own.
+    fn customary(&self) -> Vec<PathBuf> {
+        match self.chosen {
+            Some(chosen) => vec![chosen.to_path_buf()],
+            None => {
+                FOLDERS.iter().map(|name| self.root.join(name)).chain([self.root.to_path_buf()]).collect()
+            }
         }
-        let mut folders: Vec<PathBuf> = FOLDERS.iter().map(|name| self.root.join(name)).collect();
-        folders.push(self.root.to_path_buf());
-        let entries = fs::read_dir(self.root).into_iter().flatten().flatten().map(|entry| entry.path());
-        let mut others: Vec<PathBuf> =
-            entries.filter(|path| path.is_dir() && !folders.contains(path)).collect();
-        others.sort();
-        folders.extend(others);
-        folders
     }
 
-    /// The file of each picture that is named, from the first folder that has any of them; smaller copies may have names of their own, in
-    /// the same order. `None` where one isn't there.
+    /// The file of each picture that is named, from the first folder that has any of them, customary ones first. Where none has, smaller
+    /// copies may have names of their own, in the same order. `None` where one isn't there.
     pub(super) fn named(&self, names: &[String], scene: &mut Scene) -> Vec<Option<PathBuf>> {
-        for folder in self.folders() {
-            let found: Vec<_> = names.iter().map(|name| file(&folder, name)).collect();
+        let customary = self.customary();
+        let mut folders = customary.clone();
+        if self.chosen.is_none() {
+            let entries = fs::read_dir(self.root).into_iter().flatten().flatten().map(|entry| entry.path());
+            let mut others: Vec<PathBuf> =
+                entries.filter(|path| path.is_dir() && !customary.contains(path)).collect();
+            others.sort();
+            folders.extend(others);
+        }
+        for folder in &folders {
+            let found: Vec<_> = names.iter().map(|name| file(folder, name)).collect();
             if found.iter().any(Option::is_some) {
                 return found;
             }
-            let copies = all(&folder);
-            if folder.is_dir() && !copies.is_empty() && copies.len() == names.len() {
+        }
+        for folder in &customary {
+            let copies = all(folder);
+            if !copies.is_empty() && copies.len() == names.len() {
                 let (file, name) = (copies[0].display(), &names[0]);
                 let of = "pictures have other names than the cameras, and are taken in their order";
                 scene.warnings.push(format!("{}: {of}: {file} for {name}.", folder.display()));
@@ -100,10 +106,10 @@ impl<'a> Capture<'a> {
         vec![None; names.len()]
     }
 
-    /// All pictures of the first folder that has as many as `count`.
+    /// All pictures of the first customary folder that has as many as `count`.
     pub(super) fn counted(&self, count: usize) -> Result<Vec<PathBuf>> {
         let mut most = (0, self.root.join(FOLDERS[0]));
-        for folder in self.folders() {
+        for folder in self.customary() {
             let found = all(&folder);
             if found.len() == count {
                 return Ok(found);

@@ -275,7 +275,7 @@ fn points(transforms: &Transforms, scene: &Scene) -> Result<Option<Cloud>> {
         return Ok(None);
     }
     let cameras: Vec<_> = scene.train.iter().chain(&scene.val).map(|frame| &frame.camera).collect();
-    Ok(Some(Cloud::around(ply::read(&path)?, &cameras)))
+    Ok(Cloud::around(ply::read(&path)?, &cameras).useful())
 }
 
 /// instant-ngp's box: a cube of `aabb_scale` in its own units, x_ngp = scale x + offset around 0.5, scale 0.33 unless the file says.

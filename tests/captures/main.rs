@@ -237,6 +237,32 @@ fn near_far_and_box_come_from_the_points_but_not_from_strays() {
     assert!(stray.warnings[0].contains("pixels off on average"), "{:?}", stray.warnings);
 }
 
+/// Models without any points are read, and one with a single point has a box all the same.
+#[test]
+fn few_points_are_no_trouble() {
+    let folder = capture(|root| text(&root.join("sparse/0"), &pinhole()));
+    let keep = |n: usize| {
+        let file = |name: &str| folder.path().join("sparse/0").join(name);
+        let points = fs::read_to_string(file("points3D.txt")).unwrap();
+        let points: Vec<&str> = points.lines().take(1 + n).collect();
+        fs::write(file("points3D.txt"), points.join("\n")).unwrap();
+        let images = fs::read_to_string(file("images.txt")).unwrap();
+        let few = |(k, line): (usize, &str)| match k {
+            0 | 1 | 3 | 5 | 7 => line.to_string(),
+            _ => line.split(' ').take(3 * n).collect::<Vec<_>>().join(" "),
+        };
+        let images: Vec<String> = images.lines().enumerate().map(few).collect();
+        fs::write(file("images.txt"), images.join("\n")).unwrap();
+        load(folder.path())
+    };
+    let one = keep(1);
+    let (low, high) = one.bounds.unwrap();
+    assert!((high - low).min_element() > 0.1 && one.near < one.far && one.cloud.unwrap().points.len() == 1);
+    let none = keep(0);
+    assert_eq!((none.cloud, none.bounds), (None, None));
+    assert!((none.near - 2.0).abs() < 1e-9 && (none.far - 8.0).abs() < 1e-9, "by the cameras' focus");
+}
+
 #[test]
 fn cameras_that_do_not_fit_their_points_are_doubted() {
     let fit = |off: f64| {

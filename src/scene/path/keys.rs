@@ -138,3 +138,68 @@ fn read(path: &Path, like: &Camera) -> Result<Vec<Key>> {
     };
     frames.iter().enumerate().map(key).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::scene::{Options, load};
+
+    fn scene() -> Scene {
+        load("builtin:spheres,size=8,views=9", &Options::default()).unwrap()
+    }
+
+    fn along(keys: &Value, count: Option<usize>) -> Result<Vec<Camera>> {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), keys.to_string()).unwrap();
+        through(file.path(), &scene(), count)
+    }
+
+    /// OpenGL poses at (x, 0, 4), turned about z.
+    fn key(x: f64, degrees: f64) -> Value {
+        let (s, c) = degrees.to_radians().sin_cos();
+        json!({"transform_matrix": [[c, -s, 0.0, x], [s, c, 0.0, 0.0], [0.0, 0.0, 1.0, 4.0], [0.0, 0.0, 0.0, 1.0]]})
+    }
+
+    #[test]
+    fn a_path_goes_through_its_keys_and_evenly_where_they_are_even() {
+        let mut keys = json!({"frames": [key(0.0, 0.0), key(1.0, 90.0), key(2.0, 180.0), key(3.0, 270.0)]});
+        keys["frames"][2]["camera_angle_x"] = json!(1.0);
+        let path = along(&keys, Some(7)).unwrap();
+        for (n, x) in [(0, 0.0), (2, 1.0), (3, 1.5), (4, 2.0), (6, 3.0)] {
+            assert!((path[n].c2w.w_axis.truncate() - DVec3::new(x, 0.0, 4.0)).length() < 1e-12, "{n}");
+            let turn = (90.0 * x).to_radians();
+            assert!(
+                (path[n].c2w.x_axis.truncate() - DVec3::new(turn.cos(), turn.sin(), 0.0)).length() < 1e-12
+            );
+            assert!((path[n].c2w.z_axis.truncate() + DVec3::Z).length() < 1e-12, "it looks along -z");
+        }
+        let usual = scene().train[0].camera.k.fx;
+        assert!((path[2].k.fx - usual).abs() < 1e-12 && (path[4].k.fx - 4.0 / 0.5f64.tan()).abs() < 1e-12);
+        assert_eq!(along(&keys, None).unwrap().len(), 90);
+        let one = along(&json!({"frames": [key(2.0, 0.0)]}), None).unwrap();
+        assert_eq!((one.len(), one[0].c2w.w_axis.x), (1, 2.0));
+        let message = along(&json!({"frames": []}), None).unwrap_err().to_string();
+        assert!(message.contains("frames: found none"), "{message}");
+    }
+
+    /// Cameras along a line, every other one shaken to a side: the path keeps to the line, from end to end.
+    #[test]
+    fn the_captures_own_path_is_smooth() {
+        let mut scene = scene();
+        scene.val.clear();
+        for (n, frame) in scene.train.iter_mut().enumerate() {
+            frame.name = format!("{n:03}");
+            let shake = if n % 2 == 0 { 0.1 } else { -0.1 };
+            frame.camera.c2w = DMat4::from_translation(DVec3::new(n as f64, shake, 0.0));
+        }
+        scene.train.reverse();
+        let path = smoothed(&scene, 50);
+        let places: Vec<DVec3> = path.iter().map(|camera| camera.c2w.w_axis.truncate()).collect();
+        assert!(places.windows(2).all(|pair| pair[1].x > pair[0].x && pair[1].x - pair[0].x < 0.25));
+        assert!(places[0].x < 1.5 && places[49].x > 6.5, "{} {}", places[0].x, places[49].x);
+        assert!(places[10..40].iter().all(|place| place.y.abs() < 0.01), "{places:?}");
+        assert_eq!((path.len(), path[7].width), (50, 8));
+    }
+}
