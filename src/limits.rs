@@ -4,6 +4,7 @@
 //! | what | limit |
 //! |---|---|
 //! | a text file (JSON, a log) | `TEXT` bytes; nested at most 128 deep, which is serde_json's own limit |
+//! | a file of a COLMAP model | `MODEL` bytes; its counts, what the file holds |
 //! | a picture | `PICTURE_FILE` bytes as a file, `PIXELS` pixels |
 //! | an array of an npz | `ARRAY` bytes in memory; the archive's arrays together `fits` |
 //! | sides of pictures | `SIDE` pixels |
@@ -17,6 +18,9 @@ use crate::error::{Error, Input, Result};
 
 /// Bytes of a text file: a `transforms.json` of 100,000 frames has 60 MB.
 pub(crate) const TEXT: u64 = 128 << 20;
+
+/// Bytes of a file of a structure-from-motion model: 1,000 photographs with 20,000 features each have 480 MB.
+pub(crate) const MODEL: u64 = 1 << 30;
 
 /// Bytes of a picture file.
 pub(crate) const PICTURE_FILE: u64 = 512 << 20;

@@ -17,7 +17,7 @@ import viser.transforms
 
 def show(server: viser.ViserServer, rays: dict[str, np.ndarray]) -> None:
     """Add everything in `rays` (the arrays of rays.npz) to a server's scene."""
-    c2ws, (width, height) = rays["c2ws"], rays["size"]
+    c2ws = rays["c2ws"]
     centers = c2ws[:, :3, 3]
     middle = centers.mean(axis=0)
     spread = float(np.linalg.norm(centers - middle, axis=1).max())
@@ -29,7 +29,7 @@ def show(server: viser.ViserServer, rays: dict[str, np.ndarray]) -> None:
     away = 2.2 * aside / np.linalg.norm(aside) + up / np.linalg.norm(up)
     server.initial_camera.position = tuple(middle + spread * away)
     server.initial_camera.look_at = tuple(middle)
-    for i, (c2w, (_, fy, _, _)) in enumerate(zip(c2ws, rays["intrinsics"])):
+    for i, (c2w, (_, fy, _, _), (width, height)) in enumerate(zip(c2ws, rays["intrinsics"], rays["sizes"])):
         server.scene.add_camera_frustum(
             f"/cameras/{i:03d}",
             fov=2 * np.arctan(0.5 * height / fy),

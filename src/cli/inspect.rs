@@ -19,13 +19,15 @@ use crate::random::{Key, Purpose};
 use crate::ray::{PixelDraw, Ray, camera_ray, pixel_position};
 use crate::report::inspect;
 use crate::sample::sample_along_ray;
+use crate::scene::cloud::Reprojection;
 use crate::scene::{self, Frame, Options, Scene, random_pixel};
 use crate::shown::shown;
 
 /// Options of `inspect`.
 #[derive(clap::Args, Clone, Debug)]
 pub(super) struct Args {
-    /// builtin:NAME, an .npz, or a folder or file of transforms*.json.
+    /// builtin:NAME, an .npz, a folder or file of transforms*.json, or a capture's folder with COLMAP's sparse/0 or LLFF's
+    /// poses_bounds.npy (or a folder of pictures in it, such as images_4).
     pub scene: String,
     /// The output folder: rays.npz and outside.png.
     #[arg(long)]
@@ -73,8 +75,12 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     limits::fits(what, bytes, "Lower `rays` or `samples`.")?;
     files::make_folder(&args.out)?;
     let drawn = draw_rays(&scene, args)?;
-    let shown: Vec<(Camera, RgbImage)> =
-        scene.train.iter().chain(&scene.val).map(|frame| (frame.camera, thumbnail(frame))).collect();
+    let shown: Vec<(Camera, RgbImage)> = scene
+        .train
+        .iter()
+        .chain(&scene.val)
+        .map(|frame| (frame.camera, thumbnail(frame, scene.size())))
+        .collect();
     let (rays, still) = (args.out.join("rays.npz"), args.out.join("outside.png"));
     npz::write(&rays, &arrays(&scene, &shown, &drawn), true)?;
     let lines: Vec<(Ray, Vec<f64>)> = drawn.into_iter().map(|drawn| (drawn.ray, drawn.t)).collect();
@@ -101,9 +107,9 @@ fn draw_rays(scene: &Scene, args: &Args) -> Result<Vec<Drawn>> {
     Ok(drawn)
 }
 
-/// A small version of a frame's photograph; gray where it has none.
-fn thumbnail(frame: &Frame) -> RgbImage {
-    let (w, h) = (frame.camera.width as f64, frame.camera.height as f64);
+/// A small version of a frame's photograph; gray where it has none. All of the shape of the first picture, as the array wants it.
+fn thumbnail(frame: &Frame, (w, h): (usize, usize)) -> RgbImage {
+    let (w, h) = (w as f64, h as f64);
     let shrink = (f64::from(THUMBNAIL) / w.max(h)).min(1.0);
     let (width, height) = ((w * shrink).round().max(1.0) as u32, (h * shrink).round().max(1.0) as u32);
     match &frame.image {
@@ -118,7 +124,7 @@ fn thumbnail(frame: &Frame) -> RgbImage {
 }
 
 /// What `rays.npz` holds, F frames (training, then validation), R rays, N samples:
-/// `c2ws` (F,4,4) with OpenCV axes, `intrinsics` (F,4) fx fy cx cy, `size` (2) width height, `is_val` (F), `thumbnails` (F,h,w,3),
+/// `c2ws` (F,4,4) with OpenCV axes, `intrinsics` (F,4) fx fy cx cy, `sizes` (F,2) width height, `size` (2) that of the first, `is_val` (F), `thumbnails` (F,h,w,3),
 /// `rays_frame` (R), `rays_uv` (R,2), `rays_rgb` (R,3), `rays_o` (R,3), `rays_d` (R,3), `t` (R,N), `points` (R,N,3), `near`, `far`.
 fn arrays(scene: &Scene, shown: &[(Camera, RgbImage)], drawn: &[Drawn]) -> Arrays {
     let (f, r, n) = (shown.len(), drawn.len(), drawn[0].t.len());
@@ -132,6 +138,10 @@ fn arrays(scene: &Scene, shown: &[(Camera, RgbImage)], drawn: &[Drawn]) -> Array
         (
             "intrinsics",
             Array2::from_shape_fn((f, 4), |(f, i)| [k(f).fx, k(f).fy, k(f).cx, k(f).cy][i]).into(),
+        ),
+        (
+            "sizes",
+            Array2::from_shape_fn((f, 2), |(f, i)| [shown[f].0.width, shown[f].0.height][i] as i64).into(),
         ),
         ("size", Array1::from_vec(vec![width as i64, height as i64]).into()),
         ("is_val", Array1::from_shape_fn(f, |f| u8::from(f >= scene.train.len())).into()),
@@ -160,6 +170,7 @@ fn summary(scene: &Scene, files: &[String; 2]) -> serde_json::Value {
         "width": width, "height": height, "near": scene.near, "far": scene.far, "focus": scene.focus.to_array(),
         "bounds": scene.bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
         "intrinsics": scene.train[0].camera.k, "distortion": lens,
+        "points": scene.cloud.as_ref().map(|cloud| json!({"count": cloud.points.len(), "reprojection": cloud.reprojection})),
         "reasons": scene.reasons, "warnings": scene.warnings, "files": files,
     })
 }
@@ -175,6 +186,13 @@ fn text(scene: &Scene, files: &[String; 2]) -> String {
     );
     let mut lines =
         vec![shown(&scene.name).into_owned(), format!("frames: {counts}"), format!("size: {width}x{height}")];
+    if let Some(cloud) = &scene.cloud {
+        let fit = cloud.reprojection.map_or(String::new(), |fit| {
+            let Reprojection { sights, pixels, stated, .. } = fit;
+            format!(", shown {sights} times, projected {pixels:.2} pixels off on average ({stated:.2} as the file says)")
+        });
+        lines.push(format!("points: {}{fit}", cloud.points.len()));
+    }
     lines.extend(
         scene.reasons.iter().map(|(field, why)| format!("{field}: {}", why.as_str().unwrap_or_default())),
     );

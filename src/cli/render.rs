@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use glam::{DMat4, DVec3};
 use image::RgbImage;
 use ndarray::Array3;
 use serde_json::json;
@@ -18,7 +17,7 @@ use crate::files::{self, picture};
 use crate::limits::{self, FRAMES};
 use crate::parallel;
 use crate::report::film;
-use crate::scene::Scene;
+use crate::scene::{Scene, path};
 
 /// Options of `render`.
 #[derive(clap::Args, Clone, Debug)]
@@ -28,8 +27,9 @@ pub(super) struct Args {
     /// A .gif, or a folder for frames as PNG and a film.gif.
     #[arg(long)]
     pub out: PathBuf,
-    /// The cameras: the scene's test path, or a circle of N around the scene. The test path where there is one.
-    #[arg(long, value_parser = path)]
+    /// The cameras: test, the scene's test path; orbit:N, a circle around it; spiral:N, a spiral before it; capture:N, the capture's own
+    /// path, smoothed; KEYS.json or KEYS.json:N, through key cameras (frames with transform_matrix). The test path where there is one.
+    #[arg(long, value_parser = camera_path)]
     pub path: Option<CameraPath>,
     /// The color behind everything: black, white or R,G,B.
     #[arg(long, value_parser = color)]
@@ -49,19 +49,33 @@ pub(super) struct Args {
 }
 
 /// The cameras of a film.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum CameraPath {
     /// The scene's own.
     Test,
     /// A circle of this many cameras.
     Orbit(usize),
+    /// A spiral of this many, for cameras that stand side by side.
+    Spiral(usize),
+    /// So many along the capture's own path.
+    Capture(usize),
+    /// Through the key cameras of a JSON file: so many in all.
+    Keys(PathBuf, Option<usize>),
 }
 
-fn path(text: &str) -> Result<CameraPath, String> {
+fn camera_path(text: &str) -> Result<CameraPath, String> {
     match text.split_once(':') {
         None if text == "test" => Ok(CameraPath::Test),
         Some(("orbit", n)) => Ok(CameraPath::Orbit(at_most::<FRAMES>(n)?)),
-        _ => Err("expected test or orbit:N, such as orbit:60".into()),
+        Some(("spiral", n)) => Ok(CameraPath::Spiral(at_most::<FRAMES>(n)?)),
+        Some(("capture", n)) => Ok(CameraPath::Capture(at_most::<FRAMES>(n)?)),
+        _ if text.ends_with(".json") => Ok(CameraPath::Keys(text.into(), None)),
+        _ => match text.rsplit_once(':') {
+            Some((file, n)) if file.ends_with(".json") => {
+                Ok(CameraPath::Keys(file.into(), Some(at_most::<FRAMES>(n)?)))
+            }
+            _ => Err("expected test, orbit:N (such as orbit:60), spiral:N, capture:N, or KEYS.json".into()),
+        },
     }
 }
 
@@ -121,14 +135,23 @@ fn depth_picture(view: &View, near: f64, far: f64) -> Array3<f32> {
 }
 
 fn cameras(args: &Args, scene: &Scene) -> Result<Vec<Camera>> {
-    let chosen =
-        args.path.unwrap_or(if scene.test.is_empty() { CameraPath::Orbit(60) } else { CameraPath::Test });
+    let chosen = args.path.clone().unwrap_or(if scene.test.is_empty() {
+        CameraPath::Orbit(60)
+    } else {
+        CameraPath::Test
+    });
     let mut cameras: Vec<Camera> = match chosen {
         CameraPath::Test => scene.test.iter().map(|frame| frame.camera).collect(),
-        CameraPath::Orbit(n) => orbit(scene, n),
+        CameraPath::Orbit(n) => path::orbit(scene, n),
+        CameraPath::Spiral(n) => path::spiral(scene, n),
+        CameraPath::Capture(n) => path::smoothed(scene, n),
+        CameraPath::Keys(file, n) => path::through(&file, scene, n)?,
     };
     film::check_count(cameras.len(), &scene.name)?;
-    if let Some((width, height)) = args.size {
+    // A film has one size.
+    let first = (cameras[0].width, cameras[0].height);
+    let mixed = cameras.iter().any(|camera| (camera.width, camera.height) != first);
+    if let Some((width, height)) = args.size.or(mixed.then_some(first)) {
         cameras.iter_mut().for_each(|camera| *camera = resized(camera, width, height));
     }
     let (frames, Camera { width, height, .. }) = (cameras.len(), cameras[0]);
@@ -145,62 +168,25 @@ fn resized(camera: &Camera, width: usize, height: usize) -> Camera {
     Camera { width, height, k: Intrinsics { fx: fx * sx, fy: fy * sy, cx: cx * sx, cy: cy * sy }, ..*camera }
 }
 
-/// A circle of cameras that look at the scene's focus, with the mean distance, height and up direction of the training cameras; where
-/// those stand on one side only (a hand-held capture), an ellipse among them instead of a path around the back.
-fn orbit(scene: &Scene, count: usize) -> Vec<Camera> {
-    let first = scene.train[0].camera;
-    let places: Vec<DVec3> = scene.train.iter().map(|f| f.camera.c2w.w_axis.truncate()).collect();
-    let n = places.len() as f64;
-    let up =
-        -scene.train.iter().map(|f| f.camera.c2w.y_axis.truncate()).sum::<DVec3>().normalize_or(DVec3::NEG_Z);
-    let mean = places.iter().sum::<DVec3>() / n;
-    let offset = mean - scene.focus;
-    let distance = places.iter().map(|p| (*p - scene.focus).length()).sum::<f64>() / n;
-    let around = (offset - up * offset.dot(up)).length() < 0.5 * distance;
-    let (center, a, b) = if around {
-        let height = up * offset.dot(up);
-        let radius = (distance * distance - height.length_squared()).max(0.0).sqrt();
-        let (x, y) = up.any_orthonormal_pair();
-        (scene.focus + height, x * radius, y * radius)
-    } else {
-        let forward = -offset.normalize();
-        let right = forward.cross(up).normalize_or(forward.any_orthonormal_vector());
-        let spread =
-            |axis: DVec3| (places.iter().map(|p| (*p - mean).dot(axis).powi(2)).sum::<f64>() / n).sqrt();
-        (mean, right * spread(right), right.cross(forward) * spread(right.cross(forward)))
-    };
-    let place = |k: usize| {
-        let angle = std::f64::consts::TAU * k as f64 / count as f64;
-        center + a * angle.cos() + b * angle.sin()
-    };
-    (0..count).map(|k| Camera { c2w: look_at(place(k), scene.focus, up), ..first }).collect()
-}
-
-/// A pose with OpenCV axes at `eye` that looks at `target`, its picture upright.
-fn look_at(eye: DVec3, target: DVec3, up: DVec3) -> DMat4 {
-    let z = (target - eye).normalize_or(DVec3::Z);
-    let x = z.cross(up).normalize_or(z.any_orthonormal_vector());
-    let y = z.cross(x);
-    DMat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), eye.extend(1.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_camera_looks_at_its_target_with_up_up() {
-        let pose = look_at(DVec3::new(0.0, -4.0, 1.0), DVec3::ZERO, DVec3::Z);
-        let (x, y, z) = (pose.x_axis.truncate(), pose.y_axis.truncate(), pose.z_axis.truncate());
-        assert!((x.cross(y) - z).length() < 1e-12, "right-handed");
-        assert!(y.z < 0.0, "the picture's down is the world's down");
-        assert!(((DVec3::ZERO - DVec3::new(0.0, -4.0, 1.0)).normalize() - z).length() < 1e-12);
-    }
-
-    #[test]
     fn paths_parse() {
-        assert_eq!(path("orbit:12"), Ok(CameraPath::Orbit(12)));
-        assert_eq!(path("test"), Ok(CameraPath::Test));
-        assert!(path("orbit:0").is_err() && path("circle").is_err());
+        for (text, path) in [
+            ("orbit:12", CameraPath::Orbit(12)),
+            ("test", CameraPath::Test),
+            ("spiral:7", CameraPath::Spiral(7)),
+            ("capture:9", CameraPath::Capture(9)),
+            ("a/b.json", CameraPath::Keys("a/b.json".into(), None)),
+            ("C:/b.json:5", CameraPath::Keys("C:/b.json".into(), Some(5))),
+        ] {
+            assert_eq!(camera_path(text), Ok(path));
+        }
+        for bad in ["orbit:0", "circle", "spiral", "spiral:x", "capture:-1", "b.json:0", "b.json:x", "b.txt"]
+        {
+            assert!(camera_path(bad).is_err(), "{bad}");
+        }
     }
 }

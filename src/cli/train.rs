@@ -29,7 +29,8 @@ use crate::training::run::{LogPoint, News, Options, Run};
 /// Options of `train`.
 #[derive(clap::Args, Clone, Debug)]
 pub(super) struct Args {
-    /// `builtin:NAME`, an .npz, or a folder or file of transforms*.json.
+    /// builtin:NAME, an .npz, a folder or file of transforms*.json, or a capture's folder with COLMAP's sparse/0 or LLFF's
+    /// poses_bounds.npy (or a folder of pictures in it, such as images_4).
     pub scene: String,
     /// The run's folder.
     #[arg(long)]

@@ -5,6 +5,7 @@ use ndarray::{Array2, Array3, ArrayView3};
 
 use crate::camera::Camera;
 use crate::error::Result;
+use crate::files::mask::Mask;
 use crate::loss::{mse, psnr, ssim};
 use crate::parallel;
 use crate::ray::{Ray, camera_ray};
@@ -94,7 +95,11 @@ pub fn evaluate<'a>(
     for frame in frames {
         let Some(image) = &frame.image else { continue };
         let view = render_view(model, &frame.camera, background)?;
-        views.push(score(&frame.name, view.rgb.view(), image.to_array().view(), with_ssim));
+        let photo = image.to_array();
+        views.push(match image.mask() {
+            None => score(&frame.name, view.rgb.view(), photo.view(), with_ssim),
+            Some(mask) => masked_score(&frame.name, view.rgb.clone(), photo.view(), mask, with_ssim),
+        });
         seen(frame, &view)?;
     }
     Ok(summary(views))
@@ -109,6 +114,23 @@ pub fn score(name: &str, view: ArrayView3<f32>, image: ArrayView3<f32>, with_ssi
     let large = view.dim().0.min(view.dim().1) >= 11;
     let ssim = (with_ssim && large).then(|| ssim(view.view(), image.view(), 1.0));
     ViewScore { name: name.into(), mse: error, psnr: psnr(error, 1.0), ssim }
+}
+
+/// The same of the pixels that count: the others are no error, in the MSE as if they weren't there, in the SSIM as if they were right.
+fn masked_score(
+    name: &str,
+    mut view: Array3<f32>,
+    image: ArrayView3<f32>,
+    mask: &Mask,
+    with_ssim: bool,
+) -> ViewScore {
+    let width = view.dim().1;
+    for n in (0..mask.len()).filter(|&n| !mask.counts(n)) {
+        (0..3).for_each(|k| view[[n / width, n % width, k]] = image[[n / width, n % width, k]]);
+    }
+    let score = score(name, view.view(), image, with_ssim);
+    let mse = score.mse * mask.len() as f64 / mask.count() as f64;
+    ViewScore { mse, psnr: psnr(mse, 1.0), ..score }
 }
 
 fn summary(views: Vec<ViewScore>) -> Scores {

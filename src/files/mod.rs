@@ -1,9 +1,11 @@
 //! Files: written whole or not at all, locked, read; arrays and pictures.
 
+pub mod bytes;
 #[doc(hidden)]
 pub mod fault;
 pub mod json;
 pub mod lock;
+pub mod mask;
 pub mod npz;
 pub mod photo;
 pub mod picture;

@@ -203,6 +203,32 @@ impl Npz {
     }
 }
 
+/// Reads an `.npy`: one array that is a file of its own.
+///
+/// # Errors
+/// Where it is no whole array of numbers, or larger than [`ARRAY`].
+pub fn read_npy(path: &Path) -> Result<Array> {
+    let bytes = files::read(path, ARRAY)?;
+    let read = || {
+        let whole = |error: &dyn std::fmt::Display| (error.to_string(), "a whole .npy file".to_string());
+        let mut data = &bytes[..];
+        let header = NpyHeader::from_reader(&read_header(&mut data)?[..]).map_err(|error| whole(&error))?;
+        if header.uses_pickled_array() {
+            return Err(("Python objects".into(), "an array of numbers".into()));
+        }
+        let (declared, _) = sizes(&header);
+        if data.len() as u64 != declared {
+            let found = format!("{} bytes for {:?}", data.len(), header.shape());
+            return Err((found, format!("{declared} bytes")));
+        }
+        decode(header, data)
+    };
+    read().map_err(|(found, expected)| {
+        let remedy = "Write the array again, as plain numbers, with numpy.save.";
+        Error::input(Input { file: path.display(), field: "array", found, expected, remedy })
+    })
+}
+
 /// Bytes of an array in the file, and in memory, where integers take eight.
 fn sizes(header: &NpyHeader) -> (u64, u64) {
     let dtype = header.dtype();

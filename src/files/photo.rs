@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use ndarray::Array3;
 
+use super::mask::Mask;
+
 /// A picture whose colors are read one by one; copies share the pixels.
 #[derive(Clone, Debug)]
 pub struct Photo {
@@ -13,6 +15,8 @@ pub struct Photo {
     background: [f32; 3],
     seen_through: bool,
     pixels: Arc<Pixels>,
+    /// Which pixels count; all, where there is none.
+    mask: Option<Arc<Mask>>,
 }
 
 #[derive(Debug)]
@@ -33,7 +37,7 @@ fn value(byte: u8) -> f32 {
 impl Photo {
     fn new(height: usize, width: usize, background: [f32; 3], pixels: Pixels) -> Self {
         let seen_through = matches!(pixels, Pixels::Cut(_));
-        Photo { height, width, background, seen_through, pixels: Arc::new(pixels) }
+        Photo { height, width, background, seen_through, pixels: Arc::new(pixels), mask: None }
     }
 
     /// Of bytes, row by row.
@@ -62,6 +66,20 @@ impl Photo {
         let (height, width, _) = image.dim();
         let pixels = image.rows().into_iter().map(|c| [c[0], c[1], c[2]]).collect();
         Photo { seen_through, ..Photo::new(height, width, [0.0; 3], Pixels::Fine(pixels)) }
+    }
+
+    /// The same picture, of which only some pixels count.
+    ///
+    /// # Panics
+    /// Where the mask hasn't as many pixels.
+    pub fn masked(self, mask: Mask) -> Self {
+        assert_eq!(mask.len(), self.len(), "a place for every pixel");
+        Photo { mask: (!mask.is_full()).then(|| Arc::new(mask)), ..self }
+    }
+
+    /// Which pixels count, where not all do.
+    pub fn mask(&self) -> Option<&Mask> {
+        self.mask.as_deref()
     }
 
     /// Height and width.
@@ -125,6 +143,9 @@ impl Photo {
                 }
             }
         }
+        if let Some(mask) = &self.mask {
+            (0..self.len()).for_each(|n| part(&[u8::from(mask.counts(n))]));
+        }
     }
 
     /// All colors, row by row.
@@ -174,7 +195,15 @@ impl Photo {
             }
             Pixels::Fine(_) => Pixels::Fine(squares.map(|s| color(s).map(|c| (c / 255.0) as f32)).collect()),
         };
-        Photo::new(height, width, self.background, pixels)
+        let small = Photo::new(height, width, self.background, pixels);
+        match &self.mask {
+            // Where the pixels that count are all among those left over, all count.
+            Some(mask) => match mask.shrunk(self.height, self.width, n) {
+                Some(mask) => small.masked(mask),
+                None => small,
+            },
+            None => small,
+        }
     }
 }
 
@@ -188,7 +217,7 @@ impl From<Array3<f32>> for Photo {
 /// The same colors, however they are kept.
 impl PartialEq for Photo {
     fn eq(&self, other: &Self) -> bool {
-        self.size() == other.size() && self.colors().eq(other.colors())
+        self.size() == other.size() && self.mask == other.mask && self.colors().eq(other.colors())
     }
 }
 

@@ -55,6 +55,17 @@ pub fn read_photo(path: &Path, background: [f32; 3]) -> Result<Photo> {
     })
 }
 
+/// Reads a mask, height, width and a truth value a pixel: whatever isn't black counts.
+///
+/// # Errors
+/// As [`read_rgba`].
+pub fn read_mask(path: &Path) -> Result<(usize, usize, Vec<bool>)> {
+    let picture = decode(path)?.into_rgb8();
+    let (height, width) = (picture.height() as usize, picture.width() as usize);
+    let counts = picture.into_raw().as_chunks().0.iter().map(|rgb: &[u8; 3]| *rgb != [0; 3]).collect();
+    Ok((height, width, counts))
+}
+
 /// Bytes of a picture in memory once [`read_photo`] has read it, from the beginning of the file.
 ///
 /// # Errors

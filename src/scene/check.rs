@@ -74,9 +74,9 @@ pub(super) fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
     Err(Error::input(Input { file, field, found: value, expected: "a positive number of pixels", remedy }))
 }
 
-/// All images of one size, and at least one frame to learn from.
+/// At least one frame to learn from, and lenses that have rays.
 pub(super) fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
-    let Some(first) = train.first() else {
+    if train.is_empty() {
         let remedy = "Add frames, or hold out fewer of them.";
         return Err(Error::input(Input {
             file,
@@ -85,19 +85,8 @@ pub(super) fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
             expected: "at least one",
             remedy,
         }));
-    };
-    let size = (first.camera.width, first.camera.height);
-    for frame in train.iter().chain(val) {
-        let this = (frame.camera.width, frame.camera.height);
-        if this != size {
-            let found = format!("{}x{}", this.0, this.1);
-            let expected = format!("{}x{} as {}", size.0, size.1, first.name);
-            let remedy = "Bring all pictures of a scene to one size, and its intrinsics with them.";
-            return Err(Error::input(Input { file, field: &frame.name, found, expected, remedy }));
-        }
-        lens(file, frame)?;
     }
-    Ok(())
+    train.iter().chain(val).try_for_each(|frame| lens(file, frame))
 }
 
 /// A lens that has rays along the whole border of the picture: one that folds over does so from the border inward.

@@ -26,7 +26,7 @@ const READ: &[(&str, Holds)] = &[
     ("camera_angle_x", ANGLE), ("camera_angle_y", ANGLE), ("k1", LENS), ("k2", LENS), ("k3", LENS), ("k4", LENS), ("k5", LENS),
     ("k6", LENS), ("p1", LENS), ("p2", LENS), ("ftheta_p0", LENS), ("ftheta_p1", LENS), ("ftheta_p2", LENS), ("ftheta_p3", LENS),
     ("ftheta_p4", LENS), ("rolling_shutter", Or(&Numbers(3, -1e6, 1e6), &Numbers(4, -1e6, 1e6))), ("camera_model", Text),
-    ("is_fisheye", Flag), ("is_equirectangular", Flag), ("is_latlong", Flag), ("equirectangular", Flag), ("latlong", Flag),
+    ("mask_path", Text), ("is_fisheye", Flag), ("is_equirectangular", Flag), ("is_latlong", Flag), ("equirectangular", Flag), ("latlong", Flag),
     ("aabb_scale", Above(0.0, LENGTH)), ("scale", Above(0.0, LENGTH)),
     ("offset", Or(&Number(-LENGTH, LENGTH), &Numbers(3, -LENGTH, LENGTH))),
 ];
@@ -47,7 +47,6 @@ const LEFT: &[(&str, Holds)] = &[
 
 /// Fields that would change what is learned if they were read: they are checked, and named in the warning.
 const MISSED: &[(&str, Holds)] = &[
-    ("mask_path", Text),
     ("train_filenames", List(&Text)),
     ("val_filenames", List(&Text)),
     ("test_filenames", List(&Text)),

@@ -18,16 +18,25 @@ use crate::ray::draw_index;
 pub mod builtin;
 mod card;
 mod check;
+pub mod cloud;
+mod colmap;
 pub(crate) mod digest;
+mod doubts;
 mod fields;
 mod layout;
 mod lens;
+mod llff;
 mod npz;
+pub mod path;
+mod pictures;
+mod ply;
 mod transforms;
 
+use crate::files::mask::Mask;
 pub use crate::files::photo::Photo;
 pub use builtin::Medium;
 pub use card::card;
+pub use cloud::Cloud;
 pub use layout::common_focus;
 
 /// One camera, with its photograph.
@@ -46,9 +55,9 @@ pub struct Frame {
 pub struct Scene {
     /// Its name, as given to [`load`].
     pub name: String,
-    /// Frames to learn from, at least one, all with images of one size.
+    /// Frames to learn from, at least one, all with images.
     pub train: Vec<Frame>,
-    /// Frames to measure on; images of the same size.
+    /// Frames to measure on, with images.
     pub val: Vec<Frame>,
     /// The film path, in order, or the frames of a test split; may be empty. Images only where [`Options::test_images`] asks for
     /// them and the scene has them.
@@ -61,6 +70,8 @@ pub struct Scene {
     pub background: [f64; 3],
     /// The box that holds everything of interest, lower and upper corner, if the scene states it.
     pub bounds: Option<(DVec3, DVec3)>,
+    /// Points of its surfaces, where it has them.
+    pub cloud: Option<Cloud>,
     /// The point closest to all cameras' axes; where there is none, the middle of the first camera's view.
     pub focus: DVec3,
     /// Warnings, a sentence each.
@@ -86,12 +97,24 @@ pub struct Options {
     pub test_images: bool,
 }
 
-/// Frame, row and column of a random pixel: each from one of the first three numbers of `ray` in `step`.
+/// Frame, row and column of a random pixel that isn't masked: from the first three numbers of `ray` in `step`.
 pub fn random_pixel<F: Borrow<Frame>>(frames: &[F], key: &Key, step: u64, ray: u64) -> [usize; 3] {
     let [u, v, w, _] = key.four(step, ray);
-    let frame = draw_index(u, frames.len());
-    let camera = &frames[frame].borrow().camera;
-    [frame, draw_index(v, camera.height), draw_index(w, camera.width)]
+    let n = draw_index(u, frames.len());
+    let frame = frames[n].borrow();
+    let camera = &frame.camera;
+    let mask = frame.image.as_ref().and_then(Photo::mask);
+    let pixel = draw_place(mask, [camera.height, camera.width], [v, w]);
+    [n, pixel / camera.width, pixel % camera.width]
+}
+
+/// A random pixel of a picture, height and width, by two numbers in [0, 1): its row and its column, or, of those that count, by the first.
+#[inline(always)]
+pub(crate) fn draw_place(mask: Option<&Mask>, [height, width]: [usize; 2], [v, w]: [f64; 2]) -> usize {
+    match mask {
+        Some(mask) => mask.of(draw_index(v, mask.count())),
+        None => draw_index(v, height) * width + draw_index(w, width),
+    }
 }
 
 impl Scene {
@@ -109,6 +132,7 @@ impl Scene {
             far: f64::NAN,
             background: options.background.unwrap_or([0.0; 3]),
             bounds: None,
+            cloud: None,
             focus: DVec3::ZERO,
             warnings: Vec::new(),
             reasons,
@@ -129,7 +153,10 @@ impl Scene {
     /// A pixel for each square of `n` x `n`: area means, and the cameras that would have taken them, exactly.
     fn shrunk(mut self, n: usize) -> Result<Scene> {
         let (width, height) = self.size();
-        if n > width.min(height) {
+        let frames = self.train.iter().chain(&self.val).chain(&self.test);
+        if let Some(Camera { width, height, .. }) =
+            frames.map(|frame| frame.camera).find(|camera| n > camera.width.min(camera.height))
+        {
             let expected = format!("at least 1/{}, a pixel of {width}x{height}", width.min(height));
             return Err(Error::usage("scale", format!("1/{n}"), expected));
         }
@@ -144,7 +171,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// Picture width and height in pixels.
+    /// Width and height of the first picture, in pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.train[0].camera.width, self.train[0].camera.height)
     }
@@ -158,7 +185,8 @@ fn shrunk(camera: &Camera, n: usize) -> Camera {
     Camera { width: camera.width / n, height: camera.height / n, k: Intrinsics { fx, fy, cx, cy }, ..*camera }
 }
 
-/// Loads `builtin:NAME`, an `.npz` (CS180 or tiny-NeRF layout, told apart by its arrays), or a folder or file of `transforms*.json`.
+/// Loads `builtin:NAME`, an `.npz` (CS180 or tiny-NeRF layout, told apart by its arrays), a folder or file of `transforms*.json`, or the folder
+/// of a capture with COLMAP's model (`sparse/0`) or LLFF's `poses_bounds.npy`, or a folder of pictures inside one of these.
 ///
 /// # Errors
 /// Where anything in the scene isn't what it should be, by file and field.
@@ -184,12 +212,19 @@ fn read(scene: &str, options: &Options) -> Result<Scene> {
     if is("json") || folder {
         return transforms::load(path, options);
     }
+    if let Some(capture) = colmap::at(path) {
+        return colmap::load(&capture, options);
+    }
+    if let Some(capture) = llff::at(path) {
+        return llff::load(&capture, options);
+    }
     let found = match (path.is_dir(), path.exists()) {
-        (true, _) => "a folder without transforms.json or transforms_train.json",
+        (true, _) => "a folder without transforms.json, transforms_train.json, sparse/0 or poses_bounds.npy",
         (_, true) => "a file of another kind",
         (_, false) => "nothing there",
     };
-    let expected = "builtin:NAME, an .npz, or a folder or file of transforms*.json";
+    let expected =
+        "builtin:NAME, an .npz, a folder or file of transforms*.json, or a folder that COLMAP or LLFF wrote";
     let remedy = "Start with builtin:spheres, which needs no file.";
     Err(Error::input(Input { file: scene, field: "scene", found, expected, remedy }))
 }

@@ -8,11 +8,10 @@ use serde_json::Value;
 use super::fields::{self, listed};
 use super::layout::{Backdrop, settle};
 use super::lens::{intrinsics, lens};
-use super::{Frame, Options, Photo, Scene, check};
+use super::{Cloud, Frame, Options, Photo, Scene, check, pictures, ply};
 use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
-use crate::files::{self, json, picture};
-use crate::limits;
+use crate::files::{self, json};
 use crate::parallel;
 
 /// One parsed file.
@@ -88,12 +87,11 @@ impl Transforms {
         Ok(self.frames()?.iter().any(|(name, _)| self.picture(name).is_some()))
     }
 
-    /// The picture of a frame: beside the file, `.png` where the path has no extension (Blender). `None` where it isn't there.
+    /// The picture of a frame: beside the file, or in `images` there; with any ending where the path has none (Blender). `None` where it
+    /// isn't there.
     fn picture(&self, name: &str) -> Option<PathBuf> {
-        let beside = self.path.parent().unwrap_or(Path::new("")).join(name);
-        let mut with_png = beside.clone().into_os_string();
-        with_png.push(".png");
-        [beside, with_png.into()].into_iter().find(|path| path.is_file())
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        pictures::file(folder, name).or_else(|| pictures::file(&folder.join("images"), name))
     }
 }
 
@@ -111,6 +109,7 @@ pub(super) fn load(path: &Path, options: &Options) -> Result<Scene> {
     let backdrop = reader.backdrop();
     scene.hold_out(frames, options);
     scene.bounds = ngp_box(&transforms, &mut scene);
+    scene.cloud = points(&transforms, &scene)?;
     finish(scene, &transforms.file(), backdrop, options)
 }
 
@@ -181,40 +180,21 @@ impl Reader<'_> {
             let names = listed(&transforms.unused);
             self.scene.warnings.push(format!("{}: fields that are not used: {names}.", transforms.file()));
         }
-        let mut frames = Vec::with_capacity(named.len());
-        let mut missing = Vec::new();
-        let background = self.scene.background.map(|c| c as f32);
         let paths: Vec<Option<PathBuf>> =
             if images { named.iter().map(|(name, _)| transforms.picture(name)).collect() } else { vec![] };
-        let bytes = parallel::map(paths.len(), |n| paths[n].as_deref().map_or(Ok(0), picture::held_bytes));
-        let bytes = bytes.into_iter().sum::<Result<u64>>()? as f64;
-        limits::fits(transforms.file(), bytes, "Make the pictures smaller, or list fewer of them.")?;
-        let mut photos = parallel::map(paths.len(), |n| {
-            paths[n].as_deref().map(|path| picture::read_photo(path, background)).transpose()
-        })
-        .into_iter();
-        for (name, value) in named {
-            match photos.next().transpose()? {
+        let file = transforms.file();
+        let photos = pictures::read(&file, &paths, self.scene.background)?;
+        let mut photos = masked(transforms, &named, photos)?.into_iter();
+        let (mut frames, mut missing) = (Vec::with_capacity(named.len()), Vec::new());
+        for &(name, value) in &named {
+            match photos.next() {
                 Some(None) => missing.push(name),
                 Some(photo) => frames.push(self.frame(transforms, name, value, photo)?),
                 None => frames.push(self.frame(transforms, name, value, None)?),
             }
         }
-        if frames.is_empty() {
-            let remedy = "Paths are taken from the folder that the file lies in.";
-            let found = format!("none of {} pictures, {} the first", missing.len(), missing[0]);
-            return Err(Error::input(Input {
-                file: transforms.file(),
-                field: "frames",
-                found,
-                expected: "pictures at file_path",
-                remedy,
-            }));
-        }
-        if !missing.is_empty() {
-            let list = listed(&missing);
-            self.scene.warnings.push(format!("{}: left out, picture missing: {list}", transforms.file()));
-        }
+        let remedy = "Paths are taken from the folder that the file lies in.";
+        pictures::missing(&file, &missing, named.len(), remedy, self.scene)?;
         Ok(frames)
     }
 
@@ -260,6 +240,42 @@ impl Reader<'_> {
         self.scene.reasons.insert("background".into(), Value::from(why));
         Backdrop::Plain
     }
+}
+
+/// The pictures, each with the frame's `mask_path` where it has one.
+fn masked(
+    transforms: &Transforms,
+    named: &[(&str, &Value)],
+    photos: Vec<Option<Photo>>,
+) -> Result<Vec<Option<Photo>>> {
+    let folder = transforms.path.parent().unwrap_or(Path::new(""));
+    let one = |n: usize| {
+        let Some((photo, mask)) = photos[n].clone().zip(named[n].1["mask_path"].as_str()) else {
+            return Ok(photos[n].clone());
+        };
+        let path = pictures::file(folder, mask).ok_or_else(|| {
+            Error::input(Input {
+                file: transforms.file(),
+                field: format!("mask_path of {}", named[n].0),
+                found: format!("{mask:?}, where nothing is"),
+                expected: "a mask",
+                remedy: "Paths are taken from the folder that the file lies in.",
+            })
+        })?;
+        pictures::masked(photo, &path).map(Some)
+    };
+    parallel::map(photos.len(), one).into_iter().collect()
+}
+
+/// The points of `ply_file_path`, if the file is there.
+fn points(transforms: &Transforms, scene: &Scene) -> Result<Option<Cloud>> {
+    let Some(name) = transforms.json["ply_file_path"].as_str() else { return Ok(None) };
+    let path = transforms.path.parent().unwrap_or(Path::new("")).join(name);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let cameras: Vec<_> = scene.train.iter().chain(&scene.val).map(|frame| &frame.camera).collect();
+    Ok(Cloud::around(ply::read(&path)?, &cameras).useful())
 }
 
 /// instant-ngp's box: a cube of `aabb_scale` in its own units, x_ngp = scale x + offset around 0.5, scale 0.33 unless the file says.

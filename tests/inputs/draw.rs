@@ -21,10 +21,18 @@ pub(crate) struct Input {
 }
 
 /// Files, and the command that reads each.
-const READERS: [(&str, &str); 8] = [
+const READERS: [(&str, &str); 16] = [
     ("scene/transforms.json", "inspect scene --rays 1 --samples 1 --out out"),
+    ("keys.json", "render run --path keys.json:1 --size 2x2 --out out/film.gif"),
     ("run/run.json", "render run --path orbit:1 --size 2x2 --out out/film.gif"),
     ("run/checkpoint.npz", "render run --path orbit:1 --size 2x2 --out out/film.gif"),
+    ("colmap/sparse/0/cameras.bin", "inspect colmap --rays 1 --samples 1 --out out"),
+    ("colmap/sparse/0/images.bin", "inspect colmap --rays 1 --samples 1 --out out"),
+    ("colmap/sparse/0/points3D.bin", "inspect colmap --rays 1 --samples 1 --out out"),
+    ("text/sparse/0/cameras.txt", "inspect text --rays 1 --samples 1 --out out"),
+    ("text/sparse/0/images.txt", "inspect text --rays 1 --samples 1 --out out"),
+    ("text/sparse/0/points3D.txt", "inspect text --rays 1 --samples 1 --out out"),
+    ("llff/poses_bounds.npy", "inspect llff --rays 1 --samples 1 --out out"),
     ("cs180.npz", "inspect cs180.npz --rays 1 --samples 1 --out out"),
     ("tiny.npz", "inspect tiny.npz --rays 1 --samples 1 --out out"),
     ("photo.png", "fit-image photo.png --steps 1 --width 2 --layers 1 --batch 2 --size 4 --out out"),
@@ -152,10 +160,10 @@ pub(crate) fn input(ground: &Ground, n: u64) -> Input {
         return line(&mut lot);
     }
     let json = n % 2 == 1;
-    let (file, reader) = READERS[if json { lot.below(2) } else { lot.below(READERS.len()) }];
+    let (file, reader) = READERS[if json { lot.below(3) } else { lot.below(READERS.len()) }];
     let what = if json { replaced(ground, file, &mut lot) } else { damaged(ground, file, &mut lot) };
-    // Below the file or folder that the command names, any file may be the one that is found bad.
-    let name = words(reader)[1].clone();
+    // In the folder that the file lies in, any file may be the one that is found bad.
+    let name = file.split('/').next().expect("a name").to_string();
     Input { what: format!("{file}: {what}"), args: words(reader), name }
 }
 
@@ -266,7 +274,24 @@ pub(crate) fn bytes(ground: &Ground, file: &str, put: &str) {
             bytes[29] ^= 1;
             ground.write(file, bytes);
         }
-        npy => ground.write(file, archive(npy)),
+        other => match other.split_once(" = ") {
+            // Bytes from a place on, in hexadecimal digits.
+            Some((at, digits)) => {
+                let mut bytes = ground.bytes(file);
+                let at = at.parse::<usize>().expect("a place");
+                let put = digits.as_bytes().chunks(2).map(|two| std::str::from_utf8(two).expect("digits"));
+                let put: Vec<u8> = put.map(|two| u8::from_str_radix(two, 16).expect("digits")).collect();
+                bytes[at..at + put.len()].copy_from_slice(&put);
+                ground.write(file, bytes);
+            }
+            None => match other.split_once(" -> ") {
+                Some((from, to)) => {
+                    assert!(text().contains(from), "{from:?} isn't in {file}");
+                    ground.write(file, text().replacen(from, to, 1));
+                }
+                None => ground.write(file, archive(other)),
+            },
+        },
     }
 }
 

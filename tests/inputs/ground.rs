@@ -9,7 +9,7 @@ use ndarray::{Array, Array3, Array4};
 use nerf_oracle::files::npz::{self, Arrays};
 use serde_json::{Value, json};
 
-use super::Ended;
+use super::{Ended, captures};
 
 /// A folder with the good files; those that a test has changed come back by `restore`.
 pub(crate) struct Ground {
@@ -57,6 +57,13 @@ impl Ground {
         ] {
             photo.save_with_format(folder.join(name), format).expect("written");
         }
+        for capture in ["colmap", "text", "llff"] {
+            captures::pictures(&folder.join(capture).join("images"), captures::SIZE);
+        }
+        captures::binary(&folder.join("colmap/sparse/0"), &captures::opencv(), 0.0);
+        captures::text(&folder.join("text/sparse/0"), &captures::pinhole());
+        captures::llff(&folder.join("llff"), 8.0);
+        fs::write(folder.join("keys.json"), keys().to_string()).expect("written");
         npz::write(&folder.join("cs180.npz"), &cs180(), true).expect("written");
         npz::write(&folder.join("tiny.npz"), &tiny_nerf(), false).expect("written");
         for args in [format!("train {RUN} --out run"), format!("train {COMPACT} --out compact")] {
@@ -168,6 +175,12 @@ fn transforms() -> Value {
         "ply_file_path": "points.ply", "orientation_override": "none", "enable_depth_loading": true, "integer_depth_scale": 0.001,
         "up": [0.0, 0.0, 1.0], "frames": [frame("a.png", POSES[0]), frame("b.png", POSES[1])],
     })
+}
+
+/// Key cameras of a film.
+fn keys() -> Value {
+    let frame = |pose: [[f64; 4]; 4]| json!({"transform_matrix": pose, "camera_angle_x": 0.7});
+    json!({"frames": POSES.map(frame)})
 }
 
 /// `n` of the two poses, turned to OpenCV axes where `opencv`.

@@ -4,6 +4,9 @@
 //! `rows` is the table of inputs that are known to be bad, with part of each one's message; `draw` makes more of them out of good files.
 //! `NERF_ORACLE_INPUTS=20000 cargo test --release --test inputs` draws as many.
 
+mod bad_captures;
+#[path = "../captures/files.rs"]
+mod captures;
 mod draw;
 mod ground;
 mod rows;

@@ -5,6 +5,7 @@ use std::fmt;
 use nerf_oracle::files::npz::{self, Array, Arrays};
 use serde_json::Value;
 
+use super::bad_captures as captures;
 use super::ground::{Ground, words};
 
 /// One bad input.
@@ -24,6 +25,10 @@ fn reader(file: &str) -> &'static str {
     match file {
         "scene/transforms.json" => "inspect scene --rays 1 --samples 1 --out out",
         "scene/a.png" => "inspect scene --rays 1 --samples 1 --out out",
+        "keys.json" => "render run --path keys.json:1 --size 2x2 --out out.gif",
+        file if file.starts_with("colmap/") => "inspect colmap --rays 1 --samples 1 --out out",
+        file if file.starts_with("text/") => "inspect text --rays 1 --samples 1 --out out",
+        file if file.starts_with("llff/") => "inspect llff --rays 1 --samples 1 --out out",
         "cs180.npz" => "inspect cs180.npz --rays 1 --samples 1 --out out",
         "tiny.npz" => "inspect tiny.npz --rays 1 --samples 1 --out out",
         "run/run.json" | "run/checkpoint.npz" => "render run --path orbit:1 --size 2x2 --out out.gif",
@@ -155,8 +160,12 @@ pub(crate) fn all() -> Vec<Row> {
     let compact =
         COMPACT.iter().map(|&(place, put, says)| Row::Json { file: "compact/run.json", place, put, says });
     let bytes = BYTES.iter().map(|&(file, put, says)| Row::Bytes { file, put, says });
+    let captures = captures::CAPTURES.iter().map(|&(file, put, says)| Row::Bytes { file, put, says });
+    let keys =
+        captures::KEYS.iter().map(|&(place, put, says)| Row::Json { file: "keys.json", place, put, says });
     let lines = LINES.iter().map(|&(line, says)| Row::Line { line, says });
-    scene.chain(run).chain(compact).chain(arrays).chain(bytes).chain(lines).collect()
+    let rows = scene.chain(run).chain(compact).chain(arrays).chain(bytes).chain(lines);
+    rows.chain(captures).chain(keys).collect()
 }
 
 /// `transforms.json`: a place, what is put there, part of the message.

@@ -232,7 +232,7 @@ impl CompactSettings {
         );
         because(
             "lens",
-            match scene.train[0].camera.distortion {
+            match scene.train.iter().find_map(|frame| frame.camera.distortion) {
                 Some(_) => "undone: the scene has distortion coefficients".into(),
                 None => "left out: the scene has no distortion coefficients".to_string(),
             },
@@ -345,15 +345,18 @@ fn distances(scene: &Scene) -> impl Iterator<Item = f64> {
 fn cube(scene: &Scene) -> (DVec3, f64, String) {
     if let Some((low, high)) = scene.bounds {
         let size = (high - low).max_element();
-        return (0.5 * (low + high) - DVec3::splat(0.5 * size), size, "the scene says so".into());
+        let why = scene.reasons.get("bounds").and_then(Value::as_str).unwrap_or("the scene says so");
+        return (0.5 * (low + high) - DVec3::splat(0.5 * size), size, why.into());
     }
     let (mut nearest, mut farthest) = (f64::INFINITY, 0f64);
     for r in distances(scene) {
         (nearest, farthest) = (nearest.min(r), farthest.max(r));
     }
     let reach = (scene.far - nearest).max(0.1 * farthest);
-    let camera = &scene.train[0].camera;
-    let slope = (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy);
+    let slope = |camera: &Camera| {
+        (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy)
+    };
+    let slope = scene.train.iter().map(|frame| slope(&frame.camera)).fold(0.0, f64::max);
     let (half, why) = if cut_out(scene) {
         let why = "the pictures' borders are background, so the object lies where the pictures look at the cameras' focus";
         (reach.min(farthest * slope), why)
@@ -378,10 +381,12 @@ fn cut_out(scene: &Scene) -> bool {
     plain * 20 >= border * 19
 }
 
-/// The width of a pixel at the focus, from the mean camera.
+/// The width of a pixel at the focus, from the mean camera; of different ones, from that with the median focal length.
 fn pixel_footprint(scene: &Scene) -> f64 {
     let mean = distances(scene).sum::<f64>() / scene.train.len() as f64;
-    mean / scene.train[0].camera.k.fx
+    let mut focal: Vec<f64> = scene.train.iter().map(|frame| frame.camera.k.fx).collect();
+    focal.sort_by(f64::total_cmp);
+    mean / focal[focal.len() / 2]
 }
 
 /// The largest angle between two training cameras' axes and the first one's.

@@ -106,14 +106,13 @@ impl CompactModel {
         if state.contains_key("occupancy_found") {
             copy(state, "occupancy_found", file, &mut self.occupancy.found)?;
         }
-        let pixels = self.views.len();
         let again = if known { whole(state, "compact_again", file)? } else { vec![] };
         self.again = again
             .into_iter()
-            .map(|pixel| u32::try_from(pixel).ok().filter(|&pixel| (pixel as usize) < pixels))
+            .map(|pixel| u32::try_from(pixel).ok().filter(|&pixel| self.views.has(pixel as usize)))
             .collect::<Option<_>>()
             .ok_or_else(|| {
-                wrong(file, "compact_again", "other numbers", format!("pixels, below {pixels}"))
+                wrong(file, "compact_again", "other numbers", "pixels of the training pictures")
             })?;
         let [step, rays] = whole(state, "compact_progress", file)?[..] else {
             return Err(wrong(file, "compact_progress", "another length", "step and rays"));

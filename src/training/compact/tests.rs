@@ -58,6 +58,7 @@ fn ball() -> Scene {
         far: 3.0,
         background: [0.0; 3],
         bounds: None,
+        cloud: None,
         focus: DVec3::ZERO,
         warnings: vec![],
         reasons: serde_json::Map::new(),

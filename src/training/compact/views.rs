@@ -1,14 +1,14 @@
-//! The training pictures, laid out for drawing single pixels: colors, and directions from one table per lens.
+//! The training pictures, laid out for drawing single pixels: colors, and directions, from a table where pictures share a lens.
 
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec2, DVec3};
 
 use super::settings::CompactSettings;
-use crate::camera::{Camera, Distortion, Intrinsics};
-use crate::error::Result;
+use crate::camera::Camera;
+use crate::error::{Error, Input, Result};
 use crate::evaluation::camera_rays;
 use crate::random::Key;
-use crate::ray::{Ray, draw_index};
-use crate::scene::{Photo, Scene};
+use crate::ray::{Ray, camera_ray, draw_index};
+use crate::scene::{Photo, Scene, draw_place};
 
 /// A ray in units of the box.
 #[derive(Clone, Copy, Debug)]
@@ -41,14 +41,23 @@ struct View {
     /// Whether its rays are learned over any background.
     any_background: bool,
     lens: usize,
+    /// Width and height.
+    size: [usize; 2],
+}
+
+/// Directions through the pixels of a camera that stands upright in the origin.
+enum Lens {
+    /// All of them: several pictures share it.
+    Shared(Vec<[f32; 3]>),
+    /// One by one: a table would take four times what its only picture takes.
+    Alone(Camera),
 }
 
 /// All training pixels.
 pub(super) struct Views {
     views: Vec<View>,
-    lenses: Vec<Vec<[f32; 3]>>,
-    /// Width and height of a picture.
-    size: [usize; 2],
+    lenses: Vec<Lens>,
+    /// Pixels of the largest picture: pixel i of picture v is number v times this + i.
     pixels: usize,
     inverse_size: f32,
     /// The scene's.
@@ -59,23 +68,23 @@ impl Views {
     /// The training frames of a scene.
     ///
     /// # Errors
-    /// Where a lens has no inverse at some pixel.
+    /// Where a lens has no inverse at some pixel, or there are more pixels than can be numbered.
     pub(super) fn new(scene: &Scene, settings: &CompactSettings) -> Result<Self> {
-        let mut known: Vec<(Intrinsics, Option<Distortion>)> = vec![];
+        let upright = |camera: &Camera| Camera { c2w: DMat4::IDENTITY, ..*camera };
+        let cameras: Vec<Camera> = scene.train.iter().map(|frame| upright(&frame.camera)).collect();
+        let mut known: Vec<Camera> = vec![];
         let (mut lenses, mut views) = (vec![], vec![]);
-        for frame in &scene.train {
-            let camera = &frame.camera;
-            let lens = known.iter().position(|k| *k == (camera.k, camera.distortion)).unwrap_or(known.len());
+        for (frame, camera) in scene.train.iter().zip(&cameras) {
+            let lens = known.iter().position(|known| known == camera).unwrap_or(known.len());
             if lens == known.len() {
-                known.push((camera.k, camera.distortion));
-                let upright = Camera { c2w: DMat4::IDENTITY, ..*camera };
-                lenses.push(
-                    camera_rays(&upright)?.iter().map(|ray| ray.d.to_array().map(|x| x as f32)).collect(),
-                );
+                known.push(*camera);
+                let shared = cameras.iter().filter(|other| *other == camera).count() > 1;
+                lenses.push(if shared { Lens::shared(camera) } else { Lens::alone(camera) }?);
             }
             let colors = frame.image.clone().expect("training frames have pictures");
-            let origin = (camera.c2w.w_axis.truncate() - settings.low) / settings.size;
-            let rotation = std::array::from_fn(|r| std::array::from_fn(|c| camera.c2w.col(c)[r] as f32));
+            let pose = &frame.camera.c2w;
+            let origin = (pose.w_axis.truncate() - settings.low) / settings.size;
+            let rotation = std::array::from_fn(|r| std::array::from_fn(|c| pose.col(c)[r] as f32));
             let any_background = colors.keeps_opacity() && settings.any_background;
             views.push(View {
                 any_background,
@@ -83,29 +92,42 @@ impl Views {
                 rotation,
                 colors,
                 lens,
+                size: [camera.width, camera.height],
             });
         }
-        let (width, height) = scene.size();
+        let pixels = views.iter().map(|view| view.size[0] * view.size[1]).max().unwrap_or(0);
+        if views.len() * pixels > u32::MAX as usize {
+            let found = format!("{} pictures of up to {pixels} pixels", views.len());
+            let (expected, remedy) = ("at most 2^32 pixels in all", "Make the pictures smaller (`scale`).");
+            return Err(Error::input(Input {
+                file: &scene.name,
+                field: "pictures",
+                found,
+                expected,
+                remedy,
+            }));
+        }
         Ok(Views {
             views,
             lenses,
-            size: [width, height],
-            pixels: width * height,
+            pixels,
             inverse_size: (1.0 / settings.size) as f32,
             background: settings.background.map(|b| b as f32),
         })
     }
 
-    /// Pixels of all pictures.
-    pub(super) fn len(&self) -> usize {
-        self.views.len() * self.pixels
+    /// Whether there is a pixel of this number.
+    pub(super) fn has(&self, n: usize) -> bool {
+        self.views.get(n / self.pixels).is_some_and(|view| n % self.pixels < view.colors.len())
     }
 
     /// A random pixel of all: picture, row and column from the first three numbers of `ray` in `step`.
     #[inline(always)]
     pub(super) fn draw(&self, key: &Key, step: u64, ray: u64) -> usize {
-        let ([u, v, w, _], [width, height]) = (key.four(step, ray), self.size);
-        (draw_index(u, self.views.len()) * height + draw_index(v, height)) * width + draw_index(w, width)
+        let [u, v, w, _] = key.four(step, ray);
+        let n = draw_index(u, self.views.len());
+        let View { colors, size: [width, height], .. } = &self.views[n];
+        n * self.pixels + draw_place(colors.mask(), [*height, *width], [v, w])
     }
 
     /// Number of pictures.
@@ -115,7 +137,7 @@ impl Views {
 
     /// Rays all over a picture, its border included: about so many along each side.
     pub(super) fn lattice(&self, view: usize, lines: usize) -> impl Iterator<Item = BoxRay> {
-        let [width, height] = self.size;
+        let [width, height] = self.views[view].size;
         let along = move |n: usize| (0..n).step_by(n.div_ceil(lines)).chain([n - 1]);
         let pixels = along(height).flat_map(move |j| along(width).map(move |i| j * width + i));
         pixels.map(move |pixel| self.ray(view * self.pixels + pixel))
@@ -134,8 +156,41 @@ impl Views {
     #[inline(always)]
     pub(super) fn ray(&self, n: usize) -> BoxRay {
         let (view, pixel) = (&self.views[n / self.pixels], n % self.pixels);
-        let c = self.lenses[view.lens][pixel];
+        let c = self.lenses[view.lens].direction(pixel);
         let unit = view.rotation.map(|r| r[0] * c[0] + r[1] * c[1] + r[2] * c[2]);
         BoxRay { o: view.origin, d: unit.map(|x| x * self.inverse_size), unit }
     }
+}
+
+impl Lens {
+    fn shared(camera: &Camera) -> Result<Lens> {
+        let directions = camera_rays(camera)?.iter().map(|ray| ray.d.to_array().map(|x| x as f32)).collect();
+        Ok(Lens::Shared(directions))
+    }
+
+    /// Every 16th pixel of every 16th row, and the last ones, stand for all: a lens that folds over does so over more of the picture.
+    fn alone(camera: &Camera) -> Result<Lens> {
+        let along = |n: usize| (0..n).step_by(16).chain([n - 1]);
+        for (j, i) in along(camera.height).flat_map(|j| along(camera.width).map(move |i| (j, i))) {
+            camera_ray(camera, center(i, j))?;
+        }
+        Ok(Lens::Alone(*camera))
+    }
+
+    #[inline(always)]
+    fn direction(&self, pixel: usize) -> [f32; 3] {
+        match self {
+            Lens::Shared(directions) => directions[pixel],
+            Lens::Alone(camera) => {
+                let uv = center(pixel % camera.width, pixel / camera.width);
+                let d = camera_ray(camera, uv).map_or(DVec3::Z, |ray| ray.d);
+                d.to_array().map(|x| x as f32)
+            }
+        }
+    }
+}
+
+/// The center of the pixel in column `i` and row `j`.
+fn center(i: usize, j: usize) -> DVec2 {
+    DVec2::new(i as f64 + 0.5, j as f64 + 0.5)
 }
