@@ -2,8 +2,8 @@
 
 use crate::contract::Component;
 use crate::{
-    camera, early_stop, encoding, field, hash_grid, importance_sampling, loss, occupancy_grid, optimizer,
-    ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp, volume_rendering,
+    camera, contraction, early_stop, encoding, field, hash_grid, importance_sampling, loss, occupancy_grid,
+    optimizer, ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp, volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
@@ -14,6 +14,7 @@ pub const COMPONENTS: &[Component] = &[
     ray::component::IMAGE_RAYS,
     sample::component::SAMPLE_ALONG_RAYS,
     sample::component::STEP_SIZES,
+    contraction::component::CONTRACTION,
     encoding::component::POSITIONAL_ENCODING,
     field::component::MLP,
     field::component::NERF_MLP,

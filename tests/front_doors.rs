@@ -49,6 +49,8 @@ fn doors_fit_the_contract() {
         sample::judge::judge_batch(|_, _, _, _, _| ());
         sample::judge::step_sizes(|_, _, _| ());
         sample::judge::step_sizes_batch(|_, _, _| ());
+        contraction::judge(|_| ()).vjp(|_, _| ());
+        contraction::judge::judge_batch(|_| ()).vjp(|_, _| ());
         encoding::judge(|_, _| ()).vjp(|_, _, _| ());
         encoding::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
         field::judge(|_, _, _| ());

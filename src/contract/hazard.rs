@@ -219,6 +219,32 @@ pub const HAZARDS: &[Hazard] = &[
         ],
     ),
     hazard(
+        "CG6",
+        [
+            "a contracted point at the origin",
+            "2 - 1/|x| is infinite there: a mask that multiplies makes the point NaN, one that selects makes its gradient NaN where both \
+             pieces are differentiated",
+            "nerfstudio's contraction and its copies, in the gradient; a splatting code, in the point",
+        ],
+    ),
+    hazard(
+        "CG7",
+        [
+            "a point on the surface between near and far",
+            "at |x| = 1 the pieces of a contraction agree, and so do their slopes: `<` or `<=` is all the same, and a jump is a mistake",
+            "the limits of the domain: no library in particular",
+        ],
+    ),
+    hazard(
+        "CG8",
+        [
+            "ties of the largest coordinate",
+            "the L-infinity norm has several slopes there: code takes the first coordinate, the last, or shares among them; MERF's contraction \
+             jumps",
+            "the limits of the domain: no library in particular",
+        ],
+    ),
+    hazard(
         "CG9",
         [
             "unusual cameras",

@@ -28,6 +28,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("image_rays", 2.1, 0.0),
     row("sample_along_rays", 1.5, 0.0),
     row("step_sizes", 0.5, 0.0),
+    row("contraction", 1.7, 4.0),
     row("positional_encoding", 1.6, 2.9),
     row("mlp", 1.3, 12.0),
     row("nerf_mlp", 1.9, 24.0),

@@ -13,6 +13,7 @@ COMPONENTS = [
     "image_rays",
     "sample_along_rays",
     "step_sizes",
+    "contraction",
     "positional_encoding",
     "hash_grid",
     "spherical_harmonics",
