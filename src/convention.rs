@@ -209,6 +209,9 @@ pub struct Conventions {
     /// Range of its result.
     #[serde(default)]
     pub contraction_range: ContractionRange,
+    /// Where a scene lies in front of rays in normalized device coordinates.
+    #[serde(default)]
+    pub ndc_depth: NdcDepth,
     /// Whether the encoding begins with x itself.
     pub identity: bool,
     /// Where that stands.
@@ -317,6 +320,7 @@ pub const CS180: Conventions = Conventions {
     product_eps: ProductEps::None,
     contraction_norm: ContractionNorm::L2,
     contraction_range: ContractionRange::Two,
+    ndc_depth: NdcDepth::Negative,
     identity: true,
     identity_place: IdentityPlace::First,
     frequency: Frequency::Pi,

@@ -16,6 +16,7 @@ import second_compact as compact
 import second_geometry as geometry
 import second_harmonics as harmonics
 import second_networks as networks
+import second_packed as packed
 import second_rendering as rendering
 import second_sampler as sampler
 import second_sampling as sampling
@@ -35,6 +36,7 @@ CS180 = {
     "product_eps": "none",
     "contraction_norm": "l2",
     "contraction_range": "two",
+    "ndc_depth": "negative",
     "identity": "true",
     "identity_place": "first",
     "frequency": "pi",
@@ -191,10 +193,11 @@ FUNCTIONS = {"render_trace": render_trace} | {
         geometry: "transform transform_vjp pixel_to_camera pixel_to_camera_vjp pixel_to_ray pixel_to_ray_vjp image_rays "
         "sample_along_rays step_sizes",
         networks: "positional_encoding positional_encoding_vjp mlp mlp_vjp nerf_mlp nerf_mlp_vjp",
-        space: "contraction contraction_vjp",
+        space: "contraction contraction_vjp ndc_rays ndc_rays_vjp",
         harmonics: "spherical_harmonics spherical_harmonics_vjp",
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",
+        packed: "pack_info packed_scan packed_scan_vjp accumulate_along_rays accumulate_along_rays_vjp",
         compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
         training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step",
         sampler: "sample_random_rays",

@@ -1,4 +1,5 @@
-"""The second implementation's contraction: one scale for each coordinate, gradients by the whole Jacobian. See second.py."""
+"""The second implementation's contraction and normalized device coordinates: a scale for each coordinate with the whole Jacobian, and a
+perspective matrix. See second.py."""
 
 import numpy as np
 
@@ -76,3 +77,45 @@ def contraction_vjp(a, c, wrong):
         return {"grad_x": np.diagonal(j, axis1=1, axis2=2) * g}
     out = (j * g[:, :, None]).sum(1)
     return {"grad_x": np.where(r == 0, np.nan, out) if "gradient_not_a_number_at_origin" in wrong else out}
+
+
+def ndc_rays(a, c, wrong):
+    """Two points of each ray through a perspective matrix whose far plane is at infinity: on the near plane, and at infinity."""
+    o, d = a["rays_o"], a["rays_d"]
+    kind = o.dtype
+    near = kind.type(1 if "near_taken_as_one" in wrong else a["near"])
+    sign = kind.type(-1 if c["ndc_depth"] == "negative" else 1)
+    sizes = [a["height"], a["width"]] if "size_swapped" in wrong else [a["width"], a["height"]]
+    x, y = (kind.type((1 if "half_size_forgotten" in wrong else 2) * a["focal"] / size) for size in sizes)
+    twice = 2 * near if "depth_of_the_other_axes" in wrong else -2 * near
+    matrix = np.array([[x, 0, 0, 0], [0, y, 0, 0], [0, 0, sign, twice], [0, 0, sign, 0]], kind)
+    plane = -sign * near if "moved_behind" in wrong else sign * near
+    p = o if "origin_not_moved" in wrong else o + ((plane - o[:, 2]) / d[:, 2])[:, None] * d
+    with np.errstate(divide="ignore", invalid="ignore"):
+        start, end = (
+            (h := np.concatenate([q, np.full_like(q[:, :1], w)], 1) @ matrix.T)[:, :3] / h[:, 3:] for q, w in ((p, 1), (d, 0))
+        )
+        ahead = end - start
+        if "origin_not_subtracted" in wrong:
+            ahead[:, :2] = end[:, :2]
+        if "direction_normalized" in wrong:
+            ahead = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+    return {"rays_o_ndc": start, "rays_d_ndc": ahead}
+
+
+def ndc_rays_vjp(a, c, wrong):
+    """Slopes u = d_x/|d_z| and starts p_x/near, and how both move with the ray."""
+    o, d, kind = a["rays_o"], a["rays_d"], a["rays_o"].dtype
+    sign, near = kind.type(-1 if c["ndc_depth"] == "negative" else 1), kind.type(a["near"])
+    scales = np.array([2 * a["focal"] / a["width"], 2 * a["focal"] / a["height"]], kind)
+    g_start = (a["grad_rays_o_ndc"] - a["grad_rays_d_ndc"])[:, :2] * scales / near
+    g_slope = a["grad_rays_d_ndc"][:, :2] * scales * sign / d[:, 2:]
+    if "slope_not_differentiated" in wrong:
+        g_slope = np.zeros_like(g_slope)
+    t = ((sign * near - o[:, 2]) / d[:, 2])[:, None]
+    tilt = d[:, :2] / d[:, 2:]
+    by_depth = -(g_start * tilt).sum(1, keepdims=True)
+    g_t = -(g_slope * tilt).sum(1, keepdims=True) + t * by_depth
+    if "shift_not_differentiated" in wrong:
+        by_depth, g_t = np.zeros_like(by_depth), -(g_slope * tilt).sum(1, keepdims=True)
+    return {"grad_rays_o": np.concatenate([g_start, by_depth], 1), "grad_rays_d": np.concatenate([t * g_start + g_slope, g_t], 1)}

@@ -1,7 +1,8 @@
 //! The glossary of hazards: numbers on which real libraries went wrong. The id of a hard case begins with the id of its hazard
 //! (`VR9_underflow` is a case of VR9), and comments name hazards by their ids.
 //!
-//! The letters say where a hazard belongs: VR volume rendering, SA sampling, PE encodings, CG cameras and boxes, TR training, ME metrics.
+//! The letters say where a hazard belongs: VR volume rendering, PK packed rays, SA sampling, PE encodings, CG cameras and boxes, TR
+//! training, ME metrics.
 //! Numbers that are missing were hazards of components that the crate doesn't have.
 
 /// A kind of input on which implementations go wrong.
@@ -111,6 +112,15 @@ pub const HAZARDS: &[Hazard] = &[
             "step lengths that differ from ray to ray",
             "code that takes the first ray's steps for the whole batch is off by any factor (0.139 instead of 0.289)",
             "kornia's RegularRenderer",
+        ],
+    ),
+    hazard(
+        "PK1",
+        [
+            "packed rays without samples",
+            "the first, the last or a middle ray misses the scene: code that counts the rays it finds numbers all those behind anew, and one \
+             that takes starts for flags begins anew too late",
+            "nerfacc#161, #256",
         ],
     ),
     hazard(
@@ -250,6 +260,15 @@ pub const HAZARDS: &[Hazard] = &[
             "unusual cameras",
             "singular K, poses that aren't rotations (det -1, scale 2, NaN), a camera inside the object, cameras at 1e6, where o + t d cancels",
             "files written by hand",
+        ],
+    ),
+    hazard(
+        "CG10",
+        [
+            "rays on their way to the near plane",
+            "a ray across the axis (d_z = 0) never meets it; one from z = 0 must be moved before anything is divided by z; one that grazes \
+             meets it far away",
+            "normalized device coordinates without the move to the near plane",
         ],
     ),
     hazard(

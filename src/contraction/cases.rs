@@ -26,7 +26,7 @@ pub(crate) fn contraction() -> Vec<Case> {
         case(
             "CG7_surface",
             "r = 1 exactly, in one norm or both: the pieces and their slopes agree there",
-            vec![1.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.75, 0.5, 1.0, 0.5, -1.0, 0.25],
+            vec![1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.75, 0.5, 1.0, 0.5, 1.0, 0.25],
         ),
         case(
             "CG7_beside_the_surface",

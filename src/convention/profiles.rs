@@ -68,6 +68,7 @@ pub const PROFILES: &[Profile] = &[
             ("product_eps", "run_nerf.py raw2outputs: cumprod(1 - alpha + 1e-10)"),
             ("pdf_padding", "run_nerf_helpers.py sample_pdf: weights + 1e-5"),
             ("pdf_division", "run_nerf_helpers.py sample_pdf: where(denom < 1e-5, 1, denom)"),
+            ("ndc_depth", "run_nerf_helpers.py ndc_rays: t = -(near + rays_o[..., 2]) / rays_d[..., 2]"),
             ("frequency", "run_nerf_helpers.py Embedder: 2^k without pi"),
             ("columns", "run_nerf_helpers.py Embedder: for each frequency sin, cos of all dimensions"),
             ("density", "run_nerf.py raw2alpha: relu"),
@@ -212,6 +213,10 @@ pub const PROFILES: &[Profile] = &[
             ("product_eps", "internal/render.py compute_alpha_weights: exp(-cumsum), nothing added"),
             ("contraction_norm", "internal/coord.py contract: sum(x**2)"),
             ("contraction_range", "internal/coord.py contract: not scaled"),
+            (
+                "ndc_depth",
+                "internal/camera_utils.py convert_to_ndc: t = -(near + origins[..., 2]) / directions[..., 2]",
+            ),
             ("frequency", "internal/coord.py pos_enc: 2^arange(min_deg, max_deg)"),
             ("identity", "internal/coord.py pos_enc: append_identity"),
             (

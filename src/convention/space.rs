@@ -27,3 +27,14 @@ pub enum ContractionRange {
     /// [0, 1]: y / 4 + 1/2 (nerfacc, nerfstudio's nerfacto).
     Unit,
 }
+
+/// Where a scene lies that rays in normalized device coordinates look at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum NdcDepth {
+    /// At z < 0, as OpenGL's cameras look (bmild/nerf, jaxnerf, multinerf, nerf_pl).
+    #[default]
+    Negative,
+    /// At z > 0, as OpenCV's do (TensoRF's `ndc_rays`).
+    Positive,
+}
