@@ -36,8 +36,8 @@ def contraction(a, c, wrong):
     with np.errstate(invalid="ignore"):
         outside = far * x
         if {"contracted_inside_too", "pieces_exchanged"} & set(wrong):
-            plain = (2 - 1 / r) / r * x
-            inside = plain
+            with np.errstate(divide="ignore"):
+                inside = (2 - 1 / r) / r * x
             outside = x if "pieces_exchanged" in wrong else outside
         else:
             inside = x
@@ -88,7 +88,8 @@ def ndc_rays(a, c, wrong):
     sizes = [a["height"], a["width"]] if "size_swapped" in wrong else [a["width"], a["height"]]
     x, y = (kind.type((1 if "half_size_forgotten" in wrong else 2) * a["focal"] / size) for size in sizes)
     twice = 2 * near if "depth_of_the_other_axes" in wrong else -2 * near
-    matrix = np.array([[x, 0, 0, 0], [0, y, 0, 0], [0, 0, sign, twice], [0, 0, sign, 0]], kind)
+    # Divided by z, whose sign the scales take, as codes do: what is divided by 0 has their infinity.
+    matrix = np.array([[sign * x, 0, 0, 0], [0, sign * y, 0, 0], [0, 0, 1, sign * twice], [0, 0, 1, 0]], kind)
     plane = -sign * near if "moved_behind" in wrong else sign * near
     p = o if "origin_not_moved" in wrong else o + ((plane - o[:, 2]) / d[:, 2])[:, None] * d
     with np.errstate(divide="ignore", invalid="ignore"):

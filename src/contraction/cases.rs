@@ -17,7 +17,8 @@ pub(crate) fn contraction() -> Vec<Case> {
         case("outside", "a few times as far as what stays", seeded(1, 8, 8.0)),
         case("mixed", "on both sides of either surface", seeded(2, 12, 1.25)),
         case("far", "sizes up to 90: what half precision can square", seeded(3, 6, 90.0)),
-        case("CG6_origin", "0: 1/r is infinite there, and times 0 it is NaN", vec![0.0; 3]),
+        case("CG6_origin", "0: 1/r is infinite there, and times 0 it is NaN", vec![0.0; 3])
+            .edge("a point at the origin"),
         case(
             "CG6_beside_the_origin",
             "what the other piece would throw far out",
