@@ -2,7 +2,7 @@
 
 use crate::contract::Component;
 use crate::{
-    camera, contraction, early_stop, encoding, field, hash_grid, importance_sampling, loss, ndc,
+    camera, contraction, distortion, early_stop, encoding, field, hash_grid, importance_sampling, loss, ndc,
     occupancy_grid, optimizer, packed, ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp,
     volume_rendering,
 };
@@ -32,6 +32,7 @@ pub const COMPONENTS: &[Component] = &[
     packed::component::ACCUMULATE_ALONG_RAYS,
     early_stop::component::EARLY_STOP,
     trace::component::RENDER_TRACE,
+    distortion::component::DISTORTION_LOSS,
     loss::component::MSE,
     loss::component::PSNR,
     loss::component::TO_UINT8,

@@ -68,6 +68,8 @@ fn doors_fit_the_contract() {
         volume_rendering::judge::composite_background_batch(|_, _, _| ()).vjp(|_, _, _, _| ());
         volume_rendering::judge::depth(|_, _, _| ()).vjp(|_, _, _, _| ());
         volume_rendering::judge::depth_batch(|_, _, _| ()).vjp(|_, _, _, _| ());
+        distortion::judge(|_, _| ()).vjp(|_, _, _| ());
+        distortion::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
         packed::judge(|_, _| ()).vjp(|_, _, _, _, _, _| ());
         packed::judge::pack_info(|_, _| ());
         packed::judge::accumulate_along_rays(|_, _, _| ()).vjp(|_, _, _, _| ());

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import second_compact as compact
+import second_distortion as distortion
 import second_geometry as geometry
 import second_harmonics as harmonics
 import second_networks as networks
@@ -198,6 +199,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",
         packed: "pack_info packed_scan packed_scan_vjp accumulate_along_rays accumulate_along_rays_vjp",
+        distortion: "distortion_loss distortion_loss_vjp",
         compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
         training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step",
         sampler: "sample_random_rays",

@@ -98,6 +98,15 @@ pub const HAZARDS: &[Hazard] = &[
         ],
     ),
     hazard(
+        "VR8",
+        [
+            "the distortion loss far from 0",
+            "by running sums it is a difference of large numbers: 1.3e-4 off in f32 at t = 1e4, 8e-3 at 1e6; normalized distances, or \
+             lengths between edges, keep the digits",
+            "the O(N) form of DVGOv2, nerfacc and ngp_pl, in t",
+        ],
+    ),
+    hazard(
         "VR9",
         [
             "rays of extreme length or density",
@@ -112,6 +121,15 @@ pub const HAZARDS: &[Hazard] = &[
             "step lengths that differ from ray to ray",
             "code that takes the first ray's steps for the whole batch is off by any factor (0.139 instead of 0.289)",
             "kornia's RegularRenderer",
+        ],
+    ),
+    hazard(
+        "VR11",
+        [
+            "intervals without length",
+            "resampled edges tie, and so do the middles of intervals: |m_i - m_j| has no derivative there, and code that divides by a \
+             length makes NaN",
+            "the limits of the domain: no library in particular",
         ],
     ),
     hazard(

@@ -8,6 +8,7 @@ use nerf_oracle::convention::HarmonicSign::Plain;
 use nerf_oracle::convention::{
     CS180, Depth, EmptyDepth, GridDecay, GridUnseen, PixelCenter, ProductEps, PsnrFloor, PsnrOf,
 };
+use nerf_oracle::distortion;
 use nerf_oracle::encoding::{self, Encoding};
 use nerf_oracle::field::mlp::{self, Mlp, Output};
 use nerf_oracle::field::nerf_mlp::{self, NerfMlp, Shape};
@@ -155,6 +156,12 @@ fn scan_of(n: usize) -> Scan {
 }
 
 fn packing() -> Vec<Row> {
+    fn loss(weights: usize, t: usize) {
+        distortion::distortion(&ones(weights), &ones(t));
+    }
+    fn loss_vjp(weights: usize, t: usize) {
+        distortion::backward::distortion(&ones(weights), &ones(t), 1.0);
+    }
     fn scan(x: usize, offsets: &[usize]) {
         packed::scan(&ones(x), offsets);
     }
@@ -168,6 +175,8 @@ fn packing() -> Vec<Row> {
         packed::backward::accumulate(&ones(weights), &gray(values), offsets, &gray(g));
     }
     vec![
+        row("distortion::distortion", || loss(2, 3), &[("weights and t", || loss(2, 2))]),
+        row("distortion::backward::distortion", || loss_vjp(2, 3), &[("weights and t", || loss_vjp(3, 3))]),
         row(
             "packed::scan",
             || scan(3, &[0, 1, 1, 3]),

@@ -30,6 +30,7 @@ COMPONENTS = [
     "accumulate_along_rays",
     "early_stop",
     "render_trace",
+    "distortion_loss",
     "mse",
     "psnr",
     "to_uint8",
