@@ -49,7 +49,10 @@ pub fn contract(x: [f64; 3], g: [f64; 3], norm: ContractionNorm, range: Contract
             g_x
         }
         ContractionNorm::Merf => {
-            let others: f64 = (0..3).filter(|&j| j != k).map(|j| g[j] * x[j]).sum();
+            let mut others = 0.0;
+            for j in (0..3).filter(|&j| j != k) {
+                others += g[j] * x[j];
+            }
             let mut g_x = g.map(|g| g / r);
             g_x[k] = (g[k] - sign * others) / (r * r);
             g_x

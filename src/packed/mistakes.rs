@@ -81,7 +81,7 @@ pub(crate) const PACKED_SCAN: &[Mistake] = &[
         "the gradient of products: sum_{i>=k} g_i P_i, divided by max(x_k, 1e-10)",
         "a fully opaque sample has no gradient from what it hides: it stays opaque for ever",
         "the recursion q_k = x_{k+1} p_{k+1} + g_{k+1}, which divides by nothing",
-        "nerfacc (its own FIXME)",
+        "nerfacc FIXME in the backward pass of its products",
         1,
     )
     .of_gradient(),
