@@ -45,7 +45,7 @@ pub fn contract(x: [f64; 3], g: [f64; 3], norm: ContractionNorm, range: Contract
         }
         ContractionNorm::Linf => {
             let mut g_x = g.map(|g| s * g);
-            g_x[k] -= 2.0 * (1.0 - 1.0 / r) * along * sign / (r * r);
+            g_x[k] -= 2.0 * (1.0 - 1.0 / r) * along / (r * x[k]);
             g_x
         }
         ContractionNorm::Merf => {

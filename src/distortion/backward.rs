@@ -30,8 +30,11 @@ pub fn distortion(weights: &[f64], t: &[f64], g: f64) -> (Vec<f64>, Vec<f64>) {
         let (mut apart, mut ahead) = (Sum::default(), Sum::default());
         for j in 0..n {
             apart.add(weights[j] * distance(t, i, j));
-            if t[i] + t[i + 1] != t[j] + t[j + 1] {
-                ahead.add(if j < i { weights[j] } else { -weights[j] });
+            let (here, there) = (t[i] + t[i + 1], t[j] + t[j + 1]);
+            if here > there {
+                ahead.add(weights[j]);
+            } else if here < there {
+                ahead.add(-weights[j]);
             }
         }
         g_weights[i] = g * (2.0 * apart.value() + 2.0 / 3.0 * weights[i] * (t[i + 1] - t[i]));

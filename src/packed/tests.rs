@@ -146,3 +146,15 @@ fn long_rays_keep_their_digits() {
     let expected = 1.0 - 2f64.powi(-30) + 1023.0 * 2f64.powi(-71);
     assert_eq!(scan(&thin, &[0, 1024]).inclusive_product[1023], expected);
 }
+
+#[test]
+#[should_panic(expected = "never falling")]
+fn offsets_that_fall_are_refused() {
+    scan(&[1.0; 3], &[0, 2, 1, 3]);
+}
+
+#[test]
+#[should_panic(expected = "to their number")]
+fn samples_behind_the_last_ray_are_refused() {
+    scan(&[1.0; 3], &[0, 2]);
+}
