@@ -9,12 +9,14 @@ mod encoding;
 pub mod profiles;
 mod rendering;
 mod results;
+mod space;
 mod spelling;
 
 pub use compact::*;
 pub use encoding::*;
 pub use rendering::*;
 pub use results::*;
+pub use space::*;
 pub use spelling::{CHOICES, american};
 
 use serde::{Deserialize, Serialize};
@@ -201,6 +203,15 @@ pub struct Conventions {
     pub last_delta: LastDelta,
     /// Number added inside the product of transmittances.
     pub product_eps: ProductEps,
+    /// Norm of the scene contraction.
+    #[serde(default)]
+    pub contraction_norm: ContractionNorm,
+    /// Range of its result.
+    #[serde(default)]
+    pub contraction_range: ContractionRange,
+    /// Where a scene lies in front of rays in normalized device coordinates.
+    #[serde(default)]
+    pub ndc_depth: NdcDepth,
     /// Whether the encoding begins with x itself.
     pub identity: bool,
     /// Where that stands.
@@ -307,6 +318,9 @@ pub const CS180: Conventions = Conventions {
     delta: Delta::Width,
     last_delta: LastDelta::Width,
     product_eps: ProductEps::None,
+    contraction_norm: ContractionNorm::L2,
+    contraction_range: ContractionRange::Two,
+    ndc_depth: NdcDepth::Negative,
     identity: true,
     identity_place: IdentityPlace::First,
     frequency: Frequency::Pi,

@@ -65,7 +65,9 @@
 //!
 //! Components that save work where a scene is empty or opaque, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
-//! steps for one picture. [`srgb`] is the curve between linear light and a picture file.
+//! steps for one picture. [`srgb`] is the curve between linear light and a picture file, [`contraction`] lays an unbounded scene into
+//! a bounded one, [`ndc`] the view of a camera that looks ahead; [`packed`] has the sums and products of rays of different lengths,
+//! [`distortion`] the loss that gathers weights into surfaces.
 //!
 //! Rooms, from the ground up: each may import those before it; `tests/architecture` reads this list and fails on anything else.
 //!
@@ -74,7 +76,7 @@
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
-//!    [`occupancy_grid`], [`srgb`]
+//!    [`occupancy_grid`], [`srgb`], [`contraction`], [`ndc`], [`packed`], [`distortion`]
 //! 4. their f32 variants, in each folder's `fast`
 //! 5. all of them in a list: [`registry`]
 //! 6. verdicts on others: [`judge`]
@@ -124,10 +126,14 @@ pub mod sample;
 pub mod trace;
 pub mod volume_rendering;
 
+pub mod contraction;
+pub mod distortion;
 pub mod early_stop;
 pub mod hash_grid;
 pub mod importance_sampling;
+pub mod ndc;
 pub mod occupancy_grid;
+pub mod packed;
 pub mod ray_aabb;
 pub mod spherical_harmonics;
 pub mod srgb;

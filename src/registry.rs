@@ -2,8 +2,9 @@
 
 use crate::contract::Component;
 use crate::{
-    camera, early_stop, encoding, field, hash_grid, importance_sampling, loss, occupancy_grid, optimizer,
-    ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp, volume_rendering,
+    camera, contraction, distortion, early_stop, encoding, field, hash_grid, importance_sampling, loss, ndc,
+    occupancy_grid, optimizer, packed, ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp,
+    volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
@@ -12,8 +13,10 @@ pub const COMPONENTS: &[Component] = &[
     camera::component::PIXEL_TO_CAMERA,
     ray::component::PIXEL_TO_RAY,
     ray::component::IMAGE_RAYS,
+    ndc::component::NDC_RAYS,
     sample::component::SAMPLE_ALONG_RAYS,
     sample::component::STEP_SIZES,
+    contraction::component::CONTRACTION,
     encoding::component::POSITIONAL_ENCODING,
     field::component::MLP,
     field::component::NERF_MLP,
@@ -24,8 +27,12 @@ pub const COMPONENTS: &[Component] = &[
     volume_rendering::component::VOLUME_RENDER_ALPHA,
     volume_rendering::component::COMPOSITE_BACKGROUND,
     volume_rendering::component::DEPTH,
+    packed::component::PACK_INFO,
+    packed::component::PACKED_SCAN,
+    packed::component::ACCUMULATE_ALONG_RAYS,
     early_stop::component::EARLY_STOP,
     trace::component::RENDER_TRACE,
+    distortion::component::DISTORTION_LOSS,
     loss::component::MSE,
     loss::component::PSNR,
     loss::component::TO_UINT8,

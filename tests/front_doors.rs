@@ -49,6 +49,10 @@ fn doors_fit_the_contract() {
         sample::judge::judge_batch(|_, _, _, _, _| ());
         sample::judge::step_sizes(|_, _, _| ());
         sample::judge::step_sizes_batch(|_, _, _| ());
+        ndc::judge(|_, _, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _| ());
+        ndc::judge::judge_batch(|_, _, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _| ());
+        contraction::judge(|_| ()).vjp(|_, _| ());
+        contraction::judge::judge_batch(|_| ()).vjp(|_, _| ());
         encoding::judge(|_, _| ()).vjp(|_, _, _| ());
         encoding::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
         field::judge(|_, _, _| ());
@@ -64,6 +68,11 @@ fn doors_fit_the_contract() {
         volume_rendering::judge::composite_background_batch(|_, _, _| ()).vjp(|_, _, _, _| ());
         volume_rendering::judge::depth(|_, _, _| ()).vjp(|_, _, _, _| ());
         volume_rendering::judge::depth_batch(|_, _, _| ()).vjp(|_, _, _, _| ());
+        distortion::judge(|_, _| ()).vjp(|_, _, _| ());
+        distortion::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
+        packed::judge(|_, _| ()).vjp(|_, _, _, _, _, _| ());
+        packed::judge::pack_info(|_, _| ());
+        packed::judge::accumulate_along_rays(|_, _, _| ()).vjp(|_, _, _, _| ());
         early_stop::judge(|_, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _, _| ());
         trace::judge(|_, _, _, _, _, _, _, _, _, _, _, _| ());
         loss::judge(|_, _| ()).vjp(|_, _, _| ());

@@ -13,12 +13,15 @@ from pathlib import Path
 
 import numpy as np
 import second_compact as compact
+import second_distortion as distortion
 import second_geometry as geometry
 import second_harmonics as harmonics
 import second_networks as networks
+import second_packed as packed
 import second_rendering as rendering
 import second_sampler as sampler
 import second_sampling as sampling
+import second_space as space
 import second_training as training
 from candidate import inputs_of, read_manifest, write
 
@@ -32,6 +35,9 @@ CS180 = {
     "delta": "width",
     "last_delta": "width",
     "product_eps": "none",
+    "contraction_norm": "l2",
+    "contraction_range": "two",
+    "ndc_depth": "negative",
     "identity": "true",
     "identity_place": "first",
     "frequency": "pi",
@@ -100,6 +106,8 @@ DEVIATIONS = {
         "axes": "opengl",
         "delta": "differences",
         "last_delta": "to_far",
+        "contraction_norm": "linf",
+        "contraction_range": "unit",
         "identity_place": "last",
         "frequency": "two_pi",
         "columns": "all_sin_all_cos",
@@ -126,6 +134,7 @@ DEVIATIONS = {
         "axes": "opengl",
         "delta": "differences",
         "last_delta": "to_far",
+        "contraction_range": "unit",
         "frequency": "one",
         "columns": "all_sin_all_cos_by_band",
         "cosine": "shifted_sine",
@@ -185,9 +194,12 @@ FUNCTIONS = {"render_trace": render_trace} | {
         geometry: "transform transform_vjp pixel_to_camera pixel_to_camera_vjp pixel_to_ray pixel_to_ray_vjp image_rays "
         "sample_along_rays step_sizes",
         networks: "positional_encoding positional_encoding_vjp mlp mlp_vjp nerf_mlp nerf_mlp_vjp",
+        space: "contraction contraction_vjp ndc_rays ndc_rays_vjp",
         harmonics: "spherical_harmonics spherical_harmonics_vjp",
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",
+        packed: "pack_info packed_scan packed_scan_vjp accumulate_along_rays accumulate_along_rays_vjp",
+        distortion: "distortion_loss distortion_loss_vjp",
         compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
         training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step",
         sampler: "sample_random_rays",

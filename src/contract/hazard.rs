@@ -1,7 +1,8 @@
 //! The glossary of hazards: numbers on which real libraries went wrong. The id of a hard case begins with the id of its hazard
 //! (`VR9_underflow` is a case of VR9), and comments name hazards by their ids.
 //!
-//! The letters say where a hazard belongs: VR volume rendering, SA sampling, PE encodings, CG cameras and boxes, TR training, ME metrics.
+//! The letters say where a hazard belongs: VR volume rendering, PK packed rays, SA sampling, PE encodings, CG cameras and boxes, TR
+//! training, ME metrics.
 //! Numbers that are missing were hazards of components that the crate doesn't have.
 
 /// A kind of input on which implementations go wrong.
@@ -97,6 +98,15 @@ pub const HAZARDS: &[Hazard] = &[
         ],
     ),
     hazard(
+        "VR8",
+        [
+            "the distortion loss far from 0",
+            "by running sums it is a difference of large numbers: 1.3e-4 off in f32 at t = 1e4, 8e-3 at 1e6; normalized distances, or \
+             lengths between edges, keep the digits",
+            "the O(N) form of DVGOv2, nerfacc and ngp_pl, in t",
+        ],
+    ),
+    hazard(
         "VR9",
         [
             "rays of extreme length or density",
@@ -111,6 +121,24 @@ pub const HAZARDS: &[Hazard] = &[
             "step lengths that differ from ray to ray",
             "code that takes the first ray's steps for the whole batch is off by any factor (0.139 instead of 0.289)",
             "kornia's RegularRenderer",
+        ],
+    ),
+    hazard(
+        "VR11",
+        [
+            "intervals without length",
+            "resampled edges tie, and so do the middles of intervals: |m_i - m_j| has no derivative there, and code that divides by a \
+             length makes NaN",
+            "the limits of the domain: no library in particular",
+        ],
+    ),
+    hazard(
+        "PK1",
+        [
+            "packed rays without samples",
+            "the first, the last or a middle ray misses the scene: code that counts the rays it finds numbers all those behind anew, and one \
+             that takes starts for flags begins anew too late",
+            "nerfacc#161, #256",
         ],
     ),
     hazard(
@@ -219,11 +247,46 @@ pub const HAZARDS: &[Hazard] = &[
         ],
     ),
     hazard(
+        "CG6",
+        [
+            "a contracted point at the origin",
+            "2 - 1/|x| is infinite there: a mask that multiplies makes the point NaN, one that selects makes its gradient NaN where both \
+             pieces are differentiated",
+            "nerfstudio's contraction and its copies, in the gradient; a splatting code, in the point",
+        ],
+    ),
+    hazard(
+        "CG7",
+        [
+            "a point on the surface between near and far",
+            "at |x| = 1 the pieces of a contraction agree, and so do their slopes: `<` or `<=` is all the same, and a jump is a mistake",
+            "the limits of the domain: no library in particular",
+        ],
+    ),
+    hazard(
+        "CG8",
+        [
+            "ties of the largest coordinate",
+            "the L-infinity norm has several slopes there: code takes the first coordinate, the last, or shares among them; MERF's contraction \
+             jumps",
+            "the limits of the domain: no library in particular",
+        ],
+    ),
+    hazard(
         "CG9",
         [
             "unusual cameras",
             "singular K, poses that aren't rotations (det -1, scale 2, NaN), a camera inside the object, cameras at 1e6, where o + t d cancels",
             "files written by hand",
+        ],
+    ),
+    hazard(
+        "CG10",
+        [
+            "rays on their way to the near plane",
+            "a ray across the axis (d_z = 0) never meets it; one from z = 0 must be moved before anything is divided by z; one that grazes \
+             meets it far away",
+            "normalized device coordinates without the move to the near plane",
         ],
     ),
     hazard(

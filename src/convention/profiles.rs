@@ -68,6 +68,7 @@ pub const PROFILES: &[Profile] = &[
             ("product_eps", "run_nerf.py raw2outputs: cumprod(1 - alpha + 1e-10)"),
             ("pdf_padding", "run_nerf_helpers.py sample_pdf: weights + 1e-5"),
             ("pdf_division", "run_nerf_helpers.py sample_pdf: where(denom < 1e-5, 1, denom)"),
+            ("ndc_depth", "run_nerf_helpers.py ndc_rays: t = -(near + rays_o[..., 2]) / rays_d[..., 2]"),
             ("frequency", "run_nerf_helpers.py Embedder: 2^k without pi"),
             ("columns", "run_nerf_helpers.py Embedder: for each frequency sin, cos of all dimensions"),
             ("density", "run_nerf.py raw2alpha: relu"),
@@ -123,6 +124,8 @@ pub const PROFILES: &[Profile] = &[
             axes: Axes::Opengl,
             delta: Delta::Differences,
             last_delta: LastDelta::ToFar,
+            contraction_norm: ContractionNorm::Linf,
+            contraction_range: ContractionRange::Unit,
             identity_place: IdentityPlace::Last,
             frequency: Frequency::TwoPi,
             columns: Columns::AllSinAllCos,
@@ -141,6 +144,8 @@ pub const PROFILES: &[Profile] = &[
             ("directions", "cameras/rays.py RayBundle: unit ray direction vector"),
             ("delta", "cameras/rays.py get_ray_samples: bin_ends - bin_starts"),
             ("product_eps", "cameras/rays.py get_weights: exp(-cumsum), nothing added"),
+            ("contraction_norm", "models/nerfacto.py: SceneContraction(order=float(\"inf\"))"),
+            ("contraction_range", "fields/nerfacto_field.py get_density: (positions + 2.0) / 4.0"),
             ("frequency", "field_components/encodings.py NeRFEncoding: 2 pi x"),
             (
                 "columns",
@@ -206,6 +211,12 @@ pub const PROFILES: &[Profile] = &[
                 "internal/render.py compute_alpha_weights: differences times the norm of the direction",
             ),
             ("product_eps", "internal/render.py compute_alpha_weights: exp(-cumsum), nothing added"),
+            ("contraction_norm", "internal/coord.py contract: sum(x**2)"),
+            ("contraction_range", "internal/coord.py contract: not scaled"),
+            (
+                "ndc_depth",
+                "internal/camera_utils.py convert_to_ndc: t = -(near + origins[..., 2]) / directions[..., 2]",
+            ),
             ("frequency", "internal/coord.py pos_enc: 2^arange(min_deg, max_deg)"),
             ("identity", "internal/coord.py pos_enc: append_identity"),
             (
@@ -232,6 +243,7 @@ pub const PROFILES: &[Profile] = &[
             axes: Axes::Opengl,
             delta: Delta::Differences,
             last_delta: LastDelta::ToFar,
+            contraction_range: ContractionRange::Unit,
             frequency: Frequency::One,
             columns: Columns::AllSinAllCosByBand,
             cosine: Cosine::ShiftedSine,
@@ -248,6 +260,11 @@ pub const PROFILES: &[Profile] = &[
             ("directions", "examples/datasets/nerf_synthetic.py: viewdirs normalized"),
             ("delta", "nerfacc/volrend.py render_transmittance_from_density: t_ends - t_starts"),
             ("product_eps", "nerfacc/volrend.py: exp(-exclusive_sum), nothing added"),
+            (
+                "contraction_norm",
+                "examples/radiance_fields/ngp.py contract_to_unisphere: linalg.norm(x, ord=2)",
+            ),
+            ("contraction_range", "examples/radiance_fields/ngp.py contract_to_unisphere: x / 4 + 0.5"),
             (
                 "grid_decay",
                 "nerfacc/estimators/occ_grid.py _update: occs[cell_ids] = maximum(occs[cell_ids] * ema_decay, occ)",

@@ -39,6 +39,7 @@ const ARRAYS: &[&str] = &[
     "Tape",
     "Rendering",
     "Cotangent",
+    "Scan",
     "Field",
     "Target",
     "OccupancyGrid",

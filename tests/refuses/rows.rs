@@ -8,6 +8,7 @@ use nerf_oracle::convention::HarmonicSign::Plain;
 use nerf_oracle::convention::{
     CS180, Depth, EmptyDepth, GridDecay, GridUnseen, PixelCenter, ProductEps, PsnrFloor, PsnrOf,
 };
+use nerf_oracle::distortion;
 use nerf_oracle::encoding::{self, Encoding};
 use nerf_oracle::field::mlp::{self, Mlp, Output};
 use nerf_oracle::field::nerf_mlp::{self, NerfMlp, Shape};
@@ -17,6 +18,7 @@ use nerf_oracle::importance_sampling;
 use nerf_oracle::loss;
 use nerf_oracle::occupancy_grid::OccupancyGrid;
 use nerf_oracle::optimizer::Adam;
+use nerf_oracle::packed::{self, Scan};
 use nerf_oracle::random::{Key, Purpose};
 use nerf_oracle::ray::{PixelDraws, Ray, draw_pixel, sample_random_rays};
 use nerf_oracle::spherical_harmonics;
@@ -31,7 +33,7 @@ const NONE: ProductEps = ProductEps::None;
 
 /// All rows.
 pub(crate) fn all() -> Vec<Row> {
-    [rendering(), stopping(), images(), samples(), networks(), grids(), training()]
+    [rendering(), stopping(), packing(), images(), samples(), networks(), grids(), training()]
         .into_iter()
         .flatten()
         .collect()
@@ -143,6 +145,72 @@ fn rendering() -> Vec<Row> {
                 ("sigmas and u", || trace(2, 3, 2)),
                 ("rgbs and u", || trace(2, 2, 3)),
                 ("sigmas and u", || trace(3, 2, 2)),
+            ],
+        ),
+    ]
+}
+
+/// Results of a scan of `n` samples, and its cotangents.
+fn scan_of(n: usize) -> Scan {
+    packed::scan(&ones(n), &[0, n])
+}
+
+fn packing() -> Vec<Row> {
+    fn loss(weights: usize, t: usize) {
+        distortion::distortion(&ones(weights), &ones(t));
+    }
+    fn loss_vjp(weights: usize, t: usize) {
+        distortion::backward::distortion(&ones(weights), &ones(t), 1.0);
+    }
+    fn scan(x: usize, offsets: &[usize]) {
+        packed::scan(&ones(x), offsets);
+    }
+    fn scan_vjp(x: usize, offsets: &[usize], forward: usize, g: usize) {
+        packed::backward::scan(&ones(x), offsets, &scan_of(forward), &scan_of(g));
+    }
+    fn sums(weights: usize, values: usize, offsets: &[usize]) {
+        packed::accumulate(&ones(weights), &gray(values), offsets);
+    }
+    fn sums_vjp(weights: usize, values: usize, offsets: &[usize], g: usize) {
+        packed::backward::accumulate(&ones(weights), &gray(values), offsets, &gray(g));
+    }
+    vec![
+        row("distortion::distortion", || loss(2, 3), &[("weights and t", || loss(2, 2))]),
+        row("distortion::backward::distortion", || loss_vjp(2, 3), &[("weights and t", || loss_vjp(3, 3))]),
+        row(
+            "packed::scan",
+            || scan(3, &[0, 1, 1, 3]),
+            &[
+                ("offsets and rays", || scan(0, &[])),
+                ("offsets and samples: from 0", || scan(3, &[1, 3])),
+                ("offsets and samples: to their number", || scan(3, &[0, 2])),
+                ("offsets and samples: never falling", || scan(3, &[0, 2, 1, 3])),
+            ],
+        ),
+        row(
+            "packed::accumulate",
+            || sums(2, 2, &[0, 2]),
+            &[
+                ("weights and values", || sums(2, 3, &[0, 2])),
+                ("offsets and samples", || sums(2, 2, &[0, 1])),
+            ],
+        ),
+        row(
+            "packed::backward::scan",
+            || scan_vjp(2, &[0, 2], 2, 2),
+            &[
+                ("offsets and samples", || scan_vjp(3, &[0, 2], 3, 3)),
+                ("forward and x", || scan_vjp(2, &[0, 2], 3, 2)),
+                ("g and x", || scan_vjp(2, &[0, 2], 2, 3)),
+            ],
+        ),
+        row(
+            "packed::backward::accumulate",
+            || sums_vjp(2, 2, &[0, 2], 1),
+            &[
+                ("weights and values", || sums_vjp(2, 1, &[0, 2], 1)),
+                ("offsets and samples", || sums_vjp(2, 2, &[0, 1], 1)),
+                ("g and offsets", || sums_vjp(2, 2, &[0, 2], 2)),
             ],
         ),
     ]

@@ -1,0 +1,150 @@
+//! Rays in normalized device coordinates, wrong on purpose. Without a mistake every function equals the oracle.
+
+use super::arrays::{Ray, forward, view, vjp};
+use super::{View, backward, ndc_ray};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Mistake;
+use crate::convention::Conventions;
+
+/// Mistakes of rays in normalized device coordinates.
+pub(crate) const NDC_RAYS: &[Mistake] = &[
+    Mistake::new(
+        "depth_of_the_other_axes",
+        "x, y and t for a scene at positive z, o'_z = 1 + 2 near/p_z and d'_z = -2 near/p_z for one at negative z (or the reverse)",
+        "samples run from 3 to 1 in depth: the cube is left empty, what is far is drawn near",
+        "all signs of the same axes: 1 - 2 near/p_z and 2 near/p_z at positive z",
+        "two codes that took the function over to OpenCV's axes",
+        2,
+    ),
+    Mistake::new(
+        "direction_normalized",
+        "d' / |d'|",
+        "samples at t' in [0, 1] end before infinity: the background is cut off, most where rays are oblique",
+        "leave d' as it is: its length says where infinity is",
+        "a code for bundles of rays, which normalizes after the change of coordinates",
+        1,
+    ),
+    Mistake::new(
+        "origin_not_moved",
+        "the origin itself is projected, not the ray's point on the near plane",
+        "0/0 for a camera at the origin, near planes at different depths for all others",
+        "o + t d with t = -(near + o_z) / d_z first",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "moved_behind",
+        "t = (near - o_z) / d_z at negative z: the plane behind the camera",
+        "rays begin at 3 in depth, behind the scene",
+        "t = -(near + o_z) / d_z",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "size_swapped",
+        "height for width: 2f/H p_x, 2f/W p_y",
+        "pictures that aren't square are stretched, and leave the cube on their longer side",
+        "width with x",
+        "never in this row; as size_swapped of pictures, which square ones hide",
+        0,
+    ),
+    Mistake::new(
+        "half_size_forgotten",
+        "f/W for 2f/W",
+        "the scene fills a quarter of the cube's face",
+        "W / (2 f): the picture's half",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "origin_not_subtracted",
+        "d'_x = 2f/W d_x/|d_z|, without p_x/near",
+        "rays don't meet at their points at infinity: parallel ones end apart",
+        "the difference of both",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "near_taken_as_one",
+        "1 for near, whatever it is",
+        "the near plane is elsewhere: what lies before it is lost, or samples are wasted",
+        "the near that the scene has",
+        "never by itself; callers that hand over 1 are many, and right where poses were scaled for it",
+        0,
+    ),
+    Mistake::new(
+        "shift_not_differentiated",
+        "t held constant in the gradient",
+        "poses learn across the axis alone: none of their depth",
+        "g_t = g_p . d, and t = -(near + o_z) / d_z",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "slope_not_differentiated",
+        "d_x/|d_z| held constant in the gradient",
+        "rotations learn from where rays begin alone, not from where they go",
+        "g_d = t g_p and the slope's",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+];
+
+/// A ray with what is wrong about it, as codes write it: by the z of the moved origin.
+fn wrong_ray(o: [f64; 3], d: [f64; 3], view: &View, wrong: &[&str]) -> Ray {
+    let has = |name: &str| wrong.contains(&name);
+    let sign = view.sign();
+    let near = if has("near_taken_as_one") { 1.0 } else { view.near };
+    let plane = if has("moved_behind") { -sign * near } else { sign * near };
+    let t = if has("origin_not_moved") { 0.0 } else { (plane - o[2]) / d[2] };
+    let p = [o[0] + t * d[0], o[1] + t * d[1], if has("origin_not_moved") { o[2] } else { plane }];
+    let of_depth = if has("depth_of_the_other_axes") { -sign } else { sign };
+    let depth = 2.0 * of_depth * near / p[2];
+    let (mut o_ndc, mut d_ndc) = ([1.0 - depth; 3], [depth; 3]);
+    let mut scales = view.scales();
+    if has("size_swapped") {
+        scales.swap(0, 1);
+    }
+    for j in 0..2 {
+        let scale = sign * if has("half_size_forgotten") { scales[j] / 2.0 } else { scales[j] };
+        let start = p[j] / p[2];
+        o_ndc[j] = scale * start;
+        d_ndc[j] = scale * (d[j] / d[2] - if has("origin_not_subtracted") { 0.0 } else { start });
+    }
+    if has("direction_normalized") {
+        let length = (d_ndc[0] * d_ndc[0] + d_ndc[1] * d_ndc[1] + d_ndc[2] * d_ndc[2]).sqrt();
+        d_ndc = d_ndc.map(|x| x / length);
+    }
+    (o_ndc, d_ndc)
+}
+
+/// Rays.
+pub(crate) fn ndc_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let view = view(a, c);
+    forward(a, |o, d| if wrong.is_empty() { ndc_ray(o, d, &view) } else { wrong_ray(o, d, &view, wrong) })
+}
+
+/// Their gradient.
+pub(crate) fn ndc_rays_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let view = view(a, c);
+    vjp(a, |(o, d), (g_o, g_d)| {
+        let (mut g_ox, mut g_dx) = backward::ndc_ray(o, d, &view, g_o, g_d);
+        let (sign, scales) = (view.sign(), view.scales());
+        let t = (sign * view.near - o[2]) / d[2];
+        let g_p = [0, 1].map(|j| scales[j] * (g_o[j] - g_d[j]) / view.near);
+        let of_slope = [0, 1].map(|j| sign * scales[j] * g_d[j] / d[2]);
+        match wrong.first() {
+            Some(&"shift_not_differentiated") => {
+                g_ox[2] = 0.0;
+                g_dx[2] = -(of_slope[0] * d[0] + of_slope[1] * d[1]) / d[2];
+            }
+            Some(&"slope_not_differentiated") => {
+                g_dx = [t * g_p[0], t * g_p[1], -t * (g_p[0] * d[0] + g_p[1] * d[1]) / d[2]];
+            }
+            _ => {}
+        }
+        (g_ox, g_dx)
+    })
+}
