@@ -1,4 +1,4 @@
-"""The second implementation's packed rays: by the ray of each sample, and gradients by the whole triangle of factors. See second.py."""
+"""The second implementation's packed rays: by the ray of each sample; gradients by the whole triangle of factors. See second.py."""
 
 import numpy as np
 

@@ -181,10 +181,10 @@ fn packing() -> Vec<Row> {
             "packed::scan",
             || scan(3, &[0, 1, 1, 3]),
             &[
-                ("offsets and rays", || scan(0, &[])),
+                ("one more than rays", || scan(0, &[])),
                 ("offsets and samples: from 0", || scan(3, &[1, 3])),
                 ("offsets and samples: to their number", || scan(3, &[0, 2])),
-                ("offsets and samples: never falling", || scan(3, &[0, 2, 1, 3])),
+                ("never falling", || scan(3, &[0, 2, 1, 3])),
             ],
         ),
         row(
