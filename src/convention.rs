@@ -279,6 +279,9 @@ pub struct Conventions {
     /// What becomes of faint samples.
     #[serde(default)]
     pub faint: Faint,
+    /// What is behind a ray.
+    #[serde(default)]
+    pub backdrop: Backdrop,
     /// Index (from 0) of the trunk layer whose input contains the encoding again.
     pub skip_layer: usize,
     /// Order of that concatenation.
@@ -345,6 +348,7 @@ pub const CS180: Conventions = Conventions {
     stop: Stop::Behind,
     alpha_cap: AlphaCap::None,
     faint: Faint::Kept,
+    backdrop: Backdrop::None,
     skip_layer: 4,
     skip_order: SkipOrder::HiddenFirst,
     last_trunk: Activation::Relu,

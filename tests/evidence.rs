@@ -83,7 +83,8 @@ fn slight(dtype: Dtype) -> f64 {
 
 /// Rows of which bf16 doesn't show 5% in every array, as the bounds of their best element add up to more: exponentials of 4 ULP are 3%
 /// each, and a network's gradient passes through twenty layers. With the largest of these bounds over the value.
-const BLUNT: [(&str, f64); 11] = [
+const BLUNT: [(&str, f64); 12] = [
+    ("distortion_loss/forward bf16", 0.059),
     ("early_stop/forward bf16", 0.08),
     ("early_stop/vjp bf16", 0.105),
     ("hash_grid/forward bf16", 0.066),
@@ -155,7 +156,9 @@ fn lost_digits_show() {
                 }
             }
         }
-        if row.dtype == Dtype::F64 {
+        // Counts are the same in every type.
+        let whole = row.component.outputs.iter().all(|port| port.entries.whole());
+        if row.dtype == Dtype::F64 && !whole {
             asked += 1;
             let machine = Machine::number(Dtype::F32, 8);
             if !row.rejects(|case| (row.direction().honest)(&case.inputs, &CS180, &machine)) {

@@ -109,7 +109,7 @@ fn fields_that_are_not_used_are_named_once() {
         json["unheard_of"] = json!(1);
         json["sharpness_discard_threshold"] = json!(0.1);
         for frame in json["frames"].as_array_mut().expect("a list") {
-            frame["mask_path"] = json!("mask.png");
+            frame["time"] = json!(0.5);
             frame["sharpness"] = json!(30.5);
         }
     });
@@ -117,7 +117,7 @@ fn fields_that_are_not_used_are_named_once() {
     let (code, said) = ended(program(&args).current_dir(dir.path()));
     assert_eq!(
         (code, said.as_str()),
-        (Some(0), "warning: scene/transforms.json: fields that are not used: unheard_of, mask_path.\n")
+        (Some(0), "warning: scene/transforms.json: fields that are not used: unheard_of, time.\n")
     );
 }
 
@@ -140,7 +140,7 @@ fn names_from_files_move_no_cursor() {
     };
     let inspect = |scene: &'static str| ["inspect", scene, "--rays", "1", "--samples", "1", "--out", "out"];
     let shown = "A\\u{1b}[31m\\u{202e}\\u{a}\\u{9b}<b>";
-    // A missing picture; an unknown field; a picture of another size; a model that nobody knows.
+    // A missing picture; an unknown field; a mask that isn't there; a model that nobody knows.
     let frame = |json: &mut Value| {
         json["frames"].as_array_mut().expect("a list").push(json!({"file_path": EVIL, "transform_matrix": 7}))
     };
@@ -148,9 +148,8 @@ fn names_from_files_move_no_cursor() {
     assert_eq!(clean(&inspect("missing"), shown), Some(0));
     scene(&dir.path().join("field"), |json| json[EVIL] = json!(1));
     assert_eq!(clean(&inspect("field"), shown), Some(0));
-    scene(&dir.path().join("size"), |json| json["frames"][1]["file_path"] = json!(EVIL));
-    image::RgbImage::new(3, 3).save(dir.path().join("size").join(EVIL)).expect("written");
-    assert_eq!(clean(&inspect("size"), shown), Some(2));
+    scene(&dir.path().join("mask"), |json| json["frames"][1]["mask_path"] = json!(EVIL));
+    assert_eq!(clean(&inspect("mask"), shown), Some(2));
     scene(&dir.path().join("model"), |json| json["camera_model"] = json!(EVIL));
     assert_eq!(clean(&inspect("model"), shown), Some(2));
     // The scene's own name, in text, in JSON and in the run's curve; a picture's name in a table.

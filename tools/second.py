@@ -62,6 +62,7 @@ CS180 = {
     "stop": "behind",
     "alpha_cap": "none",
     "faint": "kept",
+    "backdrop": "none",
     "skip_order": "hidden_first",
     "last_trunk": "relu",
     "feature": "none",

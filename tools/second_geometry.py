@@ -182,6 +182,8 @@ def sample_along_rays(a, c, wrong):
     if "never_jittered" in wrong:
         u = np.full_like(u, 0.5 if grid == "intervals" else 0)
         grid = grid if grid == "intervals" else "ends_plus_width"
+    if "left_edges_alone" in wrong:
+        u = np.zeros_like(u)
     if "jitter_centered_on_edges" in wrong:
         u = u - 0.5
     for name in wrong:
@@ -190,7 +192,10 @@ def sample_along_rays(a, c, wrong):
             u = u * (width * u.shape[-1] / (far - near))
     t = positions(near, far, u, grid)
     o = np.zeros_like(a["rays_o"]) if "points_without_origin" in wrong else a["rays_o"]
-    points = o[:, None] + t[..., None] * a["rays_d"][:, None]
+    d = a["rays_d"]
+    if "unit_directions" in wrong:
+        d = d / np.sqrt((d * d).sum(1, keepdims=True))
+    points = o[:, None] + t[..., None] * d[:, None]
     if "flattened_in_wrong_order" in wrong:
         points = np.swapaxes(points, 0, 1).reshape(points.shape)
     return {"t": t, "points": points}

@@ -12,6 +12,8 @@ def bands(levels, c, wrong):
         f = 2.0 ** np.linspace(0, max(levels - 2, 0), levels)
     if "first_band_twice" in wrong and levels:
         f[0] = 2.0
+    if "powers_exchanged" in wrong:
+        f = np.arange(levels, dtype=float) ** 2
     if "linear_ladder" in wrong:
         f = np.arange(levels, dtype=float)
     return f * FACTORS[c["frequency"]]

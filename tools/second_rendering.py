@@ -13,6 +13,10 @@ def composite(alphas, rgbs, eps, wrong, shown=None, opaque=None):
     shade, behind = product[:, :-1].copy(), product[:, -1]
     if "inclusive_transmittance" in wrong:
         shade = product[:, 1:].copy()
+    if "inclusive_behind_the_first" in wrong:
+        shade[:, 1:] = product[:, 2:]
+    if "own_light_alone" in wrong:
+        shade = 1 - alphas
     if "rolled_transmittance" in wrong:
         shade[:, :1] = behind[:, None]
     if "rolled_but_in_first_ray" in wrong:
@@ -35,6 +39,10 @@ def composite(alphas, rgbs, eps, wrong, shown=None, opaque=None):
     shade = shade if shown is None else shown
     weights = shade if "alpha_forgotten" in wrong else shade * (alphas if opaque is None else opaque)
     colors, opacity = np.einsum("rn,rnk->rk", weights, rgbs), weights.sum(1)
+    if "weights_normalized" in wrong:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            weights, colors = weights / opacity[:, None], colors / opacity[:, None]
+        opacity = weights.sum(1)
     if "divided_by_opacity" in wrong:
         with np.errstate(invalid="ignore", divide="ignore"):
             colors = colors / opacity[:, None]
@@ -71,7 +79,10 @@ def volume_render(a, c, wrong):
         if "density_with_step_before" in wrong and n:
             ahead = np.concatenate([np.zeros_like(sigmas[:, :1]), sigmas[:, 1:] * deltas[:, :-1]], 1)
             shown = np.exp(-np.cumsum(ahead, 1))
-        return composite(alphas, a["rgbs"], eps, wrong, shown, sigmas if "density_for_opacity" in wrong else None)
+        out = composite(alphas, a["rgbs"], eps, wrong, shown, sigmas if "density_for_opacity" in wrong else None)
+    if c["backdrop"] == "white":
+        out["colors"] = out["colors"] + (1 - out["opacity"])[:, None]
+    return out
 
 
 def volume_render_alpha(a, c, wrong):
@@ -94,6 +105,8 @@ def from_behind(alphas, factors, a):
 
 def volume_render_vjp(a, c, wrong):
     """d w_i / d x_i = T_i e^-x_i; everything behind is shaded by the same factor."""
+    if c["backdrop"] == "white":
+        a = a | {"grad_opacity": a["grad_opacity"] - a["grad_colors"].sum(1)}
     passed = np.exp(-(a["sigmas"] * a["deltas"]))
     alphas = -np.expm1(-(a["sigmas"] * a["deltas"]))
     front, g_w, worth = from_behind(alphas, passed + passed.dtype.type(EPS[c["product_eps"]]), a)

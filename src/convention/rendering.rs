@@ -83,6 +83,17 @@ impl AlphaCap {
     }
 }
 
+/// What rendering puts behind a ray's last sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Backdrop {
+    /// Nothing: the background is another function's.
+    #[default]
+    None,
+    /// White, in the same function: C + (1 - A) (bmild/nerf's `white_bkgd`).
+    White,
+}
+
 /// What becomes of opacities below 1 / 255.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -20,6 +20,14 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "powers_exchanged",
+        "bands k^2 pi for 2^k pi: pow's arguments are exchanged",
+        "band 0 is constant, and the highest of ten is 81 pi instead of 512 pi",
+        "2^k",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "first_band_twice",
         "the band in front of the loop is one octave too high: 2, 2, 4, ...",
         "the slowest wave is missing: points a period apart look alike",
@@ -81,6 +89,9 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
             let (sine, cosine) = (encoding.column(dims, k, d, 0), encoding.column(dims, k, d, 1));
             if wrong.contains(&"linear_ladder") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, k as f64, x);
+            }
+            if wrong.contains(&"powers_exchanged") {
+                (out[sine], out[cosine]) = wave(encoding.frequency, (k * k) as f64, x);
             }
             if wrong.contains(&"first_band_twice") && k == 0 {
                 (out[sine], out[cosine]) = wave(encoding.frequency, 2.0, x);

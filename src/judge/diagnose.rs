@@ -2,7 +2,7 @@
 
 use super::answer::Answers;
 use super::assignment::{Partial, apply, assignments, changes, partial, possible};
-use super::evidence::{Explanation, difference, explains_all, largest_residual, shows, usable};
+use super::evidence::{Explanation, Suspect, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
 use super::fitted::fitting;
 use super::hypothesis::{Hypothesis, of_forward};
@@ -25,9 +25,6 @@ const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 
 /// The largest number of explanations that are listed.
 const SHOWN: usize = 8;
-
-/// Mistakes that the forward answers showed, with the number in them where it isn't the usual one.
-pub(crate) type Suspect = (Vec<&'static str>, Option<f64>);
 
 /// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
 /// gradient (mistakes that the forward answers showed).

@@ -9,6 +9,9 @@ use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 
+/// Mistakes that the forward answers showed, with the number in them where it isn't the usual one.
+pub(crate) type Suspect = (Vec<&'static str>, Option<f64>);
+
 /// By how many times a mistake must explain the answers better than lost digits do, to be named.
 const MUCH_BETTER: f64 = 4.0;
 

@@ -4,8 +4,7 @@
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped};
-use super::diagnose::Suspect;
-use super::evidence::{explains_all, shows, usable};
+use super::evidence::{Suspect, explains_all, shows, usable};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;

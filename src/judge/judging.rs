@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use super::answer::Answers;
 use super::assignment::{self, Found, partial};
-use super::diagnose::{Suspect, diagnose};
-use super::evidence::{Explanation, difference};
+use super::diagnose::diagnose;
+use super::evidence::{Explanation, Suspect, difference};
 use super::exam::{Exam, Question};
 use super::example::smallest;
 use super::imprecise::lost_bits;
@@ -99,7 +99,12 @@ impl Round {
                 let sets =
                     row.diagnosis.iter().map(suspect).filter(|(set, _)| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
-                if row.faults.is_empty() {
+                // Other conventions are no matter of digits.
+                let conventions = row
+                    .diagnosis
+                    .first()
+                    .is_some_and(|e| e.mistakes.is_empty() && !e.inaccurate && e.whole());
+                if row.faults.is_empty() && !conventions {
                     // Where a mistake explains it, too, a few bits must be enough.
                     let named = row.diagnosis.iter().any(|e| !e.inaccurate && e.whole());
                     let most = if named { FEW_BITS } else { i32::MAX };

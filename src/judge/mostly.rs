@@ -3,8 +3,7 @@
 
 use super::answer::{Answer, Answers};
 use super::assignment::{Partial, apply, assignments, changes, partial};
-use super::diagnose::Suspect;
-use super::evidence::{Explanation, difference, largest_residual, shows, usable};
+use super::evidence::{Explanation, Suspect, difference, largest_residual, shows, usable};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;

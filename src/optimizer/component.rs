@@ -1,8 +1,17 @@
 //! Registry row of the optimizer.
 
 use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::arrays::number;
 use crate::contract::component::{Component, Direction, Entries, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Form, Special};
+
+/// Optimizers that don't decay weights.
+const FORMS: &[Form] = &[Form {
+    without: &["weight_decay"],
+    takes: None,
+    meaning: "0: weights don't decay",
+    holds: |a, _| number(a, "weight_decay") == 0.0,
+}];
 
 /// One step of Adam.
 pub(crate) const ADAM_STEP: Component = Component {
@@ -41,5 +50,5 @@ pub(crate) const ADAM_STEP: Component = Component {
     vjp: None,
     cases: cases::adam_step,
     mistakes: mistakes::ADAM_STEP,
-    special: Special::NONE,
+    special: Special { forms: FORMS, ..Special::NONE },
 };

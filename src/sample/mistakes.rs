@@ -41,6 +41,22 @@ pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         3,
     ),
     Mistake::new(
+        "left_edges_alone",
+        "u isn't used: always the left edge of the interval",
+        "the network knows the scene at N depths, half a step too near",
+        "add the noise in training",
+        "2 public implementations",
+        2,
+    ),
+    Mistake::new(
+        "unit_directions",
+        "points = o + t d / |d|: the sampler makes directions unit",
+        "t means another distance than near and far do, where directions aren't unit",
+        "make directions unit where rays are made, or nowhere",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "jitter_centered_on_edges",
         "t = near + (i + u - 0.5) D: noise in [-0.5, 0.5) around left edges",
         "samples in front of near",
@@ -169,6 +185,7 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
                 return sample_along_ray(near, far, &vec![0.0; n], Grid::EndsPlusWidth);
             }
             "never_jittered" => u.fill(0.5),
+            "left_edges_alone" => u.fill(0.0),
             "jitter_centered_on_edges" => u.iter_mut().for_each(|u| *u -= 0.5),
             _ => {
                 if let Some(fixed) = name.strip_prefix("jitter_width_").and_then(|w| w.parse::<f64>().ok()) {
@@ -188,6 +205,13 @@ pub(crate) fn sample_along_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
     let (rays, samples) = size(a, "u");
     let t: Vec<_> = (0..rays).map(|r| wrong_positions(a, r, c, wrong)).collect();
     let mut a = a.clone();
+    if wrong.contains(&"unit_directions") {
+        let d = a.get_mut("rays_d").expect("checked");
+        for mut d in d.rows_mut() {
+            let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
+            d.mapv_inplace(|x| x / length);
+        }
+    }
     if wrong.contains(&"points_without_origin") {
         a.get_mut("rays_o").expect("checked").fill(0.0);
     }

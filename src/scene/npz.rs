@@ -50,6 +50,7 @@ fn cs180(npz: &mut Npz, file: &str, options: &Options, scene: &mut Scene) -> Res
     let focal = focal(npz, file)?;
     scene.train = split(npz, file, "train", focal)?;
     scene.val = split(npz, file, "val", focal)?;
+    of_one_size(file, &scene.train, &scene.val)?;
     if npz.has("c2ws_test") {
         let poses = poses(npz, file, "c2ws_test")?;
         let Some(Camera { width, height, .. }) = scene.train.first().map(|frame| frame.camera) else {
@@ -65,6 +66,22 @@ fn cs180(npz: &mut Npz, file: &str, options: &Options, scene: &mut Scene) -> Res
     }
     scene.reasons.insert("val".into(), Value::from("the file's own split"));
     Ok(())
+}
+
+/// One focal length in pixels is stated: it means another view in pictures of another size.
+fn of_one_size(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
+    let Some(first) = train.first() else { return Ok(()) };
+    let size = |frame: &Frame| format!("{}x{}", frame.camera.width, frame.camera.height);
+    match val.iter().find(|frame| size(frame) != size(first)) {
+        None => Ok(()),
+        Some(frame) => Err(Error::input(Input {
+            file,
+            field: &frame.name,
+            found: size(frame),
+            expected: format!("{} as {}", size(first), first.name),
+            remedy: "Bring all pictures to the size that the focal length belongs to.",
+        })),
+    }
 }
 
 /// `images_NAME` with `c2ws_NAME`.

@@ -1,7 +1,7 @@
 //! Error bound of the trace: each row's bound, with the error of the step lengths carried into the weights.
 
 use super::arrays::size;
-use super::chain::{chain, plainly};
+use super::chain::{chain, plainly, without_backdrop};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, array, rgb, threes, values};
 use crate::contract::bounded::{Bounded, exact};
@@ -11,6 +11,7 @@ use crate::volume_rendering::bound::Ray;
 
 /// Bound of [`super::trace_pixel`].
 pub(crate) fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let c = &without_backdrop(c);
     let [h, w, n] = size(a);
     let truth = chain(a, c, |component, a| (component.forward.oracle)(a, c), plainly);
     // Component by component, at the true arrays; the bounds of rays_o, rays_d, uv and t are final.

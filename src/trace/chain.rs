@@ -3,13 +3,18 @@
 use super::arrays::size;
 use crate::contract::arrays::{Arrays, arrays, input, threes};
 use crate::contract::component::Component;
-use crate::convention::{Conventions, Delta};
+use crate::convention::{Backdrop, Conventions, Delta};
 use crate::volume_rendering::mistakes::ALPHA_ERROR;
 use crate::{ray, sample, volume_rendering};
 
 /// delta |d|.
 pub(super) fn plainly(delta: f64, d: [f64; 3]) -> f64 {
     delta * glam::DVec3::from(d).length()
+}
+
+/// A trace has a background of its own, whatever `volume_render` puts behind a ray.
+pub(super) fn without_backdrop(c: &Conventions) -> Conventions {
+    Conventions { backdrop: Backdrop::None, ..*c }
 }
 
 /// Runs image_rays, sample_along_rays, step_sizes, volume_render and composite_background with `run`, each with the outputs of the

@@ -1,6 +1,6 @@
 //! Traces, wrong on purpose: the components' mistakes, and those made by the caller, between two components.
 
-use super::chain::{chain, plainly};
+use super::chain::{chain, plainly, without_backdrop};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::{Component, Mistake};
 use crate::convention::Conventions;
@@ -50,6 +50,7 @@ const ELSEWHERE: &[&str] = &[
     "flattened_in_wrong_order",
     "points_without_origin",
     "never_jittered",
+    "unit_directions",
     "picture_transposed",
     "transmittance_before_last",
 ];
@@ -129,7 +130,7 @@ const fn gathered<const N: usize>() -> [Mistake; N] {
 
 /// The trace with mistakes of the caller or of any of its components.
 pub(crate) fn render_trace(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut a = a.clone();
+    let (mut a, c) = (a.clone(), &without_backdrop(c));
     if wrong.contains(&"jitter_ignored") {
         a.get_mut("u").expect("checked").fill(0.5);
     }

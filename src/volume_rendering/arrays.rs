@@ -4,7 +4,7 @@ use super::backward::Cotangent;
 use super::{Rendering, backward, composite_background, depth};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
-use crate::convention::{Conventions, Faint};
+use crate::convention::{Backdrop, Conventions, Faint};
 
 /// The outputs of R rays as arrays.
 pub(crate) fn renderings(samples: usize, rays: &[Rendering]) -> Arrays {
@@ -32,7 +32,26 @@ pub(super) fn render(a: &Arrays, c: &Conventions) -> Arrays {
     let ray = |r| {
         super::volume_render(&row(a, "sigmas", r), &rows3(a, "rgbs", r), &row(a, "deltas", r), c.product_eps)
     };
-    renderings(samples, &(0..rays).map(ray).collect::<Vec<_>>())
+    over(c, renderings(samples, &(0..rays).map(ray).collect::<Vec<_>>()))
+}
+
+/// Over white, where that is the convention: C + 1 - A.
+pub(super) fn over(c: &Conventions, mut out: Arrays) -> Arrays {
+    if c.backdrop == Backdrop::White {
+        let opacity = values(&out, "opacity");
+        let colors = out.get_mut("colors").expect("an output");
+        colors.indexed_iter_mut().for_each(|(i, color)| *color += 1.0 - opacity[i[0]]);
+    }
+    out
+}
+
+/// The cotangent of ray r in front of its backdrop: white loses what the opacity gains.
+pub(crate) fn cotangent_over(a: &Arrays, r: usize, c: &Conventions) -> Cotangent {
+    let g = cotangent(a, r);
+    match c.backdrop {
+        Backdrop::None => g,
+        Backdrop::White => Cotangent { opacity: g.opacity - g.color.iter().sum::<f64>(), ..g },
+    }
 }
 
 pub(super) fn render_vjp(a: &Arrays, c: &Conventions) -> Arrays {
@@ -41,7 +60,14 @@ pub(super) fn render_vjp(a: &Arrays, c: &Conventions) -> Arrays {
     for r in 0..rays {
         let (sigmas, rgbs, deltas) = (row(a, "sigmas", r), rows3(a, "rgbs", r), row(a, "deltas", r));
         let forward = super::volume_render(&sigmas, &rgbs, &deltas, c.product_eps);
-        let g = backward::volume_render(&sigmas, &rgbs, &deltas, c.product_eps, &forward, &cotangent(a, r));
+        let g = backward::volume_render(
+            &sigmas,
+            &rgbs,
+            &deltas,
+            c.product_eps,
+            &forward,
+            &cotangent_over(a, r, c),
+        );
         g_sigmas.extend(g.0);
         g_rgbs.extend(g.1.concat());
         g_deltas.extend(g.2);

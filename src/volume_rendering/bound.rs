@@ -8,7 +8,7 @@ use super::backward::Cotangent;
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::bounded::{Bounded, exact};
-use crate::convention::{AlphaCap, Conventions, Depth, EmptyDepth, ProductEps};
+use crate::convention::{AlphaCap, Backdrop, Conventions, Depth, EmptyDepth, ProductEps};
 
 /// One ray with its errors.
 pub(crate) struct Ray {
@@ -19,6 +19,8 @@ pub(crate) struct Ray {
     /// In front of each sample and, last, behind all: (N + 1).
     transmittance: Vec<Bounded>,
     pub(crate) weights: Vec<Bounded>,
+    /// Whether white is behind it, which loses what the opacity gains.
+    white: bool,
 }
 
 impl Ray {
@@ -72,7 +74,7 @@ impl Ray {
         m: &Arithmetic,
     ) -> Ray {
         let weights = alphas.iter().zip(&transmittance).map(|(&alpha, &t)| m.mul(t, alpha)).collect();
-        Ray { alphas, slopes, rgbs, transmittance, weights }
+        Ray { alphas, slopes, rgbs, transmittance, weights, white: false }
     }
 
     /// The outputs: color, opacity, transmittance.
@@ -120,7 +122,13 @@ impl Ray {
         let terms: Vec<Bounded> = (0..3).map(|k| m.mul(exact(g.color[k]), exact(self.rgbs[i][k]))).collect();
         let color = m.sum(&terms);
         let color = m.rounded(color.y, color.e);
-        m.add(m.add(color, exact(g.weights[i])), exact(g.opacity))
+        let opacity = if self.white {
+            let lost = m.sum(&g.color.map(exact));
+            m.sub(exact(g.opacity), m.rounded(lost.y, lost.e))
+        } else {
+            exact(g.opacity)
+        };
+        m.add(m.add(color, exact(g.weights[i])), opacity)
     }
 }
 
@@ -155,7 +163,17 @@ fn forward(rays: &[Ray], eps: ProductEps, m: &Arithmetic) -> Arrays {
 /// Bound of [`super::volume_render`].
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, _) = size(a, "sigmas");
-    forward(&(0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m)).collect::<Vec<_>>(), c.product_eps, m)
+    let rays: Vec<Ray> = (0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m)).collect();
+    let mut bound = forward(&rays, c.product_eps, m);
+    if c.backdrop == Backdrop::White {
+        let colors = bound.get_mut("colors").expect("an output");
+        for (r, ray) in rays.iter().enumerate() {
+            let (color, opacity, _) = ray.outputs(c.product_eps, m);
+            let left = m.sub(exact(1.0), opacity);
+            (0..3).for_each(|k| colors[[r, k]] = m.add(color[k], left).e);
+        }
+    }
+    bound
 }
 
 /// Bound of [`super::volume_render_alpha`].
@@ -170,7 +188,7 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> 
     let (rays, samples) = size(a, "sigmas");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
     for r in 0..rays {
-        let ray = Ray::of_case(a, r, c.product_eps, m);
+        let ray = Ray { white: c.backdrop == Backdrop::White, ..Ray::of_case(a, r, c.product_eps, m) };
         let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
         g_sigmas.extend(row(a, "deltas", r).iter().zip(&g_x).map(|(&delta, &g)| m.mul(exact(delta), g).e));
         g_deltas.extend(row(a, "sigmas", r).iter().zip(&g_x).map(|(&sigma, &g)| m.mul(exact(sigma), g).e));

@@ -5,7 +5,7 @@ use super::arrays::{cotangent, counted, gradients_of_counted, renderings};
 use super::backward::Cotangent;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::machine::Machine;
-use crate::convention::{Conventions, Depth, EmptyDepth, ProductEps};
+use crate::convention::{Backdrop, Conventions, Depth, EmptyDepth, ProductEps};
 
 fn alphas(x: &[f64], m: &Machine) -> Vec<f64> {
     x.iter().map(|&x| if m.stable { -m.expm1(-x) } else { m.sub(1.0, m.exp(-x)) }).collect()
@@ -63,7 +63,14 @@ fn render_ray_alpha(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rende
 /// Rendering from densities.
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, samples) = size(a, "sigmas");
-    renderings(samples, &(0..rays).map(|r| render_ray(a, r, c, m)).collect::<Vec<_>>())
+    let over = |mut ray: Rendering| {
+        if c.backdrop == Backdrop::White {
+            let left = m.sub(1.0, ray.opacity);
+            ray.color = ray.color.map(|color| m.add(color, left));
+        }
+        ray
+    };
+    renderings(samples, &(0..rays).map(|r| over(render_ray(a, r, c, m))).collect::<Vec<_>>())
 }
 
 /// Rendering from opacities.
@@ -113,7 +120,10 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arr
     for r in 0..rays {
         let x = optical_depths(a, r, m);
         let slopes: Vec<f64> = x.iter().map(|&x| m.exp(-x)).collect();
-        let (f, g) = (render_ray(a, r, c, m), cotangent(a, r));
+        let (f, mut g) = (render_ray(a, r, c, m), cotangent(a, r));
+        if c.backdrop == Backdrop::White {
+            g.opacity = m.sub(g.opacity, m.sum(&g.color));
+        }
         let g_x = gradients(&alphas(&x, m), &rows3(a, "rgbs", r), &slopes, &f, &g, c, m);
         g_sigmas.extend(row(a, "deltas", r).iter().zip(&g_x).map(|(&delta, &g)| m.mul(delta, g)));
         g_deltas.extend(row(a, "sigmas", r).iter().zip(&g_x).map(|(&sigma, &g)| m.mul(sigma, g)));

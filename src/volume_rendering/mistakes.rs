@@ -63,6 +63,8 @@ fn wrong_composite(
     for name in wrong {
         match *name {
             "inclusive_transmittance" => t.rotate_left(1),
+            "inclusive_behind_the_first" => t[1..].rotate_left(1.min(n)),
+            "own_light_alone" => (0..n).for_each(|i| t[i] = 1.0 - alphas[i]),
             "rolled_transmittance" => t[0] = t[n],
             "rolled_but_in_first_ray" if r > 0 => t[0] = t[n],
             "first_transmittance_zero" => t[0] = 0.0,
@@ -90,6 +92,12 @@ fn wrong_composite(
     }
     if let Some(early) = early {
         rendering.transmittance[n] = early;
+    }
+    if wrong.contains(&"weights_normalized") {
+        let opacity = rendering.opacity;
+        rendering.weights.iter_mut().for_each(|w| *w /= opacity);
+        rendering.color = rendering.color.map(|c| c / opacity);
+        rendering.opacity = rendering.weights.iter().sum();
     }
     if wrong.contains(&"divided_by_opacity") {
         rendering.color = rendering.color.map(|c| c / rendering.opacity);
@@ -183,7 +191,7 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         all.push(alphas);
         rays.push(ray);
     }
-    renderings(samples, &render_all(all, rays, |r| rows3(a, "rgbs", r), wrong))
+    arrays::over(c, renderings(samples, &render_all(all, rays, |r| rows3(a, "rgbs", r), wrong)))
 }
 
 /// Rendering from opacities.

@@ -226,6 +226,15 @@ def correction_in_the_rate(params, grad, m, v, step, lr, beta1, beta2, eps, weig
     return params - lr * np.sqrt(1 - beta2**step) / (1 - beta1**step) * m / (np.sqrt(v) + eps), m, v
 
 
+@right("adam_step", seen="numpy optimizers of students and engines, without weight decay", times=6, arrays="numpy")
+def adam_without_decay(params, grad, m, v, step, lr, beta1, beta2, eps):
+    """The paper's algorithm: weights don't decay."""
+    m, v = beta1 * m + (1 - beta1) * grad, beta2 * v + (1 - beta2) * grad * grad
+    corrected = m / (1 - beta1**step), v / (1 - beta2**step)
+    f32 = params.dtype.type
+    return (params - f32(lr) * corrected[0] / (np.sqrt(corrected[1]) + f32(eps))).astype(params.dtype), m.astype(params.dtype), v.astype(params.dtype)
+
+
 @fault("adam_step", "no_bias_correction", seen="an earlier reading of 114 implementations", arrays="numpy")
 def moments_as_they_are(params, grad, m, v, lr, beta1, beta2, eps, weight_decay):
     """No corrections."""

@@ -207,3 +207,9 @@ def slope_without_frequency(x, L, grad_encoding):
         f, at = np.float32(2**k * np.pi), d + 2 * k * d
         g += grad_encoding[:, at : at + d] * np.cos(f * x) - grad_encoding[:, at + d : at + 2 * d] * np.sin(f * x)
     return g
+
+
+@fault("positional_encoding", "powers_exchanged", seen="a student: pow(k, 2) for pow(2, k)")
+def squares_for_powers(x, L):
+    """k^2 pi for 2^k pi."""
+    return bands(x, [k**2 * torch.pi for k in range(L)])

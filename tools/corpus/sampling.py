@@ -267,3 +267,19 @@ def first_gap_of_the_first_ray(t, near, far):
 def second_gap_of_the_first_ray(t, near, far):
     """The second gap of the first ray for all rays and samples."""
     return torch.full_like(t, (t[0, 2] - t[0, 1]).item() if t.shape[1] > 2 else far - near)
+
+
+@fault("sample_along_rays", "left_edges_alone", seen="two students' samplers", times=2, gradient="none")
+def always_left_edges(rays_o, rays_d, near, far, u):
+    """near + i D, whatever u is."""
+    n = u.shape[1]
+    t = (near + (far - near) * torch.arange(n, dtype=u.dtype) / n).expand(u.shape)
+    return t, rays_o[:, None] + t[..., None] * rays_d[:, None]
+
+
+@fault("sample_along_rays", "unit_directions", seen="a student's sampler", gradient="none")
+def directions_made_unit_by_the_sampler(rays_o, rays_d, near, far, u):
+    """The middles as always, along d / |d|."""
+    n = u.shape[1]
+    t = near + (far - near) * (torch.arange(n, dtype=u.dtype) + u) / n
+    return t, rays_o[:, None] + t[..., None] * (rays_d / rays_d.norm(dim=-1, keepdim=True))[:, None]

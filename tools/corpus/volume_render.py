@@ -385,3 +385,32 @@ def one_step_for_everything(sigmas, rgbs, deltas):
         if deltas.numel()
         else colors_alone(sigmas, rgbs, deltas)
     )
+
+
+@convention("volume_render", {"backdrop": "white"}, seen="bmild/nerf raw2outputs white_bkgd; four of 48 files read later", times=8)
+def white_added_inside(sigmas, rgbs, deltas):
+    """C + (1 - A): white behind every ray, in the same function."""
+    colors, weights, opacity = product_moved_by_one(sigmas, rgbs, deltas)
+    return colors + (1 - opacity[:, None]), weights, opacity
+
+
+@fault("volume_render", "inclusive_behind_the_first", seen="a student's loop over rays", times=2)
+def ones_over_the_first_factor(sigmas, rgbs, deltas):
+    """The inclusive product, 1 written over its first factor."""
+    alpha = opacities(sigmas, deltas)
+    left = torch.cumprod(1 - alpha, -1)
+    return summed(torch.cat([torch.ones_like(left[:, :1]), left[:, 1:]], -1) * alpha, rgbs)
+
+
+@fault("volume_render", "own_light_alone", seen="a student's first renderer")
+def nothing_hidden(sigmas, rgbs, deltas):
+    """T_i = 1 - alpha_i."""
+    alpha = opacities(sigmas, deltas)
+    return summed((1 - alpha) * alpha, rgbs)
+
+
+@fault("volume_render", "weights_normalized", seen="two students' renderers", times=2)
+def weights_that_sum_to_one(sigmas, rgbs, deltas):
+    """The weights themselves are divided by their sum."""
+    _, weights, opacity = product_moved_by_one(sigmas, rgbs, deltas)
+    return summed(weights / opacity[:, None], rgbs)

@@ -30,6 +30,30 @@ const FIRST_ZERO: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
+const INCLUSIVE_BEHIND_FIRST: Mistake = Mistake::new(
+    "inclusive_behind_the_first",
+    "T_0 = 1, and T_i = prod_{j<=i} (1 - alpha_j) from the second sample on: 1 is written over the inclusive product's first factor",
+    "every sample but the first shades itself, and the first one shades twice",
+    "shift the product by one: 1 in front, the last factor dropped",
+    "2 public implementations",
+    2,
+);
+const OWN_LIGHT: Mistake = Mistake::new(
+    "own_light_alone",
+    "T_i = 1 - alpha_i: the sample's own factor for the product of those in front",
+    "nothing is hidden by what lies in front of it",
+    "the product over the samples in front",
+    "1 public implementation",
+    1,
+);
+const WEIGHTS_NORMALIZED: Mistake = Mistake::new(
+    "weights_normalized",
+    "the weights are divided by their sum, and used like that",
+    "empty rays are NaN, thin ones opaque",
+    "leave them: what is missing to 1 is the background's",
+    "1 public implementation",
+    1,
+);
 const OPACITY_AS_T: Mistake = Mistake::new(
     "opacity_as_transmittance",
     "T = 1 - prod(1 - alpha): opacity in the place of transmittance",
@@ -136,6 +160,9 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     ROLLED,
     FIRST_ZERO,
     OPACITY_AS_T,
+    INCLUSIVE_BEHIND_FIRST,
+    OWN_LIGHT,
+    WEIGHTS_NORMALIZED,
     DIVIDED,
     ALPHA_FORGOTTEN,
     OVER_RAYS,
@@ -177,6 +204,9 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     ROLLED,
     FIRST_ZERO,
     OPACITY_AS_T,
+    INCLUSIVE_BEHIND_FIRST,
+    OWN_LIGHT,
+    WEIGHTS_NORMALIZED,
     DIVIDED,
     ALPHA_FORGOTTEN,
     OVER_RAYS,

@@ -15,11 +15,13 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 /// All of them, by the names of their corpora.
-pub const ALL: [(&str, fn(&[u8])); 6] = [
+pub const ALL: [(&str, fn(&[u8])); 8] = [
     ("npz", npz),
     ("npy", npy),
     ("picture", picture),
     ("transforms", transforms),
+    ("colmap", colmap),
+    ("llff", llff),
     ("run", run),
     ("declarations", declarations),
 ];
@@ -46,13 +48,70 @@ pub fn picture(bytes: &[u8]) {
 
 /// A scene's cameras.
 pub fn transforms(bytes: &[u8]) {
-    let folder = folder();
-    let photo = folder.join("a.png");
-    if !photo.exists() {
-        pictures::write_png(&photo, Array3::zeros((1, 1, 3)).view()).expect("written");
-    }
+    picture_at(&folder().join("a.png"));
     let path = put("transforms.json", bytes);
     let _ = scene::load(text(&path), &options());
+}
+
+/// COLMAP's model: the first byte says which of its three files the others are; a sound one of a camera and two pictures is about it.
+pub fn colmap(bytes: &[u8]) {
+    let Some((which, bytes)) = bytes.split_first() else { return };
+    let root = folder().join("colmap");
+    let model = root.join("sparse/0");
+    fs::create_dir_all(&model).expect("a folder");
+    for name in NAMES {
+        picture_at(&root.join(name));
+    }
+    for (n, (name, sound)) in
+        [("cameras.bin", cameras()), ("images.bin", images()), ("points3D.bin", vec![0; 8])]
+            .into_iter()
+            .enumerate()
+    {
+        let fuzzed = usize::from(which % 3) == n;
+        fs::write(model.join(name), if fuzzed { bytes } else { &sound }).expect("written");
+    }
+    let _ = scene::load(text(&root), &options());
+}
+
+/// LLFF's array of cameras and depths.
+pub fn llff(bytes: &[u8]) {
+    let root = folder().join("llff");
+    for name in NAMES {
+        picture_at(&root.join("images").join(name));
+    }
+    fs::write(root.join("poses_bounds.npy"), bytes).expect("written");
+    let _ = scene::load(text(&root), &options());
+}
+
+const NAMES: [&str; 2] = ["a.png", "b.png"];
+
+fn picture_at(path: &Path) {
+    if !path.exists() {
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        pictures::write_png(path, Array3::zeros((1, 1, 3)).view()).expect("written");
+    }
+}
+
+/// One SIMPLE_PINHOLE of 1 x 1 pixels.
+fn cameras() -> Vec<u8> {
+    let mut out = 1u64.to_le_bytes().to_vec();
+    out.extend([7u32, 0].iter().flat_map(|x| x.to_le_bytes()));
+    out.extend([1u64, 1].iter().flat_map(|x| x.to_le_bytes()));
+    out.extend([1.0, 0.5, 0.5].iter().flat_map(|x: &f64| x.to_le_bytes()));
+    out
+}
+
+/// Two pictures at distance 4, without features.
+fn images() -> Vec<u8> {
+    let mut out = 2u64.to_le_bytes().to_vec();
+    for (n, name) in NAMES.iter().enumerate() {
+        out.extend((n as u32 + 1).to_le_bytes());
+        out.extend([1.0, 0.0, 0.0, 0.0, n as f64, 0.0, 4.0].iter().flat_map(|x| x.to_le_bytes()));
+        out.extend(7u32.to_le_bytes());
+        out.extend(name.bytes().chain([0]));
+        out.extend(0u64.to_le_bytes());
+    }
+    out
 }
 
 /// What a run says of itself, and the state that it has.
