@@ -148,8 +148,9 @@ fn names_from_files_move_no_cursor() {
     assert_eq!(clean(&inspect("missing"), shown), Some(0));
     scene(&dir.path().join("field"), |json| json[EVIL] = json!(1));
     assert_eq!(clean(&inspect("field"), shown), Some(0));
-    scene(&dir.path().join("mask"), |json| json["frames"][1]["mask_path"] = json!(EVIL));
-    assert_eq!(clean(&inspect("mask"), shown), Some(2));
+    scene(&dir.path().join("mask"), |json| json["frames"][0]["mask_path"] = json!(EVIL));
+    // As a quoted text.
+    assert_eq!(clean(&inspect("mask"), &shown.replace("\\u{a}", "\\n")), Some(2));
     scene(&dir.path().join("model"), |json| json["camera_model"] = json!(EVIL));
     assert_eq!(clean(&inspect("model"), shown), Some(2));
     // The scene's own name, in text, in JSON and in the run's curve; a picture's name in a table.

@@ -157,6 +157,54 @@ class _ImageRays:
 
 image_rays: _ImageRays
 
+class NdcRays(NamedTuple):
+    rays_o_ndc: Float
+    rays_d_ndc: Float
+
+class NdcRaysGradients(NamedTuple):
+    grad_rays_o: Float
+    grad_rays_d: Float
+
+class _NdcRays:
+    def __call__(self, rays_o: Array, rays_d: Array, width: Array, height: Array, focal: Array, near: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> NdcRays:
+        """The error bound: p = o + t d at depth near; o' = (2f/W p_x/near, 2f/H p_y/near, -1), d' = (2f/W (d_x/|d_z| - p_x/near), 2f/H (d_y/|d_z| - p_y/near), 2)
+
+        NeRF (Mildenhall et al. 2020), appendix C, equations 25 and 26. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            rays_o (R,3): origins
+            rays_d (R,3): directions, as they come, not across the axis (d_z = 0)
+            width (a number): width of the picture, in pixels
+            height (a number): height of the picture, in pixels
+            focal (a number): focal length, in pixels
+            near (a number): depth of the near plane
+
+        Returns:
+            rays_o_ndc (R,3): where rays meet the near plane, z = -1
+            rays_d_ndc (R,3): from there to where they meet infinity, z = 2; not unit
+        """
+    def vjp(self, rays_o: Array, rays_d: Array, width: Array, height: Array, focal: Array, near: Array, *, grad_rays_o_ndc: Optional[Array] = None, grad_rays_d_ndc: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> NdcRaysGradients:
+        """The error bound of the gradient: p = o + t d at depth near; o' = (2f/W p_x/near, 2f/H p_y/near, -1), d' = (2f/W (d_x/|d_z| - p_x/near), 2f/H (d_y/|d_z| - p_y/near), 2)
+
+        NeRF (Mildenhall et al. 2020), appendix C, equations 25 and 26. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            rays_o (R,3): origins
+            rays_d (R,3): directions, as they come, not across the axis (d_z = 0)
+            width (a number): width of the picture, in pixels
+            height (a number): height of the picture, in pixels
+            focal (a number): focal length, in pixels
+            near (a number): depth of the near plane
+            grad_rays_o_ndc (R,3): of the loss, by rays_o_ndc; zeros where left off
+            grad_rays_d_ndc (R,3): of the loss, by rays_d_ndc; zeros where left off
+
+        Returns:
+            grad_rays_o (R,3): of the loss, by rays_o
+            grad_rays_d (R,3): of the loss, by rays_d
+        """
+
+ndc_rays: _NdcRays
+
 class SampleAlongRays(NamedTuple):
     t: Float
     points: Float
@@ -200,6 +248,35 @@ class _StepSizes:
         """
 
 step_sizes: _StepSizes
+
+
+
+class _Contraction:
+    def __call__(self, x: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Float:
+        """The error bound: x for |x| <= 1, (2 - 1/|x|) x/|x| beyond; which norm, and the scale of the result, by convention
+
+        mip-NeRF 360 (Barron et al. 2022), equation 10; MERF (Reiser et al. 2023), equation 4. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M,3): points; what is near lies within length 1
+
+        Returns:
+            contracted (M,3): where they come to lie, within 2 of the origin, or scaled
+        """
+    def vjp(self, x: Array, *, grad_contracted: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Float:
+        """The error bound of the gradient: x for |x| <= 1, (2 - 1/|x|) x/|x| beyond; which norm, and the scale of the result, by convention
+
+        mip-NeRF 360 (Barron et al. 2022), equation 10; MERF (Reiser et al. 2023), equation 4. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (M,3): points; what is near lies within length 1
+            grad_contracted (M,3): of the loss, by contracted; zeros where left off
+
+        Returns:
+            grad_x (M,3): of the loss, by x
+        """
+
+contraction: _Contraction
 
 
 
@@ -669,6 +746,107 @@ class _Depth:
 
 depth: _Depth
 
+class PackInfo(NamedTuple):
+    starts: Float
+    counts: Float
+
+
+class _PackInfo:
+    def __call__(self, ray_ids: Array, rays: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> PackInfo:
+        """The error bound: count_r = the number of samples of ray r, start_r = sum_{q<r} count_q
+
+        nerfacc (Li et al. 2023), pack_info. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            ray_ids (S): the ray of each sample, ascending
+            rays (a number): the number of rays, with those that have no samples
+
+        Returns:
+            starts (R): a ray's first sample; of an empty ray, the next one's
+            counts (R): a ray's number of samples
+        """
+
+pack_info: _PackInfo
+
+class PackedScan(NamedTuple):
+    exclusive_sum: Float
+    inclusive_sum: Float
+    exclusive_product: Float
+    inclusive_product: Float
+
+
+class _PackedScan:
+    def __call__(self, x: Array, offsets: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> PackedScan:
+        """The error bound: over the samples j of i's ray: sum_{j<i} x_j, sum_{j<=i} x_j, prod_{j<i} x_j, prod_{j<=i} x_j
+
+        nerfacc (Li et al. 2023), exclusive_sum, inclusive_sum, exclusive_prod, inclusive_prod. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (S): a number for each sample, rays one after the other
+            offsets (R+1): each ray's first sample and, last, S; a ray may have none
+
+        Returns:
+            exclusive_sum (S): 0 for a ray's first sample
+            inclusive_sum (S): with the sample itself
+            exclusive_product (S): 1 for a ray's first sample
+            inclusive_product (S): with the sample itself
+        """
+    def vjp(self, x: Array, offsets: Array, *, grad_exclusive_sum: Optional[Array] = None, grad_inclusive_sum: Optional[Array] = None, grad_exclusive_product: Optional[Array] = None, grad_inclusive_product: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Float:
+        """The error bound of the gradient: over the samples j of i's ray: sum_{j<i} x_j, sum_{j<=i} x_j, prod_{j<i} x_j, prod_{j<=i} x_j
+
+        nerfacc (Li et al. 2023), exclusive_sum, inclusive_sum, exclusive_prod, inclusive_prod. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            x (S): a number for each sample, rays one after the other
+            offsets (R+1): each ray's first sample and, last, S; a ray may have none
+            grad_exclusive_sum (S): of the loss, by exclusive_sum; zeros where left off
+            grad_inclusive_sum (S): of the loss, by inclusive_sum; zeros where left off
+            grad_exclusive_product (S): of the loss, by exclusive_product; zeros where left off
+            grad_inclusive_product (S): of the loss, by inclusive_product; zeros where left off
+
+        Returns:
+            grad_x (S): of the loss, by x
+        """
+
+packed_scan: _PackedScan
+
+
+class AccumulateAlongRaysGradients(NamedTuple):
+    grad_weights: Float
+    grad_values: Float
+
+class _AccumulateAlongRays:
+    def __call__(self, weights: Array, values: Array, offsets: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Float:
+        """The error bound: sum_i w_i v_i over the samples i of each ray; 0 without samples
+
+        nerfacc (Li et al. 2023), accumulate_along_rays; NeRF equation 3. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            weights (S): weights, rays one after the other
+            values (S,3): colors, or whatever is weighted
+            offsets (R+1): each ray's first sample and, last, S; a ray may have none
+
+        Returns:
+            sums (R,3): weighted sums, not divided by the weights' sum
+        """
+    def vjp(self, weights: Array, values: Array, offsets: Array, *, grad_sums: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> AccumulateAlongRaysGradients:
+        """The error bound of the gradient: sum_i w_i v_i over the samples i of each ray; 0 without samples
+
+        nerfacc (Li et al. 2023), accumulate_along_rays; NeRF equation 3. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            weights (S): weights, rays one after the other
+            values (S,3): colors, or whatever is weighted
+            offsets (R+1): each ray's first sample and, last, S; a ray may have none
+            grad_sums (R,3): of the loss, by sums; zeros where left off
+
+        Returns:
+            grad_weights (S): of the loss, by weights
+            grad_values (S,3): of the loss, by values
+        """
+
+accumulate_along_rays: _AccumulateAlongRays
+
 class EarlyStop(NamedTuple):
     live: Float
     colors: Float
@@ -766,6 +944,41 @@ class _RenderTrace:
         """
 
 render_trace: _RenderTrace
+
+
+class DistortionLossGradients(NamedTuple):
+    grad_weights: Float
+    grad_t: Float
+
+class _DistortionLoss:
+    def __call__(self, weights: Array, t: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Float:
+        """The error bound: sum_ij w_i w_j |m_i - m_j| + 1/3 sum_i w_i^2 (t_{i+1} - t_i), m_i = (t_i + t_{i+1}) / 2; of each ray
+
+        mip-NeRF 360 (Barron et al. 2022), equation 15. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            weights (R,N): weights of the intervals
+            t (R,N+1): their edges, never falling: distances, or normalized ones
+
+        Returns:
+            loss (R): of each ray: add up or average them yourself
+        """
+    def vjp(self, weights: Array, t: Array, *, grad_loss: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> DistortionLossGradients:
+        """The error bound of the gradient: sum_ij w_i w_j |m_i - m_j| + 1/3 sum_i w_i^2 (t_{i+1} - t_i), m_i = (t_i + t_{i+1}) / 2; of each ray
+
+        mip-NeRF 360 (Barron et al. 2022), equation 15. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            weights (R,N): weights of the intervals
+            t (R,N+1): their edges, never falling: distances, or normalized ones
+            grad_loss (R): of the loss, by loss; zeros where left off
+
+        Returns:
+            grad_weights (R,N): of the loss, by weights
+            grad_t (R,N+1): of the loss, by t
+        """
+
+distortion_loss: _DistortionLoss
 
 
 
