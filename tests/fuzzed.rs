@@ -22,4 +22,5 @@ fn every_kept_input_is_read_or_refused() {
         }
         assert!(count > 0, "{name} has no inputs");
     }
+    fs::remove_dir_all(readers::folder()).expect("removed");
 }

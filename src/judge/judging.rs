@@ -116,7 +116,7 @@ impl Round {
                 if row.verdict == Verdict::Fail && !question.statistics() {
                     let shown_in = assignment::apply(&row.shown_in, c);
                     row.example = smallest(question, &answers[n], &shown_in, options);
-                    if row.diagnosis.is_empty() {
+                    if row.diagnosis.iter().all(|e| !e.whole()) {
                         row.observed = observed(question, &answers[n], &shown_in, options);
                     }
                 }
@@ -155,7 +155,7 @@ fn imprecise(
 fn nearest(row: &mut Row, question: &Question, answers: &Answers, base: &Conventions, options: &MarkOptions) {
     let near = match row.diagnosis.first() {
         // Right in other conventions: it only disagrees with the rest of the run.
-        Some(best) if best.mistakes.is_empty() => return,
+        Some(best) if best.mistakes.is_empty() && best.whole() => return,
         Some(best) => assignment::apply(&best.conventions, base),
         None => assignment::nearest(question, answers, base),
     };

@@ -45,10 +45,13 @@ impl Off {
         predicted.shape() == self.got.shape() && self.got.iter().zip(predicted).zip(bound).all(fits)
     }
 
-    /// The expected element that is largest, and what was answered for it.
+    /// The expected element that is largest of those that say something, and what was answered for it.
     fn largest(&self) -> Option<(f64, f64)> {
-        let finite = self.expected.iter().zip(&self.got).filter(|(e, g)| e.is_finite() && g.is_finite());
-        finite.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())).map(|(e, g)| (*e, *g))
+        let elements = self.expected.iter().zip(&self.got).zip(&self.bound);
+        // One that is no larger than its bound says nothing.
+        let telling =
+            elements.filter(|((e, g), b)| e.is_finite() && g.is_finite() && e.abs() > GENEROUS * **b);
+        telling.map(|((e, g), _)| (*e, *g)).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
     }
 }
 
@@ -118,13 +121,18 @@ fn pattern(off: &[Off]) -> Option<String> {
     let largest = off.iter().filter_map(Off::largest).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     let Some((expected, got)) = largest.filter(|_| elements > 2) else { return beginnings(off) };
     let (ratio, difference) = (got / expected, got - expected);
-    if all(&|x| x * ratio, ratio) {
-        return Some(format!("{ratio:.6} times what it should be, everywhere"));
+    if ratio.abs() < 1e6 && all(&|x| x * ratio, ratio) {
+        return Some(format!("{} times what it should be, everywhere", short(ratio)));
     }
     if all(&|x| x + difference, 1.0) {
         return Some(format!("what it should be {difference:+.6e}, everywhere"));
     }
     beginnings(off)
+}
+
+/// A number in six digits.
+fn short(x: f64) -> String {
+    if (1e-3..1e6).contains(&x.abs()) { format!("{x:.6}") } else { format!("{x:.5e}") }
 }
 
 /// Axes that are exchanged, reversed or shifted.
@@ -193,7 +201,7 @@ fn rolled(e: &ArrayD<f64>, axis: usize, by: isize) -> ArrayD<f64> {
 
 /// Whether the first or the last elements along the last axis are right, and the others aren't.
 fn beginnings(off: &[Off]) -> Option<String> {
-    let axis = off.iter().map(|off| off.expected.ndim()).min()?.checked_sub(1)?;
+    off.iter().map(|off| off.expected.ndim()).min().filter(|axes| *axes > 0)?;
     let right_at = |off: &Off, n: usize| {
         let part = |a: &ArrayD<f64>| a.index_axis(Axis(off.expected.ndim() - 1), n).to_owned().into_dyn();
         let here = Off {
@@ -206,7 +214,7 @@ fn beginnings(off: &[Off]) -> Option<String> {
     };
     let lengths: Vec<usize> = off.iter().map(|off| *off.expected.shape().last().unwrap_or(&0)).collect();
     let shortest = *lengths.iter().min()?;
-    if axis == 0 && off[0].expected.ndim() == 0 || shortest < 2 {
+    if shortest < 2 {
         return None;
     }
     let first = (0..shortest).take_while(|&n| off.iter().all(|off| right_at(off, n))).count();
@@ -219,4 +227,73 @@ fn beginnings(off: &[Off]) -> Option<String> {
         1 => "right in the last element of its last axis alone".into(),
         n => format!("right in the last {n} elements of its last axis"),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use ndarray::Axis;
+
+    use super::super::answer::{Answer, given};
+    use super::super::exam::Exam;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::convention::CS180;
+
+    /// What is seen of the right answers to a row after a change.
+    fn seen(component: &str, change: impl Fn(&str, &mut Answer)) -> Vec<String> {
+        let exam = Exam::new(component, Dtype::F64, None).unwrap();
+        let question = &exam.questions[0];
+        let answer = |case: &crate::contract::Case| {
+            let mut answer = given((question.component.forward.oracle)(&case.inputs, &CS180));
+            change(&case.id, &mut answer);
+            Some(answer)
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        observed(question, &answers, &CS180, &MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 })
+    }
+
+    fn on<'a>(name: &'a str, f: impl Fn(&mut ArrayD<f64>) + 'a) -> impl Fn(&str, &mut Answer) + 'a {
+        move |_, answer| f(&mut answer.get_mut(name).expect("an output").values)
+    }
+
+    #[test]
+    fn what_is_right_is_not_mentioned() {
+        assert_eq!(seen("volume_render", |_, _| ()), [""; 0]);
+    }
+
+    #[test]
+    fn simple_changes_are_seen() {
+        for (change, said) in [
+            (
+                &(|a: &mut ArrayD<f64>| a.mapv_inplace(|x| 1.07 * x)) as &dyn Fn(&mut ArrayD<f64>),
+                "1.070000 times",
+            ),
+            (&|a| a.mapv_inplace(|x| x + 0.25), "+2.5"),
+            (&|a| a.mapv_inplace(|x| -x), "the sign is wrong"),
+            (&|a| a.fill(0.0), "nothing but 0"),
+            (&|a| a.invert_axis(Axis(1)), "its axis 1 is reversed"),
+            (&|a| *a = a.select(Axis(1), &[0, 2, 1]), "elements 1 and 2 are exchanged"),
+            (&|a| a.index_axis_mut(Axis(1), 1).mapv_inplace(|x| -x), "element 1 has the wrong sign"),
+            (&|a| *a = a.select(Axis(1), &[2, 0, 1]), "every element comes one late"),
+        ] {
+            let seen = seen("transform", on("x_w", change));
+            assert!(seen.len() == 1 && seen[0].contains(said), "{said}: {seen:?}");
+        }
+    }
+
+    #[test]
+    fn the_case_that_is_off_is_named() {
+        let one = |id: &str, answer: &mut Answer| {
+            if id == "opaque_0" {
+                answer.get_mut("opacity").expect("an output").values.mapv_inplace(|x| (7.0 * x).sin());
+            }
+        };
+        let seen = seen("volume_render", one);
+        assert!(
+            seen.len() == 1
+                && seen[0].starts_with("opacity is off in 1 of")
+                && seen[0].contains("(opaque_0)"),
+            "{seen:?}"
+        );
+    }
 }

@@ -169,18 +169,16 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             before(best)
         );
     }
-    writeln!(
-        f,
-        "  consistent with: {}   (off by {:.1}% of what such code may be)",
-        name(best),
-        100.0 * best.residual
-    )?;
+    writeln!(f, "  consistent with: {}{}", name(best), closeness(best))?;
     if !best.unexplained.is_empty() {
         writeln!(f, "  but for {}, which something more must explain", best.unexplained.join(", "))?;
     }
     if !best.unexplained_cases.is_empty() {
         let cases = best.unexplained_cases.join(", ");
         writeln!(f, "  but for the cases {cases}, where something more is wrong: look at these by hand")?;
+    }
+    for sentence in &row.observed {
+        writeln!(f, "    {sentence}")?;
     }
     for same in row.diagnosis.iter().filter(|e| e.same_as_best) {
         writeln!(f, "  or, the same on every case: {}", name(same))?;
@@ -205,6 +203,14 @@ fn places(w: &Worst) -> String {
         ulp if w.expected == 0.0 || !ulp.is_finite() => String::new(),
         ulp if ulp < 1e6 => format!(" ({ulp:.1} ULP)"),
         ulp => format!(" ({ulp:.1e} ULP)"),
+    }
+}
+
+/// How well it fits: how much of what wrong code may be off is used, where that is a number at all.
+fn closeness(e: &Explanation) -> String {
+    match e.residual {
+        r if r > 0.0 && r.is_finite() => format!("   (off by {:.1}% of what such code may be)", 100.0 * r),
+        _ => String::new(),
     }
 }
 

@@ -21,7 +21,7 @@ pub(crate) fn offsets(a: &Arrays, samples: &str) -> Vec<usize> {
 /// Ids and the number of rays, made whole and in range as [`offsets`] are.
 pub(crate) fn ids(a: &Arrays) -> (Vec<usize>, usize) {
     let rays = number(a, "rays") as usize;
-    let id = |x: f64| (x.round() as usize).min(rays - 1);
+    let id = |x: f64| (x.round() as usize).min(rays.saturating_sub(1));
     (values(a, "ray_ids").into_iter().map(id).collect(), rays)
 }
 

@@ -46,8 +46,14 @@ impl Cloud {
         Cloud { points, distances, reprojection: None }
     }
 
-    /// The cloud, if photographs show any of it.
-    pub(super) fn useful(self) -> Option<Self> {
+    /// The cloud, if photographs show any of it; a warning where they show nothing of what there is.
+    pub(super) fn useful(self, warnings: &mut Vec<String>) -> Option<Self> {
+        if self.distances.is_empty() && !self.points.is_empty() {
+            let count = self.points.len();
+            warnings.push(format!(
+                "No photograph shows any of the {count} points: cameras and points don't fit, and the points aren't used."
+            ));
+        }
         (!self.distances.is_empty()).then_some(self)
     }
 

@@ -43,15 +43,17 @@ pub(super) fn read(path: &Path) -> Result<Vec<DVec3>> {
         let remedy = "Write the points again as a PLY, in text or little-endian, with x, y and z.";
         Error::input(Input { file: path.display(), field, found, expected, remedy })
     };
-    let end = b"end_header\n";
-    let length = bytes.iter().take(HEADER).count();
-    let at = bytes[..length]
-        .windows(end.len())
-        .position(|window| window == end)
-        .ok_or_else(|| wrong(("header", format!("none in {length} bytes"), "ply, ..., end_header".into())))?;
-    let text = String::from_utf8_lossy(&bytes[..at]);
+    let head = &bytes[..bytes.len().min(HEADER)];
+    let (end, length) = [&b"end_header\n"[..], b"end_header\r\n"]
+        .into_iter()
+        .find_map(|end| Some((head.windows(end.len()).position(|window| window == end)?, end.len())))
+        .ok_or_else(|| {
+            let found = format!("none in {} bytes", head.len());
+            wrong(("header", found, "ply, ..., end_header".into()))
+        })?;
+    let text = String::from_utf8_lossy(&bytes[..end]);
     let header = header(&text).map_err(|(found, expected)| wrong(("header", found, expected.into())))?;
-    let rest = &bytes[at + end.len()..];
+    let rest = &bytes[end + length..];
     let points = if header.ascii { in_text(&header, rest) } else { in_binary(&header, rest) };
     let points = points.map_err(|(found, expected)| wrong(("vertices", found, expected)))?;
     match points.iter().find(|point| point.is_nan() || point.abs().max_element() > LENGTH) {
@@ -69,6 +71,10 @@ fn header(text: &str) -> std::result::Result<Header, (String, &'static str)> {
     let (mut stride, mut places) = (0, [None; 3]);
     for line in lines {
         match line[..] {
+            // What is behind it is counted in words or in bytes.
+            ["format", ..] if ascii.is_some() || count.is_some() => {
+                return Err((line.join(" "), "one format, in front of all elements"));
+            }
             ["format", "ascii", _] => ascii = Some(true),
             ["format", "binary_little_endian", _] => ascii = Some(false),
             ["format", ..] => return Err((line.join(" "), "format ascii or binary_little_endian")),
@@ -141,6 +147,20 @@ mod tests {
     const TEXT: &str = "ply\nformat ascii 1.0\ncomment of nerfstudio\nelement vertex 2\nproperty float x\nproperty float y\n\
         property float z\nproperty uint8 red\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
         1 2.5 -3 255\n4 5 6e1 0\n3 0 1 1\n";
+
+    #[test]
+    fn lines_may_end_as_on_windows() {
+        let windows = TEXT.replace('\n', "\r\n");
+        assert_eq!(read_bytes(windows.as_bytes()).unwrap(), read_bytes(TEXT.as_bytes()).unwrap());
+    }
+
+    /// The place of z would be counted in words, and looked for in bytes.
+    #[test]
+    fn a_second_format_is_refused() {
+        let text = TEXT.replace("end_header", "format binary_little_endian 1.0\nend_header");
+        let message = read_bytes(text.as_bytes()).unwrap_err().to_string();
+        assert!(message.contains("expected one format, in front of all elements"), "{message}");
+    }
 
     #[test]
     fn text_and_bytes_hold_the_same_points() {

@@ -109,7 +109,7 @@ pub(super) fn load(path: &Path, options: &Options) -> Result<Scene> {
     let backdrop = reader.backdrop();
     scene.hold_out(frames, options);
     scene.bounds = ngp_box(&transforms, &mut scene);
-    scene.cloud = points(&transforms, &scene)?;
+    scene.cloud = points(&transforms, &mut scene)?;
     finish(scene, &transforms.file(), backdrop, options)
 }
 
@@ -268,14 +268,15 @@ fn masked(
 }
 
 /// The points of `ply_file_path`, if the file is there.
-fn points(transforms: &Transforms, scene: &Scene) -> Result<Option<Cloud>> {
+fn points(transforms: &Transforms, scene: &mut Scene) -> Result<Option<Cloud>> {
     let Some(name) = transforms.json["ply_file_path"].as_str() else { return Ok(None) };
     let path = transforms.path.parent().unwrap_or(Path::new("")).join(name);
     if !path.exists() {
         return Ok(None);
     }
     let cameras: Vec<_> = scene.train.iter().chain(&scene.val).map(|frame| &frame.camera).collect();
-    Ok(Cloud::around(ply::read(&path)?, &cameras).useful())
+    let cloud = Cloud::around(ply::read(&path)?, &cameras);
+    Ok(cloud.useful(&mut scene.warnings))
 }
 
 /// instant-ngp's box: a cube of `aabb_scale` in its own units, x_ngp = scale x + offset around 0.5, scale 0.33 unless the file says.

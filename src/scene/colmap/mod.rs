@@ -47,7 +47,7 @@ pub(super) fn load(capture: &Capture, options: &Options) -> Result<Scene> {
         scene.warnings.push(format!("{}: {more}", folder.display()));
     }
     let frames = frames(&model, capture, &files, &mut scene)?;
-    scene.cloud = seen(&model, &frames, &files)?.useful();
+    scene.cloud = seen(&model, &frames, &files)?.useful(&mut scene.warnings);
     scene.hold_out(frames.into_iter().map(|(frame, _)| frame).collect(), options);
     check::frames(&files.cameras, &scene.train, &scene.val)?;
     settle(&mut scene, &files.images, Backdrop::World, options)?;

@@ -41,15 +41,15 @@ impl Key {
         Camera { c2w: DMat4::from_rotation_translation(self.turn, self.place), k, ..*like }
     }
 
-    /// The weighted sum, its rotation made one again.
+    /// The weighted sum, its rotation made one again; of focal lengths the product of powers, as weights may be below 0.
     fn mix(keys: impl Iterator<Item = (Key, f64)>) -> Key {
         let none = Key { place: DVec3::ZERO, turn: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), focal: 0.0 };
         let sum = keys.fold(none, |sum, (key, weight)| Key {
             place: sum.place + key.place * weight,
             turn: sum.turn + key.turn * weight,
-            focal: sum.focal + key.focal * weight,
+            focal: sum.focal + key.focal.ln() * weight,
         });
-        Key { turn: sum.turn.normalize(), ..sum }
+        Key { turn: sum.turn.normalize(), focal: sum.focal.exp(), ..sum }
     }
 }
 

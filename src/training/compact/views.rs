@@ -68,7 +68,7 @@ impl Views {
     /// The training frames of a scene.
     ///
     /// # Errors
-    /// Where a lens has no inverse at some pixel, or there are more pixels than can be numbered.
+    /// Where a lens has no inverse at some pixel that is tried (of a picture's own lens every 16th), or there are more pixels than can be numbered.
     pub(super) fn new(scene: &Scene, settings: &CompactSettings) -> Result<Self> {
         let upright = |camera: &Camera| Camera { c2w: DMat4::IDENTITY, ..*camera };
         let cameras: Vec<Camera> = scene.train.iter().map(|frame| upright(&frame.camera)).collect();

@@ -15,13 +15,14 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 /// All of them, by the names of their corpora.
-pub const ALL: [(&str, fn(&[u8])); 8] = [
+pub const ALL: [(&str, fn(&[u8])); 9] = [
     ("npz", npz),
     ("npy", npy),
     ("picture", picture),
     ("transforms", transforms),
     ("colmap", colmap),
     ("llff", llff),
+    ("ply", ply),
     ("run", run),
     ("declarations", declarations),
 ];
@@ -83,6 +84,17 @@ pub fn llff(bytes: &[u8]) {
     let _ = scene::load(text(&root), &options());
 }
 
+/// A scene's points.
+pub fn ply(bytes: &[u8]) {
+    let root = folder().join("ply");
+    picture_at(&root.join("a.png"));
+    fs::write(root.join("points.ply"), bytes).expect("written");
+    let scene = r#"{"fl_x": 1.0, "ply_file_path": "points.ply", "frames": [{"file_path": "a.png",
+        "transform_matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 4], [0, 0, 0, 1]]}]}"#;
+    fs::write(root.join("transforms.json"), scene).expect("written");
+    let _ = scene::load(text(&root), &options());
+}
+
 const NAMES: [&str; 2] = ["a.png", "b.png"];
 
 fn picture_at(path: &Path) {
@@ -114,12 +126,11 @@ fn images() -> Vec<u8> {
     out
 }
 
-/// What a run says of itself, and the state that it has.
+/// What a run says of itself.
 pub fn run(bytes: &[u8]) {
     let path = put("run.json", bytes);
     let Ok(run) = RunFolder::open(path.parent().expect("a folder")) else { return };
     let _ = run.settings();
-    let _ = run.load();
 }
 
 /// What a candidate says that it takes.
@@ -134,7 +145,7 @@ fn options() -> Options {
 }
 
 /// A folder of this thread, in memory where the system has such a place.
-fn folder() -> PathBuf {
+pub fn folder() -> PathBuf {
     thread_local!(static FOLDER: OnceCell<PathBuf> = const { OnceCell::new() });
     let make = || {
         let memory = Path::new("/dev/shm");
