@@ -13,7 +13,7 @@ def test_right_code_passes_and_says_what_it_followed():
     assert report.passed and report, report
     row = report["volume_render"]
     assert row is report["volume_render", "forward"] and row.verdict == "pass" and row.cases == row.answered > 20
-    assert row.missing_outputs == ["opacity", "transmittance"] and row.conventions == {"product_eps": "none"}
+    assert row.missing_outputs == ["opacity", "transmittance"] and row.conventions == {"product_eps": "none", "backdrop": "none"}
     assert "CONVENTIONS FOUND: cs180   (answers in f32)" in str(report) and report.profile == "cs180"
     assert report.notes and all(note in str(report) for note in report.notes)
 
@@ -48,7 +48,7 @@ def test_a_pinned_profile_fails_what_deviates():
         return ((front * alpha)[..., None] * rgbs).sum(1)
 
     found = no.judge(volume_render=with_eps, dtype="f64")
-    assert found.passed and found["volume_render"].conventions == {"product_eps": "1e-7"}, found
+    assert found.passed and found["volume_render"].conventions == {"product_eps": "1e-7", "backdrop": "none"}, found
     assert not no.judge(volume_render=with_eps, dtype="f64", profile="cs180").passed
 
 
@@ -210,3 +210,27 @@ def test_the_rows_of_a_report():
     assert report.json["components"][0]["name"] == "volume_render"
     with pytest.raises(KeyError, match="volume_render forward"):
         report["volume_render", "vjp"]
+
+
+def test_rays_without_their_pixels_are_told_by_their_shapes():
+    def get_rays(H, W, focal, c2w):
+        i, j = np.meshgrid(np.arange(W, dtype=np.float32) + 0.5, np.arange(H, dtype=np.float32) + 0.5)
+        d = np.stack([(i - W * 0.5) / focal, (j - H * 0.5) / focal, np.ones_like(i)], -1)
+        d = d @ c2w[:3, :3].T
+        return np.broadcast_to(c2w[:3, 3], d.shape), d / np.linalg.norm(d, axis=-1, keepdims=True)
+
+    report = no.judge(image_rays=get_rays)
+    assert report.passed, str(report)
+    assert report["image_rays"].missing_outputs == ["uv"]
+
+
+def test_a_number_that_was_fitted_is_told():
+    def volrend(sigmas, rgbs, deltas):
+        alphas = 1 - np.exp(-3.5 * sigmas * deltas)
+        left = np.cumprod(np.concatenate([np.ones_like(alphas[:, :1]), 1 - alphas], 1), 1)
+        weights = left[:, :-1] * alphas
+        return (weights[..., None] * rgbs).sum(1), weights, weights.sum(1), left[:, -1]
+
+    row = no.judge(volume_render=volrend)["volume_render"]
+    assert (row.diagnosis[0].name, row.diagnosis[0].fitted) == ("delta_scaled", 3.5)
+    assert row.example is not None and row.example["inputs"]

@@ -104,6 +104,6 @@ def check_close(
         plan = planned(adapt(mine), contract, [(entry, arrays)], dtype, own=direction == "vjp")
         answer = plan.answer(entry, arrays)
     else:
-        found = by_output(mine, [port["name"] for port in entry["outputs"]], None, f"{row}: what you handed over")
+        found = by_output(mine, entry["outputs"], None, f"{row}: what you handed over")
         answer = {name: answered(x, name) for name, x in found.items()}
     return Report(*exam.judge(lambda *_: answer, {}, False, ["unproved"]), [])

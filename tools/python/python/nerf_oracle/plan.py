@@ -127,10 +127,17 @@ class Plan:
         rest = {name: x for name, x in self.handed.items() if name not in first}
         with dealt(arrays["u"]) if self.draws else contextlib.nullcontext():
             result = self.candidate.function(*(self.handed[name] for name in first), **rest)
-        found = by_output(result, outputs, self.candidate.returns, f"{self.row['name']}: {self.function}")
+        found = by_output(result, ports(entry, arrays, outputs), self.candidate.returns, f"{self.row['name']}: {self.function}")
         if "t" in forms and "weights" in found:
             found["weights"] = found["weights"][:, : arrays["deltas"].shape[-1]]
         return found
+
+
+def ports(entry: dict[str, Any], arrays: dict[str, Any], outputs: list[str]) -> list[dict[str, Any]]:
+    """Outputs with their shapes: the case's own, or those of the cotangents that a gradient is asked for."""
+    known = {port["name"]: port["shape"] for port in entry["outputs"]}
+    cotangents = {name: list(arrays[f"grad_{name}"].shape) for name in outputs if f"grad_{name}" in arrays}
+    return [{"name": name, "shape": known.get(name) or cotangents.get(name, [])} for name in outputs]
 
 
 def crash(error: BaseException, plan: Plan) -> str:

@@ -30,6 +30,10 @@ class Mistake:
     inaccurate: bool
     # Outputs that it doesn't explain.
     unexplained: list[str]
+    # Cases that it doesn't explain; most are.
+    unexplained_cases: list[str]
+    # The number in the mistake (the width of a jitter, an eps, a factor), where it isn't the usual one.
+    fitted: float | None
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,10 @@ class Row:
     crashed: dict[str, str]
     edge_cases: list[str]
     first_to_differ: str | None
+    # What is known of a failure that nothing explains, output by output.
+    observed: list[str]
+    # The smallest case that is wrong: its inputs, and got and expected of the outputs that are off.
+    example: dict[str, Any] | None
     diagnosis: list[Mistake]
 
     @property

@@ -9,8 +9,9 @@ from .errors import CandidateError, hint
 from .names import SYNONYMS, plain
 
 
-def by_output(result: Any, outputs: list[str], order: Sequence[str] | None, title: str) -> dict[str, Any]:
+def by_output(result: Any, ports: list[dict[str, Any]], order: Sequence[str] | None, title: str) -> dict[str, Any]:
     """An array alone, a tuple in the contract's order or the one that was said, a named tuple or dict by names."""
+    outputs = [port["name"] for port in ports]
     result = result._asdict() if hasattr(result, "_asdict") else result
     if isinstance(result, dict):
         found = by_name(result, outputs)
@@ -18,11 +19,24 @@ def by_output(result: Any, outputs: list[str], order: Sequence[str] | None, titl
             keys = [str(key) for key in result]
             raise CandidateError(f"{title} returned a dict of {', '.join(keys)}; {hint(keys[0] if keys else '', outputs)}")
     else:
-        found = in_order(result, list(order or outputs), outputs, title)
+        found = in_order(result, list(order or fitting(result, ports)), outputs, title)
     found = {name: x for name, x in found.items() if x is not None}
     if not found:
         raise CandidateError(f"{title} returned nothing; {hint('', outputs)}")
     return found
+
+
+def fitting(result: Any, ports: list[dict[str, Any]]) -> list[str]:
+    """The outputs in the contract's order, without those that a shorter tuple leaves out: `rays_o, rays_d` of `uv, rays_o, rays_d`.
+    Shapes tell, where they say anything else than the order alone does."""
+    names = [port["name"] for port in ports]
+    given = [tuple(x.shape) for x in result if hasattr(x, "shape")] if isinstance(result, (tuple, list)) else []
+    if not given or len(given) != len(result) or len(given) >= len(ports):
+        return names
+    shapes = [tuple(port["shape"]) for port in ports]
+    rest = iter(zip(names, shapes))
+    placed = [next((name for name, shape in rest if shape == own), None) for own in given]
+    return names if given == shapes[: len(given)] or None in placed else [name for name in placed if name is not None]
 
 
 def by_name(result: dict[Any, Any], outputs: list[str]) -> dict[str, Any]:
