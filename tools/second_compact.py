@@ -99,7 +99,8 @@ def early_stop_vjp(a, c, wrong):
             out[name][first : first + n] = g[0]
         stopped = 0 < n < end - first or (n and np.exp(-(a["sigmas"] * a["deltas"])[first : first + n].sum()) < a["eps"])
         if "last_sample_learns_nothing" in wrong and stopped:
-            out["grad_sigmas"][first + n - 1] = out["grad_deltas"][first + n - 1] = 0
+            for name in out:
+                out[name][first + n - 1] = 0
     return out
 
 

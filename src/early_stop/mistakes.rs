@@ -147,7 +147,7 @@ pub(crate) fn early_stop_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arr
         for (r, (first, _)) in spans(&a).into_iter().enumerate() {
             if live[r] > 0.0 && behind[r] < number(&a, "eps") {
                 let last = first + live[r] as usize - 1;
-                for name in ["grad_sigmas", "grad_deltas"] {
+                for name in ["grad_sigmas", "grad_rgbs", "grad_deltas"] {
                     let g: &mut ArrayD<f64> = gradient.get_mut(name).expect("a gradient");
                     g.index_axis_mut(Axis(0), last).fill(0.0);
                 }
