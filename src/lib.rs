@@ -75,8 +75,8 @@
 //!    (the choices that differ between right implementations), [`files`]
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
-//!    [`field`], [`volume_rendering`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
-//!    [`occupancy_grid`], [`srgb`], [`contraction`], [`ndc`], [`packed`], [`distortion`]
+//!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
+//!    [`occupancy_grid`], [`srgb`], [`contraction`], [`ndc`], [`distortion`]
 //! 4. their f32 variants, in each folder's `fast`
 //! 5. all of them in a list: [`registry`]
 //! 6. verdicts on others: [`judge`]

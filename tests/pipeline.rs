@@ -1,7 +1,8 @@
 //! From a scene's file to a training step: the fast path against the reference on every reader's scene, and a few
 //! steps on real photographs.
 
-use std::io::Write;
+mod shared;
+
 use std::path::{Path, PathBuf};
 
 use glam::{DMat4, DVec3};
@@ -15,6 +16,7 @@ use nerf_oracle::training::compact::{CompactModel, Overrides};
 use nerf_oracle::training::nerf::{NerfModel, NerfSettings};
 use nerf_oracle::training::{Model, Pixel};
 use serde_json::{Value, json};
+use shared::shared;
 
 const WIDTH: usize = 12;
 const HEIGHT: usize = 10;
@@ -175,17 +177,6 @@ fn every_layout_means_the_same_rays() {
     }
 }
 
-/// A scene beside the project; where it is missing, a note on stderr.
-fn shared(name: &str) -> Option<Scene> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if !path.exists() {
-        // Past the test harness, which would keep it to itself.
-        let _ = writeln!(std::io::stderr(), "skipped: ../shared/data/{name} isn't there");
-        return None;
-    }
-    Some(scene::load(path.to_str().unwrap(), &Options::default()).unwrap())
-}
-
 /// Mean squared error over every 97th pixel of the first validation view.
 fn error(model: &dyn Model, scene: &Scene) -> f64 {
     let (frame, stride) = (&scene.val[0], 97);
@@ -211,12 +202,14 @@ fn learned(model: &mut dyn Model, scene: &Scene, steps: u64) -> (f64, f64) {
 #[test]
 fn a_few_steps_on_photographs() {
     for (name, steps) in [("lego_200x200.npz", 60), ("tiny_nerf_lego_100x100.npz", 60), ("fox_capture", 60)] {
-        let Some(scene) = shared(name) else { continue };
+        let Some(path) = shared(name) else { continue };
+        let scene = scene::load(path.to_str().unwrap(), &Options::default()).unwrap();
         let overrides = Overrides { rays: Some(128), ..Overrides::default() };
         let (before, after) = learned(&mut CompactModel::new(&scene, &overrides).unwrap(), &scene, steps);
         assert!(after < 0.7 * before, "{name}, compact: {before} before, {after} after {steps} steps");
     }
-    let Some(scene) = shared("lego_200x200.npz") else { return };
+    let Some(path) = shared("lego_200x200.npz") else { return };
+    let scene = scene::load(path.to_str().unwrap(), &Options::default()).unwrap();
     let settings =
         NerfSettings { rays: 64, samples: 32, ..NerfSettings::new(scene.near, scene.far, scene.background) };
     let (before, after) = learned(&mut NerfModel::new(settings), &scene, 40);

@@ -1,7 +1,8 @@
 //! Scenes from files: what is read, what is rejected, and with which message.
 
-use std::io::Write;
-use std::path::{Path, PathBuf};
+mod shared;
+
+use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use nerf_oracle::Error;
@@ -9,17 +10,7 @@ use nerf_oracle::files::npz;
 use nerf_oracle::ray::camera_ray;
 use nerf_oracle::scene::{self, Options, Scene};
 use serde_json::{Value, json};
-
-/// A path beside the project; where it is missing, a note on stderr.
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if !path.exists() {
-        // Past the test harness, which would keep it to itself.
-        let _ = writeln!(std::io::stderr(), "skipped: ../shared/data/{name} isn't there");
-        return None;
-    }
-    Some(path)
-}
+use shared::shared;
 
 #[test]
 fn lego_as_cs180_has_it() {

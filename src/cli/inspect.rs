@@ -124,7 +124,8 @@ fn thumbnail(frame: &Frame, (w, h): (usize, usize)) -> RgbImage {
 }
 
 /// What `rays.npz` holds, F frames (training, then validation), R rays, N samples:
-/// `c2ws` (F,4,4) with OpenCV axes, `intrinsics` (F,4) fx fy cx cy, `sizes` (F,2) width height, `size` (2) that of the first, `is_val` (F), `thumbnails` (F,h,w,3),
+/// `c2ws` (F,4,4) with OpenCV axes, `intrinsics` (F,4) fx fy cx cy, `sizes` (F,2) width height, `size` (2) that of the first,
+/// `is_val` (F), `thumbnails` (F,h,w,3),
 /// `rays_frame` (R), `rays_uv` (R,2), `rays_rgb` (R,3), `rays_o` (R,3), `rays_d` (R,3), `t` (R,N), `points` (R,N,3), `near`, `far`.
 fn arrays(scene: &Scene, shown: &[(Camera, RgbImage)], drawn: &[Drawn]) -> Arrays {
     let (f, r, n) = (shown.len(), drawn.len(), drawn[0].t.len());

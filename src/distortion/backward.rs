@@ -1,6 +1,6 @@
 //! Vector-Jacobian product of the distortion loss, by hand. `g` is the gradient of the total loss with respect to it.
 
-use super::distance;
+use super::apart;
 use crate::math::Sum;
 
 /// Gradients with respect to `weights` and `t`.
@@ -27,17 +27,17 @@ pub fn distortion(weights: &[f64], t: &[f64], g: f64) -> (Vec<f64>, Vec<f64>) {
     assert_eq!(n + 1, t.len(), "weights and t: one edge more than weights");
     let (mut g_weights, mut g_t) = (vec![0.0; n], vec![Sum::default(); n + 1]);
     for i in 0..n {
-        let (mut apart, mut ahead) = (Sum::default(), Sum::default());
+        let (mut distance, mut ahead) = (Sum::default(), Sum::default());
         for j in 0..n {
-            apart.add(weights[j] * distance(t, i, j));
-            let (here, there) = (t[i] + t[i + 1], t[j] + t[j + 1]);
-            if here > there {
+            let apart = apart(t, i, j);
+            distance.add(weights[j] * apart.abs());
+            if apart > 0.0 {
                 ahead.add(weights[j]);
-            } else if here < there {
+            } else if apart < 0.0 {
                 ahead.add(-weights[j]);
             }
         }
-        g_weights[i] = g * (2.0 * apart.value() + 2.0 / 3.0 * weights[i] * (t[i + 1] - t[i]));
+        g_weights[i] = g * (2.0 * distance.value() + 2.0 / 3.0 * weights[i] * (t[i + 1] - t[i]));
         let (a, b) = (g * weights[i] * ahead.value(), g * weights[i] * weights[i] / 3.0);
         g_t[i].add(a - b);
         g_t[i + 1].add(a + b);

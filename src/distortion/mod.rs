@@ -48,14 +48,14 @@ pub fn distortion(weights: &[f64], t: &[f64]) -> f64 {
     let mut loss = Sum::default();
     for i in 0..weights.len() {
         for j in 0..weights.len() {
-            loss.add(weights[i] * weights[j] * distance(t, i, j));
+            loss.add(weights[i] * weights[j] * apart(t, i, j).abs());
         }
         loss.add(weights[i] * weights[i] * (t[i + 1] - t[i]) / 3.0);
     }
     loss.value()
 }
 
-/// |m_i - m_j|, by lengths between edges, so that nothing far from 0 is added up.
-fn distance(t: &[f64], i: usize, j: usize) -> f64 {
-    (0.5 * ((t[i] - t[j]) + (t[i + 1] - t[j + 1]))).abs()
+/// m_i - m_j, by lengths between edges, so that nothing far from 0 is added up.
+fn apart(t: &[f64], i: usize, j: usize) -> f64 {
+    0.5 * ((t[i] - t[j]) + (t[i + 1] - t[j + 1]))
 }

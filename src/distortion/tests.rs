@@ -109,3 +109,11 @@ fn ties_pass_nothing() {
     let (_, g_t) = backward::distortion(&[0.5, 0.5], &[1.0, 1.0, 1.0], 3.0);
     assert_eq!(g_t, [-0.25, 0.0, 0.25]);
 }
+
+/// Middles half a rounding apart don't tie, though the sums of their edges round to one number: the one behind is pushed back by
+/// g w_0 w_1, shared by its edges, the one in front forward.
+#[test]
+fn middles_that_round_to_one_do_not_tie() {
+    let (_, g_t) = backward::distortion(&[0.5, 0.5], &[1.0, 1.0, 1.0 + f64::EPSILON], 3.0);
+    assert_eq!(g_t, [-1.0, 0.0, 1.0]);
+}

@@ -4,21 +4,12 @@ use super::{backward, render_packed_to};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, threes, values};
 use crate::convention::{CS180, Conventions};
+use crate::packed::arrays::offsets;
 use crate::volume_rendering::backward::Cotangent;
-
-/// Where each ray begins, and the end. Made whole and in order, so that no inputs, however perturbed, read past the arrays.
-pub(crate) fn offsets(a: &Arrays) -> Vec<usize> {
-    let (samples, mut least) = (values(a, "sigmas").len(), 0);
-    let mut next = |x: f64| {
-        least = (x.round() as usize).clamp(least, samples);
-        least
-    };
-    values(a, "offsets").into_iter().map(&mut next).collect()
-}
 
 /// (first sample, number of samples) of each ray.
 pub(crate) fn spans(a: &Arrays) -> Vec<(usize, usize)> {
-    offsets(a).windows(2).map(|pair| (pair[0], pair[1] - pair[0])).collect()
+    offsets(a, "sigmas").windows(2).map(|pair| (pair[0], pair[1] - pair[0])).collect()
 }
 
 /// Samples `first`, ..., `first + n - 1` as one ray of `volume_render`; with ray r's cotangents where the case has some.
@@ -78,7 +69,14 @@ pub(crate) fn packed(rays: Vec<Arrays>) -> Arrays {
 
 pub(super) fn early_stop(a: &Arrays, c: &Conventions) -> Arrays {
     let (sigmas, deltas) = (values(a, "sigmas"), values(a, "deltas"));
-    let rays = render_packed_to(&sigmas, &threes(a, "rgbs"), &deltas, &offsets(a), number(a, "eps"), c.stop);
+    let rays = render_packed_to(
+        &sigmas,
+        &threes(a, "rgbs"),
+        &deltas,
+        &offsets(a, "sigmas"),
+        number(a, "eps"),
+        c.stop,
+    );
     let one = |(ray, (_, length)): (&crate::volume_rendering::Rendering, (usize, usize))| {
         let live = ray.weights.len();
         let of = crate::volume_rendering::arrays::renderings(live, std::slice::from_ref(ray));
@@ -89,7 +87,7 @@ pub(super) fn early_stop(a: &Arrays, c: &Conventions) -> Arrays {
 
 pub(super) fn early_stop_vjp(a: &Arrays, c: &Conventions) -> Arrays {
     let (sigmas, rgbs, deltas, offsets) =
-        (values(a, "sigmas"), threes(a, "rgbs"), values(a, "deltas"), offsets(a));
+        (values(a, "sigmas"), threes(a, "rgbs"), values(a, "deltas"), offsets(a, "sigmas"));
     let rays = render_packed_to(&sigmas, &rgbs, &deltas, &offsets, number(a, "eps"), c.stop);
     let g = |r: usize| Cotangent {
         color: threes(a, "grad_colors")[r],

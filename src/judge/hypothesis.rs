@@ -37,9 +37,8 @@ impl Hypothesis {
     /// What this candidate would answer, and its error where it isn't known exactly (numeric gradients).
     pub fn prediction(&self, question: &Question, case: &Case) -> (Arrays, Option<Arrays>) {
         if question.kind == Kind::Vjp && of_forward(question, &self.mistakes) {
-            let names = self.names();
-            let names: Vec<&str> = names.iter().map(String::as_str).collect();
-            let (gradient, error) = numeric::vjp(question.component, &case.inputs, &self.conventions, &names);
+            let (gradient, error) =
+                self.named(|names| numeric::vjp(question.component, &case.inputs, &self.conventions, names));
             return (gradient, Some(error));
         }
         (self.wrong(question, &case.inputs), None)
@@ -48,20 +47,14 @@ impl Hypothesis {
     /// The wrong function.
     fn wrong(&self, question: &Question, inputs: &Arrays) -> Arrays {
         let direction = question.component.direction(question.kind).expect("a question has its direction");
-        match self.fitted {
-            None => (direction.wrong)(inputs, &self.conventions, &self.mistakes),
-            Some(_) => {
-                let names = self.names();
-                let names: Vec<&str> = names.iter().map(String::as_str).collect();
-                (direction.wrong)(inputs, &self.conventions, &names)
-            }
-        }
+        self.named(|names| (direction.wrong)(inputs, &self.conventions, names))
     }
 
-    /// Its mistakes, the fitted number with them.
-    fn names(&self) -> Vec<String> {
-        let number = self.fitted.map_or(String::new(), |number| format!("={number}"));
-        self.mistakes.iter().map(|name| format!("{name}{number}")).collect()
+    /// What is made of its mistakes' names, the fitted number with them (`Mistake::among`).
+    fn named<T>(&self, made: impl FnOnce(&[&str]) -> T) -> T {
+        let Some(number) = self.fitted else { return made(&self.mistakes) };
+        let names: Vec<String> = self.mistakes.iter().map(|name| format!("{name}={number}")).collect();
+        made(&names.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
     /// The hypothesis' own bound: a multiple of that of the right formula in these conventions, plus the change of the wrong

@@ -49,7 +49,7 @@ pub(crate) fn mostly(
     suspects: &[Suspect],
     options: &MarkOptions,
 ) -> Option<Explanation> {
-    let cases = usable(&right(base), question, answers);
+    let cases = usable(&wrong(&[], base), question, answers);
     let numeric = question.kind == Kind::Vjp;
     let all: Vec<&Mistake> = question.component.mistakes.iter().filter(|m| numeric || !m.gradient).collect();
     let mut near = assignments(question.component, base);
@@ -99,10 +99,7 @@ pub(crate) fn mostly(
     explanation(chosen, &cases, question, answers, base, options)
 }
 
-fn right(base: &Conventions) -> Hypothesis {
-    wrong(&[], base)
-}
-
+/// These mistakes in the run's own conventions.
 fn wrong(mistakes: &[&'static str], base: &Conventions) -> Hypothesis {
     Hypothesis { mistakes: mistakes.to_vec(), fitted: None, conventions: *base, loose: false }
 }
@@ -116,16 +113,14 @@ fn explanation(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Option<Explanation> {
-    let unexplained: Vec<String> = cases
-        .iter()
-        .zip(&tried.explained)
-        .filter(|(_, e)| !**e)
-        .map(|((case, _), _)| case.id.clone())
-        .collect();
-    let explained = |case: &Case| {
-        cases.iter().zip(&tried.explained).any(|((known, _), explained)| *explained && known.id == case.id)
+    let of = |explained: bool| -> Vec<&str> {
+        let those = cases.iter().zip(&tried.explained).filter(|(_, own)| **own == explained);
+        those.map(|((case, _), _)| case.id.as_str()).collect()
     };
-    let left = |(case, answer): (&Case, &Option<Answer>)| answer.clone().filter(|_| explained(case));
+    let explained = of(true);
+    let left = |(case, answer): (&Case, &Option<Answer>)| {
+        answer.clone().filter(|_| explained.contains(&case.id.as_str()))
+    };
     let rest: Answers = question.cases.iter().zip(answers).map(left).collect();
     let h = &tried.hypothesis;
     let mistakes: Vec<_> =
@@ -135,7 +130,7 @@ fn explanation(
         mistakes,
         conventions: difference(&own(&h.conventions), &own(base)),
         residual: largest_residual(h, question, &rest, options),
-        unexplained_cases: unexplained,
+        unexplained_cases: of(false).into_iter().map(String::from).collect(),
         ..Explanation::default()
     })
 }

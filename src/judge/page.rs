@@ -223,7 +223,7 @@ fn before(e: &Explanation) -> String {
 fn name(e: &Explanation) -> String {
     let mut mistakes = e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>().join(" + ");
     if let (Some(number), Some(fitted)) = (e.mistakes.first().and_then(|m| m.number), e.fitted) {
-        mistakes += &format!(" ({} = {fitted:.6})", number.name);
+        mistakes += &format!(" ({} = {fitted:?})", number.name);
     }
     match (e.mistakes.is_empty(), e.conventions.is_empty()) {
         (true, true) => "the right formula".into(),
@@ -235,4 +235,21 @@ fn name(e: &Explanation) -> String {
 
 fn list(partial: &Partial) -> String {
     partial.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::registry::COMPONENTS;
+
+    #[test]
+    fn small_numbers_keep_their_digits() {
+        let named = |mistake: &str, fitted| {
+            let mut all = COMPONENTS.iter().flat_map(|c| c.mistakes);
+            let mistakes = vec![all.find(|m| m.name == mistake).expect("a mistake")];
+            name(&Explanation { mistakes, fitted: Some(fitted), ..Explanation::default() })
+        };
+        assert_eq!(named("eps_on_alpha", 1e-12), "eps_on_alpha (eps = 1e-12)");
+        assert_eq!(named("scaled_exponential", 0.98), "scaled_exponential (k = 0.98)");
+    }
 }

@@ -1,10 +1,11 @@
 //! Captures as COLMAP, LLFF and nerfstudio write them: the same cameras whatever the layout is, and what is derived from the points.
 
 mod files;
+#[path = "../shared/mod.rs"]
+mod shared;
 
 use std::fs;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use files::{Lens, NAMES, SIZE, binary, llff, opencv, pictures, pinhole, pose, text};
 use glam::DVec2;
@@ -17,6 +18,7 @@ use nerf_oracle::training::Model;
 use nerf_oracle::training::compact::{CompactModel, Overrides};
 use nerf_oracle::training::nerf::{NerfModel, NerfSettings};
 use serde_json::{Value, json};
+use shared::shared;
 
 /// A folder with pictures, to which `write` adds the cameras.
 fn capture(write: impl FnOnce(&Path)) -> tempfile::TempDir {
@@ -401,17 +403,6 @@ fn masks_leave_pixels_out() {
     assert!(refusal(folder.path()).contains("mask: found 6x8; expected 12x8"));
     fs::remove_file(folder.path().join("masks/left.png")).unwrap();
     assert!(refusal(folder.path()).contains("mask_path of a"));
-}
-
-/// A path beside the project; where it is missing, a note on stderr.
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
-    if !path.exists() {
-        // Past the test harness, which would keep it to itself.
-        let _ = writeln!(std::io::stderr(), "skipped: ../shared/data/{name} isn't there");
-        return None;
-    }
-    Some(path)
 }
 
 #[test]
