@@ -48,6 +48,8 @@ pub enum PixelCenter {
 pub enum Directions {
     /// Length 1: t is the distance from the camera.
     Unit,
+    /// Length 1 in the camera's frame, then rotated: the same for every rigid pose, but not its gradient.
+    UnitInCamera,
     /// Depth 1 along the camera's axis: t is the depth.
     Depth,
 }
@@ -89,6 +91,9 @@ pub enum Delta {
     /// The same times the direction's length, the last one too: a length where directions aren't unit (bmild/nerf). This is done where the
     /// direction is known: in a rendering, not in the steps of `t` alone.
     DifferencesTimesNorm,
+    /// The sample's cell: from the middle between it and the one before, or near, to the middle between it and the next, or far
+    /// (Point-E, Shap-E).
+    Cells,
 }
 
 /// The step of the last sample, where the others are differences.
@@ -279,6 +284,9 @@ pub struct Conventions {
     /// What becomes of faint samples.
     #[serde(default)]
     pub faint: Faint,
+    /// Whether rendering passes densities through a ReLU.
+    #[serde(default)]
+    pub sigma_relu: SigmaRelu,
     /// What is behind a ray.
     #[serde(default)]
     pub backdrop: Backdrop,
@@ -348,6 +356,7 @@ pub const CS180: Conventions = Conventions {
     stop: Stop::Behind,
     alpha_cap: AlphaCap::None,
     faint: Faint::Kept,
+    sigma_relu: SigmaRelu::None,
     backdrop: Backdrop::None,
     skip_layer: 4,
     skip_order: SkipOrder::HiddenFirst,

@@ -118,10 +118,11 @@ fn outcome(
 
 #[test]
 fn every_mistake_is_named_first() {
-    let pairs: Vec<_> = [Dtype::F64, Dtype::F32]
-        .into_iter()
-        .flat_map(|dtype| COMPONENTS.iter().map(move |c| (dtype, c)))
-        .collect();
+    // With `NERF_ORACLE_TYPES=all` in f64 too.
+    let all = std::env::var("NERF_ORACLE_TYPES").is_ok_and(|value| value == "all");
+    let types = if all { vec![Dtype::F64, Dtype::F32] } else { vec![Dtype::F32] };
+    let pairs: Vec<_> =
+        types.into_iter().flat_map(|dtype| COMPONENTS.iter().map(move |c| (dtype, c))).collect();
     let exams = parallel::map(pairs.len(), |n| exam_of(pairs[n].1, pairs[n].0, Some("cs180")));
     let jobs: Vec<_> =
         (0..pairs.len()).flat_map(|n| pairs[n].1.mistakes.iter().map(move |m| (n, m))).collect();
@@ -132,7 +133,7 @@ fn every_mistake_is_named_first() {
     let total = outcomes.iter().flatten().count();
     let failures: Vec<String> = outcomes.into_iter().flatten().filter_map(Result::err).collect();
     println!("{} of {total} named first", total - failures.len());
-    assert!(total > 500 && failures.is_empty(), "{}", failures.join("\n"));
+    assert!(total > 250 && failures.is_empty(), "{}", failures.join("\n"));
 }
 
 /// The cases that the mistake alone doesn't explain.
@@ -148,9 +149,9 @@ fn unexplained(question: &Question, mistake: &Mistake, dtype: Dtype) -> String {
     question.cases.iter().zip(&answers).filter_map(used).collect::<Vec<_>>().join(", ")
 }
 
-/// Draws of one convention and one mistake: `PAIRS=2000` for more.
+/// Draws of one convention and one mistake: `NERF_ORACLE_PAIRS=2000` for more.
 fn pairs() -> u64 {
-    std::env::var("PAIRS").ok().and_then(|n| n.parse().ok()).unwrap_or(80)
+    std::env::var("NERF_ORACLE_PAIRS").ok().map_or(30, |n| n.parse().expect("NERF_ORACLE_PAIRS is a number"))
 }
 
 #[test]

@@ -63,7 +63,7 @@ class Unsupported(Exception):
 def run(cases, answers, *, arrays=None, device="cpu", **functions):
     """Answers the cases in folder `cases` that `functions` are for, below `answers`. Returns what became of each component.
 
-    Answers of earlier runs are replaced for these components and left alone for all others.
+    A function that crashes in every case is an error, once all others have answered. Answers of earlier runs are replaced for these components and left alone for all others.
     """
     cases, answers, manifest = Path(cases), Path(answers), read_manifest(Path(cases))
     known = {case["component"] for case in manifest["cases"]}
@@ -71,7 +71,7 @@ def run(cases, answers, *, arrays=None, device="cpu", **functions):
         if name.removesuffix("_vjp") not in known:
             raise CandidateError(f"{name}: no component of {cases / 'cases.json'}; {hint(name, sorted(known))}.")
     forward = {case["component"]: case for case in manifest["cases"] if case["kind"] != "vjp"}
-    outcome = {}
+    outcome, hopeless = {}, []
     for component, kind in dict.fromkeys((case["component"], case["kind"]) for case in manifest["cases"]):
         own = functions.get(f"{component}_vjp") if kind == "vjp" else None
         function = own or functions.get(component)
@@ -97,10 +97,12 @@ def run(cases, answers, *, arrays=None, device="cpu", **functions):
                 except Crash as crash:
                     what.crashed.setdefault(case["id"], crash)
             if not results and what.crashed:
-                raise next(iter(what.crashed.values()))
-            if not results or (by_autograd and not what.differentiable):
+                hopeless += [] if by_autograd else list(what.crashed.values())[:1]
+                outcome[row] = "crashed in every case"
+            elif not results or (by_autograd and not what.differentiable):
                 raise Unsupported("the result isn't differentiable" if results else "every case needs more than it takes")
-            outcome[row] = "answered" + (f", but for {len(what.left)} cases that need more than it takes" if what.left else "")
+            else:
+                outcome[row] = "answered" + (f", but for {len(what.left)} cases that need more than it takes" if what.left else "")
         except Unsupported as reason:
             results, what = {}, None
             outcome[row] = f"unsupported: {reason}"
@@ -110,6 +112,8 @@ def run(cases, answers, *, arrays=None, device="cpu", **functions):
             else:
                 (answers / case["file"]).unlink(missing_ok=True)
         declare(answers / "answers.json", row, what)
+    if hopeless:
+        raise hopeless[0]
     return outcome
 
 

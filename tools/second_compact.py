@@ -46,8 +46,7 @@ def live_of(weights, behind, carried, eps, stop, wrong):
     if not len(low):
         return len(behind)
     n = int(low[0]) + 1
-    n = min(n + 1, len(behind)) if "tested_too_late" in wrong else n
-    return n - 1 if stop == "in_front" else n
+    return {"behind": n, "in_front": n - 1, "one_more": min(n + 1, len(behind))}[stop]
 
 
 def one_ray(a, first, n):
@@ -70,6 +69,8 @@ def early_stop(a, c, wrong):
         left = ray["transmittance"]
         if "renormalized" in wrong and left < a["eps"]:
             ray |= {"colors": ray["colors"] / ray["opacity"], "opacity": kind(1), "transmittance": kind(0)}
+        if "clamped" in wrong:
+            ray["colors"] = np.clip(ray["colors"], 0, 1)
         if "not_reset_between_rays" in wrong:
             carried = left
         n = min(n, end - first)

@@ -94,6 +94,8 @@ def pixel_to_camera_vjp(a, c, wrong):
 def rays(k, c2w, uv, c, wrong):
     """The textbook's way: a point at depth 1 to world space, minus the origin, divided by its length."""
     x = flip(point(k, uv, wrong), wrong) * np.array([1, 1, 1] if c["axes"] == "opencv" else [1, -1, -1], uv.dtype)
+    if c["directions"] == "unit_in_camera":
+        x = x / np.linalg.norm(x, axis=-1, keepdims=True)
     c2w = inverse(c2w) if "inverse_pose" in wrong else c2w
     m = turned(c2w) if "rotation_transposed" in wrong else c2w
     o = np.broadcast_to(c2w[..., :3, 3], x.shape)
@@ -123,15 +125,22 @@ def pixel_to_ray_vjp(a, c, wrong):
     focal, r = np.diag(a["K"])[:2], a["c2w"][:, :3, :3]
     signs = np.array([1, 1, 1] if c["axes"] == "opencv" else [1, -1, -1], focal.dtype)
     x = point(a["K"], a["uv"], ()) * signs
+    if c["directions"] == "unit_in_camera":
+        length = np.linalg.norm(x, axis=1, keepdims=True)
+        x, ray = x / length, x
     q = (r @ x[..., None])[..., 0]
     g = a["grad_rays_d"]
     if c["directions"] == "unit":
         norm = np.linalg.norm(q, axis=1, keepdims=True)
         d = q / norm
-        g = (g - d * (d * g).sum(1, keepdims=True)) / norm
+        g = g / norm if "norm_detached" in wrong else (g - d * (d * g).sum(1, keepdims=True)) / norm
     g_c2w = np.zeros_like(a["c2w"])
     g_c2w[:, :3, :3], g_c2w[:, :3, 3] = g[:, :, None] * x[:, None, :], a["grad_rays_o"]
-    g_x = (np.swapaxes(r, 1, 2) @ g[..., None])[..., 0] * signs
+    g_x = (np.swapaxes(r, 1, 2) @ g[..., None])[..., 0]
+    if c["directions"] == "unit_in_camera":
+        g_x = (g_x - x * (x * g_x).sum(1, keepdims=True)) / length
+        x = ray
+    g_x = g_x * signs
     g_uv = g_x[:, :2] / focal
     g_k = np.zeros_like(a["K"])
     g_k[0, 0], g_k[1, 1] = -(g_uv * x[:, :2] * signs[:2]).sum(0)
@@ -147,6 +156,14 @@ def image_rays(a, c, wrong):
     if "grid_size_swapped" in wrong:
         u, v = np.meshgrid(np.arange(a["height"], dtype=kind), np.arange(a["width"], dtype=kind))
         uv = np.stack([u, v], -1).reshape(uv.shape) + (0.5 if c["pixel_center"] == "half" else 0)
+    if "pixels_to_the_edges" in wrong and min(uv.shape[:2]) > 1:
+        ends = [np.linspace(0, size, size, dtype=kind) for size in (a["width"], a["height"])]
+        uv = np.stack(np.meshgrid(*ends), -1)
+    if "half_pixel_upward" in wrong:
+        v, u = np.indices((a["height"], a["width"])).astype(kind)
+        uv = np.stack([u + kind.type(0.5), v - kind.type(0.5)], -1)
+    if "picture_refolded" in wrong:
+        uv = np.swapaxes(uv, 0, 1).reshape(uv.shape)
     if "picture_transposed" in wrong:
         uv = np.swapaxes(uv, 0, 1)
     k = np.array([[a["focal"], 0, a["cx"]], [0, a["focal"], a["cy"]], [0, 0, 1]], kind)
@@ -184,6 +201,8 @@ def sample_along_rays(a, c, wrong):
         grid = grid if grid == "intervals" else "ends_plus_width"
     if "left_edges_alone" in wrong:
         u = np.zeros_like(u)
+    if "one_bin_early" in wrong:
+        u = u - 1
     if "jitter_centered_on_edges" in wrong:
         u = u - 0.5
     for name in wrong:
@@ -191,6 +210,9 @@ def sample_along_rays(a, c, wrong):
             width = 0.05 if name == "jitter_width" else float(name.removeprefix("jitter_width_"))
             u = u * (width * u.shape[-1] / (far - near))
     t = positions(near, far, u, grid)
+    if "middles_not_halved" in wrong:
+        edges = near + np.arange(u.shape[-1] + 1, dtype=u.dtype) * ((far - near) / u.shape[-1])
+        t = np.broadcast_to(edges[:-1] + edges[1:] / 2, u.shape)
     o = np.zeros_like(a["rays_o"]) if "points_without_origin" in wrong else a["rays_o"]
     d = a["rays_d"]
     if "unit_directions" in wrong:
@@ -207,7 +229,10 @@ def step_sizes(a, c, wrong):
     n = t.shape[-1]
     gaps = np.concatenate([np.diff(t), far - t[:, -1:]], 1)
     deltas = np.full_like(t, (far - near) / n)
-    if c["delta"] != "width":
+    if c["delta"] == "cells":
+        ends = [np.full_like(t[:, :1], x) for x in (near, far)]
+        deltas = np.diff(np.concatenate([ends[0], (t[:, 1:] + t[:, :-1]) / 2, ends[1]], 1))
+    elif c["delta"] != "width":
         between = gaps[:, :-1]
         last = {"width": (far - near) / n, "1e10": 1e10, "1e9": 1e9, "1e-3": 1e-3, "to_far": gaps[:, -1]}
         if n > 1:

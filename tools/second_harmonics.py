@@ -55,6 +55,8 @@ def spherical_harmonics(a, c, wrong):
         d = d / np.linalg.norm(d, axis=1, keepdims=True)
     x, y, z = (d[:, [0, 2, 1]] if "polar_axis_y" in wrong else d).T
     columns = [sum(d.dtype.type(c) * (x**i * y**j * z**k) for c, i, j, k in column) for column in all_terms(a["degree"], c, wrong)]
+    if "band_1_signs" in wrong and len(columns) > 1:
+        columns[1], columns[3] = -columns[1], -columns[3]
     if "band_4_slips" in wrong and len(columns) == 25:
         sign = 1 if c["harmonic_sign"] == "plain" else -1
         columns[19] = d.dtype.type(sign * 0.6690465435572892) * y * (7 * z * z - 3)

@@ -46,6 +46,9 @@ OF_NETWORKS = {"identity_place": "first", "cosine": "own"}
 
 def encode(x, levels, c, wrong=()):
     """x, then the waves."""
+    if "input_normalized" in wrong:
+        with np.errstate(invalid="ignore"):
+            x = x / np.linalg.norm(x, axis=1, keepdims=True)
     angle = x[:, None, :] * bands(levels, c, wrong).astype(x.dtype)[:, None]
     cosine = np.sin(angle + x.dtype.type(np.pi / 2)) if c["cosine"] == "shifted_sine" else np.cos(angle)
     waves = np.stack([np.sin(angle), np.sin(angle) if "cosine_missing" in wrong else cosine], 1)

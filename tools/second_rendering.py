@@ -17,6 +17,10 @@ def composite(alphas, rgbs, eps, wrong, shown=None, opaque=None):
         shade[:, 1:] = product[:, 2:]
     if "own_light_alone" in wrong:
         shade = 1 - alphas
+    if "neighbors_light_alone" in wrong:
+        shade = np.concatenate([ones, 1 - alphas[:, :-1]], 1)[:, : alphas.shape[1]]
+    if "whole_rays_light" in wrong:
+        shade = np.broadcast_to(behind[:, None], alphas.shape)
     if "rolled_transmittance" in wrong:
         shade[:, :1] = behind[:, None]
     if "rolled_but_in_first_ray" in wrong:
@@ -34,19 +38,40 @@ def composite(alphas, rgbs, eps, wrong, shown=None, opaque=None):
             shade = product[:, 1:] / (1 - alphas)
     if "transmittance_over_rays" in wrong:
         shade = np.cumprod(np.concatenate([np.ones_like(alphas[:1]), 1 - alphas], 0), 0)[:-1]
+    if "eps_in_product" in wrong:
+        product = np.cumprod(np.concatenate([ones, 1 - alphas + alphas.dtype.type(1e-5)], 1), 1)
+        shade, behind = product[:, :-1].copy(), product[:, -1]
     if "transmittance_before_last" in wrong and alphas.shape[1]:
         behind = shade[:, -1]
     shade = shade if shown is None else shown
-    weights = shade if "alpha_forgotten" in wrong else shade * (alphas if opaque is None else opaque)
+    alphas = alphas if opaque is None else opaque
+    weights = shade if "alpha_forgotten" in wrong else shade * (1 - alphas if "light_for_alpha" in wrong else alphas)
     colors, opacity = np.einsum("rn,rnk->rk", weights, rgbs), weights.sum(1)
-    if "weights_normalized" in wrong:
+    if "weights_normalized" in wrong or "weights_of_unit_length" in wrong:
+        length = opacity if "weights_normalized" in wrong else np.sqrt((weights * weights).sum(1))
         with np.errstate(invalid="ignore", divide="ignore"):
-            weights, colors = weights / opacity[:, None], colors / opacity[:, None]
+            weights, colors = weights / length[:, None], colors / length[:, None]
         opacity = weights.sum(1)
+    if "colors_of_next_sample" in wrong:
+        colors = np.einsum("rn,rnk->rk", weights[:, :-1], rgbs[:, 1:])
     if "divided_by_opacity" in wrong:
         with np.errstate(invalid="ignore", divide="ignore"):
             colors = colors / opacity[:, None]
+    if "clamped" in wrong:
+        colors = np.clip(colors, 0, 1)
     return {"colors": colors, "weights": weights, "opacity": opacity, "transmittance": behind}
+
+
+def over(c, out):
+    """In front of white, where that is the convention."""
+    if c["backdrop"] == "white":
+        out["colors"] = out["colors"] + (1 - out["opacity"])[:, None]
+    return out
+
+
+def before_white(c, a):
+    """White loses what the opacity gains."""
+    return a | {"grad_opacity": a["grad_opacity"] - a["grad_colors"].sum(1)} if c["backdrop"] == "white" else a
 
 
 def volume_render(a, c, wrong):
@@ -79,15 +104,19 @@ def volume_render(a, c, wrong):
         if "density_with_step_before" in wrong and n:
             ahead = np.concatenate([np.zeros_like(sigmas[:, :1]), sigmas[:, 1:] * deltas[:, :-1]], 1)
             shown = np.exp(-np.cumsum(ahead, 1))
-        out = composite(alphas, a["rgbs"], eps, wrong, shown, sigmas if "density_for_opacity" in wrong else None)
-    if c["backdrop"] == "white":
-        out["colors"] = out["colors"] + (1 - out["opacity"])[:, None]
-    return out
+        opaque = sigmas if "density_for_opacity" in wrong else None
+        if "exponent_without_minus" in wrong:
+            opaque = 1 - np.exp(sigmas * deltas)
+        if "depth_for_transmittance" in wrong and n:
+            depths = np.cumsum(sigmas * deltas, 1)
+            shown = np.concatenate([np.zeros_like(sigmas[:, :1]), depths[:, :-1]], 1)
+        out = composite(alphas, a["rgbs"], eps, wrong, shown, opaque)
+    return over(c, out)
 
 
 def volume_render_alpha(a, c, wrong):
     """From opacities."""
-    return composite(a["alphas"], a["rgbs"], EPS[c["product_eps"]], wrong)
+    return over(c, composite(a["alphas"], a["rgbs"], EPS[c["product_eps"]], wrong))
 
 
 def from_behind(alphas, factors, a):
@@ -105,18 +134,21 @@ def from_behind(alphas, factors, a):
 
 def volume_render_vjp(a, c, wrong):
     """d w_i / d x_i = T_i e^-x_i; everything behind is shaded by the same factor."""
-    if c["backdrop"] == "white":
-        a = a | {"grad_opacity": a["grad_opacity"] - a["grad_colors"].sum(1)}
+    a = before_white(c, a)
     passed = np.exp(-(a["sigmas"] * a["deltas"]))
     alphas = -np.expm1(-(a["sigmas"] * a["deltas"]))
     front, g_w, worth = from_behind(alphas, passed + passed.dtype.type(EPS[c["product_eps"]]), a)
     g_x = front * passed * (g_w - worth)
+    g_sigmas = g_x * a["deltas"]
+    if c["sigma_relu"] == "inside":
+        g_sigmas = np.where(a["sigmas"] > 0, g_sigmas, 0)
     g_rgbs = (front * alphas)[..., None] * a["grad_colors"][:, None]
-    return {"grad_sigmas": g_x * a["deltas"], "grad_rgbs": g_rgbs, "grad_deltas": g_x * a["sigmas"]}
+    return {"grad_sigmas": g_sigmas, "grad_rgbs": g_rgbs, "grad_deltas": g_x * a["sigmas"]}
 
 
 def volume_render_alpha_vjp(a, c, wrong):
     """The same without the exponential."""
+    a = before_white(c, a)
     alphas = a["alphas"]
     front, g_w, worth = from_behind(alphas, 1 - alphas + alphas.dtype.type(EPS[c["product_eps"]]), a)
     g = front * (g_w - worth)
@@ -138,6 +170,8 @@ def composite_background(a, c, wrong):
         rest = a["opacity"]
     if "background_always" in wrong:
         rest = np.ones_like(rest)
+    if "clamped" in wrong:
+        return {"colors_out": np.clip(colors + rest[:, None] * b, 0, 1)}
     return {"colors_out": colors + np.outer(rest, b)}
 
 
@@ -161,6 +195,8 @@ def depth(a, c, wrong):
             far = w.dtype.type(a["far"])
             empty = {"far": far, "zero": w.dtype.type(0), "first": t[:, 0], "last": t[:, -1]}[c["empty_depth"]]
             out = np.where(total == 0, empty, out)
+    if "far_by_opacity" in wrong:
+        out = np.einsum("rn,rn->r", w, t) + w.dtype.type(a["far"]) * w.sum(1)
     if "median_depth" in wrong:
         reached = np.cumsum(w, 1) >= 0.5
         at = np.where(reached.any(1), reached.argmax(1), t.shape[1] - 1)

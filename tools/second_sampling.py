@@ -60,7 +60,7 @@ def importance_sampling(a, c, wrong):
         else:
             below, above, s = places(edges, f, u, c, wrong)
             s = kind(0) * s if "left_edge" in wrong else kind(0) * s + kind(0.5) if "middle_of_bin" in wrong else s
-            t[r] = take(edges, below, above, s)
+            t[r] = edges[below] + s if "bin_width_forgotten" in wrong else take(edges, below, above, s)
     return {"t": t}
 
 

@@ -37,6 +37,8 @@ def psnr(a, c, wrong):
         errors = np.maximum(errors, p.dtype.type(1e-10 * peak**2))
     with np.errstate(divide="ignore"):
         value = p.dtype.type((20 * np.log10(peak) - 10 * np.log10(errors)).mean())
+    if "peak_scaled" in wrong:
+        value = value + p.dtype.type(20 * np.log10(8))
     if "regularized_psnr" in wrong:
         value = -10 * np.log10(10 ** (-value / 10) + 1e-3 / peak**2)
     value = value * (2 if "doubled_psnr" in wrong else 1) * (np.log(10) if "natural_log_psnr" in wrong else 1)

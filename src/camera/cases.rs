@@ -2,8 +2,9 @@
 
 use ndarray::ArrayD;
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::array;
-use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::case::{Case, Draw, in_full, lengthen, short};
 
 /// fx, fy, cx, cy that differ, with the center off the middle and between pixels.
 pub(crate) const LENS: [f64; 4] = [40.0, 28.0, 17.5, 11.5];
@@ -26,8 +27,8 @@ pub(crate) fn posed(r: [f64; 9], o: [f64; 3]) -> [f64; 16] {
     c2w
 }
 
-/// A random rotation whose entries are rounded to short numbers (so it is a rotation to within 1 part in 100), within 4 of the origin.
-pub(crate) fn random_pose(draw: &mut Draw) -> [f64; 16] {
+/// A random rotation, its entries not yet numbers of any type, within 4 of the origin.
+pub(crate) fn random_rotation(draw: &mut Draw) -> [f64; 16] {
     let q: [f64; 4] = std::array::from_fn(|_| draw.between(-1.0, 1.0));
     let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
     let [w, x, y, z] = q.map(|q| q / length);
@@ -42,7 +43,33 @@ pub(crate) fn random_pose(draw: &mut Draw) -> [f64; 16] {
         2.0 * (y * z + x * w),
         1.0 - 2.0 * (x * x + y * y),
     ];
-    posed(r.map(short), std::array::from_fn(|_| draw.between(-4.0, 4.0)))
+    posed(r, std::array::from_fn(|_| draw.between(-4.0, 4.0)))
+}
+
+/// The same with short numbers: a rotation to within 1 part in 100, which is as good as any where nothing is normalized.
+pub(crate) fn random_pose(draw: &mut Draw) -> [f64; 16] {
+    random_rotation(draw).map(short)
+}
+
+/// A case with [`random_rotation`]s, once for each type: rounded to it, they are rotations as nearly as it can tell, and whether
+/// directions are divided by their length before or after they are turned is a matter of rounding. In f32 and f64 the other numbers use
+/// every bit too.
+pub(crate) fn rigid(case: &Case) -> Vec<Case> {
+    let one = |dtype: Dtype| {
+        let id = format!("{}_{dtype}", case.id);
+        let full = [Dtype::F32, Dtype::F64].contains(&dtype).then_some(dtype);
+        let mut own = Case { id, full, only: Some(dtype), ..case.clone() };
+        let mut draw = Draw::new(&own.id, 0);
+        for (name, array) in &mut own.inputs {
+            match full {
+                _ if name == "c2w" => array.mapv_inplace(|x| dtype.round(x)),
+                Some(_) => lengthen(array, dtype, &mut draw),
+                None => {}
+            }
+        }
+        own
+    };
+    Dtype::ALL.into_iter().map(one).collect()
 }
 
 /// Named poses that several rows share; a case uses one of them for all of its points or rays.

@@ -19,6 +19,8 @@ pub struct Case {
     pub forward_only: bool,
     /// The type whose every bit the numbers use, if they do ([`in_full`]): cotangents do then too.
     pub full: Option<Dtype>,
+    /// The only type that it is for, where its numbers mean something else in others.
+    pub only: Option<Dtype>,
     /// What makes it an edge case, which few programs ever meet: no samples, one sample.
     pub edge: Option<&'static str>,
 }
@@ -27,7 +29,7 @@ impl Case {
     /// A named case.
     pub fn new(id: impl ToString, comment: &'static str, inputs: Vec<(&str, ArrayD<f64>)>) -> Self {
         let inputs = inputs.into_iter().map(|(name, array)| (name.to_string(), array)).collect();
-        Case { id: id.to_string(), comment, inputs, forward_only: false, full: None, edge: None }
+        Case { id: id.to_string(), comment, inputs, forward_only: false, full: None, only: None, edge: None }
     }
 
     /// The same without a VJP case.
@@ -40,9 +42,10 @@ impl Case {
         Case { edge: Some(what), ..self }
     }
 
-    /// Whether all inputs are numbers of `dtype`. Hyper-parameters (scalars) are f64 in every type.
+    /// Whether it is for `dtype`, and all inputs are numbers of it. Hyper-parameters (scalars) are f64 in every type.
     pub fn exists_in(&self, dtype: Dtype) -> bool {
-        self.inputs.values().filter(|a| a.ndim() > 0).all(|a| a.iter().all(|&x| dtype.holds(x)))
+        self.only.is_none_or(|only| only == dtype)
+            && self.inputs.values().filter(|a| a.ndim() > 0).all(|a| a.iter().all(|&x| dtype.holds(x)))
     }
 }
 

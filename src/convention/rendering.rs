@@ -55,6 +55,8 @@ pub enum Stop {
     Behind,
     /// The one in front of that: it isn't added (3D Gaussian splatting).
     InFront,
+    /// One more: the transmittance in front of a sample is tested after it (torch-ngp's inference).
+    OneMore,
 }
 
 /// The largest opacity of a sample or splat.
@@ -81,6 +83,17 @@ impl AlphaCap {
             AlphaCap::Thousandth => 0.999,
         }
     }
+}
+
+/// Whether rendering passes densities through a ReLU, which those that are none of below 0 notice in their gradient alone: it is 0 at 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SigmaRelu {
+    /// Densities come as they are used.
+    #[default]
+    None,
+    /// max(sigma, 0) in the same function (bmild/nerf's `raw2outputs`).
+    Inside,
 }
 
 /// What rendering puts behind a ray's last sample.

@@ -31,7 +31,11 @@ fn candidates(
         let t = number(&(VOLUME_RENDER.forward.oracle)(&ray, &CS180), "transmittance");
         let off = number(&(VOLUME_RENDER.forward.bound)(&ray, &CS180, m), "transmittance");
         if (t - off).max(0.0) < eps + slack {
-            found.push(n - usize::from(stop == Stop::InFront));
+            found.push(match stop {
+                Stop::Behind => n,
+                Stop::InFront => n - 1,
+                Stop::OneMore => (n + 1).min(length),
+            });
         }
         if t + off < eps - slack {
             return found;

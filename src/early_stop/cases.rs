@@ -64,6 +64,15 @@ pub(crate) fn early_stop() -> Vec<Case> {
             white(9),
             vec![0.5, 0.5, 0.5, 1e10, 0.5, 0.5, 0.5, 0.5, 1e10],
         ),
+        case(
+            "colors_beyond",
+            "colors below 0 and above 1 aren't clipped, nor is their sum",
+            0.09,
+            &[3],
+            vec![0.5, 1.0, 2.0],
+            vec![-2.0, 2.0, 0.5, -1.0, 3.0, 1.5, 0.5, 1.0, -0.25],
+            vec![0.5; 3],
+        ),
         case("VR9_nothing", "two rays and no sample", 0.5, &[0, 0], vec![], vec![], vec![]),
     ];
     for (n, (regime, comment, thick, eps)) in [

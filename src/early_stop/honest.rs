@@ -18,7 +18,11 @@ fn live(a: &Arrays, r: usize, (first, length): (usize, usize), stop: Stop, m: &M
         }
         number(&honest::volume_render(&ray, &CS180, m), "transmittance") < m.round(eps)
     };
-    (1..=length).find(passed).map_or(length, |n| n - usize::from(stop == Stop::InFront))
+    (1..=length).find(passed).map_or(length, |n| match stop {
+        Stop::Behind => n,
+        Stop::InFront => n - 1,
+        Stop::OneMore => (n + 1).min(length),
+    })
 }
 
 /// Packed rendering with early stop.

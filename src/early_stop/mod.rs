@@ -52,13 +52,17 @@ pub fn live_samples(sigmas: &[f64], deltas: &[f64], eps: f64) -> usize {
     x.len()
 }
 
-/// The samples that are used: [`live_samples`], without the one that ends the ray where that is the convention.
+/// The samples that are used: [`live_samples`], without the one that ends the ray or with one more where that is the convention.
 pub(crate) fn used_samples(sigmas: &[f64], deltas: &[f64], eps: f64, stop: Stop) -> usize {
     let live = live_samples(sigmas, deltas, eps);
     let mut depth = Sum::default();
     optical_depths(&sigmas[..live], &deltas[..live]).into_iter().for_each(|x| depth.add(x));
     let stopped = live > 0 && exp(-depth.value()) < eps;
-    live - usize::from(stopped && stop == Stop::InFront)
+    match stop {
+        Stop::InFront if stopped => live - 1,
+        Stop::OneMore if stopped => (live + 1).min(sigmas.len()),
+        _ => live,
+    }
 }
 
 /// Renders packed rays with early stop: for each ray [`live_samples`], and [`volume_render`] of so many samples.

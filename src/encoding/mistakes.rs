@@ -28,6 +28,14 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "input_normalized",
+        "x / |x| is encoded, as a direction would be",
+        "all points of a ray from the origin look alike",
+        "normalize directions alone",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "first_band_twice",
         "the band in front of the loop is one octave too high: 2, 2, 4, ...",
         "the slowest wave is missing: points a period apart look alike",
@@ -83,6 +91,9 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
 /// The encoding of one point with mistakes in it.
 pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64> {
     let dims = x.len();
+    let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let normalized: Vec<f64> = x.iter().map(|x| x / length).collect();
+    let x = if wrong.contains(&"input_normalized") { &normalized } else { x };
     let mut out = super::positional_encoding(x, encoding);
     for k in 0..encoding.levels {
         for (d, &x) in x.iter().enumerate() {

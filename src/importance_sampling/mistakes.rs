@@ -49,6 +49,14 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "bin_width_forgotten",
+        "t = edge_k + (u - F_k) / (F_{k+1} - F_k), without the bin's width",
+        "samples beyond their bin where it is narrower than 1, in clumps where it is wider",
+        "edge_k + s (edge_{k+1} - edge_k)",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "middle_of_bin",
         "the chosen bin's middle",
         "samples in clumps",
@@ -146,7 +154,7 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
         _ if wrong.contains(&"middle_of_bin") => 0.5,
         _ => (u - f[k]) / difference,
     };
-    a + s * (b - a)
+    if wrong.contains(&"bin_width_forgotten") { a + s } else { a + s * (b - a) }
 }
 
 /// Samples.

@@ -86,7 +86,10 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     let right = Hypothesis { mistakes: vec![], fitted: None, loose: true, ..h.clone() };
     let off = |(case, answer): &(&Case, &Answer)| right.compared(h, question, case, answer, options);
     let larger = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
-    let [lost, wrong] = usable(h, question, answers).iter().map(off).fold([0.0; 2], larger);
+    // What wrong code makes of an infinite input isn't known: it would explain any NaN.
+    let finite = |(case, _): &(&Case, &Answer)| case.inputs.values().flatten().all(|x| x.is_finite());
+    let [lost, wrong] =
+        usable(h, question, answers).iter().filter(|pair| finite(pair)).map(off).fold([0.0; 2], larger);
     lost > 1.0 || MUCH_BETTER * wrong < lost
 }
 

@@ -22,6 +22,9 @@ const SHOWN: (usize, f64) = (3, 0.5);
 /// Conventions that are tried, the nearest first.
 const ASSIGNMENTS: usize = 48;
 
+/// Conventions that are tried with two mistakes.
+const PAIRED: usize = 4;
+
 /// Which cases a hypothesis explains.
 struct Tried {
     hypothesis: Hypothesis,
@@ -55,15 +58,18 @@ pub(crate) fn mostly(
     let mut near = assignments(question.component, base);
     near.retain(|p| question.admits(&apply(p, base)));
     near.truncate(ASSIGNMENTS);
-    let try_all = |mistakes: Vec<&'static str>, near: &[Partial], cases: &[(&Case, &Answer)]| {
+    let all_of = |mistakes: &[&str]| {
         let seen = |name: &&str| all.iter().find(|m| m.name == *name).map_or(0, |m| m.count);
-        parallel::map(near.len(), |n| {
-            let h = Hypothesis { conventions: apply(&near[n], base), ..wrong(&mistakes, base) };
-            let explains = |(case, answer): &(&Case, &Answer)| h.explains(question, case, answer, options);
+        mistakes.iter().map(seen).sum()
+    };
+    let tried = |sets: &[Vec<&'static str>], near: &[Partial], cases: &[(&Case, &Answer)]| {
+        parallel::map(sets.len() * near.len(), |n| {
+            let (mistakes, one) = (&sets[n / near.len()], &near[n % near.len()]);
+            let h = Hypothesis { conventions: apply(one, base), ..wrong(mistakes, base) };
             Tried {
-                explained: cases.iter().map(explains).collect(),
-                changes: changes(&near[n], &partial(question.component, base)),
-                seen: mistakes.iter().map(seen).sum(),
+                explained: explained(&h, question, cases, options),
+                changes: changes(one, &partial(question.component, base)),
+                seen: all_of(mistakes),
                 hypothesis: h,
             }
         })
@@ -73,15 +79,14 @@ pub(crate) fn mostly(
         // The last of equals wins in max_by_key: reversed, so that the first does.
         tried.into_iter().rev().max_by_key(key)
     };
-    let formula = best(try_all(vec![], &near, &cases))?;
-    let mut found = vec![];
-    for m in all.iter().filter(|m| !numeric || m.gradient) {
-        found.extend(try_all(vec![m.name], &near, &cases));
-    }
+    let formula = best(tried(&[vec![]], &near, &cases))?;
+    let shown = all.iter().filter(|m| !numeric || m.gradient).map(|m| m.name);
+    let singles: Vec<Vec<&str>> = shown.map(|name| vec![name]).collect();
+    let mut found = tried(&singles, &near, &cases);
     // Numeric gradients are too expensive for all conventions and cases, and for what the forward answers don't show.
     for (mistakes, _) in suspects.iter().filter(|(_, fitted)| numeric && fitted.is_none()) {
         let few = usable(&wrong(mistakes, base), question, answers).len();
-        found.extend(try_all(mistakes.clone(), &near[..1], &cases[..few]));
+        found.extend(tried(std::slice::from_ref(mistakes), &near[..1], &cases[..few]));
     }
     let enough = |t: &Tried| {
         let (asked, beyond) = (t.explained.len(), t.beyond(&formula));
@@ -91,12 +96,37 @@ pub(crate) fn mostly(
             && beyond as f64 >= SHOWN.1 * wrong as f64
     };
     found.retain(enough);
+    if found.is_empty() && !numeric {
+        let pair = |n: usize| singles[..n].iter().map(move |other| (n, other[0]));
+        let pairs = (0..singles.len()).flat_map(pair).map(|(n, other)| vec![other, singles[n][0]]);
+        found = tried(&pairs.collect::<Vec<_>>(), &near[..near.len().min(PAIRED)], &cases);
+        found.retain(enough);
+    }
     let chosen = match best(found) {
         Some(mistake) => mistake,
         None if formula.count() as f64 >= MOST * cases.len() as f64 => formula,
         None => return None,
     };
     explanation(chosen, &cases, question, answers, base, options)
+}
+
+/// Which of the cases it explains; those behind the one from which on they can't be enough any more count as not explained.
+fn explained(
+    h: &Hypothesis,
+    question: &Question,
+    cases: &[(&Case, &Answer)],
+    options: &MarkOptions,
+) -> Vec<bool> {
+    let (mut explained, mut missed) = (vec![false; cases.len()], 0);
+    for ((case, answer), explained) in cases.iter().zip(&mut explained) {
+        *explained = h.explains(question, case, answer, options);
+        missed += usize::from(!*explained);
+        // The right formula is what others are compared with, case by case.
+        if !h.mistakes.is_empty() && missed as f64 > (1.0 - MOST) * cases.len() as f64 {
+            break;
+        }
+    }
+    explained
 }
 
 /// These mistakes in the run's own conventions.

@@ -60,6 +60,16 @@ pub(crate) const MSE: &[Mistake] = &[
     .of_gradient(),
 ];
 
+const PEAK_SCALED: Mistake = Mistake::new(
+    "peak_scaled",
+    "a peak that is k times the largest value that a color may have",
+    "20 log10(k) dB too many, or too few, whatever the picture",
+    "the peak of the colors' own scale: 1, or 255 of bytes",
+    "1 public implementation, with 8",
+    1,
+)
+.with("k", 8.0, [1e-3, 1e3]);
+
 /// Mistakes of the metric.
 pub(crate) const PSNR: &[Mistake] = &[
     Mistake::new(
@@ -102,6 +112,7 @@ pub(crate) const PSNR: &[Mistake] = &[
         "an imaging code",
         1,
     ),
+    PEAK_SCALED,
     Mistake::new(
         "peak_255",
         "peak 255 whatever the colors",
@@ -225,6 +236,9 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         let peak = arrays::peak(&a, c);
         let error = peak * peak * crate::math::pow(10.0, -value / 10.0);
         value = super::psnr(error + 1e-3, peak);
+    }
+    if let Some(k) = PEAK_SCALED.among(wrong) {
+        value += 20.0 * libm::log10(k);
     }
     if wrong.contains(&"doubled_psnr") {
         value *= 2.0;

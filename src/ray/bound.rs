@@ -1,7 +1,8 @@
 //! Error bounds of rays, in running error analysis.
 //!
 //! Grade A covers d = R K^-1 (u, v, 1) / norm with the matrices applied one after the other or multiplied first, K inverted or
-//! written out, division by the norm or multiplication with its reciprocal; grade B the textbook's (x_w - o) / |x_w - o| at depth 1 too.
+//! written out, division by the norm or multiplication with its reciprocal, before the rotation too where the pose is a rotation as
+//! nearly as its type can tell; grade B the textbook's (x_w - o) / |x_w - o| at depth 1 too.
 
 use super::arrays::{picture, positions};
 use crate::camera::arrays::rows34;
@@ -15,9 +16,11 @@ type Vector = [Bounded; 3];
 
 /// The intermediate values of one ray, from pixel to world space.
 struct RayDirection {
-    /// In camera space, in the axes of the pose.
+    /// What R is applied to: in camera space, in the axes of the pose.
     camera: Vector,
-    /// |R K^-1 (u, v, 1)|; 1 where nothing is divided.
+    /// What is divided, over its length: in world space, or `camera`.
+    unit: Vector,
+    /// That length, 1 where nothing is divided.
     norm: Bounded,
     /// In world space.
     d: Vector,
@@ -40,6 +43,14 @@ impl RayDirection {
         terms.push((2, one));
         let sign = |k: usize, x: Bounded| if k > 0 && c.axes == Axes::Opengl { x.neg() } else { x };
         (1..3).for_each(|k| camera[k] = sign(k, camera[k]));
+        if c.directions == Directions::UnitInCamera {
+            let (unit, norm) = divided(camera, m);
+            let d = rows.map(|row| {
+                let terms: Vector = std::array::from_fn(|k| m.mul(exact(row[k]), unit[k]));
+                any_order(&terms, m).or(textbook(&terms, row[3], m))
+            });
+            return RayDirection { camera: unit, unit, norm, d };
+        }
         let r = rows.map(|row| {
             let along = |(k, x): (usize, Bounded)| m.mul(exact(row[k]), x);
             let rotated =
@@ -48,31 +59,46 @@ impl RayDirection {
             let expanded: Vec<Bounded> = terms.iter().map(|&(k, x)| along((k, sign(k, x)))).collect();
             rotated.or(any_order(&expanded, m)).or(textbook(&expanded, row[3], m))
         });
-        match c.directions {
-            Directions::Depth => RayDirection { camera, norm: one, d: r },
-            Directions::Unit => {
-                let norm = m.sqrt(any_order(&r.map(|r| m.mul(r, r)), m));
-                let d = r.map(|r| m.div(r, norm).or(m.mul(r, m.div(one, norm))));
-                RayDirection { camera, norm, d }
-            }
+        if c.directions == Directions::Depth {
+            return RayDirection { camera, unit: r, norm: one, d: r };
         }
+        let (unit, norm) = divided(r, m);
+        let mut d = unit;
+        if rigid(rows, m) {
+            let before = Conventions { directions: Directions::UnitInCamera, ..*c };
+            let other = RayDirection::new(lens, rows, uv, &before, m).d;
+            d = std::array::from_fn(|k| d[k].or(other[k].widened((other[k].y - d[k].y).abs())));
+        }
+        RayDirection { camera, unit, norm, d }
     }
 
-    /// The gradient of r = R d_c: (g - d (d . g)) / |r|, as one quotient or as the difference of two.
-    fn gradient(&self, g: Vector, c: &Conventions, m: &Arithmetic) -> Vector {
-        if c.directions == Directions::Depth {
-            return g;
-        }
-        let along: [Bounded; 3] = std::array::from_fn(|k| m.mul(self.d[k], g[k]));
+    /// The gradient of what was divided, where g is that of the quotient `unit`: (g - unit (unit . g)) / norm, as one quotient or as
+    /// the difference of two.
+    fn across(&self, g: Vector, m: &Arithmetic) -> Vector {
+        let along: [Bounded; 3] = std::array::from_fn(|k| m.mul(self.unit[k], g[k]));
         let along = any_order(&along, m);
         std::array::from_fn(|k| {
-            let quotient = m.div(m.sub(g[k], m.mul(self.d[k], along)), self.norm);
+            let quotient = m.div(m.sub(g[k], m.mul(self.unit[k], along)), self.norm);
             // r (r . g) / |r|^3, or autograd's sum of g (r / |r|) / |r|: two roundings more.
-            let second = m.mul(self.d[k], m.div(along, self.norm));
+            let second = m.mul(self.unit[k], m.div(along, self.norm));
             let second = second.widened(2.0 * m.u * second.size());
             quotient.or(m.sub(m.div(g[k], self.norm), second))
         })
     }
+}
+
+/// r / |r|, by division or by the reciprocal, and |r|.
+fn divided(r: Vector, m: &Arithmetic) -> (Vector, Bounded) {
+    let norm = m.sqrt(any_order(&r.map(|r| m.mul(r, r)), m));
+    (r.map(|r| m.div(r, norm).or(m.mul(r, m.div(exact(1.0), norm)))), norm)
+}
+
+/// Whether the columns are orthonormal but for roundings: entries made of a quaternion in this type are off by up to 4 u each, a product
+/// of two columns by twice as much, and its own sum.
+fn rigid(rows: &[[f64; 4]; 3], m: &Arithmetic) -> bool {
+    let product = |i: usize, j: usize| rows.iter().map(|row| row[i] * row[j]).sum::<f64>();
+    let off = |i: usize, j: usize| (product(i, j) - if i == j { 1.0 } else { 0.0 }).abs();
+    (0..3).all(|i| (i..3).all(|j| off(i, j) <= 16.0 * m.u))
 }
 
 /// x_w - o, where the grade allows it.
@@ -104,13 +130,18 @@ pub(crate) fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> A
     for n in 0..uv.len() {
         let rows = rows34(&c2w, n);
         let ray = RayDirection::new(&lens, &rows, uv[n].map(exact), c, m);
-        let g_r = ray.gradient(g_d[n].map(exact), c, m);
+        let g_d = g_d[n].map(exact);
+        let g_r = if c.directions == Directions::Unit { ray.across(g_d, m) } else { g_d };
         let translation = |k: usize| match m.grade {
             Grade::A => 0.0,
             Grade::B => any_order(&[exact(g_o[n][k]), exact(g_r[k].size()), exact(-g_r[k].size())], m).e,
         };
         g_c2w.extend(pose_errors(g_r, ray.camera, std::array::from_fn(translation), m));
-        let [x, y, z] = rotate_transposed(&rows, g_r, m);
+        let mut g_camera = rotate_transposed(&rows, g_r, m);
+        if c.directions == Directions::UnitInCamera {
+            g_camera = ray.across(g_camera, m);
+        }
+        let [x, y, z] = g_camera;
         let g_camera = if c.axes == Axes::Opengl { [x, y.neg(), z.neg()] } else { [x, y, z] };
         g_uv.extend(gather.pixel(&lens, uv[n], 1.0, g_camera, m).0);
     }

@@ -1,10 +1,8 @@
 //! Cases of rays: cameras that tell mistakes apart, and seeded ones.
 
-use crate::camera::cases::{
-    IDENTITY, LENS, lens, marked, pixels, poses, random_pose, random_poses, repeated,
-};
+use crate::camera::cases::{IDENTITY, LENS, lens, marked, pixels, poses, random_rotation, repeated, rigid};
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::case::{Case, Draw};
 
 /// The ray through a pixel.
 pub(crate) fn pixel_to_ray() -> Vec<Case> {
@@ -30,10 +28,11 @@ pub(crate) fn pixel_to_ray() -> Vec<Case> {
             draw.between(10.0, 26.0),
             draw.between(6.0, 18.0),
         ];
-        let inputs = vec![("K", lens(k)), ("c2w", random_poses(&mut draw, 6)), ("uv", pixels(&mut draw, 6))];
-        cases.push(Case::new(format!("random_{n}"), "a random lens, poses and pixels", inputs));
+        let poses = (0..6).flat_map(|_| random_rotation(&mut draw)).collect();
+        let inputs = vec![("K", lens(k)), ("c2w", array(&[6, 4, 4], poses)), ("uv", pixels(&mut draw, 6))];
+        cases.extend(rigid(&Case::new(format!("random_{n}"), "a random lens, poses and pixels", inputs)));
     }
-    in_full(cases, "random_0")
+    cases
 }
 
 /// The rays of a picture.
@@ -75,15 +74,18 @@ pub(crate) fn image_rays() -> Vec<Case> {
         let mut draw = Draw::new("image_rays", n);
         let size = [2.0 + draw.below(4) as f64, 7.0 + draw.below(4) as f64];
         let k = [draw.between(4.0, 12.0), draw.between(3.0, 5.0), draw.between(1.0, 2.5)];
-        let pose = random_pose(&mut draw);
-        cases.push(case(&format!("random_{n}"), "wide pictures, the center off the middle", size, k, &pose));
+        let pose = random_rotation(&mut draw);
+        let wide = case(&format!("random_{n}"), "wide pictures, the center off the middle", size, k, &pose);
+        cases.extend(rigid(&wide));
     }
     // What functions of height, width, focal and pose can be asked: portrait and landscape.
     for (n, size) in [[6.0, 5.0], [3.0, 8.0]].into_iter().enumerate() {
         let mut draw = Draw::new("image_rays", 3 + n as u64);
         let k = [draw.between(4.0, 12.0), size[1] / 2.0, size[0] / 2.0];
-        let pose = random_pose(&mut draw);
-        cases.push(case(&format!("centered_{n}"), "the center in the middle, a random pose", size, k, &pose));
+        let pose = random_rotation(&mut draw);
+        let middle =
+            case(&format!("centered_{n}"), "the center in the middle, a random pose", size, k, &pose);
+        cases.extend(rigid(&middle));
     }
-    in_full(cases, "random_0")
+    cases
 }

@@ -8,11 +8,12 @@ use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
 use crate::contract::machine::Machine;
 use crate::convention::{Axes, Conventions, Directions};
 
-/// One ray: its direction in camera space, before and after the division, and the norm.
+/// One ray: what R is applied to, what is divided, by which norm, the quotient, and the direction.
 struct RayDirection {
     camera: [f64; 3],
     r: [f64; 3],
     norm: f64,
+    unit: [f64; 3],
     d: [f64; 3],
 }
 
@@ -27,21 +28,37 @@ fn direction(
     if c.axes == Axes::Opengl {
         camera = [camera[0], -camera[1], -camera[2]];
     }
-    let r = if !m.stable {
-        // The textbook form: two points, and their difference.
-        let x_w = transformed(rows, &camera, m);
-        std::array::from_fn(|n| m.sub(x_w[n], rows[n][3]))
-    } else if m.form % 3 == 2 {
+    if c.directions == Directions::UnitInCamera {
+        let (unit, norm) = divided(camera, m);
+        return RayDirection { camera: unit, r: camera, norm, unit, d: rotated(rows, unit, m) };
+    }
+    let r = if m.stable && m.form % 3 == 2 {
         multiplied_first(k, rows, uv, c, m)
     } else {
-        rows.map(|row| dot(&row[..3], &camera, m))
+        rotated(rows, camera, m)
     };
     if c.directions == Directions::Depth {
-        return RayDirection { camera, r, norm: 1.0, d: r };
+        return RayDirection { camera, r, norm: 1.0, unit: r, d: r };
     }
+    let (unit, norm) = divided(r, m);
+    RayDirection { camera, r, norm, unit, d: unit }
+}
+
+/// R d_c; in the textbook form two points, and their difference.
+fn rotated(rows: &[[f64; 4]; 3], camera: [f64; 3], m: &Machine) -> [f64; 3] {
+    if m.stable {
+        return rows.map(|row| dot(&row[..3], &camera, m));
+    }
+    let x_w = transformed(rows, &camera, m);
+    std::array::from_fn(|n| m.sub(x_w[n], rows[n][3]))
+}
+
+/// r / |r|, and |r|.
+fn divided(r: [f64; 3], m: &Machine) -> ([f64; 3], f64) {
     let norm = m.sqrt(dot(&r, &r, m));
-    let d = if m.form % 2 == 0 { r.map(|r| m.div(r, norm)) } else { r.map(|r| m.mul(r, m.div(1.0, norm))) };
-    RayDirection { camera, r, norm, d }
+    let unit =
+        if m.form % 2 == 0 { r.map(|r| m.div(r, norm)) } else { r.map(|r| m.mul(r, m.div(1.0, norm))) };
+    (unit, norm)
 }
 
 /// (R K^-1) (u, v, 1).
@@ -74,16 +91,14 @@ pub(crate) fn pixel_to_ray(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     ])
 }
 
-/// The gradient of r: the projection over the norm (form 0), or as autograd writes it (1), or with the cube of the norm (2).
-fn gradient(ray: &RayDirection, g: [f64; 3], c: &Conventions, m: &Machine) -> [f64; 3] {
-    if c.directions == Directions::Depth {
-        return g;
-    }
+/// The gradient of r where g is that of r / |r|: the projection over the norm (form 0), or as autograd writes it (1), or with the cube
+/// of the norm (2).
+fn across(ray: &RayDirection, g: [f64; 3], m: &Machine) -> [f64; 3] {
     let norm = ray.norm;
     match m.form % 3 {
         0 => {
-            let along = dot(&ray.d, &g, m);
-            std::array::from_fn(|k| m.div(m.sub(g[k], m.mul(ray.d[k], along)), norm))
+            let along = dot(&ray.unit, &g, m);
+            std::array::from_fn(|k| m.div(m.sub(g[k], m.mul(ray.unit[k], along)), norm))
         }
         1 => {
             let terms: [f64; 3] = std::array::from_fn(|k| -m.mul(g[k], m.div(m.div(ray.r[k], norm), norm)));
@@ -105,14 +120,18 @@ pub(crate) fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arra
     for n in 0..uv.len() {
         let rows = rows34(&c2w, n);
         let ray = direction(&k, &rows, uv[n], c, m);
-        let g_r = gradient(&ray, g_d[n], c, m);
+        let g_r = if c.directions == Directions::Unit { across(&ray, g_d[n], m) } else { g_d[n] };
         let translation = |k: usize| match m.stable {
             true => g_o[n][k],
             // The part through x_w, then the part through -o, which cancels it.
             false => m.sub(m.add(g_o[n][k], g_r[k]), g_r[k]),
         };
         g_c2w.extend(pose_gradient(g_r, ray.camera, std::array::from_fn(translation), m));
-        let [x, y, z] = rotate_transposed(&rows, g_r, m);
+        let mut g_camera = rotate_transposed(&rows, g_r, m);
+        if c.directions == Directions::UnitInCamera {
+            g_camera = across(&ray, g_camera, m);
+        }
+        let [x, y, z] = g_camera;
         let g_camera = if c.axes == Axes::Opengl { [x, -y, -z] } else { [x, y, z] };
         let (g_uv, _) = gather.pixel(&k, uv[n], 1.0, g_camera, m);
         g_u.push(g_uv[0]);

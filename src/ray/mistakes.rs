@@ -5,6 +5,7 @@
 //! convention `directions`; a norm that is taken over the wrong axis is a mistake.
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
+use ndarray::Axis;
 
 use super::arrays::{self, bundle, picture, positions};
 use super::{Ray, camera_direction, pixel_position};
@@ -92,6 +93,15 @@ pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
     FLIPS[3],
     FLIPS[4],
     FLIPS[5],
+    Mistake::new(
+        "norm_detached",
+        "the norm is taken for a constant: g_r = g_d / |r|",
+        "gradients of camera poses that lengthen rays in the place of turning them",
+        "differentiate the norm too: g_r = (g_d - d (d . g_d)) / |r|",
+        "1 public implementation, where the norm is taken under no_grad",
+        1,
+    )
+    .of_gradient(),
 ];
 
 /// Mistakes of the rays of a picture.
@@ -113,6 +123,30 @@ pub(crate) const IMAGE_RAYS: &[Mistake] = &[
     TRANSLATION_IN_DIRECTION,
     ORIGIN_NORMALISED,
     NORM_OF_ALL,
+    Mistake::new(
+        "pixels_to_the_edges",
+        "u = i W / (W - 1), v = j H / (H - 1): linspace(0, W, W), from edge to edge",
+        "pixels are spread too far: right in the middle, half a pixel off at the edges",
+        "arange(W) + 0.5",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "picture_refolded",
+        "pixels are listed column by column, and folded row by row to (H, W)",
+        "the picture is torn to stripes where it isn't square, transposed where it is",
+        "meshgrid(..., indexing=\"xy\"), flattened and folded in one order",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "half_pixel_upward",
+        "0.5 is added behind the sign of y: u + 0.5 and v - 0.5",
+        "everything is shifted by a pixel in the vertical",
+        "add 0.5 to column and row before the center is taken off",
+        "1 public implementation",
+        1,
+    ),
     Mistake::new(
         "grid_size_swapped",
         "columns run over the height and rows over the width, and the grid is read as (H, W)",
@@ -146,6 +180,7 @@ fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&
         Axes::Opengl if wrong.is_empty() => camera_direction(k, uv, c.axes),
         Axes::Opengl => wrong_point(k, uv, 1.0, wrong) * DVec3::new(1.0, -1.0, -1.0),
     };
+    let camera = if c.directions == Directions::UnitInCamera { camera / camera.length() } else { camera };
     let o = c2w.w_axis.truncate();
     let mut ray = Ray { o, d: rotate(&turned, flip(camera, wrong)) };
     for name in wrong {
@@ -163,7 +198,7 @@ fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&
 
 /// Directions divided by their norms, or by those of other rays.
 fn normalize(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
-    if c.directions == Directions::Depth {
+    if c.directions != Directions::Unit {
         return;
     }
     let norms: Vec<f64> = rays.iter().map(|ray| ray.d.length()).collect();
@@ -184,9 +219,20 @@ pub(crate) fn pixel_to_ray(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Array
     bundle(&rays, &[rays.len(), 3])
 }
 
-/// Its gradient: no mistakes of its own.
-pub(crate) fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    arrays::pixel_to_ray_vjp(a, c)
+/// Its gradient.
+pub(crate) fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    if !wrong.contains(&"norm_detached") || c.directions != Directions::Unit {
+        return arrays::pixel_to_ray_vjp(a, c);
+    }
+    // As undivided directions have it, each cotangent over its ray's length.
+    let (k, c2w) = (intrinsics(&values(a, "K")), values(a, "c2w"));
+    let mut a = a.clone();
+    for (m, uv) in twos(&a, "uv").into_iter().enumerate() {
+        let length = wrong_ray(&k, &pose(&c2w, m), DVec2::from(uv), c, &[]).d.length();
+        let g = a.get_mut("grad_rays_d").expect("a cotangent");
+        g.index_axis_mut(Axis(0), m).mapv_inplace(|g| g / length);
+    }
+    arrays::pixel_to_ray_vjp(&a, &Conventions { directions: Directions::Depth, ..*c })
 }
 
 /// The rays of a picture. A grid whose rows and columns are exchanged shows it in uv.
@@ -196,6 +242,19 @@ pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     let (mut rows, mut columns) = (height, width);
     if wrong.contains(&"grid_size_swapped") {
         uv = (0..height * width).map(|n| pixel_position(n % height, n / height, c.pixel_center)).collect();
+    }
+    for (n, uv) in uv.iter_mut().enumerate() {
+        let (column, row) = ((n % width) as f64, (n / width) as f64);
+        if wrong.contains(&"pixels_to_the_edges") && width > 1 && height > 1 {
+            let steps = DVec2::new(width as f64 / (width - 1) as f64, height as f64 / (height - 1) as f64);
+            *uv = DVec2::new(column, row) * steps;
+        }
+        if wrong.contains(&"half_pixel_upward") {
+            *uv = DVec2::new(column + 0.5, row - 0.5);
+        }
+    }
+    if wrong.contains(&"picture_refolded") {
+        uv = (0..height * width).map(|n| uv[n % height * width + n / height]).collect();
     }
     if wrong.contains(&"picture_transposed") {
         uv = (0..height * width).map(|n| uv[n % height * width + n / height]).collect();

@@ -56,7 +56,7 @@ pub fn camera_direction(k: &Intrinsics, uv: DVec2, axes: Axes) -> DVec3 {
 ///
 /// # Convention
 /// `uv` counts from the picture's upper left corner: the center of pixel (i, j) is (i + 0.5, j + 0.5). With
-/// [`Directions::Depth`] the division is left out.
+/// [`Directions::Depth`] the division is left out, with [`Directions::UnitInCamera`] it comes before R.
 ///
 /// ```
 /// use glam::{DMat4, DVec2, DVec3};
@@ -68,12 +68,13 @@ pub fn camera_direction(k: &Intrinsics, uv: DVec2, axes: Axes) -> DVec3 {
 /// assert_eq!((ray.o, ray.d), (DVec3::ZERO, DVec3::Z));
 /// ```
 pub fn pixel_to_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, axes: Axes, directions: Directions) -> Ray {
-    let d = rotate(c2w, camera_direction(k, uv, axes));
-    let o = c2w.w_axis.truncate();
-    match directions {
-        Directions::Unit => Ray { o, d: d / d.length() },
-        Directions::Depth => Ray { o, d },
-    }
+    let (o, d_c) = (c2w.w_axis.truncate(), camera_direction(k, uv, axes));
+    let d = match directions {
+        Directions::Unit => rotate(c2w, d_c) / rotate(c2w, d_c).length(),
+        Directions::UnitInCamera => rotate(c2w, d_c / d_c.length()),
+        Directions::Depth => rotate(c2w, d_c),
+    };
+    Ray { o, d }
 }
 
 /// The position `uv` through which the ray of the pixel in column `i` and row `j` goes.

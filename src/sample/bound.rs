@@ -105,6 +105,18 @@ pub(crate) fn step_sizes(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
             deltas.extend(vec![width.e; samples]);
             continue;
         }
+        if c.delta == Delta::Cells {
+            let edge = |i: usize| match i {
+                0 => interval.near,
+                i if i == samples => interval.far,
+                // (a + b) / 2 or a + (b - a) / 2.
+                i => m
+                    .mul(exact(0.5), m.add(t[i - 1], t[i]))
+                    .or(m.add(t[i - 1], m.mul(exact(0.5), m.sub(t[i], t[i - 1])))),
+            };
+            deltas.extend((0..samples).map(|i| m.sub(edge(i + 1), edge(i)).e));
+            continue;
+        }
         let differences: Vec<Bounded> = t.windows(2).map(|t| m.sub(t[1], t[0])).collect();
         let last = match c.last_delta {
             LastDelta::Width => width,

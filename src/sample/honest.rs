@@ -99,6 +99,16 @@ pub(crate) fn step_sizes(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
             deltas.extend(vec![width; samples]);
             continue;
         }
+        if c.delta == Delta::Cells {
+            let edge = |i: usize| match i {
+                0 => near,
+                i if i == samples => far,
+                i if m.form % 2 == 0 => m.mul(0.5, m.add(t[i - 1], t[i])),
+                i => m.add(t[i - 1], m.mul(0.5, m.sub(t[i], t[i - 1]))),
+            };
+            deltas.extend((0..samples).map(|i| m.sub(edge(i + 1), edge(i))));
+            continue;
+        }
         let differences: Vec<f64> = t.windows(2).map(|t| m.sub(t[1], t[0])).collect();
         let last = match c.last_delta {
             LastDelta::Width => width,

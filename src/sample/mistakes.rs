@@ -65,6 +65,22 @@ pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "middles_not_halved",
+        "t_i = e_i + e_{i+1} / 2 for the middle of an interval: the brackets of (e_i + e_{i+1}) / 2 are missing",
+        "samples reach half as far again, behind the scene, and u isn't used",
+        "0.5 * (e[:-1] + e[1:])",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "one_bin_early",
+        "t = near + (i - 1 + u) D: bins are counted from 1 where they were numbered from 0",
+        "the first sample lies in front of near, and nothing in the last bin is seen",
+        "near + (i + u) D, i from 0",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "unit_interval",
         "t = (i + u) / N: near and far are never applied",
         "samples in front of the scene, or in a small part of it",
@@ -186,6 +202,7 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
             }
             "never_jittered" => u.fill(0.5),
             "left_edges_alone" => u.fill(0.0),
+            "one_bin_early" => u.iter_mut().for_each(|u| *u -= 1.0),
             "jitter_centered_on_edges" => u.iter_mut().for_each(|u| *u -= 0.5),
             _ => {
                 if let Some(fixed) = name.strip_prefix("jitter_width_").and_then(|w| w.parse::<f64>().ok()) {
@@ -196,6 +213,10 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
     }
     if let Some(fixed) = JITTER_WIDTH.among(wrong) {
         u.iter_mut().for_each(|u| *u *= fixed / width);
+    }
+    if wrong.contains(&"middles_not_halved") {
+        let edge = |i: usize| near + i as f64 * width;
+        return (0..n).map(|i| edge(i) + 0.5 * edge(i + 1)).collect();
     }
     sample_along_ray(near, far, &u, c.grid)
 }

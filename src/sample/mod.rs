@@ -67,7 +67,8 @@ pub fn rest_u(rest: Rest) -> f64 {
 
 /// Step lengths of one ray's samples.
 ///
-/// Constant D, or differences t_{i+1} - t_i with a last one by convention (NeRF equation 3 and its code).
+/// Constant D, differences t_{i+1} - t_i with a last one by convention (NeRF equation 3 and its code), or the lengths of cells that meet
+/// in the middle between two samples.
 ///
 /// ```
 /// use nerf_oracle::convention::{Delta, LastDelta};
@@ -81,6 +82,14 @@ pub fn step_sizes(t: &[f64], near: f64, far: f64, delta: Delta, last: LastDelta)
     let width = (far - near) / n as f64;
     if delta == Delta::Width || n == 0 {
         return vec![width; n];
+    }
+    if delta == Delta::Cells {
+        let edge = |i: usize| match i {
+            0 => near,
+            i if i == n => far,
+            i => 0.5 * (t[i - 1] + t[i]),
+        };
+        return (0..n).map(|i| edge(i + 1) - edge(i)).collect();
     }
     let mut deltas: Vec<f64> = (1..n).map(|i| t[i] - t[i - 1]).collect();
     deltas.push(match last {

@@ -17,6 +17,14 @@ pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
         2,
     ),
     Mistake::new(
+        "band_1_signs",
+        "the signs of x and y in band 1 are those of the other convention, all other bands' are not",
+        "a picture's sheen leans to the other side in one band of five",
+        "one convention for all bands: (-1)^m, or none",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "band_4_slips",
         "two slips in band 4: m = -1 lacks its z, and m = 4 has the constant 0.4425 for 0.6258",
         "degree 4 isn't orthonormal: two colors of 25 lean the wrong way",
@@ -65,6 +73,9 @@ pub(crate) fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             let sign = if c.harmonic_sign == HarmonicSign::Plain { 1.0 } else { -1.0 };
             out[19] = sign * 0.669_046_543_557_289_2 * d[1] * (7.0 * d[2] * d[2] - 3.0);
             out[24] *= 0.442_532_692_444_982_6 / 0.625_835_735_449_176_1;
+        }
+        if wrong.contains(&"band_1_signs") && degree(a) > 0 {
+            (out[1], out[3]) = (-out[1], -out[3]);
         }
         if wrong.contains(&"m_descending") {
             (0..=degree(a)).for_each(|l| out[l * l..(l + 1) * (l + 1)].reverse());

@@ -18,13 +18,10 @@ pub(crate) fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Array
     let mut bound = chain_bounds(a, c, m);
     let (t, deltas) = (values(&bound, "t"), values(&truth, "deltas"));
     let mut step_errors = values(&bound, "deltas");
-    if c.delta != Delta::Width {
-        for (p, error) in step_errors.iter_mut().enumerate().filter(|_| n > 1) {
-            // t_{i+1} - t_i; the last step may be computed from the two positions before it.
-            let i = p % n;
-            let first = p - i + i.min(n - 2);
-            *error += t[first] + t[first + 1];
-        }
+    if n > 1 {
+        t.chunks_exact(n)
+            .zip(step_errors.chunks_exact_mut(n))
+            .for_each(|(t, steps)| carry(t, steps, c.delta));
     }
     if c.delta == Delta::DifferencesTimesNorm {
         let (d, d_error) = (threes(&truth, "rays_d"), threes(&bound, "rays_d"));
@@ -52,6 +49,23 @@ pub(crate) fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Array
     bound.insert("weights".into(), array(&[h, w, n], weights));
     bound.insert("colors".into(), array(&[h, w, 3], colors));
     bound
+}
+
+/// Adds what the errors of a ray's positions `t` do to its steps.
+fn carry(t: &[f64], steps: &mut [f64], delta: Delta) {
+    let last = t.len() - 1;
+    // The middle between two positions.
+    let edge = |i: usize| 0.5 * (t[i - 1] + t[i]);
+    for (i, step) in steps.iter_mut().enumerate() {
+        *step += match delta {
+            Delta::Width => 0.0,
+            // t_{i+1} - t_i; the last step may be computed from the two positions before it.
+            Delta::Differences | Delta::DifferencesTimesNorm => t[i.min(last - 1)] + t[i.min(last - 1) + 1],
+            Delta::Cells if i == 0 => edge(1),
+            Delta::Cells if i == last => edge(last),
+            Delta::Cells => edge(i) + edge(i + 1),
+        };
+    }
 }
 
 /// Each row's bound at the true values of the arrays before it.

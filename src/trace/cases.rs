@@ -1,8 +1,8 @@
 //! Cases of the trace: a picture that isn't square, a center off the middle, a random pose, at rest and jittered.
 
-use crate::camera::cases::random_pose;
+use crate::camera::cases::{random_rotation, rigid};
 use crate::contract::arrays::{array, scalar};
-use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::case::{Case, Draw};
 
 /// H, W and N: small, and all different.
 const SIZE: [usize; 3] = [3, 4, 6];
@@ -10,13 +10,13 @@ const PORTRAIT: [usize; 3] = [5, 3, 4];
 
 /// The trace of a picture.
 pub(crate) fn render_trace() -> Vec<Case> {
-    let cases = vec![
+    let cases = [
         traced("at_rest", "evaluation: u = 1/2 everywhere", SIZE, Some(0.5), 0),
         traced("left_edges", "u = 0 everywhere: the grid itself", SIZE, Some(0.0), 1),
         traced("jittered", "training: u differs from ray to ray and sample to sample", SIZE, None, 2),
         traced("portrait", "taller than wide", PORTRAIT, None, 3),
     ];
-    in_full(cases, "jittered")
+    cases.iter().flat_map(rigid).collect()
 }
 
 fn traced(id: &str, comment: &'static str, size: [usize; 3], u: Option<f64>, stream: u64) -> Case {
@@ -37,7 +37,7 @@ fn traced(id: &str, comment: &'static str, size: [usize; 3], u: Option<f64>, str
             ("focal", scalar(5.5)),
             ("cx", scalar(0.5 * w as f64)),
             ("cy", scalar(0.5 * h as f64)),
-            ("c2w", array(&[4, 4], random_pose(&mut draw).to_vec())),
+            ("c2w", array(&[4, 4], random_rotation(&mut draw).to_vec())),
             ("near", scalar(2.0)),
             ("far", scalar(6.0)),
             ("u", jitter),

@@ -4,7 +4,7 @@ use super::backward::Cotangent;
 use super::{Rendering, backward, composite_background, depth};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
-use crate::convention::{Backdrop, Conventions, Faint};
+use crate::convention::{Backdrop, Conventions, Faint, SigmaRelu};
 
 /// The outputs of R rays as arrays.
 pub(crate) fn renderings(samples: usize, rays: &[Rendering]) -> Arrays {
@@ -72,18 +72,28 @@ pub(super) fn render_vjp(a: &Arrays, c: &Conventions) -> Arrays {
         g_rgbs.extend(g.1.concat());
         g_deltas.extend(g.2);
     }
-    arrays([
+    let gradients = arrays([
         ("grad_sigmas", array(&[rays, samples], g_sigmas)),
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
         ("grad_deltas", array(&[rays, samples], g_deltas)),
-    ])
+    ]);
+    gradients_of_rectified(a, c, gradients)
+}
+
+/// The same through a ReLU, where that is the convention: a density of 0 has none.
+pub(super) fn gradients_of_rectified(a: &Arrays, c: &Conventions, mut gradients: Arrays) -> Arrays {
+    if c.sigma_relu == SigmaRelu::Inside {
+        let gradient = gradients.get_mut("grad_sigmas").expect("a gradient");
+        gradient.zip_mut_with(&a["sigmas"], |g, &sigma| *g = if sigma > 0.0 { *g } else { 0.0 });
+    }
+    gradients
 }
 
 pub(super) fn render_alpha(a: &Arrays, c: &Conventions) -> Arrays {
     let a = &counted(a, c);
     let (rays, samples) = size(a, "alphas");
     let ray = |r| super::volume_render_alpha(&row(a, "alphas", r), &rows3(a, "rgbs", r), c.product_eps);
-    renderings(samples, &(0..rays).map(ray).collect::<Vec<_>>())
+    over(c, renderings(samples, &(0..rays).map(ray).collect::<Vec<_>>()))
 }
 
 pub(super) fn render_alpha_vjp(given: &Arrays, c: &Conventions) -> Arrays {
@@ -93,7 +103,8 @@ pub(super) fn render_alpha_vjp(given: &Arrays, c: &Conventions) -> Arrays {
     for r in 0..rays {
         let (alphas, rgbs) = (row(a, "alphas", r), rows3(a, "rgbs", r));
         let forward = super::volume_render_alpha(&alphas, &rgbs, c.product_eps);
-        let g = backward::volume_render_alpha(&alphas, &rgbs, c.product_eps, &forward, &cotangent(a, r));
+        let g =
+            backward::volume_render_alpha(&alphas, &rgbs, c.product_eps, &forward, &cotangent_over(a, r, c));
         g_alphas.extend(g.0);
         g_rgbs.extend(g.1.concat());
     }

@@ -3,7 +3,7 @@
 //! Every form that the contract calls honest is covered: T as the exponential of a cumulative sum or as a cumulative
 //! product, sums in any order, the light behind a sample as a recursion, as a suffix sum, or as the total minus a prefix sum.
 
-use super::arrays::{cotangent, counted, gradients_of_counted};
+use super::arrays::{cotangent, counted, gradients_of_counted, gradients_of_rectified};
 use super::backward::Cotangent;
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
@@ -146,11 +146,16 @@ fn products(alphas: &[Bounded], eps: ProductEps, m: &Arithmetic) -> Vec<Bounded>
     t
 }
 
-fn forward(rays: &[Ray], eps: ProductEps, m: &Arithmetic) -> Arrays {
+fn forward(rays: &[Ray], c: &Conventions, m: &Arithmetic) -> Arrays {
     let samples = rays.first().map_or(0, |ray| ray.weights.len());
-    let outputs: Vec<_> = rays.iter().map(|ray| ray.outputs(eps, m)).collect();
+    let outputs: Vec<_> = rays.iter().map(|ray| ray.outputs(c.product_eps, m)).collect();
+    let shown = |color: Bounded, opacity: Bounded| match c.backdrop {
+        Backdrop::None => color,
+        Backdrop::White => m.add(color, m.sub(exact(1.0), opacity)),
+    };
+    let colors = outputs.iter().flat_map(|o| o.0.map(|color| shown(color, o.1).e)).collect();
     arrays([
-        ("colors", array(&[rays.len(), 3], outputs.iter().flat_map(|o| o.0.map(|c| c.e)).collect())),
+        ("colors", array(&[rays.len(), 3], colors)),
         (
             "weights",
             array(&[rays.len(), samples], rays.iter().flat_map(|r| r.weights.iter().map(|w| w.e)).collect()),
@@ -164,23 +169,14 @@ fn forward(rays: &[Ray], eps: ProductEps, m: &Arithmetic) -> Arrays {
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, _) = size(a, "sigmas");
     let rays: Vec<Ray> = (0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m)).collect();
-    let mut bound = forward(&rays, c.product_eps, m);
-    if c.backdrop == Backdrop::White {
-        let colors = bound.get_mut("colors").expect("an output");
-        for (r, ray) in rays.iter().enumerate() {
-            let (color, opacity, _) = ray.outputs(c.product_eps, m);
-            let left = m.sub(exact(1.0), opacity);
-            (0..3).for_each(|k| colors[[r, k]] = m.add(color[k], left).e);
-        }
-    }
-    bound
+    forward(&rays, c, m)
 }
 
 /// Bound of [`super::volume_render_alpha`].
 pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let a = &counted(a, c);
     let (rays, _) = size(a, "alphas");
-    forward(&(0..rays).map(|r| Ray::from_alphas(a, r, c, m)).collect::<Vec<_>>(), c.product_eps, m)
+    forward(&(0..rays).map(|r| Ray::from_alphas(a, r, c, m)).collect::<Vec<_>>(), c, m)
 }
 
 /// Bound of [`super::backward::volume_render`].
@@ -194,11 +190,12 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> 
         g_deltas.extend(row(a, "sigmas", r).iter().zip(&g_x).map(|(&sigma, &g)| m.mul(exact(sigma), g).e));
         g_rgbs.extend(g_rgb.concat());
     }
-    arrays([
+    let bounds = arrays([
         ("grad_sigmas", array(&[rays, samples], g_sigmas)),
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
         ("grad_deltas", array(&[rays, samples], g_deltas)),
-    ])
+    ]);
+    gradients_of_rectified(a, c, bounds)
 }
 
 /// Bound of [`super::backward::volume_render_alpha`].
@@ -207,7 +204,7 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Arith
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
     for r in 0..rays {
-        let ray = Ray::from_alphas(a, r, c, m);
+        let ray = Ray { white: c.backdrop == Backdrop::White, ..Ray::from_alphas(a, r, c, m) };
         let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
         g_alphas.extend(g_x.iter().map(|g| g.e));
         g_rgbs.extend(g_rgb.concat());

@@ -105,9 +105,9 @@ pub(crate) fn volume_render() -> Vec<Case> {
         ),
         one_ray(
             "colors_beyond",
-            "colors below 0 and above 1 aren't clipped",
+            "colors below 0 and above 1 aren't clipped, nor is their sum",
             vec![0.5, 1.0, 2.0],
-            array(&[1, 3, 3], vec![-1.0, 2.0, 0.5, 4.0, -0.25, 1.5, -2.0, 0.75, 1.25]),
+            array(&[1, 3, 3], vec![-2.0, 2.0, 0.5, -1.0, 3.0, 1.5, 0.5, 1.0, -0.25]),
             vec![0.5; 3],
         ),
         one_ray(
@@ -147,6 +147,17 @@ pub(crate) fn volume_render() -> Vec<Case> {
             ],
         ),
     ];
+    let mut draw = Draw::new("volume_render", 100);
+    let sigmas = (0..24).map(|_| draw.decades(-1.0, 1.0)).collect();
+    cases.push(Case::new(
+        "one_step",
+        "several rays with one step for all: what functions of a step length can be asked",
+        vec![
+            ("sigmas", array(&[4, 6], sigmas)),
+            ("rgbs", draw.array(&[4, 6, 3], 0.05, 1.0)),
+            ("deltas", array(&[4, 6], vec![0.25; 24])),
+        ],
+    ));
     cases.extend(seeded("volume_render", |draw, low, high| {
         let (rays, samples) = (3, 12);
         let (mut sigmas, mut deltas) = (vec![], vec![]);
@@ -196,6 +207,12 @@ pub(crate) fn volume_render_alpha() -> Vec<Case> {
             one_hot(5),
         ),
         one_ray("empty_ray", "nothing on the ray", vec![0.0; 6], array(&[1, 6, 3], vec![0.5; 18])),
+        one_ray(
+            "colors_beyond",
+            "colors below 0 and above 1 aren't clipped, nor is their sum",
+            vec![0.25, 0.5, 0.75],
+            array(&[1, 3, 3], vec![-2.0, 2.0, 0.5, -1.0, 3.0, 1.5, 0.5, 1.0, -0.25]),
+        ),
         one_ray("one_sample", "a ray with one sample", vec![0.25], array(&[1, 1, 3], vec![0.5, 0.75, 1.0])),
         one_ray(
             "VR9_underflow",
@@ -229,7 +246,13 @@ pub(crate) fn composite_background() -> Vec<Case> {
         ("opacity", draw.array(&[16], 0.05, 0.95)),
         ("background", array(&[3], vec![0.75, 0.25, 0.625])),
     ];
+    let beyond = vec![
+        ("colors", array(&[2, 3], vec![-0.5, 1.5, 0.25, 0.5, -1.0, 2.0])),
+        ("opacity", array(&[2], vec![0.5, 0.25])),
+        ("background", array(&[3], vec![0.25, 0.75, 0.5])),
+    ];
     let cases = vec![
+        Case::new("colors_beyond", "colors below 0 and above 1 aren't clipped", beyond),
         Case::new("three_opacities", "A = 0, 1/2, 1 over three different channels", three),
         Case::new("seeded", "random rays", seeded),
     ];

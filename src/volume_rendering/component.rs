@@ -37,7 +37,7 @@ pub(crate) const VOLUME_RENDER: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) equation 3",
     inputs: &[SIGMAS, RGBS, DELTAS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
-    conventions: &["product_eps", "backdrop"],
+    conventions: &["product_eps", "backdrop", "sigma_relu"],
     forward: Direction {
         oracle: arrays::render,
         bound: bound::volume_render,
@@ -63,7 +63,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) equation 3, with alpha given",
     inputs: &[ALPHAS, RGBS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
-    conventions: &["product_eps", "alpha_cap", "faint"],
+    conventions: &["product_eps", "alpha_cap", "faint", "backdrop"],
     forward: Direction {
         oracle: arrays::render_alpha,
         bound: bound::volume_render_alpha,

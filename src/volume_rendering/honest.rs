@@ -1,7 +1,7 @@
 //! Honest implementations of volume rendering in emulated arithmetic: what the bound must never reject.
 
 use super::Rendering;
-use super::arrays::{cotangent, counted, gradients_of_counted, renderings};
+use super::arrays::{cotangent, counted, gradients_of_counted, gradients_of_rectified, renderings};
 use super::backward::Cotangent;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::machine::Machine;
@@ -63,21 +63,32 @@ fn render_ray_alpha(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rende
 /// Rendering from densities.
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, samples) = size(a, "sigmas");
-    let over = |mut ray: Rendering| {
-        if c.backdrop == Backdrop::White {
-            let left = m.sub(1.0, ray.opacity);
-            ray.color = ray.color.map(|color| m.add(color, left));
-        }
-        ray
-    };
-    renderings(samples, &(0..rays).map(|r| over(render_ray(a, r, c, m))).collect::<Vec<_>>())
+    renderings(samples, &(0..rays).map(|r| over(render_ray(a, r, c, m), c, m)).collect::<Vec<_>>())
+}
+
+/// In front of white, where that is the convention.
+fn over(mut ray: Rendering, c: &Conventions, m: &Machine) -> Rendering {
+    if c.backdrop == Backdrop::White {
+        let left = m.sub(1.0, ray.opacity);
+        ray.color = ray.color.map(|color| m.add(color, left));
+    }
+    ray
+}
+
+/// The cotangent of ray r in front of its backdrop.
+fn cotangent_over(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Cotangent {
+    let mut g = cotangent(a, r);
+    if c.backdrop == Backdrop::White {
+        g.opacity = m.sub(g.opacity, m.sum(&g.color));
+    }
+    g
 }
 
 /// Rendering from opacities.
 pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let a = &counted(a, c);
     let (rays, samples) = size(a, "alphas");
-    renderings(samples, &(0..rays).map(|r| render_ray_alpha(a, r, c, m)).collect::<Vec<_>>())
+    renderings(samples, &(0..rays).map(|r| over(render_ray_alpha(a, r, c, m), c, m)).collect::<Vec<_>>())
 }
 
 /// g_alpha by recursion from the last sample (form 0), by suffix sums (1), or as total minus prefix, as instant-ngp does (2).
@@ -120,20 +131,18 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arr
     for r in 0..rays {
         let x = optical_depths(a, r, m);
         let slopes: Vec<f64> = x.iter().map(|&x| m.exp(-x)).collect();
-        let (f, mut g) = (render_ray(a, r, c, m), cotangent(a, r));
-        if c.backdrop == Backdrop::White {
-            g.opacity = m.sub(g.opacity, m.sum(&g.color));
-        }
+        let (f, g) = (render_ray(a, r, c, m), cotangent_over(a, r, c, m));
         let g_x = gradients(&alphas(&x, m), &rows3(a, "rgbs", r), &slopes, &f, &g, c, m);
         g_sigmas.extend(row(a, "deltas", r).iter().zip(&g_x).map(|(&delta, &g)| m.mul(delta, g)));
         g_deltas.extend(row(a, "sigmas", r).iter().zip(&g_x).map(|(&sigma, &g)| m.mul(sigma, g)));
         g_rgbs.extend(f.weights.iter().flat_map(|&w| g.color.map(|g| m.mul(w, g))));
     }
-    arrays([
+    let gradients = arrays([
         ("grad_sigmas", array(&[rays, samples], g_sigmas)),
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
         ("grad_deltas", array(&[rays, samples], g_deltas)),
-    ])
+    ]);
+    gradients_of_rectified(a, c, gradients)
 }
 
 /// Gradient of rendering from opacities.
@@ -142,7 +151,7 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Machi
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
     for r in 0..rays {
-        let (f, g) = (render_ray_alpha(a, r, c, m), cotangent(a, r));
+        let (f, g) = (render_ray_alpha(a, r, c, m), cotangent_over(a, r, c, m));
         let slopes = vec![1.0; samples];
         let alphas: Vec<f64> = row(a, "alphas", r).into_iter().map(|alpha| m.round(alpha)).collect();
         g_alphas.extend(gradients(&alphas, &rows3(a, "rgbs", r), &slopes, &f, &g, c, m));

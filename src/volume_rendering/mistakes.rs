@@ -4,15 +4,15 @@ use ndarray::ArrayD;
 
 use super::arrays::{self, renderings};
 use super::{Rendering, volume_render as oracle, volume_render_alpha as oracle_alpha};
-use crate::contract::arrays::{Arrays, array, input, row, rows3, scalar, size};
+use crate::contract::arrays::{Arrays, array, input, number, row, rows3, scalar, size};
 use crate::contract::case::Draw;
-use crate::convention::{Conventions, ProductEps};
+use crate::convention::{Conventions, Depth, ProductEps};
 use crate::math::exp;
 
 mod catalogue;
 
 pub(crate) use catalogue::{COMPOSITE_BACKGROUND, DEPTH, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
-use catalogue::{DELTA_SCALED, EPS_ON_ALPHA, SCALED_EXPONENTIAL};
+use catalogue::{DELTA_SCALED, EPS_IN_PRODUCT, EPS_ON_ALPHA, SCALED_EXPONENTIAL};
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub(crate) const ALPHA_ERROR: &str = "alpha_error";
@@ -65,6 +65,8 @@ fn wrong_composite(
             "inclusive_transmittance" => t.rotate_left(1),
             "inclusive_behind_the_first" => t[1..].rotate_left(1.min(n)),
             "own_light_alone" => (0..n).for_each(|i| t[i] = 1.0 - alphas[i]),
+            "neighbors_light_alone" => (1..n).for_each(|i| t[i] = 1.0 - alphas[i - 1]),
+            "whole_rays_light" => t = vec![t[n]; n + 1],
             "rolled_transmittance" => t[0] = t[n],
             "rolled_but_in_first_ray" if r > 0 => t[0] = t[n],
             "first_transmittance_zero" => t[0] = 0.0,
@@ -80,11 +82,19 @@ fn wrong_composite(
             _ => {}
         }
     }
+    if let Some(eps) = EPS_IN_PRODUCT.among(wrong) {
+        (0..n).for_each(|i| t[i + 1] = t[i] * (1.0 - alphas[i] + eps));
+        rendering.transmittance[n] = t[n];
+    }
     let early = wrong.contains(&"transmittance_before_last").then(|| t[n.saturating_sub(1)]);
-    let forgotten = wrong.contains(&"alpha_forgotten");
-    if forgotten || t != rendering.transmittance {
+    let stopped = |alpha: f64| match () {
+        _ if wrong.contains(&"alpha_forgotten") => 1.0,
+        _ if wrong.contains(&"light_for_alpha") => 1.0 - alpha,
+        _ => alpha,
+    };
+    if alphas.iter().any(|&alpha| stopped(alpha) != alpha) || t != rendering.transmittance {
         let behind = rendering.transmittance[n];
-        rendering.weights = (0..n).map(|i| if forgotten { t[i] } else { t[i] * alphas[i] }).collect();
+        rendering.weights = (0..n).map(|i| t[i] * stopped(alphas[i])).collect();
         rendering.color = std::array::from_fn(|k| (0..n).map(|i| rendering.weights[i] * rgbs[i][k]).sum());
         rendering.opacity = rendering.weights.iter().sum();
         rendering.transmittance = t;
@@ -93,14 +103,25 @@ fn wrong_composite(
     if let Some(early) = early {
         rendering.transmittance[n] = early;
     }
-    if wrong.contains(&"weights_normalized") {
-        let opacity = rendering.opacity;
-        rendering.weights.iter_mut().for_each(|w| *w /= opacity);
-        rendering.color = rendering.color.map(|c| c / opacity);
+    for name in wrong {
+        let length = match *name {
+            "weights_normalized" => rendering.opacity,
+            "weights_of_unit_length" => rendering.weights.iter().map(|w| w * w).sum::<f64>().sqrt(),
+            _ => continue,
+        };
+        rendering.weights.iter_mut().for_each(|w| *w /= length);
+        rendering.color = rendering.color.map(|c| c / length);
         rendering.opacity = rendering.weights.iter().sum();
+    }
+    if wrong.contains(&"colors_of_next_sample") {
+        let next = |k: usize| rendering.weights.iter().zip(&rgbs[n.min(1)..]).map(|(w, c)| w * c[k]).sum();
+        rendering.color = std::array::from_fn(next);
     }
     if wrong.contains(&"divided_by_opacity") {
         rendering.color = rendering.color.map(|c| c / rendering.opacity);
+    }
+    if wrong.contains(&"clamped") {
+        rendering.color = rendering.color.map(|c| c.clamp(0.0, 1.0));
     }
     rendering
 }
@@ -184,6 +205,19 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
             }
             ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
         }
+        if wrong.contains(&"exponent_without_minus") {
+            alphas =
+                super::optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(x)).collect();
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+        }
+        if wrong.contains(&"depth_for_transmittance") {
+            let mut depth = 0.0;
+            for (i, x) in super::optical_depths(&sigmas, &deltas).into_iter().enumerate() {
+                ray.transmittance[i] = depth;
+                depth += x;
+            }
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+        }
         if wrong.contains(&"density_for_opacity") {
             alphas = sigmas;
             ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
@@ -200,7 +234,7 @@ pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -
     let (count, samples) = size(a, "alphas");
     let alphas: Vec<Vec<f64>> = (0..count).map(|r| row(a, "alphas", r)).collect();
     let rays = (0..count).map(|r| oracle_alpha(&alphas[r], &rows3(a, "rgbs", r), c.product_eps)).collect();
-    renderings(samples, &render_all(alphas, rays, |r| rows3(a, "rgbs", r), wrong))
+    arrays::over(c, renderings(samples, &render_all(alphas, rays, |r| rows3(a, "rgbs", r), wrong)))
 }
 
 /// Gradient from densities: none of its own.
@@ -217,7 +251,7 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[
         let (rays, samples) = size(a, "alphas");
         let mut g_alphas = input(&gradients, "grad_alphas").clone();
         for r in 0..rays {
-            let (alphas, g) = (row(a, "alphas", r), arrays::cotangent(a, r));
+            let (alphas, g) = (row(a, "alphas", r), arrays::cotangent_over(a, r, c));
             let ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
             for i in (0..samples).filter(|&i| alphas[i] == 1.0) {
                 let rgb = rows3(a, "rgbs", r)[i];
@@ -250,7 +284,11 @@ pub(crate) fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) 
     if wrong.contains(&"background_always") {
         a.get_mut("opacity").expect("checked").fill(0.0);
     }
-    arrays::background(&a, c)
+    let mut out = arrays::background(&a, c);
+    if wrong.contains(&"clamped") {
+        out.get_mut("colors_out").expect("an output").mapv_inplace(|c| c.clamp(0.0, 1.0));
+    }
+    out
 }
 
 /// Gradient of the background: none of its own.
@@ -268,6 +306,13 @@ pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         a.get_mut("t").expect("checked").indexed_iter_mut().for_each(|(i, t)| *t = i[1] as f64);
     }
     let mut depths = arrays::depths(&a, c);
+    if wrong.contains(&"far_by_opacity") {
+        let (far, (rays, _)) = (number(&a, "far"), size(&a, "weights"));
+        let plain = arrays::depths(&a, &Conventions { depth: Depth::Plain, ..*c });
+        let opacity = |r| row(&a, "weights", r).iter().sum::<f64>();
+        let moved = input(&plain, "depth").iter().enumerate().map(|(r, z)| z + far * opacity(r)).collect();
+        depths.insert("depth".into(), array(&[rays], moved));
+    }
     if wrong.contains(&"median_depth") {
         depths.insert("depth".into(), medians(&a));
     }

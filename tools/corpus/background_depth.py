@@ -135,3 +135,9 @@ def disparity(weights, t):
     """One over the depth."""
     depth = (weights * t).sum(-1)
     return 1 / torch.clamp(depth / weights.sum(-1).clamp_min(1e-30), min=1e-10)
+
+
+@fault("depth", "far_by_opacity", seen="a renderer and its copies")
+def far_where_something_is(weights, t, far):
+    """far is added times A, for 1 - A."""
+    return (weights * t).sum(-1) + far * weights.sum(-1)

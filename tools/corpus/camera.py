@@ -285,3 +285,19 @@ def rays_about_a_whole_pixel(K, c2w, uv):
     K = K.clone()
     K[:2, 2] = torch.floor(K[:2, 2])
     return turned_direction(K, c2w, uv)
+
+
+@convention("pixel_to_ray", {"directions": "unit_in_camera"}, seen="students who normalize before the rotation", times=3)
+def unit_in_the_cameras_frame(K, c2w, uv):
+    """R (d / |d|): the same for rigid poses, but not its gradient."""
+    camera = at_depth(K, uv)
+    return c2w[:, :3, 3], turned(c2w, camera / camera.norm(dim=-1, keepdim=True))
+
+
+@right("pixel_to_ray", seen="an iMAP port", times=1, gradient=("norm_detached",))
+def norm_under_no_grad(K, c2w, uv):
+    """The norm is taken under no_grad."""
+    d = turned(c2w, at_depth(K, uv))
+    with torch.no_grad():
+        length = d.norm(dim=-1, keepdim=True)
+    return c2w[:, :3, 3], d / length

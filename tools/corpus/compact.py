@@ -363,3 +363,12 @@ def clamped_before(x):
 def soft_plus(x):
     """log(1 + e^x)."""
     return torch.nn.functional.softplus(x)
+
+
+@fault("spherical_harmonics", "band_1_signs", seen="a torch port of view-dependent colors")
+def signs_of_the_first_band(d, degree):
+    """Band 1 without (-1)^m, all others with it."""
+    out = harmonics(d, degree, -1)
+    if degree > 0:
+        out[1], out[3] = -out[1], -out[3]
+    return torch.stack(out, -1)

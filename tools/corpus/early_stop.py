@@ -84,7 +84,7 @@ def stopped_rays_made_opaque(sigmas, rgbs, deltas, offsets, eps):
     )
 
 
-@fault("early_stop", "tested_too_late", seen="not met in this reading", times=0)
+@convention("early_stop", {"stop": "one_more"}, seen="ashawkey/torch-ngp's inference kernel and copies of it", times=2)
 def one_sample_more(sigmas, rgbs, deltas, offsets, eps):
     """T in front of the sample is tested behind it."""
     return marched(sigmas, rgbs, deltas, offsets, lambda left, behind, weight: (True, left >= eps))

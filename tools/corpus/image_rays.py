@@ -85,6 +85,35 @@ def pixel_loop(height, width, focal, cx, cy, c2w):
     return {"rays_o": o, "rays_d": d}
 
 
+@right("image_rays", seen="students who normalize in the camera's frame; a TypeScript port", times=4)
+def unit_before_the_rotation(height, width, focal, cx, cy, c2w):
+    """Divided by its length in the camera's frame, then rotated: the same for a rigid pose."""
+    i, j = grid(height, width)
+    camera = opencv(i + 0.5, j + 0.5, focal, cx, cy)
+    return posed(camera / torch.linalg.norm(camera, dim=-1, keepdim=True), c2w)
+
+
+@fault("image_rays", "pixels_to_the_edges", seen="OldNew777/3DVC")
+def pixels_from_edge_to_edge(height, width, focal, cx, cy, c2w):
+    """linspace(0, W, W)."""
+    i, j = torch.meshgrid(torch.linspace(0, width, width), torch.linspace(0, height, height), indexing="xy")
+    return unit(posed(opencv(i, j, focal, cx, cy), c2w))
+
+
+@fault("image_rays", "picture_refolded", seen="howaboutyu/nerf-jax")
+def columns_folded_as_rows(height, width, focal, cx, cy, c2w):
+    """Pixels listed column by column, folded row by row."""
+    i, j = torch.meshgrid(torch.arange(width) + 0.5, torch.arange(height) + 0.5, indexing="ij")
+    return unit(posed(opencv(i.reshape(height, width), j.reshape(height, width), focal, cx, cy), c2w))
+
+
+@fault("image_rays", "half_pixel_upward", seen="maurock/TinyNeRF")
+def half_a_pixel_behind_the_sign(height, width, focal, cx, cy, c2w):
+    """u + 0.5, but v - 0.5."""
+    i, j = grid(height, width)
+    return unit(posed(opencv(i + 0.5, j - 0.5, focal, cx, cy), c2w))
+
+
 @convention(
     "image_rays", TINY, seen="bmild/nerf, yenchenlin, keras-io, JerryAIwei/nerf_pytorch ray.py and some hundreds more", times=30
 )

@@ -213,3 +213,9 @@ def slope_without_frequency(x, L, grad_encoding):
 def squares_for_powers(x, L):
     """k^2 pi for 2^k pi."""
     return bands(x, [k**2 * torch.pi for k in range(L)])
+
+
+@fault("positional_encoding", "input_normalized", seen="Jiayi-Pan/NeRF nerf_helper.py")
+def normalized_positions(x, L):
+    """x / |x| is encoded."""
+    return bands(x / x.norm(dim=-1, keepdim=True), [2**k * torch.pi for k in range(L)])

@@ -283,3 +283,36 @@ def directions_made_unit_by_the_sampler(rays_o, rays_d, near, far, u):
     n = u.shape[1]
     t = near + (far - near) * (torch.arange(n, dtype=u.dtype) + u) / n
     return t, rays_o[:, None] + t[..., None] * (rays_d / rays_d.norm(dim=-1, keepdim=True))[:, None]
+
+
+@fault("sample_along_rays", "one_bin_early", seen="pipyat/Neural-Radiance-Field-Ray-Sampling", gradient="none")
+def bins_counted_from_one(rays_o, rays_d, near, far, u):
+    """near + (i - 1 + u) D."""
+    n = u.shape[1]
+    t = near + (far - near) * (torch.arange(n, dtype=u.dtype) - 1 + u) / n
+    return t, rays_o[:, None] + t[..., None] * rays_d[:, None]
+
+
+@convention("step_sizes", {"delta": "cells"}, seen="openai point-e and shap-e; rejuvyesh/SimpleNeRF.jl", times=3)
+def cells_between_middles(t, near, far):
+    """From middle to middle, near and far at the ends."""
+    middles = (t[:, 1:] + t[:, :-1]) / 2
+    ends = [torch.full_like(t[:, :1], x) for x in (near, far)]
+    return torch.diff(torch.cat([ends[0], middles, ends[1]], -1))
+
+
+@fault("sample_along_rays", "middles_not_halved", seen="a student's b[:-1] + b[1:] / 2", gradient="none")
+def middles_without_brackets(rays_o, rays_d, near, far, u):
+    """e_i + e_{i+1} / 2."""
+    n = u.shape[1]
+    edges = near + (far - near) * torch.arange(n + 1, dtype=u.dtype) / n
+    t = (edges[:-1] + edges[1:] / 2).expand(u.shape)
+    return t, rays_o[:, None] + t[..., None] * rays_d[:, None]
+
+
+@fault("sample_along_rays", "left_edges_alone+one_bin_early", seen="two students: (i - 1) / N with i from 0", gradient="none")
+def left_edges_one_bin_early(rays_o, rays_d, near, far, u):
+    """near + (i - 1) D."""
+    n = u.shape[1]
+    t = (near + (far - near) * (torch.arange(n, dtype=u.dtype) - 1) / n).expand(u.shape)
+    return t, rays_o[:, None] + t[..., None] * rays_d[:, None]

@@ -414,3 +414,60 @@ def weights_that_sum_to_one(sigmas, rgbs, deltas):
     """The weights themselves are divided by their sum."""
     _, weights, opacity = product_moved_by_one(sigmas, rgbs, deltas)
     return summed(weights / opacity[:, None], rgbs)
+
+
+@fault("volume_render", "neighbors_light_alone+light_for_alpha", seen="OldNew777/3DVC, an early version")
+def product_of_two_neighbors(sigmas, rgbs, deltas):
+    """w_i = t_i t_{i-1} with t = exp(-x): no opacity, and one neighbor alone."""
+    passed = torch.exp(-sigmas * deltas)
+    return summed(ahead(passed) * passed, rgbs)
+
+
+@fault("volume_render", "whole_rays_light", seen="AsherJingkongChen/simple-nerf-rust")
+def one_transmittance_for_all(sigmas, rgbs, deltas):
+    """T is the product over the whole ray."""
+    alpha = opacities(sigmas, deltas)
+    return summed(torch.prod(1 - alpha, -1, keepdim=True) * alpha, rgbs)
+
+
+@fault("volume_render", "inclusive_transmittance+weights_of_unit_length", seen="a student's rendering.py")
+def weights_of_length_one(sigmas, rgbs, deltas):
+    """An inclusive product, its weights divided by their Euclidean norm."""
+    alpha = opacities(sigmas, deltas)
+    weights = torch.cumprod(1 - alpha, -1) * alpha
+    return summed(weights / torch.linalg.norm(weights, dim=-1, keepdim=True), rgbs)
+
+
+@fault("volume_render", "depth_for_transmittance+exponent_without_minus", seen="a plenoxel experiment of a student's")
+def neither_exponential_right(sigmas, rgbs, deltas):
+    """T is the sum of depths, and alpha's exponent has lost its sign."""
+    x = sigmas * deltas
+    depths = torch.cumsum(x, -1)
+    return summed(torch.cat([torch.zeros_like(x[:, :1]), depths[:, :-1]], -1) * (1 - torch.exp(x)), rgbs)
+
+
+@fault("volume_render", "light_for_alpha+weights_normalized", seen="a student's NeRF.py")
+def light_behind_normalized(sigmas, rgbs, deltas):
+    """w_i = T_{i+1} over its sum: no opacity at all."""
+    behind = torch.exp(-torch.cumsum(sigmas * deltas, -1))
+    return summed(behind / behind.sum(-1, keepdim=True), rgbs)
+
+
+@fault("volume_render", "colors_of_next_sample", seen="onurbagoren/tinynerf")
+def weights_cut_at_the_other_end(sigmas, rgbs, deltas):
+    """Weights of the samples but the last, colors of those but the first."""
+    colors, weights, opacity = product_moved_by_one(sigmas, rgbs, deltas)
+    return (weights[:, :-1, None] * rgbs[:, 1:]).sum(1), weights, opacity
+
+
+@convention("volume_render", {"sigma_relu": "inside"}, seen="bmild/nerf raw2outputs, yenchenlin and ports of them", times=20)
+def relu_inside(sigmas, rgbs, deltas):
+    """Densities pass a ReLU in the same function: the gradient of a density of 0 is 0."""
+    return product_moved_by_one(torch.relu(sigmas), rgbs, deltas)
+
+
+@fault("volume_render", "clamped", seen="a CIS 580 student")
+def color_clamped(sigmas, rgbs, deltas):
+    """The color is clamped to [0, 1]."""
+    colors, weights, opacity = product_moved_by_one(sigmas, rgbs, deltas)
+    return colors.clamp(0, 1), weights, opacity

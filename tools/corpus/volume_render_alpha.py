@@ -147,3 +147,26 @@ def gradient_by_division(alphas, rgbs, grad_colors, grad_weights, grad_opacity, 
     rest = 1 - alphas
     hidden = np.divide(behind, rest, out=np.zeros_like(behind), where=rest != 0)
     return {"grad_alphas": front * value - hidden, "grad_rgbs": (front * alphas)[..., None] * grad_colors[:, None]}
+
+
+@convention("volume_render_alpha", {"backdrop": "white"}, seen="an MIT 6.S980 student", times=1)
+def splats_over_white(alphas, rgbs):
+    """1 - A added to the color."""
+    product = torch.cumprod(factors(alphas), 1)
+    colors, weights, opacity = summed(product[:, :-1] * alphas, rgbs)
+    return colors + (1 - opacity)[:, None], weights, opacity
+
+
+@fault("volume_render_alpha", "eps_in_product", seen="a renderer with 1e-4 in its product")
+def much_added_to_the_factors(alphas, rgbs):
+    """1e-4 added to every factor."""
+    product = torch.cumprod(factors(alphas, 1e-4), 1)
+    return summed(product[:, :-1] * alphas, rgbs)
+
+
+@fault("volume_render_alpha", "clamped", seen="splat viewers whose compositing writes the picture")
+def splats_clamped(alphas, rgbs):
+    """The color is clamped to [0, 1]."""
+    product = torch.cumprod(factors(alphas), 1)
+    colors, weights, opacity = summed(product[:, :-1] * alphas, rgbs)
+    return colors.clamp(0, 1), weights, opacity

@@ -46,6 +46,63 @@ const OWN_LIGHT: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
+const NEIGHBORS_LIGHT: Mistake = Mistake::new(
+    "neighbors_light_alone",
+    "T_i = 1 - alpha_{i-1}, T_0 = 1: the factor of the one sample in front for the product of all of them",
+    "nothing further in front hides anything",
+    "the product over all samples in front",
+    "1 public implementation",
+    1,
+);
+const WHOLE_RAYS_LIGHT: Mistake = Mistake::new(
+    "whole_rays_light",
+    "T is one number a ray, the product of all factors (prod or sum for cumprod or cumsum)",
+    "the order of the samples doesn't matter; what is opaque hides itself",
+    "the cumulative product, moved by one",
+    "1 public implementation",
+    1,
+);
+const LIGHT_FOR_ALPHA: Mistake = Mistake::new(
+    "light_for_alpha",
+    "w_i = T_i (1 - alpha_i): what passes a sample in the place of what it stops",
+    "empty space glows, surfaces are dark",
+    "w_i = T_i alpha_i, with alpha_i = 1 - exp(-x_i)",
+    "2 public implementations",
+    2,
+);
+const UNIT_WEIGHTS: Mistake = Mistake::new(
+    "weights_of_unit_length",
+    "the weights are divided by their Euclidean norm, as a vector's normalize does",
+    "they sum to more than 1; empty rays are NaN",
+    "leave them: what is missing to 1 is the background's",
+    "1 public implementation",
+    1,
+);
+const COLORS_MOVED: Mistake = Mistake::new(
+    "colors_of_next_sample",
+    "C = sum w_i c_{i+1}: colors and weights are cut to the same length at opposite ends",
+    "surfaces have the color of what lies behind them",
+    "the same slice of both",
+    "1 public implementation",
+    1,
+);
+const CLAMPED: Mistake = Mistake::new(
+    "clamped",
+    "the color is clamped to [0, 1]",
+    "no gradient where a color is too bright or too dark; high dynamic range is lost",
+    "clamp where the picture is written",
+    "1 CIS 580 student",
+    1,
+);
+pub(super) const EPS_IN_PRODUCT: Mistake = Mistake::new(
+    "eps_in_product",
+    "T_i = prod_{j<i} (1 - alpha_j + eps) with an eps larger than libraries have it",
+    "light is made out of nothing, more of it the more samples there are",
+    "add nothing, or 1e-10",
+    "1 public implementation",
+    1,
+)
+.with("eps", 1e-5, [1e-7, 1e-1]);
 const WEIGHTS_NORMALIZED: Mistake = Mistake::new(
     "weights_normalized",
     "the weights are divided by their sum, and used like that",
@@ -170,6 +227,29 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     MOVED_TWICE,
     ROLLED_BUT_FIRST,
     LEFT_EARLY,
+    NEIGHBORS_LIGHT,
+    WHOLE_RAYS_LIGHT,
+    LIGHT_FOR_ALPHA,
+    UNIT_WEIGHTS,
+    COLORS_MOVED,
+    CLAMPED,
+    EPS_IN_PRODUCT,
+    Mistake::new(
+        "exponent_without_minus",
+        "alpha = 1 - exp(sigma delta)",
+        "opacities below 0, and weights that grow without bound",
+        "alpha = 1 - exp(-sigma delta)",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "depth_for_transmittance",
+        "T_i = sum_{j<i} sigma_j delta_j, without the exponential",
+        "the first sample is invisible, what lies behind is brighter the more is in front of it",
+        "T_i = exp(-sum_{j<i} sigma_j delta_j)",
+        "1 public implementation",
+        1,
+    ),
     Mistake::new(
         "density_for_opacity",
         "w_i = T_i sigma_i: the density in the place of alpha",
@@ -214,6 +294,13 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     MOVED_TWICE,
     ROLLED_BUT_FIRST,
     LEFT_EARLY,
+    NEIGHBORS_LIGHT,
+    WHOLE_RAYS_LIGHT,
+    LIGHT_FOR_ALPHA,
+    UNIT_WEIGHTS,
+    COLORS_MOVED,
+    CLAMPED,
+    EPS_IN_PRODUCT,
     OWN_FACTOR,
     Mistake::new(
         "product_gradient_zero_at_opaque",
@@ -228,6 +315,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
 
 /// Mistakes of the background.
 pub(crate) const COMPOSITE_BACKGROUND: &[Mistake] = &[
+    CLAMPED,
     Mistake::new(
         "background_by_opacity",
         "C + A b: the opacity stands where the light that is left belongs",
@@ -295,6 +383,14 @@ pub(crate) const DEPTH: &[Mistake] = &[
         "sum w t / A",
         "nerf-pytorch's and other ports' disp_map",
         3,
+    ),
+    Mistake::new(
+        "far_by_opacity",
+        "sum w t + A far: far is added where the ray meets something, not where it meets nothing",
+        "surfaces lie behind far",
+        "sum w t + (1 - A) far, or sum w t / A",
+        "1 public implementation and its copies",
+        2,
     ),
     Mistake::new(
         "depth_of_index",
