@@ -313,14 +313,15 @@ def psnr_of_equal_pictures():
     return found, expected
 
 
-@deviation("opencv-python-headless", "digits", "`convertScaleAbs` rounds f64 to f32 first")
-def bytes_by_f32():
-    """255 x is taken in f32, where the 80.5000024 of this pixel is 80.5, and half to even makes 80 of it. Rounded, it is 81."""
+@deviation("opencv-python-headless", "bug", "`convertScaleAbs` gives a pixel another byte in a wider picture")
+def bytes_by_width():
+    """Rows of 16 pixels and more go through vector code that takes 255 x in f32, where the 80.5000024 of this pixel is 80.5, which half
+    to even makes 80. Shorter rows are taken in f64 and rounded to the right 81. Found are rows of 15 and of 16 pixels."""
     import cv2
     import mpmath
     import numpy as np
 
     x = 0.31568628391798803
-    byte = cv2.convertScaleAbs(np.full((1, 1), x), alpha=255)
-    found, expected = [float(byte[0, 0])], [float(mpmath.floor(255 * mpmath.mpf(x) + 0.5))]
+    found = [float(cv2.convertScaleAbs(np.full((1, width), x), alpha=255)[0, 0]) for width in (15, 16)]
+    expected = 2 * [float(mpmath.floor(255 * mpmath.mpf(x) + 0.5))]
     return found, expected

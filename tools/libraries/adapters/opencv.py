@@ -34,7 +34,7 @@ def psnr(prediction, target, peak):
     "convertScaleAbs of what is clipped",
     dtypes=("f64", "f32"),
     arrays="numpy",
-    why="in f64: rounded to f32 first",
+    why="in f64: rows of 16 pixels and more are rounded to f32 first",
 )
 def to_uint8(image):
     """Clipped, because of the Abs."""
