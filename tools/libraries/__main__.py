@@ -3,9 +3,9 @@
     python tools/libraries [PROGRAM]             judge, compare, write the tables of ../README.md and DEVIATIONS.md
     python tools/libraries [PROGRAM] --check     exit 1 where they would come out otherwise
 
-PROGRAM is the built nerf-oracle (target/release/nerf-oracle). The libraries are installed on the first call (some gigabytes, most of
-them torch's), into an environment outside of the checkout, one for each set of pinned versions. A verdict other than a pass needs a
-reason in its adapter, a reproduction must still reproduce: what has gone stale ends the run with 1.
+PROGRAM is the built nerf-oracle (target/release/nerf-oracle). The libraries are installed on the first call (seven gigabytes,
+mostly torch's), into an environment outside of the checkout, one for each set of pinned versions. A verdict other than a pass
+needs a reason in its adapter, a reproduction must still reproduce: what has gone stale ends the run with 1.
 """
 
 import argparse
@@ -39,7 +39,8 @@ def environment():
 def main():
     """Inside the environment, or outside of it to begin with."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("program", nargs="?", type=Path, default=ROOT / "target/release/nerf-oracle", help="the built nerf-oracle")
+    built = ROOT / "target/release/nerf-oracle"
+    parser.add_argument("program", nargs="?", type=Path, default=built, help="the built nerf-oracle")
     parser.add_argument("--check", action="store_true", help="compare instead of writing")
     parser.add_argument("--inside", action="store_true", help=argparse.SUPPRESS)
     arguments = parser.parse_args()

@@ -9,8 +9,8 @@ ENTRIES = []
 
 @dataclass(frozen=True)
 class Entry:
-    """`call` names the library's functions; `dtypes` the types they are asked in; `arrays` whose arrays they take; `why` what doesn't
-    pass, and why."""
+    """`call` names the library's functions; `dtypes` the types they are asked in; `arrays` whose arrays they take; `why` what
+    doesn't pass, and why."""
 
     package: str
     component: str

@@ -7,13 +7,22 @@ import sys
 import textwrap
 import warnings
 
-import beside
 import mpmath
 from bases import BASES, COMPOSED, FIXTURES, distance
-from deviations import DEVIATIONS
+from beside.similarity import ssims
+from entry import ENTRIES
+from reproduction import DEVIATIONS
 from verdicts import HERE, judged, load, program, stale
 
 README, DEVIATIONS_PAGE = HERE.parent / "README.md", HERE / "DEVIATIONS.md"
+
+
+KINDS = {"bug": "A bug.", "digits": "Digits are lost.", "choice": "A choice."}
+HEAD = """# Where libraries deviate, each with a few lines that show it
+
+Written by `python tools/libraries`, which runs every one of them: found is what the library returned, expected what mpmath has
+at 50 digits, or what follows from the definition alone. A *bug* contradicts the library's own documentation or the paper's
+formula; *digits* are lost for no reason; a *choice* is right to have and good to know."""
 
 
 def table(columns, rows):
@@ -69,7 +78,8 @@ def of_bases():
         if not own and not kornia:
             why = "through its parts" if component in COMPOSED else "**single source**"
             rows.append([f"`{component}`", why, "", "", ""])
-    rows += [["SSIM (no fixtures; `src/loss/tests.rs`)", title, "two pictures", bound(ulp), note] for title, ulp, note in beside.ssims()]
+    ssim = "SSIM (no fixtures; `src/loss/tests.rs`)"
+    rows += [[ssim, title, "two pairs of pictures", bound(ulp), note] for title, ulp, note in ssims()]
     return table(["component", "basis beside mpmath and torch", "cases", "ULP of the largest term", "what was set"], rows)
 
 
@@ -80,19 +90,14 @@ def shown(x):
 
 def of_deviations():
     """DEVIATIONS.md."""
-    parts = [
-        "# Where libraries deviate, each with a few lines that show it",
-        "Written by `python tools/libraries`, which runs every one of them: found is what the library returned, expected what mpmath has at\n"
-        "50 digits, or what follows from the definition alone. A *bug* contradicts the library's own documentation or the paper's formula;\n"
-        "*digits* are lost for no reason; a *choice* is right to have and good to know.",
-    ]
+    parts = [HEAD]
     for deviation in DEVIATIONS:
         found, expected = deviation.function()
         if close(found, expected):
             raise SystemExit(f"{deviation.name}: {deviation.title}: doesn't deviate any more; take it out")
         parts += [
             f"## {deviation.name}: {deviation.title}",
-            f"A matter of {deviation.kind}. " + deviation.why if deviation.kind == "digits" else f"A {deviation.kind}. " + deviation.why,
+            f"{KINDS[deviation.kind]} {deviation.why}",
             f"```python\n{body(deviation.function)}\n```",
             f"found {', '.join(map(shown, found))}; expected {', '.join(map(shown, expected))}",
         ]
@@ -123,7 +128,10 @@ def written(tool, check):
     """Exit 0: written, or as they are; 1: otherwise, or something is stale."""
     warnings.filterwarnings("ignore")
     mpmath.mp.dps = 50
-    verdicts = judged(tool, load())
+    for package in ("beside", "deviations"):
+        load(package)
+    load("adapters")
+    verdicts = judged(tool, ENTRIES)
     problems = stale(verdicts)
     page = put(README.read_text(encoding="utf-8"), "verdicts", of_verdicts(verdicts, usual(tool)))
     pages = {README: put(page, "bases", of_bases()), DEVIATIONS_PAGE: of_deviations()}

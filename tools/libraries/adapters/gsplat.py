@@ -1,9 +1,8 @@
 """gsplat's reference in torch. Its alpha compositing, `accumulate`, needs nerfacc's `pack_info`, which has no CPU path."""
 
 import torch
-from gsplat.cuda._torch_impl import _eval_sh_bases_fast, _spherical_harmonics, _world_to_cam
-
 from entry import answers
+from gsplat.cuda._torch_impl import _eval_sh_bases_fast, _spherical_harmonics, _world_to_cam
 
 
 @answers("gsplat", "transform", "_torch_impl._world_to_cam")

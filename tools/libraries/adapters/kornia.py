@@ -1,12 +1,12 @@
-"""kornia: points and cameras, PSNR, the sRGB curve. `kornia.nerf` has gone since 0.8.2, whose verdicts are further up this page."""
+"""kornia: points and cameras, PSNR, the sRGB curve. `kornia.nerf` has gone since 0.8.2, whose verdicts are further up this
+page."""
 
 import torch
+from entry import answers
 from kornia.color import linear_rgb_to_rgb
 from kornia.geometry.camera.perspective import unproject_points
 from kornia.geometry.linalg import transform_points
 from kornia.metrics import psnr as kornia_psnr
-
-from entry import answers
 
 
 @answers("kornia", "transform", "geometry.linalg.transform_points")

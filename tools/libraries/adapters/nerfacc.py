@@ -1,28 +1,32 @@
-"""nerfacc on a CPU: the functions that it has in torch. Its packed scans, `pack_info`, sampling and traversal are CUDA's alone, so
-that scans of rays with different numbers of samples run ray by ray here."""
+"""nerfacc on a CPU: the functions that it has in torch. Its packed scans, `pack_info`, sampling and traversal are CUDA's alone,
+so that scans of rays with different numbers of samples run ray by ray here."""
 
 import nerfacc
 import torch
+from entry import answers, replaced
 from nerfacc.grid import _query, _ray_aabb_intersect
 from nerfacc.pdf import _sample_from_weighted
+from torch.nn.functional import pad
 
-from entry import answers, replaced
+
+def rendered(deltas, rgbs, **fields):
+    """rendering, with an empty sample behind the last one, whose transmittance is what is left behind the ray."""
+    ends, rgbs = pad(deltas, (0, 1)), pad(rgbs, (0, 0, 0, 1))
+    (name, values), = fields.items()  # fmt: skip
+    colors, opacity, _, extras = nerfacc.rendering(torch.zeros_like(ends), ends, **{name: lambda *_: (rgbs, pad(values, (0, 1)))})
+    return colors, extras["weights"][:, :-1], opacity[:, 0], extras["trans"][:, -1]
 
 
 @answers("nerfacc", "volume_render", "rendering(rgb_sigma_fn)")
 def volume_render(sigmas, rgbs, deltas):
     """Steps begin at 0, so that t_ends - t_starts are the deltas."""
-    starts = torch.zeros_like(deltas)
-    colors, opacity, _, extras = nerfacc.rendering(starts, deltas, rgb_sigma_fn=lambda *_: (rgbs, sigmas))
-    return colors, extras["weights"], opacity[:, 0]
+    return rendered(deltas, rgbs, rgb_sigma_fn=sigmas)
 
 
 @answers("nerfacc", "volume_render_alpha", "rendering(rgb_alpha_fn)")
 def volume_render_alpha(alphas, rgbs):
     """t is needed for its depth alone."""
-    t = torch.zeros_like(alphas)
-    colors, opacity, _, extras = nerfacc.rendering(t, t, rgb_alpha_fn=lambda *_: (rgbs, alphas))
-    return colors, extras["weights"], opacity[:, 0]
+    return rendered(torch.zeros_like(alphas), rgbs, rgb_alpha_fn=alphas)
 
 
 def bounds(offsets):
@@ -56,17 +60,18 @@ def accumulate_along_rays(offsets, weights, values):
 @answers("nerfacc", "early_stop", "render_visibility_from_density, rendering of what is visible")
 def early_stop(sigmas, rgbs, deltas, offsets, eps):
     """As OccGridEstimator.sampling drops what lies behind, before anything is rendered."""
-    live, colors, weights, opacity = [], [], [], []
+    live, colors, weights, opacity, left = [], [], [], [], []
     for a, b in zip(bounds(offsets), bounds(offsets)[1:]):
         ray = slice(a, b)
         seen = nerfacc.render_visibility_from_density(torch.zeros_like(deltas[ray]), deltas[ray], sigmas[ray], early_stop_eps=eps)
-        c, w, o = volume_render(sigmas[ray][seen][None], rgbs[ray][seen][None], deltas[ray][seen][None])
+        c, w, o, t = volume_render(sigmas[ray][seen][None], rgbs[ray][seen][None], deltas[ray][seen][None])
         whole = torch.zeros_like(sigmas[ray])
         weights.append(whole.masked_scatter(seen, w[0]))
         live.append(seen.sum().to(sigmas))
         colors.append(c[0])
         opacity.append(o[0])
-    return torch.stack(live), torch.stack(colors), torch.cat(weights), torch.stack(opacity)
+        left.append(t[0])
+    return torch.stack(live), torch.stack(colors), torch.cat(weights), torch.stack(opacity), torch.stack(left)
 
 
 @answers(
@@ -105,11 +110,14 @@ def occupancy_of_the_largest(density, points, sigmas, queries, decay, threshold)
 
 
 @answers(
-    "nerfacc", "occupancy_grid", "OccGridEstimator._update, grid._query", why=f"of a cell's samples the last one counts; {LOWER_FACE}"
+    "nerfacc",
+    "occupancy_grid",
+    "OccGridEstimator._update, grid._query",
+    why=f"of a cell's samples the last one counts; {LOWER_FACE}",
 )
 def occupancy_grid(density, points, sigmas, queries, decay, threshold):
-    """It draws the cells that it looks into and a point in each: it is handed the case's, where a camera sees them. Its index is
-    [x, y, z]."""
+    """It draws the cells that it looks into and a point in each: it is handed the case's, where a camera sees them. Its index
+    is [x, y, z]."""
     box = torch.tensor([0, 0, 0, 1, 1, 1], dtype=density.dtype)
     grid = nerfacc.OccGridEstimator(box, resolution=list(density.shape))
     grid.occs = density.permute(2, 1, 0).flatten().clone()

@@ -1,7 +1,8 @@
-"""nerfstudio's torch implementations on a CPU. Its interlevel loss has no row in the contract; its fields have no feature layer, so
-that `nerf_mlp` doesn't fit them."""
+"""nerfstudio's torch implementations on a CPU. Its interlevel loss has no row in the contract; its fields have no feature
+layer, so that `nerf_mlp` doesn't fit them."""
 
 import torch
+from entry import answers, replaced
 from nerfstudio.cameras.cameras import Cameras
 from nerfstudio.cameras.rays import Frustums, RayBundle, RaySamples
 from nerfstudio.field_components.activations import trunc_exp as nerfstudio_trunc_exp
@@ -12,8 +13,6 @@ from nerfstudio.model_components.losses import lossfun_distortion, nerfstudio_di
 from nerfstudio.model_components.ray_samplers import PDFSampler, UniformSampler
 from nerfstudio.model_components.renderers import AccumulationRenderer, DepthRenderer, RGBRenderer
 from nerfstudio.utils.math import components_from_spherical_harmonics, intersect_aabb
-
-from entry import answers, replaced
 
 
 def samples(starts, ends, deltas=None):
@@ -79,7 +78,10 @@ def hash_grid(x, base, finest, **tables):
 
 
 @answers(
-    "nerfstudio", "spherical_harmonics", "utils.math.components_from_spherical_harmonics", why="in f64: harmonics are answered in f32"
+    "nerfstudio",
+    "spherical_harmonics",
+    "utils.math.components_from_spherical_harmonics",
+    why="in f64: harmonics are answered in f32",
 )
 def spherical_harmonics(d, degree):
     """What SHEncoding calls, which has four levels at most and no gradient."""

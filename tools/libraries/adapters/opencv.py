@@ -2,7 +2,6 @@
 
 import cv2
 import numpy as np
-
 from entry import answers
 
 PACKAGE = "opencv-python-headless"

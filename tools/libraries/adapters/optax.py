@@ -4,7 +4,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
-
 from entry import answers
 
 jax.config.update("jax_platforms", "cpu")

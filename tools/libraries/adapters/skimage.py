@@ -1,10 +1,9 @@
 """scikit-image: mean squared error, PSNR. Its SSIM is compared in ../bases.py."""
 
 import numpy as np
+from entry import answers
 from skimage.metrics import mean_squared_error, peak_signal_noise_ratio
 from skimage.util import img_as_ubyte
-
-from entry import answers
 
 
 @answers("scikit-image", "mse", "metrics.mean_squared_error", dtypes=("f64", "f32"), arrays="numpy")

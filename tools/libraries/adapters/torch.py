@@ -1,7 +1,6 @@
 """torch.optim.Adam in its three implementations. What its operators do in the rest of the contract is further up this page."""
 
 import torch
-
 from entry import answers
 
 

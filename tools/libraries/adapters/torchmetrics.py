@@ -1,9 +1,8 @@
 """torchmetrics: PSNR in its two ways. Its SSIM is compared in ../bases.py: SSIM has no row in the contract."""
 
 import torch
-from torchmetrics.functional.image import peak_signal_noise_ratio
-
 from entry import answers
+from torchmetrics.functional.image import peak_signal_noise_ratio
 
 assert torch  # whose tensors it takes
 F32 = "in f64: ln 10 and the range are in f32"
