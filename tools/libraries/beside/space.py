@@ -5,8 +5,10 @@ import cv2
 import kornia
 import numpy as np
 import torch
-from bases import beside, plain
+import trimesh
+from bases import beside, of_convention, plain
 from gsplat.cuda._torch_impl import _world_to_cam
+from nerfacc.grid import _ray_aabb_intersect
 from nerfstudio.field_components.spatial_distortions import SceneContraction
 
 OPENCV = "opencv-python-headless"
@@ -58,6 +60,23 @@ def contraction_inf(x):
     return {"contracted": SceneContraction(order=float("inf"))(x) / 4 + 0.5}
 
 
+@beside(
+    "ndc_rays",
+    "trimesh",
+    "transformations.clip_matrix",
+    "OpenGL's frustum to 1e30, of the moved origin and of the direction's end",
+    of_convention(ndc_depth="positive"),
+)
+def ndc_rays(rays_o, rays_d, width, height, focal, near):
+    """The cube's point on the near plane, and from there to the one at infinity, by homogeneous coordinates."""
+    x, y = near * width / (2 * focal), near * height / (2 * focal)
+    frustum = torch.from_numpy(trimesh.transformations.clip_matrix(-x, x, -y, y, near, 1e30, perspective=True))
+    start = rays_o + ((near - rays_o[:, 2]) / rays_d[:, 2])[:, None] * rays_d
+    seen = [torch.nn.functional.pad(p, (0, 1), value=w) @ frustum.T for p, w in ((start, 1.0), (rays_d, 0.0))]
+    start, end = (p[:, :3] / p[:, 3:] for p in seen)
+    return {"rays_o_ndc": start, "rays_d_ndc": end - start}
+
+
 def in_no_face(case, x):
     """Rays that lie in no face: 0 / 0 there."""
     o, d = x["rays_o"], x["rays_d"]
@@ -76,3 +95,19 @@ def occupancy_grid(density, points, sigmas, queries, decay, threshold):
     """One point a cell: of several its last one counts."""
     order = torch.argsort(sigmas)
     return {"density_out": nerfacc_.occupancy_grid(density, points[order], sigmas[order], queries, decay, threshold)[0]}
+
+
+def in_no_plane(case, x):
+    """Rays that lie in no plane between cells: 0 / 0 there."""
+    return not np.any((x["rays_d"] == 0) & (x["rays_o"] * x["resolution"] % 1 == 0))
+
+
+@beside("grid_traversal", "nerfacc", "_ray_aabb_intersect", "of every cell's box, none of them skipped", in_no_plane)
+def grid_traversal(rays_o, rays_d, near, far, resolution):
+    """Index [z, y, x]; a length is how far both ends are apart."""
+    z, y, x = torch.meshgrid(3 * [torch.arange(resolution)], indexing="ij")
+    low = torch.stack([x, y, z], -1).reshape(-1, 3).to(rays_o)
+    boxes = torch.cat([low, low + 1], -1) / resolution
+    t_near, t_far, hit = _ray_aabb_intersect(rays_o, rays_d, boxes, near, far)
+    lengths = torch.where(hit, t_far - t_near, 0).reshape(-1, *3 * [resolution])
+    return {"lengths": lengths, "visited": (lengths > 0).sum((1, 2, 3))}
