@@ -14,7 +14,14 @@ def moderate(case, x):
     return np.max(np.abs(x["x"]), initial=0) * 2 ** (x["L"] - 1) <= 2048
 
 
-@beside("positional_encoding", "nerfstudio", "NeRFEncoding", "of x / 2, columns reordered; arguments up to 2048 pi", moderate)
+@beside(
+    "positional_encoding",
+    "nerfstudio",
+    "NeRFEncoding",
+    "of x / 2, columns reordered; arguments to 2048 pi",
+    moderate,
+    within=4096,
+)
 def positional_encoding(x, L):
     """2 pi x / 2; sin of all (dimension, band), then cos: ours are by band."""
     size = x.shape[1]
@@ -88,7 +95,7 @@ def trunc_exp(x):
     return {"sigmas": nerfstudio_.trunc_exp(x)}
 
 
-@beside("mlp", "nerfstudio", "MLP", only=plain)
+@beside("mlp", "nerfstudio", "MLP", only=plain, within=4096)
 def mlp(x, **parameters):
     """As it comes."""
     return {"y": nerfstudio_.mlp(x, **parameters)}

@@ -14,13 +14,13 @@ def without(*names):
     return lambda case, x: plain(case, x) and not any(np.any(x.get(f"grad_{name}", 0)) for name in names)
 
 
-@beside("volume_render", "nerfacc", "rendering", "steps from 0, an empty sample behind", plain)
+@beside("volume_render", "nerfacc", "rendering", "steps from 0, an empty sample behind", plain, within=2**22)
 def volume_render(sigmas, rgbs, deltas):
     """All outputs."""
     return dict(zip(RENDERED, nerfacc_.volume_render(sigmas, rgbs, deltas)))
 
 
-@beside("volume_render", "nerfstudio", "RaySamples.get_weights, RGBRenderer", only=without("transmittance"))
+@beside("volume_render", "nerfstudio", "RaySamples.get_weights, RGBRenderer", only=without("transmittance"), within=2**22)
 def volume_render_nerfstudio(sigmas, rgbs, deltas):
     """Without what is left behind."""
     return dict(zip(RENDERED, nerfstudio_.volume_render(sigmas, rgbs, deltas)))
@@ -74,7 +74,7 @@ def early_stop(sigmas, rgbs, deltas, offsets, eps):
     return dict(zip(("live", *RENDERED), found))
 
 
-@beside("distortion_loss", "nerfstudio", "lossfun_distortion")
+@beside("distortion_loss", "nerfstudio", "lossfun_distortion", within=1024)
 def distortion_loss(weights, t):
     """All pairs."""
     return {"loss": nerfstudio_.distortion_loss(weights, t)}

@@ -66,6 +66,7 @@ def contraction_inf(x):
     "transformations.clip_matrix",
     "OpenGL's frustum to 1e30, of the moved origin and of the direction's end",
     of_convention(ndc_depth="positive"),
+    within=2**14,
 )
 def ndc_rays(rays_o, rays_d, width, height, focal, near):
     """The cube's point on the near plane, and from there to the one at infinity, by homogeneous coordinates."""
