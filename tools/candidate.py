@@ -184,7 +184,9 @@ def inputs_of(cases, case, dtype, style, device):
         import torch
 
         short = torch.bfloat16 if dtype == "bf16" else None
-        return {n: torch.from_numpy(x).to(device, short) if x.ndim else x.item() for n, x in inputs.items()}
+        # Whole numbers stay what they are: bfloat16 holds none beyond 256 exactly.
+        lifted = lambda x: torch.from_numpy(x).to(device, short if x.dtype.kind == "f" else None)  # noqa: E731
+        return {n: lifted(x) if x.ndim else x.item() for n, x in inputs.items()}
     return {name: x if x.ndim else x.item() for name, x in inputs.items()}
 
 

@@ -89,6 +89,15 @@ fn ssim_of_a_contrast_change_by_hand() {
     assert!((ssim(a.view(), b.view(), 1.0) - expected).abs() < 1e-13);
 }
 
+/// At 40 digits by mpmath; scikit-image 0.26, kornia 0.9 and torchmetrics 1.9 agree (`tools/libraries/beside.py`, `pictures`).
+#[test]
+fn ssim_as_other_programs_have_it() {
+    let a = noise(1.0);
+    let of = |b: Array3<f64>| ssim(a.view(), b.view(), 1.0);
+    assert!((of(noise(0.9)) - 0.989_014_841_255_578_3).abs() < 1e-15);
+    assert!((of(a.mapv(|x| 1.0 - x)) + 0.984_848_964_453_503).abs() < 1e-15);
+}
+
 #[test]
 fn bytes_are_clipped() {
     assert_eq!(

@@ -29,7 +29,7 @@ pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
         "two slips in band 4: m = -1 lacks its z, and m = 4 has the constant 0.4425 for 0.6258",
         "degree 4 isn't orthonormal: two colors of 25 lean the wrong way",
         "0.669 y z (7 z^2 - 3), and 0.6258 (x^2 (x^2 - 3 y^2) - y^2 (3 x^2 - y^2))",
-        "nerfstudio's utils/math.py and copies of it",
+        "older versions of nerfstudio's utils/math.py and copies of it; 1.1.5 has it right",
         1,
     ),
     Mistake::new(

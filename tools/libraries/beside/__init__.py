@@ -1,0 +1,1 @@
+"""The libraries' views of the components, one function each: see ../bases.py."""

@@ -1,0 +1,1 @@
+"""Where libraries deviate: see ../reproduction.py."""
