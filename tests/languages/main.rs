@@ -1,5 +1,6 @@
 //! Other languages, without a library of ours. What isn't installed here is skipped, and said.
 
+mod checkers;
 mod examples;
 
 use std::io::Write;
