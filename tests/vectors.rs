@@ -65,7 +65,7 @@ fn arrays<'a>(release: &'a Release, case: &'a Case, dtype: &str) -> Vec<[&'a Arr
 fn accepted([got, expected, allowed]: [&Array; 3]) -> bool {
     let [got, expected, allowed] = [got, expected, allowed].map(Array::to_f64);
     let right = |((got, expected), allowed): ((&f64, &f64), &f64)| {
-        got == expected || (got - expected).abs() <= *allowed || got.is_nan() && expected.is_nan()
+        got == expected || (got - expected).abs() <= *allowed || *allowed == f64::INFINITY
     };
     got.shape() == expected.shape() && got.iter().zip(&expected).zip(&allowed).all(right)
 }
@@ -80,19 +80,24 @@ fn valid_answers_are_right_and_invalid_ones_are_wrong() {
     }
 }
 
-/// The rule that everybody can write in a line is the judge's own: no bound is infinite, where that one accepts even a NaN.
+/// The rule that everybody can write in a line is the judge's own, of right answers and wrong ones, and of NaN.
 #[test]
 fn the_rule_is_the_judges() {
-    for case in whole().index.cases.iter().filter(|case| case.result == Outcome::Invalid) {
-        for [got, expected, allowed] in arrays(whole(), case, &case.dtypes[0]) {
-            let [values, truth, bound] = [got, expected, allowed].map(Array::to_f64);
-            assert!(bound.iter().all(|bound| *bound < f64::INFINITY), "{}", case.id);
-            if values.shape() == truth.shape() {
-                let all = values.iter().zip(&truth).zip(&bound);
-                let judged =
-                    all.into_iter().all(|((&got, &truth), &bound)| budget_used(got, truth, bound) <= 1.0);
-                assert_eq!(judged, accepted([got, expected, allowed]), "{}", case.id);
-            }
+    let judged = |[got, expected, allowed]: [&Array; 3]| {
+        let [got, expected, allowed] = [got, expected, allowed].map(Array::to_f64);
+        let all = got.iter().zip(&expected).zip(&allowed);
+        got.shape() == expected.shape() && all.into_iter().all(|((&g, &e), &b)| budget_used(g, e, b) <= 1.0)
+    };
+    for case in &whole().index.cases {
+        for [got, expected, allowed] in case.dtypes.iter().flat_map(|dtype| arrays(whole(), case, dtype)) {
+            assert_eq!(judged([got, expected, allowed]), accepted([got, expected, allowed]), "{}", case.id);
+            let nowhere = expected.to_f64().mapv(|_| f64::NAN).into();
+            assert_eq!(
+                judged([&nowhere, expected, allowed]),
+                accepted([&nowhere, expected, allowed]),
+                "{}",
+                case.id
+            );
         }
     }
 }
@@ -280,7 +285,21 @@ fn the_program_writes_and_checks() {
     expect(&["vectors", "--verify", "kept"], 2, "line 1");
     fs::remove_file(root.path().join("kept/SHA256SUMS")).unwrap();
     expect(&["vectors", "--verify", "kept"], 2, "SHA256SUMS: can't be read");
-    fs::write(root.path().join("kept/index.json"), "{\"schema\": 1}").unwrap();
-    sums_taken_again(&root.path().join("kept"));
+    let kept = root.path().join("kept");
+    let other = |field: &str, words: &str| {
+        changed_index(&kept, |index| match field {
+            "schema" => index.schema = "x".into(),
+            "layout" => index.layout = "x".into(),
+            "profile" => index.profile = "x".into(),
+            _ => index.filter = "x".into(),
+        });
+        expect(&["vectors", "--verify", "kept"], 2, words);
+    };
+    // Each is refused before the next is read.
+    for field in ["filter", "profile", "layout", "schema"] {
+        other(field, &format!("index.json: {field}: found x"));
+    }
+    fs::write(kept.join("index.json"), "{\"schema\": 1}").unwrap();
+    sums_taken_again(&kept);
     expect(&["vectors", "--verify", "kept"], 2, "index.json: JSON");
 }

@@ -12,9 +12,12 @@ use crate::judge::exam::Question;
 /// The schema of `index.json`: another name where a field changes its meaning.
 pub const SCHEMA: &str = "nerf-oracle/vectors/1";
 
+/// The name of its file.
+pub(super) const INDEX: &str = "index.json";
+
 /// When an element is accepted.
-pub(super) const ACCEPT: &str = "An element of an answer is right where got == expected, |got - expected| <= allowed, or both are NaN; \
-                                 compare in f64, and the shapes first.";
+pub(super) const ACCEPT: &str = "An element of an answer is right where got == expected, or |got - expected| <= allowed; where allowed is \
+                                 infinite anything is, NaN too. Compare in f64, and the shapes first.";
 
 /// All of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -125,23 +128,21 @@ impl Row {
     pub(super) fn new(question: &Question, c: &Conventions) -> Row {
         let component = question.component;
         let forward = |ports: &[component::Port]| ports.iter().map(|p| port(p.name.into(), p, "")).collect();
-        let gradient = |p: &component::Port, of| port(format!("grad_{}", p.name), p, of);
+        let gradient = |p: &component::Port| {
+            port(format!("grad_{}", p.name), p, "the loss's derivative with respect to: ")
+        };
         let (mut inputs, mut outputs): (Vec<Port>, Vec<Port>) =
             (forward(component.inputs), forward(component.outputs));
         if question.kind == Kind::Vjp {
             let smooth = component.outputs.iter().filter(|p| p.gradient);
-            inputs.extend(smooth.map(|p| gradient(p, "derivative of a loss with respect to: ")));
-            outputs = component.differentiable().map(|p| gradient(p, "the same with respect to: ")).collect();
+            inputs.extend(smooth.map(gradient));
+            outputs = component.differentiable().map(gradient).collect();
         }
         Row {
             name: question.row(),
             formula: component.formula.into(),
             source: component.source.into(),
-            conventions: component
-                .conventions
-                .iter()
-                .map(|key| (key.to_string(), c.get(key).into()))
-                .collect(),
+            conventions: component.conventions.iter().map(|key| (key.to_string(), c.get(key))).collect(),
             inputs,
             outputs,
         }

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use ndarray::ArrayD;
 
-use super::index::{ACCEPT, Case as Entry, Flag, Index, Outcome, Row, SCHEMA};
+use super::index::{ACCEPT, Case as Entry, Flag, INDEX, Index, Outcome, Row, SCHEMA};
 use super::sums;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
@@ -108,7 +108,7 @@ impl Release {
         let written = parallel::map(places.len(), |n| self.layout.write(folder, places[n].0, places[n].1));
         let mut bytes = written.into_iter().sum::<Result<u64>>()?;
         let index = serde_json::to_string_pretty(&self.index).expect("an index is plain data") + "\n";
-        let mut texts = vec![("index.json", &index[..]), ("schema.json", SCHEMA_FILE), ("README.md", README)];
+        let mut texts = vec![(INDEX, &index[..]), ("schema.json", SCHEMA_FILE), ("README.md", README)];
         if self.layout == Layout::Raw {
             texts.push((LIST, &self.list));
         }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::index::{Case, Index, SCHEMA};
+use super::index::{Case, INDEX, Index, SCHEMA};
 use super::release::Release;
 use super::sums;
 use crate::convention::profiles;
@@ -37,8 +37,10 @@ pub fn verify(folder: &Path) -> Result<Verified> {
         return Ok(Verified { files: there.len(), cases: 0, version: String::new(), differences });
     }
     let index = read_index(folder)?;
-    let layout: Layout = index.layout.parse()?;
-    let today = Release::new(&index.filter, profiles::find(&index.profile)?, layout)?;
+    let layout: Layout = index.layout.parse().map_err(|_| wrong(folder, "layout", &index.layout))?;
+    let profile = profiles::find(&index.profile).map_err(|_| wrong(folder, "profile", &index.profile))?;
+    let today =
+        Release::new(&index.filter, profile, layout).map_err(|_| wrong(folder, "filter", &index.filter))?;
     let mut differences = of_index(&index, &today.index);
     let places: Vec<_> = today.arrays.iter().collect();
     // Where a case is new, its file is missing: the index has said so.
@@ -67,24 +69,18 @@ fn damaged(listed: &BTreeMap<String, String>, there: &BTreeMap<String, String>) 
     names.iter().filter_map(says).collect()
 }
 
+/// That the index isn't one of today's.
+fn wrong(folder: &Path, field: &str, found: &str) -> Error {
+    let file = folder.join(INDEX);
+    let expected = format!("{SCHEMA} as this version of the library knows it");
+    let remedy = "Take the vectors from where they were published, or write them again.";
+    Error::input(Input { file: file.display(), field, found, expected, remedy })
+}
+
 fn read_index(folder: &Path) -> Result<Index> {
-    let path = folder.join("index.json");
-    let wrong = |field: &str, found: String| {
-        let remedy = "Take the vectors from where they were published, or write them again.";
-        Error::input(Input {
-            file: path.display(),
-            field,
-            found,
-            expected: format!("{SCHEMA}, see schema.json"),
-            remedy,
-        })
-    };
-    let index: Index =
-        serde_json::from_str(&files::read_text(&path)?).map_err(|error| wrong("JSON", error.to_string()))?;
-    if index.schema != SCHEMA {
-        return Err(wrong("schema", index.schema));
-    }
-    Ok(index)
+    let index: Index = serde_json::from_str(&files::read_text(&folder.join(INDEX))?)
+        .map_err(|error| wrong(folder, "JSON", &error.to_string()))?;
+    if index.schema == SCHEMA { Ok(index) } else { Err(wrong(folder, "schema", &index.schema)) }
 }
 
 /// What the index says otherwise than today's.
@@ -107,7 +103,7 @@ fn of_index(kept: &Index, today: &Index) -> Vec<String> {
         ("left_out", kept.left_out == today.left_out),
         ("accept", kept.accept == today.accept),
     ] {
-        differences.extend((!same).then(|| format!("index.json: {what}: described otherwise today")));
+        differences.extend((!same).then(|| format!("{INDEX}: {what}: described otherwise today")));
     }
     differences
 }

@@ -31,7 +31,7 @@ fn folder(layout: &str, files: &[(&str, &str)]) -> TempDir {
 
 /// A kernel with the depth of the sample itself in place of that in front of it.
 fn with_mistake(right: &str) -> String {
-    let wrong = right.replace("depth)", "depth + x)");
+    let wrong = right.replace("-(depth)", "-(depth + x)");
     assert_ne!(wrong, right);
     wrong
 }

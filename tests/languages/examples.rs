@@ -90,7 +90,7 @@ fn the_c_header_refuses_what_it_cant_read() {
     fs::write(&sigmas, &bytes[..bytes.len() - 1]).expect("written");
     refused("forward-slab/sigmas.bin: can't be read to its end");
     for (options, word) in [
-        (["--layout", "raw", "--dtype", "f64"], "sigmas is f64, and f32 was asked for"),
+        (["--layout", "raw", "--dtype", "f64"], "is f64, and f32 was asked for"),
         (
             ["--layout", "npz", "--dtype", "f32"],
             "cases.txt: can't be read; write the cases in the raw layout",
