@@ -79,7 +79,7 @@
 //!    [`occupancy_grid`], [`srgb`], [`contraction`], [`ndc`], [`distortion`]
 //! 4. their f32 variants, in each folder's `fast`
 //! 5. all of them in a list: [`registry`]
-//! 6. verdicts on others: [`judge`]
+//! 6. verdicts on others: [`judge`]; answers to keep beside one's tests: [`vectors`]
 //! 7. the judge behind one component's name and types: `judge.rs` in its folder
 //! 8. what our own tests need: [`proof`]
 //! 9. photographs and cameras: [`scene`]
@@ -146,6 +146,9 @@ pub mod judge;
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub mod proof;
+#[cfg(feature = "files")]
+#[doc(hidden)]
+pub mod vectors;
 
 #[cfg(feature = "cli")]
 pub mod evaluation;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use nerf_oracle::contract::Dtype;
 use nerf_oracle::convention::CS180;
+use nerf_oracle::files::layout::Layout;
 use nerf_oracle::files::npz::{self, Array};
 use nerf_oracle::judge::Exam;
 use nerf_oracle::judge::exchange::{declared, read_answers, read_exam, write_cases};
@@ -19,16 +20,21 @@ fn folders() -> (TempDir, PathBuf, PathBuf) {
 
 /// Cases of a component, and right answers to them.
 fn folders_of(component: &str) -> (TempDir, PathBuf, PathBuf) {
+    folders_in(Layout::Npz, component)
+}
+
+/// The same in a layout.
+fn folders_in(layout: Layout, component: &str) -> (TempDir, PathBuf, PathBuf) {
     let root = tempfile::tempdir().unwrap();
     let (cases, answers) = (root.path().join("cases"), root.path().join("answers"));
     let exam = Exam::new(component, Dtype::F32, None).unwrap();
-    write_cases(&exam, &cases).unwrap();
+    write_cases(&exam, &cases, layout).unwrap();
     for question in &exam.questions {
         for case in &question.cases {
             let outputs = (question.component.direction(question.kind).unwrap().oracle)(&case.inputs, &CS180);
             let narrow =
                 outputs.into_iter().map(|(name, a)| (name, Array::F32(a.mapv(|x| x as f32)))).collect();
-            npz::write(&answers.join(question.path(case) + ".npz"), &narrow, false).unwrap();
+            layout.write(&answers, &question.path(case), &narrow).unwrap();
         }
     }
     (root, cases, answers)
@@ -80,6 +86,64 @@ fn right_answers_come_back_and_pass() {
     for field in ["id", "output", "index", "got", "expected", "bound", "ulp"] {
         assert!(json["components"][0]["worst_case"].get(field).is_some(), "{field}");
     }
+}
+
+/// In every pair of layouts.
+#[test]
+fn cases_and_answers_lie_in_either_layout() {
+    for component in ["composite_background", "adam_step", "occupancy_grid"] {
+        let (_npz, cases, answers) = folders_in(Layout::Npz, component);
+        let (_raw, raw_cases, raw_answers) = folders_in(Layout::Raw, component);
+        for cases in [&cases, &raw_cases] {
+            let exam = read_exam(cases).unwrap();
+            let given = read_answers(&exam, &answers).unwrap();
+            assert!(!given.concat().contains(&None));
+            assert_eq!(read_answers(&exam, &raw_answers).unwrap(), given, "{component}");
+        }
+    }
+}
+
+#[test]
+fn hostile_folders_of_numbers_are_refused_by_name() {
+    let (_root, cases, answers) = folders_in(Layout::Raw, "composite_background");
+    let place = answers.join("composite_background/forward-three_opacities");
+    let index = place.join("index.txt");
+    let whole = fs::read_to_string(&index).unwrap();
+    assert_eq!(whole, "colors_out f32 2 3 3 colors_out.bin\n");
+    let expect = |change: &dyn Fn(), word: &str| {
+        change();
+        let message = refused(&cases, &answers);
+        assert!(message.contains("three_opacities") && message.contains(word), "{message}");
+        fs::write(&index, &whole).unwrap();
+    };
+    expect(&|| fs::remove_file(&index).unwrap(), "index.txt");
+    expect(&|| fs::write(&index, whole.replace("2 3 3", "2 3 4")).unwrap(), "expected a file of 48 bytes");
+    expect(&|| fs::write(&index, "colors_out f32 2 3 3 ../../answers.bin\n").unwrap(), "line 1");
+    expect(&|| fs::write(&index, "../colors_out f32 2 3 3 colors_out.bin\n").unwrap(), "inside the folder");
+    let large = place.join("large.bin");
+    let with_large = whole.clone() + "large u8 1 1048576 large.bin\n";
+    expect(
+        &|| {
+            fs::write(&large, vec![0; 1 << 20]).unwrap();
+            fs::write(&index, &with_large).unwrap();
+        },
+        "unpacks to",
+    );
+    expect(&|| (), "only files that it lists");
+    fs::remove_file(&large).unwrap();
+    // Where both are there, nobody knows which is meant.
+    let twice = place.with_extension("npz");
+    expect(&|| fs::write(&twice, b"").unwrap(), "an npz and a folder");
+    fs::remove_file(&twice).unwrap();
+    let stray = answers.join("composite_background/forward-another");
+    fs::create_dir(&stray).unwrap();
+    assert!(refused(&cases, &answers).contains("forward-another"));
+    fs::remove_dir(&stray).unwrap();
+    // And an input that was changed.
+    let input = cases.join("composite_background/forward-three_opacities/opacity.bin");
+    let bytes = fs::read(&input).unwrap();
+    fs::write(&input, vec![0; bytes.len()]).unwrap();
+    assert!(refused(&cases, &answers).contains("array opacity"));
 }
 
 #[test]

@@ -10,9 +10,11 @@ use crate::contract::Dtype;
 use crate::convention::profiles;
 use crate::error::Result;
 use crate::files;
+use crate::files::layout::Layout;
 use crate::judge::{Exam, exchange};
 
-/// Write the cases that an implementation is judged by: cases.json and one npz a case, with the inputs alone.
+/// Write the cases that an implementation is judged by: cases.json and, with the inputs alone, one npz a case, or a file of bare numbers an
+/// array.
 #[derive(clap::Args, Debug)]
 pub(super) struct Args {
     /// Components whose name or folder contains this (all where absent).
@@ -27,6 +29,10 @@ pub(super) struct Args {
     /// Pin the conventions (cs180, nerf2020, ...): deviating fails. Without it the judge looks for those that are followed.
     #[arg(long)]
     profile: Option<String>,
+    /// How the arrays lie in files: npz; or raw, which needs no zip: a folder a case, with little-endian numbers and an index as text.
+    /// Answers may lie either way.
+    #[arg(long, default_value_t)]
+    layout: Layout,
 }
 
 /// Runs it.
@@ -37,10 +43,12 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     files::check_writable(&args.out)?;
     let profile = args.profile.as_deref().map(profiles::find).transpose()?;
     let exam = Exam::new(&args.filter, args.dtype, profile)?;
-    let bytes = exchange::write_cases(&exam, &args.out)?;
+    let bytes = exchange::write_cases(&exam, &args.out, args.layout)?;
     let cases: usize = exam.questions.iter().map(|question| question.cases.len()).sum();
     let left_out = &exam.left_out;
-    let object = json!({ "out": args.out, "cases": cases, "bytes": bytes, "left_out": left_out });
+    let layout = args.layout.to_string();
+    let object =
+        json!({ "out": args.out, "cases": cases, "bytes": bytes, "left_out": left_out, "layout": layout });
     let mut text = format!("{cases} cases in {} ({:.1} MB)\n", args.out.display(), bytes as f64 / 1e6);
     if !left_out.is_empty() {
         text += &format!("{} left out, as {} can't hold their inputs:\n", left_out.len(), args.dtype);

@@ -12,7 +12,7 @@ use crate::judge::{Verdict, exchange, judging};
 pub(super) struct Args {
     /// The folder that `cases` wrote.
     cases: PathBuf,
-    /// The folder of answers: one npz a case, at the same relative path; in answers.json what the candidate takes, where that isn't all.
+    /// The folder of answers: one npz a case, or a folder of bare numbers, at the same relative path; in answers.json what the candidate takes, where that isn't all.
     answers: PathBuf,
     /// How far off exp, log, sin and cos may be, in ULP of the type.
     #[arg(long, default_value_t = judging::EXP_ULP)]

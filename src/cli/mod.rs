@@ -31,6 +31,7 @@ mod signals;
 mod spelling;
 mod sweep_image;
 mod train;
+mod vectors;
 
 /// The reference that NeRF implementations are checked against.
 #[derive(Parser)]
@@ -64,6 +65,7 @@ enum Command {
     Check(check::Args),
     Cases(cases::Args),
     Judge(judge::Args),
+    Vectors(vectors::Args),
     Bench(bench::Args),
     Matrix(matrix::Args),
 }
@@ -106,6 +108,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Check(args) => check::run(args, cli.json),
         Command::Cases(args) => cases::run(args, cli.json),
         Command::Judge(args) => judge::run(args, cli.json),
+        Command::Vectors(args) => vectors::run(args, cli.json),
         Command::Bench(args) => bench::run(args, cli.json),
         Command::Matrix(args) => matrix::run(args, cli.json),
     }

@@ -4,11 +4,13 @@ pub mod bytes;
 #[doc(hidden)]
 pub mod fault;
 pub mod json;
+pub mod layout;
 pub mod lock;
 pub mod mask;
 pub mod npz;
 pub mod photo;
 pub mod picture;
+pub mod raw;
 mod reading;
 mod whole;
 mod writing;

@@ -65,6 +65,9 @@ pub struct Manifest {
     pub filter: String,
     /// Cases that the type can't represent.
     pub left_out: Vec<String>,
+    /// How the arrays lie in files, where that isn't npz.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub layout: Option<String>,
     /// One entry per case.
     pub cases: Vec<Value>,
 }
@@ -137,6 +140,7 @@ impl Exam {
             profile: self.profile.map(|profile| profile.name.to_string()),
             filter: self.filter.clone(),
             left_out: self.left_out.clone(),
+            layout: None,
             cases: self
                 .questions
                 .iter()

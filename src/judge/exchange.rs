@@ -1,5 +1,5 @@
-//! Files between the judge and other people's programs. Nothing is trusted: every size is checked before it is unpacked, nothing
-//! is executed, nothing outside the two folders is touched.
+//! Files between the judge and other people's programs, as npz or as bare numbers ([`Layout`]). Nothing is trusted: every size is checked
+//! before it is unpacked, nothing is executed, nothing outside the two folders is touched.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -11,10 +11,12 @@ use ndarray::ArrayD;
 use super::answer::{Answer, Answers, Given};
 use super::declared::{self, Declarations};
 use super::exam::{Exam, Manifest, Question, SCHEMA, Stored};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::convention::profiles;
 use crate::error::{Error, Input, Result};
+use crate::files::layout::{Layout, Store};
 use crate::files::{self, npz};
 use crate::parallel;
 
@@ -27,31 +29,62 @@ const DECLARATIONS: &str = "answers.json";
 /// The bytes by which an archive may be larger than its arrays: headers, the directory, a few small extras.
 const SLACK: u64 = 64 << 10;
 
-/// Writes `cases.json` and one npz a case. Returns the bytes written.
+/// The cases once more, one a line, for programs that read no JSON: component, kind, id and folder, with spaces between.
+pub const LIST: &str = "cases.txt";
+
+/// Writes `cases.json` and the inputs of every case, as npz or raw; raw, the list of the cases too. Returns the bytes written.
 ///
 /// # Errors
 /// Where the folder can't be written.
-pub fn write_cases(exam: &Exam, folder: &Path) -> Result<u64> {
+pub fn write_cases(exam: &Exam, folder: &Path, layout: Layout) -> Result<u64> {
     for question in &exam.questions {
         files::make_folder(&folder.join(question.component.name))?;
     }
-    let manifest = serde_json::to_string_pretty(&exam.manifest()).expect("a manifest is plain data");
+    let manifest = serde_json::to_string_pretty(&manifest(exam, layout)).expect("a manifest is plain data");
     files::write(&folder.join("cases.json"), &manifest)?;
     let questions: Vec<(&Question, &Case)> =
         exam.questions.iter().flat_map(|s| s.cases.iter().map(move |case| (s, case))).collect();
+    let list = if layout == Layout::Raw { list(&questions) } else { String::new() };
+    if !list.is_empty() {
+        files::write(&folder.join(LIST), &list)?;
+    }
     let written = parallel::map(questions.len(), |n| {
         let (question, case) = questions[n];
-        let path = folder.join(question.path(case) + ".npz");
-        let arrays = |(name, a): (&String, &ArrayD<f64>)| (name.clone(), packed(name, a, question, exam));
-        npz::write(&path, &case.inputs.iter().map(arrays).collect(), false)?;
-        fs::metadata(&path).map(|data| data.len()).map_err(Error::reading(&path))
+        layout.write(folder, &question.path(case), &packed(question, case, exam.dtype))
     });
-    written.into_iter().try_fold(manifest.len() as u64, |sum, bytes| Ok(sum + bytes?))
+    written.into_iter().try_fold((manifest.len() + list.len()) as u64, |sum, bytes| Ok(sum + bytes?))
 }
 
-/// An input in the type that the files have it in.
-fn packed(name: &str, array: &ArrayD<f64>, question: &Question, exam: &Exam) -> npz::Array {
-    match question.stored(name, array, exam.dtype) {
+/// The lines of [`LIST`].
+pub fn list(cases: &[(&Question, &Case)]) -> String {
+    let line = |(question, case): &(&Question, &Case)| {
+        let (component, kind) = (question.component.name, question.kind_name());
+        format!("{component} {kind} {} {}\n", case.id, question.path(case))
+    };
+    cases.iter().map(line).collect()
+}
+
+/// What `cases.json` says in a layout.
+fn manifest(exam: &Exam, layout: Layout) -> Manifest {
+    let mut manifest = exam.manifest();
+    if layout != Layout::Npz {
+        manifest.layout = Some(layout.to_string());
+        let places = exam.questions.iter().flat_map(|s| s.cases.iter().map(|case| s.path(case)));
+        for (entry, place) in manifest.cases.iter_mut().zip(places) {
+            entry["file"] = layout.file(&place).into();
+        }
+    }
+    manifest
+}
+
+/// A case's inputs in the types that the files have them in.
+pub fn packed(question: &Question, case: &Case, dtype: Dtype) -> npz::Arrays {
+    let array = |(name, a): (&String, &ArrayD<f64>)| (name.clone(), stored(name, a, question, dtype));
+    case.inputs.iter().map(array).collect()
+}
+
+fn stored(name: &str, array: &ArrayD<f64>, question: &Question, dtype: Dtype) -> npz::Array {
+    match question.stored(name, array, dtype) {
         Stored::F64 => array.clone().into(),
         Stored::F32 => array.mapv(|x| x as f32).into(),
         Stored::F16 => array.mapv(f16::from_f64).into(),
@@ -86,25 +119,26 @@ pub fn read_exam(folder: &Path) -> Result<Exam> {
     }
     let profile = found.profile.as_deref().map(profiles::find).transpose()?;
     let exam = Exam::new(&found.filter, found.dtype.parse()?, profile)?;
-    let expected = exam.manifest();
+    let layout = found.layout.as_deref().map_or(Ok(Layout::Npz), str::parse)?;
+    let expected = manifest(&exam, layout);
     if let Some(entry) = expected.cases.iter().find(|entry| !found.cases.contains(entry)) {
         return Err(wrong("cases", format!("no entry like {}", entry["file"]), "every case, unchanged"));
     }
     if found.cases.len() != expected.cases.len() {
         return Err(wrong("cases", format!("{} entries", found.cases.len()), "each case once"));
     }
-    unchanged(&exam, folder)?;
+    unchanged(&exam, folder, layout)?;
     Ok(exam)
 }
 
 /// The inputs in the files are the inputs that the truth is computed from.
-fn unchanged(exam: &Exam, folder: &Path) -> Result<()> {
+fn unchanged(exam: &Exam, folder: &Path, layout: Layout) -> Result<()> {
     let questions = parallel::map(exam.questions.len(), |n| {
         let question = &exam.questions[n];
         question.cases.iter().try_for_each(|case| {
-            let path = folder.join(question.path(case) + ".npz");
+            let place = question.path(case);
             let allowed = bytes(&case.inputs);
-            let found = read_arrays(&path, case.inputs.keys().collect(), allowed)?;
+            let found = read_arrays(layout, folder, &place, case.inputs.keys().collect(), allowed)?;
             match case
                 .inputs
                 .iter()
@@ -112,7 +146,7 @@ fn unchanged(exam: &Exam, folder: &Path) -> Result<()> {
             {
                 None => Ok(()),
                 Some((name, _)) => Err(Error::input(Input {
-                    file: path.display(),
+                    file: folder.join(layout.file(&place)).display(),
                     field: format!("array {name}"),
                     found: "other numbers than the case has",
                     expected: "the inputs as they were written",
@@ -158,7 +192,7 @@ pub fn declared(exam: Exam, folder: &Path) -> Result<Exam> {
     exam.narrowed(&found.rows).map_err(|what| wrong("rows", what))
 }
 
-/// All answers below a folder, a list per question.
+/// All answers below a folder, a list per question. Each lies at its case's place, in either layout.
 ///
 /// # Errors
 /// Anything in the folder that the manifest doesn't list, links, files that are damaged, too large, or don't hold numbers.
@@ -169,44 +203,68 @@ pub fn read_answers(exam: &Exam, folder: &Path) -> Result<Vec<Answers>> {
         let question = &exam.questions[n];
         let direction = question.component.direction(question.kind).expect("a question has its direction");
         let read = |case: &Case| -> Result<Option<Answer>> {
-            let path = folder.join(question.path(case) + ".npz");
-            if !path.exists() {
-                return Ok(None);
-            }
+            let place = question.path(case);
+            let Some(layout) = layout_of(folder, &place)? else { return Ok(None) };
             let outputs = (direction.oracle)(&case.inputs, &c);
             // Twice: an encoding may be wider in other conventions, and answers may contain the inputs too.
             let allowed = 2 * bytes(&outputs) + bytes(&case.inputs);
-            read_arrays(&path, outputs.keys().collect(), allowed).map(Some)
+            read_arrays(layout, folder, &place, outputs.keys().collect(), allowed).map(Some)
         };
         question.cases.iter().map(read).collect::<Result<Answers>>()
     });
     questions.into_iter().collect()
 }
 
-/// Reads the arrays of these names, if the archive unpacks to at most `allowed` bytes (and some slack).
-fn read_arrays(path: &Path, names: BTreeSet<&String>, allowed: u64) -> Result<BTreeMap<String, Given>> {
+/// The layout of the answer at a place, if there is one.
+fn layout_of(folder: &Path, place: &str) -> Result<Option<Layout>> {
+    let there = |layout: &Layout| match layout {
+        Layout::Npz => folder.join(layout.file(place)).exists(),
+        Layout::Raw => folder.join(place).is_dir(),
+    };
+    match [Layout::Npz, Layout::Raw].into_iter().filter(there).collect::<Vec<_>>()[..] {
+        [] => Ok(None),
+        [layout] => Ok(Some(layout)),
+        _ => Err(Error::input(Input {
+            file: folder.join(place).display(),
+            field: "answer",
+            found: "an npz and a folder",
+            expected: "one of them",
+            remedy: "Remove the one that isn't meant.",
+        })),
+    }
+}
+
+/// Reads the arrays of these names, if all arrays at the place have at most `allowed` bytes (and some slack).
+fn read_arrays(
+    layout: Layout,
+    folder: &Path,
+    place: &str,
+    names: BTreeSet<&String>,
+    allowed: u64,
+) -> Result<BTreeMap<String, Given>> {
+    let path = folder.join(layout.file(place));
     let expected = format!("at most {} bytes, as the manifest has it", allowed + SLACK);
     let remedy = "Store the outputs that cases.json lists, uncompressed (numpy.savez), and nothing else.";
     let refuse = |what: &str, found: String| {
         Err(Error::input(Input { file: path.display(), field: what, found, expected: &expected, remedy }))
     };
-    let size = fs::metadata(path).map_err(Error::reading(path))?.len();
+    let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
     if size > allowed + SLACK {
         return refuse("file", format!("{size} bytes"));
     }
-    let mut archive = npz::Npz::open(path)?;
-    let unpacked = archive.unpacked_bytes();
+    let mut store = Store::open(layout, folder, place)?;
+    let unpacked = store.bytes();
     if unpacked > allowed + SLACK {
         return refuse("archive", format!("unpacks to {unpacked} bytes"));
     }
-    let there: Vec<String> = archive.names().map(String::from).collect();
+    let there = store.names();
     for name in &there {
-        inside(path, name)?;
+        inside(&path, name)?;
     }
     let wanted = there.into_iter().filter(|name| names.contains(name));
     wanted
         .map(|name| {
-            let array = archive.array(&name)?;
+            let array = store.array(&name)?;
             Ok((name, Given { values: array.to_f64(), dtype: array.dtype() }))
         })
         .collect()
@@ -230,8 +288,10 @@ fn inside(file: &Path, name: &str) -> Result<()> {
 
 /// Refuses whatever else lies in the folder of answers: a file in the wrong place would silently not be judged.
 fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
-    let asked: BTreeSet<_> =
-        exam.questions.iter().flat_map(Question::paths).map(|path| folder.join(path + ".npz")).collect();
+    let places = || exam.questions.iter().flat_map(Question::paths);
+    let archives: BTreeSet<_> = places().map(|place| folder.join(Layout::Npz.file(&place))).collect();
+    // What lies in them is for their index to say.
+    let raw: BTreeSet<_> = places().map(|place| folder.join(place)).collect();
     let folders: BTreeSet<_> = exam.questions.iter().map(|s| folder.join(s.component.name)).collect();
     let entries = |folder: &Path| -> Result<Vec<fs::DirEntry>> {
         let list = fs::read_dir(folder).map_err(Error::reading(folder))?;
@@ -263,7 +323,8 @@ fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
             if kind.is_symlink() {
                 return refuse(&entry.path(), "a link");
             }
-            if !kind.is_file() || !asked.contains(&entry.path()) {
+            let asked = if kind.is_dir() { &raw } else { &archives };
+            if !(kind.is_dir() || kind.is_file()) || !asked.contains(&entry.path()) {
                 return refuse(&entry.path(), "something that no case asks for");
             }
         }

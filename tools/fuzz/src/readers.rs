@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use ndarray::Array3;
 use nerf_oracle::contract::Dtype;
+use nerf_oracle::files::raw::{INDEX, Raw};
 use nerf_oracle::files::{npz as archive, picture as pictures};
 use nerf_oracle::judge::{Exam, exchange};
 use nerf_oracle::scene::{self, Options};
@@ -15,7 +16,7 @@ use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
 /// All of them, by the names of their corpora.
-pub const ALL: [(&str, fn(&[u8])); 9] = [
+pub const ALL: [(&str, fn(&[u8])); 10] = [
     ("npz", npz),
     ("npy", npy),
     ("picture", picture),
@@ -25,6 +26,7 @@ pub const ALL: [(&str, fn(&[u8])); 9] = [
     ("ply", ply),
     ("run", run),
     ("declarations", declarations),
+    ("index", index),
 ];
 
 /// An archive: its directory, the headers of its arrays, their numbers; as arrays, and as a scene.
@@ -138,6 +140,17 @@ pub fn declarations(bytes: &[u8]) {
     let path = put("answers.json", bytes);
     let exam = Exam::new("mse", Dtype::F32, None).expect("a row");
     let _ = exchange::declared(exam, path.parent().expect("a folder"));
+}
+
+/// The index of a folder of bare numbers: one file has a number of eight bytes, the other none.
+pub fn index(bytes: &[u8]) {
+    let place = folder().join("raw");
+    fs::create_dir_all(&place).expect("a folder");
+    for (name, bytes) in [("a.bin", &[0; 8][..]), ("b.bin", &[]), (INDEX, bytes)] {
+        fs::write(place.join(name), bytes).expect("written");
+    }
+    let Ok(raw) = Raw::open(&place) else { return };
+    raw.names().for_each(|name| drop(raw.array(name)));
 }
 
 fn options() -> Options {
