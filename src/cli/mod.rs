@@ -17,6 +17,7 @@ mod demo;
 mod evaluate;
 mod explain;
 mod fit_image;
+mod grade;
 mod inspect;
 mod judge;
 mod list;
@@ -64,6 +65,7 @@ enum Command {
     Check(check::Args),
     Cases(cases::Args),
     Judge(judge::Args),
+    Grade(grade::Args),
     Bench(bench::Args),
     Matrix(matrix::Args),
 }
@@ -106,6 +108,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Check(args) => check::run(args, cli.json),
         Command::Cases(args) => cases::run(args, cli.json),
         Command::Judge(args) => judge::run(args, cli.json),
+        Command::Grade(args) => grade::run(args, cli.json),
         Command::Bench(args) => bench::run(args, cli.json),
         Command::Matrix(args) => matrix::run(args, cli.json),
     }
