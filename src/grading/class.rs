@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use super::answers::{self, Heard};
-use super::marks::Graded;
+use super::marks::{Entry, Graded};
 use super::rubric::Rubric;
 use super::sandbox::Sandbox;
 use super::submission::{self, Holds, Kind, Submission};
@@ -33,23 +33,6 @@ pub(crate) struct Settings<'a> {
     pub(crate) again: bool,
     /// Whether pages say how to fix what is wrong.
     pub(crate) reveal: bool,
-}
-
-/// A submission with its marks.
-#[derive(Debug)]
-pub(crate) struct Entry {
-    /// The folder's name.
-    pub(crate) name: String,
-    /// The name of its page.
-    pub(crate) slug: String,
-    pub(crate) graded: Graded,
-}
-
-impl Entry {
-    /// Its page, below the folder of results.
-    pub(crate) fn page(&self) -> String {
-        format!("pages/{}.html", self.slug)
-    }
 }
 
 /// A class with its marks.

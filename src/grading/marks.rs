@@ -53,6 +53,23 @@ pub(crate) struct Graded {
     pub(crate) rows: Vec<Marked>,
 }
 
+/// A submission with its marks.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    /// The folder's name.
+    pub(crate) name: String,
+    /// The name of its page.
+    pub(crate) slug: String,
+    pub(crate) graded: Graded,
+}
+
+impl Entry {
+    /// Its page, below the folder of results.
+    pub(crate) fn page(&self) -> String {
+        format!("pages/{}.html", self.slug)
+    }
+}
+
 /// A row's marks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -1,7 +1,6 @@
 //! Pages: one a submission for the student, one for the teacher. A student's page says nothing of other students.
 
-use super::class::Entry;
-use super::marks::{Explained, Graded, Marked, State, mistake, points};
+use super::marks::{Entry, Explained, Graded, Marked, State, mistake, points};
 use super::rubric::Rubric;
 use crate::report::page::Page;
 

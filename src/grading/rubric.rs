@@ -164,7 +164,7 @@ impl Rubric {
         let written: Written = serde_path_to_error::deserialize(&mut from).map_err(|error| {
             let field = error.path().to_string();
             let field = if field == "." { "rubric".into() } else { field };
-            refuse(&field, error.into_inner().to_string(), "what the program's help says of rubrics".into())
+            refuse(&field, error.into_inner().to_string(), "a rubric, as the program's help has it".into())
         })?;
         from.end().map_err(|error| refuse("rubric", error.to_string(), "one JSON object".into()))?;
         let wrong = |(field, found, expected): Wrong| refuse(&field, found, expected);

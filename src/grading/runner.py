@@ -161,7 +161,8 @@ def main(plan):
         import numpy
 
         wheel = importlib.util.find_spec("nerf_oracle") is not None
-        say(python=sys.version.split()[0], numpy=numpy.__version__, refused=refused, wheel=wheel)
+        writable = [folder for folder in plan["outside"] if os.access(folder, os.W_OK)]
+        say(python=sys.version.split()[0], numpy=numpy.__version__, refused=refused, wheel=wheel, writable=writable)
         return
     import candidate  # noqa: F401
 

@@ -37,15 +37,8 @@ const KEPT: [&str; 12] = [
     "TMP",
 ];
 
-/// A namespace for users, network, processes and mounts; the first folder is seen as the second, the others as empty ones; then one more
-/// for users, in which nothing of that can be undone.
-const CLOSED: &str = r#"set -e
-mount --bind "$1" "$2"
-cd "$2"
-shift 2
-while [ "$1" != : ]; do mount -t tmpfs -o size=1m,mode=755 tmpfs "$1"; shift; done
-shift
-exec unshare --user --map-root-user "$@""#;
+/// What cuts it off from everything else.
+const CLOSED: &str = include_str!("closed.sh");
 
 /// Bytes of a log that are read.
 const LONGEST_LOG: u64 = 4 << 20;
@@ -73,6 +66,8 @@ struct Found {
     numpy: String,
     refused: Vec<String>,
     wheel: bool,
+    /// Folders that are no business of a submission's, and that it can write.
+    writable: Vec<String>,
 }
 
 impl Sandbox {
@@ -84,6 +79,7 @@ impl Sandbox {
         let root = tempfile::tempdir().map_err(Error::writing(&env::temp_dir()))?;
         files::write(&root.path().join("runner/runner.py"), RUNNER)?;
         files::write(&root.path().join("runner/candidate.py"), CANDIDATE)?;
+        files::write(&root.path().join("runner/closed.sh"), CLOSED)?;
         files::make_folder(&root.path().join("here"))?;
         let python = interpreter(python);
         let mut sandbox = Sandbox {
@@ -118,16 +114,23 @@ impl Sandbox {
 
     fn probe(&self) -> Result<Found, String> {
         let job = self.job("probe").map_err(|error| error.to_string())?;
-        let ran = self.run(&job, &[("probe", json!(true))]);
+        let outside: Vec<PathBuf> = env::home_dir().into_iter().chain([self.root.path().join("runner")]).collect();
+        let ran = self.run(&job, &[("probe", json!(true)), ("outside", json!(outside))]);
         let said = ran.map_err(|ended| ended.in_words(self.limits.time, self.most()))?;
         let log = job.log();
         let line =
             log.first().ok_or_else(|| last_line(&said.stderr).unwrap_or_else(|| said.status.to_string()))?;
         let text = |name: &str| line[name].as_str().unwrap_or_default().to_string();
-        let refused =
-            line["refused"].as_array().into_iter().flatten().filter_map(Value::as_str).map(String::from);
-        let wheel = line["wheel"] == json!(true);
-        Ok(Found { python: text("python"), numpy: text("numpy"), refused: refused.collect(), wheel })
+        let list = |name: &str| {
+            line[name].as_array().into_iter().flatten().filter_map(Value::as_str).map(String::from).collect()
+        };
+        Ok(Found {
+            python: text("python"),
+            numpy: text("numpy"),
+            refused: list("refused"),
+            wheel: line["wheel"] == json!(true),
+            writable: list("writable"),
+        })
     }
 
     /// What decides the answers besides the submission.
@@ -144,9 +147,12 @@ impl Sandbox {
             time.as_secs_f64()
         )];
         said.push(match self.closed {
-            true => "without network; other submissions and these results are out of sight".into(),
-            false => "NETWORK AND FILES ARE NOT CUT OFF: this system doesn't permit it (unshare)".to_string(),
+            true => "without network; other submissions and these results are out of sight".to_string(),
+            false => "NETWORK AND FILES ARE NOT CUT OFF: this system doesn't permit it (unshare)".into(),
         });
+        if self.closed && !self.found.writable.is_empty() {
+            said.push(format!("BUT THESE CAN BE WRITTEN: {}", self.found.writable.join(", ")));
+        }
         if !self.found.refused.is_empty() {
             said.push(format!("NOT LIMITED, as this system doesn't: {}", self.found.refused.join(", ")));
         }
@@ -199,19 +205,9 @@ impl Sandbox {
         // -B: no compiled files; the folder that it runs in is the student's.
         let start = [OsStr::new(&self.python), OsStr::new("-B"), runner.as_os_str(), plan.as_os_str()];
         let mut command = if self.closed {
-            let mut command = Command::new("unshare");
-            command.args([
-                "--user",
-                "--map-root-user",
-                "--net",
-                "--pid",
-                "--fork",
-                "--kill-child",
-                "--mount",
-            ]);
-            command.args(["sh", "-c", CLOSED, "sh"]).args([&job.folder, here]);
-            command.arg(self.root.path().join("jobs")).args(&self.hidden).arg(":");
-            command.args(["sh", "-c", r#"cd code && exec "$@""#, "sh"]).args(start);
+            let mut command = Command::new("sh");
+            command.arg(self.root.path().join("runner/closed.sh")).args([&job.folder, here]);
+            command.arg(self.root.path().join("jobs")).args(&self.hidden).arg(":").args(start);
             command
         } else {
             let mut command = Command::new(start[0]);
@@ -219,9 +215,15 @@ impl Sandbox {
             command
         };
         command.env_clear().envs(KEPT.iter().filter_map(|name| Some((*name, env::var_os(name)?))));
-        // Where packages of the user's own are looked for, and nothing else of that folder.
-        command.envs(env::var_os("HOME").map(|home| ("PYTHONUSERBASE", Path::new(&home).join(".local"))));
-        command.env("HOME", here).env("TMPDIR", here).env("MPLBACKEND", "Agg").env("PYTHONHASHSEED", "0");
+        if let Some(home) = env::var_os("HOME") {
+            // Where packages of the user's own are looked for; where that is known, nothing else of that folder.
+            let local = Path::new(&home).join(".local");
+            match cfg!(target_os = "linux") {
+                true => command.env("HOME", here).env("PYTHONUSERBASE", local),
+                false => command.env("HOME", home),
+            };
+        }
+        command.env("TMPDIR", here).env("MPLBACKEND", "Agg").env("PYTHONHASHSEED", "0");
         for threads in ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"] {
             command.env(threads, "1");
         }

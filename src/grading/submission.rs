@@ -81,7 +81,7 @@ pub(crate) fn find(
         if kind.is_dir() && there.zip(own.as_ref()).is_some_and(|(there, own)| own.starts_with(there)) {
             return Err(Error::input(Input {
                 file: out.display(),
-                field: "out",
+                field: "`out`",
                 found: format!("a folder inside of the submission {shown}"),
                 expected: "a folder that isn't a submission's",
                 remedy: "Choose another folder for the results.",

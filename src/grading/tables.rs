@@ -5,8 +5,7 @@ use std::io;
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use serde_json::{Value, json};
 
-use super::class::Entry;
-use super::marks::{Marked, State, points};
+use super::marks::{Entry, Marked, State, points};
 use super::pages::short;
 use super::rubric::Rubric;
 use crate::report::table;
