@@ -53,8 +53,8 @@ impl Class {
     }
 
     fn output(&self, more: &[&str]) -> Output {
-        let [submissions, rubric, out] =
-            ["submissions", "rubric.json", "out"].map(|name| self.root.path().join(name).display().to_string());
+        let [submissions, rubric, out] = ["submissions", "rubric.json", "out"]
+            .map(|name| self.root.path().join(name).display().to_string());
         run(&[&["grade", &submissions, "--rubric", &rubric, "--out", &out], more].concat())
     }
 
@@ -118,7 +118,9 @@ fn answers_become_points_and_pages() {
     assert_eq!((&bob["points"], &bob["rows"][0]["verdict"]), (&json!(0.3), &json!("fail")), "{bob}");
     assert_eq!(bob["rows"][0]["explanations"][0]["mistakes"], json!(["inclusive_transmittance"]));
     let page = class.read("pages/bob.html");
-    for words in ["inclusive_transmittance", "The line to look for", "To follow by hand", "wrong in", "0.3 of 10.3"] {
+    for words in
+        ["inclusive_transmittance", "The line to look for", "To follow by hand", "wrong in", "0.3 of 10.3"]
+    {
         assert!(page.contains(words), "{words:?} isn't in {page}");
     }
     assert!(!page.contains("ada") && !page.contains("To fix it"), "{page}");
@@ -130,7 +132,9 @@ fn answers_become_points_and_pages() {
     assert!(lines[0].starts_with("submission,state,points,of,volume_render forward points,"), "{csv}");
     assert_eq!(lines[1], "ada,graded,10.3,10.3,10,pass,,0.3,pass,,");
     let junit = class.read("junit.xml");
-    for words in [r#"tests="4" failures="1" errors="0""#, r#"<testsuite name="bob""#, "inclusive_transmittance"] {
+    for words in
+        [r#"tests="4" failures="1" errors="0""#, r#"<testsuite name="bob""#, "inclusive_transmittance"]
+    {
         assert!(junit.contains(words), "{words} isn't in {junit}");
     }
 }
@@ -144,10 +148,14 @@ fn what_is_broken_is_a_row_with_its_reason() {
     let bytes = fs::read(&file).expect("an answer");
     fs::write(&file, &bytes[..bytes.len() / 2]).expect("cut");
     class.answer("gap", &[]);
-    fs::remove_file(class.submissions().join("gap/volume_render/forward-VR9_underflow.npz")).expect("removed");
+    fs::remove_file(class.submissions().join("gap/volume_render/forward-VR9_underflow.npz"))
+        .expect("removed");
     class.answer("extra", &[]);
     class.write("extra/README.txt", "hello");
-    class.write("extra/answers.json", r#"{"schema": "nerf-oracle/answers/1", "rows": {"mlp/forward": {"takes": ["x"]}}}"#);
+    class.write(
+        "extra/answers.json",
+        r#"{"schema": "nerf-oracle/answers/1", "rows": {"mlp/forward": {"takes": ["x"]}}}"#,
+    );
     class.answer("declares", &[]);
     class.write("declares/answers.json", "{");
     class.write("empty/.DS_Store", "");
@@ -161,7 +169,8 @@ fn what_is_broken_is_a_row_with_its_reason() {
         class.answer("link", &[]);
         let file = class.submissions().join("link/volume_render/forward-VR9_underflow.npz");
         fs::remove_file(&file).expect("removed");
-        symlink(class.submissions().join("right/volume_render/forward-VR9_underflow.npz"), &file).expect("a link");
+        symlink(class.submissions().join("right/volume_render/forward-VR9_underflow.npz"), &file)
+            .expect("a link");
         symlink(class.submissions().join("right"), class.submissions().join("thief")).expect("a link");
         assert!(Command::new("mkfifo").arg(class.submissions().join("empty/pipe")).status().is_ok());
     }
@@ -178,7 +187,10 @@ fn what_is_broken_is_a_row_with_its_reason() {
     assert!(reason("declares").contains("answers.json: JSON: found EOF"), "{}", reason("declares"));
     assert!(reason("notebook").contains("p.ipynb is a notebook"), "{}", reason("notebook"));
     for name in ["declares", "notebook", "<img src=x onerror=alert(1)>", "=1+cmd"] {
-        assert_eq!((&of(&graded, name)["state"], &of(&graded, name)["points"]), (&json!("broken"), &json!(0.0)));
+        assert_eq!(
+            (&of(&graded, name)["state"], &of(&graded, name)["points"]),
+            (&json!("broken"), &json!(0.0))
+        );
     }
     if cfg!(unix) {
         assert!(reason("link").contains("is a link"), "{}", reason("link"));
@@ -204,7 +216,10 @@ fn what_has_not_changed_is_not_graded_again() {
     let files = ["index.html", "grades.csv", "grades.json", "junit.xml", "pages/bob.html", "marks/bob.json"];
     let first = class.grade(&["--threads", "1"]);
     let bytes = files.map(|file| class.read(file));
-    assert_eq!((&first["new"], &first["about"][0]), (&json!(3), &json!("the same, byte for byte: ada, copy")));
+    assert_eq!(
+        (&first["new"], &first["about"][0]),
+        (&json!(3), &json!("the same, byte for byte: ada, copy"))
+    );
     assert_eq!(class.grade(&[])["new"], 0);
     assert_eq!(files.map(|file| class.read(file)), bytes);
     // Graded again by other threads: the same bytes.
@@ -251,7 +266,11 @@ fn rubrics_that_cannot_be_used_are_refused() {
     refused("/rows/0/direction", json!("back"), &["rows[0].direction: found back", "vjp"]);
     refused("/rows/0/points", json!(-1), &["rows[0].points: found -1"]);
     refused("/rows/0/points", json!("1"), &["rows[0].points", "expected f64"]);
-    refused("/rows/0/points_if_imprecise", json!(11), &["rows[0].points_if_imprecise: found 11", "10 points"]);
+    refused(
+        "/rows/0/points_if_imprecise",
+        json!(11),
+        &["rows[0].points_if_imprecise: found 11", "10 points"],
+    );
     refused("/rows/0/edge_cases", json!(["VR99"]), &["rows[0].edge_cases: found VR99", "VR9"]);
     refused("/rows/0/outputs", json!(["color"]), &["rows[0].outputs: found color", "colors"]);
     refused("/rows/0/function", json!("../a.py:f"), &["rows[0].function: found ../a.py"]);
@@ -272,7 +291,14 @@ fn folders_that_cannot_be_used_are_refused() {
     refused(&class.output(&["--python", "no-such-python"]), &["--python", "no-such-python", "numpy"]);
     let [submissions, rubric, inside] = ["submissions", "rubric.json", "submissions/ada/out"]
         .map(|name| class.root.path().join(name).display().to_string());
-    refused(&run(&["grade", &submissions, "--rubric", &rubric, "--out", &inside]), &["--out", "the submission ada"]);
+    refused(
+        &run(&["grade", &submissions, "--rubric", &rubric, "--out", &submissions]),
+        &["--out", "of the submissions"],
+    );
+    refused(
+        &run(&["grade", &submissions, "--rubric", &rubric, "--out", &inside]),
+        &["--out", "the submission ada"],
+    );
 }
 
 /// A Python with numpy, or a note that there is none.
@@ -283,7 +309,10 @@ fn python() -> Option<String> {
         return Some(python);
     }
     // Past the test harness, which would keep it to itself.
-    let _ = writeln!(std::io::stderr(), "skipped: {python} with numpy isn't there (NERF_ORACLE_PYTHON names one)");
+    let _ = writeln!(
+        std::io::stderr(),
+        "skipped: {python} with numpy isn't there (NERF_ORACLE_PYTHON names one)"
+    );
     None
 }
 
@@ -293,7 +322,8 @@ fn the_example_is_graded_as_it_says() {
     let example = Path::new(env!("CARGO_MANIFEST_DIR")).join("tools/examples/grading");
     let out = tempfile::tempdir().expect("a folder");
     let [submissions, rubric, out_dir] =
-        [example.join("submissions"), example.join("rubric.json"), out.path().join("out")].map(|p| p.display().to_string());
+        [example.join("submissions"), example.join("rubric.json"), out.path().join("out")]
+            .map(|p| p.display().to_string());
     let output = run(&["grade", &submissions, "--rubric", &rubric, "--out", &out_dir, "--python", &python]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let found = fs::read_to_string(out.path().join("out/grades.csv")).expect("a table");
@@ -310,6 +340,7 @@ fn python_that_misbehaves_is_stopped_and_told() {
     let with = |name: &str, more: &str| class.write(&format!("{name}/f.py"), &format!("{right}{more}"));
     let body = |text: &str| format!("def volume_render(sigmas, rgbs, deltas):\n    {text}\n");
     with("endless", &body("while True: pass"));
+    with("import", "def volume_render(sigmas): pass\nwhile True: pass\n");
     with("loud", &body("while True: print('x' * 1000)"));
     with("hungry", &body("return [bytearray(1 << 31)]"));
     with("quits", &body("import os; os._exit(0)"));
@@ -325,7 +356,10 @@ fn python_that_misbehaves_is_stopped_and_told() {
     let outside = class.root.path().join("defaced").display().to_string();
     with("defaces", &body(&format!("open({outside:?}, 'w')")));
     with("secret", &body("import os; raise ValueError(os.environ.get('COURSE_TOKEN', 'none'))"));
-    with("forges", "import json, sys\nopen(json.load(open(sys.argv[1]))['log'], 'a').write('{\"done\": 1, \"places\": 3}\\n[]\\n' + '9' * 9 + '\\n')\n");
+    with(
+        "forges",
+        "import json, sys\nopen(json.load(open(sys.argv[1]))['log'], 'a').write('{\"done\": 1, \"places\": 3}\\n[]\\n' + '9' * 9 + '\\n')\n",
+    );
     class.write("syntax/f.py", &format!("{right}def volume_render(:\n"));
     class.write("nothing/f.py", right);
     class.write("twice/a.py", &body("return 1"));
@@ -349,6 +383,7 @@ fn python_that_misbehaves_is_stopped_and_told() {
         ("child", &["stopped", "no end within 8 s"]),
         ("moved", &["broken"]),
         ("syntax", &["f.py, line 3"]),
+        ("import", &["stopped", "importing f.py"]),
         ("nothing", &["no function volume_render"]),
         ("twice", &["a.py and in b.py"]),
         ("forges", &["no function volume_render"]),
@@ -359,17 +394,27 @@ fn python_that_misbehaves_is_stopped_and_told() {
         }
     }
     // What was right before it, or beside it, counts.
-    for name in ["hungry", "exits", "raises", "writes", "syntax", "nothing", "forges"] {
-        if name != "syntax" {
-            assert_eq!(of(&graded, name)["points"], 0.3, "{}", of(&graded, name));
-        }
+    for name in
+        ["endless", "loud", "hungry", "quits", "exits", "raises", "writes", "child", "nothing", "forges"]
+    {
+        assert_eq!(of(&graded, name)["points"], 0.3, "{}", of(&graded, name));
     }
+    let import = of(&graded, "import")["rows"].as_array().expect("rows");
+    assert!(import.iter().all(|row| row["why"] == "no end within 8 s, while importing f.py"), "{import:?}");
     assert!(!class.read("pages/raises.html").contains("<script>"));
     let about = graded["about"].to_string();
     if about.contains("without network") {
         assert!(said("peeks").contains("ValueError: 0"), "{}", said("peeks"));
-        assert!(said("defaces").contains("Read-only") && !Path::new(&outside).exists(), "{}", said("defaces"));
-        assert!(said("calls").contains("OSError") || said("calls").contains("unreachable"), "{}", said("calls"));
+        assert!(
+            said("defaces").contains("Read-only") && !Path::new(&outside).exists(),
+            "{}",
+            said("defaces")
+        );
+        assert!(
+            said("calls").contains("OSError") || said("calls").contains("unreachable"),
+            "{}",
+            said("calls")
+        );
     } else {
         assert!(about.contains("NOT CUT OFF"), "{about}");
     }

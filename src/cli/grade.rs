@@ -20,7 +20,8 @@ const RUBRIC: &str = r#"The rubric is JSON:
   {"schema": "nerf-oracle/rubric/1", "title": "Project 5", "dtype": "f32", "profile": "cs180",
    "timeout_s": 60, "memory_mib": 4096, "output_mib": 16,
    "rows": [{"component": "volume_render", "direction": "forward", "points": 10}]}
-dtype (f32) and profile (none: conventions are found) are those of `cases`, exp_ulp (4) that of `judge`; the limits are each submission's.
+dtype (f32) and profile (none: conventions are found) are those of `cases`, exp_ulp (4) that of `judge`. The limits are those of a
+submission's process; where a row makes it stop, the rows behind it are asked in a new one.
 A row has a component and its direction (forward, the default, or vjp), points, and where you want them:
   points_if_imprecise             the right formula, with more digits lost than its arithmetic costs
   points_if_only_edge_cases_fail  all other cases are right

@@ -117,7 +117,7 @@ fn paths(dtype: Dtype, profile: Option<&'static Profile>) -> Result<BTreeSet<Str
 
 /// A place for submissions in Python to run, with the cases in it, where there is one.
 fn sandbox(rubric: &Rubric, settings: &Settings, found: &[Submission]) -> Result<Option<Sandbox>> {
-    if !found.iter().any(|submission| is_python(submission)) {
+    if !found.iter().any(is_python) {
         return Ok(None);
     }
     let whole = |path: &Path| path.canonicalize().map_err(Error::reading(path));

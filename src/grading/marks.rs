@@ -160,7 +160,7 @@ fn marked(asked: &Asked, heard: &Heard, report: &Report) -> Marked {
         points,
         verdict: verdict.to_string(),
         why: in_short(verdict, row, asked, why),
-        findings: findings(row, asked, why),
+        findings: findings(row, asked, why, report),
         explanations: explanations(row),
         example: row.example.as_ref().map(ToString::to_string).unwrap_or_default(),
         place,
@@ -208,7 +208,9 @@ fn in_short(verdict: Verdict, row: &Row, asked: &Asked, why: Option<&String>) ->
                 _ if row.verdict != Verdict::Fail => format!("not answered: {}", missing.join(", ")),
                 (_, _, Some(why)) => why.clone(),
                 (Some(best), ..) => page::name(best),
-                (None, Some(fault), _) => fault.clone(),
+                (None, Some(fault), _) => {
+                    fault.split(". It was handed").next().unwrap_or_default().to_string()
+                }
                 (None, None, None) => "nothing in the catalogue explains these numbers".into(),
             };
             format!("{edges}{said}")
@@ -217,7 +219,7 @@ fn in_short(verdict: Verdict, row: &Row, asked: &Asked, why: Option<&String>) ->
 }
 
 /// What is to be said of a row, for those who wrote it.
-fn findings(row: &Row, asked: &Asked, why: Option<&String>) -> Vec<String> {
+fn findings(row: &Row, asked: &Asked, why: Option<&String>, report: &Report) -> Vec<String> {
     let mut said: Vec<String> = why.cloned().into_iter().collect();
     if row.verdict == Verdict::Pass {
         said.extend(row.layouts.iter().map(|layout| format!("layout: {layout}")));
@@ -239,7 +241,10 @@ fn findings(row: &Row, asked: &Asked, why: Option<&String>) -> Vec<String> {
             row.unproved.join(", ")
         )),
         Verdict::Imprecise => said.push(lost(row)),
-        Verdict::Fail => said.extend(wrong(row)),
+        Verdict::Fail => {
+            said.extend(other_conventions(row, report));
+            said.extend(wrong(row));
+        }
         Verdict::Pass | Verdict::Unsupported => {}
     }
     said
@@ -254,6 +259,15 @@ fn lost(row: &Row) -> String {
     )
 }
 
+/// What the run's conventions are, where the answers follow others.
+fn other_conventions(row: &Row, report: &Report) -> Option<String> {
+    let own = &row.diagnosis.first()?.conventions;
+    let pair = |key: &&str| Some(format!("{key} = {}", report.assignment.get(*key)?));
+    let ours: Vec<String> = own.keys().filter_map(pair).collect();
+    let how = if report.pinned { "what was asked for" } else { "what the other rows follow" };
+    (!ours.is_empty()).then(|| format!("{how}: {}", ours.join(", ")))
+}
+
 /// What is wrong, and where.
 fn wrong(row: &Row) -> Vec<String> {
     let mut said = vec![];
@@ -261,7 +275,9 @@ fn wrong(row: &Row) -> Vec<String> {
         let cases: Vec<&str> = row.wrong_cases.iter().map(String::as_str).collect();
         said.push(format!("wrong in {} of {} cases: {}", cases.len(), row.cases, listed(&cases)));
     }
-    said.extend(row.faults.iter().take(LISTED).cloned());
+    // What follows is advice for those who call the judge themselves.
+    let fault = |fault: &String| fault.split("; arrays=").next().unwrap_or_default().to_string();
+    said.extend(row.faults.iter().take(LISTED).map(fault));
     if row.faults.len() > LISTED {
         said.push(format!("and {} more like these", row.faults.len() - LISTED));
     }

@@ -10,7 +10,7 @@ use super::sandbox::{Job, Sandbox, last_line, seconds};
 use super::submission::{Submission, scan};
 use crate::contract::check::Kind;
 use crate::judge::Exam;
-use crate::process::Ended;
+use crate::process::{Ended, Said};
 
 /// Letters of what a submission says that are shown.
 const SHOWN: usize = 400;
@@ -23,55 +23,84 @@ pub(crate) fn asked(rubric: &Rubric) -> crate::error::Result<Exam> {
     Exam::of(&names, rubric.exam.dtype, rubric.exam.profile)
 }
 
-/// Runs a submission, and reads what it has answered.
+/// Runs a submission, and reads what it has answered. Where it is stopped in the middle of a component, the others are asked in a new
+/// process: an endless loop costs its own rows. One that doesn't get through its imports isn't asked any more.
 ///
 /// # Errors
 /// Why there is nothing to judge.
 pub(crate) fn ask(rubric: &Rubric, submission: &Submission, sandbox: &Sandbox) -> Result<Heard, String> {
     let job = sandbox.job(&submission.slug).map_err(|error| error.to_string())?;
     submission.copy(&job.code())?;
-    let ended = sandbox.run(&job, &[("components", plan(rubric))]);
-    let log = Log::read(&job, sandbox);
-    let stopped = match ended {
-        Err(Ended::TooLong) => {
-            Some(format!("no end within {}{}", seconds(rubric.limits.time), log.while_doing()))
-        }
-        Err(Ended::TooMuch) => {
-            Some(format!("more than {} MiB of output{}", rubric.limits.output_mib, log.while_doing()))
-        }
-        Err(Ended::Other(error)) => return Err(format!("it can't be started: {error}")),
-        Ok(_) if log.done => None,
-        Ok(said) => {
-            let last = last_line(&said.stderr)
-                .map_or(String::new(), |line| format!(": {}", shorter(&sandbox.plain(&line, &job))));
-            Some(format!("it ended by itself, {}{}{last}", said.status, log.while_doing()))
+    let mut parts = plan(rubric);
+    let mut stops: BTreeMap<String, String> = BTreeMap::new();
+    let log = loop {
+        let ended = sandbox.run(&job, &[("components", json!(parts))]);
+        let log = Log::read(&job, sandbox);
+        let Some(why) = why_stopped(ended, &log, rubric, |text| sandbox.plain(text, &job))? else {
+            break log;
+        };
+        let at = parts.iter().position(|part| part["component"] == *log.component);
+        let left = match at.filter(|_| !log.doing.starts_with("importing")) {
+            Some(at) => parts.split_off(at + 1),
+            None => vec![],
+        };
+        // What was asked before it has its own outcome.
+        let last = parts.iter().skip(at.unwrap_or(0));
+        stops.extend(last.map(|part| (name(part), why.clone())));
+        parts = left;
+        if parts.is_empty() {
+            break log;
         }
     };
+    let stopped = stops.values().next().cloned();
     let regular = std::fs::symlink_metadata(job.answers()).is_ok_and(|there| there.is_dir());
-    let links = if regular {
-        scan(&job.answers(), "", 0, &mut vec![])
-    } else {
-        Err("the folder of its answers is gone".into())
-    };
+    let gone = || Err("the folder of its answers is gone".to_string());
+    let links = if regular { scan(&job.answers(), "", 0, &mut vec![]) } else { gone() };
     if let Err(reason) = links {
         return Err(stopped.unwrap_or(reason));
     }
     let mut heard = answers::read(&rubric.exam, &job.answers())?;
     for question in &heard.exam.questions {
-        let why = log.failed.get(question.component.name).or_else(|| log.unsupported.get(&question.row()));
-        let why = why
-            .cloned()
-            .or_else(|| stopped.clone().filter(|_| !log.finished.contains(question.component.name)));
+        let component = question.component.name;
+        let why = log.failed.get(component).or(stops.get(component)).or(log.unsupported.get(&question.row()));
         if let Some(why) = why {
-            heard.absent.entry(question.row()).or_insert(why);
+            heard.absent.entry(question.row()).or_insert(why.clone());
         }
     }
     (heard.places, heard.stopped) = (log.places, stopped);
     Ok(heard)
 }
 
+fn name(part: &Value) -> String {
+    part["component"].as_str().unwrap_or_default().to_string()
+}
+
+/// Why a process didn't get to its end, if it didn't.
+///
+/// # Errors
+/// Where it couldn't even be started.
+fn why_stopped(
+    ended: Result<Said, Ended>,
+    log: &Log,
+    rubric: &Rubric,
+    plain: impl Fn(&str) -> String,
+) -> Result<Option<String>, String> {
+    let doing = if log.doing.is_empty() { String::new() } else { format!(", while {}", log.doing) };
+    Ok(match ended {
+        Err(Ended::TooLong) => Some(format!("no end within {}{doing}", seconds(rubric.limits.time))),
+        Err(Ended::TooMuch) => Some(format!("more than {} MiB of output{doing}", rubric.limits.output_mib)),
+        Err(Ended::Other(error)) => return Err(format!("it can't be started: {error}")),
+        Ok(_) if log.done => None,
+        Ok(said) => {
+            let last =
+                last_line(&said.stderr).map_or(String::new(), |line| format!(": {}", shorter(&plain(&line))));
+            Some(format!("it ended by itself, {}{doing}{last}", said.status))
+        }
+    })
+}
+
 /// The functions that are asked, component by component.
-fn plan(rubric: &Rubric) -> Value {
+fn plan(rubric: &Rubric) -> Vec<Value> {
     let mut parts: Vec<Value> = vec![];
     for question in &rubric.exam.questions {
         let name = question.component.name;
@@ -101,17 +130,16 @@ fn plan(rubric: &Rubric) -> Value {
             "parameters": { name: renamed(Kind::Forward), gradient: renamed(Kind::Vjp) },
         }));
     }
-    json!(parts)
+    parts
 }
 
 /// What the runner has written of a submission.
 #[derive(Default)]
 struct Log {
-    /// What it was at last.
+    /// What it was at last, and the component that that was for.
     doing: String,
+    component: String,
     done: bool,
-    /// Components that were asked to their end.
-    finished: BTreeSet<String>,
     /// Why a component wasn't, by its name.
     failed: BTreeMap<String, String>,
     /// Why a row has no answer, by `component/kind`.
@@ -128,15 +156,18 @@ impl Log {
             let component = text(&line["component"]).unwrap_or_default();
             log.done |= line["done"] == json!(true);
             if let Some(doing) = text(&line["doing"]) {
-                log.doing = doing;
+                (log.doing, log.component) = (doing, component.clone());
             }
             if let Some(why) = text(&line["failed"]) {
                 log.failed.insert(component.clone(), why);
             }
             for (row, outcome) in line["outcomes"].as_object().into_iter().flatten() {
-                log.finished.insert(component.clone());
                 if let Some(why) = text(outcome).filter(|why| !why.starts_with("answered")) {
-                    log.unsupported.insert(row.clone(), why);
+                    // numpy has no gradients; a student wants to know what would have been one.
+                    let numpy = why.ends_with("no function of torch tensors");
+                    let gradient =
+                        format!("no gradient: neither {component}_vjp nor a function of torch tensors");
+                    log.unsupported.insert(row.clone(), if numpy { gradient } else { why });
                 }
             }
             for (keyword, place) in line["places"].as_object().into_iter().flatten() {
@@ -147,10 +178,6 @@ impl Log {
             }
         }
         log
-    }
-
-    fn while_doing(&self) -> String {
-        if self.doing.is_empty() { String::new() } else { format!(", while {}", self.doing) }
     }
 }
 

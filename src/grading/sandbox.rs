@@ -114,7 +114,8 @@ impl Sandbox {
 
     fn probe(&self) -> Result<Found, String> {
         let job = self.job("probe").map_err(|error| error.to_string())?;
-        let outside: Vec<PathBuf> = env::home_dir().into_iter().chain([self.root.path().join("runner")]).collect();
+        let outside: Vec<PathBuf> =
+            env::home_dir().into_iter().chain([self.root.path().join("runner")]).collect();
         let ran = self.run(&job, &[("probe", json!(true)), ("outside", json!(outside))]);
         let said = ran.map_err(|ended| ended.in_words(self.limits.time, self.most()))?;
         let log = job.log();

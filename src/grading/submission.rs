@@ -68,6 +68,9 @@ pub(crate) fn find(
 ) -> Result<(Vec<Submission>, Vec<String>)> {
     let (mut found, mut others) = (vec![], vec![]);
     let own = out.canonicalize().ok();
+    if own.is_some() && own == folder.canonicalize().ok() {
+        return Err(misplaced(out, "the folder of the submissions".into()));
+    }
     for entry in fs::read_dir(folder).map_err(Error::reading(folder))? {
         let entry = entry.map_err(Error::reading(folder))?;
         let (path, kind) = (entry.path(), entry.file_type().map_err(Error::reading(folder))?);
@@ -79,13 +82,7 @@ pub(crate) fn find(
         }
         let shown = name.to_string_lossy().into_owned();
         if kind.is_dir() && there.zip(own.as_ref()).is_some_and(|(there, own)| own.starts_with(there)) {
-            return Err(Error::input(Input {
-                file: out.display(),
-                field: "`out`",
-                found: format!("a folder inside of the submission {shown}"),
-                expected: "a folder that isn't a submission's",
-                remedy: "Choose another folder for the results.",
-            }));
+            return Err(misplaced(out, format!("a folder inside of the submission {shown}")));
         }
         if kind.is_dir() || kind.is_symlink() {
             let slug = slug(name.as_encoded_bytes());
@@ -115,11 +112,22 @@ pub(crate) fn find(
     Ok((found, others))
 }
 
+/// Results in the wrong place.
+fn misplaced(out: &Path, found: String) -> Error {
+    let expected = "a folder that holds no submissions and isn't one";
+    let remedy = "Choose another folder for the results.";
+    Error::input(Input { file: out.display(), field: "`out`", found, expected, remedy })
+}
+
 /// A name that a file system, a link and a terminal take: letters, digits, dots and dashes; where that changes it, with a part of its hash.
 fn slug(name: &[u8]) -> String {
     let plain = |b: &u8| b.is_ascii_alphanumeric() || matches!(b, b'-' | b'_' | b'.');
     let safe: String = name.iter().map(|b| if plain(b) { char::from(*b) } else { '_' }).take(80).collect();
-    if safe.as_bytes() == name && !safe.starts_with('.') {
+    // Nobody's name is what another's becomes.
+    let hashed = safe
+        .rsplit_once('-')
+        .is_some_and(|(_, end)| end.len() == 8 && end.bytes().all(|b| b.is_ascii_hexdigit()));
+    if safe.as_bytes() == name && !safe.starts_with('.') && !hashed {
         return safe;
     }
     format!("{}-{}", safe.trim_start_matches('.'), &hex(&Sha256::digest(name))[..8])
@@ -133,17 +141,17 @@ fn open(mut folder: PathBuf, asked: &BTreeSet<String>) -> (PathBuf, Result<Holds
             return (folder, Err(reason));
         }
         files.sort();
-        // A folder in the folder, as archives have it.
-        let inner: BTreeSet<&str> =
-            files.iter().map(|file| file.split_once('/').map_or("", |(top, _)| top)).collect();
-        if let ([inner], false) = (&inner.iter().collect::<Vec<_>>()[..], inner.contains("")) {
-            if all_rows().all(|row| row.name != **inner) {
-                folder = folder.join(inner);
-                continue;
+        // A folder in the folder, as archives have it, and no row's.
+        let top = |file: &str| file.split_once('/').map_or(String::new(), |(top, _)| top.to_string());
+        let tops: BTreeSet<String> = files.iter().map(|file| top(file)).collect();
+        let rows = |name: &str| all_rows().any(|row| row.name == name);
+        match tops.first().filter(|top| tops.len() == 1 && !top.is_empty() && !rows(top)) {
+            Some(inner) => folder = folder.join(inner),
+            None => {
+                let holds = kind(&files, asked).map(|kind| Holds { kind, files });
+                return (folder, holds);
             }
         }
-        let holds = kind(&files, asked).map(|kind| Holds { kind, files });
-        return (folder, holds);
     }
 }
 
@@ -251,4 +259,42 @@ fn too_large(file: &str) -> String {
 /// Bytes as text.
 pub(crate) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_safe_and_nobodys_is_anothers() {
+        assert_eq!(slug(b"ada-lovelace_2"), "ada-lovelace_2");
+        let names = ["a b", "a_b", "a<b", "..", ".git", "Zo\u{eb}", "index", "-rf", "\u{1b}[31m"];
+        let slugs: BTreeSet<String> = names.iter().map(|name| slug(name.as_bytes())).collect();
+        assert_eq!(slugs.len(), names.len());
+        assert!(
+            slugs
+                .iter()
+                .all(|slug| !slug.starts_with('.') && slug.is_ascii() && !slug.contains(['<', ' ', '/']))
+        );
+        let taken = slug(b"a b");
+        assert_ne!(slug(taken.as_bytes()), taken);
+        assert!(slug(&[b'a'; 255]).len() < 100);
+    }
+
+    #[test]
+    fn what_a_folder_holds_is_told_by_its_files() {
+        let asked = BTreeSet::from(["volume_render/forward-a.npz".to_string()]);
+        let told = |files: &[&str]| kind(&files.iter().map(ToString::to_string).collect::<Vec<_>>(), &asked);
+        assert_eq!(told(&["f.py"]), Ok(Kind::Python));
+        assert_eq!(told(&["f.py", "volume_render/forward-a.npz"]), Ok(Kind::Answers));
+        for (files, words) in [
+            (&[][..], "empty"),
+            (&["a.ipynb"], "notebook"),
+            (&["a.zip"], "unpacked"),
+            (&["x/forward-a.npz"], "such as volume_render/forward-a.npz"),
+            (&["a.txt"], "but a.txt"),
+        ] {
+            assert!(told(files).unwrap_err().contains(words), "{files:?}");
+        }
+    }
 }
