@@ -72,7 +72,7 @@
 //! Rooms, from the ground up: each may import those before it; `tests/architecture` reads this list and fails on anything else.
 //!
 //! 1. the ground: [`shown`], [`error`], [`limits`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`]
-//!    (the choices that differ between right implementations), [`files`]
+//!    (the choices that differ between right implementations), [`files`], `process`
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
@@ -86,7 +86,8 @@
 //! 10. quality of pictures, and training: [`evaluation`], [`training`]
 //! 11. charts, tables and pages: `report`
 //! 12. speed against error: [`bench`]
-//! 13. the program: [`cli`]
+//! 13. a class, by a rubric: `grading`
+//! 14. the program: [`cli`]
 //!
 //! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
 //! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper. `arrays.rs` has the same on
@@ -107,6 +108,8 @@ pub mod limits;
 pub mod math;
 #[doc(hidden)]
 pub mod parallel;
+#[cfg(feature = "cli")]
+pub(crate) mod process;
 pub mod random;
 #[doc(hidden)]
 pub mod shown;
@@ -165,6 +168,8 @@ pub mod scene;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod cli;
+#[cfg(feature = "cli")]
+pub(crate) mod grading;
 #[cfg(feature = "cli")]
 pub(crate) mod report;
 

@@ -1,5 +1,9 @@
 //! Threads that can't change a result: fixed chunks, folded in order. The only file that names rayon.
 
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::thread;
+
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -30,6 +34,25 @@ pub fn threads() -> usize {
 /// `f(0), f(1), ..., f(n - 1)`, in order, on all threads.
 pub fn map<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     (0..n).into_par_iter().map(f).collect()
+}
+
+/// The same of work that waits for other programs, or is long: each on a thread of its own, in order, as many at once as there are
+/// threads. Nothing of one is done in the middle of another.
+pub fn map_apart<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mine = std::iter::repeat_with(|| next.fetch_add(1, Relaxed)).take_while(|&i| i < n);
+        with_threads(Some(1), || mine.map(|i| (i, f(i))).collect::<Vec<_>>())
+    };
+    let mut all: Vec<(usize, T)> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads().min(n)).map(|_| scope.spawn(work)).collect();
+        workers
+            .into_iter()
+            .flat_map(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
+            .collect()
+    });
+    all.sort_by_key(|(i, _)| *i);
+    all.into_iter().map(|(_, result)| result).collect()
 }
 
 /// `f(i, chunk)` for consecutive chunks of `size` entries (the last may be shorter).

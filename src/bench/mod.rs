@@ -11,7 +11,6 @@ pub mod frontier;
 pub mod nerf_step;
 pub mod page;
 pub mod peer;
-mod program;
 pub mod report;
 pub mod rounds;
 pub mod scaling;

@@ -12,11 +12,11 @@ use std::collections::BTreeMap;
 use serde_json::{Map, Value, json};
 
 use super::dense::CeilingCandidate;
-use super::program;
 use super::report::Row;
 use super::rounds::quantile;
 use crate::error::{Error, Input, Result};
 use crate::limits::{PEER_OUTPUT, PEER_TIME};
+use crate::process::{self, shell};
 
 /// Figures of `tools/bench_torch.py`: the field, the suite it belongs to, and how many of that suite's items its seconds are for.
 const FIGURES: [(&str, &str, f64); 3] = [
@@ -48,8 +48,8 @@ impl Peer {
     /// # Errors
     /// Where it can't be started, fails, takes too long, or prints too much or no object.
     pub fn round(&mut self) -> Result<()> {
-        let output =
-            program::run(&self.command, PEER_TIME, PEER_OUTPUT).map_err(|found| self.error(found))?;
+        let output = process::run(shell(&self.command), PEER_TIME, PEER_OUTPUT)
+            .map_err(|ended| self.error(ended.in_words(PEER_TIME, PEER_OUTPUT)))?;
         if !output.status.success() {
             let words = String::from_utf8_lossy(&output.stderr);
             let last = words.lines().last().unwrap_or("").to_string();

@@ -17,6 +17,7 @@ mod demo;
 mod evaluate;
 mod explain;
 mod fit_image;
+mod grade;
 mod inspect;
 mod judge;
 mod list;
@@ -66,6 +67,7 @@ enum Command {
     Cases(cases::Args),
     Judge(judge::Args),
     Vectors(vectors::Args),
+    Grade(grade::Args),
     Bench(bench::Args),
     Matrix(matrix::Args),
 }
@@ -109,6 +111,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Cases(args) => cases::run(args, cli.json),
         Command::Judge(args) => judge::run(args, cli.json),
         Command::Vectors(args) => vectors::run(args, cli.json),
+        Command::Grade(args) => grade::run(args, cli.json),
         Command::Bench(args) => bench::run(args, cli.json),
         Command::Matrix(args) => matrix::run(args, cli.json),
     }

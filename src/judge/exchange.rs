@@ -9,7 +9,7 @@ use half::f16;
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, Given};
-use super::declared::{self, Declarations};
+use super::declared::{self, Declarations, Declared};
 use super::exam::{Exam, Manifest, Question, SCHEMA, Stored};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::Arrays;
@@ -24,7 +24,7 @@ use crate::parallel;
 const LONGEST_MANIFEST: u64 = 16 << 20;
 
 /// Where a candidate declares what it takes.
-const DECLARATIONS: &str = "answers.json";
+pub(crate) const DECLARATIONS: &str = "answers.json";
 
 /// The bytes by which an archive may be larger than its arrays: headers, the directory, a few small extras.
 const SLACK: u64 = 64 << 10;
@@ -171,15 +171,20 @@ fn bytes(arrays: &Arrays) -> u64 {
 /// # Errors
 /// A file that isn't what the contract says, or that names what the exam doesn't have.
 pub fn declared(exam: Exam, folder: &Path) -> Result<Exam> {
+    let rows = declarations(folder)?;
+    exam.narrowed(&rows).map_err(|what| undeclarable(&folder.join(DECLARATIONS), "rows", what))
+}
+
+/// What a candidate declares in the folder of its answers, by row; nothing where it has no `answers.json`.
+///
+/// # Errors
+/// A file that isn't what the contract says.
+pub(crate) fn declarations(folder: &Path) -> Result<BTreeMap<String, Declared>> {
     let path = folder.join(DECLARATIONS);
     if !path.is_file() {
-        return Ok(exam);
+        return Ok(BTreeMap::new());
     }
-    let wrong = |field: &str, found: String| {
-        let expected = format!("{} with rows by component/kind", declared::SCHEMA);
-        let remedy = "Write it again, or remove it: then everything is asked.";
-        Error::input(Input { file: path.display(), field, found, expected, remedy })
-    };
+    let wrong = |field: &str, found: String| undeclarable(&path, field, found);
     let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
     if size > LONGEST_MANIFEST {
         return Err(wrong("size", format!("{size} bytes")));
@@ -189,7 +194,14 @@ pub fn declared(exam: Exam, folder: &Path) -> Result<Exam> {
     if found.schema != declared::SCHEMA {
         return Err(wrong("schema", found.schema));
     }
-    exam.narrowed(&found.rows).map_err(|what| wrong("rows", what))
+    Ok(found.rows)
+}
+
+/// Declarations that can't be used.
+pub(crate) fn undeclarable(path: &Path, field: &str, found: String) -> Error {
+    let expected = format!("{} with rows by component/kind", declared::SCHEMA);
+    let remedy = "Write it again, or remove it: then everything is asked.";
+    Error::input(Input { file: path.display(), field, found, expected, remedy })
 }
 
 /// All answers below a folder, a list per question. Each lies at its case's place, in either layout.
@@ -198,21 +210,26 @@ pub fn declared(exam: Exam, folder: &Path) -> Result<Exam> {
 /// Anything in the folder that the manifest doesn't list, links, files that are damaged, too large, or don't hold numbers.
 pub fn read_answers(exam: &Exam, folder: &Path) -> Result<Vec<Answers>> {
     nothing_else(exam, folder)?;
+    let read = parallel::map(exam.questions.len(), |n| read_question(exam, &exam.questions[n], folder));
+    read.into_iter().collect()
+}
+
+/// The answers to one question below a folder, whatever else lies there.
+///
+/// # Errors
+/// Files that are damaged, too large, or don't hold numbers.
+pub(crate) fn read_question(exam: &Exam, question: &Question, folder: &Path) -> Result<Answers> {
     let c = exam.conventions();
-    let questions = parallel::map(exam.questions.len(), |n| {
-        let question = &exam.questions[n];
-        let direction = question.component.direction(question.kind).expect("a question has its direction");
-        let read = |case: &Case| -> Result<Option<Answer>> {
-            let place = question.path(case);
-            let Some(layout) = layout_of(folder, &place)? else { return Ok(None) };
-            let outputs = (direction.oracle)(&case.inputs, &c);
-            // Twice: an encoding may be wider in other conventions, and answers may contain the inputs too.
-            let allowed = 2 * bytes(&outputs) + bytes(&case.inputs);
-            read_arrays(layout, folder, &place, outputs.keys().collect(), allowed).map(Some)
-        };
-        question.cases.iter().map(read).collect::<Result<Answers>>()
-    });
-    questions.into_iter().collect()
+    let direction = question.component.direction(question.kind).expect("a question has its direction");
+    let read = |case: &Case| -> Result<Option<Answer>> {
+        let place = question.path(case);
+        let Some(layout) = layout_of(folder, &place)? else { return Ok(None) };
+        let outputs = (direction.oracle)(&case.inputs, &c);
+        // Twice: an encoding may be wider in other conventions, and answers may contain the inputs too.
+        let allowed = 2 * bytes(&outputs) + bytes(&case.inputs);
+        read_arrays(layout, folder, &place, outputs.keys().collect(), allowed).map(Some)
+    };
+    question.cases.iter().map(read).collect()
 }
 
 /// The layout of the answer at a place, if there is one.

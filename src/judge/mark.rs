@@ -53,6 +53,8 @@ pub struct Marks {
     pub findings: Vec<String>,
     /// The outputs that are off, in the order in which the component computes them.
     pub off: Vec<String>,
+    /// The cases of which something is wrong.
+    pub wrong_cases: Vec<String>,
 }
 
 impl Marks {
@@ -111,8 +113,10 @@ pub fn mark(
             let why =
                 question.crashed.get(&case.id).map_or("no answer".into(), |said| format!("crashed: {said}"));
             marks.faults.push(format!("{}: {why}", case.id));
+            marks.wrong_cases.push(case.id.clone());
             continue;
         };
+        let before = (marks.faults.len(), marks.off.len());
         let (expected, bound) = options.truth(question, case, c, grade);
         let names = question.ordered(expected.keys());
         if names.iter().all(|name| !answer.contains_key(*name)) {
@@ -129,6 +133,9 @@ pub fn mark(
                     proved.insert(name.clone());
                 }
             }
+        }
+        if before != (marks.faults.len(), marks.off.len()) {
+            marks.wrong_cases.push(case.id.clone());
         }
     }
     marks.unproved.retain(|name| !proved.contains(name));

@@ -220,7 +220,7 @@ fn before(e: &Explanation) -> String {
 }
 
 /// An explanation on a line.
-fn name(e: &Explanation) -> String {
+pub(crate) fn name(e: &Explanation) -> String {
     let mut mistakes = e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>().join(" + ");
     if let (Some(number), Some(fitted)) = (e.mistakes.first().and_then(|m| m.number), e.fitted) {
         mistakes += &format!(" ({} = {fitted:?})", number.name);

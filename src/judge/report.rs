@@ -90,6 +90,8 @@ pub struct Row {
     pub edge_cases: Vec<&'static str>,
     /// The outputs that are off, in the order in which they are computed.
     pub off: Vec<String>,
+    /// The cases of which something is wrong; of statistics, which take all cases together, none.
+    pub wrong_cases: Vec<String>,
     /// The smallest case that is wrong.
     pub example: Option<Example>,
     /// What is known of a failure that nothing explains, output by output.
@@ -125,6 +127,7 @@ impl Row {
             crashed: question.crashed.clone(),
             edge_cases: vec![],
             off: vec![],
+            wrong_cases: vec![],
             example: None,
             observed: vec![],
             findings: vec![],
@@ -158,6 +161,7 @@ impl Row {
             faults: marks.faults.clone(),
             edge_cases: edge_cases(question, marks),
             off: marks.off.clone(),
+            wrong_cases: marks.wrong_cases.clone(),
             findings: marks.findings.clone(),
             ..Row::unsupported(question)
         }
@@ -189,6 +193,7 @@ impl Row {
             "left_out": self.left_out,
             "crashed": self.crashed,
             "edge_cases": self.edge_cases,
+            "wrong_cases": self.wrong_cases,
             "first_to_differ": self.off.first(),
             "observed": self.observed,
             "example": self.example.as_ref().map(Example::json),

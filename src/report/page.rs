@@ -16,7 +16,9 @@ impl Page {
             figure{margin:1rem 1rem 1rem 0;display:inline-block;vertical-align:top}\
             figcaption{font-size:.85rem;color:#555}img{max-width:100%;image-rendering:auto}\
             table{border-collapse:collapse;font-size:.85rem}td,th{padding:.2rem .5rem;white-space:nowrap;border-bottom:1px solid #ddd;text-align:right}\
-            td:first-child,th:first-child{text-align:left}";
+            td:first-child,th:first-child{text-align:left}\
+            table.text td,table.text th{text-align:left;vertical-align:top;white-space:normal}\
+            pre{background:#f4f4f4;padding:.5rem;overflow-x:auto;font-size:.8rem}";
         let (title, lead) = (escape(title), escape(lead));
         let html = format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n\
@@ -63,6 +65,51 @@ impl Page {
             let _ = writeln!(self.html, "<tr>{}</tr>", cells("td", &mut row.iter().map(String::as_str)));
         }
         self.html.push_str("</table>\n");
+        self
+    }
+
+    /// A table of sentences.
+    pub(crate) fn text_table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
+        self.rows(header, rows.iter().map(|row| (None, &row[..])))
+    }
+
+    /// The same, with a file beside the page behind the first cell of each row.
+    pub(crate) fn linked_table(&mut self, header: &[&str], rows: &[(String, Vec<String>)]) -> &mut Self {
+        self.rows(header, rows.iter().map(|(file, row)| (Some(&file[..]), &row[..])))
+    }
+
+    fn rows<'a>(
+        &mut self,
+        header: &[&str],
+        rows: impl Iterator<Item = (Option<&'a str>, &'a [String])>,
+    ) -> &mut Self {
+        let header: String = header.iter().map(|cell| format!("<th>{}</th>", escape(cell))).collect();
+        let _ = writeln!(self.html, "<table class=\"text\"><tr>{header}</tr>");
+        for (file, cells) in rows {
+            let mut cells: Vec<String> = cells.iter().map(|cell| escape(cell)).collect();
+            if let (Some(file), Some(first)) = (file, cells.first_mut()) {
+                *first = format!("<a href=\"{}\">{first}</a>", escape(file));
+            }
+            let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
+            let _ = writeln!(self.html, "<tr>{cells}</tr>");
+        }
+        self.html.push_str("</table>\n");
+        self
+    }
+
+    /// A list of sentences; nothing where there is none.
+    pub(crate) fn list(&mut self, sentences: &[String]) -> &mut Self {
+        let items: String = sentences.iter().map(|text| format!("<li>{}</li>\n", escape(text))).collect();
+        if !items.is_empty() {
+            let _ = writeln!(self.html, "<ul>{items}</ul>");
+        }
+        self
+    }
+
+    /// A text with lines of its own, as it is.
+    pub(crate) fn verbatim(&mut self, text: &str) -> &mut Self {
+        let lines: Vec<String> = text.lines().map(escape).collect();
+        let _ = writeln!(self.html, "<pre>{}</pre>", lines.join("\n"));
         self
     }
 

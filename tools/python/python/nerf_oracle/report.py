@@ -61,6 +61,8 @@ class Row:
     left_out: dict[str, str]
     crashed: dict[str, str]
     edge_cases: list[str]
+    # The cases of which something is wrong; of statistics, which take all cases together, none.
+    wrong_cases: list[str]
     first_to_differ: str | None
     # What is known of a failure that nothing explains, output by output.
     observed: list[str]

@@ -11,40 +11,60 @@ const LOOK: Duration = Duration::from_millis(5);
 
 /// What a program said until it ended.
 #[derive(Debug)]
-pub(super) struct Said {
-    pub(super) status: ExitStatus,
-    pub(super) stdout: Vec<u8>,
-    pub(super) stderr: Vec<u8>,
+pub(crate) struct Said {
+    pub(crate) status: ExitStatus,
+    pub(crate) stdout: Vec<u8>,
+    pub(crate) stderr: Vec<u8>,
 }
 
-/// Runs a shell's command, which is stopped with all that it has started when it takes longer than `time` or prints more than `most`
-/// bytes to stdout or to stderr. Err says what happened.
-pub(super) fn run(command: &str, time: Duration, most: u64) -> Result<Said, String> {
-    let shell = if cfg!(windows) { ["cmd", "/C"] } else { ["sh", "-c"] };
-    let mut program = Command::new(shell[0]);
-    program.args([shell[1], command]).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+/// A shell that runs this command.
+pub(crate) fn shell(command: &str) -> Command {
+    let [program, option] = if cfg!(windows) { ["cmd", "/C"] } else { ["sh", "-c"] };
+    let mut shell = Command::new(program);
+    shell.args([option, command]);
+    shell
+}
+
+/// Runs a program, which is stopped with all that it has started when it takes longer than `time` or prints more than `most` bytes to
+/// stdout or to stderr.
+///
+/// # Errors
+/// Why it wasn't heard to its end.
+pub(crate) fn run(mut program: Command, time: Duration, most: u64) -> Result<Said, Ended> {
+    program.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut program, 0);
-    let mut child = program.spawn().map_err(|error| error.to_string())?;
+    let mut child = program.spawn().map_err(Ended::Other)?;
     let said = listen(&mut child, Instant::now() + time, most);
     if said.is_err() {
         stop(&mut child);
     }
-    said.map_err(|what| match what {
-        End::TooLong => format!("no end within {:.0} s", time.as_secs_f64()),
-        End::TooMuch => format!("more than {most} bytes of output"),
-        End::Other(error) => error.to_string(),
-    })
+    said
 }
 
 /// Why a program wasn't heard to its end.
-enum End {
+#[derive(Debug)]
+pub(crate) enum Ended {
+    /// It took longer than it had.
     TooLong,
+    /// It printed more than it may.
     TooMuch,
+    /// The system's own words: it wasn't there, or couldn't be listened to.
     Other(std::io::Error),
 }
 
-fn listen(child: &mut Child, until: Instant, most: u64) -> Result<Said, End> {
+impl Ended {
+    /// The same of a program that had so much time and so many bytes.
+    pub(crate) fn in_words(&self, time: Duration, most: u64) -> String {
+        match self {
+            Ended::TooLong => format!("no end within {} s", time.as_secs_f64()),
+            Ended::TooMuch => format!("more than {most} bytes of output"),
+            Ended::Other(error) => error.to_string(),
+        }
+    }
+}
+
+fn listen(child: &mut Child, until: Instant, most: u64) -> Result<Said, Ended> {
     let (send, heard) = channel();
     let pipes: [Box<dyn Read + Send>; 2] = [
         Box::new(child.stdout.take().expect("a pipe was asked for")),
@@ -64,21 +84,21 @@ fn listen(child: &mut Child, until: Instant, most: u64) -> Result<Said, End> {
     for _ in 0..said.len() {
         let left = until.saturating_duration_since(Instant::now());
         let (n, bytes) = heard.recv_timeout(left).map_err(|error| match error {
-            RecvTimeoutError::Timeout => End::TooLong,
-            RecvTimeoutError::Disconnected => End::Other(std::io::ErrorKind::BrokenPipe.into()),
+            RecvTimeoutError::Timeout => Ended::TooLong,
+            RecvTimeoutError::Disconnected => Ended::Other(std::io::ErrorKind::BrokenPipe.into()),
         })?;
-        said[n] = bytes.map_err(End::Other)?;
+        said[n] = bytes.map_err(Ended::Other)?;
         if said[n].len() as u64 > most {
-            return Err(End::TooMuch);
+            return Err(Ended::TooMuch);
         }
     }
     loop {
-        match child.try_wait().map_err(End::Other)? {
+        match child.try_wait().map_err(Ended::Other)? {
             Some(status) => {
                 let [stdout, stderr] = said;
                 return Ok(Said { status, stdout, stderr });
             }
-            None if Instant::now() > until => return Err(End::TooLong),
+            None if Instant::now() > until => return Err(Ended::TooLong),
             None => thread::sleep(LOOK),
         }
     }
@@ -102,7 +122,8 @@ mod tests {
 
     #[test]
     fn a_program_has_a_time_and_a_number_of_bytes() {
-        let run = |command: &str| run(command, Duration::from_millis(700), 1000);
+        let time = Duration::from_millis(700);
+        let run = |command: &str| run(shell(command), time, 1000).map_err(|ended| ended.in_words(time, 1000));
         let said = run("echo out; echo err >&2; exit 3").unwrap();
         assert_eq!(
             (said.status.code(), &said.stdout[..], &said.stderr[..]),
