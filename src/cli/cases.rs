@@ -8,9 +8,10 @@ use serde_json::json;
 use super::output;
 use crate::contract::Dtype;
 use crate::convention::profiles;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::files;
-use crate::judge::{Exam, exchange};
+use crate::judge::large::files::{self as large_files, TIER};
+use crate::judge::{Exam, LargeExam, exchange};
 
 /// Write the cases that an implementation is judged by: cases.json and one npz a case, with the inputs alone.
 #[derive(clap::Args, Debug)]
@@ -27,6 +28,12 @@ pub(super) struct Args {
     /// Pin the conventions (cs180, nerf2020, ...): deviating fails. Without it the judge looks for those that are followed.
     #[arg(long)]
     profile: Option<String>,
+    /// Small cases, or those of real sizes (large), whose inputs are recipes in cases.json.
+    #[arg(long, default_value = "small", value_parser = ["small", TIER])]
+    tier: String,
+    /// Write the inputs of large cases as npz, too: some hundred megabytes.
+    #[arg(long)]
+    inputs: bool,
 }
 
 /// Runs it.
@@ -36,8 +43,23 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     files::check_writable(&args.out)?;
     let profile = args.profile.as_deref().map(profiles::find).transpose()?;
-    let exam = Exam::new(&args.filter, args.dtype, profile)?;
-    let bytes = exchange::write_cases(&exam, &args.out)?;
+    let large = args.tier == TIER;
+    if args.inputs && !large {
+        return Err(Error::usage(
+            "--inputs",
+            "small cases",
+            "--tier large: small cases always come with their inputs",
+        ));
+    }
+    let (exam, bytes) = if large {
+        let large = LargeExam::new(&args.filter, args.dtype, profile)?;
+        let bytes = large_files::write(&large, &args.out, args.inputs)?;
+        (large.exam, bytes)
+    } else {
+        let exam = Exam::new(&args.filter, args.dtype, profile)?;
+        let bytes = exchange::write_cases(&exam, &args.out)?;
+        (exam, bytes)
+    };
     let cases: usize = exam.questions.iter().map(|question| question.cases.len()).sum();
     let left_out = &exam.left_out;
     let object = json!({ "out": args.out, "cases": cases, "bytes": bytes, "left_out": left_out });

@@ -123,26 +123,43 @@ impl Arithmetic {
 
     /// A sum of n terms in any order: gamma_(n-1) of the accumulator times the sum of sizes, then one rounding to the type.
     pub fn sum(&self, terms: &[Bounded]) -> Bounded {
-        let (mut y, mut e, mut size) = (crate::math::Sum::default(), 0.0, 0.0);
-        for term in terms {
-            y.add(term.y);
-            e += term.e;
-            size += term.size();
-        }
-        let n = terms.iter().filter(|term| term.size() > 0.0).count().saturating_sub(1) as f64;
-        let e = e + product(gamma(n, self.u_sum), size);
-        // In f32 and f64 the last addition's rounding is the result's rounding.
-        if self.u_sum < self.u {
-            self.rounded(y.value(), e)
-        } else {
-            Bounded { y: y.value(), e: e + flush(n, self.tiny) }
-        }
+        let mut running = Running::default();
+        terms.iter().for_each(|term| running.add(*term));
+        running.sum(self)
     }
 
     /// A sum of products in any order, each product rounded or fused into the sum.
     pub fn dot(&self, a: &[Bounded], b: &[Bounded]) -> Bounded {
         let products: Vec<Bounded> = a.iter().zip(b).map(|(&a, &b)| self.mul(a, b)).collect();
         self.sum(&products)
+    }
+}
+
+/// A sum of the terms so far, for scans: N sums cost N steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Running {
+    y: crate::math::Sum,
+    e: f64,
+    size: f64,
+    /// Those that may be other than 0.
+    terms: usize,
+}
+
+impl Running {
+    /// One term more.
+    pub fn add(&mut self, term: Bounded) {
+        self.y.add(term.y);
+        self.e += term.e;
+        self.size += term.size();
+        self.terms += usize::from(term.size() > 0.0);
+    }
+
+    /// The sum of the terms so far, as [`Arithmetic::sum`] has it.
+    pub fn sum(&self, m: &Arithmetic) -> Bounded {
+        let n = self.terms.saturating_sub(1) as f64;
+        let (y, e) = (self.y.value(), self.e + product(gamma(n, m.u_sum), self.size));
+        // In f32 and f64 the last addition's rounding is the result's rounding.
+        if m.u_sum < m.u { m.rounded(y, e) } else { Bounded { y, e: e + flush(n, m.tiny) } }
     }
 }
 

@@ -9,7 +9,7 @@ use half::f16;
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, Given};
-use super::declared::{self, Declarations};
+use super::declared::{self, Declarations, Declared};
 use super::exam::{Exam, Manifest, Question, SCHEMA, Stored};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -50,8 +50,8 @@ pub fn write_cases(exam: &Exam, folder: &Path) -> Result<u64> {
 }
 
 /// An input in the type that the files have it in.
-fn packed(name: &str, array: &ArrayD<f64>, question: &Question, exam: &Exam) -> npz::Array {
-    match question.stored(name, array, exam.dtype) {
+pub(super) fn packed(name: &str, array: &ArrayD<f64>, question: &Question, exam: &Exam) -> npz::Array {
+    match question.stored(name, array.ndim(), exam.dtype) {
         Stored::F64 => array.clone().into(),
         Stored::F32 => array.mapv(|x| x as f32).into(),
         Stored::F16 => array.mapv(f16::from_f64).into(),
@@ -60,39 +60,63 @@ fn packed(name: &str, array: &ArrayD<f64>, question: &Question, exam: &Exam) -> 
     }
 }
 
+/// What `cases.json` in a folder says, of whichever tier.
+///
+/// # Errors
+/// A file that isn't what [`write_cases`] writes in this version.
+pub fn read_manifest(folder: &Path) -> Result<Manifest> {
+    let path = folder.join("cases.json");
+    let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
+    if size > LONGEST_MANIFEST {
+        return Err(wrong(&path, "size", format!("{size} bytes"), "a manifest of cases, as it was written"));
+    }
+    let found: Manifest = serde_json::from_str(&files::read_text(&path)?)
+        .map_err(|error| wrong(&path, "JSON", error.to_string(), "a manifest of cases, as it was written"))?;
+    if found.schema != SCHEMA || found.version != env!("CARGO_PKG_VERSION") {
+        let here = format!("{SCHEMA} of version {}", env!("CARGO_PKG_VERSION"));
+        return Err(wrong(&path, "schema", format!("{} of version {}", found.schema, found.version), &here));
+    }
+    for entry in &found.cases {
+        inside(&path, entry["file"].as_str().unwrap_or_default())?;
+    }
+    Ok(found)
+}
+
+fn wrong(path: &Path, field: &str, found: String, expected: &str) -> Error {
+    let remedy = "Write the cases again, into an empty folder.";
+    Error::input(Input { file: path.display(), field, found, expected, remedy })
+}
+
+/// Whether a manifest has each case of the one that is expected, and no other.
+///
+/// # Errors
+/// The first case that it doesn't have.
+pub(super) fn complete(folder: &Path, found: &Manifest, expected: &Manifest) -> Result<()> {
+    let path = folder.join("cases.json");
+    if let Some(entry) = expected.cases.iter().find(|entry| !found.cases.contains(entry)) {
+        return Err(wrong(
+            &path,
+            "cases",
+            format!("no entry like {}", entry["file"]),
+            "every case, unchanged",
+        ));
+    }
+    if found.cases.len() != expected.cases.len() || found.tier != expected.tier {
+        return Err(wrong(&path, "cases", format!("{} entries", found.cases.len()), "each case once"));
+    }
+    Ok(())
+}
+
 /// The exam that a folder of cases holds: built again here, then compared, so that no question or input can have been left out or
 /// changed.
 ///
 /// # Errors
 /// A manifest or an npz that isn't what [`write_cases`] writes, named with its file.
 pub fn read_exam(folder: &Path) -> Result<Exam> {
-    let path = folder.join("cases.json");
-    let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
-    let again = "Write the cases again, into an empty folder.";
-    let wrong = |field: &str, found: String, expected: &str| {
-        Error::input(Input { file: path.display(), field, found, expected, remedy: again })
-    };
-    if size > LONGEST_MANIFEST {
-        return Err(wrong("size", format!("{size} bytes"), "a manifest of cases, as it was written"));
-    }
-    let found: Manifest = serde_json::from_str(&files::read_text(&path)?)
-        .map_err(|error| wrong("JSON", error.to_string(), "a manifest of cases, as it was written"))?;
-    if found.schema != SCHEMA || found.version != env!("CARGO_PKG_VERSION") {
-        let here = format!("{SCHEMA} of version {}", env!("CARGO_PKG_VERSION"));
-        return Err(wrong("schema", format!("{} of version {}", found.schema, found.version), &here));
-    }
-    for entry in &found.cases {
-        inside(&path, entry["file"].as_str().unwrap_or_default())?;
-    }
+    let found = read_manifest(folder)?;
     let profile = found.profile.as_deref().map(profiles::find).transpose()?;
     let exam = Exam::new(&found.filter, found.dtype.parse()?, profile)?;
-    let expected = exam.manifest();
-    if let Some(entry) = expected.cases.iter().find(|entry| !found.cases.contains(entry)) {
-        return Err(wrong("cases", format!("no entry like {}", entry["file"]), "every case, unchanged"));
-    }
-    if found.cases.len() != expected.cases.len() {
-        return Err(wrong("cases", format!("{} entries", found.cases.len()), "each case once"));
-    }
+    complete(folder, &found, &exam.manifest())?;
     unchanged(&exam, folder)?;
     Ok(exam)
 }
@@ -101,27 +125,31 @@ pub fn read_exam(folder: &Path) -> Result<Exam> {
 fn unchanged(exam: &Exam, folder: &Path) -> Result<()> {
     let questions = parallel::map(exam.questions.len(), |n| {
         let question = &exam.questions[n];
-        question.cases.iter().try_for_each(|case| {
-            let path = folder.join(question.path(case) + ".npz");
-            let allowed = bytes(&case.inputs);
-            let found = read_arrays(&path, case.inputs.keys().collect(), allowed)?;
-            match case
-                .inputs
-                .iter()
-                .find(|(name, input)| found.get(*name).is_none_or(|f| !same(&f.values, input)))
-            {
-                None => Ok(()),
-                Some((name, _)) => Err(Error::input(Input {
-                    file: path.display(),
-                    field: format!("array {name}"),
-                    found: "other numbers than the case has",
-                    expected: "the inputs as they were written",
-                    remedy: "Write the cases again.",
-                })),
-            }
-        })
+        let written = |case: &Case| as_written(&folder.join(question.path(case) + ".npz"), case);
+        question.cases.iter().try_for_each(written)
     });
     questions.into_iter().collect()
+}
+
+/// Whether a file holds a case's inputs.
+///
+/// # Errors
+/// The first input that it doesn't hold.
+pub(super) fn as_written(path: &Path, case: &Case) -> Result<()> {
+    let found = read_arrays(path, case.inputs.keys().collect(), bytes(&case.inputs))?;
+    let other = |(name, input): &(&String, &ArrayD<f64>)| {
+        found.get(*name).is_none_or(|found| !same(&found.values, input))
+    };
+    match case.inputs.iter().find(other) {
+        None => Ok(()),
+        Some((name, _)) => Err(Error::input(Input {
+            file: path.display(),
+            field: format!("array {name}"),
+            found: "other numbers than the case has",
+            expected: "the inputs as they were written",
+            remedy: "Write the cases again.",
+        })),
+    }
 }
 
 fn same(a: &ArrayD<f64>, b: &ArrayD<f64>) -> bool {
@@ -137,6 +165,15 @@ fn bytes(arrays: &Arrays) -> u64 {
 /// # Errors
 /// A file that isn't what the contract says, or that names what the exam doesn't have.
 pub fn declared(exam: Exam, folder: &Path) -> Result<Exam> {
+    narrowed(exam, folder, Exam::narrowed)
+}
+
+/// The same of an exam of either tier.
+pub(super) fn narrowed<T>(
+    exam: T,
+    folder: &Path,
+    narrow: impl FnOnce(T, &BTreeMap<String, Declared>) -> Result<T, String>,
+) -> Result<T> {
     let path = folder.join(DECLARATIONS);
     if !path.is_file() {
         return Ok(exam);
@@ -155,7 +192,7 @@ pub fn declared(exam: Exam, folder: &Path) -> Result<Exam> {
     if found.schema != declared::SCHEMA {
         return Err(wrong("schema", found.schema));
     }
-    exam.narrowed(&found.rows).map_err(|what| wrong("rows", what))
+    narrow(exam, &found.rows).map_err(|what| wrong("rows", what))
 }
 
 /// All answers below a folder, a list per question.
@@ -184,7 +221,11 @@ pub fn read_answers(exam: &Exam, folder: &Path) -> Result<Vec<Answers>> {
 }
 
 /// Reads the arrays of these names, if the archive unpacks to at most `allowed` bytes (and some slack).
-fn read_arrays(path: &Path, names: BTreeSet<&String>, allowed: u64) -> Result<BTreeMap<String, Given>> {
+pub(super) fn read_arrays(
+    path: &Path,
+    names: BTreeSet<&String>,
+    allowed: u64,
+) -> Result<BTreeMap<String, Given>> {
     let expected = format!("at most {} bytes, as the manifest has it", allowed + SLACK);
     let remedy = "Store the outputs that cases.json lists, uncompressed (numpy.savez), and nothing else.";
     let refuse = |what: &str, found: String| {
@@ -229,7 +270,7 @@ fn inside(file: &Path, name: &str) -> Result<()> {
 }
 
 /// Refuses whatever else lies in the folder of answers: a file in the wrong place would silently not be judged.
-fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
+pub(super) fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
     let asked: BTreeSet<_> =
         exam.questions.iter().flat_map(Question::paths).map(|path| folder.join(path + ".npz")).collect();
     let folders: BTreeSet<_> = exam.questions.iter().map(|s| folder.join(s.component.name)).collect();

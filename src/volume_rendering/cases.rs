@@ -8,6 +8,8 @@ use ndarray::ArrayD;
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats, sparse};
 
 /// Seeded regimes: typical optical depth of one sample.
 const REGIMES: [(&str, &str, f64, f64); 4] = [
@@ -271,4 +273,47 @@ pub(crate) fn depth() -> Vec<Case> {
         ),
     ];
     in_full(cases, "seeded")
+}
+
+/// Name, what it probes, numbers of rays and samples, rays judged at once.
+type Size = (&'static str, &'static str, [usize; 2], usize);
+
+/// The large cases: more rays than threads, more samples than a warp has lanes, and neither a multiple of anything.
+const LARGE: [Size; 4] = [
+    ("rays_1025x193", "1,025 rays of 193 samples", [1025, 193], 64),
+    ("rays_100003x64", "100,003 rays of 64 samples", [100_003, 64], 256),
+    ("ray_4097", "one ray of 4,097 samples", [1, 4097], 1),
+    (
+        "ray_200",
+        "one ray of 200 samples, none of them opaque: a scan that loses its carry shows in every type",
+        [1, 200],
+        1,
+    ),
+];
+
+/// From densities: as much light as is left at the end is lost on the way, whatever the number of samples.
+pub(crate) fn large() -> Vec<Large> {
+    let case = |(n, (id, comment, [rays, samples], block)): (usize, Size)| {
+        let step = [
+            floats(-9, 3),
+            Recipe::Constant(0.015625),
+            Recipe::Constant(0.000244140625),
+            Recipe::Constant(0.00390625),
+        ];
+        let sigmas = if id == "ray_200" { floats(3, 1) } else { sparse(-3, 7, 2) };
+        let shape = [rays, samples];
+        let large = Large::new(id, comment, rays, block).with("sigmas", &shape, sigmas);
+        large.with("rgbs", &[rays, samples, 3], Recipe::Unit).with("deltas", &shape, step[n])
+    };
+    LARGE.into_iter().enumerate().map(case).collect()
+}
+
+/// From opacities.
+pub(crate) fn large_alpha() -> Vec<Large> {
+    let case = |(n, (id, comment, [rays, samples], block)): (usize, Size)| {
+        let alphas = [sparse(-8, 5, 2), sparse(-8, 5, 2), sparse(-12, 4, 2), floats(-5, 1)];
+        let large = Large::new(id, comment, rays, block).with("alphas", &[rays, samples], alphas[n]);
+        large.with("rgbs", &[rays, samples, 3], Recipe::Unit)
+    };
+    LARGE.into_iter().enumerate().map(case).collect()
 }
