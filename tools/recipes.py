@@ -31,7 +31,7 @@ def law(recipe, words, shape, bits):
     number, shift = np.arange(len(words)), np.uint64
     if recipe["law"] == "constant":
         return np.full(len(words), recipe["is"])
-    if recipe["law"] == "unit":
+    if recipe["law"] == "fraction":
         return (words >> shift(64 - bits)).astype(float) * 2.0**-bits
     if recipe["law"] == "float":
         exponent = recipe["lowest"] + ((words % shift(256)) % shift(recipe["binades"])).astype(int)

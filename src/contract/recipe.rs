@@ -141,15 +141,15 @@ mod tests {
         let ends_odd = |x: &f64, dtype: Dtype| x.abs() / dtype.ulp(*x) % 2.0 == 1.0;
         for dtype in Dtype::ALL {
             let x = Recipe::Float { lowest: -3, binades: 4, signed: true, empty: 1 };
-            let x = x.entries("x", 0..4000, 1, dtype);
+            let x = x.entries("floats", 0..4000, 1, dtype);
             assert!((400..600).contains(&x.iter().filter(|x| **x == 0.0).count()));
             assert!((1600..1900).contains(&x.iter().filter(|x| **x < 0.0).count()));
             assert!(x.iter().all(|x| *x == 0.0 || (0.125..2.0).contains(&x.abs())));
             assert!((1500..2000).contains(&x.iter().filter(|x| ends_odd(x, dtype)).count()), "{dtype}");
         }
-        let edges = Recipe::Ascending { cells: 10 }.entries("e", 0..2 * 1025, 1025, Dtype::F32);
+        let edges = Recipe::Ascending { cells: 10 }.entries("edge", 0..2 * 1025, 1025, Dtype::F32);
         assert!(edges.chunks(1025).all(|row| row.is_sorted() && row[0] < 0.001 && row[1024] >= 1.0));
-        let offsets = Recipe::Offsets { most: 3 }.entries("o", 0..400, 400, Dtype::F32);
+        let offsets = Recipe::Offsets { most: 3 }.entries("starting", 0..400, 400, Dtype::F32);
         let lengths: Vec<f64> = offsets.windows(2).map(|pair| pair[1] - pair[0]).collect();
         assert!(offsets[0] == 0.0 && [0.0, 1.0, 2.0, 3.0].iter().all(|n| lengths.contains(n)));
     }

@@ -126,29 +126,24 @@ pub(crate) fn rays(
     if one_alone && !first_alone {
         let says = format!("image {} of {count} in all four calls", calls[0].image_ids[0]);
         found.push(finding("one_image_for_ever", says));
-    } else if let Some(per_call) = dealt.filter(|_| !first_alone) {
+    }
+    // Rays of one image meet in its pixels alone.
+    let pool = height * width * if dealt.is_some() { 1 } else { count };
+    let again = come_again(calls, [height, width], pool);
+    if let Some(per_call) = dealt.filter(|_| !one_alone) {
         // Two calls don't show how these images were drawn.
         found.push(choice("rays_per_image", format!("a call's rays are dealt to {per_call} drawn image(s)")));
-    } else if uneven(count, &ids) || lopsided(count, &ids) {
+    } else if again.is_none() && (!one_alone || first_alone) && (uneven(count, &ids) || lopsided(count, &ids))
+    {
         let name = if last + 1 < count { "first_images_only" } else { "images_not_uniform" };
         found.push(finding(name, format!("the last of {count} images that is drawn is number {last}")));
     }
     let columns: Vec<usize> = both().map(|((_, uv), _)| uv[0] as usize).collect();
     let rows: Vec<usize> = both().map(|((_, uv), _)| uv[1] as usize).collect();
-    if uneven(width, &columns) || uneven(height, &rows) {
+    if again.is_none() && (uneven(width, &columns) || uneven(height, &rows)) {
         found.push(finding("pixels_not_uniform", "some rows or columns are drawn too often".into()));
     }
-    if calls[0].uv == calls[1].uv && calls[0].image_ids == calls[1].image_ids {
-        found.push(finding("rays_frozen", "both calls drew the same pixels".into()));
-    } else if found.iter().all(|finding| finding.honest) {
-        // Rays of one image meet in its pixels alone.
-        let pool = height * width * if dealt.is_some() { 1 } else { count };
-        let place = |((&id, uv), _): ((&f64, &[f64; 2]), _)| (id * height as f64 + uv[1]) * width as f64 + uv[0];
-        let places: Vec<f64> = both().map(place).collect();
-        if let Some((lag, times)) = repeats::distance(&places, &places, 0.0, 1.0 / pool as f64) {
-            found.push(finding("rays_repeat", format!("{times} pixels are those of {lag} rays before")));
-        }
-    }
+    found.extend(again);
     let expected =
         |id: f64, uv: &[f64; 2], k: usize| images[[id as usize, uv[1] as usize, uv[0] as usize, k]];
     let agrees = |scale: f64| {
@@ -161,6 +156,18 @@ pub(crate) fn rays(
         found.push(finding(name, "the colors are not those of the pixels".into()));
     }
     found
+}
+
+/// Rays that were there before: all of them, or more than meet by chance in so many pixels.
+fn come_again(calls: &[Call; 2], [height, width]: [usize; 2], pool: usize) -> Option<Finding> {
+    if calls[0].uv == calls[1].uv && calls[0].image_ids == calls[1].image_ids {
+        return Some(finding("rays_frozen", "both calls drew the same pixels".into()));
+    }
+    let rays = calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv));
+    let place = |(id, uv): (&f64, &[f64; 2])| (id * height as f64 + uv[1]) * width as f64 + uv[0];
+    let places: Vec<f64> = rays.map(place).collect();
+    let (lag, times) = repeats::distance(&places, &places, 0.0, 1.0 / pool as f64)?;
+    Some(finding("rays_repeat", format!("{times} pixels are those of {lag} rays before")))
 }
 
 /// Whether images are drawn too often from one end, or one is never drawn.
@@ -266,13 +273,13 @@ fn dependence(calls: &[Call], u: &[Vec<f64>], off: f64) -> (bool, Option<Finding
     if correlated(&firsts, 1).is_some_and(|r| r > 0.0) {
         return (shift, Some(finding("rays_jittered_together", "neighboring rays move together".into())));
     }
+    if let Some(says) = of_pixels(calls, &firsts, off) {
+        return (shift, Some(finding("jitter_of_the_pixel", says)));
+    }
     let place = |lag: usize| format!("{} rays and {} samples", lag / step, lag % step);
     if let Some((lag, times)) = repeats::distance(&flat, &flat, off, 2.0 * off) {
         let says = format!("{times} of {} numbers are those of {} before", flat.len(), place(lag));
         return (shift, Some(finding("jitter_repeats", says)));
-    }
-    if let Some(says) = of_pixels(calls, &firsts, off) {
-        return (shift, Some(finding("jitter_of_the_pixel", says)));
     }
     let mirrored: Vec<f64> = flat.iter().map(|x| 1.0 - x).collect();
     if let Some((lag, times)) = repeats::distance(&flat, &mirrored, off, 2.0 * off) {
@@ -303,7 +310,9 @@ fn of_pixels(calls: &[Call], firsts: &[f64], off: f64) -> Option<String> {
         }
     }
     let chance = again as f64 * 2.0 * off + count_slack(again, (2.0 * off).min(1.0), 1);
-    (same as f64 > chance).then(|| format!("{same} of {again} pixels that came again have the same jitter"))
+    // Other repetition meets a pixel in passing.
+    (same as f64 > chance && 10 * same > 9 * again)
+        .then(|| format!("{same} of {again} pixels that came again have the same jitter"))
 }
 
 /// Whether independent draws u are uniform on [0, 1); if they aren't, what they look like.
@@ -343,7 +352,12 @@ fn law(mut sorted: Vec<f64>, width: f64) -> Option<Finding> {
 pub(crate) fn at_rest(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<Finding> {
     let Some(first) = calls[0].t.first() else { return vec![] };
     let off = rounding([near, far]);
-    if calls.iter().flat_map(|call| &call.t).flat_map(|t| t.iter().zip(first)).any(|(t, x)| (t - x).abs() > off) {
+    if calls
+        .iter()
+        .flat_map(|call| &call.t)
+        .flat_map(|t| t.iter().zip(first))
+        .any(|(t, x)| (t - x).abs() > off)
+    {
         return vec![finding("jitter_at_evaluation", "two renders of the same view differ".into())];
     }
     let rest = sample_along_ray(near, far, &vec![rest_u(c.rest); first.len()], c.grid);

@@ -48,13 +48,13 @@ impl LargeExam {
 fn described(recipe: &Recipe) -> Value {
     match *recipe {
         Recipe::Constant(x) => json!({ "law": "constant", "is": x }),
-        Recipe::Unit => json!({ "law": "unit" }),
+        Recipe::Unit => json!({ "law": "fraction" }),
         Recipe::Float { lowest, binades, signed, empty } => {
             json!({ "law": "float", "lowest": lowest, "binades": binades, "signed": signed, "empty": empty })
         }
         Recipe::Ascending { cells } => json!({ "law": "ascending", "cells": cells }),
         Recipe::Each(each) => json!({ "law": "each", "each": each }),
-        Recipe::Offsets { most } => json!({ "law": "sums", "most": most }),
+        Recipe::Offsets { most } => json!({ "law": "running", "most": most }),
     }
 }
 

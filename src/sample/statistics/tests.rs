@@ -169,14 +169,8 @@ fn mistakes_at_evaluation_are_named() {
 #[test]
 fn draws_that_come_again_are_named() {
     type Number = Box<dyn Fn(Key, u64, u64, u64) -> f64>;
-    let of_pixel = |key: Key, step: u64, r: u64, i: u64| {
-        // The pixel that `call` draws for this ray.
-        let rays = Key::new(4, Purpose::Rays);
-        let [image, x, y] = [(0, 256.0), (1, 7.0), (2, 5.0)].map(|(k, n)| (rays.uniform(step, r, k) * n) as u64);
-        key.uniform(0, (image * 5 + y) * 7 + x, i)
-    };
     let mirrored = |u: f64, odd: bool| if odd { 1.0 - u } else { u };
-    let mistakes: [(&str, Number); 14] = [
+    let mistakes: [(&str, Number); 13] = [
         ("jitter_repeats", Box::new(|key, step, r, i| key.uniform(step, r % 512, i))),
         ("jitter_repeats", Box::new(|key, step, r, i| key.uniform(step, r % 2048, i))),
         ("jitter_repeats", Box::new(|key, step, r, i| key.uniform(step, r % 1000, i))),
@@ -186,15 +180,38 @@ fn draws_that_come_again_are_named() {
         ("jitter_repeats", Box::new(|key, step, r, i| key.uniform(step, 0, (r + i) % 4096))),
         ("jitter_repeats", Box::new(|key, step, r, i| key.uniform(0, (r + 100 * step) % 4096, i))),
         ("jitter_repeats", Box::new(|key, step, r, i| key.uniform(0, (r + 2047 * step) % 4096, i))),
-        ("jitter_of_the_pixel", Box::new(of_pixel)),
-        ("jitter_antithetic", Box::new(move |key, step, r, i| mirrored(key.uniform(step, r / 2, i), r % 2 == 1))),
-        ("jitter_antithetic", Box::new(move |key, step, r, i| mirrored(key.uniform(step, r, i / 2), i % 2 == 1))),
+        (
+            "jitter_antithetic",
+            Box::new(move |key, step, r, i| mirrored(key.uniform(step, r / 2, i), r % 2 == 1)),
+        ),
+        (
+            "jitter_antithetic",
+            Box::new(move |key, step, r, i| mirrored(key.uniform(step, r, i / 2), i % 2 == 1)),
+        ),
         ("jitter_antithetic", Box::new(move |key, step, r, i| mirrored(key.uniform(0, r, i), step == 1))),
-        ("jitter_correlated", Box::new(|key, step, r, i| 0.5 * (key.uniform(step, r, i) + key.uniform(step, (r + 5) % 4096, i)))),
+        (
+            "jitter_correlated",
+            Box::new(|key, step, r, i| {
+                0.5 * (key.uniform(step, r, i) + key.uniform(step, (r + 5) % 4096, i))
+            }),
+        ),
     ];
     for (n, (name, number)) in mistakes.iter().enumerate() {
         assert_eq!(names(&training(4, number), &resting())[..1], [*name], "{n}");
     }
+}
+
+#[test]
+fn jitter_of_the_pixel_is_named() {
+    let (mut calls, key) = (right(4), Key::new(4, Purpose::Samples));
+    for call in &mut calls {
+        for r in 0..RAYS {
+            let pixel = (call.image_ids[r] * 5.0 + call.uv[r][1]) * 7.0 + call.uv[r][0];
+            let u: Vec<f64> = (0..SAMPLES as u64).map(|i| key.uniform(0, pixel as u64, i)).collect();
+            call.t[r] = sample_along_ray(BOUNDS[0], BOUNDS[1], &u, CS180.grid);
+        }
+    }
+    assert_eq!(names(&calls, &resting()), ["jitter_of_the_pixel"]);
 }
 
 #[test]
@@ -234,7 +251,8 @@ fn rounding_is_no_jitter() {
     }
     assert_eq!(names(&right(1), &rest), [""; 0]);
     let mut frozen = right(2);
-    frozen[1].t = frozen[0].t.iter().map(|t| t.iter().map(|t| f64::from((*t as f32).next_up())).collect()).collect();
+    frozen[1].t =
+        frozen[0].t.iter().map(|t| t.iter().map(|t| f64::from((*t as f32).next_up())).collect()).collect();
     assert_eq!(names(&frozen, &resting()), ["jitter_frozen"]);
 }
 
