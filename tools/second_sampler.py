@@ -4,8 +4,9 @@ import numpy as np
 from second_geometry import positions
 
 MISTAKES = (
-    "outside_the_images first_images_only images_not_uniform pixels_not_uniform rays_frozen divided_twice_by_255 wrong_colors "
-    "never_jittered jitter_frozen one_jitter_for_all_rays rays_jittered_together jitter_width_0.02 "
+    "outside_the_images first_images_only images_not_uniform pixels_not_uniform rays_frozen rays_repeat one_image_for_ever "
+    "divided_twice_by_255 wrong_colors never_jittered jitter_frozen one_jitter_for_all_rays rays_jittered_together jitter_repeats "
+    "jitter_of_the_pixel jitter_antithetic jitter_correlated jitter_width_0.02 "
     "jitter_width_0.1 jitter_width_1 jitter_centered_on_edges jitter_gaussian jitter_not_uniform jitter_at_evaluation not_at_rest"
 ).split()
 
@@ -28,7 +29,11 @@ def sample_random_rays(a, c, wrong):
         ids = np.repeat(random.integers(0, number, 1), count)
     if "rays_per_image" in wrong:
         ids = np.repeat(random.integers(0, number, 8), count // 8)
+    if "one_image_for_ever" in wrong:
+        ids = np.full(count, number // 2)
     j, i = pick(height), pick(width)
+    if "rays_repeat" in wrong:
+        ids, j, i = (np.tile(x[: count // 8], 8) for x in (ids, j, i))
     if "pixels_not_uniform" in wrong:
         i = np.minimum(i, pick(width))
     if "outside_the_images" in wrong:
@@ -41,6 +46,8 @@ def sample_random_rays(a, c, wrong):
     uv = np.stack([i, j], 1).astype(images.dtype) + (0.5 if c["pixel_center"] == "half" else 0)
     jitter = np.random.default_rng([7, 0 if "jitter_frozen" in wrong else a["seed"]])
     u = drawn(jitter, count, n, wrong)
+    if "jitter_of_the_pixel" in wrong:
+        u = np.random.default_rng(7).random((number * height * width, n))[(ids * height + j % height) * width + i % width]
     if "jitter_centered_on_edges" in wrong:
         u = u - 0.5
     for name in wrong:
@@ -61,6 +68,14 @@ def drawn(random, count, n, wrong):
         return np.broadcast_to(random.random((count, 1)), (count, n))
     if "rays_jittered_together" in wrong:
         return np.repeat(random.random((count // 2, n)), 2, 0)
+    if "jitter_repeats" in wrong:
+        return np.tile(random.random((count // 8, n)), (8, 1))
+    if "jitter_antithetic" in wrong:
+        half = random.random((count // 2, n))
+        return np.stack([half, 1 - half], 1).reshape(count, n)
+    if "jitter_correlated" in wrong:
+        u = random.random((count, n))
+        return (u + np.roll(u, 3, 0)) / 2
     if "jitter_gaussian" in wrong:
         return 0.5 + random.standard_normal((count, n)) / 4
     if "jitter_not_uniform" in wrong:

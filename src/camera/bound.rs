@@ -6,12 +6,19 @@
 use super::arrays::{in_axes, intrinsics, matrix, rows34};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
-use crate::contract::bounded::{Bounded, exact};
+use crate::contract::bounded::{Bounded, Running, exact};
 use crate::convention::Conventions;
 
 /// A sum in any order: inside one operation, or by additions that each round to the type.
 pub(crate) fn any_order(terms: &[Bounded], m: &Arithmetic) -> Bounded {
-    m.sum(terms).or(Arithmetic { u_sum: m.u, ..*m }.sum(terms))
+    let mut running = Running::default();
+    terms.iter().for_each(|term| running.add(*term));
+    in_any_order(&running, m)
+}
+
+/// The same of the terms so far.
+pub(crate) fn in_any_order(running: &Running, m: &Arithmetic) -> Bounded {
+    running.sum(m).or(running.sum(&Arithmetic { u_sum: m.u, ..*m }))
 }
 
 /// A hyper-parameter: given in f64, rounded to the type where the type can't represent it.

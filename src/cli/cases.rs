@@ -8,10 +8,11 @@ use serde_json::json;
 use super::output;
 use crate::contract::Dtype;
 use crate::convention::profiles;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::files;
 use crate::files::layout::Layout;
-use crate::judge::{Exam, exchange};
+use crate::judge::large::files::{self as large_files, TIER};
+use crate::judge::{Exam, LargeExam, exchange};
 
 /// Write the cases that an implementation is judged by: cases.json and, with the inputs alone, one npz a case, or a file of bare numbers an
 /// array.
@@ -33,6 +34,12 @@ pub(super) struct Args {
     /// Answers may lie either way.
     #[arg(long, default_value_t)]
     layout: Layout,
+    /// Small cases, or those of real sizes (large), whose inputs are recipes in cases.json.
+    #[arg(long, default_value = "small", value_parser = ["small", TIER])]
+    tier: String,
+    /// Write the inputs of large cases as npz, too: some hundred megabytes.
+    #[arg(long)]
+    inputs: bool,
 }
 
 /// Runs it.
@@ -42,8 +49,26 @@ pub(super) struct Args {
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     files::check_writable(&args.out)?;
     let profile = args.profile.as_deref().map(profiles::find).transpose()?;
-    let exam = Exam::new(&args.filter, args.dtype, profile)?;
-    let bytes = exchange::write_cases(&exam, &args.out, args.layout)?;
+    let large = args.tier == TIER;
+    if args.inputs && !large {
+        return Err(Error::usage(
+            "--inputs",
+            "small cases",
+            "--tier large: small cases always come with their inputs",
+        ));
+    }
+    if large && args.layout != Layout::Npz {
+        return Err(Error::usage("--layout", args.layout, "npz with --tier large, whose answers may lie either way"));
+    }
+    let (exam, bytes) = if large {
+        let large = LargeExam::new(&args.filter, args.dtype, profile)?;
+        let bytes = large_files::write(&large, &args.out, args.inputs)?;
+        (large.exam, bytes)
+    } else {
+        let exam = Exam::new(&args.filter, args.dtype, profile)?;
+        let bytes = exchange::write_cases(&exam, &args.out, args.layout)?;
+        (exam, bytes)
+    };
     let cases: usize = exam.questions.iter().map(|question| question.cases.len()).sum();
     let left_out = &exam.left_out;
     let layout = args.layout.to_string();

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use super::output;
 use crate::error::{Error, Result};
-use crate::judge::{Verdict, exchange, judging};
+use crate::judge::{Verdict, exchange, judging, large};
 
 /// Judge answers: right or wrong, component by component, and what the mistake probably is.
 #[derive(clap::Args, Debug)]
@@ -30,9 +30,13 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     if !(args.exp_ulp >= 0.5 && args.exp_ulp <= 1e6) {
         return Err(Error::usage("--exp-ulp", args.exp_ulp, "a number from 0.5 to 1e6"));
     }
-    let exam = exchange::declared(exchange::read_exam(&args.cases)?, &args.answers)?;
-    let answers = exchange::read_answers(&exam, &args.answers)?;
-    let report = judging::judge_answers(&exam, &answers, args.exp_ulp);
+    let report = if exchange::read_manifest(&args.cases)?.tier.is_some() {
+        large::files::judged(large::files::read(&args.cases)?, &args.answers, args.exp_ulp)?
+    } else {
+        let exam = exchange::declared(exchange::read_exam(&args.cases)?, &args.answers)?;
+        let answers = exchange::read_answers(&exam, &args.answers)?;
+        judging::judge_answers(&exam, &answers, args.exp_ulp)
+    };
     output::print(json, &report.json(), &report.to_string())?;
     let allowed: &[Verdict] = if args.allow.is_some() { &[Verdict::Imprecise] } else { &[] };
     Ok(ExitCode::from(report.exit_code_allowing(allowed)))

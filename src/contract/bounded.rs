@@ -123,26 +123,43 @@ impl Arithmetic {
 
     /// A sum of n terms in any order: gamma_(n-1) of the accumulator times the sum of sizes, then one rounding to the type.
     pub fn sum(&self, terms: &[Bounded]) -> Bounded {
-        let (mut y, mut e, mut size) = (crate::math::Sum::default(), 0.0, 0.0);
-        for term in terms {
-            y.add(term.y);
-            e += term.e;
-            size += term.size();
-        }
-        let n = terms.iter().filter(|term| term.size() > 0.0).count().saturating_sub(1) as f64;
-        let e = e + product(gamma(n, self.u_sum), size);
-        // In f32 and f64 the last addition's rounding is the result's rounding.
-        if self.u_sum < self.u {
-            self.rounded(y.value(), e)
-        } else {
-            Bounded { y: y.value(), e: e + flush(n, self.tiny) }
-        }
+        let mut running = Running::default();
+        terms.iter().for_each(|term| running.add(*term));
+        running.sum(self)
     }
 
     /// A sum of products in any order, each product rounded or fused into the sum.
     pub fn dot(&self, a: &[Bounded], b: &[Bounded]) -> Bounded {
         let products: Vec<Bounded> = a.iter().zip(b).map(|(&a, &b)| self.mul(a, b)).collect();
         self.sum(&products)
+    }
+}
+
+/// A sum of the terms so far, for scans: N sums cost N steps.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Running {
+    y: crate::math::Sum,
+    e: f64,
+    size: f64,
+    /// Those that may be other than 0.
+    terms: usize,
+}
+
+impl Running {
+    /// One term more.
+    pub fn add(&mut self, term: Bounded) {
+        self.y.add(term.y);
+        self.e += term.e;
+        self.size += term.size();
+        self.terms += usize::from(term.size() > 0.0);
+    }
+
+    /// The sum of the terms so far, as [`Arithmetic::sum`] has it.
+    pub fn sum(&self, m: &Arithmetic) -> Bounded {
+        let n = self.terms.saturating_sub(1) as f64;
+        let (y, e) = (self.y.value(), self.e + product(gamma(n, m.u_sum), self.size));
+        // In f32 and f64 the last addition's rounding is the result's rounding.
+        if m.u_sum < m.u { m.rounded(y, e) } else { Bounded { y, e: e + flush(n, m.tiny) } }
     }
 }
 
@@ -164,4 +181,49 @@ fn product_error(a: Bounded, b: Bounded) -> f64 {
 /// a b, with 0 times an unknown infinite error being 0.
 fn product(a: f64, b: f64) -> f64 {
     if a == 0.0 || b == 0.0 { 0.0 } else { a * b }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::arithmetic::{Dtype, Grade};
+    use crate::math::Sum;
+
+    /// The sum of a prefix by the formula written out, term by term anew.
+    fn prefix(m: &Arithmetic, terms: &[Bounded]) -> Bounded {
+        let (mut y, mut e, mut size) = (Sum::default(), 0.0, 0.0);
+        for term in terms {
+            y.add(term.y);
+            e += term.e;
+            size += term.size();
+        }
+        let n = terms.iter().filter(|term| term.size() > 0.0).count().saturating_sub(1) as f64;
+        let e = e + product(gamma(n, m.u_sum), size);
+        if m.u_sum < m.u { m.rounded(y.value(), e) } else { Bounded { y: y.value(), e: e + n * m.tiny } }
+    }
+
+    #[test]
+    fn running_sums_are_those_of_prefixes_bit_for_bit() {
+        let key = crate::random::Key::new(3, crate::random::Purpose::Cases);
+        let number = |n: u64| key.uniform(0, 0, n) - 0.5;
+        for dtype in Dtype::ALL {
+            let m = Arithmetic::new(dtype, Grade::A);
+            let term = |n: u64| match n % 7 {
+                3 => exact(0.0),
+                5 if n > 150 => exact(0.0).widened(f64::INFINITY),
+                _ => Bounded { y: number(n), e: 0.001 * number(1000 + n).abs() },
+            };
+            let terms: Vec<Bounded> = (0..200).map(term).collect();
+            let mut running = Running::default();
+            for n in 0..=terms.len() {
+                let (sum, again) = (running.sum(&m), prefix(&m, &terms[..n]));
+                assert_eq!(
+                    (sum.y.to_bits(), sum.e.to_bits()),
+                    (again.y.to_bits(), again.e.to_bits()),
+                    "{dtype} {n}"
+                );
+                terms.get(n).iter().for_each(|term| running.add(**term));
+            }
+        }
+    }
 }

@@ -7,8 +7,10 @@ pub mod case;
 pub mod check;
 pub mod component;
 pub mod hazard;
+pub mod large;
 pub mod machine;
 pub mod propagate;
+pub mod recipe;
 pub mod special;
 
 #[cfg(test)]

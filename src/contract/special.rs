@@ -3,6 +3,7 @@
 use super::arithmetic::Dtype;
 use super::arrays::Arrays;
 use super::case::{Case, Draw};
+use super::large::Large;
 use crate::convention::Conventions;
 
 /// What only a few rows need; most have [`Special::NONE`].
@@ -27,6 +28,8 @@ pub struct Special {
     pub statistics: Option<Statistics>,
     /// The forms in which functions take less than all inputs, or others in their place.
     pub forms: &'static [Form],
+    /// Cases of real sizes, if it has some.
+    pub large: fn() -> Vec<Large>,
 }
 
 /// A number that stands at places of an output whatever the inputs. Programs choose it freely: it is told, and not compared.
@@ -54,6 +57,7 @@ impl Special {
         chosen: None,
         statistics: None,
         forms: &[],
+        large: Vec::new,
     };
 }
 

@@ -9,27 +9,25 @@ use super::used_samples;
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, number, values};
 use crate::contract::component::Direction;
-use crate::convention::{CS180, Conventions, Stop};
+use crate::convention::{CS180, Conventions, ProductEps, Stop};
 use crate::math::{expm1, ln};
+use crate::volume_rendering::bound::transmittance;
 use crate::volume_rendering::component::VOLUME_RENDER;
+use crate::volume_rendering::volume_render;
 
 /// The numbers of samples of a ray that an honest implementation may use.
-fn candidates(
-    a: &Arrays,
-    r: usize,
-    (first, length): (usize, usize),
-    stop: Stop,
-    m: &Arithmetic,
-) -> Vec<usize> {
+fn candidates(a: &Arrays, (first, length): (usize, usize), stop: Stop, m: &Arithmetic) -> Vec<usize> {
     let eps = number(a, "eps");
     // eps itself rounded, or its logarithm compared with the optical depth.
     let slack =
         eps * (m.u + expm1(2.0 * m.u * m.elementary_ulp * if eps > 0.0 { ln(eps).abs() } else { 0.0 }));
     let mut found = vec![];
+    let (sigmas, deltas) =
+        (&values(a, "sigmas")[first..first + length], &values(a, "deltas")[first..first + length]);
+    let light = volume_render(sigmas, &vec![[0.0; 3]; length], deltas, ProductEps::None).transmittance;
+    let errors = transmittance(sigmas, deltas, m);
     for n in 1..=length {
-        let ray = one_ray(a, r, first, n);
-        let t = number(&(VOLUME_RENDER.forward.oracle)(&ray, &CS180), "transmittance");
-        let off = number(&(VOLUME_RENDER.forward.bound)(&ray, &CS180, m), "transmittance");
+        let (t, off) = (light[n], errors[n]);
         if (t - off).max(0.0) < eps + slack {
             found.push(match stop {
                 Stop::Behind => n,
@@ -56,7 +54,7 @@ fn covering(a: &Arrays, direction: &Direction, stop: Stop, m: &Arithmetic) -> Ar
         let span = first..first + length;
         let right = answer(used_samples(&sigmas[span.clone()], &deltas[span], number(a, "eps"), stop));
         let mut bound: Arrays = right.iter().map(|(name, y)| (name.clone(), y.mapv(|_| 0.0))).collect();
-        for n in candidates(a, r, (first, length), stop, m) {
+        for n in candidates(a, (first, length), stop, m) {
             let own = stopped(0, length, (direction.bound)(&one_ray(a, r, first, n), &CS180, m));
             let other = answer(n);
             for (name, bound) in &mut bound {

@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats, sparse};
 
 /// Packed rendering with early stop.
 pub(crate) fn early_stop() -> Vec<Case> {
@@ -93,4 +95,16 @@ pub(crate) fn early_stop() -> Vec<Case> {
         cases.push(case(regime, comment, eps, &lengths, sigmas, rgbs, deltas));
     }
     in_full(cases, "mixed")
+}
+
+/// Rays of up to 96 samples, of which about half are stopped.
+pub(crate) fn large() -> Vec<Large> {
+    let (id, rays) = ("rays_20011", 20_011);
+    let offsets = Recipe::Offsets { most: 96 };
+    let samples = offsets.total("early_stop", id, "offsets", rays);
+    let large = Large::new(id, "20,011 rays of 0 to 96 samples, half of them stopped", rays, 64)
+        .packed("S", "offsets");
+    let large = large.with("sigmas", &[samples], sparse(-1, 5, 1)).with("rgbs", &[samples, 3], Recipe::Unit);
+    let large = large.with("deltas", &[samples], floats(-7, 2)).with("offsets", &[rays + 1], offsets);
+    vec![large.with("eps", &[], Recipe::Constant(0.0625))]
 }

@@ -45,5 +45,5 @@ pub(crate) const EARLY_STOP: Component = Component {
     }),
     cases: cases::early_stop,
     mistakes: mistakes::EARLY_STOP,
-    special: Special { forms: FORMS, ..Special::NONE },
+    special: Special { forms: FORMS, large: cases::large, ..Special::NONE },
 };

@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, signed};
 
 /// Positional encoding.
 pub(crate) fn positional_encoding() -> Vec<Case> {
@@ -69,4 +71,11 @@ pub(crate) fn positional_encoding() -> Vec<Case> {
         ),
     ];
     in_full(cases, "directions")
+}
+
+/// Many points in ten bands.
+pub(crate) fn large() -> Vec<Large> {
+    let points = 100_003;
+    let large = Large::new("points_100003", "100,003 points, L = 10", points, 1024);
+    vec![large.with("x", &[points, 3], signed(-6, 6)).with("L", &[], Recipe::Constant(10.0))]
 }

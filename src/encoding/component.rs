@@ -30,5 +30,10 @@ pub(crate) const POSITIONAL_ENCODING: Component = Component {
     }),
     cases: cases::positional_encoding,
     mistakes: mistakes::POSITIONAL_ENCODING,
-    special: Special { columns: Some(("columns", "band_sin_cos")), admits: arrays::admits, ..Special::NONE },
+    special: Special {
+        columns: Some(("columns", "band_sin_cos")),
+        admits: arrays::admits,
+        large: cases::large,
+        ..Special::NONE
+    },
 };

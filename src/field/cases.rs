@@ -6,6 +6,8 @@ use super::nerf_mlp::{NerfMlp, Shape};
 use super::trunk::Plan;
 use crate::contract::arrays::{Arrays, array};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::signed;
 use crate::convention::{CS180, Conventions};
 use crate::random::{Key, Purpose};
 
@@ -194,4 +196,24 @@ pub(crate) fn admits(inputs: &Arrays, c: &Conventions) -> bool {
     let identity = if c.identity { 3 } else { 0 };
     let fits = |n: usize| shapes[n][1] == Plan::of(c).columns(n, width, encoding);
     encoding % 6 == identity && c.skip_layer < shapes.len() && (0..shapes.len()).all(fits)
+}
+
+/// Plain networks of real widths. Their parameters' gradients add up over all points: a case of its own kind, not asked here.
+pub(crate) fn large() -> Vec<Large> {
+    let network = |(id, comment, width): (&'static str, &'static str, usize)| {
+        let points = 1031;
+        let large =
+            Large::new(id, comment, points, 32).with("x", &[points, 32], signed(-4, 4)).forward_only();
+        let layer = |large: Large, (n, size): (usize, &[usize])| {
+            let w = large.with(format!("w{n}"), &[size[1], size[0]], signed(-7, 4));
+            w.with(format!("b{n}"), &[size[1]], signed(-4, 4))
+        };
+        [32, width, width, width, 3].windows(2).enumerate().fold(large, layer)
+    };
+    let networks = [
+        ("batch_1031_width_64", "1,031 points, three layers of 64", 64),
+        ("batch_1031_width_128", "1,031 points, three layers of 128", 128),
+        ("batch_1031_width_256", "1,031 points, three layers of 256", 256),
+    ];
+    networks.into_iter().map(network).collect()
 }

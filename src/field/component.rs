@@ -26,7 +26,7 @@ pub(crate) const MLP: Component = Component {
     }),
     cases: cases::mlp,
     mistakes: mistakes::MLP,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };
 
 /// The network of the NeRF paper, encodings inside.

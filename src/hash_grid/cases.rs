@@ -4,6 +4,8 @@ use super::{Level, resolutions};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, signed};
 
 /// Cells of the coarsest and the finest level, number of levels, entries of a table at most, features.
 type Shape = (u32, u32, usize, usize, usize);
@@ -94,4 +96,26 @@ pub(crate) fn hash_grid() -> Vec<Case> {
         ),
     ];
     in_full(cases, "dense_and_hashed")
+}
+
+/// Grids of real size. The tables' gradients add up over all points, so that a gradient is judged at once.
+pub(crate) fn large() -> Vec<Large> {
+    let grid = |id, comment, [levels, entries, features, finest]: [usize; 4], [points, block]: [usize; 2]| {
+        let large = Large::new(id, comment, points, block).with("x", &[points, 3], Recipe::Unit);
+        let base = large.with("base", &[], Recipe::Constant(16.0));
+        let large = base.with("finest", &[], Recipe::Constant(finest as f64));
+        let table = |large: Large, l| large.with(format!("table{l}"), &[entries, features], signed(-4, 4));
+        // In short types most points lie on a face of some cell.
+        (0..levels).fold(large, table).in_types(&[Dtype::F64, Dtype::F32])
+    };
+    vec![
+        grid("points_20011", "20,011 points, L = 4, T = 2^14, F = 2", [4, 1 << 14, 2, 128], [20_011, 20_011]),
+        grid(
+            "points_100003",
+            "100,003 points, L = 16, T = 2^19, N = 2048, F = 2",
+            [16, 1 << 19, 2, 2048],
+            [100_003, 50_002],
+        )
+        .forward_only(),
+    ]
 }

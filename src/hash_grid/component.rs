@@ -36,5 +36,5 @@ pub(crate) const HASH_GRID: Component = Component {
     }),
     cases: cases::hash_grid,
     mistakes: mistakes::HASH_GRID,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

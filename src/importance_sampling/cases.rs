@@ -1,7 +1,10 @@
 //! Cases of importance sampling: random rays, empty and opaque ones, ties, ends and bins of width 0.
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats};
 
 /// Rows of equal length as an array.
 fn table(rows: &[Vec<f64>]) -> ndarray::ArrayD<f64> {
@@ -122,4 +125,14 @@ pub(crate) fn importance_sampling() -> Vec<Case> {
         ),
     ];
     in_full(cases, "plain")
+}
+
+/// More bins than a block has threads; short types can't tell so many edges apart.
+pub(crate) fn large() -> Vec<Large> {
+    let rays = 257;
+    let large = Large::new("bins_1024", "257 rays of 1,024 bins, 129 samples each", rays, 16);
+    let large = large.with("edges", &[rays, 1025], Recipe::Ascending { cells: 10 });
+    let large =
+        large.with("weights", &[rays, 1024], floats(-8, 6)).with("padding", &[], Recipe::Constant(0.0));
+    vec![large.with("u", &[rays, 129], Recipe::Unit).in_types(&[Dtype::F64, Dtype::F32])]
 }

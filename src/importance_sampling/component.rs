@@ -32,5 +32,5 @@ pub(crate) const IMPORTANCE_SAMPLING: Component = Component {
     }),
     cases: cases::importance_sampling,
     mistakes: mistakes::IMPORTANCE_SAMPLING,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

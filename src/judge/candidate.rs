@@ -8,10 +8,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use super::answer::given;
 use super::asking::{Reply, examine};
 use super::declared::Declared;
-use super::exam::Exam;
+use super::exam::{Exam, Question};
+use super::large::{LargeExam, examine_in_process};
 use super::report::Report;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::convention::profiles::{self, Profile};
 use crate::error::{Error, Result};
@@ -117,25 +119,52 @@ impl<'a> Candidate<'a> {
 /// # Errors
 /// A component that isn't in the contract, or an input or output that the component doesn't have.
 pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
-    let rows: Vec<(&str, Kind)> = candidate.functions.keys().map(|(name, kind)| (&name[..], *kind)).collect();
-    let exam = Exam::of(&rows, dtype, candidate.profile)?;
-    let declared = exam.questions.iter().filter_map(|question| {
-        let of = (question.component.name.to_string(), question.kind);
-        Some((question.row(), candidate.declared.get(&of)?.clone()))
-    });
-    let declared = declared.collect();
-    let exam = exam
-        .narrowed(&declared)
-        .map_err(|what| Error::usage("takes, returns", what, "the contract's names"))?;
-    let asked = examine(exam, true, |question, case| {
-        let function = candidate.functions.get(&(question.component.name.to_string(), question.kind));
+    let exam = Exam::of(&candidate.rows(), dtype, candidate.profile)?;
+    let declared = candidate.declared_in(&exam);
+    let exam = exam.narrowed(&declared).map_err(undeclared)?;
+    let asked = examine(exam, true, |question, case| candidate.ask(question, case));
+    asked.map_err(|never: Infallible| match never {})
+}
+
+/// The same of large cases: real sizes, each asked twice. Rows without any are left out.
+///
+/// # Errors
+/// Those of [`judge`], and where no row of the candidate has large cases.
+pub fn judge_large(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
+    let large = LargeExam::of(&candidate.rows(), dtype, candidate.profile)?;
+    let declared = candidate.declared_in(&large.exam);
+    let large = large.narrowed(&declared).map_err(undeclared)?;
+    let asked = examine_in_process(large, |question, case| candidate.ask(question, case));
+    asked.map_err(|never: Infallible| match never {})
+}
+
+fn undeclared(what: String) -> Error {
+    Error::usage("takes, returns", what, "the contract's names")
+}
+
+impl Candidate<'_> {
+    fn rows(&self) -> Vec<(&str, Kind)> {
+        self.functions.keys().map(|(name, kind)| (&name[..], *kind)).collect()
+    }
+
+    /// What it declares of the rows of an exam.
+    fn declared_in(&self, exam: &Exam) -> BTreeMap<String, Declared> {
+        let one = |question: &Question| {
+            let of = (question.component.name.to_string(), question.kind);
+            Some((question.row(), self.declared.get(&of)?.clone()))
+        };
+        exam.questions.iter().filter_map(one).collect()
+    }
+
+    /// The answer to a case; what a panic says, where it panics.
+    fn ask(&self, question: &Question, case: &Case) -> Result<Reply, Infallible> {
+        let function = self.functions.get(&(question.component.name.to_string(), question.kind));
         let Some(f) = function else { return Ok(Reply::Nothing) };
         Ok(match catch_unwind(AssertUnwindSafe(|| f(&case.inputs))) {
             Ok(outputs) => Reply::Answer(given(outputs)),
             Err(panic) => Reply::Crash(said(&*panic)),
         })
-    });
-    asked.map_err(|never: Infallible| match never {})
+    }
 }
 
 /// What a panic said.

@@ -68,6 +68,9 @@ pub struct Manifest {
     /// How the arrays lie in files, where that isn't npz.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layout: Option<String>,
+    /// The tier, where it isn't the small one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tier: Option<String>,
     /// One entry per case.
     pub cases: Vec<Value>,
 }
@@ -133,6 +136,12 @@ impl Exam {
 
     /// What `cases.json` says.
     pub fn manifest(&self) -> Manifest {
+        let cases = self.questions.iter().flat_map(|s| s.cases.iter().map(move |case| self.entry(s, case)));
+        self.manifest_of(cases.collect())
+    }
+
+    /// The same with these entries.
+    pub(super) fn manifest_of(&self, cases: Vec<Value>) -> Manifest {
         Manifest {
             schema: SCHEMA.into(),
             version: env!("CARGO_PKG_VERSION").into(),
@@ -141,31 +150,46 @@ impl Exam {
             filter: self.filter.clone(),
             left_out: self.left_out.clone(),
             layout: None,
-            cases: self
-                .questions
-                .iter()
-                .flat_map(|s| s.cases.iter().map(|case| self.entry(s, case)))
-                .collect(),
+            tier: None,
+            cases,
         }
     }
 
     fn entry(&self, question: &Question, case: &Case) -> Value {
         let Question { component, kind, .. } = question;
-        let c = self.conventions();
         let direction = component.direction(*kind).expect("a question has its direction");
-        let outputs = (direction.oracle)(&case.inputs, &c);
-        let port = |name: &String, shape: &[usize], dtype: &str| json!({ "name": name, "shape": shape, "dtype": dtype, "meaning": meaning(component, name) });
+        let outputs = (direction.oracle)(&case.inputs, &self.conventions());
+        let shape = |(name, array): (&String, &ArrayD<f64>)| (name.clone(), array.shape().to_vec());
+        let inputs = case.inputs.iter().map(shape).map(|(name, shape)| self.input(question, &name, &shape));
+        let outputs: BTreeMap<String, Vec<usize>> = outputs.iter().map(shape).collect();
+        self.described(question, case, inputs.collect(), &outputs)
+    }
+
+    /// What the manifest says of an input.
+    pub(super) fn input(&self, question: &Question, name: &str, shape: &[usize]) -> Value {
+        port(question.component, name, shape, question.stored(name, shape.len(), self.dtype))
+    }
+
+    /// What the manifest says of a case with these inputs and shapes of outputs.
+    pub(super) fn described(
+        &self,
+        question: &Question,
+        case: &Case,
+        inputs: Vec<Value>,
+        outputs: &BTreeMap<String, Vec<usize>>,
+    ) -> Value {
+        let (Question { component, kind, .. }, c) = (question, self.conventions());
         let pinned = component.conventions.iter().map(|key| (key.to_string(), c.get(key)));
-        let inputs =
-            case.inputs.iter().map(|(n, a)| port(n, a.shape(), question.stored(n, a, self.dtype).name()));
-        let outputs = question.ordered(outputs.keys()).into_iter().map(|n| (n, outputs[n].shape()));
+        let output = |name: &String| {
+            port(component, name, &outputs[name], answer_type(component.output_entries(name), self.dtype))
+        };
         json!({
             "id": case.id,
             "component": component.name,
             "kind": question.kind_name(),
             "file": path(component, *kind, &case.id) + ".npz",
-            "inputs": inputs.collect::<Vec<_>>(),
-            "outputs": outputs.map(|(n, s)| port(n, s, answer_type(component.output_entries(n), self.dtype).name())).collect::<Vec<_>>(),
+            "inputs": inputs,
+            "outputs": question.ordered(outputs.keys()).into_iter().map(output).collect::<Vec<_>>(),
             // Without a profile nothing is pinned, and the judge looks for the assignment that holds.
             "conventions": match self.profile {
                 Some(_) => json!(pinned.collect::<BTreeMap<_, _>>()),
@@ -180,6 +204,11 @@ impl Exam {
     }
 }
 
+/// What the manifest says of an array.
+fn port(component: &Component, name: &str, shape: &[usize], stored: Stored) -> Value {
+    json!({ "name": name, "shape": shape, "dtype": stored.name(), "meaning": meaning(component, name) })
+}
+
 impl Question {
     /// `forward`, `vjp` or `trace`.
     pub fn kind_name(&self) -> &'static str {
@@ -192,10 +221,10 @@ impl Question {
     }
 
     /// What an input is stored as: counts as integers, other scalars (hyper-parameters) as f64, arrays in the type under test.
-    pub fn stored(&self, name: &str, array: &ArrayD<f64>, dtype: Dtype) -> Stored {
+    pub fn stored(&self, name: &str, axes: usize, dtype: Dtype) -> Stored {
         match self.component.input_entries(name) {
             Entries::Count | Entries::Bit => Stored::I64,
-            _ if array.ndim() == 0 => Stored::F64,
+            _ if axes == 0 => Stored::F64,
             entries => answer_type(entries, dtype),
         }
     }

@@ -83,8 +83,9 @@ pub fn packed(question: &Question, case: &Case, dtype: Dtype) -> npz::Arrays {
     case.inputs.iter().map(array).collect()
 }
 
-fn stored(name: &str, array: &ArrayD<f64>, question: &Question, dtype: Dtype) -> npz::Array {
-    match question.stored(name, array, dtype) {
+/// An input in the type that the files have it in.
+pub(super) fn stored(name: &str, array: &ArrayD<f64>, question: &Question, dtype: Dtype) -> npz::Array {
+    match question.stored(name, array.ndim(), dtype) {
         Stored::F64 => array.clone().into(),
         Stored::F32 => array.mapv(|x| x as f32).into(),
         Stored::F16 => array.mapv(f16::from_f64).into(),
@@ -93,40 +94,64 @@ fn stored(name: &str, array: &ArrayD<f64>, question: &Question, dtype: Dtype) ->
     }
 }
 
+/// What `cases.json` in a folder says, of whichever tier.
+///
+/// # Errors
+/// A file that isn't what [`write_cases`] writes in this version.
+pub fn read_manifest(folder: &Path) -> Result<Manifest> {
+    let path = folder.join("cases.json");
+    let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
+    if size > LONGEST_MANIFEST {
+        return Err(wrong(&path, "size", format!("{size} bytes"), "a manifest of cases, as it was written"));
+    }
+    let found: Manifest = serde_json::from_str(&files::read_text(&path)?)
+        .map_err(|error| wrong(&path, "JSON", error.to_string(), "a manifest of cases, as it was written"))?;
+    if found.schema != SCHEMA || found.version != env!("CARGO_PKG_VERSION") {
+        let here = format!("{SCHEMA} of version {}", env!("CARGO_PKG_VERSION"));
+        return Err(wrong(&path, "schema", format!("{} of version {}", found.schema, found.version), &here));
+    }
+    for entry in &found.cases {
+        inside(&path, entry["file"].as_str().unwrap_or_default())?;
+    }
+    Ok(found)
+}
+
+fn wrong(path: &Path, field: &str, found: String, expected: &str) -> Error {
+    let remedy = "Write the cases again, into an empty folder.";
+    Error::input(Input { file: path.display(), field, found, expected, remedy })
+}
+
+/// Whether a manifest has each case of the one that is expected, and no other.
+///
+/// # Errors
+/// The first case that it doesn't have.
+pub(super) fn complete(folder: &Path, found: &Manifest, expected: &Manifest) -> Result<()> {
+    let path = folder.join("cases.json");
+    if let Some(entry) = expected.cases.iter().find(|entry| !found.cases.contains(entry)) {
+        return Err(wrong(
+            &path,
+            "cases",
+            format!("no entry like {}", entry["file"]),
+            "every case, unchanged",
+        ));
+    }
+    if found.cases.len() != expected.cases.len() || found.tier != expected.tier {
+        return Err(wrong(&path, "cases", format!("{} entries", found.cases.len()), "each case once"));
+    }
+    Ok(())
+}
+
 /// The exam that a folder of cases holds: built again here, then compared, so that no question or input can have been left out or
 /// changed.
 ///
 /// # Errors
 /// A manifest or an npz that isn't what [`write_cases`] writes, named with its file.
 pub fn read_exam(folder: &Path) -> Result<Exam> {
-    let path = folder.join("cases.json");
-    let size = fs::metadata(&path).map_err(Error::reading(&path))?.len();
-    let again = "Write the cases again, into an empty folder.";
-    let wrong = |field: &str, found: String, expected: &str| {
-        Error::input(Input { file: path.display(), field, found, expected, remedy: again })
-    };
-    if size > LONGEST_MANIFEST {
-        return Err(wrong("size", format!("{size} bytes"), "a manifest of cases, as it was written"));
-    }
-    let found: Manifest = serde_json::from_str(&files::read_text(&path)?)
-        .map_err(|error| wrong("JSON", error.to_string(), "a manifest of cases, as it was written"))?;
-    if found.schema != SCHEMA || found.version != env!("CARGO_PKG_VERSION") {
-        let here = format!("{SCHEMA} of version {}", env!("CARGO_PKG_VERSION"));
-        return Err(wrong("schema", format!("{} of version {}", found.schema, found.version), &here));
-    }
-    for entry in &found.cases {
-        inside(&path, entry["file"].as_str().unwrap_or_default())?;
-    }
+    let found = read_manifest(folder)?;
     let profile = found.profile.as_deref().map(profiles::find).transpose()?;
     let exam = Exam::new(&found.filter, found.dtype.parse()?, profile)?;
     let layout = found.layout.as_deref().map_or(Ok(Layout::Npz), str::parse)?;
-    let expected = manifest(&exam, layout);
-    if let Some(entry) = expected.cases.iter().find(|entry| !found.cases.contains(entry)) {
-        return Err(wrong("cases", format!("no entry like {}", entry["file"]), "every case, unchanged"));
-    }
-    if found.cases.len() != expected.cases.len() {
-        return Err(wrong("cases", format!("{} entries", found.cases.len()), "each case once"));
-    }
+    complete(folder, &found, &manifest(&exam, layout))?;
     unchanged(&exam, folder, layout)?;
     Ok(exam)
 }
@@ -135,27 +160,31 @@ pub fn read_exam(folder: &Path) -> Result<Exam> {
 fn unchanged(exam: &Exam, folder: &Path, layout: Layout) -> Result<()> {
     let questions = parallel::map(exam.questions.len(), |n| {
         let question = &exam.questions[n];
-        question.cases.iter().try_for_each(|case| {
-            let place = question.path(case);
-            let allowed = bytes(&case.inputs);
-            let found = read_arrays(layout, folder, &place, case.inputs.keys().collect(), allowed)?;
-            match case
-                .inputs
-                .iter()
-                .find(|(name, input)| found.get(*name).is_none_or(|f| !same(&f.values, input)))
-            {
-                None => Ok(()),
-                Some((name, _)) => Err(Error::input(Input {
-                    file: folder.join(layout.file(&place)).display(),
-                    field: format!("array {name}"),
-                    found: "other numbers than the case has",
-                    expected: "the inputs as they were written",
-                    remedy: "Write the cases again.",
-                })),
-            }
-        })
+        let written = |case: &Case| as_written(layout, folder, &question.path(case), case);
+        question.cases.iter().try_for_each(written)
     });
     questions.into_iter().collect()
+}
+
+/// Whether the files at a place hold a case's inputs.
+///
+/// # Errors
+/// The first input that they don't hold.
+pub(super) fn as_written(layout: Layout, folder: &Path, place: &str, case: &Case) -> Result<()> {
+    let found = read_arrays(layout, folder, place, case.inputs.keys().collect(), bytes(&case.inputs))?;
+    let other = |(name, input): &(&String, &ArrayD<f64>)| {
+        found.get(*name).is_none_or(|found| !same(&found.values, input))
+    };
+    match case.inputs.iter().find(other) {
+        None => Ok(()),
+        Some((name, _)) => Err(Error::input(Input {
+            file: folder.join(layout.file(place)).display(),
+            field: format!("array {name}"),
+            found: "other numbers than the case has",
+            expected: "the inputs as they were written",
+            remedy: "Write the cases again.",
+        })),
+    }
 }
 
 fn same(a: &ArrayD<f64>, b: &ArrayD<f64>) -> bool {
@@ -171,8 +200,17 @@ fn bytes(arrays: &Arrays) -> u64 {
 /// # Errors
 /// A file that isn't what the contract says, or that names what the exam doesn't have.
 pub fn declared(exam: Exam, folder: &Path) -> Result<Exam> {
+    narrowed(exam, folder, Exam::narrowed)
+}
+
+/// The same of an exam of either tier.
+pub(super) fn narrowed<T>(
+    exam: T,
+    folder: &Path,
+    narrow: impl FnOnce(T, &BTreeMap<String, Declared>) -> std::result::Result<T, String>,
+) -> Result<T> {
     let rows = declarations(folder)?;
-    exam.narrowed(&rows).map_err(|what| undeclarable(&folder.join(DECLARATIONS), "rows", what))
+    narrow(exam, &rows).map_err(|what| undeclarable(&folder.join(DECLARATIONS), "rows", what))
 }
 
 /// What a candidate declares in the folder of its answers, by row; nothing where it has no `answers.json`.
@@ -233,7 +271,7 @@ pub(crate) fn read_question(exam: &Exam, question: &Question, folder: &Path) -> 
 }
 
 /// The layout of the answer at a place, if there is one.
-fn layout_of(folder: &Path, place: &str) -> Result<Option<Layout>> {
+pub(super) fn layout_of(folder: &Path, place: &str) -> Result<Option<Layout>> {
     let there = |layout: &Layout| match layout {
         Layout::Npz => folder.join(layout.file(place)).exists(),
         Layout::Raw => folder.join(place).is_dir(),
@@ -252,7 +290,7 @@ fn layout_of(folder: &Path, place: &str) -> Result<Option<Layout>> {
 }
 
 /// Reads the arrays of these names, if all arrays at the place have at most `allowed` bytes (and some slack).
-fn read_arrays(
+pub(super) fn read_arrays(
     layout: Layout,
     folder: &Path,
     place: &str,
@@ -304,7 +342,7 @@ fn inside(file: &Path, name: &str) -> Result<()> {
 }
 
 /// Refuses whatever else lies in the folder of answers: a file in the wrong place would silently not be judged.
-fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
+pub(super) fn nothing_else(exam: &Exam, folder: &Path) -> Result<()> {
     let places = || exam.questions.iter().flat_map(Question::paths);
     let archives: BTreeSet<_> = places().map(|place| folder.join(Layout::Npz.file(&place))).collect();
     // What lies in them is for their index to say.

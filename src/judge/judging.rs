@@ -175,7 +175,7 @@ fn suspect(explanation: &Explanation) -> Suspect {
 }
 
 /// Marks by the stable formula's bound, then by the textbook's where the two differ. The grade is null where they don't.
-fn marks(
+pub(super) fn marks(
     question: &Question,
     answers: &Answers,
     c: &Conventions,

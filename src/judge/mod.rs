@@ -27,6 +27,8 @@ pub mod hypothesis;
 mod imprecise;
 #[doc(hidden)]
 pub mod judging;
+#[doc(hidden)]
+pub mod large;
 pub(crate) mod layout;
 #[doc(hidden)]
 pub mod mark;
@@ -42,8 +44,9 @@ pub mod report;
 pub mod statistics;
 pub(crate) mod typed;
 
-pub use candidate::{Candidate, judge};
+pub use candidate::{Candidate, judge, judge_large};
 pub use door::Door;
 pub use exam::Exam;
+pub use large::LargeExam;
 pub use report::{Report, Verdict};
 pub use typed::{Element, Input, Output, Outputs};

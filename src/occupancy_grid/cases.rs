@@ -1,7 +1,10 @@
 //! Cases of the occupancy grid: points in and on cells, several in one, at the threshold; rays from faces, along them, through corners.
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats, sparse};
 
 /// (R, R, R) densities, points with their sigmas, queries.
 fn update_case(
@@ -211,4 +214,16 @@ pub(crate) fn traverse() -> Vec<Case> {
         ),
     ];
     in_full(cases, "plain")
+}
+
+/// A grid of real size: too large for one block of cells, so it is judged at once. Points of short types lie on faces.
+pub(crate) fn large() -> Vec<Large> {
+    let (cells, points, queries) = (128, 100_003, 10_007);
+    let large = Large::new("cells_128", "128^3 cells, 100,003 points", cells, cells);
+    let large =
+        large.with("density", &[cells; 3], sparse(-6, 8, 1)).with("points", &[points, 3], Recipe::Unit);
+    let large = large.with("sigmas", &[points], floats(-4, 8)).with("queries", &[queries, 3], Recipe::Unit);
+    let large =
+        large.with("decay", &[], Recipe::Constant(0.95)).with("threshold", &[], Recipe::Constant(0.25));
+    vec![large.in_types(&[Dtype::F64, Dtype::F32])]
 }

@@ -45,7 +45,7 @@ pub(crate) const OCCUPANCY_GRID: Component = Component {
     vjp: None,
     cases: cases::update,
     mistakes: mistakes::OCCUPANCY_GRID,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };
 
 /// Traversal.

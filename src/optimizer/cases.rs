@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats, signed};
 
 fn case(id: &str, comment: &'static str, step: f64, settings: [f64; 3], arrays: [Vec<f64>; 4]) -> Case {
     let [lr, eps, weight_decay] = settings;
@@ -104,4 +106,21 @@ pub(crate) fn adam_step() -> Vec<Case> {
         ),
     ];
     in_full(cases, "second")
+}
+
+/// More parameters than a million, late in a training.
+pub(crate) fn large() -> Vec<Large> {
+    let n = 1_000_003;
+    let large = Large::new("parameters_1000003", "10^6 + 3 parameters, step 1,000", n, 1 << 15);
+    let large = large.with("params", &[n], signed(-6, 6)).with("grad", &[n], signed(-10, 8));
+    let large = large.with("m", &[n], signed(-10, 8)).with("v", &[n], floats(-12, 10));
+    let scalars = [
+        ("step", 1000.0),
+        ("lr", 1e-3),
+        ("beta1", 0.9),
+        ("beta2", 0.999),
+        ("eps", 1e-8),
+        ("weight_decay", 0.0),
+    ];
+    vec![scalars.into_iter().fold(large, |large, (name, x)| large.with(name, &[], Recipe::Constant(x)))]
 }

@@ -50,5 +50,5 @@ pub(crate) const ADAM_STEP: Component = Component {
     vjp: None,
     cases: cases::adam_step,
     mistakes: mistakes::ADAM_STEP,
-    special: Special { forms: FORMS, ..Special::NONE },
+    special: Special { forms: FORMS, large: cases::large, ..Special::NONE },
 };

@@ -1,10 +1,10 @@
 //! Error bounds of packed rays. Counting is exact; sums and products in any order, and gradients of products with or without a division.
 
 use super::arrays::{cotangents, gradient, gradients, offsets, scans, sums};
-use crate::camera::bound::any_order;
+use crate::camera::bound::{any_order, in_any_order};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, threes, values};
-use crate::contract::bounded::{Bounded, exact};
+use crate::contract::bounded::{Bounded, Running, exact};
 use crate::convention::Conventions;
 
 /// Bound of [`super::pack_info`]: none.
@@ -29,10 +29,12 @@ pub(crate) fn scan(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let mut errors: [Vec<f64>; 4] = Default::default();
     for ray in offsets(a, "x").windows(2) {
         let x = &x[ray[0]..ray[1]];
-        let products = products(x, m);
+        let (products, mut before) = (products(x, m), Running::default());
         for i in 0..x.len() {
-            let sum = |n: usize| any_order(&x[..n], m).e;
-            let all = [sum(i), sum(i + 1), products[i].e, products[i + 1].e];
+            let exclusive = in_any_order(&before, m).e;
+            before.add(x[i]);
+            let inclusive = in_any_order(&before, m).e;
+            let all = [exclusive, inclusive, products[i].e, products[i + 1].e];
             errors.iter_mut().zip(all).for_each(|(errors, e)| errors.push(e));
         }
     }
@@ -47,19 +49,19 @@ pub(crate) fn scan_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let mut errors = vec![0.0; x.len()];
     for ray in offsets(a, "x").windows(2) {
         let products = products(&x[ray[0]..ray[1]], m);
-        let (mut behind, mut through, mut terms) = (vec![], exact(0.0), vec![]);
+        let (mut behind, mut through, mut terms) = (Running::default(), exact(0.0), Running::default());
         for k in (ray[0]..ray[1]).rev() {
             let (before, with) = (products[k - ray[0]], products[k - ray[0] + 1]);
-            behind.push(g(1, k));
+            behind.add(g(1, k));
             through = m.add(through, g(3, k));
-            terms.push(m.mul(g(3, k), with));
+            terms.add(m.mul(g(3, k), with));
             let recursive = m.mul(before, through);
-            let divided = m.div(any_order(&terms, m), x[k]);
+            let divided = m.div(in_any_order(&terms, m), x[k]);
             let product = if x[k].y == 0.0 { recursive } else { recursive.or(divided) };
-            errors[k] = m.add(any_order(&behind, m), product).e;
-            behind.push(g(0, k));
+            errors[k] = m.add(in_any_order(&behind, m), product).e;
+            behind.add(g(0, k));
             through = m.add(m.mul(through, x[k]), g(2, k));
-            terms.push(m.mul(g(2, k), before));
+            terms.add(m.mul(g(2, k), before));
         }
     }
     gradient(errors)

@@ -4,6 +4,8 @@ use ndarray::ArrayD;
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats, sparse};
 
 /// Lengths of rays as offsets.
 fn offsets(lengths: &[usize]) -> ArrayD<f64> {
@@ -84,4 +86,31 @@ pub(crate) fn accumulate() -> Vec<Case> {
     cases.push(case("long", "rays of 40 and 24 samples", &[40, 24], 10));
     cases.push(case("PK1_all_empty", "no samples at all: black", &[0, 0], 11).edge("no samples"));
     in_full(cases, "ragged")
+}
+
+/// Rays of 0 to 96 samples, one after the other.
+fn large(row: &str) -> (Large, usize, Recipe, usize) {
+    let (id, rays) = ("rays_20011", 20_011);
+    let offsets = Recipe::Offsets { most: 96 };
+    let samples = offsets.total(row, id, "offsets", rays);
+    (
+        Large::new(id, "20,011 rays of 0 to 96 samples", rays, 256).packed("S", "offsets"),
+        rays,
+        offsets,
+        samples,
+    )
+}
+
+/// Running sums and products, of factors near 1.
+pub(crate) fn large_scan() -> Vec<Large> {
+    let (large, rays, offsets, samples) = large("packed_scan");
+    vec![large.with("x", &[samples], floats(-1, 2)).with("offsets", &[rays + 1], offsets)]
+}
+
+/// Weighted sums.
+pub(crate) fn large_accumulate() -> Vec<Large> {
+    let (large, rays, offsets, samples) = large("accumulate_along_rays");
+    let large =
+        large.with("weights", &[samples], sparse(-9, 6, 1)).with("values", &[samples, 3], Recipe::Unit);
+    vec![large.with("offsets", &[rays + 1], offsets)]
 }

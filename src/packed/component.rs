@@ -64,7 +64,7 @@ pub(crate) const PACKED_SCAN: Component = Component {
     }),
     cases: cases::scan,
     mistakes: mistakes::PACKED_SCAN,
-    special: Special::NONE,
+    special: Special { large: cases::large_scan, ..Special::NONE },
 };
 
 /// Weighted sums over each ray.
@@ -95,5 +95,5 @@ pub(crate) const ACCUMULATE_ALONG_RAYS: Component = Component {
     }),
     cases: cases::accumulate,
     mistakes: mistakes::ACCUMULATE_ALONG_RAYS,
-    special: Special::NONE,
+    special: Special { large: cases::large_accumulate, ..Special::NONE },
 };

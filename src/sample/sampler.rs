@@ -92,6 +92,20 @@ const MISTAKES: &[Mistake] = &[
         "draw anew in every call",
         1,
     ),
+    row(
+        "rays_repeat",
+        "a generator is seeded anew for every block of rays, or the second call has the first one's rays in another order",
+        "a part of the pixels is trained over and over",
+        "one stream for all rays and steps",
+        0,
+    ),
+    row(
+        "one_image_for_ever",
+        "the image is drawn once for the run",
+        "the other views are never trained",
+        "draw the image anew in every call",
+        0,
+    ),
     row("divided_twice_by_255", "c / 255^2", "black targets", "divide once", 2),
     row(
         "wrong_colors",
@@ -125,6 +139,34 @@ const MISTAKES: &[Mistake] = &[
         "rays_jittered_together",
         "neighboring rays share their noise",
         "noise in the picture",
+        "draw one u for every ray and sample",
+        0,
+    ),
+    row(
+        "jitter_repeats",
+        "a generator is seeded anew for every block of rays, or its counter is short",
+        "positions that come again: patterns in the picture",
+        "one stream for all rays, samples and steps",
+        0,
+    ),
+    row(
+        "jitter_of_the_pixel",
+        "noise as a function of the pixel alone",
+        "fixed sample positions for every pixel, in every step",
+        "let the step's number into the noise",
+        0,
+    ),
+    row(
+        "jitter_antithetic",
+        "every other number is 1 less the one before",
+        "half as many independent positions",
+        "draw one u for every ray and sample",
+        0,
+    ),
+    row(
+        "jitter_correlated",
+        "numbers that depend on those of other rays or samples",
+        "rays or samples that move together",
         "draw one u for every ray and sample",
         0,
     ),
@@ -192,8 +234,9 @@ const fn row(
 
 /// The four calls.
 fn calls() -> Vec<Case> {
-    // Enough images that all four calls draw only the first by chance with a probability below 1e-6.
-    let shape = [32, 5, 7, 3];
+    // So many images that one for all four calls comes by chance with a probability below 1e-7, and more pixels than rays, so that they
+    // may be drawn without replacement.
+    let shape = [256, 5, 7, 3];
     let pixel = |k: usize| ((k / 105 * 37 + k / 21 * 11 + k / 3 * 5 + k % 3 * 3) % 17) as f64 / 16.0;
     let images: Vec<f64> = (0..shape.iter().product()).map(pixel).collect();
     let call = |(seed, id): (usize, &str)| {

@@ -2,7 +2,10 @@
 //!
 //! Every test is one-sided and holds for finite samples: Bernstein's inequality for counts and means (draws without replacement are
 //! under-dispersed and pass; Hoeffding 1963, section 6) and Dvoretzky, Kiefer, Wolfowitz (with Massart's constant, 1990) for the
-//! law of the jitter. Each has a false alarm of at most [`FALSE_ALARM`]; a run makes fewer than 20 of them.
+//! law of the jitter. Each has a false alarm of at most [`FALSE_ALARM`]; a run makes fewer than 20 of them. `repeats.rs` looks for draws that
+//! come again.
+
+use std::collections::BTreeMap;
 
 use ndarray::ArrayView4;
 
@@ -10,6 +13,7 @@ use super::{rest_u, sample_along_ray};
 use crate::contract::special::Finding;
 use crate::convention::{Conventions, PixelCenter};
 
+mod repeats;
 #[cfg(test)]
 mod tests;
 
@@ -53,6 +57,21 @@ fn confidence(n: usize) -> f64 {
 fn count_slack(n: usize, p: f64, bins: usize) -> f64 {
     let l = confidence(bins);
     (2.0 * n as f64 * p * (1.0 - p) * l).sqrt() + 2.0 * l / 3.0
+}
+
+/// How far positions may be off by rounding alone, in f32 at the end of the ray: a few units in the last place.
+fn rounding([near, far]: [f64; 2]) -> f64 {
+    4.0 * crate::contract::arithmetic::Dtype::F32.ulp(near.abs().max(far.abs()))
+}
+
+/// Whether two calls have the same positions but for rounding.
+fn alike(a: &[Vec<f64>], b: &[Vec<f64>], off: f64) -> bool {
+    a.len() == b.len() && a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() <= off)
+}
+
+/// A number for each pixel of all images.
+fn pixel(call: &Call, r: usize) -> [u64; 3] {
+    [call.image_ids[r], call.uv[r][0], call.uv[r][1]].map(f64::to_bits)
 }
 
 /// All tests: two calls with training on, two with it off.
@@ -101,22 +120,30 @@ pub(crate) fn rays(
         counts.iter().any(|&k| (f64::from(k) - n as f64 * p).abs() > count_slack(n, p, bins))
     };
     let last = ids.iter().copied().max().unwrap_or(0);
-    let first_alone = calls.iter().chain(rest).all(|call| call.image_ids.iter().all(|&id| id == 0.0));
-    if let Some(per_call) = dealt(calls).filter(|_| !first_alone) {
+    let all = || calls.iter().chain(rest).flat_map(|call| &call.image_ids);
+    let (first_alone, one_alone) = (all().all(|&id| id == 0.0), all().all(|&id| id == calls[0].image_ids[0]));
+    let dealt = dealt(calls);
+    if one_alone && !first_alone {
+        let says = format!("image {} of {count} in all four calls", calls[0].image_ids[0]);
+        found.push(finding("one_image_for_ever", says));
+    }
+    // Rays of one image meet in its pixels alone.
+    let pool = height * width * if dealt.is_some() { 1 } else { count };
+    let again = come_again(calls, [height, width], pool);
+    if let Some(per_call) = dealt.filter(|_| !one_alone) {
         // Two calls don't show how these images were drawn.
         found.push(choice("rays_per_image", format!("a call's rays are dealt to {per_call} drawn image(s)")));
-    } else if uneven(count, &ids) {
+    } else if again.is_none() && (!one_alone || first_alone) && (uneven(count, &ids) || lopsided(count, &ids))
+    {
         let name = if last + 1 < count { "first_images_only" } else { "images_not_uniform" };
         found.push(finding(name, format!("the last of {count} images that is drawn is number {last}")));
     }
     let columns: Vec<usize> = both().map(|((_, uv), _)| uv[0] as usize).collect();
     let rows: Vec<usize> = both().map(|((_, uv), _)| uv[1] as usize).collect();
-    if uneven(width, &columns) || uneven(height, &rows) {
+    if again.is_none() && (uneven(width, &columns) || uneven(height, &rows)) {
         found.push(finding("pixels_not_uniform", "some rows or columns are drawn too often".into()));
     }
-    if calls[0].uv == calls[1].uv && calls[0].image_ids == calls[1].image_ids {
-        found.push(finding("rays_frozen", "both calls drew the same pixels".into()));
-    }
+    found.extend(again);
     let expected =
         |id: f64, uv: &[f64; 2], k: usize| images[[id as usize, uv[1] as usize, uv[0] as usize, k]];
     let agrees = |scale: f64| {
@@ -129,6 +156,32 @@ pub(crate) fn rays(
         found.push(finding(name, "the colors are not those of the pixels".into()));
     }
     found
+}
+
+/// Rays that were there before: all of them, or more than meet by chance in so many pixels.
+fn come_again(calls: &[Call; 2], [height, width]: [usize; 2], pool: usize) -> Option<Finding> {
+    if calls[0].uv == calls[1].uv && calls[0].image_ids == calls[1].image_ids {
+        return Some(finding("rays_frozen", "both calls drew the same pixels".into()));
+    }
+    let rays = calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv));
+    let place = |(id, uv): (&f64, &[f64; 2])| (id * height as f64 + uv[1]) * width as f64 + uv[0];
+    let places: Vec<f64> = rays.map(place).collect();
+    let (lag, times) = repeats::distance(&places, &places, 0.0, 1.0 / pool as f64)?;
+    Some(finding("rays_repeat", format!("{times} pixels are those of {lag} rays before")))
+}
+
+/// Whether images are drawn too often from one end, or one is never drawn.
+fn lopsided(count: usize, ids: &[usize]) -> bool {
+    let mut counts = vec![0.0; count];
+    ids.iter().for_each(|&id| counts[id] += 1.0);
+    let (n, mut below, mut gap) = (ids.len() as f64, 0.0, 0.0);
+    for (k, times) in counts.iter().enumerate() {
+        below += times / n;
+        gap = f64::max(gap, (below - (k + 1) as f64 / count as f64).abs());
+    }
+    // Each is missed by all with a probability of (1 - 1 / count)^n.
+    let missed = count as f64 * crate::math::exp(-n / count as f64) < FALSE_ALARM;
+    gap > (confidence(1) / (2.0 * n)).sqrt() || missed && counts.contains(&0.0)
 }
 
 /// The number of drawn images among which a call divides its rays, in turn or in blocks (as `PixelDraws::PerImage` does, and bmild/nerf
@@ -151,51 +204,115 @@ fn numbers(call: &Call, [near, far]: [f64; 2], c: &Conventions) -> Vec<Vec<f64>>
 }
 
 /// The jitter of two training calls: independent from ray to ray, sample to sample and call to call, uniform over the interval.
-pub(crate) fn jitter(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<Finding> {
-    let u = numbers(&calls[0], [near, far], c);
+pub(crate) fn jitter(calls: &[Call; 2], bounds: [f64; 2], c: &Conventions) -> Vec<Finding> {
+    let u = numbers(&calls[0], bounds, c);
     let (Some(first), n) = (u.first(), u.first().map_or(0, Vec::len)) else { return vec![] };
     if n == 0 {
         return vec![];
     }
-    let (mut found, width) = (vec![], (far - near) / n as f64);
-    if calls[0].t == calls[1].t && u.iter().flatten().all(|x| (x - first[0]).abs() < ROUNDING) {
+    let (mut found, width, off) = (vec![], (bounds[1] - bounds[0]) / n as f64, rounding(bounds));
+    let frozen = alike(&calls[0].t, &calls[1].t, off);
+    if frozen && u.iter().flatten().all(|x| (x - first[0]).abs() < ROUNDING) {
         return vec![finding(
             "never_jittered",
             format!("u = {:.3} for every ray, sample and call", first[0]),
         )];
     }
-    if calls[0].t == calls[1].t {
+    if frozen {
         found.push(finding("jitter_frozen", "both calls drew the same positions".into()));
     }
-    if calls[0].t.iter().all(|t| *t == calls[0].t[0]) {
+    if calls[0].t.iter().all(|t| alike(std::slice::from_ref(t), &calls[0].t[..1], off)) {
         found.push(finding("one_jitter_for_all_rays", "the variance across rays is 0".into()));
         // A single independent ray: too little to say anything about the distribution.
         found.extend(law(first.clone(), width));
         return found;
     }
-    let means: Vec<f64> = u.iter().map(|u| u.iter().sum::<f64>() / n as f64).collect();
-    let mean = means.iter().sum::<f64>() / means.len() as f64;
-    let variance = u.iter().flatten().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (u.len() * n) as f64;
-    // Correlations of neighbors, scaled so that one common number gives 1; each product is at most 3 in size.
-    let pairs = |products: Vec<f64>| {
-        let slack = 3.0 * (2.0 * confidence(1) / products.len() as f64).sqrt();
-        products.iter().sum::<f64>() / products.len() as f64 / variance > slack
-    };
-    let product = |a: f64, b: f64| (a - mean) * (b - mean);
-    let across_samples = n > 1 && pairs(u.iter().map(|u| product(u[0], u[1])).collect());
-    let across_rays = pairs(u.chunks_exact(2).map(|u| product(u[0][0], u[1][0])).collect());
-    if across_samples {
+    // What is frozen shows nothing more in the second call.
+    let drawn = &calls[..if frozen { 1 } else { 2 }];
+    let all: Vec<Vec<f64>> = drawn.iter().flat_map(|call| numbers(call, bounds, c)).collect();
+    let (shift, dependent) = dependence(drawn, &all, 2.0 * off / narrowest(n, bounds, c));
+    if shift {
         found.push(choice("one_jitter_per_ray", "a ray's samples are shifted together, as in NeuS".into()));
     }
-    if across_rays {
-        found.push(finding("rays_jittered_together", "neighboring rays move together".into()));
-    }
     // The distribution can only be tested on independent draws.
-    if !across_rays {
-        let independent = if across_samples { 1 } else { n };
-        found.extend(law(u.iter().flat_map(|u| &u[..independent]).copied().collect(), width));
+    match dependent {
+        Some(dependent) => found.push(dependent),
+        None => {
+            let independent = if shift { 1 } else { n };
+            found.extend(law(u.iter().flat_map(|u| &u[..independent]).copied().collect(), width));
+        }
     }
     found
+}
+
+/// The narrowest interval that a sample is drawn in.
+fn narrowest(n: usize, [near, far]: [f64; 2], c: &Conventions) -> f64 {
+    let low = sample_along_ray(near, far, &vec![0.0; n], c.grid);
+    let high = sample_along_ray(near, far, &vec![1.0; n], c.grid);
+    (0..n).map(|i| high[i] - low[i]).fold(f64::INFINITY, f64::min)
+}
+
+/// Whether a ray's samples share one number, which is a choice; and what else makes draws depend on each other. `off` is how far u may
+/// be off by rounding.
+fn dependence(calls: &[Call], u: &[Vec<f64>], off: f64) -> (bool, Option<Finding>) {
+    let (n, total) = (u[0].len(), (u.len() * u[0].len()) as f64);
+    let mean = u.iter().flatten().sum::<f64>() / total;
+    let variance = u.iter().flatten().map(|x| (x - mean) * (x - mean)).sum::<f64>() / total;
+    let rays = u.len();
+    let column = |i: usize| u.iter().map(|u| u[i]).collect::<Vec<f64>>();
+    // Lags along the samples and along the rays, and the two ends of a ray.
+    let mut lags: Vec<usize> = (1..=64.min(rays / 2)).collect();
+    lags.extend((7..).map(|k| 1 << k).take_while(|lag| 2 * lag <= rays));
+    let tests = lags.len() + n + 1;
+    let correlated = |values: &[f64], lag: usize| repeats::correlation(values, lag, [mean, variance], tests);
+    let ends: Vec<f64> = u.iter().flat_map(|u| [u[0], u[n - 1]]).collect();
+    let shift = n > 1 && correlated(&ends, 1).is_some_and(|r| r > 0.0);
+    let firsts = column(0);
+    let flat: Vec<f64> = if shift { firsts.clone() } else { u.iter().flatten().copied().collect() };
+    let step = if shift { 1 } else { n };
+    if correlated(&firsts, 1).is_some_and(|r| r > 0.0) {
+        return (shift, Some(finding("rays_jittered_together", "neighboring rays move together".into())));
+    }
+    if let Some(says) = of_pixels(calls, &firsts, off) {
+        return (shift, Some(finding("jitter_of_the_pixel", says)));
+    }
+    let place = |lag: usize| format!("{} rays and {} samples", lag / step, lag % step);
+    if let Some((lag, times)) = repeats::distance(&flat, &flat, off, 2.0 * off) {
+        let says = format!("{times} of {} numbers are those of {} before", flat.len(), place(lag));
+        return (shift, Some(finding("jitter_repeats", says)));
+    }
+    let mirrored: Vec<f64> = flat.iter().map(|x| 1.0 - x).collect();
+    if let Some((lag, times)) = repeats::distance(&flat, &mirrored, off, 2.0 * off) {
+        let says = format!("{times} of {} numbers are 1 less those of {} before", flat.len(), place(lag));
+        return (shift, Some(finding("jitter_antithetic", says)));
+    }
+    let along_rays = lags.iter().find_map(|&lag| Some((correlated(&firsts, lag)?, lag, "rays")));
+    let inside = |lag: usize| -> Option<f64> {
+        let pairs: Vec<f64> = u.iter().flat_map(|u| [u[0], u[lag]]).collect();
+        correlated(&pairs, 1)
+    };
+    let along_samples = (1..n).filter(|_| !shift).find_map(|lag| Some((inside(lag)?, lag, "samples")));
+    let says = |(r, lag, what): (f64, usize, &str)| {
+        finding("jitter_correlated", format!("a correlation of {r:.2} with those of {lag} {what} before"))
+    };
+    (shift, along_rays.or(along_samples).map(says))
+}
+
+/// Whether a pixel that is drawn again gets the number that it had.
+fn of_pixels(calls: &[Call], firsts: &[f64], off: f64) -> Option<String> {
+    let mut last: BTreeMap<[u64; 3], f64> = BTreeMap::new();
+    let (mut again, mut same) = (0, 0);
+    let rays = calls.iter().flat_map(|call| (0..call.image_ids.len()).map(move |r| pixel(call, r)));
+    for (pixel, &x) in rays.zip(firsts) {
+        if let Some(before) = last.insert(pixel, x) {
+            again += 1;
+            same += usize::from((before - x).abs() <= off);
+        }
+    }
+    let chance = again as f64 * 2.0 * off + count_slack(again, (2.0 * off).min(1.0), 1);
+    // Other repetition meets a pixel in passing.
+    (same as f64 > chance && 10 * same > 9 * again)
+        .then(|| format!("{same} of {again} pixels that came again have the same jitter"))
 }
 
 /// Whether independent draws u are uniform on [0, 1); if they aren't, what they look like.
@@ -234,7 +351,13 @@ fn law(mut sorted: Vec<f64>, width: f64) -> Option<Finding> {
 /// Two calls with training off: the same positions for every ray in both, where the convention has them.
 pub(crate) fn at_rest(calls: &[Call; 2], [near, far]: [f64; 2], c: &Conventions) -> Vec<Finding> {
     let Some(first) = calls[0].t.first() else { return vec![] };
-    if calls.iter().flat_map(|call| &call.t).any(|t| t != first) {
+    let off = rounding([near, far]);
+    if calls
+        .iter()
+        .flat_map(|call| &call.t)
+        .flat_map(|t| t.iter().zip(first))
+        .any(|(t, x)| (t - x).abs() > off)
+    {
         return vec![finding("jitter_at_evaluation", "two renders of the same view differ".into())];
     }
     let rest = sample_along_ray(near, far, &vec![rest_u(c.rest); first.len()], c.grid);

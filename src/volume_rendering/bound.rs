@@ -7,7 +7,7 @@ use super::arrays::{cotangent, counted, gradients_of_counted, gradients_of_recti
 use super::backward::Cotangent;
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
-use crate::contract::bounded::{Bounded, exact};
+use crate::contract::bounded::{Bounded, Running, exact};
 use crate::convention::{AlphaCap, Backdrop, Conventions, Depth, EmptyDepth, ProductEps};
 
 /// One ray with its errors.
@@ -48,9 +48,11 @@ impl Ray {
         let mut transmittance = products(&alphas, eps, m);
         if eps == ProductEps::None {
             // Either form is honest: the exponential of the sum, or the product.
+            let mut behind = Running::default();
             for (i, t) in transmittance.iter_mut().enumerate() {
-                let depth = m.sum(&x[..i]);
+                let depth = behind.sum(m);
                 *t = m.exp(m.rounded(depth.y, depth.e).neg()).or(*t).capped(0.0, 1.0);
+                x.get(i).iter().for_each(|x| behind.add(**x));
             }
         }
         Ray::new(alphas, slopes, rgbs, transmittance, m)
@@ -130,6 +132,14 @@ impl Ray {
         };
         m.add(m.add(color, exact(g.weights[i])), opacity)
     }
+}
+
+/// How far off T may be in front of each sample of a ray and behind the last one: (N + 1).
+pub(crate) fn transmittance(sigmas: &[f64], deltas: &[f64], m: &Arithmetic) -> Vec<f64> {
+    let deltas: Vec<Bounded> = deltas.iter().copied().map(exact).collect();
+    let rgbs = vec![[0.0; 3]; sigmas.len()];
+    let ray = Ray::from_densities(sigmas, &deltas, rgbs, ProductEps::None, m);
+    ray.transmittance.iter().map(|t| t.e).collect()
 }
 
 fn optical_depth(sigma: f64, delta: Bounded, m: &Arithmetic) -> Bounded {

@@ -52,7 +52,12 @@ pub(crate) const VOLUME_RENDER: Component = Component {
     }),
     cases: cases::volume_render,
     mistakes: mistakes::VOLUME_RENDER,
-    special: Special { rounds_inside: mistakes::rounds_alpha, forms: FORMS, ..Special::NONE },
+    special: Special {
+        rounds_inside: mistakes::rounds_alpha,
+        forms: FORMS,
+        large: cases::large,
+        ..Special::NONE
+    },
 };
 
 /// Rendering from opacities.
@@ -78,7 +83,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     }),
     cases: cases::volume_render_alpha,
     mistakes: mistakes::VOLUME_RENDER_ALPHA,
-    special: Special::NONE,
+    special: Special { large: cases::large_alpha, ..Special::NONE },
 };
 
 /// Light from behind.

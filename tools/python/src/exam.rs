@@ -7,7 +7,9 @@ use nerf_oracle::judge::answer::{Answer, Given};
 use nerf_oracle::judge::asking::{Reply, examine};
 use nerf_oracle::judge::declared::Declared;
 use nerf_oracle::judge::exam::Question;
-use nerf_oracle::judge::{Exam as Questions, Verdict};
+use nerf_oracle::judge::judging::EXP_ULP;
+use nerf_oracle::judge::large::{self, Asked};
+use nerf_oracle::judge::{Exam as Questions, LargeExam as Large, Report, Verdict};
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -80,23 +82,70 @@ impl Exam {
         again: bool,
         allowed: Vec<String>,
     ) -> PyResult<(String, String, bool)> {
-        let declared: BTreeMap<String, Declared> = declared
-            .into_iter()
-            .map(|(row, (takes, returns))| (row, Declared { takes, returns, crashed: BTreeMap::new() }))
-            .collect();
-        let exam = self.0.clone().narrowed(&declared).map_err(value_error)?;
-        let asked = |question: &Question, case: &Case| {
-            Python::attach(|py| {
-                reply(ask.bind(py).call1((question.row(), &case.id, dict(py, &case.inputs)?))?)
-            })
-        };
+        let exam = self.0.clone().narrowed(&by_row(declared)).map_err(value_error)?;
+        let asked = |question: &Question, case: &Case| put(&ask, question, case);
         let report = py.detach(|| examine(exam, again, asked))?;
-        let allowed: Vec<Verdict> = [Verdict::Imprecise, Verdict::Unproved]
-            .into_iter()
-            .filter(|verdict| allowed.contains(&verdict.to_string()))
-            .collect();
-        Ok((report.json().to_string(), report.to_string(), report.exit_code_allowing(&allowed) == 0))
+        Ok(said(&report, &allowed))
     }
+}
+
+/// Questions of real sizes.
+#[pyclass(frozen)]
+pub(crate) struct LargeExam(Large);
+
+#[pymethods]
+impl LargeExam {
+    /// The large cases of `rows`: (name, direction); those without any are left out.
+    #[new]
+    #[pyo3(signature = (rows, dtype, profile=None))]
+    fn new(rows: Vec<(String, String)>, dtype: &str, profile: Option<&str>) -> PyResult<LargeExam> {
+        let rows: Vec<(&str, Kind)> =
+            rows.iter().map(|(name, direction)| (&name[..], kind(direction))).collect();
+        let large = Large::of(&rows, self::dtype(dtype)?, self::profile(profile)?).map_err(value_error)?;
+        Ok(LargeExam(large))
+    }
+
+    /// `cases.json` of these questions.
+    fn manifest(&self) -> PyResult<String> {
+        serde_json::to_string(&self.0.manifest()).map_err(value_error)
+    }
+
+    /// As the small exam's, each question twice.
+    fn judge(
+        &self,
+        py: Python,
+        ask: Py<PyAny>,
+        declared: HashMap<String, TakesAndReturns>,
+        allowed: Vec<String>,
+    ) -> PyResult<(String, String, bool)> {
+        let large = self.0.clone().narrowed(&by_row(declared)).map_err(value_error)?;
+        let asked = |question: &Question, asked: Asked| match asked {
+            Asked::Whole(laid) => put(&ask, question, &laid.whole()),
+            // The manifest has the shapes of whole cases alone.
+            Asked::Alone(_) => Ok(Reply::Nothing),
+        };
+        let report = py.detach(|| large::examine(large, EXP_ULP, asked))?;
+        Ok(said(&report, &allowed))
+    }
+}
+
+fn by_row(declared: HashMap<String, TakesAndReturns>) -> BTreeMap<String, Declared> {
+    let one = |(row, (takes, returns))| (row, Declared { takes, returns, crashed: BTreeMap::new() });
+    declared.into_iter().map(one).collect()
+}
+
+/// Asks Python a question.
+fn put(ask: &Py<PyAny>, question: &Question, case: &Case) -> PyResult<Reply> {
+    Python::attach(|py| reply(ask.bind(py).call1((question.row(), &case.id, dict(py, &case.inputs)?))?))
+}
+
+/// A report as JSON, as a page, and whether it passed.
+fn said(report: &Report, allowed: &[String]) -> (String, String, bool) {
+    let allowed: Vec<Verdict> = [Verdict::Imprecise, Verdict::Unproved]
+        .into_iter()
+        .filter(|verdict| allowed.contains(&verdict.to_string()))
+        .collect();
+    (report.json().to_string(), report.to_string(), report.exit_code_allowing(&allowed) == 0)
 }
 
 fn reply(said: Bound<PyAny>) -> PyResult<Reply> {

@@ -14,7 +14,7 @@ mod _core {
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
-    use super::exam::Exam;
+    use super::exam::{Exam, LargeExam};
     #[pymodule_export]
     use super::registry::registry;
     #[pymodule_export]

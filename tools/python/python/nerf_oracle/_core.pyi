@@ -26,3 +26,13 @@ class Exam:
         again: bool,
         allowed: list[str],
     ) -> tuple[str, str, bool]: ...
+
+class LargeExam:
+    def __init__(self, rows: list[tuple[str, str]], dtype: str, profile: Optional[str] = None) -> None: ...
+    def manifest(self) -> str: ...
+    def judge(
+        self,
+        ask: Callable[[str, str, Arrays], Any],
+        declared: dict[str, tuple[Optional[list[str]], Optional[list[str]]]],
+        allowed: list[str],
+    ) -> tuple[str, str, bool]: ...

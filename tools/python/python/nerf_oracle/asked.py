@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -101,8 +101,19 @@ class Asked:
         """The verdicts."""
         if not self.plans:
             raise CandidateError(f"nothing can be judged. {' '.join(self.notes)}")
-        declared = {key: (plan.takes(), self.returns.get(key)) for key, plan in self.plans.items()}
-        return Report(*self.exam.judge(self.ask, declared, again, list(allow)), self.notes)
+        return Report(*self.exam.judge(self.ask, self.declared(self.plans), again, list(allow)), self.notes)
+
+    def judged_large(self, allow: Sequence[str]) -> Report:
+        """The verdicts on cases of real sizes, by the plans that the small ones showed."""
+        rows = [(key.rpartition("/")[0], key.rpartition("/")[2]) for key in self.plans]
+        large = _core.LargeExam(rows, self.dtype, self.profile)
+        entries = {(f"{e['component']}/{e['kind']}", e["id"]): e for e in json.loads(large.manifest())["cases"]}
+        self.entries.update(entries)
+        return Report(*large.judge(self.ask, self.declared({key for key, _ in entries}), list(allow)), self.notes)
+
+    def declared(self, keys: Iterable[str]) -> dict[str, tuple[list[str] | None, list[str] | None]]:
+        """What the functions of some rows take, and what their gradients go through."""
+        return {key: (self.plans[key].takes(), self.returns.get(key)) for key in keys}
 
 
 def outputs_of(row: dict[str, Any]) -> list[str]:

@@ -18,6 +18,7 @@ from .rows import DTYPES, checked, checked_profile, fits, port_of, row_of
 from .truth import bound_inputs
 
 VERDICTS = ("imprecise", "unproved")
+TIERS = ("small", "large")
 
 
 def judge(
@@ -28,6 +29,7 @@ def judge(
     device: str | None = None,
     gradients: bool = True,
     again: bool = True,
+    tier: str = "small",
     allow: Sequence[str] = (),
     **functions: Callable[..., Any],
 ) -> Report:
@@ -49,15 +51,18 @@ def judge(
         device: where torch's and jax's arrays lie.
         gradients: whether gradients are judged.
         again: whether each question is asked four times, so that answers that depend on chance or on the question before show.
+        tier: "small", or "large": cases of real sizes, 100,003 rays and more, for what shows there alone; each is asked twice.
         allow: verdicts that count as passes: "imprecise", "unproved".
     """
     checked("dtype", dtype, DTYPES)
+    checked("tier", tier, TIERS)
     for verdict in allow:
         checked("allow", verdict, VERDICTS)
     if not functions:
         raise CandidateError("judge: no function. Name one by its row: judge(volume_render=my_volrend)")
     adapted = {name: adapt(function, framework=framework, device=device) for name, function in functions.items()}
-    return Asked(adapted, dtype, checked_profile(profile), gradients).judged(again, allow)
+    asked = Asked(adapted, dtype, checked_profile(profile), gradients)
+    return asked.judged_large(allow) if tier == "large" else asked.judged(again, allow)
 
 
 def assert_pass(**settings_and_functions: Any) -> None:

@@ -1,0 +1,216 @@
+//! Large cases: real sizes, the habits of kernels that show there alone, and what is said of them.
+
+use nerf_oracle::COMPONENTS;
+use nerf_oracle::contract::arithmetic::{Arithmetic, Grade};
+use nerf_oracle::contract::arrays::{Arrays, array, arrays, values};
+use nerf_oracle::contract::check::{Kind, tolerance, worst};
+use nerf_oracle::contract::large::{Laid, Large, Made};
+use nerf_oracle::contract::{Case, Component, Dtype};
+use nerf_oracle::convention::CS180;
+use nerf_oracle::judge::answer::given;
+use nerf_oracle::judge::asking::Reply;
+use nerf_oracle::judge::exam::Question;
+use nerf_oracle::judge::large::{LargeExam, examine_in_process};
+use nerf_oracle::judge::{Report, Verdict};
+use nerf_oracle::parallel;
+
+/// The large cases of all rows in one type.
+fn all(dtype: Dtype) -> Vec<(&'static Component, Kind, Laid)> {
+    let rows = COMPONENTS.iter().flat_map(|c| [Kind::Forward, Kind::Vjp].map(|kind| (c, kind)));
+    let rows = rows.filter(|(c, kind)| c.direction(*kind).is_some());
+    let cases = rows.flat_map(|(c, kind)| (c.special.large)().into_iter().map(move |large| (c, kind, large)));
+    let asked = cases.filter(|(_, kind, large)| *kind == Kind::Forward || !large.forward_only);
+    let asked: Vec<_> = asked.filter(|(_, _, large)| large.types.contains(&dtype) && quick(large)).collect();
+    parallel::map(asked.len(), |n| {
+        let (component, kind, large) = asked[n].clone();
+        (component, kind, Laid::new(component, kind, large, dtype, &CS180))
+    })
+}
+
+/// Whether a build without optimization may look at a case whole.
+fn quick(large: &Large) -> bool {
+    let entries = |made: &Made| made.shape.iter().product::<usize>();
+    large.inputs.iter().map(entries).sum::<usize>() < 3_000_000
+}
+
+/// The bound of some items is that of the same items in the whole case, and so is the truth.
+#[test]
+fn parts_are_judged_like_the_whole() {
+    for dtype in [Dtype::F32, Dtype::Bf16] {
+        for (component, kind, laid) in all(dtype) {
+            let whole = laid.large.items;
+            let (from, to) = (whole / 3, (whole / 3 + 5).min(whole));
+            if laid.large.block == whole {
+                continue;
+            }
+            let direction = component.direction(kind).unwrap();
+            let (part, rest) = (laid.part(from..to), laid.part(from - from.min(2)..(to + 2).min(whole)));
+            let judged = |inputs: &Arrays| {
+                let bound = tolerance(direction, inputs, &CS180, &Arithmetic::new(dtype, Grade::B));
+                ((direction.oracle)(inputs, &CS180), bound)
+            };
+            let ((truth, bound), (all, bounds)) = (judged(&part.inputs), judged(&rest.inputs));
+            for (name, truth) in &truth {
+                let Some(span) = laid.span(name, from..to) else { continue };
+                let first = laid.shift(name, from - from.min(2));
+                let cut = |a: &ndarray::ArrayD<f64>| {
+                    a.slice_axis(ndarray::Axis(0), ndarray::Slice::from(span.start - first..span.end - first))
+                        .to_owned()
+                };
+                let row = format!("{} {kind:?} {} {name} {dtype}", component.name, laid.large.id);
+                assert_eq!(cut(&all[name]), *truth, "{row}");
+                assert_eq!(cut(&bounds[name]), bound[name], "{row}");
+            }
+            assert_eq!(worst(&truth, &truth, &bound), 0.0);
+        }
+    }
+}
+
+/// What a kernel does with a launch of real size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Habit {
+    None,
+    /// A scan over so many lanes whose carry doesn't reach the next ones.
+    LostCarry(usize),
+    /// Samples behind the last whole warp are left out.
+    NoTail,
+    /// Rays behind the last whole block are left out.
+    LastBlock(usize),
+    /// Rays are counted in 9 bits.
+    ShortIndex,
+    /// The order of a sum is that in which threads happen to arrive.
+    Race,
+}
+
+/// Volume rendering in f32 with a habit.
+fn render(a: &Arrays, habit: Habit, call: usize) -> Arrays {
+    let (rays, samples) = (a["sigmas"].shape()[0], a["sigmas"].shape()[1]);
+    let f32s = |name: &str| values(a, name).into_iter().map(|x| x as f32).collect::<Vec<f32>>();
+    let (sigmas, rgbs, deltas) = (f32s("sigmas"), f32s("rgbs"), f32s("deltas"));
+    let mut colors = vec![0f32; 3 * rays];
+    let (mut weights, mut opacity, mut behind) =
+        (vec![0f32; rays * samples], vec![0f32; rays], vec![1f32; rays]);
+    let launched = if let Habit::LastBlock(n) = habit { rays / n * n } else { rays };
+    for ray in 0..launched {
+        let r = if habit == Habit::ShortIndex { ray & 0x1ff } else { ray };
+        let done = if habit == Habit::NoTail { samples / 32 * 32 } else { samples };
+        let (mut depth, mut through) = (0f32, 1f32);
+        let mut order: Vec<usize> = (0..done).collect();
+        for &i in &order {
+            if matches!(habit, Habit::LostCarry(lanes) if i % lanes == 0) {
+                depth = 0.0;
+            }
+            let x = sigmas[r * samples + i] * deltas[r * samples + i];
+            weights[ray * samples + i] = (-depth).exp() * -(-x).exp_m1();
+            depth += x;
+            through = (-depth).exp();
+        }
+        if habit == Habit::Race && call % 2 == 1 {
+            order.reverse();
+        }
+        for i in order {
+            let w = weights[ray * samples + i];
+            (0..3).for_each(|k| colors[3 * ray + k] += w * rgbs[3 * (r * samples + i) + k]);
+            opacity[ray] += w;
+        }
+        behind[ray] = through;
+    }
+    let wide = |x: Vec<f32>, shape: &[usize]| array(shape, x.into_iter().map(f64::from).collect());
+    arrays([
+        ("colors", wide(colors, &[rays, 3])),
+        ("weights", wide(weights, &[rays, samples])),
+        ("opacity", wide(opacity, &[rays])),
+        ("transmittance", wide(behind, &[rays])),
+    ])
+}
+
+/// The report on a function that is asked the large cases of these names alone.
+fn report(
+    row: &str,
+    kind: Kind,
+    dtype: Dtype,
+    cases: &[&str],
+    mut answer: impl FnMut(&Case) -> Arrays,
+) -> Report {
+    let mut large = LargeExam::of(&[(row, kind)], dtype, None).unwrap();
+    large.laid[0].retain(|laid| cases.contains(&laid.large.id));
+    large.exam.questions[0].cases.retain(|case| cases.contains(&&case.id[..]));
+    let ask =
+        |_: &Question, case: &Case| Ok::<_, std::convert::Infallible>(Reply::Answer(given(answer(case))));
+    examine_in_process(large, ask).unwrap_or_else(|never| match never {})
+}
+
+/// What the formula gives, rounded to a type, passes in every type: each array is proved by some large case.
+#[test]
+fn right_answers_pass_in_every_type() {
+    for dtype in Dtype::ALL {
+        let mut rows: Vec<(&str, Kind)> = vec![];
+        for (component, kind, laid) in all(dtype) {
+            if !rows.contains(&(component.name, kind)) && !laid.large.inputs.is_empty() {
+                rows.push((component.name, kind));
+            }
+        }
+        for (row, kind) in rows {
+            let component = COMPONENTS.iter().find(|c| c.name == row).unwrap();
+            let cases: Vec<&str> =
+                (component.special.large)().iter().filter(|l| quick(l)).map(|l| l.id).collect();
+            let direction = component.direction(kind).unwrap();
+            let report = report(row, kind, dtype, &cases, |case| {
+                let outputs = (direction.oracle)(&case.inputs, &CS180);
+                outputs.into_iter().map(|(name, a)| (name, a.mapv(|x| dtype.round(x)))).collect()
+            });
+            println!("{row} {kind:?} {dtype}: {} {:?}", report.rows[0].verdict, report.rows[0].budget_used);
+            assert_eq!(report.rows[0].verdict, Verdict::Pass, "{row} {kind:?} {dtype}: {report}");
+        }
+    }
+}
+
+const RAYS: [&str; 3] = ["rays_1025x193", "ray_4097", "ray_200"];
+
+#[test]
+fn habits_of_kernels_fail_and_are_told() {
+    let judged = |habit: Habit, dtype: Dtype, cases: &[&str]| {
+        let mut calls = 0;
+        report("volume_render", Kind::Forward, dtype, cases, |case| {
+            calls += 1;
+            render(&case.inputs, habit, calls)
+        })
+    };
+    let right = judged(Habit::None, Dtype::F32, &RAYS);
+    assert_eq!((right.exit_code(), right.rows[0].cases, right.rows[0].answered), (0, 3, 3), "{right}");
+    for lanes in [32, 128, 256, 1024] {
+        let report = judged(Habit::LostCarry(lanes), Dtype::F32, &RAYS);
+        assert_eq!(report.rows[0].verdict, Verdict::Fail, "{lanes}: {report}");
+    }
+    // The ray of 200 shows it in every type, whatever the candidate computes in.
+    for dtype in [Dtype::F32, Dtype::Tf32, Dtype::Bf16, Dtype::F16] {
+        for lanes in [32, 64, 128] {
+            let report = judged(Habit::LostCarry(lanes), dtype, &["ray_200"]);
+            assert_eq!(report.rows[0].verdict, Verdict::Fail, "{dtype} {lanes}: {report}");
+        }
+        assert_ne!(judged(Habit::None, dtype, &["ray_200"]).rows[0].verdict, Verdict::Fail, "{dtype}");
+    }
+    for (habit, first, blocks) in [
+        (Habit::NoTail, 0, "17 of 17"),
+        (Habit::LastBlock(256), 1024, "1 of 17"),
+        (Habit::ShortIndex, 512, "9 of 17"),
+    ] {
+        let report = judged(habit, Dtype::F32, &RAYS);
+        let row = &report.rows[0];
+        let told = row.observed.first().cloned().unwrap_or_default();
+        assert_eq!(row.verdict, Verdict::Fail, "{habit:?}: {report}");
+        println!("{report}");
+        if first > 0 {
+            assert!(
+                told.contains(&format!("number {first} of 1025")) && told.contains(blocks),
+                "{habit:?}: {told}"
+            );
+            assert!(told.contains("asked alone, are right"), "{habit:?}: {told}");
+            assert_eq!(row.worst_case.as_ref().unwrap().id, "rays_1025x193");
+            assert!(row.worst_case.as_ref().unwrap().index[0] >= first);
+        }
+    }
+    let race = judged(Habit::Race, Dtype::F32, &RAYS);
+    assert!(race.rows[0].findings.iter().any(|said| said.starts_with("not deterministic")), "{race}");
+    assert_eq!(race.exit_code(), 0);
+}
