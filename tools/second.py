@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import second_compact as compact
 import second_distortion as distortion
+import second_gaussians as gaussians
 import second_geometry as geometry
 import second_harmonics as harmonics
 import second_networks as networks
@@ -63,6 +64,19 @@ CS180 = {
     "alpha_cap": "none",
     "faint": "kept",
     "backdrop": "none",
+    "quaternion_order": "wxyz",
+    "quaternion_length": "divided",
+    "splat_scale": "plain",
+    "splat_center": "half",
+    "splat_dilation": "0.3",
+    "splat_clamp": "picture",
+    "splat_clamp_gradient": "through",
+    "radius_floor": "0.1",
+    "compensation_floor": "none",
+    "positive_power": "kept",
+    "cap_gradient": "stopped",
+    "conic_gradient": "number",
+    "splat_color": "clamped",
     "skip_order": "hidden_first",
     "last_trunk": "relu",
     "feature": "none",
@@ -196,6 +210,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         "sample_along_rays step_sizes",
         networks: "positional_encoding positional_encoding_vjp mlp mlp_vjp nerf_mlp nerf_mlp_vjp",
         space: "contraction contraction_vjp ndc_rays ndc_rays_vjp",
+        gaussians: "gaussian_covariance gaussian_covariance_vjp",
         harmonics: "spherical_harmonics spherical_harmonics_vjp",
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",

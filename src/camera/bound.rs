@@ -9,16 +9,7 @@ use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
 use crate::contract::bounded::{Bounded, exact};
 use crate::convention::Conventions;
 
-/// A sum in any order: inside one operation, or by additions that each round to the type.
-pub(crate) fn any_order(terms: &[Bounded], m: &Arithmetic) -> Bounded {
-    m.sum(terms).or(Arithmetic { u_sum: m.u, ..*m }.sum(terms))
-}
-
-/// A hyper-parameter: given in f64, rounded to the type where the type can't represent it.
-pub(crate) fn hyper(x: f64, m: &Arithmetic) -> Bounded {
-    let digits = libm::frexp(x).0 / m.u;
-    if digits == libm::rint(digits) && x.abs() <= m.largest { exact(x) } else { m.rounded(x, 0.0) }
-}
+pub(crate) use crate::contract::bounded::{any_order, hyper};
 
 /// One axis of the lens: focal length and principal point.
 #[derive(Clone, Copy)]

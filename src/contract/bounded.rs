@@ -23,6 +23,17 @@ pub fn exact(y: f64) -> Bounded {
     Bounded { y, e: 0.0 }
 }
 
+/// A sum in any order: inside one operation, or by additions that each round to the type.
+pub(crate) fn any_order(terms: &[Bounded], m: &Arithmetic) -> Bounded {
+    m.sum(terms).or(Arithmetic { u_sum: m.u, ..*m }.sum(terms))
+}
+
+/// A hyper-parameter: given in f64, rounded to the type where the type can't represent it.
+pub(crate) fn hyper(x: f64, m: &Arithmetic) -> Bounded {
+    let digits = libm::frexp(x).0 / m.u;
+    if digits == libm::rint(digits) && x.abs() <= m.largest { exact(x) } else { m.rounded(x, 0.0) }
+}
+
 impl Bounded {
     /// The largest magnitude an honest result may have.
     pub fn size(self) -> f64 {

@@ -8,6 +8,7 @@ pub mod check;
 pub mod component;
 pub mod hazard;
 pub mod machine;
+pub(crate) mod operations;
 pub mod propagate;
 pub mod special;
 

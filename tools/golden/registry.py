@@ -29,6 +29,7 @@ COMPONENTS = [
     "packed_scan",
     "accumulate_along_rays",
     "early_stop",
+    "gaussian_covariance",
     "render_trace",
     "distortion_loss",
     "mse",
