@@ -62,8 +62,8 @@ pub(crate) const GAUSSIAN_COLOR: &[Mistake] = &[
         "the direction is held constant",
         "means don't learn from how colors change with the direction; poses neither",
         "g_d through the length to the mean",
-        "brush#448; gsplat before 1.0 (gsplat#147), whose harmonics had no gradient of the direction",
-        2,
+        "brush#448; gsplat before 1.0 (gsplat#147, #183); taichi_3d_gaussian_splatting#169",
+        3,
     )
     .of_gradient(),
     Mistake::new(

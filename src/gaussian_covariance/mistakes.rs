@@ -13,7 +13,7 @@ pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
         "R^T diag(s)^2 R: M^T M of an M = diag(s) R whose R is in rows",
         "every splat is turned the other way; those along the axes, with which training begins, look right",
         "M M^T with M = R diag(s); M^T M is right where matrices are stored by columns (GLM)",
-        "ports of the rasterizer of 3D Gaussian splatting, whose GLM matrices are written in rows and so are transposes",
+        "a splat viewer's server and a WebGL loader (M = S @ R, M.T @ M), after the rasterizer's line for GLM",
         2,
     ),
     Mistake::new(

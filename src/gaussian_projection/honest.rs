@@ -211,7 +211,7 @@ impl<'a, O: Operations> Projected<'a, O> {
             let tilted = o.mul(moved, axis.held);
             let held = self.form.clamp_gradient == SplatClampGradient::Held;
             let second = if held { tilted } else { through(tilted) };
-            let of_mean = o.mul(o.mul(by_depth, axis.slope), g_mean);
+            let of_mean = o.mul(o.mul(axis.scale, axis.slope), g_mean);
             of_z.extend([o.neg(o.mul(by_depth, own)), tilted, second, o.neg(of_mean)]);
         }
         g_t[2] = o.sum(&of_z);
