@@ -6,6 +6,7 @@
 
 mod compact;
 mod encoding;
+mod gaussians;
 pub mod profiles;
 mod rendering;
 mod results;
@@ -14,6 +15,7 @@ mod spelling;
 
 pub use compact::*;
 pub use encoding::*;
+pub use gaussians::*;
 pub use rendering::*;
 pub use results::*;
 pub use space::*;
@@ -290,6 +292,45 @@ pub struct Conventions {
     /// What is behind a ray.
     #[serde(default)]
     pub backdrop: Backdrop,
+    /// Where a quaternion has its real part.
+    #[serde(default)]
+    pub quaternion_order: QuaternionOrder,
+    /// Whether a rotation's quaternion is divided by its length.
+    #[serde(default)]
+    pub quaternion_length: QuaternionLength,
+    /// What a Gaussian's scales are.
+    #[serde(default)]
+    pub splat_scale: SplatScale,
+    /// Where pixels of splats have their centers.
+    #[serde(default)]
+    pub splat_center: SplatCenter,
+    /// What is added to the variances of splats.
+    #[serde(default)]
+    pub splat_dilation: SplatDilation,
+    /// How far beside the picture a projection's Jacobian is taken.
+    #[serde(default)]
+    pub splat_clamp: SplatClamp,
+    /// What is constant where it is clamped.
+    #[serde(default)]
+    pub splat_clamp_gradient: SplatClampGradient,
+    /// The least value under the root of a splat's eigenvalue.
+    #[serde(default)]
+    pub radius_floor: RadiusFloor,
+    /// The least compensation of a dilated splat.
+    #[serde(default)]
+    pub compensation_floor: CompensationFloor,
+    /// What becomes of splats that grow with the distance.
+    #[serde(default)]
+    pub positive_power: PositivePower,
+    /// Whether a capped splat learns.
+    #[serde(default)]
+    pub cap_gradient: CapGradient,
+    /// What the gradient of a conic's second number is.
+    #[serde(default)]
+    pub conic_gradient: ConicGradient,
+    /// What is made of a splat's harmonics.
+    #[serde(default)]
+    pub splat_color: SplatColor,
     /// Index (from 0) of the trunk layer whose input contains the encoding again.
     pub skip_layer: usize,
     /// Order of that concatenation.
@@ -358,6 +399,19 @@ pub const CS180: Conventions = Conventions {
     faint: Faint::Kept,
     sigma_relu: SigmaRelu::None,
     backdrop: Backdrop::None,
+    quaternion_order: QuaternionOrder::RealFirst,
+    quaternion_length: QuaternionLength::Divided,
+    splat_scale: SplatScale::Plain,
+    splat_center: SplatCenter::Half,
+    splat_dilation: SplatDilation::ThreeTenths,
+    splat_clamp: SplatClamp::Picture,
+    splat_clamp_gradient: SplatClampGradient::Through,
+    radius_floor: RadiusFloor::Tenth,
+    compensation_floor: CompensationFloor::None,
+    positive_power: PositivePower::Kept,
+    cap_gradient: CapGradient::Stopped,
+    conic_gradient: ConicGradient::Number,
+    splat_color: SplatColor::Clamped,
     skip_layer: 4,
     skip_order: SkipOrder::HiddenFirst,
     last_trunk: Activation::Relu,

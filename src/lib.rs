@@ -67,7 +67,8 @@
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
 //! steps for one picture. [`srgb`] is the curve between linear light and a picture file, [`contraction`] lays an unbounded scene into
 //! a bounded one, [`ndc`] the view of a camera that looks ahead; [`packed`] has the sums and products of rays of different lengths,
-//! [`distortion`] the loss that gathers weights into surfaces.
+//! [`distortion`] the loss that gathers weights into surfaces. Splats: [`gaussian_covariance`] from rotation and scales,
+//! [`gaussian_projection`] into a picture, [`gaussian_alpha`] at a pixel, [`gaussian_color`] from a direction.
 //!
 //! Rooms, from the ground up: each may import those before it; `tests/architecture` reads this list and fails on anything else.
 //!
@@ -76,7 +77,8 @@
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
-//!    [`occupancy_grid`], [`srgb`], [`contraction`], [`ndc`], [`distortion`]
+//!    [`occupancy_grid`], [`srgb`], [`contraction`], [`ndc`], [`distortion`], [`gaussian_covariance`],
+//!    [`gaussian_projection`], [`gaussian_alpha`], [`gaussian_color`]
 //! 4. their f32 variants, in each folder's `fast`
 //! 5. all of them in a list: [`registry`]
 //! 6. verdicts on others: [`judge`]; answers to keep beside one's tests: [`vectors`]
@@ -132,6 +134,10 @@ pub mod volume_rendering;
 pub mod contraction;
 pub mod distortion;
 pub mod early_stop;
+pub mod gaussian_alpha;
+pub mod gaussian_color;
+pub mod gaussian_covariance;
+pub mod gaussian_projection;
 pub mod hash_grid;
 pub mod importance_sampling;
 pub mod ndc;

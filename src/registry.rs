@@ -2,9 +2,9 @@
 
 use crate::contract::Component;
 use crate::{
-    camera, contraction, distortion, early_stop, encoding, field, hash_grid, importance_sampling, loss, ndc,
-    occupancy_grid, optimizer, packed, ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp,
-    volume_rendering,
+    camera, contraction, distortion, early_stop, encoding, field, gaussian_alpha, gaussian_color,
+    gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, loss, ndc, occupancy_grid,
+    optimizer, packed, ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp, volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
@@ -31,6 +31,10 @@ pub const COMPONENTS: &[Component] = &[
     packed::component::PACKED_SCAN,
     packed::component::ACCUMULATE_ALONG_RAYS,
     early_stop::component::EARLY_STOP,
+    gaussian_covariance::component::GAUSSIAN_COVARIANCE,
+    gaussian_projection::component::GAUSSIAN_PROJECTION,
+    gaussian_alpha::component::GAUSSIAN_ALPHA,
+    gaussian_color::component::GAUSSIAN_COLOR,
     trace::component::RENDER_TRACE,
     distortion::component::DISTORTION_LOSS,
     loss::component::MSE,

@@ -74,6 +74,14 @@ fn doors_fit_the_contract() {
         packed::judge::pack_info(|_, _| ());
         packed::judge::accumulate_along_rays(|_, _, _| ()).vjp(|_, _, _, _| ());
         early_stop::judge(|_, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _, _| ());
+        gaussian_covariance::judge(|_, _| ()).vjp(|_, _, _| ());
+        gaussian_covariance::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
+        gaussian_projection::judge(|_, _, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _, _, _, _| ());
+        gaussian_projection::judge::judge_batch(|_, _, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _, _, _, _| ());
+        gaussian_alpha::judge(|_, _, _, _| ()).vjp(|_, _, _, _, _| ());
+        gaussian_alpha::judge::judge_batch(|_, _, _, _| ()).vjp(|_, _, _, _, _| ());
+        gaussian_color::judge(|_, _, _| ()).vjp(|_, _, _, _| ());
+        gaussian_color::judge::judge_batch(|_, _, _| ()).vjp(|_, _, _, _| ());
         trace::judge(|_, _, _, _, _, _, _, _, _, _, _, _| ());
         loss::judge(|_, _| ()).vjp(|_, _, _| ());
         loss::judge::psnr(|_, _, _| ());

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import second_compact as compact
 import second_distortion as distortion
+import second_gaussians as gaussians
 import second_geometry as geometry
 import second_harmonics as harmonics
 import second_networks as networks
@@ -64,6 +65,19 @@ CS180 = {
     "faint": "kept",
     "sigma_relu": "none",
     "backdrop": "none",
+    "quaternion_order": "wxyz",
+    "quaternion_length": "divided",
+    "splat_scale": "plain",
+    "splat_center": "half",
+    "splat_dilation": "0.3",
+    "splat_clamp": "picture",
+    "splat_clamp_gradient": "through",
+    "radius_floor": "0.1",
+    "compensation_floor": "none",
+    "positive_power": "kept",
+    "cap_gradient": "stopped",
+    "conic_gradient": "number",
+    "splat_color": "clamped",
     "skip_order": "hidden_first",
     "last_trunk": "relu",
     "feature": "none",
@@ -155,6 +169,28 @@ DEVIATIONS = {
         "adam_eps": "uncorrected",
     },
     "tiny-cuda-nn": {"hash_levels": "tiny_cuda_nn", "adam_eps": "uncorrected"},
+    "gsplat": {
+        "radius_floor": "0.01",
+        "alpha_cap": "0.999",
+        "faint": "skipped",
+        "positive_power": "skipped",
+        "stop": "in_front",
+        "harmonic_form": "normalized",
+    },
+    "3dgs": {
+        "quaternion_length": "as_given",
+        "splat_center": "integer",
+        "splat_clamp": "centered",
+        "splat_clamp_gradient": "held",
+        "compensation_floor": "0.005",
+        "alpha_cap": "0.99",
+        "faint": "skipped",
+        "positive_power": "skipped",
+        "cap_gradient": "through",
+        "conic_gradient": "entry",
+        "stop": "in_front",
+        "harmonic_form": "homogeneous",
+    },
 }
 
 
@@ -198,6 +234,8 @@ FUNCTIONS = {"render_trace": render_trace} | {
         "sample_along_rays step_sizes",
         networks: "positional_encoding positional_encoding_vjp mlp mlp_vjp nerf_mlp nerf_mlp_vjp",
         space: "contraction contraction_vjp ndc_rays ndc_rays_vjp",
+        gaussians: "gaussian_covariance gaussian_covariance_vjp gaussian_projection gaussian_projection_vjp gaussian_alpha gaussian_alpha_vjp "
+        "gaussian_color gaussian_color_vjp",
         harmonics: "spherical_harmonics spherical_harmonics_vjp",
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",

@@ -6,26 +6,10 @@
 use super::arrays::{in_axes, intrinsics, matrix, rows34};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
-use crate::contract::bounded::{Bounded, Running, exact};
+use crate::contract::bounded::{Bounded, exact};
 use crate::convention::Conventions;
 
-/// A sum in any order: inside one operation, or by additions that each round to the type.
-pub(crate) fn any_order(terms: &[Bounded], m: &Arithmetic) -> Bounded {
-    let mut running = Running::default();
-    terms.iter().for_each(|term| running.add(*term));
-    in_any_order(&running, m)
-}
-
-/// The same of the terms so far.
-pub(crate) fn in_any_order(running: &Running, m: &Arithmetic) -> Bounded {
-    running.sum(m).or(running.sum(&Arithmetic { u_sum: m.u, ..*m }))
-}
-
-/// A hyper-parameter: given in f64, rounded to the type where the type can't represent it.
-pub(crate) fn hyper(x: f64, m: &Arithmetic) -> Bounded {
-    let digits = libm::frexp(x).0 / m.u;
-    if digits == libm::rint(digits) && x.abs() <= m.largest { exact(x) } else { m.rounded(x, 0.0) }
-}
+pub(crate) use crate::contract::bounded::{any_order, hyper};
 
 /// One axis of the lens: focal length and principal point.
 #[derive(Clone, Copy)]

@@ -61,6 +61,19 @@ pub(crate) fn threes(a: &Arrays, name: &str) -> Vec<[f64; 3]> {
     values(a, name).chunks_exact(3).map(|x| [x[0], x[1], x[2]]).collect()
 }
 
+/// An array in groups of N: the rows of (M, N), or of N numbers in whatever shape.
+pub(crate) fn groups<const N: usize>(a: &Arrays, name: &str) -> Vec<[f64; N]> {
+    values(a, name).chunks_exact(N).map(|x| std::array::from_fn(|i| x[i])).collect()
+}
+
+/// An (M, 3, 3) array as matrices, row by row.
+pub(crate) fn matrices3(a: &Arrays, name: &str) -> Vec<[[f64; 3]; 3]> {
+    groups::<9>(a, name)
+        .iter()
+        .map(|x| std::array::from_fn(|i| [x[3 * i], x[3 * i + 1], x[3 * i + 2]]))
+        .collect()
+}
+
 /// An (M, 2) array in twos.
 pub(crate) fn twos(a: &Arrays, name: &str) -> Vec<[f64; 2]> {
     values(a, name).chunks_exact(2).map(|x| [x[0], x[1]]).collect()

@@ -23,6 +23,24 @@ pub fn exact(y: f64) -> Bounded {
     Bounded { y, e: 0.0 }
 }
 
+/// A sum in any order: inside one operation, or by additions that each round to the type.
+pub(crate) fn any_order(terms: &[Bounded], m: &Arithmetic) -> Bounded {
+    let mut running = Running::default();
+    terms.iter().for_each(|term| running.add(*term));
+    in_any_order(&running, m)
+}
+
+/// The same of the terms so far.
+pub(crate) fn in_any_order(running: &Running, m: &Arithmetic) -> Bounded {
+    running.sum(m).or(running.sum(&Arithmetic { u_sum: m.u, ..*m }))
+}
+
+/// A hyper-parameter: given in f64, rounded to the type where the type can't represent it.
+pub(crate) fn hyper(x: f64, m: &Arithmetic) -> Bounded {
+    let digits = libm::frexp(x).0 / m.u;
+    if digits == libm::rint(digits) && x.abs() <= m.largest { exact(x) } else { m.rounded(x, 0.0) }
+}
+
 impl Bounded {
     /// The largest magnitude an honest result may have.
     pub fn size(self) -> f64 {

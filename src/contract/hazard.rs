@@ -1,8 +1,8 @@
 //! The glossary of hazards: numbers on which real libraries went wrong. The id of a hard case begins with the id of its hazard
 //! (`VR9_underflow` is a case of VR9), and comments name hazards by their ids.
 //!
-//! The letters say where a hazard belongs: VR volume rendering, PK packed rays, SA sampling, PE encodings, CG cameras and boxes, TR
-//! training, ME metrics.
+//! The letters say where a hazard belongs: VR volume rendering, PK packed rays, SA sampling, PE encodings, CG cameras and boxes, GS
+//! Gaussians, TR training, ME metrics.
 //! Numbers that are missing were hazards of components that the crate doesn't have.
 
 /// A kind of input on which implementations go wrong.
@@ -287,6 +287,57 @@ pub const HAZARDS: &[Hazard] = &[
             "a ray across the axis (d_z = 0) never meets it; one from z = 0 must be moved before anything is divided by z; one that grazes \
              meets it far away",
             "normalized device coordinates without the move to the near plane",
+        ],
+    ),
+    hazard(
+        "GS1",
+        [
+            "a quaternion that isn't unit",
+            "Adam doesn't keep lengths: divided inside, every quaternion is a rotation, and its gradient has no part along it; taken as it is, \
+             the matrix shears",
+            "kernels that leave the division, or its derivative, to the caller",
+        ],
+    ),
+    hazard(
+        "GS2",
+        [
+            "needles and plates",
+            "variances a million times apart: the small ones are what is left of differences of large ones",
+            "splats that training flattens to surfaces and hairs",
+        ],
+    ),
+    hazard(
+        "GS3",
+        [
+            "splats beside the picture",
+            "the Jacobian at their mean knows nothing of perspective over their size: it is clamped to 1.3 of the picture, by which long \
+             splats turn into a fan; the clamp's gradient is forgotten, or taken with t_x held",
+            "gsplat#977, gsplat#305; 3D Gaussian splatting",
+        ],
+    ),
+    hazard(
+        "GS4",
+        [
+            "splats without area",
+            "lines and points have a determinant of 0: no inverse without the dilation, no slope of the root that compensates for it",
+            "splats that training shrinks",
+        ],
+    ),
+    hazard(
+        "GS5",
+        [
+            "splats at the limits of what is drawn",
+            "below 1 / 255 and above 0.99 code cuts, and where rounding leaves a conic that isn't positive it skips: each with a gradient of \
+             its own",
+            "3D Gaussian splatting, gsplat",
+        ],
+    ),
+    hazard(
+        "GS6",
+        [
+            "colors below 0",
+            "harmonics go below -1/2: the color is clamped to black, and passes no gradient until another direction lifts it",
+            "3D Gaussian splatting",
         ],
     ),
     hazard(

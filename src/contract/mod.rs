@@ -9,6 +9,7 @@ pub mod component;
 pub mod hazard;
 pub mod large;
 pub mod machine;
+pub(crate) mod operations;
 pub mod propagate;
 pub mod recipe;
 pub mod special;

@@ -1,10 +1,9 @@
 //! Error bounds of packed rays. Counting is exact; sums and products in any order, and gradients of products with or without a division.
 
 use super::arrays::{cotangents, gradient, gradients, offsets, scans, sums};
-use crate::camera::bound::{any_order, in_any_order};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, threes, values};
-use crate::contract::bounded::{Bounded, Running, exact};
+use crate::contract::bounded::{Bounded, Running, any_order, exact, in_any_order};
 use crate::convention::Conventions;
 
 /// Bound of [`super::pack_info`]: none.

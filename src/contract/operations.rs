@@ -1,0 +1,148 @@
+//! The operations of arithmetic, so that a formula of many steps is written once: with [`Arithmetic`] it is a running error analysis,
+//! with [`Machine`] an honest implementation.
+//!
+//! A component whose honest code has several ways to its result numbers them. A machine takes one, the bound is the widest of all.
+
+use super::arithmetic::Arithmetic;
+use super::bounded::{Bounded, any_order, exact, hyper};
+use super::machine::Machine;
+
+/// Arithmetic on numbers of some kind.
+pub(crate) trait Operations {
+    /// A number.
+    type Number: Copy;
+
+    /// A number that the type holds.
+    fn exact(&self, y: f64) -> Self::Number;
+    /// A constant or hyper-parameter: given in f64, rounded to the type.
+    fn hyper(&self, y: f64) -> Self::Number;
+    /// Whether it is 0, exactly.
+    fn is_zero(&self, a: Self::Number) -> bool;
+    /// -a.
+    fn neg(&self, a: Self::Number) -> Self::Number;
+    /// a + b.
+    fn add(&self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// a b.
+    fn mul(&self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// a / b.
+    fn div(&self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// The square root.
+    fn sqrt(&self, a: Self::Number) -> Self::Number;
+    /// e^a.
+    fn exp(&self, a: Self::Number) -> Self::Number;
+    /// The larger of two.
+    fn max(&self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// g where a is above b, else 0: a gradient through a limit.
+    fn above(&self, a: Self::Number, b: Self::Number, g: Self::Number) -> Self::Number;
+    /// A sum, in any order.
+    fn sum(&self, terms: &[Self::Number]) -> Self::Number;
+    /// A sum of products, in any order, fused or not.
+    fn dot(&self, a: &[Self::Number], b: &[Self::Number]) -> Self::Number;
+
+    /// a - b.
+    fn sub(&self, a: Self::Number, b: Self::Number) -> Self::Number {
+        self.add(a, self.neg(b))
+    }
+
+    /// The smaller of two.
+    fn min(&self, a: Self::Number, b: Self::Number) -> Self::Number {
+        self.neg(self.max(self.neg(a), self.neg(b)))
+    }
+
+    /// A product with a number that is exact, such as 2.
+    fn times(&self, a: f64, b: Self::Number) -> Self::Number {
+        self.mul(self.exact(a), b)
+    }
+}
+
+impl Operations for Arithmetic {
+    type Number = Bounded;
+
+    fn exact(&self, y: f64) -> Bounded {
+        exact(y)
+    }
+    fn hyper(&self, y: f64) -> Bounded {
+        hyper(y, self)
+    }
+    fn is_zero(&self, a: Bounded) -> bool {
+        a == exact(0.0)
+    }
+    fn neg(&self, a: Bounded) -> Bounded {
+        a.neg()
+    }
+    fn add(&self, a: Bounded, b: Bounded) -> Bounded {
+        Arithmetic::add(self, a, b)
+    }
+    fn mul(&self, a: Bounded, b: Bounded) -> Bounded {
+        Arithmetic::mul(self, a, b)
+    }
+    fn div(&self, a: Bounded, b: Bounded) -> Bounded {
+        Arithmetic::div(self, a, b)
+    }
+    fn sqrt(&self, a: Bounded) -> Bounded {
+        Arithmetic::sqrt(self, a)
+    }
+    fn exp(&self, a: Bounded) -> Bounded {
+        Arithmetic::exp(self, a)
+    }
+    fn max(&self, a: Bounded, b: Bounded) -> Bounded {
+        Bounded { y: a.y.max(b.y), e: a.e.max(b.e) }
+    }
+    fn above(&self, a: Bounded, b: Bounded, g: Bounded) -> Bounded {
+        let (apart, open) = (a.y - b.y, a.e + b.e);
+        let taken = if apart > 0.0 { g } else { exact(0.0) };
+        // Where rounding may put it on either side, 0 and g are both honest.
+        if apart.abs() > open { taken } else { Bounded { y: taken.y, e: g.size() } }
+    }
+    fn sum(&self, terms: &[Bounded]) -> Bounded {
+        any_order(terms, self)
+    }
+    fn dot(&self, a: &[Bounded], b: &[Bounded]) -> Bounded {
+        let products: Vec<Bounded> = a.iter().zip(b).map(|(&a, &b)| Arithmetic::mul(self, a, b)).collect();
+        any_order(&products, self)
+    }
+}
+
+impl Operations for Machine {
+    type Number = f64;
+
+    fn exact(&self, y: f64) -> f64 {
+        y
+    }
+    fn hyper(&self, y: f64) -> f64 {
+        self.round(y)
+    }
+    fn is_zero(&self, a: f64) -> bool {
+        a == 0.0
+    }
+    fn neg(&self, a: f64) -> f64 {
+        -a
+    }
+    fn add(&self, a: f64, b: f64) -> f64 {
+        Machine::add(self, a, b)
+    }
+    fn mul(&self, a: f64, b: f64) -> f64 {
+        Machine::mul(self, a, b)
+    }
+    fn div(&self, a: f64, b: f64) -> f64 {
+        Machine::div(self, a, b)
+    }
+    fn sqrt(&self, a: f64) -> f64 {
+        Machine::sqrt(self, a)
+    }
+    fn exp(&self, a: f64) -> f64 {
+        Machine::exp(self, a)
+    }
+    fn max(&self, a: f64, b: f64) -> f64 {
+        a.max(b)
+    }
+    fn above(&self, a: f64, b: f64, g: f64) -> f64 {
+        if a > b { g } else { 0.0 }
+    }
+    fn sum(&self, terms: &[f64]) -> f64 {
+        Machine::sum(self, terms)
+    }
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        Machine::dot(self, a, b)
+    }
+}

@@ -1,0 +1,96 @@
+//! Cases of splats' opacities: in and around them, opaque and faint ones, needles, and conics that aren't positive.
+
+use crate::contract::arrays::array;
+use crate::contract::case::{Case, Draw, in_full, short};
+
+/// Pixels and splats: means, conics, opacities.
+fn case(
+    id: &str,
+    comment: &'static str,
+    pixels: Vec<f64>,
+    [means, conics, opacities]: [Vec<f64>; 3],
+) -> Case {
+    let (p, n) = (pixels.len() / 2, opacities.len());
+    let inputs = vec![
+        ("pixels", array(&[p, 2], pixels)),
+        ("means2d", array(&[n, 2], means)),
+        ("conics", array(&[n, 3], conics)),
+        ("opacities", array(&[n], opacities)),
+    ];
+    Case::new(id, comment, inputs)
+}
+
+/// Splats with these deviations in pixels and opacities, in a picture of 8 x 8.
+fn splats(stream: u64, n: usize, deviations: [f64; 2], opacities: [f64; 2]) -> [Vec<f64>; 3] {
+    let mut draw = Draw::new("gaussian_alpha", stream);
+    let means = (0..2 * n).map(|_| draw.between(0.0, 8.0)).collect();
+    let mut conic = || {
+        let [x, y] = [0, 1].map(|_| 1.0 / draw.between(deviations[0], deviations[1]));
+        [short(x * x), short(x * y * draw.between(-0.75, 0.75)), short(y * y)]
+    };
+    let conics = (0..n).flat_map(|_| conic()).collect();
+    [means, conics, (0..n).map(|_| draw.between(opacities[0], opacities[1])).collect()]
+}
+
+/// Centers of pixels along the diagonals.
+fn diagonal() -> Vec<f64> {
+    vec![0.5, 0.5, 2.5, 5.5, 3.5, 3.5, 4.5, 3.5, 6.5, 1.5, 7.5, 7.5]
+}
+
+/// Splats at pixels.
+pub(crate) fn gaussian_alpha() -> Vec<Case> {
+    let cases = vec![
+        case(
+            "usual",
+            "splats of one to four pixels, seen from six",
+            diagonal(),
+            splats(0, 6, [1.0, 4.0], [0.1, 0.9]),
+        ),
+        case(
+            "in_the_middle",
+            "pixels on a mean, and beside it: the exponent is 0",
+            vec![2.5, 3.5, 2.75, 3.5],
+            [vec![2.5, 3.5, 2.5, 3.25], vec![0.5, 0.125, 1.0, 2.0, -0.5, 0.25], vec![0.75, 0.5]],
+        ),
+        case(
+            "opaque",
+            "opacities from 0.98 to 1, which some cap",
+            diagonal(),
+            splats(1, 6, [16.0, 64.0], [0.98, 1.0]),
+        ),
+        case(
+            "GS5_faint",
+            "opacities around 1 / 255, which some skip",
+            diagonal(),
+            splats(2, 8, [2.0, 6.0], [0.003, 0.03]),
+        ),
+        case(
+            "GS2_needles",
+            "conics of hairs: 16 across, 1/64 along, straight and slanted",
+            diagonal(),
+            [
+                vec![3.0, 3.5, 3.5, 4.0, 4.25, 3.75],
+                vec![16.0, 0.0, 0.015625, 0.015625, 0.0, 16.0, 8.0, 7.9375, 8.0],
+                vec![0.75, 0.5, 0.875],
+            ],
+        ),
+        case(
+            "GS5_not_positive",
+            "a conic that isn't positive: the splat grows with the distance",
+            vec![2.5, 2.5, 3.5, 1.5, 2.0, 4.0],
+            [vec![2.0, 2.0, 3.0, 2.25], vec![0.25, 0.5, 0.25, 0.5, -0.75, 0.5], vec![0.25, 0.125]],
+        )
+        .edge("a conic that isn't positive"),
+        case("no_opacity", "opacities of 0: there is a gradient", diagonal(), {
+            let [means, conics, _] = splats(3, 2, [1.0, 4.0], [0.0, 1.0]);
+            [means, conics, vec![0.0, 0.5]]
+        }),
+        case(
+            "far",
+            "many deviations away: next to nothing, or nothing",
+            diagonal(),
+            splats(4, 3, [0.25, 0.5], [0.5, 1.0]),
+        ),
+    ];
+    in_full(cases, "usual")
+}

@@ -1,0 +1,164 @@
+//! Splats' colors, wrong on purpose. Without a mistake every function equals the oracle.
+
+use super::arrays::{form, forward, vjp};
+use super::{Form, backward, color as oracle, degree, direction, sum};
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Mistake;
+use crate::convention::{Conventions, HarmonicForm, SplatColor};
+use crate::spherical_harmonics::harmonics;
+
+/// Mistakes of splats' colors.
+pub(crate) const GAUSSIAN_COLOR: &[Mistake] = &[
+    Mistake::new(
+        "direction_reversed",
+        "center - mean",
+        "highlights are on the far side of what they belong to",
+        "mean - center",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "direction_not_normalized",
+        "the harmonics of mean - center as it is",
+        "colors explode with the distance",
+        "divide by the length",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "half_forgotten",
+        "max(sum, 0)",
+        "pictures are too dark: what should be gray is black",
+        "1/2 before the clamp",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "constant_forgotten",
+        "the first coefficient as the color, without 1 / sqrt(4 pi)",
+        "colors are 3.5 times too strong",
+        "f_0 Y_0: (rgb - 1/2) / 0.28209 where a color is given",
+        "viewers that show f_dc of a PLY file as it is",
+        0,
+    ),
+    Mistake::new(
+        "channels_first",
+        "f_rest read as all of red, all of green, all of blue, or written so",
+        "colors change with the direction as nothing does",
+        "(coefficient, channel) after transposing what a PLY file has by channels",
+        "readers of 3D Gaussian splatting's PLY files, which are by channels",
+        0,
+    ),
+    Mistake::new(
+        "clamped_at_one",
+        "clamp(sum + 1/2, 0, 1)",
+        "bright splats have no gradient, and stay as bright as they are",
+        "clamp below alone",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "mean_gradient_dropped",
+        "the direction is held constant",
+        "means don't learn from how colors change with the direction; poses neither",
+        "g_d through the length to the mean",
+        "brush#448; gsplat before 1.0 (gsplat#147, #183); taichi_3d_gaussian_splatting#169",
+        3,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "normalization_not_differentiated",
+        "the gradient of d / |d| as that of the mean",
+        "means are pulled along their rays, and far ones too strongly",
+        "(g - (g . u) u) / |d|",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "clamp_not_differentiated",
+        "gradients pass where a channel is clamped",
+        "black splats drift without an effect that one could see",
+        "0 where the sum and 1/2 is below 0",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "mean_gradient_negated",
+        "the gradient of the camera's center as that of the mean",
+        "means move away from where their colors would fit",
+        "d = mean - center: plus g_d",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+];
+
+/// The coefficients as if read by channels.
+fn by_channels(f: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let (flat, width) = (f.as_flattened(), f.len());
+    (0..width).map(|k| [0, 1, 2].map(|channel| flat[channel * width + k])).collect()
+}
+
+/// A color with what is wrong about it.
+fn wrong_color(mean: [f64; 3], center: [f64; 3], f: &[[f64; 3]], form: Form, wrong: &[&str]) -> [f64; 3] {
+    let has = |name: &str| wrong.contains(&name);
+    let d = if has("direction_reversed") { direction(center, mean) } else { direction(mean, center) };
+    let lengths =
+        if has("direction_not_normalized") { HarmonicForm::Sphere } else { HarmonicForm::Normalized };
+    let mut y = harmonics(d, degree(f), lengths, form.sign);
+    if has("constant_forgotten") {
+        y[0] = 1.0;
+    }
+    let f = if has("channels_first") { by_channels(f) } else { f.to_vec() };
+    let shift = if has("half_forgotten") || form.color == SplatColor::Sum { 0.0 } else { 0.5 };
+    sum(&y, &f).map(|sum| {
+        let x = sum + shift;
+        let x = if form.color == SplatColor::Clamped { x.max(0.0) } else { x };
+        if has("clamped_at_one") { x.clamp(0.0, 1.0) } else { x }
+    })
+}
+
+/// Colors.
+pub(crate) fn color(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    forward(a, |mean, center, f| match wrong {
+        [] => oracle(mean, center, f, form(c)),
+        wrong => wrong_color(mean, center, f, form(c), wrong),
+    })
+}
+
+/// Their gradients.
+pub(crate) fn color_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let form = form(c);
+    vjp(a, |mean, center, f, g| {
+        let (g_mean, g_f) = backward::color(mean, center, f, form, g);
+        match wrong.first() {
+            Some(&"mean_gradient_dropped") => ([0.0; 3], g_f),
+            Some(&"mean_gradient_negated") => (g_mean.map(|g| -g), g_f),
+            Some(&"clamp_not_differentiated") => {
+                backward::color(mean, center, f, Form { color: SplatColor::Shifted, ..form }, g)
+            }
+            Some(&"normalization_not_differentiated") => (of_unit(mean, center, f, form, g, &g_f), g_f),
+            _ => (g_mean, g_f),
+        }
+    })
+}
+
+/// The gradient of the unit direction.
+fn of_unit(
+    mean: [f64; 3],
+    center: [f64; 3],
+    f: &[[f64; 3]],
+    form: Form,
+    g: [f64; 3],
+    g_f: &[[f64; 3]],
+) -> [f64; 3] {
+    let d = direction(mean, center);
+    let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+    // The first harmonic isn't 0: where its gradient is, the channel was clamped.
+    let kept = [0, 1, 2].map(|channel| if g_f[0][channel] == 0.0 { 0.0 } else { g[channel] });
+    let g_y: Vec<f64> = f.iter().map(|f| (0..3).map(|channel| kept[channel] * f[channel]).sum()).collect();
+    let of_harmonics = crate::spherical_harmonics::backward::harmonics;
+    of_harmonics(d.map(|x| x / length), degree(f), HarmonicForm::Homogeneous, form.sign, &g_y)
+}

@@ -1,0 +1,176 @@
+//! The covariance, wrong on purpose. Without a mistake every function equals the oracle.
+
+use super::arrays::{form, forward, vjp};
+use super::{Form, backward, covariance as oracle, deviations, rotation, unit};
+use crate::contract::arrays::{Arrays, values};
+use crate::contract::component::Mistake;
+use crate::convention::{Conventions, QuaternionLength, QuaternionOrder, SplatScale};
+
+/// Mistakes of the covariance.
+pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
+    Mistake::new(
+        "rotation_transposed",
+        "R^T diag(s)^2 R: M^T M of an M = diag(s) R whose R is in rows",
+        "every splat is turned the other way; those along the axes, with which training begins, look right",
+        "M M^T with M = R diag(s); M^T M is right where matrices are stored by columns (GLM)",
+        "a splat viewer's server and a WebGL loader (M = S @ R, M.T @ M), after the rasterizer's line for GLM",
+        2,
+    ),
+    Mistake::new(
+        "rotation_cancels",
+        "(diag(s) R) (diag(s) R)^T: R R^T stands inside",
+        "splats can't turn: every axis stays along x, y or z",
+        "M = R diag(s): scale first, then turn",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "scale_not_squared",
+        "R diag(s) R^T",
+        "scales are variances: small splats are far too large, large ones too small",
+        "s^2: once from each M",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "norm_squared",
+        "q / |q|^2: the root is missing",
+        "short quaternions shear splats and blow them up",
+        "divide by the root of the sum of squares",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "norm_of_all",
+        "one norm for all quaternions: without its axis",
+        "what a splat looks like depends on how many there are",
+        "the norm along the last axis",
+        "never in this row; as norm_of_all_rays of directions",
+        0,
+    ),
+    Mistake::new(
+        "gradient_of_the_other_scale",
+        "the gradient of s handed on as that of ln s, or the reverse",
+        "the factor s is missing: steps of small splats are too large by 1 / s",
+        "ln s learns s times the gradient of s",
+        "fvdb-core#432, whose kernel takes logarithms",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "normalization_not_differentiated",
+        "the gradient of q / |q| handed on as that of q",
+        "a part along q, which turns nothing, makes quaternions longer or shorter at every step",
+        "(g - (g . u) u) / |q|",
+        "kernels that divide inside and differentiate as the original does, which takes quaternions as they are",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "one_factor_alone",
+        "g M in place of (g + g^T) M: one of the two M is held constant",
+        "half of the gradient",
+        "M stands there twice",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "off_diagonal_twice",
+        "the gradients of six numbers copied to both triangles as they are",
+        "rotations learn twice as fast as scales",
+        "half of an off-diagonal gradient to each triangle",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+];
+
+/// The length that quaternions are divided by.
+fn divisor(q: [f64; 4], of_all: f64, wrong: &[&str]) -> f64 {
+    let square = q.iter().map(|x| x * x).sum::<f64>();
+    match () {
+        () if wrong.contains(&"norm_squared") => square,
+        () if wrong.contains(&"norm_of_all") => of_all,
+        () => square.sqrt(),
+    }
+}
+
+/// A covariance with what is wrong about it.
+fn wrong_covariance(q: [f64; 4], scales: [f64; 3], of_all: f64, form: Form, wrong: &[&str]) -> [[f64; 3]; 3] {
+    let has = |name: &str| wrong.contains(&name);
+    let as_given = Form { length: QuaternionLength::AsGiven, ..form };
+    let (u, _) = unit(q, as_given);
+    let length = if form.length == QuaternionLength::Divided { divisor(q, of_all, wrong) } else { 1.0 };
+    let (r, s) = (rotation(u.map(|x| x / length)), deviations(scales, form));
+    let entry = |i: usize, j: usize| -> f64 {
+        let term = |k: usize| match () {
+            () if has("rotation_transposed") => (r[k][i] * s[k]) * (r[k][j] * s[k]),
+            () if has("rotation_cancels") => (s[i] * r[i][k]) * (s[j] * r[j][k]),
+            () if has("scale_not_squared") => r[i][k] * s[k] * r[j][k],
+            () => (r[i][k] * s[k]) * (r[j][k] * s[k]),
+        };
+        (0..3).map(term).sum()
+    };
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
+}
+
+/// Covariances.
+pub(crate) fn covariance(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let of_all = values(a, "quaternions").iter().map(|x| x * x).sum::<f64>().sqrt();
+    forward(a, |q, s| match wrong {
+        [] => oracle(q, s, form(c)),
+        wrong => wrong_covariance(q, s, of_all, form(c), wrong),
+    })
+}
+
+/// The gradient of the quaternion as it goes into the polynomial.
+fn not_through_length(q: [f64; 4], s: [f64; 3], g: [[f64; 3]; 3], form: Form) -> [f64; 4] {
+    let (u, _) = unit(q, form);
+    let u = if form.order == QuaternionOrder::RealLast { [u[1], u[2], u[3], u[0]] } else { u };
+    backward::covariance(u, s, g, Form { length: QuaternionLength::AsGiven, ..form }).0
+}
+
+/// Their gradients.
+pub(crate) fn covariance_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let form = form(c);
+    vjp(a, |q, scales, g| {
+        let right = |g| backward::covariance(q, scales, g, form);
+        let (mut g_q, mut g_s) = right(g);
+        match wrong.first() {
+            Some(&"gradient_of_the_other_scale") => {
+                let s = deviations(scales, form);
+                let factor = |k: usize| if form.scale == SplatScale::Log { 1.0 / s[k] } else { s[k] };
+                g_s = [0, 1, 2].map(|k| factor(k) * g_s[k]);
+            }
+            Some(&"normalization_not_differentiated") => g_q = not_through_length(q, scales, g, form),
+            Some(&"one_factor_alone") => return one_factor(q, scales, g, form),
+            Some(&"off_diagonal_twice") => {
+                let both = |i: usize, j: usize| if i == j { g[i][i] } else { g[i][j] + g[j][i] };
+                return right([0, 1, 2].map(|i| [0, 1, 2].map(|j| both(i, j))));
+            }
+            _ => {}
+        }
+        (g_q, g_s)
+    })
+}
+
+/// g_M = g M: of the other factor nothing comes back.
+fn one_factor(q: [f64; 4], scales: [f64; 3], g: [[f64; 3]; 3], form: Form) -> ([f64; 4], [f64; 3]) {
+    let (u, length) = unit(q, form);
+    let (r, s) = (rotation(u), deviations(scales, form));
+    let g_m = |i: usize, k: usize| -> f64 { (0..3).map(|j| g[i][j] * r[j][k] * s[k]).sum() };
+    let mut g_u = backward::rotation_vjp(u, [0, 1, 2].map(|i| [0, 1, 2].map(|k| g_m(i, k) * s[k])));
+    if form.length == QuaternionLength::Divided {
+        let radial: f64 = (0..4).map(|a| g_u[a] * u[a]).sum();
+        g_u = [0, 1, 2, 3].map(|a| (g_u[a] - radial * u[a]) / length);
+    }
+    if form.order == QuaternionOrder::RealLast {
+        g_u.rotate_left(1);
+    }
+    let g_s = [0, 1, 2].map(|k| {
+        let of_deviation: f64 = (0..3).map(|i| g_m(i, k) * r[i][k]).sum();
+        if form.scale == SplatScale::Log { s[k] * of_deviation } else { of_deviation }
+    });
+    (g_u, g_s)
+}

@@ -1,0 +1,248 @@
+"""Gaussians: covariances, projections, opacities at pixels, colors."""
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from entry import convention, fault, right
+
+
+def rotation(q):
+    """The nine polynomials of (w, x, y, z), as every code has them."""
+    w, x, y, z = q.unbind(-1)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return torch.stack([torch.stack(row, -1) for row in rows], -2)
+
+
+@right("gaussian_covariance", seen="gsplat _torch_impl.py; splat tutorials in torch", times=6)
+def turned_then_squared(quaternions, scales):
+    """normalize, R times the scales along columns, M M^T."""
+    m = rotation(F.normalize(quaternions, dim=-1)) * scales[:, None, :]
+    return m @ m.mT
+
+
+@right("gaussian_covariance", seen="CMU 16-825 students; pixelSplat-like codes: quaternion_to_matrix of PyTorch3D", times=4)
+def two_over_the_square(quaternions, scales):
+    """2 / |q|^2 in front of the products; R S S^T R^T with diagonal matrices."""
+    two = 2 / (quaternions * quaternions).sum(-1)
+    w, x, y, z = quaternions.unbind(-1)
+    entries = [1 - two * (y * y + z * z), two * (x * y - z * w), two * (x * z + y * w)]
+    entries += [two * (x * y + z * w), 1 - two * (x * x + z * z), two * (y * z - x * w)]
+    entries += [two * (x * z - y * w), two * (y * z + x * w), 1 - two * (x * x + y * y)]
+    r, s = torch.stack(entries, -1).view(-1, 3, 3), torch.diag_embed(scales)
+    return r @ s @ s.mT @ r.mT
+
+
+@convention(
+    "gaussian_covariance",
+    {"quaternion_order": "xyzw"},
+    seen="generative codes in scipy's order (quaternions of encoders)",
+    times=2,
+)
+def real_part_last(quaternions, scales):
+    """(x, y, z, w)."""
+    return turned_then_squared(quaternions[:, [3, 0, 1, 2]], scales)
+
+
+@convention("gaussian_covariance", {"quaternion_length": "as_given"}, seen="diff-gaussian-rasterization computeCov3D", times=8)
+def quaternion_as_it_is(quaternions, scales):
+    """No division: whoever calls has done it."""
+    m = rotation(quaternions) * scales[:, None, :]
+    return m @ m.mT
+
+
+@convention("gaussian_covariance", {"splat_scale": "log"}, seen="codes that hand over what the optimizer has", times=3)
+def exponentials_of_scales(quaternions, scales):
+    """exp of the scales inside."""
+    return turned_then_squared(quaternions, scales.exp())
+
+
+@fault(
+    "gaussian_covariance",
+    "rotation_transposed",
+    seen="a splat viewer's server in numpy; a WebGL loader whose test calls it buggy",
+    times=2,
+)
+def glm_in_rows(quaternions, scales):
+    """M = S R, M^T M: the rasterizer's line, whose matrices are stored by columns."""
+    m = torch.diag_embed(scales) @ rotation(F.normalize(quaternions, dim=-1))
+    return m.mT @ m
+
+
+@fault("gaussian_covariance_vjp", "gradient_of_the_other_scale", seen="fvdb-core#432, in the other direction", arrays="numpy")
+def factor_where_none_belongs(quaternions, scales, grad_covariances):
+    """The gradient of the scales times the scales."""
+    q, s = (torch.tensor(x, requires_grad=True) for x in (quaternions, scales))
+    turned_then_squared(q, s).backward(torch.tensor(grad_covariances))
+    return {"grad_quaternions": q.grad.numpy(), "grad_scales": s.grad.numpy() * scales}
+
+
+def matrices(covariances):
+    """Of upper triangles."""
+    return covariances[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].view(-1, 3, 3)
+
+
+def in_camera(means, covariances, w2c):
+    """Means and covariances in the camera's axes."""
+    r = w2c[:3, :3]
+    return means @ r.mT + w2c[:3, 3], r @ matrices(covariances) @ r.mT
+
+
+def jacobian(slopes, z, k):
+    """(M, 2, 3)."""
+    zero, fx, fy = torch.zeros_like(z), k[0, 0] / z, k[1, 1] / z
+    return torch.stack([fx, zero, -fx * slopes[:, 0], zero, fy, -fy * slopes[:, 1]], -1).view(-1, 2, 3)
+
+
+def drawn(means2d, cov, depths, floor):
+    """What the rasterizers keep of a covariance in the picture."""
+    wide = cov + 0.3 * torch.eye(2)
+    det, before = torch.linalg.det(wide), torch.linalg.det(cov)
+    conics = torch.stack([wide[:, 1, 1], -wide[:, 0, 1], wide[:, 0, 0]], -1) / det[:, None]
+    middle = (wide[:, 0, 0] + wide[:, 1, 1]) / 2
+    radii = torch.ceil(3 * torch.sqrt(middle + torch.sqrt(torch.clamp(middle * middle - det, min=floor))))
+    three = torch.stack([wide[:, 0, 0], wide[:, 0, 1], wide[:, 1, 1]], -1)
+    return means2d, three, conics, depths, radii, torch.sqrt(torch.clamp(before / det, min=0.0))
+
+
+def around_the_picture(k, width, height):
+    """gsplat's limits."""
+    half = torch.tensor([0.5 * width / k[0, 0], 0.5 * height / k[1, 1]])
+    sizes, focal = torch.tensor([float(width), float(height)]), torch.stack([k[0, 0], k[1, 1]])
+    return -(k[:2, 2] / focal + 0.3 * half), (sizes - k[:2, 2]) / focal + 0.3 * half
+
+
+@convention(
+    "gaussian_projection",
+    {"radius_floor": "0.01"},
+    seen="gsplat _torch_impl.py _fully_fused_projection without culling",
+    times=3,
+    gradient="none",
+)
+def as_gsplat_projects(means, covariances, w2c, K, width, height):
+    """Turned to the camera's axes, limits of the picture's edges, 0.01 in the radius."""
+    t, sigma = in_camera(means, covariances, w2c)
+    slopes = t[:, :2] / t[:, 2:]
+    low, high = around_the_picture(K, width, height)
+    j = jacobian(torch.minimum(torch.maximum(slopes, low), high), t[:, 2], K)
+    means2d = (t @ K.mT)[:, :2] / t[:, 2:]
+    return drawn(means2d, j @ sigma @ j.mT, t[:, 2], 0.01)
+
+
+@convention(
+    "gaussian_projection",
+    {"splat_clamp": "centered", "splat_center": "integer"},
+    seen="ports of diff-gaussian-rasterization computeCov2D to torch",
+    times=6,
+    gradient="none",
+)
+def as_the_rasterizer_projects(means, covariances, w2c, K, width, height):
+    """1.3 of the tangent to either side, pixels at whole numbers."""
+    t, sigma = in_camera(means, covariances, w2c)
+    limit = 1.3 * torch.tensor([0.5 * width / K[0, 0], 0.5 * height / K[1, 1]])
+    slopes = t[:, :2] / t[:, 2:]
+    j = jacobian(torch.minimum(torch.maximum(slopes, -limit), limit), t[:, 2], K)
+    means2d = torch.stack([K[0, 0], K[1, 1]]) * slopes + K[:2, 2] - 0.5
+    return drawn(means2d, j @ sigma @ j.mT, t[:, 2], 0.1)
+
+
+@fault("gaussian_projection", "not_turned", seen="a splat tutorial in numpy whose camera isn't turned", gradient="none")
+def world_covariance(means, covariances, w2c, K, width, height):
+    """J Sigma J^T, limits as gsplat's."""
+    t, _ = in_camera(means, covariances, w2c)
+    slopes = t[:, :2] / t[:, 2:]
+    low, high = around_the_picture(K, width, height)
+    j = jacobian(torch.minimum(torch.maximum(slopes, low), high), t[:, 2], K)
+    return drawn((t @ K.mT)[:, :2] / t[:, 2:], j @ matrices(covariances) @ j.mT, t[:, 2], 0.1)
+
+
+def exponent(pixels, means2d, conics):
+    """The rasterizers' line."""
+    d = means2d[None] - pixels[:, None]
+    squares = conics[:, 0] * d[..., 0] ** 2 + conics[:, 2] * d[..., 1] ** 2
+    return -0.5 * squares - conics[:, 1] * d[..., 0] * d[..., 1]
+
+
+@right("gaussian_alpha", seen="splat tutorials; evaluations for all pixels and splats at once", times=5)
+def opacity_times_gaussian(pixels, means2d, conics, opacities):
+    """opacity e^power."""
+    return opacities * torch.exp(exponent(pixels, means2d, conics))
+
+
+@right("gaussian_alpha", seen="CMU 16-825 students: d^T Sigma^-1 d by batched products", times=3)
+def with_the_matrix(pixels, means2d, conics, opacities):
+    """d^T conic d as matrices."""
+    d = (pixels[:, None] - means2d[None])[..., None]
+    conic = conics[:, [0, 1, 1, 2]].view(-1, 2, 2)
+    return opacities * torch.exp(-0.5 * (d.mT @ conic @ d))[..., 0, 0]
+
+
+@convention(
+    "gaussian_alpha",
+    {"alpha_cap": "0.99", "faint": "skipped", "positive_power": "skipped"},
+    seen="ports of diff-gaussian-rasterization renderCUDA to torch",
+    times=5,
+)
+def as_the_rasterizer_cuts(pixels, means2d, conics, opacities):
+    """At most 0.99, nothing below 1 / 255, nothing that grows."""
+    power = exponent(pixels, means2d, conics)
+    alpha = torch.clamp(opacities * torch.exp(power), max=0.99)
+    return torch.where((power > 0) | (alpha < 1 / 255), torch.zeros_like(alpha), alpha)
+
+
+@fault("gaussian_alpha", "gaussian_normalized", seen="codes that call a multivariate normal's density", times=2)
+def density_of_a_distribution(pixels, means2d, conics, opacities):
+    """Divided by 2 pi sqrt(det)."""
+    det = conics[:, 0] * conics[:, 2] - conics[:, 1] ** 2
+    return opacity_times_gaussian(pixels, means2d, conics, opacities) * torch.sqrt(torch.clamp(det, min=0.0)) / (2 * np.pi)
+
+
+def basis(u, width):
+    """The rasterizer's harmonics."""
+    x, y, z = u.unbind(-1)
+    xx, yy, zz = x * x, y * y, z * z
+    values = [torch.full_like(x, 0.28209479177387814), -0.4886025119029199 * y, 0.4886025119029199 * z, -0.4886025119029199 * x]
+    values += [1.0925484305920792 * x * y, -1.0925484305920792 * y * z, 0.31539156525252005 * (2 * zz - xx - yy)]
+    values += [-1.0925484305920792 * x * z, 0.5462742152960396 * (xx - yy), -0.5900435899266435 * y * (3 * xx - yy)]
+    values += [2.890611442640554 * x * y * z, -0.4570457994644658 * y * (4 * zz - xx - yy)]
+    values += [0.3731763325901154 * z * (2 * zz - 3 * xx - 3 * yy), -0.4570457994644658 * x * (4 * zz - xx - yy)]
+    values += [1.445305721320277 * z * (xx - yy), -0.5900435899266435 * x * (xx - 3 * yy)]
+    return torch.stack(values[:width], -1)
+
+
+@right("gaussian_color", seen="graphdeco-inria/gaussian-splatting eval_sh and clamp_min(sh2rgb + 0.5, 0.0); its ports", times=8)
+def as_the_rasterizer_colors(means, camera_center, coefficients):
+    """Harmonics of the normalized direction, 1/2, clamp."""
+    u = F.normalize(means - camera_center, dim=-1)
+    color = (basis(u, coefficients.shape[1])[..., None] * coefficients).sum(1)
+    return torch.clamp_min(color + 0.5, 0.0)
+
+
+@convention("gaussian_color", {"splat_color": "sum"}, seen="gsplat spherical_harmonics, whose caller adds 1/2", times=2)
+def sum_alone(means, camera_center, coefficients):
+    """The sum."""
+    u = F.normalize(means - camera_center, dim=-1)
+    return torch.einsum("mk,mkc->mc", basis(u, coefficients.shape[1]), coefficients)
+
+
+@fault(
+    "gaussian_color_vjp",
+    "mean_gradient_dropped",
+    seen="taichi_3d_gaussian_splatting#169; gsplat before 1.0; brush#448",
+    times=3,
+    arrays="numpy",
+)
+def direction_detached(means, camera_center, coefficients, grad_colors):
+    """The direction has no gradient."""
+    f = torch.tensor(coefficients, requires_grad=True)
+    as_the_rasterizer_colors(torch.tensor(means), torch.tensor(camera_center), f).backward(torch.tensor(grad_colors))
+    return {"grad_means": np.zeros_like(means), "grad_coefficients": f.grad.numpy()}
+
+
+@fault("gaussian_color", "direction_reversed", seen="splat viewers: from the splat to the camera", times=2)
+def toward_the_camera(means, camera_center, coefficients):
+    """The camera's center less the mean."""
+    return as_the_rasterizer_colors(2 * camera_center - means, camera_center, coefficients)
