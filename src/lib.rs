@@ -74,7 +74,7 @@
 //! 1. the ground: [`shown`], [`error`], [`limits`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`]
 //!    (the choices that differ between right implementations), [`files`]
 //! 2. what a component is, without knowing any: [`contract`]
-//! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
+//! 3. the components: [`lens`], [`fisheye`], [`camera`], [`pose`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
 //!    [`occupancy_grid`], [`srgb`], [`contraction`], [`ndc`], [`distortion`]
 //! 4. their f32 variants, in each folder's `fast`
@@ -119,8 +119,11 @@ pub mod contract;
 pub mod camera;
 pub mod encoding;
 pub mod field;
+pub mod fisheye;
+pub mod lens;
 pub mod loss;
 pub mod optimizer;
+pub mod pose;
 pub mod ray;
 pub mod sample;
 pub mod trace;

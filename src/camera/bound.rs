@@ -11,7 +11,7 @@ use crate::convention::Conventions;
 
 /// A sum in any order: inside one operation, or by additions that each round to the type.
 pub(crate) fn any_order(terms: &[Bounded], m: &Arithmetic) -> Bounded {
-    m.sum(terms).or(Arithmetic { u_sum: m.u, ..*m }.sum(terms))
+    m.any_order(terms)
 }
 
 /// A hyper-parameter: given in f64, rounded to the type where the type can't represent it.

@@ -139,6 +139,11 @@ impl Arithmetic {
         }
     }
 
+    /// A sum in any order: inside one operation, or by additions that each round to the type.
+    pub fn any_order(&self, terms: &[Bounded]) -> Bounded {
+        self.sum(terms).or(Arithmetic { u_sum: self.u, ..*self }.sum(terms))
+    }
+
     /// A sum of products in any order, each product rounded or fused into the sum.
     pub fn dot(&self, a: &[Bounded], b: &[Bounded]) -> Bounded {
         let products: Vec<Bounded> = a.iter().zip(b).map(|(&a, &b)| self.mul(a, b)).collect();
