@@ -67,7 +67,8 @@
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
 //! steps for one picture. [`srgb`] is the curve between linear light and a picture file, [`contraction`] lays an unbounded scene into
 //! a bounded one, [`ndc`] the view of a camera that looks ahead; [`packed`] has the sums and products of rays of different lengths,
-//! [`distortion`] the loss that gathers weights into surfaces.
+//! [`distortion`] the loss that gathers weights into surfaces. [`lens`] and [`fisheye`] bend points as lenses do, and back; [`pose`] reads
+//! poses of a structure from motion.
 //!
 //! Rooms, from the ground up: each may import those before it; `tests/architecture` reads this list and fails on anything else.
 //!

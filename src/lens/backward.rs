@@ -2,8 +2,7 @@
 
 use glam::DVec2;
 
-use super::Distortion;
-use super::distortion::Radial;
+use super::{Distortion, Radial};
 
 /// Gradients of [`Distortion::distort`] with respect to p and to the coefficients, in OpenCV's order: k1, k2, p1, p2, k3, k4, k5, k6.
 ///

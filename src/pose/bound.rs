@@ -64,37 +64,46 @@ impl<'a> Rotation<'a> {
     }
 }
 
-/// What inverting R by elimination adds to each entry of R^T: R^-1 E R^-1 with E what rounding and elimination leave of R (Higham,
-/// section 14.3: 3 n u of |L| |U|, whose entries are below 2 with pivots of a rotation).
-fn eliminated(r: &[[Bounded; 3]; 3], m: &Arithmetic) -> [[f64; 3]; 3] {
-    let off = |k: usize, l: usize| r[k][l].e + 2.0 * gamma(9.0, m.u) * 2.0;
-    let rows = [0, 1, 2].map(|i| {
-        [0, 1, 2].map(|j| {
-            let mut sum = 0.0;
-            for k in 0..3 {
-                for l in 0..3 {
-                    sum += r[k][i].size() * off(k, l) * r[j][l].size();
-                }
-            }
-            sum
+/// What inverting [R t; 0 1] by elimination, or its transpose, adds to each entry of the inverse X: X E X with E what rounding and
+/// elimination leave of the matrix (Higham, section 14.3: about 3 n u of |L| |U|, whose entries are at most twice as large as the matrix
+/// with these pivots). A large t is the first pivot of the transpose, and what it fills into the row of zeros is as small.
+fn eliminated(r: &[[Bounded; 3]; 3], t: [f64; 3], m: &Arithmetic) -> [[f64; 4]; 4] {
+    let far = t.iter().fold(1.0, |far: f64, t| far.max(t.abs()));
+    let place = |i: usize| (0..3).map(|j| (r[j][i].y * t[j]).abs()).fold(0.0, |sum, x| sum + x);
+    let x = |i: usize, j: usize| match (i, j) {
+        (3, 3) => 1.0,
+        (3, _) => 0.0,
+        (_, 3) => place(i),
+        _ => r[j][i].size(),
+    };
+    let off = |k: usize, l: usize| match (k, l) {
+        (3, 3) => 1.0,
+        (3, _) => 1.0 / far,
+        (_, 3) => far,
+        _ => 1.0,
+    };
+    let left = 4.0 * gamma(9.0, m.u);
+    let e = |k: usize, l: usize| left * off(k, l) + if k < 3 && l < 3 { r[k][l].e } else { 0.0 };
+    [0, 1, 2, 3].map(|i| {
+        [0, 1, 2, 3].map(|j| {
+            let through = |k: usize| (0..4).map(|l| x(i, k) * e(k, l) * x(l, j)).fold(0.0, |sum, x| sum + x);
+            through(0) + through(1) + through(2) + through(3)
         })
-    });
-    rows
+    })
 }
 
 /// Bound of [`super::from_colmap`].
 pub(crate) fn pose_from_colmap(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     forward(a, |(q, t)| {
         let r = Rotation::new(q, c.quaternion, m).entries();
-        let added = eliminated(&r, m);
         let mut e = [0.0; 16];
+        for (i, row) in eliminated(&r, t, m).into_iter().enumerate() {
+            e[4 * i..4 * i + 4].copy_from_slice(&row);
+        }
         for i in 0..3 {
             let products: Vec<Bounded> = (0..3).map(|j| m.mul(r[j][i], exact(t[j]))).collect();
-            e[4 * i + 3] = m.any_order(&products).e;
-            for j in 0..3 {
-                e[4 * i + j] = r[j][i].e.max(added[i][j]);
-                e[4 * i + 3] += added[i][j] * t[j].abs();
-            }
+            e[4 * i + 3] = e[4 * i + 3].max(m.any_order(&products).e);
+            (0..3).for_each(|j| e[4 * i + j] = e[4 * i + j].max(r[j][i].e));
         }
         e
     })

@@ -35,15 +35,19 @@ fn rotation([w, x, y, z]: [f64; 4], length: Quaternion, m: &Machine) -> [[f64; 3
     ]
 }
 
-/// [R t; 0 1]^-1 by Gauss and Jordan, with row pivots.
-fn eliminated(r: &[[f64; 3]; 3], t: [f64; 3], m: &Machine) -> [[f64; 4]; 3] {
+/// [R t; 0 1]^-1 by Gauss and Jordan, with row pivots; or that of the transpose, as row-major arrays are for a library of columns.
+fn eliminated(r: &[[f64; 3]; 3], t: [f64; 3], m: &Machine) -> [[f64; 4]; 4] {
     let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
+    let entry = |i: usize, j: usize| match (i, j) {
+        (3, _) => unit(3, j),
+        (_, 3) => t[i],
+        _ => r[i][j],
+    };
     let mut rows: [[f64; 8]; 4] = std::array::from_fn(|i| {
-        std::array::from_fn(|j| match (i, j) {
-            (3, 0..=3) => unit(3, j),
-            (_, 3) => t[i],
-            (_, 0..=2) => r[i][j],
-            _ => unit(i, j - 4),
+        std::array::from_fn(|j| match j {
+            4.. => unit(i, j - 4),
+            _ if m.stable => entry(i, j),
+            _ => entry(j, i),
         })
     });
     for k in 0..4 {
@@ -52,32 +56,30 @@ fn eliminated(r: &[[f64; 3]; 3], t: [f64; 3], m: &Machine) -> [[f64; 4]; 3] {
         let head = rows[k][k];
         rows[k] = rows[k].map(|x| m.div(x, head));
         let pivot = rows[k];
-        for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != k) {
-            let factor = row[k];
-            *row = std::array::from_fn(|j| m.sub(row[j], m.mul(factor, pivot[j])));
+        for i in (0..4).filter(|&i| i != k) {
+            let factor = rows[i][k];
+            rows[i] = std::array::from_fn(|j| m.sub(rows[i][j], m.mul(factor, pivot[j])));
         }
     }
-    [0, 1, 2].map(|i| [rows[i][4], rows[i][5], rows[i][6], rows[i][7]])
+    [0, 1, 2, 3].map(|i| [0, 1, 2, 3].map(|j| if m.stable { rows[i][4 + j] } else { rows[j][4 + i] }))
 }
 
 /// Camera to world.
 pub(crate) fn pose_from_colmap(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     forward(a, |(q, t)| {
         let r = rotation(unit(q, c.quaternion, m).0, c.quaternion, m);
-        let transposed = [0, 1, 2].map(|i| {
+        let transposed = |i: usize| {
             let column = [r[0][i], r[1][i], r[2][i]];
             [column[0], column[1], column[2], -m.dot(&column, &t)]
-        });
+        };
         // Elimination inverts what isn't quite a rotation; a transpose is its inverse for unit quaternions alone.
         let elimination = c.quaternion == Quaternion::Normalized && m.form % 4 == 3;
-        let inverse = if elimination { eliminated(&r, t, m) } else { transposed };
-        let mut out = [0.0; 16];
-        for i in 0..3 {
-            let signs = [1.0, flip(c.axes), flip(c.axes), 1.0];
-            (0..4).for_each(|j| out[4 * i + j] = signs[j] * inverse[i][j]);
-        }
-        out[15] = 1.0;
-        out
+        let inverse = match elimination {
+            true => eliminated(&r, t, m),
+            false => [transposed(0), transposed(1), transposed(2), [0.0, 0.0, 0.0, 1.0]],
+        };
+        let signs = [1.0, flip(c.axes), flip(c.axes), 1.0];
+        std::array::from_fn(|n| signs[n % 4] * inverse[n / 4][n % 4])
     })
 }
 
