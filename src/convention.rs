@@ -7,6 +7,7 @@
 mod compact;
 mod encoding;
 mod gaussians;
+mod poses;
 pub mod profiles;
 mod rendering;
 mod results;
@@ -16,6 +17,7 @@ mod spelling;
 pub use compact::*;
 pub use encoding::*;
 pub use gaussians::*;
+pub use poses::*;
 pub use rendering::*;
 pub use results::*;
 pub use space::*;
@@ -195,6 +197,9 @@ pub struct Conventions {
     /// Camera axes of points at a depth, which code may have otherwise than its rays.
     #[serde(default)]
     pub camera_axes: Axes,
+    /// What a quaternion's length means.
+    #[serde(default)]
+    pub quaternion: Quaternion,
     /// Pixel centers.
     #[serde(alias = "pixel_centre")]
     pub pixel_center: PixelCenter,
@@ -363,6 +368,7 @@ pub struct Conventions {
 pub const CS180: Conventions = Conventions {
     axes: Axes::Opencv,
     camera_axes: Axes::Opencv,
+    quaternion: Quaternion::Normalized,
     pixel_center: PixelCenter::Half,
     directions: Directions::Unit,
     grid: Grid::Intervals,

@@ -67,15 +67,16 @@
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
 //! steps for one picture. [`srgb`] is the curve between linear light and a picture file, [`contraction`] lays an unbounded scene into
 //! a bounded one, [`ndc`] the view of a camera that looks ahead; [`packed`] has the sums and products of rays of different lengths,
-//! [`distortion`] the loss that gathers weights into surfaces. Splats: [`gaussian_covariance`] from rotation and scales,
-//! [`gaussian_projection`] into a picture, [`gaussian_alpha`] at a pixel, [`gaussian_color`] from a direction.
+//! [`distortion`] the loss that gathers weights into surfaces. [`lens`] and [`fisheye`] bend points as lenses do, and back; [`pose`] reads
+//! poses of a structure from motion. Splats: [`gaussian_covariance`] from rotation and scales, [`gaussian_projection`] into a picture,
+//! [`gaussian_alpha`] at a pixel, [`gaussian_color`] from a direction.
 //!
 //! Rooms, from the ground up: each may import those before it; `tests/architecture` reads this list and fails on anything else.
 //!
 //! 1. the ground: [`shown`], [`error`], [`limits`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`]
 //!    (the choices that differ between right implementations), [`files`], `process`
 //! 2. what a component is, without knowing any: [`contract`]
-//! 3. the components: [`camera`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
+//! 3. the components: [`lens`], [`fisheye`], [`camera`], [`pose`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
 //!    [`occupancy_grid`], [`srgb`], [`contraction`], [`ndc`], [`distortion`], [`gaussian_covariance`],
 //!    [`gaussian_projection`], [`gaussian_alpha`], [`gaussian_color`]
@@ -124,8 +125,11 @@ pub mod contract;
 pub mod camera;
 pub mod encoding;
 pub mod field;
+pub mod fisheye;
+pub mod lens;
 pub mod loss;
 pub mod optimizer;
+pub mod pose;
 pub mod ray;
 pub mod sample;
 pub mod trace;

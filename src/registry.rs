@@ -2,15 +2,21 @@
 
 use crate::contract::Component;
 use crate::{
-    camera, contraction, distortion, early_stop, encoding, field, gaussian_alpha, gaussian_color,
-    gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, loss, ndc, occupancy_grid,
-    optimizer, packed, ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp, volume_rendering,
+    camera, contraction, distortion, early_stop, encoding, field, fisheye, gaussian_alpha, gaussian_color,
+    gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, lens, loss, ndc, occupancy_grid,
+    optimizer, packed, pose, ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp,
+    volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
 pub const COMPONENTS: &[Component] = &[
     camera::component::TRANSFORM,
     camera::component::PIXEL_TO_CAMERA,
+    lens::component::LENS_DISTORT,
+    lens::component::LENS_UNDISTORT,
+    fisheye::component::FISHEYE_DISTORT,
+    fisheye::component::FISHEYE_UNDISTORT,
+    pose::component::POSE_FROM_COLMAP,
     ray::component::PIXEL_TO_RAY,
     ray::component::IMAGE_RAYS,
     ndc::component::NDC_RAYS,

@@ -49,6 +49,16 @@ fn doors_fit_the_contract() {
         sample::judge::judge_batch(|_, _, _, _, _| ());
         sample::judge::step_sizes(|_, _, _| ());
         sample::judge::step_sizes_batch(|_, _, _| ());
+        lens::judge(|_, _| ()).vjp(|_, _, _| ());
+        lens::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
+        lens::judge::undistort(|_, _| ()).vjp(|_, _, _| ());
+        lens::judge::undistort_batch(|_, _| ()).vjp(|_, _, _| ());
+        fisheye::judge(|_, _| ()).vjp(|_, _, _| ());
+        fisheye::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
+        fisheye::judge::undistort(|_, _| ()).vjp(|_, _, _| ());
+        fisheye::judge::undistort_batch(|_, _| ()).vjp(|_, _, _| ());
+        pose::judge(|_, _| ()).vjp(|_, _, _| ());
+        pose::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
         ndc::judge(|_, _, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _| ());
         ndc::judge::judge_batch(|_, _, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _| ());
         contraction::judge(|_| ()).vjp(|_, _| ());

@@ -15,10 +15,13 @@ import numpy as np
 import second_compact as compact
 import second_distortion as distortion
 import second_gaussians as gaussians
+import second_fisheye as fisheye
 import second_geometry as geometry
 import second_harmonics as harmonics
+import second_lens as lens
 import second_networks as networks
 import second_packed as packed
+import second_pose as pose
 import second_rendering as rendering
 import second_sampler as sampler
 import second_sampling as sampling
@@ -29,6 +32,7 @@ from candidate import inputs_of, read_manifest, write
 CS180 = {
     "axes": "opencv",
     "camera_axes": "opencv",
+    "quaternion": "normalized",
     "pixel_center": "half",
     "directions": "unit",
     "grid": "intervals",
@@ -233,6 +237,9 @@ FUNCTIONS = {"render_trace": render_trace} | {
         geometry: "transform transform_vjp pixel_to_camera pixel_to_camera_vjp pixel_to_ray pixel_to_ray_vjp image_rays "
         "sample_along_rays step_sizes",
         networks: "positional_encoding positional_encoding_vjp mlp mlp_vjp nerf_mlp nerf_mlp_vjp",
+        lens: "lens_distort lens_distort_vjp lens_undistort lens_undistort_vjp",
+        fisheye: "fisheye_distort fisheye_distort_vjp fisheye_undistort fisheye_undistort_vjp",
+        pose: "pose_from_colmap pose_from_colmap_vjp",
         space: "contraction contraction_vjp ndc_rays ndc_rays_vjp",
         gaussians: "gaussian_covariance gaussian_covariance_vjp gaussian_projection gaussian_projection_vjp gaussian_alpha gaussian_alpha_vjp "
         "gaussian_color gaussian_color_vjp",

@@ -11,7 +11,6 @@ pub mod backward;
 pub(crate) mod bound;
 pub(crate) mod cases;
 pub(crate) mod component;
-pub mod distortion;
 pub(crate) mod honest;
 pub mod judge;
 pub(crate) mod mistakes;
@@ -19,7 +18,7 @@ pub(crate) mod mistakes;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use distortion::Distortion;
+pub use crate::lens::Distortion;
 pub use judge::judge;
 
 /// A pinhole camera's intrinsic parameters, in pixels.

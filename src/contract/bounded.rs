@@ -146,6 +146,11 @@ impl Arithmetic {
         running.sum(self)
     }
 
+    /// [`any_order`].
+    pub fn any_order(&self, terms: &[Bounded]) -> Bounded {
+        any_order(terms, self)
+    }
+
     /// A sum of products in any order, each product rounded or fused into the sum.
     pub fn dot(&self, a: &[Bounded], b: &[Bounded]) -> Bounded {
         let products: Vec<Bounded> = a.iter().zip(b).map(|(&a, &b)| self.mul(a, b)).collect();

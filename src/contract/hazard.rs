@@ -1,8 +1,8 @@
 //! The glossary of hazards: numbers on which real libraries went wrong. The id of a hard case begins with the id of its hazard
 //! (`VR9_underflow` is a case of VR9), and comments name hazards by their ids.
 //!
-//! The letters say where a hazard belongs: VR volume rendering, PK packed rays, SA sampling, PE encodings, CG cameras and boxes, GS
-//! Gaussians, TR training, ME metrics.
+//! The letters say where a hazard belongs: VR volume rendering, PK packed rays, SA sampling, PE encodings, CG cameras and boxes, LE
+//! lenses, GS Gaussians, TR training, ME metrics.
 //! Numbers that are missing were hazards of components that the crate doesn't have.
 
 /// A kind of input on which implementations go wrong.
@@ -338,6 +338,32 @@ pub const HAZARDS: &[Hazard] = &[
             "colors below 0",
             "harmonics go below -1/2: the color is clamped to black, and passes no gradient until another direction lifts it",
             "3D Gaussian splatting",
+        ],
+    ),
+    hazard(
+        "LE1",
+        [
+            "the middle of the picture",
+            "the radius is 0 there and its own slope infinite: a factor of r^2 has neither trouble, one of r, or of an angle over r, has both",
+            "fisheye lenses by theta / r",
+        ],
+    ),
+    hazard(
+        "LE2",
+        [
+            "an inverse that doesn't converge",
+            "steps of x = x' / radial(x) are slow where a lens is strong, or no use: with k = (-0.45, 0.25) they swing between 1.042 and \
+             1.407 about 1.250 for ever; high powers of r count, and rounding with them",
+            "OpenCV's undistortPoints without criteria; colmap#1629: 54 pixels",
+        ],
+    ),
+    hazard(
+        "LE3",
+        [
+            "an inverse close to a fold",
+            "where the lens bends back, a small step of the picture is a large one of the ray: the error of the residual comes back many \
+             times over",
+            "wide lenses without k2",
         ],
     ),
     hazard(

@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 pub const CHOICES: &[(&str, &[&str])] = &[
     ("axes", &["opencv", "opengl"]),
     ("camera_axes", &["opencv", "opengl"]),
+    ("quaternion", &["normalized", "as_given"]),
     ("pixel_center", &["half", "integer"]),
     ("directions", &["unit", "unit_in_camera", "depth"]),
     ("grid", &["intervals", "ends_plus_width", "ends_plus_spacing", "ends_between_midpoints"]),
@@ -90,6 +91,7 @@ type Field = (&'static str, fn(&Conventions) -> String, fn(&mut Conventions, &st
 const FIELDS: &[Field] = &[
     ("axes", |c| name(&c.axes), |c, v| c.axes = listed(v)),
     ("camera_axes", |c| name(&c.camera_axes), |c, v| c.camera_axes = listed(v)),
+    ("quaternion", |c| name(&c.quaternion), |c, v| c.quaternion = listed(v)),
     ("pixel_center", |c| name(&c.pixel_center), |c, v| c.pixel_center = listed(v)),
     ("directions", |c| name(&c.directions), |c, v| c.directions = listed(v)),
     ("grid", |c| name(&c.grid), |c, v| c.grid = listed(v)),

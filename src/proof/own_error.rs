@@ -24,6 +24,11 @@ const fn row(component: &'static str, forward: f64, vjp: f64) -> OwnError {
 pub const OWN_ERRORS: &[OwnError] = &[
     row("transform", 1.3, 0.9),
     row("pixel_to_camera", 1.4, 1.9),
+    row("lens_distort", 2.0, 2.7),
+    row("lens_undistort", 4.1, 27.6),
+    row("fisheye_distort", 1.3, 4.0),
+    row("fisheye_undistort", 2.5, 11.8),
+    row("pose_from_colmap", 3.4, 6.1),
     row("pixel_to_ray", 1.6, 4.7),
     row("image_rays", 2.1, 0.0),
     row("ndc_rays", 4.0, 4.0),

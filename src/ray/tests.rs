@@ -84,7 +84,7 @@ fn cg9_a_camera_far_away_keeps_its_directions() {
 
 #[test]
 fn cg5_a_ray_without_inverse_lens_is_an_error() {
-    let lens = Distortion { k1: -0.3, k2: 0.0, p1: 0.0, p2: 0.0 };
+    let lens = Distortion { k1: -0.3, ..Distortion::default() };
     let camera = Camera { width: 100, height: 80, k: K, c2w: DMat4::IDENTITY, distortion: Some(lens) };
     assert!(camera_ray(&camera, DVec2::new(150.0, 40.0)).is_err());
     // Near the middle the distorted ideal ray comes back.

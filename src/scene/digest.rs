@@ -50,8 +50,12 @@ fn camera(hash: &mut Sha256, camera: &Camera) {
     let Camera { width, height, k: Intrinsics { fx, fy, cx, cy }, c2w, distortion } = *camera;
     numbers(hash, &[width as f64, height as f64, fx, fy, cx, cy]);
     numbers(hash, &c2w.to_cols_array());
-    if let Some(Distortion { k1, k2, p1, p2 }) = distortion {
+    if let Some(Distortion { k1, k2, p1, p2, k3, k4, k5, k6 }) = distortion {
         numbers(hash, &[k1, k2, p1, p2]);
+        // Lenses without these keep the hash that they had before these were read.
+        if [k3, k4, k5, k6] != [0.0; 4] {
+            numbers(hash, &[k3, k4, k5, k6]);
+        }
     }
 }
 

@@ -122,7 +122,7 @@ pub(super) fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result
         }
     }
     let get = |key: &str| number(transforms, frame, key).unwrap_or(0.0);
-    let lens = Distortion { k1: get("k1"), k2: get("k2"), p1: get("p1"), p2: get("p2") };
-    let plain = [lens.k1, lens.k2, lens.p1, lens.p2].iter().all(|&x| x == 0.0);
-    Ok((!plain).then_some(lens))
+    let [k1, k2, p1, p2] = ["k1", "k2", "p1", "p2"].map(get);
+    let lens = Distortion { k1, k2, p1, p2, ..Distortion::default() };
+    Ok((lens != Distortion::default()).then_some(lens))
 }

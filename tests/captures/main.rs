@@ -103,7 +103,7 @@ fn the_same_capture_in_every_layout_has_the_same_rays() {
 
 #[test]
 fn every_camera_model_that_bends_rays_as_opencv_does_is_read() {
-    let lens = |k1, k2, p1, p2| Some(Distortion { k1, k2, p1, p2 });
+    let lens = |k1, k2, p1, p2| Some(Distortion { k1, k2, p1, p2, ..Distortion::default() });
     let models: [(u32, &str, &[f64], [f64; 4], Option<Distortion>); 6] = [
         (0, "SIMPLE_PINHOLE", &[9.0, 5.0, 3.0], [9.0, 9.0, 5.0, 3.0], None),
         (1, "PINHOLE", &[9.0, 8.0, 5.0, 3.0], [9.0, 8.0, 5.0, 3.0], None),

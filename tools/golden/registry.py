@@ -9,6 +9,11 @@ from . import bases, fixture, kornia
 COMPONENTS = [
     "transform",
     "pixel_to_camera",
+    "lens_distort",
+    "lens_undistort",
+    "fisheye_distort",
+    "fisheye_undistort",
+    "pose_from_colmap",
     "pixel_to_ray",
     "image_rays",
     "ndc_rays",

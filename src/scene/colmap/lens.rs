@@ -94,7 +94,7 @@ impl Lens {
             let remedy = "Write the model again with COLMAP.";
             return Err(faulty(file, format!("focal length of camera {id}"), found, expected, remedy));
         }
-        let lens = Distortion { k1, k2, p1, p2 };
+        let lens = Distortion { k1, k2, p1, p2, ..Distortion::default() };
         Ok((Intrinsics { fx, fy, cx, cy }, ([k1, k2, p1, p2] != none).then_some(lens)))
     }
 }

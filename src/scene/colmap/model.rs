@@ -3,12 +3,14 @@
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
-use glam::{DMat3, DMat4, DQuat, DVec2, DVec3};
+use glam::{DMat4, DQuat, DVec2, DVec3};
 
 use super::faulty::faulty;
 use super::lens::Lens;
+use crate::convention::{Axes, Quaternion};
 use crate::error::Result;
 use crate::limits::LENGTH;
+use crate::pose::from_colmap;
 
 /// Cameras, photographs and points.
 #[derive(Debug, Default)]
@@ -111,8 +113,6 @@ impl View {
             let (field, found) = (format!("points of {}", self.name), format!("one at {}", sight.uv));
             return Err(faulty(file, field, found, "finite numbers of pixels", remedy));
         }
-        let back = DMat3::from_quat(q.normalize()).transpose();
-        let [x, y, z] = [back.x_axis, back.y_axis, back.z_axis].map(|axis| axis.extend(0.0));
-        Ok(DMat4::from_cols(x, y, z, (back * -t).extend(1.0)))
+        Ok(from_colmap(self.rotation, self.translation, Axes::Opencv, Quaternion::Normalized))
     }
 }
