@@ -3,9 +3,9 @@
 use crate::contract::Component;
 use crate::{
     camera, contraction, distortion, early_stop, encoding, field, fisheye, gaussian_alpha, gaussian_color,
-    gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, lens, loss, ndc, occupancy_grid,
-    optimizer, packed, pose, ray, ray_aabb, sample, spherical_harmonics, srgb, trace, trunc_exp,
-    volume_rendering,
+    gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, lens, loss, ndc,
+    occupancy_grid, optimizer, packed, pose, ray, ray_aabb, sample, spherical_harmonics, srgb, trace,
+    trunc_exp, volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.

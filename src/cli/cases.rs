@@ -58,7 +58,11 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         ));
     }
     if large && args.layout != Layout::Npz {
-        return Err(Error::usage("--layout", args.layout, "npz with --tier large, whose answers may lie either way"));
+        return Err(Error::usage(
+            "--layout",
+            args.layout,
+            "npz with --tier large, whose answers may lie either way",
+        ));
     }
     let (exam, bytes) = if large {
         let large = LargeExam::new(&args.filter, args.dtype, profile)?;

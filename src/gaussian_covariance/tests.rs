@@ -71,8 +71,8 @@ proptest! {
 
     /// GS1: neither length nor sign of a quaternion matters where it is divided.
     #[test]
-    fn length_and_sign_are_no_matter(q in quaternion(), s in prop::array::uniform3(0.1..2.0), factor in 0.01..100.0) {
-        let (c, scaled) = (covariance(q, s, Form::default()), covariance(q.map(|x: f64| -factor * x), s, Form::default()));
+    fn length_and_sign_are_no_matter(q in quaternion(), s in prop::array::uniform3(0.1..2.0), factor in 0.01..100.0f64) {
+        let (c, scaled) = (covariance(q, s, Form::default()), covariance(q.map(|x| -factor * x), s, Form::default()));
         for (a, b) in c.iter().flatten().zip(scaled.iter().flatten()) {
             prop_assert!((a - b).abs() < 1e-14);
         }

@@ -15,6 +15,7 @@ use crate::contract::arithmetic::Dtype;
 use crate::convention::profiles::Profile;
 use crate::error::{Error, Result};
 use crate::files;
+use crate::files::layout::Layout;
 use crate::files::lock::Lock;
 use crate::judge::exam::Question;
 use crate::judge::{Exam, exchange, judging};
@@ -123,7 +124,7 @@ fn sandbox(rubric: &Rubric, settings: &Settings, found: &[Submission]) -> Result
     let whole = |path: &Path| path.canonicalize().map_err(Error::reading(path));
     let hidden = vec![whole(settings.submissions)?, whole(settings.out)?];
     let sandbox = Sandbox::new(settings.python, rubric.limits, hidden)?;
-    exchange::write_cases(&python::asked(rubric)?, &sandbox.cases())?;
+    exchange::write_cases(&python::asked(rubric)?, &sandbox.cases(), Layout::Npz)?;
     Ok(Some(sandbox))
 }
 
