@@ -76,13 +76,8 @@ def pose_from_colmap_vjp(a, c, wrong):
     l_basis, r_basis = matrices(basis)
     g_q = np.einsum("nij,kij->nk", on_left, l_basis) + np.einsum("nij,kij->nk", on_right, r_basis)
     sizes = (q * q).sum(1, keepdims=True)
-    trace = np.trace(pull, axis1=1, axis2=2)[:, None]
     if c["quaternion"] == "normalized":
-        g_q = g_q / sizes
-        if "length_not_differentiated" not in wrong:
-            g_q = g_q - 2 * q * (pull * r).sum((1, 2))[:, None] / sizes
-        else:
-            g_q = g_q - 2 * q * trace / sizes
+        g_q = g_q / sizes - 2 * q * (pull * r).sum((1, 2))[:, None] / sizes
     else:
-        g_q = g_q - 2 * q * trace
+        g_q = g_q - 2 * q * np.trace(pull, axis1=1, axis2=2)[:, None]
     return {"grad_q": g_q, "grad_t": -(r @ place[:, :, None])[:, :, 0]}

@@ -57,12 +57,8 @@ pub fn distort(k: [f64; 4], p: DVec2) -> DVec2 {
 fn straightened(k: [f64; 4], theta_d: f64) -> Option<f64> {
     let mut theta = theta_d;
     for _ in 0..50 {
-        let slope = bent_slope(k, theta);
-        if slope.is_nan() || slope <= 0.0 {
-            return None;
-        }
         let residual = bent(k, theta) - theta_d;
-        theta -= residual / slope;
+        theta -= residual / bent_slope(k, theta);
         if residual.abs() < 1e-12 {
             let rises = (1..=16).all(|n| bent_slope(k, theta * (f64::from(n) / 16.0)) > 0.0);
             return Some(theta).filter(|theta| rises && *theta < std::f64::consts::FRAC_PI_2);

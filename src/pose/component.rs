@@ -11,7 +11,7 @@ pub(crate) const POSE_FROM_COLMAP: Component = Component {
     formula: "c2w = [R^T, -R^T t; 0, 0, 0, 1] with R = R(q), q = (w, x, y, z) and x_c = R x_w + t; columns 2 and 3 negative for OpenGL's axes",
     source: "COLMAP documentation, Output Format (images.txt); Shepperd 1978 for R(q)",
     inputs: &[
-        Port::smooth("q", "M,4", "quaternions of the way from the world to the camera: w, x, y, z"),
+        Port::smooth("q", "M,4", "unit quaternions of the way from the world to the camera: w, x, y, z"),
         Port::smooth("t", "M,3", "translations of the same way"),
     ],
     outputs: &[Port::smooth("c2w", "M,4,4", "camera to world, last row 0, 0, 0, 1")],

@@ -84,15 +84,6 @@ pub(crate) const POSE_FROM_COLMAP: &[Mistake] = &[
         0,
     ),
     Mistake::new(
-        "length_not_differentiated",
-        "|q| held constant in the gradient",
-        "quaternions grow with every step, and learn ever more slowly",
-        "g - (q . g) q, over |q|",
-        "never in this row; hand-written rotations of splats",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
         "place_held_constant",
         "the rotation learns from the axes alone, not from where the camera stands",
         "poses are refined in a wrong direction: a turn moves the place as well",
@@ -162,13 +153,6 @@ pub(crate) fn pose_from_colmap_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) 
                 ([g_q[1], g_q[2], g_q[3], g_q[0]], g_t)
             }
             Some(&"place_held_constant") => (right(q, [0.0; 3]).0, right(q, t).1),
-            Some(&"length_not_differentiated") => {
-                let size = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
-                let unit = if c.quaternion == Quaternion::Normalized { q.map(|x| x / size) } else { q };
-                let (g_unit, g_t) = backward::from_colmap(unit, t, c.axes, Quaternion::AsGiven, &g);
-                let scale = if c.quaternion == Quaternion::Normalized { size } else { 1.0 };
-                (g_unit.map(|g| g / scale), g_t)
-            }
             _ => right(q, t),
         }
     })

@@ -143,11 +143,17 @@ def inverse_of_the_matrix(q, t):
     return torch.linalg.inv(whole(entries(torch.nn.functional.normalize(q, dim=-1)), t))
 
 
-@convention("pose_from_colmap", {"quaternion": "as_given"}, seen="read_write_model.py qvec2rotmat and its copies", times=8)
+@right("pose_from_colmap", seen="read_write_model.py qvec2rotmat and its copies", times=8)
 def taken_for_unit(q, t):
     """R^T and -R^T t, without a look at the length."""
     back = entries(q).transpose(1, 2)
     return whole(back, -(back @ t[..., None])[..., 0])
+
+
+@right("pose_from_colmap", seen="colmap2nerf.py of instant-ngp, nerfstudio: numpy's inverse of what qvec2rotmat gives", times=4, gradient="none")
+def taken_for_unit_and_inverted(q, t):
+    """The inverse of a matrix that is a rotation for unit quaternions."""
+    return torch.linalg.inv(whole(entries(q), t))
 
 
 @convention("pose_from_colmap", {"axes": "opengl"}, seen="nerfstudio: c2w[0:3, 1:3] *= -1", times=5)

@@ -50,7 +50,7 @@ enum Lens {
     /// All of them: several pictures share it.
     Shared(Vec<[f32; 3]>),
     /// One by one: a table would take four times what its only picture takes.
-    Alone(Camera),
+    Alone(Box<Camera>),
 }
 
 /// All training pixels.
@@ -174,7 +174,7 @@ impl Lens {
         for (j, i) in along(camera.height).flat_map(|j| along(camera.width).map(move |i| (j, i))) {
             camera_ray(camera, center(i, j))?;
         }
-        Ok(Lens::Alone(*camera))
+        Ok(Lens::Alone(Box::new(*camera)))
     }
 
     #[inline(always)]
