@@ -33,8 +33,8 @@ def ssim_over_the_edge():
 
 @deviation("kornia", "choice", "`metrics.ssim`: 1e-12 in the denominator")
 def ssim_beside_1e_12():
-    """The product in the denominator of a window without contrast is c2 (2 m^2 + c1): a black one has 9e-8, which 1e-12 is 1e-5
-    of. Two equal black pictures are 0.99999 alike; eps=0.0 mends it, and the denominator is never 0."""
+    """It is added to the product below, which is c2 (2 m^2 + c1) in a window without contrast: 9e-8 where it is black. Two equal
+    black pictures are 0.99999 alike. eps=0.0 mends it: the product is never 0."""
     import torch
     from kornia.metrics import ssim
 

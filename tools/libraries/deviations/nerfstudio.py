@@ -19,10 +19,10 @@ def contraction_at_the_origin():
 
 @deviation("nerfstudio", "bug", "`HashEncoding`: the finest level has 2047 cells where max_res is 2048")
 def cells_of_the_finest_level():
-    """growth_factor is exp((ln 2048 - ln 16) / 15), whose 15th power times 16 is computed as a little less than 2048, and
-    `torch.floor` takes it to 2047. Equations 2 and 3 of the paper have N_max = 2048 there by construction. With the default, 16
-    levels from 16 to 1024, the last has 1024. Rounding what misses a whole number by a rounding mends it. The judge lets both
-    pass."""
+    """`growth_factor**levels` is a power of whole numbers in a tensor, which torch takes in f32: 16 times the 15th is 2047.9988,
+    and `torch.floor` makes 2047 of it. Equations 2 and 3 of the paper have N_max = 2048 there by construction. With the
+    default, 16 levels from 16 to 1024, the last has 1024. Levels in f64, or rounding what misses a whole number by so little,
+    mend it. The judge lets both pass."""
     import mpmath
     from nerfstudio.field_components.encodings import HashEncoding
 
@@ -130,8 +130,9 @@ def harmonics_in_f32():
 
 @deviation("nerfstudio", "digits", "`Cameras.generate_rays` makes the rays of f64 cameras in f32")
 def rays_in_f32():
-    """Perspective directions pass through `.float()` in `_generate_rays_from_coords`, and `get_image_coords` is in f32: with
-    poses and lenses in f64 rays have 24 bits. `.to(directions_stack)` in the place of `.float()` mends the first."""
+    """`_generate_rays_from_coords` makes directions_stack in the default type and fills it through `.float()`; `get_image_coords`
+    is in f32 too: with poses and lenses in f64 rays have 24 bits. `dtype=coord_stack.dtype` there, without `.float()`, mends
+    the directions."""
     import mpmath
     import torch
     from nerfstudio.cameras.cameras import Cameras
