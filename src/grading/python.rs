@@ -126,7 +126,8 @@ fn plan(rubric: &Rubric) -> Vec<Value> {
                 optional.push(name.to_string());
             }
         }
-        let renamed = |kind: Kind| of(kind).or(rows.first()).map(|row| row.parameters.clone()).unwrap_or_default();
+        let renamed =
+            |kind: Kind| of(kind).or(rows.first()).map(|row| row.parameters.clone()).unwrap_or_default();
         parts.push(json!({
             "component": name, "functions": functions.into_iter().collect::<BTreeMap<_, _>>(), "optional": optional,
             "parameters": { name: renamed(Kind::Forward), gradient: renamed(Kind::Vjp) },
