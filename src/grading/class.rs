@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use super::answers::{self, Heard};
-use super::marks::{Entry, Graded};
+use super::marks::{Entry, Graded, listed};
 use super::rubric::Rubric;
 use super::sandbox::Sandbox;
 use super::submission::{self, Holds, Kind, Submission};
@@ -193,7 +193,7 @@ fn alike(found: &[Submission], keys: &[Result<String, String>]) -> Vec<String> {
     }
     let mut groups: Vec<Vec<&str>> = same.into_values().filter(|names| names.len() > 1).collect();
     groups.sort();
-    groups.iter().map(|names| format!("the same, byte for byte: {}", names.join(", "))).collect()
+    groups.iter().map(|names| format!("the same, byte for byte: {}", listed(names))).collect()
 }
 
 /// Pages and tables.

@@ -328,7 +328,8 @@ pub(crate) fn mistake(component: &str, name: &str) -> Option<&'static Mistake> {
     row.mistakes.iter().find(|mistake| mistake.name == name)
 }
 
-fn listed(names: &[&str]) -> String {
+/// Names on a line, the first of them where there are many.
+pub(super) fn listed(names: &[&str]) -> String {
     match names.len() {
         n if n > LISTED => format!("{} and {} more", names[..LISTED].join(", "), n - LISTED),
         _ => names.join(", "),

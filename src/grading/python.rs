@@ -117,14 +117,17 @@ fn plan(rubric: &Rubric) -> Vec<Value> {
         let mut optional = vec![];
         if let Some(row) = of(Kind::Vjp) {
             functions.push((gradient.clone(), given(Kind::Vjp, &gradient)));
-            // By name only where the rubric says so; one that has its own gradient alone needs no forward function.
+            // By name only where the rubric says so: autograd takes its place.
             if row.function.is_none() {
                 optional.push(gradient.clone());
-            } else if of(Kind::Forward).is_none() {
+            }
+            // And a gradient of its own needs no forward function.
+            if of(Kind::Forward).is_none() {
                 optional.push(name.to_string());
             }
         }
-        let renamed = |kind: Kind| of(kind).map(|row| row.parameters.clone()).unwrap_or_default();
+        let renamed =
+            |kind: Kind| of(kind).or(rows.first()).map(|row| row.parameters.clone()).unwrap_or_default();
         parts.push(json!({
             "component": name, "functions": functions.into_iter().collect::<BTreeMap<_, _>>(), "optional": optional,
             "parameters": { name: renamed(Kind::Forward), gradient: renamed(Kind::Vjp) },

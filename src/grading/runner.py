@@ -131,19 +131,21 @@ def ask(plan, part, found, broken, modules, say):
     """Asks the functions of one component. Returns what becomes of its rows, and where the functions are."""
     from candidate import run
 
-    functions, places = {}, {}
+    functions, places, missing = {}, {}, None
     for keyword, wanted in part["functions"].items():
         try:
             file, line, name = located(wanted, found, broken)
-        except Missing:
-            # A gradient of its own is the exception: autograd takes its place.
-            if keyword in part["optional"]:
-                continue
-            raise
+        except Missing as what:
+            if keyword not in part["optional"]:
+                raise
+            missing = what
+            continue
         say(component=part["component"], doing=f"importing {file}")
         function = getattr(load(Path.cwd(), file, modules), name)
         functions[keyword] = renamed(function, part["parameters"].get(keyword, {}))
         places[keyword] = {"file": file, "line": line, "name": name}
+    if not functions:
+        raise missing
     say(component=part["component"], doing=f"running {', '.join(place['name'] for place in places.values())}")
     return run(plan["cases"], plan["answers"], **functions), places
 
