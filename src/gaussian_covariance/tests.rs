@@ -38,7 +38,7 @@ proptest! {
     #![proptest_config(properties())]
 
     #[test]
-    fn a_rotation_is_that_of_its_axis_and_angle(d in prop::array::uniform3(-1.0..1.0), angle in -3.0..3.0) {
+    fn a_rotation_is_that_of_its_axis_and_angle(d in prop::array::uniform3(-1.0..1.0), angle in -3.0..3.0f64) {
         let length = d.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
         prop_assume!(length > 0.1);
         let axis = d.map(|x| x / length);
@@ -71,8 +71,8 @@ proptest! {
 
     /// GS1: neither length nor sign of a quaternion matters where it is divided.
     #[test]
-    fn length_and_sign_are_no_matter(q in quaternion(), s in prop::array::uniform3(0.1..2.0), factor in 0.01..100.0) {
-        let (c, scaled) = (covariance(q, s, Form::default()), covariance(q.map(|x: f64| -factor * x), s, Form::default()));
+    fn length_and_sign_are_no_matter(q in quaternion(), s in prop::array::uniform3(0.1..2.0), factor in 0.01..100.0f64) {
+        let (c, scaled) = (covariance(q, s, Form::default()), covariance(q.map(|x| -factor * x), s, Form::default()));
         for (a, b) in c.iter().flatten().zip(scaled.iter().flatten()) {
             prop_assert!((a - b).abs() < 1e-14);
         }

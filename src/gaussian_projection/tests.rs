@@ -112,8 +112,8 @@ proptest! {
     /// GS3: beside the picture, on either side of either axis.
     #[test]
     fn gradients_beside_the_picture_are_those_of_differences(
-        x in 3.0..6.0,
-        y in 3.0..6.0,
+        x in 3.0..6.0f64,
+        y in 3.0..6.0f64,
         signs in prop::array::uniform2(-1i8..=1),
         sigma in covariance(),
         g in cotangent(),
