@@ -123,39 +123,6 @@ pub enum LastDelta {
     ToFar,
 }
 
-/// A number added to every factor 1 - alpha of the transmittance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ProductEps {
-    /// Nothing is added: the formula.
-    None,
-    /// 1e-10 (bmild/nerf, kornia).
-    #[serde(rename = "1e-10")]
-    TenToMinusTen,
-    /// 1e-9.
-    #[serde(rename = "1e-9")]
-    TenToMinusNine,
-    /// 1e-8.
-    #[serde(rename = "1e-8")]
-    TenToMinusEight,
-    /// 1e-7 (nerfstudio).
-    #[serde(rename = "1e-7")]
-    TenToMinusSeven,
-}
-
-impl ProductEps {
-    /// The number.
-    pub fn value(self) -> f64 {
-        match self {
-            ProductEps::None => 0.0,
-            ProductEps::TenToMinusTen => 1e-10,
-            ProductEps::TenToMinusNine => 1e-9,
-            ProductEps::TenToMinusEight => 1e-8,
-            ProductEps::TenToMinusSeven => 1e-7,
-        }
-    }
-}
-
 /// What turns the density head's output into a density.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -219,13 +219,13 @@ def at_pixels(a, c, wrong):
     if "gaussian_normalized" in wrong:
         det = a["conics"][:, 0] * a["conics"][:, 2] - a["conics"][:, 1] ** 2
         alpha = alpha * np.sqrt(np.maximum(det, 0)) / kind(2 * np.pi)
-    cap = kind(1 if c["alpha_cap"] == "none" else float(c["alpha_cap"]))
+    cap = kind(np.inf if c["alpha_cap"] == "none" else float(c["alpha_cap"]))
     seen = np.ones_like(alpha, bool)
     if c["faint"] == "skipped":
         seen &= ~(np.minimum(alpha, cap) < kind(1 / 255))
     if c["positive_power"] == "skipped":
         seen &= ~(power > 0)
-    return d, conic, gaussian, alpha, cap if c["alpha_cap"] != "none" else kind(1), seen
+    return d, conic, gaussian, alpha, cap, seen
 
 
 def gaussian_alpha(a, c, wrong):

@@ -1,6 +1,6 @@
 //! Vector-Jacobian product of a splat's opacity at a pixel, by hand. `g` is the gradient of the loss with respect to it.
 
-use super::{Form, Splat, offset, power, skipped};
+use super::{Form, Splat, cap, offset, power, skipped};
 use crate::convention::{CapGradient, ConicGradient};
 use crate::math::exp;
 
@@ -21,7 +21,7 @@ use crate::math::exp;
 /// ```
 pub fn alpha(pixel: [f64; 2], splat: &Splat, form: Form, g: f64) -> Splat {
     let ([x, y], [a, b, c]) = (offset(pixel, splat), splat.conic);
-    let (power, cap) = (power(pixel, splat), form.cap.value());
+    let (power, cap) = (power(pixel, splat), cap(form));
     let alpha = splat.opacity * exp(power);
     let capped = alpha > cap && form.cap_gradient == CapGradient::Stopped;
     if capped || skipped(power, alpha.min(cap), form) {

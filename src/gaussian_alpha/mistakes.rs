@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::arrays::{form, forward, six, total, vjp};
-use super::{Form, Splat, alpha as oracle, backward, offset, skipped};
+use super::{Form, Splat, alpha as oracle, backward, cap, offset, skipped};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
@@ -120,7 +120,7 @@ fn wrong_alpha(pixel: [f64; 2], splat: &Splat, form: Form, wrong: &[&str]) -> f6
     let power = if has("half_forgotten") { 2.0 * half } else { half };
     let opacity = if has("opacity_forgotten") { 1.0 } else { splat.opacity };
     let factor = if has("gaussian_normalized") { det.max(0.0).sqrt() / (2.0 * PI) } else { 1.0 };
-    let alpha = (opacity * exp(power) * factor).min(form.cap.value());
+    let alpha = (opacity * exp(power) * factor).min(cap(form));
     if skipped(power, alpha, form) { 0.0 } else { alpha }
 }
 

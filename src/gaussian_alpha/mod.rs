@@ -65,7 +65,7 @@ pub struct Splat {
 /// ```
 pub fn alpha(pixel: [f64; 2], splat: &Splat, form: Form) -> f64 {
     let power = power(pixel, splat);
-    let alpha = (splat.opacity * exp(power)).min(form.cap.value());
+    let alpha = (splat.opacity * exp(power)).min(cap(form));
     if skipped(power, alpha, form) { 0.0 } else { alpha }
 }
 
@@ -78,6 +78,11 @@ fn offset(pixel: [f64; 2], splat: &Splat) -> [f64; 2] {
 fn power(pixel: [f64; 2], splat: &Splat) -> f64 {
     let ([x, y], [a, b, c]) = (offset(pixel, splat), splat.conic);
     -0.5 * (a * x * x + c * y * y) - b * x * y
+}
+
+/// The largest opacity: without a cap that of a splat that grows may be above 1.
+fn cap(form: Form) -> f64 {
+    if form.cap == AlphaCap::None { f64::INFINITY } else { form.cap.value() }
 }
 
 /// Whether the splat isn't seen at this pixel.

@@ -41,7 +41,7 @@ proptest! {
     }
 
     #[test]
-    fn gradients_are_those_of_differences(pixel in prop::array::uniform2(-3.0..3.0), splat in splat(), g in -1.0..1.0) {
+    fn gradients_are_those_of_differences(pixel in prop::array::uniform2(-3.0..3.0), splat in splat(), g in -1.0..1.0f64) {
         let form = Form::default();
         let by_hand = backward::alpha(pixel, &splat, form, g);
         let close = |found: f64, moved: &dyn Fn(&mut Splat, f64)| {

@@ -25,7 +25,7 @@ proptest! {
 
     /// The distance is no matter, and neither is where both are.
     #[test]
-    fn directions_alone_matter(m in mean(), f in coefficients(), by in 0.1..10.0, shift in prop::array::uniform3(-2.0..2.0)) {
+    fn directions_alone_matter(m in mean(), f in coefficients(), by in 0.1..10.0f64, shift in prop::array::uniform3(-2.0..2.0)) {
         let here = color(m, [0.0; 3], &f, FORM);
         let there = color([0, 1, 2].map(|k| by * m[k] + shift[k]), shift, &f, FORM);
         (0..3).for_each(|k| assert!((here[k] - there[k]).abs() < 1e-13));

@@ -38,7 +38,7 @@ proptest! {
     #![proptest_config(properties())]
 
     #[test]
-    fn a_rotation_is_that_of_its_axis_and_angle(d in prop::array::uniform3(-1.0..1.0), angle in -3.0..3.0) {
+    fn a_rotation_is_that_of_its_axis_and_angle(d in prop::array::uniform3(-1.0..1.0), angle in -3.0..3.0f64) {
         let length = d.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
         prop_assume!(length > 0.1);
         let axis = d.map(|x| x / length);

@@ -112,8 +112,8 @@ proptest! {
     /// GS3: beside the picture, on either side of either axis.
     #[test]
     fn gradients_beside_the_picture_are_those_of_differences(
-        x in 3.0..6.0,
-        y in 3.0..6.0,
+        x in 3.0..6.0f64,
+        y in 3.0..6.0f64,
         signs in prop::array::uniform2(-1i8..=1),
         sigma in covariance(),
         g in cotangent(),
@@ -150,29 +150,43 @@ fn a_held_mean_counts_twice() {
 }
 
 #[test]
+fn means_are_turned_moved_and_divided_by_their_depth() {
+    let rotation = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    let view = View { rotation, translation: [0.5, -1.0, 4.0], ..straight() };
+    let splat = project([1.0, 2.0, 3.0], [0.25, 0.0, 0.0, 0.25, 0.0, 0.25], &view, Form::default());
+    assert_eq!(splat.depth, 5.0);
+    assert_relative_eq!(splat.mean[0], 40.0 * 0.5 + 28.0, max_relative = 1e-15);
+    assert_relative_eq!(splat.mean[1], 44.0 * 0.4 + 26.0, max_relative = 1e-15);
+}
+
+#[test]
 fn limits_are_where_the_code_bases_have_them() {
-    // P_z / P_x is minus the slope in the Jacobian: found from a Gaussian that is a line along x, or along z.
-    let slope_of = |at: [f64; 3], axis: usize, clamp| {
-        let mut line = [0.0; 6];
-        line[5] = 1.0;
+    // A line along x + z, or y + z, has the deviation (f/z) |1 - slope|.
+    let deviation = |at: [f64; 3], axis: usize, clamp| {
+        let mut line = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0];
+        line[3 * axis] = 1.0;
+        line[2 * (axis + 1)] = 1.0;
         let form = Form { clamp, ..Form::default() };
-        let along = project(at, line, &straight(), form).covariance[2 * axis] - 0.3;
-        let scale = [40.0, 44.0][axis] / at[2];
-        along.sqrt() / scale
+        let variance = project(at, line, &straight(), form).covariance[2 * axis] - 0.3;
+        variance.sqrt() * at[2] / [40.0, 44.0][axis]
     };
     let sides = [([9.0, 0.0, 1.0], 0), ([-9.0, 0.0, 1.0], 0), ([0.0, 9.0, 1.0], 1), ([0.0, -9.0, 1.0], 1)];
-    let (half_x, half_y) = (32.0 / 40.0, 24.0 / 44.0);
+    let (half_x, half_y): (f64, f64) = (32.0 / 40.0, 24.0 / 44.0);
     let picture = [
         36.0 / 40.0 + 0.3 * half_x,
-        28.0 / 40.0 + 0.3 * half_x,
+        -(28.0 / 40.0 + 0.3 * half_x),
         22.0 / 44.0 + 0.3 * half_y,
-        26.0 / 44.0 + 0.3 * half_y,
+        -(26.0 / 44.0 + 0.3 * half_y),
     ];
-    let centered = [1.3 * half_x, 1.3 * half_x, 1.3 * half_y, 1.3 * half_y];
+    let centered = [1.3 * half_x, -1.3 * half_x, 1.3 * half_y, -1.3 * half_y];
+    let nowhere = [9.0, -9.0, 9.0, -9.0];
     for (n, (at, axis)) in sides.into_iter().enumerate() {
-        assert_relative_eq!(slope_of(at, axis, SplatClamp::Picture), picture[n], max_relative = 1e-12);
-        assert_relative_eq!(slope_of(at, axis, SplatClamp::Centered), centered[n], max_relative = 1e-12);
-        assert_relative_eq!(slope_of(at, axis, SplatClamp::None), 9.0, max_relative = 1e-12);
+        for (clamp, slopes) in
+            [(SplatClamp::Picture, picture), (SplatClamp::Centered, centered), (SplatClamp::None, nowhere)]
+        {
+            let found = deviation(at, axis, clamp);
+            assert_relative_eq!(found, (1.0 - slopes[n]).abs(), max_relative = 1e-9);
+        }
     }
 }
 
@@ -215,4 +229,8 @@ fn the_radius_is_three_deviations_of_the_long_axis() {
     assert_relative_eq!(splat.compensation, f64::sqrt((4.7 * 4.7 - 16.0) / 9.0), max_relative = 1e-14);
     let round = project([0.0, 0.0, 1.0], [0.7, 0.0, 0.0, 0.7, 0.0, 0.0], &view, form);
     assert_eq!(round.radius, (3.0 * f64::sqrt(1.1)).ceil(), "a ball: the floor of 0.01 under the root");
+    // Far from round, upright and slanted: a larger eigenvalue of 99.
+    for sigma in [[98.7, 0.0, 0.0, 0.7, 0.0, 0.0], [49.7, 49.0, 0.0, 49.7, 0.0, 0.0]] {
+        assert_eq!(project([0.0, 0.0, 1.0], sigma, &view, form).radius, 30.0);
+    }
 }

@@ -8,7 +8,7 @@ from .fixture import Case, Draw
 
 NAME, PURPOSE = "gaussian_alpha", 1307
 DIFFERENTIABLE = ("means2d", "conics", "opacities")
-CAPS = {"none": 1.0, "0.99": 0.99, "0.999": 0.999}
+CAPS = {"none": float("inf"), "0.99": 0.99, "0.999": 0.999}
 DEFAULTS = {"alpha_cap": "none", "faint": "kept", "positive_power": "kept", "cap_gradient": "stopped"}
 
 
