@@ -42,7 +42,9 @@ impl Laid {
         if let Some(packed) = laid.large.packed {
             laid.offsets = laid.made(packed.offsets).iter().map(|&x| x as usize).collect();
         }
-        let outputs = laid.shapes(&(component.forward.oracle)(&laid.part(0..1).inputs, c));
+        // One item shows the shapes, unless a case makes sense as a whole alone.
+        let one = 0..if laid.large.block == laid.large.items { laid.large.items } else { 1 };
+        let outputs = laid.shapes(&(component.forward.oracle)(&laid.part(one.clone()).inputs, c));
         if kind == Kind::Forward {
             return Laid { outputs, ..laid };
         }
@@ -52,7 +54,7 @@ impl Laid {
             }
         }
         let direction = component.direction(kind).expect("a row has its direction");
-        laid.outputs = laid.shapes(&(direction.oracle)(&laid.part(0..1).inputs, c));
+        laid.outputs = laid.shapes(&(direction.oracle)(&laid.part(one).inputs, c));
         laid
     }
 
