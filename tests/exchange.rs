@@ -8,9 +8,10 @@ use nerf_oracle::contract::Dtype;
 use nerf_oracle::convention::CS180;
 use nerf_oracle::files::layout::Layout;
 use nerf_oracle::files::npz::{self, Array};
-use nerf_oracle::judge::Exam;
 use nerf_oracle::judge::exchange::{declared, read_answers, read_exam, write_cases};
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
+use nerf_oracle::judge::large::files as large;
+use nerf_oracle::judge::{Exam, LargeExam};
 use tempfile::TempDir;
 
 /// Cases of the background's component, and right answers to them.
@@ -308,4 +309,50 @@ fn declarations_are_checked() {
     refused(r#""composite_background/vjp": {"returns": ["weights"]}"#, "weights: no output");
     refused(r#""composite_background/forward": {"crashed": {"nowhere": "x"}}"#, "nowhere: no case");
     refused(r#""composite_background/forward": {"passes": true}"#, "unknown field");
+}
+
+/// Large cases of a row, with their inputs, and right answers to them.
+fn large_folders() -> (TempDir, PathBuf, PathBuf) {
+    let root = tempfile::tempdir().unwrap();
+    let (cases, answers) = (root.path().join("cases"), root.path().join("answers"));
+    let exam = LargeExam::new("importance_sampling", Dtype::F32, None).unwrap();
+    large::write(&exam, &cases, true).unwrap();
+    for (question, laid) in exam.exam.questions.iter().zip(&exam.laid) {
+        for laid in laid {
+            let case = laid.whole();
+            let outputs = (question.component.direction(question.kind).unwrap().oracle)(&case.inputs, &CS180);
+            let narrow = outputs.into_iter().map(|(name, a)| (name, Array::F32(a.mapv(|x| x as f32))));
+            npz::write(&answers.join(question.path(&case) + ".npz"), &narrow.collect(), false).unwrap();
+        }
+    }
+    (root, cases, answers)
+}
+
+#[test]
+fn large_cases_come_back_with_recipes_and_are_judged() {
+    let (_root, cases, answers) = large_folders();
+    let manifest: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(cases.join("cases.json")).unwrap()).unwrap();
+    assert_eq!(manifest["tier"], "large");
+    let input = &manifest["cases"][0]["inputs"][0];
+    assert!(input["recipe"]["law"].is_string() && input["key"][1] == 7, "{input}");
+    let judged = |answers: &Path| large::judged(large::read(&cases).unwrap(), answers, EXP_ULP);
+    let report = judged(&answers).unwrap();
+    assert_eq!((report.exit_code(), report.rows.len()), (0, 2), "{report}");
+    // Half of the answers to the forward direction: the others are zeros.
+    let path = answers.join("importance_sampling/forward-bins_1024.npz");
+    let mut half = npz::read(&path).unwrap();
+    let Some(Array::F32(t)) = half.get_mut("t") else { panic!("t in f32") };
+    t.slice_axis_mut(ndarray::Axis(0), ndarray::Slice::from(200..)).fill(0.0);
+    npz::write(&path, &half, false).unwrap();
+    let report = judged(&answers).unwrap();
+    let row = report.of("importance_sampling", "forward").unwrap();
+    assert!(row.observed[0].contains("number 200 of 257"), "{report}");
+    assert!(row.worst_case.as_ref().unwrap().index[0] >= 200);
+    // Something that no case asks for, and inputs that aren't the case's.
+    fs::write(answers.join("importance_sampling/more.npz"), "").unwrap();
+    assert!(judged(&answers).unwrap_err().to_string().contains("no case asks for"));
+    let inputs = cases.join("importance_sampling/forward-bins_1024.npz");
+    fs::copy(&path, &inputs).unwrap();
+    assert!(large::read(&cases).unwrap_err().to_string().contains("forward-bins_1024.npz"));
 }

@@ -5,8 +5,8 @@ from second_geometry import positions
 
 MISTAKES = (
     "outside_the_images first_images_only images_not_uniform pixels_not_uniform rays_frozen rays_repeat one_image_for_ever "
-    "divided_twice_by_255 wrong_colors never_jittered jitter_frozen one_jitter_for_all_rays rays_jittered_together jitter_repeats "
-    "jitter_of_the_pixel jitter_antithetic jitter_correlated jitter_width_0.02 "
+    "divided_twice_by_255 wrong_colors never_jittered jitter_frozen one_jitter_for_all_rays rays_jittered_together "
+    "jitter_repeats jitter_of_the_pixel jitter_antithetic jitter_correlated jitter_width_0.02 "
     "jitter_width_0.1 jitter_width_1 jitter_centered_on_edges jitter_gaussian jitter_not_uniform jitter_at_evaluation not_at_rest"
 ).split()
 

@@ -7,6 +7,7 @@ pub mod case;
 pub mod check;
 pub mod component;
 pub mod hazard;
+pub mod laid;
 pub mod large;
 pub mod machine;
 pub(crate) mod operations;

@@ -15,7 +15,7 @@ use super::report::{Report, Row, Verdict};
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
-use crate::contract::large::Laid;
+use crate::contract::laid::Laid;
 use crate::convention::Conventions;
 use crate::convention::profiles::Profile;
 use crate::error::{Error, Result};

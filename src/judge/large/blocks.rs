@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::contract::arithmetic::Grade;
 use crate::contract::case::Case;
-use crate::contract::large::Laid;
+use crate::contract::laid::Laid;
 use crate::convention::Conventions;
 use crate::judge::answer::{Answer, Given, reshaped};
 use crate::judge::asking::Reply;

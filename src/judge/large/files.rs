@@ -8,7 +8,7 @@ use ndarray::ArrayD;
 use serde_json::{Value, json};
 
 use super::{Asked, LargeExam, examine, head};
-use crate::contract::large::Laid;
+use crate::contract::laid::Laid;
 use crate::contract::recipe::Recipe;
 use crate::convention::profiles;
 use crate::error::{Error, Result};
