@@ -97,7 +97,7 @@ pub enum Delta {
     DifferencesTimesNorm,
     /// The sample's cell: from the middle between it and the one before, or near, to the middle between it and the next, or far
     /// (Point-E, Shap-E).
-    Cells,
+    Midpoints,
 }
 
 /// The step of the last sample, where the others are differences.

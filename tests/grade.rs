@@ -273,7 +273,7 @@ fn rubrics_that_cannot_be_used_are_refused() {
         json!(11),
         &["rows[0].points_if_imprecise: found 11", "10 points"],
     );
-    refused("/rows/0/edge_cases", json!(["VR99"]), &["rows[0].edge_cases: found VR99", "VR9"]);
+    refused("/rows/0/edge_cases", json!(["XX99"]), &["rows[0].edge_cases: found XX99", "VR9"]);
     refused("/rows/0/outputs", json!(["color"]), &["rows[0].outputs: found color", "colors"]);
     refused("/rows/0/function", json!("../a.py:f"), &["rows[0].function: found ../a.py"]);
     refused("/rows/0/parameters", json!({"s": "sigma"}), &["rows[0].parameters: found sigma", "sigmas"]);

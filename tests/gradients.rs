@@ -13,7 +13,8 @@ use nerf_oracle::trunc_exp::{LIMIT, trunc_exp};
 const TOLERANCE: f64 = 1e-8;
 
 /// Choices whose gradient is a stated surrogate, as a code base has it on purpose: a plain check must fail.
-const SURROGATE_CHOICES: &[(&str, &str)] = &[("splat_clamp_gradient", "held"), ("conic_gradient", "entry")];
+const SURROGATE_CHOICES: &[(&str, &str)] =
+    &[("splat_clamp_gradient", "held"), ("conic_gradient", "entry"), ("sigma_relu", "inside")];
 
 /// CS180, and CS180 with each choice of each convention that the component depends on, but for surrogates.
 fn conventions_of(component: &Component) -> Vec<Conventions> {

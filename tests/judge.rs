@@ -412,7 +412,7 @@ fn a_center_in_the_middle_is_asked_what_it_can_answer() {
     let taking = candidate().takes("image_rays", &["height", "width", "focal", "c2w"]);
     let report = judge(&taking, Dtype::F32).unwrap();
     assert_eq!(report.exit_code(), 0, "{report}");
-    assert!(report.rows[0].left_out.contains_key("random_0"), "{report}");
+    assert!(report.rows[0].left_out.contains_key("random_0_f32"), "{report}");
     let unknown = candidate().takes("image_rays", &["heigth"]);
     assert!(judge(&unknown, Dtype::F32).unwrap_err().to_string().contains("heigth"));
 }

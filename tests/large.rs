@@ -37,7 +37,7 @@ fn asked_for() -> Option<String> {
 
 fn quick(large: &Large) -> bool {
     let entries = |made: &Made| made.shape.iter().product::<usize>();
-    asked_for().is_some() || large.inputs.iter().map(entries).sum::<usize>() < 3_000_000
+    asked_for().is_some() || large.inputs.iter().map(entries).sum::<usize>() < 1_000_000
 }
 
 /// The bound of some items is that of the same items in the whole case, and so is the truth.
@@ -150,7 +150,8 @@ fn report(
 /// What the formula gives, rounded to a type, passes in every type: each array is proved by some large case.
 #[test]
 fn right_answers_pass_in_every_type() {
-    for dtype in Dtype::ALL {
+    let types = if asked_for().is_some() { &Dtype::ALL[..] } else { &[Dtype::F32, Dtype::Bf16] };
+    for &dtype in types {
         let mut rows: Vec<(&str, Kind)> = vec![];
         for (component, kind, laid) in all(dtype) {
             if !rows.contains(&(component.name, kind)) && !laid.large.inputs.is_empty() {
@@ -213,7 +214,13 @@ fn habits_of_kernels_fail_and_are_told() {
                 told.contains(&format!("number {first} of 1025")) && told.contains(blocks),
                 "{habit:?}: {told}"
             );
-            assert!(told.contains("asked alone, are right"), "{habit:?}: {told}");
+            // A ray alone is a last block too.
+            let alone = if matches!(habit, Habit::LastBlock(_)) {
+                "when asked alone"
+            } else {
+                "asked alone, are right"
+            };
+            assert!(told.contains(alone), "{habit:?}: {told}");
             assert_eq!(row.worst_case.as_ref().unwrap().id, "rays_1025x193");
             assert!(row.worst_case.as_ref().unwrap().index[0] >= first);
         }

@@ -291,7 +291,7 @@ fn the_program_writes_and_checks() {
             "schema" => index.schema = "x".into(),
             "layout" => index.layout = "x".into(),
             "profile" => index.profile = "x".into(),
-            _ => index.filter = "x".into(),
+            _ => index.filter = "xyz".into(),
         });
         expect(&["vectors", "--verify", "kept"], 2, words);
     };

@@ -229,7 +229,7 @@ def step_sizes(a, c, wrong):
     n = t.shape[-1]
     gaps = np.concatenate([np.diff(t), far - t[:, -1:]], 1)
     deltas = np.full_like(t, (far - near) / n)
-    if c["delta"] == "cells":
+    if c["delta"] == "midpoints":
         ends = [np.full_like(t[:, :1], x) for x in (near, far)]
         deltas = np.diff(np.concatenate([ends[0], (t[:, 1:] + t[:, :-1]) / 2, ends[1]], 1))
     elif c["delta"] != "width":

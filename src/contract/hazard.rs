@@ -1,9 +1,8 @@
 //! The glossary of hazards: numbers on which real libraries went wrong. The id of a hard case begins with the id of its hazard
 //! (`VR9_underflow` is a case of VR9), and comments name hazards by their ids.
-//!
 //! The letters say where a hazard belongs: VR volume rendering, PK packed rays, SA sampling, PE encodings, CG cameras and boxes, LE
-//! lenses, GS Gaussians, TR training, ME metrics.
-//! Numbers that are missing were hazards of components that the crate doesn't have.
+//! lenses, GS Gaussians, TR training, ME metrics. Numbers that are missing were hazards of components that the
+//! crate doesn't have.
 
 /// A kind of input on which implementations go wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -386,7 +385,7 @@ pub const HAZARDS: &[Hazard] = &[
         "ME1",
         [
             "PSNR of equal pictures",
-            "it is infinite, and makes a mean over several pictures infinite",
+            "it is infinite, and so is a mean over several pictures",
             "scripts that average PSNRs",
         ],
     ),

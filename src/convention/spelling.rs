@@ -16,7 +16,7 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("directions", &["unit", "unit_in_camera", "depth"]),
     ("grid", &["intervals", "ends_plus_width", "ends_plus_spacing", "ends_between_midpoints"]),
     ("rest", &["left", "mid", "right"]),
-    ("delta", &["width", "differences", "differences_times_norm", "cells"]),
+    ("delta", &["width", "differences", "differences_times_norm", "midpoints"]),
     ("last_delta", &["width", "repeated", "mean", "1e10", "1e9", "1e-3", "to_far"]),
     ("product_eps", &["none", "1e-10", "1e-9", "1e-8", "1e-7"]),
     ("contraction_norm", &["l2", "linf", "merf"]),

@@ -46,9 +46,15 @@ fn lenses(name: &str) -> Vec<Case> {
             vec![[0.0, 0.0], [tiny, 0.0], [0.0, -tiny], [0.25, 0.0]],
         )
         .edge("a point in the middle of the picture"),
+        case(
+            "one_point",
+            "a strong lens and one point: sums of one term",
+            [0.25, -0.125, 0.0625, -0.03125],
+            vec![[0.5, 0.25]],
+        ),
         case("LE1_beside_the_middle", "a thousandth from it", FISHEYE, ring(tiny)),
     ];
-    in_full(cases, "usual")
+    in_full(in_full(cases, "usual"), "one_point")
 }
 
 /// Ideal points to a fisheye's picture.

@@ -82,7 +82,7 @@ fn eliminated(r: &[[Bounded; 3]; 3], t: [f64; 3], m: &Arithmetic) -> [[f64; 4]; 
         (_, 3) => far,
         _ => 1.0,
     };
-    let left = 4.0 * gamma(9.0, m.u);
+    let left = 2.0 * gamma(12.0, m.u);
     let e = |k: usize, l: usize| left * off(k, l) + if k < 3 && l < 3 { r[k][l].e } else { 0.0 };
     [0, 1, 2, 3].map(|i| {
         [0, 1, 2, 3].map(|j| {

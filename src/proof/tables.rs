@@ -44,11 +44,12 @@ mod tests {
     }
 
     /// Rows that see no rounding: every honest machine returns exactly the expected numbers, so they say nothing about the bound's size.
-    const EXACT: [(&str, &str, &[Dtype]); 4] = [
+    const EXACT: [(&str, &str, &[Dtype]); 5] = [
         ("step_sizes", "forward", &[Dtype::F64]),
         ("to_uint8", "forward", &[Dtype::F64, Dtype::F32]),
         ("occupancy_grid", "forward", &[Dtype::F64]),
         ("pack_info", "forward", &Dtype::ALL),
+        ("pose_from_colmap", "forward", &[Dtype::Tf32, Dtype::Bf16, Dtype::F16]),
     ];
 
     /// Honest machines use at most the whole bound; of one that is 100 times too loose none would use more than 1/100. So in every

@@ -105,7 +105,7 @@ pub(crate) fn step_sizes(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
             deltas.extend(vec![width.e; samples]);
             continue;
         }
-        if c.delta == Delta::Cells {
+        if c.delta == Delta::Midpoints {
             let edge = |i: usize| match i {
                 0 => interval.near,
                 i if i == samples => interval.far,

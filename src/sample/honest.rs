@@ -99,7 +99,7 @@ pub(crate) fn step_sizes(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
             deltas.extend(vec![width; samples]);
             continue;
         }
-        if c.delta == Delta::Cells {
+        if c.delta == Delta::Midpoints {
             let edge = |i: usize| match i {
                 0 => near,
                 i if i == samples => far,

@@ -83,7 +83,7 @@ pub fn step_sizes(t: &[f64], near: f64, far: f64, delta: Delta, last: LastDelta)
     if delta == Delta::Width || n == 0 {
         return vec![width; n];
     }
-    if delta == Delta::Cells {
+    if delta == Delta::Midpoints {
         let edge = |i: usize| match i {
             0 => near,
             i if i == n => far,

@@ -61,9 +61,9 @@ fn carry(t: &[f64], steps: &mut [f64], delta: Delta) {
             Delta::Width => 0.0,
             // t_{i+1} - t_i; the last step may be computed from the two positions before it.
             Delta::Differences | Delta::DifferencesTimesNorm => t[i.min(last - 1)] + t[i.min(last - 1) + 1],
-            Delta::Cells if i == 0 => edge(1),
-            Delta::Cells if i == last => edge(last),
-            Delta::Cells => edge(i) + edge(i + 1),
+            Delta::Midpoints if i == 0 => edge(1),
+            Delta::Midpoints if i == last => edge(last),
+            Delta::Midpoints => edge(i) + edge(i + 1),
         };
     }
 }

@@ -10,16 +10,25 @@ const PORTRAIT: [usize; 3] = [5, 3, 4];
 
 /// The trace of a picture.
 pub(crate) fn render_trace() -> Vec<Case> {
+    let dim = [0.05, 1.0];
     let cases = [
-        traced("at_rest", "evaluation: u = 1/2 everywhere", SIZE, Some(0.5), 0),
-        traced("left_edges", "u = 0 everywhere: the grid itself", SIZE, Some(0.0), 1),
-        traced("jittered", "training: u differs from ray to ray and sample to sample", SIZE, None, 2),
-        traced("portrait", "taller than wide", PORTRAIT, None, 3),
+        traced("at_rest", "evaluation: u = 1/2 everywhere", SIZE, Some(0.5), 0, dim),
+        traced("left_edges", "u = 0 everywhere: the grid itself", SIZE, Some(0.0), 1, dim),
+        traced("jittered", "training: u differs from ray to ray and sample to sample", SIZE, None, 2, dim),
+        traced("portrait", "taller than wide", PORTRAIT, None, 3, dim),
+        traced("colors_beyond", "colors below 0 and above 1 aren't clipped", SIZE, None, 4, [-2.0, 3.0]),
     ];
     cases.iter().flat_map(rigid).collect()
 }
 
-fn traced(id: &str, comment: &'static str, size: [usize; 3], u: Option<f64>, stream: u64) -> Case {
+fn traced(
+    id: &str,
+    comment: &'static str,
+    size: [usize; 3],
+    u: Option<f64>,
+    stream: u64,
+    [low, high]: [f64; 2],
+) -> Case {
     let mut draw = Draw::new("render_trace", stream);
     let [h, w, n] = size;
     let jitter = match u {
@@ -42,7 +51,7 @@ fn traced(id: &str, comment: &'static str, size: [usize; 3], u: Option<f64>, str
             ("far", scalar(6.0)),
             ("u", jitter),
             ("sigmas", array(&size, sigmas)),
-            ("rgbs", draw.array(&[h, w, n, 3], 0.05, 1.0)),
+            ("rgbs", draw.array(&[h, w, n, 3], low, high)),
             ("background", array(&[3], vec![0.75, 0.5, 0.25])),
         ],
     )

@@ -1,6 +1,6 @@
 //! A release of vectors: made from today's cases, oracles, bounds and mistakes, and written.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
@@ -73,7 +73,14 @@ impl Release {
     /// # Errors
     /// A filter that no component matches.
     pub fn new(filter: &str, profile: &'static Profile, layout: Layout) -> Result<Release> {
-        let exam = Exam::new(filter, Dtype::F64, Some(profile))?;
+        let mut exam = Exam::new(filter, Dtype::F64, Some(profile))?;
+        // Those that are for f32 alone.
+        for other in Exam::new(filter, Dtype::F32, Some(profile))?.questions {
+            let question = exam.questions.iter_mut().find(|question| question.row() == other.row());
+            let Some(question) = question else { continue };
+            let known: BTreeSet<String> = question.cases.iter().map(|case| case.id.clone()).collect();
+            question.cases.extend(other.cases.into_iter().filter(|case| !known.contains(&case.id)));
+        }
         let made = parallel::map(exam.questions.len(), |n| of_question(&exam.questions[n], profile, layout));
         let mut all = Made::default();
         for mut question in made {

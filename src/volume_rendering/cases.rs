@@ -254,9 +254,9 @@ pub(crate) fn composite_background() -> Vec<Case> {
         ("background", array(&[3], vec![0.25, 0.75, 0.5])),
     ];
     let cases = vec![
-        Case::new("colors_beyond", "colors below 0 and above 1 aren't clipped", beyond),
         Case::new("three_opacities", "A = 0, 1/2, 1 over three different channels", three),
         Case::new("seeded", "random rays", seeded),
+        Case::new("colors_beyond", "colors below 0 and above 1 aren't clipped", beyond),
     ];
     in_full(cases, "seeded")
 }

@@ -293,7 +293,7 @@ def bins_counted_from_one(rays_o, rays_d, near, far, u):
     return t, rays_o[:, None] + t[..., None] * rays_d[:, None]
 
 
-@convention("step_sizes", {"delta": "cells"}, seen="openai point-e and shap-e; rejuvyesh/SimpleNeRF.jl", times=3)
+@convention("step_sizes", {"delta": "midpoints"}, seen="openai point-e and shap-e; rejuvyesh/SimpleNeRF.jl", times=3)
 def cells_between_middles(t, near, far):
     """From middle to middle, near and far at the ends."""
     middles = (t[:, 1:] + t[:, :-1]) / 2
