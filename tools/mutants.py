@@ -109,7 +109,7 @@ def make_crate(target, first):
     # The package and what it depends on: no features, programs, lints or profiles.
     sections = re.split(r"(?m)^(?=\[)", manifest)
     manifest = "".join(s for s in sections if s.startswith(("[package]", "[dependencies]", "[dev-dependencies]")))
-    manifest = re.sub(r"(?m)^(default-run|include) = .*\n", "", manifest).replace(", optional = true", "")
+    manifest = re.sub(r"(?m)^(default-run = .*|include = \[[^]]*\])\n", "", manifest).replace(", optional = true", "")
     for unused in ["clap", "gemm", "image", "indicatif", "npyz", "sha2", "zip", "tempfile", "half"]:
         manifest = re.sub(rf"(?m)^{unused} = .*\n", "", manifest)
     # Doctests would need the crate built twice.

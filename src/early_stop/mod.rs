@@ -60,7 +60,8 @@ pub(crate) fn used_samples(sigmas: &[f64], deltas: &[f64], eps: f64, stop: Stop)
     let stopped = live > 0 && exp(-depth.value()) < eps;
     match stop {
         Stop::InFront if stopped => live - 1,
-        Stop::OneMore if stopped => (live + 1).min(sigmas.len()),
+        // All of them where nothing stopped it.
+        Stop::OneMore => (live + 1).min(sigmas.len()),
         _ => live,
     }
 }

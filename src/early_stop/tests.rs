@@ -152,19 +152,21 @@ fn between_the_extremes_fewer_samples_for_larger_eps() {
     }
 }
 
-/// Optical depths of ln 2: T is 1/2, 1/4, 1/8, ... exactly. The sample that ends a ray is the last, or isn't used at all; a ray that
+/// Optical depths of ln 2: T is 1/2, 1/4, 1/8, ... exactly. The sample that ends a ray is the last, or isn't used at all, or one more is; a ray that
 /// comes to its end with light left, be it exactly the limit, keeps all.
 #[test]
 fn the_sample_that_ends_a_ray_counts_by_convention() {
     let ln2 = std::f64::consts::LN_2;
     let used = |count: usize, eps: f64| {
         let (sigmas, deltas) = (vec![ln2; count], vec![1.0; count]);
-        [Stop::Behind, Stop::InFront].map(|stop| used_samples(&sigmas, &deltas, eps, stop))
+        [Stop::Behind, Stop::InFront, Stop::OneMore].map(|stop| used_samples(&sigmas, &deltas, eps, stop))
     };
-    assert_eq!(used(6, 0.2), [3, 2]);
-    assert_eq!(used(6, 0.6), [1, 0]);
-    assert_eq!(used(2, 0.2), [2, 2]);
+    assert_eq!(used(6, 0.2), [3, 2, 4]);
+    assert_eq!(used(6, 0.6), [1, 0, 2]);
+    assert_eq!(used(3, 0.2), [3, 2, 3]);
+    assert_eq!(used(2, 0.2), [2, 2, 2]);
     let left = f64::exp(-ln2);
-    assert_eq!(used(1, left), [1, 1]);
-    assert_eq!(used(0, 1.5), [0, 0]);
+    assert_eq!(used(1, left), [1, 1, 1]);
+    assert_eq!(used(2, left), [2, 1, 2]);
+    assert_eq!(used(0, 1.5), [0, 0, 0]);
 }

@@ -23,13 +23,24 @@ fn a_camera_at_identity_sees_the_axis() {
     assert_eq!(gl(DVec2::new(150.0, 240.0), Directions::Depth), DVec3::new(1.0, -1.0, -1.0));
 }
 
+/// Divided before it is turned: the same for a rotation, twice as long where the pose is.
+#[test]
+fn unit_in_the_cameras_frame() {
+    let turn = |scale: f64| DMat4::from_scale(DVec3::splat(scale)) * DMat4::from_rotation_y(0.5);
+    let of = |scale, directions| {
+        pixel_to_ray(&K, &turn(scale), DVec2::new(150.0, 240.0), Axes::Opencv, directions).d
+    };
+    assert!((of(1.0, Directions::UnitInCamera) - of(1.0, Directions::Unit)).length() < 1e-15);
+    assert!((of(2.0, Directions::UnitInCamera) - 2.0 * of(2.0, Directions::Unit)).length() < 1e-15);
+}
+
 #[test]
 fn gradients_of_the_ray() {
     let (k, uv) = ([4.0, 8.0, 1.5, -2.5], DVec2::new(3.0, 5.0));
     let (g_o, g_d) = (DVec3::new(0.5, -1.0, 0.25), DVec3::new(0.75, -0.25, 1.25));
     let lens = |k: [f64; 4]| Intrinsics { fx: k[0], fy: k[1], cx: k[2], cy: k[3] };
     for axes in [Axes::Opencv, Axes::Opengl] {
-        for directions in [Directions::Unit, Directions::Depth] {
+        for directions in [Directions::Unit, Directions::UnitInCamera, Directions::Depth] {
             let pulled = |k: [f64; 4], c2w: [[f64; 4]; 4], uv: DVec2| {
                 let ray = pixel_to_ray(&lens(k), &DMat4::from_cols_array_2d(&c2w), uv, axes, directions);
                 g_o.dot(ray.o) + g_d.dot(ray.d)

@@ -58,6 +58,14 @@ fn last_steps_by_convention() {
     assert_eq!(step_sizes(&t, 2.0, 7.0, Delta::Width, LastDelta::ToFar), [1.25; 4]);
 }
 
+/// Cells meet in the middle between two samples, and fill [near, far].
+#[test]
+fn cells_between_middles() {
+    let cells = |t: &[f64]| step_sizes(t, 1.5, 7.0, Delta::Midpoints, LastDelta::Width);
+    assert_eq!(cells(&[2.0, 2.5, 4.0, 5.0]), [0.75, 1.0, 1.25, 2.5]);
+    assert_eq!(cells(&[3.0]), [5.5]);
+}
+
 proptest! {
     #![proptest_config(properties())]
 
