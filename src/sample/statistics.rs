@@ -127,9 +127,7 @@ pub(crate) fn rays(
         let says = format!("image {} of {count} in all four calls", calls[0].image_ids[0]);
         found.push(finding("one_image_for_ever", says));
     }
-    // Rays of one image meet in its pixels alone.
-    let pool = height * width * if dealt.is_some() { 1 } else { count };
-    let again = come_again(calls, [height, width], pool);
+    let again = come_again(calls, [height, width]);
     if let Some(per_call) = dealt.filter(|_| !one_alone) {
         // Two calls don't show how these images were drawn.
         found.push(choice("rays_per_image", format!("a call's rays are dealt to {per_call} drawn image(s)")));
@@ -158,15 +156,16 @@ pub(crate) fn rays(
     found
 }
 
-/// Rays that were there before: all of them, or more than meet by chance in so many pixels.
-fn come_again(calls: &[Call; 2], [height, width]: [usize; 2], pool: usize) -> Option<Finding> {
+/// Rays that were there before: all of them, or more than meet by chance in a picture of so many pixels.
+fn come_again(calls: &[Call; 2], [height, width]: [usize; 2]) -> Option<Finding> {
     if calls[0].uv == calls[1].uv && calls[0].image_ids == calls[1].image_ids {
         return Some(finding("rays_frozen", "both calls drew the same pixels".into()));
     }
     let rays = calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv));
     let place = |(id, uv): (&f64, &[f64; 2])| (id * height as f64 + uv[1]) * width as f64 + uv[0];
     let places: Vec<f64> = rays.map(place).collect();
-    let (lag, times) = repeats::distance(&places, &places, 0.0, 1.0 / pool as f64)?;
+    // Who takes as many pixels of each picture, in their order, meets the same picture at some distance: any of its pixels.
+    let (lag, times) = repeats::distance(&places, &places, 0.0, 1.0 / (height * width) as f64)?;
     Some(finding("rays_repeat", format!("{times} pixels are those of {lag} rays before")))
 }
 
