@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 # Arrays of numpy, torch, jax, cupy; lists; numbers.
 Array = Any
-Profile = Optional[Literal["cs180", "nerf2020", "kornia-0.8.2", "nerfstudio", "multinerf", "nerfacc", "ngp", "tiny-cuda-nn"]]
+Profile = Optional[Literal["cs180", "nerf2020", "kornia-0.8.2", "nerfstudio", "multinerf", "nerfacc", "ngp", "tiny-cuda-nn", "gsplat", "3dgs"]]
 Dtype = Literal["f64", "f32", "tf32", "bf16", "f16"]
 Float = NDArray[np.float64]
 
@@ -84,6 +84,181 @@ class _PixelToCamera:
         """
 
 pixel_to_camera: _PixelToCamera
+
+
+class LensDistortGradients(NamedTuple):
+    grad_points: Float
+    grad_coefficients: Float
+
+class _LensDistort:
+    def __call__(self, points: Array, coefficients: Array, *, profile: Profile = None) -> Float:
+        """The reference: x' = x radial + 2 p1 x y + p2 (r^2 + 2 x^2), y' = y radial + p1 (r^2 + 2 y^2) + 2 p2 x y, radial = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)
+
+        OpenCV, Camera Calibration and 3D Reconstruction; Brown 1966. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            points (M,2): ideal points, x/z and y/z in camera space
+            coefficients (C): of the lens in OpenCV's order: k1, k2, p1, p2; k3 where there are 5; k4, k5, k6 where there are 8
+
+        Returns:
+            distorted (M,2): where they land, in the same units
+        """
+    def vjp(self, points: Array, coefficients: Array, *, grad_distorted: Optional[Array] = None, profile: Profile = None) -> LensDistortGradients:
+        """The reference of the gradient: x' = x radial + 2 p1 x y + p2 (r^2 + 2 x^2), y' = y radial + p1 (r^2 + 2 y^2) + 2 p2 x y, radial = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)
+
+        OpenCV, Camera Calibration and 3D Reconstruction; Brown 1966. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            points (M,2): ideal points, x/z and y/z in camera space
+            coefficients (C): of the lens in OpenCV's order: k1, k2, p1, p2; k3 where there are 5; k4, k5, k6 where there are 8
+            grad_distorted (M,2): of the loss, by distorted; zeros where left off
+
+        Returns:
+            grad_points (M,2): of the loss, by points
+            grad_coefficients (C): of the loss, by coefficients
+        """
+
+lens_distort: _LensDistort
+
+
+class LensUndistortGradients(NamedTuple):
+    grad_distorted: Float
+    grad_coefficients: Float
+
+class _LensUndistort:
+    def __call__(self, distorted: Array, coefficients: Array, *, profile: Profile = None) -> Float:
+        """The reference: the point before every fold of the lens for which lens_distort(points, coefficients) = distorted
+
+        OpenCV, Camera Calibration and 3D Reconstruction; its inverse, which has no formula. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            distorted (M,2): points of the distorted picture, (u - cx) / fx and (v - cy) / fy
+            coefficients (C): of the lens in OpenCV's order: k1, k2, p1, p2; k3 where there are 5; k4, k5, k6 where there are 8
+
+        Returns:
+            points (M,2): ideal points, x/z and y/z in camera space
+        """
+    def vjp(self, distorted: Array, coefficients: Array, *, grad_points: Optional[Array] = None, profile: Profile = None) -> LensUndistortGradients:
+        """The reference of the gradient: the point before every fold of the lens for which lens_distort(points, coefficients) = distorted
+
+        OpenCV, Camera Calibration and 3D Reconstruction; its inverse, which has no formula. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            distorted (M,2): points of the distorted picture, (u - cx) / fx and (v - cy) / fy
+            coefficients (C): of the lens in OpenCV's order: k1, k2, p1, p2; k3 where there are 5; k4, k5, k6 where there are 8
+            grad_points (M,2): of the loss, by points; zeros where left off
+
+        Returns:
+            grad_distorted (M,2): of the loss, by distorted
+            grad_coefficients (C): of the loss, by coefficients
+        """
+
+lens_undistort: _LensUndistort
+
+
+class FisheyeDistortGradients(NamedTuple):
+    grad_points: Float
+    grad_coefficients: Float
+
+class _FisheyeDistort:
+    def __call__(self, points: Array, coefficients: Array, *, profile: Profile = None) -> Float:
+        """The reference: (x', y') = (theta_d / r) (x, y), theta = atan r, theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
+
+        OpenCV, Fisheye camera model; Kannala and Brandt 2006, equation 6. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            points (M,2): ideal points, x/z and y/z in camera space
+            coefficients (4): k1, k2, k3, k4 of the angle's polynomial
+
+        Returns:
+            distorted (M,2): where they land, in the same units
+        """
+    def vjp(self, points: Array, coefficients: Array, *, grad_distorted: Optional[Array] = None, profile: Profile = None) -> FisheyeDistortGradients:
+        """The reference of the gradient: (x', y') = (theta_d / r) (x, y), theta = atan r, theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)
+
+        OpenCV, Fisheye camera model; Kannala and Brandt 2006, equation 6. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            points (M,2): ideal points, x/z and y/z in camera space
+            coefficients (4): k1, k2, k3, k4 of the angle's polynomial
+            grad_distorted (M,2): of the loss, by distorted; zeros where left off
+
+        Returns:
+            grad_points (M,2): of the loss, by points
+            grad_coefficients (4): of the loss, by coefficients
+        """
+
+fisheye_distort: _FisheyeDistort
+
+
+class FisheyeUndistortGradients(NamedTuple):
+    grad_distorted: Float
+    grad_coefficients: Float
+
+class _FisheyeUndistort:
+    def __call__(self, distorted: Array, coefficients: Array, *, profile: Profile = None) -> Float:
+        """The reference: (x, y) = (tan theta / theta_d) (x', y'), theta the angle before every fold with theta_d = |(x', y')|
+
+        OpenCV, Fisheye camera model; its inverse, which has no formula. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            distorted (M,2): points of the fisheye's picture, (u - cx) / fx and (v - cy) / fy
+            coefficients (4): k1, k2, k3, k4 of the angle's polynomial
+
+        Returns:
+            points (M,2): ideal points, x/z and y/z in camera space
+        """
+    def vjp(self, distorted: Array, coefficients: Array, *, grad_points: Optional[Array] = None, profile: Profile = None) -> FisheyeUndistortGradients:
+        """The reference of the gradient: (x, y) = (tan theta / theta_d) (x', y'), theta the angle before every fold with theta_d = |(x', y')|
+
+        OpenCV, Fisheye camera model; its inverse, which has no formula. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            distorted (M,2): points of the fisheye's picture, (u - cx) / fx and (v - cy) / fy
+            coefficients (4): k1, k2, k3, k4 of the angle's polynomial
+            grad_points (M,2): of the loss, by points; zeros where left off
+
+        Returns:
+            grad_distorted (M,2): of the loss, by distorted
+            grad_coefficients (4): of the loss, by coefficients
+        """
+
+fisheye_undistort: _FisheyeUndistort
+
+
+class PoseFromColmapGradients(NamedTuple):
+    grad_q: Float
+    grad_t: Float
+
+class _PoseFromColmap:
+    def __call__(self, q: Array, t: Array, *, profile: Profile = None) -> Float:
+        """The reference: c2w = [R^T, -R^T t; 0, 0, 0, 1] with R = R(q), q = (w, x, y, z) and x_c = R x_w + t; columns 2 and 3 negative for OpenGL's axes
+
+        COLMAP documentation, Output Format (images.txt); Shepperd 1978 for R(q). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            q (M,4): unit quaternions of the way from the world to the camera: w, x, y, z
+            t (M,3): translations of the same way
+
+        Returns:
+            c2w (M,4,4): camera to world, last row 0, 0, 0, 1
+        """
+    def vjp(self, q: Array, t: Array, *, grad_c2w: Optional[Array] = None, profile: Profile = None) -> PoseFromColmapGradients:
+        """The reference of the gradient: c2w = [R^T, -R^T t; 0, 0, 0, 1] with R = R(q), q = (w, x, y, z) and x_c = R x_w + t; columns 2 and 3 negative for OpenGL's axes
+
+        COLMAP documentation, Output Format (images.txt); Shepperd 1978 for R(q). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            q (M,4): unit quaternions of the way from the world to the camera: w, x, y, z
+            t (M,3): translations of the same way
+            grad_c2w (M,4,4): of the loss, by c2w; zeros where left off
+
+        Returns:
+            grad_q (M,4): of the loss, by q
+            grad_t (M,3): of the loss, by t
+        """
+
+pose_from_colmap: _PoseFromColmap
 
 class PixelToRay(NamedTuple):
     rays_o: Float
@@ -902,6 +1077,178 @@ class _EarlyStop:
         """
 
 early_stop: _EarlyStop
+
+
+class GaussianCovarianceGradients(NamedTuple):
+    grad_quaternions: Float
+    grad_scales: Float
+
+class _GaussianCovariance:
+    def __call__(self, quaternions: Array, scales: Array, *, profile: Profile = None) -> Float:
+        """The reference: R diag(s)^2 R^T, R the rotation of q / |q|
+
+        3D Gaussian Splatting (Kerbl et al. 2023), equation 6; gradients: its appendix A. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            quaternions (M,4): rotations, of any length but 0
+            scales (M,3): standard deviations along the axes, or their logarithms
+
+        Returns:
+            covariances (M,3,3): symmetric; a gradient has all nine entries
+        """
+    def vjp(self, quaternions: Array, scales: Array, *, grad_covariances: Optional[Array] = None, profile: Profile = None) -> GaussianCovarianceGradients:
+        """The reference of the gradient: R diag(s)^2 R^T, R the rotation of q / |q|
+
+        3D Gaussian Splatting (Kerbl et al. 2023), equation 6; gradients: its appendix A. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            quaternions (M,4): rotations, of any length but 0
+            scales (M,3): standard deviations along the axes, or their logarithms
+            grad_covariances (M,3,3): of the loss, by covariances; zeros where left off
+
+        Returns:
+            grad_quaternions (M,4): of the loss, by quaternions
+            grad_scales (M,3): of the loss, by scales
+        """
+
+gaussian_covariance: _GaussianCovariance
+
+class GaussianProjection(NamedTuple):
+    means2d: Float
+    covariances2d: Float
+    conics: Float
+    depths: Float
+    radii: Float
+    compensations: Float
+
+class GaussianProjectionGradients(NamedTuple):
+    grad_means: Float
+    grad_covariances: Float
+
+class _GaussianProjection:
+    def __call__(self, means: Array, covariances: Array, w2c: Array, K: Array, width: Array, height: Array, *, profile: Profile = None) -> GaussianProjection:
+        """The reference: t = R mean + translation; (fx t_x/t_z + cx, fy t_y/t_z + cy); J R Sigma R^T J^T + 0.3 with t_x/t_z clamped in J; its inverse; ceil(3 sqrt(lambda)); sqrt(det before / det after the dilation)
+
+        Zwicker et al. 2001, EWA Volume Splatting; 3D Gaussian Splatting (Kerbl et al. 2023), equation 5, and its rasterizer. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            means (M,3): means, in front of the camera
+            covariances (M,6): upper triangles, row by row: xx, xy, xz, yy, yz, zz
+            w2c (4,4): from the world to the camera's axes: x right, y down, z forward
+            K (3,3): fx, fy, cx, cy
+            width (a number): width of the picture, in pixels
+            height (a number): height of the picture, in pixels
+
+        Returns:
+            means2d (M,2): means in the picture, in pixels
+            covariances2d (M,3): xx, xy, yy, with the dilation
+            conics (M,3): the inverse of that: xx, xy, yy
+            depths (M): along the camera's axis
+            radii (M): pixels that a splat reaches
+            compensations (M): factor of the opacity for the light that the dilation adds
+        """
+    def vjp(self, means: Array, covariances: Array, w2c: Array, K: Array, width: Array, height: Array, *, grad_means2d: Optional[Array] = None, grad_covariances2d: Optional[Array] = None, grad_conics: Optional[Array] = None, grad_depths: Optional[Array] = None, grad_compensations: Optional[Array] = None, profile: Profile = None) -> GaussianProjectionGradients:
+        """The reference of the gradient: t = R mean + translation; (fx t_x/t_z + cx, fy t_y/t_z + cy); J R Sigma R^T J^T + 0.3 with t_x/t_z clamped in J; its inverse; ceil(3 sqrt(lambda)); sqrt(det before / det after the dilation)
+
+        Zwicker et al. 2001, EWA Volume Splatting; 3D Gaussian Splatting (Kerbl et al. 2023), equation 5, and its rasterizer. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            means (M,3): means, in front of the camera
+            covariances (M,6): upper triangles, row by row: xx, xy, xz, yy, yz, zz
+            w2c (4,4): from the world to the camera's axes: x right, y down, z forward
+            K (3,3): fx, fy, cx, cy
+            width (a number): width of the picture, in pixels
+            height (a number): height of the picture, in pixels
+            grad_means2d (M,2): of the loss, by means2d; zeros where left off
+            grad_covariances2d (M,3): of the loss, by covariances2d; zeros where left off
+            grad_conics (M,3): of the loss, by conics; zeros where left off
+            grad_depths (M): of the loss, by depths; zeros where left off
+            grad_compensations (M): of the loss, by compensations; zeros where left off
+
+        Returns:
+            grad_means (M,3): of the loss, by means
+            grad_covariances (M,6): of the loss, by covariances
+        """
+
+gaussian_projection: _GaussianProjection
+
+
+class GaussianAlphaGradients(NamedTuple):
+    grad_means2d: Float
+    grad_conics: Float
+    grad_opacities: Float
+
+class _GaussianAlpha:
+    def __call__(self, pixels: Array, means2d: Array, conics: Array, opacities: Array, *, profile: Profile = None) -> Float:
+        """The reference: min(cap, opacity exp(-1/2 (A dx^2 + C dy^2) - B dx dy)), d from the mean to the pixel
+
+        3D Gaussian Splatting (Kerbl et al. 2023), equations 3 and 4; cap and cut: its rasterizer. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            pixels (P,2): where pixels have their centers
+            means2d (G,2): means of the splats, in pixels
+            conics (G,3): inverse covariances: xx, xy, yy
+            opacities (G): opacities in the middle, from 0 to 1
+
+        Returns:
+            alphas (P,G): of each splat at each pixel
+        """
+    def vjp(self, pixels: Array, means2d: Array, conics: Array, opacities: Array, *, grad_alphas: Optional[Array] = None, profile: Profile = None) -> GaussianAlphaGradients:
+        """The reference of the gradient: min(cap, opacity exp(-1/2 (A dx^2 + C dy^2) - B dx dy)), d from the mean to the pixel
+
+        3D Gaussian Splatting (Kerbl et al. 2023), equations 3 and 4; cap and cut: its rasterizer. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            pixels (P,2): where pixels have their centers
+            means2d (G,2): means of the splats, in pixels
+            conics (G,3): inverse covariances: xx, xy, yy
+            opacities (G): opacities in the middle, from 0 to 1
+            grad_alphas (P,G): of the loss, by alphas; zeros where left off
+
+        Returns:
+            grad_means2d (G,2): of the loss, by means2d
+            grad_conics (G,3): of the loss, by conics
+            grad_opacities (G): of the loss, by opacities
+        """
+
+gaussian_alpha: _GaussianAlpha
+
+
+class GaussianColorGradients(NamedTuple):
+    grad_means: Float
+    grad_coefficients: Float
+
+class _GaussianColor:
+    def __call__(self, means: Array, camera_center: Array, coefficients: Array, *, profile: Profile = None) -> Float:
+        """The reference: max(sum_k f_k Y_k(d / |d|) + 1/2, 0), d = mean - camera center
+
+        3D Gaussian Splatting (Kerbl et al. 2023), section 4, and its rasterizer; Plenoxels (Fridovich-Keil et al. 2022). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            means (M,3): means of the splats
+            camera_center (3): where the camera is
+            coefficients (M,B,3): (degree + 1)^2 of each splat, band by band, three channels each
+
+        Returns:
+            colors (M,3): not below 0
+        """
+    def vjp(self, means: Array, camera_center: Array, coefficients: Array, *, grad_colors: Optional[Array] = None, profile: Profile = None) -> GaussianColorGradients:
+        """The reference of the gradient: max(sum_k f_k Y_k(d / |d|) + 1/2, 0), d = mean - camera center
+
+        3D Gaussian Splatting (Kerbl et al. 2023), section 4, and its rasterizer; Plenoxels (Fridovich-Keil et al. 2022). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            means (M,3): means of the splats
+            camera_center (3): where the camera is
+            coefficients (M,B,3): (degree + 1)^2 of each splat, band by band, three channels each
+            grad_colors (M,3): of the loss, by colors; zeros where left off
+
+        Returns:
+            grad_means (M,3): of the loss, by means
+            grad_coefficients (M,B,3): of the loss, by coefficients
+        """
+
+gaussian_color: _GaussianColor
 
 class RenderTrace(NamedTuple):
     uv: Float
