@@ -146,7 +146,7 @@ impl Arithmetic {
         running.sum(self)
     }
 
-    /// [`any_order`].
+    /// A sum in any order: inside one operation, or by additions that each round to the type.
     pub fn any_order(&self, terms: &[Bounded]) -> Bounded {
         any_order(terms, self)
     }
