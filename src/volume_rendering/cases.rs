@@ -249,14 +249,14 @@ pub(crate) fn composite_background() -> Vec<Case> {
         ("background", array(&[3], vec![0.75, 0.25, 0.625])),
     ];
     let beyond = vec![
-        ("colors", array(&[2, 3], vec![-0.5, 1.5, 0.25, 0.5, -1.0, 2.0])),
-        ("opacity", array(&[2], vec![0.5, 0.25])),
+        ("colors", array(&[3, 3], vec![-0.5, 1.5, 0.25, 0.5, -1.0, 2.0, 1.25, -0.25, 0.75])),
+        ("opacity", array(&[3], vec![0.5, 0.25, 0.75])),
         ("background", array(&[3], vec![0.25, 0.75, 0.5])),
     ];
     let cases = vec![
         Case::new("three_opacities", "A = 0, 1/2, 1 over three different channels", three),
-        Case::new("seeded", "random rays", seeded),
         Case::new("colors_beyond", "colors below 0 and above 1 aren't clipped", beyond),
+        Case::new("seeded", "random rays", seeded),
     ];
     in_full(cases, "seeded")
 }
