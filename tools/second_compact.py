@@ -56,7 +56,7 @@ def one_ray(a, first, n):
 
 def early_stop(a, c, wrong):
     """Ray by ray, by products of 1 - alpha."""
-    c = c | {"product_eps": "none"}
+    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none"}
     ends = np.rint(a["offsets"]).astype(int)
     kind, carried = a["sigmas"].dtype.type, a["sigmas"].dtype.type(1)
     out = {"weights": np.zeros_like(a["sigmas"]), "live": [], "colors": [], "opacity": [], "transmittance": []}
@@ -83,7 +83,7 @@ def early_stop(a, c, wrong):
 
 def early_stop_vjp(a, c, wrong):
     """The gradient of so many samples."""
-    c = c | {"product_eps": "none"}
+    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none"}
     ends = np.rint(a["offsets"]).astype(int)
     out = {f"grad_{name}": np.zeros_like(a[name]) for name in ("sigmas", "rgbs", "deltas")}
     for r, (first, end) in enumerate(zip(ends, ends[1:])):

@@ -115,8 +115,16 @@ def volume_render(a, c, wrong):
 
 
 def volume_render_alpha(a, c, wrong):
-    """From opacities."""
-    return over(c, composite(a["alphas"], a["rgbs"], EPS[c["product_eps"]], wrong))
+    """From opacities, those that count."""
+    alphas, _ = counted(a["alphas"], c)
+    return over(c, composite(alphas, a["rgbs"], EPS[c["product_eps"]], wrong))
+
+
+def counted(alphas, c):
+    """Opacities under the cap, 0 where they are too faint, and whether they count as they are."""
+    cap = alphas.dtype.type({"none": 1, "0.99": 0.99, "0.999": 0.999}[c["alpha_cap"]])
+    faint = (c["faint"] == "skipped") & (alphas < alphas.dtype.type(1 / 255))
+    return np.where(faint, 0, np.minimum(alphas, cap)), ~faint & (alphas <= cap)
 
 
 def from_behind(alphas, factors, a):
@@ -149,12 +157,12 @@ def volume_render_vjp(a, c, wrong):
 def volume_render_alpha_vjp(a, c, wrong):
     """The same without the exponential."""
     a = before_white(c, a)
-    alphas = a["alphas"]
+    alphas, count = counted(a["alphas"], c)
     front, g_w, worth = from_behind(alphas, 1 - alphas + alphas.dtype.type(EPS[c["product_eps"]]), a)
     g = front * (g_w - worth)
     if "product_gradient_zero_at_opaque" in wrong:
         g = np.where(alphas == 1, front * g_w, g)
-    return {"grad_alphas": g, "grad_rgbs": (front * alphas)[..., None] * a["grad_colors"][:, None]}
+    return {"grad_alphas": np.where(count, g, 0), "grad_rgbs": (front * alphas)[..., None] * a["grad_colors"][:, None]}
 
 
 def composite_background(a, c, wrong):
