@@ -183,7 +183,6 @@ const OVER_RAYS: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
-
 pub(super) const DELTA_SCALED: Mistake = Mistake::new(
     "delta_scaled",
     "alpha = 1 - exp(-k sigma delta): densities or steps in another unit",
@@ -277,7 +276,6 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     DELTA_SCALED,
     SCALED_EXPONENTIAL,
 ];
-
 /// Mistakes of rendering from opacities.
 pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     INCLUSIVE,
@@ -312,7 +310,6 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     )
     .of_gradient(),
 ];
-
 /// Mistakes of the background.
 pub(crate) const COMPOSITE_BACKGROUND: &[Mistake] = &[
     CLAMPED,
@@ -357,7 +354,6 @@ pub(crate) const COMPOSITE_BACKGROUND: &[Mistake] = &[
         1,
     ),
 ];
-
 /// Mistakes of the expected distance.
 pub(crate) const DEPTH: &[Mistake] = &[
     Mistake::new(
