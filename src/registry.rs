@@ -5,7 +5,7 @@ use crate::{
     camera, contraction, distortion, early_stop, encoding, field, fisheye, gaussian_alpha, gaussian_color,
     gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, lens, loss, ndc,
     occupancy_grid, optimizer, packed, pose, ray, ray_aabb, sample, spherical_harmonics, srgb, trace,
-    trunc_exp, volume_rendering,
+    training_step, trunc_exp, volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
@@ -48,6 +48,7 @@ pub const COMPONENTS: &[Component] = &[
     loss::component::TO_UINT8,
     srgb::component::LINEAR_TO_SRGB,
     optimizer::component::ADAM_STEP,
+    training_step::component::TRAINING_STEP,
     importance_sampling::component::IMPORTANCE_SAMPLING,
     ray_aabb::component::RAY_AABB,
     occupancy_grid::component::OCCUPANCY_GRID,

@@ -1,0 +1,71 @@
+//! The training step against the components that it consists of.
+
+use super::arrays::usual;
+use super::chain::{chain, plainly};
+use super::component::TRAINING_STEP;
+use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
+use crate::contract::arrays::Arrays;
+use crate::contract::check::{Kind, tolerance};
+use crate::contract::component::Component;
+use crate::convention::{CHOICES, CS180};
+
+/// In every convention, the step and the chain of rows agree bit for bit.
+#[test]
+fn a_step_is_its_rows_one_after_the_other() {
+    for key in TRAINING_STEP.conventions {
+        let (_, values) = CHOICES.iter().find(|(name, _)| name == key).expect("a convention");
+        for value in *values {
+            let c = CS180.with(key, value).expect("listed");
+            let c = if *key == "last_delta" { c.with("delta", "differences").expect("listed") } else { c };
+            let u = usual(&c);
+            for case in TRAINING_STEP.cases_of(Kind::Forward, &c) {
+                let trained = (TRAINING_STEP.forward.oracle)(&case.inputs, &c);
+                let run = |kind: Kind, row: &Component, a: &Arrays| {
+                    (row.direction(kind).expect("a direction").oracle)(a, &u)
+                };
+                let chained = chain(&case.inputs, &u, &run, &plainly);
+                assert_eq!(trained, chained, "{key} {value} {}", case.id);
+            }
+        }
+    }
+}
+
+/// Changing a convention that an output is declared not to depend on leaves its bits unchanged.
+#[test]
+fn an_output_reads_no_other_conventions() {
+    let start = CS180.with("delta", "differences").expect("listed");
+    let trained = |c: &crate::convention::Conventions| {
+        let case = &TRAINING_STEP.cases_of(Kind::Forward, c)[0];
+        (TRAINING_STEP.forward.oracle)(&case.inputs, c)
+    };
+    let here = trained(&start);
+    for key in TRAINING_STEP.conventions {
+        for value in CHOICES.iter().find(|(name, _)| name == key).expect("a convention").1 {
+            let other = trained(&start.with(key, value).expect("listed"));
+            for (output, _) in TRAINING_STEP.special.reads.iter().filter(|(_, keys)| !keys.contains(key)) {
+                assert_eq!(here[*output], other[*output], "{output} reads {key} {value}");
+            }
+        }
+    }
+}
+
+/// Behind ten steps, bounds that grow from step to step still tell: most of what is remembered keeps two digits in f32, nine in f64.
+#[test]
+fn ten_steps_keep_their_digits() {
+    for (dtype, most) in [(Dtype::F64, 1e-9), (Dtype::F32, 1e-2)] {
+        let cases = TRAINING_STEP.cases_of(Kind::Forward, &CS180);
+        for case in cases.iter().filter(|case| case.id.starts_with("ten_steps") && case.exists_in(dtype)) {
+            let truth = (TRAINING_STEP.forward.oracle)(&case.inputs, &CS180);
+            let bound =
+                tolerance(&TRAINING_STEP.forward, &case.inputs, &CS180, &Arithmetic::new(dtype, Grade::B));
+            for (name, y) in &truth {
+                let told = y.iter().zip(&bound[name]).filter(|(y, _)| **y != 0.0).map(|(y, b)| b / y.abs());
+                let mut told: Vec<f64> = told.collect();
+                told.sort_by(f64::total_cmp);
+                let (best, middle) = (told[0], told[told.len() / 2]);
+                println!("{dtype} {} {name}: {best:.1e}, in the middle {middle:.1e}", case.id);
+                assert!(middle < most, "{dtype} {} {name}: {middle:.1e}", case.id);
+            }
+        }
+    }
+}
