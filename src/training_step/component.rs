@@ -69,7 +69,6 @@ pub(crate) const TRAINING_STEP: Component = Component {
     cases: cases::training_step,
     mistakes: mistakes::TRAINING_STEP,
     special: Special {
-        forward_name: "steps",
         reads: READS,
         reshape: cases::reshape,
         admits: cases::admits,

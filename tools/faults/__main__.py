@@ -3,7 +3,7 @@
     python tools/faults                     all of them, some minutes
     python tools/faults --only precision    of a family, a row or a name
     python tools/faults --record            and writes outcomes.json and, once it has all, FAULTS.md
-    python tools/faults --sample 8          every eighth
+    python tools/faults --sample 8          every eighth of those of small cases
 
 Needs the wheel (pip install ./tools/python). Each fault is planted around a right kernel, the oracle's answers rounded to the type, and
 judged in process in its own row and type. Exit 1 where one passes in f64 or f32, or the right kernel of a row fails.
@@ -27,8 +27,8 @@ import nerf_oracle as no  # noqa: E402
 HEAD = """# Planted faults
 
 Written by `python tools/faults --record`. Each fault is planted around a right kernel and judged in its own row and type. Caught: the
-verdict isn't a pass, or the report tells that answers change from call to call. Named: the report says what it is (a mistake, a
-convention, lost digits, stale state, the cases or elements that are off), not only that something is.
+verdict isn't a pass, or the report tells that answers change from call to call. Named: the report says what kind of thing it is: how many
+bits were lost, stale state or chance, the cases that are off where others aren't, the first item of many that is.
 """
 
 
@@ -40,8 +40,25 @@ def asked(row, kind, dtype, candidate, tier="small"):
     return next(found for found in report.json["components"] if (found["kind"] == VJP) == (kind == VJP))
 
 
+def changing(row):
+    """What the report says of answers that change from call to call."""
+    return [told for told in (*row["faults"], *row["findings"]) if "with other bits" in told]
+
+
+# How a report names what kind of thing a fault is.
+NAMES = {
+    "precision": lambda row: row["verdict"] == "imprecise",
+    "state": lambda row: bool(changing(row)),
+    "habits": lambda row: bool(changing(row)) or 0 < len(row["wrong_cases"]) < row["cases"],
+    "trigger": lambda row: 0 < len(row["wrong_cases"]) < row["cases"],
+    "size": lambda row: any("is the first that is off" in told for told in row["observed"]),
+}
+
+
 def said(row):
-    """What the report says of a row beyond its verdict, shortest first."""
+    """What the report says of a row beyond its verdict."""
+    if changing(row):
+        return changing(row)[0]
     if row["diagnosis"]:
         best = row["diagnosis"][0]
         parts = [*best["mistakes"], *(f"{key} = {value}" for key, value in best.get("conventions", {}).items())]
@@ -49,8 +66,7 @@ def said(row):
             return " + ".join(parts)
     if row["verdict"] == "imprecise":
         return f"imprecise, {row['lost_bits']} bits lost" if row.get("lost_bits") else "imprecise"
-    told = [*row["findings"], *(fault for fault in row["faults"] if "answers with other bits" in fault)]
-    return (told or row["observed"] or row["faults"] or [""])[0]
+    return (row["findings"] or row["observed"] or row["faults"] or [""])[0]
 
 
 def outcome(fault):
@@ -58,8 +74,8 @@ def outcome(fault):
     start = time.perf_counter()
     row = asked(fault.row, fault.kind, fault.dtype, fault.candidate(), fault.tier)
     words = said(row)
-    caught = row["verdict"] != "pass" or "other bits" in words
-    return caught, caught and bool(words), words.replace("|", "/").replace("\n", " "), time.perf_counter() - start
+    caught = row["verdict"] != "pass" or bool(changing(row))
+    return caught, caught and NAMES[fault.family](row), words.replace("|", "/").replace("\n", " "), time.perf_counter() - start
 
 
 def right(question):
@@ -108,10 +124,12 @@ def main():
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", default="", help="a family, a row, or part of a name")
-    parser.add_argument("--sample", type=int, default=1, help="every so many-th of them")
+    parser.add_argument("--sample", type=int, default=1, help="every so many-th of them, of small cases alone")
     parser.add_argument("--record", action="store_true", help="keep what was found: outcomes.json, FAULTS.md")
     arguments = parser.parse_args()
-    chosen = [f for f in PLANTED if arguments.only in f"{f.family} {f.row} {title(f)}"][:: arguments.sample]
+    chosen = [f for f in PLANTED if arguments.only in f"{f.family} {f.row} {title(f)}"]
+    if arguments.sample > 1:
+        chosen = [f for f in chosen if f.tier == "small"][:: arguments.sample]
     start = time.perf_counter()
     questions = list(dict.fromkeys((f.row, f.kind, f.dtype, f.tier) for f in chosen))
     with ProcessPoolExecutor() as pool:
