@@ -49,7 +49,9 @@ def passed(a, params, batch, draws, c, wrong):
     loss = {"prediction": colors, "target": x["target"], "grad_value": colors.dtype.type(1)}
     scale = (colors.size if "sum_for_mean" in wrong else 1) * (3 if "mean_over_rays" in wrong else 1)
     g = training.mse_vjp(loss, c, ())["grad_prediction"] * colors.dtype.type(scale)
-    zeros = {name: np.zeros(shape, g.dtype) for name, shape in (("weights", (rays, n)), ("opacity", rays), ("transmittance", rays))}
+    zeros = {
+        name: np.zeros(shape, g.dtype) for name, shape in (("weights", (rays, n)), ("opacity", rays), ("transmittance", rays))
+    }
     back = rendering.volume_render_vjp(ray | {"grad_colors": g} | {f"grad_{name}": z for name, z in zeros.items()}, c, ())
     g_sigmas = back["grad_sigmas"].reshape(-1) * (0 if "weights_detached" in wrong else 1)
     field |= {"grad_sigmas": g_sigmas, "grad_rgbs": back["grad_rgbs"].reshape(-1, 3)}

@@ -5,8 +5,8 @@
     python tools/faults --record            and writes outcomes.json and, once it has all, FAULTS.md
     python tools/faults --sample 8          every eighth of those of small cases
 
-Needs the wheel (pip install ./tools/python). Each fault is planted around a right kernel, the oracle's answers rounded to the type, and
-judged in process in its own row and type. Exit 1 where one passes in f64 or f32, or the right kernel of a row fails.
+Needs the wheel (pip install ./tools/python). Each fault is planted around a right kernel, the oracle's answers rounded to the type,
+and judged in process in its own row and type. Exit 1 where one passes in f64 or f32, or the right kernel of a row fails.
 """
 
 import argparse
@@ -18,17 +18,16 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
+import nerf_oracle as no  # noqa: E402
 import numpy as np  # noqa: E402
 from kernel import Kernel  # noqa: E402
 from planted import PLANTED, VJP  # noqa: E402
 
-import nerf_oracle as no  # noqa: E402
-
 HEAD = """# Planted faults
 
-Written by `python tools/faults --record`. Each fault is planted around a right kernel and judged in its own row and type. Caught: the
-verdict isn't a pass, or the report tells that answers change from call to call. Named: the report says what kind of thing it is: how many
-bits were lost, stale state or chance, the cases that are off where others aren't, the first item of many that is.
+Written by `python tools/faults --record`. Each fault is planted around a right kernel and judged in its own row and type. Caught:
+the verdict isn't a pass, or the report tells that answers change from call to call. Named: the report says what kind of thing it is:
+how many bits were lost, stale state or chance, the cases that are off where others aren't, the first item of many that is.
 """
 
 
@@ -69,8 +68,9 @@ def said(row):
     return (row["findings"] or row["observed"] or row["faults"] or [""])[0]
 
 
-def outcome(fault):
-    """(caught, named, what was said, seconds) of a fault."""
+def outcome(number):
+    """(caught, named, what was said, seconds) of a fault by its number."""
+    fault = PLANTED[number]
     start = time.perf_counter()
     row = asked(fault.row, fault.kind, fault.dtype, fault.candidate(), fault.tier)
     words = said(row)
@@ -82,7 +82,11 @@ def right(question):
     """What is wrong with the right kernel of a row, if anything."""
     row, kind, dtype, tier = question
     found = asked(row, kind, dtype, Kernel(row, kind, dtype), tier)
-    return None if found["verdict"] == "pass" else f"{row}/{kind} {dtype} {tier}: a right kernel gets {found['verdict']}: {said(found)}"
+    return (
+        None
+        if found["verdict"] == "pass"
+        else f"{row}/{kind} {dtype} {tier}: a right kernel gets {found['verdict']}: {said(found)}"
+    )
 
 
 def record(found):
@@ -133,7 +137,7 @@ def main():
     start = time.perf_counter()
     questions = list(dict.fromkeys((f.row, f.kind, f.dtype, f.tier) for f in chosen))
     with ProcessPoolExecutor() as pool:
-        outcomes = pool.map(outcome, chosen)
+        outcomes = pool.map(outcome, [PLANTED.index(fault) for fault in chosen])
         wrong = [problem for problem in pool.map(right, questions) if problem]
         found = list(zip(chosen, outcomes))
     seconds = time.perf_counter() - start

@@ -1,8 +1,7 @@
 """A right kernel of a row: the oracle's answer, rounded to the type that it is computed in. Faults are planted around it."""
 
-import numpy as np
-
 import nerf_oracle as no
+import numpy as np
 from nerf_oracle.rows import rows
 
 # Fraction bits that are dropped from the 23 of f32.
@@ -53,18 +52,10 @@ class Kernel:
             return {name: rounded(x, self.dtype).astype(kept) for name, x in out.items()}
 
     def __call__(self, **arrays):
+        """The kernel's answer."""
         return self.stored(self.exact(arrays))
 
 
 def arrays_of(arrays):
     """The names of those inputs that are arrays of real numbers."""
     return [name for name, x in arrays.items() if isinstance(x, np.ndarray) and x.ndim and x.dtype.kind == "f"]
-
-
-def items(row, arrays, out):
-    """How many rays, points or parameters there are: the first axis that inputs and outputs share; 0 where there is none."""
-    letters = [port["shape"].split(",")[0] for port in rows()[row]["outputs"]]
-    for port in rows()[row]["inputs"]:
-        if port["name"] in arrays and port["shape"] and port["shape"].split(",")[0] in letters and np.ndim(arrays[port["name"]]):
-            return len(arrays[port["name"]])
-    return 0

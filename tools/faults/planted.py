@@ -1,4 +1,4 @@
-"""The faults: what is wrong, in which rows and types, and around a right kernel how. Names say what a reader of the page should know."""
+"""The faults: what is wrong, in which rows and types, and how it is planted around a right kernel."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ class Fault:
 
 
 def plant(name, family, rows, dtypes=("f32",), tier="small"):
-    """Plants a fault in rows (`row` or `row/vjp`) and types; the function below takes the right kernel and returns the wrong one."""
+    """Plants a fault in rows (`row` or `row/vjp`) and types; what it decorates makes the wrong kernel of the right one."""
 
     def listed(wrap):
         for row in rows:
@@ -96,7 +96,17 @@ def results_in_bf16(kernel):
 
 
 # State: what one call leaves to the next.
-STATE = ["transform", "positional_encoding", "volume_render", "volume_render/vjp", "mlp", "adam_step", "hash_grid", "mse", "packed_scan"]
+STATE = [
+    "transform",
+    "positional_encoding",
+    "volume_render",
+    "volume_render/vjp",
+    "mlp",
+    "adam_step",
+    "hash_grid",
+    "mse",
+    "packed_scan",
+]
 
 
 @plant("the first answer of a shape, repeated", "state", STATE, ("f32", "bf16"))
@@ -171,7 +181,11 @@ def tail_of_before(kernel):
 
 
 # Habits of kernels.
-@plant("a race: an item in a hundred misses its last addition", "habits", ["volume_render", "mlp", "hash_grid", "adam_step", "packed_scan"])
+@plant(
+    "a race: an item in a hundred misses its last addition",
+    "habits",
+    ["volume_render", "mlp", "hash_grid", "adam_step", "packed_scan"],
+)
 def race(kernel):
     """Lost updates, other ones in each call."""
     draw = np.random.default_rng(7)
@@ -187,7 +201,8 @@ def unstable(kernel):
     """Atomic additions: the last bit depends on chance."""
     draw = np.random.default_rng(8)
     return lambda **arrays: {
-        name: np.where((draw.random(x.shape) < 0.3) & (x != 0), np.nextafter(x, x.dtype.type(np.inf)), x) for name, x in kernel(**arrays).items()
+        name: np.where((draw.random(x.shape) < 0.3) & (x != 0), np.nextafter(x, x.dtype.type(np.inf)), x)
+        for name, x in kernel(**arrays).items()
     }
 
 
@@ -205,7 +220,17 @@ def by_item(trouble):
     return of_outputs(change)
 
 
-PER_ITEM = ["transform", "pixel_to_ray", "positional_encoding", "mlp", "nerf_mlp", "spherical_harmonics", "trunc_exp", "hash_grid", "adam_step"]
+PER_ITEM = [
+    "transform",
+    "pixel_to_ray",
+    "positional_encoding",
+    "mlp",
+    "nerf_mlp",
+    "spherical_harmonics",
+    "trunc_exp",
+    "hash_grid",
+    "adam_step",
+]
 PER_RAY = ["volume_render", "volume_render_alpha", "depth", "sample_along_rays", "importance_sampling", "distortion_loss"]
 plant("all but the first item wrong", "habits", PER_ITEM + PER_RAY)(by_item(lambda arrays, n: np.arange(n) > 0))
 plant("the last item of an odd number wrong", "habits", PER_ITEM + PER_RAY)(
@@ -234,21 +259,33 @@ plant("wrong where a color is below 0", "trigger", RENDER, TYPES)(rays_where(lam
 plant("wrong where a step is 0", "trigger", RENDER, TYPES)(rays_where(lambda a: a["deltas"] == 0))
 plant("wrong where a density is infinite", "trigger", ["volume_render"], TYPES)(rays_where(lambda a: np.isinf(a["sigmas"])))
 plant("wrong where a density is above 1e4", "trigger", RENDER, TYPES)(rays_where(lambda a: a["sigmas"] > 1e4))
-plant("wrong on an empty ray", "trigger", RENDER, TYPES)(by_item(lambda a, n: (a["sigmas"] * (a["deltas"] > 0) == 0).reshape(n, -1).all(1)))
+plant("wrong on an empty ray", "trigger", RENDER, TYPES)(
+    by_item(lambda a, n: (a["sigmas"] * (a["deltas"] > 0) == 0).reshape(n, -1).all(1))
+)
 plant("wrong from the 33rd sample on", "trigger", RENDER, TYPES)(by_item(lambda a, n: np.full(n, a["sigmas"].shape[1] > 32)))
 plant("wrong from the 129th sample on", "trigger", RENDER, TYPES)(by_item(lambda a, n: np.full(n, a["sigmas"].shape[1] > 128)))
 plant("wrong for one ray", "trigger", [*RENDER, "sample_along_rays", "depth"], TYPES)(by_item(lambda a, n: np.full(n, n == 1)))
 plant("wrong for more than two rays", "trigger", [*RENDER, "importance_sampling"], TYPES)(by_item(lambda a, n: np.full(n, n > 2)))
-plant("wrong where alpha is 1", "trigger", ["volume_render_alpha", "volume_render_alpha/vjp"], TYPES)(rays_where(lambda a: a["alphas"] == 1))
+plant("wrong where alpha is 1", "trigger", ["volume_render_alpha", "volume_render_alpha/vjp"], TYPES)(
+    rays_where(lambda a: a["alphas"] == 1)
+)
 plant("wrong where x is negative", "trigger", ["positional_encoding", "trunc_exp", "contraction", "linear_to_srgb"], TYPES)(
     rays_where(lambda a: next(iter(a[name] for name in ("x", "linear") if name in a)) < 0)
 )
-plant("wrong where |x| is above 1", "trigger", ["positional_encoding", "contraction"], TYPES)(rays_where(lambda a: np.abs(a["x"]) > 1))
-plant("wrong from the tenth band on", "trigger", ["positional_encoding"], TYPES)(by_item(lambda a, n: np.full(n, int(a["L"]) > 9)))
+plant("wrong where |x| is above 1", "trigger", ["positional_encoding", "contraction"], TYPES)(
+    rays_where(lambda a: np.abs(a["x"]) > 1)
+)
+plant("wrong from the tenth band on", "trigger", ["positional_encoding"], TYPES)(
+    by_item(lambda a, n: np.full(n, int(a["L"]) > 9))
+)
 plant("wrong from degree 3 on", "trigger", ["spherical_harmonics"], TYPES)(by_item(lambda a, n: np.full(n, int(a["degree"]) > 2)))
 plant("wrong on a face of the box", "trigger", ["hash_grid"], TYPES)(rays_where(lambda a: (a["x"] == 0) | (a["x"] == 1)))
-plant("wrong where features are more than two", "trigger", ["hash_grid"], TYPES)(by_item(lambda a, n: np.full(n, a["table0"].shape[1] > 2)))
-plant("wrong where levels are finer than 31", "trigger", ["hash_grid"], TYPES)(by_item(lambda a, n: np.full(n, float(a["finest"]) > 31)))
+plant("wrong where features are more than two", "trigger", ["hash_grid"], TYPES)(
+    by_item(lambda a, n: np.full(n, a["table0"].shape[1] > 2))
+)
+plant("wrong where levels are finer than 31", "trigger", ["hash_grid"], TYPES)(
+    by_item(lambda a, n: np.full(n, float(a["finest"]) > 31))
+)
 plant("wrong along an axis", "trigger", ["ray_aabb"], TYPES)(rays_where(lambda a: a["rays_d"] == 0))
 plant("wrong for backward rays", "trigger", ["ray_aabb"], TYPES)(rays_where(lambda a: a["rays_d"] < 0))
 plant("wrong where a gradient is 0", "trigger", ["adam_step"], TYPES)(rays_where(lambda a: a["grad"] == 0))
@@ -259,7 +296,9 @@ plant("wrong where u is 0", "trigger", ["importance_sampling", "sample_along_ray
 plant("wrong where all weights are 0", "trigger", ["importance_sampling", "depth"], TYPES)(
     by_item(lambda a, n: (a["weights"] == 0).reshape(n, -1).all(1))
 )
-plant("wrong where a weight is 0", "trigger", ["importance_sampling", "distortion_loss"], TYPES)(rays_where(lambda a: a["weights"] == 0))
+plant("wrong where a weight is 0", "trigger", ["importance_sampling", "distortion_loss"], TYPES)(
+    rays_where(lambda a: a["weights"] == 0)
+)
 plant("wrong in portrait", "trigger", ["image_rays", "render_trace"], TYPES)(
     of_outputs(lambda out, a: {name: x * (1.5 if float(a["height"]) > float(a["width"]) else 1.0) for name, x in out.items()})
 )
@@ -338,4 +377,6 @@ def carry_lost(every):
 
 
 for every in (32, 128, 1024):
-    plant(f"the carry of a scan lost every {every} samples", "size", ["volume_render"], ("f32", "bf16"), "large")(carry_lost(every))
+    plant(f"the carry of a scan lost every {every} samples", "size", ["volume_render"], ("f32", "bf16"), "large")(
+        carry_lost(every)
+    )
