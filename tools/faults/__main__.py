@@ -5,8 +5,8 @@
     python tools/faults --record            and writes outcomes.json and, once it has all, FAULTS.md
     python tools/faults --sample 8          every eighth of those of small cases
 
-Needs the wheel (pip install ./tools/python). Each fault is planted around a right kernel, the oracle's answers rounded to the type,
-and judged in process in its own row and type. Exit 1 where one passes in f64 or f32, or the right kernel of a row fails.
+Needs the wheel (pip install ./tools/python). Each fault is planted around a right kernel, the oracle's answers rounded to the
+type, and judged in process in its own row and type. Exit 1 where one passes in f64 or f32, or the right kernel of a row fails.
 """
 
 import argparse
@@ -26,8 +26,8 @@ from planted import PLANTED, VJP  # noqa: E402
 HEAD = """# Planted faults
 
 Written by `python tools/faults --record`. Each fault is planted around a right kernel and judged in its own row and type. Caught:
-the verdict isn't a pass, or the report tells that answers change from call to call. Named: the report says what kind of thing it is:
-how many bits were lost, stale state or chance, the cases that are off where others aren't, the first item of many that is.
+the verdict isn't a pass, or the report tells that answers change from call to call. Named: the report says what kind of thing it
+is: how many bits were lost, stale state or chance, the cases that are off where others aren't, the first item of many that is.
 """
 
 
