@@ -14,6 +14,7 @@ USUAL = {
     "identity_place": "first",
     "bands": "octaves",
     "cosine": "own",
+    "columns": "band_sin_cos",
     "last_trunk": "relu",
     "feature": "none",
     "product_eps": "none",

@@ -60,6 +60,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("to_uint8", 0.0, 0.0),
     row("linear_to_srgb", 1.9, 5.0),
     row("adam_step", 1.9, 0.0),
+    row("training_step", 11.0, 0.0),
     row("loss_gradient", 1.8, 16.0),
     row("adam", 3.2, 0.0),
     row("loss_curve", 17.0, 0.0),

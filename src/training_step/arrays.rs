@@ -6,7 +6,7 @@ use ndarray::{ArrayD, Axis};
 use super::{Batch, Field, Trained, flat, train};
 use crate::contract::arrays::{Arrays, array, arrays, input, number, rows, threes, values};
 use crate::convention::{
-    Activation, Backdrop, Bands, Conventions, Cosine, IdentityPlace, ProductEps, SigmaRelu,
+    Activation, Backdrop, Bands, CS180, Conventions, Cosine, IdentityPlace, ProductEps, SigmaRelu,
 };
 use crate::field::arrays::Nerf;
 use crate::optimizer::Adam;
@@ -19,6 +19,7 @@ pub(super) fn usual(c: &Conventions) -> Conventions {
         identity_place: IdentityPlace::First,
         bands: Bands::Octaves,
         cosine: Cosine::Own,
+        columns: CS180.columns,
         last_trunk: Activation::Relu,
         feature: Activation::None,
         product_eps: ProductEps::None,

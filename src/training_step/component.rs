@@ -9,11 +9,8 @@ use crate::contract::special::{Form, Special};
 const READS: &[(&str, &[&str])] = &[
     ("t", &["grid"]),
     ("deltas", &["grid", "delta", "last_delta"]),
-    (
-        "colors",
-        &["grid", "delta", "last_delta", "frequency", "columns", "density", "skip_layer", "skip_order"],
-    ),
-    ("grad", &["grid", "delta", "last_delta", "frequency", "columns", "density", "skip_layer", "skip_order"]),
+    ("colors", &["grid", "delta", "last_delta", "frequency", "density", "skip_layer", "skip_order"]),
+    ("grad", &["grid", "delta", "last_delta", "frequency", "density", "skip_layer", "skip_order"]),
 ];
 
 /// Optimizers that don't decay weights.
@@ -53,7 +50,6 @@ pub(crate) const TRAINING_STEP: Component = Component {
         "delta",
         "last_delta",
         "frequency",
-        "columns",
         "density",
         "skip_layer",
         "skip_order",
