@@ -37,9 +37,12 @@ pub(crate) mod numeric;
 mod observed;
 pub(crate) mod page;
 mod peel;
+mod reach;
 mod repeat;
 #[doc(hidden)]
 pub mod report;
+mod slip;
+mod slips;
 #[doc(hidden)]
 pub mod statistics;
 pub(crate) mod typed;
