@@ -118,7 +118,9 @@ fn slips(question: &Question, case: &Case, answer: &Answer) -> Vec<Slip> {
     for (input, arrays) in [(false, &expected), (true, &case.inputs)] {
         for name in arrays.keys().filter(|name| if input { real(name) } else { answer.contains_key(*name) }) {
             let shape = arrays[name].shape();
-            let mut changes: Vec<Change> = (0..EACH.len()).map(Change::Each).collect();
+            // Numbers by themselves are sizes and limits: they are only taken for one another.
+            let each = if input && shape.is_empty() { 0 } else { EACH.len() };
+            let mut changes: Vec<Change> = (0..each).map(Change::Each).collect();
             changes.extend(of_axes(shape));
             let like = arrays.iter().filter(|(other, a)| *other != name && a.shape() == shape);
             changes.extend(like.map(|(other, _)| Change::Other(other.clone())));
@@ -231,7 +233,7 @@ mod tests {
 
     const OPTIONS: MarkOptions = MarkOptions { dtype: Dtype::F64, exp_ulp: EXP_ULP };
 
-    /// The rows of a report on answers that a change makes of the right ones; gradients by differences.
+    /// The rows of a report on forward answers that a change makes of the right ones.
     fn judged(component: &'static str, dtype: Dtype, slip: &Slip, mistakes: &[&'static str]) -> Vec<Row> {
         let exam = Exam::new(component, dtype, None).unwrap();
         let wrong = Hypothesis { slip: Some(slip.clone()), ..Hypothesis::new(mistakes.to_vec(), CS180) };
@@ -239,7 +241,10 @@ mod tests {
             let rounded = |(name, a): (String, ndarray::ArrayD<f64>)| (name, a.mapv(|x| dtype.round(x)));
             given(wrong.prediction(question, case).0.into_iter().map(rounded).collect())
         };
-        let all = |q: &Question| q.cases.iter().map(|case| Some(answer(q, case))).collect::<Answers>();
+        let forward = |q: &Question| q.kind == Kind::Forward;
+        let all = |q: &Question| {
+            q.cases.iter().map(|case| forward(q).then(|| answer(q, case))).collect::<Answers>()
+        };
         let answers: Vec<Answers> = exam.questions.iter().map(all).collect();
         judge_answers(&exam, &answers, EXP_ULP).rows
     }
@@ -298,7 +303,7 @@ mod tests {
                 let cases = small_cases(question, &answers);
                 for slip in slips(question, cases[0].0, cases[0].1) {
                     let wrong = Hypothesis { slip: Some(slip), ..Hypothesis::new(vec![], CS180) };
-                    cases.iter().take(8).for_each(|(case, _)| drop(wrong.prediction(question, case)));
+                    cases.iter().take(3).for_each(|(case, _)| drop(wrong.prediction(question, case)));
                 }
             }
         }
