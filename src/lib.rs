@@ -44,7 +44,7 @@
 //!
 //! `default-features = false` is all that these need: the oracle and the judge, 31 crates besides this one. The feature `fast` adds the
 //! f32 paths, `files` readers and writers (npz, pictures, scenes; the judge's folders of cases and answers), and `cli`, the default, the
-//! program with training, evaluation and bench.
+//! program with training, evaluation and bench; `serve`, a part of it, live pages.
 //!
 //! # The map
 //!
