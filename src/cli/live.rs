@@ -3,13 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use serde_json::{Map, Value};
-
-use super::{output, recipe};
+use super::output;
 use crate::error::Result;
 use crate::parallel;
 use crate::scene::Scene;
-use crate::serve::{Live, Port, Server, Shown};
+use crate::serve::{Build, Live, Port, Server, Shown};
 use crate::training::model::Model;
 use crate::training::run::{LogPoint, Options};
 
@@ -26,19 +24,17 @@ pub(super) struct Page {
 }
 
 impl Page {
-    /// Shows a run that goes on after these measurements.
+    /// Shows a run that goes on after these measurements; `build` makes the model that views are rendered with.
     pub(super) fn open(
         port: Port,
         scene: &Arc<Scene>,
-        recipe: &Map<String, Value>,
+        build: Build,
         folder: &Path,
         end: &Options,
         log: &[LogPoint],
     ) -> Result<Page> {
         let live = Arc::new(Live::new(end, log));
         let shown = Shown { scene: scene.clone(), folder: folder.to_path_buf(), source: live.clone() };
-        let (scene, recipe) = (scene.clone(), recipe.clone());
-        let build = Box::new(move || recipe::build(&recipe, &scene));
         say_where(&port);
         Ok(Page { live, _server: port.serve(shown, build, parallel::threads())? })
     }

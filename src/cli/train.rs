@@ -216,9 +216,13 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     // Not earlier: a run that can't be resumed stays unchanged. Not later: one that is stopped is resumed and rendered with these.
     settings.insert("warnings".into(), json!(warnings));
     folder.write_settings(&settings)?;
-    let page = port
-        .map(|port| live::Page::open(port, &scene, &recipe, &args.out, &options, &run.log))
-        .transpose()?;
+    let page = port.map(|port| {
+        let recipe = recipe.clone();
+        let (shown, scene) = (scene.clone(), scene.clone());
+        let build = Box::new(move || recipe::build(&recipe, &scene));
+        live::Page::open(port, &shown, build, &args.out, &options, &run.log)
+    });
+    let page = page.transpose()?;
     watched(&mut run, &options, page.as_ref(), || signals.heard().is_some())?;
     let said: Vec<String> = run.warnings.iter().map(|warning| spelled(warning)).collect();
     said.iter().for_each(|warning| output::say(&format!("warning: {warning}")));

@@ -13,7 +13,7 @@ use axum::http::{HeaderMap, HeaderValue, StatusCode, Uri};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::routes::policy;
+use super::page::policy;
 
 /// The names that this server answers to.
 pub(super) struct Allowed {

@@ -7,6 +7,7 @@
 mod camera;
 mod guard;
 mod live;
+mod page;
 mod routes;
 mod saved;
 mod views;
