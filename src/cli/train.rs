@@ -115,7 +115,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = live::PORT)]
     pub serve: Option<u16>,
     /// The address of that page. Any but this machine's own (127.0.0.1) shows the run to whoever reaches it.
-    #[arg(long, value_name = "ADDRESS", default_value = live::HOST, value_parser = host)]
+    #[arg(long, value_name = "ADDRESS", default_value = live::HOST, value_parser = host, requires = "serve")]
     pub host: IpAddr,
 }
 

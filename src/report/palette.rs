@@ -42,7 +42,7 @@ impl Palette {
             rest.sort_unstable();
             colors.extend(rest);
         } else {
-            let network = NeuQuant::new(1, 255, &bytes);
+            let network = NeuQuant::new(3, 255, &bytes);
             colors.extend(network.color_map_rgb().as_chunks::<3>().0);
         }
         let nearest = nearest(&colors);
