@@ -4,16 +4,19 @@
 use std::collections::HashMap;
 
 use color_quant::NeuQuant;
-use image::imageops::{ColorMap, dither};
-use image::{Rgb, RgbImage};
+use image::RgbImage;
 
 use crate::parallel;
 
 /// Colors that are shown to the network, about.
 const SHOWN: usize = 400_000;
 
-/// Bits of a channel by which the nearest color is looked up.
-const BITS: u32 = 6;
+/// How far beyond black and white a color may be wanted, where those before it weren't dark or bright enough.
+const MARGIN: i32 = 96;
+
+/// Side of the cubes by which the nearest color is looked up, and how many there are along each channel.
+const STEP: i32 = 7;
+const SIDE: usize = 64;
 
 /// Up to 256 colors, and which is nearest to any.
 pub(super) struct Palette {
@@ -34,15 +37,13 @@ impl Palette {
             *counts.entry(color).or_default() += 1;
             bytes.extend([color[0], color[1], color[2], 255]);
         }
-        // The network's colors are near; the one that most pixels have is exact, so that it stays without a dot.
-        let most = counts.iter().max_by_key(|(color, count)| (**count, **color)).map(|(color, _)| *color);
-        let mut colors: Vec<[u8; 3]> = most.into_iter().collect();
+        let mut colors = kept(&counts);
         if counts.len() <= 256 {
-            let mut rest: Vec<[u8; 3]> = counts.into_keys().filter(|color| Some(*color) != most).collect();
+            let mut rest: Vec<[u8; 3]> = counts.into_keys().filter(|color| !colors.contains(color)).collect();
             rest.sort_unstable();
             colors.extend(rest);
         } else {
-            let network = NeuQuant::new(3, 255, &bytes);
+            let network = NeuQuant::new(3, 256 - colors.len(), &bytes);
             colors.extend(network.color_map_rgb().as_chunks::<3>().0);
         }
         let nearest = nearest(&colors);
@@ -54,24 +55,64 @@ impl Palette {
         self.colors.concat()
     }
 
-    /// A frame in these colors, as their numbers.
+    /// A frame in these colors, as their numbers: what a pixel's color is off is handed on to the pixels that come after it. Nothing is cut
+    /// off at black or white, as what is lost there would be lost all over a dark or a bright part.
     pub(super) fn dotted(&self, frame: &RgbImage) -> Vec<u8> {
-        let mut frame = frame.clone();
-        // A line of pixels has no neighbors below to hand its error to.
-        if frame.width() > 1 && frame.height() > 1 {
-            dither(&mut frame, self);
+        let width = frame.width() as usize;
+        let mut numbers = Vec::with_capacity(frame.len() / 3);
+        // Sixteenths, of this row and of the next; a pixel more at either end.
+        let [mut here, mut below] = [vec![[0; 3]; width + 2], vec![[0; 3]; width + 2]];
+        for row in frame.rows() {
+            for (i, pixel) in row.enumerate() {
+                let wanted: [i32; 3] = std::array::from_fn(|k| i32::from(pixel.0[k]) + here[i + 1][k] / 16);
+                let number = self.nearest_to(wanted);
+                numbers.push(number as u8);
+                for k in 0..3 {
+                    let off = (wanted[k] - i32::from(self.colors[number][k])).clamp(-MARGIN, MARGIN);
+                    here[i + 2][k] += 7 * off;
+                    below[i][k] += 3 * off;
+                    below[i + 1][k] += 5 * off;
+                    below[i + 2][k] += off;
+                }
+            }
+            here = std::mem::replace(&mut below, vec![[0; 3]; width + 2]);
         }
-        frame.pixels().map(|pixel| self.index_of(pixel) as u8).collect()
+        numbers
     }
+
+    fn nearest_to(&self, wanted: [i32; 3]) -> usize {
+        let exact = |color: &[u8; 3]| (0..3).all(|k| i32::from(color[k]) == wanted[k]);
+        // Colors of one cube are told apart where they are exact.
+        self.colors.iter().position(exact).unwrap_or_else(|| {
+            let cell = wanted.iter().fold(0, |cell, &x| {
+                let at = (x + MARGIN).clamp(0, 255 + 2 * MARGIN) / STEP;
+                cell * SIDE + at as usize
+            });
+            self.nearest[cell].into()
+        })
+    }
+}
+
+/// Colors that are kept as they are: the one that most pixels have, so that it stays without a dot, and the outermost ones. The network's
+/// colors are means, and means alone would cut off whatever is brightest, darkest or purest.
+fn kept(counts: &HashMap<[u8; 3], usize>) -> Vec<[u8; 3]> {
+    let most = counts.iter().max_by_key(|(color, count)| (**count, **color)).map(|(color, _)| *color);
+    let mut kept: Vec<[u8; 3]> = most.into_iter().collect();
+    for n in 0..27 {
+        let along = [n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1];
+        let reach = |color: &[u8; 3]| (0..3).map(|k| along[k] * i32::from(color[k])).sum::<i32>();
+        let outermost = counts.keys().max_by_key(|color| (reach(color), **color)).copied();
+        kept.extend(outermost.filter(|color| !kept.contains(color)));
+    }
+    kept
 }
 
 /// The number of the color that is nearest to the middle of each cube of a lookup.
 fn nearest(colors: &[[u8; 3]]) -> Vec<u8> {
-    let (side, step) = (1 << BITS, 1 << (8 - BITS));
-    let slices = parallel::map(side, |r| {
-        let at = |n: usize| (step * n + step / 2) as i32;
-        let mut slice = Vec::with_capacity(side * side);
-        for (g, b) in (0..side * side).map(|n| (n / side, n % side)) {
+    let slices = parallel::map(SIDE, |r| {
+        let at = |n: usize| STEP * n as i32 + STEP / 2 - MARGIN;
+        let mut slice = Vec::with_capacity(SIDE * SIDE);
+        for (g, b) in (0..SIDE * SIDE).map(|n| (n / SIDE, n % SIDE)) {
             let middle = [at(r), at(g), at(b)];
             let distance = |color: &[u8; 3]| {
                 color.iter().zip(middle).map(|(&x, y)| (i32::from(x) - y).pow(2)).sum::<i32>()
@@ -81,23 +122,4 @@ fn nearest(colors: &[[u8; 3]]) -> Vec<u8> {
         slice
     });
     slices.concat()
-}
-
-impl ColorMap for Palette {
-    type Color = Rgb<u8>;
-
-    fn index_of(&self, color: &Rgb<u8>) -> usize {
-        let cell = color.0.iter().fold(0, |cell, &x| cell << BITS | usize::from(x >> (8 - BITS)));
-        let found = self.nearest[cell].into();
-        // Colors of one cube are told apart where they are exact.
-        if self.colors[found] == color.0 {
-            found
-        } else {
-            self.colors.iter().position(|known| *known == color.0).unwrap_or(found)
-        }
-    }
-
-    fn map_color(&self, color: &mut Rgb<u8>) {
-        *color = Rgb(self.colors[self.index_of(color)]);
-    }
 }
