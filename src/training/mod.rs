@@ -11,6 +11,7 @@ pub mod image;
 mod log;
 pub mod model;
 pub mod nerf;
+pub mod outlook;
 mod pace;
 pub mod reference;
 pub mod run;

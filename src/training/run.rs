@@ -149,7 +149,20 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// Where a step fails or a file can't be written.
-    pub fn go(&mut self, stop: impl Fn() -> bool, mut seen: impl FnMut(News)) -> Result<()> {
+    pub fn go(&mut self, stop: impl Fn() -> bool, seen: impl FnMut(News)) -> Result<()> {
+        self.go_watched(stop, seen, |_, _| {})
+    }
+
+    /// The same; `stepped` sees the model after each step, by its number, and can't change it.
+    ///
+    /// # Errors
+    /// As [`Self::go`].
+    pub fn go_watched(
+        &mut self,
+        stop: impl Fn() -> bool,
+        mut seen: impl FnMut(News),
+        mut stepped: impl FnMut(u64, &dyn Model),
+    ) -> Result<()> {
         if self.step == 0 {
             self.folder.begin_log()?;
             // At once, so that the run can be opened as soon as it has begun.
@@ -162,6 +175,7 @@ impl<'a> Run<'a> {
             self.step += 1;
             self.samples += report.samples;
             self.failure = self.watch.failure(self.step, &report);
+            stepped(self.step, &*self.model);
             let reached = self.measure(&report, &mut seen)?;
             if self.failure.is_none() && self.pace.due() {
                 self.save(&mut seen)?;

@@ -333,5 +333,6 @@ const LINES: &[(&str, &str)] = &[
     ("vectors", "--out"), ("vectors none --out o", "none"), ("vectors loss --out o --profile none", "none"), ("vectors loss --out o --layout zip", "--layout"),
     ("vectors loss --out photo.png", "photo.png"), ("vectors loss --out scene", "expected an empty folder"), ("vectors --verify scene", "SHA256SUMS"),
     ("vectors --verify scene --out o", "--verify"), ("vectors --verify photo.png", "photo.png"), ("judge no_cases scene", "no_cases"), ("judge scene scene", "cases.json"), ("judge scene scene --exp-ulp NaN", "--exp-ulp"), ("judge scene scene --exp-ulp 0", "--exp-ulp"), ("judge scene scene --allow fail", "--allow"),
+    ("train builtin:blob --out o --serve 65536", "--serve"), ("train builtin:blob --out o --serve x", "--serve"), ("train builtin:blob --out o --serve 0 --host example.org", "--host"), ("view no_run", "run.json"), ("view run --port=-1", "--port"), ("view run --host x", "--host"), ("completions klingon", "klingon"), ("man nothing", "nothing"),
     ("explain nothing", "nothing"), ("explain", "NAME"), ("check none", "none"), ("paint", "paint"), ("list none", "none"), ("", "Usage"),
 ];
