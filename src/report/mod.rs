@@ -6,6 +6,8 @@ pub(crate) mod curve;
 pub(crate) mod film;
 pub(crate) mod inspect;
 pub(crate) mod page;
+pub(crate) mod ply;
 pub(crate) mod scatter;
 pub(crate) mod sheet;
+pub(crate) mod space;
 pub(crate) mod table;
