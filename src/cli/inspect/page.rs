@@ -62,8 +62,11 @@ pub(super) fn html(
         ));
     }
     let named = |(n, frame): (usize, &&Frame)| json!({"name": shown(&frame.name), "val": n >= scene.train.len(), "doubt": doubts[n]});
+    // The last part of a path; the whole one is among the facts.
+    let name = shown(&scene.name);
+    let title = name.trim_end_matches(['/', '\\']).rsplit(['/', '\\']).next().unwrap_or_default();
     let data = json!({
-        "title": shown(&scene.name), "warnings": warnings, "facts": facts(scene),
+        "title": title, "warnings": warnings, "facts": facts(scene),
         "frames": frames.iter().enumerate().map(named).collect::<Vec<_>>(),
         "rays": rays, "samples": samples, "near": scene.near, "far": scene.far,
         "focal_distance": 0.5 * (scene.near + scene.far), "extent": 0.5 * (eye - target).length(),
@@ -79,6 +82,7 @@ pub(super) fn html(
 fn facts(scene: &Scene) -> Vec<[String; 2]> {
     let (width, height) = scene.size();
     let mut facts = vec![
+        ["scene".to_string(), shown(&scene.name).into_owned()],
         [
             "frames".to_string(),
             format!("{} to learn from, {} to measure on", scene.train.len(), scene.val.len()),

@@ -22,7 +22,7 @@ const labels = AXES.map(([name, color], a) => {
 
 function colorBy(by) {
   const { colors, most } = sampleColors(by);
-  layers.samples.geometry.setAttribute("color", new three.BufferAttribute(colors, 3));
+  layers.samples.geometry.setAttribute("color", new three.BufferAttribute(colors, 4));
   const scale = $("scale");
   scale.hidden = most === undefined;
   if (most !== undefined) {
@@ -69,11 +69,11 @@ function panel() {
 start();
 panel();
 colorBy(hasField ? "weight" : "color");
+resize();
 home();
 chooseCamera(0);
 chooseRay(0);
 new ResizeObserver(resize).observe($("stage"));
-resize();
 draw();
 // For whoever waits for the first picture, or measures it.
 requestAnimationFrame(() => { document.documentElement.dataset.drawn = String(Math.round(performance.now())); });

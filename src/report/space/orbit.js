@@ -20,7 +20,11 @@ function aim() {
   redraw();
 }
 
-const home = () => place(new three.Vector3(...data.view.eye), new three.Vector3(...data.view.target));
+/** Everything, from farther away where the stage is narrow. */
+function home() {
+  const [eye, at] = [new three.Vector3(...data.view.eye), new three.Vector3(...data.view.target)];
+  place(eye.sub(at).multiplyScalar(Math.max(1, 1.15 / camera.aspect)).add(at), at);
+}
 
 /** Turns by angles: around "up", and toward it, never over the pole. */
 function turn(around, above) {

@@ -13,7 +13,7 @@ function geometry(positions, colors) {
 const lines = (positions, colors, options = {}) =>
   new three.LineSegments(geometry(positions, colors), new three.LineBasicMaterial({ vertexColors: Boolean(colors), ...options }));
 const dots = (positions, colors, size) =>
-  new three.Points(geometry(positions, colors), new three.PointsMaterial({ vertexColors: true, size, sizeAttenuation: false }));
+  new three.Points(geometry(positions, colors), new three.PointsMaterial({ vertexColors: true, size, sizeAttenuation: false, transparent: true }));
 
 /** Center and corners of a camera's picture plane: `corners` has upper left, upper right, lower right, lower left. */
 const center = (f) => [...arrays.centers.subarray(3 * f, 3 * f + 3)];
@@ -70,13 +70,18 @@ const BY = {
   color: { name: "color" },
 };
 
+/** The faintest sample: where nothing is, hardly anything shows, so that what is somewhere does. */
+const FAINT = 0.1;
+
 function sampleColors(by) {
-  const colors = new Float32Array(rays * samples * 3);
-  const values = BY[by].of && arrays[BY[by].of];
-  const most = values ? values.reduce((most, x) => Math.max(most, x), 0) || 1 : 1;
+  const colors = new Float32Array(rays * samples * 4);
+  const values = arrays[BY[by].of];
+  const opaque = values ?? arrays.weights;
+  const most = opaque ? opaque.reduce((most, x) => Math.max(most, x), 0) || 1 : 1;
   for (let n = 0; n < rays * samples; n++) {
     const color = values ? shade(values[n] / most) : hasField ? arrays.rgbs.subarray(3 * n, 3 * n + 3) : vector("rays_rgb", Math.floor(n / samples));
-    colors.set(color, 3 * n);
+    colors.set(color, 4 * n);
+    colors[4 * n + 3] = opaque ? FAINT + (1 - FAINT) * Math.sqrt(opaque[n] / most) : 1;
   }
   return { colors, most: values ? most : undefined };
 }
