@@ -108,16 +108,15 @@ test("a trained run shows its occupied cells, and a camera is looked through", a
 });
 
 test("warnings are shown", async () => {
-  // The box that the scene states is far from its rays.
+  // A circle of cameras whose z axes point inward: OpenGL's look along -z, away from one another.
   const scene = join(out, "turned.json");
-  const axes = [0, 1, 2, 3].map((n) => {
-    const [c, s] = [Math.cos(n * 1.5), Math.sin(n * 1.5)];
-    // OpenGL's cameras look along -z: these look away from the origin.
-    return [[c, 0, -s, -4 * s], [0, 1, 0, 0], [s, 0, c, -4 * -c], [0, 0, 0, 1]].map((row, i) => (i === 2 ? [s, 0, c, 4 * c * -1] : row));
+  const poses = [0, 1.5, 3, 4.5].map((angle) => {
+    const [s, c] = [Math.sin(angle), Math.cos(angle)];
+    return [[-c, 0, -s, 4 * s], [0, 1, 0, 0], [s, 0, -c, 4 * c], [0, 0, 0, 1]];
   });
   const png = Buffer.from("iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAFklEQVR4nGP8z8DAwMDAxMDAwMDAAAANHQEDasKb6QAAAABJRU5ErkJggg==", "base64");
   writeFileSync(join(out, "p.png"), png);
-  writeFileSync(scene, JSON.stringify({ camera_angle_x: 0.7, frames: axes.map((transform_matrix) => ({ file_path: "p.png", transform_matrix })) }));
+  writeFileSync(scene, JSON.stringify({ camera_angle_x: 0.7, frames: poses.map((transform_matrix) => ({ file_path: "p.png", transform_matrix })) }));
   inspect(scene, "turned", "--near", "1", "--far", "3", "--rays", "4", "--samples", "4");
   await opened("turned", async (page) => {
     assert.match(await page.locator(".warnings").innerText(), /look away from the point that all axes pass closest to/);
