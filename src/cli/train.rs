@@ -13,7 +13,7 @@ use super::options::{
 };
 use super::signals::{Signal, Signals};
 use super::spelling::spelled;
-use super::{output, progress, recipe, recorded};
+use super::{output, progress, recipe, recorded, run_page};
 use crate::error::Result;
 use crate::files;
 use crate::limits::{RAYS, SAMPLES, WIDTH};
@@ -224,6 +224,7 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     said.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
     let new: Vec<Value> = said.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
     let failure = run.failure.as_deref().map(spelled);
+    run_page::write(&folder, &scene, &run, &said, failure.as_deref())?;
     if !new.is_empty() || failure.is_some() {
         // The warnings of training are all that wasn't known then.
         settings.insert("failure".into(), json!(failure));
