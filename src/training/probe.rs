@@ -48,3 +48,52 @@ impl Cells {
         Cells { resolution, occupied, ..self }
     }
 }
+
+#[cfg(all(test, feature = "cli"))]
+mod tests {
+    use super::*;
+    use crate::convention::ProductEps;
+    use crate::field::nerf_mlp::Shape;
+    use crate::ray::{Ray, camera_ray};
+    use crate::scene::{self, Options, Scene};
+    use crate::training::Model;
+    use crate::training::compact::{CompactModel, Overrides};
+    use crate::training::nerf::{NerfModel, NerfSettings};
+    use crate::volume_rendering::volume_render;
+
+    /// What is probed finely along a ray, rendered, is what the model renders: densities have the scene's unit, colors their place.
+    fn agrees(model: &dyn Model, scene: &Scene, most: f64) {
+        let camera = &scene.train[0].camera;
+        let rays: Vec<Ray> =
+            [2.5, 4.0, 5.5].map(|at| camera_ray(camera, glam::DVec2::splat(at)).unwrap()).to_vec();
+        const N: usize = 1024;
+        let delta = (scene.far - scene.near) / N as f64;
+        let t: Vec<f64> = (0..N).map(|i| scene.near + (i as f64 + 0.5) * delta).collect();
+        let asked: Vec<(Ray, Vec<f64>)> = rays.iter().map(|ray| (*ray, t.clone())).collect();
+        for (pixel, probes) in model.render(&rays).iter().zip(model.probe(&asked)) {
+            let sigmas: Vec<f64> = probes.iter().map(|probe| probe.density).collect();
+            let rgbs: Vec<[f64; 3]> = probes.iter().map(|probe| probe.rgb).collect();
+            let seen = volume_render(&sigmas, &rgbs, &[delta; N], ProductEps::None);
+            assert!(seen.opacity > 0.02, "an empty ray agrees with anything");
+            assert!((seen.opacity - f64::from(pixel.opacity)).abs() < most, "{seen:?} {pixel:?}");
+            (0..3).for_each(|k| assert!((seen.color[k] - f64::from(pixel.rgb[k])).abs() < most, "{pixel:?}"));
+        }
+    }
+
+    #[test]
+    fn what_is_probed_is_what_is_rendered() {
+        let scene = scene::load("builtin:spheres,size=8,views=3", &Options::default()).unwrap();
+        let mut compact = CompactModel::new(&scene, &Overrides::default()).unwrap();
+        (1..40).for_each(|step| drop(compact.step(&scene, step).unwrap()));
+        agrees(&compact, &scene, 0.02);
+        let cells = compact.cells().unwrap();
+        assert_eq!(cells.occupied.len(), cells.resolution.pow(3));
+        assert!(cells.occupied.contains(&true) && cells.occupied.contains(&false));
+
+        let shape = Shape { width: 16, color: 8, ..Shape::PAPER };
+        let settings = NerfSettings::new(scene.near, scene.far, scene.background);
+        let nerf = NerfModel::new(NerfSettings { shape, samples: 256, ..settings });
+        agrees(&nerf, &scene, 0.02);
+        assert!(nerf.cells().is_none());
+    }
+}
