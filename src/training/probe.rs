@@ -51,7 +51,6 @@ impl Cells {
 
 #[cfg(all(test, feature = "cli"))]
 mod tests {
-    use super::*;
     use crate::convention::ProductEps;
     use crate::field::nerf_mlp::Shape;
     use crate::ray::{Ray, camera_ray};
@@ -84,7 +83,9 @@ mod tests {
     fn what_is_probed_is_what_is_rendered() {
         let scene = scene::load("builtin:spheres,size=8,views=3", &Options::default()).unwrap();
         let mut compact = CompactModel::new(&scene, &Overrides::default()).unwrap();
-        (1..40).for_each(|step| drop(compact.step(&scene, step).unwrap()));
+        for step in 1..40 {
+            compact.step(&scene, step).unwrap();
+        }
         agrees(&compact, &scene, 0.02);
         let cells = compact.cells().unwrap();
         assert_eq!(cells.occupied.len(), cells.resolution.pow(3));

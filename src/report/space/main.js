@@ -72,7 +72,8 @@ colorBy(hasField ? "weight" : "color");
 resize();
 home();
 chooseCamera(0);
-chooseRay(0);
+// The ray that sees most; any, where that isn't known.
+chooseRay(hasField ? arrays.opacities.indexOf(Math.max(...arrays.opacities.subarray(0, rays))) : 0);
 new ResizeObserver(resize).observe($("stage"));
 draw();
 // For whoever waits for the first picture, or measures it.

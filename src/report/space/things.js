@@ -13,7 +13,7 @@ function geometry(positions, colors) {
 const lines = (positions, colors, options = {}) =>
   new three.LineSegments(geometry(positions, colors), new three.LineBasicMaterial({ vertexColors: Boolean(colors), ...options }));
 const dots = (positions, colors, size) =>
-  new three.Points(geometry(positions, colors), new three.PointsMaterial({ vertexColors: true, size, sizeAttenuation: false, transparent: true }));
+  new three.Points(geometry(positions, colors), new three.PointsMaterial({ vertexColors: true, size, sizeAttenuation: false, transparent: true, depthWrite: false }));
 
 /** Center and corners of a camera's picture plane: `corners` has upper left, upper right, lower right, lower left. */
 const center = (f) => [...arrays.centers.subarray(3 * f, 3 * f + 3)];
