@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use image::{RgbImage, imageops};
 use serde_json::json;
 
-use self::drawn::Drawn;
+use self::drawn::{Asked, Drawn};
 use super::options::{Backend, at_most, distance, positive};
 use super::{evaluate, output};
 use crate::camera::Camera;
@@ -83,7 +83,8 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let bytes = limits::SHOWN_SAMPLE * args.rays as f64 * args.samples as f64;
     limits::fits(what, bytes, "Lower `rays` or `samples`.")?;
     files::make_folder(&args.out)?;
-    let drawn = drawn::draw(&scene, trained.as_ref().map(|trained| &*trained.model), args)?;
+    let asked = Asked { rays: args.rays, samples: args.samples, seed: args.seed };
+    let drawn = drawn::draw(&scene, trained.as_ref().map(|trained| &*trained.model), &asked)?;
     let frames: Vec<&Frame> = scene.train.iter().chain(&scene.val).collect();
     let (doubts, of_all) = aim::doubts(&frames, scene.focus);
     scene.warnings.extend(of_all.into_iter().chain(drawn::missing(&scene, &drawn)));

@@ -49,7 +49,7 @@ impl Cells {
     }
 }
 
-#[cfg(all(test, feature = "cli"))]
+#[cfg(test)]
 mod tests {
     use crate::convention::ProductEps;
     use crate::field::nerf_mlp::Shape;

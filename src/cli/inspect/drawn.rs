@@ -1,6 +1,5 @@
 //! The rays that are shown, with every stage's values along them.
 
-use super::Args;
 use crate::convention::{CS180, Grid, PixelCenter};
 use crate::error::Result;
 use crate::math::expm1;
@@ -15,6 +14,13 @@ use crate::volume_rendering::{Rendering, composite_background, volume_render};
 
 /// A share of rays that may miss the scene's box: those through the corners of pictures do.
 const MISSED: f64 = 0.5;
+
+/// How many rays, of how many samples, by which seed.
+pub(super) struct Asked {
+    pub rays: usize,
+    pub samples: usize,
+    pub seed: u64,
+}
 
 /// A ray that was drawn: its pixel, the ray, its samples, and what is there.
 pub(super) struct Drawn {
@@ -38,16 +44,16 @@ pub(super) struct Seen {
 
 /// Rays through random pixels of training frames, with jittered samples: exactly those of a first training step. The field is the
 /// model's; that of a scene by formula otherwise; of photographs alone nothing is known.
-pub(super) fn draw(scene: &Scene, model: Option<&dyn Model>, args: &Args) -> Result<Vec<Drawn>> {
-    let (pixels, jitter) = (Key::new(args.seed, Purpose::Rays), Key::new(args.seed, Purpose::Samples));
-    let mut drawn = Vec::with_capacity(args.rays);
-    for n in 0..args.rays as u64 {
+pub(super) fn draw(scene: &Scene, model: Option<&dyn Model>, asked: &Asked) -> Result<Vec<Drawn>> {
+    let (pixels, jitter) = (Key::new(asked.seed, Purpose::Rays), Key::new(asked.seed, Purpose::Samples));
+    let mut drawn = Vec::with_capacity(asked.rays);
+    for n in 0..asked.rays as u64 {
         let [image, j, i] = random_pixel(&scene.train, &pixels, 0, n);
         let frame = &scene.train[image];
         let uv = pixel_position(i, j, PixelCenter::Half);
         let rgb = frame.image.as_ref().map_or([0.0; 3], |image| image.at(j, i).map(f64::from));
         let t =
-            sample_along_ray(scene.near, scene.far, &jitter.uniforms(0, n, args.samples), Grid::Intervals);
+            sample_along_ray(scene.near, scene.far, &jitter.uniforms(0, n, asked.samples), Grid::Intervals);
         let deltas = step_sizes(&t, scene.near, scene.far, CS180.delta, CS180.last_delta);
         let ray = camera_ray(&frame.camera, uv)?;
         let hit = meets(scene, &ray);

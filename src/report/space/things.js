@@ -135,7 +135,7 @@ function cells({ low, high, resolution: r, bits }) {
   }
   const made = geometry(positions, colors);
   made.setIndex(index);
-  return new three.Mesh(made, new three.MeshBasicMaterial({ vertexColors: true, side: three.DoubleSide, transparent: true, opacity: 0.35, depthWrite: false }));
+  return new three.Mesh(made, new three.MeshBasicMaterial({ vertexColors: true, side: three.DoubleSide, transparent: true, opacity: 0.16, depthWrite: false }));
 }
 
 const AXES = [["x", "#d64545"], ["y", "#2e9e5b"], ["z", "#3d7fe0"]];
