@@ -2,26 +2,29 @@
 
 use std::path::Path;
 
+use serde_json::Value;
+
 use super::output::decibels;
 use crate::error::Result;
-use crate::evaluation::{Scores, ViewScore, score};
+use crate::evaluation::{Scores, score_photo};
 use crate::files::{self, picture};
 use crate::parallel;
 use crate::report::page::Page;
 use crate::report::views::{self, Shown};
 use crate::scene::{Frame, Scene};
 use crate::training::checkpoint::RunFolder;
-use crate::training::run::{Run, Validated};
+use crate::training::run::{LogPoint, validated};
 
-/// Writes `index.html` into a run's folder: its figures, its curve, the views of its last full validation.
+/// Writes `index.html` into a run's folder: its figures, its curve, the views of its last full validation. Of what is in the folder
+/// alone, without times, so that a run that was stopped and resumed has the same page.
 ///
 /// # Errors
 /// Where a file can't be read or written.
 pub(super) fn write(
     folder: &RunFolder,
     scene: &Scene,
-    run: &Run,
-    warnings: &[String],
+    log: &[LogPoint],
+    warnings: &[Value],
     failure: Option<&str>,
 ) -> Result<()> {
     let name = &scene.name;
@@ -30,12 +33,11 @@ pub(super) fn write(
         None => format!("A field that was trained on {} photographs of {name}.", scene.train.len()),
     };
     let mut page = Page::new("A trained field", &lead);
-    page.warnings(&scene.warnings).warnings(warnings);
-    if let Some(last) = run.log.last() {
-        let full = run.log.iter().rev().find_map(|point| point.val_psnr);
+    page.warnings(&warnings.iter().filter_map(|said| Some(said.as_str()?.into())).collect::<Vec<String>>());
+    if let Some(last) = log.last() {
+        let full = log.iter().rev().find_map(|point| point.val_psnr);
         let rows = [
             ("steps", last.step.to_string()),
-            ("seconds", format!("{:.1}", last.seconds)),
             ("points learned from", last.samples.to_string()),
             ("PSNR of views that it has never seen, dB", decibels(full)),
             ("PSNR of the last batch, dB", decibels(Some(last.train_psnr))),
@@ -43,28 +45,28 @@ pub(super) fn write(
         page.table(&["figure", "value"], &rows.map(|(name, value)| vec![name.to_string(), value]));
     }
     page.heading("Training").picture("psnr.svg", "PSNR over steps", 720);
-    let shown = run.validated.as_ref().map(|validated| of_run(folder, scene, validated)).transpose()?;
-    views::add(&mut page, shown.unwrap_or_default());
+    views::add(&mut page, of_run(folder, scene, log)?);
     files::write(&folder.file("index.html"), page.finish())
 }
 
-/// The views of a validation, which are in the folder, with photographs and differences beside them.
-fn of_run(folder: &RunFolder, scene: &Scene, validated: &Validated) -> Result<Vec<Shown>> {
+/// The views of the log's last full validation, which are in the folder, with photographs and differences beside them.
+fn of_run(folder: &RunFolder, scene: &Scene, log: &[LogPoint]) -> Result<Vec<Shown>> {
+    let Some(point) = log.iter().rev().find(|point| point.val_psnr.is_some()) else { return Ok(vec![]) };
+    // Older logs don't say how many views they had.
+    let most = point.val_views.unwrap_or(0);
+    let chosen = validated(scene, point.step, most);
     let one = |n: usize| {
-        let (frame, file) = (&scene.val[validated.frames[n]], &validated.files[n]);
+        let (frame, file) = &chosen[n];
         let view = picture::read(&folder.file(file))?;
-        let photograph = frame.image.as_ref().expect("validation frames have photographs").to_array();
-        // The PSNR is that of the log, without rounding to bytes; SSIM hardly sees that.
-        let score = ViewScore {
-            ssim: score(&frame.name, view.view(), photograph.view(), true).ssim,
-            ..validated.scores.views[n].clone()
-        };
-        let beside = |what: &str| format!("views/view{n:02}_{what}.png");
+        let photograph = frame.image.as_ref().expect("validation frames have photographs");
+        let score = score_photo(&frame.name, &view, photograph, true);
+        // Without the step: those of an earlier page are replaced.
+        let beside = |what: &str| format!("views/{what}_view{n:02}.png");
         let shown = Shown { score, files: [file.clone(), beside("photograph"), beside("difference")] };
-        views::write(&folder.file(""), &shown, &view, &photograph)?;
+        views::write(&folder.file(""), &shown.files, &view, &photograph.to_array())?;
         Ok(shown)
     };
-    parallel::map(validated.frames.len(), one).into_iter().collect()
+    parallel::map(chosen.len(), one).into_iter().collect()
 }
 
 /// An evaluation's page as it grows: each view is written when it has been rendered.
@@ -86,8 +88,7 @@ impl<'a> Evaluated<'a> {
         let files = ["view", "photograph", "difference"].map(|what| format!("views/{n:03}_{what}.png"));
         let Some(photograph) = frame.image.as_ref().map(|image| image.to_array()) else { return Ok(()) };
         picture::write_png(&self.folder.join(&files[0]), view.view())?;
-        picture::write_png(&self.folder.join(&files[1]), photograph.view())?;
-        picture::write_rgb(&self.folder.join(&files[2]), &views::difference(view, &photograph))?;
+        views::write(self.folder, &files, view, &photograph)?;
         self.files.push(files);
         Ok(())
     }

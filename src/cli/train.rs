@@ -224,7 +224,6 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     said.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
     let new: Vec<Value> = said.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
     let failure = run.failure.as_deref().map(spelled);
-    run_page::write(&folder, &scene, &run, &said, failure.as_deref())?;
     if !new.is_empty() || failure.is_some() {
         // The warnings of training are all that wasn't known then.
         settings.insert("failure".into(), json!(failure));
@@ -233,6 +232,7 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
         folder.write_settings(&settings)?;
     }
     write_curve(&folder, &scene, &run.log)?;
+    run_page::write(&folder, &scene, &run.log, &warnings, failure.as_deref())?;
     Ok(Summary { stopped: signals.heard(), ..summary(&run.log, &said, failure, args) })
 }
 

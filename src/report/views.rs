@@ -24,23 +24,23 @@ pub(crate) struct Shown {
 }
 
 /// |view - photograph|, louder, black where they agree.
-pub(crate) fn difference(view: &Array3<f32>, photograph: &Array3<f32>) -> RgbImage {
+fn difference(view: &Array3<f32>, photograph: &Array3<f32>) -> RgbImage {
     let off = (view.mapv(|x| x.clamp(0.0, 1.0)) - photograph).mapv(|x| LOUDER * x.abs());
     picture::to_rgb(off.view())
 }
 
-/// Writes photograph and difference beside a view.
+/// Writes photograph and difference beside a view, to the second and third of these files.
 ///
 /// # Errors
 /// Where a file can't be written.
 pub(crate) fn write(
     folder: &Path,
-    shown: &Shown,
+    files: &[String; 3],
     view: &Array3<f32>,
     photograph: &Array3<f32>,
 ) -> Result<()> {
-    picture::write_png(&folder.join(&shown.files[1]), photograph.view())?;
-    picture::write_rgb(&folder.join(&shown.files[2]), &difference(view, photograph))
+    picture::write_png(&folder.join(&files[1]), photograph.view())?;
+    picture::write_rgb(&folder.join(&files[2]), &difference(view, photograph))
 }
 
 /// Adds all views, the worst first.

@@ -17,7 +17,7 @@ use crate::files::picture;
 use crate::loss::psnr;
 use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray};
-use crate::scene::{Scene, random_pixel};
+use crate::scene::{Frame, Scene, random_pixel};
 
 /// The most views of a full validation, evenly chosen, unless all are asked for.
 const VIEWS: usize = 8;
@@ -100,19 +100,6 @@ pub struct Run<'a> {
     pub warnings: Vec<String>,
     /// Why the run was given up, where it doesn't learn.
     pub failure: Option<String>,
-    /// The last full validation since the run began or was resumed.
-    pub validated: Option<Validated>,
-}
-
-/// A full validation: whose views, which are in the run's folder, and how good they are.
-#[derive(Clone, Debug)]
-pub struct Validated {
-    /// The validation frames, by number, of which views were rendered.
-    pub frames: Vec<usize>,
-    /// The views' files in the run's folder.
-    pub files: Vec<String>,
-    /// In the same order.
-    pub scores: Scores,
 }
 
 impl std::fmt::Debug for Run<'_> {
@@ -137,7 +124,7 @@ impl<'a> Run<'a> {
         let watch = Watch::new(scene, model.start());
         let (log, warnings, pace) = (vec![], vec![], Pace::new());
         #[rustfmt::skip]
-        let run = Run { model, scene, folder, options, probe, schedule, watch, step: 0, seconds: 0.0, samples: 0, pace, log, warnings, failure: None, validated: None };
+        let run = Run { model, scene, folder, options, probe, schedule, watch, step: 0, seconds: 0.0, samples: 0, pace, log, warnings, failure: None };
         Ok(run)
     }
 
@@ -209,10 +196,9 @@ impl<'a> Run<'a> {
             probe = Some(value);
         }
         if (full_due || last || reached) && !self.probe.is_empty() {
-            let validated = self.validate()?;
-            reached = self.options.stop_at_psnr.is_some_and(|goal| validated.scores.psnr >= goal);
-            full = Some(validated.scores.clone());
-            self.validated = Some(validated);
+            let scores = self.validate()?;
+            reached = self.options.stop_at_psnr.is_some_and(|goal| scores.psnr >= goal);
+            full = Some(scores);
         }
         if probe_due.is_some() || full_due || last || failed {
             let asked = self.model.warning().filter(|_| full.is_some() || failed);
@@ -247,22 +233,16 @@ impl<'a> Run<'a> {
         psnr(error / (3 * rays.len()) as f64, 1.0)
     }
 
-    fn validate(&self) -> Result<Validated> {
+    fn validate(&self) -> Result<Scores> {
         let background = self.scene.background.map(|b| b as f32);
-        let numbered = self.scene.val.iter().enumerate();
-        let views: Vec<usize> = numbered.filter(|(_, frame)| frame.image.is_some()).map(|(n, _)| n).collect();
-        let most = if self.options.val_all { views.len() } else { VIEWS };
-        let chosen = evenly(views.len(), most);
-        let frames: Vec<usize> = chosen.iter().map(|&n| views[n]).collect();
-        let name = |n: &usize| format!("views/step{:06}_view{n:02}.png", self.step);
-        let files: Vec<String> = chosen.iter().map(name).collect();
-        let mut left = files.iter();
-        let shown = frames.iter().map(|&n| &self.scene.val[n]);
-        let scores = evaluate(&*self.model, shown, background, false, |_, view| {
-            let name = left.next().expect("a file for each view");
-            picture::write_png(&self.folder.file(name), view.rgb.view())
-        })?;
-        Ok(Validated { frames, files, scores })
+        let most = if self.options.val_all { usize::MAX } else { VIEWS };
+        let chosen = validated(self.scene, self.step, most);
+        let frames: Vec<&Frame> = chosen.iter().map(|(frame, _)| *frame).collect();
+        let mut files = chosen.iter().map(|(_, file)| file);
+        evaluate(&*self.model, frames, background, false, |_, view| {
+            let file = files.next().expect("a file for each view that was chosen");
+            picture::write_png(&self.folder.file(file), view.rgb.view())
+        })
     }
 
     /// Writes a checkpoint. A state with a number in it that is none isn't kept: the run has failed, and the last good one stays.
@@ -283,6 +263,13 @@ impl<'a> Run<'a> {
         }
         Ok(())
     }
+}
+
+/// The frames that a full validation of at most so many views has after a step, each with its view's file in the run's folder.
+pub(crate) fn validated(scene: &Scene, step: u64, most: usize) -> Vec<(&Frame, String)> {
+    let views: Vec<&Frame> = scene.val.iter().filter(|frame| frame.image.is_some()).collect();
+    let file = |n: usize| format!("views/step{step:06}_view{n:02}.png");
+    evenly(views.len(), most).into_iter().map(|n| (views[n], file(n))).collect()
 }
 
 /// At most `most` of `count` numbers, as far from each other as from the ends twice over.

