@@ -15,8 +15,8 @@ use crate::scene::{Frame, Scene};
 use crate::shown::shown;
 use crate::training::probe::Cells;
 
-/// Samples that a page shows; more would take a browser seconds.
-const MOST_SAMPLES: usize = 200_000;
+/// Samples that a page shows, of 104 bytes each: 5 MB with all else.
+const MOST_SAMPLES: usize = 32_000;
 /// Points of a capture that it shows.
 const MOST_POINTS: usize = 20_000;
 /// Cells along an edge.
