@@ -26,6 +26,9 @@ const opened = (name, look, options) =>
     return look(page);
   }, options);
 
+/** Nothing but what WebGL draws: labels over it have colors and move, too. */
+const bare = (page) => page.addStyleTag({ content: "#stage > :not(canvas) { display: none }" });
+
 /** The definitions that a list shows. */
 const facts = (page, id) =>
   page.evaluate((id) => Object.fromEntries([...document.querySelectorAll(`#${id} dt`)].map((name) => [name.textContent, name.nextSibling.textContent.trim()])), id);
@@ -64,6 +67,7 @@ async function same(page, arrays, r) {
 test("the view isn't blank, in light and in the dark, and layers can be hidden", async () => {
   for (const colorScheme of ["light", "dark"]) {
     await opened("spheres", async (page) => {
+      await bare(page);
       const shown = await colors(page, "#view");
       assert.ok(shown > 500, `${shown} colors`);
       for (const box of await page.locator("#layers input").all()) await box.uncheck();
@@ -98,6 +102,7 @@ test("a ray from the list, and one that is clicked, show the numbers of rays.npz
 test("a trained run shows its occupied cells, and a camera is looked through", async () => {
   await opened("run", async (page) => {
     assert.equal(await page.locator("#layers input[name=cells]").count(), 1);
+    await bare(page);
     const before = await page.locator("#view").screenshot();
     await page.selectOption("#camera", "3");
     assert.match((await facts(page, "of-camera")).frame, /^train\[3\]/);
@@ -131,6 +136,7 @@ test("it is readable with a screen reader, on a phone, in the dark", async () =>
 
 test("keys turn and zoom", async () => {
   await opened("spheres", async (page) => {
+    await bare(page);
     let last = await page.locator("#view").screenshot();
     for (const key of ["ArrowLeft", "ArrowUp", "+", "Home"]) {
       await page.locator("#view").press(key);
