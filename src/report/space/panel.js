@@ -66,12 +66,23 @@ function chooseRay(r) {
   if (hasField) {
     facts.push(["rendered", colored(vector("colors", r))], ["opacity A", figure(arrays.opacities[r])]);
   }
+  if (!hasField) facts.push(["field", "unknown of photographs alone; inspect --run RUN shows that of a trained run"]);
   if (data.box) facts.push(["scene's box", arrays.rays_hit[r] ? "is met between near and far" : "is missed"]);
   list("of-ray", facts);
   $("plot").innerHTML = plot(r);
   $("samples").replaceChildren(sampleTable(r));
+  showHeaviest(r);
   const segment = [...vector("rays_o", r), ...point(r, data.far)];
   mark("ray", lines(segment, undefined, { color: 0xff3d7f, depthTest: false }));
+}
+
+/** The sample that the ray's color is most of, in the middle of what the table shows. */
+function showHeaviest(r) {
+  if (!hasField) return;
+  const weights = ofRay("weights", r, samples);
+  const row = $("samples").querySelectorAll("tbody tr")[weights.indexOf(Math.max(...weights))];
+  row.className = "heaviest";
+  $("samples").scrollTop = row.offsetTop - $("samples").clientHeight / 2;
 }
 
 /** The columns of the table: a heading, and the value of a sample. */

@@ -14,7 +14,7 @@ function plot(r) {
   const x = (at) => PLOT.left + ((at - data.near) / (data.far - data.near)) * (PLOT.right - PLOT.left);
   const y = (share) => PLOT.bottom - share * (PLOT.bottom - PLOT.top);
   const parts = [];
-  for (const share of [0, 0.5, 1]) {
+  for (const share of hasField ? [0, 0.5, 1] : []) {
     parts.push(`<line x1="${PLOT.left}" x2="${PLOT.right}" y1="${y(share)}" y2="${y(share)}" stroke="var(--line)"/>`);
     parts.push(`<text x="${PLOT.left - 5}" y="${y(share) + 4}" text-anchor="end">${share}</text>`);
   }
@@ -41,5 +41,6 @@ function plot(r) {
     parts.push(`<text x="${left + 27}" y="${PLOT.bottom + 47}">${name}</text>`);
   });
   const what = hasField ? "Density, opacity, transmittance and weight along the ray" : "Samples along the ray";
-  return `<svg viewBox="0 0 ${PLOT.width} ${PLOT.height}" role="img" aria-label="${what}" font-size="11" fill="currentColor">${parts.join("")}</svg>`;
+  const [top, height] = hasField ? [0, PLOT.height] : [PLOT.bottom, 34];
+  return `<svg viewBox="0 ${top} ${PLOT.width} ${height}" role="img" aria-label="${what}" font-size="11" fill="currentColor">${parts.join("")}</svg>`;
 }
