@@ -68,14 +68,16 @@ mod tests {
         let delta = (scene.far - scene.near) / n as f64;
         let t: Vec<f64> = (0..n).map(|i| scene.near + (i as f64 + 0.5) * delta).collect();
         let asked: Vec<(Ray, Vec<f64>)> = rays.iter().map(|ray| (*ray, t.clone())).collect();
+        let mut met = false;
         for (pixel, probes) in model.render(&rays).iter().zip(model.probe(&asked)) {
             let sigmas: Vec<f64> = probes.iter().map(|probe| probe.density).collect();
             let rgbs: Vec<[f64; 3]> = probes.iter().map(|probe| probe.rgb).collect();
             let seen = volume_render(&sigmas, &rgbs, &vec![delta; n], ProductEps::None);
-            assert!(seen.opacity > 0.02, "an empty ray agrees with anything");
+            met |= seen.opacity > 0.02;
             assert!((seen.opacity - f64::from(pixel.opacity)).abs() < most, "{seen:?} {pixel:?}");
             (0..3).for_each(|k| assert!((seen.color[k] - f64::from(pixel.rgb[k])).abs() < most, "{pixel:?}"));
         }
+        assert!(met, "empty rays agree with anything");
     }
 
     #[test]
