@@ -79,6 +79,9 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         let name = shown(&trained.scene.name).into_owned();
         scene.warnings.push(format!("The run was trained on other pictures or cameras than these: {name}."));
     }
+    let say =
+        |warnings: &[String]| warnings.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
+    say(&scene.warnings);
     let what = format!("{} rays with {} samples each", args.rays, args.samples);
     let bytes = limits::SHOWN_SAMPLE * args.rays as f64 * args.samples as f64;
     limits::fits(what, bytes, "Lower `rays` or `samples`.")?;
@@ -87,10 +90,9 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let drawn = drawn::draw(&scene, trained.as_ref().map(|trained| &*trained.model), &asked)?;
     let frames: Vec<&Frame> = scene.train.iter().chain(&scene.val).collect();
     let (doubts, of_all) = aim::doubts(&frames, scene.focus);
-    scene.warnings.extend(of_all.into_iter().chain(drawn::missing(&scene, &drawn)));
-    for warning in &scene.warnings {
-        output::say(&format!("warning: {warning}"));
-    }
+    let more: Vec<String> = of_all.into_iter().chain(drawn::missing(&scene, &drawn)).collect();
+    say(&more);
+    scene.warnings.extend(more);
     let cells = trained.as_ref().and_then(|trained| trained.model.cells());
     let files = write(args, &scene, &drawn, &doubts, cells)?;
     output::print(json, &summary(&scene, &files), &text(&scene, &files))?;

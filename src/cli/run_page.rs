@@ -8,7 +8,6 @@ use super::output::decibels;
 use crate::error::Result;
 use crate::evaluation::{Scores, score_photo};
 use crate::files::{self, picture};
-use crate::parallel;
 use crate::report::page::Page;
 use crate::report::views::{self, Shown};
 use crate::scene::{Frame, Scene};
@@ -55,8 +54,7 @@ fn of_run(folder: &RunFolder, scene: &Scene, log: &[LogPoint]) -> Result<Vec<Sho
     // Older logs don't say how many views they had.
     let most = point.val_views.unwrap_or(0);
     let chosen = validated(scene, point.step, most);
-    let one = |n: usize| {
-        let (frame, file) = &chosen[n];
+    let one = |(n, (frame, file)): (usize, &(&Frame, String))| {
         let view = picture::read(&folder.file(file))?;
         let photograph = frame.image.as_ref().expect("validation frames have photographs");
         let score = score_photo(&frame.name, &view, photograph, true);
@@ -66,7 +64,9 @@ fn of_run(folder: &RunFolder, scene: &Scene, log: &[LogPoint]) -> Result<Vec<Sho
         views::write(&folder.file(""), &shown.files, &view, &photograph.to_array())?;
         Ok(shown)
     };
-    parallel::map(chosen.len(), one).into_iter().collect()
+    // People may have tidied up.
+    let there = chosen.iter().enumerate().filter(|(_, (_, file))| folder.file(file).exists());
+    there.map(one).collect()
 }
 
 /// An evaluation's page as it grows: each view is written when it has been rendered.
