@@ -121,9 +121,9 @@ pub(crate) const STEP_SAMPLE: f64 = 64.0;
 #[cfg(feature = "cli")]
 pub(crate) const COMPACT_SAMPLE: f64 = 256.0;
 
-/// Bytes of a sample that `inspect` writes. Measured 24.
+/// Bytes of a sample that `inspect` writes. Measured 184, with a field.
 #[cfg(feature = "cli")]
-pub(crate) const SHOWN_SAMPLE: f64 = 48.0;
+pub(crate) const SHOWN_SAMPLE: f64 = 256.0;
 
 /// Bytes of a network's parameter, with its gradient, Adam's moments, and a checkpoint of all in f64. Measured 66 at most.
 #[cfg(feature = "cli")]

@@ -336,9 +336,70 @@ fn inspect_writes_rays_that_project_back_to_their_pixels() {
             assert!((u - uv[[r, 0]]).abs() < 1e-10 && (v - uv[[r, 1]]).abs() < 1e-10, "({u}, {v})");
         }
     }
+    // Every stage from the field on, by its formula.
+    let (sigmas, deltas, alphas) = (array("sigmas"), array("deltas"), array("alphas"));
+    let (through, weights, rgbs) = (array("transmittances"), array("weights"), array("rgbs"));
+    for r in 0..20 {
+        let (mut depth, mut color) = (0.0, [0.0; 3]);
+        for n in 0..8 {
+            let x: f64 = sigmas[[r, n]] * deltas[[r, n]];
+            assert!((alphas[[r, n]] + (-x).exp_m1()).abs() < 1e-14);
+            assert!((through[[r, n]] - f64::exp(-depth)).abs() < 1e-14);
+            assert!((weights[[r, n]] - through[[r, n]] * alphas[[r, n]]).abs() < 1e-14);
+            (0..3).for_each(|k| color[k] += weights[[r, n]] * rgbs[[r, n, k]]);
+            depth += x;
+        }
+        assert!((array("opacities")[r] + (-depth).exp_m1()).abs() < 1e-14);
+        assert!((0..3).all(|k| (array("colors")[[r, k]] - color[k]).abs() < 1e-14), "over black");
+    }
+    assert!(sigmas.iter().any(|sigma| *sigma > 1.0));
+    let page = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
+    assert!(page.len() < 5_000_000 && page.contains("train[0]"));
     let picture = image::open(folder.path().join("outside.png")).unwrap().into_rgb8();
     let drawn = |channel: usize| {
         picture.pixels().filter(|p| p[channel] > p[(channel + 2) % 3].saturating_add(60)).count()
     };
     assert!(drawn(0) > 500 && drawn(2) > 500, "orange samples and blue rays are in the picture");
+}
+
+#[test]
+fn inspect_shows_a_run_s_field_and_writes_points_for_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, out) = (folder.path().join("run"), folder.path().join("out"));
+    let (run, dir) = (run.to_str().unwrap(), out.to_str().unwrap());
+    let scene = "builtin:spheres,views=4,size=8";
+    let of = |args: &[&str]| {
+        let program =
+            std::process::Command::new(env!("CARGO_BIN_EXE_nerf-oracle")).args(args).output().unwrap();
+        assert!(program.status.success(), "{}", String::from_utf8_lossy(&program.stderr));
+        String::from_utf8(program.stderr).unwrap()
+    };
+    of(&["train", scene, "--steps", "30", "--out", run]);
+    let inspect = ["inspect", scene, "--run", run, "--rays", "6", "--samples", "4", "--ply", "--out", dir];
+    let said = of(&inspect);
+    assert!(!said.contains("other pictures"), "{said}");
+    let arrays = npz::read(&out.join("rays.npz")).unwrap();
+    assert_eq!(arrays["sigmas"].shape(), [6, 4]);
+    assert!(std::fs::read_to_string(out.join("index.html")).unwrap().contains("\"bits\":"));
+    for file in ["cameras.ply", "points.ply"] {
+        assert!(
+            std::fs::read(out.join(file))
+                .unwrap()
+                .starts_with(b"ply\nformat binary_little_endian 1.0\nelement vertex ")
+        );
+    }
+    // Another scene than the run's is told.
+    let other = [
+        "inspect",
+        "builtin:blob,views=4,size=8",
+        "--run",
+        run,
+        "--rays",
+        "2",
+        "--samples",
+        "2",
+        "--out",
+        dir,
+    ];
+    assert!(of(&other).contains("The run was trained on other pictures or cameras"));
 }

@@ -8,9 +8,11 @@ use serde_json::{Value, json};
 
 use super::options::{Backend, threads};
 use super::recipe::{build, load_scene};
+use super::run_page::Evaluated;
 use super::{output, progress, recorded};
 use crate::error::{Error, Input, Result};
 use crate::evaluation::{self, Scores};
+use crate::files;
 use crate::parallel;
 use crate::report::table;
 use crate::scene::Scene;
@@ -26,6 +28,9 @@ pub(super) struct Args {
     /// Which frames.
     #[arg(long, value_enum, default_value_t = Split::Val)]
     pub split: Split,
+    /// Write a page of all views beside their photographs: DIR/index.html.
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
     /// Threads; all cores by default.
     #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
@@ -75,6 +80,7 @@ pub(super) fn open(run: &std::path::Path, backend: Backend, test_images: bool) -
 /// Runs `evaluate`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     parallel::on_threads(args.threads, || {
+        args.out.as_deref().map_or(Ok(()), files::check_writable)?;
         let trained = open(&args.run, args.backend, args.split == Split::Test)?;
         let frames = match args.split {
             Split::Val => &trained.scene.val,
@@ -94,11 +100,13 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         }
         let bar = progress::bar(Some(with_image as u64), "evaluate");
         let background = trained.scene.background.map(|b| b as f32);
-        let scores = evaluation::evaluate(&*trained.model, frames, background, true, |_, _| {
+        let mut page = args.out.as_deref().map(Evaluated::new).transpose()?;
+        let scores = evaluation::evaluate(&*trained.model, frames, background, true, |frame, view| {
             bar.inc(1);
-            Ok(())
+            page.as_mut().map_or(Ok(()), |page| page.add(frame, &view.rgb))
         })?;
         bar.finish_and_clear();
+        page.map_or(Ok(()), |page| page.finish(&scores, &trained.scene, trained.step))?;
         output::print(json, &object(&scores, trained.step), &text(&scores))?;
         Ok(ExitCode::SUCCESS)
     })

@@ -32,6 +32,7 @@ mod progress;
 mod recipe;
 mod recorded;
 mod render;
+mod run_page;
 mod signals;
 mod spelling;
 mod sweep_image;

@@ -16,7 +16,7 @@ use super::options::{
 };
 use super::signals::{Signal, Signals};
 use super::spelling::spelled;
-use super::{live, output, progress, recipe, recorded};
+use super::{live, output, progress, recipe, recorded, run_page};
 use crate::error::Result;
 use crate::files;
 use crate::limits::{RAYS, SAMPLES, WIDTH};
@@ -236,6 +236,7 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
         folder.write_settings(&settings)?;
     }
     files::write(&folder.file("psnr.svg"), training::curve(&scene.name, &run.log))?;
+    run_page::write(&folder, &scene, &run.log, &warnings, failure.as_deref())?;
     Ok(Summary { stopped: signals.heard(), ..summary(&run.log, &said, failure, args) })
 }
 

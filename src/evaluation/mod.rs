@@ -9,7 +9,7 @@ use crate::files::mask::Mask;
 use crate::loss::{mse, psnr, ssim};
 use crate::parallel;
 use crate::ray::{Ray, camera_ray};
-use crate::scene::Frame;
+use crate::scene::{Frame, Photo};
 use crate::training::{Model, Pixel};
 
 /// A rendered view.
@@ -95,17 +95,22 @@ pub fn evaluate<'a>(
     for frame in frames {
         let Some(image) = &frame.image else { continue };
         let view = render_view(model, &frame.camera, background)?;
-        let photo = image.to_array();
-        views.push(match image.mask() {
-            None => score(&frame.name, view.rgb.view(), photo.view(), with_ssim),
-            Some(mask) => masked_score(&frame.name, view.rgb.clone(), photo.view(), mask, with_ssim),
-        });
+        views.push(score_photo(&frame.name, &view.rgb, image, with_ssim));
         seen(frame, &view)?;
     }
     Ok(summary(views))
 }
 
-/// One view's figures.
+/// One view's figures, of the pixels of its photograph that count.
+pub fn score_photo(name: &str, view: &Array3<f32>, photo: &Photo, with_ssim: bool) -> ViewScore {
+    let image = photo.to_array();
+    match photo.mask() {
+        None => score(name, view.view(), image.view(), with_ssim),
+        Some(mask) => masked_score(name, view.clone(), image.view(), mask, with_ssim),
+    }
+}
+
+/// One view's figures, of all pixels.
 pub fn score(name: &str, view: ArrayView3<f32>, image: ArrayView3<f32>, with_ssim: bool) -> ViewScore {
     let view = view.mapv(|x| f64::from(x.clamp(0.0, 1.0)));
     let image = image.mapv(f64::from);

@@ -56,7 +56,7 @@ impl fmt::Display for Report {
 }
 
 /// Error over bound.
-fn percent(used: f64) -> String {
+pub(crate) fn percent(used: f64) -> String {
     match used {
         u if !u.is_finite() => "inf".into(),
         u if u < 10.0 => format!("{:.1}%", 100.0 * u),
@@ -146,6 +146,18 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         write!(f, "{example}")?;
     }
     Ok(())
+}
+
+/// What is said of one row under the table.
+#[cfg(feature = "cli")]
+pub(crate) fn of_row(row: &Row) -> String {
+    struct Notes<'a>(&'a Row);
+    impl fmt::Display for Notes<'_> {
+        fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            notes(f, self.0)
+        }
+    }
+    Notes(row).to_string()
 }
 
 fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {

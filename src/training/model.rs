@@ -8,6 +8,7 @@ use crate::error::Result;
 use crate::files::npz::Arrays;
 use crate::ray::Ray;
 use crate::scene::Scene;
+use crate::training::probe::{Cells, Probe};
 
 /// The result of one optimizer step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +41,12 @@ pub trait Model: Any + Sync + Send {
 
     /// Renders rays in evaluation mode: nothing random.
     fn render(&self, rays: &[Ray]) -> Vec<Pixel>;
+
+    /// Density and color at positions t along rays, computed by the f64 reference.
+    fn probe(&self, rays: &[(Ray, Vec<f64>)]) -> Vec<Vec<Probe>>;
+
+    /// The cells that it takes for occupied, where it keeps a grid.
+    fn cells(&self) -> Option<Cells>;
 
     /// The whole state by name, as a checkpoint stores it.
     fn state(&self) -> Arrays;

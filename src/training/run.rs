@@ -249,14 +249,13 @@ impl<'a> Run<'a> {
 
     fn validate(&self) -> Result<Scores> {
         let background = self.scene.background.map(|b| b as f32);
-        let views: Vec<&Frame> = self.scene.val.iter().filter(|frame| frame.image.is_some()).collect();
-        let most = if self.options.val_all { views.len() } else { VIEWS };
-        let mut chosen = evenly(views.len(), most).into_iter();
-        let frames: Vec<&Frame> = chosen.clone().map(|n| views[n]).collect();
+        let most = if self.options.val_all { usize::MAX } else { VIEWS };
+        let chosen = validated(self.scene, self.step, most);
+        let frames: Vec<&Frame> = chosen.iter().map(|(frame, _)| *frame).collect();
+        let mut files = chosen.iter().map(|(_, file)| file);
         evaluate(&*self.model, frames, background, false, |_, view| {
-            let n = chosen.next().expect("a view for each that was chosen");
-            let name = format!("views/step{:06}_view{n:02}.png", self.step);
-            picture::write_png(&self.folder.file(&name), view.rgb.view())
+            let file = files.next().expect("a file for each view that was chosen");
+            picture::write_png(&self.folder.file(file), view.rgb.view())
         })
     }
 
@@ -278,6 +277,13 @@ impl<'a> Run<'a> {
         }
         Ok(())
     }
+}
+
+/// The frames that a full validation of at most so many views has after a step, each with its view's file in the run's folder.
+pub(crate) fn validated(scene: &Scene, step: u64, most: usize) -> Vec<(&Frame, String)> {
+    let views: Vec<&Frame> = scene.val.iter().filter(|frame| frame.image.is_some()).collect();
+    let file = |n: usize| format!("views/step{step:06}_view{n:02}.png");
+    evenly(views.len(), most).into_iter().map(|n| (views[n], file(n))).collect()
 }
 
 /// At most `most` of `count` numbers, as far from each other as from the ends twice over.

@@ -11,6 +11,7 @@ use crate::parallel;
 use crate::random::Key;
 use crate::ray::{camera_ray, pixel_position};
 use crate::scene::Scene;
+use crate::training::probe::Cells;
 
 /// An update samples every cell whose index equals its number modulo this.
 const PARTS: usize = 8;
@@ -94,6 +95,13 @@ impl Grid {
     /// Share of the cells that are occupied.
     pub(crate) fn fraction(&self) -> f64 {
         self.cells.fraction()
+    }
+
+    /// The same for people to look at.
+    pub(crate) fn to_cells(&self) -> Cells {
+        let resolution = self.cells.resolution;
+        let occupied = (0..resolution.pow(3)).map(|cell| self.cells.occupied(cell)).collect();
+        Cells { low: self.low.into(), high: self.high.into(), resolution, occupied }
     }
 
     /// Whether a point may have a density: it lies in an occupied cell, or outside the grid.
