@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::options::{at_most, distance, positive};
 use super::output;
-use crate::camera::Camera;
+use crate::camera::{Camera, Lens};
 use crate::convention::{Grid, PixelCenter};
 use crate::error::Result;
 use crate::files::npz::{self, Arrays};
@@ -165,12 +165,16 @@ fn arrays(scene: &Scene, shown: &[(Camera, RgbImage)], drawn: &[Drawn]) -> Array
 /// The object of `--json`.
 fn summary(scene: &Scene, files: &[String; 2]) -> serde_json::Value {
     let (width, height) = scene.size();
-    let lens = scene.train[0].camera.distortion;
+    let (distortion, fisheye) = match scene.train[0].camera.distortion {
+        None => (None, None),
+        Some(Lens::Opencv(lens)) => (Some(lens), None),
+        Some(Lens::Fisheye(k)) => (None, Some(k)),
+    };
     json!({
         "scene": scene.name, "train": scene.train.len(), "val": scene.val.len(), "test": scene.test.len(),
         "width": width, "height": height, "near": scene.near, "far": scene.far, "focus": scene.focus.to_array(),
         "bounds": scene.bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
-        "intrinsics": scene.train[0].camera.k, "distortion": lens,
+        "intrinsics": scene.train[0].camera.k, "distortion": distortion, "fisheye": fisheye,
         "points": scene.cloud.as_ref().map(|cloud| json!({"count": cloud.points.len(), "reprojection": cloud.reprojection})),
         "reasons": scene.reasons, "warnings": scene.warnings, "files": files,
     })

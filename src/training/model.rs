@@ -4,6 +4,7 @@ use std::any::Any;
 
 use serde_json::{Map, Value};
 
+use crate::convention::Directions;
 use crate::error::Result;
 use crate::files::npz::Arrays;
 use crate::ray::Ray;
@@ -40,6 +41,11 @@ pub trait Model: Any + Sync + Send {
 
     /// Renders rays in evaluation mode: nothing random.
     fn render(&self, rays: &[Ray]) -> Vec<Pixel>;
+
+    /// The length of the directions whose multiples t are: those that a ray of depth 1 has, for models that measure along the camera's axis.
+    fn directions(&self) -> Directions {
+        Directions::Unit
+    }
 
     /// The whole state by name, as a checkpoint stores it.
     fn state(&self) -> Arrays;
