@@ -21,8 +21,7 @@ static LOST: AtomicBool = AtomicBool::new(false);
 /// # Errors
 /// Where stdout doesn't take it: a full disk, a closed pipe.
 pub(super) fn print(json: bool, object: &Value, text: &str) -> Result<()> {
-    let text =
-        if json { json_escaped(&object.to_string()).into_owned() + "\n" } else { lines(text).into_owned() };
+    let text = if json { json_line(object) } else { lines(text).into_owned() };
     let mut out = io::stdout().lock();
     out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|source| Error::Io {
         path: "stdout".into(),
@@ -30,6 +29,11 @@ pub(super) fn print(json: bool, object: &Value, text: &str) -> Result<()> {
         source,
         remedy: "Send it where there is space left.".into(),
     })
+}
+
+/// An object as `--json` prints it.
+pub(super) fn json_line(object: &Value) -> String {
+    json_escaped(&object.to_string()).into_owned() + "\n"
 }
 
 /// A line on stderr. A run goes on where nobody can read it any more, but doesn't end with exit code 0: [`lost`].

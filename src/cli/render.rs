@@ -5,10 +5,12 @@ use std::process::ExitCode;
 
 use image::RgbImage;
 use ndarray::Array3;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::evaluate::open;
+use super::evaluate::{Trained, open};
+use super::merge::Merged;
 use super::options::{Backend, at_most, color, size, threads};
+use super::shard::{self, Piece, Shard};
 use super::{output, progress};
 use crate::camera::{Camera, Intrinsics};
 use crate::error::Result;
@@ -40,6 +42,9 @@ pub(super) struct Args {
     /// Depth (near white, far black) in the place of color.
     #[arg(long)]
     pub depth: bool,
+    /// I/N: every Nth frame from the Ith on, as a part for merge, in the folder --out.
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
     /// Threads; all cores by default.
     #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
@@ -90,21 +95,51 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
 
 /// Renders as `args` say; returns how many frames.
 pub(super) fn render(args: &Args) -> Result<usize> {
-    if is_film(&args.out) { files::check_replaceable(&args.out) } else { files::check_writable(&args.out) }?;
+    if is_film(&args.out) && args.shard.is_none() {
+        files::check_replaceable(&args.out)
+    } else {
+        files::check_writable(&args.out)
+    }?;
     let trained = open(&args.run, args.backend, false)?;
     let scene = &trained.scene;
     let cameras = cameras(args, scene)?;
     let background = args.background.unwrap_or(scene.background).map(|b| b as f32);
-    let bar = progress::bar(Some(cameras.len() as u64), "render");
+    let mine = || (0..cameras.len()).filter(|n| shard::has(args.shard, *n));
+    let bar = progress::bar(Some(mine().count() as u64), "render");
     let mut frames = vec![];
-    for camera in &cameras {
+    for camera in mine().map(|n| &cameras[n]) {
         let view = render_view(&*trained.model, camera, background)?;
         let rgb = if args.depth { depth_picture(&view, scene.near, scene.far) } else { view.rgb };
         frames.push(picture::to_rgb(rgb.view()));
         bar.inc(1);
     }
     bar.finish_and_clear();
-    write(&args.out, &frames)?;
+    let count = frames.len();
+    match args.shard {
+        None => write(&args.out, &frames)?,
+        Some(shard) => {
+            let piece = |(number, picture)| Piece { number, value: Value::Null, picture: Some(picture) };
+            let work = work(args, &trained, &cameras, background)?;
+            shard::write(&args.out, shard, &work, cameras.len(), mine().zip(frames).map(piece).collect())?;
+        }
+    }
+    Ok(count)
+}
+
+/// All that determines the frames.
+fn work(args: &Args, trained: &Trained, cameras: &[Camera], background: [f32; 3]) -> Result<Value> {
+    Ok(json!({
+        "command": "render", "version": env!("CARGO_PKG_VERSION"), "step": trained.step,
+        "checkpoint": shard::of_file(&args.run.join("checkpoint.npz"))?, "cameras": shard::of_cameras(cameras),
+        "backend": args.backend, "background": background, "depth": args.depth,
+    }))
+}
+
+/// The film of parts; returns how many frames.
+pub(super) fn merge(whole: &Merged, out: &Path) -> Result<usize> {
+    if is_film(out) { files::check_replaceable(out) } else { files::check_writable(out) }?;
+    let frames = whole.pictures()?;
+    write(out, &frames)?;
     Ok(frames.len())
 }
 
