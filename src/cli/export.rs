@@ -11,7 +11,7 @@ use crate::error::{Error, Input, Result};
 use crate::files;
 use crate::files::npz::{self, Arrays};
 use crate::training::checkpoint::RunFolder;
-use crate::training::foreign::mapping::SCHEMA;
+use crate::training::foreign::mapping::{Mapping, SCHEMA};
 use crate::training::foreign::own;
 use crate::training::nerf;
 
@@ -37,7 +37,11 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let state = folder.load()?.state;
     let model = settings["model"].as_str().unwrap_or_default();
     let (arrays, mapping) = match model {
-        FOREIGN => (own(&state), settings["mapping"].clone()),
+        FOREIGN => {
+            let mapping = settings.get("mapping").cloned().unwrap_or_default();
+            Mapping::parse(&mapping, &file)?;
+            (own(&state), mapping)
+        }
         "nerf" => (nerf::parameters(&state), mapping(&settings, &file)?),
         _ => {
             let remedy = "Train with --model nerf; what the compact model has learned is in checkpoint.npz.";
