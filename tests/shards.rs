@@ -205,7 +205,7 @@ fn a_pool_of_processes_survives_a_kill() {
     killed.wait().unwrap();
     assert!(!root.join("parts/2/part.json").exists());
     let line = format!(
-        "seq 4 | xargs -P 2 -I N {PROGRAM} render {run_of} --path orbit:12 --shard N/4 --out {}/parts/N",
+        "seq 4 | xargs -P 2 -I{{}} {PROGRAM} render {run_of} --path orbit:12 --shard {{}}/4 --out {}/parts/{{}}",
         root.display()
     );
     for _ in 0..2 {
