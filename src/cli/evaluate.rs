@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use clap::ValueEnum;
 use serde_json::{Value, json};
 
-use super::merge::Merged;
 use super::options::{Backend, positive, threads};
+use super::parts::Merged;
 use super::recipe::{build, load_scene};
 use super::shard::{self, Piece, Shard, exact};
 use super::{output, progress, recorded};

@@ -27,6 +27,7 @@ mod matrix;
 mod merge;
 mod options;
 mod output;
+mod parts;
 mod progress;
 mod recipe;
 mod recorded;

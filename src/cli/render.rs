@@ -8,8 +8,8 @@ use ndarray::Array3;
 use serde_json::{Value, json};
 
 use super::evaluate::{Trained, open};
-use super::merge::Merged;
 use super::options::{Backend, at_most, color, size, threads};
+use super::parts::Merged;
 use super::shard::{self, Piece, Shard};
 use super::{output, progress};
 use crate::camera::{Camera, Intrinsics};

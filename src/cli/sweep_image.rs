@@ -7,8 +7,8 @@ use image::RgbImage;
 use ndarray::Array3;
 use serde_json::{Value, json};
 
-use super::merge::Merged;
 use super::options::{at_most, none_or, positive, positive_number, steps, threads};
+use super::parts::Merged;
 use super::shard::{self, Piece, Shard, exact};
 use super::{fit_image, output, progress};
 use crate::error::{Error, Result};
