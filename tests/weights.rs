@@ -222,9 +222,9 @@ fn another_programs_network_shows_what_it_showed_there() {
             "--out",
             &out,
         ]);
-        // Every 40th: the same to some tenths, in seconds.
-        let found = psnr(&out, &["--every", "40"]);
-        assert!((found - expected).abs() < 0.7, "{name}: {found} dB, {expected} expected");
+        // Every 16th is a quarter of those pixels, which takes seconds, not a minute.
+        let found = psnr(&out, &["--every", "16"]);
+        assert!((found - expected).abs() < 0.5, "{name}: {found} dB, {expected} expected");
     }
     json_of(&["export", &path(root, "fine"), "--out", &path(root, "back.npz")]);
     let mut theirs = npz::read(Path::new(&weights)).unwrap();

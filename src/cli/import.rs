@@ -12,7 +12,7 @@ use crate::error::{Error, Input, Result};
 use crate::files::npz::{Arrays, Npz};
 use crate::files::{self, json as parsed, safetensors};
 use crate::limits;
-use crate::scene::Scene;
+use crate::scene::{Scene, listed};
 use crate::training::checkpoint::RunFolder;
 use crate::training::foreign::mapping::Mapping;
 use crate::training::foreign::{ForeignModel, keep};
@@ -61,7 +61,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let scene = recipe::load_scene(&recipe, false, "arguments")?;
     let mut warnings = scene.warnings.clone();
     if !unused.is_empty() {
-        let names = unused.join(", ");
+        let names = listed(&unused);
         warnings.push(format!("{}: arrays that the mapping doesn't name: {names}.", args.weights.display()));
     }
     warnings.iter().for_each(|warning| output::say(&format!("warning: {warning}")));

@@ -38,6 +38,8 @@ pub use crate::files::photo::Photo;
 pub use builtin::Medium;
 pub use card::card;
 pub use cloud::Cloud;
+#[cfg(feature = "cli")]
+pub(crate) use fields::listed;
 pub use layout::common_focus;
 pub use rays::pixel_ray;
 
