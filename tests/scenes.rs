@@ -6,6 +6,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use nerf_oracle::Error;
+use nerf_oracle::camera::{Distortion, Lens};
 use nerf_oracle::files::npz;
 use nerf_oracle::ray::camera_ray;
 use nerf_oracle::scene::{self, Options, Scene};
@@ -45,7 +46,7 @@ fn fox_has_a_lens_an_off_center_axis_and_every_eighth_frame_held_out() {
     assert_eq!((scene.val[0].name.as_str(), scene.warnings.len()), ("images/0001.png", 0));
     let camera = &scene.train[0].camera;
     assert_eq!((camera.k.fx, camera.k.fy, camera.k.cx, camera.k.cy), (171.94, 171.81125, 69.31975, 120.6585));
-    assert_eq!(camera.distortion.unwrap().k1, 0.0578421);
+    assert!(matches!(camera.distortion, Some(Lens::Opencv(Distortion { k1: 0.0578421, .. }))));
     // The nearest camera stands 3.77 from the focus, the farthest 6.32.
     assert!((scene.near - 3.77 / 2.0).abs() < 0.01 && (scene.far - 2.0 * 6.32).abs() < 0.01);
 }
@@ -113,7 +114,8 @@ fn a_frame_has_its_own_intrinsics_and_lens() {
     });
     let scene = load(folder.path()).unwrap();
     assert_eq!((scene.train[0].camera.k.fx, scene.val[0].camera.k.fx), (9.0, 8.0));
-    assert_eq!(scene.train[0].camera.distortion.unwrap().k1, 0.1);
+    let lens = Lens::Opencv(Distortion { k1: 0.1, ..Distortion::default() });
+    assert_eq!(scene.train[0].camera.distortion, Some(lens));
     assert_eq!(scene.val[0].camera.distortion, None);
 }
 
@@ -226,11 +228,9 @@ fn bad_transforms_are_refused_by_field() {
         (&["fl_y", "0", "positive"], |json| json["fl_y"] = json!(0)),
         (&["neither fl_x nor camera_angle_x"], |json| drop(json.as_object_mut().unwrap().remove("fl_x"))),
         (&["size of a.png", "6x4", "12x8"], |json| (json["w"], json["h"]) = (json!(12), json!(8))),
-        (&["camera_model", "OPENCV_FISHEYE", "undistort"], |json| {
-            json["camera_model"] = json!("OPENCV_FISHEYE")
-        }),
-        (&["k3 of a.png", "0.01"], |json| json["k3"] = json!(0.01)),
-        (&["is_fisheye of b.png"], |json| json["frames"][0]["is_fisheye"] = json!(true)),
+        (&["camera_model", "FISHEYE624", "undistort"], |json| json["camera_model"] = json!("FISHEYE624")),
+        (&["k4 of a.png", "0.01"], |json| json["k4"] = json!(0.01)),
+        (&["is_latlong of b.png"], |json| json["frames"][0]["is_latlong"] = json!(true)),
         (&["transform_matrix of b.png", "no matrix"], |json| {
             json["frames"][0]["transform_matrix"] = json!("I")
         }),

@@ -100,6 +100,7 @@ fn film(run: &Path, out: &Path) -> render::Args {
         size: Some((128, 128)),
         depth: false,
         threads: None,
+        shard: None,
         backend: Backend::Fast,
     }
 }

@@ -9,7 +9,7 @@ use serde_json::json;
 use self::drawn::{Asked, Drawn};
 use super::options::{Backend, at_most, distance, positive};
 use super::{evaluate, output};
-use crate::camera::Camera;
+use crate::camera::{Camera, Lens};
 use crate::error::Result;
 use crate::files::npz;
 use crate::files::{self, picture};
@@ -144,12 +144,16 @@ fn thumbnail(frame: &Frame, (w, h): (usize, usize)) -> RgbImage {
 /// The object of `--json`.
 fn summary(scene: &Scene, files: &[String]) -> serde_json::Value {
     let (width, height) = scene.size();
-    let lens = scene.train[0].camera.distortion;
+    let (distortion, fisheye) = match scene.train[0].camera.distortion {
+        None => (None, None),
+        Some(Lens::Opencv(lens)) => (Some(lens), None),
+        Some(Lens::Fisheye(k)) => (None, Some(k)),
+    };
     json!({
         "scene": scene.name, "train": scene.train.len(), "val": scene.val.len(), "test": scene.test.len(),
         "width": width, "height": height, "near": scene.near, "far": scene.far, "focus": scene.focus.to_array(),
         "bounds": scene.bounds.map(|(low, high)| [low.to_array(), high.to_array()]),
-        "intrinsics": scene.train[0].camera.k, "distortion": lens,
+        "intrinsics": scene.train[0].camera.k, "distortion": distortion, "fisheye": fisheye,
         "points": scene.cloud.as_ref().map(|cloud| json!({"count": cloud.points.len(), "reprojection": cloud.reprojection})),
         "reasons": scene.reasons, "warnings": scene.warnings, "files": files,
     })

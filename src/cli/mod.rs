@@ -17,22 +17,27 @@ mod completions;
 mod demo;
 mod evaluate;
 mod explain;
+mod export;
 mod fit_image;
 mod grade;
+mod import;
 mod inspect;
 mod judge;
 mod list;
 mod live;
 mod man;
 mod matrix;
+mod merge;
 mod options;
 mod output;
 mod paint;
+mod parts;
 mod progress;
 mod recipe;
 mod recorded;
 mod render;
 mod run_page;
+mod shard;
 mod signals;
 mod spelling;
 mod sweep_image;
@@ -71,6 +76,12 @@ enum Command {
     View(view::Args),
     /// Show a scene's cameras, rays and samples from outside, as numbers and as a picture.
     Inspect(inspect::Args),
+    /// Make a run of another program's weights, by a mapping of their names.
+    Import(import::Args),
+    /// Write a run's weights for other programs.
+    Export(export::Args),
+    /// Put the parts of --shard together, as one process would have written them.
+    Merge(merge::Args),
     List(list::Args),
     Explain(explain::Args),
     Check(check::Args),
@@ -121,6 +132,9 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Render(args) => render::run(args, cli.json),
         Command::View(args) => view::run(args, cli.json),
         Command::Inspect(args) => inspect::run(args, cli.json),
+        Command::Import(args) => import::run(args, cli.json),
+        Command::Export(args) => export::run(args, cli.json),
+        Command::Merge(args) => merge::run(args, cli.json),
         Command::List(args) => list::run(args, cli.json),
         Command::Explain(args) => explain::run(args, cli.json),
         Command::Check(args) => check::run(args, cli.json),

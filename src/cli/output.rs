@@ -36,8 +36,7 @@ pub(super) fn quiet() -> bool {
 /// # Errors
 /// Where stdout doesn't take it: a full disk, a closed pipe.
 pub(super) fn print(json: bool, object: &Value, text: &str) -> Result<()> {
-    let text =
-        if json { json_escaped(&object.to_string()).into_owned() + "\n" } else { lines(text).into_owned() };
+    let text = if json { json_line(object) } else { lines(text).into_owned() };
     let plain = json || AutoStream::choice(&io::stdout()) == ColorChoice::Never;
     let mut out = io::stdout().lock();
     let written = if plain {
@@ -51,6 +50,11 @@ pub(super) fn print(json: bool, object: &Value, text: &str) -> Result<()> {
         source,
         remedy: "Send it where there is space left.".into(),
     })
+}
+
+/// An object as `--json` prints it.
+pub(super) fn json_line(object: &Value) -> String {
+    json_escaped(&object.to_string()).into_owned() + "\n"
 }
 
 /// A line on stderr. A run goes on where nobody can read it any more, but doesn't end with exit code 0: [`lost`].

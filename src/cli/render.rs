@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use image::RgbImage;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::evaluate::open;
+use super::evaluate::{Trained, open};
 use super::options::{Backend, at_most, color, size, threads};
+use super::parts::Merged;
+use super::shard::{self, Piece, Shard};
 use super::{output, progress};
 use crate::camera::Camera;
 use crate::error::Result;
@@ -40,6 +42,9 @@ pub(super) struct Args {
     /// Depth in the place of color: viridis, near bright and far dark, with its scale under each frame.
     #[arg(long)]
     pub depth: bool,
+    /// I/N: every Nth frame from the Ith on, as a part for merge, in the folder --out.
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
     /// Threads; all cores by default.
     #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
@@ -90,34 +95,89 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
 
 /// Renders and writes as `args` say; returns how many frames.
 fn render(args: &Args) -> Result<usize> {
-    let frames = frames(args)?;
-    write(&args.out, &frames)?;
-    Ok(frames.len())
+    let asked = Asked::new(args)?;
+    let frames = asked.frames(args)?;
+    let count = frames.len();
+    match args.shard {
+        None => write(&args.out, &frames)?,
+        Some(shard) => {
+            let piece = |(number, picture)| Piece { number, value: Value::Null, picture: Some(picture) };
+            let pieces = asked.mine(args).zip(frames).map(piece).collect();
+            shard::write(&args.out, shard, &asked.work(args)?, asked.cameras.len(), pieces)?;
+        }
+    }
+    Ok(count)
 }
 
 /// The frames as `args` say, once it is known that they can be written.
 pub(super) fn frames(args: &Args) -> Result<Vec<RgbImage>> {
-    match Format::of(&args.out) {
-        Some(format) => files::check_replaceable(&args.out).and_then(|()| format.check(&args.out))?,
-        None => files::check_writable(&args.out)?,
+    Asked::new(args)?.frames(args)
+}
+
+/// Whether a film, or a folder, can be written there.
+fn check(out: &Path) -> Result<()> {
+    match Format::of(out) {
+        Some(format) => files::check_replaceable(out).and_then(|()| format.check(out)),
+        None => files::check_writable(out),
     }
-    let trained = open(&args.run, args.backend, false)?;
-    let scene = &trained.scene;
-    let cameras = cameras(args, scene)?;
-    let background = args.background.unwrap_or(scene.background).map(|b| b as f32);
-    let bar = progress::bar(Some(cameras.len() as u64), "render");
-    let mut frames = vec![];
-    for camera in &cameras {
-        let view = render_view(&*trained.model, camera, background)?;
-        frames.push(if args.depth {
-            depth::with_scale(&depth::picture(&view, scene.near, scene.far), scene.near, scene.far)
-        } else {
-            picture::to_rgb(view.rgb.view())
-        });
-        bar.inc(1);
+}
+
+/// A model, and what is asked of it.
+struct Asked {
+    trained: Trained,
+    cameras: Vec<Camera>,
+    background: [f32; 3],
+}
+
+impl Asked {
+    fn new(args: &Args) -> Result<Asked> {
+        if args.shard.is_some() { files::check_writable(&args.out) } else { check(&args.out) }?;
+        let trained = open(&args.run, args.backend, false)?;
+        let cameras = cameras(args, &trained.scene)?;
+        let background = args.background.unwrap_or(trained.scene.background).map(|b| b as f32);
+        Ok(Asked { trained, cameras, background })
     }
-    bar.finish_and_clear();
-    Ok(frames)
+
+    /// The numbers of the frames of this shard.
+    fn mine(&self, args: &Args) -> impl Iterator<Item = usize> {
+        let shard = args.shard;
+        (0..self.cameras.len()).filter(move |n| shard::has(shard, *n))
+    }
+
+    fn frames(&self, args: &Args) -> Result<Vec<RgbImage>> {
+        let scene = &self.trained.scene;
+        let bar = progress::bar(Some(self.mine(args).count() as u64), "render");
+        let mut frames = vec![];
+        for n in self.mine(args) {
+            let view = render_view(&*self.trained.model, &self.cameras[n], self.background)?;
+            frames.push(if args.depth {
+                depth::with_scale(&depth::picture(&view, scene.near, scene.far), scene.near, scene.far)
+            } else {
+                picture::to_rgb(view.rgb.view())
+            });
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(frames)
+    }
+
+    /// All that determines the frames.
+    fn work(&self, args: &Args) -> Result<Value> {
+        Ok(json!({
+            "command": "render", "version": env!("CARGO_PKG_VERSION"), "step": self.trained.step,
+            "checkpoint": shard::of_file(&args.run.join("checkpoint.npz"))?,
+            "cameras": shard::of_cameras(&self.cameras),
+            "backend": args.backend, "background": self.background, "depth": args.depth,
+        }))
+    }
+}
+
+/// The film of parts; returns how many frames.
+pub(super) fn merge(whole: &Merged, out: &Path) -> Result<usize> {
+    check(out)?;
+    let frames = whole.pictures()?;
+    write(out, &frames)?;
+    Ok(frames.len())
 }
 
 /// One film, or a folder with frames and a film.

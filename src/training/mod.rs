@@ -6,6 +6,7 @@
 pub mod checkpoint;
 pub mod compact;
 pub mod fit;
+pub mod foreign;
 pub mod identity;
 pub mod image;
 mod log;

@@ -4,6 +4,7 @@ use std::any::Any;
 
 use serde_json::{Map, Value};
 
+use crate::convention::Directions;
 use crate::error::Result;
 use crate::files::npz::Arrays;
 use crate::ray::Ray;
@@ -47,6 +48,11 @@ pub trait Model: Any + Sync + Send {
 
     /// The cells that it takes for occupied, where it keeps a grid.
     fn cells(&self) -> Option<Cells>;
+
+    /// The length of the directions whose multiples t are: those that a ray of depth 1 has, for models that measure along the camera's axis.
+    fn directions(&self) -> Directions {
+        Directions::Unit
+    }
 
     /// The whole state by name, as a checkpoint stores it.
     fn state(&self) -> Arrays;

@@ -342,6 +342,15 @@ fn flat(net: &NerfMlp) -> Vec<f32> {
     net.layers().iter().flat_map(|(_, l)| l.w.iter().chain(&l.b)).map(|&x| x as f32).collect()
 }
 
+/// The parameters of a checkpoint's state, without what the optimizer and the grid keep.
+pub fn parameters(state: &Arrays) -> Arrays {
+    let layer = |name: &&String| {
+        let name = name.strip_prefix(FINE).unwrap_or(name);
+        !name.contains('.') && (name.ends_with("_w") || name.ends_with("_b"))
+    };
+    state.iter().filter(|(name, _)| layer(name)).map(|(name, array)| (name.clone(), array.clone())).collect()
+}
+
 /// An array of a checkpoint, by name and shape.
 fn find(state: &Arrays, name: &str, shape: &[usize], file: &str) -> Result<ndarray::ArrayD<f64>> {
     let remedy = "Use the options that the run was trained with, or train it again.";

@@ -1,5 +1,6 @@
 //! Whether a checkpoint is what training writes: checked value by value before anything is computed with it.
 
+use super::foreign;
 use super::model::Model;
 use super::watch::Watch;
 use crate::error::{Error, Input, Result};
@@ -45,6 +46,10 @@ pub(crate) fn numbers(state: &Arrays, step: u64, file: &str) -> Result<()> {
 }
 
 fn numbers_of(name: &str, array: &Array, step: u64, file: &str) -> Result<()> {
+    if name.starts_with(foreign::PREFIX) {
+        // Another program's names mean nothing here; who takes the arrays checks them.
+        return Ok(());
+    }
     if let Array::I64(whole) = array {
         let counts = ["adam_step", "compact_progress"].iter().any(|counter| name.ends_with(counter));
         return match whole.first() {
