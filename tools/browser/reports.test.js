@@ -70,7 +70,7 @@ test("the judge's page: the verdict, the diagnosis, where it is wrong, the case 
   await readable(at("judged", "index.html"), async (page) => {
     assert.equal(await page.locator("td.fail").first().innerText(), "fail");
     const text = await page.locator("main").innerText();
-    for (const said of [/consistent with: inclusive_transmittance/, /the smallest case that is wrong/, /Where colors is wrong, in case/]) assert.match(text, said);
+    for (const said of [/consistent with: inclusive_transmittance/, /the smallest case that is wrong/, /Where (colors|weights) is wrong, in case/]) assert.match(text, said);
     assert.ok((await page.locator("figure svg rect").count()) > 4);
   });
 });

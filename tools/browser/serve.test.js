@@ -34,6 +34,7 @@ const shown = async (page, before = 0) => {
 const view = (page) => page.locator("#view").screenshot().then((png) => png.toString("base64"));
 
 async function drag(page) {
+  await page.locator("#stage").evaluate((stage) => stage.scrollIntoView({ block: "center" }));
   const box = await page.locator("#stage").boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
