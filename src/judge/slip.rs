@@ -31,7 +31,7 @@ pub(crate) enum Change {
 /// Elements, one by one. The likelier come first: of two that give the same numbers, that one is named.
 pub(crate) const EACH: &[(&str, fn(f64) -> f64)] = &[
     ("left out: 0", |_| 0.0),
-    ("negative", |x| -x),
+    ("with the other sign", |x| -x),
     ("through a ReLU", |x| x.max(0.0)),
     ("clamped to [0, 1]", |x| x.clamp(0.0, 1.0)),
     ("without its sign", f64::abs),

@@ -68,7 +68,7 @@ pub(crate) fn svg(title: &str, shape: &[usize], used: &[f64]) -> String {
         svg += &text(left - 8.0, top + cell * high as f64, "end", format!("{}", rows - 1));
     }
     for (n, (_, color, name)) in STEPS.iter().enumerate() {
-        let x = left + 145.0 * n as f64;
+        let x = left + 165.0 * n as f64;
         let _ = writeln!(
             svg,
             "<rect x=\"{x}\" y=\"{:.1}\" width=\"12\" height=\"12\" fill=\"{color}\"/>",

@@ -1,11 +1,13 @@
 //! Whether a checkpoint is what training writes: checked value by value before anything is computed with it.
 
-use super::foreign;
 use super::model::Model;
 use super::watch::Watch;
 use crate::error::{Error, Input, Result};
 use crate::files::npz::{Array, Arrays};
 use crate::limits::STEPS;
+
+/// What a checkpoint puts before the name of an array of another program, which could be one of training's.
+pub(crate) const FOREIGN: &str = "weights.";
 
 const REMEDY: &str = "Use the checkpoint of this very run, or train it again.";
 
@@ -46,7 +48,7 @@ pub(crate) fn numbers(state: &Arrays, step: u64, file: &str) -> Result<()> {
 }
 
 fn numbers_of(name: &str, array: &Array, step: u64, file: &str) -> Result<()> {
-    if name.starts_with(foreign::PREFIX) {
+    if name.starts_with(FOREIGN) {
         // Another program's names mean nothing here; who takes the arrays checks them.
         return Ok(());
     }

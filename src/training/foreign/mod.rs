@@ -13,6 +13,7 @@ use super::checkpoint::{Checkpoint, RunFolder};
 use super::model::{Model, Pixel, StepReport};
 use super::probe::{Cells, Probe};
 use super::reference::interval_edges;
+use super::sound::FOREIGN;
 use crate::convention::{Conventions, Delta, Directions, Grid, LastDelta, PdfDivision, PixelCenter};
 use crate::encoding::{Encoding, positional_encoding};
 use crate::error::{Error, Result};
@@ -30,9 +31,6 @@ mod network;
 
 #[cfg(test)]
 mod tests;
-
-/// What a checkpoint puts before an array's own name, which could be one of training's.
-pub const PREFIX: &str = "weights.";
 
 /// Rays that are rendered together.
 const CHUNK: usize = 32;
@@ -89,7 +87,7 @@ impl ForeignModel {
         };
         self.networks = Some(networks);
         let mine = arrays.iter().filter(|(name, _)| taken.contains(*name));
-        self.arrays = mine.map(|(name, array)| (format!("{PREFIX}{name}"), array.clone())).collect();
+        self.arrays = mine.map(|(name, array)| (format!("{FOREIGN}{name}"), array.clone())).collect();
         Ok(arrays.keys().filter(|name| !taken.contains(*name)).cloned().collect())
     }
 
@@ -263,7 +261,7 @@ impl Model for ForeignModel {
 /// The imported arrays of a checkpoint's state, under their own names.
 pub fn own(state: &Arrays) -> Arrays {
     let own =
-        |(name, array): (&String, &_)| Some((name.strip_prefix(PREFIX)?.to_string(), Clone::clone(array)));
+        |(name, array): (&String, &_)| Some((name.strip_prefix(FOREIGN)?.to_string(), Clone::clone(array)));
     state.iter().filter_map(own).collect()
 }
 
