@@ -15,6 +15,7 @@ use crate::parallel;
 use crate::random::Key;
 use crate::ray::draw_index;
 
+#[cfg(feature = "cli")]
 pub(crate) mod aim;
 pub mod builtin;
 mod card;
