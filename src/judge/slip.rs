@@ -75,7 +75,7 @@ pub(crate) const ALONG: &[(&str, fn(&[f64]) -> Vec<f64>)] = &[
     ("one early, with 0 behind", |x| earlier(x, 0.0)),
     ("one early, with the last twice", |x| earlier(x, x[x.len() - 1])),
     ("one early, around the end", |x| earlier(x, x[0])),
-    ("reversed", |x| x.iter().rev().copied().collect()),
+    ("back to front", |x| x.iter().rev().copied().collect()),
     ("its mean", |x| vec![x.iter().sum::<f64>() / x.len() as f64; x.len()]),
     ("its first element for all", |x| vec![x[0]; x.len()]),
     ("its last element for all", |x| vec![x[x.len() - 1]; x.len()]),
