@@ -150,7 +150,9 @@ pub(crate) fn find(questions: &[(&Question, &Answers)], options: &MarkOptions) -
     }
     let survivors: Vec<Vec<Partial>> = parallel::map(questions.len(), |n| {
         let (question, answers) = questions[n];
-        let all = possible(question, answers, assignments(question.component, &CS180), &CS180, options);
+        let mut all = assignments(question.component, &CS180);
+        all.retain(|p| question.admits(&apply(p, &CS180)));
+        let all = possible(question, answers, all, &CS180, options);
         all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
     });
     let mut order: Vec<usize> = (0..questions.len()).filter(|&n| !survivors[n].is_empty()).collect();
