@@ -27,7 +27,7 @@ const RUN: Holds = Object(&[
     ("model", Word(&["compact", "nerf", "foreign"])), ("mapping", Maybe(&Anything)), ("weights", Maybe(&Text)), ("backend", Word(&["fast", "reference"])), ("seed", Whole(0, u64::MAX)),
     ("rays", Maybe(&Whole(1, RAYS as u64))), ("samples", Maybe(&Whole(1, SAMPLES as u64))),
     ("fine", Maybe(&Whole(0, SAMPLES as u64))), ("lr", POSITIVE), ("width", Maybe(&Whole(1, WIDTH as u64))),
-    ("skip", Maybe(&Flag)), ("steps", COUNT), ("without", Maybe(&List(&Text))), ("version", Text),
+    ("skip", Maybe(&Flag)), ("steps", COUNT), ("space", Maybe(&Text)), ("without", Maybe(&List(&Text))), ("version", Text),
     ("derived", Object(&[])), ("reasons", Object(&[])), ("settings", Object(&[])),
     ("end", Object(&[("steps", COUNT), ("seconds", POSITIVE), ("stop_at_psnr", Maybe(&Number(f64::MIN, f64::MAX)))])),
     ("threads", Maybe(&Whole(1, 1 << 16))), ("machine", Maybe(&Anything)), ("warnings", Maybe(&List(&Text))),
@@ -63,6 +63,16 @@ pub(super) fn derived(scene: &Scene) -> Value {
         "train_frames": scene.train.len(), "val_frames": scene.val.len(), "test_frames": scene.test.len(),
         "focus": scene.focus.to_array(),
     })
+}
+
+/// What `run.json` says of every run, whether it is trained here or its weights come from elsewhere.
+pub(super) fn begun(recipe: &Map<String, Value>, scene: &Scene, model: &dyn Model) -> Map<String, Value> {
+    let mut run = recipe.clone();
+    run.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+    run.insert("derived".into(), derived(scene));
+    run.insert("reasons".into(), Value::Object(scene.reasons.clone()));
+    run.insert("settings".into(), Value::Object(model.settings()));
+    run
 }
 
 /// Checks that the scene and the model are those of `run.json`.
