@@ -12,7 +12,7 @@ use crate::field::nerf_mlp::Shape;
 use crate::limits::{self, COMPACT_SAMPLE, PARAMETER, STEP_SAMPLE};
 use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
-use crate::training::compact::{CompactModel, CompactSettings, Overrides, Part};
+use crate::training::compact::{CompactModel, CompactSettings, Extent, Overrides, Part};
 use crate::training::foreign::ForeignModel;
 use crate::training::foreign::mapping::Mapping;
 use crate::training::identity::Identity;
@@ -23,7 +23,7 @@ use crate::training::nerf::{NerfModel, NerfSettings, Skip};
 pub(super) const FOREIGN: &str = "foreign";
 
 /// What `--resume` may not change.
-const KEPT: [&str; 12] = [
+const KEPT: [&str; 13] = [
     "scene",
     "scene_options",
     "model",
@@ -34,6 +34,7 @@ const KEPT: [&str; 12] = [
     "fine",
     "lr",
     "width",
+    "space",
     "without",
     "skip",
 ];
@@ -50,7 +51,7 @@ pub(super) fn given(args: &Args) -> Map<String, Value> {
     let recipe = json!({
         "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
         "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
-        "skip": args.skip, "steps": args.steps, "without": args.without,
+        "skip": args.skip, "steps": args.steps, "space": args.space, "without": args.without,
     });
     let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
     recipe
@@ -88,7 +89,7 @@ pub(super) fn check_kept(
     file: &str,
 ) -> Result<()> {
     // A field that an older run lacks was at its default.
-    let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
+    let defaults = json!({"fine": 0, "width": null, "skip": false, "space": "box", "without": []});
     for &name in names {
         let had = before.get(name).unwrap_or(&defaults[name]);
         if *had != recipe[name] {
@@ -129,27 +130,35 @@ pub(super) fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &
 
 /// The model that a recipe describes, with its initial parameters.
 pub(super) fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
-    // A run from before this option has none.
-    let without = recipe.get("without").cloned().unwrap_or_else(|| json!([]));
-    let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {
-        Error::input(Input {
-            file: "run.json",
-            field: "without",
-            found: error,
-            expected: "names of parts",
-            remedy: "Train the run again.",
-        })
-    })?;
+    // Runs from before these options have none.
+    let without: Vec<Part> = listed(recipe, "without", json!([]), "names of parts")?;
+    let extent: Extent = listed(recipe, "space", json!("box"), "auto, box or contracted")?;
     if named(recipe, "model", FOREIGN) {
         return Ok(Box::new(foreign(recipe)?));
     }
     if named(recipe, "model", "compact") {
-        return Ok(Box::new(compact(recipe, scene, without)?));
+        return Ok(Box::new(compact(recipe, scene, extent, without)?));
+    }
+    if extent == Extent::Contracted {
+        return Err(Error::usage("--space", "contracted", "no --space: only the compact model contracts it"));
     }
     if !without.is_empty() {
         return Err(Error::usage("--without", "given", "no --without: its parts are the compact model's"));
     }
     Ok(Box::new(nerf(recipe, scene)?))
+}
+
+/// A field of a recipe that isn't a number; `missing` where there is none.
+fn listed<T: serde::de::DeserializeOwned>(
+    recipe: &Map<String, Value>,
+    field: &str,
+    missing: Value,
+    expected: &str,
+) -> Result<T> {
+    serde_json::from_value(recipe.get(field).cloned().unwrap_or(missing)).map_err(|error| {
+        let remedy = "Train the run again.";
+        Error::input(Input { file: "run.json", field, found: error, expected, remedy })
+    })
 }
 
 /// The networks of another program; their arrays are in the checkpoint.
@@ -158,7 +167,12 @@ fn foreign(recipe: &Map<String, Value>) -> Result<ForeignModel> {
     ForeignModel::new(mapping, named(recipe, "backend", "reference"), "run.json")
 }
 
-fn compact(recipe: &Map<String, Value>, scene: &Scene, without: Vec<Part>) -> Result<CompactModel> {
+fn compact(
+    recipe: &Map<String, Value>,
+    scene: &Scene,
+    extent: Extent,
+    without: Vec<Part>,
+) -> Result<CompactModel> {
     if named(recipe, "backend", "reference") {
         return Err(Error::usage(
             "--backend",
@@ -184,7 +198,7 @@ fn compact(recipe: &Map<String, Value>, scene: &Scene, without: Vec<Part>) -> Re
         ));
     }
     let [samples, rays] = ["samples", "rays"].map(|key| whole(recipe, key).map(|n| n as usize));
-    let overrides = Overrides { seed: seed(recipe), samples, rays, lr: lr(recipe), without };
+    let overrides = Overrides { seed: seed(recipe), samples, rays, lr: lr(recipe), extent, without };
     // Without a given number of them, rays fill a batch of a fixed size.
     let samples = CompactSettings::derive(scene, &overrides).samples;
     fits_step(rays.unwrap_or(0), samples, COMPACT_SAMPLE)?;
