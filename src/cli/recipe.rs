@@ -51,16 +51,20 @@ pub(super) fn given(args: &Args) -> Map<String, Value> {
     let recipe = json!({
         "scene": args.scene, "scene_options": scene_options, "model": args.model, "backend": args.backend,
         "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
-        "skip": args.skip, "steps": args.steps, "space": args.space, "without": args.without,
+        "skip": args.skip, "steps": args.steps, "without": args.without,
     });
-    let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
+    let Value::Object(mut recipe) = recipe else { unreachable!("an object literal") };
+    if args.space != Extent::Auto {
+        // For the same reason.
+        recipe.insert("space".into(), json!(args.space));
+    }
     recipe
 }
 
 /// What of a recipe determines every bit of a run; the scene does by its content, wherever it lies.
 pub(super) fn kept(recipe: &Map<String, Value>) -> Map<String, Value> {
     let names = KEPT.iter().filter(|name| **name != "scene");
-    names.map(|name| (name.to_string(), recipe[*name].clone())).collect()
+    names.filter_map(|name| Some((name.to_string(), recipe.get(*name)?.clone()))).collect()
 }
 
 /// The run to resume, which must have been started with this recipe, and the warnings that it had so far.
@@ -89,13 +93,13 @@ pub(super) fn check_kept(
     file: &str,
 ) -> Result<()> {
     // A field that an older run lacks was at its default.
-    let defaults = json!({"fine": 0, "width": null, "skip": false, "space": "box", "without": []});
+    let defaults = json!({"fine": 0, "width": null, "skip": false, "space": "auto", "without": []});
     for &name in names {
         let had = before.get(name).unwrap_or(&defaults[name]);
-        if *had != recipe[name] {
+        let found = recipe.get(name).unwrap_or(&defaults[name]);
+        if had != found {
             let remedy =
                 "Give --resume the options that the run was begun with; --steps and --seconds may differ.";
-            let found = &recipe[name];
             return Err(Error::input(Input { file, field: name, found, expected: had, remedy }));
         }
     }
@@ -132,15 +136,19 @@ pub(super) fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &
 pub(super) fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
     // Runs from before these options have none.
     let without: Vec<Part> = listed(recipe, "without", json!([]), "names of parts")?;
-    let extent: Extent = listed(recipe, "space", json!("box"), "auto, box or contracted")?;
+    // A run.json whose settings have no space is from before there was a choice.
+    let old = recipe.get("settings").is_some_and(|settings| settings.get("space").is_none());
+    let missing = if old && !named(recipe, "model", "nerf") { json!("box") } else { json!("auto") };
+    let extent: Extent = listed(recipe, "space", missing, "auto, box or contracted")?;
     if named(recipe, "model", FOREIGN) {
         return Ok(Box::new(foreign(recipe)?));
     }
     if named(recipe, "model", "compact") {
         return Ok(Box::new(compact(recipe, scene, extent, without)?));
     }
-    if extent == Extent::Contracted {
-        return Err(Error::usage("--space", "contracted", "no --space: only the compact model contracts it"));
+    if extent != Extent::Auto {
+        let found = recipe.get("space").and_then(Value::as_str).unwrap_or_default();
+        return Err(Error::usage("--space", found, "no --space: it is the compact model's"));
     }
     if !without.is_empty() {
         return Err(Error::usage("--without", "given", "no --without: its parts are the compact model's"));
@@ -199,9 +207,13 @@ fn compact(
     }
     let [samples, rays] = ["samples", "rays"].map(|key| whole(recipe, key).map(|n| n as usize));
     let overrides = Overrides { seed: seed(recipe), samples, rays, lr: lr(recipe), extent, without };
+    let settings = CompactSettings::derive(scene, &overrides);
+    if extent == Extent::Contracted && !settings.contracted() {
+        let expected = "auto or box: the cameras stand at the point that they look at, so that nothing says what is near";
+        return Err(Error::usage("--space", "contracted", expected));
+    }
     // Without a given number of them, rays fill a batch of a fixed size.
-    let samples = CompactSettings::derive(scene, &overrides).samples;
-    fits_step(rays.unwrap_or(0), samples, COMPACT_SAMPLE)?;
+    fits_step(rays.unwrap_or(0), settings.longest_ray(), COMPACT_SAMPLE)?;
     CompactModel::new(scene, &overrides)
 }
 

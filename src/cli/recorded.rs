@@ -101,6 +101,31 @@ pub(super) fn check_same(
     Ok(())
 }
 
+/// Settings that runs from before them lack, and what a model was like then.
+const SINCE: [(&str, &str); 2] = [("space", "\"box\""), ("distortion", "0.0")];
+
+/// Checks that nothing is new in a run that goes on.
+///
+/// # Errors
+/// Where a setting, of which `run.json` says nothing, isn't as it always was before.
+pub(super) fn check_newer(run: &Map<String, Value>, model: &dyn Model, file: &str) -> Result<()> {
+    let now = model.settings();
+    let had = run.get("settings").and_then(Value::as_object);
+    for (name, before) in SINCE {
+        let new = now
+            .get(name)
+            .filter(|now| had.is_some_and(|had| !had.contains_key(name)) && now.to_string() != before);
+        if let Some(new) = new {
+            let (field, found) =
+                (format!("settings.{name}"), "nothing: the run is from before there was one");
+            let (expected, remedy) =
+                (short(new), "Resume it with the version that began it, or train it again.");
+            return Err(Error::input(Input { file, field, found, expected, remedy }));
+        }
+    }
+    Ok(())
+}
+
 /// Whether two values are the same, numbers but for the last digits of a file or of another machine's arithmetic.
 fn same(a: &Value, b: &Value) -> bool {
     match (a, b) {

@@ -204,6 +204,7 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     let mut settings = run_json(args, &recipe, &scene, &*model);
     settings.extend(identity.settings());
     if resume {
+        recorded::check_newer(&folder.settings()?, &*model, &folder.file("run.json").display().to_string())?;
         recorded::check_same(
             &folder.settings()?,
             &scene,

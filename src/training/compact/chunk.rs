@@ -1,8 +1,8 @@
 //! A chunk of whole rays and the buffers of their samples, small enough for a core's L2 cache.
 
 use super::networks::{GEOMETRY, HIDDEN, Networks, Weights};
+use super::pace::Pace;
 use super::scatter::Scatter;
-use super::space::Pace;
 use super::views::BoxRay;
 use crate::hash_grid::fast::{Entry, FEATURES, LEVELS, WIDTH};
 use crate::occupancy_grid::fast::{MarchRay, Steps};

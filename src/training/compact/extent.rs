@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde_json::Value;
 
-use super::space::{HORIZON, Space};
+use super::space::Space;
 use crate::camera::Camera;
 use crate::scene::Scene;
 
@@ -19,6 +19,14 @@ pub enum Extent {
     /// All of space, contracted around the scene's middle.
     Contracted,
 }
+
+/// How far rays go in contracted space, in half edges of the inner cube; and how far at the most, where numbers of 24 bits still tell
+/// steps apart.
+const HORIZON: f64 = 100.0;
+const FARTHEST: f64 = 1e4;
+
+/// What is less than this of the box, or of `far`, is no extent of the cameras.
+const TOGETHER: f64 = 1e-4;
 
 /// From how many times the cameras' own cube on a scene's box is too wide for its cells.
 const UNBOUNDED: f64 = 4.0;
@@ -44,9 +52,11 @@ pub(super) fn cube(scene: &Scene, space: Space) -> (DVec3, f64, String) {
 
 /// Where samples end.
 pub(super) fn far(scene: &Scene, space: Space) -> f64 {
+    let half = inner_half(scene);
     match space {
         Space::Box => scene.far,
-        Space::Contracted { .. } => scene.far.max(HORIZON * inner_half(scene)),
+        Space::Contracted { .. } if scene.far_given => scene.far.min(FARTHEST * half),
+        Space::Contracted { .. } => scene.far.clamp(HORIZON * half, FARTHEST * half),
     }
 }
 
@@ -90,12 +100,12 @@ pub(super) fn space(scene: &Scene, extent: Extent) -> (Space, String) {
     let times = size / (2.0 * inner_half(scene));
     match extent {
         Extent::Box => (Space::Box, "a box: as asked for".into()),
-        Extent::Contracted => (contracted, "contracted: as asked for".into()),
-        Extent::Auto if inner_half(scene) <= 0.0 => {
-            (Space::Box, "a box: the cameras stand in one place".into())
+        _ if inner_half(scene) <= TOGETHER * size.min(scene.far) => {
+            (Space::Box, "a box: the cameras stand at the point that they look at".into())
         }
+        Extent::Contracted => (contracted, "contracted: as asked for".into()),
         Extent::Auto if cut_out(scene) => (Space::Box, "a box: the pictures' borders are background".into()),
-        Extent::Auto if scene.bounds.is_none() => {
+        Extent::Auto if scene.bounds.is_none() && !scene.far_given => {
             (contracted, "contracted: the pictures are full, and nothing says how far away things are".into())
         }
         Extent::Auto if times > UNBOUNDED => {

@@ -4,7 +4,8 @@ use pulp::{Simd, WithSimd};
 
 use super::CompactModel;
 use super::chunk::Chunk;
-use super::space::{Pace, Space};
+use super::pace::Pace;
+use super::space::Space;
 use super::views::BoxRay;
 use crate::occupancy_grid::fast::MarchRay;
 use crate::random::Key;
@@ -32,7 +33,7 @@ fn push(model: &CompactModel, pace: &Pace, rays: &[Drawn], chunk: &mut Chunk) {
     let mut steps = std::mem::take(&mut chunk.steps);
     for rays in rays.chunks(WALKING) {
         let march_rays: Vec<MarchRay> = rays.iter().map(march_ray).collect();
-        pace.march(model, &march_rays, &mut steps);
+        pace.march(&model.occupancy, model.arch, &march_rays, &mut steps);
         for (n, (march_ray, drawn)) in march_rays.iter().zip(rays).enumerate() {
             chunk.push_ray(&drawn.ray, [drawn.target, drawn.background], drawn.pixel, steps.cut(n));
             chunk.push_samples(march_ray, steps.of(n), pace);

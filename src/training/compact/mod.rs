@@ -26,6 +26,7 @@ pub(crate) mod kernels;
 mod march;
 pub(crate) mod networks;
 mod occupancy;
+mod pace;
 pub(crate) mod reference;
 mod render;
 mod scatter;

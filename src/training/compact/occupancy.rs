@@ -6,9 +6,9 @@
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::densities;
+use super::pace::Pace;
 use super::settings::{CompactSettings, OPAQUE, Part};
-use super::space::Pace;
-use super::step::OPTICAL_SIZE;
+use super::space::OPTICAL_SIZE;
 use super::views::Views;
 use crate::hash_grid::fast as hash_grid;
 use crate::occupancy_grid::fast::Occupancy;

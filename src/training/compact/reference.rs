@@ -6,8 +6,7 @@ use ndarray::{Array1, Array2};
 use super::CompactModel;
 use super::networks::{GEOMETRY, HIDDEN};
 use super::settings::EXPONENT;
-use super::space::Space;
-use super::step::{OPTICAL_SIZE, optical_step};
+use super::space::{OPTICAL_SIZE, Space, optical_step};
 use crate::contraction::contract;
 use crate::convention::{
     ContractionNorm, ContractionRange, ExponentShift, HarmonicForm, HarmonicSign, ProductEps,
@@ -127,8 +126,9 @@ impl Reference {
     fn contracted(&self, ray: &Ray, step: f64, even: f64, delta: f64) -> (Vec<[f64; 3]>, Vec<f64>) {
         let (mut points, mut deltas) = (vec![], vec![]);
         let distance = |x: f64| if x <= even { x } else { even / (2.0 - x / even) };
-        let middles = (0..).map(|k| distance((f64::from(k) + 0.5) * step));
-        for t in middles.skip_while(|t| *t < self.near).take_while(|t| *t < self.far) {
+        let last = if self.far <= even { self.far } else { even * (2.0 - even / self.far) };
+        let middles = (0..).map(|k| (f64::from(k) + 0.5) * step).take_while(|x| *x < last);
+        for t in middles.map(distance).skip_while(|t| *t < self.near) {
             let v = self.from_middle(ray, t);
             let p = contract(v, ContractionNorm::Linf, ContractionRange::Unit);
             if self.occupied.occupied(p) {

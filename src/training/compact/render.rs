@@ -7,7 +7,7 @@ use super::CompactModel;
 use super::chunk::{self, Chunk, Pass};
 use super::forward::run;
 use super::kernels::Plain;
-use super::space::Pace;
+use super::pace::Pace;
 use super::views::BoxRay;
 use crate::hash_grid::fast as hash_grid;
 use crate::occupancy_grid::fast::MarchRay;
@@ -51,7 +51,7 @@ impl CompactModel {
         };
         let march_rays: Vec<MarchRay> = rays.iter().enumerate().map(march_ray).collect();
         let mut steps = std::mem::take(&mut chunk.steps);
-        pace.march(self, &march_rays, &mut steps);
+        pace.march(&self.occupancy, self.arch, &march_rays, &mut steps);
 
         let mut pixels =
             vec![Pixel { rgb: [0.0; 3], opacity: 0.0, depth: self.settings.far as f32 }; rays.len()];

@@ -5,8 +5,8 @@
 
 use std::ops::Range;
 
+use super::pace::Pace;
 use super::settings::CompactSettings;
-use super::space::Pace;
 
 /// What weights cost by where they are.
 #[derive(Clone, Copy, Debug)]

@@ -273,7 +273,15 @@ impl CompactSettings {
                 "pictures with opacity are learned over random colors, so that nothing but empty space looks empty and any background can be had later; others over the scene's",
             ),
         );
-        because("background_model", "left out: what lies beyond the box has one color".into());
+        because(
+            "background_model",
+            match space {
+                Space::Box => "left out: what lies beyond the box has one color".into(),
+                Space::Contracted { .. } => {
+                    "left out: the contracted part of space holds the background".into()
+                }
+            },
+        );
         CompactSettings {
             space,
             low,
@@ -347,6 +355,19 @@ impl CompactSettings {
             return 1.0;
         }
         1.0 / (1.0 + step as f64 / LR_HALF_LIFE).sqrt()
+    }
+
+    /// Whether all of space is held, contracted, and not a box alone.
+    pub fn contracted(&self) -> bool {
+        self.space != Space::Box
+    }
+
+    /// Samples of a ray at the most, in the end: across the box, or to where steps even in 1 / distance end.
+    pub fn longest_ray(&self) -> f64 {
+        match self.space {
+            Space::Box => self.samples,
+            Space::Contracted { even } => 2.0 * even / self.size * self.samples,
+        }
     }
 
     /// For `run.json`.

@@ -4,14 +4,7 @@
 //! the middle half of the box, the rest of the world what is around. Steps are even as far as the cube goes, and even in 1 / distance from
 //! there on, as the contraction's cells are.
 
-use super::CompactModel;
-use super::settings::CompactSettings;
-use super::step::optical_step;
-use super::views::BoxRay;
-use crate::occupancy_grid::fast::{MarchRay, Path, Steps, ray_box};
-
-/// How far rays go in an unbounded scene, in half edges of the inner cube: what is farther would share the last cells of the grid.
-pub(crate) const HORIZON: f64 = 100.0;
+use crate::occupancy_grid::fast::{MarchRay, Path};
 
 /// The part of space that a model holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,83 +33,13 @@ impl Space {
     }
 }
 
-/// How samples follow one another.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pace {
-    winding: Winding,
-    straight: bool,
-    /// An even step, in the unit in which the network's densities are 1 / length.
-    delta: f32,
-}
+/// The box's edge in the unit in which densities are 1 / length: a network that starts at density 1 starts with e^-3 of the light coming
+/// through, whatever the scene's unit.
+pub(crate) const OPTICAL_SIZE: f64 = 3.0;
 
-impl Pace {
-    /// `samples` even steps across the cube.
-    pub(super) fn new(settings: &CompactSettings, samples: f64) -> Self {
-        let (straight, even) = match settings.space {
-            Space::Box => (true, f64::INFINITY),
-            Space::Contracted { even } => (false, even),
-        };
-        let winding = Winding { length: (settings.size / samples) as f32, even: even as f32 };
-        Pace { winding, straight, delta: optical_step(samples) }
-    }
-
-    /// Even steps of so much, in both units.
-    #[cfg(test)]
-    pub(super) fn even(length: f32, delta: f32) -> Self {
-        Pace { winding: Winding { length, even: f32::INFINITY }, straight: true, delta }
-    }
-
-    /// The length of the step at a distance.
-    #[inline(always)]
-    pub(super) fn step(&self, t: f32) -> f32 {
-        self.winding.length * (t / self.winding.even).max(1.0).powi(2)
-    }
-
-    /// The samples of rays in occupied cells.
-    pub(super) fn march(&self, model: &CompactModel, march_rays: &[MarchRay], steps: &mut Steps) {
-        if self.straight {
-            model.occupancy.march(model.arch, march_rays, self.winding.length, steps);
-        } else {
-            model.occupancy.follow(&self.winding, march_rays, steps);
-        }
-    }
-
-    /// Distances, step lengths and points of a ray's samples.
-    #[inline(always)]
-    pub(super) fn place(
-        &self,
-        ray: &MarchRay,
-        k: &[f32],
-        [t, delta]: [&mut Vec<f32>; 2],
-        points: &mut Vec<[f32; 3]>,
-    ) {
-        let first = t.len();
-        if self.straight {
-            points.extend(k.iter().map(|&k| ray.at(k, self.winding.length)));
-            t.extend(k.iter().map(|&k| (k + ray.u) * self.winding.length));
-            delta.extend(k.iter().map(|_| self.delta));
-            return;
-        }
-        points.extend(k.iter().map(|&k| self.winding.at(ray, k)));
-        t.extend(k.iter().map(|&k| self.winding.t(k + ray.u)));
-        let samples = t[first..].iter().zip(&points[first..]);
-        delta.extend(samples.map(|(&t, &p)| self.delta * self.winding.stretch(t, p)));
-    }
-
-    /// All points of a ray between two distances, occupied or not.
-    pub(super) fn everywhere(&self, ray: &BoxRay, [near, far]: [f32; 2]) -> Vec<[f32; 3]> {
-        let (enter, leave) = if self.straight { ray_box(ray.o, ray.d) } else { (0.0, f32::INFINITY) };
-        let (near, far) = (enter.max(near), leave.min(far));
-        let point = |t: f32| std::array::from_fn(|a| ray.o[a] + t * ray.d[a]);
-        let Winding { length, .. } = self.winding;
-        if self.straight {
-            let count = ((far - near) / length).max(0.0) as usize;
-            return (0..count).map(|k| point(near + (k as f32 + 0.5) * length)).collect();
-        }
-        let from = self.winding.s(near);
-        let count = (self.winding.s(far) - from).max(0.0) as usize;
-        (0..count).map(|k| contracted(point(self.winding.t(from + k as f32 + 0.5)))).collect()
-    }
+/// The step length in that unit.
+pub(crate) fn optical_step(samples: f64) -> f32 {
+    (OPTICAL_SIZE / samples) as f32
 }
 
 /// A ray's way through the contracted box: sample k at the distance [`Winding::t`] of k + u.

@@ -6,8 +6,8 @@ use super::forward::run;
 use super::kernels::{Multiply, Plain};
 use super::march::March;
 use super::networks::Weights;
+use super::pace::Pace;
 use super::scatter::Scatter;
-use super::space::Pace;
 use crate::hash_grid::fast::{self as hash_grid, Level};
 use crate::optimizer::Adam;
 use crate::optimizer::fast::Rates;
@@ -131,15 +131,6 @@ impl CompactModel {
         );
         slope
     }
-}
-
-/// The box's edge in the unit in which densities are 1 / length: a network that starts at density 1 starts with e^-3 of the light coming
-/// through, whatever the scene's unit.
-pub(super) const OPTICAL_SIZE: f64 = 3.0;
-
-/// The step length in that unit.
-pub(crate) fn optical_step(samples: f64) -> f32 {
-    (OPTICAL_SIZE / samples) as f32
 }
 
 /// The first `active` levels, fine and coarse alternating: fine ones cost more, and neighbors go to the same thread.

@@ -11,7 +11,7 @@ use super::chunk::{Chunk, Pass};
 use super::forward::run;
 use super::kernels::{Plain, outer, product};
 use super::networks::{Networks, Weights};
-use super::space::Pace;
+use super::pace::Pace;
 use super::views::BoxRay;
 use super::{CompactModel, Overrides};
 use crate::camera::{Camera, Intrinsics};
@@ -58,6 +58,7 @@ fn ball() -> Scene {
         test: vec![],
         near: 1.0,
         far: 3.0,
+        far_given: false,
         background: [0.0; 3],
         bounds: None,
         cloud: None,

@@ -3,19 +3,26 @@
 use approx::assert_relative_eq;
 use glam::DVec3;
 
-use super::ball;
 use super::pictures::differences;
+use super::{COUNTS, ball, chunk_of, direction, field, oracle_loss, rows};
 use crate::contraction::contract;
-use crate::convention::{ContractionNorm, ContractionRange};
+use crate::convention::{ContractionNorm, ContractionRange, ProductEps};
 use crate::distortion::{backward, distortion};
+use crate::hash_grid::fast::FEATURES;
 use crate::occupancy_grid::fast::{MarchRay, Occupancy, Path, Steps};
 use crate::random::{Key, Purpose};
 use crate::scene::Scene;
 use crate::training::Model;
+use crate::training::compact::chunk::Pass;
+use crate::training::compact::forward::run;
+use crate::training::compact::kernels::Plain;
+use crate::training::compact::networks::{Networks, Weights};
+use crate::training::compact::pace::Pace;
 use crate::training::compact::scatter::Scatter;
 use crate::training::compact::settings::CompactSettings;
-use crate::training::compact::space::{Pace, Space, Winding, contracted};
+use crate::training::compact::space::{Space, Winding, contracted};
 use crate::training::compact::{CompactModel, Extent, Overrides};
+use crate::volume_rendering::volume_render;
 
 fn asked(extent: Extent) -> Overrides {
     Overrides { extent, ..Overrides::default() }
@@ -135,6 +142,60 @@ fn scattered_weights_cost_what_the_oracle_says() {
     );
 }
 
+/// Through weights, densities and layers: a chunk's encodings have the gradient of both losses.
+#[test]
+fn the_distortion_loss_reaches_the_encodings() {
+    let settings =
+        CompactSettings { distortion: 2.0, ..CompactSettings::derive(&ball(), &asked(Extent::Box)) };
+    let rays = COUNTS.len();
+    let nets = Networks::new(Weights::random(&Key::new(4, Purpose::Parameters)));
+    let encodings = rows::<32>(5, COUNTS.iter().sum());
+    let scatter = Scatter::new(&settings, Pace::new(&settings, 64.0), rays);
+    let pass = Pass {
+        nets: &nets,
+        stop: 0.0,
+        view_dependent: true,
+        gradient: Some(2.0 / (3 * rays) as f32),
+        scatter,
+    };
+    let mut chunk = chunk_of(&encodings, 0.05);
+    let (near, far, step) = (settings.near, settings.far, settings.size / 64.0);
+    for ray in chunk.rays.clone() {
+        (0..ray.count).for_each(|i| chunk.t[ray.first + i] = (near + (i as f64 + 0.5) * step) as f32);
+    }
+    run(crate::simd::arch(), &pass, &mut chunk, &Plain);
+    let place = |t: f64| (1.0 / near - 1.0 / t) / (1.0 / near - 1.0 / far);
+    let loss = |encodings: &[[f32; 32]]| {
+        let (mut first, mut scattered) = (0, 0.0);
+        for (r, count) in COUNTS.into_iter().enumerate() {
+            let unit = direction(r).map(|x| f64::from(x as f32));
+            let samples = encodings[first..first + count].iter();
+            let (sigmas, rgbs): (Vec<f64>, Vec<[f64; 3]>) =
+                samples.map(|e| field(&nets.weights, &e.map(f64::from), unit)).unzip();
+            first += count;
+            let seen = volume_render(&sigmas, &rgbs, &vec![f64::from(0.05f32); count], ProductEps::None);
+            let edges: Vec<f64> = (0..=count).map(|i| place(near + i as f64 * step)).collect();
+            scattered += distortion(&seen.weights, &edges);
+        }
+        oracle_loss(&nets.weights, encodings, f64::from(0.05f32)) + 2.0 * scattered / rays as f64
+    };
+    let mut differs = 0.0f64;
+    for (p, f) in [(0, 0), (3, 17), (8, 31), (40, 5), (101, 9)] {
+        let at = |h: f32, of: &dyn Fn(&[[f32; 32]]) -> f64| {
+            let mut moved = encodings.clone();
+            moved[p][f] += h;
+            of(&moved)
+        };
+        let slope = (at(1e-3, &loss) - at(-1e-3, &loss)) / 2e-3;
+        let color = |e: &[[f32; 32]]| oracle_loss(&nets.weights, e, f64::from(0.05f32));
+        let alone = (at(1e-3, &color) - at(-1e-3, &color)) / 2e-3;
+        differs = differs.max((slope - alone).abs() / slope.abs());
+        let got = f64::from(chunk.encoding[f / FEATURES][p][f % FEATURES]);
+        assert!((slope - got).abs() < 1e-6 + 2e-2 * got.abs(), "{p} {f}: {slope} {got}");
+    }
+    assert!(differs > 0.1, "the distortion loss matters here: {differs}");
+}
+
 /// What is around a scene decides: pictures of a cut-out object have a box, what is far wider than the cameras' own cube
 /// is contracted, and so is what has no bounds.
 #[test]
@@ -154,6 +215,18 @@ fn the_scene_says_which_space_it_needs() {
     assert_eq!(space(&full(3.0), Extent::Auto), Space::Box);
     assert!(contracted(space(&full(30.0), Extent::Auto)));
     assert!(contracted(space(&unknown, Extent::Auto)));
+    unknown.far_given = true;
+    assert_eq!(space(&unknown, Extent::Auto), Space::Box);
+    let derived = |far: f64, given: bool| {
+        let mut scene = full(30.0);
+        (scene.far, scene.far_given) = (far, given);
+        CompactSettings::derive(&scene, &asked(Extent::Auto)).far
+    };
+    assert_eq!([derived(7.0, true), derived(500.0, false)], [7.0, 500.0]);
+    assert!((150.0..250.0).contains(&derived(7.0, false)) && derived(1e9, true) < 3e4);
+    let mut together = unknown.clone();
+    together.train.iter_mut().for_each(|frame| frame.camera.c2w.w_axis = DVec3::ZERO.extend(1.0));
+    assert_eq!(space(&together, Extent::Contracted), Space::Box);
     assert_eq!(space(&full(30.0), Extent::Box), Space::Box);
     assert!(contracted(space(&ball(), Extent::Contracted)));
     let mut wide_object = ball();
