@@ -140,9 +140,16 @@ pub const PROFILES: &[Profile] = &[
             harmonic_sign: HarmonicSign::Plain,
             skip_order: SkipOrder::EncodingFirst,
             empty_depth: EmptyDepth::First,
+            interlevel_eps: InterlevelEps::TenToMinusSeven,
             ..CS180
         },
         sources: &[
+            (
+                "outer_edges",
+                "nerfstudio/model_components/losses.py outer: searchsorted, side right, for both ends",
+            ),
+            ("interlevel_eps", "nerfstudio/model_components/losses.py: EPS = 1.0e-7"),
+            ("loss_reduction", "nerfstudio/model_components/losses.py interlevel_loss: torch.mean"),
             ("axes", "cameras/cameras.py: OpenGL"),
             ("pixel_center", "cameras/cameras.py get_image_coords: pixel_offset 0.5"),
             ("directions", "cameras/rays.py RayBundle: unit ray direction vector"),
@@ -201,9 +208,14 @@ pub const PROFILES: &[Profile] = &[
             density: Density::Softplus,
             empty_depth: EmptyDepth::Last,
             skip_layer: 5,
+            ssim_peak: PsnrPeak::One,
+            interlevel_eps: InterlevelEps::Float32,
             ..CS180
         },
         sources: &[
+            ("outer_edges", "internal/stepfun.py searchsorted: v >= a, for both ends"),
+            ("interlevel_eps", "internal/stepfun.py lossfun_outer: jnp.finfo(jnp.float32).eps"),
+            ("loss_reduction", "internal/train_utils.py interlevel_loss: mean(lossfun_outer)"),
             ("axes", "internal/camera_utils.py pixels_to_rays: diag(1, -1, -1), from OpenCV to OpenGL"),
             ("pixel_center", "internal/camera_utils.py pix_to_dir: x + .5, y + .5"),
             (
@@ -215,6 +227,13 @@ pub const PROFILES: &[Profile] = &[
                 "internal/render.py compute_alpha_weights: differences times the norm of the direction",
             ),
             ("product_eps", "internal/render.py compute_alpha_weights: exp(-cumsum), nothing added"),
+            (
+                "charbonnier_eps",
+                "internal/train_utils.py compute_data_loss: sqrt(resid_sq + config.charb_padding**2)",
+            ),
+            ("ssim_window", "internal/image.py MetricHarness: dm_pix.ssim, 11 and 1.5 by default"),
+            ("ssim_padding", "dm_pix metrics.py ssim: convolved without padding"),
+            ("ssim_peak", "internal/image.py MetricHarness: dm_pix.ssim, max_val = 1 by default"),
             ("contraction_norm", "internal/coord.py contract: sum(x**2)"),
             ("contraction_range", "internal/coord.py contract: not scaled"),
             (
@@ -256,9 +275,12 @@ pub const PROFILES: &[Profile] = &[
             grid_threshold: GridThreshold::MeanOfSeen,
             skip_layer: 5,
             empty_depth: EmptyDepth::Zero,
+            huber_slope: HuberSlope::One,
+            interlevel_eps: InterlevelEps::TenToMinusSeven,
             ..CS180
         },
         sources: &[
+            ("interlevel_eps", "nerfacc/estimators/prop_net.py _pdf_loss: eps = 1e-7"),
             ("axes", "examples/datasets/nerf_synthetic.py: OPENGL_CAMERA = True"),
             ("pixel_center", "examples/datasets/nerf_synthetic.py: x - cx + 0.5"),
             ("directions", "examples/datasets/nerf_synthetic.py: viewdirs normalized"),
@@ -289,6 +311,7 @@ pub const PROFILES: &[Profile] = &[
             ("density", "examples/radiance_fields/mlp.py VanillaNeRFRadianceField: relu"),
             ("skip_layer", "examples/radiance_fields/mlp.py MLP: concatenated after layer 4"),
             ("skip_order", "examples/radiance_fields/mlp.py MLP: [x, inputs]"),
+            ("huber_slope", "examples/train_ngp_nerf_occ.py: F.smooth_l1_loss(rgb, pixels)"),
             ("feature", "examples/radiance_fields/mlp.py bottleneck_layer: identity"),
             ("depth", "nerfacc/volrend.py rendering: divided by the opacity, not below eps"),
         ],
@@ -305,6 +328,7 @@ pub const PROFILES: &[Profile] = &[
             grid_threshold: GridThreshold::MeanOverAll,
             hash_levels: HashLevels::TinyCudaNn,
             adam_eps: AdamEps::Uncorrected,
+            huber_slope: HuberSlope::One,
             ..CS180
         },
         sources: &[
@@ -312,6 +336,10 @@ pub const PROFILES: &[Profile] = &[
                 "grid_threshold",
                 "src/testbed_nerf.cu update_density_grid_mean_and_bitfield: mean of fmaxf(val, 0) over all, and \
                  min(NERF_MIN_OPTICAL_THICKNESS(), mean)",
+            ),
+            (
+                "huber_slope",
+                "include/neural-graphics-primitives/nerf_device.cuh huber_loss: 0.5 / alpha * difference^2, |difference| - 0.5 alpha",
             ),
             ("hash_levels", "its encodings are tiny-cuda-nn's"),
             ("adam_eps", "its optimizer is tiny-cuda-nn's"),
