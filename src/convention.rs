@@ -273,6 +273,9 @@ pub struct Conventions {
     /// What the bound of an interlevel loss adds up.
     #[serde(default)]
     pub outer_edges: OuterEdges,
+    /// What it makes of a ray's intervals.
+    #[serde(default)]
+    pub interlevel_reduction: LossReduction,
     /// What it adds to the weight that it divides by.
     #[serde(default)]
     pub interlevel_eps: InterlevelEps,
@@ -362,6 +365,7 @@ pub const CS180: Conventions = Conventions {
     huber_slope: HuberSlope::Delta,
     charbonnier_eps: CharbonnierEps::Squared,
     outer_edges: OuterEdges::Touching,
+    interlevel_reduction: LossReduction::Mean,
     interlevel_eps: InterlevelEps::AsGiven,
     ssim_window: SsimWindow::Gaussian,
     ssim_padding: SsimPadding::Valid,

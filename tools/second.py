@@ -96,6 +96,7 @@ CS180 = {
     "huber_slope": "delta",
     "charbonnier_eps": "squared",
     "outer_edges": "touching",
+    "interlevel_reduction": "mean",
     "interlevel_eps": "as_given",
     "ssim_window": "gaussian",
     "ssim_padding": "valid",

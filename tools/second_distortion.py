@@ -69,14 +69,14 @@ def interlevel_loss(a, c, wrong):
     square = missing if "square_forgotten" in wrong else missing * missing
     below = (bound if "divided_by_the_bound" in wrong else w) + eps_of(a, c)
     terms = square if "division_forgotten" in wrong else np.where(missing == 0, 0, square / below)
-    return {"loss": (terms.sum(1) if c["loss_reduction"] == "sum" else terms.mean(1)).astype(w.dtype)}
+    return {"loss": (terms.sum(1) if c["interlevel_reduction"] == "sum" else terms.mean(1)).astype(w.dtype)}
 
 
 def interlevel_loss_vjp(a, c, wrong):
     """The transposed matrix times what is missing."""
     w, v, over = a["weights"], a["proposal_weights"], covers(a, c)
     missing = np.maximum(w - np.einsum("rij,rj->ri", over, v).astype(w.dtype), 0)
-    size = 1 if c["loss_reduction"] == "sum" else w.shape[1]
+    size = 1 if c["interlevel_reduction"] == "sum" else w.shape[1]
     factor = (1 if "factor_two_missing" in wrong else 2) * (1 if "gradient_negated" in wrong else -1)
     share = w.dtype.type(factor) * a["grad_loss"][:, None] * missing / (w + eps_of(a, c)) / w.dtype.type(size)
     if "shared_among_overlaps" in wrong:

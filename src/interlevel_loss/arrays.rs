@@ -7,7 +7,7 @@ use crate::convention::Conventions;
 /// How the loss is taken.
 pub(crate) fn form(a: &Arrays, c: &Conventions) -> Form {
     let eps = c.interlevel_eps.value(number(a, "eps"));
-    Form { eps, edges: c.outer_edges, reduction: c.loss_reduction }
+    Form { eps, edges: c.outer_edges, reduction: c.interlevel_reduction }
 }
 
 /// `f(fine, proposal)` of each ray, as the output.

@@ -19,7 +19,7 @@ pub(crate) const INTERLEVEL_LOSS: Component = Component {
         Port::plain("eps", "", "added to the weight that is divided by"),
     ],
     outputs: &[Port::smooth("loss", "R", "of each ray: add up or average them yourself")],
-    conventions: &["outer_edges", "interlevel_eps", "loss_reduction"],
+    conventions: &["outer_edges", "interlevel_eps", "interlevel_reduction"],
     forward: Direction {
         oracle: arrays::interlevel,
         bound: bound::interlevel,

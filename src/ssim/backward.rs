@@ -3,6 +3,7 @@
 use ndarray::{Array3, ArrayView3};
 
 use super::{Form, Windows, value};
+use crate::math::Sum;
 
 /// Gradient with respect to `a`; that of `b` is this one with the pictures exchanged.
 ///
@@ -26,7 +27,7 @@ use super::{Form, Windows, value};
 /// ```
 pub fn ssim(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, g: f64) -> Array3<f64> {
     let windows = Windows::new(a, b, form);
-    let mut gradient = Array3::zeros(a.dim());
+    let mut sums = Array3::from_elem(a.dim(), Sum::default());
     let each = g / windows.places().len() as f64;
     for place in windows.places() {
         let m = windows.moments(place);
@@ -38,9 +39,9 @@ pub fn ssim(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, g: f6
         for (weight, at) in windows.pixels(place) {
             let (off_a, off_b) = (value(&a, at) - m.mean_a, value(&b, at) - m.mean_b);
             if let Some(at) = at {
-                gradient[at] += each * weight * (of_mean + of_cov * off_b + of_var * off_a);
+                sums[at].add(each * weight * (of_mean + of_cov * off_b + of_var * off_a));
             }
         }
     }
-    gradient
+    sums.mapv(|sum| sum.value())
 }

@@ -1,19 +1,21 @@
-//! Honest similarities: means of squares less squares of means, by windows or by rows and then columns, or central moments; both
-//! fractions at once or one after the other.
+//! Honest similarities: means of squares less squares of means, by rows and then columns or by windows at once, or central moments.
 
 use ndarray::{Array3, ArrayView3};
 
 use super::arrays::{form, forward, peak, picture, vjp};
 use super::{Form, reach, value};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, number};
 use crate::contract::machine::Machine;
 use crate::contract::operations::Operations;
 use crate::convention::{Conventions, SsimVariance, SsimWindow};
 
-/// The number of ways to a similarity; those that take central moments come last.
-pub(super) const WAYS: u64 = 6;
-/// The first of these.
-pub(super) const CENTRAL: u64 = 4;
+/// The number of ways to a similarity.
+pub(super) const WAYS: u64 = 3;
+/// By rows and then columns.
+const BY_AXES: u64 = 0;
+/// By central moments.
+pub(super) const CENTRAL: u64 = 2;
 
 /// Two pictures in some arithmetic.
 pub(super) struct Pictures<'a, O: Operations> {
@@ -24,6 +26,8 @@ pub(super) struct Pictures<'a, O: Operations> {
     constants: [O::Number; 2],
     /// Weights along one axis.
     weights: Vec<O::Number>,
+    /// Those of a whole window.
+    square: Vec<O::Number>,
     way: u64,
 }
 
@@ -38,23 +42,26 @@ struct Window<O: Operations> {
 }
 
 impl<'a, O: Operations> Pictures<'a, O> {
-    pub(super) fn new(o: &'a O, inputs: &'a Arrays, c: &Conventions, way: u64) -> Self {
+    /// In the arithmetic of `o`; windows are constants, made in that of `fine`.
+    pub(super) fn new([o, fine]: [&'a O; 2], inputs: &'a Arrays, c: &Conventions, way: u64) -> Self {
         let constants = [0.01, 0.03].map(|k| k * peak(inputs, c)).map(|k| o.hyper(k * k));
         let (a, b) = (picture(inputs, "prediction"), picture(inputs, "target"));
-        let weights = weights(o, form(c).window);
-        Pictures { o, a, b, form: form(c), constants, weights, way: way % WAYS }
+        let line = weights(fine, form(c).window);
+        let rounded = |w: O::Number| o.times(1.0, w);
+        let square = line.iter().flat_map(|y| line.iter().map(|x| rounded(fine.mul(*y, *x)))).collect();
+        let weights = line.iter().map(|w| rounded(*w)).collect();
+        Pictures { o, a, b, form: form(c), constants, weights, square, way: way % WAYS }
     }
 
     fn central(&self) -> bool {
-        self.way >= CENTRAL
+        self.way == CENTRAL
     }
 
     /// sum of weights times x.
     fn mean(&self, x: &[O::Number]) -> O::Number {
         let (o, w) = (self.o, &self.weights);
-        if self.way % CENTRAL < 2 || self.central() {
-            let both: Vec<O::Number> = w.iter().flat_map(|y| w.iter().map(|x| o.mul(*y, *x))).collect();
-            return o.dot(&both, x);
+        if self.way != BY_AXES {
+            return o.dot(&self.square, x);
         }
         let rows: Vec<O::Number> = x.chunks_exact(w.len()).map(|row| o.dot(w, row)).collect();
         o.dot(w, &rows)
@@ -114,8 +121,8 @@ impl<'a, O: Operations> Pictures<'a, O> {
     /// A window's similarity.
     fn similarity(&self, window: &Window<O>) -> O::Number {
         let (o, [luminance, over, structure, under]) = (self.o, window.parts);
-        match self.way % 2 {
-            0 => o.div(o.mul(luminance, structure), o.mul(over, under)),
+        match self.way {
+            BY_AXES | CENTRAL => o.div(o.mul(luminance, structure), o.mul(over, under)),
             _ => o.mul(o.div(luminance, over), o.div(structure, under)),
         }
     }
@@ -135,8 +142,7 @@ impl<'a, O: Operations> Pictures<'a, O> {
             let [of_mean, of_var, of_cov] = self.shares(window).map(|share| o.mul(each, share));
             for (n, at) in window.places.iter().enumerate() {
                 let Some([j, i, c]) = at else { continue };
-                let size = self.weights.len();
-                let weight = o.mul(self.weights[n / size], self.weights[n % size]);
+                let weight = self.square[n];
                 let terms = &mut terms[(j * width + i) * channels + c];
                 if self.central() {
                     let apart = [o.sub(window.a[n], window.mean[0]), o.sub(window.b[n], window.mean[1])];
@@ -195,15 +201,20 @@ fn weights<O: Operations>(o: &O, window: SsimWindow) -> Vec<O::Number> {
 
 /// Which way a machine takes.
 fn way(m: &Machine) -> u64 {
-    if m.stable { CENTRAL + m.form % (WAYS - CENTRAL) } else { m.form % CENTRAL }
+    if m.stable { CENTRAL } else { m.form % CENTRAL }
+}
+
+/// The machine that makes the window: in f32 at least.
+fn fine(m: &Machine) -> Machine {
+    Machine { dtype: if m.dtype == Dtype::F64 { Dtype::F64 } else { Dtype::F32 }, ..*m }
 }
 
 /// Similarity.
 pub(crate) fn ssim(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    forward(Pictures::new(m, a, c, way(m)).value())
+    forward(Pictures::new([m, &fine(m)], a, c, way(m)).value())
 }
 
 /// Its gradient.
 pub(crate) fn ssim_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    vjp(Pictures::new(m, a, c, way(m)).gradient(number(a, "grad_value"), |g| g))
+    vjp(Pictures::new([m, &fine(m)], a, c, way(m)).gradient(number(a, "grad_value"), |g| g))
 }

@@ -118,19 +118,22 @@ impl<'a> Windows<'a> {
     /// Means, variances and covariance of a window.
     fn moments(&self, place: [usize; 3]) -> Moments {
         let pixels = self.pixels(place);
-        let mut m = Moments { mean_a: 0.0, mean_b: 0.0, var_a: 0.0, var_b: 0.0, cov: 0.0 };
+        let (mut mean_a, mut mean_b) = (Sum::default(), Sum::default());
         for (weight, at) in &pixels {
-            m.mean_a += weight * value(&self.a, *at);
-            m.mean_b += weight * value(&self.b, *at);
+            mean_a.add(weight * value(&self.a, *at));
+            mean_b.add(weight * value(&self.b, *at));
         }
+        let (mean_a, mean_b) = (mean_a.value(), mean_b.value());
         // Central moments: E[a^2] - E[a]^2 would cancel where the window is nearly flat.
+        let (mut var_a, mut var_b, mut cov) = (Sum::default(), Sum::default(), Sum::default());
         for (weight, at) in &pixels {
-            let (a, b) = (value(&self.a, *at) - m.mean_a, value(&self.b, *at) - m.mean_b);
-            m.var_a += self.unbiased * weight * a * a;
-            m.var_b += self.unbiased * weight * b * b;
-            m.cov += self.unbiased * weight * a * b;
+            let (a, b) = (value(&self.a, *at) - mean_a, value(&self.b, *at) - mean_b);
+            var_a.add(weight * a * a);
+            var_b.add(weight * b * b);
+            cov.add(weight * a * b);
         }
-        m
+        let [var_a, var_b, cov] = [var_a, var_b, cov].map(|sum| self.unbiased * sum.value());
+        Moments { mean_a, mean_b, var_a, var_b, cov }
     }
 }
 
