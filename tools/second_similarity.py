@@ -26,9 +26,8 @@ class Windows:
         p, t = p - shift, t - shift
         mean_p, mean_t = self.mean(p), self.mean(t)
         kept = 0 if "squared_means_kept" in wrong else 1
-        self.var_p, self.var_t, self.cov = (
-            (self.mean(x * y) - u * v) * self.more for x, y, u, v in ((p, p, mean_p, mean_p), (t, t, mean_t, mean_t), (p, t, mean_p, mean_t))
-        )
+        pairs = (p, p, mean_p, mean_p), (t, t, mean_t, mean_t), (p, t, mean_p, mean_t)
+        self.var_p, self.var_t, self.cov = ((self.mean(x * y) - u * v) * self.more for x, y, u, v in pairs)
         if not kept:
             self.var_p = self.var_p + self.mean_p**2
             self.var_t = self.var_t + self.mean_t**2

@@ -23,6 +23,19 @@ fn histogram(draw: &mut Draw, n: usize, total: f64) -> [Vec<f64>; 2] {
     [(0..n).map(|_| draw.between(0.0, 2.0 * total / n as f64)).collect(), t]
 }
 
+/// Edges of the field 2^`last` in front of one of the proposal, and one of the proposal as much behind one of the field: they coincide in
+/// numbers of fewer bits, and then touch.
+fn beside_edges(id: &str, last: i32) -> Case {
+    let little = libm::ldexp(1.0, last);
+    let ray = [
+        vec![0.25, 0.5, 0.125, 0.375],
+        vec![0.0, 0.25 * (1.0 - little), 0.5, 0.75, 1.0],
+        vec![0.0625, 0.25, 0.03125, 0.125],
+        vec![0.0, 0.25, 0.5 * (1.0 + little), 0.75, 1.0],
+    ];
+    case(id, "edges next to each other", &[ray], 1.0 / 1024.0)
+}
+
 /// The loss of a proposal.
 pub(crate) fn interlevel_loss() -> Vec<Case> {
     const EPS: f64 = 1.0 / 1024.0;
@@ -103,5 +116,7 @@ pub(crate) fn interlevel_loss() -> Vec<Case> {
         )
         .edge("one sample"),
     ];
-    in_full(cases, "usual")
+    let mut cases = in_full(cases, "usual");
+    cases.extend([beside_edges("beside_edges_f32", -20), beside_edges("beside_edges_f64", -40)]);
+    cases
 }

@@ -48,7 +48,7 @@ pub(crate) fn huber() -> Vec<Case> {
             of(0.125),
         ),
     ];
-    in_full(cases, "batch")
+    in_full(in_full(cases, "batch"), "picture")
 }
 
 /// Charbonnier's loss.
@@ -73,5 +73,5 @@ pub(crate) fn charbonnier() -> Vec<Case> {
         ),
         case("large", "errors of linear light", apart(&[96.0, -240.0, 3.0, 1.0]), of(0.001)),
     ];
-    in_full(cases, "batch")
+    in_full(in_full(cases, "batch"), "about_eps")
 }

@@ -49,5 +49,12 @@ pub(crate) fn ssim() -> Vec<Case> {
         case("equal", "equal pictures: 1, and no gradient", usual_target.clone(), usual_target, 1.0),
         case("spot", "a white pixel on black", drawn([12, 11], |_, _| 0.0), spot, 1.0),
     ];
-    in_full(cases, "usual")
+    let mut cases = in_full(cases, "usual");
+    // Light that is rounded down beside light that is rounded up, by almost half a bit of 11.
+    let (light, pale) = (0.75 + libm::ldexp(0.984375, -12), 0.3125 - libm::ldexp(0.984375, -13));
+    cases.extend([
+        case("strong", "stripes from black on", stripes(0.0, 0.75), stripes(0.0, 0.3125), 1.0),
+        case("strong_f32", "the same in numbers of f32", stripes(0.0, light), stripes(0.0, pale), 1.0),
+    ]);
+    cases
 }

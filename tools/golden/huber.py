@@ -1,4 +1,4 @@
-"""huber(prediction, target, delta): d^2 / 2 for |d| <= delta, else delta (|d| - delta / 2), the mean over all entries (Huber 1964)."""
+"""huber(prediction, target, delta): d^2 / 2 for |d| <= delta, else delta (|d| - delta / 2), the mean (Huber 1964)."""
 
 import numpy as np
 import torch

@@ -1,4 +1,4 @@
-"""interlevel_loss(weights, t, proposal_weights, proposal_t, eps): what a proposal's histogram fails to cover (mip-NeRF 360, equation 13)."""
+"""interlevel_loss(weights, t, proposal_weights, proposal_t, eps): what a proposal fails to cover (mip-NeRF 360, equation 13)."""
 
 import numpy as np
 import torch
@@ -20,8 +20,10 @@ def cases():
     t = edges(draw, 5)
     yield case("same", draw.uniform((3, 5)), t, draw.uniform((3, 5), 0.0, 0.5), t, 1e-3, "edges in common")
     thin = np.array([[0.0, 0.3, 0.3, 0.6, 1.0]])
-    yield case("no-length", np.array([[0.3, 0.4, 0.2, 0.1]]), thin, np.array([[0.1, 0.05, 0.2]]), np.array([[0.0, 0.3, 0.3, 1.0]]), 1e-3, "no length")
-    yield case("empty", np.array([[0.3, 0.0, 0.7]]), edges(draw, 3)[:1], np.zeros((1, 4)), edges(draw, 4)[:1], 0.01, "an empty proposal")
+    weights, proposal = np.array([[0.3, 0.4, 0.2, 0.1]]), np.array([[0.1, 0.05, 0.2]])
+    yield case("no-length", weights, thin, proposal, np.array([[0.0, 0.3, 0.3, 1.0]]), 1e-3, "no length")
+    t, s = edges(draw, 3)[:1], edges(draw, 4)[:1]
+    yield case("empty", np.array([[0.3, 0.0, 0.7]]), t, np.zeros((1, 4)), s, 0.01, "an empty proposal")
 
 
 def edges(draw, n):

@@ -1,4 +1,4 @@
-"""ssim(prediction, target, peak): structural similarity with Gaussian windows of 11 x 11 inside of the picture (Wang et al. 2004)."""
+"""ssim(prediction, target, peak): structural similarity, Gaussian windows of 11 x 11 in the picture (Wang et al. 2004)."""
 
 import mpmath
 import numpy as np
@@ -46,14 +46,15 @@ def over_reals(x):
                 p, q = (list(y[j : j + 11, i : i + 11, c].reshape(-1)) for y in (a, b))
                 mean_p, mean_q = reals.dot(weights, p), reals.dot(weights, q)
                 p, q = [y - mean_p for y in p], [y - mean_q for y in q]
-                var_p, var_q, cov = (reals.total([w * u * v for w, u, v in zip(weights, s, t)]) for s, t in ((p, p), (q, q), (p, q)))
+                pairs = (p, p), (q, q), (p, q)
+                var_p, var_q, cov = (reals.total([w * u * v for w, u, v in zip(weights, s, t)]) for s, t in pairs)
                 above = (mean_p * mean_q * 2 + c1) * (cov * 2 + c2)
                 values.append(above / ((mean_p * mean_p + mean_q * mean_q + c1) * (var_p + var_q + c2)))
     return {"value": np.array(reals.total(values) / len(values), dtype=object)}
 
 
 def in_torch(x):
-    """As splatting code has it, with torch's convolutions: means of squares less squares of means, here of pictures less 1/2 peak."""
+    """By torch's convolutions, as splatting code: means of squares less squares of means, of pictures less peak / 2."""
     a, b = (x[name].permute(2, 0, 1)[:, None] for name in ("prediction", "target"))
     peak = x["peak"]
     middle = peak / 2
