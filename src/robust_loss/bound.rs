@@ -66,14 +66,14 @@ pub(crate) fn huber_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
         };
         let slope = if c.huber_slope == HuberSlope::One { m.div(limited, delta) } else { limited };
         let mean =
-            |x: Bounded| if c.loss_reduction == LossReduction::Sum { x } else { divided(m, x, p_len(a)) };
+            |x: Bounded| if c.loss_reduction == LossReduction::Sum { x } else { divided(m, x, entries(a)) };
         mean(m.mul(g, slope)).or(m.mul(mean(g), slope)).e
     };
     vjp(a, p.iter().zip(&t).map(one).collect())
 }
 
 /// The number of entries.
-fn p_len(a: &Arrays) -> usize {
+fn entries(a: &Arrays) -> usize {
     a["prediction"].len()
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn charbonnier(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays
 pub(crate) fn charbonnier_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let ([p, t], eps, g) = (pair(a), number(a, "eps"), number(a, "grad_value"));
     let one = |(p, t): (&f64, &f64)| {
-        let way = |way| charbonnier_slope(m, [*p, *t], eps, c, [g, p_len(a) as f64], way).e;
+        let way = |way| charbonnier_slope(m, [*p, *t], eps, c, [g, entries(a) as f64], way).e;
         (0..4).map(way).fold(0.0, f64::max)
     };
     vjp(a, p.iter().zip(&t).map(one).collect())
