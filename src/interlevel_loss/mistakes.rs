@@ -111,7 +111,7 @@ fn wrong_bound(fine: Histogram, i: usize, proposal: Histogram, form: Form, wrong
         return sum(&mut over.filter(|&j| t[i] <= s[j] && s[j + 1] <= t[i + 1]));
     }
     if has("end_left_out") {
-        let last = over.clone().last();
+        let last = over.clone().next_back();
         return sum(&mut over.filter(|j| Some(*j) != last));
     }
     if has("share_for_bound") {

@@ -105,7 +105,7 @@ fn padded_pictures_have_the_same_windows() {
     let (a, b) = (noise(1.0), noise(0.7));
     let padded = |x: &Array3<f64>, padding| {
         let at = |n: usize, length: usize| match padding {
-            SsimPadding::Reflect => Some((n as i64 - 5).abs() as usize).map(|n| n.min(2 * (length - 1) - n)),
+            SsimPadding::Reflect => Some(n.abs_diff(5)).map(|n| n.min(2 * (length - 1) - n)),
             _ => (5..length + 5).contains(&n).then(|| n - 5),
         };
         let (h, w, c) = x.dim();
