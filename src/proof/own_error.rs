@@ -61,7 +61,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("charbonnier", 0.6, 2.0),
     row("psnr", 1.2, 0.0),
     row("to_uint8", 0.0, 0.0),
-    row("ssim", 3.0, 9.0),
+    row("ssim", 1.5, 3.5),
     row("linear_to_srgb", 1.9, 5.0),
     row("adam_step", 1.9, 0.0),
     row("training_step", 1.8, 16.0),
