@@ -44,7 +44,7 @@
 //!
 //! `default-features = false` is all that these need: the oracle and the judge, 31 crates besides this one. The feature `fast` adds the
 //! f32 paths, `files` readers and writers (npz, pictures, scenes; the judge's folders of cases and answers), and `cli`, the default, the
-//! program with training, evaluation and bench.
+//! program with training, evaluation and bench; `serve`, a part of it, live pages.
 //!
 //! # The map
 //!
@@ -91,7 +91,8 @@
 //! 11. charts, tables and pages: `report`
 //! 12. speed against error: [`bench`]
 //! 13. a class, by a rubric: `grading`
-//! 14. the program: [`cli`]
+//! 14. a run as a live page: `serve`
+//! 15. the program: [`cli`]
 //!
 //! A component is a folder with the same files in it: `mod.rs` is the formula in plain f64, `backward.rs` its
 //! vector-Jacobian product written by hand; both are *oracle* files, short enough to check against the paper. `arrays.rs` has the same on
@@ -186,6 +187,8 @@ pub mod cli;
 pub(crate) mod grading;
 #[cfg(feature = "cli")]
 pub(crate) mod report;
+#[cfg(feature = "cli")]
+pub(crate) mod serve;
 
 // What the types of this crate are made of.
 pub use {glam, ndarray};

@@ -5,6 +5,7 @@
 //! |---|---|
 //! | a text file (JSON, a log) | `TEXT` bytes; nested at most 128 deep, which is serde_json's own limit |
 //! | a file of a COLMAP model | `MODEL` bytes; its counts, what the file holds |
+//! | a file of weights | `WEIGHTS` bytes |
 //! | a picture | `PICTURE_FILE` bytes as a file, `PIXELS` pixels |
 //! | an array of an npz | `ARRAY` bytes in memory; the archive's arrays together `fits` |
 //! | sides of pictures | `SIDE` pixels |
@@ -21,6 +22,10 @@ pub(crate) const TEXT: u64 = 128 << 20;
 
 /// Bytes of a file of a structure-from-motion model: 1,000 photographs with 20,000 features each have 480 MB.
 pub(crate) const MODEL: u64 = 1 << 30;
+
+/// Bytes of a file of weights.
+#[cfg(feature = "cli")]
+pub(crate) const WEIGHTS: u64 = 1 << 32;
 
 /// Bytes of a picture file.
 pub(crate) const PICTURE_FILE: u64 = 512 << 20;
@@ -121,9 +126,9 @@ pub(crate) const STEP_SAMPLE: f64 = 64.0;
 #[cfg(feature = "cli")]
 pub(crate) const COMPACT_SAMPLE: f64 = 256.0;
 
-/// Bytes of a sample that `inspect` writes. Measured 24.
+/// Bytes of a sample that `inspect` writes. Measured 184, with a field.
 #[cfg(feature = "cli")]
-pub(crate) const SHOWN_SAMPLE: f64 = 48.0;
+pub(crate) const SHOWN_SAMPLE: f64 = 256.0;
 
 /// Bytes of a network's parameter, with its gradient, Adam's moments, and a checkpoint of all in f64. Measured 66 at most.
 #[cfg(feature = "cli")]

@@ -124,7 +124,48 @@ fn a_run_can_be_trained_resumed_measured_and_rendered() {
     let film = object(&["render", &run, "--out", &gif, "--path", "orbit:3", "--size", "24x16", "--json"]);
     assert_eq!(film["frames"], 3);
     assert_eq!(&fs::read(&gif).expect("a film")[..6], b"GIF89a");
+    let png = path(dir.path(), "film.png");
+    let depth = ["render", &run, "--out", &png, "--path", "orbit:3", "--size", "24x16", "--depth", "--json"];
+    assert_eq!(object(&depth)["frames"], 3);
+    let bytes = fs::read(&png).expect("a film");
+    assert!(bytes.windows(4).any(|four| four == b"acTL"), "it is animated");
+    let scale = 14;
+    assert_eq!(bytes[16..24], [0, 0, 0, 24, 0, 0, 0, 16 + scale], "the scale is under each frame");
+    films_by_another_program(dir.path(), &run);
 }
+
+/// `ffmpeg` is asked for the film where it is on the path, and said to be missing, before anything is rendered, where it isn't.
+#[cfg(unix)]
+fn films_by_another_program(dir: &Path, run: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    let (film, bin) = (path(dir, "film.mp4"), dir.join("bin"));
+    fs::create_dir(&bin).expect("a folder");
+    let render = || {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_nerf-oracle"));
+        command.args(["render", run, "--out", &film, "--path", "orbit:2", "--size", "7x5"]).env("PATH", &bin);
+        let output = command.output().expect("the program starts");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, message) = render();
+    assert!(code == Some(2) && message.contains("ffmpeg") && message.contains(".png"), "{message}");
+    assert!(!Path::new(&film).exists());
+    // It takes what a film is made of, and answers with that.
+    let script = "#!/bin/sh\n[ \"$1\" = -version ] && exit 0\nfor last; do :; done\n\
+                  while [ \"$1\" != -i ]; do [ \"$1\" = -video_size ] && size=$2; shift; done\n\
+                  [ \"$size\" = 7x5 ] || { echo 'not this size' >&2; exit 9; }\n/bin/cp \"$2\" \"$last\"\n";
+    let fake = bin.join("ffmpeg");
+    fs::write(&fake, script).expect("written");
+    fs::set_permissions(&fake, fs::Permissions::from_mode(0o755)).expect("permitted");
+    let (code, message) = render();
+    assert_eq!(code, Some(0), "{message}");
+    assert_eq!(fs::metadata(&film).expect("a film").len(), 2 * 7 * 5 * 3, "two frames of bytes");
+    fs::write(&fake, script.replace("7x5", "1x1")).expect("written");
+    let (code, message) = render();
+    assert!(code == Some(2) && message.contains("not this size"), "{message}");
+}
+
+#[cfg(not(unix))]
+fn films_by_another_program(_: &Path, _: &str) {}
 
 #[test]
 fn a_run_that_leaves_empty_space_out_says_so_and_goes_on() {

@@ -138,7 +138,7 @@ fn every_mistake_is_named_first() {
 
 /// The cases that the mistake alone doesn't explain.
 fn unexplained(question: &Question, mistake: &Mistake, dtype: Dtype) -> String {
-    let h = Hypothesis { mistakes: vec![mistake.name], fitted: None, conventions: CS180, loose: false };
+    let h = Hypothesis::new(vec![mistake.name], CS180);
     let options = MarkOptions { dtype, exp_ulp: EXP_ULP };
     let answers = wrong_answers(question, &CS180, &[mistake.name], dtype);
     let used = |(case, answer): (&Case, &Option<Answer>)| {

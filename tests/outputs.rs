@@ -182,3 +182,56 @@ fn names_from_files_move_no_cursor() {
     assert_eq!(clean(&["evaluate", "run"], shown), Some(0));
     assert_eq!(clean(&["evaluate", "run", "--json"], "A\\u001b[31m\\u202e\\n\\u009b<b>"), Some(0));
 }
+
+/// A self-check of one component, whose page has verdicts.
+const CHECK: [&str; 2] = ["check", "composite_background"];
+
+fn printed(command: &mut Command) -> String {
+    let Output { stdout, .. } = command.output().expect("the program starts");
+    String::from_utf8_lossy(&stdout).into_owned()
+}
+
+#[test]
+fn verdicts_have_colors_on_a_terminal_alone() {
+    let plain = printed(&mut program(&CHECK));
+    assert!(plain.contains("  pass\n") && !plain.contains('\u{1b}'), "{plain}");
+    let painted = printed(program(&CHECK).env("CLICOLOR_FORCE", "1"));
+    assert!(painted.contains("\u{1b}[32mpass\u{1b}[0m\n"), "{painted:?}");
+    let stripped = painted.replace("\u{1b}[32m", "").replace("\u{1b}[0m", "");
+    assert_eq!(stripped, plain, "nothing else changes");
+    let never = printed(program(&CHECK).env("CLICOLOR_FORCE", "1").arg("--json"));
+    assert!(never.starts_with('{') && !never.contains('\u{1b}'), "JSON is for programs");
+    let (_, message) = ended(program(&["evaluate", "none"]).env("CLICOLOR_FORCE", "1"));
+    assert!(message.contains("\u{1b}[31merror:"), "{message:?}");
+    let (_, message) = ended(program(&["evaluate", "none"]).env("NO_COLOR", "1"));
+    assert!(message.starts_with("error: none"), "{message:?}");
+}
+
+#[test]
+fn who_asks_for_quiet_has_it_but_for_errors() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("run").display().to_string();
+    // It leaves a part out in this scene, and says so.
+    let args = ["train", "builtin:blob", "--out", &out, "--rays", "8", "--steps", "1", "--overwrite"];
+    let (code, loud) = ended(&mut program(&args));
+    assert!(code == Some(0) && loud.contains("left out"), "{loud}");
+    let (code, quiet) = ended(program(&args).arg("--quiet"));
+    assert_eq!((code, quiet.as_str()), (Some(0), ""));
+    let (code, error) = ended(&mut program(&["evaluate", "none", "-q"]));
+    assert!(code == Some(2) && error.contains("run.json"), "{error}");
+}
+
+#[test]
+fn completions_and_manuals_know_the_options() {
+    for (shell, word) in
+        [("bash", "complete "), ("zsh", "#compdef nerf-oracle"), ("fish", "complete -c nerf-oracle")]
+    {
+        let script = printed(&mut program(&["completions", shell]));
+        assert!(script.contains(word) && script.contains("stop-at-psnr"), "{shell}");
+    }
+    let page = |args: &[&str]| printed(&mut program(args)).replace('\\', "");
+    let program_page = page(&["man"]);
+    assert!(program_page.contains(".TH nerf-oracle 1") && program_page.contains("inspect"), "{program_page}");
+    let page = page(&["man", "train"]);
+    assert!(page.contains("nerf-oracle-train") && page.contains("--stop-at-psnr"), "{page}");
+}

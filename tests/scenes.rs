@@ -6,6 +6,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use nerf_oracle::Error;
+use nerf_oracle::camera::{Distortion, Lens};
 use nerf_oracle::files::npz;
 use nerf_oracle::ray::camera_ray;
 use nerf_oracle::scene::{self, Options, Scene};
@@ -45,7 +46,7 @@ fn fox_has_a_lens_an_off_center_axis_and_every_eighth_frame_held_out() {
     assert_eq!((scene.val[0].name.as_str(), scene.warnings.len()), ("images/0001.png", 0));
     let camera = &scene.train[0].camera;
     assert_eq!((camera.k.fx, camera.k.fy, camera.k.cx, camera.k.cy), (171.94, 171.81125, 69.31975, 120.6585));
-    assert_eq!(camera.distortion.unwrap().k1, 0.0578421);
+    assert!(matches!(camera.distortion, Some(Lens::Opencv(Distortion { k1: 0.0578421, .. }))));
     // The nearest camera stands 3.77 from the focus, the farthest 6.32.
     assert!((scene.near - 3.77 / 2.0).abs() < 0.01 && (scene.far - 2.0 * 6.32).abs() < 0.01);
 }
@@ -113,7 +114,8 @@ fn a_frame_has_its_own_intrinsics_and_lens() {
     });
     let scene = load(folder.path()).unwrap();
     assert_eq!((scene.train[0].camera.k.fx, scene.val[0].camera.k.fx), (9.0, 8.0));
-    assert_eq!(scene.train[0].camera.distortion.unwrap().k1, 0.1);
+    let lens = Lens::Opencv(Distortion { k1: 0.1, ..Distortion::default() });
+    assert_eq!(scene.train[0].camera.distortion, Some(lens));
     assert_eq!(scene.val[0].camera.distortion, None);
 }
 
@@ -226,11 +228,9 @@ fn bad_transforms_are_refused_by_field() {
         (&["fl_y", "0", "positive"], |json| json["fl_y"] = json!(0)),
         (&["neither fl_x nor camera_angle_x"], |json| drop(json.as_object_mut().unwrap().remove("fl_x"))),
         (&["size of a.png", "6x4", "12x8"], |json| (json["w"], json["h"]) = (json!(12), json!(8))),
-        (&["camera_model", "OPENCV_FISHEYE", "undistort"], |json| {
-            json["camera_model"] = json!("OPENCV_FISHEYE")
-        }),
-        (&["k3 of a.png", "0.01"], |json| json["k3"] = json!(0.01)),
-        (&["is_fisheye of b.png"], |json| json["frames"][0]["is_fisheye"] = json!(true)),
+        (&["camera_model", "FISHEYE624", "undistort"], |json| json["camera_model"] = json!("FISHEYE624")),
+        (&["k4 of a.png", "0.01"], |json| json["k4"] = json!(0.01)),
+        (&["is_latlong of b.png"], |json| json["frames"][0]["is_latlong"] = json!(true)),
         (&["transform_matrix of b.png", "no matrix"], |json| {
             json["frames"][0]["transform_matrix"] = json!("I")
         }),
@@ -336,9 +336,70 @@ fn inspect_writes_rays_that_project_back_to_their_pixels() {
             assert!((u - uv[[r, 0]]).abs() < 1e-10 && (v - uv[[r, 1]]).abs() < 1e-10, "({u}, {v})");
         }
     }
+    // Every stage from the field on, by its formula.
+    let (sigmas, deltas, alphas) = (array("sigmas"), array("deltas"), array("alphas"));
+    let (through, weights, rgbs) = (array("transmittances"), array("weights"), array("rgbs"));
+    for r in 0..20 {
+        let (mut depth, mut color) = (0.0, [0.0; 3]);
+        for n in 0..8 {
+            let x: f64 = sigmas[[r, n]] * deltas[[r, n]];
+            assert!((alphas[[r, n]] + (-x).exp_m1()).abs() < 1e-14);
+            assert!((through[[r, n]] - f64::exp(-depth)).abs() < 1e-14);
+            assert!((weights[[r, n]] - through[[r, n]] * alphas[[r, n]]).abs() < 1e-14);
+            (0..3).for_each(|k| color[k] += weights[[r, n]] * rgbs[[r, n, k]]);
+            depth += x;
+        }
+        assert!((array("opacities")[r] + (-depth).exp_m1()).abs() < 1e-14);
+        assert!((0..3).all(|k| (array("colors")[[r, k]] - color[k]).abs() < 1e-14), "over black");
+    }
+    assert!(sigmas.iter().any(|sigma| *sigma > 1.0));
+    let page = std::fs::read_to_string(folder.path().join("index.html")).unwrap();
+    assert!(page.len() < 5_000_000 && page.contains("train[0]"));
     let picture = image::open(folder.path().join("outside.png")).unwrap().into_rgb8();
     let drawn = |channel: usize| {
         picture.pixels().filter(|p| p[channel] > p[(channel + 2) % 3].saturating_add(60)).count()
     };
     assert!(drawn(0) > 500 && drawn(2) > 500, "orange samples and blue rays are in the picture");
+}
+
+#[test]
+fn inspect_shows_a_run_s_field_and_writes_points_for_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let (run, out) = (folder.path().join("run"), folder.path().join("out"));
+    let (run, dir) = (run.to_str().unwrap(), out.to_str().unwrap());
+    let scene = "builtin:spheres,views=4,size=8";
+    let of = |args: &[&str]| {
+        let program =
+            std::process::Command::new(env!("CARGO_BIN_EXE_nerf-oracle")).args(args).output().unwrap();
+        assert!(program.status.success(), "{}", String::from_utf8_lossy(&program.stderr));
+        String::from_utf8(program.stderr).unwrap()
+    };
+    of(&["train", scene, "--steps", "30", "--out", run]);
+    let inspect = ["inspect", scene, "--run", run, "--rays", "6", "--samples", "4", "--ply", "--out", dir];
+    let said = of(&inspect);
+    assert!(!said.contains("other pictures"), "{said}");
+    let arrays = npz::read(&out.join("rays.npz")).unwrap();
+    assert_eq!(arrays["sigmas"].shape(), [6, 4]);
+    assert!(std::fs::read_to_string(out.join("index.html")).unwrap().contains("\"bits\":"));
+    for file in ["cameras.ply", "points.ply"] {
+        assert!(
+            std::fs::read(out.join(file))
+                .unwrap()
+                .starts_with(b"ply\nformat binary_little_endian 1.0\nelement vertex ")
+        );
+    }
+    // Another scene than the run's is told.
+    let other = [
+        "inspect",
+        "builtin:blob,views=4,size=8",
+        "--run",
+        run,
+        "--rays",
+        "2",
+        "--samples",
+        "2",
+        "--out",
+        dir,
+    ];
+    assert!(of(&other).contains("The run was trained on other pictures or cameras"));
 }

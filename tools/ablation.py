@@ -4,6 +4,8 @@
 
 Every run trains for the same time; rounds are interleaved, so that a slow minute of the machine hits all rows alike. Points are
 samples that went forward and backward. Standard library only.
+
+On several machines of one kind: `--shard I/N --out part_I.json` does every Nth run, `--merge part_*.json` prints the table of all.
 """
 
 import argparse
@@ -49,6 +51,29 @@ def row(name, runs):
     return name, *middle, spread
 
 
+def shard(text):
+    """I/N as two numbers."""
+    number, of = (int(part) for part in text.split("/"))
+    if not 1 <= number <= of:
+        raise ValueError(text)
+    return number, of
+
+
+def merged(files, work, names):
+    """All runs of parts of the same work; a part that is there twice counts once."""
+    done = {}
+    for file in files:
+        part = json.loads(file.read_text())
+        for field, expected in work.items():
+            if part["work"][field] != expected:
+                sys.exit(f"{file}: {field}: found {part['work'][field]}; expected {expected}. Merge parts of one ablation alone.")
+        done = {**part["runs"], **done}
+    missing = [name for name in names if name not in done]
+    if missing:
+        sys.exit(f"missing: {'; '.join(missing)}. Run the --shard that has them, and merge again.")
+    return done
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
@@ -57,16 +82,31 @@ def main():
     parser.add_argument("--rounds", type=int, default=1, help="runs of every row, with seeds 0, 1, ...")
     parser.add_argument("--parts", default=",".join(PARTS), help="rows, with commas")
     parser.add_argument("--args", action="append", default=[], help="more arguments for train")
+    parser.add_argument("--shard", type=shard, default=(1, 1), metavar="I/N", help="every Nth run from the Ith on, into --out")
+    parser.add_argument("--out", type=Path, help="the part that --shard makes")
+    parser.add_argument("--merge", nargs="+", type=Path, metavar="PART", help="print the table of these parts, made with the same options")
     given = parser.parse_args()
+    if given.shard[1] > 1 and not given.out:
+        parser.error("--shard needs --out")
     parts = given.parts.split(",")
     unknown = [part for part in parts if part not in PARTS]
     if unknown:
         sys.exit(f"--parts: {', '.join(unknown)}; known are {', '.join(PARTS)}")
-    runs = {part: [] for part in parts}
-    for seed in range(given.rounds):
-        for part in parts:
-            runs[part].append(train(given.program, given.scene, part, given.seconds, given.args, seed))
-            print(f"{part}, seed {seed}: {runs[part][-1]}", file=sys.stderr)
+    work = {"scene": given.scene, "seconds": given.seconds, "rounds": given.rounds, "parts": parts, "args": given.args}
+    names = [f"{part}, seed {seed}" for seed in range(given.rounds) for part in parts]
+    if given.merge:
+        done = merged(given.merge, work, names)
+    else:
+        number, of = given.shard
+        done = {}
+        for name in names[number - 1 :: of]:
+            part, seed = name.split(", seed ")
+            done[name] = train(given.program, given.scene, part, given.seconds, given.args, int(seed))
+            print(f"{name}: {done[name]}", file=sys.stderr)
+        if given.out:
+            given.out.write_text(json.dumps({"work": work, "runs": done}))
+            return
+    runs = {part: [done[f"{part}, seed {seed}"] for seed in range(given.rounds)] for part in parts}
     rows = [row(PARTS[part], runs[part]) for part in parts]
     base = rows[0]
     print(f"{given.seconds:g} s of training, {given.rounds} run(s) a row\n")

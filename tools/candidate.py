@@ -32,7 +32,7 @@ Where the function crashes, that is the case's answer, and the others are judged
 
 Gradients: a torch function is differentiated by autograd, through the outputs that it returns. Where that can't be (numpy), nothing is
 answered and the judge reports `unsupported`. A gradient of your own goes in as `volume_render_vjp=f`, which is handed the inputs
-and `grad_<output>`, and returns `grad_<input>` in the contract's order.
+and `grad_<output>` (those of the outputs that the function returns), and returns `grad_<input>` in the contract's order.
 
 `answers.json`, beside the answers, holds what the judge can't see in them: what a function takes, the outputs that its gradient goes
 through, and where it crashed.
@@ -83,6 +83,7 @@ def run(cases, answers, *, arrays=None, device="cpu", **functions):
         row, what, results = f"{component}/{kind}", Declared(), {}
         try:
             what.takes = taken(function, group[0])
+            what.returns = through(what.takes, group[0]) if own else None
             for case in group:
                 if needed(case, what.takes):
                     what.left.append(case["id"])
@@ -115,6 +116,13 @@ def run(cases, answers, *, arrays=None, device="cpu", **functions):
     if hopeless:
         raise hopeless[0]
     return outcome
+
+
+def through(takes, case):
+    """The outputs through which a gradient of one's own goes, where it takes not all of their cotangents."""
+    asked = [port["name"] for port in case["inputs"] if port["name"].startswith("grad_")]
+    named = [name.removeprefix("grad_") for name in asked if takes is None or name in takes]
+    return named if 0 < len(named) < len(asked) else None
 
 
 class Declared:

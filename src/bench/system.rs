@@ -10,7 +10,7 @@ use super::rounds::{quantile, seconds};
 use super::scaling::exponent;
 use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
-use crate::evaluation::{camera_rays, over};
+use crate::evaluation::{over, seen_rays};
 use crate::loss::psnr;
 use crate::parallel;
 use crate::random::{Key, Purpose};
@@ -87,7 +87,7 @@ pub fn rows(
             remedy: "Choose a scene with views.",
         })
     })?;
-    let views = frames.iter().map(|f| camera_rays(&f.camera)).collect::<Result<Vec<_>>>()?;
+    let views = frames.iter().map(|f| seen_rays(&f.camera)).collect::<Result<Vec<_>>>()?;
     let key = Key::new(0, Purpose::Probe);
     let pick = |n: usize| {
         let view = &views[key.below(views.len() as u64, 1, n as u64, 0) as usize];

@@ -18,6 +18,8 @@ pub(crate) mod mistakes;
 #[cfg(test)]
 pub(crate) mod tests;
 
+use crate::error::Result;
+use crate::fisheye;
 pub use crate::lens::Distortion;
 pub use judge::judge;
 
@@ -34,6 +36,37 @@ pub struct Intrinsics {
     pub cy: f64,
 }
 
+/// What bends the rays of a camera that isn't a pinhole.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Lens {
+    /// Radial and tangential distortion.
+    Opencv(Distortion),
+    /// A fisheye's k1, k2, k3, k4.
+    Fisheye([f64; 4]),
+}
+
+impl Lens {
+    /// Where an ideal point at depth 1 lands on the picture, in the same units.
+    pub fn distort(&self, p: DVec2) -> DVec2 {
+        match *self {
+            Lens::Opencv(lens) => lens.distort(p),
+            Lens::Fisheye(k) => fisheye::distort(k, p),
+        }
+    }
+
+    /// The ideal point that lands at `target`.
+    ///
+    /// # Errors
+    /// Where there is none: the lens folds over, or a fisheye sees it 90 degrees or more off its axis.
+    pub fn undistort(&self, target: DVec2) -> Result<DVec2> {
+        match *self {
+            Lens::Opencv(lens) => lens.undistort(target),
+            Lens::Fisheye(k) => fisheye::undistort(k, target),
+        }
+    }
+}
+
 /// One photograph's camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -45,8 +78,8 @@ pub struct Camera {
     pub k: Intrinsics,
     /// Camera to world, OpenCV axes (x right, y down, z forward), rigid.
     pub c2w: DMat4,
-    /// Lens distortion, where the scene has it.
-    pub distortion: Option<Distortion>,
+    /// The lens, where it isn't a pinhole.
+    pub distortion: Option<Lens>,
 }
 
 /// A point from camera space to world space: `x_w = R x_c + o`, the upper 3x4 of `c2w` times (x_c, 1).

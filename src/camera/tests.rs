@@ -116,6 +116,20 @@ fn cg9_a_pose_is_applied_as_it_is() {
     assert!(!pixel_to_camera(&flat, DVec2::new(3.0, 1.0), 1.0).is_finite());
 }
 
+/// Each lens is its own formula, there and back: 45 degrees off the axis a fisheye has pi/4.
+#[test]
+fn a_lens_bends_as_its_model_says() {
+    let radial = Lens::Opencv(Distortion { k1: 0.5, ..Distortion::default() });
+    let (p, bent) = (DVec2::new(0.0, 1.0), DVec2::new(0.0, 1.5));
+    assert_eq!(radial.distort(p), bent);
+    assert!((radial.undistort(bent).unwrap() - p).length() < 1e-15);
+    let fisheye = Lens::Fisheye([0.0; 4]);
+    let bent = DVec2::new(0.0, std::f64::consts::FRAC_PI_4);
+    assert_eq!(fisheye.distort(p), bent);
+    assert!((fisheye.undistort(bent).unwrap() - p).length() < 1e-15);
+    assert!(fisheye.undistort(2.0 * bent).is_err(), "90 degrees off the axis there is no point at depth 1");
+}
+
 proptest! {
     #![proptest_config(properties())]
 

@@ -77,10 +77,11 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         quick: args.quick,
         peer: args.peer.clone(),
     };
-    let mut report =
-        parallel::on_threads(args.threads, || bench::run(&suites, &scalings, layers, &options, output::say))?;
+    let mut report = parallel::on_threads(args.threads, || {
+        bench::run(&suites, &scalings, layers, &options, output::note)
+    })?;
     if let Some((mut system, scene)) = system.filter(|_| whole) {
-        let rows = || bench::system::rows(&mut *system, scene, &options, output::say);
+        let rows = || bench::system::rows(&mut *system, scene, &options, output::note);
         let (rows, scaling) = parallel::on_threads(args.threads, rows)?;
         report.system = rows;
         report.scaling.extend(scaling);

@@ -26,7 +26,7 @@ pub(super) struct Args {
 }
 
 /// The scene that the demo trains.
-const SCENE: &str = "builtin:spheres";
+const SCENE: &str = "builtin:spheres,size=128";
 
 /// Largest difference of a color between the f32 path and the f64 reference that the demo accepts.
 const TOLERANCE: f64 = 1e-5;
@@ -44,16 +44,18 @@ const FRAMES: usize = 40;
 /// Runs `demo`.
 pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let run = args.out.join("run");
-    output::say(&format!("Training a small network on {SCENE} for {} s ...", args.seconds));
+    output::note(&format!("Training a small network on {SCENE} for {} s ...", args.seconds));
     let summary = train::train(&training(args, &run))?;
     if let Some(signal) = summary.stopped {
         return Ok(signal.end("what was trained is kept"));
     }
-    output::say("Checking the f32 path against the f64 reference ...");
+    output::note("Checking the f32 path against the f64 reference ...");
     let trained = evaluate::open(&run, Backend::Fast, false)?;
     let difference = largest_difference(&trained, &evaluate::open(&run, Backend::Reference, false)?)?;
-    output::say(&format!("Rendering a film of {FRAMES} frames ..."));
-    render::render(&film(&run, &args.out.join("film.gif")))?;
+    output::note(&format!("Rendering a film of {FRAMES} frames ..."));
+    let frames = render::frames(&film(&run, &args.out.join("film.png")))?;
+    // In full color for the page, and as what every program shows.
+    ["film.png", "film.gif"].iter().try_for_each(|name| render::write(&args.out.join(name), &frames))?;
     write_comparison(&trained, &args.out.join("comparison.png"))?;
     let rows = vec![
         vec!["validation PSNR, dB".into(), output::decibels(summary.val_psnr)],
@@ -98,6 +100,7 @@ fn film(run: &Path, out: &Path) -> render::Args {
         size: Some((128, 128)),
         depth: false,
         threads: None,
+        shard: None,
         backend: Backend::Fast,
     }
 }
@@ -140,7 +143,7 @@ fn write_page(out: &Path, rows: &[Vec<String>]) -> Result<()> {
     let mut page = Page::new("nerf-oracle demo", lead);
     page.table(&["figure", "value"], rows)
         .heading("Film")
-        .picture("film.gif", "an orbit of new views", 384)
+        .picture("film.png", "an orbit of new views", 384)
         .heading("Validation views")
         .picture("comparison.png", "photographs above, the field's views below", 540)
         .heading("Training")

@@ -14,6 +14,7 @@ use crate::error::{Error, Input, Result};
 use crate::files::{self, picture};
 use crate::limits::{self, LAYERS, LEVELS, SIDE, WIDTH};
 use crate::parallel;
+use crate::report::page::Page;
 use crate::report::{curve, sheet, table};
 use crate::scene::{self, digest};
 use crate::training::checkpoint::RunFolder;
@@ -90,6 +91,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
             write_sheet(&folder, &target, &log)?;
         }
         write_curve(&folder, &log)?;
+        write_page(&folder, &args.image, &log, stopped.is_none())?;
         let (h, w, _) = target.dim();
         let object = json!({
             "out": args.out.display().to_string(), "width": w, "height": h, "settings": settings, "log": log,
@@ -220,15 +222,28 @@ fn write_curve(folder: &RunFolder, log: &[LogPoint]) -> Result<()> {
     curve::write(&folder.file("psnr.svg"), "PSNR of the fitted picture", "step", "dB", &series)
 }
 
+/// `index.html`: figures, curve, pictures; the sheet is of a fit that has ended.
+fn write_page(folder: &RunFolder, image: &str, log: &[LogPoint], sheet: bool) -> Result<()> {
+    let mut page = Page::new("A fitted picture", &format!("A field of two dimensions, fitted to {image}."));
+    page.table(&HEADER, &log.iter().map(cells).collect::<Vec<_>>());
+    page.heading("Fit").picture("psnr.svg", "PSNR of the whole picture over steps", 720);
+    if sheet {
+        page.heading("Pictures").picture(
+            "contact_sheet.png",
+            "the steps in order, the picture itself last",
+            960,
+        );
+    }
+    files::write(&folder.file("index.html"), page.finish())
+}
+
+const HEADER: [&str; 4] = ["step", "seconds", "loss", "PSNR dB"];
+
+fn cells(p: &LogPoint) -> Vec<String> {
+    vec![p.step.to_string(), format!("{:.1}", p.seconds), format!("{:.6}", p.loss), format!("{:.2}", p.psnr)]
+}
+
 fn text(log: &[LogPoint], out: &Path) -> String {
-    let row = |p: &LogPoint| {
-        vec![
-            p.step.to_string(),
-            format!("{:.1}", p.seconds),
-            format!("{:.6}", p.loss),
-            format!("{:.2}", p.psnr),
-        ]
-    };
-    let rows: Vec<_> = log.iter().map(row).collect();
-    table::text(&["step", "seconds", "loss", "PSNR dB"], &rows) + &format!("{}\n", out.display())
+    let rows: Vec<_> = log.iter().map(cells).collect();
+    table::text(&HEADER, &rows) + &format!("{}\n", out.display())
 }

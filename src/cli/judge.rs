@@ -1,11 +1,15 @@
 //! `judge`: compares answers with the truth.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use super::output;
 use crate::error::{Error, Result};
+use crate::files;
 use crate::judge::{Verdict, exchange, judging, large};
+
+mod judged;
 
 /// Judge answers: right or wrong, component by component, and what the mistake probably is.
 #[derive(clap::Args, Debug)]
@@ -20,6 +24,9 @@ pub(super) struct Args {
     /// Count this verdict as a pass: `imprecise`, the right formula with more digits lost than its arithmetic costs.
     #[arg(long, value_name = "VERDICT", value_parser = ["imprecise"])]
     allow: Option<String>,
+    /// Write a page to look at, and to send: DIR/index.html.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
 /// Runs it. 0: something passed and nothing failed; 1: something failed, is unproved or imprecise; 2: nothing was answered.
@@ -30,13 +37,25 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     if !(args.exp_ulp >= 0.5 && args.exp_ulp <= 1e6) {
         return Err(Error::usage("--exp-ulp", args.exp_ulp, "a number from 0.5 to 1e6"));
     }
+    if let Some(out) = &args.out {
+        files::check_writable(out)?;
+    }
+    let mut pictures = BTreeMap::new();
     let report = if exchange::read_manifest(&args.cases)?.tier.is_some() {
         large::files::judged(large::files::read(&args.cases)?, &args.answers, args.exp_ulp)?
     } else {
         let exam = exchange::declared(exchange::read_exam(&args.cases)?, &args.answers)?;
         let answers = exchange::read_answers(&exam, &args.answers)?;
-        judging::judge_answers(&exam, &answers, args.exp_ulp)
+        let report = judging::judge_answers(&exam, &answers, args.exp_ulp);
+        if args.out.is_some() {
+            pictures = judged::pictures(&exam, &answers, &report, args.exp_ulp);
+        }
+        report
     };
+    if let Some(out) = &args.out {
+        files::make_folder(out)?;
+        files::write(&out.join("index.html"), judged::page(&report, &pictures))?;
+    }
     output::print(json, &report.json(), &report.to_string())?;
     let allowed: &[Verdict] = if args.allow.is_some() { &[Verdict::Imprecise] } else { &[] };
     Ok(ExitCode::from(report.exit_code_allowing(allowed)))

@@ -112,7 +112,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     let rows: Vec<Row> = parallel::on_threads(args.threads, || {
         let one = |(n, c): (usize, &Combination)| {
             let row = train(c, args.steps as u64)?;
-            output::say(&format!("{} of {}: {}", n + 1, combinations.len(), cells(&row).join(" ")));
+            output::note(&format!("{} of {}: {}", n + 1, combinations.len(), cells(&row).join(" ")));
             Ok(row)
         };
         combinations.iter().enumerate().map(one).collect::<Result<_>>()

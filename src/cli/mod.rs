@@ -13,26 +13,37 @@ use crate::error::Result;
 mod bench;
 mod cases;
 mod check;
+mod completions;
 mod demo;
 mod evaluate;
 mod explain;
+mod export;
 mod fit_image;
 mod grade;
+mod import;
 mod inspect;
 mod judge;
 mod list;
+mod live;
+mod man;
 mod matrix;
+mod merge;
 mod options;
 mod output;
+mod paint;
+mod parts;
 mod progress;
 mod recipe;
 mod recorded;
 mod render;
+mod run_page;
+mod shard;
 mod signals;
 mod spelling;
 mod sweep_image;
 mod train;
 mod vectors;
+mod view;
 
 /// The reference that NeRF implementations are checked against.
 #[derive(Parser)]
@@ -43,6 +54,9 @@ struct Cli {
     /// One JSON object on stdout instead of text for people.
     #[arg(long, global = true)]
     json: bool,
+    /// No progress and no notes on stderr; errors and warnings still.
+    #[arg(long, short, global = true)]
+    quiet: bool,
 }
 
 #[derive(Subcommand)]
@@ -59,8 +73,15 @@ enum Command {
     Evaluate(evaluate::Args),
     /// Render a film or frames of a trained run.
     Render(render::Args),
+    View(view::Args),
     /// Show a scene's cameras, rays and samples from outside, as numbers and as a picture.
     Inspect(inspect::Args),
+    /// Make a run of another program's weights, by a mapping of their names.
+    Import(import::Args),
+    /// Write a run's weights for other programs.
+    Export(export::Args),
+    /// Put the parts of --shard together, as one process would have written them.
+    Merge(merge::Args),
     List(list::Args),
     Explain(explain::Args),
     Check(check::Args),
@@ -70,6 +91,8 @@ enum Command {
     Grade(grade::Args),
     Bench(bench::Args),
     Matrix(matrix::Args),
+    Completions(completions::Args),
+    Man(man::Args),
 }
 
 /// Parses `args`, runs the subcommand, prints an error if there is one, and returns the exit code.
@@ -97,6 +120,9 @@ pub fn main(args: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<ExitCode> {
+    if cli.quiet {
+        output::be_quiet();
+    }
     match &cli.command {
         Command::Demo(args) => demo::run(args, cli.json),
         Command::FitImage(args) => fit_image::run(args, cli.json),
@@ -104,7 +130,11 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Train(args) => train::run(args, cli.json),
         Command::Evaluate(args) => evaluate::run(args, cli.json),
         Command::Render(args) => render::run(args, cli.json),
+        Command::View(args) => view::run(args, cli.json),
         Command::Inspect(args) => inspect::run(args, cli.json),
+        Command::Import(args) => import::run(args, cli.json),
+        Command::Export(args) => export::run(args, cli.json),
+        Command::Merge(args) => merge::run(args, cli.json),
         Command::List(args) => list::run(args, cli.json),
         Command::Explain(args) => explain::run(args, cli.json),
         Command::Check(args) => check::run(args, cli.json),
@@ -114,5 +144,7 @@ fn run(cli: &Cli) -> Result<ExitCode> {
         Command::Grade(args) => grade::run(args, cli.json),
         Command::Bench(args) => bench::run(args, cli.json),
         Command::Matrix(args) => matrix::run(args, cli.json),
+        Command::Completions(args) => completions::run(args, cli.json),
+        Command::Man(args) => man::run(args, cli.json),
     }
 }

@@ -1,5 +1,7 @@
 //! Options that several subcommands share, and how they are read.
 
+use std::net::IpAddr;
+
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use serde::{Deserialize, Serialize};
@@ -111,6 +113,14 @@ pub(super) fn threads(text: &str) -> Result<usize, String> {
 /// How many steps.
 pub(super) fn steps(text: &str) -> Result<usize, String> {
     at_most::<STEPS>(text)
+}
+
+/// An address of this machine.
+pub(super) fn host(text: &str) -> Result<IpAddr, String> {
+    let own = if text == "localhost" { "127.0.0.1" } else { text };
+    own.parse().map_err(|_| {
+        "expected an address such as 127.0.0.1, ::1, or 0.0.0.0 for all of this machine's".into()
+    })
 }
 
 /// A finite number above 0.

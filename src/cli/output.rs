@@ -5,8 +5,10 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use anstream::{AutoStream, ColorChoice};
 use serde_json::Value;
 
+use super::paint;
 use crate::error::{Error, Result};
 use crate::shown::{json_escaped, lines, shown};
 
@@ -16,15 +18,33 @@ pub(super) const CLOSED: u8 = 141;
 /// Whether anything that was to go to stderr didn't arrive.
 static LOST: AtomicBool = AtomicBool::new(false);
 
+/// Whether only what was asked for, errors and warnings are written.
+static QUIET: AtomicBool = AtomicBool::new(false);
+
+/// Progress and notes are left out from now on.
+pub(super) fn be_quiet() {
+    QUIET.store(true, Ordering::Relaxed);
+}
+
+/// Whether they are.
+pub(super) fn quiet() -> bool {
+    QUIET.load(Ordering::Relaxed)
+}
+
 /// Prints the object if `json`, otherwise the text.
 ///
 /// # Errors
 /// Where stdout doesn't take it: a full disk, a closed pipe.
 pub(super) fn print(json: bool, object: &Value, text: &str) -> Result<()> {
-    let text =
-        if json { json_escaped(&object.to_string()).into_owned() + "\n" } else { lines(text).into_owned() };
+    let text = if json { json_line(object) } else { lines(text).into_owned() };
+    let plain = json || AutoStream::choice(&io::stdout()) == ColorChoice::Never;
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(|source| Error::Io {
+    let written = if plain {
+        out.write_all(text.as_bytes())
+    } else {
+        AutoStream::auto(&mut out).write_all(paint::verdicts(&text).as_bytes())
+    };
+    written.and_then(|()| out.flush()).map_err(|source| Error::Io {
         path: "stdout".into(),
         action: "can't be written",
         source,
@@ -32,11 +52,30 @@ pub(super) fn print(json: bool, object: &Value, text: &str) -> Result<()> {
     })
 }
 
+/// An object as `--json` prints it.
+pub(super) fn json_line(object: &Value) -> String {
+    json_escaped(&object.to_string()).into_owned() + "\n"
+}
+
 /// A line on stderr. A run goes on where nobody can read it any more, but doesn't end with exit code 0: [`lost`].
 pub(super) fn say(line: &str) {
+    let plain = AutoStream::choice(&io::stderr()) == ColorChoice::Never;
     let mut out = io::stderr().lock();
-    if writeln!(out, "{}", shown(line)).is_err() {
+    let line = shown(line);
+    let written = if plain {
+        writeln!(out, "{line}")
+    } else {
+        writeln!(AutoStream::auto(&mut out), "{}", paint::kind(&line))
+    };
+    if written.is_err() {
         LOST.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A line on stderr that nobody misses: what is being done. With `--quiet` there is none.
+pub(super) fn note(line: &str) {
+    if !quiet() {
+        say(line);
     }
 }
 

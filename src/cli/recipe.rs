@@ -13,9 +13,14 @@ use crate::limits::{self, COMPACT_SAMPLE, PARAMETER, STEP_SAMPLE};
 use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
 use crate::training::compact::{CompactModel, CompactSettings, Overrides, Part};
+use crate::training::foreign::ForeignModel;
+use crate::training::foreign::mapping::Mapping;
 use crate::training::identity::Identity;
 use crate::training::model::Model;
 use crate::training::nerf::{NerfModel, NerfSettings, Skip};
+
+/// What `run.json` calls the model of imported weights.
+pub(super) const FOREIGN: &str = "foreign";
 
 /// What `--resume` may not change.
 const KEPT: [&str; 12] = [
@@ -116,6 +121,7 @@ pub(super) fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &
         holdout: given["holdout"].as_u64().map(|n| n as usize),
         background,
         shrink: given["shrink"].as_u64().map(|n| n as usize),
+        integer_pixels: given["integer_pixels"].as_bool() == Some(true),
         test_images,
     };
     scene::load(name, &options)
@@ -134,6 +140,9 @@ pub(super) fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dy
             remedy: "Train the run again.",
         })
     })?;
+    if named(recipe, "model", FOREIGN) {
+        return Ok(Box::new(foreign(recipe)?));
+    }
     if named(recipe, "model", "compact") {
         return Ok(Box::new(compact(recipe, scene, without)?));
     }
@@ -141,6 +150,12 @@ pub(super) fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dy
         return Err(Error::usage("--without", "given", "no --without: its parts are the compact model's"));
     }
     Ok(Box::new(nerf(recipe, scene)?))
+}
+
+/// The networks of another program; their arrays are in the checkpoint.
+fn foreign(recipe: &Map<String, Value>) -> Result<ForeignModel> {
+    let mapping = Mapping::parse(recipe.get("mapping").unwrap_or(&Value::Null), "run.json")?;
+    ForeignModel::new(mapping, named(recipe, "backend", "reference"), "run.json")
 }
 
 fn compact(recipe: &Map<String, Value>, scene: &Scene, without: Vec<Part>) -> Result<CompactModel> {

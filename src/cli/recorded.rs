@@ -22,9 +22,9 @@ const RUN: Holds = Object(&[
     ("scene", Text),
     ("scene_options", Object(&[
         ("near", DISTANCE), ("far", DISTANCE), ("holdout", Maybe(&Whole(2, 1 << 24))), ("background", Maybe(&Numbers(3, 0.0, 1.0))),
-        ("shrink", Maybe(&Whole(1, 64))),
+        ("shrink", Maybe(&Whole(1, 64))), ("integer_pixels", Maybe(&Flag)),
     ])),
-    ("model", Word(&["compact", "nerf"])), ("backend", Word(&["fast", "reference"])), ("seed", Whole(0, u64::MAX)),
+    ("model", Word(&["compact", "nerf", "foreign"])), ("mapping", Maybe(&Anything)), ("weights", Maybe(&Text)), ("backend", Word(&["fast", "reference"])), ("seed", Whole(0, u64::MAX)),
     ("rays", Maybe(&Whole(1, RAYS as u64))), ("samples", Maybe(&Whole(1, SAMPLES as u64))),
     ("fine", Maybe(&Whole(0, SAMPLES as u64))), ("lr", POSITIVE), ("width", Maybe(&Whole(1, WIDTH as u64))),
     ("skip", Maybe(&Flag)), ("steps", COUNT), ("without", Maybe(&List(&Text))), ("version", Text),

@@ -4,19 +4,21 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use image::RgbImage;
-use ndarray::Array3;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::evaluate::open;
+use super::evaluate::{Trained, open};
 use super::options::{Backend, at_most, color, size, threads};
+use super::parts::Merged;
+use super::shard::{self, Piece, Shard};
 use super::{output, progress};
-use crate::camera::{Camera, Intrinsics};
+use crate::camera::Camera;
 use crate::error::Result;
-use crate::evaluation::{View, render_view};
+use crate::evaluation::render_view;
 use crate::files::{self, picture};
 use crate::limits::{self, FRAMES};
 use crate::parallel;
-use crate::report::film;
+use crate::report::depth;
+use crate::report::film::{self, Format};
 use crate::scene::{Scene, path};
 
 /// Options of `render`.
@@ -24,7 +26,7 @@ use crate::scene::{Scene, path};
 pub(super) struct Args {
     /// The folder of a run.
     pub run: PathBuf,
-    /// A .gif, or a folder for frames as PNG and a film.gif.
+    /// A .gif, a .png (animated, in full color), an .mp4 (by ffmpeg), or a folder for frames as PNG and a film.gif.
     #[arg(long)]
     pub out: PathBuf,
     /// The cameras: test, the scene's test path; orbit:N, a circle around it; spiral:N, a spiral before it; capture:N, the capture's own
@@ -37,9 +39,12 @@ pub(super) struct Args {
     /// Picture size; the photographs' by default.
     #[arg(long, value_parser = size)]
     pub size: Option<(usize, usize)>,
-    /// Depth (near white, far black) in the place of color.
+    /// Depth in the place of color: viridis, near bright and far dark, with its scale under each frame.
     #[arg(long)]
     pub depth: bool,
+    /// I/N: every Nth frame from the Ith on, as a part for merge, in the folder --out.
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
     /// Threads; all cores by default.
     #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
@@ -88,50 +93,104 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
     })
 }
 
-/// Renders as `args` say; returns how many frames.
-pub(super) fn render(args: &Args) -> Result<usize> {
-    if is_film(&args.out) { files::check_replaceable(&args.out) } else { files::check_writable(&args.out) }?;
-    let trained = open(&args.run, args.backend, false)?;
-    let scene = &trained.scene;
-    let cameras = cameras(args, scene)?;
-    let background = args.background.unwrap_or(scene.background).map(|b| b as f32);
-    let bar = progress::bar(Some(cameras.len() as u64), "render");
-    let mut frames = vec![];
-    for camera in &cameras {
-        let view = render_view(&*trained.model, camera, background)?;
-        let rgb = if args.depth { depth_picture(&view, scene.near, scene.far) } else { view.rgb };
-        frames.push(picture::to_rgb(rgb.view()));
-        bar.inc(1);
+/// Renders and writes as `args` say; returns how many frames.
+fn render(args: &Args) -> Result<usize> {
+    let asked = Asked::new(args)?;
+    let frames = asked.frames(args)?;
+    let count = frames.len();
+    match args.shard {
+        None => write(&args.out, &frames)?,
+        Some(shard) => {
+            let piece = |(number, picture)| Piece { number, value: Value::Null, picture: Some(picture) };
+            let pieces = asked.mine(args).zip(frames).map(piece).collect();
+            shard::write(&args.out, shard, &asked.work(args)?, asked.cameras.len(), pieces)?;
+        }
     }
-    bar.finish_and_clear();
-    write(&args.out, &frames)?;
+    Ok(count)
+}
+
+/// The frames as `args` say, once it is known that they can be written.
+pub(super) fn frames(args: &Args) -> Result<Vec<RgbImage>> {
+    Asked::new(args)?.frames(args)
+}
+
+/// Whether a film, or a folder, can be written there.
+fn check(out: &Path) -> Result<()> {
+    match Format::of(out) {
+        Some(format) => files::check_replaceable(out).and_then(|()| format.check(out)),
+        None => files::check_writable(out),
+    }
+}
+
+/// A model, and what is asked of it.
+struct Asked {
+    trained: Trained,
+    cameras: Vec<Camera>,
+    background: [f32; 3],
+}
+
+impl Asked {
+    fn new(args: &Args) -> Result<Asked> {
+        if args.shard.is_some() { files::check_writable(&args.out) } else { check(&args.out) }?;
+        let trained = open(&args.run, args.backend, false)?;
+        let cameras = cameras(args, &trained.scene)?;
+        let background = args.background.unwrap_or(trained.scene.background).map(|b| b as f32);
+        Ok(Asked { trained, cameras, background })
+    }
+
+    /// The numbers of the frames of this shard.
+    fn mine(&self, args: &Args) -> impl Iterator<Item = usize> {
+        let shard = args.shard;
+        (0..self.cameras.len()).filter(move |n| shard::has(shard, *n))
+    }
+
+    fn frames(&self, args: &Args) -> Result<Vec<RgbImage>> {
+        let scene = &self.trained.scene;
+        let bar = progress::bar(Some(self.mine(args).count() as u64), "render");
+        let mut frames = vec![];
+        for n in self.mine(args) {
+            let view = render_view(&*self.trained.model, &self.cameras[n], self.background)?;
+            frames.push(if args.depth {
+                depth::with_scale(&depth::picture(&view, scene.near, scene.far), scene.near, scene.far)
+            } else {
+                picture::to_rgb(view.rgb.view())
+            });
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(frames)
+    }
+
+    /// All that determines the frames.
+    fn work(&self, args: &Args) -> Result<Value> {
+        Ok(json!({
+            "command": "render", "version": env!("CARGO_PKG_VERSION"), "step": self.trained.step,
+            "checkpoint": shard::of_file(&args.run.join("checkpoint.npz"))?,
+            "cameras": shard::of_cameras(&self.cameras),
+            "backend": args.backend, "background": self.background, "depth": args.depth,
+        }))
+    }
+}
+
+/// The film of parts; returns how many frames.
+pub(super) fn merge(whole: &Merged, out: &Path) -> Result<usize> {
+    check(out)?;
+    let frames = whole.pictures()?;
+    write(out, &frames)?;
     Ok(frames.len())
 }
 
-fn is_film(out: &Path) -> bool {
-    out.extension().is_some_and(|e| e.eq_ignore_ascii_case("gif"))
-}
-
-/// One GIF, or a folder with frames and a film.
+/// One film, or a folder with frames and a film.
 pub(super) fn write(out: &Path, frames: &[RgbImage]) -> Result<()> {
-    const FRAMES_PER_SECOND: u32 = 20;
-    if is_film(out) {
-        return film::write_gif(out, frames, FRAMES_PER_SECOND);
+    const FRAMES_PER_SECOND: u16 = 20;
+    if let Some(format) = Format::of(out) {
+        return format.write(out, frames, FRAMES_PER_SECOND);
     }
     files::make_folder(out)?;
     for (n, frame) in frames.iter().enumerate() {
         picture::write_rgb(&out.join(format!("frame_{n:04}.png")), frame)?;
     }
-    film::write_gif(&out.join("film.gif"), frames, FRAMES_PER_SECOND)
-}
-
-/// Near white, far black, empty rays black.
-fn depth_picture(view: &View, near: f64, far: f64) -> Array3<f32> {
-    let (h, w) = view.depth.dim();
-    Array3::from_shape_fn((h, w, 3), |(j, i, _)| {
-        let nearness = (far as f32 - view.depth[[j, i]]) / (far - near) as f32;
-        nearness.clamp(0.0, 1.0) * view.opacity[[j, i]].clamp(0.0, 1.0)
-    })
+    Format::Gif.write(&out.join("film.gif"), frames, FRAMES_PER_SECOND)
 }
 
 fn cameras(args: &Args, scene: &Scene) -> Result<Vec<Camera>> {
@@ -152,20 +211,13 @@ fn cameras(args: &Args, scene: &Scene) -> Result<Vec<Camera>> {
     let first = (cameras[0].width, cameras[0].height);
     let mixed = cameras.iter().any(|camera| (camera.width, camera.height) != first);
     if let Some((width, height)) = args.size.or(mixed.then_some(first)) {
-        cameras.iter_mut().for_each(|camera| *camera = resized(camera, width, height));
+        cameras.iter_mut().for_each(|camera| *camera = path::resized(camera, width, height));
     }
     let (frames, Camera { width, height, .. }) = (cameras.len(), cameras[0]);
     let what = format!("{frames} frames of {width}x{height}");
     let bytes = (width * height) as f64 * (limits::VIEW_PIXEL + limits::KEPT_PIXEL * frames as f64);
     limits::fits(what, bytes, "Lower `size`, or render fewer frames with `path` orbit:N.")?;
     Ok(cameras)
-}
-
-/// The same field of view on another grid of pixels: K scales with the picture, the principal point with it.
-fn resized(camera: &Camera, width: usize, height: usize) -> Camera {
-    let (sx, sy) = (width as f64 / camera.width as f64, height as f64 / camera.height as f64);
-    let Intrinsics { fx, fy, cx, cy } = camera.k;
-    Camera { width, height, k: Intrinsics { fx: fx * sx, fy: fy * sy, cx: cx * sx, cy: cy * sy }, ..*camera }
 }
 
 #[cfg(test)]

@@ -1,12 +1,15 @@
 //! `sweep-image IMAGE --out DIR`: levels x widths x learning rates, one contact sheet and one table.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use image::RgbImage;
 use ndarray::Array3;
 use serde_json::{Value, json};
 
 use super::options::{at_most, none_or, positive, positive_number, steps, threads};
+use super::parts::Merged;
+use super::shard::{self, Piece, Shard, exact};
 use super::{fit_image, output, progress};
 use crate::error::{Error, Result};
 use crate::files::{self, picture};
@@ -14,6 +17,7 @@ use crate::limits::{LAYERS, LEVELS, SIDE, WIDTH};
 use crate::parallel;
 use crate::report::page::Page;
 use crate::report::{sheet, table};
+use crate::scene::digest;
 use crate::training::image::{FitSettings, LogPoint, fit};
 
 /// Options of `sweep-image`.
@@ -48,6 +52,9 @@ pub(super) struct Args {
     /// Seed of parameters and pixels.
     #[arg(long, default_value_t = 0)]
     pub seed: u64,
+    /// I/N: every Nth fit from the Ith on, as a part for merge, in the folder --out.
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
     /// Threads; all cores by default.
     #[arg(long, value_parser = threads)]
     pub threads: Option<usize>,
@@ -55,7 +62,8 @@ pub(super) struct Args {
 
 /// One fit of the sweep.
 struct Row {
-    settings: FitSettings,
+    /// [`FitSettings`].
+    settings: Value,
     last: LogPoint,
 }
 
@@ -74,9 +82,10 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         let all = combinations(args);
         fit_image::fits(&target, &all.iter().collect::<Vec<_>>(), all.len() as f64)?;
         files::make_folder(&args.out)?;
-        let bar = progress::bar(Some(all.len() as u64 * args.steps as u64), "sweep");
+        let mine: Vec<usize> = (0..all.len()).filter(|n| shard::has(args.shard, *n)).collect();
+        let bar = progress::bar(Some(mine.len() as u64 * args.steps as u64), "sweep");
         let (mut rows, mut pictures) = (vec![], vec![]);
-        for settings in all {
+        for settings in mine.iter().map(|&n| all[n].clone()) {
             let mut last = None;
             let keep = |_: &LogPoint, fitted: &Array3<f32>| {
                 last = Some(picture::to_rgb(fitted.view()));
@@ -86,25 +95,72 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
             let name = format!("L{}_W{}_lr{:e}", settings.levels, settings.width, settings.lr);
             bar.set_message(name);
             pictures.extend(last);
-            rows.extend(log.last().cloned().map(|last| Row { settings, last }));
+            rows.extend(log.last().cloned().map(|last| Row { settings: json!(settings), last }));
         }
         bar.finish_and_clear();
+        if let Some(shard) = args.shard {
+            let work = work(args, &target);
+            let pieces = mine.into_iter().zip(&rows).zip(pictures);
+            let pieces = pieces.map(|((n, row), picture)| piece(n, row, picture)).collect::<Vec<_>>();
+            let (out, count) = (args.out.display().to_string(), pieces.len());
+            shard::write(&args.out, shard, &work, all.len(), pieces)?;
+            output::print(json, &json!({"out": out, "fits": count}), &format!("{out}: {count} fits\n"))?;
+            return Ok(ExitCode::SUCCESS);
+        }
         let columns = args.width.len() * args.lr.len();
-        picture::write_rgb(&args.out.join("contact_sheet.png"), &sheet::contact_sheet(&pictures, columns))?;
-        let header = ["levels", "width", "lr", "PSNR dB", "seconds"];
-        let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
-        let text = table::text(&header, &cells);
-        let objects: Vec<Value> = rows.iter().map(object).collect();
-        files::write(&args.out.join("table.txt"), &text)?;
-        files::write(&args.out.join("table.json"), json!(objects).to_string())?;
-        let mut page = Page::new("Sweep", "One row a number of bands, one column a width and learning rate.");
-        page.picture("contact_sheet.png", "the fitted pictures, in the order of the table", 960)
-            .table(&header, &cells);
-        files::write(&args.out.join("index.html"), page.finish())?;
-        let best = rows.iter().map(|row| row.last.psnr).fold(f64::NEG_INFINITY, f64::max);
-        output::print(json, &json!({"rows": objects, "best_psnr": best}), &text)?;
+        let (object, text) = write(&args.out, &rows, &pictures, columns)?;
+        output::print(json, &object, &text)?;
         Ok(ExitCode::SUCCESS)
     })
+}
+
+/// All files of a sweep; returns what is printed.
+fn write(out: &Path, rows: &[Row], pictures: &[RgbImage], columns: usize) -> Result<(Value, String)> {
+    picture::write_rgb(&out.join("contact_sheet.png"), &sheet::contact_sheet(pictures, columns))?;
+    let header = ["levels", "width", "lr", "PSNR dB", "seconds"];
+    let cells: Vec<Vec<String>> = rows.iter().map(cells).collect();
+    let text = table::text(&header, &cells);
+    let objects: Vec<Value> = rows.iter().map(object).collect();
+    files::write(&out.join("table.txt"), &text)?;
+    files::write(&out.join("table.json"), json!(objects).to_string())?;
+    let mut page = Page::new("Sweep", "One row a number of bands, one column a width and learning rate.");
+    page.picture("contact_sheet.png", "the fitted pictures, in the order of the table", 960)
+        .table(&header, &cells);
+    files::write(&out.join("index.html"), page.finish())?;
+    let best = rows.iter().map(|row| row.last.psnr).fold(f64::NEG_INFINITY, f64::max);
+    Ok((json!({"rows": objects, "best_psnr": best}), text))
+}
+
+/// All that determines the fits, their seconds aside.
+fn work(args: &Args, target: &Array3<f32>) -> Value {
+    json!({
+        "command": "sweep-image", "version": env!("CARGO_PKG_VERSION"), "picture": digest::of_picture(target),
+        "columns": args.width.len() * args.lr.len(), "fits": combinations(args),
+    })
+}
+
+fn piece(number: usize, row: &Row, picture: RgbImage) -> Piece {
+    let LogPoint { step, seconds, loss, psnr } = row.last;
+    let value = json!({
+        "settings": row.settings, "step": step, "seconds": exact(seconds), "loss": exact(loss), "psnr": exact(psnr),
+    });
+    Piece { number, value, picture: Some(picture) }
+}
+
+/// The files of a sweep, from parts; returns what is printed.
+pub(super) fn merge(whole: &Merged, out: &Path) -> Result<(Value, String)> {
+    files::check_writable(out)?;
+    files::make_folder(out)?;
+    let row = |(n, value): (usize, &Value)| {
+        let step = value["step"].as_u64().ok_or_else(|| whole.wrong(n, "step"))?;
+        let number = |name: &str| whole.number(n, name);
+        let last =
+            LogPoint { step, seconds: number("seconds")?, loss: number("loss")?, psnr: number("psnr")? };
+        Ok(Row { settings: value["settings"].clone(), last })
+    };
+    let rows = whole.values.iter().enumerate().map(row).collect::<Result<Vec<_>>>()?;
+    let columns = whole.work["columns"].as_u64().unwrap_or(1) as usize;
+    write(out, &rows, &whole.pictures()?, columns)
 }
 
 fn combinations(args: &Args) -> Vec<FitSettings> {
@@ -121,10 +177,11 @@ fn combinations(args: &Args) -> Vec<FitSettings> {
 }
 
 fn cells(row: &Row) -> Vec<String> {
-    let FitSettings { levels, width, lr, .. } = row.settings;
+    let [levels, width] = ["levels", "width"].map(|name| row.settings[name].to_string());
+    let lr = row.settings["lr"].as_f64().unwrap_or(f64::NAN);
     let psnr = if row.diverged() { "diverged".into() } else { format!("{:.2}", row.last.psnr) };
     let seconds = format!("{:.1}", row.last.seconds);
-    vec![levels.to_string(), width.to_string(), format!("{lr:e}"), psnr, seconds]
+    vec![levels, width, format!("{lr:e}"), psnr, seconds]
 }
 
 /// PSNR and loss are null where they aren't finite, as JSON has no word for that.

@@ -1,25 +1,29 @@
 //! `train SCENE --out RUN`.
 
+use std::cell::RefCell;
+use std::net::{IpAddr, Ipv4Addr};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::ValueEnum;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::options::{
-    Backend, at_most, color, distance, finite_number, none_or, positive, positive_number, scale, steps,
+    Backend, at_most, color, distance, finite_number, host, none_or, positive, positive_number, scale, steps,
     threads,
 };
 use super::signals::{Signal, Signals};
 use super::spelling::spelled;
-use super::{output, progress, recipe, recorded};
+use super::{live, output, progress, recipe, recorded, run_page};
 use crate::error::Result;
 use crate::files;
 use crate::limits::{RAYS, SAMPLES, WIDTH};
 use crate::parallel;
-use crate::report::{curve, table};
+use crate::report::{table, training};
 use crate::scene::Scene;
+use crate::serve::Port;
 use crate::training::checkpoint::RunFolder;
 use crate::training::compact::Part;
 use crate::training::identity::Identity;
@@ -107,6 +111,12 @@ pub(super) struct Args {
     /// Parts of the compact model to leave out, to see what they are worth.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub without: Vec<Part>,
+    /// Show the run on a page while it trains, at this port of this machine; 0: any that is free.
+    #[arg(long, value_name = "PORT", num_args = 0..=1, default_missing_value = live::PORT)]
+    pub serve: Option<u16>,
+    /// The address of that page. Any but this machine's own (127.0.0.1) shows the run to whoever reaches it.
+    #[arg(long, value_name = "ADDRESS", default_value = live::HOST, value_parser = host, requires = "serve")]
+    pub host: IpAddr,
 }
 
 impl Args {
@@ -117,7 +127,7 @@ impl Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
             samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, scale: None, val_every: None, val_at: vec![], val_all: false, background: None, seed: 0,
             threads: None, backend: Backend::Fast, resume: false, overwrite: false, skip: false, width: None,
-            without: vec![],
+            without: vec![], serve: None, host: IpAddr::V4(Ipv4Addr::LOCALHOST),
         };
         args
     }
@@ -167,13 +177,15 @@ pub(super) struct Summary {
 pub(super) fn train(args: &Args) -> Result<Summary> {
     files::check_writable(&args.out)?;
     let recipe = recipe::given(args);
-    let scene = recipe::load_scene(&recipe, false, "arguments")?;
+    let scene = Arc::new(recipe::load_scene(&recipe, false, "arguments")?);
     scene.warnings.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
     let identity = Identity::new(&recipe::kept(&recipe), scene.digest());
     // A run that was stopped before it had written anything begins.
     let resume = args.resume && !RunFolder::is_untouched(&args.out);
     let resumed = resume.then(|| recipe::resumed(&args.out, &recipe, &identity)).transpose()?;
     let mut model = recipe::build(&recipe, &scene)?;
+    // Not later: where it is taken, nothing has begun.
+    let port = args.serve.map(|port| Port::take(args.host, port, "serve")).transpose()?;
     // Not earlier: until there is something to keep a signal ends the program at once.
     let signals = Signals::listen();
     // Not earlier: inconsistent options leave no folder.
@@ -185,7 +197,7 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
         }
     };
     files::make_folder(&folder.file("views"))?;
-    left_out(&model.settings()).iter().for_each(|line| output::say(line));
+    left_out(&model.settings()).iter().for_each(|line| output::note(line));
     let mut settings = run_json(args, &recipe, &scene, &*model);
     settings.extend(identity.settings());
     if resume {
@@ -204,22 +216,14 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     // Not earlier: a run that can't be resumed stays unchanged. Not later: one that is stopped is resumed and rendered with these.
     settings.insert("warnings".into(), json!(warnings));
     folder.write_settings(&settings)?;
-    let bar = progress::bar(options.steps, "train");
-    run.go(
-        || signals.heard().is_some(),
-        |news| match news {
-            News::Point(point) => {
-                bar.set_position(point.step);
-                bar.set_message(format!(
-                    "loss {:.5}, val {} dB",
-                    point.loss,
-                    output::decibels(point.val_probe)
-                ));
-            }
-            News::SlowCheckpoints { cost, every } => bar.suspend(|| progress::say_slow(cost, every)),
-        },
-    )?;
-    bar.finish_and_clear();
+    let page = port.map(|port| {
+        let recipe = recipe.clone();
+        let (shown, scene) = (scene.clone(), scene.clone());
+        let build = Box::new(move || recipe::build(&recipe, &scene));
+        live::Page::open(port, &shown, build, &args.out, &options, &run.log)
+    });
+    let page = page.transpose()?;
+    watched(&mut run, &options, page.as_ref(), || signals.heard().is_some())?;
     let said: Vec<String> = run.warnings.iter().map(|warning| spelled(warning)).collect();
     said.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
     let new: Vec<Value> = said.iter().map(|w| json!(w)).filter(|w| !warnings.contains(w)).collect();
@@ -231,8 +235,33 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
         settings.insert("warnings".into(), json!(warnings));
         folder.write_settings(&settings)?;
     }
-    write_curve(&folder, &scene, &run.log)?;
+    files::write(&folder.file("psnr.svg"), training::curve(&scene.name, &run.log))?;
+    run_page::write(&folder, &scene, &run.log, &warnings, failure.as_deref())?;
     Ok(Summary { stopped: signals.heard(), ..summary(&run.log, &said, failure, args) })
+}
+
+/// Trains to the end; progress goes to the terminal and to the live page.
+fn watched(
+    run: &mut Run,
+    options: &Options,
+    page: Option<&live::Page>,
+    stop: impl Fn() -> bool,
+) -> Result<()> {
+    let bar = RefCell::new(progress::Training::new(options, &run.log));
+    let mut stepped = |step, model: &dyn Model| {
+        bar.borrow_mut().stepped(step);
+        page.iter().for_each(|page| page.stepped(step, model));
+    };
+    let told = |news: News| match news {
+        News::Point(point) => {
+            bar.borrow_mut().measured(point);
+            page.iter().for_each(|page| page.measured(point));
+        }
+        News::SlowCheckpoints { cost, every } => bar.borrow().say_slow(cost, every),
+    };
+    run.go_watched(stop, told, &mut stepped)?;
+    bar.borrow().finish();
+    Ok(())
 }
 
 /// The parts that the model leaves out in this scene, with their reasons.
@@ -278,20 +307,6 @@ fn run_json(
     run.insert("threads".into(), parallel::threads().into());
     run.insert("machine".into(), json!({"os": std::env::consts::OS, "arch": std::env::consts::ARCH}));
     run
-}
-
-/// `psnr.svg`: probe, full validation and training batches over steps.
-fn write_curve(folder: &RunFolder, scene: &Scene, log: &[LogPoint]) -> Result<()> {
-    let series = |name: &str, value: fn(&LogPoint) -> Option<f64>| curve::Series {
-        name: name.into(),
-        points: log.iter().filter_map(|p| Some((p.step as f64, value(p)?))).collect(),
-    };
-    let all = [
-        series("training batch", |p| Some(p.train_psnr)),
-        series("validation, some pixels", |p| p.val_probe),
-        series("validation, all pixels", |p| p.val_psnr),
-    ];
-    curve::write(&folder.file("psnr.svg"), &format!("PSNR, {}", scene.name), "step", "dB", &all)
 }
 
 fn summary(log: &[LogPoint], warnings: &[String], failure: Option<String>, args: &Args) -> Summary {

@@ -201,7 +201,7 @@ pub const HAZARDS: &[Hazard] = &[
         "PE6",
         [
             "faces of hash grid cells",
-            "the derivative jumps at a face, a level switches from dense to hashed entries, and some code shifts positions by half a cell",
+            "the derivative jumps at a face, a level switches from dense to hashed entries, the floor of a power that should be whole is a cell less, and some code shifts positions by half a cell",
             "tiny-cuda-nn",
         ],
     ),

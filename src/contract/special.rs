@@ -30,6 +30,17 @@ pub struct Special {
     pub forms: &'static [Form],
     /// Cases of real sizes, if it has some.
     pub large: fn() -> Vec<Large>,
+    /// The input that says how far a function is asked to go, where many go less far.
+    pub reach: Option<Reach>,
+}
+
+/// A number up to which a function may go: it is judged as far as it does.
+#[derive(Clone, Copy, Debug)]
+pub struct Reach {
+    /// The input.
+    pub input: &'static str,
+    /// As far as it must go at least.
+    pub least: f64,
 }
 
 /// A number that stands at places of an output whatever the inputs. Programs choose it freely: it is told, and not compared.
@@ -58,6 +69,7 @@ impl Special {
         statistics: None,
         forms: &[],
         large: Vec::new,
+        reach: None,
     };
 }
 

@@ -4,12 +4,13 @@ use glam::DVec2;
 use ndarray::{Array2, Array3, ArrayView3};
 
 use crate::camera::Camera;
+use crate::convention::Directions;
 use crate::error::Result;
 use crate::files::mask::Mask;
 use crate::loss::{mse, psnr};
 use crate::parallel;
 use crate::ray::{Ray, camera_ray};
-use crate::scene::Frame;
+use crate::scene::{Frame, Photo, pixel_ray};
 use crate::ssim::{Form, ssim};
 use crate::training::{Model, Pixel};
 
@@ -36,12 +37,37 @@ pub fn camera_rays(camera: &Camera) -> Result<Vec<Ray>> {
     Ok(rows?.concat())
 }
 
-/// A view over `background`.
+/// The rays of all pixels, row by row; `None` beyond a fisheye's circle.
+fn view_rays(camera: &Camera) -> Result<Vec<Option<Ray>>> {
+    let row = |j: usize| -> Result<Vec<_>> { (0..camera.width).map(|i| pixel_ray(camera, i, j)).collect() };
+    let rows: Result<Vec<_>> = parallel::map(camera.height, row).into_iter().collect();
+    Ok(rows?.concat())
+}
+
+/// The rays of those pixels that have one.
+///
+/// # Errors
+/// Where the lens has no inverse at some pixel, other than beyond a fisheye's circle.
+#[cfg(feature = "cli")]
+pub(crate) fn seen_rays(camera: &Camera) -> Result<Vec<Ray>> {
+    Ok(view_rays(camera)?.into_iter().flatten().collect())
+}
+
+/// A view over `background`, which is all that is seen beyond a fisheye's circle.
 ///
 /// # Errors
 /// Where the lens has no inverse at some pixel.
 pub fn render_view(model: &dyn Model, camera: &Camera, background: [f32; 3]) -> Result<View> {
-    let pixels = model.render(&camera_rays(camera)?);
+    let rays = view_rays(camera)?;
+    let axis = camera.c2w.z_axis.truncate();
+    let seen = rays.iter().copied().flatten().map(|ray| match model.directions() {
+        Directions::Depth => Ray { d: ray.d / ray.d.dot(axis), ..ray },
+        _ => ray,
+    });
+    let seen: Vec<Ray> = seen.collect();
+    let mut seen = model.render(&seen).into_iter();
+    let pixels: Vec<Pixel> =
+        rays.iter().map(|ray| ray.and_then(|_| seen.next()).unwrap_or_default()).collect();
     let (h, w) = (camera.height, camera.width);
     let at = |j: usize, i: usize| pixels[j * w + i];
     let rgb = Array3::from_shape_fn((h, w, 3), |(j, i, k)| over(at(j, i), background)[k]);
@@ -96,17 +122,22 @@ pub fn evaluate<'a>(
     for frame in frames {
         let Some(image) = &frame.image else { continue };
         let view = render_view(model, &frame.camera, background)?;
-        let photo = image.to_array();
-        views.push(match image.mask() {
-            None => score(&frame.name, view.rgb.view(), photo.view(), with_ssim),
-            Some(mask) => masked_score(&frame.name, view.rgb.clone(), photo.view(), mask, with_ssim),
-        });
+        views.push(score_photo(&frame.name, &view.rgb, image, with_ssim));
         seen(frame, &view)?;
     }
     Ok(summary(views))
 }
 
-/// One view's figures.
+/// One view's figures, of the pixels of its photograph that count.
+pub fn score_photo(name: &str, view: &Array3<f32>, photo: &Photo, with_ssim: bool) -> ViewScore {
+    let image = photo.to_array();
+    match photo.mask() {
+        None => score(name, view.view(), image.view(), with_ssim),
+        Some(mask) => masked_score(name, view.clone(), image.view(), mask, with_ssim),
+    }
+}
+
+/// One view's figures, of all pixels.
 pub fn score(name: &str, view: ArrayView3<f32>, image: ArrayView3<f32>, with_ssim: bool) -> ViewScore {
     let view = view.mapv(|x| f64::from(x.clamp(0.0, 1.0)));
     let image = image.mapv(f64::from);
@@ -134,7 +165,8 @@ fn masked_score(
     ViewScore { mse, psnr: psnr(mse, 1.0), ..score }
 }
 
-fn summary(views: Vec<ViewScore>) -> Scores {
+/// The scores of all views together.
+pub fn summary(views: Vec<ViewScore>) -> Scores {
     let mean = |f: &dyn Fn(&ViewScore) -> f64| views.iter().map(f).sum::<f64>() / views.len() as f64;
     let ssim = views.iter().all(|v| v.ssim.is_some()).then(|| mean(&|v| v.ssim.unwrap_or(0.0)));
     let (of_images, pooled) = (mean(&|v| v.psnr), psnr(mean(&|v| v.mse), 1.0));

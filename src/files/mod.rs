@@ -12,6 +12,8 @@ pub mod photo;
 pub mod picture;
 pub mod raw;
 mod reading;
+#[cfg(feature = "cli")]
+pub mod safetensors;
 mod whole;
 mod writing;
 

@@ -159,6 +159,21 @@ impl Photo {
         Array3::from_shape_vec((self.height, self.width, 3), flat).expect("three channels a pixel")
     }
 
+    /// Every `n`th pixel of every `n`th row, from the first on.
+    pub fn thinned(&self, n: usize) -> Self {
+        let (height, width) = (self.height.div_ceil(n), self.width.div_ceil(n));
+        let at = |m: usize| m / width * n * self.width + m % width * n;
+        let of = 0..height * width;
+        let pixels = match &*self.pixels {
+            Pixels::Opaque(pixels) => Pixels::Opaque(of.clone().map(|m| pixels[at(m)]).collect()),
+            Pixels::Cut(pixels) => Pixels::Cut(of.clone().map(|m| pixels[at(m)]).collect()),
+            Pixels::Fine(pixels) => Pixels::Fine(of.clone().map(|m| pixels[at(m)]).collect()),
+        };
+        let small = Photo::new(height, width, self.background, pixels);
+        let mask = self.mask().and_then(|mask| Mask::new(of.map(|m| mask.counts(at(m))).collect()));
+        mask.map_or(small.clone(), |mask| small.masked(mask))
+    }
+
     /// One pixel for each whole square of `n` x `n`: the mean of its premultiplied colors over the mean of its opacities; columns and
     /// rows left over at the right and at the bottom go. Bytes stay bytes.
     pub fn shrunk(&self, n: usize) -> Self {

@@ -73,6 +73,12 @@ fn cells_of<'a>(x: [f64; 3], Reading { level, scale }: &'a Reading, m: &Arithmet
         if found.len() == 3 && found[0] == found[2] {
             found.pop();
         }
+        // A hash has an entry for any vertex: code that leaves the last cell open is in the next one at x = 1, at weight 0, and has
+        // the slope to its right.
+        let next = f64::from(level.last) + 1.0;
+        if !level.dense() && scaled.y + scaled.e >= next {
+            found.push(next);
+        }
         let place = |c: f64| {
             let (upper, slope) = weight(level, m.sub(scaled, exact(c)), m);
             let face = (scaled.y - scaled.y.round()).abs() <= scaled.e;

@@ -34,7 +34,7 @@ pub(crate) fn hash_grid() -> Vec<Case> {
         let inputs = inputs.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();
         Case::new(id, comment, inputs)
     };
-    // Odd N: a short x meets no face.
+    // Odd N: a short x meets no face. The finest of several levels is one where `floor` of a power may find a cell fewer (PE6).
     let seeded = |stream, n: usize| {
         let mut draw = Draw::new("hash_grid", stream);
         (0..3 * n).map(|_| draw.between(0.0, 1.0)).collect::<Vec<f64>>()
@@ -45,16 +45,16 @@ pub(crate) fn hash_grid() -> Vec<Case> {
         case("dense", "one level, every vertex with its own entry", (3, 3, 1, 64, 2), seeded(0, 8)),
         case("corners", "the box's own corners read single entries", (3, 3, 1, 64, 1), corners),
         case("hashed", "one level whose vertices share 32 entries", (7, 7, 1, 32, 2), seeded(1, 8)),
-        case("dense_and_hashed", "3 cells fit into 64 entries, 7 don't", (3, 7, 2, 64, 2), seeded(2, 8)),
-        case("three_levels", "3, 8.66 and 25 cells: the second has 9", (3, 25, 3, 64, 1), seeded(3, 8)),
+        case("PE6_dense_and_hashed", "3 cells fit into 64 entries, 7 don't", (3, 7, 2, 64, 2), seeded(2, 8)),
+        case("PE6_three_levels", "3, 8.66 and 25 cells: the second has 9", (3, 25, 3, 64, 1), seeded(3, 8)),
         case(
-            "four_levels",
+            "PE6_four_levels",
             "3, 6.53, 14.2 and 31 cells: 7 and 14 in between",
             (3, 31, 4, 32, 2),
             seeded(4, 8),
         ),
         case(
-            "first_cell",
+            "PE6_first_cell",
             "one point in the first cell of each of four levels: its place in it keeps its digits",
             (3, 31, 4, 32, 2),
             vec![0.015625, 0.01171875, 0.0078125],
@@ -95,7 +95,7 @@ pub(crate) fn hash_grid() -> Vec<Case> {
             vec![0.125, 0.375, 0.625, 0.875, 0.875, 0.125, 0.625, 0.625, 0.625],
         ),
     ];
-    in_full(cases, "dense_and_hashed")
+    in_full(cases, "PE6_dense_and_hashed")
 }
 
 /// Grids of real size. The tables' gradients add up over all points, so that a gradient is judged at once.

@@ -6,7 +6,7 @@ use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped};
 use super::exam::Question;
-use super::mark::{MarkOptions, proves, within};
+use super::mark::{MarkOptions, nothing_to_show, proves, within};
 use super::statistics;
 use crate::contract::arithmetic::Grade;
 use crate::contract::arrays::Arrays;
@@ -126,7 +126,11 @@ pub(crate) fn holds(question: &Question, answers: &Answers, c: &Conventions, opt
             bound
         })
     });
-    !cases.is_empty() && right && unproved.is_empty()
+    if cases.is_empty() || !right {
+        return false;
+    }
+    let nothing = if unproved.is_empty() { BTreeSet::new() } else { nothing_to_show(question, c) };
+    unproved.iter().all(|name| nothing.contains(*name))
 }
 
 /// One assignment over the whole run.

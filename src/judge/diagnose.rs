@@ -9,6 +9,7 @@ use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::MarkOptions;
 use super::mostly::mostly;
 use super::peel::peel;
+use super::slips::{Beside, slipped};
 use super::statistics;
 use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
@@ -94,8 +95,20 @@ pub fn diagnose(
             return ranked(found, question, answers, &home, options);
         }
     }
-    // Then what is known of some outputs, or of most cases.
-    parted.or_else(|| mostly(question, answers, base, suspects, options)).into_iter().collect()
+    // Then what no catalogue lists, what is known of most cases, both, and what is known of some outputs.
+    let slips = slipped(question, answers, base, options, Beside::Nothing);
+    if !slips.is_empty() {
+        return slips;
+    }
+    let most = mostly(question, answers, base, suspects, options);
+    if let Some(named) = most.clone().filter(|e| parted.is_none() && e.wrong()) {
+        return vec![named];
+    }
+    let slips = slipped(question, answers, base, options, Beside::Mistake);
+    if !slips.is_empty() {
+        return slips;
+    }
+    parted.or(most).into_iter().collect()
 }
 
 /// The hypotheses of these sets of mistakes in these assignments that explain every answer.
@@ -115,12 +128,7 @@ fn explaining(
             // No mistake in the run's own conventions isn't an explanation: it has just failed.
             let home = conventions == *base;
             if (home || !numeric) && !(home && mistakes.is_empty()) {
-                hypotheses.push(Hypothesis {
-                    mistakes: mistakes.clone(),
-                    fitted: None,
-                    conventions,
-                    loose: false,
-                });
+                hypotheses.push(Hypothesis::new(mistakes.clone(), conventions));
             }
         }
     }
@@ -137,12 +145,7 @@ fn inaccuracy(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Option<(Hypothesis, f64)> {
-    let right = |p: &&Partial| Hypothesis {
-        mistakes: vec![],
-        fitted: None,
-        conventions: apply(p, base),
-        loose: true,
-    };
+    let right = |p: &&Partial| Hypothesis { loose: true, ..Hypothesis::new(vec![], apply(p, base)) };
     let h = near.iter().map(right).find(|h| explains_all(h, question, answers, options))?;
     let residual = largest_residual(&h, question, answers, options);
     Some((h, residual))
@@ -155,7 +158,7 @@ fn alone(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Vec<Hypothesis> {
-    let single = |mistakes| Hypothesis { mistakes, fitted: None, conventions: *base, loose: false };
+    let single = |mistakes| Hypothesis::new(mistakes, *base);
     let hypotheses = sets(question, 1, &[]).into_iter().map(single);
     hypotheses.filter(|h| explains_all(h, question, answers, options)).collect()
 }

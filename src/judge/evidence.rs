@@ -3,10 +3,10 @@
 use super::answer::{Answer, Answers};
 use super::assignment::{Partial, small_cases};
 use super::exam::Question;
-use super::hypothesis::{Hypothesis, of_forward};
+use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::slip::Slip;
 use crate::contract::case::Case;
-use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 
 /// Mistakes that the forward answers showed, with the number in them where it isn't the usual one.
@@ -29,6 +29,8 @@ pub struct Explanation {
     pub conventions: Partial,
     /// Largest error over the hypothesis' own bound.
     pub residual: f64,
+    /// What happens to one array beside the mistakes, where no catalogue lists it.
+    pub(crate) slip: Option<Slip>,
     /// Whether it predicts the same as the best explanation on every case: no answer can tell the two apart.
     pub same_as_best: bool,
     /// Whether it is no mistake: the right formula, with digits lost.
@@ -40,6 +42,11 @@ pub struct Explanation {
 }
 
 impl Explanation {
+    /// Whether something is wrong: more than conventions or lost digits.
+    pub(crate) fn wrong(&self) -> bool {
+        !self.mistakes.is_empty() || self.slip.is_some()
+    }
+
     /// Whether it explains all that was answered.
     pub(crate) fn whole(&self) -> bool {
         self.unexplained.is_empty() && self.unexplained_cases.is_empty()
@@ -53,7 +60,7 @@ pub(crate) fn usable<'a>(
     answers: &'a Answers,
 ) -> Vec<(&'a Case, &'a Answer)> {
     let mut cases = small_cases(question, answers);
-    if question.kind == Kind::Vjp && of_forward(question, &h.mistakes) {
+    if h.numeric(question) {
         cases.truncate(NUMERIC);
     }
     cases
@@ -80,10 +87,10 @@ pub(crate) fn explains_all(
 
 /// Whether its mistakes explain the answers much better than lost digits do, which are allowed what wrong code is.
 pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> bool {
-    if h.mistakes.is_empty() {
+    if h.right() {
         return true;
     }
-    let right = Hypothesis { mistakes: vec![], fitted: None, loose: true, ..h.clone() };
+    let right = Hypothesis { loose: true, ..Hypothesis::new(vec![], h.conventions) };
     let off = |(case, answer): &(&Case, &Answer)| right.compared(h, question, case, answer, options);
     let larger = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
     // What wrong code makes of an infinite input isn't known: it would explain any NaN.

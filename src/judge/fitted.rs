@@ -45,8 +45,14 @@ pub(crate) fn fitting(
     found.into_iter().flatten().collect()
 }
 
+/// Mistakes with the numbers that single elements show, whether or not these explain all answers.
+pub(crate) fn guesses(question: &Question, answers: &Answers, base: &Conventions) -> Vec<Hypothesis> {
+    let mistakes = question.component.mistakes.iter().filter(|m| m.number.is_some() && !m.gradient);
+    mistakes.flat_map(|mistake| candidates(mistake, question, answers, base)).collect()
+}
+
 fn of((mistakes, fitted): &Suspect, base: &Conventions) -> Hypothesis {
-    Hypothesis { mistakes: mistakes.clone(), fitted: *fitted, conventions: *base, loose: false }
+    Hypothesis { fitted: *fitted, ..Hypothesis::new(mistakes.clone(), *base) }
 }
 
 /// One mistake with the numbers that single elements of the answers show, the likeliest first: what they show rounded to a few digits,

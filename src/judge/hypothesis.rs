@@ -8,6 +8,7 @@ use super::answer::{Answer, reshaped};
 use super::exam::Question;
 use super::mark::{MarkOptions, within};
 use super::numeric;
+use super::slip::Slip;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
@@ -23,6 +24,8 @@ pub struct Hypothesis {
     pub fitted: Option<f64>,
     /// The assignment.
     pub conventions: Conventions,
+    /// What happens to one array beside its mistakes.
+    pub(crate) slip: Option<Slip>,
     /// Whether digits may be lost: then the right formula is given the bound that a wrong one has.
     pub loose: bool,
 }
@@ -34,11 +37,27 @@ fn generosity(dtype: Dtype) -> (f64, f64) {
 }
 
 impl Hypothesis {
+    /// These mistakes in these conventions.
+    pub fn new(mistakes: Vec<&'static str>, conventions: Conventions) -> Hypothesis {
+        Hypothesis { mistakes, fitted: None, slip: None, conventions, loose: false }
+    }
+
+    /// Whether nothing is wrong.
+    pub(crate) fn right(&self) -> bool {
+        self.mistakes.is_empty() && self.slip.is_none()
+    }
+
+    /// Whether it is a gradient of wrong code, which only differences know.
+    pub(crate) fn numeric(&self, question: &Question) -> bool {
+        let forward = self.slip.as_ref().is_some_and(|slip| slip.forward);
+        question.kind == Kind::Vjp && (forward || of_forward(question, &self.mistakes))
+    }
+
     /// What this candidate would answer, and its error where it isn't known exactly (numeric gradients).
     pub fn prediction(&self, question: &Question, case: &Case) -> (Arrays, Option<Arrays>) {
-        if question.kind == Kind::Vjp && of_forward(question, &self.mistakes) {
-            let (gradient, error) =
-                self.named(|names| numeric::vjp(question.component, &case.inputs, &self.conventions, names));
+        if self.numeric(question) {
+            let forward = |inputs: &Arrays| self.slipped(inputs, question.component.forward.wrong);
+            let (gradient, error) = numeric::vjp(question.component, &case.inputs, forward);
             return (gradient, Some(error));
         }
         (self.wrong(question, &case.inputs), None)
@@ -47,7 +66,16 @@ impl Hypothesis {
     /// The wrong function.
     fn wrong(&self, question: &Question, inputs: &Arrays) -> Arrays {
         let direction = question.component.direction(question.kind).expect("a question has its direction");
-        self.named(|names| (direction.wrong)(inputs, &self.conventions, names))
+        self.slipped(inputs, direction.wrong)
+    }
+
+    /// A wrong function with its mistakes, between what slips.
+    fn slipped(&self, inputs: &Arrays, wrong: fn(&Arrays, &Conventions, &[&str]) -> Arrays) -> Arrays {
+        let with = |inputs: &Arrays| self.named(|names| wrong(inputs, &self.conventions, names));
+        match &self.slip {
+            None => with(inputs),
+            Some(slip) => slip.on_outputs(inputs, with(&slip.on_inputs(inputs))),
+        }
     }
 
     /// What is made of its mistakes' names, the fitted number with them (`Mistake::among`).
@@ -68,7 +96,7 @@ impl Hypothesis {
         options: &MarkOptions,
     ) -> Arrays {
         let (truth, right) = options.truth(question, case, &self.conventions, Grade::B);
-        if self.mistakes.is_empty() && !self.loose {
+        if self.right() && !self.loose {
             return right;
         }
         let u = options.dtype.unit_roundoff();
@@ -193,7 +221,7 @@ impl Hypothesis {
     /// What wrong code makes of an infinite input depends on how it is written: infinity times 0, or less infinity. NaN is predicted
     /// there where the answer has it.
     fn leave_infinity(&self, case: &Case, answer: &Answer, wrong: &mut Arrays) {
-        if self.mistakes.is_empty() || case.inputs.values().flatten().all(|x| x.is_finite()) {
+        if self.right() || case.inputs.values().flatten().all(|x| x.is_finite()) {
             return;
         }
         for (name, wrong) in wrong.iter_mut() {

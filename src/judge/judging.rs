@@ -8,10 +8,13 @@ use super::diagnose::diagnose;
 use super::evidence::{Explanation, Suspect, difference};
 use super::exam::{Exam, Question};
 use super::example::smallest;
+use super::hypothesis::Hypothesis;
 use super::imprecise::lost_bits;
 use super::mark::{MarkOptions, Marks, mark};
 use super::observed::observed;
+use super::reach::within_reach;
 use super::report::{Report, Row, Verdict};
+use super::slips::gradient_of;
 use super::{layout, statistics};
 use crate::contract::arithmetic::Grade;
 use crate::convention::Conventions;
@@ -25,6 +28,8 @@ const FEW_BITS: i32 = 4;
 
 /// Judges answers to an exam, a list per question.
 pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
+    let reached = within_reach(exam, answers);
+    let (exam, answers) = reached.as_ref().map_or((exam, answers), |(exam, answers)| (exam, &answers[..]));
     let options = MarkOptions { dtype: exam.dtype, exp_ulp };
     let first = Round::new(exam, answers, &options);
     // A failure may be due to the layout alone: then it is judged again in the contract's layout.
@@ -83,6 +88,9 @@ impl Round {
         let mut report = Report::new(exam, c);
         // Forward explanations are suspects for the gradient of the same component.
         let mut suspects: BTreeMap<&str, Vec<Suspect>> = BTreeMap::new();
+        // So does what else they showed: the conventions next to them, which the run's needn't have where nothing right shows them,
+        // and a slip.
+        let mut beside: BTreeMap<&str, Explanation> = BTreeMap::new();
         for (n, question) in exam.questions.iter().enumerate() {
             let Some((marks, grade)) = &self.marked[n] else {
                 report.rows.push(Row::unsupported(question));
@@ -95,15 +103,19 @@ impl Round {
             }
             if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
                 let known = suspects.get(question.component.name).map_or(&[][..], Vec::as_slice);
-                row.diagnosis = diagnose(question, &answers[n], c, known, options);
+                row.diagnosis = match beside.get(question.component.name) {
+                    Some(forward) => diagnose_beside(question, &answers[n], (c, forward), known, options),
+                    None => diagnose(question, &answers[n], c, known, options),
+                };
+                if let Some(best) = row.diagnosis.first().filter(|e| e.whole() && e.wrong()) {
+                    beside.insert(question.component.name, best.clone());
+                }
                 let sets =
                     row.diagnosis.iter().map(suspect).filter(|(set, _)| !set.is_empty()).collect::<Vec<_>>();
                 suspects.entry(question.component.name).or_default().extend(sets);
                 // Other conventions are no matter of digits.
-                let conventions = row
-                    .diagnosis
-                    .first()
-                    .is_some_and(|e| e.mistakes.is_empty() && !e.inaccurate && e.whole());
+                let conventions =
+                    row.diagnosis.first().is_some_and(|e| !e.wrong() && !e.inaccurate && e.whole());
                 if row.faults.is_empty() && !conventions {
                     // Where a mistake explains it, too, a few bits must be enough.
                     let named = row.diagnosis.iter().any(|e| !e.inaccurate && e.whole());
@@ -126,6 +138,34 @@ impl Round {
         report.settle();
         report
     }
+}
+
+/// The diagnosis of a gradient beside what the forward answers showed: their slip, or their conventions, where these explain it.
+fn diagnose_beside(
+    question: &Question,
+    answers: &Answers,
+    (base, forward): (&Conventions, &Explanation),
+    suspects: &[Suspect],
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    let home = assignment::apply(&forward.conventions, base);
+    if let Some(slip) = &forward.slip {
+        let mistakes = forward.mistakes.iter().map(|mistake| mistake.name).collect();
+        let h = Hypothesis { slip: Some(slip.clone()), ..Hypothesis::new(mistakes, home) };
+        let found = gradient_of(&h, question, answers, base, options);
+        if !found.is_empty() {
+            return found;
+        }
+    }
+    let of = |c: &Conventions| partial(question.component, c);
+    let mut found = diagnose(question, answers, &home, suspects, options);
+    if home == *base || !found.first().is_some_and(Explanation::whole) {
+        return if home == *base { found } else { diagnose(question, answers, base, suspects, options) };
+    }
+    for e in &mut found {
+        e.conventions = difference(&of(&assignment::apply(&e.conventions, &home)), &of(base));
+    }
+    found
 }
 
 /// Whether the answers are right but for at most so many lost bits, in the run's conventions or those next to them.
@@ -155,7 +195,7 @@ fn imprecise(
 fn nearest(row: &mut Row, question: &Question, answers: &Answers, base: &Conventions, options: &MarkOptions) {
     let near = match row.diagnosis.first() {
         // Right in other conventions: it only disagrees with the rest of the run.
-        Some(best) if best.mistakes.is_empty() && best.whole() => return,
+        Some(best) if !best.wrong() && best.whole() => return,
         Some(best) => assignment::apply(&best.conventions, base),
         None => assignment::nearest(question, answers, base),
     };

@@ -138,13 +138,37 @@ pub fn mark(
             marks.wrong_cases.push(case.id.clone());
         }
     }
-    marks.unproved.retain(|name| !proved.contains(name));
+    let nothing = nothing_to_show(question, c);
+    marks.unproved.retain(|name| !proved.contains(name) && !nothing.contains(name));
     marks.off = question
         .ordered(marks.off.iter().collect::<BTreeSet<_>>().into_iter())
         .into_iter()
         .cloned()
         .collect();
     marks
+}
+
+/// Gradients that are 0 in every case because an output isn't answered, whose cotangent is 0 then: there is nothing to prove.
+pub(crate) fn nothing_to_show(question: &Question, c: &Conventions) -> BTreeSet<String> {
+    let zero = |array: &ArrayD<f64>| array.iter().all(|x| *x == 0.0);
+    let cotangents = |case: &Case| -> BTreeSet<String> {
+        let silent = |(name, array): &(&String, &ArrayD<f64>)| name.starts_with("grad_") && zero(array);
+        case.inputs.iter().filter(silent).map(|(name, _)| name.clone()).collect()
+    };
+    if in_all(question.cases.iter().map(cotangents)).is_empty() {
+        return BTreeSet::new();
+    }
+    let direction = question.component.direction(question.kind).expect("a question has its direction");
+    let gradients = |case: &Case| -> BTreeSet<String> {
+        let expected = (direction.oracle)(&case.inputs, c);
+        expected.into_iter().filter(|(_, array)| zero(array)).map(|(name, _)| name).collect()
+    };
+    in_all(question.cases.iter().map(gradients))
+}
+
+/// What is in all of the sets.
+fn in_all(sets: impl Iterator<Item = BTreeSet<String>>) -> BTreeSet<String> {
+    sets.reduce(|a, b| a.intersection(&b).cloned().collect()).unwrap_or_default()
 }
 
 /// Whether some element is evidence: it isn't 0, and its bound is smaller than itself, so that an answer of 0 would have failed.

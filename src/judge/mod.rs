@@ -12,6 +12,9 @@ pub mod declared;
 pub mod diagnose;
 pub(crate) mod door;
 #[doc(hidden)]
+#[cfg(feature = "cli")]
+pub(crate) mod errors;
+#[doc(hidden)]
 pub mod evidence;
 #[doc(hidden)]
 pub mod exam;
@@ -19,7 +22,6 @@ mod example;
 #[cfg(feature = "files")]
 #[doc(hidden)]
 pub mod exchange;
-#[doc(hidden)]
 pub mod explain;
 mod fitted;
 #[doc(hidden)]
@@ -37,9 +39,12 @@ pub(crate) mod numeric;
 mod observed;
 pub(crate) mod page;
 mod peel;
+mod reach;
 mod repeat;
 #[doc(hidden)]
 pub mod report;
+mod slip;
+mod slips;
 #[doc(hidden)]
 pub mod statistics;
 pub(crate) mod typed;

@@ -5,6 +5,7 @@ use super::answer::{Answer, Answers};
 use super::assignment::{Partial, apply, assignments, changes, partial};
 use super::evidence::{Explanation, Suspect, difference, largest_residual, shows, usable};
 use super::exam::Question;
+use super::fitted::guesses;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use crate::contract::case::Case;
@@ -17,7 +18,7 @@ use crate::parallel;
 const MOST: f64 = 2.0 / 3.0;
 
 /// Cases that the right formula doesn't explain and a mistake does, at least; and their share of those that the right formula doesn't.
-const SHOWN: (usize, f64) = (3, 0.5);
+const SHOWN: (usize, f64) = (2, 0.5);
 
 /// Conventions that are tried, the nearest first.
 const ASSIGNMENTS: usize = 48;
@@ -62,16 +63,17 @@ pub(crate) fn mostly(
         let seen = |name: &&str| all.iter().find(|m| m.name == *name).map_or(0, |m| m.count);
         mistakes.iter().map(seen).sum()
     };
+    let home = partial(question.component, base);
+    let one = |h: Hypothesis, cases: &[(&Case, &Answer)]| Tried {
+        explained: explained(&h, question, cases, options),
+        changes: changes(&partial(question.component, &h.conventions), &home),
+        seen: all_of(&h.mistakes),
+        hypothesis: h,
+    };
     let tried = |sets: &[Vec<&'static str>], near: &[Partial], cases: &[(&Case, &Answer)]| {
         parallel::map(sets.len() * near.len(), |n| {
-            let (mistakes, one) = (&sets[n / near.len()], &near[n % near.len()]);
-            let h = Hypothesis { conventions: apply(one, base), ..wrong(mistakes, base) };
-            Tried {
-                explained: explained(&h, question, cases, options),
-                changes: changes(one, &partial(question.component, base)),
-                seen: all_of(mistakes),
-                hypothesis: h,
-            }
+            let (mistakes, conventions) = (&sets[n / near.len()], &near[n % near.len()]);
+            one(Hypothesis { conventions: apply(conventions, base), ..wrong(mistakes, base) }, cases)
         })
     };
     let best = |tried: Vec<Tried>| {
@@ -83,6 +85,10 @@ pub(crate) fn mostly(
     let shown = all.iter().filter(|m| !numeric || m.gradient).map(|m| m.name);
     let singles: Vec<Vec<&str>> = shown.map(|name| vec![name]).collect();
     let mut found = tried(&singles, &near, &cases);
+    if !numeric {
+        let guesses = guesses(question, answers, base);
+        found.extend(parallel::map(guesses.len(), |n| one(guesses[n].clone(), &cases)));
+    }
     // Numeric gradients are too expensive for all conventions and cases, and for what the forward answers don't show.
     for (mistakes, _) in suspects.iter().filter(|(_, fitted)| numeric && fitted.is_none()) {
         let few = usable(&wrong(mistakes, base), question, answers).len();
@@ -131,7 +137,7 @@ fn explained(
 
 /// These mistakes in the run's own conventions.
 fn wrong(mistakes: &[&'static str], base: &Conventions) -> Hypothesis {
-    Hypothesis { mistakes: mistakes.to_vec(), fitted: None, conventions: *base, loose: false }
+    Hypothesis::new(mistakes.to_vec(), *base)
 }
 
 /// What it says, where it says more than lost digits do on the cases that it explains.
@@ -158,6 +164,7 @@ fn explanation(
     let own = |c: &Conventions| partial(question.component, c);
     shows(h, question, &rest, options).then(|| Explanation {
         mistakes,
+        fitted: h.fitted,
         conventions: difference(&own(&h.conventions), &own(base)),
         residual: largest_residual(h, question, &rest, options),
         unexplained_cases: of(false).into_iter().map(String::from).collect(),

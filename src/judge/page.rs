@@ -56,7 +56,7 @@ impl fmt::Display for Report {
 }
 
 /// Error over bound.
-fn percent(used: f64) -> String {
+pub(crate) fn percent(used: f64) -> String {
     match used {
         u if !u.is_finite() => "inf".into(),
         u if u < 10.0 => format!("{:.1}%", 100.0 * u),
@@ -148,6 +148,18 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     Ok(())
 }
 
+/// What is said of one row under the table.
+#[cfg(feature = "cli")]
+pub(crate) fn of_row(row: &Row) -> String {
+    struct Notes<'a>(&'a Row);
+    impl fmt::Display for Notes<'_> {
+        fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+            notes(f, self.0)
+        }
+    }
+    Notes(row).to_string()
+}
+
 fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     let Some(best) = row.diagnosis.first() else {
         writeln!(
@@ -188,7 +200,10 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         writeln!(f, "      effect: {}", mistake.effect)?;
         writeln!(f, "      to fix:  {}   (seen: {})", mistake.fix, mistake.seen)?;
     }
-    if row.kind == "vjp" && best.mistakes.iter().any(|m| !m.gradient) {
+    let forward = |e: &Explanation| {
+        e.mistakes.iter().any(|m| !m.gradient) || e.slip.as_ref().is_some_and(|slip| slip.forward)
+    };
+    if row.kind == "vjp" && forward(best) {
         writeln!(f, "  a mistake of the forward function: its gradient follows from it")?;
     }
     if let Some(next) = row.diagnosis.iter().skip(1).find(|e| !e.same_as_best) {
@@ -225,7 +240,11 @@ pub(crate) fn name(e: &Explanation) -> String {
     if let (Some(number), Some(fitted)) = (e.mistakes.first().and_then(|m| m.number), e.fitted) {
         mistakes += &format!(" ({} = {fitted:?})", number.name);
     }
-    match (e.mistakes.is_empty(), e.conventions.is_empty()) {
+    if let Some(slip) = &e.slip {
+        mistakes += if mistakes.is_empty() { "a slip: " } else { " + a slip: " };
+        mistakes += &slip.says();
+    }
+    match (!e.wrong(), e.conventions.is_empty()) {
         (true, true) => "the right formula".into(),
         (false, true) => mistakes,
         (true, _) => format!("no mistake, but the convention {}", list(&e.conventions)),

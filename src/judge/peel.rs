@@ -108,7 +108,7 @@ impl<'a> Peeling<'a> {
         sets.sort_by_key(|set| set.count_ones());
         for set in sets {
             let mistakes = (0..count).filter(|n| set >> n & 1 == 1).map(|n| layer.mistakes[n]).collect();
-            let h = Hypothesis { mistakes, fitted: None, conventions: layer.conventions, loose: false };
+            let h = Hypothesis::new(mistakes, layer.conventions);
             let mut left: Vec<&str> = outputs.iter().copied().filter(|name| !layer.explains(name)).collect();
             for (case, answer) in small_cases(self.question, self.answers) {
                 if !left.is_empty() {

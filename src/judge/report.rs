@@ -11,6 +11,7 @@ use super::evidence::Explanation;
 use super::exam::{Exam, Question};
 use super::example::Example;
 use super::mark::{Marks, Worst};
+use super::slip::Slip;
 use crate::contract::arithmetic::Grade;
 use crate::convention::profiles;
 use crate::convention::{CHOICES, Conventions};
@@ -200,6 +201,7 @@ impl Row {
             "diagnosis": self.diagnosis.iter().map(|e| json!({
                 "mistakes": e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(),
                 "fitted": e.fitted,
+                "slip": e.slip.as_ref().map(Slip::says),
                 "conventions": e.conventions,
                 "residual": number(e.residual),
                 "same_as_best": e.same_as_best,

@@ -105,8 +105,9 @@ pub(crate) fn traverse(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
             if is("equal_steps") { stepped(o, d, near, far, r) } else { lengths(o, d, near, far, r) };
         if is("first_cell_missing") {
             let grid = OccupancyGrid { resolution: r, density: vec![], threshold: 0.0 };
-            let first = grid.crossings(o, d, near, far)[0].cell;
-            (out[first], visited) = (0.0, visited - 1.0);
+            if let Some(first) = grid.crossings(o, d, near, far).first() {
+                (out[first.cell], visited) = (0.0, visited - 1.0);
+            }
         }
         if is("axes_reversed") {
             let turned = |n: usize| out[n / r / r + r * (n / r % r + r * (n % r))];

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::camera::tests::{SKEWED, intrinsics, pixel, pose};
-use crate::camera::{Distortion, camera_to_pixel, transform};
+use crate::camera::{Distortion, Lens, camera_to_pixel, transform};
 use crate::contract::testing::{properties, slope};
 
 const K: Intrinsics = Intrinsics { fx: 100.0, fy: 200.0, cx: 50.0, cy: 40.0 };
@@ -95,7 +95,7 @@ fn cg9_a_camera_far_away_keeps_its_directions() {
 
 #[test]
 fn cg5_a_ray_without_inverse_lens_is_an_error() {
-    let lens = Distortion { k1: -0.3, ..Distortion::default() };
+    let lens = Lens::Opencv(Distortion { k1: -0.3, ..Distortion::default() });
     let camera = Camera { width: 100, height: 80, k: K, c2w: DMat4::IDENTITY, distortion: Some(lens) };
     assert!(camera_ray(&camera, DVec2::new(150.0, 40.0)).is_err());
     // Near the middle the distorted ideal ray comes back.

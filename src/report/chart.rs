@@ -4,6 +4,10 @@ use std::fmt::Write;
 
 use super::page::escape;
 
+/// Ink and paper as the reader's system says, whether the file stands alone or in a page; without styles, black on nothing.
+const STYLE: &str = "svg.chart{color:#1f2328;background:#fff}svg.chart .grid{stroke:#dfe3e7}\
+    @media(prefers-color-scheme:dark){svg.chart{color:#e6e9ec;background:#14181c}svg.chart .grid{stroke:#3a444e}}";
+
 /// One axis.
 pub(super) struct Axis {
     name: String,
@@ -64,7 +68,8 @@ impl Chart {
         let [left, right, top, bottom] = plot;
         let svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" \
-             font-family=\"system-ui,sans-serif\" font-size=\"12\">\n<title>{}: {} against {}</title>\n",
+             class=\"chart\" fill=\"currentColor\" font-family=\"system-ui,sans-serif\" font-size=\"12\">\n\
+             <title>{}: {} against {}</title>\n<style>{STYLE}</style>\n",
             escape(title),
             escape(&y.name),
             escape(&x.name)
@@ -74,7 +79,7 @@ impl Chart {
             let at = chart.x(*value);
             let _ = writeln!(
                 chart.svg,
-                "<line x1=\"{at:.1}\" y1=\"{top}\" x2=\"{at:.1}\" y2=\"{bottom}\" stroke=\"#e4e4e4\"/>\
+                "<line x1=\"{at:.1}\" y1=\"{top}\" x2=\"{at:.1}\" y2=\"{bottom}\" class=\"grid\" stroke=\"#dfe3e7\"/>\
                  <text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{name}</text>",
                 bottom + 18.0,
             );
@@ -83,7 +88,7 @@ impl Chart {
             let at = chart.y(*value);
             let _ = writeln!(
                 chart.svg,
-                "<line x1=\"{left}\" y1=\"{at:.1}\" x2=\"{right}\" y2=\"{at:.1}\" stroke=\"#e4e4e4\"/>\
+                "<line x1=\"{left}\" y1=\"{at:.1}\" x2=\"{right}\" y2=\"{at:.1}\" class=\"grid\" stroke=\"#dfe3e7\"/>\
                  <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{name}</text>",
                 left - 8.0,
                 at + 4.0,

@@ -19,6 +19,19 @@ pub(crate) struct Outside<'a> {
     pub focus: DVec3,
 }
 
+impl Outside<'_> {
+    /// From where everything is seen: eye, target, up.
+    pub(crate) fn viewpoint(&self) -> (DVec3, DVec3, DVec3) {
+        viewpoint(self)
+    }
+
+    /// How far before its camera a photograph is drawn.
+    pub(crate) fn depth(&self) -> f64 {
+        let (eye, target, _) = viewpoint(self);
+        0.04 * (eye - target).length()
+    }
+}
+
 /// Width and height of the picture.
 const SIZE: (usize, usize) = (1200, 900);
 
@@ -30,7 +43,7 @@ const SAMPLE: [u8; 3] = [220, 95, 30];
 pub(crate) fn draw(scene: &Outside) -> RgbImage {
     let (eye, target, up) = viewpoint(scene);
     let mut canvas = Canvas::new(SIZE.0, SIZE.1, eye, target, up);
-    let depth = 0.04 * (eye - target).length();
+    let depth = scene.depth();
     for (camera, photograph) in scene.cameras {
         let center = camera.c2w.w_axis.truncate();
         let around = corners(camera, depth);

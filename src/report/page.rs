@@ -4,6 +4,18 @@ use std::fmt::Write;
 
 use crate::shown::shown;
 
+/// The look of all pages.
+const STYLE: &str = include_str!("style.css");
+
+/// Words that stand in a color of their own, and the color's name in the style.
+const VERDICTS: [(&str, &str); 5] = [
+    ("pass", "pass"),
+    ("fail", "fail"),
+    ("unproved", "doubt"),
+    ("imprecise", "doubt"),
+    ("unsupported", "dim"),
+];
+
 /// A page under construction.
 pub(crate) struct Page {
     html: String,
@@ -12,17 +24,11 @@ pub(crate) struct Page {
 impl Page {
     /// A page with a title and a sentence under it.
     pub(crate) fn new(title: &str, lead: &str) -> Self {
-        let style = "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}\
-            figure{margin:1rem 1rem 1rem 0;display:inline-block;vertical-align:top}\
-            figcaption{font-size:.85rem;color:#555}img{max-width:100%;image-rendering:auto}\
-            table{border-collapse:collapse;font-size:.85rem}td,th{padding:.2rem .5rem;white-space:nowrap;border-bottom:1px solid #ddd;text-align:right}\
-            td:first-child,th:first-child{text-align:left}\
-            table.text td,table.text th{text-align:left;vertical-align:top;white-space:normal}\
-            pre{background:#f4f4f4;padding:.5rem;overflow-x:auto;font-size:.8rem}";
         let (title, lead) = (escape(title), escape(lead));
         let html = format!(
-            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title>\n\
-             <style>{style}</style></head><body>\n<h1>{title}</h1>\n<p>{lead}</p>\n"
+            "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>{title}</title>\n\
+             <style>{STYLE}</style></head><body><main>\n<h1>{title}</h1>\n<p>{lead}</p>\n"
         );
         Page { html }
     }
@@ -55,16 +61,44 @@ impl Page {
         self
     }
 
-    /// A table.
-    pub(crate) fn table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
-        let cells = |tag: &str, cells: &mut dyn Iterator<Item = &str>| {
-            cells.map(|c| format!("<{tag}>{}</{tag}>", escape(c))).collect::<String>()
-        };
-        let _ = writeln!(self.html, "<table><tr>{}</tr>", cells("th", &mut header.iter().copied()));
-        for row in rows {
-            let _ = writeln!(self.html, "<tr>{}</tr>", cells("td", &mut row.iter().map(String::as_str)));
+    /// Pictures side by side that belong together, each with what it is; files beside the page, small ones enlarged without smoothing.
+    pub(crate) fn pictures(&mut self, of: &str, pictures: &[(&str, &str)], width: u32) -> &mut Self {
+        for (file, what) in pictures {
+            let (file, what, of) = (escape(file), escape(what), escape(of));
+            let _ = writeln!(
+                self.html,
+                "<figure><a href=\"{file}\"><img src=\"{file}\" alt=\"{of}: {what}\" width=\"{width}\" loading=\"lazy\" \
+                 class=\"pixels\"></a><figcaption>{what}</figcaption></figure>"
+            );
         }
-        self.html.push_str("</table>\n");
+        self
+    }
+
+    /// A heading one level below the others.
+    pub(crate) fn part(&mut self, text: &str) -> &mut Self {
+        let _ = writeln!(self.html, "<h3>{}</h3>", escape(text));
+        self
+    }
+
+    /// Sentences of which a reader should know first of all; nothing where there is none.
+    pub(crate) fn warnings(&mut self, sentences: &[String]) -> &mut Self {
+        let items: String = sentences.iter().map(|text| format!("<li>{}</li>\n", escape(text))).collect();
+        if !items.is_empty() {
+            let _ = writeln!(self.html, "<ul class=\"warnings\">{items}</ul>");
+        }
+        self
+    }
+
+    /// A table; verdicts stand in their colors.
+    pub(crate) fn table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
+        let cells: String =
+            header.iter().map(|cell| format!("<th scope=\"col\">{}</th>", escape(cell))).collect();
+        let _ = writeln!(self.html, "{WIDE}<table><tr>{cells}</tr>");
+        for row in rows {
+            let cells: String = row.iter().map(|cell| table_cell(cell)).collect();
+            let _ = writeln!(self.html, "<tr>{cells}</tr>");
+        }
+        self.html.push_str("</table></div>\n");
         self
     }
 
@@ -83,8 +117,9 @@ impl Page {
         header: &[&str],
         rows: impl Iterator<Item = (Option<&'a str>, &'a [String])>,
     ) -> &mut Self {
-        let header: String = header.iter().map(|cell| format!("<th>{}</th>", escape(cell))).collect();
-        let _ = writeln!(self.html, "<table class=\"text\"><tr>{header}</tr>");
+        let header: String =
+            header.iter().map(|cell| format!("<th scope=\"col\">{}</th>", escape(cell))).collect();
+        let _ = writeln!(self.html, "{WIDE}<table class=\"text\"><tr>{header}</tr>");
         for (file, cells) in rows {
             let mut cells: Vec<String> = cells.iter().map(|cell| escape(cell)).collect();
             if let (Some(file), Some(first)) = (file, cells.first_mut()) {
@@ -93,7 +128,7 @@ impl Page {
             let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
             let _ = writeln!(self.html, "<tr>{cells}</tr>");
         }
-        self.html.push_str("</table>\n");
+        self.html.push_str("</table></div>\n");
         self
     }
 
@@ -109,13 +144,23 @@ impl Page {
     /// A text with lines of its own, as it is.
     pub(crate) fn verbatim(&mut self, text: &str) -> &mut Self {
         let lines: Vec<String> = text.lines().map(escape).collect();
-        let _ = writeln!(self.html, "<pre>{}</pre>", lines.join("\n"));
+        let _ = writeln!(self.html, "<pre tabindex=\"0\">{}</pre>", lines.join("\n"));
         self
     }
 
     /// The whole page.
     pub(crate) fn finish(&self) -> String {
-        format!("{}</body></html>\n", self.html)
+        format!("{}</main></body></html>\n", self.html)
+    }
+}
+
+/// What is wider than the screen is scrolled in its own box, also by keys.
+const WIDE: &str = "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"Table\">";
+
+fn table_cell(text: &str) -> String {
+    match VERDICTS.iter().find(|(verdict, _)| *verdict == text) {
+        Some((verdict, class)) => format!("<td class=\"{class}\">{verdict}</td>"),
+        None => format!("<td>{}</td>", escape(text)),
     }
 }
 
@@ -138,5 +183,11 @@ mod tests {
         );
         // XML has no way to write most of them.
         assert_eq!(escape("a\u{1b}\u{0}<"), "a\\u{1b}\\u{0}&lt;");
+    }
+
+    #[test]
+    fn verdicts_stand_in_their_colors_and_nothing_else_does() {
+        let page = Page::new("a", "b").table(&["x"], &[vec!["fail".into()], vec!["failing".into()]]).finish();
+        assert!(page.contains("<td class=\"fail\">fail</td>") && page.contains("<td>failing</td>"));
     }
 }

@@ -66,7 +66,7 @@ pub(crate) fn svg(title: &str, x_name: &str, y_name: &str, points: &[Point]) -> 
         let fill = if p.on_line { "#2a6fb0" } else { "#9aa4ad" };
         let _ = writeln!(
             chart.svg,
-            "<g><title>{}</title><line x1=\"{px:.1}\" y1=\"{py:.1}\" x2=\"{:.1}\" y2=\"{label:.1}\" stroke=\"#ccc\"/>\
+            "<g><title>{}</title><line x1=\"{px:.1}\" y1=\"{py:.1}\" x2=\"{:.1}\" y2=\"{label:.1}\" class=\"grid\" stroke=\"#dfe3e7\"/>\
              <circle cx=\"{px:.1}\" cy=\"{py:.1}\" r=\"5\" fill=\"{fill}\"/>\
              <text x=\"{:.1}\" y=\"{:.1}\">{}</text></g>",
             escape(&p.hover),

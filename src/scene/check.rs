@@ -4,7 +4,7 @@ use glam::{DMat4, DVec2, DVec4};
 use ndarray::{Array2, ArrayView2};
 
 use super::{Frame, Options};
-use crate::camera::Camera;
+use crate::camera::{Camera, Lens};
 use crate::error::{Error, Input, Result};
 use crate::limits::LENGTH;
 use crate::ray::camera_ray;
@@ -89,10 +89,11 @@ pub(super) fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
     train.iter().chain(val).try_for_each(|frame| lens(file, frame))
 }
 
-/// A lens that has rays along the whole border of the picture: one that folds over does so from the border inward.
+/// A lens that has rays along the whole border of the picture: one that folds over does so from the border inward. A fisheye's circle may
+/// end inside of it.
 fn lens(file: &str, frame: &Frame) -> Result<()> {
     let Camera { width, height, distortion, .. } = frame.camera;
-    if distortion.is_none() {
+    if !matches!(distortion, Some(Lens::Opencv(_))) {
         return Ok(());
     }
     let sides = |side: usize| [0.5, 0.5 * side as f64, side as f64 - 0.5];

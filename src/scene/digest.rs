@@ -3,7 +3,7 @@
 use sha2::{Digest, Sha256};
 
 use super::{Frame, Scene};
-use crate::camera::{Camera, Distortion, Intrinsics};
+use crate::camera::{Camera, Distortion, Intrinsics, Lens};
 use crate::parallel;
 
 impl Scene {
@@ -50,11 +50,18 @@ fn camera(hash: &mut Sha256, camera: &Camera) {
     let Camera { width, height, k: Intrinsics { fx, fy, cx, cy }, c2w, distortion } = *camera;
     numbers(hash, &[width as f64, height as f64, fx, fy, cx, cy]);
     numbers(hash, &c2w.to_cols_array());
-    if let Some(Distortion { k1, k2, p1, p2, k3, k4, k5, k6 }) = distortion {
-        numbers(hash, &[k1, k2, p1, p2]);
-        // Lenses without these keep the hash that they had before these were read.
-        if [k3, k4, k5, k6] != [0.0; 4] {
-            numbers(hash, &[k3, k4, k5, k6]);
+    match distortion {
+        None => {}
+        Some(Lens::Opencv(Distortion { k1, k2, p1, p2, k3, k4, k5, k6 })) => {
+            numbers(hash, &[k1, k2, p1, p2]);
+            // Lenses without these keep the hash that they had before these were read.
+            if [k3, k4, k5, k6] != [0.0; 4] {
+                numbers(hash, &[k3, k4, k5, k6]);
+            }
+        }
+        Some(Lens::Fisheye(k)) => {
+            hash.update("fisheye");
+            numbers(hash, &k);
         }
     }
 }

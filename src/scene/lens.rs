@@ -4,11 +4,15 @@ use serde_json::Value;
 
 use super::check;
 use super::transforms::Transforms;
-use crate::camera::{Distortion, Intrinsics};
+use crate::camera::{Distortion, Intrinsics, Lens};
 use crate::error::{Error, Input, Result};
 
-/// Names of camera models that k1, k2, p1, p2 cover.
-const MODELLED: [&str; 6] = ["OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "perspective"];
+/// Names of camera models that OpenCV's distortion covers.
+const MODELLED: [&str; 7] =
+    ["OPENCV", "PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "perspective", "FULL_OPENCV"];
+
+/// Names of those that its fisheye does.
+const FISHEYES: [&str; 3] = ["OPENCV_FISHEYE", "RADIAL_FISHEYE", "SIMPLE_RADIAL_FISHEYE"];
 
 /// A number of a frame, or of the file; what is there was checked to be one.
 fn number(transforms: &Transforms, frame: &Value, key: &str) -> Option<f64> {
@@ -87,15 +91,16 @@ pub(super) fn intrinsics(
     Ok((width, height, Intrinsics { fx, fy, cx, cy }))
 }
 
-/// The lens, where any coefficient isn't 0.
+/// The lens: a fisheye where the model or a flag says so; else OpenCV's distortion, where any coefficient isn't 0.
 ///
 /// # Errors
-/// Where the file names a camera that isn't modeled, or has coefficients beyond k1, k2, p1, p2: leaving them out would bend every ray.
-pub(super) fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result<Option<Distortion>> {
+/// Where the file names a camera that isn't modeled, or has coefficients that its model doesn't have, or may mean two things: leaving
+/// them out would bend every ray.
+pub(super) fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result<Option<Lens>> {
     let refuse = |field: &str, found: String| {
         let remedy =
             "Undistort the pictures beforehand (colmap image_undistorter) and give a pinhole camera.";
-        let expected = "a pinhole camera, with k1, k2, p1, p2 at most";
+        let expected = "a pinhole camera with OpenCV's k1, k2, p1, p2, k3 (and k4, k5, k6 as FULL_OPENCV), or a fisheye with k1 to k4";
         Err(Error::input(Input {
             file: transforms.file(),
             field: format!("{field} of {name}"),
@@ -104,16 +109,18 @@ pub(super) fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result
             remedy,
         }))
     };
+    let is = |source: &Value, flag: &str| source[flag].as_bool() == Some(true);
     for source in [frame, &transforms.json] {
-        if let Some(model) = source["camera_model"].as_str().filter(|model| !MODELLED.contains(model)) {
+        let known = |model: &&str| MODELLED.contains(model) || FISHEYES.contains(model);
+        if let Some(model) = source["camera_model"].as_str().filter(|model| !known(model)) {
             return refuse("camera_model", model.into());
         }
-        for flag in ["is_fisheye", "is_equirectangular", "is_latlong", "equirectangular", "latlong"] {
-            if source[flag].as_bool() == Some(true) {
+        for flag in ["is_equirectangular", "is_latlong", "equirectangular", "latlong"] {
+            if is(source, flag) {
                 return refuse(flag, "true".into());
             }
         }
-        for key in ["k3", "k4", "k5", "k6", "ftheta_p0", "ftheta_p1", "rolling_shutter"] {
+        for key in ["ftheta_p0", "ftheta_p1", "rolling_shutter"] {
             let used = source[key].as_f64().is_some_and(|x| x != 0.0)
                 || source[key].as_array().is_some_and(|list| list.iter().any(|x| x.as_f64() != Some(0.0)));
             if used {
@@ -122,7 +129,20 @@ pub(super) fn lens(transforms: &Transforms, name: &str, frame: &Value) -> Result
         }
     }
     let get = |key: &str| number(transforms, frame, key).unwrap_or(0.0);
-    let [k1, k2, p1, p2] = ["k1", "k2", "p1", "p2"].map(get);
-    let lens = Distortion { k1, k2, p1, p2, ..Distortion::default() };
-    Ok((lens != Distortion::default()).then_some(lens))
+    let beyond = |keys: &[&'static str]| keys.iter().copied().find(|key| get(key) != 0.0);
+    let model = frame["camera_model"].as_str().or_else(|| transforms.json["camera_model"].as_str());
+    let flagged = is(frame, "is_fisheye") || is(&transforms.json, "is_fisheye");
+    if flagged || model.is_some_and(|model| FISHEYES.contains(&model)) {
+        return match beyond(&["p1", "p2", "k5", "k6"]) {
+            Some(key) => refuse(key, format!("{} with a fisheye", get(key))),
+            None => Ok(Some(Lens::Fisheye(["k1", "k2", "k3", "k4"].map(get)))),
+        };
+    }
+    // nerfstudio's k4 belongs to r^8, OpenCV's to r^2 of the denominator.
+    let rational = model == Some("FULL_OPENCV") || beyond(&["k5", "k6"]).is_some();
+    if let (false, Some(key)) = (rational, beyond(&["k4"])) {
+        return refuse(key, format!("{}, which programs take for two things", get(key)));
+    }
+    let lens = Distortion::from_opencv(&["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"].map(get));
+    Ok((lens != Distortion::default()).then_some(Lens::Opencv(lens)))
 }

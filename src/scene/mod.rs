@@ -15,6 +15,8 @@ use crate::parallel;
 use crate::random::Key;
 use crate::ray::draw_index;
 
+#[cfg(feature = "cli")]
+pub(crate) mod aim;
 pub mod builtin;
 mod card;
 mod check;
@@ -30,6 +32,7 @@ mod npz;
 pub mod path;
 mod pictures;
 mod ply;
+mod rays;
 mod transforms;
 
 use crate::files::mask::Mask;
@@ -37,7 +40,10 @@ pub use crate::files::photo::Photo;
 pub use builtin::Medium;
 pub use card::card;
 pub use cloud::Cloud;
+#[cfg(feature = "cli")]
+pub(crate) use fields::listed;
 pub use layout::common_focus;
+pub use rays::pixel_ray;
 
 /// One camera, with its photograph.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,8 +99,23 @@ pub struct Options {
     pub background: Option<[f64; 3]>,
     /// N: pictures of one pixel for each square of N x N.
     pub shrink: Option<usize>,
+    /// Whether the ray of a pixel goes through the point that its numbers are, as the program assumed that another's weights are from:
+    /// half a pixel less to the right and down.
+    pub integer_pixels: bool,
     /// Whether photographs of a test split are loaded too; they are many, and only an evaluation on them needs them.
     pub test_images: bool,
+}
+
+impl Frame {
+    /// Every `n`th pixel of every `n`th row, from the first on: the same rays and the same colors. Of a mask without any of them, all count.
+    pub fn thinned(&self, n: usize) -> Frame {
+        let Camera { width, height, k: Intrinsics { fx, fy, cx, cy }, .. } = self.camera;
+        // The center of pixel i is i + 1/2, in either picture.
+        let [cx, cy] = [cx, cy].map(|c| (c - 0.5) / n as f64 + 0.5);
+        let k = Intrinsics { fx: fx / n as f64, fy: fy / n as f64, cx, cy };
+        let camera = Camera { width: width.div_ceil(n), height: height.div_ceil(n), k, ..self.camera };
+        Frame { name: self.name.clone(), camera, image: self.image.as_ref().map(|image| image.thinned(n)) }
+    }
 }
 
 /// Frame, row and column of a random pixel that isn't masked: from the first three numbers of `ray` in `step`.
@@ -171,6 +192,14 @@ impl Scene {
         Ok(self)
     }
 
+    /// Moves the principal points of all cameras, so that each pixel's ray is the one of so many pixels before.
+    fn move_pixels(&mut self, by: f64) {
+        for frame in self.train.iter_mut().chain(&mut self.val).chain(&mut self.test) {
+            let k = &mut frame.camera.k;
+            (k.cx, k.cy) = (k.cx + by, k.cy + by);
+        }
+    }
+
     /// Width and height of the first picture, in pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.train[0].camera.width, self.train[0].camera.height)
@@ -192,11 +221,15 @@ fn shrunk(camera: &Camera, n: usize) -> Camera {
 /// Where anything in the scene isn't what it should be, by file and field.
 pub fn load(scene: &str, options: &Options) -> Result<Scene> {
     check::options(options)?;
-    let scene = read(scene, options)?;
-    match options.shrink {
-        Some(n) if n > 1 => scene.shrunk(n),
-        _ => Ok(scene),
+    let mut scene = read(scene, options)?;
+    if let Some(n) = options.shrink.filter(|n| *n > 1) {
+        scene = scene.shrunk(n)?;
     }
+    if options.integer_pixels {
+        scene.move_pixels(0.5);
+    }
+    rays::leave_out(&mut scene)?;
+    Ok(scene)
 }
 
 fn read(scene: &str, options: &Options) -> Result<Scene> {

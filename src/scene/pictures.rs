@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use super::fields::listed;
 use super::{Photo, Scene};
@@ -17,6 +17,17 @@ const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "gif"];
 
 /// Folders of pictures as captures have them, the largest pictures first.
 const FOLDERS: [&str; 5] = ["images", "images_2", "images_4", "images_8", "input"];
+
+/// The folder of COLMAP's masks, beside that of the pictures; of `images_4`, it is `masks_4`.
+const MASKS: &str = "masks";
+
+/// Whether a name leads to a file below the folder that it is taken from.
+pub(super) fn stays_below(name: &str) -> bool {
+    let path = Path::new(name);
+    let inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+    // Another system's way up is one here too: the model may have been made there.
+    path.components().all(inside) && path.file_name().is_some() && !name.split('\\').any(|part| part == "..")
+}
 
 /// The file of a picture that is called so: with its ending, or any other.
 pub(super) fn file(folder: &Path, name: &str) -> Option<PathBuf> {
@@ -83,8 +94,10 @@ impl<'a> Capture<'a> {
         let mut folders = customary.clone();
         if self.chosen.is_none() {
             let entries = fs::read_dir(self.root).into_iter().flatten().flatten().map(|entry| entry.path());
+            let masks =
+                |path: &Path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(MASKS));
             let mut others: Vec<PathBuf> =
-                entries.filter(|path| path.is_dir() && !customary.contains(path)).collect();
+                entries.filter(|path| path.is_dir() && !customary.contains(path) && !masks(path)).collect();
             others.sort();
             folders.extend(others);
         }
@@ -104,6 +117,24 @@ impl<'a> Capture<'a> {
             }
         }
         vec![None; names.len()]
+    }
+
+    /// The mask of each picture, where there is one: `masks/a.jpg.png` or `masks/a.png` for `images/a.jpg`.
+    pub(super) fn masks(&self, pictures: &[Option<PathBuf>], scene: &mut Scene) -> Vec<Option<PathBuf>> {
+        let mask = |picture: &PathBuf| {
+            let below = picture.strip_prefix(self.root).ok()?;
+            let folder = below.components().next()?.as_os_str().to_str()?;
+            let name = below.strip_prefix(folder).ok()?.to_str()?;
+            let of = folder.strip_prefix(FOLDERS[0]).unwrap_or_default();
+            file(&self.root.join(format!("{MASKS}{of}")), name)
+        };
+        let found: Vec<_> = pictures.iter().map(|picture| picture.as_ref().and_then(mask)).collect();
+        let (masks, there) = (found.iter().flatten().count(), pictures.iter().flatten().count());
+        if masks < there && self.root.join(MASKS).is_dir() {
+            let root = self.root.display();
+            scene.warnings.push(format!("{root}: {masks} of {there} pictures have a mask in {MASKS}."));
+        }
+        found
     }
 
     /// All pictures of the first customary folder that has as many as `count`.
@@ -145,6 +176,18 @@ pub(super) fn read(
     let background = background.map(|c| c as f32);
     let read = |n: usize| paths[n].as_deref().map(|path| picture::read_photo(path, background)).transpose();
     parallel::map(paths.len(), read).into_iter().collect()
+}
+
+/// Pictures, each with its mask where there is one.
+pub(super) fn all_masked(
+    photos: Vec<Option<Photo>>,
+    masks: &[Option<PathBuf>],
+) -> Result<Vec<Option<Photo>>> {
+    let one = |n: usize| match (photos[n].clone(), &masks[n]) {
+        (Some(photo), Some(mask)) => masked(photo, mask).map(Some),
+        (photo, _) => Ok(photo),
+    };
+    parallel::map(photos.len(), one).into_iter().collect()
 }
 
 /// The picture, of which only the pixels count that aren't black in the mask.

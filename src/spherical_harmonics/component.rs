@@ -2,7 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Entries, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Reach, Special};
 
 /// Spherical harmonics of directions.
 pub(crate) const SPHERICAL_HARMONICS: Component = Component {
@@ -30,5 +30,6 @@ pub(crate) const SPHERICAL_HARMONICS: Component = Component {
     }),
     cases: cases::spherical_harmonics,
     mistakes: mistakes::SPHERICAL_HARMONICS,
-    special: Special::NONE,
+    // Plenoxels go to degree 2, splats to degree 3.
+    special: Special { reach: Some(Reach { input: "degree", least: 1.0 }), ..Special::NONE },
 };

@@ -34,6 +34,19 @@ impl RunFolder {
         files::append(&self.file(LOG), format!("{line}\n"))
     }
 
+    /// The measurements so far, of a run that another process may be writing: a line that isn't whole yet counts as not written.
+    ///
+    /// # Errors
+    /// Where the log can't be read.
+    pub(crate) fn read_log<Point: DeserializeOwned>(&self) -> Result<Vec<Point>> {
+        let path = self.file(LOG);
+        if !path.exists() {
+            return Ok(vec![]);
+        }
+        let text = files::read_text(&path)?;
+        Ok(text.lines().map_while(|line| serde_json::from_str(line).ok()).collect())
+    }
+
     /// The measurements up to `step`. Later lines belong to steps that will be done again: they are taken off the file.
     ///
     /// # Errors

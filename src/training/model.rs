@@ -4,10 +4,12 @@ use std::any::Any;
 
 use serde_json::{Map, Value};
 
+use crate::convention::Directions;
 use crate::error::Result;
 use crate::files::npz::Arrays;
 use crate::ray::Ray;
 use crate::scene::Scene;
+use crate::training::probe::{Cells, Probe};
 
 /// The result of one optimizer step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -40,6 +42,17 @@ pub trait Model: Any + Sync + Send {
 
     /// Renders rays in evaluation mode: nothing random.
     fn render(&self, rays: &[Ray]) -> Vec<Pixel>;
+
+    /// Density and color at positions t along rays, computed by the f64 reference.
+    fn probe(&self, rays: &[(Ray, Vec<f64>)]) -> Vec<Vec<Probe>>;
+
+    /// The cells that it takes for occupied, where it keeps a grid.
+    fn cells(&self) -> Option<Cells>;
+
+    /// The length of the directions whose multiples t are: those that a ray of depth 1 has, for models that measure along the camera's axis.
+    fn directions(&self) -> Directions {
+        Directions::Unit
+    }
 
     /// The whole state by name, as a checkpoint stores it.
     fn state(&self) -> Arrays;

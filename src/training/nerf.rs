@@ -15,6 +15,7 @@ use self::path::Path;
 pub use self::skipping::Skip;
 use self::skipping::skipping;
 use super::model::{Model, Pixel, StepReport};
+use super::probe::{Cells, Probe};
 use super::reference::{fine_samples, interval_edges};
 use crate::convention::CS180;
 use crate::error::{Error, Input, Result};
@@ -23,6 +24,7 @@ use crate::field::fast::{Rays, Skipping};
 use crate::field::nerf_mlp::Shape;
 use crate::files::npz::Arrays;
 use crate::optimizer::Adam;
+use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::ray::{Ray, camera_ray, pixel_position};
 use crate::sample::{rest_u, sample_along_ray};
@@ -255,6 +257,26 @@ impl Model for NerfModel {
         rays.chunks(RENDER_CHUNK).flat_map(|chunk| self.render_chunk(chunk)).collect()
     }
 
+    fn probe(&self, rays: &[(Ray, Vec<f64>)]) -> Vec<Vec<Probe>> {
+        let field = self.fine.as_ref().unwrap_or(&self.coarse).to_oracle(&self.settings);
+        parallel::map(rays.len(), |r| {
+            let (ray, t) = &rays[r];
+            let live = |t: f64| self.grid.as_ref().is_none_or(|grid| grid.live(ray.at(t).to_array()));
+            let at = |&t: &f64| match live(t) {
+                true => {
+                    let tape = field.at(ray, t);
+                    Probe { density: tape.sigma, rgb: tape.rgb }
+                }
+                false => Probe::default(),
+            };
+            t.iter().map(at).collect()
+        })
+    }
+
+    fn cells(&self) -> Option<Cells> {
+        self.grid.as_ref().map(Grid::to_cells)
+    }
+
     fn state(&self) -> Arrays {
         let mut state = self.coarse.state("");
         if let Some(fine) = &self.fine {
@@ -318,6 +340,15 @@ impl Model for NerfModel {
 
 fn flat(net: &NerfMlp) -> Vec<f32> {
     net.layers().iter().flat_map(|(_, l)| l.w.iter().chain(&l.b)).map(|&x| x as f32).collect()
+}
+
+/// The parameters of a checkpoint's state, without what the optimizer and the grid keep.
+pub fn parameters(state: &Arrays) -> Arrays {
+    let layer = |name: &&String| {
+        let name = name.strip_prefix(FINE).unwrap_or(name);
+        !name.contains('.') && (name.ends_with("_w") || name.ends_with("_b"))
+    };
+    state.iter().filter(|(name, _)| layer(name)).map(|(name, array)| (name.clone(), array.clone())).collect()
 }
 
 /// An array of a checkpoint, by name and shape.

@@ -149,7 +149,20 @@ impl<'a> Run<'a> {
     ///
     /// # Errors
     /// Where a step fails or a file can't be written.
-    pub fn go(&mut self, stop: impl Fn() -> bool, mut seen: impl FnMut(News)) -> Result<()> {
+    pub fn go(&mut self, stop: impl Fn() -> bool, seen: impl FnMut(News)) -> Result<()> {
+        self.go_watched(stop, seen, |_, _| {})
+    }
+
+    /// The same; `stepped` sees the model after each step, by its number, and can't change it.
+    ///
+    /// # Errors
+    /// As [`Self::go`].
+    pub fn go_watched(
+        &mut self,
+        stop: impl Fn() -> bool,
+        mut seen: impl FnMut(News),
+        mut stepped: impl FnMut(u64, &dyn Model),
+    ) -> Result<()> {
         if self.step == 0 {
             self.folder.begin_log()?;
             // At once, so that the run can be opened as soon as it has begun.
@@ -162,6 +175,7 @@ impl<'a> Run<'a> {
             self.step += 1;
             self.samples += report.samples;
             self.failure = self.watch.failure(self.step, &report);
+            stepped(self.step, &*self.model);
             let reached = self.measure(&report, &mut seen)?;
             if self.failure.is_none() && self.pace.due() {
                 self.save(&mut seen)?;
@@ -235,14 +249,13 @@ impl<'a> Run<'a> {
 
     fn validate(&self) -> Result<Scores> {
         let background = self.scene.background.map(|b| b as f32);
-        let views: Vec<&Frame> = self.scene.val.iter().filter(|frame| frame.image.is_some()).collect();
-        let most = if self.options.val_all { views.len() } else { VIEWS };
-        let mut chosen = evenly(views.len(), most).into_iter();
-        let frames: Vec<&Frame> = chosen.clone().map(|n| views[n]).collect();
+        let most = if self.options.val_all { usize::MAX } else { VIEWS };
+        let chosen = validated(self.scene, self.step, most);
+        let frames: Vec<&Frame> = chosen.iter().map(|(frame, _)| *frame).collect();
+        let mut files = chosen.iter().map(|(_, file)| file);
         evaluate(&*self.model, frames, background, false, |_, view| {
-            let n = chosen.next().expect("a view for each that was chosen");
-            let name = format!("views/step{:06}_view{n:02}.png", self.step);
-            picture::write_png(&self.folder.file(&name), view.rgb.view())
+            let file = files.next().expect("a file for each view that was chosen");
+            picture::write_png(&self.folder.file(file), view.rgb.view())
         })
     }
 
@@ -264,6 +277,13 @@ impl<'a> Run<'a> {
         }
         Ok(())
     }
+}
+
+/// The frames that a full validation of at most so many views has after a step, each with its view's file in the run's folder.
+pub(crate) fn validated(scene: &Scene, step: u64, most: usize) -> Vec<(&Frame, String)> {
+    let views: Vec<&Frame> = scene.val.iter().filter(|frame| frame.image.is_some()).collect();
+    let file = |n: usize| format!("views/step{step:06}_view{n:02}.png");
+    evenly(views.len(), most).into_iter().map(|n| (views[n], file(n))).collect()
 }
 
 /// At most `most` of `count` numbers, as far from each other as from the ends twice over.

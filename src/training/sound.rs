@@ -6,6 +6,9 @@ use crate::error::{Error, Input, Result};
 use crate::files::npz::{Array, Arrays};
 use crate::limits::STEPS;
 
+/// What a checkpoint puts before the name of an array of another program, which could be one of training's.
+pub(crate) const FOREIGN: &str = "weights.";
+
 const REMEDY: &str = "Use the checkpoint of this very run, or train it again.";
 
 /// Loads a checkpoint's state into its model, all of it: numbers that training can't have written, arrays that the model doesn't have
@@ -45,6 +48,10 @@ pub(crate) fn numbers(state: &Arrays, step: u64, file: &str) -> Result<()> {
 }
 
 fn numbers_of(name: &str, array: &Array, step: u64, file: &str) -> Result<()> {
+    if name.starts_with(FOREIGN) {
+        // Another program's names mean nothing here; who takes the arrays checks them.
+        return Ok(());
+    }
     if let Array::I64(whole) = array {
         let counts = ["adam_step", "compact_progress"].iter().any(|counter| name.ends_with(counter));
         return match whole.first() {

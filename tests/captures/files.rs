@@ -40,6 +40,29 @@ pub(crate) fn seen(n: usize, point: [f64; 3]) -> [f64; 2] {
     [FOCAL * c(0) / depth + 0.5 * SIZE[0] as f64, FOCAL * c(1) / depth + 0.5 * SIZE[1] as f64]
 }
 
+/// The same through a lens, by formulas of its own: OpenCV's fisheye, or its rational distortion.
+pub(crate) fn seen_through(lens: &Lens, n: usize, point: [f64; 3]) -> [f64; 2] {
+    let [u, v] = seen(n, point);
+    let [x, y] = [(u - 0.5 * SIZE[0] as f64) / FOCAL, (v - 0.5 * SIZE[1] as f64) / FOCAL];
+    let [x, y] = match (lens.name, &lens.parameters[..]) {
+        ("OPENCV_FISHEYE", [_, _, _, _, k @ ..]) => {
+            let r = x.hypot(y).max(1e-12);
+            let theta = r.atan();
+            let bent = (0..4).fold(theta, |sum, i| sum + k[i] * theta.powi(2 * i as i32 + 3));
+            [x * bent / r, y * bent / r]
+        }
+        ("FULL_OPENCV", [_, _, _, _, k1, k2, p1, p2, k3, k4, k5, k6]) => {
+            let s = x * x + y * y;
+            let of = |a: &f64, b: &f64, c: &f64| 1.0 + s * (a + s * (b + s * c));
+            let radial = of(k1, k2, k3) / of(k4, k5, k6);
+            let (a, b) = (2.0 * x * y, s + 2.0 * x * x);
+            [x * radial + p1 * a + p2 * b, y * radial + p1 * (s + 2.0 * y * y) + p2 * a]
+        }
+        _ => return [u, v],
+    };
+    [FOCAL * x + 0.5 * SIZE[0] as f64, FOCAL * y + 0.5 * SIZE[1] as f64]
+}
+
 /// Writes the photographs, each `size`, into a folder.
 pub(crate) fn pictures(folder: &Path, [width, height]: [usize; 2]) {
     fs::create_dir_all(folder).expect("a folder");
@@ -101,7 +124,7 @@ pub(crate) fn binary(folder: &Path, lens: &Lens, off: f64) {
         images.push(0);
         images.extend((points.len() as u64 + 1).to_le_bytes());
         for (k, point) in points.iter().enumerate() {
-            let [u, v] = seen(n, *point);
+            let [u, v] = seen_through(lens, n, *point);
             images.extend(bytes(&[u + off, v]));
             images.extend((k as u64 + 100).to_le_bytes());
         }
@@ -136,7 +159,7 @@ pub(crate) fn text(folder: &Path, lens: &Lens) {
         let (turn, name) = (list(&quaternion(n)), NAMES[n]);
         images += &format!("{} {turn} 0 0 {DISTANCE} 7 {name}\n", n + 1);
         for (k, point) in points().iter().enumerate() {
-            images += &format!("{} {} ", list(&seen(n, *point)), k + 100);
+            images += &format!("{} {} ", list(&seen_through(lens, n, *point)), k + 100);
         }
         images += "1 2 -1\n";
     }

@@ -1,6 +1,7 @@
 //! Captures as COLMAP, LLFF and nerfstudio write them: the same cameras whatever the layout is, and what is derived from the points.
 
 mod files;
+mod lenses;
 #[path = "../shared/mod.rs"]
 mod shared;
 
@@ -9,7 +10,6 @@ use std::path::Path;
 
 use files::{Lens, NAMES, SIZE, binary, llff, opencv, pictures, pinhole, pose, text};
 use glam::DVec2;
-use nerf_oracle::camera::Distortion;
 use nerf_oracle::evaluation::{camera_rays, evaluate};
 use nerf_oracle::random::{Key, Purpose};
 use nerf_oracle::ray::camera_ray;
@@ -99,63 +99,6 @@ fn the_same_capture_in_every_layout_has_the_same_rays() {
         binary(&root.join("sparse/0"), &pinhole(), 0.0);
     });
     assert!(load(both.path()).cloud.is_some());
-}
-
-#[test]
-fn every_camera_model_that_bends_rays_as_opencv_does_is_read() {
-    let lens = |k1, k2, p1, p2| Some(Distortion { k1, k2, p1, p2, ..Distortion::default() });
-    let models: [(u32, &str, &[f64], [f64; 4], Option<Distortion>); 6] = [
-        (0, "SIMPLE_PINHOLE", &[9.0, 5.0, 3.0], [9.0, 9.0, 5.0, 3.0], None),
-        (1, "PINHOLE", &[9.0, 8.0, 5.0, 3.0], [9.0, 8.0, 5.0, 3.0], None),
-        (2, "SIMPLE_RADIAL", &[9.0, 5.0, 3.0, 0.1], [9.0, 9.0, 5.0, 3.0], lens(0.1, 0.0, 0.0, 0.0)),
-        (3, "RADIAL", &[9.0, 5.0, 3.0, 0.1, 0.2], [9.0, 9.0, 5.0, 3.0], lens(0.1, 0.2, 0.0, 0.0)),
-        (
-            4,
-            "OPENCV",
-            &[9.0, 8.0, 5.0, 3.0, 0.1, 0.2, 0.01, 0.02],
-            [9.0, 8.0, 5.0, 3.0],
-            lens(0.1, 0.2, 0.01, 0.02),
-        ),
-        (
-            6,
-            "FULL_OPENCV",
-            &[9.0, 8.0, 5.0, 3.0, 0.1, 0.2, 0.01, 0.02, 0.0, 0.0, 0.0, 0.0],
-            [9.0, 8.0, 5.0, 3.0],
-            lens(0.1, 0.2, 0.01, 0.02),
-        ),
-    ];
-    for (id, name, parameters, k, distortion) in models {
-        let lens = || Lens { id, name, parameters: parameters.to_vec() };
-        for scene in [
-            load(capture(|root| binary(&root.join("sparse/0"), &lens(), 0.0)).path()),
-            load(capture(|root| text(&root.join("sparse/0"), &lens())).path()),
-        ] {
-            let camera = scene.train[0].camera;
-            let found = [camera.k.fx, camera.k.fy, camera.k.cx, camera.k.cy];
-            assert_eq!((found, camera.distortion), (k, distortion), "{name}");
-        }
-    }
-    let others: [(u32, &str, usize); 7] = [
-        (5, "OPENCV_FISHEYE", 8),
-        (6, "FULL_OPENCV", 12),
-        (7, "FOV", 5),
-        (8, "SIMPLE_RADIAL_FISHEYE", 4),
-        (9, "RADIAL_FISHEYE", 5),
-        (10, "THIN_PRISM_FISHEYE", 12),
-        (11, "RAD_TAN_THIN_PRISM_FISHEYE", 16),
-    ];
-    for (id, name, n) in others {
-        let lens = || Lens { id, name, parameters: vec![9.0; n] };
-        for folder in [
-            capture(|root| binary(&root.join("sparse/0"), &lens(), 0.0)),
-            capture(|root| text(&root.join("sparse/0"), &lens())),
-        ] {
-            let message = refusal(folder.path());
-            for words in [format!("model of camera 7: found {name}"), "colmap image_undistorter".into()] {
-                assert!(message.contains(&words), "{words:?} isn't in: {message}");
-            }
-        }
-    }
 }
 
 /// mip-NeRF 360's layout: smaller copies beside the pictures, whose sides were rounded.

@@ -182,11 +182,11 @@ const SCENE: &[(&str, &str, &str)] = &[
     ("/camera_angle_x", "-0.7", "camera_angle_x"), ("/camera_angle_x", "3.2", "camera_angle_x"), ("/camera_angle_y", "\"x\"", "camera_angle_y"),
     ("/camera_angle_y", "40", "camera_angle_y"), ("/camera_angle_y", "[0.6]", "camera_angle_y"),
     ("/k1", "\"0.1\"", "k1: found \"0.1\"; expected a number"), ("/k1", "true", "k1"), ("/k1", "null", "k1"), ("/k1", "[0.1]", "k1"), ("/k1", "1e10", "k1"),
-    ("/k2", "\"0\"", "k2"), ("/k2", "{}", "k2"), ("/p1", "\"0\"", "p1"), ("/p2", "[]", "p2"), ("/k3", "\"0.2\"", "k3"), ("/k3", "0.2", "k3 of a.png: found 0.2"),
-    ("/k4", "[0.0]", "k4"), ("/k4", "-1e-9", "k4 of a.png"), ("/k5", "\"0\"", "k5"), ("/k5", "0.5", "k5 of a.png"), ("/k6", "false", "k6"), ("/k6", "2", "k6 of a.png"),
-    ("/camera_model", "7", "camera_model: found 7; expected text"), ("/camera_model", "\"\"", "camera_model"), ("/camera_model", "\"OPENCV_FISHEYE\"", "camera_model of a.png"),
+    ("/k2", "\"0\"", "k2"), ("/k2", "{}", "k2"), ("/p1", "\"0\"", "p1"), ("/p2", "[]", "p2"), ("/k3", "\"0.2\"", "k3"), ("/k3", "-1e5", "lens of "),
+    ("/k4", "[0.0]", "k4"), ("/k4", "-1e-9", "k4 of a.png"), ("/k5", "\"0\"", "k5"), ("/k5", "-1e6", "lens of "), ("/k6", "false", "k6"), ("/k6", "-1e6", "lens of "),
+    ("/camera_model", "7", "camera_model: found 7; expected text"), ("/camera_model", "\"\"", "camera_model"), ("/camera_model", "\"OPENCV_FISHEYE\"", "with a fisheye"),
     ("/camera_model", "[\"OPENCV\"]", "camera_model"), ("/camera_model", "null", "camera_model"), ("/is_fisheye", "\"true\"", "is_fisheye: found \"true\"; expected true or false"),
-    ("/is_fisheye", "1", "is_fisheye"), ("/is_fisheye", "true", "is_fisheye of a.png"), ("/is_fisheye", "null", "is_fisheye"), ("/is_equirectangular", "\"no\"", "is_equirectangular"),
+    ("/is_fisheye", "1", "is_fisheye"), ("/is_fisheye", "true", "p1 of a.png"), ("/is_fisheye", "null", "is_fisheye"), ("/is_equirectangular", "\"no\"", "is_equirectangular"),
     ("/is_equirectangular", "true", "is_equirectangular of a.png"), ("/is_latlong", "0", "is_latlong"), ("/is_latlong", "true", "is_latlong of a.png"),
     ("/latlong", "true", "latlong of a.png"), ("/equirectangular", "true", "equirectangular of a.png"), ("/equirectangular", "\"\"", "equirectangular"),
     ("/ftheta_p0", "\"1\"", "ftheta_p0"), ("/ftheta_p0", "1.0", "ftheta_p0 of a.png"), ("/ftheta_p1", "2", "ftheta_p1 of a.png"), ("/ftheta_p4", "[1]", "ftheta_p4"),
@@ -212,10 +212,10 @@ const SCENE: &[(&str, &str, &str)] = &[
     ("/frames/0/transform_matrix/0/2", "-1.0", "reflection"), ("/frames/0/transform_matrix", "# 60", "transform_matrix"), ("/frames/0/k1", "\"0.1\"", "k1 of a.png: found \"0.1\""),
     ("/frames/0/k1", "null", "k1 of a.png"), ("/frames/1/fl_x", "\"8\"", "fl_x of b.png"), ("/frames/1/fl_x", "0", "fl_x of b.png"), ("/frames/1/w", "7", "expected 7x4"),
     ("/frames/1/h", "\"4\"", "h of b.png"), ("/frames/1/cx", "{}", "cx of b.png"), ("/frames/1/camera_angle_x", "-1", "camera_angle_x of b.png"),
-    ("/frames/1/is_fisheye", "true", "is_fisheye of b.png"), ("/frames/1/is_fisheye", "\"1\"", "is_fisheye of b.png"), ("/frames/1/camera_model", "\"FISHEYE\"", "camera_model of b.png"),
+    ("/frames/1/is_fisheye", "true", "p1 of b.png"), ("/frames/1/is_fisheye", "\"1\"", "is_fisheye of b.png"), ("/frames/1/camera_model", "\"FISHEYE\"", "camera_model of b.png"),
     ("/frames/1/sharpness", "\"30\"", "sharpness of b.png"), ("/frames/1/rotation", "\"0.01\"", "rotation of b.png"), ("/frames/1/rotation", "null", "rotation of b.png"),
     ("/frames/1/colmap_im_id", "-1", "colmap_im_id of b.png"), ("/frames/1/colmap_im_id", "\"7\"", "colmap_im_id of b.png"), ("/frames/1/depth_file_path", "7", "depth_file_path of b.png"),
-    ("/frames/1/mask_path", "false", "mask_path of b.png"), ("/frames/1/time", "\"now\"", "time of b.png"), ("/frames/1/k3", "0.1", "k3 of b.png"),
+    ("/frames/1/mask_path", "false", "mask_path of b.png"), ("/frames/1/time", "\"now\"", "time of b.png"), ("/frames/1/k4", "0.1", "k4 of b.png"),
 ];
 
 /// `run.json`.
@@ -333,5 +333,6 @@ const LINES: &[(&str, &str)] = &[
     ("vectors", "--out"), ("vectors none --out o", "none"), ("vectors loss --out o --profile none", "none"), ("vectors loss --out o --layout zip", "--layout"),
     ("vectors loss --out photo.png", "photo.png"), ("vectors loss --out scene", "expected an empty folder"), ("vectors --verify scene", "SHA256SUMS"),
     ("vectors --verify scene --out o", "--verify"), ("vectors --verify photo.png", "photo.png"), ("judge no_cases scene", "no_cases"), ("judge scene scene", "cases.json"), ("judge scene scene --exp-ulp NaN", "--exp-ulp"), ("judge scene scene --exp-ulp 0", "--exp-ulp"), ("judge scene scene --allow fail", "--allow"),
+    ("train builtin:blob --out o --serve 65536", "--serve"), ("train builtin:blob --out o --serve x", "--serve"), ("train builtin:blob --out o --serve 0 --host example.org", "--host"), ("view no_run", "run.json"), ("view run --port=-1", "--port"), ("view run --host x", "--host"), ("completions klingon", "klingon"), ("man nothing", "nothing"),
     ("explain nothing", "nothing"), ("explain", "NAME"), ("check none", "none"), ("paint", "paint"), ("list none", "none"), ("", "Usage"),
 ];

@@ -1,7 +1,7 @@
 //! COLMAP's camera models, and what they are as a pinhole with a lens.
 
 use super::faulty::faulty;
-use crate::camera::{Distortion, Intrinsics};
+use crate::camera::{self, Distortion, Intrinsics};
 use crate::error::Result;
 use crate::limits::{LENGTH, SIDE};
 
@@ -65,28 +65,16 @@ impl Lens {
         Ok(())
     }
 
-    /// The pinhole and its distortion, in pixels of the camera's own size.
+    /// The pinhole and what bends its rays, in pixels of the camera's own size.
     ///
     /// # Errors
-    /// Where the model bends rays in a way that k1, k2, p1, p2 don't say.
-    pub(super) fn pinhole(&self, file: &str, id: u32) -> Result<(Intrinsics, Option<Distortion>)> {
-        let none = [0.0; 4];
-        let (k, [k1, k2, p1, p2]) = match (self.kind.name(), &self.parameters[..]) {
-            ("SIMPLE_PINHOLE", &[f, cx, cy]) => ([f, f, cx, cy], none),
-            ("PINHOLE", &[fx, fy, cx, cy]) => ([fx, fy, cx, cy], none),
-            ("SIMPLE_RADIAL", &[f, cx, cy, k1]) => ([f, f, cx, cy], [k1, 0.0, 0.0, 0.0]),
-            ("RADIAL", &[f, cx, cy, k1, k2]) => ([f, f, cx, cy], [k1, k2, 0.0, 0.0]),
-            ("OPENCV", &[fx, fy, cx, cy, k1, k2, p1, p2]) => ([fx, fy, cx, cy], [k1, k2, p1, p2]),
-            ("FULL_OPENCV", &[fx, fy, cx, cy, k1, k2, p1, p2, ref rest @ ..]) if *rest == none => {
-                ([fx, fy, cx, cy], [k1, k2, p1, p2])
-            }
-            (name, _) => {
-                let expected =
-                    "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, or FULL_OPENCV without k3 to k6";
-                let remedy =
-                    "Undistort the pictures (colmap image_undistorter) and give the folder that it writes.";
-                return Err(faulty(file, format!("model of camera {id}"), name, expected, remedy));
-            }
+    /// Where the model bends rays in a way that neither of OpenCV's lenses does.
+    pub(super) fn pinhole(&self, file: &str, id: u32) -> Result<(Intrinsics, Option<camera::Lens>)> {
+        let Some((k, lens)) = self.read() else {
+            let expected = "a pinhole, a RADIAL, OPENCV or FULL_OPENCV lens, or a FISHEYE without thin prism";
+            let remedy =
+                "Undistort the pictures (colmap image_undistorter) and give the folder that it writes.";
+            return Err(faulty(file, format!("model of camera {id}"), self.kind.name(), expected, remedy));
         };
         let [fx, fy, cx, cy] = k;
         if fx <= 0.0 || fy <= 0.0 {
@@ -94,7 +82,34 @@ impl Lens {
             let remedy = "Write the model again with COLMAP.";
             return Err(faulty(file, format!("focal length of camera {id}"), found, expected, remedy));
         }
-        let lens = Distortion { k1, k2, p1, p2, ..Distortion::default() };
-        Ok((Intrinsics { fx, fy, cx, cy }, ([k1, k2, p1, p2] != none).then_some(lens)))
+        Ok((Intrinsics { fx, fy, cx, cy }, lens))
+    }
+
+    /// fx, fy, cx, cy and the lens; `None` where the model has another one.
+    fn read(&self) -> Option<([f64; 4], Option<camera::Lens>)> {
+        let opencv = |k: &[f64]| {
+            let lens = Distortion::from_opencv(k);
+            (lens != Distortion::default()).then_some(camera::Lens::Opencv(lens))
+        };
+        let fisheye = |k: [f64; 4]| Some(camera::Lens::Fisheye(k));
+        let none = [0.0; 4];
+        Some(match (self.kind.name(), &self.parameters[..]) {
+            ("SIMPLE_PINHOLE", &[f, cx, cy]) => ([f, f, cx, cy], None),
+            ("PINHOLE", &[fx, fy, cx, cy]) => ([fx, fy, cx, cy], None),
+            ("SIMPLE_RADIAL", &[f, cx, cy, k1]) => ([f, f, cx, cy], opencv(&[k1, 0.0, 0.0, 0.0])),
+            ("RADIAL", &[f, cx, cy, k1, k2]) => ([f, f, cx, cy], opencv(&[k1, k2, 0.0, 0.0])),
+            ("OPENCV" | "FULL_OPENCV", &[fx, fy, cx, cy, ref k @ ..]) => ([fx, fy, cx, cy], opencv(k)),
+            ("SIMPLE_RADIAL_FISHEYE", &[f, cx, cy, k1]) => ([f, f, cx, cy], fisheye([k1, 0.0, 0.0, 0.0])),
+            ("RADIAL_FISHEYE", &[f, cx, cy, k1, k2]) => ([f, f, cx, cy], fisheye([k1, k2, 0.0, 0.0])),
+            ("OPENCV_FISHEYE", &[fx, fy, cx, cy, k1, k2, k3, k4]) => {
+                ([fx, fy, cx, cy], fisheye([k1, k2, k3, k4]))
+            }
+            ("THIN_PRISM_FISHEYE", &[fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, s1, s2])
+                if [p1, p2, s1, s2] == none =>
+            {
+                ([fx, fy, cx, cy], fisheye([k1, k2, k3, k4]))
+            }
+            _ => return None,
+        })
     }
 }

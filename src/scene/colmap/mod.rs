@@ -74,6 +74,12 @@ fn frames<'a>(
         return Err(faulty(file, "pictures", "none", "at least one", remedy));
     }
     let names: Vec<String> = model.views.iter().map(|view| view.name.clone()).collect();
+    if let Some(view) = model.views.iter().find(|view| !pictures::stays_below(&view.name)) {
+        let remedy =
+            "Nothing outside of the capture is read: put the pictures below it and correct the names.";
+        let expected = "a path below the folder of the pictures";
+        return Err(faulty(file, "name of a picture", &view.name, expected, remedy));
+    }
     if let Some(twice) = names.windows(2).find(|pair| pair[0] == pair[1]) {
         return Err(faulty(
             file,
@@ -85,6 +91,7 @@ fn frames<'a>(
     }
     let paths = capture.named(&names, scene);
     let photos = pictures::read(file, &paths, scene.background)?;
+    let photos = pictures::all_masked(photos, &capture.masks(&paths, scene))?;
     let (mut frames, mut missing) = (vec![], vec![]);
     for (view, photo) in model.views.iter().zip(photos) {
         match photo {

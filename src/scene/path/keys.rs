@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use glam::{DMat3, DMat4, DQuat, DVec3};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::camera::{Camera, Intrinsics};
 use crate::error::{Error, Input, Result};
 use crate::files::json::Holds::{self, *};
-use crate::files::{self, json};
+use crate::files::{self, json as text};
 use crate::scene::{Frame, Scene, check};
 
 /// Frames between two key cameras, where no number is given.
@@ -99,6 +99,15 @@ pub fn through(path: &Path, scene: &Scene, count: Option<usize>) -> Result<Vec<C
     Ok((0..count).map(|n| at(n).camera(&like)).collect())
 }
 
+/// A camera as such a file's frame: [`through`] reads it.
+pub fn key(camera: &Camera) -> Value {
+    // Each column of the turned axes; rows are what is written.
+    let m = check::opengl_to_opencv(camera.c2w).transpose();
+    let rows = [m.x_axis, m.y_axis, m.z_axis, m.w_axis].map(|row| row.to_array());
+    let angle = 2.0 * libm::atan(0.5 * camera.width as f64 / camera.k.fx);
+    json!({"transform_matrix": rows, "camera_angle_x": angle})
+}
+
 /// Weights of four neighbors for a point between the middle two: 0.5 (1, t, t^2, t^3) times Catmull and Rom's matrix.
 fn catmull_rom(t: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
@@ -116,9 +125,9 @@ fn read(path: &Path, like: &Camera) -> Result<Vec<Key>> {
     let wrong = |field: String, found: String, expected: &str| {
         Error::input(Input { file: &file, field, found, expected, remedy })
     };
-    let json = json::parse(&files::read_text(path)?);
+    let json = text::parse(&files::read_text(path)?);
     let json = json.map_err(|error| wrong("JSON".into(), error.to_string(), "a whole object"))?;
-    let object = json.as_object().ok_or_else(|| wrong("JSON".into(), json::short(&json), "an object"))?;
+    let object = json.as_object().ok_or_else(|| wrong("JSON".into(), text::short(&json), "an object"))?;
     for (name, holds) in FILE {
         holds.check(&file, name, object.get(*name).unwrap_or(&Value::Null), remedy)?;
     }
@@ -141,8 +150,6 @@ fn read(path: &Path, like: &Camera) -> Result<Vec<Key>> {
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
-
     use super::*;
     use crate::scene::{Options, load};
 

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DMat4, DVec3};
 
 use super::Scene;
-use crate::camera::Camera;
+use crate::camera::{Camera, Intrinsics};
 
 mod keys;
 
-pub use keys::{smoothed, through};
+pub use keys::{key, smoothed, through};
 
 /// A circle of cameras that look at the scene's focus, with the mean distance, height and up direction of the training cameras; where
 /// those stand on one side only (a hand-held capture), an ellipse among them instead of a path around the back.
@@ -61,13 +61,28 @@ pub fn spiral(scene: &Scene, count: usize) -> Vec<Camera> {
     (0..count).map(|k| Camera { c2w: look_at(place(k), scene.focus, up), ..first }).collect()
 }
 
+/// The scene's first camera at another place: from `eye` to `target`, with `up`; `angle` is its angle of view across, in radians.
+pub fn looking(scene: &Scene, [eye, target, up]: [DVec3; 3], angle: f64) -> Camera {
+    let like = scene.train[0].camera;
+    let focal = 0.5 * like.width as f64 / libm::tan(0.5 * angle);
+    let k = Intrinsics { fx: focal, fy: like.k.fy * focal / like.k.fx, ..like.k };
+    Camera { c2w: look_at(eye, target, up.normalize_or(DVec3::Z)), k, ..like }
+}
+
+/// The same field of view on another grid of pixels: K scales with the picture, the principal point with it.
+pub fn resized(camera: &Camera, width: usize, height: usize) -> Camera {
+    let (sx, sy) = (width as f64 / camera.width as f64, height as f64 / camera.height as f64);
+    let Intrinsics { fx, fy, cx, cy } = camera.k;
+    Camera { width, height, k: Intrinsics { fx: fx * sx, fy: fy * sy, cx: cx * sx, cy: cy * sy }, ..*camera }
+}
+
 /// Where the training cameras stand.
 fn places(scene: &Scene) -> Vec<DVec3> {
     scene.train.iter().map(|frame| frame.camera.c2w.w_axis.truncate()).collect()
 }
 
 /// The mean of what is up in their pictures.
-fn up(scene: &Scene) -> DVec3 {
+pub fn up(scene: &Scene) -> DVec3 {
     let down = scene.train.iter().map(|frame| frame.camera.c2w.y_axis.truncate()).sum::<DVec3>();
     -down.normalize_or(DVec3::Z)
 }

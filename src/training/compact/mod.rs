@@ -15,6 +15,7 @@ use crate::occupancy_grid::fast::Occupancy;
 use crate::random::{Key, Purpose};
 use crate::ray::Ray;
 use crate::scene::Scene;
+use crate::training::probe::{Cells, Probe};
 use crate::training::{Model, Pixel, StepReport};
 
 mod backward;
@@ -114,6 +115,18 @@ impl Model for CompactModel {
 
     fn render(&self, rays: &[Ray]) -> Vec<Pixel> {
         self.render_rays(rays)
+    }
+
+    fn probe(&self, rays: &[(Ray, Vec<f64>)]) -> Vec<Vec<Probe>> {
+        let reference = reference::Reference::new(self);
+        crate::parallel::map(rays.len(), |r| reference.probe(&rays[r].0, &rays[r].1))
+    }
+
+    fn cells(&self) -> Option<Cells> {
+        let CompactSettings { low, size, .. } = self.settings;
+        let resolution = self.occupancy.resolution;
+        let occupied = (0..resolution.pow(3)).map(|cell| self.occupancy.occupied(cell)).collect();
+        Some(Cells { low, high: low + size, resolution, occupied })
     }
 
     fn state(&self) -> Arrays {

@@ -6,7 +6,7 @@ use ndarray::{Array1, Array2};
 use super::CompactModel;
 use super::networks::{GEOMETRY, HIDDEN};
 use super::settings::EXPONENT;
-use super::step::optical_step;
+use super::step::{OPTICAL_SIZE, optical_step};
 use crate::convention::{ExponentShift, HarmonicForm, HarmonicSign, ProductEps};
 use crate::early_stop::live_samples;
 use crate::field::mlp::Output;
@@ -16,6 +16,7 @@ use crate::occupancy_grid::OccupancyGrid;
 use crate::ray::Ray;
 use crate::ray_aabb::intersect;
 use crate::spherical_harmonics::harmonics;
+use crate::training::probe::Probe;
 use crate::trunc_exp;
 use crate::volume_rendering::volume_render;
 
@@ -106,13 +107,35 @@ impl Reference {
         t.into_iter().map(|t| [0, 1, 2].map(|a| (o[a] + t * d[a]).clamp(0.0, 1.0))).collect()
     }
 
-    /// What a ray sees with `samples` step lengths across the box, all of its samples; `stop` is used to count alone.
-    pub(crate) fn render(&self, ray: &Ray, samples: f64, stop: f64) -> ReferenceRay {
+    /// Density in 1 / length of the scene, and color, along a ray; nothing in empty cells and outside of the box.
+    pub(crate) fn probe(&self, ray: &Ray, t: &[f64]) -> Vec<Probe> {
+        let view = self.view(ray);
+        let at = |&t: &f64| {
+            let x = ray.at(t);
+            let p = [0, 1, 2].map(|a| (x[a] - self.low[a]) / self.size);
+            let inside = p.iter().all(|x| (0.0..=1.0).contains(x));
+            if !inside || !self.occupied.occupied(p) {
+                return Probe::default();
+            }
+            let (sigma, rgb) = self.field(p, &view);
+            Probe { density: sigma * OPTICAL_SIZE / self.size, rgb }
+        };
+        t.iter().map(at).collect()
+    }
+
+    /// The direction as the color network sees it.
+    fn view(&self, ray: &Ray) -> Vec<f64> {
         let mut view =
             harmonics(ray.d.normalize().to_array(), 3, HarmonicForm::Sphere, HarmonicSign::Alternating);
         if !self.view_dependent {
             view.fill(0.0);
         }
+        view
+    }
+
+    /// What a ray sees with `samples` step lengths across the box, all of its samples; `stop` is used to count alone.
+    pub(crate) fn render(&self, ray: &Ray, samples: f64, stop: f64) -> ReferenceRay {
+        let view = self.view(ray);
         let (mut sigmas, mut rgbs) = (vec![], vec![]);
         for p in self.march(ray, samples) {
             let (sigma, rgb) = self.field(p, &view);

@@ -1,14 +1,14 @@
 //! The training pictures, laid out for drawing single pixels: colors, and directions, from a table where pictures share a lens.
 
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat4, DVec3};
 
 use super::settings::CompactSettings;
 use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
-use crate::evaluation::camera_rays;
+use crate::parallel;
 use crate::random::Key;
-use crate::ray::{Ray, camera_ray, draw_index};
-use crate::scene::{Photo, Scene, draw_place};
+use crate::ray::{Ray, draw_index};
+use crate::scene::{Photo, Scene, draw_place, pixel_ray};
 
 /// A ray in units of the box.
 #[derive(Clone, Copy, Debug)]
@@ -135,12 +135,13 @@ impl Views {
         self.views.len()
     }
 
-    /// Rays all over a picture, its border included: about so many along each side.
+    /// Rays all over a picture, its border included: about so many along each side; none where there are none.
     pub(super) fn lattice(&self, view: usize, lines: usize) -> impl Iterator<Item = BoxRay> {
         let [width, height] = self.views[view].size;
         let along = move |n: usize| (0..n).step_by(n.div_ceil(lines)).chain([n - 1]);
         let pixels = along(height).flat_map(move |j| along(width).map(move |i| j * width + i));
-        pixels.map(move |pixel| self.ray(view * self.pixels + pixel))
+        let rays = pixels.map(move |pixel| self.ray(view * self.pixels + pixel));
+        rays.filter(|ray| ray.unit != [0.0; 3])
     }
 
     /// The color of pixel `n` of all and the background that it is seen over: `drawn` where the picture's opacity is known, so that
@@ -164,15 +165,18 @@ impl Views {
 
 impl Lens {
     fn shared(camera: &Camera) -> Result<Lens> {
-        let directions = camera_rays(camera)?.iter().map(|ray| ray.d.to_array().map(|x| x as f32)).collect();
-        Ok(Lens::Shared(directions))
+        let row = |j: usize| -> Result<Vec<_>> {
+            (0..camera.width).map(|i| Ok(direction(pixel_ray(camera, i, j)?))).collect()
+        };
+        let rows: Result<Vec<_>> = parallel::map(camera.height, row).into_iter().collect();
+        Ok(Lens::Shared(rows?.concat()))
     }
 
     /// Every 16th pixel of every 16th row, and the last ones, stand for all: a lens that folds over does so over more of the picture.
     fn alone(camera: &Camera) -> Result<Lens> {
         let along = |n: usize| (0..n).step_by(16).chain([n - 1]);
         for (j, i) in along(camera.height).flat_map(|j| along(camera.width).map(move |i| (j, i))) {
-            camera_ray(camera, center(i, j))?;
+            pixel_ray(camera, i, j)?;
         }
         Ok(Lens::Alone(Box::new(*camera)))
     }
@@ -182,15 +186,13 @@ impl Lens {
         match self {
             Lens::Shared(directions) => directions[pixel],
             Lens::Alone(camera) => {
-                let uv = center(pixel % camera.width, pixel / camera.width);
-                let d = camera_ray(camera, uv).map_or(DVec3::Z, |ray| ray.d);
-                d.to_array().map(|x| x as f32)
+                direction(pixel_ray(camera, pixel % camera.width, pixel / camera.width).ok().flatten())
             }
         }
     }
 }
 
-/// The center of the pixel in column `i` and row `j`.
-fn center(i: usize, j: usize) -> DVec2 {
-    DVec2::new(i as f64 + 0.5, j as f64 + 0.5)
+/// A ray's direction; 0 where there is none, at pixels that are never drawn.
+fn direction(ray: Option<Ray>) -> [f32; 3] {
+    ray.map_or(DVec3::ZERO, |ray| ray.d).to_array().map(|x| x as f32)
 }

@@ -3,14 +3,13 @@
 //! The network itself is evaluated at random points of cells: every cell at first, then a part of them now and then, and the occupied ones
 //! with their neighbors each time, because content moves by a cell, not across the scene. A cell keeps the largest recent density.
 
-use crate::convention::CS180;
 use crate::error::Result;
 use crate::field::fast::Rays;
 use crate::occupancy_grid::fast::Occupancy;
 use crate::parallel;
 use crate::random::Key;
-use crate::ray::{camera_ray, pixel_position};
-use crate::scene::Scene;
+use crate::scene::{Scene, pixel_ray};
+use crate::training::probe::Cells;
 
 /// An update samples every cell whose index equals its number modulo this.
 const PARTS: usize = 8;
@@ -47,8 +46,8 @@ impl Grid {
         for frame in &scene.train {
             let camera = &frame.camera;
             let along = |n: usize| (0..n).step_by(STRIDE).chain([n - 1]);
-            for (i, j) in along(camera.height).flat_map(|i| along(camera.width).map(move |j| (i, j))) {
-                let ray = camera_ray(camera, pixel_position(i, j, CS180.pixel_center))?;
+            for (i, j) in along(camera.height).flat_map(|j| along(camera.width).map(move |i| (i, j))) {
+                let Some(ray) = pixel_ray(camera, i, j)? else { continue };
                 for t in [near, far] {
                     let x = ray.at(t).to_array();
                     for a in 0..3 {
@@ -94,6 +93,13 @@ impl Grid {
     /// Share of the cells that are occupied.
     pub(crate) fn fraction(&self) -> f64 {
         self.cells.fraction()
+    }
+
+    /// The same for people to look at.
+    pub(crate) fn to_cells(&self) -> Cells {
+        let resolution = self.cells.resolution;
+        let occupied = (0..resolution.pow(3)).map(|cell| self.cells.occupied(cell)).collect();
+        Cells { low: self.low.into(), high: self.high.into(), resolution, occupied }
     }
 
     /// Whether a point may have a density: it lies in an occupied cell, or outside the grid.

@@ -52,6 +52,19 @@ impl Path {
         }
     }
 
+    /// The field in plain f64.
+    pub(crate) fn to_oracle(&self, settings: &NerfSettings) -> Field {
+        match self {
+            Path::Reference { field, .. } => (**field).clone(),
+            Path::Fast { net, .. } => Field {
+                net: net.to_oracle(&net.params),
+                position: Encoding::new(settings.levels.0, &CS180),
+                direction: Encoding::new(settings.levels.1, &CS180),
+                conventions: CS180,
+            },
+        }
+    }
+
     /// The density head with the other sign: as likely a draw as the one it has.
     pub(crate) fn turn_density_head(&mut self) {
         let turn = |net: &mut NerfMlp| {

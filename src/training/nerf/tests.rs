@@ -23,6 +23,7 @@ fn scene() -> Scene {
         holdout: None,
         background: None,
         shrink: None,
+        integer_pixels: false,
         test_images: false,
     };
     scene::load("builtin:spheres", &options).unwrap()

@@ -113,7 +113,7 @@ class Asked:
 
     def declared(self, keys: Iterable[str]) -> dict[str, tuple[list[str] | None, list[str] | None]]:
         """What the functions of some rows take, and what their gradients go through."""
-        return {key: (self.plans[key].takes(), self.returns.get(key)) for key in keys}
+        return {key: (self.plans[key].takes(), self.returns.get(key, self.plans[key].through())) for key in keys}
 
 
 def outputs_of(row: dict[str, Any]) -> list[str]:

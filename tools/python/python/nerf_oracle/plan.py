@@ -56,6 +56,12 @@ class Plan:
         ports = {port["name"] for port in self.row["inputs"] if any(covers(port, name) for name in taken)}
         return sorted({*ports, *(name for name in taken if port_of(self.row, name) is None)})
 
+    def through(self) -> list[str] | None:
+        """The outputs through which a gradient of one's own goes, where it takes not all of their cotangents."""
+        asked = [f"grad_{port['name']}" for port in self.row["outputs"] if port["gradient"]]
+        taken = [name[len("grad_") :] for name in asked if name in (self.takes() or asked)]
+        return taken if 0 < len(taken) < len(asked) else None
+
     def ignored(self) -> list[str]:
         """The inputs that it neither takes nor, as the contract's forms have it, needn't."""
         taken = self.takes()

@@ -15,7 +15,7 @@ from .rows import row_of
 class Mistake:
     """An explanation of the numbers: mistakes of the catalogue, and conventions that the candidate follows."""
 
-    # The mistakes, joined by " + "; "" where a convention or lost digits alone explain the numbers.
+    # The mistakes and the slip, joined by " + "; "" where a convention or lost digits alone explain the numbers.
     name: str
     cause: str
     effect: str
@@ -32,6 +32,8 @@ class Mistake:
     unexplained: list[str]
     # Cases that it doesn't explain; most are.
     unexplained_cases: list[str]
+    # What happens to one array beside the mistakes ("deltas its running sum, along axis 1"), where no catalogue lists it.
+    slip: str | None
     # The number in the mistake (the width of a jitter, an eps, a factor), where it isn't the usual one.
     fitted: float | None
 
@@ -86,7 +88,8 @@ def row_from(fields: dict[str, Any]) -> Row:
         said = {
             key: " / ".join(known[name][key] for name in names if name in known) for key in ("cause", "effect", "fix", "seen")
         }
-        whole: dict[str, Any] = {"name": " + ".join(names), **said, **found}
+        slip = [f"a slip: {found['slip']}"] if found["slip"] else []
+        whole: dict[str, Any] = {"name": " + ".join(names + slip), **said, **found}
         return Mistake(**whole)
 
     worst = fields["worst_case"]

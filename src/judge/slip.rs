@@ -1,0 +1,214 @@
+//! Slips: simple things that happen to one array and that no catalogue can list for every component: an input that is taken for its
+//! running sum, normalized first, or for another one of its shape; an output that is halved, reversed or clamped.
+
+use ndarray::{ArrayD, Axis};
+
+use crate::contract::arrays::Arrays;
+
+/// What happens to an array.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Change {
+    /// Each element by itself, by its place in [`EACH`].
+    Each(usize),
+    /// Each element times a number that the answers show.
+    Times(f64),
+    /// A number that the answers show is added to each element.
+    Plus(f64),
+    /// Times the length of another array's axis (of an input), or over it.
+    Length { input: String, axis: usize, over: bool },
+    /// All elements along an axis together, by their place in [`ALONG`].
+    Along(usize, usize),
+    /// Two elements of a short axis are exchanged.
+    Exchanged(usize, usize, usize),
+    /// One element of a short axis has the other sign.
+    Opposite(usize, usize),
+    /// Two axes are exchanged, of the same length.
+    Transposed(usize, usize),
+    /// Another array stands in its place.
+    Other(String),
+}
+
+/// Elements, one by one. The likelier come first: of two that give the same numbers, that one is named.
+pub(crate) const EACH: &[(&str, fn(f64) -> f64)] = &[
+    ("left out: 0", |_| 0.0),
+    ("with the other sign", |x| -x),
+    ("through a ReLU", |x| x.max(0.0)),
+    ("clamped to [0, 1]", |x| x.clamp(0.0, 1.0)),
+    ("without its sign", f64::abs),
+    ("halved", |x| 0.5 * x),
+    ("doubled", |x| 2.0 * x),
+    ("1 minus itself", |x| 1.0 - x),
+    ("taken for 1", |_| 1.0),
+    ("times pi", |x| std::f64::consts::PI * x),
+    ("times 2 pi", |x| std::f64::consts::TAU * x),
+    ("over pi", |x| x / std::f64::consts::PI),
+    ("over 2 pi", |x| x / std::f64::consts::TAU),
+    ("times 255", |x| 255.0 * x),
+    ("over 255", |x| x / 255.0),
+    ("mapped from [0, 1] to [-1, 1]", |x| 2.0 * x - 1.0),
+    ("mapped from [-1, 1] to [0, 1]", |x| 0.5 * x + 0.5),
+    ("squared", |x| x * x),
+    ("its square root", f64::sqrt),
+    ("its reciprocal", |x| 1.0 / x),
+    ("its exponential", crate::math::exp),
+    ("its logarithm", crate::math::ln),
+    ("through a sigmoid", |x| 1.0 / (1.0 + crate::math::exp(-x))),
+    ("rounded down", f64::floor),
+    ("rounded to whole numbers", f64::round),
+    ("plus 1", |x| x + 1.0),
+    ("minus 1", |x| x - 1.0),
+    ("plus 1/2", |x| x + 0.5),
+    ("minus 1/2", |x| x - 0.5),
+];
+
+/// All elements along an axis.
+pub(crate) const ALONG: &[(&str, fn(&[f64]) -> Vec<f64>)] = &[
+    ("divided by its length", |x| over(x, x.iter().map(|x| x * x).sum::<f64>().sqrt())),
+    ("divided by its sum", |x| over(x, x.iter().sum())),
+    ("its running sum", |x| running(x, 0.0, |sum, x| sum + x)),
+    ("its running sum without the element itself", |x| later(&running(x, 0.0, |sum, x| sum + x), 0.0)),
+    ("its running product", |x| running(x, 1.0, |product, x| product * x)),
+    ("its differences", |x| x.iter().zip(later(x, 0.0)).map(|(x, before)| x - before).collect()),
+    ("one late, with 0 in front", |x| later(x, 0.0)),
+    ("one late, with the first twice", |x| later(x, x[0])),
+    ("one late, around the end", |x| later(x, x[x.len() - 1])),
+    ("one early, with 0 behind", |x| earlier(x, 0.0)),
+    ("one early, with the last twice", |x| earlier(x, x[x.len() - 1])),
+    ("one early, around the end", |x| earlier(x, x[0])),
+    ("back to front", |x| x.iter().rev().copied().collect()),
+    ("its mean", |x| vec![x.iter().sum::<f64>() / x.len() as f64; x.len()]),
+    ("its first element for all", |x| vec![x[0]; x.len()]),
+    ("its last element for all", |x| vec![x[x.len() - 1]; x.len()]),
+    ("without its last element", |x| [&x[..x.len() - 1], &[0.0]].concat()),
+    ("without its first element", |x| [&[0.0], &x[1..]].concat()),
+];
+
+fn over(x: &[f64], by: f64) -> Vec<f64> {
+    x.iter().map(|x| x / by).collect()
+}
+
+fn running(x: &[f64], start: f64, next: fn(f64, f64) -> f64) -> Vec<f64> {
+    let step = |state: &mut f64, x: &f64| {
+        *state = next(*state, *x);
+        Some(*state)
+    };
+    x.iter().scan(start, step).collect()
+}
+
+fn later(x: &[f64], first: f64) -> Vec<f64> {
+    [&[first], &x[..x.len() - 1]].concat()
+}
+
+fn earlier(x: &[f64], last: f64) -> Vec<f64> {
+    [&x[1..], &[last]].concat()
+}
+
+/// What happens to an input, or to an output.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Slip {
+    /// Whether it is an input.
+    pub input: bool,
+    /// Name of the array.
+    pub array: String,
+    /// What happens to it.
+    pub change: Change,
+    /// Whether it is one of the forward function, also where a gradient is asked for.
+    pub forward: bool,
+}
+
+impl Slip {
+    /// The inputs as they are used.
+    pub(crate) fn on_inputs(&self, inputs: &Arrays) -> Arrays {
+        let mut changed = inputs.clone();
+        if self.input && inputs.contains_key(&self.array) {
+            changed.insert(self.array.clone(), self.change.of(&self.array, inputs, inputs));
+        }
+        changed
+    }
+
+    /// The outputs as they are answered.
+    pub(crate) fn on_outputs(&self, inputs: &Arrays, outputs: Arrays) -> Arrays {
+        let mut changed = outputs;
+        if !self.input && changed.contains_key(&self.array) {
+            let array = self.change.of(&self.array, &changed, inputs);
+            changed.insert(self.array.clone(), array);
+        }
+        changed
+    }
+
+    /// What it says, on a line.
+    pub(crate) fn says(&self) -> String {
+        let name = &self.array;
+        match &self.change {
+            Change::Each(n) => format!("{name} {}", EACH[*n].0),
+            Change::Times(k) => format!("{name} times {k:?}"),
+            Change::Plus(k) => format!("{name} {} {:?}", if *k < 0.0 { "minus" } else { "plus" }, k.abs()),
+            Change::Length { input, axis, over } => {
+                let word = if *over { "over" } else { "times" };
+                format!(
+                    "{name} {word} the length of axis {axis} of {input}: a mean is a sum, or a sum a mean"
+                )
+            }
+            Change::Along(n, axis) => format!("{name} {}, along axis {axis}", ALONG[*n].0),
+            Change::Exchanged(axis, i, j) => {
+                format!("{name} with elements {i} and {j} of axis {axis} exchanged")
+            }
+            Change::Opposite(axis, i) => {
+                format!("{name} with the other sign in element {i} of axis {axis}")
+            }
+            Change::Transposed(a, b) => format!("{name} with axes {a} and {b} exchanged"),
+            Change::Other(other) => format!("{other} in the place of {name}"),
+        }
+    }
+}
+
+impl Change {
+    /// What becomes of the array `name` among others.
+    fn of(&self, name: &str, all: &Arrays, inputs: &Arrays) -> ArrayD<f64> {
+        let x = &all[name];
+        match self {
+            Change::Each(n) => x.mapv(EACH[*n].1),
+            Change::Times(k) => x * *k,
+            Change::Plus(k) => x + *k,
+            Change::Length { input, axis, over } => {
+                let length =
+                    inputs.get(input).and_then(|a| a.shape().get(*axis)).copied().unwrap_or(1) as f64;
+                x * if *over { 1.0 / length } else { length }
+            }
+            Change::Along(n, axis) => along(x, *axis, ALONG[*n].1),
+            Change::Exchanged(axis, i, j) if x.ndim() > *axis && x.len_of(Axis(*axis)) > *j.max(i) => {
+                let mut order: Vec<usize> = (0..x.len_of(Axis(*axis))).collect();
+                order.swap(*i, *j);
+                x.select(Axis(*axis), &order)
+            }
+            Change::Opposite(axis, i) if x.ndim() > *axis && x.len_of(Axis(*axis)) > *i => {
+                let sign = |n: usize| if n == *i { -1.0 } else { 1.0 };
+                let mut x = x.clone();
+                for (n, mut part) in x.axis_iter_mut(Axis(*axis)).enumerate() {
+                    part *= sign(n);
+                }
+                x
+            }
+            Change::Transposed(a, b) if x.ndim() > *a.max(b) && x.shape()[*a] == x.shape()[*b] => {
+                let mut x = x.clone();
+                x.swap_axes(*a, *b);
+                x.as_standard_layout().into_owned()
+            }
+            Change::Other(other) => all.get(other).filter(|o| o.shape() == x.shape()).unwrap_or(x).clone(),
+            _ => x.clone(),
+        }
+    }
+}
+
+/// `f` of each line along an axis.
+fn along(x: &ArrayD<f64>, axis: usize, f: fn(&[f64]) -> Vec<f64>) -> ArrayD<f64> {
+    let mut x = x.clone();
+    if x.ndim() <= axis || x.len_of(Axis(axis)) == 0 {
+        return x;
+    }
+    for mut line in x.lanes_mut(Axis(axis)) {
+        let changed = f(&line.to_vec());
+        line.iter_mut().zip(changed).for_each(|(to, from)| *to = from);
+    }
+    x
+}

@@ -1,0 +1,327 @@
+//! Slips that explain answers which no mistake of the catalogue explains: one, by itself or beside one catalogued mistake.
+
+use std::collections::BTreeSet;
+use std::panic::{self, AssertUnwindSafe};
+
+use super::answer::{Answer, Answers, reshaped};
+use super::assignment::{apply, changes, nearest, partial, small_cases};
+use super::evidence::{Explanation, difference, explains_all, largest_residual, shows, usable};
+use super::exam::Question;
+use super::hypothesis::Hypothesis;
+use super::mark::MarkOptions;
+use super::slip::{ALONG, Change, EACH, Slip};
+use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
+use crate::contract::check::Kind;
+use crate::contract::component::Entries;
+use crate::convention::Conventions;
+use crate::convention::profiles::PROFILES;
+use crate::parallel;
+
+/// Elements that all hypotheses together may compute on the smallest case; in the short types, where nothing can be rejected before its
+/// bound is known.
+const WORK: [usize; 2] = [6_000_000, 400_000];
+
+/// What a hypothesis costs however small the case is, in elements.
+const LEAST: usize = 100;
+
+/// Axes at most this long are taken for components: red, green, blue; x, y, z.
+const SHORT: usize = 4;
+
+/// Explanations that are listed.
+const SHOWN: usize = 3;
+
+/// What a slip is tried with.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Beside {
+    /// It is all that is wrong.
+    Nothing,
+    /// One mistake of the catalogue.
+    Mistake,
+}
+
+/// The slips that explain every answer, the simplest first.
+pub(crate) fn slipped(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+    beside: Beside,
+) -> Vec<Explanation> {
+    let cases = small_cases(question, answers);
+    let Some((case, answer)) = cases.first() else { return vec![] };
+    let conventions = conventions(question, answers, base);
+    let forward = question.kind == Kind::Forward;
+    let rows = question.component.mistakes.iter().filter(|m| m.gradient != forward).map(|m| m.name);
+    let sets: Vec<Vec<&str>> = match beside {
+        Beside::Nothing => vec![vec![]],
+        Beside::Mistake => rows.map(|name| vec![name]).collect(),
+    };
+    let slips = slips(question, case, answer);
+    let mut hypotheses = vec![];
+    for mistakes in sets {
+        // Beside a mistake in the likeliest conventions alone.
+        let tried =
+            if mistakes.is_empty() { &conventions[..] } else { &conventions[..conventions.len().min(2)] };
+        for c in tried {
+            let plain = Hypothesis::new(mistakes.clone(), *c);
+            // Of a few odd cases a slip says little: it could be anything that shows in none of the others.
+            let right = cases.iter().filter(|(case, answer)| plain.explains(question, case, answer, options));
+            if 2 * right.count() > cases.len() {
+                continue;
+            }
+            let fitted = fitted(&plain, question, &cases);
+            let with = |slip: &Slip| Hypothesis { slip: Some(slip.clone()), ..plain.clone() };
+            hypotheses.extend(slips.iter().chain(&fitted).map(with));
+        }
+    }
+    let elements = |arrays: &Arrays| arrays.values().map(|a| a.len()).sum::<usize>();
+    let cost = LEAST + elements(&case.inputs) + answer.values().map(|a| a.values.len()).sum::<usize>();
+    hypotheses.truncate(WORK[usize::from(options.dtype.bits() < 24)] / cost);
+    let fits = parallel::map(hypotheses.len(), |n| {
+        let h = &hypotheses[n];
+        // Wrong code on changed inputs may break a rule that only right ones keep: then it isn't what was done.
+        let fits = || explains_all(h, question, answers, options) && shows(h, question, answers, options);
+        panic::catch_unwind(AssertUnwindSafe(fits)).unwrap_or(false)
+    });
+    let found = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect();
+    explanations(found, question, answers, base, options)
+}
+
+/// The gradient of a forward function with the slip that its own answers showed.
+pub(crate) fn gradient_of(
+    forward: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    let fits =
+        explains_all(forward, question, answers, options) && shows(forward, question, answers, options);
+    let found = if fits { vec![forward.clone()] } else { vec![] };
+    explanations(found, question, answers, base, options)
+}
+
+/// The run's conventions, those in which most elements agree, and those of known programs.
+fn conventions(question: &Question, answers: &Answers, base: &Conventions) -> Vec<Conventions> {
+    let own = |c: &Conventions| partial(question.component, c);
+    let known = PROFILES.iter().map(|p| apply(&own(&p.conventions), base));
+    let mut all: Vec<Conventions> = vec![];
+    for c in [*base, nearest(question, answers, base)].into_iter().chain(known) {
+        if question.admits(&c) && !all.iter().any(|other| own(other) == own(&c)) {
+            all.push(c);
+        }
+    }
+    all
+}
+
+/// All slips of a row's arrays.
+fn slips(question: &Question, case: &Case, answer: &Answer) -> Vec<Slip> {
+    let component = question.component;
+    // Counts and offsets say how long arrays are.
+    let real = |name: &&String| component.input_entries(name) == Entries::Real;
+    let mut all = vec![];
+    let direction = component.direction(question.kind).expect("a question has its direction");
+    let expected = (direction.oracle)(&case.inputs, &crate::convention::CS180);
+    for (input, arrays) in [(false, &expected), (true, &case.inputs)] {
+        for name in arrays.keys().filter(|name| if input { real(name) } else { answer.contains_key(*name) }) {
+            let shape = arrays[name].shape();
+            // Numbers by themselves are sizes and limits: they are only taken for one another.
+            let each = if input && shape.is_empty() { 0 } else { EACH.len() };
+            let mut changes: Vec<Change> = (0..each).map(Change::Each).collect();
+            changes.extend(of_axes(shape));
+            let like = arrays.iter().filter(|(other, a)| *other != name && a.shape() == shape);
+            changes.extend(like.map(|(other, _)| Change::Other(other.clone())));
+            if !input {
+                changes.extend(lengths(&case.inputs));
+            }
+            let slip =
+                |change| Slip { input, array: name.clone(), change, forward: question.kind == Kind::Forward };
+            all.extend(changes.into_iter().map(slip));
+        }
+    }
+    all
+}
+
+/// What can happen along the axes of an array of this shape.
+fn of_axes(shape: &[usize]) -> Vec<Change> {
+    let mut all = vec![];
+    for axis in (0..shape.len()).rev() {
+        all.extend((0..ALONG.len()).map(|n| Change::Along(n, axis)));
+        if shape[axis] <= SHORT {
+            for i in 0..shape[axis] {
+                all.extend((i + 1..shape[axis]).map(|j| Change::Exchanged(axis, i, j)));
+                all.push(Change::Opposite(axis, i));
+            }
+        }
+        all.extend((0..axis).filter(|b| shape[*b] == shape[axis]).map(|b| Change::Transposed(b, axis)));
+    }
+    all
+}
+
+/// Means that are sums, and sums that are means, over any axis of an input.
+fn lengths(inputs: &Arrays) -> Vec<Change> {
+    let axes = inputs.iter().flat_map(|(name, a)| (0..a.ndim()).map(move |axis| (name, axis)));
+    let both = |(name, axis): (&String, usize)| {
+        [false, true].map(|over| Change::Length { input: name.clone(), axis, over })
+    };
+    axes.flat_map(both).collect()
+}
+
+/// A factor, or a summand, of one output as its largest element shows it: in four digits, as people write it, and as it is.
+fn fitted(plain: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)]) -> Vec<Slip> {
+    let mut shown: BTreeSet<String> = BTreeSet::new();
+    let mut all = vec![];
+    for (case, answer) in cases {
+        let (predicted, _) = plain.prediction(question, case);
+        for (name, p) in predicted.iter().filter(|(_, p)| p.len() > 1) {
+            if shown.contains(name) {
+                continue;
+            }
+            let Some((got, _)) = answer.get(name).and_then(|given| reshaped(&given.values, p.shape())) else {
+                continue;
+            };
+            let finite = p.iter().zip(&got).filter(|(p, g)| p.is_finite() && g.is_finite() && **p != 0.0);
+            let largest = finite.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+            let Some((&p, &g)) = largest.filter(|(p, g)| p != g) else { continue };
+            shown.insert(name.clone());
+            let rounded = |x: f64| [format!("{x:.3e}").parse().unwrap_or(x), x];
+            let slip = |change| Slip {
+                input: false,
+                array: name.clone(),
+                change,
+                forward: question.kind == Kind::Forward,
+            };
+            all.extend(rounded(g / p).map(|k| slip(Change::Times(k))));
+            all.extend(rounded(g - p).map(|k| slip(Change::Plus(k))));
+        }
+        if shown.len() == predicted.len() {
+            break;
+        }
+    }
+    all
+}
+
+/// The first few, the fewest mistakes and changes of conventions first.
+fn explanations(
+    mut found: Vec<Hypothesis>,
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    let own = |c: &Conventions| partial(question.component, c);
+    found.sort_by_key(|h| (h.mistakes.len(), changes(&own(&h.conventions), &own(base))));
+    found.truncate(SHOWN);
+    let Some(best) = found.first().cloned() else { return vec![] };
+    let same = |h: &Hypothesis| {
+        usable(h, question, answers).iter().all(|(case, _)| best.same_as(h, question, case, options))
+    };
+    let one = |(n, h): (usize, &Hypothesis)| Explanation {
+        mistakes: question.component.mistakes.iter().filter(|m| h.mistakes.contains(&m.name)).collect(),
+        conventions: difference(&own(&h.conventions), &own(base)),
+        residual: largest_residual(h, question, answers, options),
+        same_as_best: n > 0 && same(h),
+        slip: h.slip.clone(),
+        ..Explanation::default()
+    };
+    found.iter().enumerate().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::answer::given;
+    use super::super::exam::Exam;
+    use super::super::judging::{EXP_ULP, judge_answers};
+    use super::super::report::Row;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::convention::CS180;
+    use crate::registry::COMPONENTS;
+
+    const OPTIONS: MarkOptions = MarkOptions { dtype: Dtype::F64, exp_ulp: EXP_ULP };
+
+    /// The rows of a report on forward answers that a change makes of the right ones.
+    fn judged(component: &'static str, dtype: Dtype, slip: &Slip, mistakes: &[&'static str]) -> Vec<Row> {
+        let exam = Exam::new(component, dtype, None).unwrap();
+        let wrong = Hypothesis { slip: Some(slip.clone()), ..Hypothesis::new(mistakes.to_vec(), CS180) };
+        let answer = |question: &Question, case: &Case| {
+            let rounded = |(name, a): (String, ndarray::ArrayD<f64>)| (name, a.mapv(|x| dtype.round(x)));
+            given(wrong.prediction(question, case).0.into_iter().map(rounded).collect())
+        };
+        let forward = |q: &Question| q.kind == Kind::Forward;
+        let all = |q: &Question| {
+            q.cases.iter().map(|case| forward(q).then(|| answer(q, case))).collect::<Answers>()
+        };
+        let answers: Vec<Answers> = exam.questions.iter().map(all).collect();
+        judge_answers(&exam, &answers, EXP_ULP).rows
+    }
+
+    fn slip(input: bool, array: &str, change: Change) -> Slip {
+        Slip { input, array: array.into(), change, forward: true }
+    }
+
+    fn named(what: &str) -> usize {
+        ALONG.iter().position(|(other, _)| *other == what).expect("one of them")
+    }
+
+    #[test]
+    fn what_no_catalogue_lists_is_described() {
+        let places = slip(true, "deltas", Change::Along(named("its running sum"), 1));
+        let bent = slip(false, "srgb", Change::Times(0.93));
+        let turned = slip(true, "d", Change::Opposite(1, 2));
+        for (component, slip, mistakes) in [
+            ("volume_render", &places, &[][..]),
+            ("volume_render", &places, &["inclusive_transmittance"]),
+            ("linear_to_srgb", &bent, &[]),
+            ("spherical_harmonics", &turned, &[]),
+        ] {
+            for dtype in [Dtype::F64, Dtype::F32] {
+                let rows = judged(component, dtype, slip, mistakes);
+                let forward = rows.iter().find(|row| row.name == component && row.kind == "forward").unwrap();
+                let best = forward.diagnosis.first().expect("an explanation");
+                let names: Vec<&str> = best.mistakes.iter().map(|m| m.name).collect();
+                let said = best.slip.as_ref().map(Slip::says);
+                assert_eq!((said, &names[..]), (Some(slip.says()), mistakes), "{component} {dtype}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_gradient_follows_from_the_slip_of_its_forward_function() {
+        let turned = slip(true, "d", Change::Opposite(1, 2));
+        let exam = Exam::new("spherical_harmonics", Dtype::F64, None).unwrap();
+        let question = exam.questions.iter().find(|q| q.kind == Kind::Vjp).expect("it has a gradient");
+        let wrong = Hypothesis { slip: Some(turned), ..Hypothesis::new(vec![], CS180) };
+        let right = Hypothesis::new(vec![], CS180);
+        let of = |h: &Hypothesis| -> Answers {
+            question.cases.iter().map(|case| Some(given(h.prediction(question, case).0))).collect()
+        };
+        assert_eq!(gradient_of(&wrong, question, &of(&wrong), &CS180, &OPTIONS).len(), 1);
+        assert_eq!(gradient_of(&wrong, question, &of(&right), &CS180, &OPTIONS).len(), 0);
+    }
+
+    #[test]
+    fn every_slip_can_be_tried_on_every_row() {
+        for component in COMPONENTS {
+            for question in &Exam::new(component.name, Dtype::F64, None).unwrap().questions {
+                let direction = question.component.direction(question.kind).unwrap();
+                let right = |case: &Case| Some(given((direction.oracle)(&case.inputs, &CS180)));
+                let answers: Answers = question.cases.iter().map(right).collect();
+                let cases = small_cases(question, &answers);
+                let forward = question.kind == Kind::Forward;
+                let gradient = |m: &&crate::contract::component::Mistake| m.gradient != forward;
+                let mistakes: Vec<_> = question.component.mistakes.iter().filter(gradient).collect();
+                for (n, slip) in slips(question, cases[0].0, cases[0].1).into_iter().enumerate() {
+                    let wrong = Hypothesis { slip: Some(slip), ..Hypothesis::new(vec![], CS180) };
+                    cases.iter().take(3).for_each(|(case, _)| drop(wrong.prediction(question, case)));
+                    // Beside one of the mistakes, each in its turn.
+                    if let Some(mistake) = mistakes.get(n % mistakes.len().max(1)) {
+                        let both = Hypothesis { mistakes: vec![mistake.name], ..wrong };
+                        drop(both.prediction(question, cases[0].0));
+                    }
+                }
+            }
+        }
+    }
+}
