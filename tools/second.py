@@ -198,6 +198,7 @@ DEVIATIONS = {
         "positive_power": "skipped",
         "stop": "in_front",
         "harmonic_form": "normalized",
+        "ssim_peak": "one",
     },
     "3dgs": {
         "quaternion": "as_given",

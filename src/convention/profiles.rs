@@ -232,9 +232,12 @@ pub const PROFILES: &[Profile] = &[
                 "charbonnier_eps",
                 "internal/train_utils.py compute_data_loss: sqrt(resid_sq + config.charb_padding**2)",
             ),
-            ("ssim_window", "internal/image.py MetricHarness: dm_pix.ssim, 11 and 1.5 by default"),
-            ("ssim_padding", "dm_pix metrics.py ssim: convolved without padding"),
-            ("ssim_peak", "internal/image.py MetricHarness: dm_pix.ssim, max_val = 1 by default"),
+            (
+                "ssim_window",
+                "internal/image.py MetricHarness: dm_pix.ssim; dm_pix/_src/metrics.py ssim: filter_size = 11, filter_sigma = 1.5",
+            ),
+            ("ssim_padding", "dm_pix/_src/metrics.py ssim: jnp.convolve, mode = valid"),
+            ("ssim_peak", "dm_pix/_src/metrics.py ssim: max_val = 1.0"),
             ("contraction_norm", "internal/coord.py contract: sum(x**2)"),
             ("contraction_range", "internal/coord.py contract: not scaled"),
             (

@@ -14,6 +14,7 @@ pub(super) const GSPLAT: Profile = Profile {
         positive_power: PositivePower::Skipped,
         stop: Stop::InFront,
         harmonic_form: HarmonicForm::Normalized,
+        ssim_peak: PsnrPeak::One,
         ..CS180
     },
     sources: &[
@@ -55,6 +56,7 @@ pub(super) const GSPLAT: Profile = Profile {
         ("harmonic_form", "gsplat/cuda/_torch_impl.py _spherical_harmonics: F.normalize(dirs)"),
         ("splat_color", "gsplat/rendering.py rasterization: clamp_min(colors + 0.5, 0.0)"),
         ("ssim_padding", "examples/simple_trainer.py: fused_ssim(colors, pixels, padding = valid)"),
+        ("ssim_peak", "fused_ssim/__init__.py fused_ssim: C1 = 0.01 ** 2"),
     ],
     beyond: "sorting and tiles; radii along each axis and by opacity in later versions; its `spherical_harmonics` has neither 1/2 nor clamp",
 };
