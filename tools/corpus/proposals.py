@@ -8,7 +8,7 @@ def outer(t, s, v, behind=0):
     """Weight of the intervals that overlap, from running sums and places of edges."""
     sums = torch.cat([torch.zeros_like(v[:, :1]), v.cumsum(-1)], -1)
     place = torch.searchsorted(s.contiguous(), t.contiguous(), right=True)
-    first, last = (place[:, :-1] - 1).clamp(min=0), (place[:, 1:] + behind).clamp(0, v.shape[1])
+    first, last = (place[:, :-1] - 1).clamp(min=0), place[:, 1:].clamp(max=v.shape[1]) + behind
     return sums.gather(1, last) - sums.gather(1, first)
 
 
