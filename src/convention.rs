@@ -363,7 +363,7 @@ pub const CS180: Conventions = Conventions {
     psnr_peak: PsnrPeak::Given,
     loss_reduction: LossReduction::Mean,
     huber_slope: HuberSlope::Delta,
-    charbonnier_eps: CharbonnierEps::Squared,
+    charbonnier_eps: CharbonnierEps::Square,
     outer_edges: OuterEdges::Touching,
     interlevel_reduction: LossReduction::Mean,
     interlevel_eps: InterlevelEps::AsGiven,

@@ -94,7 +94,7 @@ CS180 = {
     "psnr_peak": "given",
     "loss_reduction": "mean",
     "huber_slope": "delta",
-    "charbonnier_eps": "squared",
+    "charbonnier_eps": "square",
     "outer_edges": "touching",
     "interlevel_reduction": "mean",
     "interlevel_eps": "as_given",

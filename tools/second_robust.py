@@ -53,7 +53,7 @@ def huber_vjp(a, c, wrong):
 def charbonnier(a, c, wrong):
     """The hypotenuse of d and eps."""
     d = a["prediction"] - a["target"]
-    kind, eps = d.dtype.type, a["eps"] if c["charbonnier_eps"] == "squared" else np.sqrt(a["eps"])
+    kind, eps = d.dtype.type, a["eps"] if c["charbonnier_eps"] == "square" else np.sqrt(a["eps"])
     if "root_of_mean" in wrong:
         return {"value": np.hypot(np.sqrt(reduced(d * d, c)), kind(eps))}
     value = np.hypot(d, kind(eps))
@@ -69,7 +69,7 @@ def charbonnier(a, c, wrong):
 def charbonnier_vjp(a, c, wrong):
     """The sine of the hypotenuse's angle."""
     d = a["prediction"] - a["target"]
-    eps = a["eps"] if c["charbonnier_eps"] == "squared" else np.sqrt(a["eps"])
+    eps = a["eps"] if c["charbonnier_eps"] == "square" else np.sqrt(a["eps"])
     slope = d / np.hypot(d, d.dtype.type(eps))
     if "eps_forgotten" in wrong:
         slope = np.sign(d)

@@ -125,7 +125,7 @@ pub enum HuberSlope {
 pub enum CharbonnierEps {
     /// eps^2 (mip-NeRF 360, multinerf).
     #[default]
-    Squared,
+    Square,
     /// eps (nerficg).
     AsGiven,
 }

@@ -82,7 +82,7 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("psnr_peak", &["given", "one"]),
     ("loss_reduction", &["mean", "sum"]),
     ("huber_slope", &["delta", "one"]),
-    ("charbonnier_eps", &["squared", "as_given"]),
+    ("charbonnier_eps", &["square", "as_given"]),
     ("outer_edges", &["touching", "inside"]),
     ("interlevel_reduction", &["mean", "sum"]),
     ("interlevel_eps", &["as_given", "float32", "1e-7"]),

@@ -25,7 +25,7 @@ pub fn huber(
     assert_eq!(prediction.len(), target.len(), "prediction and target: one entry for one entry");
     let mut gradient = vec![];
     for (p, t) in prediction.iter().zip(target) {
-        let limited = (p - t).clamp(-delta, delta);
+        let limited = (p - t).max(-delta).min(delta);
         let one = if slope == HuberSlope::One { limited / delta } else { limited };
         gradient.push(reduced(g * one, prediction.len(), reduction));
     }
@@ -40,7 +40,7 @@ pub fn huber(
 ///
 /// ```
 /// use nerf_oracle::{convention::{CharbonnierEps, LossReduction}, robust_loss::backward::charbonnier};
-/// let g = charbonnier(&[3.0, 0.0], &[0.0; 2], 4.0, CharbonnierEps::Squared, LossReduction::Sum, 1.0);
+/// let g = charbonnier(&[3.0, 0.0], &[0.0; 2], 4.0, CharbonnierEps::Square, LossReduction::Sum, 1.0);
 /// assert_eq!(g, [0.6, 0.0]);
 /// ```
 pub fn charbonnier(

@@ -60,7 +60,7 @@ pub(crate) fn huber_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
             d
         } else {
             Bounded {
-                y: d.y.clamp(-delta.y, delta.y),
+                y: d.y.max(-delta.y).min(delta.y),
                 e: delta.e.max(if size(d).y - d.e > delta.y { 0.0 } else { d.e }),
             }
         };

@@ -53,7 +53,7 @@ pub(crate) fn huber_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let ([p, t], delta, g) = (pair(a), m.round(number(a, "delta")), number(a, "grad_value"));
     let over = |x: f64| if c.loss_reduction == LossReduction::Sum { x } else { mean(m, x, p.len()) };
     let one = |(p, t): (&f64, &f64)| {
-        let limited = m.sub(*p, *t).clamp(-delta, delta);
+        let limited = m.sub(*p, *t).max(-delta).min(delta);
         let slope = if c.huber_slope == HuberSlope::One { m.div(limited, delta) } else { limited };
         if m.stable { over(m.mul(g, slope)) } else { m.mul(over(g), slope) }
     };
@@ -77,8 +77,8 @@ pub(super) fn rooted<O: Operations>(
 fn added<O: Operations>(o: &O, eps: f64, c: &Conventions, way: u64) -> O::Number {
     match c.charbonnier_eps {
         CharbonnierEps::AsGiven => o.hyper(eps),
-        CharbonnierEps::Squared if way % 2 == 0 => o.hyper(eps * eps),
-        CharbonnierEps::Squared => o.mul(o.hyper(eps), o.hyper(eps)),
+        CharbonnierEps::Square if way % 2 == 0 => o.hyper(eps * eps),
+        CharbonnierEps::Square => o.mul(o.hyper(eps), o.hyper(eps)),
     }
 }
 

@@ -184,7 +184,7 @@ pub(crate) fn charbonnier(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays
         return forward(charbonnier_oracle(&p, &t, eps, c.charbonnier_eps, c.loss_reduction));
     }
     let has = |name: &str| wrong.contains(&name);
-    let square = if c.charbonnier_eps == CharbonnierEps::Squared { eps * eps } else { eps };
+    let square = if c.charbonnier_eps == CharbonnierEps::Square { eps * eps } else { eps };
     let differences = || p.iter().zip(&t).map(|(p, t)| p - t);
     if has("root_of_mean") {
         let under = reduced(differences().map(|d| d * d).sum(), p.len(), c.loss_reduction) + square;

@@ -64,7 +64,7 @@ pub fn huber(
 ///
 /// ```
 /// use nerf_oracle::{convention::{CharbonnierEps, LossReduction}, robust_loss::charbonnier};
-/// let loss = |reduction| charbonnier(&[3.0, 0.0], &[0.0; 2], 4.0, CharbonnierEps::Squared, reduction);
+/// let loss = |reduction| charbonnier(&[3.0, 0.0], &[0.0; 2], 4.0, CharbonnierEps::Square, reduction);
 /// assert_eq!((loss(LossReduction::Sum), loss(LossReduction::Mean)), (5.0 + 4.0, 4.5));
 /// ```
 pub fn charbonnier(
@@ -84,7 +84,7 @@ pub fn charbonnier(
 
 /// The smooth length of one difference.
 fn smooth(d: f64, eps: f64, form: CharbonnierEps) -> f64 {
-    let eps = if form == CharbonnierEps::Squared { eps * eps } else { eps };
+    let eps = if form == CharbonnierEps::Square { eps * eps } else { eps };
     (d * d + eps).sqrt()
 }
 

@@ -7,7 +7,7 @@ use crate::contract::testing::{properties, slope};
 use crate::convention::{CharbonnierEps, HuberSlope, LossReduction};
 
 const SLOPES: [HuberSlope; 2] = [HuberSlope::Delta, HuberSlope::One];
-const EPS: [CharbonnierEps; 2] = [CharbonnierEps::Squared, CharbonnierEps::AsGiven];
+const EPS: [CharbonnierEps; 2] = [CharbonnierEps::Square, CharbonnierEps::AsGiven];
 const REDUCTIONS: [LossReduction; 2] = [LossReduction::Mean, LossReduction::Sum];
 
 fn pairs() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
@@ -32,10 +32,10 @@ proptest! {
     #[test]
     fn charbonnier_is_nearly_the_length(d in -3.0..3.0f64, eps in 0.01..1.0) {
         let loss = |d, eps, form| charbonnier(&[d], &[0.0], eps, form, LossReduction::Mean);
-        let found = loss(d, eps, CharbonnierEps::Squared);
+        let found = loss(d, eps, CharbonnierEps::Square);
         prop_assert!(d.abs() < found && found <= d.abs() + eps);
         prop_assert!(((found - d) * (found + d) - eps * eps).abs() < 1e-14);
-        prop_assert_eq!(loss(0.0, eps, CharbonnierEps::Squared), (eps * eps).sqrt());
+        prop_assert_eq!(loss(0.0, eps, CharbonnierEps::Square), (eps * eps).sqrt());
         prop_assert!((loss(d, eps * eps, CharbonnierEps::AsGiven) - found).abs() < 1e-15);
     }
 
@@ -44,7 +44,7 @@ proptest! {
         let n = p.len() as f64;
         let [mean, sum] = REDUCTIONS.map(|r| huber(&p, &t, delta, HuberSlope::Delta, r));
         prop_assert_eq!(mean, sum / n);
-        let [mean, sum] = REDUCTIONS.map(|r| charbonnier(&p, &t, delta, CharbonnierEps::Squared, r));
+        let [mean, sum] = REDUCTIONS.map(|r| charbonnier(&p, &t, delta, CharbonnierEps::Square, r));
         prop_assert_eq!(mean, sum / n);
     }
 
@@ -89,6 +89,6 @@ fn pieces_meet() {
     }
     assert_eq!((loss(0.0), gradient(0.0)), (0.0, 0.0));
     let flat =
-        backward::charbonnier(&[0.25], &[0.25], 0.001, CharbonnierEps::Squared, LossReduction::Mean, 1.0);
+        backward::charbonnier(&[0.25], &[0.25], 0.001, CharbonnierEps::Square, LossReduction::Mean, 1.0);
     assert_eq!(flat, [0.0]);
 }

@@ -24,6 +24,15 @@ fn drawn([height, width]: [usize; 2], f: impl Fn(usize, usize) -> f64) -> ArrayD
     array(&[height, width, 1], (0..height * width).map(entry).collect())
 }
 
+/// One pixel in the middle of black, channel by channel: nothing cancels, so that bounds are as sharp as they get.
+fn spots(id: &str, prediction: [f64; 2], target: [f64; 2]) -> Case {
+    let picture = |colors: [f64; 2]| {
+        let entry = |n: usize| if n / 2 == 5 * 11 + 5 { colors[n % 2] } else { 0.0 };
+        array(&[11, 11, 2], (0..2 * 121).map(entry).collect())
+    };
+    case(id, "one pixel of two channels on black: little cancels", picture(prediction), picture(target), 1.0)
+}
+
 /// Two pictures.
 pub(crate) fn ssim() -> Vec<Case> {
     let [usual, usual_target] = noisy(0, [12, 11, 2], [0.0625, 0.9375], 0.25);
@@ -55,6 +64,8 @@ pub(crate) fn ssim() -> Vec<Case> {
     cases.extend([
         case("strong", "stripes from black on", stripes(0.0, 0.75), stripes(0.0, 0.3125), 1.0),
         case("strong_f32", "the same in numbers of f32", stripes(0.0, light), stripes(0.0, pale), 1.0),
+        spots("spots", [0.75, 0.25], [0.3125, 0.875]),
+        spots("spots_f32", [light, 0.25], [pale, 0.875]),
     ]);
     cases
 }

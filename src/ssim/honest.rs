@@ -42,14 +42,12 @@ struct Window<O: Operations> {
 }
 
 impl<'a, O: Operations> Pictures<'a, O> {
-    /// In the arithmetic of `o`; windows are constants, made in that of `fine`.
-    pub(super) fn new([o, fine]: [&'a O; 2], inputs: &'a Arrays, c: &Conventions, way: u64) -> Self {
+    /// In the arithmetic of `o`.
+    pub(super) fn new(o: &'a O, inputs: &'a Arrays, c: &Conventions, way: u64) -> Self {
         let constants = [0.01, 0.03].map(|k| k * peak(inputs, c)).map(|k| o.hyper(k * k));
         let (a, b) = (picture(inputs, "prediction"), picture(inputs, "target"));
-        let line = weights(fine, form(c).window);
-        let rounded = |w: O::Number| o.times(1.0, w);
-        let square = line.iter().flat_map(|y| line.iter().map(|x| rounded(fine.mul(*y, *x)))).collect();
-        let weights = line.iter().map(|w| rounded(*w)).collect();
+        let weights = weights(o, form(c).window);
+        let square = weights.iter().flat_map(|y| weights.iter().map(|x| o.mul(*y, *x))).collect();
         Pictures { o, a, b, form: form(c), constants, weights, square, way: way % WAYS }
     }
 
@@ -204,17 +202,17 @@ fn way(m: &Machine) -> u64 {
     if m.stable { CENTRAL } else { m.form % CENTRAL }
 }
 
-/// The machine that makes the window: in f32 at least.
+/// The machine that everything but the result is computed on: of f32 at least.
 fn fine(m: &Machine) -> Machine {
     Machine { dtype: if m.dtype == Dtype::F64 { Dtype::F64 } else { Dtype::F32 }, ..*m }
 }
 
 /// Similarity.
 pub(crate) fn ssim(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    forward(Pictures::new([m, &fine(m)], a, c, way(m)).value())
+    forward(m.round(Pictures::new(&fine(m), a, c, way(m)).value()))
 }
 
 /// Its gradient.
 pub(crate) fn ssim_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    vjp(Pictures::new([m, &fine(m)], a, c, way(m)).gradient(number(a, "grad_value"), |g| g))
+    vjp(Pictures::new(&fine(m), a, c, way(m)).gradient(number(a, "grad_value"), |g| m.round(g)))
 }

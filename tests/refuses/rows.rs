@@ -305,10 +305,10 @@ fn images() -> Vec<Row> {
         robust_loss::backward::huber(&ones(p), &ones(t), 1.0, slope, reduction, 1.0);
     }
     fn charbonnier(p: usize, t: usize) {
-        robust_loss::charbonnier(&ones(p), &ones(t), 1.0, CharbonnierEps::Squared, LossReduction::Mean);
+        robust_loss::charbonnier(&ones(p), &ones(t), 1.0, CharbonnierEps::Square, LossReduction::Mean);
     }
     fn charbonnier_vjp(p: usize, t: usize) {
-        let (form, reduction) = (CharbonnierEps::Squared, LossReduction::Mean);
+        let (form, reduction) = (CharbonnierEps::Square, LossReduction::Mean);
         robust_loss::backward::charbonnier(&ones(p), &ones(t), 1.0, form, reduction, 1.0);
     }
     fn psnr(predictions: &[&[f64]], targets: &[&[f64]]) {
