@@ -46,9 +46,7 @@ def one_axis_at_a_time(prediction, target, peak):
     return similarity_map(prediction, target, *constants(peak), lambda x: blur(blur(x, w[None]), w[:, None])).mean()
 
 
-@convention(
-    "ssim", {"ssim_peak": "one"}, seen="gsplat examples/simple_trainer.py: fused_ssim, padding valid; constants of peak 1", times=3
-)
+@convention("ssim", {"ssim_peak": "one"}, seen="gsplat examples/simple_trainer.py: fused_ssim, padding valid", times=3)
 def borders_cut(prediction, target):
     """Zeros about the picture, five pixels on each side cut off the map; C1 = 0.01^2."""
     window = torch.outer(line(), line())
