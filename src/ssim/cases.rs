@@ -59,13 +59,15 @@ pub(crate) fn ssim() -> Vec<Case> {
         case("spot", "a white pixel on black", drawn([12, 11], |_, _| 0.0), spot, 1.0),
     ];
     let mut cases = in_full(cases, "usual");
+    // A power of two and almost half a bit of 11 more.
+    let rounded_down = |x: f64| x * (1.0 + libm::ldexp(0.984375, -11));
     // Light that is rounded down beside light that is rounded up, by almost half a bit of 11.
     let (light, pale) = (0.75 + libm::ldexp(0.984375, -12), 0.3125 - libm::ldexp(0.984375, -13));
     cases.extend([
         case("strong", "stripes from black on", stripes(0.0, 0.75), stripes(0.0, 0.3125), 1.0),
         case("strong_f32", "the same in numbers of f32", stripes(0.0, light), stripes(0.0, pale), 1.0),
-        spots("spots", [0.75, 0.25], [0.3125, 0.875]),
-        spots("spots_f32", [light, 0.25], [pale, 0.875]),
+        spots("spots", [0.5, 0.25], [0.125, 0.875]),
+        spots("spots_f32", [rounded_down(0.5), 0.25], [rounded_down(0.125), 0.875]),
     ]);
     cases
 }
