@@ -116,3 +116,21 @@ fn eps_keeps_empty_intervals_finite() {
         [-2.0]
     );
 }
+
+/// An edge too few or too many is no histogram.
+#[test]
+fn edges_are_one_more_than_weights() {
+    let right = Histogram { weights: &[0.5], t: &[0.0, 1.0] };
+    for t in [&[0.0][..], &[0.0, 0.5, 1.0]] {
+        let wrong = Histogram { weights: &[0.5], t };
+        for (fine, proposal) in [(wrong, right), (right, wrong)] {
+            let refuses = |f: &dyn Fn()| std::panic::catch_unwind(std::panic::AssertUnwindSafe(f)).is_err();
+            assert!(refuses(&|| {
+                interlevel(fine, proposal, FORM);
+            }));
+            assert!(refuses(&|| {
+                backward::interlevel(fine, proposal, FORM, 1.0);
+            }));
+        }
+    }
+}

@@ -159,8 +159,8 @@ fn reach(length: usize, size: usize, padding: SsimPadding) -> Vec<Vec<Option<usi
     let (first, windows) =
         if padding == SsimPadding::Valid { (0, length - size + 1) } else { (-before, length) };
     let pixel = |n: i64| match padding {
-        SsimPadding::Reflect if n < 0 => Some(-n as usize),
-        SsimPadding::Reflect if n >= length => Some((2 * (length - 1) - n) as usize),
+        SsimPadding::Reflect if n < length => Some(n.unsigned_abs() as usize),
+        SsimPadding::Reflect => Some((2 * (length - 1) - n) as usize),
         _ => (0..length).contains(&n).then_some(n as usize),
     };
     (0..windows).map(|window| (0..size).map(|n| pixel(first + window + n)).collect()).collect()
