@@ -126,7 +126,8 @@ fn picture() -> impl Strategy<Value = Array3<f64>> {
 }
 
 proptest! {
-    #![proptest_config(proptest::test_runner::Config { cases: 6, ..properties() })]
+    // A simpler picture says no more, and takes long to find.
+    #![proptest_config(proptest::test_runner::Config { cases: 6, max_shrink_iters: 0, ..properties() })]
 
     #[test]
     fn the_gradient_is_that_of_differences(a in picture(), b in picture(), g in -2.0..2.0) {
