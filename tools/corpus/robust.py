@@ -11,9 +11,9 @@ def loss_of_torch(prediction, target, delta):
     return F.huber_loss(prediction, target, delta=float(delta))
 
 
-@right("huber", seen="ports with a limited difference")
+@right("huber", seen="ports with a limited difference", digits=True)
 def square_and_rest(prediction, target, delta):
-    """q = min(|d|, delta); q^2 / 2 + delta (|d| - q)."""
+    """q = min(|d|, delta); q^2 / 2 + delta (|d| - q): torch's gradient of q adds and takes away delta."""
     size = (prediction - target).abs()
     inside = size.clamp(max=float(delta))
     return (0.5 * inside**2 + delta * (size - inside)).mean()
