@@ -35,7 +35,7 @@ fn center(camera: &Camera) -> DVec3 {
     camera.c2w.w_axis.truncate()
 }
 
-pub(super) fn distances(scene: &Scene) -> impl Iterator<Item = f64> {
+fn distances(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.train.iter().map(|frame| (center(&frame.camera) - scene.focus).length())
 }
 
@@ -135,4 +135,12 @@ pub(super) fn cut_out(scene: &Scene) -> bool {
         }
     }
     plain * 20 >= border * 19
+}
+
+/// The width of a pixel at the focus, from the mean camera; of different ones, from that with the median focal length.
+pub(super) fn pixel_footprint(scene: &Scene) -> f64 {
+    let mean = distances(scene).sum::<f64>() / scene.train.len() as f64;
+    let mut focal: Vec<f64> = scene.train.iter().map(|frame| frame.camera.k.fx).collect();
+    focal.sort_by(f64::total_cmp);
+    mean / focal[focal.len() / 2]
 }

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 
-use super::extent::{self, Extent, cut_out, distances};
+use super::extent::{self, Extent, cut_out, pixel_footprint};
 use super::space::Space;
 use crate::camera::Camera;
 use crate::convention::Exponent;
@@ -383,14 +383,6 @@ impl CompactSettings {
         let Value::Object(map) = object else { unreachable!("an object literal") };
         map
     }
-}
-
-/// The width of a pixel at the focus, from the mean camera; of different ones, from that with the median focal length.
-fn pixel_footprint(scene: &Scene) -> f64 {
-    let mean = distances(scene).sum::<f64>() / scene.train.len() as f64;
-    let mut focal: Vec<f64> = scene.train.iter().map(|frame| frame.camera.k.fx).collect();
-    focal.sort_by(f64::total_cmp);
-    mean / focal[focal.len() / 2]
 }
 
 /// The largest angle between two training cameras' axes and the first one's.
