@@ -102,7 +102,9 @@ pub(super) fn check_same(
 }
 
 /// Settings that runs from before them lack, and what a model was like then.
-const SINCE: [(&str, &str); 2] = [("space", "\"box\""), ("distortion", "0.0")];
+fn since() -> [(&'static str, Value); 2] {
+    [("space", json!("box")), ("distortion", json!(0.0))]
+}
 
 /// Checks that nothing is new in a run that goes on.
 ///
@@ -111,10 +113,9 @@ const SINCE: [(&str, &str); 2] = [("space", "\"box\""), ("distortion", "0.0")];
 pub(super) fn check_newer(run: &Map<String, Value>, model: &dyn Model, file: &str) -> Result<()> {
     let now = model.settings();
     let had = run.get("settings").and_then(Value::as_object);
-    for (name, before) in SINCE {
-        let new = now
-            .get(name)
-            .filter(|now| had.is_some_and(|had| !had.contains_key(name)) && now.to_string() != before);
+    for (name, before) in since() {
+        let new =
+            now.get(name).filter(|now| had.is_some_and(|had| !had.contains_key(name)) && **now != before);
         if let Some(new) = new {
             let (field, found) =
                 (format!("settings.{name}"), "nothing: the run is from before there was one");

@@ -129,7 +129,7 @@ impl Reference {
         let last = if self.far <= even { self.far } else { even * (2.0 - even / self.far) };
         let middles = (0..).map(|k| (f64::from(k) + 0.5) * step).take_while(|x| *x < last);
         for t in middles.map(distance).skip_while(|t| *t < self.near) {
-            let v = self.from_middle(ray, t);
+            let v = self.middled(ray, t);
             let p = contract(v, ContractionNorm::Linf, ContractionRange::Unit);
             if self.occupied.occupied(p) {
                 points.push(p);
@@ -140,7 +140,7 @@ impl Reference {
     }
 
     /// A ray's point in units in which the inner cube is [-1, 1]^3.
-    fn from_middle(&self, ray: &Ray, t: f64) -> [f64; 3] {
+    fn middled(&self, ray: &Ray, t: f64) -> [f64; 3] {
         let x = ray.at(t);
         [0, 1, 2].map(|a| 2.0 * (x[a] - self.low[a]) / self.size - 1.0)
     }
@@ -158,7 +158,7 @@ impl Reference {
     pub(crate) fn probe(&self, ray: &Ray, t: &[f64]) -> Vec<Probe> {
         let view = self.view(ray);
         let at = |&t: &f64| {
-            let v = self.from_middle(ray, t);
+            let v = self.middled(ray, t);
             let (p, thinner) = match self.space {
                 Space::Box => (v.map(|v| 0.5 * v + 0.5), 1.0),
                 Space::Contracted { .. } => {
