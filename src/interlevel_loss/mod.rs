@@ -40,7 +40,7 @@ pub struct Form {
     pub reduction: LossReduction,
 }
 
-/// max(0, w_i - bound_i)^2 / (w_i + eps), the mean over intervals (equation 13): bound_i is the [`outer`] measure of the proposal.
+/// max(0, w_i - bound_i)^2 / (w_i + eps), the mean over intervals (equation 13): bound_i is the outer measure of the proposal.
 ///
 /// # Shapes
 /// `fine`: weights (N), edges (N + 1); `proposal`: weights (M), edges (M + 1). Both from and to the same distances; one number.
