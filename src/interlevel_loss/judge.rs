@@ -12,7 +12,9 @@ front_door! {
     /// use nerf_oracle::convention::{LossReduction, OuterEdges};
     /// use nerf_oracle::interlevel_loss::{Form, Histogram, backward, interlevel, judge};
     /// let form = |eps| Form { eps, edges: OuterEdges::Touching, reduction: LossReduction::Mean };
-    /// let of = |weights, t| Histogram { weights, t };
+    /// fn of<'a>(weights: &'a [f64], t: &'a [f64]) -> Histogram<'a> {
+    ///     Histogram { weights, t }
+    /// }
     /// judge(|w, t, v, s, eps| interlevel(of(w, t), of(v, s), form(eps)))
     ///     .vjp(|w, t, v, s, eps, g| backward::interlevel(of(w, t), of(v, s), form(eps), g))
     ///     .assert_pass();
