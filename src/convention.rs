@@ -261,6 +261,36 @@ pub struct Conventions {
     /// Peak of the PSNR.
     #[serde(default)]
     pub psnr_peak: PsnrPeak,
+    /// What a robust loss makes of its entries.
+    #[serde(default)]
+    pub loss_reduction: LossReduction,
+    /// The slope of Huber's loss.
+    #[serde(default)]
+    pub huber_slope: HuberSlope,
+    /// What is added under the root of Charbonnier's.
+    #[serde(default)]
+    pub charbonnier_eps: CharbonnierEps,
+    /// What the bound of an interlevel loss adds up.
+    #[serde(default)]
+    pub outer_edges: OuterEdges,
+    /// What it makes of a ray's intervals.
+    #[serde(default)]
+    pub interlevel_reduction: LossReduction,
+    /// What it adds to the weight that it divides by.
+    #[serde(default)]
+    pub interlevel_eps: InterlevelEps,
+    /// Windows of structural similarity.
+    #[serde(default)]
+    pub ssim_window: SsimWindow,
+    /// What they see beyond the picture.
+    #[serde(default)]
+    pub ssim_padding: SsimPadding,
+    /// What its variances are divided by.
+    #[serde(default)]
+    pub ssim_variance: SsimVariance,
+    /// Peak of its constants.
+    #[serde(default)]
+    pub ssim_peak: PsnrPeak,
     /// Quantization.
     pub bytes: Bytes,
     /// What Adam's eps is added to.
@@ -331,6 +361,16 @@ pub const CS180: Conventions = Conventions {
     psnr: PsnrOf::Images,
     psnr_floor: PsnrFloor::None,
     psnr_peak: PsnrPeak::Given,
+    loss_reduction: LossReduction::Mean,
+    huber_slope: HuberSlope::Delta,
+    charbonnier_eps: CharbonnierEps::Square,
+    outer_edges: OuterEdges::Touching,
+    interlevel_reduction: LossReduction::Mean,
+    interlevel_eps: InterlevelEps::AsGiven,
+    ssim_window: SsimWindow::Gaussian,
+    ssim_padding: SsimPadding::Valid,
+    ssim_variance: SsimVariance::Population,
+    ssim_peak: PsnrPeak::Given,
     bytes: Bytes::Round,
     adam_eps: AdamEps::Corrected,
 };

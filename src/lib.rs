@@ -65,9 +65,10 @@
 //!
 //! Components that save work where a scene is empty or opaque, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
-//! steps for one picture, and [`training_step`], all of them forth and back. [`srgb`] is the curve between linear light and a picture file, [`contraction`] lays an unbounded scene into
+//! steps for one picture, and [`training_step`], all of them forth and back. [`srgb`] is the curve between linear light and a picture file, [`ssim`] how
+//! alike two pictures look, [`robust_loss`] has Huber's and Charbonnier's losses, [`contraction`] lays an unbounded scene into
 //! a bounded one, [`ndc`] the view of a camera that looks ahead; [`packed`] has the sums and products of rays of different lengths,
-//! [`distortion`] the loss that gathers weights into surfaces. [`lens`] and [`fisheye`] bend points as lenses do, and back; [`pose`] reads
+//! [`distortion`] the loss that gathers weights into surfaces, [`interlevel_loss`] the one that keeps proposals around them. [`lens`] and [`fisheye`] bend points as lenses do, and back; [`pose`] reads
 //! poses of a structure from motion. Splats: [`gaussian_covariance`] from rotation and scales, [`gaussian_projection`] into a picture,
 //! [`gaussian_alpha`] at a pixel, [`gaussian_color`] from a direction.
 //!
@@ -78,7 +79,7 @@
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`lens`], [`fisheye`], [`camera`], [`pose`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`training_step`], [`importance_sampling`], [`ray_aabb`],
-//!    [`occupancy_grid`], [`srgb`], [`contraction`], [`ndc`], [`distortion`], [`gaussian_covariance`],
+//!    [`occupancy_grid`], [`srgb`], [`robust_loss`], [`ssim`], [`contraction`], [`ndc`], [`distortion`], [`interlevel_loss`], [`gaussian_covariance`],
 //!    [`gaussian_projection`], [`gaussian_alpha`], [`gaussian_color`]
 //! 4. their f32 variants, in each folder's `fast`
 //! 5. all of them in a list: [`registry`]
@@ -146,12 +147,15 @@ pub mod gaussian_covariance;
 pub mod gaussian_projection;
 pub mod hash_grid;
 pub mod importance_sampling;
+pub mod interlevel_loss;
 pub mod ndc;
 pub mod occupancy_grid;
 pub mod packed;
 pub mod ray_aabb;
+pub mod robust_loss;
 pub mod spherical_harmonics;
 pub mod srgb;
+pub mod ssim;
 pub mod trunc_exp;
 
 #[doc(hidden)]

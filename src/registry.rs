@@ -3,9 +3,9 @@
 use crate::contract::Component;
 use crate::{
     camera, contraction, distortion, early_stop, encoding, field, fisheye, gaussian_alpha, gaussian_color,
-    gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, lens, loss, ndc,
-    occupancy_grid, optimizer, packed, pose, ray, ray_aabb, sample, spherical_harmonics, srgb, trace,
-    training_step, trunc_exp, volume_rendering,
+    gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, interlevel_loss, lens, loss,
+    ndc, occupancy_grid, optimizer, packed, pose, ray, ray_aabb, robust_loss, sample, spherical_harmonics,
+    srgb, ssim, trace, training_step, trunc_exp, volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
@@ -43,9 +43,13 @@ pub const COMPONENTS: &[Component] = &[
     gaussian_color::component::GAUSSIAN_COLOR,
     trace::component::RENDER_TRACE,
     distortion::component::DISTORTION_LOSS,
+    interlevel_loss::component::INTERLEVEL_LOSS,
     loss::component::MSE,
+    robust_loss::component::HUBER,
+    robust_loss::component::CHARBONNIER,
     loss::component::PSNR,
     loss::component::TO_UINT8,
+    ssim::component::SSIM,
     srgb::component::LINEAR_TO_SRGB,
     optimizer::component::ADAM_STEP,
     training_step::component::TRAINING_STEP,

@@ -80,6 +80,8 @@ fn doors_fit_the_contract() {
         volume_rendering::judge::depth_batch(|_, _, _| ()).vjp(|_, _, _, _| ());
         distortion::judge(|_, _| ()).vjp(|_, _, _| ());
         distortion::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
+        interlevel_loss::judge(|_, _, _, _, _| ()).vjp(|_, _, _, _, _, _| ());
+        interlevel_loss::judge::judge_batch(|_, _, _, _, _| ()).vjp(|_, _, _, _, _, _| ());
         packed::judge(|_, _| ()).vjp(|_, _, _, _, _, _| ());
         packed::judge::pack_info(|_, _| ());
         packed::judge::accumulate_along_rays(|_, _, _| ()).vjp(|_, _, _, _| ());
@@ -96,6 +98,9 @@ fn doors_fit_the_contract() {
         loss::judge(|_, _| ()).vjp(|_, _, _| ());
         loss::judge::psnr(|_, _, _| ());
         loss::judge::to_uint8(|_| ());
+        robust_loss::judge(|_, _, _| ()).vjp(|_, _, _, _| ());
+        robust_loss::judge::charbonnier(|_, _, _| ()).vjp(|_, _, _, _| ());
+        ssim::judge(|_, _, _| ()).vjp(|_, _, _, _| ());
         optimizer::judge(|_, _, _, _, _, _, _, _, _, _| ());
         optimizer::judge::judge_batch(|_, _, _, _, _, _, _, _, _, _| ());
         importance_sampling::judge(|_, _, _, _| ()).vjp(|_, _, _, _, _| ());

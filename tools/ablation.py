@@ -27,6 +27,7 @@ PARTS = {
     "decay": "falling learning rate",
     "view_dependence": "view dependence",
     "random_backgrounds": "random backgrounds",
+    "distortion": "distortion loss",
 }
 
 

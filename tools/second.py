@@ -23,8 +23,10 @@ import second_networks as networks
 import second_packed as packed
 import second_pose as pose
 import second_rendering as rendering
+import second_robust as robust
 import second_sampler as sampler
 import second_sampling as sampling
+import second_similarity as similarity
 import second_space as space
 import second_step as step
 import second_training as training
@@ -91,6 +93,16 @@ CS180 = {
     "psnr": "images",
     "psnr_floor": "none",
     "psnr_peak": "given",
+    "loss_reduction": "mean",
+    "huber_slope": "delta",
+    "charbonnier_eps": "square",
+    "outer_edges": "touching",
+    "interlevel_reduction": "mean",
+    "interlevel_eps": "as_given",
+    "ssim_window": "gaussian",
+    "ssim_padding": "valid",
+    "ssim_variance": "population",
+    "ssim_peak": "given",
     "bytes": "round",
     "adam_eps": "corrected",
 }
@@ -140,6 +152,7 @@ DEVIATIONS = {
         "harmonic_sign": "plain",
         "skip_order": "encoding_first",
         "empty_depth": "first",
+        "interlevel_eps": "1e-7",
     },
     "multinerf": {
         "axes": "opengl",
@@ -151,6 +164,8 @@ DEVIATIONS = {
         "cosine": "shifted_sine",
         "density": "softplus",
         "empty_depth": "last",
+        "interlevel_eps": "float32",
+        "ssim_peak": "one",
     },
     "nerfacc": {
         "axes": "opengl",
@@ -164,6 +179,8 @@ DEVIATIONS = {
         "exponent_shift": "one",
         "grid_threshold": "mean_of_seen",
         "empty_depth": "zero",
+        "huber_slope": "one",
+        "interlevel_eps": "1e-7",
     },
     "ngp": {
         "delta": "differences",
@@ -172,6 +189,7 @@ DEVIATIONS = {
         "grid_threshold": "mean_over_all",
         "hash_levels": "tiny_cuda_nn",
         "adam_eps": "uncorrected",
+        "huber_slope": "one",
     },
     "tiny-cuda-nn": {"hash_levels": "tiny_cuda_nn", "adam_eps": "uncorrected"},
     "gsplat": {
@@ -181,8 +199,10 @@ DEVIATIONS = {
         "positive_power": "skipped",
         "stop": "in_front",
         "harmonic_form": "normalized",
+        "ssim_peak": "one",
     },
     "3dgs": {
+        "quaternion": "as_given",
         "quaternion_length": "as_given",
         "splat_center": "integer",
         "splat_clamp": "centered",
@@ -195,6 +215,8 @@ DEVIATIONS = {
         "conic_gradient": "entry",
         "stop": "in_front",
         "harmonic_form": "homogeneous",
+        "ssim_padding": "zero",
+        "ssim_peak": "one",
     },
 }
 
@@ -248,10 +270,12 @@ FUNCTIONS = {"render_trace": render_trace} | {
         rendering: "volume_render volume_render_vjp volume_render_alpha volume_render_alpha_vjp composite_background "
         "composite_background_vjp depth depth_vjp",
         packed: "pack_info packed_scan packed_scan_vjp accumulate_along_rays accumulate_along_rays_vjp",
-        distortion: "distortion_loss distortion_loss_vjp",
+        distortion: "distortion_loss distortion_loss_vjp interlevel_loss interlevel_loss_vjp",
         compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
         training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step",
         step: "training_step",
+        robust: "huber huber_vjp charbonnier charbonnier_vjp",
+        similarity: "ssim ssim_vjp",
         sampler: "sample_random_rays",
         sampling: "importance_sampling importance_sampling_vjp ray_aabb ray_aabb_vjp occupancy_grid grid_traversal",
     }.items()

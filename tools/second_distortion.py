@@ -1,4 +1,4 @@
-"""The second implementation's distortion loss: matrices of distances, about each ray's first edge. See second.py."""
+"""The second implementation's distortion and interlevel losses: matrices of distances, and of overlaps. See second.py."""
 
 import numpy as np
 
@@ -34,3 +34,53 @@ def distortion_loss_vjp(a, c, wrong):
     g_t[:, :-1] += kind(first) * of_middle - of_length
     g_t[:, 1:] += kind(last) * of_middle + of_length
     return {"grad_weights": g_w, "grad_t": g_t}
+
+
+def covers(a, c, wrong=()):
+    """Which intervals of the proposal overlap which of the field: (R, N, M)."""
+    (t, s) = (a[name][:, :, None] if name == "t" else a[name][:, None, :] for name in ("t", "proposal_t"))
+    begins = s[:, :, :-1] <= t[:, 1:] if c["outer_edges"] == "touching" else s[:, :, :-1] < t[:, 1:]
+    over = begins & (t[:, :-1] < s[:, :, 1:])
+    if "inner_for_outer" in wrong:
+        over = over & (t[:, :-1] <= s[:, :, :-1]) & (s[:, :, 1:] <= t[:, 1:])
+    if "end_left_out" in wrong:
+        # Of each interval, all but the last that overlaps.
+        over = over & (np.cumsum(over[:, :, ::-1], 2)[:, :, ::-1] > 1)
+    return over
+
+
+def eps_of(a, c):
+    """What is added to the weight."""
+    eps = {"as_given": float(a["eps"]), "float32": 2.0**-23, "1e-7": 1e-7}[c["interlevel_eps"]]
+    return a["weights"].dtype.type(eps)
+
+
+def interlevel_loss(a, c, wrong):
+    """A matrix of overlaps times the proposal."""
+    w, v, over = a["weights"], a["proposal_weights"], covers(a, c, wrong)
+    share = over.astype(w.dtype)
+    if "share_for_bound" in wrong:
+        t, s = a["t"][:, :, None], a["proposal_t"][:, None, :]
+        length = s[:, :, 1:] - s[:, :, :-1]
+        inside = np.maximum(np.minimum(t[:, 1:], s[:, :, 1:]) - np.maximum(t[:, :-1], s[:, :, :-1]), 0)
+        share = np.where(over, np.where(length > 0, inside / np.where(length > 0, length, 1), 1), 0).astype(w.dtype)
+    bound = np.einsum("rij,rj->ri", share, v).astype(w.dtype)
+    missing = w - bound if "both_signs" in wrong else np.maximum(w - bound, 0)
+    square = missing if "square_forgotten" in wrong else missing * missing
+    below = (bound if "divided_by_the_bound" in wrong else w) + eps_of(a, c)
+    terms = square if "division_forgotten" in wrong else np.where(missing == 0, 0, square / below)
+    return {"loss": (terms.sum(1) if c["interlevel_reduction"] == "sum" else terms.mean(1)).astype(w.dtype)}
+
+
+def interlevel_loss_vjp(a, c, wrong):
+    """The transposed matrix times what is missing."""
+    w, v, over = a["weights"], a["proposal_weights"], covers(a, c)
+    missing = np.maximum(w - np.einsum("rij,rj->ri", over, v).astype(w.dtype), 0)
+    size = 1 if c["interlevel_reduction"] == "sum" else w.shape[1]
+    factor = (1 if "factor_two_missing" in wrong else 2) * (1 if "gradient_negated" in wrong else -1)
+    share = w.dtype.type(factor) * a["grad_loss"][:, None] * missing / (w + eps_of(a, c)) / w.dtype.type(size)
+    if "shared_among_overlaps" in wrong:
+        share = share / np.maximum(over.sum(2), 1).astype(w.dtype)
+    if "first_alone" in wrong:
+        over = over & (np.cumsum(over, 2) == 1)
+    return {"grad_proposal_weights": np.einsum("rij,ri->rj", over, share).astype(w.dtype)}

@@ -119,11 +119,7 @@ fn run_json(
     model: &ForeignModel,
     warnings: &[String],
 ) -> Map<String, Value> {
-    let mut run = recipe.clone();
-    run.insert("version".into(), env!("CARGO_PKG_VERSION").into());
-    run.insert("derived".into(), recorded::derived(scene));
-    run.insert("reasons".into(), Value::Object(scene.reasons.clone()));
-    run.insert("settings".into(), Value::Object(model.settings()));
+    let mut run = recorded::begun(recipe, scene, model);
     run.insert("end".into(), json!({"steps": null, "seconds": null, "stop_at_psnr": null}));
     run.insert("warnings".into(), json!(warnings));
     run

@@ -7,7 +7,7 @@ use clap::builder::PossibleValue;
 use serde::{Deserialize, Serialize};
 
 use crate::limits::{LENGTH, SIDE, STEPS, THREADS};
-use crate::training::compact::Part;
+use crate::training::compact::{Extent, Part};
 
 /// Which path computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
@@ -17,6 +17,21 @@ pub(super) enum Backend {
     Fast,
     /// The f64 oracle: slow.
     Reference,
+}
+
+impl ValueEnum for Extent {
+    fn value_variants<'a>() -> &'a [Extent] {
+        &[Extent::Auto, Extent::Box, Extent::Contracted]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (name, help) = match self {
+            Extent::Auto => ("auto", "As the scene asks for it"),
+            Extent::Box => ("box", "The scene's box"),
+            Extent::Contracted => ("contracted", "All of space, contracted around the scene's middle"),
+        };
+        Some(PossibleValue::new(name).help(help))
+    }
 }
 
 impl ValueEnum for Part {
@@ -42,6 +57,7 @@ impl ValueEnum for Part {
             Part::RandomBackgrounds => {
                 ("random_backgrounds", "Random colors behind pictures that have opacity")
             }
+            Part::Distortion => ("distortion", "The distortion loss against floaters in photographs"),
         };
         Some(PossibleValue::new(name).help(help))
     }

@@ -12,7 +12,7 @@ use crate::field::nerf_mlp::Shape;
 use crate::limits::{self, COMPACT_SAMPLE, PARAMETER, STEP_SAMPLE};
 use crate::scene::{self, Scene};
 use crate::training::checkpoint::RunFolder;
-use crate::training::compact::{CompactModel, CompactSettings, Overrides, Part};
+use crate::training::compact::{CompactModel, CompactSettings, Extent, Overrides, Part};
 use crate::training::foreign::ForeignModel;
 use crate::training::foreign::mapping::Mapping;
 use crate::training::identity::Identity;
@@ -23,7 +23,7 @@ use crate::training::nerf::{NerfModel, NerfSettings, Skip};
 pub(super) const FOREIGN: &str = "foreign";
 
 /// What `--resume` may not change.
-const KEPT: [&str; 12] = [
+const KEPT: [&str; 13] = [
     "scene",
     "scene_options",
     "model",
@@ -34,6 +34,7 @@ const KEPT: [&str; 12] = [
     "fine",
     "lr",
     "width",
+    "space",
     "without",
     "skip",
 ];
@@ -52,14 +53,18 @@ pub(super) fn given(args: &Args) -> Map<String, Value> {
         "seed": args.seed, "rays": args.rays, "samples": args.samples, "fine": args.fine, "lr": args.lr, "width": args.width,
         "skip": args.skip, "steps": args.steps, "without": args.without,
     });
-    let Value::Object(recipe) = recipe else { unreachable!("an object literal") };
+    let Value::Object(mut recipe) = recipe else { unreachable!("an object literal") };
+    if args.space != Extent::Auto {
+        // For the same reason.
+        recipe.insert("space".into(), json!(args.space));
+    }
     recipe
 }
 
 /// What of a recipe determines every bit of a run; the scene does by its content, wherever it lies.
 pub(super) fn kept(recipe: &Map<String, Value>) -> Map<String, Value> {
     let names = KEPT.iter().filter(|name| **name != "scene");
-    names.map(|name| (name.to_string(), recipe[*name].clone())).collect()
+    names.filter_map(|name| Some((name.to_string(), recipe.get(*name)?.clone()))).collect()
 }
 
 /// The run to resume, which must have been started with this recipe, and the warnings that it had so far.
@@ -88,13 +93,13 @@ pub(super) fn check_kept(
     file: &str,
 ) -> Result<()> {
     // A field that an older run lacks was at its default.
-    let defaults = json!({"fine": 0, "width": null, "skip": false, "without": []});
+    let defaults = json!({"fine": 0, "width": null, "skip": false, "space": "auto", "without": []});
     for &name in names {
         let had = before.get(name).unwrap_or(&defaults[name]);
-        if *had != recipe[name] {
+        let found = recipe.get(name).unwrap_or(&defaults[name]);
+        if had != found {
             let remedy =
                 "Give --resume the options that the run was begun with; --steps and --seconds may differ.";
-            let found = &recipe[name];
             return Err(Error::input(Input { file, field: name, found, expected: had, remedy }));
         }
     }
@@ -129,27 +134,39 @@ pub(super) fn load_scene(recipe: &Map<String, Value>, test_images: bool, file: &
 
 /// The model that a recipe describes, with its initial parameters.
 pub(super) fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dyn Model>> {
-    // A run from before this option has none.
-    let without = recipe.get("without").cloned().unwrap_or_else(|| json!([]));
-    let without: Vec<Part> = serde_json::from_value(without).map_err(|error| {
-        Error::input(Input {
-            file: "run.json",
-            field: "without",
-            found: error,
-            expected: "names of parts",
-            remedy: "Train the run again.",
-        })
-    })?;
+    // Runs from before these options have none.
+    let without: Vec<Part> = listed(recipe, "without", json!([]), "names of parts")?;
+    // A run.json whose settings have no space is from before there was a choice.
+    let old = recipe.get("settings").is_some_and(|settings| settings.get("space").is_none());
+    let missing = if old && !named(recipe, "model", "nerf") { json!("box") } else { json!("auto") };
+    let extent: Extent = listed(recipe, "space", missing, "auto, box or contracted")?;
     if named(recipe, "model", FOREIGN) {
         return Ok(Box::new(foreign(recipe)?));
     }
     if named(recipe, "model", "compact") {
-        return Ok(Box::new(compact(recipe, scene, without)?));
+        return Ok(Box::new(compact(recipe, scene, extent, without)?));
+    }
+    if extent != Extent::Auto {
+        let found = recipe.get("space").and_then(Value::as_str).unwrap_or_default();
+        return Err(Error::usage("--space", found, "no --space: it is the compact model's"));
     }
     if !without.is_empty() {
         return Err(Error::usage("--without", "given", "no --without: its parts are the compact model's"));
     }
     Ok(Box::new(nerf(recipe, scene)?))
+}
+
+/// A field of a recipe that isn't a number; `missing` where there is none.
+fn listed<T: serde::de::DeserializeOwned>(
+    recipe: &Map<String, Value>,
+    field: &str,
+    missing: Value,
+    expected: &str,
+) -> Result<T> {
+    serde_json::from_value(recipe.get(field).cloned().unwrap_or(missing)).map_err(|error| {
+        let remedy = "Train the run again.";
+        Error::input(Input { file: "run.json", field, found: error, expected, remedy })
+    })
 }
 
 /// The networks of another program; their arrays are in the checkpoint.
@@ -158,7 +175,12 @@ fn foreign(recipe: &Map<String, Value>) -> Result<ForeignModel> {
     ForeignModel::new(mapping, named(recipe, "backend", "reference"), "run.json")
 }
 
-fn compact(recipe: &Map<String, Value>, scene: &Scene, without: Vec<Part>) -> Result<CompactModel> {
+fn compact(
+    recipe: &Map<String, Value>,
+    scene: &Scene,
+    extent: Extent,
+    without: Vec<Part>,
+) -> Result<CompactModel> {
     if named(recipe, "backend", "reference") {
         return Err(Error::usage(
             "--backend",
@@ -184,10 +206,14 @@ fn compact(recipe: &Map<String, Value>, scene: &Scene, without: Vec<Part>) -> Re
         ));
     }
     let [samples, rays] = ["samples", "rays"].map(|key| whole(recipe, key).map(|n| n as usize));
-    let overrides = Overrides { seed: seed(recipe), samples, rays, lr: lr(recipe), without };
+    let overrides = Overrides { seed: seed(recipe), samples, rays, lr: lr(recipe), extent, without };
+    let settings = CompactSettings::derive(scene, &overrides);
+    if extent == Extent::Contracted && !settings.contracted() {
+        let expected = "auto or box: the cameras stand at the point that they look at, so that nothing says what is near";
+        return Err(Error::usage("--space", "contracted", expected));
+    }
     // Without a given number of them, rays fill a batch of a fixed size.
-    let samples = CompactSettings::derive(scene, &overrides).samples;
-    fits_step(rays.unwrap_or(0), samples, COMPACT_SAMPLE)?;
+    fits_step(rays.unwrap_or(0), settings.longest_ray(), COMPACT_SAMPLE)?;
     CompactModel::new(scene, &overrides)
 }
 

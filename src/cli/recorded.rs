@@ -27,7 +27,7 @@ const RUN: Holds = Object(&[
     ("model", Word(&["compact", "nerf", "foreign"])), ("mapping", Maybe(&Anything)), ("weights", Maybe(&Text)), ("backend", Word(&["fast", "reference"])), ("seed", Whole(0, u64::MAX)),
     ("rays", Maybe(&Whole(1, RAYS as u64))), ("samples", Maybe(&Whole(1, SAMPLES as u64))),
     ("fine", Maybe(&Whole(0, SAMPLES as u64))), ("lr", POSITIVE), ("width", Maybe(&Whole(1, WIDTH as u64))),
-    ("skip", Maybe(&Flag)), ("steps", COUNT), ("without", Maybe(&List(&Text))), ("version", Text),
+    ("skip", Maybe(&Flag)), ("steps", COUNT), ("space", Maybe(&Text)), ("without", Maybe(&List(&Text))), ("version", Text),
     ("derived", Object(&[])), ("reasons", Object(&[])), ("settings", Object(&[])),
     ("end", Object(&[("steps", COUNT), ("seconds", POSITIVE), ("stop_at_psnr", Maybe(&Number(f64::MIN, f64::MAX)))])),
     ("threads", Maybe(&Whole(1, 1 << 16))), ("machine", Maybe(&Anything)), ("warnings", Maybe(&List(&Text))),
@@ -65,6 +65,16 @@ pub(super) fn derived(scene: &Scene) -> Value {
     })
 }
 
+/// What `run.json` says of every run, whether it is trained here or its weights come from elsewhere.
+pub(super) fn begun(recipe: &Map<String, Value>, scene: &Scene, model: &dyn Model) -> Map<String, Value> {
+    let mut run = recipe.clone();
+    run.insert("version".into(), env!("CARGO_PKG_VERSION").into());
+    run.insert("derived".into(), derived(scene));
+    run.insert("reasons".into(), Value::Object(scene.reasons.clone()));
+    run.insert("settings".into(), Value::Object(model.settings()));
+    run
+}
+
 /// Checks that the scene and the model are those of `run.json`.
 ///
 /// # Errors
@@ -86,6 +96,32 @@ pub(super) fn check_same(
                     (format!("{part}.{name}"), format!("{}, which its scene and options give", short(now)));
                 return Err(Error::input(Input { file, field, found: short(had), expected, remedy: REMEDY }));
             }
+        }
+    }
+    Ok(())
+}
+
+/// Settings that runs from before them lack, and what a model was like then.
+fn since() -> [(&'static str, Value); 2] {
+    [("space", json!("box")), ("distortion", json!(0.0))]
+}
+
+/// Checks that nothing is new in a run that goes on.
+///
+/// # Errors
+/// Where a setting, of which `run.json` says nothing, isn't as it always was before.
+pub(super) fn check_newer(run: &Map<String, Value>, model: &dyn Model, file: &str) -> Result<()> {
+    let now = model.settings();
+    let had = run.get("settings").and_then(Value::as_object);
+    for (name, before) in since() {
+        let new =
+            now.get(name).filter(|now| had.is_some_and(|had| !had.contains_key(name)) && **now != before);
+        if let Some(new) = new {
+            let (field, found) =
+                (format!("settings.{name}"), "nothing: the run is from before there was one");
+            let (expected, remedy) =
+                (short(new), "Resume it with the version that began it, or train it again.");
+            return Err(Error::input(Input { file, field, found, expected, remedy }));
         }
     }
     Ok(())

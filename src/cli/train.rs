@@ -25,7 +25,7 @@ use crate::report::{table, training};
 use crate::scene::Scene;
 use crate::serve::Port;
 use crate::training::checkpoint::RunFolder;
-use crate::training::compact::Part;
+use crate::training::compact::{Extent, Part};
 use crate::training::identity::Identity;
 use crate::training::model::Model;
 use crate::training::run::{LogPoint, News, Options, Run};
@@ -108,6 +108,9 @@ pub(super) struct Args {
     /// Width of the 8x256 network's layers (--model nerf).
     #[arg(long, value_parser = at_most::<WIDTH>)]
     pub width: Option<usize>,
+    /// The part of space that the compact model holds: the scene's box, or all around its middle, contracted.
+    #[arg(long, value_enum, default_value_t)]
+    pub space: Extent,
     /// Parts of the compact model to leave out, to see what they are worth.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub without: Vec<Part>,
@@ -127,7 +130,7 @@ impl Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
             samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, scale: None, val_every: None, val_at: vec![], val_all: false, background: None, seed: 0,
             threads: None, backend: Backend::Fast, resume: false, overwrite: false, skip: false, width: None,
-            without: vec![], serve: None, host: IpAddr::V4(Ipv4Addr::LOCALHOST),
+            space: Extent::Auto, without: vec![], serve: None, host: IpAddr::V4(Ipv4Addr::LOCALHOST),
         };
         args
     }
@@ -201,6 +204,7 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     let mut settings = run_json(args, &recipe, &scene, &*model);
     settings.extend(identity.settings());
     if resume {
+        recorded::check_newer(&folder.settings()?, &*model, &folder.file("run.json").display().to_string())?;
         recorded::check_same(
             &folder.settings()?,
             &scene,
@@ -295,11 +299,7 @@ fn run_json(
     scene: &Scene,
     model: &dyn Model,
 ) -> Map<String, Value> {
-    let mut run = recipe.clone();
-    run.insert("version".into(), env!("CARGO_PKG_VERSION").into());
-    run.insert("derived".into(), recorded::derived(scene));
-    run.insert("reasons".into(), Value::Object(scene.reasons.clone()));
-    run.insert("settings".into(), Value::Object(model.settings()));
+    let mut run = recorded::begun(recipe, scene, model);
     run.insert(
         "end".into(),
         json!({"steps": args.steps, "seconds": args.seconds, "stop_at_psnr": args.stop_at_psnr}),

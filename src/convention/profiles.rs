@@ -1,5 +1,6 @@
 //! Profiles: conventions of well-known code, as data, each value with the file it was read from.
 
+mod ngp;
 mod splats;
 
 use std::collections::BTreeMap;
@@ -140,9 +141,16 @@ pub const PROFILES: &[Profile] = &[
             harmonic_sign: HarmonicSign::Plain,
             skip_order: SkipOrder::EncodingFirst,
             empty_depth: EmptyDepth::First,
+            interlevel_eps: InterlevelEps::TenToMinusSeven,
             ..CS180
         },
         sources: &[
+            (
+                "outer_edges",
+                "nerfstudio/model_components/losses.py outer: searchsorted, side right, for both ends",
+            ),
+            ("interlevel_eps", "nerfstudio/model_components/losses.py: EPS = 1.0e-7"),
+            ("interlevel_reduction", "nerfstudio/model_components/losses.py interlevel_loss: torch.mean"),
             ("axes", "cameras/cameras.py: OpenGL"),
             ("pixel_center", "cameras/cameras.py get_image_coords: pixel_offset 0.5"),
             ("directions", "cameras/rays.py RayBundle: unit ray direction vector"),
@@ -201,9 +209,14 @@ pub const PROFILES: &[Profile] = &[
             density: Density::Softplus,
             empty_depth: EmptyDepth::Last,
             skip_layer: 5,
+            ssim_peak: PsnrPeak::One,
+            interlevel_eps: InterlevelEps::Float32,
             ..CS180
         },
         sources: &[
+            ("outer_edges", "internal/stepfun.py searchsorted: v >= a, for both ends"),
+            ("interlevel_eps", "internal/stepfun.py lossfun_outer: jnp.finfo(jnp.float32).eps"),
+            ("interlevel_reduction", "internal/train_utils.py interlevel_loss: mean(lossfun_outer)"),
             ("axes", "internal/camera_utils.py pixels_to_rays: diag(1, -1, -1), from OpenCV to OpenGL"),
             ("pixel_center", "internal/camera_utils.py pix_to_dir: x + .5, y + .5"),
             (
@@ -215,6 +228,16 @@ pub const PROFILES: &[Profile] = &[
                 "internal/render.py compute_alpha_weights: differences times the norm of the direction",
             ),
             ("product_eps", "internal/render.py compute_alpha_weights: exp(-cumsum), nothing added"),
+            (
+                "charbonnier_eps",
+                "internal/train_utils.py compute_data_loss: sqrt(resid_sq + config.charb_padding**2)",
+            ),
+            (
+                "ssim_window",
+                "internal/image.py MetricHarness: dm_pix.ssim; dm_pix/_src/metrics.py ssim: filter_size = 11, filter_sigma = 1.5",
+            ),
+            ("ssim_padding", "dm_pix/_src/metrics.py ssim: jnp.convolve, mode = valid"),
+            ("ssim_peak", "dm_pix/_src/metrics.py ssim: max_val = 1.0"),
             ("contraction_norm", "internal/coord.py contract: sum(x**2)"),
             ("contraction_range", "internal/coord.py contract: not scaled"),
             (
@@ -256,9 +279,12 @@ pub const PROFILES: &[Profile] = &[
             grid_threshold: GridThreshold::MeanOfSeen,
             skip_layer: 5,
             empty_depth: EmptyDepth::Zero,
+            huber_slope: HuberSlope::One,
+            interlevel_eps: InterlevelEps::TenToMinusSeven,
             ..CS180
         },
         sources: &[
+            ("interlevel_eps", "nerfacc/estimators/prop_net.py _pdf_loss: eps = 1e-7"),
             ("axes", "examples/datasets/nerf_synthetic.py: OPENGL_CAMERA = True"),
             ("pixel_center", "examples/datasets/nerf_synthetic.py: x - cx + 0.5"),
             ("directions", "examples/datasets/nerf_synthetic.py: viewdirs normalized"),
@@ -289,80 +315,14 @@ pub const PROFILES: &[Profile] = &[
             ("density", "examples/radiance_fields/mlp.py VanillaNeRFRadianceField: relu"),
             ("skip_layer", "examples/radiance_fields/mlp.py MLP: concatenated after layer 4"),
             ("skip_order", "examples/radiance_fields/mlp.py MLP: [x, inputs]"),
+            ("huber_slope", "examples/train_ngp_nerf_occ.py: F.smooth_l1_loss(rgb, pixels)"),
             ("feature", "examples/radiance_fields/mlp.py bottleneck_layer: identity"),
             ("depth", "nerfacc/volrend.py rendering: divided by the opacity, not below eps"),
         ],
         beyond: "steps come from an occupancy grid",
     },
-    Profile {
-        name: "ngp",
-        title: "NVlabs/instant-ngp",
-        conventions: Conventions {
-            delta: Delta::Differences,
-            last_delta: LastDelta::Width,
-            density: Density::Exp,
-            grid_decay: GridDecay::EveryCell,
-            grid_threshold: GridThreshold::MeanOverAll,
-            hash_levels: HashLevels::TinyCudaNn,
-            adam_eps: AdamEps::Uncorrected,
-            ..CS180
-        },
-        sources: &[
-            (
-                "grid_threshold",
-                "src/testbed_nerf.cu update_density_grid_mean_and_bitfield: mean of fmaxf(val, 0) over all, and \
-                 min(NERF_MIN_OPTICAL_THICKNESS(), mean)",
-            ),
-            ("hash_levels", "its encodings are tiny-cuda-nn's"),
-            ("adam_eps", "its optimizer is tiny-cuda-nn's"),
-            (
-                "grid_decay",
-                "src/testbed_nerf.cu ema_grid_samples_nerf: max(prev_val * decay, importance) in every cell that isn't below 0",
-            ),
-            ("density", "src/testbed_nerf.cu network_to_density: __expf (ENerfActivation::Exponential)"),
-            (
-                "exponent",
-                "src/testbed_nerf.cu: network_to_density has __expf(val), network_to_density_derivative clamps val to [-15, 15]",
-            ),
-            ("delta", "src/testbed_nerf.cu calc_dt: the step of the march"),
-            (
-                "axes",
-                "include/neural-graphics-primitives/nerf_loader.h nerf_matrix_to_ngp: poses are turned to z forward",
-            ),
-        ],
-        beyond: "hash grid and spherical harmonics in place of the encoding; marching stops at T < 1e-4 and renormalizes",
-    },
-    Profile {
-        name: "tiny-cuda-nn",
-        title: "tiny-cuda-nn: hash grid, spherical harmonics, Adam",
-        conventions: Conventions {
-            hash_levels: HashLevels::TinyCudaNn,
-            adam_eps: AdamEps::Uncorrected,
-            ..CS180
-        },
-        sources: &[
-            (
-                "hash_levels",
-                "include/tiny-cuda-nn/encodings/grid.h kernel_grid: scale = exp2f(level * log2_per_level_scale) * \
-                 base_resolution - 1, grid_resolution = ceil(scale) + 1; common_device.h pos_fract: scale * input + 0.5",
-            ),
-            (
-                "hash_index",
-                "include/tiny-cuda-nn/encodings/grid.h grid_index: by strides while they fit the table",
-            ),
-            ("hash_primes", "include/tiny-cuda-nn/encodings/grid.h: hash type CoherentPrime is the default"),
-            ("hash_weights", "include/tiny-cuda-nn/encodings/grid.h: interpolation Linear is the default"),
-            ("harmonic_sign", "include/tiny-cuda-nn/encodings/spherical_harmonics.h: -0.488 y"),
-            ("harmonic_form", "include/tiny-cuda-nn/encodings/spherical_harmonics.h: 0.946 z2 - 0.315"),
-            (
-                "adam_eps",
-                "include/tiny-cuda-nn/optimizers/adam.h adam_step: learning_rate * sqrt(1 - beta2^t) / (1 - beta1^t) / \
-                 (sqrt(second_moment) + epsilon)",
-            ),
-        ],
-        beyond: "harmonics are handed (d + 1) / 2 and turn it back; weight decay is beside the gradient, l2_reg in it; parameters \
-                 of the encoding without a gradient take no step; hashes other than by exclusive or; half precision",
-    },
+    ngp::NGP,
+    ngp::TINY_CUDA_NN,
     splats::GSPLAT,
     splats::INRIA,
 ];

@@ -49,15 +49,122 @@ pub enum PsnrFloor {
     Small,
 }
 
-/// The largest color value that a PSNR is relative to.
+/// The largest color value that a PSNR or a similarity is relative to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PsnrPeak {
     /// As it is given.
     #[default]
     Given,
-    /// 1: colors are taken to lie in [0, 1] (bmild/nerf's `mse2psnr`).
+    /// 1: colors are taken to lie in [0, 1] (bmild/nerf's `mse2psnr`, 3D Gaussian Splatting's `ssim`).
     One,
+}
+
+/// The windows of structural similarity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SsimWindow {
+    /// 11 x 11, weights of a Gaussian with standard deviation 1.5 (Wang et al. 2004, TensorFlow, dm_pix, torchmetrics, 3D Gaussian
+    /// Splatting).
+    #[default]
+    Gaussian,
+    /// 7 x 7, all alike (scikit-image's default).
+    Uniform,
+}
+
+/// What windows of structural similarity see beyond the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SsimPadding {
+    /// There are none that reach beyond it (Wang et al. 2004, TensorFlow, dm_pix; scikit-image and torchmetrics, which cut off what they
+    /// have padded).
+    #[default]
+    Valid,
+    /// Zeros, about every pixel a window (3D Gaussian Splatting, fused-ssim's `same`).
+    Zero,
+    /// The picture once more, its edge not repeated (kornia's `same`).
+    Reflect,
+}
+
+/// What the variances of structural similarity are divided by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SsimVariance {
+    /// The sum of the weights (Wang et al. 2004 and most).
+    #[default]
+    Population,
+    /// That times (n - 1) / n, n the pixels of a window (scikit-image's default, `use_sample_covariance`).
+    Sample,
+}
+
+/// What a loss makes of its entries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LossReduction {
+    /// Their mean (PyTorch's default, multinerf).
+    #[default]
+    Mean,
+    /// Their sum (PyTorch's `reduction="sum"`).
+    Sum,
+}
+
+/// The slope of Huber's loss where the error is large.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum HuberSlope {
+    /// delta, and 1 times d inside (Huber 1964, `torch.nn.functional.huber_loss`, optax).
+    #[default]
+    Delta,
+    /// 1, and 1 / delta times d inside (`torch.nn.functional.smooth_l1_loss`, instant-ngp).
+    One,
+}
+
+/// What is added under the root of Charbonnier's loss.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CharbonnierEps {
+    /// eps^2 (mip-NeRF 360, multinerf).
+    #[default]
+    Square,
+    /// eps (nerficg).
+    AsGiven,
+}
+
+/// Which intervals of a proposal the bound of an interval adds up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OuterEdges {
+    /// Those that overlap it, and the one that begins where it ends: searches through edges, from the right (multinerf, nerfstudio,
+    /// nerfacc).
+    #[default]
+    Touching,
+    /// Those that overlap it in more than a point: equal histograms cover each other, interval by interval.
+    Inside,
+}
+
+/// What is added to the weight that an interlevel loss is divided by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum InterlevelEps {
+    /// What the caller says.
+    #[default]
+    AsGiven,
+    /// 2^-23, the relative spacing of f32 (multinerf).
+    Float32,
+    /// 1e-7 (nerfstudio, nerfacc).
+    #[serde(rename = "1e-7")]
+    TenToMinusSeven,
+}
+
+impl InterlevelEps {
+    /// The number, where the caller says `given`.
+    pub fn value(self, given: f64) -> f64 {
+        match self {
+            InterlevelEps::AsGiven => given,
+            InterlevelEps::Float32 => f64::from(f32::EPSILON),
+            InterlevelEps::TenToMinusSeven => 1e-7,
+        }
+    }
 }
 
 /// How [0, 1] becomes a byte.

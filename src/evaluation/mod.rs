@@ -7,10 +7,11 @@ use crate::camera::Camera;
 use crate::convention::Directions;
 use crate::error::Result;
 use crate::files::mask::Mask;
-use crate::loss::{mse, psnr, ssim};
+use crate::loss::{mse, psnr};
 use crate::parallel;
 use crate::ray::{Ray, camera_ray};
 use crate::scene::{Frame, Photo, pixel_ray};
+use crate::ssim::{Form, ssim};
 use crate::training::{Model, Pixel};
 
 /// A rendered view.
@@ -143,7 +144,7 @@ pub fn score(name: &str, view: ArrayView3<f32>, image: ArrayView3<f32>, with_ssi
     let flat = |a: &Array3<f64>| a.iter().copied().collect::<Vec<_>>();
     let error = mse(&flat(&view), &flat(&image));
     let large = view.dim().0.min(view.dim().1) >= 11;
-    let ssim = (with_ssim && large).then(|| ssim(view.view(), image.view(), 1.0));
+    let ssim = (with_ssim && large).then(|| ssim(view.view(), image.view(), 1.0, Form::default()));
     ViewScore { name: name.into(), mse: error, psnr: psnr(error, 1.0), ssim }
 }
 

@@ -78,12 +78,7 @@ pub(crate) fn slipped(
     let elements = |arrays: &Arrays| arrays.values().map(|a| a.len()).sum::<usize>();
     let cost = LEAST + elements(&case.inputs) + answer.values().map(|a| a.values.len()).sum::<usize>();
     hypotheses.truncate(WORK[usize::from(options.dtype.bits() < 24)] / cost);
-    let fits = parallel::map(hypotheses.len(), |n| {
-        let h = &hypotheses[n];
-        // Wrong code on changed inputs may break a rule that only right ones keep: then it isn't what was done.
-        let fits = || explains_all(h, question, answers, options) && shows(h, question, answers, options);
-        panic::catch_unwind(AssertUnwindSafe(fits)).unwrap_or(false)
-    });
+    let fits = parallel::map(hypotheses.len(), |n| was_done(&hypotheses[n], question, answers, options));
     let found = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect();
     explanations(found, question, answers, base, options)
 }
@@ -96,10 +91,16 @@ pub(crate) fn gradient_of(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Vec<Explanation> {
-    let fits =
-        explains_all(forward, question, answers, options) && shows(forward, question, answers, options);
+    let fits = was_done(forward, question, answers, options);
     let found = if fits { vec![forward.clone()] } else { vec![] };
     explanations(found, question, answers, base, options)
+}
+
+/// Whether a hypothesis explains the answers, and some of them show it.
+fn was_done(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> bool {
+    let fits = || explains_all(h, question, answers, options) && shows(h, question, answers, options);
+    // Wrong code on changed inputs may break a rule that only right ones keep: then it isn't what was done.
+    panic::catch_unwind(AssertUnwindSafe(fits)).unwrap_or(false)
 }
 
 /// The run's conventions, those in which most elements agree, and those of known programs.

@@ -1,9 +1,7 @@
-//! Loss and image metrics: mean squared error, PSNR, SSIM; and colors as bytes.
-
-use ndarray::ArrayView3;
+//! Loss and image metrics: mean squared error and PSNR; and colors as bytes.
 
 use crate::convention::{Bytes, PsnrFloor, PsnrOf};
-use crate::math::{Sum, exp, log10};
+use crate::math::{Sum, log10};
 
 pub(crate) mod arrays;
 pub mod backward;
@@ -77,77 +75,6 @@ pub fn psnr_of_images(
         PsnrOf::Images => mean,
         PsnrOf::MeanError => psnr(mean.max(least), peak),
     }
-}
-
-/// Structural similarity of two images, Wang et al. 2004: the mean over all channels and all windows that lie inside the picture
-/// of (2 ma mb + c1)(2 sab + c2) / ((ma^2 + mb^2 + c1)(sa^2 + sb^2 + c2)).
-///
-/// # Convention
-/// Window 11 x 11, Gaussian with standard deviation 1.5, weights summing to 1; c1 = (0.01 peak)^2, c2 = (0.03 peak)^2; variances
-/// with weight 1 (not n / (n - 1)); no padding. Other programs take a uniform window of 7: their values differ (ME2).
-///
-/// # Shapes
-/// (H, W, 3) both, H and W at least 11.
-///
-/// # Panics
-/// Where the shapes differ or a side is below 11.
-pub fn ssim(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64) -> f64 {
-    const WINDOW: usize = 11;
-    assert_eq!(a.dim(), b.dim(), "a and b: images of the same shape");
-    let (height, width, channels) = a.dim();
-    assert!(height >= WINDOW && width >= WINDOW, "images of at least {WINDOW} x {WINDOW} pixels");
-    let kernel = gaussian_window::<WINDOW>(1.5);
-    let mut sum = Sum::default();
-    for j in 0..=height - WINDOW {
-        for i in 0..=width - WINDOW {
-            for c in 0..channels {
-                sum.add(ssim_window(&a, &b, &kernel, [j, i, c], peak));
-            }
-        }
-    }
-    sum.value() / ((height - WINDOW + 1) * (width - WINDOW + 1) * channels) as f64
-}
-
-/// The weights of a Gaussian window along one axis; they sum to 1.
-fn gaussian_window<const N: usize>(deviation: f64) -> [f64; N] {
-    let center = (N - 1) as f64 / 2.0;
-    let weights: [f64; N] = std::array::from_fn(|i| {
-        let x = (i as f64 - center) / deviation;
-        exp(-0.5 * x * x)
-    });
-    let mut sum = Sum::default();
-    weights.iter().for_each(|&w| sum.add(w));
-    weights.map(|w| w / sum.value())
-}
-
-/// SSIM of one window whose upper left corner is (j, i), in channel c.
-fn ssim_window(
-    a: &ArrayView3<f64>,
-    b: &ArrayView3<f64>,
-    kernel: &[f64],
-    [j, i, c]: [usize; 3],
-    peak: f64,
-) -> f64 {
-    let (mut mean_a, mut mean_b) = (0.0, 0.0);
-    for (y, ky) in kernel.iter().enumerate() {
-        for (x, kx) in kernel.iter().enumerate() {
-            mean_a += ky * kx * a[[j + y, i + x, c]];
-            mean_b += ky * kx * b[[j + y, i + x, c]];
-        }
-    }
-    // Central moments: E[a^2] - E[a]^2 would cancel where the window is nearly flat.
-    let (mut var_a, mut var_b, mut cov) = (0.0, 0.0, 0.0);
-    for (y, ky) in kernel.iter().enumerate() {
-        for (x, kx) in kernel.iter().enumerate() {
-            let (da, db) = (a[[j + y, i + x, c]] - mean_a, b[[j + y, i + x, c]] - mean_b);
-            var_a += ky * kx * da * da;
-            var_b += ky * kx * db * db;
-            cov += ky * kx * da * db;
-        }
-    }
-    let (c1, c2) = ((0.01 * peak) * (0.01 * peak), (0.03 * peak) * (0.03 * peak));
-    (2.0 * mean_a * mean_b + c1) * (2.0 * cov + c2)
-        / ((mean_a * mean_a + mean_b * mean_b + c1) * (var_a + var_b + c2))
 }
 
 /// A color value as a byte: clipped to [0, 1], times 255, rounded (halves away from 0) or cut off.

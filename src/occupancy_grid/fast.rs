@@ -1,9 +1,11 @@
 //! f32 occupancy bits; `march` walks rays over them, past empty cells, bricks and blocks of cells.
 
+mod follow;
 mod march;
 mod steps;
 mod walk;
 
+pub use follow::Path;
 pub use steps::{MarchRay, Steps};
 
 /// Cells along a brick's edge: 4^3 bits are a word, so that an empty word lets a ray skip 64 cells.

@@ -91,9 +91,7 @@ impl Page {
 
     /// A table; verdicts stand in their colors.
     pub(crate) fn table(&mut self, header: &[&str], rows: &[Vec<String>]) -> &mut Self {
-        let cells: String =
-            header.iter().map(|cell| format!("<th scope=\"col\">{}</th>", escape(cell))).collect();
-        let _ = writeln!(self.html, "{WIDE}<table><tr>{cells}</tr>");
+        self.header("", header);
         for row in rows {
             let cells: String = row.iter().map(|cell| table_cell(cell)).collect();
             let _ = writeln!(self.html, "<tr>{cells}</tr>");
@@ -117,9 +115,7 @@ impl Page {
         header: &[&str],
         rows: impl Iterator<Item = (Option<&'a str>, &'a [String])>,
     ) -> &mut Self {
-        let header: String =
-            header.iter().map(|cell| format!("<th scope=\"col\">{}</th>", escape(cell))).collect();
-        let _ = writeln!(self.html, "{WIDE}<table class=\"text\"><tr>{header}</tr>");
+        self.header(" class=\"text\"", header);
         for (file, cells) in rows {
             let mut cells: Vec<String> = cells.iter().map(|cell| escape(cell)).collect();
             if let (Some(file), Some(first)) = (file, cells.first_mut()) {
@@ -130,6 +126,13 @@ impl Page {
         }
         self.html.push_str("</table></div>\n");
         self
+    }
+
+    /// A table's beginning.
+    fn header(&mut self, class: &str, cells: &[&str]) {
+        let cells: String =
+            cells.iter().map(|cell| format!("<th scope=\"col\">{}</th>", escape(cell))).collect();
+        let _ = writeln!(self.html, "{WIDE}<table{class}><tr>{cells}</tr>");
     }
 
     /// A list of sentences; nothing where there is none.

@@ -72,6 +72,8 @@ pub struct Scene {
     pub near: f64,
     /// Where they end.
     pub far: f64,
+    /// Whether a caller said so.
+    pub far_given: bool,
     /// The color behind everything, red, green, blue in [0, 1]: what transparent pixels were composited over.
     pub background: [f64; 3],
     /// The box that holds everything of interest, lower and upper corner, if the scene states it.
@@ -151,6 +153,7 @@ impl Scene {
             test: Vec::new(),
             near: f64::NAN,
             far: f64::NAN,
+            far_given: options.far.is_some(),
             background: options.background.unwrap_or([0.0; 3]),
             bounds: None,
             cloud: None,

@@ -6,7 +6,8 @@ use nerf_oracle::camera::{Camera, Intrinsics};
 use nerf_oracle::convention::HarmonicForm::Sphere;
 use nerf_oracle::convention::HarmonicSign::Plain;
 use nerf_oracle::convention::{
-    CS180, Depth, EmptyDepth, GridDecay, GridUnseen, PixelCenter, ProductEps, PsnrFloor, PsnrOf,
+    CS180, CharbonnierEps, Depth, EmptyDepth, GridDecay, GridUnseen, HuberSlope, LossReduction, OuterEdges,
+    PixelCenter, ProductEps, PsnrFloor, PsnrOf,
 };
 use nerf_oracle::distortion;
 use nerf_oracle::encoding::{self, Encoding};
@@ -15,13 +16,16 @@ use nerf_oracle::field::nerf_mlp::{self, NerfMlp, Shape};
 use nerf_oracle::field::{self, Layer};
 use nerf_oracle::hash_grid::{self, Level};
 use nerf_oracle::importance_sampling;
+use nerf_oracle::interlevel_loss::{self, Histogram};
 use nerf_oracle::loss;
 use nerf_oracle::occupancy_grid::OccupancyGrid;
 use nerf_oracle::optimizer::Adam;
 use nerf_oracle::packed::{self, Scan};
 use nerf_oracle::random::{Key, Purpose};
 use nerf_oracle::ray::{PixelDraws, Ray, draw_pixel, sample_random_rays};
+use nerf_oracle::robust_loss;
 use nerf_oracle::spherical_harmonics;
+use nerf_oracle::ssim;
 use nerf_oracle::trace::trace_pixel;
 use nerf_oracle::training::reference::{Field, Target, adam_layer, fine_samples, image_loss_and_gradient};
 use nerf_oracle::training_step;
@@ -163,6 +167,19 @@ fn packing() -> Vec<Row> {
     fn loss_vjp(weights: usize, t: usize) {
         distortion::backward::distortion(&ones(weights), &ones(t), 1.0);
     }
+    const INTERLEVEL: interlevel_loss::Form =
+        interlevel_loss::Form { eps: 0.5, edges: OuterEdges::Inside, reduction: LossReduction::Mean };
+    fn interlevel([w, t, v, s]: [usize; 4]) {
+        let arrays = [w, t, v, s].map(ones);
+        let fine = Histogram { weights: &arrays[0], t: &arrays[1] };
+        interlevel_loss::interlevel(fine, Histogram { weights: &arrays[2], t: &arrays[3] }, INTERLEVEL);
+    }
+    fn interlevel_vjp([w, t, v, s]: [usize; 4]) {
+        let arrays = [w, t, v, s].map(ones);
+        let fine = Histogram { weights: &arrays[0], t: &arrays[1] };
+        let proposal = Histogram { weights: &arrays[2], t: &arrays[3] };
+        interlevel_loss::backward::interlevel(fine, proposal, INTERLEVEL, 1.0);
+    }
     fn scan(x: usize, offsets: &[usize]) {
         packed::scan(&ones(x), offsets);
     }
@@ -178,6 +195,22 @@ fn packing() -> Vec<Row> {
     vec![
         row("distortion::distortion", || loss(2, 3), &[("weights and t", || loss(2, 2))]),
         row("distortion::backward::distortion", || loss_vjp(2, 3), &[("weights and t", || loss_vjp(3, 3))]),
+        row(
+            "interlevel_loss::interlevel",
+            || interlevel([2, 3, 4, 5]),
+            &[
+                ("fine weights and t", || interlevel([2, 2, 4, 5])),
+                ("proposal weights and t", || interlevel([2, 3, 4, 4])),
+            ],
+        ),
+        row(
+            "interlevel_loss::backward::interlevel",
+            || interlevel_vjp([2, 3, 4, 5]),
+            &[
+                ("fine weights and t", || interlevel_vjp([3, 3, 4, 5])),
+                ("proposal weights and t", || interlevel_vjp([2, 3, 5, 5])),
+            ],
+        ),
         row(
             "packed::scan",
             || scan(3, &[0, 1, 1, 3]),
@@ -265,11 +298,28 @@ fn images() -> Vec<Row> {
     fn mse(prediction: &[f64], target: &[f64]) {
         loss::mse(prediction, target);
     }
+    fn huber(p: usize, t: usize) {
+        robust_loss::huber(&ones(p), &ones(t), 1.0, HuberSlope::Delta, LossReduction::Mean);
+    }
+    fn huber_vjp(p: usize, t: usize) {
+        let (slope, reduction) = (HuberSlope::Delta, LossReduction::Mean);
+        robust_loss::backward::huber(&ones(p), &ones(t), 1.0, slope, reduction, 1.0);
+    }
+    fn charbonnier(p: usize, t: usize) {
+        robust_loss::charbonnier(&ones(p), &ones(t), 1.0, CharbonnierEps::Square, LossReduction::Mean);
+    }
+    fn charbonnier_vjp(p: usize, t: usize) {
+        let (form, reduction) = (CharbonnierEps::Square, LossReduction::Mean);
+        robust_loss::backward::charbonnier(&ones(p), &ones(t), 1.0, form, reduction, 1.0);
+    }
     fn psnr(predictions: &[&[f64]], targets: &[&[f64]]) {
         loss::psnr_of_images(predictions, targets, 1.0, PsnrOf::Images, PsnrFloor::None);
     }
     fn ssim(a: [usize; 3], b: [usize; 3]) {
-        loss::ssim(Array3::ones(a).view(), Array3::ones(b).view(), 1.0);
+        ssim::ssim(Array3::ones(a).view(), Array3::ones(b).view(), 1.0, ssim::Form::default());
+    }
+    fn ssim_vjp(a: [usize; 3], b: [usize; 3]) {
+        ssim::backward::ssim(Array3::ones(a).view(), Array3::ones(b).view(), 1.0, ssim::Form::default(), 1.0);
     }
     fn draw(channels: usize) {
         draw_pixel(Array4::ones((1, 2, 2, channels)).view(), [0.5; 3], PixelCenter::Half);
@@ -308,12 +358,36 @@ fn images() -> Vec<Row> {
                 ("prediction and target", || psnr(&[&[0.0]], &[&[1.0, 1.0]])),
             ],
         ),
+        row("robust_loss::huber", || huber(2, 2), &[("prediction and target", || huber(2, 3))]),
         row(
-            "loss::ssim",
+            "robust_loss::charbonnier",
+            || charbonnier(2, 2),
+            &[("prediction and target", || charbonnier(3, 2))],
+        ),
+        row(
+            "robust_loss::backward::huber",
+            || huber_vjp(2, 2),
+            &[("prediction and target", || huber_vjp(3, 2))],
+        ),
+        row(
+            "robust_loss::backward::charbonnier",
+            || charbonnier_vjp(2, 2),
+            &[("prediction and target", || charbonnier_vjp(2, 3))],
+        ),
+        row(
+            "ssim::ssim",
             || ssim([11, 12, 3], [11, 12, 3]),
             &[
                 ("a and b", || ssim([11, 12, 3], [12, 11, 3])),
                 ("at least 11 x 11", || ssim([11, 10, 3], [11, 10, 3])),
+            ],
+        ),
+        row(
+            "ssim::backward::ssim",
+            || ssim_vjp([11, 12, 3], [11, 12, 3]),
+            &[
+                ("a and b", || ssim_vjp([11, 12, 3], [12, 11, 3])),
+                ("at least 11 x 11", || ssim_vjp([10, 11, 3], [10, 11, 3])),
             ],
         ),
         row("ray::random::draw_pixel", || draw(3), &[("images: (I, H, W, 3)", || draw(4))]),

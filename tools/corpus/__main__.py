@@ -91,6 +91,7 @@ def said(row):
         best = row["diagnosis"][0]
         return (
             " + ".join([*best["mistakes"], *(f"{k} = {v}" for k, v in best.get("conventions", {}).items())])
+            or best.get("slip")
             or "conventions alone"
         )
     return "; ".join(row.get("findings", []))[:80] or f"unknown, {row['first_to_differ'] or 'an output'} differs first"

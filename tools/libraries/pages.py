@@ -78,7 +78,7 @@ def of_bases():
         if not own and not kornia:
             why = "through its parts" if component in COMPOSED else "**single source**"
             rows.append([f"`{component}`", why, "", "", ""])
-    ssim = "SSIM (no fixtures; `src/loss/tests.rs`)"
+    ssim = "SSIM (`src/ssim/tests.rs`)"
     rows += [[ssim, title, "two pairs of pictures", bound(ulp), note] for title, ulp, note in ssims()]
     return table(["component", "basis beside mpmath and torch", "cases", "ULP of the largest term", "what was set"], rows)
 

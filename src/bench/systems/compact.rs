@@ -6,7 +6,7 @@ use crate::ray::Ray;
 use crate::training::compact::CompactModel;
 use crate::training::compact::reference::Reference;
 use crate::training::compact::settings::AT_REST;
-use crate::training::compact::step::optical_step;
+use crate::training::compact::space::optical_step;
 use crate::training::{Model, Pixel};
 
 /// What a variant changes.

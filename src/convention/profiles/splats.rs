@@ -14,9 +14,11 @@ pub(super) const GSPLAT: Profile = Profile {
         positive_power: PositivePower::Skipped,
         stop: Stop::InFront,
         harmonic_form: HarmonicForm::Normalized,
+        ssim_peak: PsnrPeak::One,
         ..CS180
     },
     sources: &[
+        ("quaternion", "gsplat/cuda/_torch_impl.py _quat_to_rotmat: F.normalize(quats)"),
         ("quaternion_order", "gsplat/cuda/_torch_impl.py _quat_to_rotmat: w, x, y, z = unbind(quats)"),
         ("quaternion_length", "gsplat/cuda/_torch_impl.py _quat_to_rotmat: F.normalize(quats)"),
         ("splat_scale", "gsplat/cuda/_torch_impl.py _quat_scale_to_covar_preci: R * scales"),
@@ -53,6 +55,8 @@ pub(super) const GSPLAT: Profile = Profile {
         ("harmonic_sign", "gsplat/cuda/_torch_impl.py _eval_sh_bases_fast: -0.488 y, 0.488 z, -0.488 x"),
         ("harmonic_form", "gsplat/cuda/_torch_impl.py _spherical_harmonics: F.normalize(dirs)"),
         ("splat_color", "gsplat/rendering.py rasterization: clamp_min(colors + 0.5, 0.0)"),
+        ("ssim_padding", "examples/simple_trainer.py: fused_ssim(colors, pixels, padding = valid)"),
+        ("ssim_peak", "fused_ssim/__init__.py fused_ssim: C1 = 0.01 ** 2"),
     ],
     beyond: "sorting and tiles; radii along each axis and by opacity in later versions; its `spherical_harmonics` has neither 1/2 nor clamp",
 };
@@ -62,6 +66,7 @@ pub(super) const INRIA: Profile = Profile {
     name: "3dgs",
     title: "graphdeco-inria/diff-gaussian-rasterization, 3D Gaussian Splatting",
     conventions: Conventions {
+        quaternion: Quaternion::AsGiven,
         quaternion_length: QuaternionLength::AsGiven,
         splat_center: SplatCenter::Integer,
         splat_clamp: SplatClamp::Centered,
@@ -74,9 +79,15 @@ pub(super) const INRIA: Profile = Profile {
         conic_gradient: ConicGradient::Entry,
         stop: Stop::InFront,
         harmonic_form: HarmonicForm::Homogeneous,
+        ssim_padding: SsimPadding::Zero,
+        ssim_peak: PsnrPeak::One,
         ..CS180
     },
     sources: &[
+        (
+            "quaternion",
+            "gaussian-splatting scene/colmap_loader.py qvec2rotmat: 1 - 2 * qvec[2]**2 - 2 * qvec[3]**2, not divided",
+        ),
         ("quaternion_order", "cuda_rasterizer/forward.cu computeCov3D: r = q.x"),
         ("quaternion_length", "cuda_rasterizer/forward.cu computeCov3D: q = rot, the division commented out"),
         ("splat_scale", "cuda_rasterizer/forward.cu computeCov3D: S[0][0] = mod * scale.x"),
@@ -104,6 +115,13 @@ pub(super) const INRIA: Profile = Profile {
         ("harmonic_sign", "cuda_rasterizer/forward.cu computeColorFromSH: - SH_C1 * y"),
         ("harmonic_form", "cuda_rasterizer/forward.cu computeColorFromSH: SH_C2[2] * (2 zz - xx - yy)"),
         ("splat_color", "cuda_rasterizer/forward.cu computeColorFromSH: result += 0.5, max(result, 0)"),
+        ("ssim_window", "gaussian-splatting utils/loss_utils.py create_window: gaussian(11, 1.5)"),
+        (
+            "ssim_padding",
+            "gaussian-splatting utils/loss_utils.py _ssim: padding = window_size // 2, of zeros",
+        ),
+        ("ssim_variance", "gaussian-splatting utils/loss_utils.py _ssim: conv2d(img1 * img1) - mu1_sq"),
+        ("ssim_peak", "gaussian-splatting utils/loss_utils.py _ssim: C1 = 0.01 ** 2"),
     ],
     beyond: "sorting and tiles; 1e-7 is added to depths and to squared determinants; quaternions are divided, and scales exponentiated, in \
              Python",

@@ -54,8 +54,12 @@ impl Steps {
     /// No samples yet; sized for the longest rays.
     #[inline(always)]
     pub(super) fn begin(&mut self, march_rays: &[MarchRay], step: f32) {
-        let longest =
-            march_rays.iter().map(|march_ray| (march_ray.far - march_ray.near) / step).fold(0.0, f32::max);
+        let longest = |march_ray: &MarchRay| (march_ray.far - march_ray.near) / step;
+        self.begin_with(march_rays, march_rays.iter().map(longest).fold(0.0, f32::max));
+    }
+
+    /// The same where the longest ray has so many samples.
+    pub(super) fn begin_with(&mut self, march_rays: &[MarchRay], longest: f32) {
         // One more for the rounding of each end, and one spare slot after the last.
         self.capacity = longest as usize + 3;
         let places = march_rays.len() * self.capacity;
@@ -72,5 +76,13 @@ impl Steps {
         self.count.resize(march_rays.len(), 0);
         self.patience.clear();
         self.patience.extend(march_rays.iter().map(|march_ray| march_ray.patience));
+    }
+
+    /// A sample of a ray, the next one.
+    #[inline(always)]
+    pub(super) fn push(&mut self, ray: usize, k: f32, opaque: bool) {
+        self.k[ray * self.capacity + self.count[ray]] = k;
+        self.count[ray] += 1;
+        self.patience[ray] -= u32::from(opaque);
     }
 }

@@ -1,6 +1,8 @@
 //! A chunk of whole rays and the buffers of their samples, small enough for a core's L2 cache.
 
 use super::networks::{GEOMETRY, HIDDEN, Networks, Weights};
+use super::pace::Pace;
+use super::scatter::Scatter;
 use super::views::BoxRay;
 use crate::hash_grid::fast::{Entry, FEATURES, LEVELS, WIDTH};
 use crate::occupancy_grid::fast::{MarchRay, Steps};
@@ -17,13 +19,13 @@ pub(super) const TILE: usize = 64;
 #[derive(Clone, Copy)]
 pub(super) struct Pass<'a> {
     pub nets: &'a Networks,
-    /// Step length in the unit in which the network's densities are 1 / length.
-    pub delta: f32,
     /// A ray ends where its transmittance falls below this.
     pub stop: f32,
     pub view_dependent: bool,
     /// d loss / d color over the error, 2 / (3 rays): the loss is the mean squared error. `None`: forward alone.
     pub gradient: Option<f32>,
+    /// The distortion loss beside it.
+    pub scatter: Option<Scatter>,
 }
 
 /// A ray, the range of its samples in the chunk, and its rendering.
@@ -58,6 +60,8 @@ pub(crate) struct Chunk {
     pub points: Vec<[f32; 3]>,
     /// Their distances along the ray.
     pub t: Vec<f32>,
+    /// Their step lengths, in the unit in which the network's densities are 1 / length.
+    pub delta: Vec<f32>,
     pub ray_of: Vec<u32>,
     /// Encodings, level by level; after the backward pass their gradients.
     pub encoding: [Aligned<Entry>; LEVELS],
@@ -85,6 +89,7 @@ impl Default for Chunk {
             steps: Steps::default(),
             points: vec![],
             t: vec![],
+            delta: vec![],
             ray_of: vec![],
             encoding: std::array::from_fn(|_| repeated([0.0; FEATURES], 0)),
             visited: vec![],
@@ -107,6 +112,7 @@ impl Chunk {
         self.rays.clear();
         self.points.clear();
         self.t.clear();
+        self.delta.clear();
         self.ray_of.clear();
     }
 
@@ -140,12 +146,11 @@ impl Chunk {
         self.rays.push(Ray { first: self.points.len(), count: 0, view: [0.0; HIDDEN], ..ray });
     }
 
-    /// The samples of the last ray.
+    /// The samples of the last ray, so many of its steps.
     #[inline(always)]
-    pub(crate) fn push_samples(&mut self, march_ray: &MarchRay, k: &[f32], step: f32) {
+    pub(super) fn push_samples(&mut self, march_ray: &MarchRay, k: &[f32], pace: &Pace) {
         let ray = self.rays.len() - 1;
-        self.points.extend(k.iter().map(|&k| march_ray.at(k, step)));
-        self.t.extend(k.iter().map(|&k| (k + march_ray.u) * step));
+        pace.place(march_ray, k, [&mut self.t, &mut self.delta], &mut self.points);
         self.ray_of.extend(k.iter().map(|_| ray as u32));
         self.rays[ray].count = k.len();
     }
@@ -195,15 +200,17 @@ impl Chunk {
 
     /// Keeps the first `live(ray)` samples of each ray and compacts them, with all of their arrays.
     #[inline(always)]
-    pub(crate) fn keep(&mut self, live: impl Fn(&Ray, &[f32]) -> usize) {
+    pub(crate) fn keep(&mut self, live: impl Fn(&Ray, &[f32], &[f32]) -> usize) {
         self.visited.clone_from(&self.points);
         let mut kept = 0;
         for ray in &mut self.rays {
-            let count = live(ray, &self.sigma[ray.first..ray.first + ray.count]);
+            let samples = ray.first..ray.first + ray.count;
+            let count = live(ray, &self.sigma[samples.clone()], &self.delta[samples]);
             let from = ray.first..ray.first + count;
             if kept != ray.first {
                 self.points.copy_within(from.clone(), kept);
                 self.t.copy_within(from.clone(), kept);
+                self.delta.copy_within(from.clone(), kept);
                 self.ray_of.copy_within(from.clone(), kept);
                 self.encoding.iter_mut().for_each(|level| level.copy_within(from.clone(), kept));
                 self.hidden0.copy_within(from.clone(), kept);
@@ -214,6 +221,7 @@ impl Chunk {
         }
         self.points.truncate(kept);
         self.t.truncate(kept);
+        self.delta.truncate(kept);
         self.ray_of.truncate(kept);
     }
 }

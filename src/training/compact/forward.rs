@@ -77,11 +77,11 @@ fn density<S: Simd>(s: S, pass: &Pass, c: &mut Chunk, on: &impl Multiply) {
 /// Leaves out what lies behind the sample that takes a ray's transmittance below `stop`.
 #[inline(always)]
 fn early_stop(pass: &Pass, c: &mut Chunk) {
-    c.keep(|ray, sigmas| {
+    c.keep(|ray, sigmas, deltas| {
         let limit = -(pass.stop / ray.transmittance).ln();
         let (mut depth, mut live) = (0.0, 0);
         while live < sigmas.len() && depth < limit {
-            depth += sigmas[live] * pass.delta;
+            depth += sigmas[live] * deltas[live];
             live += 1;
         }
         live
@@ -131,14 +131,14 @@ fn composite(pass: &Pass, c: &mut Chunk) {
         let (mut transmittance, mut color, mut depth) = (ray.transmittance, ray.color, ray.depth);
         for p in ray.first..ray.first + ray.count {
             let sigma = trunc_exp(c.geometry[p][0]);
-            let next = transmittance * exp((-sigma * pass.delta).max(-40.0));
+            let next = transmittance * exp((-sigma * c.delta[p]).max(-40.0));
             let weight = transmittance - next;
             for k in 0..3 {
                 color[k] += weight * c.rgb[p][k];
             }
             depth += weight * c.t[p];
             // For the backward pass: the weight, the transmittance behind the sample, the density.
-            [c.rgb[p][3], c.rgb[p][4], c.rgb[p][5]] = [weight, next, sigma];
+            [c.rgb[p][3], c.rgb[p][4], c.rgb[p][5], c.rgb[p][6]] = [weight, next, sigma, 0.0];
             transmittance = next;
         }
         (ray.transmittance, ray.depth) = (transmittance, depth);
@@ -157,9 +157,14 @@ fn composite(pass: &Pass, c: &mut Chunk) {
             g_color[k] = pass.gradient.unwrap_or(0.0) * error;
         }
         if pass.gradient.is_some() {
-            let samples = &mut c.rgb[ray.first..ray.first + ray.count];
+            // What the distortion loss adds to each weight's worth, in column 6 of its sample.
+            if let Some(scatter) = pass.scatter.filter(|_| counts) {
+                scatter.charge(&c.t, &mut c.rgb, ray.first..ray.first + ray.count);
+            }
+            let range = ray.first..ray.first + ray.count;
+            let (samples, deltas) = (&mut c.rgb[range.clone()], &c.delta[range]);
             let background = g_color.iter().zip(ray.background).map(|(g, b)| g * b).sum::<f32>();
-            composite_backward(pass, samples, transmittance * background, g_color);
+            composite_backward(samples, deltas, transmittance * background, g_color);
         }
     }
 }
@@ -175,12 +180,12 @@ fn flush(gradient: f32) -> f32 {
 
 /// From the last sample to the first, as in the oracle: `behind` is what the light behind the sample is worth, at first the background's.
 #[inline(always)]
-fn composite_backward(pass: &Pass, samples: &mut [[f32; 16]], mut behind: f32, g: [f32; 3]) {
+fn composite_backward(samples: &mut [[f32; 16]], deltas: &[f32], mut behind: f32, g: [f32; 3]) {
     let dot = |c: [f32; 3]| g[0] * c[0] + g[1] * c[1] + g[2] * c[2];
-    for sample in samples.iter_mut().rev() {
-        let [r, green, b, weight, next, sigma, ..] = *sample;
-        let seen = dot([r, green, b]);
-        let slope = pass.delta * (next * seen - behind);
+    for (sample, delta) in samples.iter_mut().zip(deltas).rev() {
+        let [r, green, b, weight, next, sigma, charge, ..] = *sample;
+        let seen = dot([r, green, b]) + charge;
+        let slope = delta * (next * seen - behind);
         behind += weight * seen;
         *sample = [0.0; 16];
         for (k, c) in [r, green, b].into_iter().enumerate() {

@@ -4,6 +4,8 @@ use pulp::{Simd, WithSimd};
 
 use super::CompactModel;
 use super::chunk::Chunk;
+use super::pace::Pace;
+use super::space::Space;
 use super::views::BoxRay;
 use crate::occupancy_grid::fast::MarchRay;
 use crate::random::Key;
@@ -26,15 +28,15 @@ struct Drawn {
 
 /// Rays and their samples, into the chunk.
 #[inline(always)]
-fn push(model: &CompactModel, length: f32, rays: &[Drawn], chunk: &mut Chunk) {
+fn push(model: &CompactModel, pace: &Pace, rays: &[Drawn], chunk: &mut Chunk) {
     let march_ray = |drawn: &Drawn| model.march_ray(&drawn.ray, drawn.u, drawn.patience);
     let mut steps = std::mem::take(&mut chunk.steps);
     for rays in rays.chunks(WALKING) {
         let march_rays: Vec<MarchRay> = rays.iter().map(march_ray).collect();
-        model.occupancy.march(model.arch, &march_rays, length, &mut steps);
+        pace.march(&model.occupancy, model.arch, &march_rays, &mut steps);
         for (n, (march_ray, drawn)) in march_rays.iter().zip(rays).enumerate() {
             chunk.push_ray(&drawn.ray, [drawn.target, drawn.background], drawn.pixel, steps.cut(n));
-            chunk.push_samples(march_ray, steps.of(n), length);
+            chunk.push_samples(march_ray, steps.of(n), pace);
         }
     }
     chunk.steps = steps;
@@ -44,7 +46,11 @@ impl CompactModel {
     /// A ray between the planes near and far, where it can meet occupied cells.
     #[inline(always)]
     pub(super) fn march_ray(&self, ray: &BoxRay, u: f32, patience: u32) -> MarchRay {
-        let (enter, leave) = self.occupancy.span(ray.o, ray.d);
+        // Contracted space has no end that a ray could miss.
+        let (enter, leave) = match self.settings.space {
+            Space::Box => self.occupancy.span(ray.o, ray.d),
+            Space::Contracted { .. } => (0.0, f32::INFINITY),
+        };
         let (near, far) = (enter.max(self.settings.near as f32), leave.min(self.settings.far as f32));
         MarchRay { o: ray.o, d: ray.d, near, far, u, patience }
     }
@@ -56,7 +62,7 @@ pub(super) struct March<'a> {
     /// The keys of pixels, and of jitter and backgrounds.
     pub keys: [Key; 2],
     pub step: u64,
-    pub length: f32,
+    pub pace: Pace,
     pub rays: std::ops::Range<usize>,
     pub chunk: &'a mut Chunk,
 }
@@ -66,7 +72,7 @@ impl WithSimd for March<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let March { model, keys: [pixels, jitter], step, length, rays, chunk } = self;
+        let March { model, keys: [pixels, jitter], step, pace, rays, chunk } = self;
         chunk.clear();
         let mut drawn = Vec::with_capacity(rays.len());
         let (again, patience) = (&model.again[..], model.settings.patience_at(step));
@@ -93,7 +99,7 @@ impl WithSimd for March<'_> {
                 });
             }
         }
-        push(model, length, &drawn, chunk);
+        push(model, &pace, &drawn, chunk);
         chunk.reserve();
     }
 }

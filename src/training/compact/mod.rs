@@ -20,14 +20,18 @@ use crate::training::{Model, Pixel, StepReport};
 
 mod backward;
 pub(crate) mod chunk;
+mod extent;
 mod forward;
 pub(crate) mod kernels;
 mod march;
 pub(crate) mod networks;
 mod occupancy;
+mod pace;
 pub(crate) mod reference;
 mod render;
+mod scatter;
 pub(crate) mod settings;
+pub(crate) mod space;
 mod state;
 pub(crate) mod step;
 mod views;
@@ -36,6 +40,7 @@ mod views;
 mod tests;
 
 use chunk::Chunk;
+pub use extent::Extent;
 use networks::{Networks, Weights};
 pub use settings::{CompactSettings, Overrides, Part};
 use views::Views;
@@ -123,9 +128,16 @@ impl Model for CompactModel {
     }
 
     fn cells(&self) -> Option<Cells> {
-        let CompactSettings { low, size, .. } = self.settings;
-        let resolution = self.occupancy.resolution;
-        let occupied = (0..resolution.pow(3)).map(|cell| self.occupancy.occupied(cell)).collect();
+        let CompactSettings { low, size, space, .. } = self.settings;
+        let whole = self.occupancy.resolution;
+        // Of contracted space, the part that isn't.
+        let resolution = whole / space.width() as usize;
+        let first = (whole - resolution) / 2;
+        let cell = |n: usize| {
+            let [x, y, z] = [n % resolution, n / resolution % resolution, n / resolution / resolution];
+            ((first + z) * whole + first + y) * whole + first + x
+        };
+        let occupied = (0..resolution.pow(3)).map(|n| self.occupancy.occupied(cell(n))).collect();
         Some(Cells { low, high: low + size, resolution, occupied })
     }
 

@@ -6,11 +6,12 @@
 use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::densities;
+use super::pace::Pace;
 use super::settings::{CompactSettings, OPAQUE, Part};
-use super::step::OPTICAL_SIZE;
+use super::space::OPTICAL_SIZE;
 use super::views::Views;
 use crate::hash_grid::fast as hash_grid;
-use crate::occupancy_grid::fast::{Occupancy, ray_box};
+use crate::occupancy_grid::fast::Occupancy;
 use crate::parallel;
 use crate::random::{Key, Purpose};
 
@@ -61,8 +62,8 @@ impl CompactModel {
     }
 
     fn apply_thresholds(&mut self) {
-        let [occupied, opaque] =
-            [OCCUPIED, OPAQUE].map(|depth| (depth * self.settings.occupancy as f64 / OPTICAL_SIZE) as f32);
+        let cell = self.settings.space.width() * OPTICAL_SIZE / self.settings.occupancy as f64;
+        let [occupied, opaque] = [OCCUPIED, OPAQUE].map(|depth| (depth / cell) as f32);
         self.occupancy.apply_thresholds([self.occupancy.threshold(occupied), opaque]);
     }
 
@@ -110,7 +111,7 @@ impl CompactModel {
             hash_grid::encode_level(self.arch, level, &chunk.points, out);
         }
         chunk.clear_levels(active);
-        densities(self.arch, &self.pass(self.settings.samples, None), chunk);
+        densities(self.arch, &self.pass(None), chunk);
     }
 }
 
@@ -150,11 +151,7 @@ fn unknown(views: &Views, settings: &CompactSettings) -> Occupancy {
 
 /// Marks the cells along a ray, in steps of half a cell.
 fn walk(seen: &mut Occupancy, ray: &super::views::BoxRay, settings: &CompactSettings) {
-    let (enter, leave) = ray_box(ray.o, ray.d);
-    let (near, far) = (enter.max(settings.near as f32), leave.min(settings.far as f32));
-    let step = (settings.size / (2 * SEEN) as f64) as f32;
-    let count = ((far - near) / step).max(0.0) as usize;
-    let point = |k: usize| std::array::from_fn(|a| ray.o[a] + (near + (k as f32 + 0.5) * step) * ray.d[a]);
-    let points: Vec<[f32; 3]> = (0..count).map(point).collect();
-    seen.raise(&points, &vec![0.0; count]);
+    let pace = Pace::new(settings, (2 * SEEN) as f64 / settings.space.width());
+    let points = pace.everywhere(ray, [settings.near, settings.far].map(|t| t as f32));
+    seen.raise(&points, &vec![0.0; points.len()]);
 }

@@ -6,8 +6,11 @@ use ndarray::{Array1, Array2};
 use super::CompactModel;
 use super::networks::{GEOMETRY, HIDDEN};
 use super::settings::EXPONENT;
-use super::step::{OPTICAL_SIZE, optical_step};
-use crate::convention::{ExponentShift, HarmonicForm, HarmonicSign, ProductEps};
+use super::space::{OPTICAL_SIZE, Space, optical_step};
+use crate::contraction::contract;
+use crate::convention::{
+    ContractionNorm, ContractionRange, ExponentShift, HarmonicForm, HarmonicSign, ProductEps,
+};
 use crate::early_stop::live_samples;
 use crate::field::mlp::Output;
 use crate::field::{Layer, Mlp};
@@ -29,6 +32,7 @@ pub(crate) struct Reference {
     color: Mlp,
     /// Density 1 in occupied cells.
     occupied: OccupancyGrid,
+    space: Space,
     low: [f64; 3],
     size: f64,
     near: f64,
@@ -53,6 +57,11 @@ fn layer<'a, const N: usize>(rows: impl Iterator<Item = &'a [f32; N]>, outputs: 
     let rows: Vec<&[f32; N]> = rows.collect();
     let w = Array2::from_shape_fn((outputs, rows.len()), |(o, i)| f64::from(rows[i][o]));
     Layer { w, b: Array1::zeros(outputs) }
+}
+
+/// By how much the density of a point is less than what the network says: outside of the inner cube, by the square of its largest coordinate.
+fn thinner(v: [f64; 3]) -> f64 {
+    v.into_iter().fold(1.0, |most: f64, v| most.max(v * v))
 }
 
 impl Reference {
@@ -82,6 +91,7 @@ impl Reference {
                 density: (0..resolution.pow(3)).map(cell).collect(),
                 threshold: 0.5,
             },
+            space: settings.space,
             low: settings.low.to_array(),
             size: settings.size,
             near: settings.near,
@@ -97,8 +107,45 @@ impl Reference {
         (trunc_exp::density(geometry[0], EXPONENT, ExponentShift::None), [color[0], color[1], color[2]])
     }
 
-    /// The samples of a ray at rest, `samples` step lengths across the box: positions in the unit box, in occupied cells alone.
-    fn march(&self, ray: &Ray, samples: f64) -> Vec<[f64; 3]> {
+    /// The samples of a ray at rest, `samples` step lengths across the box: positions in the unit box, in occupied cells alone, and
+    /// their deltas in the unit of [`optical_step`].
+    fn march(&self, ray: &Ray, samples: f64) -> (Vec<[f64; 3]>, Vec<f64>) {
+        // In f64: the f32 step length's rounding is the f32 path's own.
+        let delta = f64::from(optical_step(1.0)) / samples;
+        match self.space {
+            Space::Box => {
+                let points = self.straight(ray, samples);
+                let deltas = vec![delta; points.len()];
+                (points, deltas)
+            }
+            Space::Contracted { even } => self.contracted(ray, self.size / samples, even, delta),
+        }
+    }
+
+    /// In contracted space: the middles of steps that are even as far as `even`, and even in 1 / distance from there on.
+    fn contracted(&self, ray: &Ray, step: f64, even: f64, delta: f64) -> (Vec<[f64; 3]>, Vec<f64>) {
+        let (mut points, mut deltas) = (vec![], vec![]);
+        let distance = |x: f64| if x <= even { x } else { even / (2.0 - x / even) };
+        let last = if self.far <= even { self.far } else { even * (2.0 - even / self.far) };
+        let middles = (0..).map(|k| (f64::from(k) + 0.5) * step).take_while(|x| *x < last);
+        for t in middles.map(distance).skip_while(|t| *t < self.near) {
+            let v = self.middled(ray, t);
+            let p = contract(v, ContractionNorm::Linf, ContractionRange::Unit);
+            if self.occupied.occupied(p) {
+                points.push(p);
+                deltas.push(delta * (t / even).max(1.0).powi(2) / thinner(v));
+            }
+        }
+        (points, deltas)
+    }
+
+    /// A ray's point in units in which the inner cube is [-1, 1]^3.
+    fn middled(&self, ray: &Ray, t: f64) -> [f64; 3] {
+        let x = ray.at(t);
+        [0, 1, 2].map(|a| 2.0 * (x[a] - self.low[a]) / self.size - 1.0)
+    }
+
+    fn straight(&self, ray: &Ray, samples: f64) -> Vec<[f64; 3]> {
         let o = [0, 1, 2].map(|a| (ray.o[a] - self.low[a]) / self.size);
         let d = [0, 1, 2].map(|a| ray.d[a] / self.size);
         let Some(hit) = intersect(o, d, [0.0; 3], [1.0; 3]) else { return vec![] };
@@ -111,14 +158,19 @@ impl Reference {
     pub(crate) fn probe(&self, ray: &Ray, t: &[f64]) -> Vec<Probe> {
         let view = self.view(ray);
         let at = |&t: &f64| {
-            let x = ray.at(t);
-            let p = [0, 1, 2].map(|a| (x[a] - self.low[a]) / self.size);
+            let v = self.middled(ray, t);
+            let (p, thinner) = match self.space {
+                Space::Box => (v.map(|v| 0.5 * v + 0.5), 1.0),
+                Space::Contracted { .. } => {
+                    (contract(v, ContractionNorm::Linf, ContractionRange::Unit), thinner(v))
+                }
+            };
             let inside = p.iter().all(|x| (0.0..=1.0).contains(x));
             if !inside || !self.occupied.occupied(p) {
                 return Probe::default();
             }
             let (sigma, rgb) = self.field(p, &view);
-            Probe { density: sigma * OPTICAL_SIZE / self.size, rgb }
+            Probe { density: sigma * OPTICAL_SIZE / (self.size * thinner), rgb }
         };
         t.iter().map(at).collect()
     }
@@ -137,13 +189,12 @@ impl Reference {
     pub(crate) fn render(&self, ray: &Ray, samples: f64, stop: f64) -> ReferenceRay {
         let view = self.view(ray);
         let (mut sigmas, mut rgbs) = (vec![], vec![]);
-        for p in self.march(ray, samples) {
+        let (points, deltas) = self.march(ray, samples);
+        for p in points {
             let (sigma, rgb) = self.field(p, &view);
             sigmas.push(sigma);
             rgbs.push(rgb);
         }
-        // In f64: the f32 step length's rounding is the f32 path's own.
-        let deltas = vec![f64::from(optical_step(1.0)) / samples; sigmas.len()];
         let seen = volume_render(&sigmas, &rgbs, &deltas, ProductEps::None);
         let live = live_samples(&sigmas, &deltas, stop);
         ReferenceRay { color: seen.color, opacity: seen.opacity, samples: sigmas.len(), live }

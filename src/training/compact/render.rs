@@ -7,6 +7,7 @@ use super::CompactModel;
 use super::chunk::{self, Chunk, Pass};
 use super::forward::run;
 use super::kernels::Plain;
+use super::pace::Pace;
 use super::views::BoxRay;
 use crate::hash_grid::fast as hash_grid;
 use crate::occupancy_grid::fast::MarchRay;
@@ -38,8 +39,8 @@ impl CompactModel {
     }
 
     fn render_chunk(&self, rays: &[Ray], samples: f64, chunk: &mut Chunk) -> Vec<Pixel> {
-        let length = (self.settings.size / samples) as f32;
-        let mut pass = self.pass(samples, None);
+        let pace = Pace::new(&self.settings, samples);
+        let mut pass = self.pass(None);
         pass.stop = self.settings.stop_at_rest as f32;
         chunk.clear();
         let march_ray = |(n, ray): (usize, &Ray)| {
@@ -50,7 +51,7 @@ impl CompactModel {
         };
         let march_rays: Vec<MarchRay> = rays.iter().enumerate().map(march_ray).collect();
         let mut steps = std::mem::take(&mut chunk.steps);
-        self.occupancy.march(self.arch, &march_rays, length, &mut steps);
+        pace.march(&self.occupancy, self.arch, &march_rays, &mut steps);
 
         let mut pixels =
             vec![Pixel { rgb: [0.0; 3], opacity: 0.0, depth: self.settings.far as f32 }; rays.len()];
@@ -65,7 +66,7 @@ impl CompactModel {
                 let next = &steps.of(n)[taken[n]..];
                 let next = &next[..next.len().min(most)];
                 chunk.resume(ray);
-                chunk.push_samples(&march_rays[n], next, length);
+                chunk.push_samples(&march_rays[n], next, &pace);
                 taken[n] += next.len();
             }
             self.render_round(&pass, chunk);

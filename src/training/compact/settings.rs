@@ -3,6 +3,8 @@
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 
+use super::extent::{self, Extent, cut_out, pixel_footprint};
+use super::space::Space;
 use crate::camera::Camera;
 use crate::convention::Exponent;
 use crate::hash_grid;
@@ -34,11 +36,13 @@ pub enum Part {
     ViewDependence,
     /// Random colors behind pictures that have opacity: the scene's background instead.
     RandomBackgrounds,
+    /// The distortion loss against floaters.
+    Distortion,
 }
 
 impl Part {
     /// All of them.
-    pub const ALL: [Part; 9] = [
+    pub const ALL: [Part; 10] = [
         Part::Occupancy,
         Part::Stop,
         Part::Patience,
@@ -48,6 +52,7 @@ impl Part {
         Part::Decay,
         Part::ViewDependence,
         Part::RandomBackgrounds,
+        Part::Distortion,
     ];
 }
 
@@ -62,6 +67,8 @@ pub struct Overrides {
     pub rays: Option<usize>,
     /// Learning rate of the grid (`--lr`).
     pub lr: Option<f64>,
+    /// The part of space that the model holds (`--space`).
+    pub extent: Extent,
     /// Parts to leave out (`--without`).
     pub without: Vec<Part>,
 }
@@ -69,7 +76,9 @@ pub struct Overrides {
 /// All settings of a [`super::CompactModel`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct CompactSettings {
-    /// Lower corner of the box, a cube.
+    /// What is around the box, if anything.
+    pub(crate) space: Space,
+    /// Lower corner of the box, a cube; in contracted space of the part that isn't.
     pub low: DVec3,
     /// Its edge, scene units.
     pub size: f64,
@@ -101,6 +110,8 @@ pub struct CompactSettings {
     pub rays: Option<usize>,
     /// Learning rates of the grid and of the networks at step 1.
     pub lr: [f64; 2],
+    /// Factor of the distortion loss; 0 where it is left out.
+    pub distortion: f64,
     /// Seed of everything random.
     pub seed: u64,
     /// Whether color depends on the direction.
@@ -123,6 +134,9 @@ const SAMPLES_GROW: f64 = 2000.0;
 /// Pixels of a scene from which on a level's table has 2^18 entries: a batch is too small a part of them to spoil what others learned.
 const MANY_PIXELS: usize = 8_000_000;
 
+/// The distortion loss' factor, as mip-NeRF 360 has it.
+const DISTORTION: f64 = 0.01;
+
 /// Where the density's exponent is clamped: in the forward pass too.
 pub(crate) const EXPONENT: Exponent = Exponent::Clamped;
 
@@ -140,7 +154,9 @@ impl CompactSettings {
         let mut because = |name: &str, why: String| drop(reasons.insert(name.into(), Value::from(why)));
         let without = |part| overrides.without.contains(&part);
         let or = |part, why: &str| if without(part) { "left out: as asked for" } else { why }.to_string();
-        let (low, size, why) = cube(scene);
+        let (space, why) = extent::space(scene, overrides.extent);
+        because("space", why);
+        let (low, size, why) = extent::cube(scene, space);
         because("box", why);
         let footprint = pixel_footprint(scene);
         let samples = overrides.samples.map_or((size / footprint).clamp(64.0, 1024.0), |n| n as f64);
@@ -162,7 +178,7 @@ impl CompactSettings {
             "samples_at_rest",
             "a picture's samples lie closer than the last step's, 3 for its 2: nearer to the field's own integral".into(),
         );
-        let finest = (2.0 * size / footprint).clamp(64.0, 2048.0) as u32;
+        let finest = ((2.0 * size / footprint).clamp(64.0, 2048.0) * space.width()) as u32;
         because(
             "resolutions",
             format!(
@@ -219,6 +235,19 @@ impl CompactSettings {
                 "16,384 samples, from step 500 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs",
             ),
         );
+        let full = !cut_out(scene);
+        let scattered = full && !without(Part::Distortion);
+        because(
+            "distortion",
+            or(
+                Part::Distortion,
+                if full {
+                    "the pictures are full: weights that lie scattered along a ray cost, against floaters before the cameras"
+                } else {
+                    "left out: the pictures' borders are background, over which floaters would show"
+                },
+            ),
+        );
         let spread = direction_spread(scene);
         let view_dependent = spread > 10f64.to_radians() && !without(Part::ViewDependence);
         because(
@@ -244,17 +273,26 @@ impl CompactSettings {
                 "pictures with opacity are learned over random colors, so that nothing but empty space looks empty and any background can be had later; others over the scene's",
             ),
         );
-        because("background_model", "left out: what lies beyond the box has one color".into());
+        because(
+            "background_model",
+            match space {
+                Space::Box => "left out: what lies beyond the box has one color".into(),
+                Space::Contracted { .. } => {
+                    "left out: the contracted part of space holds the background".into()
+                }
+            },
+        );
         CompactSettings {
+            space,
             low,
             size,
             near: scene.near,
-            far: scene.far,
+            far: extent::far(scene, space),
             background: scene.background,
             any_background: !without(Part::RandomBackgrounds),
             samples,
             samples_first,
-            resolutions: hash_grid::resolutions(16, finest, LEVELS),
+            resolutions: hash_grid::resolutions(16 * space.width() as u32, finest, LEVELS),
             table,
             occupancy: 128,
             stop: if without(Part::Stop) { 0.0 } else { 1e-4 },
@@ -262,6 +300,7 @@ impl CompactSettings {
             batch: 16_384,
             rays: overrides.rays,
             lr: overrides.lr.map_or([2e-2, 1e-2], |lr| [lr, 0.5 * lr]),
+            distortion: if scattered { DISTORTION } else { 0.0 },
             seed: overrides.seed,
             view_dependent,
             without: overrides.without.clone(),
@@ -306,7 +345,7 @@ impl CompactSettings {
     /// Samples in opaque cells after which a ray of a training step is ended: as many as take `PATIENCE`.
     pub fn patience_at(&self, step: u64) -> u32 {
         let off = [Part::Patience, Part::Stop].iter().any(|part| self.without.contains(part));
-        let each = OPAQUE * self.occupancy as f64 / self.samples_at(step);
+        let each = OPAQUE * self.occupancy as f64 / (self.space.width() * self.samples_at(step));
         if off { u32::MAX } else { (PATIENCE / each).ceil() as u32 }
     }
 
@@ -318,75 +357,32 @@ impl CompactSettings {
         1.0 / (1.0 + step as f64 / LR_HALF_LIFE).sqrt()
     }
 
+    /// Whether all of space is held, contracted, and not a box alone.
+    pub fn contracted(&self) -> bool {
+        self.space != Space::Box
+    }
+
+    /// Samples of a ray at the most, in the end: across the box, or to where steps even in 1 / distance end.
+    pub fn longest_ray(&self) -> f64 {
+        match self.space {
+            Space::Box => self.samples,
+            Space::Contracted { even } => 2.0 * even / self.size * self.samples,
+        }
+    }
+
     /// For `run.json`.
     pub fn to_json(&self) -> Map<String, Value> {
         let object = json!({
-            "model": "compact", "box_low": self.low.to_array(), "box_size": self.size, "near": self.near, "far": self.far,
+            "model": "compact", "space": self.space.name(), "box_low": self.low.to_array(), "box_size": self.size, "near": self.near, "far": self.far,
             "background": self.background, "any_background": self.any_background, "samples": self.samples, "samples_first": self.samples_first, "samples_at_rest": AT_REST * self.samples,
             "resolutions": self.resolutions, "table": self.table, "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop, "stop_at_rest": self.stop_at_rest,
             "patience": Some(self.patience_at(u64::MAX)).filter(|n| *n < u32::MAX), "batch": self.batch, "batch_most": self.batch_at(u64::MAX),
             "rays": self.rays, "lr": self.lr, "lr_half_life": LR_HALF_LIFE, "seed": self.seed,
-            "view_dependent": self.view_dependent, "density_exponent": EXPONENT, "without": self.without, "reasons": self.reasons,
+            "distortion": self.distortion, "view_dependent": self.view_dependent, "density_exponent": EXPONENT, "without": self.without, "reasons": self.reasons,
         });
         let Value::Object(map) = object else { unreachable!("an object literal") };
         map
     }
-}
-
-fn center(camera: &Camera) -> DVec3 {
-    camera.c2w.w_axis.truncate()
-}
-
-fn distances(scene: &Scene) -> impl Iterator<Item = f64> {
-    scene.train.iter().map(|frame| (center(&frame.camera) - scene.focus).length())
-}
-
-/// The cube in which samples are taken, with its reason.
-fn cube(scene: &Scene) -> (DVec3, f64, String) {
-    if let Some((low, high)) = scene.bounds {
-        let size = (high - low).max_element();
-        let why = scene.reasons.get("bounds").and_then(Value::as_str).unwrap_or("the scene says so");
-        return (0.5 * (low + high) - DVec3::splat(0.5 * size), size, why.into());
-    }
-    let (mut nearest, mut farthest) = (f64::INFINITY, 0f64);
-    for r in distances(scene) {
-        (nearest, farthest) = (nearest.min(r), farthest.max(r));
-    }
-    let reach = (scene.far - nearest).max(0.1 * farthest);
-    let slope = |camera: &Camera| {
-        (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy)
-    };
-    let slope = scene.train.iter().map(|frame| slope(&frame.camera)).fold(0.0, f64::max);
-    let (half, why) = if cut_out(scene) {
-        let why = "the pictures' borders are background, so the object lies where the pictures look at the cameras' focus";
-        (reach.min(farthest * slope), why)
-    } else {
-        (reach, "the pictures are full, so the box reaches from the cameras' focus as far as samples do")
-    };
-    (scene.focus - DVec3::splat(half), 2.0 * half, why.into())
-}
-
-/// Whether 95% of the pictures' border pixels are background.
-fn cut_out(scene: &Scene) -> bool {
-    let (mut border, mut plain) = (0, 0);
-    for image in scene.train.iter().filter_map(|frame| frame.image.as_ref()) {
-        let (h, w) = image.size();
-        let edge = (0..w).flat_map(|i| [(0, i), (h - 1, i)]).chain((0..h).flat_map(|j| [(j, 0), (j, w - 1)]));
-        for (j, i) in edge {
-            border += 1;
-            let color = image.at(j, i);
-            plain += usize::from((0..3).all(|k| (f64::from(color[k]) - scene.background[k]).abs() < 0.02));
-        }
-    }
-    plain * 20 >= border * 19
-}
-
-/// The width of a pixel at the focus, from the mean camera; of different ones, from that with the median focal length.
-fn pixel_footprint(scene: &Scene) -> f64 {
-    let mean = distances(scene).sum::<f64>() / scene.train.len() as f64;
-    let mut focal: Vec<f64> = scene.train.iter().map(|frame| frame.camera.k.fx).collect();
-    focal.sort_by(f64::total_cmp);
-    mean / focal[focal.len() / 2]
 }
 
 /// The largest angle between two training cameras' axes and the first one's.

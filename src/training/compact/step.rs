@@ -6,6 +6,8 @@ use super::forward::run;
 use super::kernels::{Multiply, Plain};
 use super::march::March;
 use super::networks::Weights;
+use super::pace::Pace;
+use super::scatter::Scatter;
 use crate::hash_grid::fast::{self as hash_grid, Level};
 use crate::optimizer::Adam;
 use crate::optimizer::fast::Rates;
@@ -26,14 +28,14 @@ impl CompactModel {
         Rates::new(&Adam { lr, beta1: 0.9, beta2: 0.99, eps: 1e-15, weight_decay: 0.0 }, step)
     }
 
-    /// The pass that the chunks of a step or of a picture share; `samples` step lengths across the box.
-    pub(super) fn pass(&self, samples: f64, gradient: Option<f32>) -> Pass<'_> {
+    /// The pass that the chunks of a step or of a picture share.
+    pub(super) fn pass(&self, gradient: Option<f32>) -> Pass<'_> {
         Pass {
             nets: &self.nets,
-            delta: optical_step(samples),
             stop: self.settings.stop as f32,
             view_dependent: self.settings.view_dependent,
             gradient,
+            scatter: None,
         }
     }
 
@@ -75,16 +77,18 @@ impl CompactModel {
 
     /// Forward and backward of a step's batch of `rays` rays; `on` multiplies.
     pub(crate) fn run(&self, chunks: &mut [Chunk], rays: usize, step: u64, on: &impl Multiply) {
-        let pass = self.pass(self.settings.samples_at(step), Some(2.0 / (3 * rays) as f32));
+        let mut pass = self.pass(Some(2.0 / (3 * rays) as f32));
+        let pace = Pace::new(&self.settings, self.settings.samples_at(step));
+        pass.scatter = Scatter::new(&self.settings, pace, rays);
         parallel::for_each(chunks, |chunk| run(self.arch, &pass, chunk, on));
     }
 
     fn march(&self, chunks: &mut [Chunk], rays_each: usize, samples: f64, step: u64) {
-        let length = (self.settings.size / samples) as f32;
+        let pace = Pace::new(&self.settings, samples);
         let keys = [Purpose::Rays, Purpose::Samples].map(|purpose| Key::new(self.settings.seed, purpose));
         parallel::for_chunks(chunks, 1, |c, chunk| {
             let rays = c * rays_each..(c + 1) * rays_each;
-            self.arch.dispatch(March { model: self, keys, step, length, rays, chunk: &mut chunk[0] });
+            self.arch.dispatch(March { model: self, keys, step, pace, rays, chunk: &mut chunk[0] });
         });
     }
 
@@ -127,15 +131,6 @@ impl CompactModel {
         );
         slope
     }
-}
-
-/// The box's edge in the unit in which densities are 1 / length: a network that starts at density 1 starts with e^-3 of the light coming
-/// through, whatever the scene's unit.
-pub(super) const OPTICAL_SIZE: f64 = 3.0;
-
-/// The step length in that unit.
-pub(crate) fn optical_step(samples: f64) -> f32 {
-    (OPTICAL_SIZE / samples) as f32
 }
 
 /// The first `active` levels, fine and coarse alternating: fine ones cost more, and neighbors go to the same thread.

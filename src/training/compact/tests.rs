@@ -1,6 +1,7 @@
 //! The f32 model against the oracle's formulas in f64, equal bits on any number of threads, and checkpoints.
 
 mod pictures;
+mod unbounded;
 
 use glam::{DMat3, DMat4, DVec3};
 use ndarray::Array3;
@@ -10,6 +11,7 @@ use super::chunk::{Chunk, Pass};
 use super::forward::run;
 use super::kernels::{Plain, outer, product};
 use super::networks::{Networks, Weights};
+use super::pace::Pace;
 use super::views::BoxRay;
 use super::{CompactModel, Overrides};
 use crate::camera::{Camera, Intrinsics};
@@ -56,6 +58,7 @@ fn ball() -> Scene {
         test: vec![],
         near: 1.0,
         far: 3.0,
+        far_given: false,
         background: [0.0; 3],
         bounds: None,
         cloud: None,
@@ -167,7 +170,7 @@ fn oracle_loss(w: &Weights, encodings: &[[f32; 32]], delta: f64) -> f64 {
     loss / (3 * COUNTS.len()) as f64
 }
 
-fn chunk_of(encodings: &[[f32; 32]]) -> Chunk {
+fn chunk_of(encodings: &[[f32; 32]], delta: f32) -> Chunk {
     let mut chunk = Chunk::default();
     for (r, count) in COUNTS.into_iter().enumerate() {
         let unit = direction(r).map(|x| x as f32);
@@ -179,7 +182,7 @@ fn chunk_of(encodings: &[[f32; 32]]) -> Chunk {
         );
         let march_ray =
             MarchRay { o: [0.5; 3], d: [0.0; 3], near: 0.0, far: 1.0, u: 0.5, patience: u32::MAX };
-        chunk.push_samples(&march_ray, &vec![0.5; count], 1.0);
+        chunk.push_samples(&march_ray, &vec![0.5; count], &Pace::even(1.0, delta));
     }
     chunk.reserve();
     chunk.spread(0, encodings);
@@ -191,17 +194,16 @@ fn chunk_of(encodings: &[[f32; 32]]) -> Chunk {
 fn gradients_agree_with_the_oracle() {
     let nets = Networks::new(Weights::random(&Key::new(4, Purpose::Parameters)));
     let encodings = rows::<32>(5, COUNTS.iter().sum());
-    let delta = 0.05;
     let pass = Pass {
         nets: &nets,
-        delta,
         stop: 0.0,
         view_dependent: true,
         gradient: Some(2.0 / (3 * COUNTS.len()) as f32),
+        scatter: None,
     };
-    let delta = f64::from(delta);
     for arch in [crate::simd::arch(), Arch::Scalar] {
-        let mut chunk = chunk_of(&encodings);
+        let mut chunk = chunk_of(&encodings, 0.05);
+        let delta = f64::from(0.05f32);
         run(arch, &pass, &mut chunk, &Plain);
         let loss = chunk.error / (3 * COUNTS.len()) as f64;
         assert!((loss - oracle_loss(&nets.weights, &encodings, delta)).abs() < 1e-6);
@@ -245,8 +247,8 @@ fn early_stop_keeps_its_word() {
     let nets = Networks::new(Weights::random(&Key::new(4, Purpose::Parameters)));
     let encodings = rows::<32>(5, COUNTS.iter().sum());
     let colors = |stop| {
-        let mut chunk = chunk_of(&encodings);
-        let pass = Pass { nets: &nets, delta: 0.5, stop, view_dependent: true, gradient: None };
+        let mut chunk = chunk_of(&encodings, 0.5);
+        let pass = Pass { nets: &nets, stop, view_dependent: true, gradient: None, scatter: None };
         run(crate::simd::arch(), &pass, &mut chunk, &Plain);
         (chunk.rays.iter().map(|r| r.color).collect::<Vec<_>>(), chunk.points.len())
     };
@@ -263,9 +265,9 @@ fn a_ray_that_was_given_up_too_early_is_drawn_again() {
     let nets = Networks::new(Weights::random(&Key::new(4, Purpose::Parameters)));
     let encodings = rows::<32>(5, COUNTS.iter().sum());
     let gradient = |cut: [bool; 5]| {
-        let mut chunk = chunk_of(&encodings);
+        let mut chunk = chunk_of(&encodings, 0.05);
         (0..5).for_each(|r| (chunk.rays[r].cut, chunk.rays[r].pixel) = (cut[r], 70 + r as u32));
-        let pass = Pass { nets: &nets, delta: 0.05, stop: 1e-4, view_dependent: true, gradient: Some(1.0) };
+        let pass = Pass { nets: &nets, stop: 1e-4, view_dependent: true, gradient: Some(1.0), scatter: None };
         run(crate::simd::arch(), &pass, &mut chunk, &Plain);
         let light: Vec<f32> = chunk.rays.iter().map(|ray| ray.transmittance).collect();
         (chunk, light)

@@ -1,4 +1,4 @@
-"""SSIM, which has no row and no fixtures: libraries and mpmath on two pairs of pictures, which `src/loss/tests.rs` has too."""
+"""SSIM beside its fixtures: libraries and mpmath on two pairs of pictures, which `src/ssim/tests.rs` has too."""
 
 from importlib.metadata import version
 

@@ -10,9 +10,15 @@ use crate::training::compact::{CompactModel, Overrides, Part};
 /// Pictures, which are rendered in rounds, have the colors and opacities of all samples at once in f64.
 #[test]
 fn pictures_agree_with_the_reference() {
-    let model = trained(40);
+    let (most, worst) = differences(&trained(40));
+    assert!(most > 3 * 8, "{most} samples: several rounds");
+    assert!(worst < 2e-5, "{worst}");
+}
+
+/// The most samples of a ray of the ball's picture, and by how much a color or an opacity differs from the reference's.
+pub(super) fn differences(model: &CompactModel) -> (usize, f64) {
     let rays = crate::evaluation::camera_rays(&ball().val[0].camera).unwrap();
-    let reference = Reference::new(&model);
+    let reference = Reference::new(model);
     let samples = model.settings.samples_at_rest(model.step);
     let (mut most, mut worst) = (0, 0.0f64);
     for (ray, seen) in rays.iter().zip(model.render(&rays)) {
@@ -21,8 +27,7 @@ fn pictures_agree_with_the_reference() {
         let colors = (0..3).map(|k| f64::from(seen.rgb[k]) - truth.color[k]);
         worst = colors.chain([f64::from(seen.opacity) - truth.opacity]).map(f64::abs).fold(worst, f64::max);
     }
-    assert!(most > 3 * 8, "{most} samples: several rounds");
-    assert!(worst < 2e-5, "{worst}");
+    (most, worst)
 }
 
 /// Behind clear pixels lies another color each time, if the picture's opacity is known and nobody asked for the scene's.

@@ -1329,6 +1329,43 @@ distortion_loss: _DistortionLoss
 
 
 
+class _InterlevelLoss:
+    def __call__(self, weights: Array, t: Array, proposal_weights: Array, proposal_t: Array, eps: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Float:
+        """The error bound: mean over intervals of max(0, w_i - bound_i)^2 / (w_i + eps), bound_i the proposal's weights whose intervals overlap i; of each ray
+
+        mip-NeRF 360 (Barron et al. 2022), equations 12 and 13; google-research/multinerf internal/stepfun.py lossfun_outer. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            weights (R,N): weights of the field: no gradient
+            t (R,N+1): their edges, never falling
+            proposal_weights (R,M): weights of the proposal
+            proposal_t (R,M+1): their edges, from and to the same distances
+            eps (a number): added to the weight that is divided by
+
+        Returns:
+            loss (R): of each ray: add up or average them yourself
+        """
+    def vjp(self, weights: Array, t: Array, proposal_weights: Array, proposal_t: Array, eps: Array, *, grad_loss: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Float:
+        """The error bound of the gradient: mean over intervals of max(0, w_i - bound_i)^2 / (w_i + eps), bound_i the proposal's weights whose intervals overlap i; of each ray
+
+        mip-NeRF 360 (Barron et al. 2022), equations 12 and 13; google-research/multinerf internal/stepfun.py lossfun_outer. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            weights (R,N): weights of the field: no gradient
+            t (R,N+1): their edges, never falling
+            proposal_weights (R,M): weights of the proposal
+            proposal_t (R,M+1): their edges, from and to the same distances
+            eps (a number): added to the weight that is divided by
+            grad_loss (R): of the loss, by loss; zeros where left off
+
+        Returns:
+            grad_proposal_weights (R,M): of the loss, by proposal_weights
+        """
+
+interlevel_loss: _InterlevelLoss
+
+
+
 class _Mse:
     def __call__(self, prediction: Array, target: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> float:
         """The error bound: mean of (prediction - target)^2 over all entries
@@ -1357,6 +1394,72 @@ class _Mse:
         """
 
 mse: _Mse
+
+
+
+class _Huber:
+    def __call__(self, prediction: Array, target: Array, delta: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> float:
+        """The error bound: mean over entries of d^2 / 2 for |d| <= delta, else delta (|d| - delta / 2); d = prediction - target
+
+        Huber 1964; torch.nn.functional.huber_loss, and smooth_l1_loss which divides by delta. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            prediction (...): rendered colors
+            target (...): photographed colors
+            delta (a number): where squares end
+
+        Returns:
+            value (a number): the loss
+        """
+    def vjp(self, prediction: Array, target: Array, delta: Array, *, grad_value: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Union[float, Float]:
+        """The error bound of the gradient: mean over entries of d^2 / 2 for |d| <= delta, else delta (|d| - delta / 2); d = prediction - target
+
+        Huber 1964; torch.nn.functional.huber_loss, and smooth_l1_loss which divides by delta. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            prediction (...): rendered colors
+            target (...): photographed colors
+            delta (a number): where squares end
+            grad_value (a number): of the loss, by value; zeros where left off
+
+        Returns:
+            grad_prediction (...): of the loss, by prediction
+        """
+
+huber: _Huber
+
+
+
+class _Charbonnier:
+    def __call__(self, prediction: Array, target: Array, eps: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> float:
+        """The error bound: mean over entries of sqrt(d^2 + eps^2); d = prediction - target
+
+        Charbonnier et al. 1994; google-research/multinerf internal/train_utils.py compute_data_loss. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            prediction (...): rendered colors
+            target (...): photographed colors
+            eps (a number): the value at d = 0
+
+        Returns:
+            value (a number): the loss
+        """
+    def vjp(self, prediction: Array, target: Array, eps: Array, *, grad_value: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Union[float, Float]:
+        """The error bound of the gradient: mean over entries of sqrt(d^2 + eps^2); d = prediction - target
+
+        Charbonnier et al. 1994; google-research/multinerf internal/train_utils.py compute_data_loss. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            prediction (...): rendered colors
+            target (...): photographed colors
+            eps (a number): the value at d = 0
+            grad_value (a number): of the loss, by value; zeros where left off
+
+        Returns:
+            grad_prediction (...): of the loss, by prediction
+        """
+
+charbonnier: _Charbonnier
 
 
 
@@ -1393,6 +1496,39 @@ class _ToUint8:
         """
 
 to_uint8: _ToUint8
+
+
+
+class _Ssim:
+    def __call__(self, prediction: Array, target: Array, peak: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> float:
+        """The error bound: mean over windows and channels of (2 ma mb + c1) (2 sab + c2) / ((ma^2 + mb^2 + c1) (sa^2 + sb^2 + c2)), c = (0.01 peak)^2, (0.03 peak)^2; 11 x 11, Gaussian of 1.5
+
+        Wang et al. 2004, equations 13 to 17; graphdeco-inria/gaussian-splatting utils/loss_utils.py (padding). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            prediction (H,W,C): a rendered picture, at least 11 x 11
+            target (H,W,C): its photograph
+            peak (a number): largest color value
+
+        Returns:
+            value (a number): structural similarity, 1 for equal pictures: not 1 less it
+        """
+    def vjp(self, prediction: Array, target: Array, peak: Array, *, grad_value: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> Float:
+        """The error bound of the gradient: mean over windows and channels of (2 ma mb + c1) (2 sab + c2) / ((ma^2 + mb^2 + c1) (sa^2 + sb^2 + c2)), c = (0.01 peak)^2, (0.03 peak)^2; 11 x 11, Gaussian of 1.5
+
+        Wang et al. 2004, equations 13 to 17; graphdeco-inria/gaussian-splatting utils/loss_utils.py (padding). Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            prediction (H,W,C): a rendered picture, at least 11 x 11
+            target (H,W,C): its photograph
+            peak (a number): largest color value
+            grad_value (a number): of the loss, by value; zeros where left off
+
+        Returns:
+            grad_prediction (H,W,C): of the loss, by prediction
+        """
+
+ssim: _Ssim
 
 
 

@@ -1,0 +1,217 @@
+//! Robust losses, wrong on purpose. Without a mistake every function equals the oracle.
+
+use super::arrays::{forward, pair, vjp};
+use super::{backward, charbonnier as charbonnier_oracle, huber as huber_oracle, reduced, smooth};
+use crate::contract::arrays::{Arrays, number};
+use crate::contract::component::Mistake;
+use crate::convention::{CharbonnierEps, Conventions, HuberSlope};
+
+/// Mistakes of Huber's loss.
+pub(crate) const HUBER: &[Mistake] = &[
+    Mistake::new(
+        "half_forgotten",
+        "d^2 inside, for half of it",
+        "a step at delta: entries there are pushed to the outside",
+        "d^2 / 2",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "offset_forgotten",
+        "delta |d| beyond, without - delta^2 / 2",
+        "a step at delta: entries there are pulled inside",
+        "delta (|d| - delta / 2)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "slope_one_beyond",
+        "|d| - delta / 2 beyond, d^2 / 2 inside: the pieces of two losses",
+        "a step at delta, and a kink",
+        "both pieces of Huber's, or both of smooth L1: d^2 / (2 delta), |d| - delta / 2",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "sign_kept",
+        "d for |d| in the comparison: d <= delta",
+        "large negative errors count as squares: outliers rule after all",
+        "|d| <= delta",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "square_compared",
+        "d^2 <= delta in the place of |d| <= delta",
+        "squares up to sqrt(delta), and a step there",
+        "compare |d|",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "slope_not_limited",
+        "the gradient d everywhere",
+        "outliers pull as in the squared loss",
+        "limit d to [-delta, delta]",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "sign_forgotten",
+        "the gradient delta beyond, whatever the sign of d",
+        "dark outliers are made darker",
+        "delta sign(d)",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "no_slope_beyond",
+        "the gradient 0 beyond delta, as that of a limited number is",
+        "entries that are far off stay there",
+        "delta sign(d)",
+        "losses written with clamp and differentiated",
+        0,
+    )
+    .of_gradient(),
+];
+
+/// Mistakes of Charbonnier's loss.
+pub(crate) const CHARBONNIER: &[Mistake] = &[
+    Mistake::new(
+        "root_of_mean",
+        "sqrt(mean(d^2) + eps^2)",
+        "outliers rule as in the squared loss; gradients don't shrink as it is fitted",
+        "the root of each entry, then the mean",
+        "NeRF-Factory's mip-NeRF 360",
+        1,
+    ),
+    Mistake::new(
+        "eps_outside",
+        "sqrt(d^2) + eps",
+        "the kink of |d| is back: its gradient is NaN at d = 0",
+        "eps^2 under the root",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new("root_forgotten", "d^2 + eps^2", "the squared loss", "the root", "never; cheap to keep", 0),
+    Mistake::new(
+        "square_forgotten",
+        "sqrt(|d| + eps^2)",
+        "small errors weigh more than large ones",
+        "d^2 under the root",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "eps_forgotten",
+        "the gradient sign(d), as of |d|",
+        "no rest where the error is below eps",
+        "d / sqrt(d^2 + eps^2)",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "slope_halved",
+        "d / (2 sqrt(d^2 + eps^2)): the root's 1/2 without the square's 2",
+        "steps half as long",
+        "the chain rule's 2 d",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "not_a_number_at_zero",
+        "the gradient of sqrt(d^2) at d = 0: 0 / 0",
+        "the first exact entry ends the training",
+        "eps^2 under the root",
+        "losses written as a norm and differentiated",
+        0,
+    )
+    .of_gradient(),
+];
+
+/// One entry of Huber's loss, not yet divided by delta.
+fn wrong_piece(d: f64, delta: f64, wrong: &[&str]) -> f64 {
+    let has = |name: &str| wrong.contains(&name);
+    let inside = match () {
+        () if has("sign_kept") => d <= delta,
+        () if has("square_compared") => d * d <= delta,
+        () => d.abs() <= delta,
+    };
+    match () {
+        () if inside => d * d * if has("half_forgotten") { 1.0 } else { 0.5 },
+        () if has("offset_forgotten") => delta * d.abs(),
+        () if has("slope_one_beyond") => d.abs() - 0.5 * delta,
+        () => delta * (d.abs() - 0.5 * delta),
+    }
+}
+
+/// Huber's loss.
+pub(crate) fn huber(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let ([p, t], delta) = (pair(a), number(a, "delta"));
+    if wrong.is_empty() {
+        return forward(huber_oracle(&p, &t, delta, c.huber_slope, c.loss_reduction));
+    }
+    let sum: f64 = p.iter().zip(&t).map(|(p, t)| wrong_piece(p - t, delta, wrong)).sum();
+    let sum = if c.huber_slope == HuberSlope::One { sum / delta } else { sum };
+    forward(reduced(sum, p.len(), c.loss_reduction))
+}
+
+/// Its gradient.
+pub(crate) fn huber_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let ([p, t], delta, g) = (pair(a), number(a, "delta"), number(a, "grad_value"));
+    let right = backward::huber(&p, &t, delta, c.huber_slope, c.loss_reduction, g);
+    let one = |(n, right): (usize, f64)| {
+        let d = p[n] - t[n];
+        match wrong.first() {
+            Some(_) if d.abs() <= delta => right,
+            Some(&"slope_not_limited") => right * d.abs() / delta,
+            Some(&"sign_forgotten") => right * d.signum(),
+            Some(&"no_slope_beyond") => 0.0,
+            _ => right,
+        }
+    };
+    vjp(a, right.into_iter().enumerate().map(one).collect())
+}
+
+/// Charbonnier's loss.
+pub(crate) fn charbonnier(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let ([p, t], eps) = (pair(a), number(a, "eps"));
+    if wrong.is_empty() {
+        return forward(charbonnier_oracle(&p, &t, eps, c.charbonnier_eps, c.loss_reduction));
+    }
+    let has = |name: &str| wrong.contains(&name);
+    let square = if c.charbonnier_eps == CharbonnierEps::Square { eps * eps } else { eps };
+    let differences = || p.iter().zip(&t).map(|(p, t)| p - t);
+    if has("root_of_mean") {
+        let under = reduced(differences().map(|d| d * d).sum(), p.len(), c.loss_reduction) + square;
+        return forward(under.sqrt());
+    }
+    let one = |d: f64| match () {
+        () if has("eps_outside") => d.abs() + eps,
+        () if has("root_forgotten") => d * d + square,
+        () if has("square_forgotten") => (d.abs() + square).sqrt(),
+        () => smooth(d, eps, c.charbonnier_eps),
+    };
+    forward(reduced(differences().map(one).sum(), p.len(), c.loss_reduction))
+}
+
+/// Its gradient.
+pub(crate) fn charbonnier_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let ([p, t], eps, g) = (pair(a), number(a, "eps"), number(a, "grad_value"));
+    let right = backward::charbonnier(&p, &t, eps, c.charbonnier_eps, c.loss_reduction, g);
+    let one = |(n, right): (usize, f64)| {
+        let d = p[n] - t[n];
+        match wrong.first() {
+            Some(&"eps_forgotten") if d == 0.0 => 0.0,
+            Some(&"eps_forgotten") => reduced(g * d.signum(), p.len(), c.loss_reduction),
+            Some(&"slope_halved") => 0.5 * right,
+            Some(&"not_a_number_at_zero") if d == 0.0 => f64::NAN,
+            _ => right,
+        }
+    };
+    vjp(a, right.into_iter().enumerate().map(one).collect())
+}

@@ -1,0 +1,36 @@
+//! Registry row of structural similarity.
+
+use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::component::{Component, Direction, Port};
+use crate::contract::special::Special;
+
+/// How alike two pictures look.
+pub(crate) const SSIM: Component = Component {
+    name: "ssim",
+    folder: "ssim",
+    formula: "mean over windows and channels of (2 ma mb + c1) (2 sab + c2) / ((ma^2 + mb^2 + c1) (sa^2 + sb^2 + c2)), \
+              c = (0.01 peak)^2, (0.03 peak)^2; 11 x 11, Gaussian of 1.5",
+    source: "Wang et al. 2004, equations 13 to 17; graphdeco-inria/gaussian-splatting utils/loss_utils.py (padding)",
+    inputs: &[
+        Port::smooth("prediction", "H,W,C", "a rendered picture, at least 11 x 11"),
+        Port::plain("target", "H,W,C", "its photograph"),
+        Port::plain("peak", "", "largest color value"),
+    ],
+    outputs: &[Port::smooth("value", "", "structural similarity, 1 for equal pictures: not 1 less it")],
+    conventions: &["ssim_window", "ssim_padding", "ssim_variance", "ssim_peak"],
+    forward: Direction {
+        oracle: arrays::ssim,
+        bound: bound::ssim,
+        honest: honest::ssim,
+        wrong: mistakes::ssim,
+    },
+    vjp: Some(Direction {
+        oracle: arrays::ssim_vjp,
+        bound: bound::ssim_vjp,
+        honest: honest::ssim_vjp,
+        wrong: mistakes::ssim_vjp,
+    }),
+    cases: cases::ssim,
+    mistakes: mistakes::SSIM,
+    special: Special::NONE,
+};

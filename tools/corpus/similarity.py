@@ -1,0 +1,147 @@
+"""Structural similarity of two pictures."""
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+from entry import convention, fault, right
+
+
+def line(size=11, sigma=1.5):
+    """Weights along an axis."""
+    x = torch.arange(size) - size // 2
+    w = torch.exp(-(x**2) / (2 * sigma**2))
+    return w / w.sum()
+
+
+def blur(x, window, pad=0):
+    """Means over windows of (H, W, C)."""
+    x = x.permute(2, 0, 1)[None]
+    kernel = window.expand(x.shape[1], 1, *window.shape)
+    return F.conv2d(x, kernel, padding=pad, groups=x.shape[1])[0].permute(1, 2, 0)
+
+
+def similarity_map(a, b, c1, c2, mean, more=1.0):
+    """The map, from means of squares less squares of means."""
+    ma, mb = mean(a), mean(b)
+    va, vb, cov = more * (mean(a * a) - ma * ma), more * (mean(b * b) - mb * mb), more * (mean(a * b) - ma * mb)
+    return (2 * ma * mb + c1) * (2 * cov + c2) / ((ma * ma + mb * mb + c1) * (va + vb + c2))
+
+
+def constants(peak):
+    """c1, c2."""
+    return (0.01 * peak) ** 2, (0.03 * peak) ** 2
+
+
+@right("ssim", seen="pytorch-msssim, torchmetrics (padded, then cut): windows in the picture", times=6)
+def windows_in_the_picture(prediction, target, peak):
+    """A window of 11 x 11 moved over the picture, groups for channels."""
+    window = torch.outer(line(), line())
+    return similarity_map(prediction, target, *constants(peak), lambda x: blur(x, window)).mean()
+
+
+@right("ssim", seen="google-deepmind/dm_pix metrics.py ssim without its limits: along x, then along y", times=3)
+def one_axis_at_a_time(prediction, target, peak):
+    """Two passes of a filter of 11."""
+    w = line()
+    return similarity_map(prediction, target, *constants(peak), lambda x: blur(blur(x, w[None]), w[:, None])).mean()
+
+
+@convention("ssim", {"ssim_peak": "one"}, seen="gsplat examples/simple_trainer.py: fused_ssim, padding valid", times=3)
+def borders_cut(prediction, target):
+    """Zeros about the picture, five pixels on each side cut off the map; C1 = 0.01^2."""
+    window = torch.outer(line(), line())
+    full = similarity_map(prediction, target, 0.01**2, 0.03**2, lambda x: blur(x, window, 5))
+    return full[5:-5, 5:-5].mean()
+
+
+@convention(
+    "ssim",
+    {"ssim_padding": "zero", "ssim_peak": "one"},
+    seen="graphdeco-inria/gaussian-splatting utils/loss_utils.py and what stands on it",
+    times=9,
+)
+def zeros_about_the_picture(prediction, target):
+    """conv2d with padding 5, C1 = 0.01^2, C2 = 0.03^2."""
+    window = torch.outer(line(), line())
+    return similarity_map(prediction, target, 0.01**2, 0.03**2, lambda x: blur(x, window, 5)).mean()
+
+
+@convention("ssim", {"ssim_padding": "reflect"}, seen="kornia.metrics.ssim, padding same", times=3)
+def picture_reflected(prediction, target, peak):
+    """Five pixels reflected on each side, one window about each pixel."""
+    window = torch.outer(line(), line())
+
+    def mean(x):
+        return blur(F.pad(x.permute(2, 0, 1)[None], (5,) * 4, mode="reflect")[0].permute(1, 2, 0), window)
+
+    return similarity_map(prediction, target, *constants(peak), mean).mean()
+
+
+@convention(
+    "ssim",
+    {"ssim_window": "uniform", "ssim_variance": "sample"},
+    seen="skimage.metrics.structural_similarity with data_range and channel_axis alone",
+    times=8,
+)
+def seven_by_seven(prediction, target, peak):
+    """Even windows of 7 x 7, variances over 48."""
+    window = torch.full((7, 7), 1 / 49)
+    return similarity_map(prediction, target, *constants(peak), lambda x: blur(x, window), 49 / 48).mean()
+
+
+@convention(
+    "ssim",
+    {"ssim_variance": "sample"},
+    seen="skimage with gaussian_weights and sigma 1.5, use_sample_covariance left on",
+    times=2,
+)
+def gaussian_with_sample_covariance(prediction, target, peak):
+    """Windows of 11 x 11, variances times 121 / 120."""
+    window = torch.outer(line(), line())
+    return similarity_map(prediction, target, *constants(peak), lambda x: blur(x, window), 121 / 120).mean()
+
+
+@fault("ssim", "gray_pictures", seen="scripts that average channels before skimage's", times=2)
+def gray_first(prediction, target, peak):
+    """The mean over channels first."""
+    window = torch.outer(line(), line())
+    gray = [x.mean(-1, keepdim=True) for x in (prediction, target)]
+    return similarity_map(*gray, *constants(peak), lambda x: blur(x, window)).mean()
+
+
+@fault("ssim", "one_window", seen="metrics modules with the formula over the whole picture", times=2)
+def formula_over_all_pixels(prediction, target, peak):
+    """Means, variances and covariance over everything."""
+    c1, c2 = constants(peak)
+    ma, mb = prediction.mean(), target.mean()
+    va, vb = prediction.var(unbiased=False), target.var(unbiased=False)
+    cov = ((prediction - ma) * (target - mb)).mean()
+    return (2 * ma * mb + c1) * (2 * cov + c2) / ((ma**2 + mb**2 + c1) * (va + vb + c2))
+
+
+@fault("ssim", "peak_255", seen="pytorch-msssim with its data_range of 255 left, for colors in [0, 1]", times=2)
+def range_left_at_255(prediction, target):
+    """Constants of bytes whatever the pictures hold."""
+    window = torch.outer(line(), line())
+    return similarity_map(prediction, target, *constants(255.0), lambda x: blur(x, window)).mean()
+
+
+@fault("ssim", "peak_of_target", seen="skimage with data_range = target.max() - target.min()", times=3, arrays="numpy")
+def range_of_the_target(prediction, target):
+    """Constants of the target's range."""
+    peak, window = float(target.max() - target.min()), torch.outer(line(), line())
+    a, b = torch.as_tensor(np.array(prediction)), torch.as_tensor(np.array(target))
+    return similarity_map(a, b, *constants(peak), lambda x: blur(x, window)).mean().numpy()
+
+
+@fault("ssim", "dissimilarity", seen="losses that are reported as the metric", gradient=("gradient_of_the_loss",))
+def one_less_similarity(prediction, target, peak):
+    """1 - SSIM."""
+    return 1 - windows_in_the_picture(prediction, target, peak)
+
+
+@fault("ssim", "luminance_dropped", seen="contrast and structure alone, as of MS-SSIM's scales", gradient="none")
+def contrast_and_structure(prediction, target, peak):
+    """(2 cov + c2) / (va + vb + c2)."""
+    window = torch.outer(line(), line())
+    return similarity_map(prediction, target, 1e30, constants(peak)[1], lambda x: blur(x, window)).mean()
