@@ -6,6 +6,7 @@ use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped};
 use super::exam::Question;
+use super::hypothesis::Hypothesis;
 use super::mark::{MarkOptions, nothing_to_show, proves, within};
 use super::statistics;
 use crate::contract::arithmetic::Grade;
@@ -56,6 +57,42 @@ pub(crate) fn assignments(component: &Component, base: &Conventions) -> Vec<Part
     all
 }
 
+/// The assignments that cases admit and that those outputs don't rule out which no mistake reaches, those next to `base` first; where
+/// none is left, the nearest.
+pub(crate) fn open(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Partial> {
+    let mut all = assignments(question.component, base);
+    all.retain(|p| question.admits(&apply(p, base)));
+    let first = small_cases(question, answers).first().copied();
+    let Some((case, answer)) = first else { return all };
+    let (nearest, special) = (all.first().cloned(), &question.component.special);
+    for (output, keys) in special.reads.iter().filter(|(output, _)| special.untouched.contains(output)) {
+        if answer.contains_key(*output) {
+            // As many digits may be lost as where something is wrong.
+            keep(&mut all, keys, |p| {
+                let right = Hypothesis { loose: true, ..Hypothesis::new(vec![], apply(p, base)) };
+                let mut explained = vec![*output];
+                right.keep_explained(question, case, answer, options, &mut explained);
+                !explained.is_empty()
+            });
+        }
+    }
+    if all.is_empty() {
+        all.extend(nearest);
+    }
+    all
+}
+
+/// Keeps the assignments that fit, which only these conventions decide.
+fn keep(all: &mut Vec<Partial>, keys: &[&str], fits: impl Fn(&Partial) -> bool) {
+    let mut known: BTreeMap<Vec<&str>, bool> = BTreeMap::new();
+    all.retain(|p| *known.entry(keys.iter().map(|key| p[key]).collect()).or_insert_with(|| fits(p)));
+}
+
 fn with(partial: &Partial, key: &'static str, value: &'static str) -> Partial {
     let mut partial = partial.clone();
     partial.insert(key, value);
@@ -100,8 +137,7 @@ pub(crate) fn possible(
                 options.truth(question, case, &c, Grade::B).1
             })
         };
-        let mut known: BTreeMap<Vec<&str>, bool> = BTreeMap::new();
-        all.retain(|p| *known.entry(keys.iter().map(|key| p[key]).collect()).or_insert_with(|| fits(p)));
+        keep(&mut all, keys, fits);
     }
     all
 }
@@ -210,9 +246,14 @@ fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
 const COMPARED: usize = 2_000;
 
 /// The assignment in which most elements agree with the answers to a few digits; the nearest to `base` among equals.
-pub(crate) fn nearest(question: &Question, answers: &Answers, base: &Conventions) -> Conventions {
-    let all = assignments(question.component, base).into_iter().map(|p| apply(&p, base));
-    let all: Vec<Conventions> = all.filter(|c| question.admits(c)).take(COMPARED).collect();
+pub(crate) fn nearest(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Conventions {
+    let all = open(question, answers, base, options).into_iter().map(|p| apply(&p, base));
+    let all: Vec<Conventions> = all.take(COMPARED).collect();
     let direction = question.component.direction(question.kind).expect("a question has its direction");
     let cases = small_cases(question, answers);
     let agreeing = parallel::map(all.len(), |n| {

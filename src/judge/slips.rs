@@ -50,7 +50,7 @@ pub(crate) fn slipped(
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
     let Some((case, answer)) = cases.first() else { return vec![] };
-    let conventions = conventions(question, answers, base);
+    let conventions = conventions(question, answers, base, options);
     let forward = question.kind == Kind::Forward;
     let rows = question.component.mistakes.iter().filter(|m| m.gradient != forward).map(|m| m.name);
     let sets: Vec<Vec<&str>> = match beside {
@@ -104,11 +104,16 @@ fn was_done(h: &Hypothesis, question: &Question, answers: &Answers, options: &Ma
 }
 
 /// The run's conventions, those in which most elements agree, and those of known programs.
-fn conventions(question: &Question, answers: &Answers, base: &Conventions) -> Vec<Conventions> {
+fn conventions(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Conventions> {
     let own = |c: &Conventions| partial(question.component, c);
     let known = PROFILES.iter().map(|p| apply(&own(&p.conventions), base));
     let mut all: Vec<Conventions> = vec![];
-    for c in [*base, nearest(question, answers, base)].into_iter().chain(known) {
+    for c in [*base, nearest(question, answers, base, options)].into_iter().chain(known) {
         if question.admits(&c) && !all.iter().any(|other| own(other) == own(&c)) {
             all.push(c);
         }

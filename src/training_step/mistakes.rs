@@ -1,12 +1,12 @@
-//! Training steps, wrong on purpose: the mistakes of the loop, between rows that are right, and some of the loss and the optimizer.
+//! Training steps, wrong on purpose: the mistakes of the loop and of the loss, between rows that are right. Those of the optimizer are told
+//! by `adam_step`.
 
 use super::arrays::{steps, usual};
-use super::chain::{Pass, State, chain, names, outputs, pass, plainly, update};
+use super::chain::{Pass, State, names, outputs, pass, plainly, update};
 use crate::contract::arrays::{Arrays, values};
 use crate::contract::check::Kind;
 use crate::contract::component::{Component, Mistake};
 use crate::convention::Conventions;
-use crate::optimizer::mistakes::ADAM_STEP;
 
 /// The loss is a sum.
 const SUM: &str = "sum_for_mean";
@@ -111,12 +111,6 @@ pub(crate) const TRAINING_STEP: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
-    ADAM_STEP[0],
-    ADAM_STEP[1],
-    ADAM_STEP[2],
-    ADAM_STEP[3],
-    ADAM_STEP[4],
-    ADAM_STEP[5],
 ];
 
 /// The layers whose parameters move first, where one half does.
@@ -125,10 +119,11 @@ const COLOR_LAYERS: [&str; 2] = ["color0", "color1"];
 /// Trains for all steps.
 pub(crate) fn training_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let c = &usual(c);
-    let rows = |kind: Kind, component: &Component, a: &Arrays| row(kind, component, a, c, wrong);
+    // A search asks for the right answer thousands of times; that it is the rows' one after the other is for a test.
     if wrong.is_empty() {
-        return chain(a, c, &rows, &plainly);
+        return super::arrays::training_step(a, c);
     }
+    let rows = |kind: Kind, component: &Component, a: &Arrays| row(kind, component, a, c, wrong);
     let is = |name: &str| wrong.contains(&name);
     let (mut state, mut states, mut losses, mut first) = (State::new(a), vec![], vec![], None::<Pass>);
     let last = steps(a) - 1;
@@ -173,9 +168,6 @@ pub(crate) fn training_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
 /// A row as it is computed by somebody who makes these mistakes.
 fn row(kind: Kind, component: &Component, a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let direction = component.direction(kind).expect("rows that are differentiated");
-    if component.name == "adam_step" {
-        return (direction.wrong)(a, c, wrong);
-    }
     let mut out = (direction.oracle)(a, c);
     if component.name == "mse" {
         let entries = a["prediction"].len() as f64;

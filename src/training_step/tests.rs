@@ -67,3 +67,17 @@ fn ten_steps_keep_their_digits() {
         }
     }
 }
+
+/// Samples are taken before anything is learned.
+#[test]
+fn no_mistake_reaches_what_is_declared_untouched() {
+    for mistake in TRAINING_STEP.mistakes {
+        for case in TRAINING_STEP.cases_of(Kind::Forward, &CS180) {
+            let right = (TRAINING_STEP.forward.oracle)(&case.inputs, &CS180);
+            let wrong = (TRAINING_STEP.forward.wrong)(&case.inputs, &CS180, &[mistake.name]);
+            for name in TRAINING_STEP.special.untouched {
+                assert_eq!(right[*name], wrong[*name], "{} reaches {name} of {}", mistake.name, case.id);
+            }
+        }
+    }
+}
