@@ -57,8 +57,8 @@ pub(crate) fn assignments(component: &Component, base: &Conventions) -> Vec<Part
     all
 }
 
-/// The assignments that cases admit and that those outputs don't rule out which no mistake reaches, those next to `base` first; where
-/// none is left, the nearest.
+/// The assignments that cases admit and that those outputs don't rule out which no mistake reaches, those next to `base` first. Where an
+/// output would leave none, the nearest stays.
 pub(crate) fn open(
     question: &Question,
     answers: &Answers,
@@ -69,9 +69,10 @@ pub(crate) fn open(
     all.retain(|p| question.admits(&apply(p, base)));
     let first = small_cases(question, answers).first().copied();
     let Some((case, answer)) = first else { return all };
-    let (nearest, special) = (all.first().cloned(), &question.component.special);
+    let special = &question.component.special;
     for (output, keys) in special.reads.iter().filter(|(output, _)| special.untouched.contains(output)) {
         if answer.contains_key(*output) {
+            let nearest = all.first().cloned();
             // As many digits may be lost as where something is wrong.
             keep(&mut all, keys, |p| {
                 let right = Hypothesis { loose: true, ..Hypothesis::new(vec![], apply(p, base)) };
@@ -79,10 +80,10 @@ pub(crate) fn open(
                 right.keep_explained(question, case, answer, options, &mut explained);
                 !explained.is_empty()
             });
+            if all.is_empty() {
+                all.extend(nearest);
+            }
         }
-    }
-    if all.is_empty() {
-        all.extend(nearest);
     }
     all
 }

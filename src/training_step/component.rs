@@ -66,7 +66,7 @@ pub(crate) const TRAINING_STEP: Component = Component {
     mistakes: mistakes::TRAINING_STEP,
     special: Special {
         reads: READS,
-        untouched: &["t", "deltas"],
+        untouched: &["t", "deltas", "colors"],
         reshape: cases::reshape,
         admits: cases::admits,
         forms: FORMS,
