@@ -27,7 +27,10 @@ HEAD = """# Planted faults
 
 Written by `python tools/faults --record`. Each fault is planted around a right kernel and judged in its own row and type. Caught:
 the verdict isn't a pass, or the report tells that answers change from call to call. Named: the report says what kind of thing it
-is: how many bits were lost, stale state or chance, the cases that are off where others aren't, the first item of many that is.
+is: how many bits were lost, stale state or chance, the cases that are off where others aren't, the first item of many that is. *Over
+bound* is the largest error over what an honest answer of the type may be off by, on elements that prove something: below 1 nothing but a
+change from call to call can be told. The bounds themselves, row by row and type by type, are in
+[BOUNDS.md](../../tests/pages/BOUNDS.md).
 """
 
 
@@ -68,14 +71,21 @@ def said(row):
     return (row["findings"] or row["observed"] or row["faults"] or [""])[0]
 
 
+def over_bound(row):
+    """The largest error over its bound, in two digits; a word where there is no number."""
+    used = row["budget_used"]
+    return "" if used is None else used if isinstance(used, str) else f"{used:.2g}"
+
+
 def outcome(number):
-    """(caught, named, what was said, seconds) of a fault by its number."""
+    """(caught, named, what was said, error over bound, seconds) of a fault by its number."""
     fault = PLANTED[number]
     start = time.perf_counter()
     row = asked(fault.row, fault.kind, fault.dtype, fault.candidate(), fault.tier)
     words = said(row)
     caught = row["verdict"] != "pass" or bool(changing(row))
-    return caught, caught and NAMES[fault.family](row), words.replace("|", "/").replace("\n", " "), time.perf_counter() - start
+    named = caught and NAMES[fault.family](row)
+    return caught, named, words.replace("|", "/").replace("\n", " "), over_bound(row), time.perf_counter() - start
 
 
 def right(question):
@@ -93,7 +103,7 @@ def record(found):
     """Adds to outcomes.json what was found, and writes the page where nothing is missing."""
     file = HERE / "outcomes.json"
     known = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
-    known |= {title(fault): list(o[:3]) for fault, o in found}
+    known |= {title(fault): list(o[:4]) for fault, o in found}
     known = {title(fault): known[title(fault)] for fault in PLANTED if title(fault) in known}
     file.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
     missing = len(PLANTED) - len(known)
@@ -110,12 +120,13 @@ def page(found):
         part = [o for fault, o in found if family in (fault.family, "**all**")]
         caught, named = sum(o[0] for o in part), sum(o[1] for o in part)
         lines.append(f"| {family} | {len(part)} | {caught} | {named} | {len(part) - caught} |")
-    passed = [f"| {title(fault)} |" for fault, o in found if not o[0]]
-    lines += ["", "## Passed", "", *(["| fault |", "|---|", *passed] if passed else ["None."]), "", "## All", ""]
-    lines += ["| fault | row | type | cases | caught | said |", "|---|---|---|---|---|---|"]
-    for fault, (caught, _, words) in found:
+    passed = [f"| {title(fault)} | {o[3]} |" for fault, o in found if not o[0]]
+    lines += ["", "## Passed", "", *(["| fault | over bound |", "|---|---|", *passed] if passed else ["None."]), "", "## All", ""]
+    lines += ["| fault | row | type | cases | caught | over bound | said |", "|---|---|---|---|---|---|---|"]
+    for fault, (caught, _, words, used) in found:
         row = f"{fault.row}{'/vjp' if fault.kind == VJP else ''}"
-        lines.append(f"| {fault.name} | {row} | {fault.dtype} | {fault.tier} | {'yes' if caught else '**no**'} | {words[:110]} |")
+        told = "yes" if caught else "**no**"
+        lines.append(f"| {fault.name} | {row} | {fault.dtype} | {fault.tier} | {told} | {used} | {words[:110]} |")
     return "\n".join(lines) + "\n"
 
 
@@ -146,8 +157,8 @@ def main():
         print(f"passed: {title(fault)}")
     for problem in wrong:
         print(problem)
-    for fault, o in sorted(found, key=lambda pair: -pair[1][3])[:5]:
-        print(f"{o[3]:6.1f} s  {title(fault)}")
+    for fault, o in sorted(found, key=lambda pair: -pair[1][4])[:5]:
+        print(f"{o[4]:6.1f} s  {title(fault)}")
     caught, named = sum(o[0] for _, o in found), sum(o[1] for _, o in found)
     print(f"{len(found)} faults: {caught} caught, {named} named, {len(passed)} passed; {seconds:.0f} s")
     if arguments.record:
