@@ -23,6 +23,10 @@ pub(crate) type Partial = BTreeMap<&'static str, &'static str>;
 /// Inputs of more elements than this are left to the final marking: a search needs the small cases only.
 const LARGE: usize = 20_000;
 
+/// The smallest cases are simple, and one alone may show little: this many are asked for the conventions of an output that no mistake
+/// reaches.
+const SHOWING: usize = 3;
+
 /// Steps of backtracking before the search settles for the best it has.
 const PATIENCE: usize = 20_000;
 
@@ -67,17 +71,20 @@ pub(crate) fn open(
 ) -> Vec<Partial> {
     let mut all = assignments(question.component, base);
     all.retain(|p| question.admits(&apply(p, base)));
-    let first = small_cases(question, answers).first().copied();
-    let Some((case, answer)) = first else { return all };
+    let cases = small_cases(question, answers);
     let special = &question.component.special;
     for (output, keys) in special.reads.iter().filter(|(output, _)| special.untouched.contains(output)) {
-        if answer.contains_key(*output) {
+        let answered: Vec<_> =
+            cases.iter().filter(|(_, answer)| answer.contains_key(*output)).take(SHOWING).collect();
+        if !answered.is_empty() {
             let nearest = all.first().cloned();
             // As many digits may be lost as where something is wrong.
             keep(&mut all, keys, |p| {
                 let right = Hypothesis { loose: true, ..Hypothesis::new(vec![], apply(p, base)) };
                 let mut explained = vec![*output];
-                right.keep_explained(question, case, answer, options, &mut explained);
+                for (case, answer) in &answered {
+                    right.keep_explained(question, case, answer, options, &mut explained);
+                }
                 !explained.is_empty()
             });
             if all.is_empty() {

@@ -181,7 +181,8 @@ fn imprecise(
     if question.statistics() {
         return;
     }
-    let c = if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base, options) };
+    let c =
+        if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base, options) };
     if let Some(bits) = lost_bits(question, answers, &c, options).filter(|bits| *bits <= most) {
         let marks = mark(question, answers, &c, options, Grade::B);
         *row = Row { layouts: row.layouts.clone(), ..Row::marked(question, answers, &marks, None, &c) };
