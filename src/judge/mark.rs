@@ -9,7 +9,7 @@ use super::exam::{Question, hard};
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
-use crate::contract::check::{budget_used, tolerance};
+use crate::contract::check::budget_used;
 use crate::contract::component::Entries;
 use crate::convention::Conventions;
 
@@ -89,13 +89,6 @@ impl MarkOptions {
     pub fn may_reject_early(&self, case: &Case) -> bool {
         self.dtype.bits() >= 24 && !hard(case)
     }
-
-    /// The true outputs of a case, and the bound of an answer.
-    pub fn truth(&self, question: &Question, case: &Case, c: &Conventions, grade: Grade) -> (Arrays, Arrays) {
-        let direction = question.component.direction(question.kind).expect("a question has its direction");
-        let expected = (direction.oracle)(&case.inputs, c);
-        (expected, tolerance(direction, &case.inputs, c, &self.arithmetic(grade)))
-    }
 }
 
 /// Marks all answers to a question.
@@ -117,7 +110,8 @@ pub fn mark(
             continue;
         };
         let before = (marks.faults.len(), marks.off.len());
-        let (expected, bound) = options.truth(question, case, c, grade);
+        let truth = options.truth(question, case, c, grade);
+        let (expected, bound) = (&truth.expected, &truth.bound);
         let names = question.ordered(expected.keys());
         if names.iter().all(|name| !answer.contains_key(*name)) {
             marks.faults.push(format!("{}: none of the outputs is there", case.id));
@@ -251,14 +245,24 @@ pub fn within(
     })
 }
 
-/// Whether most elements of an output are off by a quarter of its size. One alone may be across a threshold.
+/// Whether most elements of an output are off by a quarter of its size, or all together by a quarter of what they add up to. One alone
+/// may be across a threshold.
 fn far_off(got: &Arrays, expected: &Arrays) -> bool {
     got.iter().any(|(name, got)| {
         let expected = &expected[name];
         let scale = expected.iter().filter(|e| e.is_finite()).fold(0.0, |max: f64, e| max.max(e.abs()));
-        let near =
-            |g: f64, e: f64| g == e || g.is_nan() && e.is_nan() || (g - e).abs() <= 0.25 * scale + 1e-9;
-        let off = got.iter().zip(expected).filter(|&(&g, &e)| !near(g, e)).count();
-        off > 1 && 2 * off > got.len()
+        let (mut off, mut errors, mut largest, mut sizes) = (0, 0.0, 0.0, 0.0);
+        for (&g, &e) in got.iter().zip(expected) {
+            if g == e || g.is_nan() && e.is_nan() {
+                sizes += if e.is_finite() { e.abs() } else { 0.0 };
+                continue;
+            }
+            let error = (g - e).abs();
+            off += usize::from(error.is_nan() || error > 0.25 * scale + 1e-9);
+            if error.is_finite() {
+                (errors, largest, sizes) = (errors + error, f64::max(largest, error), sizes + e.abs());
+            }
+        }
+        off > 1 && 2 * off > got.len() || errors - largest > 0.25 * sizes + 1e-9 * got.len() as f64
     })
 }
