@@ -76,20 +76,23 @@ pub(crate) fn open(
     for (output, keys) in special.reads.iter().filter(|(output, _)| special.untouched.contains(output)) {
         let answered: Vec<_> =
             cases.iter().filter(|(_, answer)| answer.contains_key(*output)).take(SHOWING).collect();
-        if !answered.is_empty() {
-            let nearest = all.first().cloned();
-            // As many digits may be lost as where something is wrong.
-            keep(&mut all, keys, |p| {
-                let right = Hypothesis { loose: true, ..Hypothesis::new(vec![], apply(p, base)) };
+        // As many digits may be lost as where something is wrong; but what is right without that shows more.
+        let fitting = |loose: bool| {
+            let mut fitting = all.clone();
+            keep(&mut fitting, keys, |p| {
+                let right = Hypothesis { loose, ..Hypothesis::new(vec![], apply(p, base)) };
                 let mut explained = vec![*output];
                 for (case, answer) in &answered {
                     right.keep_explained(question, case, answer, options, &mut explained);
                 }
                 !explained.is_empty()
             });
-            if all.is_empty() {
-                all.extend(nearest);
-            }
+            fitting
+        };
+        if let Some(fitting) = [false, true].into_iter().map(fitting).find(|fitting| !fitting.is_empty()) {
+            all = fitting;
+        } else {
+            all.truncate(1);
         }
     }
     all

@@ -58,22 +58,23 @@ pub(crate) fn slipped(
         Beside::Mistake => rows.map(|name| vec![name]).collect(),
     };
     let slips = slips(question, case, answer);
-    let mut hypotheses = vec![];
+    let mut plain = vec![];
     for mistakes in sets {
         // Beside a mistake in the likeliest conventions alone.
         let tried =
             if mistakes.is_empty() { &conventions[..] } else { &conventions[..conventions.len().min(2)] };
-        for c in tried {
-            let plain = Hypothesis::new(mistakes.clone(), *c);
-            // Of a few odd cases a slip says little: it could be anything that shows in none of the others.
-            let right = cases.iter().filter(|(case, answer)| plain.explains(question, case, answer, options));
-            if 2 * right.count() > cases.len() {
-                continue;
-            }
-            let fitted = fitted(&plain, question, &cases);
-            let with = |slip: &Slip| Hypothesis { slip: Some(slip.clone()), ..plain.clone() };
-            hypotheses.extend(slips.iter().chain(&fitted).map(with));
-        }
+        plain.extend(tried.iter().map(|c| Hypothesis::new(mistakes.clone(), *c)));
+    }
+    // Of a few odd cases a slip says little: it could be anything that shows in none of the others.
+    let most = parallel::map(plain.len(), |n| {
+        let right = cases.iter().filter(|(case, answer)| plain[n].explains(question, case, answer, options));
+        2 * right.count() > cases.len()
+    });
+    let mut hypotheses = vec![];
+    for (plain, _) in plain.iter().zip(most).filter(|(_, most)| !most) {
+        let fitted = fitted(plain, question, &cases);
+        let with = |slip: &Slip| Hypothesis { slip: Some(slip.clone()), ..plain.clone() };
+        hypotheses.extend(slips.iter().chain(&fitted).map(with));
     }
     let elements = |arrays: &Arrays| arrays.values().map(|a| a.len()).sum::<usize>();
     let cost = LEAST + elements(&case.inputs) + answer.values().map(|a| a.values.len()).sum::<usize>();
