@@ -3,15 +3,13 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nerf_oracle::COMPONENTS;
-use nerf_oracle::contract::arrays::{Arrays, array, arrays, scalar, values};
+use nerf_oracle::contract::arrays::Arrays;
 use nerf_oracle::contract::check::Kind;
 use nerf_oracle::contract::{Dtype, Machine};
 use nerf_oracle::convention::CS180;
 use nerf_oracle::judge::answer::given;
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
 use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge};
-use nerf_oracle::optimizer::Adam;
-use nerf_oracle::training_step::{self, Field, State, Trained, filled, flat, pass};
 
 /// A deep network's gradient in bf16: of this case alone nothing shows that it isn't 0.
 #[test]
@@ -87,51 +85,4 @@ fn answers_that_change_from_call_to_call_are_told() {
     assert_eq!(row(&stale).verdict, Verdict::Fail, "{stale}");
     assert!(row(&stale).faults[0].starts_with("stale state"), "{stale}");
     assert!(row(&composited(|_, out| out)).findings.is_empty());
-}
-
-/// A trainer whose optimizer makes each of the catalogued mistakes: its row doesn't list them, and fails.
-#[test]
-fn no_trainer_passes_with_an_optimizer_that_is_wrong() {
-    let optimizer = COMPONENTS.iter().find(|c| c.name == "adam_step").unwrap();
-    for mistake in optimizer.mistakes {
-        for dtype in [Dtype::F64, Dtype::F32] {
-            let report = training_step::judge(|field, batches, bounds, rates, adam| {
-                let mut state = State { params: flat(&field.net), m: vec![], v: vec![] };
-                (state.m, state.v) = (vec![0.0; state.params.len()], vec![0.0; state.params.len()]);
-                let (mut passes, mut states) = (vec![], vec![]);
-                for (k, batch) in batches.iter().enumerate() {
-                    let field = Field { net: filled(&field.net, &state.params), ..field.clone() };
-                    passes.push(pass(&field, batch, bounds, &CS180));
-                    let inputs = asked_of_adam(&state, &flat(&passes[k].gradient), rates[k], k + 1, adam);
-                    let out = (optimizer.forward.wrong)(&inputs, &CS180, &[mistake.name]);
-                    let [params, m, v] = ["params_out", "m_out", "v_out"].map(|name| values(&out, name));
-                    state = State { params, m, v };
-                    states.push(state.clone());
-                }
-                let losses = passes.iter().map(|pass| pass.loss).collect();
-                let (first, last) = (states[0].clone(), states[states.len() - 1].clone());
-                Trained { pass: passes.swap_remove(0), losses, first, last }
-            })
-            .in_dtype(dtype)
-            .report();
-            let row = report.of("training_step", "forward").unwrap();
-            assert_eq!(row.verdict, Verdict::Fail, "{} {dtype}: {report}", mistake.name);
-        }
-    }
-}
-
-fn asked_of_adam(state: &State, gradient: &[f64], rate: f64, step: usize, adam: &Adam) -> Arrays {
-    let row = |x: &[f64]| array(&[x.len()], x.to_vec());
-    arrays([
-        ("params", row(&state.params)),
-        ("grad", row(gradient)),
-        ("m", row(&state.m)),
-        ("v", row(&state.v)),
-        ("step", scalar(step as f64)),
-        ("lr", scalar(rate)),
-        ("beta1", scalar(adam.beta1)),
-        ("beta2", scalar(adam.beta2)),
-        ("eps", scalar(adam.eps)),
-        ("weight_decay", scalar(adam.weight_decay)),
-    ])
 }

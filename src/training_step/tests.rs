@@ -5,9 +5,10 @@ use super::chain::{chain, plainly};
 use super::component::TRAINING_STEP;
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
-use crate::contract::check::{Kind, tolerance};
+use crate::contract::check::{Kind, budget_used, tolerance};
 use crate::contract::component::Component;
 use crate::convention::{CHOICES, CS180};
+use crate::optimizer::mistakes::ADAM_STEP;
 
 /// In every convention, the step and the chain of rows agree bit for bit.
 #[test]
@@ -79,5 +80,33 @@ fn no_mistake_reaches_what_is_declared_untouched() {
                 assert_eq!(right[*name], wrong[*name], "{} reaches {name} of {}", mistake.name, case.id);
             }
         }
+    }
+}
+
+/// The row doesn't list what an optimizer may do wrong, and passes none of it.
+#[test]
+fn no_optimizer_that_is_wrong_stays_within_the_bounds() {
+    let cases = TRAINING_STEP.cases_of(Kind::Forward, &CS180);
+    for (mistake, dtype) in ADAM_STEP.iter().flat_map(|m| [(m, Dtype::F64), (m, Dtype::F32)]) {
+        let run = |kind: Kind, row: &Component, a: &Arrays| {
+            let direction = row.direction(kind).expect("a direction");
+            match row.name {
+                "adam_step" => (direction.wrong)(a, &CS180, &[mistake.name]),
+                _ => (direction.oracle)(a, &CS180),
+            }
+        };
+        let arithmetic = Arithmetic::new(dtype, Grade::B);
+        let largest = cases.iter().filter(|case| case.exists_in(dtype)).flat_map(|case| {
+            let wrong = chain(&case.inputs, &CS180, &run, &plainly);
+            let right = (TRAINING_STEP.forward.oracle)(&case.inputs, &CS180);
+            let bound = tolerance(&TRAINING_STEP.forward, &case.inputs, &CS180, &arithmetic);
+            let of = |(name, y): (&String, &ndarray::ArrayD<f64>)| {
+                let each = wrong[name].iter().zip(y).zip(&bound[name]);
+                each.map(|((&got, &y), &bound)| budget_used(got, y, bound)).fold(0.0, f64::max)
+            };
+            right.iter().map(of).collect::<Vec<_>>()
+        });
+        let largest = largest.fold(0.0, f64::max);
+        assert!(largest > 100.0, "{} in {dtype}: {largest:.1e} of its bound", mistake.name);
     }
 }
