@@ -28,7 +28,7 @@ pub use spelling::{CHOICES, american};
 use serde::{Deserialize, Serialize};
 
 /// Where the camera looks, in its own frame.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Axes {
     /// x right, y down, z forward (OpenCV, COLMAP, CS180).
@@ -39,7 +39,7 @@ pub enum Axes {
 }
 
 /// Where pixel (i, j) has its ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PixelCenter {
     /// (i + 0.5, j + 0.5): the center, when the picture spans [0, W] x [0, H].
@@ -49,7 +49,7 @@ pub enum PixelCenter {
 }
 
 /// The length of a ray's direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Directions {
     /// Length 1: t is the distance from the camera.
@@ -61,7 +61,7 @@ pub enum Directions {
 }
 
 /// What turns the density head's output into a density.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Density {
     /// max(z, 0).
@@ -73,7 +73,7 @@ pub enum Density {
 }
 
 /// The order in which a skip connection is concatenated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SkipOrder {
     /// [h, encoding].
@@ -83,7 +83,7 @@ pub enum SkipOrder {
 }
 
 /// Whether a layer has a ReLU.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Activation {
     /// max(z, 0).
@@ -93,7 +93,7 @@ pub enum Activation {
 }
 
 /// One assignment of all conventions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conventions {
     /// Camera axes.

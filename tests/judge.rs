@@ -304,7 +304,8 @@ fn vacuous_elements_use_no_budget_and_still_have_to_fit() {
     // An element that proves nothing, and one that does.
     let find = |vacuous: bool| {
         let places = question.cases.iter().enumerate().flat_map(|(n, case)| {
-            let (expected, bound) = options.truth(question, case, &CS180, Grade::B);
+            let truth = options.truth(question, case, &CS180, Grade::B);
+            let (expected, bound) = (&truth.expected, &truth.bound);
             let pairs = expected["encoding"].iter().zip(&bound["encoding"]).enumerate();
             let all: Vec<_> = pairs.map(|(i, (&e, &b))| (n, i, e, b)).collect();
             all.into_iter()

@@ -110,7 +110,7 @@ impl FromStr for Dtype {
 }
 
 /// Which formula the bound follows, where a stable and a textbook form differ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Grade {
     /// The stable formula, e.g. -expm1(-x).
     A,

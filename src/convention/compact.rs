@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Whether the exponent of an exponential density is held to [-15, 15] in the forward pass.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Exponent {
     /// sigma = e^x; the gradient alone is held.
@@ -14,7 +14,7 @@ pub enum Exponent {
 }
 
 /// Where the gradient of an exponential density stops to follow the exponential, whatever the forward pass does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ExponentGradient {
     /// g e^clamp(x, -15, 15) (instant-ngp, torch-ngp, nerfstudio).
@@ -27,7 +27,7 @@ pub enum ExponentGradient {
 }
 
 /// What is taken off the exponent of an exponential density.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ExponentShift {
     /// Nothing: e^x.
@@ -38,7 +38,7 @@ pub enum ExponentShift {
 }
 
 /// Which cells of an occupancy grid fade at an update.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GridDecay {
     /// Those in which a density was found (nerfacc).
@@ -49,7 +49,7 @@ pub enum GridDecay {
 }
 
 /// The density above which a cell of an occupancy grid is occupied.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GridThreshold {
     /// The smaller of the limit and the mean of the densities above 0; where no cell is denser, every cell that is seen is occupied.
@@ -64,7 +64,7 @@ pub enum GridThreshold {
 }
 
 /// What becomes of the cells whose density is below 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum GridUnseen {
     /// No camera sees them: they stay as they are.
@@ -75,7 +75,7 @@ pub enum GridUnseen {
 }
 
 /// How a level of a hash grid lies on the box. With n = base growth^l, a point x is at x N of N cells along an axis, unless said otherwise.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HashLevels {
     /// N is n, rounded to nearest.
@@ -92,7 +92,7 @@ pub enum HashLevels {
 }
 
 /// Which levels of a hash grid have an entry for each vertex.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HashIndex {
     /// Those whose vertices fit into the table.
@@ -103,7 +103,7 @@ pub enum HashIndex {
 }
 
 /// The factors of the hash.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HashPrimes {
     /// 1, 2654435761, 805459861: the paper's, tiny-cuda-nn's `CoherentPrime`.
@@ -116,7 +116,7 @@ pub enum HashPrimes {
 }
 
 /// What the fraction f of a point inside its cell becomes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HashWeights {
     /// f: trilinear interpolation.
@@ -127,7 +127,7 @@ pub enum HashWeights {
 }
 
 /// The sign of the harmonics of odd m.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HarmonicSign {
     /// (-1)^m, of Condon and Shortley (tiny-cuda-nn, PlenOctrees, 3DGS).
@@ -138,7 +138,7 @@ pub enum HarmonicSign {
 }
 
 /// Which polynomials are the harmonics: they agree where |d| = 1, and have other gradients there.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HarmonicForm {
     /// With 1 for x^2 + y^2 + z^2: 3 z^2 - 1 (tiny-cuda-nn, nerfstudio).

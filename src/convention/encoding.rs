@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The factor in front of the encoding's bands: band k is sin(factor f_k x).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Frequency {
     /// pi, as in the paper.
@@ -15,7 +15,7 @@ pub enum Frequency {
 }
 
 /// How f_k grows with k = 0, ..., L - 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bands {
     /// 2^k.
@@ -27,7 +27,7 @@ pub enum Bands {
 }
 
 /// The order of the encoding's columns (beside the identity, where it is kept). A matter of layout.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Columns {
     /// For each band: sin of all dimensions, then cos of all dimensions.
@@ -45,7 +45,7 @@ pub enum Columns {
 }
 
 /// Where x itself stands in the encoding, if it is kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum IdentityPlace {
     /// In front of the bands.
@@ -56,7 +56,7 @@ pub enum IdentityPlace {
 }
 
 /// How the cosine is computed: the same number, with fewer digits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cosine {
     /// By a cosine.

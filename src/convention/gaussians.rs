@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Where a quaternion has its real part.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum QuaternionOrder {
     /// (w, x, y, z) (3D Gaussian splatting and its PLY files, gsplat, COLMAP).
     #[default]
@@ -15,7 +15,7 @@ pub enum QuaternionOrder {
 }
 
 /// Whether the quaternion of a rotation is divided by its length.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum QuaternionLength {
     /// Inside: every quaternion but 0 is a rotation (gsplat, PyTorch3D).
@@ -26,7 +26,7 @@ pub enum QuaternionLength {
 }
 
 /// What a Gaussian's scales are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SplatScale {
     /// Standard deviations along the axes (gsplat, the rasterizer of 3D Gaussian splatting).
@@ -37,7 +37,7 @@ pub enum SplatScale {
 }
 
 /// Where the pixels of a picture of splats have their centers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SplatCenter {
     /// At (i + 0.5, j + 0.5): a mean is f x/z + c (gsplat).
@@ -48,7 +48,7 @@ pub enum SplatCenter {
 }
 
 /// What is added to the variances of every splat, in square pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum SplatDilation {
     /// 0.3 (3D Gaussian splatting, gsplat).
     #[default]
@@ -70,7 +70,7 @@ impl SplatDilation {
 }
 
 /// How far beside the picture the Jacobian of a projection is taken; beyond, it is that of the limit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SplatClamp {
     /// 0.3 of the half picture beyond its edges, wherever the principal point is (gsplat from 1.1).
@@ -83,7 +83,7 @@ pub enum SplatClamp {
 }
 
 /// What is constant where the Jacobian is clamped.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SplatClampGradient {
     /// The slope: t_x = z times the limit moves with z (gsplat; automatic differentiation).
@@ -94,7 +94,7 @@ pub enum SplatClampGradient {
 }
 
 /// The least value under the root of a splat's larger eigenvalue, in pixels to the fourth.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum RadiusFloor {
     /// 0.1 (3D Gaussian splatting).
     #[default]
@@ -120,7 +120,7 @@ impl RadiusFloor {
 }
 
 /// The least factor by which a splat becomes fainter as it is dilated.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum CompensationFloor {
     /// 0 (gsplat).
     #[default]
@@ -142,7 +142,7 @@ impl CompensationFloor {
 }
 
 /// What becomes of a splat at a pixel where its exponent is above 0, as no positive conic has it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PositivePower {
     /// It counts: the formula.
@@ -153,7 +153,7 @@ pub enum PositivePower {
 }
 
 /// Whether a splat whose opacity is capped learns at that pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CapGradient {
     /// No (gsplat; automatic differentiation).
@@ -164,7 +164,7 @@ pub enum CapGradient {
 }
 
 /// What the gradient of a conic's second number is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ConicGradient {
     /// That of the number (gsplat; automatic differentiation).
@@ -175,7 +175,7 @@ pub enum ConicGradient {
 }
 
 /// What is made of the sum of a splat's coefficients times harmonics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SplatColor {
     /// max(sum + 1/2, 0): coefficients of 0 are gray (3D Gaussian splatting; gsplat's rasterization).

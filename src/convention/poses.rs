@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// What a quaternion's length means for the rotation that is made of it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quaternion {
     /// Nothing: it is normalized first (COLMAP itself, scipy, gsplat).

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// A number added to every factor 1 - alpha of the transmittance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ProductEps {
     /// Nothing is added: the formula.
@@ -36,7 +36,7 @@ impl ProductEps {
 }
 
 /// What is added to the weights of a coarse pass before samples are drawn by them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PdfPadding {
     /// What the caller says.
@@ -69,7 +69,7 @@ impl PdfPadding {
 }
 
 /// What the place inside a bin is divided by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PdfDivision {
     /// The bin's share.
@@ -80,7 +80,7 @@ pub enum PdfDivision {
 }
 
 /// Which sample of a ray that stops early is the last to count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stop {
     /// The one behind which the transmittance is below the limit.
@@ -93,7 +93,7 @@ pub enum Stop {
 }
 
 /// The largest opacity of a sample or splat.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AlphaCap {
     /// 1.
@@ -119,7 +119,7 @@ impl AlphaCap {
 }
 
 /// Whether rendering passes densities through a ReLU, which those that are none of below 0 notice in their gradient alone: it is 0 at 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SigmaRelu {
     /// Densities come as they are used.
@@ -130,7 +130,7 @@ pub enum SigmaRelu {
 }
 
 /// What rendering puts behind a ray's last sample.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Backdrop {
     /// Nothing: the background is another function's.
@@ -141,7 +141,7 @@ pub enum Backdrop {
 }
 
 /// What becomes of opacities below 1 / 255.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Faint {
     /// They count as all others do.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Expected depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Depth {
     /// sum w t / sum w; far where all weights are 0.
@@ -13,7 +13,7 @@ pub enum Depth {
 }
 
 /// The depth of a ray without any weight, where depth is divided by the weights' sum A.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EmptyDepth {
     /// far (jaxnerf).
@@ -28,7 +28,7 @@ pub enum EmptyDepth {
 }
 
 /// PSNR of several images.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PsnrOf {
     /// The mean of the images' PSNRs.
@@ -38,7 +38,7 @@ pub enum PsnrOf {
 }
 
 /// What the mean squared error is kept away from 0 with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PsnrFloor {
     /// Nothing: equal pictures have an infinite PSNR.
@@ -50,7 +50,7 @@ pub enum PsnrFloor {
 }
 
 /// The largest color value that a PSNR or a similarity is relative to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PsnrPeak {
     /// As it is given.
@@ -61,7 +61,7 @@ pub enum PsnrPeak {
 }
 
 /// The windows of structural similarity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SsimWindow {
     /// 11 x 11, weights of a Gaussian with standard deviation 1.5 (Wang et al. 2004, TensorFlow, dm_pix, torchmetrics, 3D Gaussian
@@ -73,7 +73,7 @@ pub enum SsimWindow {
 }
 
 /// What windows of structural similarity see beyond the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SsimPadding {
     /// There are none that reach beyond it (Wang et al. 2004, TensorFlow, dm_pix; scikit-image and torchmetrics, which cut off what they
@@ -87,7 +87,7 @@ pub enum SsimPadding {
 }
 
 /// What the variances of structural similarity are divided by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SsimVariance {
     /// The sum of the weights (Wang et al. 2004 and most).
@@ -98,7 +98,7 @@ pub enum SsimVariance {
 }
 
 /// What a loss makes of its entries.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LossReduction {
     /// Their mean (PyTorch's default, multinerf).
@@ -109,7 +109,7 @@ pub enum LossReduction {
 }
 
 /// The slope of Huber's loss where the error is large.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum HuberSlope {
     /// delta, and 1 times d inside (Huber 1964, `torch.nn.functional.huber_loss`, optax).
@@ -120,7 +120,7 @@ pub enum HuberSlope {
 }
 
 /// What is added under the root of Charbonnier's loss.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CharbonnierEps {
     /// eps^2 (mip-NeRF 360, multinerf).
@@ -131,7 +131,7 @@ pub enum CharbonnierEps {
 }
 
 /// Which intervals of a proposal the bound of an interval adds up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OuterEdges {
     /// Those that overlap it, and the one that begins where it ends: searches through edges, from the right (multinerf, nerfstudio,
@@ -143,7 +143,7 @@ pub enum OuterEdges {
 }
 
 /// What is added to the weight that an interlevel loss is divided by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum InterlevelEps {
     /// What the caller says.
@@ -168,7 +168,7 @@ impl InterlevelEps {
 }
 
 /// How [0, 1] becomes a byte.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bytes {
     /// round(255 x).
@@ -178,7 +178,7 @@ pub enum Bytes {
 }
 
 /// What Adam's eps is added to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AdamEps {
     /// The root of the corrected mean: m / (1 - b1^t) / (sqrt(v / (1 - b2^t)) + eps) (the paper's algorithm 1, PyTorch, optax).

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// How N samples are laid on [near, far], and what their `u` in [0, 1) scales. D = (far - near) / N, S = (far - near) / (N - 1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Grid {
     /// t_i = near + (i + u_i) D: one sample in each of N equal intervals.
@@ -17,7 +17,7 @@ pub enum Grid {
 }
 
 /// The position of a sample in its interval when nothing is drawn (evaluation).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rest {
     /// u = 0.
@@ -29,7 +29,7 @@ pub enum Rest {
 }
 
 /// The step length that belongs to sample i.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Delta {
     /// D = (far - near) / N for every sample.
@@ -45,7 +45,7 @@ pub enum Delta {
 }
 
 /// The step of the last sample, where the others are differences.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LastDelta {
     /// D = (far - near) / N.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The norm of a contraction, and so the shape that space is contracted to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ContractionNorm {
     /// The length: a ball (mip-NeRF 360, multinerf, nerfacc).
@@ -16,7 +16,7 @@ pub enum ContractionNorm {
 }
 
 /// What a contraction's result is scaled to.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ContractionRange {
     /// [-2, 2], as the formula has it (mip-NeRF 360, multinerf).
@@ -29,7 +29,7 @@ pub enum ContractionRange {
 }
 
 /// Where a scene lies that rays in normalized device coordinates look at.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum NdcDepth {
     /// At z < 0, as OpenGL's cameras look (bmild/nerf, jaxnerf, multinerf, nerf_pl).

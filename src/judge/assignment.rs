@@ -97,7 +97,7 @@ pub(crate) fn possible(
             let mut expected = (question.component.forward.oracle)(&case.inputs, &c);
             expected.retain(|name, _| name == output);
             within(&alone, &expected, options.may_reject_early(case), || {
-                options.truth(question, case, &c, Grade::B).1
+                options.truth(question, case, &c, Grade::B).bound.clone()
             })
         };
         let mut known: BTreeMap<Vec<&str>, bool> = BTreeMap::new();
@@ -121,7 +121,7 @@ pub(crate) fn holds(question: &Question, answers: &Answers, c: &Conventions, opt
     let right = cases.iter().all(|(case, answer)| {
         let expected = (direction.oracle)(&case.inputs, c);
         within(answer, &expected, options.may_reject_early(case), || {
-            let bound = options.truth(question, case, c, Grade::B).1;
+            let bound = options.truth(question, case, c, Grade::B).bound.clone();
             unproved.retain(|name| expected.get(*name).is_some_and(|e| !proves(e, &bound[*name])));
             bound
         })

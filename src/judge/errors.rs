@@ -33,8 +33,8 @@ pub(crate) fn errors(exam: &Exam, answers: &[Answers], row: &Row, exp_ulp: f64) 
     let base = exam.profile.map_or(CS180, |profile| profile.conventions);
     let c = assignment::apply(&row.shown_in, &assignment::apply(&row.conventions, &base));
     let options = MarkOptions { dtype: exam.dtype, exp_ulp };
-    let (expected, bound) = options.truth(question, &question.cases[at], &c, Grade::B);
-    let (expected, bound) = (expected.get(&worst.output)?, bound.get(&worst.output)?);
+    let truth = options.truth(question, &question.cases[at], &c, Grade::B);
+    let (expected, bound) = (truth.expected.get(&worst.output)?, truth.bound.get(&worst.output)?);
     let (got, _) = reshaped(&answers[n][at].as_ref()?.get(&worst.output)?.values, expected.shape())?;
     let used = got
         .iter()

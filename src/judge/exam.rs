@@ -6,6 +6,7 @@ use ndarray::ArrayD;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::truths::Truths;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
@@ -32,6 +33,7 @@ pub struct Question {
     pub left_out: BTreeMap<String, String>,
     /// Cases on which the candidate crashed, with what it said.
     pub crashed: BTreeMap<String, String>,
+    pub(crate) truths: Truths,
 }
 
 /// All questions that a candidate is asked.
@@ -122,8 +124,7 @@ impl Exam {
                     .into_iter()
                     .partition(|case| case.exists_in(dtype));
                 exam.left_out.extend(out.iter().map(|case| path(component, kind, &case.id)));
-                let (left_out, crashed) = Default::default();
-                exam.questions.push(Question { component, kind, cases, left_out, crashed });
+                exam.questions.push(Question::new(component, kind, cases));
             }
         }
         exam
@@ -210,6 +211,12 @@ fn port(component: &Component, name: &str, shape: &[usize], stored: Stored) -> V
 }
 
 impl Question {
+    /// These cases of a row in one direction.
+    pub(crate) fn new(component: &'static Component, kind: Kind, cases: Vec<Case>) -> Question {
+        let (left_out, crashed, truths) = Default::default();
+        Question { component, kind, cases, left_out, crashed, truths }
+    }
+
     /// `forward`, `vjp` or `trace`.
     pub fn kind_name(&self) -> &'static str {
         kind_name(self.component, self.kind)

@@ -36,13 +36,14 @@ pub(crate) fn smallest(
     options: &MarkOptions,
 ) -> Option<Example> {
     small_cases(question, answers).into_iter().find_map(|(case, answer)| {
-        let (expected, bound) = options.truth(question, case, c, Grade::B);
+        let truth = options.truth(question, case, c, Grade::B);
+        let (expected, bound) = (&truth.expected, &truth.bound);
         let off = |name: &&String| {
             let one =
                 |from: &crate::contract::arrays::Arrays| [((*name).clone(), from[*name].clone())].into();
             let given = answer.get(*name)?;
             let alone = [((*name).clone(), given.clone())].into();
-            let wrong = !within(&alone, &one(&expected), false, || one(&bound));
+            let wrong = !within(&alone, &one(expected), false, || one(bound));
             let (got, _) = reshaped(&given.values, expected[*name].shape()).filter(|_| wrong)?;
             Some(((*name).clone(), got, expected[*name].clone()))
         };

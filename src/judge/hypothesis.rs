@@ -95,9 +95,10 @@ impl Hypothesis {
         error: Option<&Arrays>,
         options: &MarkOptions,
     ) -> Arrays {
-        let (truth, right) = options.truth(question, case, &self.conventions, Grade::B);
+        let known = options.truth(question, case, &self.conventions, Grade::B);
+        let (truth, right) = (&known.expected, &known.bound);
         if self.right() && !self.loose {
-            return right;
+            return right.clone();
         }
         let u = options.dtype.unit_roundoff();
         let (generous, mut roundings) = generosity(options.dtype);

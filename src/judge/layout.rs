@@ -141,8 +141,8 @@ fn permutations(
     let mut fits: BTreeMap<(usize, usize), Vec<Vec<bool>>> = BTreeMap::new();
     for (case, answer) in question.cases.iter().zip(answers) {
         let got = &answer.as_ref()?.get(name)?.values;
-        let (expected, bound) = options.truth(question, case, c, Grade::B);
-        let (expected, bound) = (&expected[name], &bound[name]);
+        let truth = options.truth(question, case, c, Grade::B);
+        let (expected, bound) = (&truth.expected[name], &truth.bound[name]);
         if got.shape() != expected.shape() || got.ndim() != 2 {
             return None;
         }

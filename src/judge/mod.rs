@@ -47,6 +47,7 @@ mod slip;
 mod slips;
 #[doc(hidden)]
 pub mod statistics;
+mod truths;
 pub(crate) mod typed;
 
 pub use candidate::{Candidate, judge, judge_large};

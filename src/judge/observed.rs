@@ -65,7 +65,8 @@ pub(crate) fn observed(
     let cases = small_cases(question, answers);
     let mut off: Vec<(String, Vec<Off>, usize)> = vec![];
     for (case, answer) in &cases {
-        let (expected, bound) = options.truth(question, case, c, Grade::B);
+        let truth = options.truth(question, case, c, Grade::B);
+        let (expected, bound) = (&truth.expected, &truth.bound);
         for name in question.ordered(expected.keys()) {
             let Some(found) = compared(&case.id, answer.get(name), &expected[name], &bound[name]) else {
                 continue;

@@ -62,8 +62,7 @@ impl Whole {
 
 /// A question of some items alone.
 fn question_of(question: &Question, case: Case) -> Question {
-    let (left_out, crashed) = Default::default();
-    Question { component: question.component, kind: question.kind, cases: vec![case], left_out, crashed }
+    Question::new(question.component, question.kind, vec![case])
 }
 
 /// What the blocks of one case showed.
