@@ -65,8 +65,8 @@
 //!
 //! Components that save work where a scene is empty or opaque, used by the compact model ([`training::compact`]): [`ray_aabb`], [`occupancy_grid`],
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
-//! steps for one picture. [`srgb`] is the curve between linear light and a picture file, [`ssim`] how alike two pictures look, [`robust_loss`] has
-//! Huber's and Charbonnier's losses, [`contraction`] lays an unbounded scene into
+//! steps for one picture, and [`training_step`], all of them forth and back. [`srgb`] is the curve between linear light and a picture file, [`ssim`] how
+//! alike two pictures look, [`robust_loss`] has Huber's and Charbonnier's losses, [`contraction`] lays an unbounded scene into
 //! a bounded one, [`ndc`] the view of a camera that looks ahead; [`packed`] has the sums and products of rays of different lengths,
 //! [`distortion`] the loss that gathers weights into surfaces, [`interlevel_loss`] the one that keeps proposals around them. [`lens`] and [`fisheye`] bend points as lenses do, and back; [`pose`] reads
 //! poses of a structure from motion. Splats: [`gaussian_covariance`] from rotation and scales, [`gaussian_projection`] into a picture,
@@ -78,7 +78,7 @@
 //!    (the choices that differ between right implementations), [`files`], `process`
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`lens`], [`fisheye`], [`camera`], [`pose`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
-//!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`importance_sampling`], [`ray_aabb`],
+//!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`training_step`], [`importance_sampling`], [`ray_aabb`],
 //!    [`occupancy_grid`], [`srgb`], [`robust_loss`], [`ssim`], [`contraction`], [`ndc`], [`distortion`], [`interlevel_loss`], [`gaussian_covariance`],
 //!    [`gaussian_projection`], [`gaussian_alpha`], [`gaussian_color`]
 //! 4. their f32 variants, in each folder's `fast`
@@ -135,6 +135,7 @@ pub mod pose;
 pub mod ray;
 pub mod sample;
 pub mod trace;
+pub mod training_step;
 pub mod volume_rendering;
 
 pub mod contraction;

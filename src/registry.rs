@@ -5,7 +5,7 @@ use crate::{
     camera, contraction, distortion, early_stop, encoding, field, fisheye, gaussian_alpha, gaussian_color,
     gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, interlevel_loss, lens, loss,
     ndc, occupancy_grid, optimizer, packed, pose, ray, ray_aabb, robust_loss, sample, spherical_harmonics,
-    srgb, ssim, trace, trunc_exp, volume_rendering,
+    srgb, ssim, trace, training_step, trunc_exp, volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
@@ -52,6 +52,7 @@ pub const COMPONENTS: &[Component] = &[
     ssim::component::SSIM,
     srgb::component::LINEAR_TO_SRGB,
     optimizer::component::ADAM_STEP,
+    training_step::component::TRAINING_STEP,
     importance_sampling::component::IMPORTANCE_SAMPLING,
     ray_aabb::component::RAY_AABB,
     occupancy_grid::component::OCCUPANCY_GRID,

@@ -132,6 +132,18 @@ fn a_gradient_asked_in_the_shapes_of_other_conventions_fails_and_says_so() {
     assert!(row.faults[0].contains("pin the profile"), "{:?}", row.faults);
 }
 
+/// A skip into another layer needs weights of other shapes: the search for conventions leaves it out.
+#[test]
+fn conventions_that_the_cases_do_not_fit_are_not_tried() {
+    let component = COMPONENTS.iter().find(|component| component.name == "training_step").unwrap();
+    let wrong = |inputs: &Arrays| (component.forward.wrong)(inputs, &CS180, &["gradients_accumulate"]);
+    let report = alone("training_step", Dtype::F32, |inputs| given(wrong(inputs)));
+    let row = report.of("training_step", "forward").unwrap();
+    let names: Vec<_> =
+        row.diagnosis.iter().take(1).flat_map(|e| e.mistakes.iter().map(|m| m.name)).collect();
+    assert_eq!((row.verdict, names), (Verdict::Fail, vec!["gradients_accumulate"]), "{report}");
+}
+
 #[test]
 fn nothing_easy_passes() {
     for dtype in Dtype::ALL {

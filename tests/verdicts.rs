@@ -68,6 +68,8 @@ fn answers_that_change_from_call_to_call_are_told() {
     let (little, much) = (noisy(f64::EPSILON / 2.0), noisy(1e-3));
     assert!(row(&little).findings.is_empty(), "half an ULP is no change: {little}");
     assert_eq!(row(&much).verdict, Verdict::Fail, "{much}");
+    assert!(row(&much).faults[0].starts_with("not deterministic"), "{much}");
+    assert_eq!(row(&much).faults.iter().filter(|said| said.contains("other bits")).count(), 1, "{much}");
     let little = noisy(f64::EPSILON);
     assert_eq!(row(&little).verdict, Verdict::Pass, "{little}");
     assert!(row(&little).findings[0].starts_with("not deterministic"), "{little}");

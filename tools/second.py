@@ -28,6 +28,7 @@ import second_sampler as sampler
 import second_sampling as sampling
 import second_similarity as similarity
 import second_space as space
+import second_step as step
 import second_training as training
 from candidate import inputs_of, read_manifest, write
 
@@ -272,6 +273,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         distortion: "distortion_loss distortion_loss_vjp interlevel_loss interlevel_loss_vjp",
         compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
         training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step",
+        step: "training_step",
         robust: "huber huber_vjp charbonnier charbonnier_vjp",
         similarity: "ssim ssim_vjp",
         sampler: "sample_random_rays",

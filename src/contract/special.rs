@@ -14,6 +14,8 @@ pub struct Special {
     /// The conventions that each output depends on, where these aren't all of the row's: a search for conventions rules them out
     /// output by output.
     pub reads: &'static [(&'static str, &'static [&'static str])],
+    /// Outputs that none of the row's mistakes reaches: whatever is wrong, they show their conventions.
+    pub untouched: &'static [&'static str],
     /// Gives a case's inputs the shapes that conventions ask for.
     pub reshape: fn(&mut Arrays, &Conventions),
     /// Whether inputs have the shapes that conventions ask for.
@@ -61,6 +63,7 @@ impl Special {
     pub const NONE: Special = Special {
         forward_name: "forward",
         reads: &[],
+        untouched: &[],
         reshape: |_, _| {},
         admits: |_, _| true,
         columns: None,

@@ -22,7 +22,7 @@ fn transposed(layer: &Layer, g: &Vector, m: &Arithmetic) -> Vector {
 }
 
 /// 1 / (1 + e^-z), or e^z / (1 + e^z) where z < 0.
-fn sigmoid_of(z: Bounded, m: &Arithmetic) -> Bounded {
+pub(crate) fn sigmoid_of(z: Bounded, m: &Arithmetic) -> Bounded {
     let y = sigmoid(z.y);
     let of = |e: Bounded, above: Bounded| m.div(above, m.add(exact(1.0), e)).e;
     let (down, up) = (m.exp(z.neg()), m.exp(z));
@@ -32,7 +32,7 @@ fn sigmoid_of(z: Bounded, m: &Arithmetic) -> Bounded {
 }
 
 /// s (1 - s), or sigmoid(z) sigmoid(-z).
-fn sigmoid_slope_of(z: Bounded, m: &Arithmetic) -> Bounded {
+pub(crate) fn sigmoid_slope_of(z: Bounded, m: &Arithmetic) -> Bounded {
     let s = sigmoid_of(z, m);
     let product = m.mul(s, m.sub(exact(1.0), s)).e.max(m.mul(s, sigmoid_of(z.neg(), m)).e);
     // Rounding aside, the slope stays within (0, 1/4].
@@ -40,7 +40,7 @@ fn sigmoid_slope_of(z: Bounded, m: &Arithmetic) -> Bounded {
 }
 
 /// The density of a head's output.
-fn density_of(z: Bounded, activation: Density, m: &Arithmetic) -> Bounded {
+pub(crate) fn density_of(z: Bounded, activation: Density, m: &Arithmetic) -> Bounded {
     let y = density(z.y, activation);
     match activation {
         Density::Relu if z.y > 0.0 => z,
@@ -59,7 +59,7 @@ fn density_of(z: Bounded, activation: Density, m: &Arithmetic) -> Bounded {
 }
 
 /// Its slope.
-fn density_slope_of(z: Bounded, activation: Density, m: &Arithmetic) -> Bounded {
+pub(crate) fn density_slope_of(z: Bounded, activation: Density, m: &Arithmetic) -> Bounded {
     let y = density_slope(z.y, activation);
     match activation {
         Density::Relu => Bounded { y, e: f64::from(z.e >= z.y.abs() && z.e > 0.0) },

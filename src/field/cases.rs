@@ -12,7 +12,7 @@ use crate::convention::{CS180, Conventions};
 use crate::random::{Key, Purpose};
 
 /// Weights as large as PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
-fn layer(draw: &mut Draw, inputs: usize, outputs: usize, bias: f64) -> [ArrayD<f64>; 2] {
+pub(crate) fn layer(draw: &mut Draw, inputs: usize, outputs: usize, bias: f64) -> [ArrayD<f64>; 2] {
     let reach = 1.0 / (inputs as f64).sqrt();
     let w = draw.array(&[outputs, inputs], -reach, reach);
     let b = (0..outputs).map(|_| {
@@ -35,15 +35,15 @@ fn plain(id: &str, comment: &'static str, stream: u64, sizes: &[usize], points: 
 }
 
 /// Weights that pass on one input each, the `n` from `first` on by turns: sums of one product keep most digits even in bf16.
-fn passing_on([outputs, inputs]: [usize; 2], first: usize, n: usize, gain: f64) -> ArrayD<f64> {
+pub(crate) fn passing_on([outputs, inputs]: [usize; 2], first: usize, n: usize, gain: f64) -> ArrayD<f64> {
     let weight = |k: usize| if k % inputs == first + (k / inputs) % n { gain } else { 0.0 };
     array(&[outputs, inputs], (0..outputs * inputs).map(weight).collect())
 }
 
 /// Weights and biases that keep hidden units near 3/4, and small logits, where the sigmoid's slope is sharpest.
-const GAIN: f64 = 0.875;
-const BIAS: f64 = 0.09375;
-const LAST_GAIN: f64 = 0.25;
+pub(crate) const GAIN: f64 = 0.875;
+pub(crate) const BIAS: f64 = 0.09375;
+pub(crate) const LAST_GAIN: f64 = 0.25;
 
 /// A plain network of such weights, with small biases.
 fn passing_mlp(sizes: &[usize]) -> Case {

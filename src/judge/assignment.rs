@@ -6,6 +6,7 @@ use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped};
 use super::exam::Question;
+use super::hypothesis::Hypothesis;
 use super::mark::{MarkOptions, nothing_to_show, proves, within};
 use super::statistics;
 use crate::contract::arithmetic::Grade;
@@ -21,6 +22,10 @@ pub(crate) type Partial = BTreeMap<&'static str, &'static str>;
 
 /// Inputs of more elements than this are left to the final marking: a search needs the small cases only.
 const LARGE: usize = 20_000;
+
+/// The smallest cases are simple, and one alone may show little: this many are asked for the conventions of an output that no mistake
+/// reaches.
+const SHOWING: usize = 3;
 
 /// Steps of backtracking before the search settles for the best it has.
 const PATIENCE: usize = 20_000;
@@ -54,6 +59,49 @@ pub(crate) fn assignments(component: &Component, base: &Conventions) -> Vec<Part
     let base = partial(component, base);
     all.sort_by_key(|p| changes(p, &base));
     all
+}
+
+/// The assignments that cases admit and that those outputs don't rule out which no mistake reaches, those next to `base` first. Where an
+/// output would leave none, the nearest stays.
+pub(crate) fn open(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Partial> {
+    let mut all = assignments(question.component, base);
+    all.retain(|p| question.admits(&apply(p, base)));
+    let cases = small_cases(question, answers);
+    let special = &question.component.special;
+    for (output, keys) in special.reads.iter().filter(|(output, _)| special.untouched.contains(output)) {
+        let answered: Vec<_> =
+            cases.iter().filter(|(_, answer)| answer.contains_key(*output)).take(SHOWING).collect();
+        // As many digits may be lost as where something is wrong; but what is right without that shows more.
+        let fitting = |loose: bool| {
+            let mut fitting = all.clone();
+            keep(&mut fitting, keys, |p| {
+                let right = Hypothesis { loose, ..Hypothesis::new(vec![], apply(p, base)) };
+                let mut explained = vec![*output];
+                for (case, answer) in &answered {
+                    right.keep_explained(question, case, answer, options, &mut explained);
+                }
+                !explained.is_empty()
+            });
+            fitting
+        };
+        if let Some(fitting) = [false, true].into_iter().map(fitting).find(|fitting| !fitting.is_empty()) {
+            all = fitting;
+        } else {
+            all.truncate(1);
+        }
+    }
+    all
+}
+
+/// Keeps the assignments that fit, which only these conventions decide.
+fn keep(all: &mut Vec<Partial>, keys: &[&str], fits: impl Fn(&Partial) -> bool) {
+    let mut known: BTreeMap<Vec<&str>, bool> = BTreeMap::new();
+    all.retain(|p| *known.entry(keys.iter().map(|key| p[key]).collect()).or_insert_with(|| fits(p)));
 }
 
 fn with(partial: &Partial, key: &'static str, value: &'static str) -> Partial {
@@ -100,8 +148,7 @@ pub(crate) fn possible(
                 options.truth(question, case, &c, Grade::B).bound.clone()
             })
         };
-        let mut known: BTreeMap<Vec<&str>, bool> = BTreeMap::new();
-        all.retain(|p| *known.entry(keys.iter().map(|key| p[key]).collect()).or_insert_with(|| fits(p)));
+        keep(&mut all, keys, fits);
     }
     all
 }
@@ -150,7 +197,9 @@ pub(crate) fn find(questions: &[(&Question, &Answers)], options: &MarkOptions) -
     }
     let survivors: Vec<Vec<Partial>> = parallel::map(questions.len(), |n| {
         let (question, answers) = questions[n];
-        let all = possible(question, answers, assignments(question.component, &CS180), &CS180, options);
+        let mut all = assignments(question.component, &CS180);
+        all.retain(|p| question.admits(&apply(p, &CS180)));
+        let all = possible(question, answers, all, &CS180, options);
         all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
     });
     let mut order: Vec<usize> = (0..questions.len()).filter(|&n| !survivors[n].is_empty()).collect();
@@ -208,9 +257,14 @@ fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
 const COMPARED: usize = 2_000;
 
 /// The assignment in which most elements agree with the answers to a few digits; the nearest to `base` among equals.
-pub(crate) fn nearest(question: &Question, answers: &Answers, base: &Conventions) -> Conventions {
-    let all = assignments(question.component, base).into_iter().map(|p| apply(&p, base));
-    let all: Vec<Conventions> = all.filter(|c| question.admits(c)).take(COMPARED).collect();
+pub(crate) fn nearest(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Conventions {
+    let all = open(question, answers, base, options).into_iter().map(|p| apply(&p, base));
+    let all: Vec<Conventions> = all.take(COMPARED).collect();
     let direction = question.component.direction(question.kind).expect("a question has its direction");
     let cases = small_cases(question, answers);
     let agreeing = parallel::map(all.len(), |n| {

@@ -1,7 +1,7 @@
 //! Diagnosis: which conventions and which mistakes explain the answers of a component that failed.
 
 use super::answer::Answers;
-use super::assignment::{Partial, apply, assignments, changes, partial, possible};
+use super::assignment::{Partial, apply, changes, open, partial, possible};
 use super::evidence::{Explanation, Suspect, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
 use super::fitted::fitting;
@@ -42,8 +42,7 @@ pub fn diagnose(
         return shown.map(each).collect();
     }
     let home = partial(question.component, base);
-    let mut all = assignments(question.component, base);
-    all.retain(|p| question.admits(&apply(p, base)));
+    let all = open(question, answers, base, options);
     let (mut parted, mut singles) = (None, vec![]);
     for count in 0..=2 {
         if count == 2 {

@@ -181,7 +181,8 @@ fn imprecise(
     if question.statistics() {
         return;
     }
-    let c = if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base) };
+    let c =
+        if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base, options) };
     if let Some(bits) = lost_bits(question, answers, &c, options).filter(|bits| *bits <= most) {
         let marks = mark(question, answers, &c, options, Grade::B);
         *row = Row { layouts: row.layouts.clone(), ..Row::marked(question, answers, &marks, None, &c) };
@@ -197,7 +198,7 @@ fn nearest(row: &mut Row, question: &Question, answers: &Answers, base: &Convent
         // Right in other conventions: it only disagrees with the rest of the run.
         Some(best) if !best.wrong() && best.whole() => return,
         Some(best) => assignment::apply(&best.conventions, base),
-        None => assignment::nearest(question, answers, base),
+        None => assignment::nearest(question, answers, base, options),
     };
     if question.statistics() || near == *base {
         return;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ndarray::{ArrayD, Axis};
 
 use super::answer::{Answer, Answers};
-use super::assignment::{apply, assignments, holds, possible};
+use super::assignment::{apply, assignments, holds, open, possible};
 use super::exam::Question;
 use super::mark::MarkOptions;
 use crate::contract::arithmetic::Grade;
@@ -72,7 +72,11 @@ fn swapped(
     let pairs: Vec<_> = pairs.filter(|(a, b)| a.shape == b.shape).map(|(a, b)| (a.name, b.name)).collect();
     let all: Vec<_> = assignments(question.component, base);
     let all: Vec<_> = all.into_iter().filter(|p| question.admits(&apply(p, base))).collect();
+    // What stays in its place shows its conventions once for all pairs.
+    let shown = open(question, answers, base, options);
+    let untouched = question.component.special.untouched;
     for (a, b) in pairs {
+        let all = if untouched.contains(&a) || untouched.contains(&b) { &all } else { &shown };
         let change = |answer: &Option<Answer>| answer.as_ref().map(|answer| exchange(answer, a, b));
         let exchanged: Answers = answers.iter().map(change).collect();
         let right = possible(question, &exchanged, all.clone(), base, options)

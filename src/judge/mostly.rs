@@ -2,7 +2,7 @@
 //! divides 0 by 0 where nothing is there, and whether it adds 1e-8 shows nowhere else.
 
 use super::answer::{Answer, Answers};
-use super::assignment::{Partial, apply, assignments, changes, partial};
+use super::assignment::{Partial, apply, changes, open, partial};
 use super::evidence::{Explanation, Suspect, difference, largest_residual, shows, usable};
 use super::exam::Question;
 use super::fitted::guesses;
@@ -56,8 +56,7 @@ pub(crate) fn mostly(
     let cases = usable(&wrong(&[], base), question, answers);
     let numeric = question.kind == Kind::Vjp;
     let all: Vec<&Mistake> = question.component.mistakes.iter().filter(|m| numeric || !m.gradient).collect();
-    let mut near = assignments(question.component, base);
-    near.retain(|p| question.admits(&apply(p, base)));
+    let mut near = open(question, answers, base, options);
     near.truncate(ASSIGNMENTS);
     let all_of = |mistakes: &[&str]| {
         let seen = |name: &&str| all.iter().find(|m| m.name == *name).map_or(0, |m| m.count);

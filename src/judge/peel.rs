@@ -2,7 +2,7 @@
 //! one can't be, those found before it stand.
 
 use super::answer::{Answer, Answers};
-use super::assignment::{apply, assignments, partial, possible, small_cases};
+use super::assignment::{apply, open, partial, possible, small_cases};
 use super::evidence::{Explanation, difference, largest_residual, shows};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
@@ -89,8 +89,7 @@ impl<'a> Peeling<'a> {
 
     /// The conventions to begin with: those that the outputs show which are right in some.
     fn conventions(&self, outputs: &[&str]) -> Vec<Conventions> {
-        let mut all = assignments(self.question.component, self.base);
-        all.retain(|p| self.question.admits(&apply(p, self.base)));
+        let mut all = open(self.question, self.answers, self.base, self.options);
         for name in outputs {
             let right = possible(self.question, &self.alone(name), all.clone(), self.base, self.options);
             if !right.is_empty() {

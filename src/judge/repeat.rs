@@ -5,6 +5,15 @@ use super::exam::{Exam, Question};
 use super::report::{Report, Verdict};
 use crate::contract::case::Case;
 
+/// What is said of answers that change.
+const CHANCE: &str = "not deterministic: asked twice in a row, it answers with other bits";
+const STALE: &str = "stale state: asked again after another question, it answers with other bits";
+
+/// Whether a text is one of these.
+fn of_repeating(text: &str) -> bool {
+    text.starts_with(CHANCE) || text.starts_with(STALE)
+}
+
 /// Answers to the exam in its order, and then to the same questions in the opposite one, each asked three times in a row: the first of
 /// these comes after another question, the others after the same one.
 pub(super) struct Rounds {
@@ -40,7 +49,7 @@ impl Rounds {
     }
 
     /// Adds what the other rounds show: where other bits came, whether by chance or after another question, and by how much. That is
-    /// told of a row whose answers are right every time, and fails one whose aren't.
+    /// told of a row whose answers are right every time, or wrong anyway, and fails one whose aren't.
     pub(super) fn tell(&self, exam: &Exam, judge: impl Fn(&[Answers]) -> Report, report: &mut Report) {
         for other in self.again.iter().flatten() {
             if changed(&self.first, other).is_empty() {
@@ -52,6 +61,10 @@ impl Rounds {
                 if row.verdict == Verdict::Pass && later.rows[n].verdict == Verdict::Fail {
                     *row = later.rows[n].clone();
                     row.faults.push(text);
+                } else if row.verdict == Verdict::Fail && !row.faults.iter().any(|fault| of_repeating(fault))
+                {
+                    // Whatever else is wrong: what changes from call to call explains it before any formula does.
+                    row.faults.insert(0, text);
                 } else if row.verdict != Verdict::Fail && row.findings.is_empty() {
                     row.findings.push(text);
                 }
@@ -64,11 +77,7 @@ impl Rounds {
         let describe = |n: usize| {
             let [_, second, third] = self.again.as_ref().expect("another round differs");
             let chance = second[n].iter().zip(&third[n]).any(|(a, b)| differs(a, b));
-            let cause = if chance {
-                "not deterministic: asked twice in a row, it answers with other bits"
-            } else {
-                "stale state: asked again after another question, it answers with other bits"
-            };
+            let cause = if chance { CHANCE } else { STALE };
             let pairs = exam.questions[n].cases.iter().zip(self.first[n].iter().zip(&other[n]));
             let largest = pairs.filter_map(|(case, (a, b))| Some((case, largest(a.as_ref()?, b.as_ref()?)?)));
             let largest = largest.max_by(|(_, a), (_, b)| a.1.total_cmp(&b.1));

@@ -50,7 +50,7 @@ pub(crate) fn slipped(
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
     let Some((case, answer)) = cases.first() else { return vec![] };
-    let conventions = conventions(question, answers, base);
+    let conventions = conventions(question, answers, base, options);
     let forward = question.kind == Kind::Forward;
     let rows = question.component.mistakes.iter().filter(|m| m.gradient != forward).map(|m| m.name);
     let sets: Vec<Vec<&str>> = match beside {
@@ -58,22 +58,23 @@ pub(crate) fn slipped(
         Beside::Mistake => rows.map(|name| vec![name]).collect(),
     };
     let slips = slips(question, case, answer);
-    let mut hypotheses = vec![];
+    let mut plain = vec![];
     for mistakes in sets {
         // Beside a mistake in the likeliest conventions alone.
         let tried =
             if mistakes.is_empty() { &conventions[..] } else { &conventions[..conventions.len().min(2)] };
-        for c in tried {
-            let plain = Hypothesis::new(mistakes.clone(), *c);
-            // Of a few odd cases a slip says little: it could be anything that shows in none of the others.
-            let right = cases.iter().filter(|(case, answer)| plain.explains(question, case, answer, options));
-            if 2 * right.count() > cases.len() {
-                continue;
-            }
-            let fitted = fitted(&plain, question, &cases);
-            let with = |slip: &Slip| Hypothesis { slip: Some(slip.clone()), ..plain.clone() };
-            hypotheses.extend(slips.iter().chain(&fitted).map(with));
-        }
+        plain.extend(tried.iter().map(|c| Hypothesis::new(mistakes.clone(), *c)));
+    }
+    // Of a few odd cases a slip says little: it could be anything that shows in none of the others.
+    let most = parallel::map(plain.len(), |n| {
+        let right = cases.iter().filter(|(case, answer)| plain[n].explains(question, case, answer, options));
+        2 * right.count() > cases.len()
+    });
+    let mut hypotheses = vec![];
+    for (plain, _) in plain.iter().zip(most).filter(|(_, most)| !most) {
+        let fitted = fitted(plain, question, &cases);
+        let with = |slip: &Slip| Hypothesis { slip: Some(slip.clone()), ..plain.clone() };
+        hypotheses.extend(slips.iter().chain(&fitted).map(with));
     }
     let elements = |arrays: &Arrays| arrays.values().map(|a| a.len()).sum::<usize>();
     let cost = LEAST + elements(&case.inputs) + answer.values().map(|a| a.values.len()).sum::<usize>();
@@ -104,11 +105,16 @@ fn was_done(h: &Hypothesis, question: &Question, answers: &Answers, options: &Ma
 }
 
 /// The run's conventions, those in which most elements agree, and those of known programs.
-fn conventions(question: &Question, answers: &Answers, base: &Conventions) -> Vec<Conventions> {
+fn conventions(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Conventions> {
     let own = |c: &Conventions| partial(question.component, c);
     let known = PROFILES.iter().map(|p| apply(&own(&p.conventions), base));
     let mut all: Vec<Conventions> = vec![];
-    for c in [*base, nearest(question, answers, base)].into_iter().chain(known) {
+    for c in [*base, nearest(question, answers, base, options)].into_iter().chain(known) {
         if question.admits(&c) && !all.iter().any(|other| own(other) == own(&c)) {
             all.push(c);
         }

@@ -11,8 +11,13 @@ use crate::math::{ln_1p, log10};
 
 /// The mean of squared differences: differences, squares, a sum in any order, one division (or a product with 1 / n).
 fn mean_square(p: &[f64], t: &[f64], m: &Arithmetic) -> Bounded {
-    let square = |(&p, &t): (&f64, &f64)| {
-        let d = m.sub(exact(p), exact(t));
+    mean_square_of(&p.iter().copied().map(exact).collect::<Vec<_>>(), t, m)
+}
+
+/// The same of predictions with errors of their own.
+pub(crate) fn mean_square_of(p: &[Bounded], t: &[f64], m: &Arithmetic) -> Bounded {
+    let square = |(&p, &t): (&Bounded, &f64)| {
+        let d = m.sub(p, exact(t));
         m.mul(d, d)
     };
     let sum = m.sum(&p.iter().zip(t).map(square).collect::<Vec<_>>());
@@ -27,13 +32,16 @@ pub(crate) fn mse(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
 /// Bound of [`super::backward::mse`]: ((2 / n) g) (p - t), or (2 (p - t)) g / n.
 pub(crate) fn mse_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     let (p, t) = (values(a, "prediction"), values(a, "target"));
-    let (g, n) = (exact(number(a, "grad_value")), exact(p.len() as f64));
-    let error = |(&p, &t): (&f64, &f64)| {
-        let d = m.sub(exact(p), exact(t));
-        let scale_first = m.mul(m.mul(m.div(exact(2.0), n), g), d);
-        scale_first.or(m.div(m.mul(m.mul(exact(2.0), d), g), n)).e
-    };
+    let (g, n) = (number(a, "grad_value"), p.len());
+    let error = |(&p, &t): (&f64, &f64)| slope_of(exact(p), t, g, n, m).e;
     arrays([("grad_prediction", like(a, "prediction", p.iter().zip(&t).map(error).collect()))])
+}
+
+/// One of n predictions' part of the gradient, where the prediction has an error of its own.
+pub(crate) fn slope_of(p: Bounded, t: f64, g: f64, n: usize, m: &Arithmetic) -> Bounded {
+    let (d, g, n) = (m.sub(p, exact(t)), exact(g), exact(n as f64));
+    let scale_first = m.mul(m.mul(m.div(exact(2.0), n), g), d);
+    scale_first.or(m.div(m.mul(m.mul(exact(2.0), d), g), n))
 }
 
 /// 10 log10(peak^2 / error): the ratio's relative error becomes an absolute one; or the difference of two logarithms.

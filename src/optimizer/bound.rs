@@ -12,7 +12,7 @@ use crate::convention::{AdamEps, Conventions};
 use crate::math::{expm1, ln};
 
 /// Numbers computed from hyper-parameters alone.
-struct Scalars {
+pub(crate) struct Scalars {
     beta1: Bounded,
     beta2: Bounded,
     rest1: Bounded,
@@ -42,7 +42,7 @@ fn correction(beta: f64, step: u64, s: &Arithmetic) -> Bounded {
 }
 
 impl Scalars {
-    fn new(adam: &Adam, step: u64, m: &Arithmetic) -> Scalars {
+    pub(crate) fn new(adam: &Adam, step: u64, m: &Arithmetic) -> Scalars {
         let s = Arithmetic { u: m.u_sum, ..*m };
         // Rounded to the type where it is used.
         let to_type = |b: Bounded| if m.u == s.u { b } else { m.rounded(b.y, b.e) };
@@ -78,6 +78,40 @@ fn uncorrected(mean1: Bounded, mean2: Bounded, s: &Scalars, m: &Arithmetic) -> B
     quotient_first.or(product_first).or(m.mul(m.div(s.whole_rate, denominator), mean1))
 }
 
+/// Parameter, m and v behind a step, where all that goes into it may have errors of its own. `longest`: no honest step is longer.
+pub(crate) fn moved(
+    [param, before1, before2]: [Bounded; 3],
+    grad: Bounded,
+    adam: &Adam,
+    s: &Scalars,
+    (convention, longest): (AdamEps, f64),
+    m: &Arithmetic,
+) -> [Bounded; 3] {
+    let g = if adam.weight_decay == 0.0 { grad } else { m.add(grad, m.mul(s.decay, param)) };
+    let mean1 = mean(s.beta1, s.rest1, before1, g, m);
+    // (1 - b2) (g g), or ((1 - b2) g) g: they underflow at different sizes of g.
+    let kept = m.mul(s.beta2, before2);
+    let square = m.mul(s.rest2, m.mul(g, g)).or(m.mul(m.mul(s.rest2, g), g));
+    let mean2 = m.add(kept, square);
+    if convention == AdamEps::Uncorrected {
+        let update = uncorrected(mean1, mean2, s, m);
+        return [m.sub(param, no_longer(update, longest)), mean1, mean2];
+    }
+    let root = m.div(m.sqrt(mean2), m.sqrt(s.correction2)).or(m.sqrt(m.div(mean2, s.correction2)));
+    let denominator = m.add(root, s.eps);
+    let update = m.mul(s.step_size, m.div(mean1, denominator));
+    let product_first = m.div(m.mul(s.step_size, mean1), denominator);
+    let corrected = m.div(mean1, s.correction1);
+    let textbook = m.mul(s.lr, m.div(corrected, denominator)).or(m.div(m.mul(s.lr, corrected), denominator));
+    let update = update.or(product_first).or(textbook);
+    [m.sub(param, no_longer(update, longest)), mean1, mean2]
+}
+
+/// A step of which it is known how long it may be.
+fn no_longer(update: Bounded, longest: f64) -> Bounded {
+    Bounded { y: update.y, e: update.e.min(update.y.abs() + longest) }
+}
+
 fn moments(
     before: Moments,
     grad: f64,
@@ -86,25 +120,9 @@ fn moments(
     convention: AdamEps,
     m: &Arithmetic,
 ) -> Moments {
-    let param = exact(before.param);
-    let g = if adam.weight_decay == 0.0 { exact(grad) } else { m.add(exact(grad), m.mul(s.decay, param)) };
-    let mean1 = mean(s.beta1, s.rest1, exact(before.m), g, m);
-    // (1 - b2) (g g), or ((1 - b2) g) g: they underflow at different sizes of g.
-    let kept = m.mul(s.beta2, exact(before.v));
-    let square = m.mul(s.rest2, m.mul(g, g)).or(m.mul(m.mul(s.rest2, g), g));
-    let mean2 = m.add(kept, square);
-    if convention == AdamEps::Uncorrected {
-        let after = m.sub(param, uncorrected(mean1, mean2, s, m));
-        return Moments { param: after.e, m: mean1.e, v: mean2.e };
-    }
-    let root = m.div(m.sqrt(mean2), m.sqrt(s.correction2)).or(m.sqrt(m.div(mean2, s.correction2)));
-    let denominator = m.add(root, s.eps);
-    let update = m.mul(s.step_size, m.div(mean1, denominator));
-    let product_first = m.div(m.mul(s.step_size, mean1), denominator);
-    let corrected = m.div(mean1, s.correction1);
-    let textbook = m.mul(s.lr, m.div(corrected, denominator)).or(m.div(m.mul(s.lr, corrected), denominator));
-    let after = m.sub(param, update.or(product_first).or(textbook));
-    Moments { param: after.e, m: mean1.e, v: mean2.e }
+    let known = [before.param, before.m, before.v].map(exact);
+    let [param, mean1, mean2] = moved(known, exact(grad), adam, s, (convention, f64::INFINITY), m);
+    Moments { param: param.e, m: mean1.e, v: mean2.e }
 }
 
 /// Bound of [`super::adam_step`].

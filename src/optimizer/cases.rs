@@ -105,7 +105,16 @@ pub(crate) fn adam_step() -> Vec<Case> {
             [vec![0.5; 2], vec![0.000244140625, -0.000244140625], vec![0.0; 2], vec![0.0; 2]],
         ),
     ];
-    in_full(cases, "second")
+    let mut cases = in_full(cases, "second");
+    let odd = running(11).map(|values| values[..7].to_vec());
+    cases.push(case(
+        "odd_count",
+        "seven parameters: the last one stands alone",
+        2.0,
+        [0.125, 1e-8, 0.0],
+        odd,
+    ));
+    cases
 }
 
 /// More parameters than a million, late in a training.

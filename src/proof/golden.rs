@@ -23,7 +23,7 @@ pub const SCHEMA: &str = "nerf-oracle/fixture/1";
 /// One file of fixtures.
 #[derive(Clone, Debug)]
 pub struct Fixture {
-    /// Its component, or the name of several in a row (`training_step`, ...).
+    /// Its component, or the name of several in a row (`loss_gradient`, ...).
     pub component: String,
     /// `mpmath`, `torch` or `kornia`.
     pub basis: String,

@@ -44,7 +44,9 @@ pub(crate) fn sample_along_rays() -> Vec<Case> {
         case("inexact_bounds", "near and far that no type holds", [0.1, 3.7], random(4, 3, 7), 2.0),
         case("CG9_far_away", "origins up to 2^20: o + t d cancels", [2.0, 6.0], random(5, 3, 6), 1_048_576.0),
     ];
-    in_full(cases, "jittered")
+    let mut cases = in_full(cases, "jittered");
+    cases.push(case("one_ray", "a single ray", [2.0, 6.0], random(6, 1, 7), 4.0));
+    cases
 }
 
 /// Step lengths.

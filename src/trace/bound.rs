@@ -31,11 +31,12 @@ pub(crate) fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Array
             *error = m.mul(Bounded { y: deltas[p] / norm.y, e: *error }, norm).e;
         }
     }
-    let (sigmas, rgbs, b) = (values(a, "sigmas"), values(a, "rgbs"), rgb(&values(a, "background")));
+    let sigmas: Vec<Bounded> = values(a, "sigmas").into_iter().map(exact).collect();
+    let (rgbs, b) = (values(a, "rgbs"), rgb(&values(a, "background")));
     let (mut weights, mut colors) = (vec![], vec![]);
     for ray in (0..h * w).map(|p| p * n..(p + 1) * n) {
         let steps: Vec<Bounded> = ray.clone().map(|i| Bounded { y: deltas[i], e: step_errors[i] }).collect();
-        let rgbs = rgbs[3 * ray.start..3 * ray.end].chunks_exact(3).map(rgb).collect();
+        let rgbs = rgbs[3 * ray.start..3 * ray.end].chunks_exact(3).map(|c| rgb(c).map(exact)).collect();
         let ray = Ray::from_densities(&sigmas[ray], &steps, rgbs, c.product_eps, m);
         let (color, opacity, _) = ray.outputs(c.product_eps, m);
         for k in 0..3 {
@@ -52,7 +53,7 @@ pub(crate) fn render_trace(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Array
 }
 
 /// Adds what the errors of a ray's positions `t` do to its steps.
-fn carry(t: &[f64], steps: &mut [f64], delta: Delta) {
+pub(crate) fn carry(t: &[f64], steps: &mut [f64], delta: Delta) {
     let last = t.len() - 1;
     // The middle between two positions.
     let edge = |i: usize| 0.5 * (t[i - 1] + t[i]);

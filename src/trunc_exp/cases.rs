@@ -38,5 +38,8 @@ pub(crate) fn trunc_exp() -> Vec<Case> {
             vec![704.0, 712.0, -704.0, -752.0],
         ),
     ];
-    in_full(cases, "usual")
+    let mut cases = in_full(cases, "usual");
+    let odd = seeded(4, -6.0, 8.0).into_iter().take(7).collect();
+    cases.push(case("odd_count", "seven points: the last one stands alone", odd));
+    cases
 }

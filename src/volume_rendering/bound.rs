@@ -15,7 +15,7 @@ pub(crate) struct Ray {
     alphas: Vec<Bounded>,
     /// d alpha / dx = e^-x; 1 where alpha is given.
     slopes: Vec<Bounded>,
-    rgbs: Vec<[f64; 3]>,
+    rgbs: Vec<[Bounded; 3]>,
     /// In front of each sample and, last, behind all: (N + 1).
     transmittance: Vec<Bounded>,
     pub(crate) weights: Vec<Bounded>,
@@ -26,14 +26,15 @@ pub(crate) struct Ray {
 impl Ray {
     fn of_case(a: &Arrays, r: usize, eps: ProductEps, m: &Arithmetic) -> Ray {
         let deltas: Vec<Bounded> = row(a, "deltas", r).into_iter().map(exact).collect();
-        Ray::from_densities(&row(a, "sigmas", r), &deltas, rows3(a, "rgbs", r), eps, m)
+        let sigmas: Vec<Bounded> = row(a, "sigmas", r).into_iter().map(exact).collect();
+        Ray::from_densities(&sigmas, &deltas, colors(a, r), eps, m)
     }
 
-    /// A ray whose step lengths have errors of their own.
+    /// A ray whose densities, colors and step lengths have errors of their own.
     pub(crate) fn from_densities(
-        sigmas: &[f64],
+        sigmas: &[Bounded],
         deltas: &[Bounded],
-        rgbs: Vec<[f64; 3]>,
+        rgbs: Vec<[Bounded; 3]>,
         eps: ProductEps,
         m: &Arithmetic,
     ) -> Ray {
@@ -65,13 +66,13 @@ impl Ray {
         let alphas: Vec<Bounded> = row(a, "alphas", r).into_iter().map(one).collect();
         let transmittance = products(&alphas, c.product_eps, m);
         let slopes = vec![exact(1.0); alphas.len()];
-        Ray::new(alphas, slopes, rows3(a, "rgbs", r), transmittance, m)
+        Ray::new(alphas, slopes, colors(a, r), transmittance, m)
     }
 
     fn new(
         alphas: Vec<Bounded>,
         slopes: Vec<Bounded>,
-        rgbs: Vec<[f64; 3]>,
+        rgbs: Vec<[Bounded; 3]>,
         transmittance: Vec<Bounded>,
         m: &Arithmetic,
     ) -> Ray {
@@ -83,7 +84,7 @@ impl Ray {
     pub(crate) fn outputs(&self, eps: ProductEps, m: &Arithmetic) -> ([Bounded; 3], Bounded, Bounded) {
         let behind = self.transmittance[self.alphas.len()];
         let color = |k: usize| {
-            let colors: Vec<Bounded> = self.rgbs.iter().map(|c| exact(c[k])).collect();
+            let colors: Vec<Bounded> = self.rgbs.iter().map(|c| c[k]).collect();
             m.dot(&self.weights, &colors)
         };
         // The sum of the weights, or 1 - T: the same over the reals when no eps is added to the factors. Not capped at [0, 1]:
@@ -95,13 +96,24 @@ impl Ray {
 
     /// Errors of g_x (g_alpha times the slope) and of g_rgb.
     fn gradients(&self, g: &Cotangent, eps: ProductEps, m: &Arithmetic) -> (Vec<Bounded>, Vec<[f64; 3]>) {
+        let (g_x, g_rgb) = self.gradients_from(&Arriving::exactly(g), eps, m);
+        (g_x, g_rgb.iter().map(|g| g.map(|g| g.e)).collect())
+    }
+
+    /// g_x and g_rgb from cotangents with errors of their own.
+    pub(crate) fn gradients_from(
+        &self,
+        g: &Arriving,
+        eps: ProductEps,
+        m: &Arithmetic,
+    ) -> (Vec<Bounded>, Vec<[Bounded; 3]>) {
         let n = self.alphas.len();
         let g_w: Vec<Bounded> = (0..n).map(|i| self.weight_gradient(i, g, m)).collect();
         // The absolute values of all terms: the magnitude at which a total minus a prefix sum rounds.
         let all: Vec<Bounded> = (0..n).map(|i| m.mul(self.weights[i], g_w[i])).collect();
-        let last = m.mul(self.transmittance[n], exact(g.transmittance));
+        let last = m.mul(self.transmittance[n], g.transmittance);
         let total = m.sum(&[&all[..], &[last]].concat());
-        let mut behind = exact(g.transmittance);
+        let mut behind = g.transmittance;
         let mut g_x = vec![exact(0.0); n];
         for i in (0..n).rev() {
             // T (g_w - B), each product rounded; or T e^-x g_w minus the suffix sum.
@@ -116,34 +128,59 @@ impl Ray {
             let passed = m.add(m.sub(exact(1.0), self.alphas[i]), exact(eps.value()));
             behind = m.add(m.mul(self.alphas[i], g_w[i]), m.mul(passed, behind));
         }
-        let g_rgb = |w: &Bounded| g.color.map(|g| m.mul(*w, exact(g)).e);
+        let g_rgb = |w: &Bounded| g.color.map(|g| m.mul(*w, g));
         (g_x, self.weights.iter().map(g_rgb).collect())
     }
 
-    fn weight_gradient(&self, i: usize, g: &Cotangent, m: &Arithmetic) -> Bounded {
-        let terms: Vec<Bounded> = (0..3).map(|k| m.mul(exact(g.color[k]), exact(self.rgbs[i][k]))).collect();
+    fn weight_gradient(&self, i: usize, g: &Arriving, m: &Arithmetic) -> Bounded {
+        let terms: Vec<Bounded> = (0..3).map(|k| m.mul(g.color[k], self.rgbs[i][k])).collect();
         let color = m.sum(&terms);
         let color = m.rounded(color.y, color.e);
         let opacity = if self.white {
-            let lost = m.sum(&g.color.map(exact));
-            m.sub(exact(g.opacity), m.rounded(lost.y, lost.e))
+            let lost = m.sum(&g.color);
+            m.sub(g.opacity, m.rounded(lost.y, lost.e))
         } else {
-            exact(g.opacity)
+            g.opacity
         };
-        m.add(m.add(color, exact(g.weights[i])), opacity)
+        m.add(m.add(color, g.weights[i]), opacity)
+    }
+}
+
+/// A ray's colors as they are given.
+fn colors(a: &Arrays, r: usize) -> Vec<[Bounded; 3]> {
+    rows3(a, "rgbs", r).into_iter().map(|c| c.map(exact)).collect()
+}
+
+/// Cotangents with errors.
+pub(crate) struct Arriving {
+    pub color: [Bounded; 3],
+    pub weights: Vec<Bounded>,
+    pub opacity: Bounded,
+    pub transmittance: Bounded,
+}
+
+impl Arriving {
+    fn exactly(g: &Cotangent) -> Arriving {
+        Arriving {
+            color: g.color.map(exact),
+            weights: g.weights.iter().copied().map(exact).collect(),
+            opacity: exact(g.opacity),
+            transmittance: exact(g.transmittance),
+        }
     }
 }
 
 /// How far off T may be in front of each sample of a ray and behind the last one: (N + 1).
 pub(crate) fn transmittance(sigmas: &[f64], deltas: &[f64], m: &Arithmetic) -> Vec<f64> {
     let deltas: Vec<Bounded> = deltas.iter().copied().map(exact).collect();
-    let rgbs = vec![[0.0; 3]; sigmas.len()];
-    let ray = Ray::from_densities(sigmas, &deltas, rgbs, ProductEps::None, m);
+    let rgbs = vec![[exact(0.0); 3]; sigmas.len()];
+    let sigmas: Vec<Bounded> = sigmas.iter().copied().map(exact).collect();
+    let ray = Ray::from_densities(&sigmas, &deltas, rgbs, ProductEps::None, m);
     ray.transmittance.iter().map(|t| t.e).collect()
 }
 
-fn optical_depth(sigma: f64, delta: Bounded, m: &Arithmetic) -> Bounded {
-    if sigma == 0.0 || delta == exact(0.0) { exact(0.0) } else { m.mul(exact(sigma), delta) }
+fn optical_depth(sigma: Bounded, delta: Bounded, m: &Arithmetic) -> Bounded {
+    if sigma == exact(0.0) || delta == exact(0.0) { exact(0.0) } else { m.mul(sigma, delta) }
 }
 
 /// T_i = prod_{j<i} (1 - alpha_j + eps).

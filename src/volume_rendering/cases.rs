@@ -180,7 +180,16 @@ pub(crate) fn volume_render() -> Vec<Case> {
             ("deltas", array(&[rays, samples], deltas)),
         ]
     }));
-    in_full(in_full(cases, "mixed_0"), "thin_0")
+    let mut cases = in_full(in_full(cases, "mixed_0"), "thin_0");
+    // Optical depths of 3/4, 1, 3/2 and 2.
+    cases.push(one_ray(
+        "dense_thin_steps",
+        "densities above 10^4, as of a scene in kilometers, on steps as short",
+        vec![12_288.0, 16_384.0, 24_576.0, 32_768.0],
+        array(&[1, 4, 3], (1..=12).map(|k| f64::from(k) / 16.0).collect()),
+        vec![1.0 / 16_384.0; 4],
+    ));
+    cases
 }
 
 /// From opacities.

@@ -10,7 +10,7 @@ use nerf_oracle::convention::{CS180, Conventions, Directions};
 use nerf_oracle::proof::golden::Golden;
 
 /// Fixtures of several components in a row.
-pub(crate) const SYSTEMS: &[&str] = &["training_step", "adam", "loss_curve"];
+pub(crate) const SYSTEMS: &[&str] = &["loss_gradient", "adam", "loss_curve"];
 
 const HYPER: [&str; 5] = ["lr", "beta1", "beta2", "eps", "weight_decay"];
 
@@ -38,7 +38,7 @@ pub(crate) fn answer(name: &str, case: &Golden, change: &Change) -> Arrays {
         }
     }
     match name {
-        "training_step" => training_step(&case.inputs, case.vjp),
+        "loss_gradient" => loss_gradient(&case.inputs, case.vjp),
         "adam" => adam(&case.inputs),
         "loss_curve" => loss_curve(&case.inputs),
         _ => with_quirks(name, &case),
@@ -120,7 +120,7 @@ fn reshape(array: &ArrayD<f64>, shape: &[usize]) -> ArrayD<f64> {
 }
 
 /// samples -> field -> rendering -> loss, and back to the parameters.
-fn training_step(inputs: &Arrays, vjp: bool) -> Arrays {
+fn loss_gradient(inputs: &Arrays, vjp: bool) -> Arrays {
     let c = &CS180;
     let (rays, samples) = (inputs["u"].shape()[0], inputs["u"].shape()[1]);
     let sampled = run("sample_along_rays", inputs, c, false);
@@ -201,8 +201,8 @@ fn loss_curve(inputs: &Arrays) -> Arrays {
         let mut step = inputs.clone();
         step.extend(state[0].clone());
         step.extend([("u".to_string(), u.to_owned()), ("grad_value".to_string(), scalar(1.0))]);
-        losses.push(number(&training_step(&step, false), "value"));
-        let grads = training_step(&step, true);
+        losses.push(number(&loss_gradient(&step, false), "value"));
+        let grads = loss_gradient(&step, true);
         let grads = parameters(&grads).into_iter().map(|(name, g)| (name.replace("grad_", ""), g)).collect();
         state = adam_step(&settings, n + 1, &state, &grads);
     }

@@ -42,6 +42,8 @@ const ARRAYS: &[&str] = &[
     "Scan",
     "Field",
     "Target",
+    "Batch",
+    "State",
     "OccupancyGrid",
 ];
 

@@ -28,6 +28,7 @@ use nerf_oracle::spherical_harmonics;
 use nerf_oracle::ssim;
 use nerf_oracle::trace::trace_pixel;
 use nerf_oracle::training::reference::{Field, Target, adam_layer, fine_samples, image_loss_and_gradient};
+use nerf_oracle::training_step;
 use nerf_oracle::volume_rendering::{self, Rendering, backward::Cotangent};
 use nerf_oracle::{early_stop, volume_rendering::volume_render};
 
@@ -37,7 +38,7 @@ const NONE: ProductEps = ProductEps::None;
 
 /// All rows.
 pub(crate) fn all() -> Vec<Row> {
-    [rendering(), stopping(), packing(), images(), samples(), networks(), grids(), training()]
+    [rendering(), stopping(), packing(), images(), samples(), networks(), grids(), training(), steps()]
         .into_iter()
         .flatten()
         .collect()
@@ -701,6 +702,80 @@ fn training() -> Vec<Row> {
                 ("v and params", || adam(right(), wide(), right())),
                 ("g and params", || adam(right(), right(), wide())),
                 ("g and params", || adam(right(), right(), Layer { b: ones(4).into(), ..right() })),
+            ],
+        ),
+    ]
+}
+
+fn steps() -> Vec<Row> {
+    fn net() -> NerfMlp {
+        let shape = Shape { position: 9, direction: 9, width: 2, depth: 1, color: 2 };
+        NerfMlp::initial(&shape, &CS180, &key())
+    }
+    fn count() -> usize {
+        training_step::flat(&net()).len()
+    }
+    fn field() -> training_step::Field {
+        let encoding = Encoding::new(1, &CS180);
+        training_step::Field { net: net(), position: encoding, direction: encoding }
+    }
+    fn batch(rays: usize, directions: usize, u: usize, target: usize) -> training_step::Batch {
+        let ray = Ray { o: DVec3::ZERO, d: DVec3::Z };
+        training_step::Batch {
+            rays: vec![ray; rays],
+            directions: gray(directions),
+            u: vec![ones(2); u],
+            target: gray(target),
+        }
+    }
+    fn pass(n: [usize; 4]) {
+        training_step::pass(&field(), &batch(n[0], n[1], n[2], n[3]), (1.0, 2.0), &CS180);
+    }
+    fn update(params: usize, m: usize, v: usize, g: usize) {
+        let state = training_step::State { params: ones(params), m: ones(m), v: ones(v) };
+        training_step::update(&state, &ones(g), &Adam::default(), 1, &CS180);
+    }
+    fn train(batches: usize, rates: usize) {
+        let batches = vec![batch(1, 1, 1, 1); batches];
+        training_step::train(&field(), &batches, (1.0, 2.0), &ones(rates), &Adam::default(), &CS180);
+    }
+    fn filled(params: usize) {
+        training_step::filled(&net(), &ones(params));
+    }
+    vec![
+        row(
+            "training_step::filled",
+            || filled(count()),
+            &[
+                ("as many as the network has", || filled(count() - 1)),
+                ("as many as the network has", || filled(count() + 1)),
+            ],
+        ),
+        row(
+            "training_step::pass",
+            || pass([2; 4]),
+            &[
+                ("directions and rays", || pass([2, 1, 2, 2])),
+                ("u and rays", || pass([2, 2, 3, 2])),
+                ("target and rays", || pass([2, 2, 2, 1])),
+            ],
+        ),
+        row(
+            "training_step::update",
+            || update(2, 2, 2, 2),
+            &[
+                ("gradient and params", || update(2, 2, 2, 3)),
+                ("m and params", || update(2, 1, 2, 2)),
+                ("v and params", || update(2, 2, 3, 2)),
+            ],
+        ),
+        row(
+            "training_step::train",
+            || train(2, 2),
+            &[
+                ("batches and rates", || train(2, 1)),
+                ("batches and rates", || train(1, 2)),
+                ("at least one", || train(0, 0)),
             ],
         ),
     ]

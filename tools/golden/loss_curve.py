@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 
-from . import adam_step, reals, training_step
+from . import adam_step, reals, loss_gradient
 from .fixture import Case, Draw
 
 NAME, PURPOSE = "loss_curve", 1103
@@ -13,7 +13,7 @@ STEPS = 20
 
 def cases():
     """Two rays of four samples, jittered anew in every step, width 16, L of 2 and 1."""
-    inputs = training_step.inputs("tiny-scene", 2, 4, 2, 1)
+    inputs = loss_gradient.inputs("tiny-scene", 2, 4, 2, 1)
     inputs["u"] = Draw(PURPOSE, "tiny-scene").uniform((STEPS, 2, 4))
     yield Case("tiny-scene", inputs | adam_step.DEFAULTS | {"lr": 5e-3}, "20 steps at lr 5e-3")
 
@@ -31,7 +31,7 @@ def over_reals(x):
     m, v, losses = dict(zeros), dict(zeros), []
     for step, u in enumerate(x["u"], start=1):
         leaves = {name: fresh(value) for name, value in params.items()}
-        loss = training_step.over_reals(x | leaves | {"u": u})["value"]
+        loss = loss_gradient.over_reals(x | leaves | {"u": u})["value"]
         losses.append(loss.item())
         gradients = reals.vjp({"value": loss}, {"value": np.float64(1.0)}, leaves)
         for name, value in leaves.items():
@@ -59,7 +59,7 @@ def in_torch(x):
     losses = []
     for u in x["u"]:
         optimizer.zero_grad()
-        loss = training_step.in_torch(x | params | {"u": u})["value"]
+        loss = loss_gradient.in_torch(x | params | {"u": u})["value"]
         losses.append(loss.detach())
         loss.backward()
         optimizer.step()

@@ -49,12 +49,13 @@ COMPONENTS = [
     "ssim",
     "linear_to_srgb",
     "adam_step",
+    "training_step",
     "importance_sampling",
     "ray_aabb",
     "occupancy_grid",
     "grid_traversal",
     # Several components in a row: no rows of the registry, but run through it.
-    "training_step",
+    "loss_gradient",
     "adam",
     "loss_curve",
 ]

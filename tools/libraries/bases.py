@@ -16,7 +16,7 @@ import torch
 FIXTURES = Path(__file__).resolve().parents[2] / "fixtures"
 BASES = []
 # Components in a row: each of their parts has its own line.
-COMPOSED = ("render_trace", "training_step", "loss_curve")
+COMPOSED = ("render_trace", "training_step", "loss_gradient", "loss_curve")
 
 
 @dataclass(frozen=True)

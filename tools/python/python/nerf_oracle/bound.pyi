@@ -1591,6 +1591,80 @@ class _AdamStep:
 
 adam_step: _AdamStep
 
+class TrainingStep(NamedTuple):
+    t: Float
+    deltas: Float
+    colors: Float
+    losses: Float
+    grad: Float
+    params_1: Float
+    m_1: Float
+    v_1: Float
+    params_last: Float
+    m_last: Float
+    v_last: Float
+
+
+class _TrainingStep:
+    def __call__(self, rays_o: Array, rays_d: Array, directions: Array, u: Array, target: Array, near: Array, far: Array, lr: Array, beta1: Array, beta2: Array, eps: Array, weight_decay: Array, trunk0_w: Array, trunk0_b: Array, trunk1_w: Array, trunk1_b: Array, trunk2_w: Array, trunk2_b: Array, trunk3_w: Array, trunk3_b: Array, trunk4_w: Array, trunk4_b: Array, trunk5_w: Array, trunk5_b: Array, trunk6_w: Array, trunk6_b: Array, trunk7_w: Array, trunk7_b: Array, sigma_w: Array, sigma_b: Array, feature_w: Array, feature_b: Array, color0_w: Array, color0_b: Array, color1_w: Array, color1_b: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> TrainingStep:
+        """The error bound: C = volume_render(nerf_mlp(o + t d)), loss = mean (C - target)^2, its gradient, adam_step; S steps, each with rays, draws and a rate of its own
+
+        NeRF (Mildenhall et al. 2020) sections 4 and 5.3; torch.optim.Adam. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            rays_o (S,R,3): origins of each step's rays
+            rays_d (S,R,3): directions, along which t runs
+            directions (S,R,3): viewing directions, as the field is given them
+            u (S,R,N): numbers in [0, 1), one for every sample
+            target (S,R,3): the photographs' colors
+            near (a number): where rays begin
+            far (a number): where rays end
+            lr (S): learning rate of each step
+            beta1 (a number): decay of m
+            beta2 (a number): decay of v
+            eps (a number): added to the root, outside of it; by convention before or after its correction
+            weight_decay (a number): times the parameter, added to the gradient (coupled)
+            trunk0_w (out,in): weights
+            trunk0_b (out): biases
+            trunk1_w (out,in): weights
+            trunk1_b (out): biases
+            trunk2_w (out,in): weights
+            trunk2_b (out): biases
+            trunk3_w (out,in): weights
+            trunk3_b (out): biases
+            trunk4_w (out,in): weights
+            trunk4_b (out): biases
+            trunk5_w (out,in): weights
+            trunk5_b (out): biases
+            trunk6_w (out,in): weights
+            trunk6_b (out): biases
+            trunk7_w (out,in): weights
+            trunk7_b (out): biases
+            sigma_w (out,in): weights
+            sigma_b (out): biases
+            feature_w (out,in): weights
+            feature_b (out): biases
+            color0_w (out,in): weights
+            color0_b (out): biases
+            color1_w (out,in): weights
+            color1_b (out): biases
+
+        Returns:
+            t (R,N): sample positions of the first step
+            deltas (R,N): its step lengths
+            colors (R,3): its colors, over nothing
+            losses (S): mean squared error before each step
+            grad (P): gradient of the first loss: trunk0_w row by row, trunk0_b, trunk1_w, ..., sigma, feature, color0, color1
+            params_1 (P): parameters behind the first step, in the same order
+            m_1 (P): Adam's mean of gradients behind the first step
+            v_1 (P): Adam's mean of squared gradients behind the first step
+            params_last (P): parameters behind the last step
+            m_last (P): mean of gradients behind the last step
+            v_last (P): mean of squared gradients behind the last step
+        """
+
+training_step: _TrainingStep
+
 
 class ImportanceSamplingGradients(NamedTuple):
     grad_edges: Float
