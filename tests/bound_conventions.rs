@@ -1,11 +1,14 @@
 //! The bounds are sound in every convention that a component depends on, not in the default profile alone.
 
+mod types;
+
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use nerf_oracle::contract::check::{Kind, tolerance, worst};
 use nerf_oracle::contract::{Component, Machine};
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
 use nerf_oracle::parallel;
+use types::types;
 
 /// All combinations of a component's conventions; where these are more than three, one at a time.
 fn assignments(component: &Component) -> Vec<Conventions> {
@@ -37,7 +40,8 @@ fn rejections(component: &Component, c: Conventions) -> (u64, Vec<String>) {
             let expected = (direction.oracle)(&case.inputs, &c);
             let label = format!("{} {kind:?} {}", component.name, case.id);
             assert_eq!(expected, (direction.wrong)(&case.inputs, &c, &[]), "{label}");
-            for dtype in Dtype::ALL.into_iter().filter(|&dtype| case.exists_in(dtype)) {
+            let tried = types(&[Dtype::F32, Dtype::Bf16], &Dtype::ALL);
+            for &dtype in tried.iter().filter(|&&dtype| case.exists_in(dtype)) {
                 // The bound depends on the type and the grade, not on the machine.
                 let bound = |grade| tolerance(direction, &case.inputs, &c, &Arithmetic::new(dtype, grade));
                 let (stable, textbook) = (bound(Grade::A), bound(Grade::B));

@@ -1,5 +1,7 @@
 //! The catalogue is the test: every mistake is named first, alone and together with a convention.
 
+mod types;
+
 use ndarray::ArrayD;
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::contract::case::Draw;
@@ -17,6 +19,7 @@ use nerf_oracle::judge::report::Row;
 use nerf_oracle::judge::{Exam, Verdict};
 use nerf_oracle::parallel;
 use nerf_oracle::random::{Key, Purpose};
+use types::types;
 
 /// What an implementation in `dtype` with this mistake answers: all inputs of a case off by the same half rounding (so that equal
 /// ones stay equal, as in any arithmetic), each result by three. Bytes are whole.
@@ -119,10 +122,8 @@ fn outcome(
 #[test]
 fn every_mistake_is_named_first() {
     // With `NERF_ORACLE_TYPES=all` in f64 too.
-    let all = std::env::var("NERF_ORACLE_TYPES").is_ok_and(|value| value == "all");
-    let types = if all { vec![Dtype::F64, Dtype::F32] } else { vec![Dtype::F32] };
-    let pairs: Vec<_> =
-        types.into_iter().flat_map(|dtype| COMPONENTS.iter().map(move |c| (dtype, c))).collect();
+    let types = types(&[Dtype::F32], &[Dtype::F64, Dtype::F32]);
+    let pairs: Vec<_> = types.iter().flat_map(|&dtype| COMPONENTS.iter().map(move |c| (dtype, c))).collect();
     let exams = parallel::map(pairs.len(), |n| exam_of(pairs[n].1, pairs[n].0, Some("cs180")));
     let jobs: Vec<_> =
         (0..pairs.len()).flat_map(|n| pairs[n].1.mistakes.iter().map(move |m| (n, m))).collect();

@@ -84,7 +84,7 @@ def training_step(a, c, wrong):
         keep = biases & ("biases_left_out" in wrong)
         before = zip((params, m, v), ("params_out", "m_out", "v_out"))
         params, m, v = (np.where(keep, old, moved[name]).astype(old.dtype) for old, name in before)
-        losses.append(passed(a, filled(a, params), *seen, c, wrong)[3] if "loss_behind_step" in wrong else loss)
+        losses.append(passed(a, filled(a, params), *seen, c, wrong)[3] if "loss_after_step" in wrong else loss)
         if k == 0:
             out = {"t": t, "deltas": deltas, "colors": colors, "grad": g, "params_1": params, "m_1": m, "v_1": v}
     return out | {"losses": np.array(losses, params.dtype), "params_last": params, "m_last": m, "v_last": v}

@@ -1,15 +1,17 @@
 //! Marking: the answers to one question against the truth in given conventions.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped, wide_enough};
 use super::exam::{Question, hard};
+use super::truths::Truth;
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
-use crate::contract::check::budget_used;
+use crate::contract::check::{budget_used, tolerance};
 use crate::contract::component::Entries;
 use crate::convention::Conventions;
 
@@ -88,6 +90,18 @@ impl MarkOptions {
     /// formula may have no digits left.
     pub fn may_reject_early(&self, case: &Case) -> bool {
         self.dtype.bits() >= 24 && !hard(case)
+    }
+
+    /// The true outputs of a case, and the bound of an answer.
+    pub fn truth(&self, question: &Question, case: &Case, c: &Conventions, grade: Grade) -> Arc<Truth> {
+        question.truths.get(case, (*c, self.dtype, self.exp_ulp.to_bits(), grade), || {
+            let direction =
+                question.component.direction(question.kind).expect("a question has its direction");
+            Truth {
+                expected: (direction.oracle)(&case.inputs, c),
+                bound: tolerance(direction, &case.inputs, c, &self.arithmetic(grade)),
+            }
+        })
     }
 }
 
@@ -245,24 +259,41 @@ pub fn within(
     })
 }
 
-/// Whether most elements of an output are off by a quarter of its size, or all together by a quarter of what they add up to. One alone
-/// may be across a threshold.
+/// Whether most elements of an output are off by a quarter of its size. One alone may be across a threshold.
 fn far_off(got: &Arrays, expected: &Arrays) -> bool {
     got.iter().any(|(name, got)| {
         let expected = &expected[name];
         let scale = expected.iter().filter(|e| e.is_finite()).fold(0.0, |max: f64, e| max.max(e.abs()));
-        let (mut off, mut errors, mut largest, mut sizes) = (0, 0.0, 0.0, 0.0);
-        for (&g, &e) in got.iter().zip(expected) {
-            if g == e || g.is_nan() && e.is_nan() {
-                sizes += if e.is_finite() { e.abs() } else { 0.0 };
-                continue;
-            }
-            let error = (g - e).abs();
-            off += usize::from(error.is_nan() || error > 0.25 * scale + 1e-9);
-            if error.is_finite() {
-                (errors, largest, sizes) = (errors + error, f64::max(largest, error), sizes + e.abs());
-            }
-        }
-        off > 1 && 2 * off > got.len() || errors - largest > 0.25 * sizes + 1e-9 * got.len() as f64
+        let near =
+            |g: f64, e: f64| g == e || g.is_nan() && e.is_nan() || (g - e).abs() <= 0.25 * scale + 1e-9;
+        let off = got.iter().zip(expected).filter(|&(&g, &e)| !near(g, e)).count();
+        off > 1 && 2 * off > got.len()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::exam::Exam;
+    use super::*;
+    use crate::convention::CS180;
+
+    #[test]
+    fn what_was_asked_before_is_remembered_and_nothing_else() {
+        let exam = Exam::new("positional_encoding", Dtype::F32, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: 2.0 });
+        let case = &question.cases[0];
+        let truth =
+            |case: &Case, c: &Conventions, options: MarkOptions| options.truth(question, case, c, Grade::B);
+        let first = truth(case, &CS180, options);
+        assert!(Arc::ptr_eq(&first, &truth(case, &CS180, options)));
+        let other = CS180.with("frequency", "one").unwrap();
+        assert_ne!(truth(case, &other, options).expected, first.expected);
+        let doubled = MarkOptions { exp_ulp: 4.0, ..options };
+        assert_ne!(truth(case, &CS180, doubled).bound, first.bound);
+        // The same name for other inputs.
+        let mut moved = case.clone();
+        moved.inputs.get_mut("x").unwrap().mapv_inplace(|x| x + 0.25);
+        assert_ne!(truth(&moved, &CS180, options).expected, first.expected);
+        assert!(question.clone().truths.is_empty());
+    }
 }

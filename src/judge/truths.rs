@@ -3,12 +3,9 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::exam::Question;
-use super::mark::MarkOptions;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
-use crate::contract::check::tolerance;
 use crate::convention::Conventions;
 
 /// Elements that a question remembers; what is beyond is computed each time.
@@ -24,7 +21,7 @@ pub struct Truth {
 }
 
 /// What the truth of one case depends on: conventions, the type, the bits of the accuracy of elementary functions, and the grade.
-type Key = (Conventions, Dtype, u64, Grade);
+pub(crate) type Key = (Conventions, Dtype, u64, Grade);
 
 /// The truths of one case, and the inputs that they are of.
 #[derive(Debug)]
@@ -50,24 +47,10 @@ impl Clone for Truths {
     }
 }
 
-impl MarkOptions {
-    /// The true outputs of a case, and the bound of an answer.
-    pub fn truth(&self, question: &Question, case: &Case, c: &Conventions, grade: Grade) -> Arc<Truth> {
-        let key = (*c, self.dtype, self.exp_ulp.to_bits(), grade);
-        question.truths.get(case, key, || {
-            let direction =
-                question.component.direction(question.kind).expect("a question has its direction");
-            Truth {
-                expected: (direction.oracle)(&case.inputs, c),
-                bound: tolerance(direction, &case.inputs, c, &self.arithmetic(grade)),
-            }
-        })
-    }
-}
-
 impl Truths {
-    /// Two threads may compute the same: they get the same, and nobody waits.
-    fn get(&self, case: &Case, key: Key, computed: impl FnOnce() -> Truth) -> Arc<Truth> {
+    /// The truth of a case that `computed` gives, if it wasn't asked for before. Two threads may compute the same: they get the same, and
+    /// nobody waits.
+    pub(crate) fn get(&self, case: &Case, key: Key, computed: impl FnOnce() -> Truth) -> Arc<Truth> {
         let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let known = lock()
             .cases
@@ -93,29 +76,9 @@ impl Truths {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::exam::Exam;
-    use super::super::judging::EXP_ULP;
-    use super::*;
-    use crate::convention::CS180;
-
-    #[test]
-    fn what_was_asked_before_is_remembered_and_nothing_else() {
-        let exam = Exam::new("positional_encoding", Dtype::F32, None).unwrap();
-        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: EXP_ULP });
-        let case = &question.cases[0];
-        let truth =
-            |case: &Case, c: &Conventions, options: MarkOptions| options.truth(question, case, c, Grade::B);
-        let first = truth(case, &CS180, options);
-        assert!(Arc::ptr_eq(&first, &truth(case, &CS180, options)));
-        let other = CS180.with("frequency", "one").unwrap();
-        assert_ne!(truth(case, &other, options).expected, first.expected);
-        let doubled = MarkOptions { exp_ulp: 2.0 * EXP_ULP, ..options };
-        assert_ne!(truth(case, &CS180, doubled).bound, first.bound);
-        // The same name for other inputs.
-        let mut moved = case.clone();
-        moved.inputs.get_mut("x").unwrap().mapv_inplace(|x| x + 0.25);
-        assert_ne!(truth(&moved, &CS180, options).expected, first.expected);
-        assert!(question.clone().truths.0.lock().unwrap().cases.is_empty());
+impl Truths {
+    /// Whether nothing was asked for.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).cases.is_empty()
     }
 }

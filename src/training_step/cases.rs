@@ -114,7 +114,7 @@ fn passing() -> Case {
 /// One step and more.
 pub(crate) fn training_step() -> Vec<Case> {
     // With an eps of 1e-8 a step is little more than the sign of the gradient, and ten of them multiply errors by 10^13 in the worst
-    // case: bounds would be vacuous. An eps of the gradient's size keeps them sharp in f64. In f32 most of what is left behind ten
+    // case: bounds would be vacuous. An eps of the gradient's size keeps them sharp in f64. In f32 most of what is left after ten
     // steps goes untold even so: there, the four steps of `schedule` tell.
     let smooth = Rates { lr: 0.015625, eps: 0.0625, ..USUAL };
     let schedule = Rates { lr: 0.03125, decay: 0.75, betas: [0.75, 0.9], eps: 0.0625, weight_decay: 0.0625 };

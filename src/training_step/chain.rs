@@ -159,16 +159,16 @@ pub(super) fn update(
 /// The outputs, of the first pass and of what each step leaves behind.
 pub(super) fn outputs(first: Pass, losses: Vec<f64>, states: &[State]) -> Arrays {
     let one = |x: Vec<f64>| array(&[x.len()], x);
-    let (behind, last) = (&states[0], &states[states.len() - 1]);
+    let (after_one, last) = (&states[0], &states[states.len() - 1]);
     arrays([
         ("t", first.t),
         ("deltas", first.deltas),
         ("colors", first.colors),
         ("losses", one(losses)),
         ("grad", one(first.gradient)),
-        ("params_1", one(behind.row())),
-        ("m_1", one(behind.m.clone())),
-        ("v_1", one(behind.v.clone())),
+        ("params_1", one(after_one.row())),
+        ("m_1", one(after_one.m.clone())),
+        ("v_1", one(after_one.v.clone())),
         ("params_last", one(last.row())),
         ("m_last", one(last.m.clone())),
         ("v_last", one(last.v.clone())),

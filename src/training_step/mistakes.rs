@@ -57,7 +57,7 @@ pub(crate) const TRAINING_STEP: &[Mistake] = &[
     ),
     Mistake::new(
         "one_half_after_the_other",
-        "the color layers move first, and the gradient of the others is taken behind that",
+        "the color layers move first, and the gradient of the others is taken after that",
         "losses that jump where the learning rate is large",
         "take the whole gradient before the first parameter moves",
         "two optimizers in a row",
@@ -88,8 +88,8 @@ pub(crate) const TRAINING_STEP: &[Mistake] = &[
         0,
     ),
     Mistake::new(
-        "loss_behind_step",
-        "the loss that is reported is that of the parameters behind the step",
+        "loss_after_step",
+        "the loss that is reported is that of the parameters after the step",
         "curves that are a step ahead of others'",
         "report the loss whose gradient is taken",
         "never; cheap to keep",
@@ -155,7 +155,7 @@ pub(crate) fn training_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
             keep_biases(&mut moved, &state);
         }
         state = moved;
-        losses.push(match is("loss_behind_step") {
+        losses.push(match is("loss_after_step") {
             true => pass(a, &state.params, seen, c, &rows, &plainly).loss,
             false => passed.loss,
         });

@@ -36,7 +36,7 @@ impl Pace {
     /// The length of the step at a distance.
     #[inline(always)]
     pub(super) fn step(&self, t: f32) -> f32 {
-        self.winding.length * (t / self.winding.even).max(1.0).powi(2)
+        self.winding.length * self.winding.longer(t)
     }
 
     /// The samples of rays in occupied cells.

@@ -14,6 +14,7 @@ pub(super) struct Scatter {
     /// The loss' factor over the number of rays.
     factor: f32,
     pace: Pace,
+    /// Where places begin: `near`, or a thousandth of `far` where rays begin at the camera, whose 1 / distance is infinite.
     near: f32,
     /// 1 / (1 / near - 1 / far).
     scale: f32,

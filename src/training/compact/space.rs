@@ -66,13 +66,18 @@ impl Winding {
         even / self.length
     }
 
-    /// How much longer the step at a sample is than an even one, over how much thinner a density there is than in the cube: by r^2, r
+    /// How many times an even step's length the step at a distance is long.
+    #[inline(always)]
+    pub(super) fn longer(&self, t: f32) -> f32 {
+        (t / self.even).max(1.0).powi(2)
+    }
+
+    /// What a sample's density is multiplied by in even steps: the step is longer, and a density thinner than in the cube, by r^2, r
     /// the size of its largest coordinate, so that a cell of the grid is as deep anywhere. `p` is the sample in the unit box.
     #[inline(always)]
     pub(super) fn stretch(&self, t: f32, p: [f32; 3]) -> f32 {
         let inverse = p.into_iter().fold(1.0, |least: f32, x| least.min(2.0 - (4.0 * x - 2.0).abs()));
-        let longer = (t / self.even).max(1.0) * inverse;
-        longer * longer
+        self.longer(t) * inverse.powi(2)
     }
 }
 

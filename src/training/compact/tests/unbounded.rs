@@ -4,12 +4,13 @@ use approx::assert_relative_eq;
 use glam::DVec3;
 
 use super::pictures::differences;
-use super::{COUNTS, ball, chunk_of, direction, field, oracle_loss, rows};
+use super::{COUNTS, ball, bits, chunk_of, direction, field, oracle_loss, rows};
 use crate::contraction::contract;
 use crate::convention::{ContractionNorm, ContractionRange, ProductEps};
 use crate::distortion::{backward, distortion};
 use crate::hash_grid::fast::FEATURES;
 use crate::occupancy_grid::fast::{MarchRay, Occupancy, Path, Steps};
+use crate::parallel;
 use crate::random::{Key, Purpose};
 use crate::scene::Scene;
 use crate::training::Model;
@@ -41,6 +42,24 @@ fn contracted_pictures_agree_with_the_reference() {
     assert!(most > 3 * 8, "{most} samples: several rounds");
     // A sample within rounding of a cell's face may be in the one or in the other.
     assert!(worst < 1e-3, "{worst}");
+}
+
+/// In contracted space too: the same bits on any number of threads, and from a checkpoint on.
+#[test]
+fn contracted_models_are_deterministic_and_resume() {
+    let scene = ball();
+    let new = || CompactModel::new(&scene, &asked(Extent::Contracted)).unwrap();
+    let trained = |mut model: CompactModel, steps: std::ops::RangeInclusive<u64>| {
+        for step in steps {
+            model.step(&scene, step).unwrap();
+        }
+        model
+    };
+    let [one, three] = [1, 3].map(|n| parallel::with_threads(Some(n), || trained(new(), 1..=30)));
+    assert!(bits(&one) == bits(&three));
+    let mut resumed = new();
+    resumed.restore(&trained(new(), 1..=18).state(), "checkpoint").unwrap();
+    assert!(bits(&one) == bits(&trained(resumed, 19..=30)));
 }
 
 /// The fast contraction is the oracle's, within f32's rounding.
