@@ -212,7 +212,7 @@ fn port(component: &Component, name: &str, shape: &[usize], stored: Stored) -> V
 
 impl Question {
     /// These cases of a row in one direction.
-    pub(crate) fn new(component: &'static Component, kind: Kind, cases: Vec<Case>) -> Question {
+    pub fn new(component: &'static Component, kind: Kind, cases: Vec<Case>) -> Question {
         let (left_out, crashed, truths) = Default::default();
         Question { component, kind, cases, left_out, crashed, truths }
     }

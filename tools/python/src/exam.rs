@@ -49,12 +49,11 @@ impl Exam {
         profile: Option<&str>,
     ) -> PyResult<Exam> {
         let case = Case { inputs: owned(&inputs), ..Case::new("yours", "your own data", vec![]) };
-        let (left_out, crashed) = Default::default();
         let (component, kind) = (component(row)?, kind(direction));
         if component.direction(kind).is_none() {
             return Err(value_error(format!("{row}: it has no gradient in the contract")));
         }
-        let questions = vec![Question { component, kind, cases: vec![case], left_out, crashed }];
+        let questions = vec![Question::new(component, kind, vec![case])];
         let (dtype, profile) = (self::dtype(dtype)?, self::profile(profile)?);
         Ok(Exam(Questions { dtype, profile, filter: String::new(), questions, left_out: vec![] }))
     }
