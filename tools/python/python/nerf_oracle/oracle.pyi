@@ -1655,12 +1655,12 @@ class _TrainingStep:
             colors (R,3): its colors, over nothing
             losses (S): mean squared error before each step
             grad (P): gradient of the first loss: trunk0_w row by row, trunk0_b, trunk1_w, ..., sigma, feature, color0, color1
-            params_1 (P): parameters behind the first step, in the same order
-            m_1 (P): Adam's mean of gradients behind the first step
-            v_1 (P): Adam's mean of squared gradients behind the first step
-            params_last (P): parameters behind the last step
-            m_last (P): mean of gradients behind the last step
-            v_last (P): mean of squared gradients behind the last step
+            params_1 (P): parameters after the first step, in the same order
+            m_1 (P): Adam's mean of gradients after the first step
+            v_1 (P): Adam's mean of squared gradients after the first step
+            params_last (P): parameters after the last step
+            m_last (P): mean of gradients after the last step
+            v_last (P): mean of squared gradients after the last step
         """
 
 training_step: _TrainingStep
