@@ -86,3 +86,17 @@ fn answers_that_change_from_call_to_call_are_told() {
     assert!(row(&stale).faults[0].starts_with("stale state"), "{stale}");
     assert!(row(&composited(|_, out| out)).findings.is_empty());
 }
+
+/// Explaining a wrong answer moves the inputs by roundings, in bf16 by more than a sample of 64: what is counted stays.
+#[test]
+fn wrong_answers_of_packed_rays_fail_in_every_type() {
+    let scaled = |inputs: &Arrays| -> Arrays {
+        let scan = COMPONENTS.iter().find(|c| c.name == "packed_scan").expect("a row");
+        let right = (scan.forward.oracle)(inputs, &CS180);
+        right.into_iter().map(|(name, y)| (name, y.mapv(|y| 1.5 * y))).collect()
+    };
+    for dtype in Dtype::ALL {
+        let report = judge(&Candidate::new().forward("packed_scan", scaled), dtype).unwrap();
+        assert_eq!(report.rows[0].verdict, Verdict::Fail, "{dtype}: {report}");
+    }
+}

@@ -151,11 +151,13 @@ impl Hypothesis {
     fn nudged(&self, question: &Question, case: &Case, n: u64, relative: f64) -> Arrays {
         let mut draw = Draw::new(&case.id, n);
         let mut inputs = case.inputs.clone();
-        for array in inputs.values_mut().filter(|array| array.ndim() > 0) {
+        for (name, array) in inputs.iter_mut().filter(|(_, array)| array.ndim() > 0) {
+            let whole = question.component.input_entries(name).whole();
             array.mapv_inplace(|x| {
                 let by = if draw.below(2) == 0 { relative } else { -relative };
-                // 1 is the limit of what is a fraction.
-                x * (1.0 + if x.abs() == 1.0 { -by.abs() } else { by })
+                // 1 is the limit of what is a fraction; what is counted isn't rounded.
+                let by = if x.abs() == 1.0 { -by.abs() } else { by };
+                if whole { x } else { x * (1.0 + by) }
             });
         }
         (question.component.special.rounds_inside)(&mut inputs, relative, &mut draw);
