@@ -61,16 +61,22 @@ pub(crate) fn assignments(component: &Component, base: &Conventions) -> Vec<Part
     all
 }
 
-/// The assignments that cases admit and that those outputs don't rule out which no mistake reaches, those next to `base` first. Where an
-/// output would leave none, the nearest stays.
+/// The assignments that all cases admit, those next to `base` first.
+pub(crate) fn admitted(question: &Question, base: &Conventions) -> Vec<Partial> {
+    let mut all = assignments(question.component, base);
+    all.retain(|p| question.admits(&apply(p, base)));
+    all
+}
+
+/// The admitted assignments that those outputs don't rule out which no mistake reaches. Where an output would leave none, the nearest
+/// stays.
 pub(crate) fn open(
     question: &Question,
     answers: &Answers,
     base: &Conventions,
     options: &MarkOptions,
 ) -> Vec<Partial> {
-    let mut all = assignments(question.component, base);
-    all.retain(|p| question.admits(&apply(p, base)));
+    let mut all = admitted(question, base);
     let cases = small_cases(question, answers);
     let special = &question.component.special;
     for (output, keys) in special.reads.iter().filter(|(output, _)| special.untouched.contains(output)) {
@@ -197,9 +203,7 @@ pub(crate) fn find(questions: &[(&Question, &Answers)], options: &MarkOptions) -
     }
     let survivors: Vec<Vec<Partial>> = parallel::map(questions.len(), |n| {
         let (question, answers) = questions[n];
-        let mut all = assignments(question.component, &CS180);
-        all.retain(|p| question.admits(&apply(p, &CS180)));
-        let all = possible(question, answers, all, &CS180, options);
+        let all = possible(question, answers, admitted(question, &CS180), &CS180, options);
         all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
     });
     let mut order: Vec<usize> = (0..questions.len()).filter(|&n| !survivors[n].is_empty()).collect();

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ndarray::{ArrayD, Axis};
 
 use super::answer::{Answer, Answers};
-use super::assignment::{apply, assignments, holds, open, possible};
+use super::assignment::{admitted, apply, assignments, holds, open, possible};
 use super::exam::Question;
 use super::mark::MarkOptions;
 use crate::contract::arithmetic::Grade;
@@ -70,10 +70,11 @@ fn swapped(
     let outputs = question.component.outputs;
     let pairs = outputs.iter().enumerate().flat_map(|(n, a)| outputs[n + 1..].iter().map(move |b| (a, b)));
     let pairs: Vec<_> = pairs.filter(|(a, b)| a.shape == b.shape).map(|(a, b)| (a.name, b.name)).collect();
-    let all: Vec<_> = assignments(question.component, base);
-    let all: Vec<_> = all.into_iter().filter(|p| question.admits(&apply(p, base))).collect();
+    if pairs.is_empty() {
+        return None;
+    }
     // What stays in its place shows its conventions once for all pairs.
-    let shown = open(question, answers, base, options);
+    let (all, shown) = (admitted(question, base), open(question, answers, base, options));
     let untouched = question.component.special.untouched;
     for (a, b) in pairs {
         let all = if untouched.contains(&a) || untouched.contains(&b) { &all } else { &shown };

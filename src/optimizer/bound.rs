@@ -78,7 +78,7 @@ fn uncorrected(mean1: Bounded, mean2: Bounded, s: &Scalars, m: &Arithmetic) -> B
     quotient_first.or(product_first).or(m.mul(m.div(s.whole_rate, denominator), mean1))
 }
 
-/// Parameter, m and v behind a step, where all that goes into it may have errors of its own. `longest`: no honest step is longer.
+/// Parameter, m and v after a step, where all that goes into it may have errors of its own. `longest`: no honest step is longer.
 pub(crate) fn moved(
     [param, before1, before2]: [Bounded; 3],
     grad: Bounded,

@@ -86,9 +86,9 @@ pub struct Trained {
     pub pass: Pass,
     /// The loss before each step, (S).
     pub losses: Vec<f64>,
-    /// Behind the first step.
+    /// After the first step.
     pub first: State,
-    /// Behind the last step.
+    /// After the last step.
     pub last: State,
 }
 

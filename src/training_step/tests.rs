@@ -50,7 +50,7 @@ fn an_output_reads_no_other_conventions() {
     }
 }
 
-/// Behind ten steps, f64's bounds, which grow from step to step, still tell: most of what is remembered keeps eight digits.
+/// After ten steps, f64's bounds, which grow from step to step, still tell: most of what is remembered keeps eight digits.
 #[test]
 fn ten_steps_keep_their_digits() {
     let arithmetic = Arithmetic::new(Dtype::F64, Grade::B);

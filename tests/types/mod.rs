@@ -6,7 +6,6 @@ pub(crate) fn all_types() -> bool {
 }
 
 /// These, or all of those.
-#[allow(dead_code, reason = "some only ask whether it is all of them")]
 pub(crate) fn types<T>(few: &'static [T], all: &'static [T]) -> &'static [T] {
     if all_types() { all } else { few }
 }

@@ -37,7 +37,7 @@ struct Layer {
 }
 
 impl Layer {
-    /// w x + b: the bias is one more term of the sum, or added behind it.
+    /// w x + b: the bias is one more term of the sum, or added after it.
     fn forward(&self, x: &[Bounded], m: &Arithmetic) -> Vec<Bounded> {
         let one = |(w, b): (&Vec<Bounded>, &Bounded)| {
             let products: Vec<Bounded> = w.iter().zip(x).map(|(&w, &x)| m.mul(w, x)).collect();
