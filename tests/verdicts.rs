@@ -1,5 +1,6 @@
 //! Verdicts besides pass and fail: nothing proved, digits lost, other bits every time.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use nerf_oracle::COMPONENTS;
@@ -85,6 +86,49 @@ fn answers_that_change_from_call_to_call_are_told() {
     assert_eq!(row(&stale).verdict, Verdict::Fail, "{stale}");
     assert!(row(&stale).faults[0].starts_with("stale state"), "{stale}");
     assert!(row(&composited(|_, out| out)).findings.is_empty());
+}
+
+/// Kernels that are right about each whole case: one takes its rays from where the first call with as many had them, one forgets the last
+/// ray of an odd number but where that number is a case's own.
+#[test]
+fn rays_that_stand_alone_are_asked_in_another_order_and_in_tiles() {
+    let first: Mutex<Vec<Arrays>> = Mutex::default();
+    let remembering = composited(|inputs, out| {
+        let mut known = first.lock().unwrap();
+        let sorted = |x: &Arrays| {
+            let mut all: Vec<u64> = x["colors"].iter().map(|x| x.to_bits()).collect();
+            all.sort_unstable();
+            all
+        };
+        let same = known.iter().position(|x| sorted(x) == sorted(inputs));
+        let Some(n) = same else {
+            known.push(inputs.clone());
+            return out;
+        };
+        let oracle = COMPONENTS.iter().find(|c| c.name == "composite_background").unwrap().forward.oracle;
+        oracle(&known[n], &CS180)
+    });
+    let row = |report: &Report| report.of("composite_background", "forward").unwrap().clone();
+    assert_eq!(row(&remembering).verdict, Verdict::Fail, "{remembering}");
+    assert!(row(&remembering).faults[0].starts_with("depends on the order"), "{remembering}");
+    assert!(row(&remembering).diagnosis.is_empty(), "{remembering}");
+    let exam = Exam::of(&[("composite_background", Kind::Forward)], Dtype::F64, None).unwrap();
+    let whole: Vec<_> = exam.questions[0].cases.iter().map(|case| case.inputs["opacity"].len()).collect();
+    let tiled = composited(|inputs, mut out| {
+        let rays = inputs["opacity"].len();
+        if !whole.contains(&rays) {
+            out.get_mut("colors_out").unwrap()[[rays - 1, 0]] += 0.25;
+        }
+        out
+    });
+    assert_eq!(row(&tiled).verdict, Verdict::Fail, "{tiled}");
+    assert!(row(&tiled).faults[0].starts_with("depends on the tile"), "{tiled}");
+    let fixed = composited(|inputs, out| {
+        assert!(whole.contains(&inputs["opacity"].len()), "another number of rays");
+        out
+    });
+    assert_eq!(row(&fixed).verdict, Verdict::Fail, "{fixed}");
+    assert!(row(&fixed).crashed.values().any(|said| said.starts_with("in a tile of 2 of")), "{fixed}");
 }
 
 /// Explaining a wrong answer moves the inputs by roundings, in bf16 by more than a sample of 64: what is counted stays.

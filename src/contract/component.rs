@@ -196,6 +196,16 @@ impl Component {
         self.inputs.iter().filter(|port| port.gradient)
     }
 
+    /// Whether each ray or point has its own entry of this array: its first axis is the first of the first output. A gradient has the shape
+    /// of what it is the gradient of.
+    pub fn counts(&self, name: &str) -> bool {
+        let first = |shape: &'static str| shape.split(',').next();
+        let letter = first(self.outputs[0].shape).filter(|letter| !letter.is_empty());
+        let bare = name.strip_prefix("grad_").unwrap_or(name);
+        let port = self.inputs.iter().chain(self.outputs).find(|port| port.covers(bare));
+        letter.is_some() && port.is_some_and(|port| first(port.shape) == letter)
+    }
+
     /// The port that the input array `name` belongs to.
     pub fn input_port(&self, name: &str) -> Option<&Port> {
         self.inputs.iter().find(|port| port.covers(name))

@@ -23,6 +23,27 @@ pub type Answer = BTreeMap<String, Given>;
 /// Answers of one question, case by case; `None` where there is none.
 pub type Answers = Vec<Option<Answer>>;
 
+/// What became of a question.
+#[derive(Clone, Debug)]
+pub enum Reply {
+    /// Arrays by output.
+    Answer(Answer),
+    /// It crashed, and said this: that is the case's result.
+    Crash(String),
+    /// There is no answer.
+    Nothing,
+}
+
+/// How a question is put.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Manner {
+    /// As ever.
+    Plain,
+    /// With arrays that don't lie in one piece, where the language has such: every other element of longer ones. A candidate may refuse these:
+    /// [`Reply::Nothing`].
+    Strided,
+}
+
 /// f64 arrays (or f32 ones, widened) from a closure as an answer.
 pub fn given(arrays: Arrays) -> Answer {
     arrays.into_iter().map(|(name, values)| (name, Given { values, dtype: "f64" })).collect()

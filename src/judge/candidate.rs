@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use super::answer::given;
-use super::asking::{Reply, examine};
+use super::answer::{Manner, Reply, given};
+use super::asking::examine;
 use super::declared::Declared;
 use super::exam::{Exam, Question};
 use super::large::{LargeExam, examine_in_process};
@@ -113,8 +113,8 @@ impl<'a> Candidate<'a> {
 }
 
 /// Asks a candidate that computes in `dtype` every question on the rows that it has, and no others, and judges its answers. Every
-/// question comes four times, so that answers that depend on chance or on the question before show. Where it panics, that case has no
-/// answer but what it said.
+/// question comes four times, so that answers that depend on chance or on the question before show, and then with its rays or points in
+/// another order and in tiles. Where it panics, that case has no answer but what it said.
 ///
 /// # Errors
 /// A component that isn't in the contract, or an input or output that the component doesn't have.
@@ -122,7 +122,11 @@ pub fn judge(candidate: &Candidate, dtype: Dtype) -> Result<Report> {
     let exam = Exam::of(&candidate.rows(), dtype, candidate.profile)?;
     let declared = candidate.declared_in(&exam);
     let exam = exam.narrowed(&declared).map_err(undeclared)?;
-    let asked = examine(exam, true, |question, case| candidate.ask(question, case));
+    let asked = examine(exam, true, |question, case, manner| match manner {
+        Manner::Plain => candidate.ask(question, case),
+        // The arrays of a Rust closure lie in one piece.
+        Manner::Strided => Ok(Reply::Nothing),
+    });
     asked.map_err(|never: Infallible| match never {})
 }
 

@@ -62,22 +62,10 @@ impl<'a> Slice<'a> {
     pub(crate) fn get<T: Input<'a>>(&self, name: &str) -> T {
         let view = input(self.arrays, name).view();
         T::from_view(match self.item {
-            Some(n) if each(self.component, name) => view.index_axis_move(Axis(0), n),
+            Some(n) if self.component.counts(name) => view.index_axis_move(Axis(0), n),
             _ => view,
         })
     }
-}
-
-/// The letter that counts a component's rays or points: the first one of its first output.
-fn letter(component: &Component) -> &'static str {
-    component.outputs[0].shape.split(',').next().unwrap_or_default()
-}
-
-/// Whether each ray or point has its own entry of this array (a gradient has the shape of what it is the gradient of).
-fn each(component: &Component, name: &str) -> bool {
-    let bare = name.strip_prefix("grad_").unwrap_or(name);
-    let port = component.inputs.iter().chain(component.outputs).find(|port| port.covers(bare));
-    port.is_some_and(|port| port.shape.split(',').next() == Some(letter(component)))
 }
 
 /// The names of the outputs in the contract's order; for a VJP those of the gradients.
@@ -109,13 +97,13 @@ fn on_each(
     arrays: &Arrays,
     kernel: impl Fn(&Slice) -> Answered,
 ) -> Arrays {
-    let counted = component.inputs.iter().find(|port| each(component, port.name)).expect("rays or points");
+    let counted = component.inputs.iter().find(|port| component.counts(port.name)).expect("rays or points");
     let items = input(arrays, counted.name).shape()[0];
     let answer = |n| named(component, kind, arrays, kernel(&Slice { component, arrays, item: Some(n) }));
     let answers: Vec<Arrays> = (0..items).map(answer).collect();
     let join = |name: &String| {
         let parts: Vec<_> = answers.iter().filter_map(|answer| answer.get(name)).map(|a| a.view()).collect();
-        let joined = if each(component, name) {
+        let joined = if component.counts(name) {
             stack(Axis(0), &parts).unwrap_or_else(|_| panic!("{name}: shapes that differ between items"))
         } else {
             parts.iter().skip(1).fold(parts[0].to_owned(), |sum, part| sum + part)

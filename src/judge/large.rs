@@ -4,8 +4,7 @@
 use std::collections::BTreeMap;
 
 use self::blocks::{Whole, alone_is_right, blocks, merge};
-use super::answer::{Answer, Answers};
-use super::asking::Reply;
+use super::answer::{Answer, Answers, Reply};
 use super::assignment::apply;
 use super::declared::Declared;
 use super::exam::{Exam, Question};

@@ -40,6 +40,7 @@ mod observed;
 pub(crate) mod page;
 mod peel;
 mod reach;
+mod rearranged;
 mod repeat;
 #[doc(hidden)]
 pub mod report;

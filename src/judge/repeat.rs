@@ -1,55 +1,109 @@
-//! Asked again: the same question must get the same answer, whatever was asked before it.
+//! Asked again: the same question must get the same answer, whatever was asked before it and however its arrays come.
 
-use super::answer::{Answer, Answers, Given};
+use std::collections::BTreeMap;
+
+use super::answer::{Answer, Answers, Given, Manner, Reply};
 use super::exam::{Exam, Question};
+use super::rearranged::{Asked, Way, ask_otherwise};
 use super::report::{Report, Verdict};
 use crate::contract::case::Case;
+use crate::convention::CS180;
 
 /// What is said of answers that change.
 const CHANCE: &str = "not deterministic: asked twice in a row, it answers with other bits";
 const STALE: &str = "stale state: asked again after another question, it answers with other bits";
+const STRIDED: &str = "depends on the layout: with arrays that have gaps between their elements (strides) it fails; make them contiguous";
 
 /// Whether a text is one of these.
 fn of_repeating(text: &str) -> bool {
     text.starts_with(CHANCE) || text.starts_with(STALE)
 }
 
-/// Answers to the exam in its order, and then to the same questions in the opposite one, each asked three times in a row: the first of
-/// these comes after another question, the others after the same one.
+/// Answers to the exam in its order; then to the same questions in the opposite one, each asked three times in a row: the first of
+/// these comes after another question, the others after the same one; then to the same questions asked otherwise.
 pub(super) struct Rounds {
     /// In the exam's order.
     pub first: Vec<Answers>,
+    /// What was said where it crashed, by question and case.
+    pub crashed: BTreeMap<(usize, String), String>,
     /// Where it is asked again at all.
     again: Option<[Vec<Answers>; 3]>,
+    /// Answers to the same questions put otherwise, and what is wrong where these alone are.
+    otherwise: Vec<(&'static str, Vec<Answers>)>,
 }
 
 impl Rounds {
-    /// Asks, four times or once. Rows that are judged by statistics are asked once: their answers are random.
+    /// Asks, once or again. Rows that are judged by statistics are asked once: their answers are random.
     pub(super) fn new<E>(
         exam: &Exam,
         again: bool,
-        mut ask: impl FnMut(&Question, &Case) -> Result<Option<Answer>, E>,
+        mut ask: impl FnMut(&Question, &Case, Manner) -> Result<Reply, E>,
     ) -> Result<Rounds, E> {
+        let mut crashed = BTreeMap::new();
+        let mut plain = |n: usize, case: &Case| match ask(&exam.questions[n], case, Manner::Plain)? {
+            Reply::Answer(answer) => Ok(Some(answer)),
+            Reply::Nothing => Ok(None),
+            Reply::Crash(said) => {
+                crashed.entry((n, case.id.clone())).or_insert(said);
+                Ok(None)
+            }
+        };
         let mut first: Vec<Answers> = vec![];
-        for question in &exam.questions {
-            first.push(question.cases.iter().map(|case| ask(question, case)).collect::<Result<_, E>>()?);
+        for (n, question) in exam.questions.iter().enumerate() {
+            first.push(question.cases.iter().map(|case| plain(n, case)).collect::<Result<_, E>>()?);
         }
         if !again {
-            return Ok(Rounds { first, again: None });
+            return Ok(Rounds { first, crashed, again: None, otherwise: vec![] });
         }
         let mut rounds = [0; 3].map(|_| first.clone());
         for (n, question) in exam.questions.iter().enumerate().rev().filter(|(_, q)| !q.statistics()) {
             for (k, case) in question.cases.iter().enumerate().rev() {
                 for round in &mut rounds {
-                    round[n][k] = ask(question, case)?;
+                    round[n][k] = plain(n, case)?;
                 }
             }
         }
-        Ok(Rounds { first, again: Some(rounds) })
+        let mut rounds = Rounds { first, crashed, again: Some(rounds), otherwise: vec![] };
+        rounds.ask_otherwise(exam, ask)?;
+        Ok(rounds)
+    }
+
+    /// The rounds in which the questions come in another order, in tiles and in arrays with gaps.
+    fn ask_otherwise<E>(
+        &mut self,
+        exam: &Exam,
+        mut ask: impl FnMut(&Question, &Case, Manner) -> Result<Reply, E>,
+    ) -> Result<(), E> {
+        let base = exam.profile.map_or(CS180, |profile| profile.conventions);
+        let mut rounds = Way::ALL.map(|way| (way.fault(), self.first.clone()));
+        let mut strided = self.first.clone();
+        for (n, question) in exam.questions.iter().enumerate().filter(|(_, q)| !q.statistics()) {
+            for (k, case) in question.cases.iter().enumerate() {
+                let Some(first) = &self.first[n][k] else { continue };
+                for (way, (_, round)) in Way::ALL.into_iter().zip(&mut rounds) {
+                    let put = |case: &Case| ask(question, case, Manner::Plain);
+                    match ask_otherwise(way, (question, case, first), (&base, exam.dtype), put)? {
+                        Some(Asked::Answer(answer)) => round[n][k] = Some(answer),
+                        Some(Asked::Crash(said)) => {
+                            self.crashed.entry((n, case.id.clone())).or_insert(said);
+                            round[n][k] = None;
+                        }
+                        None => {}
+                    }
+                }
+                // A crash is a refusal.
+                if let Reply::Answer(answer) = ask(question, case, Manner::Strided)? {
+                    strided[n][k] = Some(answer);
+                }
+            }
+        }
+        self.otherwise = rounds.into_iter().chain([(STRIDED, strided)]).collect();
+        Ok(())
     }
 
     /// Adds what the other rounds show: where other bits came, whether by chance or after another question, and by how much. That is
-    /// told of a row whose answers are right every time, or wrong anyway, and fails one whose aren't.
+    /// told of a row whose answers are right every time, or wrong anyway, and fails one whose aren't. Questions put otherwise may have
+    /// other bits, as long as these are right.
     pub(super) fn tell(&self, exam: &Exam, judge: impl Fn(&[Answers]) -> Report, report: &mut Report) {
         for other in self.again.iter().flatten() {
             if changed(&self.first, other).is_empty() {
@@ -67,6 +121,22 @@ impl Rounds {
                     row.faults.insert(0, text);
                 } else if row.verdict != Verdict::Fail && row.findings.is_empty() {
                     row.findings.push(text);
+                }
+            }
+        }
+        for (fault, other) in &self.otherwise {
+            let changed = changed(&self.first, other);
+            if changed.is_empty() {
+                continue;
+            }
+            let later = judge(other);
+            for n in changed.into_iter().filter(|&n| later.rows[n].verdict == Verdict::Fail) {
+                let row = &mut report.rows[n];
+                if row.verdict == Verdict::Pass {
+                    *row = later.rows[n].clone();
+                    // Right when asked plainly: no formula explains it.
+                    row.diagnosis.clear();
+                    row.faults.insert(0, (*fault).into());
                 }
             }
         }

@@ -14,7 +14,7 @@ use crate::convention::profiles;
 use crate::error::{Error, Result};
 use crate::files::layout::Layout;
 use crate::files::{self, npz};
-use crate::judge::asking::Reply;
+use crate::judge::answer::Reply;
 use crate::judge::exam::{Manifest, Question};
 use crate::judge::exchange::{
     as_written, complete, layout_of, narrowed, nothing_else, read_arrays, read_manifest, stored,

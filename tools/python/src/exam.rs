@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, HashMap};
 
 use nerf_oracle::contract::{Case, Kind};
-use nerf_oracle::judge::answer::{Answer, Given};
-use nerf_oracle::judge::asking::{Reply, examine};
+use nerf_oracle::judge::answer::{Answer, Given, Manner, Reply};
+use nerf_oracle::judge::asking::examine;
 use nerf_oracle::judge::declared::Declared;
 use nerf_oracle::judge::exam::Question;
 use nerf_oracle::judge::judging::EXP_ULP;
@@ -70,8 +70,8 @@ impl Exam {
         dict(py, &case.ok_or_else(|| value_error(format!("{row}: no case {id}")))?.inputs)
     }
 
-    /// Asks `ask(row, id, inputs)` every question and judges what it returns: a dict of (array in f64, its type); a text where the
-    /// candidate crashed; None for no answer. What `ask` raises ends the exam. `declared` is what it takes and returns, by row. Returns
+    /// Asks `ask(row, id, inputs, strided)` every question, with arrays of those inputs that have gaps between their elements where `strided`, and
+    /// judges what it returns: a dict of (array in f64, its type); a text where the candidate crashed; None for no answer. What `ask` raises ends the exam. `declared` is what it takes and returns, by row. Returns
     /// the report as JSON, as a page, and whether it passed.
     fn judge(
         &self,
@@ -82,7 +82,7 @@ impl Exam {
         allowed: Vec<String>,
     ) -> PyResult<(String, String, bool)> {
         let exam = self.0.clone().narrowed(&by_row(declared)).map_err(value_error)?;
-        let asked = |question: &Question, case: &Case| put(&ask, question, case);
+        let asked = |question: &Question, case: &Case, manner| put(&ask, question, case, manner);
         let report = py.detach(|| examine(exam, again, asked))?;
         Ok(said(&report, &allowed))
     }
@@ -119,7 +119,7 @@ impl LargeExam {
     ) -> PyResult<(String, String, bool)> {
         let large = self.0.clone().narrowed(&by_row(declared)).map_err(value_error)?;
         let asked = |question: &Question, asked: Asked| match asked {
-            Asked::Whole(laid) => put(&ask, question, &laid.whole()),
+            Asked::Whole(laid) => put(&ask, question, &laid.whole(), Manner::Plain),
             // The manifest has the shapes of whole cases alone.
             Asked::Alone(_) => Ok(Reply::Nothing),
         };
@@ -134,8 +134,11 @@ fn by_row(declared: HashMap<String, TakesAndReturns>) -> BTreeMap<String, Declar
 }
 
 /// Asks Python a question.
-fn put(ask: &Py<PyAny>, question: &Question, case: &Case) -> PyResult<Reply> {
-    Python::attach(|py| reply(ask.bind(py).call1((question.row(), &case.id, dict(py, &case.inputs)?))?))
+fn put(ask: &Py<PyAny>, question: &Question, case: &Case, manner: Manner) -> PyResult<Reply> {
+    let strided = manner == Manner::Strided;
+    Python::attach(|py| {
+        reply(ask.bind(py).call1((question.row(), &case.id, dict(py, &case.inputs)?, strided))?)
+    })
 }
 
 /// A report as JSON, as a page, and whether it passed.

@@ -21,7 +21,7 @@ class Exam:
     def inputs(self, row: str, id: str) -> Arrays: ...
     def judge(
         self,
-        ask: Callable[[str, str, Arrays], Any],
+        ask: Callable[[str, str, Arrays, bool], Any],
         declared: dict[str, tuple[Optional[list[str]], Optional[list[str]]]],
         again: bool,
         allowed: list[str],
@@ -32,7 +32,7 @@ class LargeExam:
     def manifest(self) -> str: ...
     def judge(
         self,
-        ask: Callable[[str, str, Arrays], Any],
+        ask: Callable[[str, str, Arrays, bool], Any],
         declared: dict[str, tuple[Optional[list[str]], Optional[list[str]]]],
         allowed: list[str],
     ) -> tuple[str, str, bool]: ...

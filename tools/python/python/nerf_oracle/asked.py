@@ -14,7 +14,7 @@ from .errors import CandidateError, hint
 from .plan import Plan, crash
 from .probing import askable, planned
 from .report import Report
-from .rows import row_of, rows
+from .rows import resized, row_of, rows
 
 # On so many of the smallest cases a function may have no gradient before it is said to have none.
 TRIES = 8
@@ -85,13 +85,17 @@ class Asked:
             tried = "the result isn't differentiable"
         return tried
 
-    def ask(self, key: str, case: str, inputs: dict[str, np.ndarray]) -> Any:
-        """Answers a question; a text where the function crashed. What the user interrupts ends the exam."""
-        plan, entry = self.plans[key], self.entries[key, case]
+    def ask(self, key: str, case: str, inputs: dict[str, np.ndarray], strided: bool) -> Any:
+        """Answers a question, the whole case or a tile of it; a text where the function crashed. What the user interrupts ends the
+        exam. `strided`: with arrays that have gaps between their elements, where the framework has such."""
+        plan = self.plans[key]
+        if strided and not plan.framework.gaps:
+            return None
+        entry = resized(plan.row, self.entries[key, case], inputs)
         try:
             if key in self.returns:
-                return plan.gradient(entry, inputs, outputs_of(plan.row))[0]
-            return plan.answer(entry, inputs)
+                return plan.gradient(entry, inputs, outputs_of(plan.row), strided)[0]
+            return plan.answer(entry, inputs, strided)
         except KeyboardInterrupt:
             raise
         except BaseException as error:

@@ -22,6 +22,8 @@ class Framework:
     """numpy, and what the others share."""
 
     name, short = "numpy", "float32"
+    # Whether arrays may have gaps between their elements.
+    gaps = True
 
     def __init__(self, dtype: str, device: str | None) -> None:
         self.dtype, self.device = dtype, device
@@ -30,6 +32,12 @@ class Framework:
     def array(self, x: np.ndarray, stored: str) -> Any:
         """An array of f64 in the type that a case stores it in."""
         return x.astype({"i64": "int64", "u8": "uint8"}.get(stored) or FLOATS[stored])
+
+    def with_gaps(self, x: Any) -> Any:
+        """The same array as every other element of a longer one."""
+        wide = self.zeros((*x.shape[:-1], 2 * x.shape[-1]), x)
+        wide[..., ::2] = x
+        return wide[..., ::2]
 
     def zeros(self, shape: tuple[int, ...], like: Any) -> Any:
         """Zeros beside another array."""
@@ -90,6 +98,7 @@ class Jax(Framework):
     """JAX: gradients by jax.vjp."""
 
     name, short = "jax", "bfloat16"
+    gaps = False
 
     def array(self, x, stored):
         """An array on the default device, or the one that was asked for."""

@@ -71,14 +71,14 @@ class Plan:
         known = {*taken, *(name for form in forms for name in form["without"])}
         return [port["name"] for port in self.row["inputs"] if port["name"] not in known]
 
-    def answer(self, entry: dict[str, Any], inputs: dict[str, np.ndarray]) -> Answer:
+    def answer(self, entry: dict[str, Any], inputs: dict[str, np.ndarray], strided: bool = False) -> Answer:
         """What it returns on a case, by output."""
         with self.framework.around():
-            result = self.call(entry, self.arrays(entry, inputs), [port["name"] for port in entry["outputs"]])
+            result = self.call(entry, self.arrays(entry, inputs, strided), [port["name"] for port in entry["outputs"]])
             return {name: answered(x, name) for name, x in result.items()}
 
     def gradient(
-        self, entry: dict[str, Any], inputs: dict[str, np.ndarray], outputs: list[str]
+        self, entry: dict[str, Any], inputs: dict[str, np.ndarray], outputs: list[str], strided: bool = False
     ) -> tuple[Answer, list[str], bool]:
         """The gradients of a case by the framework's own differentiation; the outputs that they go through; whether there are
         any."""
@@ -87,7 +87,8 @@ class Plan:
         wanted = [name for name in (port["name"][len("grad_") :] for port in entry["outputs"]) if name not in gone]
         cotangents = {name[len("grad_") :]: x for name, x in inputs.items() if name.startswith("grad_")}
         with self.framework.around():
-            arrays = self.arrays(entry, {name: x for name, x in inputs.items() if not name.startswith("grad_")})
+            forward = {name: x for name, x in inputs.items() if not name.startswith("grad_")}
+            arrays = self.arrays(entry, forward, strided)
             leaves = {name: arrays[name] for name in wanted if hasattr(arrays[name], "reshape")}
             found, returned = self.framework.gradient(lambda x: self.call(entry, {**arrays, **x}, outputs), leaves, cotangents)
             gradients = found or {name: np.zeros(inputs[name].shape, np.float64) for name in leaves}
@@ -95,13 +96,14 @@ class Plan:
         masked = {name: (x * np.array(MASKS[name]) if name in MASKS else x, dtype) for name, (x, dtype) in out.items()}
         return masked, returned, found is not None
 
-    def arrays(self, entry: dict[str, Any], inputs: dict[str, np.ndarray]) -> dict[str, Any]:
+    def arrays(self, entry: dict[str, Any], inputs: dict[str, np.ndarray], strided: bool = False) -> dict[str, Any]:
         """Arrays in the framework, scalars as Python numbers."""
         stored = {port["name"]: port["dtype"] for port in entry["inputs"]}
 
         def given(name: str, x: np.ndarray) -> Any:
             if x.ndim:
-                return self.framework.array(x, stored[name])
+                array = self.framework.array(x, stored[name])
+                return self.framework.with_gaps(array) if strided else array
             return int(x) if stored[name] == "i64" else float(x)
 
         return {name: given(name, x) for name, x in inputs.items()}
