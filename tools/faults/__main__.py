@@ -43,8 +43,8 @@ def asked(row, kind, dtype, candidate, tier="small"):
 
 
 def changing(row):
-    """What the report says of answers that change from call to call."""
-    return [told for told in (*row["faults"], *row["findings"]) if "with other bits" in told]
+    """What the report says of answers that change from call to call, or with the order, tile or layout in which a question comes."""
+    return [told for told in (*row["faults"], *row["findings"]) if "with other bits" in told or told.startswith("depends on the ")]
 
 
 # How a report names what kind of thing a fault is.

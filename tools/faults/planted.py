@@ -242,6 +242,29 @@ plant("the last item of an odd number wrong", "habits", PER_ITEM + PER_RAY)(
 )
 
 
+@plant("a cache that is keyed by which numbers come, not by their order", "habits", PER_ITEM + PER_RAY)
+def unordered(kernel):
+    """Keyed by a sum or a histogram: the same rays in another order are the same question to it."""
+    known = {}
+
+    def wrong(**arrays):
+        key = tuple(np.sort(np.asarray(x), None).tobytes() for x in arrays.values())
+        return known.setdefault(key, kernel(**arrays))
+
+    return wrong
+
+
+@plant("arrays are read as if they lay in one piece", "habits", PER_ITEM + PER_RAY)
+def in_one_piece(kernel):
+    """A pointer without its strides."""
+
+    def read(x):
+        strided = isinstance(x, np.ndarray) and x.size and not x.flags.c_contiguous
+        return x.base.reshape(-1)[: x.size].reshape(x.shape) if strided else x
+
+    return lambda **arrays: kernel(**{name: read(x) for name, x in arrays.items()})
+
+
 # Inputs that trigger.
 def rays_where(condition):
     """Rays of which some sample has it."""
