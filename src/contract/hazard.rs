@@ -198,6 +198,15 @@ pub const HAZARDS: &[Hazard] = &[
         ],
     ),
     hazard(
+        "PE5",
+        [
+            "a short piece of a cone",
+            "3 (t1^4 - t0^4) / (4 (t1^3 - t0^3)) and its like cancel: at [2, 2 + 1e-5] the variance along the ray is eight times off in f64, \
+             and in f32 it is noise; sums and differences of the ends keep every digit",
+            "mip-NeRF's conical_frustum_to_gaussian with stable = False, and whoever integrates anew",
+        ],
+    ),
+    hazard(
         "PE6",
         [
             "faces of hash grid cells",
