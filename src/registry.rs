@@ -2,11 +2,11 @@
 
 use crate::contract::Component;
 use crate::{
-    camera, conical_frustum, contraction, distortion, early_stop, encoding, field, fisheye, gaussian_alpha, gaussian_color,
-    gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, integrated_encoding,
-    interlevel_loss, lens, loss,
-    ndc, occupancy_grid, optimizer, packed, pose, ray, ray_aabb, robust_loss, sample, spherical_harmonics,
-    srgb, ssim, trace, training_step, trunc_exp, volume_rendering,
+    camera, conical_frustum, contraction, distortion, early_stop, encoding, field, fisheye, gaussian_alpha,
+    gaussian_color, gaussian_covariance, gaussian_projection, hash_grid, importance_sampling,
+    integrated_encoding, interlevel_loss, lens, loss, ndc, occupancy_grid, optimizer, packed, pose, ray,
+    ray_aabb, robust_loss, sample, spherical_harmonics, srgb, ssim, trace, training_step, trunc_exp,
+    volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.

@@ -76,7 +76,12 @@ pub(crate) fn conical_frustum() -> Vec<Case> {
             6,
             &[[3.0, 3.0], [0.5, 0.5]],
         ),
-        usual("to_the_far_plane", "the last interval of an unbounded scene", 7, &[[0.0625, 1000.0], [4.0, 256.0]]),
+        usual(
+            "to_the_far_plane",
+            "the last interval of an unbounded scene",
+            7,
+            &[[0.0625, 1000.0], [4.0, 256.0]],
+        ),
         case(
             "along_axes",
             "rays along axes: nothing of the radius along them, all of it across",

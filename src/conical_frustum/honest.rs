@@ -90,10 +90,8 @@ impl<'a, O: Operations> Ways<'a, O> {
                 let ddd = o.mul(dd, dd);
                 let mean = o.add(s, self.part(o.times(2.0, o.mul(s, dd)), self.sum));
                 let outer = o.sub(o.times(12.0, ss), dd);
-                let less = o.mul(
-                    o.hyper(4.0 / 15.0),
-                    self.part(o.mul(ddd, outer), o.mul(self.sum, self.sum)),
-                );
+                let less =
+                    o.mul(o.hyper(4.0 / 15.0), self.part(o.mul(ddd, outer), o.mul(self.sum, self.sum)));
                 let along = o.sub(o.div(dd, o.exact(3.0)), less);
                 let across = o.sub(
                     o.add(o.times(0.25, ss), o.mul(o.hyper(5.0 / 12.0), dd)),
@@ -197,9 +195,7 @@ impl<'a, O: Operations> Ways<'a, O> {
         let (o, d) = (self.o, self.d);
         let (g_s, g_d) = match (self.shape, self.way % 3) {
             (RayShape::Cylinder, 0) => (g_mean, o.mul(o.div(o.times(2.0, d), o.exact(3.0)), g_along)),
-            (RayShape::Cylinder, _) => {
-                (o.times(0.5, g_mean), o.mul(o.div(d, o.exact(6.0)), g_along))
-            }
+            (RayShape::Cylinder, _) => (o.times(0.5, g_mean), o.mul(o.div(d, o.exact(6.0)), g_along)),
             (RayShape::Cone, 0) => self.through_halves(g_mean, g_along, g_across),
             (RayShape::Cone, 1) => self.through_ratio(g_mean, g_along, g_across),
             (RayShape::Cone, _) => self.by_hand(g_mean, g_along, g_across),
@@ -229,8 +225,7 @@ impl<'a, O: Operations> Ways<'a, O> {
         let of_across = o.neg(self.part(o.mul(g_last, ddd), sum));
         let g_sum = o.sum(&[of_mean, of_along, of_across]);
         let g_outer = o.mul(g_fourth, ddd);
-        let g_ss =
-            o.sum(&[o.times(0.25, g_across), o.times(12.0, g_outer), o.times(3.0, g_sum)]);
+        let g_ss = o.sum(&[o.times(0.25, g_across), o.times(12.0, g_outer), o.times(3.0, g_sum)]);
         let g_ddd = o.add(o.mul(g_fourth, outer), g_last);
         let g_dd = o.sum(&[
             o.div(g_along, o.exact(3.0)),

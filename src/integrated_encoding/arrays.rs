@@ -30,10 +30,7 @@ pub(crate) fn forward(a: &Arrays, c: &Conventions, f: impl Fn(&[f64], &[f64]) ->
 }
 
 /// `f(means, variances, cotangent)` of each Gaussian, as the gradients.
-pub(crate) fn vjp(
-    a: &Arrays,
-    f: impl Fn(&[f64], &[f64], &[f64]) -> (Vec<f64>, Vec<f64>),
-) -> Arrays {
+pub(crate) fn vjp(a: &Arrays, f: impl Fn(&[f64], &[f64], &[f64]) -> (Vec<f64>, Vec<f64>)) -> Arrays {
     let [means, variances, g] = ["means", "variances", "grad_encoding"].map(|name| rows(a, name));
     let one = |n: usize| f(&means[n], &variances[n], &g[n]);
     let (g_means, g_variances): (Vec<_>, Vec<_>) = (0..means.len()).map(one).unzip();

@@ -33,8 +33,7 @@ pub(crate) fn integrated_encoding(a: &Arrays, c: &Conventions, m: &Arithmetic) -
         let mut out = vec![0.0; encoding.width(dims)];
         for d in 0..dims {
             for (k, band) in bands(encoding, x[d], c, m).iter().enumerate() {
-                let columns =
-                    widest(|way| Dimension { o: m, encoding, way, variance: v[d] }.columns(band));
+                let columns = widest(|way| Dimension { o: m, encoding, way, variance: v[d] }.columns(band));
                 (0..2).for_each(|cosine| out[encoding.column(dims, k, d, cosine)] = columns[cosine]);
             }
         }

@@ -46,12 +46,24 @@ pub(crate) fn integrated_encoding() -> Vec<Case> {
         ),
         case("gaussians", "L = 4, in [-1, 1]: the last band fades", 4.0, 3, drawn(0, 12, 1.0, [-3.0, -1.5])),
         case("positions", "L = 10, in [-4, 4]", 10.0, 3, drawn(1, 12, 4.0, [-6.0, -1.0])),
-        case("pixels", "L = 16, as mip-NeRF has it: of pixels' cones", 16.0, 3, drawn(2, 6, 1.0, [-8.0, -4.0])),
+        case(
+            "pixels",
+            "L = 16, as mip-NeRF has it: of pixels' cones",
+            16.0,
+            3,
+            drawn(2, 6, 1.0, [-8.0, -4.0]),
+        ),
         case("points", "no variance: the positional encoding", 4.0, 2, {
             let [means, _] = drawn(3, 4, 1.0, [0.0, 0.0]);
             [means, vec![0.0; 4]]
         }),
-        case("wide", "Gaussians of about a period: little is left of band 0", 3.0, 2, drawn(4, 6, 2.0, [-1.0, 0.0])),
+        case(
+            "wide",
+            "Gaussians of about a period: little is left of band 0",
+            3.0,
+            2,
+            drawn(4, 6, 2.0, [-1.0, 0.0]),
+        ),
         case(
             "faded",
             "what is left underflows in short types, then in f32 and in f64",
@@ -64,7 +76,10 @@ pub(crate) fn integrated_encoding() -> Vec<Case> {
             "a Gaussian as thin as a sheet: one dimension fades, the others don't",
             5.0,
             3,
-            means(&[0.25, -0.40625, 0.71875, 0.6875, 0.0, -0.09375], &[0.0, 0.0625, 0.0001220703125, 0.5, 0.0, 0.0]),
+            means(
+                &[0.25, -0.40625, 0.71875, 0.6875, 0.0, -0.09375],
+                &[0.0, 0.0625, 0.0001220703125, 0.5, 0.0, 0.0],
+            ),
         ),
     ];
     in_full(cases, "gaussians")

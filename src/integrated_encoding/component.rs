@@ -31,9 +31,5 @@ pub(crate) const INTEGRATED_ENCODING: Component = Component {
     }),
     cases: cases::integrated_encoding,
     mistakes: mistakes::INTEGRATED_ENCODING,
-    special: Special {
-        columns: Some(("columns", "band_sin_cos")),
-        admits: arrays::admits,
-        ..Special::NONE
-    },
+    special: Special { columns: Some(("columns", "band_sin_cos")), admits: arrays::admits, ..Special::NONE },
 };
