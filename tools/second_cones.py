@@ -140,14 +140,11 @@ def left(v, levels, c, wrong=()):
         x = 2 * x
     if "attenuation_forgotten" in wrong:
         x = 0 * x
-    if "exponent_without_minus" in wrong:
-        x = -x
     if "variance_taken_for_deviation" in wrong:
         x = (v * f) ** 2
     if "deviation_for_variance" in wrong:
         x = np.sqrt(v) * (f * f)
-    with np.errstate(over="ignore"):
-        e = np.exp(-x / 2)
+    e = np.exp(-x / 2)
     return e, np.ones_like(e) if "cosine_not_attenuated" in wrong else e
 
 
@@ -162,8 +159,7 @@ def integrated_encoding(a, c, wrong):
     """Waves times what is left of them."""
     c, x, levels = settings(c), a["means"], int(a["L"])
     (sin, cos), (of_sin, of_cos) = waves(x, levels, c), left(a["variances"], levels, c, wrong)
-    with np.errstate(invalid="ignore"):
-        columns = networks.order(np.stack([of_sin * sin, of_cos * cos], 1), c)
+    columns = networks.order(np.stack([of_sin * sin, of_cos * cos], 1), c)
     parts = [x, columns] if c["identity"] == "true" else [columns]
     return {"encoding": np.concatenate(parts[::-1] if c["identity_place"] == "last" else parts, 1)}
 

@@ -60,14 +60,6 @@ pub(crate) const INTEGRATED_ENCODING: &[Mistake] = &[
         0,
     ),
     Mistake::new(
-        "exponent_without_minus",
-        "exp(variance / 2)",
-        "high bands grow without limit; training ends in infinities",
-        "exp(-variance / 2)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
         "variance_taken_for_deviation",
         "the variance squared once more: exp(-(2^k pi v)^2 / 2)",
         "narrow Gaussians never fade, wide ones at once",
@@ -159,7 +151,6 @@ fn left(encoding: &Encoding, k: usize, v: f64, wrong: &[&str]) -> [f64; 2] {
         () if has("variance_not_scaled") => v,
         () if has("half_forgotten") => 2.0 * (a * a * v),
         () if has("attenuation_forgotten") => 0.0,
-        () if has("exponent_without_minus") => -(a * a * v),
         () if has("variance_taken_for_deviation") => (a * v) * (a * v),
         () if has("deviation_for_variance") => a * a * v.sqrt(),
         () => a * a * v,
