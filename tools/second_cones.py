@@ -1,4 +1,5 @@
-"""The second implementation's cones: mip-NeRF's middle and half width, whole covariance matrices, and complex exponentials. See second.py."""
+"""The second implementation's cones: mip-NeRF's middle and half width, the other two squares for the projection, and what is left of
+each band. See second.py."""
 
 import numpy as np
 import second_networks as networks
@@ -50,12 +51,6 @@ def along_ray(start, end, c, wrong=()):
         half * 5 / 6 - (2 * half * part + hh * by_half) * 4 / 15,
     )
     return (mean, along, across), of_middle, of_half
-
-
-def projections(d):
-    """I - d d^T / |d|^2."""
-    unit = d / np.sqrt((d * d).sum(1, keepdims=True))
-    return np.eye(3, dtype=d.dtype) - unit[:, :, None] * unit[:, None, :]
 
 
 def beside(d):
