@@ -125,6 +125,9 @@ pub struct Conventions {
     /// Range of its result.
     #[serde(default)]
     pub contraction_range: ContractionRange,
+    /// What a ray is taken for that has a width.
+    #[serde(default)]
+    pub ray_shape: RayShape,
     /// Where a scene lies in front of rays in normalized device coordinates.
     #[serde(default)]
     pub ndc_depth: NdcDepth,
@@ -142,6 +145,9 @@ pub struct Conventions {
     /// How the encoding's cosine is computed.
     #[serde(default)]
     pub cosine: Cosine,
+    /// Whether the integrated encoding keeps the mean itself.
+    #[serde(default)]
+    pub integrated_identity: bool,
     /// Density activation.
     pub density: Density,
     /// Where an exponential density's exponent is clamped.
@@ -312,6 +318,7 @@ pub const CS180: Conventions = Conventions {
     product_eps: ProductEps::None,
     contraction_norm: ContractionNorm::L2,
     contraction_range: ContractionRange::Two,
+    ray_shape: RayShape::Cone,
     ndc_depth: NdcDepth::Negative,
     identity: true,
     identity_place: IdentityPlace::First,
@@ -319,6 +326,7 @@ pub const CS180: Conventions = Conventions {
     bands: Bands::Octaves,
     columns: Columns::BandSinCos,
     cosine: Cosine::Own,
+    integrated_identity: false,
     density: Density::Relu,
     exponent: Exponent::Free,
     exponent_gradient: ExponentGradient::BothEnds,

@@ -67,7 +67,8 @@
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
 //! steps for one picture, and [`training_step`], all of them forth and back. [`srgb`] is the curve between linear light and a picture file, [`ssim`] how
 //! alike two pictures look, [`robust_loss`] has Huber's and Charbonnier's losses, [`contraction`] lays an unbounded scene into
-//! a bounded one, [`ndc`] the view of a camera that looks ahead; [`packed`] has the sums and products of rays of different lengths,
+//! a bounded one, [`ndc`] the view of a camera that looks ahead; [`conical_frustum`] is what a pixel sees of a ray's interval,
+//! [`integrated_encoding`] its encoding; [`packed`] has the sums and products of rays of different lengths,
 //! [`distortion`] the loss that gathers weights into surfaces, [`interlevel_loss`] the one that keeps proposals around them. [`lens`] and [`fisheye`] bend points as lenses do, and back; [`pose`] reads
 //! poses of a structure from motion. Splats: [`gaussian_covariance`] from rotation and scales, [`gaussian_projection`] into a picture,
 //! [`gaussian_alpha`] at a pixel, [`gaussian_color`] from a direction.
@@ -77,7 +78,7 @@
 //! 1. the ground: [`shown`], [`error`], [`limits`], [`math`], [`random`], [`parallel`], [`simd`], [`approximate`], [`convention`]
 //!    (the choices that differ between right implementations), [`files`], `process`
 //! 2. what a component is, without knowing any: [`contract`]
-//! 3. the components: [`lens`], [`fisheye`], [`camera`], [`pose`], [`ray`], [`sample`], [`encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
+//! 3. the components: [`lens`], [`fisheye`], [`camera`], [`pose`], [`ray`], [`sample`], [`encoding`], [`conical_frustum`], [`integrated_encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`training_step`], [`importance_sampling`], [`ray_aabb`],
 //!    [`occupancy_grid`], [`srgb`], [`robust_loss`], [`ssim`], [`contraction`], [`ndc`], [`distortion`], [`interlevel_loss`], [`gaussian_covariance`],
 //!    [`gaussian_projection`], [`gaussian_alpha`], [`gaussian_color`]
@@ -138,6 +139,7 @@ pub mod trace;
 pub mod training_step;
 pub mod volume_rendering;
 
+pub mod conical_frustum;
 pub mod contraction;
 pub mod distortion;
 pub mod early_stop;
@@ -147,6 +149,7 @@ pub mod gaussian_covariance;
 pub mod gaussian_projection;
 pub mod hash_grid;
 pub mod importance_sampling;
+pub mod integrated_encoding;
 pub mod interlevel_loss;
 pub mod ndc;
 pub mod occupancy_grid;

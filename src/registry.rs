@@ -2,10 +2,11 @@
 
 use crate::contract::Component;
 use crate::{
-    camera, contraction, distortion, early_stop, encoding, field, fisheye, gaussian_alpha, gaussian_color,
-    gaussian_covariance, gaussian_projection, hash_grid, importance_sampling, interlevel_loss, lens, loss,
-    ndc, occupancy_grid, optimizer, packed, pose, ray, ray_aabb, robust_loss, sample, spherical_harmonics,
-    srgb, ssim, trace, training_step, trunc_exp, volume_rendering,
+    camera, conical_frustum, contraction, distortion, early_stop, encoding, field, fisheye, gaussian_alpha,
+    gaussian_color, gaussian_covariance, gaussian_projection, hash_grid, importance_sampling,
+    integrated_encoding, interlevel_loss, lens, loss, ndc, occupancy_grid, optimizer, packed, pose, ray,
+    ray_aabb, robust_loss, sample, spherical_harmonics, srgb, ssim, trace, training_step, trunc_exp,
+    volume_rendering,
 };
 
 /// Every component, in pipeline order: the rows of the judging contract. Tests, commands and reports iterate this.
@@ -22,8 +23,10 @@ pub const COMPONENTS: &[Component] = &[
     ndc::component::NDC_RAYS,
     sample::component::SAMPLE_ALONG_RAYS,
     sample::component::STEP_SIZES,
+    conical_frustum::component::CONICAL_FRUSTUM,
     contraction::component::CONTRACTION,
     encoding::component::POSITIONAL_ENCODING,
+    integrated_encoding::component::INTEGRATED_ENCODING,
     field::component::MLP,
     field::component::NERF_MLP,
     hash_grid::component::HASH_GRID,

@@ -61,10 +61,14 @@ fn doors_fit_the_contract() {
         pose::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
         ndc::judge(|_, _, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _| ());
         ndc::judge::judge_batch(|_, _, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _| ());
+        conical_frustum::judge(|_, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _, _, _| ());
+        conical_frustum::judge::judge_batch(|_, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _, _, _| ());
         contraction::judge(|_| ()).vjp(|_, _| ());
         contraction::judge::judge_batch(|_| ()).vjp(|_, _| ());
         encoding::judge(|_, _| ()).vjp(|_, _, _| ());
         encoding::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
+        integrated_encoding::judge(|_, _, _| ()).vjp(|_, _, _, _| ());
+        integrated_encoding::judge::judge_batch(|_, _, _| ()).vjp(|_, _, _, _| ());
         field::judge(|_, _, _| ());
         spherical_harmonics::judge(|_, _| ()).vjp(|_, _, _| ());
         spherical_harmonics::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());

@@ -39,6 +39,7 @@ const HARD: &[(&str, &[&str])] = &[
     ("PE1", &["positional_encoding"]),
     ("PE2", &["positional_encoding"]),
     ("PE3", &["positional_encoding"]),
+    ("PE5", &["conical_frustum"]),
     ("PE6", &["hash_grid"]),
     ("PE7", &["spherical_harmonics"]),
     ("CG1", &["ray_aabb"]),

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import second_compact as compact
+import second_cones as cones
 import second_distortion as distortion
 import second_gaussians as gaussians
 import second_fisheye as fisheye
@@ -45,6 +46,7 @@ CS180 = {
     "product_eps": "none",
     "contraction_norm": "l2",
     "contraction_range": "two",
+    "ray_shape": "cone",
     "ndc_depth": "negative",
     "identity": "true",
     "identity_place": "first",
@@ -52,6 +54,7 @@ CS180 = {
     "bands": "octaves",
     "columns": "band_sin_cos",
     "cosine": "own",
+    "integrated_identity": "false",
     "density": "relu",
     "grid_decay": "touched",
     "grid_threshold": "mean_of_dense",
@@ -152,6 +155,7 @@ DEVIATIONS = {
         "harmonic_sign": "plain",
         "skip_order": "encoding_first",
         "empty_depth": "first",
+        "integrated_identity": "true",
         "interlevel_eps": "1e-7",
     },
     "multinerf": {
@@ -260,6 +264,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         geometry: "transform transform_vjp pixel_to_camera pixel_to_camera_vjp pixel_to_ray pixel_to_ray_vjp image_rays "
         "sample_along_rays step_sizes",
         networks: "positional_encoding positional_encoding_vjp mlp mlp_vjp nerf_mlp nerf_mlp_vjp",
+        cones: "conical_frustum conical_frustum_vjp integrated_encoding integrated_encoding_vjp",
         lens: "lens_distort lens_distort_vjp lens_undistort lens_undistort_vjp",
         fisheye: "fisheye_distort fisheye_distort_vjp fisheye_undistort fisheye_undistort_vjp",
         pose: "pose_from_colmap pose_from_colmap_vjp",

@@ -176,8 +176,7 @@ pub const HAZARDS: &[Hazard] = &[
         "PE1",
         [
             "high bands of an inexact input",
-            "2^k pi x magnifies the rounding of x: in f32 by 5.8e-5 at band 10, and by 1.7 at band 25; only inputs that the type represents \
-             exactly can be compared",
+            "2^k pi x magnifies the rounding of x: in f32 by 5.8e-5 at band 10, and by 1.7 at band 25; only inputs that the type represents exactly can be compared",
             "every implementation in f32",
         ],
     ),
@@ -195,6 +194,14 @@ pub const HAZARDS: &[Hazard] = &[
             "range reduction",
             "sin(2^k pi x) at 2^30 x, at multiples of pi, at 0, -0 and subnormals: a rounded product isn't 0 where the sine is",
             "implementations that round pi x before they take the sine",
+        ],
+    ),
+    hazard(
+        "PE5",
+        [
+            "a short piece of a cone",
+            "3 (t1^4 - t0^4) / (4 (t1^3 - t0^3)) and its like cancel: at [2, 2 + 1e-5] the variance along the ray is eight times off in f64, and in f32 it is noise; sums and differences of the ends keep every digit",
+            "mip-NeRF's conical_frustum_to_gaussian with stable = False, and whoever integrates anew",
         ],
     ),
     hazard(
@@ -249,8 +256,7 @@ pub const HAZARDS: &[Hazard] = &[
         "CG6",
         [
             "a contracted point at the origin",
-            "2 - 1/|x| is infinite there: a mask that multiplies makes the point NaN, one that selects makes its gradient NaN where both \
-             pieces are differentiated",
+            "2 - 1/|x| is infinite there: a mask that multiplies makes the point NaN, one that selects makes its gradient NaN where both pieces are differentiated",
             "nerfstudio's contraction and its copies, in the gradient; a splatting code, in the point",
         ],
     ),
@@ -266,8 +272,7 @@ pub const HAZARDS: &[Hazard] = &[
         "CG8",
         [
             "ties of the largest coordinate",
-            "the L-infinity norm has several slopes there: code takes the first coordinate, the last, or shares among them; MERF's contraction \
-             jumps",
+            "the L-infinity norm has several slopes there: code takes the first coordinate, the last, or shares among them; MERF's contraction jumps",
             "the limits of the domain: no library in particular",
         ],
     ),
@@ -283,8 +288,7 @@ pub const HAZARDS: &[Hazard] = &[
         "CG10",
         [
             "rays on their way to the near plane",
-            "a ray across the axis (d_z = 0) never meets it; one from z = 0 must be moved before anything is divided by z; one that grazes \
-             meets it far away",
+            "a ray across the axis (d_z = 0) never meets it; one from z = 0 must be moved before anything is divided by z; one that grazes meets it far away",
             "normalized device coordinates without the move to the near plane",
         ],
     ),
@@ -292,8 +296,7 @@ pub const HAZARDS: &[Hazard] = &[
         "GS1",
         [
             "a quaternion that isn't unit",
-            "Adam doesn't keep lengths: divided inside, every quaternion is a rotation, and its gradient has no part along it; taken as it is, \
-             the matrix shears",
+            "Adam doesn't keep lengths: divided inside, every quaternion is a rotation, and its gradient has no part along it; taken as it is, the matrix shears",
             "kernels that leave the division, or its derivative, to the caller",
         ],
     ),
@@ -309,8 +312,7 @@ pub const HAZARDS: &[Hazard] = &[
         "GS3",
         [
             "splats beside the picture",
-            "the Jacobian at their mean knows nothing of perspective over their size: it is clamped to 1.3 of the picture, by which long \
-             splats turn into a fan; the clamp's gradient is forgotten, or taken with t_x held",
+            "the Jacobian at their mean knows nothing of perspective over their size: it is clamped to 1.3 of the picture, by which long splats turn into a fan; the clamp's gradient is forgotten, or taken with t_x held",
             "gsplat#977, gsplat#305; 3D Gaussian splatting",
         ],
     ),
@@ -326,8 +328,7 @@ pub const HAZARDS: &[Hazard] = &[
         "GS5",
         [
             "splats at the limits of what is drawn",
-            "below 1 / 255 and above 0.99 code cuts, and where rounding leaves a conic that isn't positive it skips: each with a gradient of \
-             its own",
+            "below 1 / 255 and above 0.99 code cuts, and where rounding leaves a conic that isn't positive it skips: each with a gradient of its own",
             "3D Gaussian splatting, gsplat",
         ],
     ),
@@ -351,8 +352,7 @@ pub const HAZARDS: &[Hazard] = &[
         "LE2",
         [
             "an inverse that doesn't converge",
-            "steps of x = x' / radial(x) are slow where a lens is strong, or no use: with k = (-0.45, 0.25) they swing between 1.042 and \
-             1.407 about 1.250 for ever; high powers of r count, and rounding with them",
+            "steps of x = x' / radial(x) are slow where a lens is strong, or no use: with k = (-0.45, 0.25) they swing between 1.042 and 1.407 about 1.250 for ever; high powers of r count, and rounding with them",
             "OpenCV's undistortPoints without criteria; colmap#1629: 54 pixels",
         ],
     ),
@@ -360,8 +360,7 @@ pub const HAZARDS: &[Hazard] = &[
         "LE3",
         [
             "an inverse close to a fold",
-            "where the lens bends back, a small step of the picture is a large one of the ray: the error of the residual comes back many \
-             times over",
+            "where the lens bends back, a small step of the picture is a large one of the ray: the error of the residual comes back many times over",
             "wide lenses without k2",
         ],
     ),

@@ -141,6 +141,7 @@ pub const PROFILES: &[Profile] = &[
             harmonic_sign: HarmonicSign::Plain,
             skip_order: SkipOrder::EncodingFirst,
             empty_depth: EmptyDepth::First,
+            integrated_identity: true,
             interlevel_eps: InterlevelEps::TenToMinusSeven,
             ..CS180
         },
@@ -167,6 +168,11 @@ pub const PROFILES: &[Profile] = &[
                 "identity_place",
                 "field_components/encodings.py NeRFEncoding: cat([encoded_inputs, in_tensor])",
             ),
+            (
+                "integrated_identity",
+                "field_components/encodings.py NeRFEncoding with covs: cat([encoded_inputs, in_tensor])",
+            ),
+            ("ray_shape", "cameras/rays.py Frustums.get_gaussian_blob: conical_frustum_to_gaussian"),
             ("cosine", "field_components/encodings.py NeRFEncoding: sin(cat([scaled, scaled + pi / 2]))"),
             ("exponent_gradient", "field_components/activations.py: clamp(x, min=-15, max=15)"),
             (
@@ -240,6 +246,8 @@ pub const PROFILES: &[Profile] = &[
             ("ssim_peak", "dm_pix/_src/metrics.py ssim: max_val = 1.0"),
             ("contraction_norm", "internal/coord.py contract: sum(x**2)"),
             ("contraction_range", "internal/coord.py contract: not scaled"),
+            ("ray_shape", "internal/models.py Model: ray_shape = 'cone'"),
+            ("integrated_identity", "internal/coord.py integrated_pos_enc: nothing appended"),
             (
                 "ndc_depth",
                 "internal/camera_utils.py convert_to_ndc: t = -(near + origins[..., 2]) / directions[..., 2]",

@@ -1,4 +1,4 @@
-//! Choices of how unbounded scenes are laid into bounded ones.
+//! Choices of how unbounded scenes are laid into bounded ones, and of how much of space a ray is.
 
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,17 @@ pub enum ContractionRange {
     One,
     /// [0, 1]: y / 4 + 1/2 (nerfacc, nerfstudio's nerfacto).
     Unit,
+}
+
+/// What a ray with a width is taken for, between two distances.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RayShape {
+    /// A cone from the camera: the radius grows with t (mip-NeRF, multinerf, nerfstudio).
+    #[default]
+    Cone,
+    /// A cylinder: the radius is the same everywhere (mip-NeRF with `ray_shape = 'cylinder'`, for normalized device coordinates).
+    Cylinder,
 }
 
 /// Where a scene lies that rays in normalized device coordinates look at.

@@ -48,6 +48,15 @@ fn power_error(encoding: &Encoding, k: usize, m: &Arithmetic) -> f64 {
     band * m.u * (m.elementary_ulp + 2.0 * ln(band))
 }
 
+/// f_k as honest code has it.
+pub(crate) fn band(encoding: &Encoding, k: usize, m: &Arithmetic) -> Bounded {
+    match encoding.bands {
+        Bands::Octaves => exact(encoding.band(k)),
+        Bands::Linear => m.rounded(encoding.band(k), m.u * encoding.band(k)),
+        Bands::Stretched => m.rounded(encoding.band(k), power_error(encoding, k, m)),
+    }
+}
+
 /// How far the argument of sin and cos may be off.
 fn argument_error(encoding: &Encoding, cosine: Cosine, k: usize, angle: f64, m: &Arithmetic) -> f64 {
     let scale = factor(encoding.frequency) * encoding.band(k);
@@ -103,11 +112,7 @@ pub(crate) fn gradient(
         let (mut inside, mut outside) = (vec![], vec![]);
         for k in 0..encoding.levels {
             let (sin, cos) = waves(encoding, cosine, k, x[d], m);
-            let band = match encoding.bands {
-                Bands::Octaves => exact(encoding.band(k)),
-                Bands::Linear => m.rounded(encoding.band(k), m.u * encoding.band(k)),
-                Bands::Stretched => m.rounded(encoding.band(k), power_error(encoding, k, m)),
-            };
+            let band = band(encoding, k, m);
             let scaled = if encoding.frequency == Frequency::One {
                 band
             } else {

@@ -16,6 +16,7 @@ use nerf_oracle::field::nerf_mlp::{self, NerfMlp, Shape};
 use nerf_oracle::field::{self, Layer};
 use nerf_oracle::hash_grid::{self, Level};
 use nerf_oracle::importance_sampling;
+use nerf_oracle::integrated_encoding;
 use nerf_oracle::interlevel_loss::{self, Histogram};
 use nerf_oracle::loss;
 use nerf_oracle::occupancy_grid::OccupancyGrid;
@@ -405,6 +406,19 @@ fn samples() -> Vec<Row> {
     fn encode_vjp(g: usize) {
         encoding::backward::positional_encoding(&[0.5; 2], &Encoding::new(3, &CS180), &ones(g));
     }
+    fn integrate(means: usize, variances: usize) {
+        let encoding = Encoding { identity: false, ..Encoding::new(3, &CS180) };
+        integrated_encoding::integrated_encoding(&ones(means), &ones(variances), &encoding);
+    }
+    fn integrate_vjp(means: usize, variances: usize, g: usize) {
+        let encoding = Encoding { identity: false, ..Encoding::new(3, &CS180) };
+        integrated_encoding::backward::integrated_encoding(
+            &ones(means),
+            &ones(variances),
+            &encoding,
+            &ones(g),
+        );
+    }
     fn harmonics_vjp(degree: usize, g: usize) {
         spherical_harmonics::backward::harmonics([0.0, 0.0, 1.0], degree, Sphere, Plain, &ones(g));
     }
@@ -434,6 +448,20 @@ fn samples() -> Vec<Row> {
             &[
                 ("g_out and the encoding of x", || encode_vjp(13)),
                 ("g_out and the encoding of x", || encode_vjp(15)),
+            ],
+        ),
+        row(
+            "integrated_encoding::integrated_encoding",
+            || integrate(2, 2),
+            &[("means and variances", || integrate(2, 3)), ("means and variances", || integrate(3, 2))],
+        ),
+        row(
+            "integrated_encoding::backward::integrated_encoding",
+            || integrate_vjp(2, 2, 12),
+            &[
+                ("means and variances", || integrate_vjp(2, 3, 12)),
+                ("g_out and the encoding", || integrate_vjp(2, 2, 13)),
+                ("g_out and the encoding", || integrate_vjp(2, 2, 11)),
             ],
         ),
         row(
