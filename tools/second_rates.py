@@ -124,7 +124,7 @@ def clip_by_global_norm(a, c, wrong):
 
 def clip_by_value(a, c, wrong):
     """The sign times the smaller size."""
-    g = a["gradient"]
+    g = a["g"]
     limit, size = g.dtype.type(a["limit"]), np.abs(g)
     beyond = size > limit
     if "above_alone" in wrong:
@@ -133,6 +133,6 @@ def clip_by_value(a, c, wrong):
         beyond = g < -limit
     if "scaled_together" in wrong:
         largest = size.max()
-        return {"gradient_out": g * (limit / largest) if largest > limit else g}
+        return {"g_out": g * (limit / largest) if largest > limit else g}
     edge = limit if "sign_forgotten" in wrong else g.dtype.type(0) if "dropped" in wrong else np.sign(g) * limit
-    return {"gradient_out": np.where(beyond, edge, g).astype(g.dtype)}
+    return {"g_out": np.where(beyond, edge, g).astype(g.dtype)}

@@ -19,7 +19,7 @@ pub(crate) fn by_norm(a: &Arrays, [weights, bias]: [Vec<f64>; 2], norm: f64) -> 
 
 /// Each number by itself.
 pub(crate) fn by_value(a: &Arrays, clip: impl Fn(f64) -> f64) -> Arrays {
-    arrays([("gradient_out", input(a, "gradient").mapv(clip))])
+    arrays([("g_out", input(a, "g").mapv(clip))])
 }
 
 pub(super) fn clip_by_global_norm(a: &Arrays, c: &Conventions) -> Arrays {

@@ -61,7 +61,7 @@ pub(crate) fn clip_by_global_norm() -> Vec<Case> {
 /// By value.
 pub(crate) fn clip_by_value() -> Vec<Case> {
     let case = |id, comment, gradient, limit| {
-        Case::new(id, comment, vec![("gradient", gradient), ("limit", scalar(limit))])
+        Case::new(id, comment, vec![("g", gradient), ("limit", scalar(limit))])
     };
     let of = |numbers: &[f64]| array(&[numbers.len()], numbers.to_vec());
     let cases = vec![

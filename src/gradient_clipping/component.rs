@@ -40,10 +40,10 @@ pub(crate) const CLIP_BY_VALUE: Component = Component {
     formula: "min(max(g, -limit), limit)",
     source: "torch.nn.utils.clip_grad_value_; optax.clip",
     inputs: &[
-        Port::plain("gradient", "...", "a gradient"),
+        Port::plain("g", "...", "a gradient"),
         Port::plain("limit", "", "the largest size of a number in it"),
     ],
-    outputs: &[Port::plain("gradient_out", "...", "what is left of it")],
+    outputs: &[Port::plain("g_out", "...", "what is left of it")],
     conventions: &[],
     forward: Direction {
         oracle: arrays::clip_by_value,

@@ -23,12 +23,12 @@ front_door! {
 }
 
 front_door! {
-    /// Judges a clip by value: (gradient, limit) -> gradient_out; arrays of any shape.
+    /// Judges a clip by value: (g, limit) -> g_out; arrays of any shape.
     ///
     /// ```
     /// use nerf_oracle::gradient_clipping::judge;
     /// use nerf_oracle::ndarray::ArrayViewD;
-    /// judge::clip_by_value(|gradient: ArrayViewD<f64>, limit| gradient.mapv(|g| g.clamp(-limit, limit))).assert_pass();
+    /// judge::clip_by_value(|g: ArrayViewD<f64>, limit| g.mapv(|g| g.clamp(-limit, limit))).assert_pass();
     /// ```
-    whole CLIP_BY_VALUE: clip_by_value as Numbers(gradient: ArrayViewD<f64>, limit: f64);
+    whole CLIP_BY_VALUE: clip_by_value as Numbers(g: ArrayViewD<f64>, limit: f64);
 }

@@ -206,7 +206,7 @@ pub(crate) fn clip_by_global_norm(a: &Arrays, c: &Conventions, wrong: &[&str]) -
 pub(crate) fn clip_by_value(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let has = |name: &str| wrong.contains(&name);
     let limit = number(a, "limit");
-    let largest = input(a, "gradient").iter().fold(0.0, |most: f64, g| most.max(g.abs()));
+    let largest = input(a, "g").iter().fold(0.0, |most: f64, g| most.max(g.abs()));
     by_value(a, |g| match () {
         () if has("above_alone") => g.min(limit),
         () if has("below_alone") => g.max(-limit),

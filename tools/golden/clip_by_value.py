@@ -1,4 +1,4 @@
-"""clip_by_value(gradient, limit): each number clipped to [-limit, limit]."""
+"""clip_by_value(g, limit): each number clipped to [-limit, limit]."""
 
 import numpy as np
 import torch
@@ -19,21 +19,21 @@ def cases():
 
 def case(name, gradient, limit, comment):
     """A case from its array."""
-    return Case(name, {"gradient": gradient, "limit": np.array(limit)}, comment)
+    return Case(name, {"g": gradient, "limit": np.array(limit)}, comment)
 
 
 def over_reals(x):
     """The definition."""
-    limit, out = x["limit"][()], np.empty(x["gradient"].shape, object)
+    limit, out = x["limit"][()], np.empty(x["g"].shape, object)
     for index in np.ndindex(out.shape):
-        g = x["gradient"][index]
+        g = x["g"][index]
         out[index] = limit if g.value > limit.value else -limit if g.value < -limit.value else g
-    return {"gradient_out": out}
+    return {"g_out": out}
 
 
 def in_torch(x):
     """torch's own function."""
-    parameter = torch.nn.Parameter(torch.zeros_like(x["gradient"]))
-    parameter.grad = x["gradient"].clone()
+    parameter = torch.nn.Parameter(torch.zeros_like(x["g"]))
+    parameter.grad = x["g"].clone()
     torch.nn.utils.clip_grad_value_([parameter], float(x["limit"]))
-    return {"gradient_out": parameter.grad}
+    return {"g_out": parameter.grad}
