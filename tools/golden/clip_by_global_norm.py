@@ -1,4 +1,4 @@
-"""clip_by_global_norm(g_weights, g_bias, max_norm): times min(1, max_norm / norm), of all numbers together (Pascanu et al. 2013)."""
+"""clip_by_global_norm(g_weights, g_bias, max_norm): times min(1, max_norm / norm), of all numbers together."""
 
 import numpy as np
 import torch

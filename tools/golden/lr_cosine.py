@@ -1,4 +1,4 @@
-"""lr_cosine(step, max_steps, lr_init, lr_final, warmup_steps): a linear warm-up, then half of a cosine (Loshchilov and Hutter 2017)."""
+"""lr_cosine(step, max_steps, lr_init, lr_final, warmup_steps): a linear warm-up, then half of a cosine."""
 
 import numpy as np
 import torch
