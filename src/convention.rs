@@ -14,6 +14,7 @@ mod results;
 mod sampling;
 mod space;
 mod spelling;
+mod training;
 
 pub use compact::*;
 pub use encoding::*;
@@ -24,6 +25,7 @@ pub use results::*;
 pub use sampling::*;
 pub use space::*;
 pub use spelling::{CHOICES, american};
+pub use training::*;
 
 use serde::{Deserialize, Serialize};
 
@@ -302,6 +304,18 @@ pub struct Conventions {
     /// What Adam's eps is added to.
     #[serde(default)]
     pub adam_eps: AdamEps,
+    /// What is added to a gradient's norm.
+    #[serde(default)]
+    pub clip_eps: ClipEps,
+    /// Learning rates behind a schedule's last step.
+    #[serde(default)]
+    pub rate_end: RateEnd,
+    /// The delay of a log-linear schedule.
+    #[serde(default)]
+    pub rate_delay: RateDelay,
+    /// How the rate rises in it.
+    #[serde(default)]
+    pub rate_ramp: RateRamp,
 }
 
 /// The default: Berkeley's CS180 course, which is the paper's text taken literally.
@@ -381,6 +395,10 @@ pub const CS180: Conventions = Conventions {
     ssim_peak: PsnrPeak::Given,
     bytes: Bytes::Round,
     adam_eps: AdamEps::Corrected,
+    clip_eps: ClipEps::None,
+    rate_end: RateEnd::GoesOn,
+    rate_delay: RateDelay::Beside,
+    rate_ramp: RateRamp::Sine,
 };
 
 impl Default for Conventions {

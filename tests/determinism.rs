@@ -1,13 +1,13 @@
 //! The oracle's bits: the same on every machine, in every build.
 
 use nerf_oracle::contract::{Arrays, Component, Kind, arrays::array};
-use nerf_oracle::convention::{CS180, Conventions, Density, Grid};
+use nerf_oracle::convention::{CS180, Conventions, Density, Grid, RateEnd};
 use nerf_oracle::encoding::{Encoding, positional_encoding};
 use nerf_oracle::field::nerf_mlp::{NerfMlp, Shape};
 use nerf_oracle::optimizer::{Adam, Moments, adam_step};
 use nerf_oracle::random::{Key, Purpose};
 use nerf_oracle::sample::sample_along_ray;
-use nerf_oracle::{COMPONENTS, field, loss, volume_rendering as render};
+use nerf_oracle::{COMPONENTS, field, learning_rate, loss, volume_rendering as render};
 
 /// Of [`training_step`].
 const PINNED: u64 = 0x4b77_4521_1873_d685;
@@ -86,7 +86,8 @@ fn training_step() -> Vec<f64> {
             numbers.extend([g, state.param, state.v]);
         }
     }
-    numbers.extend([loss::psnr(0.037, 1.0), nerf_oracle::optimizer::decayed_lr(5e-4, 0.1, 37, 100)]);
+    let rate = learning_rate::exponential(5e-4, 0.1, 37, 100, RateEnd::GoesOn);
+    numbers.extend([loss::psnr(0.037, 1.0), rate]);
     numbers
 }
 

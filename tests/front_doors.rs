@@ -107,6 +107,13 @@ fn doors_fit_the_contract() {
         ssim::judge(|_, _, _| ()).vjp(|_, _, _, _| ());
         optimizer::judge(|_, _, _, _, _, _, _, _, _, _| ());
         optimizer::judge::judge_batch(|_, _, _, _, _, _, _, _, _, _| ());
+        optimizer::judge::adamw(|_, _, _, _, _, _, _, _, _, _| ());
+        optimizer::judge::adamw_batch(|_, _, _, _, _, _, _, _, _, _| ());
+        gradient_clipping::judge(|_, _, _| ());
+        gradient_clipping::judge::clip_by_value(|_, _| ());
+        learning_rate::judge(|_, _, _, _| ());
+        learning_rate::judge::cosine(|_, _, _, _, _| ());
+        learning_rate::judge::log_linear(|_, _, _, _, _, _| ());
         importance_sampling::judge(|_, _, _, _| ()).vjp(|_, _, _, _, _| ());
         importance_sampling::judge::judge_batch(|_, _, _, _| ()).vjp(|_, _, _, _, _| ());
         ray_aabb::judge(|_, _, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _| ());

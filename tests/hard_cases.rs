@@ -72,7 +72,7 @@ const HARD: &[(&str, &[&str])] = &[
     ("LE2", &["lens_distort", "lens_undistort", "fisheye_distort", "fisheye_undistort"]),
     ("LE3", &["lens_undistort", "fisheye_undistort"]),
     ("TR1", &["mlp", "nerf_mlp"]),
-    ("TR3", &["adam_step"]),
+    ("TR3", &["adam_step", "adamw_step"]),
     ("ME1", &["mse", "psnr"]),
     ("ME2", &["ssim"]),
 ];

@@ -23,6 +23,7 @@ import second_lens as lens
 import second_networks as networks
 import second_packed as packed
 import second_pose as pose
+import second_rates as rates
 import second_rendering as rendering
 import second_robust as robust
 import second_sampler as sampler
@@ -108,6 +109,10 @@ CS180 = {
     "ssim_peak": "given",
     "bytes": "round",
     "adam_eps": "corrected",
+    "clip_eps": "none",
+    "rate_end": "goes_on",
+    "rate_delay": "beside",
+    "rate_ramp": "sine",
 }
 
 # Where well-known code deviates from it. The skip layer follows from the shapes.
@@ -157,6 +162,8 @@ DEVIATIONS = {
         "empty_depth": "first",
         "integrated_identity": "true",
         "interlevel_eps": "1e-7",
+        "clip_eps": "1e-6",
+        "rate_delay": "before",
     },
     "multinerf": {
         "axes": "opengl",
@@ -170,6 +177,7 @@ DEVIATIONS = {
         "empty_depth": "last",
         "interlevel_eps": "float32",
         "ssim_peak": "one",
+        "clip_eps": "float32",
     },
     "nerfacc": {
         "axes": "opengl",
@@ -277,7 +285,8 @@ FUNCTIONS = {"render_trace": render_trace} | {
         packed: "pack_info packed_scan packed_scan_vjp accumulate_along_rays accumulate_along_rays_vjp",
         distortion: "distortion_loss distortion_loss_vjp interlevel_loss interlevel_loss_vjp",
         compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
-        training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step",
+        training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step adamw_step",
+        rates: "lr_exponential lr_cosine lr_log_linear clip_by_global_norm clip_by_value",
         step: "training_step",
         robust: "huber huber_vjp charbonnier charbonnier_vjp",
         similarity: "ssim ssim_vjp",

@@ -125,3 +125,26 @@ def adam_step(a, c, wrong):
     rate = a["lr"] * (np.sqrt(1 - b2**step) / (1 - b1**step) if "corrected_twice" in wrong else 1)
     out = p - rate * m_hat / root
     return {"params_out": out - a["lr"] * decay * p if decoupled else out, "m_out": m, "v_out": v}
+
+
+def adamw_step(a, c, wrong):
+    """Algorithm 2: the decay of what was before, and Adam's step without one."""
+    if "coupled_decay" in wrong:
+        return adam_step(a, c, wrong)
+    before, step, decay = a["params"], a["step"], a["lr"] * a["weight_decay"]
+    plain = adam_step(a | {"weight_decay": 0.0}, c, wrong)
+    if "decay_under_the_root" in wrong:
+        b1, b2 = a["beta1"], a["beta2"]
+        eps = a["eps"] / np.sqrt(1 - b2**step) if c["adam_eps"] == "uncorrected" else a["eps"]
+        root = np.sqrt(plain["v_out"] / (1 - b2**step)) + eps
+        moved = before - (a["lr"] * plain["m_out"] / (1 - b1**step) + decay * before) / root
+        return plain | {"params_out": moved}
+    if "decay_of_new_parameter" in wrong:
+        return plain | {"params_out": plain["params_out"] * (1 - decay)}
+    if "decay_without_rate" in wrong:
+        decay = a["weight_decay"]
+    if "decay_corrected" in wrong:
+        decay = decay / (1 - a["beta1"] ** step)
+    if "decay_negated" in wrong:
+        decay = -decay
+    return plain | {"params_out": plain["params_out"] - decay * before}

@@ -6,6 +6,7 @@
 use super::arithmetic::Arithmetic;
 use super::bounded::{Bounded, any_order, exact, hyper};
 use super::machine::Machine;
+use crate::math::{cos, expm1, ln, ln_1p, pow, sin};
 
 /// Arithmetic on numbers of some kind.
 pub(crate) trait Operations {
@@ -30,6 +31,14 @@ pub(crate) trait Operations {
     fn sqrt(&self, a: Self::Number) -> Self::Number;
     /// e^a.
     fn exp(&self, a: Self::Number) -> Self::Number;
+    /// The natural logarithm, for a > 0.
+    fn ln(&self, a: Self::Number) -> Self::Number;
+    /// a^b, for a > 0.
+    fn pow(&self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// sin a.
+    fn sin(&self, a: Self::Number) -> Self::Number;
+    /// cos a.
+    fn cos(&self, a: Self::Number) -> Self::Number;
     /// The larger of two.
     fn max(&self, a: Self::Number, b: Self::Number) -> Self::Number;
     /// g where a is above b, else 0: a gradient through a limit.
@@ -53,6 +62,11 @@ pub(crate) trait Operations {
     fn times(&self, a: f64, b: Self::Number) -> Self::Number {
         self.mul(self.exact(a), b)
     }
+}
+
+/// How far off the logarithm of a positive number may be.
+fn logarithm_off(a: Bounded) -> f64 {
+    -ln_1p(-a.e / a.y)
 }
 
 impl Operations for Arithmetic {
@@ -84,6 +98,20 @@ impl Operations for Arithmetic {
     }
     fn exp(&self, a: Bounded) -> Bounded {
         Arithmetic::exp(self, a)
+    }
+    fn ln(&self, a: Bounded) -> Bounded {
+        self.elementary(ln(a.y), logarithm_off(a))
+    }
+    fn pow(&self, a: Bounded, b: Bounded) -> Bounded {
+        let y = pow(a.y, b.y);
+        let off = b.size() * logarithm_off(a) + b.e * ln(a.y).abs();
+        self.elementary(y, y * expm1(off))
+    }
+    fn sin(&self, a: Bounded) -> Bounded {
+        Arithmetic::sin(self, a)
+    }
+    fn cos(&self, a: Bounded) -> Bounded {
+        Arithmetic::cos(self, a)
     }
     fn max(&self, a: Bounded, b: Bounded) -> Bounded {
         Bounded { y: a.y.max(b.y), e: a.e.max(b.e) }
@@ -132,6 +160,18 @@ impl Operations for Machine {
     }
     fn exp(&self, a: f64) -> f64 {
         Machine::exp(self, a)
+    }
+    fn ln(&self, a: f64) -> f64 {
+        self.elementary(ln(a))
+    }
+    fn pow(&self, a: f64, b: f64) -> f64 {
+        self.elementary(pow(a, b))
+    }
+    fn sin(&self, a: f64) -> f64 {
+        self.elementary(sin(a))
+    }
+    fn cos(&self, a: f64) -> f64 {
+        self.elementary(cos(a))
     }
     fn max(&self, a: f64, b: f64) -> f64 {
         a.max(b)

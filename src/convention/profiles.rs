@@ -143,6 +143,8 @@ pub const PROFILES: &[Profile] = &[
             empty_depth: EmptyDepth::First,
             integrated_identity: true,
             interlevel_eps: InterlevelEps::TenToMinusSeven,
+            clip_eps: ClipEps::TenToMinusSix,
+            rate_delay: RateDelay::Before,
             ..CS180
         },
         sources: &[
@@ -151,6 +153,22 @@ pub const PROFILES: &[Profile] = &[
                 "nerfstudio/model_components/losses.py outer: searchsorted, side right, for both ends",
             ),
             ("interlevel_eps", "nerfstudio/model_components/losses.py: EPS = 1.0e-7"),
+            (
+                "clip_eps",
+                "nerfstudio/engine/optimizers.py optimizer_step_all: torch.nn.utils.clip_grad_norm_, which adds 1e-6",
+            ),
+            (
+                "rate_delay",
+                "nerfstudio/engine/schedulers.py ExponentialDecayScheduler: (step - warmup_steps) / (max_steps - warmup_steps)",
+            ),
+            (
+                "rate_ramp",
+                "nerfstudio/engine/schedulers.py ExponentialDecaySchedulerConfig: ramp = cosine, a sine of a quarter turn",
+            ),
+            (
+                "rate_end",
+                "nerfstudio/engine/schedulers.py CosineDecayScheduler: cos(pi * progress), not clipped",
+            ),
             ("interlevel_reduction", "nerfstudio/model_components/losses.py interlevel_loss: torch.mean"),
             ("axes", "cameras/cameras.py: OpenGL"),
             ("pixel_center", "cameras/cameras.py get_image_coords: pixel_offset 0.5"),
@@ -217,11 +235,18 @@ pub const PROFILES: &[Profile] = &[
             skip_layer: 5,
             ssim_peak: PsnrPeak::One,
             interlevel_eps: InterlevelEps::Float32,
+            clip_eps: ClipEps::Float32,
             ..CS180
         },
         sources: &[
             ("outer_edges", "internal/stepfun.py searchsorted: v >= a, for both ends"),
             ("interlevel_eps", "internal/stepfun.py lossfun_outer: jnp.finfo(jnp.float32).eps"),
+            ("clip_eps", "internal/train_utils.py clip_gradients: jnp.finfo(jnp.float32).eps + tree_norm"),
+            ("rate_delay", "internal/math.py learning_rate_decay: delay_rate * log_lerp"),
+            (
+                "rate_ramp",
+                "internal/math.py learning_rate_decay: sin(0.5 * pi * clip(step / lr_delay_steps, 0, 1))",
+            ),
             ("interlevel_reduction", "internal/train_utils.py interlevel_loss: mean(lossfun_outer)"),
             ("axes", "internal/camera_utils.py pixels_to_rays: diag(1, -1, -1), from OpenCV to OpenGL"),
             ("pixel_center", "internal/camera_utils.py pix_to_dir: x + .5, y + .5"),

@@ -94,6 +94,10 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("ssim_peak", &["given", "one"]),
     ("bytes", &["round", "truncate"]),
     ("adam_eps", &["corrected", "uncorrected"]),
+    ("clip_eps", &["none", "1e-7", "float32", "1e-6"]),
+    ("rate_end", &["goes_on", "held"]),
+    ("rate_delay", &["beside", "before"]),
+    ("rate_ramp", &["sine", "linear"]),
 ];
 
 /// A convention's name, how its value is read, and how it is set.
@@ -180,6 +184,10 @@ const FIELDS: &[Field] = &[
     ("ssim_peak", |c| name(&c.ssim_peak), |c, v| c.ssim_peak = listed(v)),
     ("bytes", |c| name(&c.bytes), |c, v| c.bytes = listed(v)),
     ("adam_eps", |c| name(&c.adam_eps), |c, v| c.adam_eps = listed(v)),
+    ("clip_eps", |c| name(&c.clip_eps), |c, v| c.clip_eps = listed(v)),
+    ("rate_end", |c| name(&c.rate_end), |c, v| c.rate_end = listed(v)),
+    ("rate_delay", |c| name(&c.rate_delay), |c, v| c.rate_delay = listed(v)),
+    ("rate_ramp", |c| name(&c.rate_ramp), |c, v| c.rate_ramp = listed(v)),
 ];
 
 /// As serde spells it.

@@ -30,8 +30,17 @@ pub(crate) fn each(a: &Arrays, step: impl Fn(Moments, f64) -> Moments) -> Arrays
     ])
 }
 
-pub(super) fn adam_step(a: &Arrays, c: &Conventions) -> Arrays {
+/// One step of either optimizer.
+fn stepped(a: &Arrays, c: &Conventions, one: fn(&Adam, Moments, f64, u64) -> Moments) -> Arrays {
     let (adam, step) = settings(a);
     let adam = Adam { eps: super::eps(&adam, step, c.adam_eps), ..adam };
-    each(a, |before, grad| super::adam_step(&adam, before, grad, step))
+    each(a, |before, grad| one(&adam, before, grad, step))
+}
+
+pub(super) fn adam_step(a: &Arrays, c: &Conventions) -> Arrays {
+    stepped(a, c, super::adam_step)
+}
+
+pub(super) fn adamw_step(a: &Arrays, c: &Conventions) -> Arrays {
+    stepped(a, c, super::adamw_step)
 }

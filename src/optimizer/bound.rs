@@ -1,4 +1,4 @@
-//! Error bound of Adam's step.
+//! Error bounds of Adam's and AdamW's steps.
 //!
 //! Hyper-parameters are f64 in every number type. What is computed from them alone (1 - beta, the bias corrections, lr / correction)
 //! is computed at least in f32, and rounded to the type where it is combined with an array.
@@ -25,6 +25,9 @@ pub(crate) struct Scalars {
     lr: Bounded,
     eps: Bounded,
     decay: Bounded,
+    /// lr weight_decay, and 1 less that.
+    lr_decay: Bounded,
+    kept: Bounded,
 }
 
 /// 1 - beta^step. Grade A: -expm1(step ln beta). Grade B: the power is rounded before 1 - power cancels.
@@ -48,6 +51,7 @@ impl Scalars {
         let to_type = |b: Bounded| if m.u == s.u { b } else { m.rounded(b.y, b.e) };
         let rounded = |x: f64| m.rounded(x, 0.0);
         let (correction1, correction2) = (correction(adam.beta1, step, &s), correction(adam.beta2, step, &s));
+        let lr_decay = s.mul(s.rounded(adam.lr, 0.0), s.rounded(adam.weight_decay, 0.0));
         Scalars {
             beta1: rounded(adam.beta1),
             beta2: rounded(adam.beta2),
@@ -60,6 +64,8 @@ impl Scalars {
             lr: rounded(adam.lr),
             eps: rounded(adam.eps),
             decay: rounded(adam.weight_decay),
+            lr_decay: to_type(lr_decay),
+            kept: to_type(s.sub(exact(1.0), lr_decay)),
         }
     }
 }
@@ -78,6 +84,30 @@ fn uncorrected(mean1: Bounded, mean2: Bounded, s: &Scalars, m: &Arithmetic) -> B
     quotient_first.or(product_first).or(m.mul(m.div(s.whole_rate, denominator), mean1))
 }
 
+/// What is taken off a parameter, m and v.
+fn update(
+    [before1, before2, g]: [Bounded; 3],
+    s: &Scalars,
+    convention: AdamEps,
+    m: &Arithmetic,
+) -> [Bounded; 3] {
+    let mean1 = mean(s.beta1, s.rest1, before1, g, m);
+    // (1 - b2) (g g), or ((1 - b2) g) g: they underflow at different sizes of g.
+    let kept = m.mul(s.beta2, before2);
+    let square = m.mul(s.rest2, m.mul(g, g)).or(m.mul(m.mul(s.rest2, g), g));
+    let mean2 = m.add(kept, square);
+    if convention == AdamEps::Uncorrected {
+        return [uncorrected(mean1, mean2, s, m), mean1, mean2];
+    }
+    let root = m.div(m.sqrt(mean2), m.sqrt(s.correction2)).or(m.sqrt(m.div(mean2, s.correction2)));
+    let denominator = m.add(root, s.eps);
+    let update = m.mul(s.step_size, m.div(mean1, denominator));
+    let product_first = m.div(m.mul(s.step_size, mean1), denominator);
+    let corrected = m.div(mean1, s.correction1);
+    let textbook = m.mul(s.lr, m.div(corrected, denominator)).or(m.div(m.mul(s.lr, corrected), denominator));
+    [update.or(product_first).or(textbook), mean1, mean2]
+}
+
 /// Parameter, m and v after a step, where all that goes into it may have errors of its own. `longest`: no honest step is longer.
 pub(crate) fn moved(
     [param, before1, before2]: [Bounded; 3],
@@ -88,23 +118,26 @@ pub(crate) fn moved(
     m: &Arithmetic,
 ) -> [Bounded; 3] {
     let g = if adam.weight_decay == 0.0 { grad } else { m.add(grad, m.mul(s.decay, param)) };
-    let mean1 = mean(s.beta1, s.rest1, before1, g, m);
-    // (1 - b2) (g g), or ((1 - b2) g) g: they underflow at different sizes of g.
-    let kept = m.mul(s.beta2, before2);
-    let square = m.mul(s.rest2, m.mul(g, g)).or(m.mul(m.mul(s.rest2, g), g));
-    let mean2 = m.add(kept, square);
-    if convention == AdamEps::Uncorrected {
-        let update = uncorrected(mean1, mean2, s, m);
-        return [m.sub(param, no_longer(update, longest)), mean1, mean2];
-    }
-    let root = m.div(m.sqrt(mean2), m.sqrt(s.correction2)).or(m.sqrt(m.div(mean2, s.correction2)));
-    let denominator = m.add(root, s.eps);
-    let update = m.mul(s.step_size, m.div(mean1, denominator));
-    let product_first = m.div(m.mul(s.step_size, mean1), denominator);
-    let corrected = m.div(mean1, s.correction1);
-    let textbook = m.mul(s.lr, m.div(corrected, denominator)).or(m.div(m.mul(s.lr, corrected), denominator));
-    let update = update.or(product_first).or(textbook);
+    let [update, mean1, mean2] = update([before1, before2, g], s, convention, m);
     [m.sub(param, no_longer(update, longest)), mean1, mean2]
+}
+
+/// The same of AdamW: what decays is taken off before the step, behind it, or with it.
+fn moved_and_decayed(
+    [param, before1, before2]: [Bounded; 3],
+    grad: Bounded,
+    s: &Scalars,
+    convention: AdamEps,
+    m: &Arithmetic,
+) -> [Bounded; 3] {
+    let [update, mean1, mean2] = update([before1, before2, grad], s, convention, m);
+    let shrunk = m.sub(m.mul(s.kept, param), update);
+    let decayed = m.mul(s.lr_decay, param);
+    let apart = m.sub(m.sub(param, update), decayed).or(m.sub(m.sub(param, decayed), update));
+    // lr (m / (...) + weight_decay p).
+    let direction = m.div(update, s.lr);
+    let together = m.sub(param, m.mul(s.lr, m.add(direction, m.mul(s.decay, param))));
+    [shrunk.or(apart).or(together).or(m.sub(param, m.add(update, decayed))), mean1, mean2]
 }
 
 /// A step of which it is known how long it may be.
@@ -130,4 +163,15 @@ pub(crate) fn adam_step(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (adam, step) = settings(a);
     let scalars = Scalars::new(&adam, step, m);
     each(a, |before, grad| moments(before, grad, &adam, &scalars, c.adam_eps, m))
+}
+
+/// Bound of [`super::adamw_step`].
+pub(crate) fn adamw_step(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
+    let (adam, step) = settings(a);
+    let scalars = Scalars::new(&adam, step, m);
+    each(a, |before, grad| {
+        let known = [before.param, before.m, before.v].map(exact);
+        let [param, mean1, mean2] = moved_and_decayed(known, exact(grad), &scalars, c.adam_eps, m);
+        Moments { param: param.e, m: mean1.e, v: mean2.e }
+    })
 }

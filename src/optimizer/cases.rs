@@ -1,4 +1,4 @@
-//! Cases of Adam's step: early and late steps, gradients of every size, both decays.
+//! Cases of Adam's and AdamW's steps: early and late steps, gradients of every size, weights that decay.
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
@@ -25,22 +25,27 @@ fn with_betas(mut case: Case, beta1: f64, beta2: f64) -> Case {
     case
 }
 
+/// Parameters, gradients and moments of an optimization that runs.
+fn drawn(row: &str, stream: u64) -> [Vec<f64>; 4] {
+    let mut draw = Draw::new(row, stream);
+    let n = 8;
+    let params = (0..n).map(|_| draw.between(-1.0, 1.0)).collect();
+    let grad = (0..n).map(|_| draw.between(0.5, 4.0) * if draw.below(2) == 0 { 1.0 } else { -1.0 });
+    let grad: Vec<f64> = grad.collect();
+    let m = (0..n).map(|_| draw.between(-0.5, 0.5)).collect();
+    let v = (0..n).map(|_| draw.between(0.25, 2.0)).collect();
+    [params, grad, m, v]
+}
+
+/// The same before its first step.
+fn unmoved([params, grad, m, v]: [Vec<f64>; 4]) -> [Vec<f64>; 4] {
+    [params, grad, vec![0.0; m.len()], vec![0.0; v.len()]]
+}
+
 /// One step of Adam.
 pub(crate) fn adam_step() -> Vec<Case> {
-    let running = |stream: u64| {
-        let mut draw = Draw::new("adam_step", stream);
-        let n = 8;
-        let params = (0..n).map(|_| draw.between(-1.0, 1.0)).collect();
-        let grad = (0..n).map(|_| draw.between(0.5, 4.0) * if draw.below(2) == 0 { 1.0 } else { -1.0 });
-        let grad: Vec<f64> = grad.collect();
-        let m = (0..n).map(|_| draw.between(-0.5, 0.5)).collect();
-        let v = (0..n).map(|_| draw.between(0.25, 2.0)).collect();
-        [params, grad, m, v]
-    };
-    let fresh = |stream: u64| {
-        let [params, grad, m, v] = running(stream);
-        [params, grad, vec![0.0; m.len()], vec![0.0; v.len()]]
-    };
+    let running = |stream: u64| drawn("adam_step", stream);
+    let fresh = |stream: u64| unmoved(running(stream));
     let usual = [5e-4, 1e-8, 0.0];
     let sizes = vec![1e-300, 1e-150, 1e-30, 1e-12, 1e-8, 1.0, -1e12, 1e150, 0.0];
     let n = sizes.len();
@@ -115,6 +120,46 @@ pub(crate) fn adam_step() -> Vec<Case> {
         odd,
     ));
     cases
+}
+
+/// One step of AdamW.
+pub(crate) fn adamw_step() -> Vec<Case> {
+    let running = |stream: u64| drawn("adamw_step", stream);
+    let cases = vec![
+        case("first", "from zero moments", 1.0, [0.125, 1e-8, 0.0625], unmoved(running(0))),
+        case(
+            "second",
+            "the second step, and a decay of a quarter of lr",
+            2.0,
+            [0.125, 1e-8, 0.25],
+            running(1),
+        ),
+        case("tenth", "moments of a running optimization", 10.0, [0.0625, 1e-8, 1.0], running(2)),
+        case("no_decay", "a decay of 0: Adam's step", 3.0, [0.125, 1e-8, 0.0], running(3)),
+        case("usual", "torch's decay of 0.01", 1000.0, [0.001, 1e-8, 0.01], running(4)),
+        case("strong", "a decay that takes a quarter of every parameter", 5.0, [0.5, 1e-8, 0.5], running(5)),
+        with_betas(
+            case("other_betas", "betas of 1/2 and 0.9", 7.0, [0.125, 1e-8, 0.125], running(6)),
+            0.5,
+            0.9,
+        ),
+        case("TR3_eps", "an eps of 1 stands outside the root", 2.0, [0.5, 1.0, 0.125], running(7)),
+        case(
+            "decay_alone",
+            "no gradient and no moments: the decay alone moves",
+            1.0,
+            [0.125, 1e-8, 0.5],
+            [vec![1.0, -0.5, 4.0], vec![0.0; 3], vec![0.0; 3], vec![0.0; 3]],
+        ),
+        case(
+            "nothing_to_decay",
+            "parameters of 0 beside others",
+            4.0,
+            [0.125, 1e-8, 0.25],
+            [vec![0.0, 0.0, 0.5], vec![1.0, -2.0, 0.5], vec![0.25, 0.0, -0.125], vec![0.5, 0.25, 1.0]],
+        ),
+    ];
+    in_full(cases, "second")
 }
 
 /// More parameters than a million, late in a training.

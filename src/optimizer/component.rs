@@ -1,4 +1,4 @@
-//! Registry row of the optimizer.
+//! Registry rows of the optimizers.
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::arrays::number;
@@ -13,13 +13,9 @@ const FORMS: &[Form] = &[Form {
     holds: |a, _| number(a, "weight_decay") == 0.0,
 }];
 
-/// One step of Adam.
-pub(crate) const ADAM_STEP: Component = Component {
-    name: "adam_step",
-    folder: "optimizer",
-    formula: "m' = b1 m + (1 - b1) g, v' = b2 v + (1 - b2) g^2, p' = p - lr m' / (1 - b1^t) / (sqrt(v' / (1 - b2^t)) + eps)",
-    source: "Kingma and Ba 2015, algorithm 1; torch.optim.Adam",
-    inputs: &[
+/// The inputs of both optimizers: weights decay in different places.
+const fn inputs(weight_decay: &'static str) -> [Port; 10] {
+    [
         Port::plain("params", "P", "parameters"),
         Port::plain("grad", "P", "gradient"),
         Port::plain("m", "P", "mean of gradients"),
@@ -33,13 +29,24 @@ pub(crate) const ADAM_STEP: Component = Component {
             "",
             "added to the root, outside of it; by convention before or after its correction",
         ),
-        Port::plain("weight_decay", "", "times the parameter, added to the gradient (coupled)"),
-    ],
-    outputs: &[
-        Port::plain("params_out", "P", "parameters after the step"),
-        Port::plain("m_out", "P", "m'"),
-        Port::plain("v_out", "P", "v'"),
-    ],
+        Port::plain("weight_decay", "", weight_decay),
+    ]
+}
+
+const OUTPUTS: &[Port] = &[
+    Port::plain("params_out", "P", "parameters after the step"),
+    Port::plain("m_out", "P", "m'"),
+    Port::plain("v_out", "P", "v'"),
+];
+
+/// One step of Adam.
+pub(crate) const ADAM_STEP: Component = Component {
+    name: "adam_step",
+    folder: "optimizer",
+    formula: "m' = b1 m + (1 - b1) g, v' = b2 v + (1 - b2) g^2, p' = p - lr m' / (1 - b1^t) / (sqrt(v' / (1 - b2^t)) + eps)",
+    source: "Kingma and Ba 2015, algorithm 1; torch.optim.Adam",
+    inputs: &inputs("times the parameter, added to the gradient (coupled)"),
+    outputs: OUTPUTS,
     conventions: &["adam_eps"],
     forward: Direction {
         oracle: arrays::adam_step,
@@ -51,4 +58,25 @@ pub(crate) const ADAM_STEP: Component = Component {
     cases: cases::adam_step,
     mistakes: mistakes::ADAM_STEP,
     special: Special { forms: FORMS, large: cases::large, ..Special::NONE },
+};
+
+/// One step of AdamW.
+pub(crate) const ADAMW_STEP: Component = Component {
+    name: "adamw_step",
+    folder: "optimizer",
+    formula: "Adam's step of the gradient alone, and p' = ... - lr weight_decay p, p as it was before the step",
+    source: "Loshchilov and Hutter 2019, algorithm 2, with lambda = lr weight_decay; torch.optim.AdamW; optax.adamw",
+    inputs: &inputs("times lr and the parameter, taken off beside the step (decoupled)"),
+    outputs: OUTPUTS,
+    conventions: &["adam_eps"],
+    forward: Direction {
+        oracle: arrays::adamw_step,
+        bound: bound::adamw_step,
+        honest: honest::adamw_step,
+        wrong: mistakes::adamw_step,
+    },
+    vjp: None,
+    cases: cases::adamw_step,
+    mistakes: mistakes::ADAMW_STEP,
+    special: Special::NONE,
 };

@@ -1,29 +1,42 @@
-//! Adam's step, wrong on purpose. Without a mistake it equals the oracle.
+//! Adam's and AdamW's steps, wrong on purpose. Without a mistake they equal the oracle.
 
-use super::arrays::{each, settings};
+use super::arrays::{self, each, settings};
 use super::{Moments, adam_step as oracle, bias_correction, eps};
-use crate::contract::arrays::Arrays;
+use crate::contract::arrays::{Arrays, scalar, values};
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
-/// Mistakes of the optimizer.
+const NO_BIAS_CORRECTION: Mistake = Mistake::new(
+    "no_bias_correction",
+    "m and v are used as they are",
+    "the first steps are about 3 times too long (0.1 / sqrt(0.001))",
+    "divide by 1 - beta^step",
+    "hand-written optimizers",
+    0,
+);
+
+const EPS_INSIDE_ROOT: Mistake = Mistake::new(
+    "eps_inside_root",
+    "sqrt(v + eps)",
+    "small gradients take steps that are far too short: eps acts as its root, 1e-4",
+    "sqrt(v) + eps",
+    "hand-written optimizers",
+    0,
+);
+
+const STEP_FROM_ZERO: Mistake = Mistake::new(
+    "step_from_zero",
+    "the corrections use step - 1 (with the first clamped to 1)",
+    "early steps too long",
+    "count steps from 1",
+    "hand-written optimizers",
+    0,
+);
+
+/// Mistakes of Adam.
 pub(crate) const ADAM_STEP: &[Mistake] = &[
-    Mistake::new(
-        "no_bias_correction",
-        "m and v are used as they are",
-        "the first steps are about 3 times too long (0.1 / sqrt(0.001))",
-        "divide by 1 - beta^step",
-        "hand-written optimizers",
-        0,
-    ),
-    Mistake::new(
-        "eps_inside_root",
-        "sqrt(v + eps)",
-        "small gradients take steps that are far too short: eps acts as its root, 1e-4",
-        "sqrt(v) + eps",
-        "hand-written optimizers",
-        0,
-    ),
+    NO_BIAS_CORRECTION,
+    EPS_INSIDE_ROOT,
     Mistake::new(
         "decoupled_decay",
         "p is shrunk by lr * weight_decay (AdamW) where the penalty belongs to the gradient",
@@ -32,14 +45,7 @@ pub(crate) const ADAM_STEP: &[Mistake] = &[
         "hand-written optimizers",
         0,
     ),
-    Mistake::new(
-        "step_from_zero",
-        "the corrections use step - 1 (with the first clamped to 1)",
-        "early steps too long",
-        "count steps from 1",
-        "hand-written optimizers",
-        0,
-    ),
+    STEP_FROM_ZERO,
     Mistake::new(
         "corrected_as_in_first_step",
         "1 - beta for 1 - beta^step in every step",
@@ -57,6 +63,95 @@ pub(crate) const ADAM_STEP: &[Mistake] = &[
         1,
     ),
 ];
+
+/// Mistakes of AdamW.
+pub(crate) const ADAMW_STEP: &[Mistake] = &[
+    Mistake::new(
+        "coupled_decay",
+        "weight_decay p is added to the gradient: Adam with an L2 penalty",
+        "another optimizer: weights with large gradients hardly decay",
+        "take lr weight_decay p off the parameter; torch: AdamW, not Adam(weight_decay=...)",
+        "torch.optim.Adam with a weight_decay that was meant for AdamW",
+        1,
+    ),
+    Mistake::new(
+        "decay_without_rate",
+        "weight_decay p, not times lr",
+        "a thousand times the decay: weights vanish within some hundred steps",
+        "lr weight_decay p",
+        "the paper's lambda, which isn't times its alpha, taken for PyTorch's",
+        0,
+    ),
+    Mistake::new(
+        "decay_of_new_parameter",
+        "(1 - lr weight_decay) (p - step): what the step has made decays",
+        "steps that are shorter by that factor: nothing shows",
+        "the parameter before the step: decay first",
+        "hand-written optimizers",
+        0,
+    ),
+    Mistake::new(
+        "decay_corrected",
+        "lr weight_decay p / (1 - beta1^step): with the step size of the first mean",
+        "ten times the decay in the first step",
+        "lr as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "decay_under_the_root",
+        "lr (m' + weight_decay p) / (sqrt(v') + eps)",
+        "weights with large gradients hardly decay, though the means don't know of it",
+        "the decay beside the quotient",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "decay_negated",
+        "(1 + lr weight_decay) p",
+        "weights grow without bounds",
+        "(1 - lr weight_decay) p",
+        "never; cheap to keep",
+        0,
+    ),
+    NO_BIAS_CORRECTION,
+    EPS_INSIDE_ROOT,
+    STEP_FROM_ZERO,
+];
+
+/// AdamW's step: what is wrong with Adam's own, and what is wrong with the decay.
+pub(crate) fn adamw_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    if wrong.is_empty() {
+        return arrays::adamw_step(a, c);
+    }
+    let (adam, step) = settings(a);
+    let is = |name: &str| wrong.contains(&name);
+    let (lr, decay) = (adam.lr, adam.weight_decay);
+    if is("coupled_decay") {
+        return adam_step(a, c, wrong);
+    }
+    let mut alone = a.clone();
+    alone.insert("weight_decay".into(), scalar(0.0));
+    let mut out = adam_step(&alone, c, wrong);
+    let (before, m, v) = (values(a, "params"), values(&out, "m_out"), values(&out, "v_out"));
+    let (correction1, correction2) = (bias_correction(adam.beta1, step), bias_correction(adam.beta2, step));
+    let eps = eps(&adam, step, c.adam_eps);
+    for (i, param) in out.get_mut("params_out").expect("an output").iter_mut().enumerate() {
+        let p = before[i];
+        match () {
+            () if is("decay_without_rate") => *param -= decay * p,
+            () if is("decay_of_new_parameter") => *param -= lr * decay * *param,
+            () if is("decay_corrected") => *param -= lr * decay * p / correction1,
+            () if is("decay_negated") => *param += lr * decay * p,
+            () if is("decay_under_the_root") => {
+                let root = (v[i] / correction2).sqrt() + eps;
+                *param = p - lr * (m[i] / correction1 + decay * p) / root;
+            }
+            () => *param -= lr * decay * p,
+        }
+    }
+    out
+}
 
 /// Adam's step.
 pub(crate) fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {

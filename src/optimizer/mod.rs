@@ -1,4 +1,4 @@
-//! Adam (Kingma and Ba 2015, algorithm 1), exactly as `torch.optim.Adam` defines it.
+//! Adam (Kingma and Ba 2015, algorithm 1), exactly as `torch.optim.Adam` defines it, and AdamW (Loshchilov and Hutter 2019).
 
 use serde::{Deserialize, Serialize};
 
@@ -32,7 +32,7 @@ pub struct Adam {
     pub beta2: f64,
     /// Added to the root, outside of it.
     pub eps: f64,
-    /// Added to the gradient times the parameter (coupled, an L2 penalty, as in `torch.optim.Adam`).
+    /// Times the parameter: added to the gradient by Adam (coupled, an L2 penalty, as in `torch.optim.Adam`), apart from it by AdamW.
     pub weight_decay: f64,
 }
 
@@ -79,6 +79,26 @@ pub fn adam_step(adam: &Adam, before: Moments, grad: f64, step: u64) -> Moments 
     Moments { param: before.param - lr / correction1 * (m / denominator), m, v }
 }
 
+/// One step of AdamW (Loshchilov and Hutter 2019, algorithm 2, as `torch.optim.AdamW` defines it): Adam's step with the gradient alone,
+/// and lr weight_decay p less, p as it was before the step. `step` counts from 1.
+///
+/// The decay goes through neither mean, and isn't divided by the root: every parameter shrinks by the same factor.
+///
+/// # Convention
+/// That of eps is [`adam_step`]'s. The paper's lambda is lr weight_decay. (1 - lr weight_decay) p - the step (PyTorch) and p - lr (... +
+/// weight_decay p) (optax) are the same number.
+///
+/// ```
+/// use nerf_oracle::optimizer::{Adam, Moments, adamw_step};
+/// let adam = Adam { lr: 0.125, weight_decay: 0.5, ..Adam::default() };
+/// let after = adamw_step(&adam, Moments { param: 4.0, m: 0.0, v: 0.0 }, 0.0, 1);
+/// assert_eq!((after.param, after.m), (3.75, 0.0));
+/// ```
+pub fn adamw_step(adam: &Adam, before: Moments, grad: f64, step: u64) -> Moments {
+    let after = adam_step(&Adam { weight_decay: 0.0, ..*adam }, before, grad, step);
+    Moments { param: after.param - adam.lr * adam.weight_decay * before.param, ..after }
+}
+
 /// The eps that stands beside the corrected root. lr sqrt(1 - b2^t) / (1 - b1^t) m / (sqrt(v) + eps), the paper's shorter form, is
 /// [`adam_step`] with eps / sqrt(1 - b2^t) for eps.
 ///
@@ -99,13 +119,4 @@ pub fn eps(adam: &Adam, step: u64, convention: AdamEps) -> f64 {
 /// 1 - beta^step. `1 - pow(beta, step)` cancels while beta^step is near 1: at beta = 0.999 the first steps lose 3 digits.
 pub fn bias_correction(beta: f64, step: u64) -> f64 {
     -expm1(step as f64 * ln(beta))
-}
-
-/// Exponential decay: the learning rate after `step` of `steps`, from `lr` down to `lr * final_factor`.
-///
-/// ```
-/// assert_eq!(nerf_oracle::optimizer::decayed_lr(1e-2, 0.01, 50, 100), 1e-3);
-/// ```
-pub fn decayed_lr(lr: f64, final_factor: f64, step: u64, steps: u64) -> f64 {
-    lr * crate::math::pow(final_factor, step as f64 / steps as f64)
 }

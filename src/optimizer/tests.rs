@@ -80,8 +80,28 @@ fn bias_corrections_keep_their_digits() {
     assert_eq!((bias_correction(0.0, 1), bias_correction(0.9, 100_000)), (1.0, 1.0));
 }
 
+/// AdamW by hand: beta1 = 1/2, beta2 = 3/4, eps = 0, lr = 1/4, a decay of 1/2; gradients 1, 3.
 #[test]
-fn the_learning_rate_decays_from_lr_to_its_fraction() {
-    assert_eq!((decayed_lr(0.5, 0.01, 0, 10), decayed_lr(0.5, 0.25, 10, 10)), (0.5, 0.125));
-    assert!((decayed_lr(1.0, 0.25, 5, 10) - 0.5).abs() < 1e-16);
+fn adamw_takes_the_decay_off_what_was_before_the_step() {
+    let adam = Adam { lr: 0.25, beta1: 0.5, beta2: 0.75, eps: 0.0, weight_decay: 0.5 };
+    let first = adamw_step(&adam, START, 1.0, 1);
+    // m / c1 = sqrt(v / c2) = 1: 1 - 1/4 - 1/8.
+    assert_eq!((first.param, first.m, first.v), (0.625, 0.5, 0.25));
+    let second = adamw_step(&adam, first, 3.0, 2);
+    let step = 0.25 * (1.75 / 0.75) / f64::sqrt(2.4375 / 0.4375);
+    assert!((second.param - (0.625 - step - 0.078125)).abs() < 1e-15);
+    assert_eq!((second.m, second.v), (1.75, 2.4375));
+}
+
+#[test]
+fn adamw_without_decay_is_adam_and_its_means_know_of_none() {
+    let decayed = Adam { lr: 0.125, weight_decay: 0.5, ..Adam::default() };
+    let plain = Adam { weight_decay: 0.0, ..decayed };
+    let before = Moments { param: 2.0, m: 0.25, v: 0.5 };
+    for step in [1, 3, 1000] {
+        let (adam, adamw) =
+            (adam_step(&plain, before, -0.75, step), adamw_step(&decayed, before, -0.75, step));
+        assert_eq!(adamw_step(&plain, before, -0.75, step), adam);
+        assert_eq!((adamw.m, adamw.v, adamw.param), (adam.m, adam.v, adam.param - 0.125));
+    }
 }

@@ -44,11 +44,12 @@ mod tests {
     }
 
     /// Rows that see no rounding: every honest machine returns exactly the expected numbers, so they say nothing about the bound's size.
-    const EXACT: [(&str, &str, &[Dtype]); 5] = [
+    const EXACT: [(&str, &str, &[Dtype]); 6] = [
         ("step_sizes", "forward", &[Dtype::F64]),
         ("to_uint8", "forward", &[Dtype::F64, Dtype::F32]),
         ("occupancy_grid", "forward", &[Dtype::F64]),
         ("pack_info", "forward", &Dtype::ALL),
+        ("clip_by_value", "forward", &[Dtype::F64]),
         ("pose_from_colmap", "forward", &[Dtype::Tf32, Dtype::Bf16, Dtype::F16]),
     ];
 
