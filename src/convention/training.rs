@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What a schedule does behind its last step.
+/// What a schedule does after its last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RateEnd {
@@ -20,7 +20,7 @@ pub enum RateDelay {
     /// Beside the decay, which begins with step 0 and is multiplied (jaxnerf, multinerf, 3D Gaussian Splatting).
     #[default]
     Beside,
-    /// Before the decay, which begins behind it and has less steps (nerfstudio).
+    /// Before the decay, which begins after it and has less steps (nerfstudio).
     Before,
 }
 

@@ -90,7 +90,7 @@ pub(crate) const CLIP_BY_GLOBAL_NORM: &[Mistake] = &[
     ),
     Mistake::new(
         "norm_of_clipped",
-        "the norm behind the clip is returned",
+        "the norm after the clip is returned",
         "its curve is flat at max_norm: what would show that a training diverges is hidden",
         "the norm before",
         "never; cheap to keep",

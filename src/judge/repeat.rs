@@ -106,37 +106,37 @@ impl Rounds {
     /// other bits, as long as these are right.
     pub(super) fn tell(&self, exam: &Exam, judge: impl Fn(&[Answers]) -> Report, report: &mut Report) {
         for other in self.again.iter().flatten() {
-            if changed(&self.first, other).is_empty() {
-                continue;
-            }
-            let later = judge(other);
-            for (n, text) in self.changes(exam, other) {
+            let changes = self.changes(exam, other);
+            let later = later(&changes, report, || judge(other));
+            for (n, text) in changes {
                 let row = &mut report.rows[n];
-                if row.verdict == Verdict::Pass && later.rows[n].verdict == Verdict::Fail {
-                    *row = later.rows[n].clone();
-                    row.faults.push(text);
-                } else if row.verdict == Verdict::Fail && !row.faults.iter().any(|fault| of_repeating(fault))
-                {
+                match &later {
+                    Some(later) if row.verdict == Verdict::Pass && later.rows[n].verdict == Verdict::Fail => {
+                        *row = later.rows[n].clone();
+                        row.faults.push(text);
+                    }
                     // Whatever else is wrong: what changes from call to call explains it before any formula does.
-                    row.faults.insert(0, text);
-                } else if row.verdict != Verdict::Fail && row.findings.is_empty() {
-                    row.findings.push(text);
+                    _ if row.verdict == Verdict::Fail => {
+                        if !row.faults.iter().any(|fault| of_repeating(fault)) {
+                            row.faults.insert(0, text);
+                        }
+                    }
+                    _ if row.findings.is_empty() => row.findings.push(text),
+                    _ => {}
                 }
             }
         }
         for (fault, other) in &self.otherwise {
-            let changed = changed(&self.first, other);
-            if changed.is_empty() {
-                continue;
-            }
-            let later = judge(other);
-            for n in changed.into_iter().filter(|&n| later.rows[n].verdict == Verdict::Fail) {
+            let changes = changed(&self.first, other).into_iter().map(|n| (n, fault.to_string()));
+            let changes: Vec<_> = changes.collect();
+            let Some(later) = later(&changes, report, || judge(other)) else { continue };
+            for (n, text) in changes {
                 let row = &mut report.rows[n];
-                if row.verdict == Verdict::Pass {
+                if row.verdict == Verdict::Pass && later.rows[n].verdict == Verdict::Fail {
                     *row = later.rows[n].clone();
                     // Right when asked plainly: no formula explains it.
                     row.diagnosis.clear();
-                    row.faults.insert(0, (*fault).into());
+                    row.faults.insert(0, text);
                 }
             }
         }
@@ -156,6 +156,11 @@ impl Rounds {
         };
         changed(&self.first, other).into_iter().map(|n| (n, describe(n))).collect()
     }
+}
+
+/// The report of another round, where it can tell something new: some row passes whose answers changed.
+fn later(changes: &[(usize, String)], report: &Report, judge: impl FnOnce() -> Report) -> Option<Report> {
+    changes.iter().any(|&(n, _)| report.rows[n].verdict == Verdict::Pass).then(judge)
 }
 
 /// The questions that have other answers.

@@ -1,4 +1,4 @@
-//! Cases of schedules: their beginning, middle and end, what is behind it, warm-ups and delays; short ones, in which a step shows.
+//! Cases of schedules: their beginning, middle and end, what is after it, warm-ups and delays; short ones, in which a step shows.
 
 use crate::contract::arrays::scalar;
 use crate::contract::case::Case;
@@ -27,7 +27,7 @@ pub(crate) fn lr_exponential() -> Vec<Case> {
     ]
 }
 
-/// A cosine behind a warm-up.
+/// A cosine after a warm-up.
 pub(crate) fn lr_cosine() -> Vec<Case> {
     let of = |id, comment, numbers: [f64; 5]| {
         case(id, comment, &["step", "max_steps", "lr_init", "lr_final", "warmup_steps"], &numbers)
@@ -39,15 +39,15 @@ pub(crate) fn lr_cosine() -> Vec<Case> {
         of("middle", "half of the way: the mean of both rates", [50.0, 100.0, 0.75, 0.25, 0.0]),
         of("late", "nine tenths of the way", [90.0, 100.0, 0.5, 0.05, 0.0]),
         of("end", "the last rate", [100.0, 100.0, 0.5, 0.05, 0.0]),
-        of("beyond", "behind the last step", [130.0, 100.0, 0.5, 0.05, 0.0]),
+        of("beyond", "after the last step", [130.0, 100.0, 0.5, 0.05, 0.0]),
         of("to_nothing", "a last rate of 0", [60.0, 100.0, 0.5, 0.0, 0.0]),
         of("warm_nothing", "step 0 of a warm-up: no rate", [0.0, 100.0, 0.5, 0.05, 8.0]),
         of("warm_second", "one step of a warm-up of eight", [1.0, 100.0, 0.5, 0.05, 8.0]),
         of("warming_up", "a quarter of the warm-up", [30.0, 1000.0, 0.75, 0.05, 120.0]),
         of("warm", "the warm-up is over: the first rate", [120.0, 1000.0, 0.75, 0.05, 120.0]),
-        of("behind_warm_up", "the cosine behind it", [370.0, 1000.0, 0.5, 0.1, 120.0]),
-        of("behind_both", "behind the last step of both", [1240.0, 1000.0, 0.5, 0.1, 120.0]),
-        of("usual", "NeuS: 300,000 steps behind 5,000", [100_000.0, 300_000.0, 5e-4, 2.5e-5, 5000.0]),
+        of("after_warm_up", "the cosine after it", [370.0, 1000.0, 0.5, 0.1, 120.0]),
+        of("after_both", "after the last step of both", [1240.0, 1000.0, 0.5, 0.1, 120.0]),
+        of("usual", "NeuS: 300,000 steps after 5,000", [100_000.0, 300_000.0, 5e-4, 2.5e-5, 5000.0]),
     ]
 }
 
@@ -61,13 +61,13 @@ pub(crate) fn lr_log_linear() -> Vec<Case> {
         of("middle", "half of the way: the geometric mean", [50.0, 100.0, 0.5, 0.125, 0.0, 1.0]),
         of("late", "nine tenths of the way", [9.0, 10.0, 0.5, 0.05, 0.0, 1.0]),
         of("end", "the last rate", [10.0, 10.0, 0.75, 0.1, 0.0, 1.0]),
-        of("beyond", "behind the last step", [15.0, 10.0, 0.75, 0.25, 0.0, 1.0]),
+        of("beyond", "after the last step", [15.0, 10.0, 0.75, 0.25, 0.0, 1.0]),
         of("delayed_begin", "step 0 of a delay: a quarter of the rate", [0.0, 100.0, 0.5, 0.125, 20.0, 0.25]),
         of("delayed_second", "one step of a delay of four", [1.0, 16.0, 0.5, 0.125, 4.0, 0.25]),
         of("delayed", "a third of the delay", [8.0, 100.0, 0.5, 0.0625, 24.0, 0.01]),
         of("delay_over", "the first step without delay", [20.0, 100.0, 0.5, 0.125, 20.0, 0.25]),
-        of("behind_delay", "the decay behind it", [55.0, 100.0, 0.5, 0.125, 20.0, 0.25]),
-        of("behind_both", "behind the last step of both", [130.0, 100.0, 0.5, 0.125, 20.0, 0.25]),
+        of("after_delay", "the decay after it", [55.0, 100.0, 0.5, 0.125, 20.0, 0.25]),
+        of("after_both", "after the last step of both", [130.0, 100.0, 0.5, 0.125, 20.0, 0.25]),
         of("usual", "multinerf: 250,000 steps, 512 delayed", [128.0, 250_000.0, 2e-3, 2e-5, 512.0, 0.01]),
     ]
 }

@@ -62,7 +62,7 @@ pub(crate) const LR_EXPONENTIAL: Component = Component {
     special: Special { forms: EACH_STEP, ..Special::NONE },
 };
 
-/// A cosine behind a warm-up.
+/// A cosine after a warm-up.
 pub(crate) const LR_COSINE: Component = Component {
     name: "lr_cosine",
     folder: "learning_rate",

@@ -34,7 +34,7 @@ pub(crate) const LR_EXPONENTIAL: &[Mistake] = &[
     Mistake::new(
         "factor_every_step",
         "decay^step: that of all steps in each",
-        "the rate is gone after some hundred steps, and nothing is learned behind them",
+        "the rate is gone after some hundred steps, and nothing is learned after them",
         "decay^(step / decay_steps)",
         "ExponentialLR with the gamma of a run, stepped every batch",
         1,
@@ -50,7 +50,7 @@ pub(crate) const LR_EXPONENTIAL: &[Mistake] = &[
     Mistake::new(
         "linear_decay",
         "1 - (1 - decay) step / decay_steps: a straight line to the same end",
-        "rates that are too high in the middle, and negative ones behind the end",
+        "rates that are too high in the middle, and negative ones after the end",
         "a power",
         "never; cheap to keep",
         0,
@@ -111,7 +111,7 @@ pub(crate) const LR_COSINE: &[Mistake] = &[
     ),
     Mistake::new(
         "warmup_counted",
-        "p = step / max_steps behind the warm-up too",
+        "p = step / max_steps after the warm-up too",
         "a jump where the warm-up ends",
         "p = (step - warmup_steps) / (max_steps - warmup_steps)",
         "never; cheap to keep",
@@ -122,7 +122,7 @@ pub(crate) const LR_COSINE: &[Mistake] = &[
         "p = (step - warmup_steps) / max_steps",
         "the training ends before the last rate",
         "p = (step - warmup_steps) / (max_steps - warmup_steps)",
-        "CosineAnnealingLR over all steps behind a LinearLR, by SequentialLR",
+        "CosineAnnealingLR over all steps after a LinearLR, by SequentialLR",
         0,
     ),
 ];
@@ -134,7 +134,7 @@ pub(crate) const LR_LOG_LINEAR: &[Mistake] = &[
     Mistake::new(
         "not_clamped",
         "step / max_steps beyond 1",
-        "behind the last step the rate falls on",
+        "after the last step the rate falls on",
         "clip(step / max_steps, 0, 1)",
         "never; cheap to keep",
         0,
@@ -165,7 +165,7 @@ pub(crate) const LR_LOG_LINEAR: &[Mistake] = &[
     ),
     Mistake::new(
         "delay_not_clamped",
-        "the sine goes on behind the delay",
+        "the sine goes on after the delay",
         "rates that swing, negative ones too",
         "clip(step / delay_steps, 0, 1)",
         "never; cheap to keep",
@@ -174,7 +174,7 @@ pub(crate) const LR_LOG_LINEAR: &[Mistake] = &[
     Mistake::new(
         "mult_on_top",
         "m + sin(...)",
-        "1 + m of the rate behind the delay",
+        "1 + m of the rate after the delay",
         "m + (1 - m) sin(...)",
         "never; cheap to keep",
         0,

@@ -1,4 +1,4 @@
-//! Learning rates that change with the steps of a training: an exponential, a cosine behind a linear warm-up, and a log-linear decay with
+//! Learning rates that change with the steps of a training: an exponential, a cosine after a linear warm-up, and a log-linear decay with
 //! a delay.
 //!
 //! `step` is the number of steps that were taken before: the first step has the rate of step 0.
@@ -34,7 +34,7 @@ pub fn exponential(lr_init: f64, decay: f64, step: u64, decay_steps: u64, end: R
     lr_init * pow(decay, part(step as f64, decay_steps as f64, end))
 }
 
-/// A cosine behind a linear warm-up (Loshchilov and Hutter 2017, equation 5, without restarts): lr_init step / warmup_steps in the first
+/// A cosine after a linear warm-up (Loshchilov and Hutter 2017, equation 5, without restarts): lr_init step / warmup_steps in the first
 /// `warmup_steps`, then lr_final + (lr_init - lr_final) (1 + cos(pi p)) / 2, where p goes from 0 to 1 in the steps that are left up to
 /// `max_steps`.
 ///
@@ -90,7 +90,7 @@ impl Delay {
 /// `lr_init` to that of `lr_final`, where it stays from `max_steps` on. lr_init^(1 - t) lr_final^t = lr_init (lr_final / lr_init)^t.
 ///
 /// # Convention
-/// `delay.place`: with [`RateDelay::Before`] the decay begins behind the delay, and both together have `max_steps`. `delay.ramp`: as a
+/// `delay.place`: with [`RateDelay::Before`] the decay begins after the delay, and both together have `max_steps`. `delay.ramp`: as a
 /// sine or evenly.
 ///
 /// ```

@@ -122,7 +122,7 @@ pub(crate) fn moved(
     [m.sub(param, no_longer(update, longest)), mean1, mean2]
 }
 
-/// The same of AdamW: what decays is taken off before the step, behind it, or with it.
+/// The same of AdamW: what decays is taken off before the step, after it, or with it.
 fn moved_and_decayed(
     [param, before1, before2]: [Bounded; 3],
     grad: Bounded,

@@ -22,7 +22,7 @@ pub(crate) fn adam_step(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     stepped(a, c, m, Decay::Coupled)
 }
 
-/// AdamW's step: what decays is taken off before the step, behind it, or with it.
+/// AdamW's step: what decays is taken off before the step, after it, or with it.
 pub(crate) fn adamw_step(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     stepped(a, c, m, Decay::Decoupled)
 }

@@ -12,7 +12,7 @@ NAMES = ("step", "max_steps", "lr_init", "lr_final", "warmup_steps")
 
 
 def cases():
-    """Both ends, the middle, what is behind the end; in and behind a warm-up."""
+    """Both ends, the middle, what is after the end; in and after a warm-up."""
     yield case("begin", (0, 100, 0.5, 0.01, 0), "the first rate")
     yield case("seventh", (7, 23, 0.3, 0.07, 0), "no round numbers")
     yield case("middle", (50, 100, 0.7, 0.1, 0), "the mean of both")
@@ -22,7 +22,7 @@ def cases():
     yield case("held", (130, 100, 0.7, 0.1, 0), "it is held", {"rate_end": "held"})
     yield case("warming", (37, 1000, 0.7, 0.1, 120), "in the warm-up")
     yield case("warm", (120, 1000, 0.7, 0.1, 120), "its end")
-    yield case("behind", (371, 1000, 0.7, 0.1, 120), "behind it")
+    yield case("after", (371, 1000, 0.7, 0.1, 120), "after it")
     yield case("usual", (100_000, 300_000, 5e-4, 2.5e-5, 5000), "NeuS")
 
 
@@ -44,7 +44,7 @@ def over_reals(x):
 
 
 def in_torch(x):
-    """torch's own scheduler, stepped, behind the warm-up; in it an interpolation."""
+    """torch's own scheduler, stepped, after the warm-up; in it an interpolation."""
     step, most, first, last, warmup = (float(x[name].item()) for name in NAMES)
     if step < warmup:
         return {"rate": torch.lerp(torch.tensor(0.0), torch.tensor(first), step / warmup)}

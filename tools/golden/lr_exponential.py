@@ -11,7 +11,7 @@ DIFFERENTIABLE = ()
 
 
 def cases():
-    """Both ends, the middle, what is behind the end, and a factor of each step."""
+    """Both ends, the middle, what is after the end, and a factor of each step."""
     yield case("begin", 0, 10, 0.5, 0.1, "the first rate")
     yield case("seventh", 7, 23, 0.3, 0.3, "no round numbers")
     yield case("end", 10, 10, 0.75, 0.1, "the whole decay")

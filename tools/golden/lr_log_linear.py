@@ -15,7 +15,7 @@ NAMES = ("step", "max_steps", "lr_init", "lr_final", "delay_steps", "delay_mult"
 
 
 def cases():
-    """Both ends, the middle, what is behind the end; in and behind a delay, in each convention."""
+    """Both ends, the middle, what is after the end; in and after a delay, in each convention."""
     yield case("begin", (0, 100, 0.5, 0.01, 0, 1), "the first rate")
     yield case("seventh", (7, 23, 0.3, 0.07, 0, 1), "no round numbers")
     yield case("end", (100, 100, 0.7, 0.1, 0, 1), "the last rate")
@@ -28,7 +28,7 @@ def cases():
         "-before-even": {"rate_delay": "before", "rate_ramp": "linear"},
     }.items():
         yield case(f"delayed{tag}", (7, 100, 0.7, 0.1, 24, 0.05), "in a delay", conventions)
-        yield case(f"behind{tag}", (57, 100, 0.7, 0.1, 24, 0.05), "behind it", conventions)
+        yield case(f"after{tag}", (57, 100, 0.7, 0.1, 24, 0.05), "after it", conventions)
     yield case("usual", (128, 250_000, 2e-3, 2e-5, 512, 0.01), "multinerf's")
 
 
