@@ -3,7 +3,6 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use nerf_oracle::COMPONENTS;
 use nerf_oracle::contract::arrays::Arrays;
 use nerf_oracle::contract::check::Kind;
 use nerf_oracle::contract::{Dtype, Machine};
@@ -11,6 +10,7 @@ use nerf_oracle::convention::CS180;
 use nerf_oracle::judge::answer::given;
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
 use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge};
+use nerf_oracle::{COMPONENTS, conical_frustum};
 
 /// A deep network's gradient in bf16: of this case alone nothing shows that it isn't 0.
 #[test]
@@ -143,4 +143,21 @@ fn wrong_answers_of_packed_rays_fail_in_every_type() {
         let report = judge(&Candidate::new().forward("packed_scan", scaled), dtype).unwrap();
         assert_eq!(report.rows[0].verdict, Verdict::Fail, "{dtype}: {report}");
     }
+}
+
+/// What one integrates a cone's moments to, in powers of the ends: noise where an interval is short, which no mistake's name explains.
+#[test]
+fn a_cone_s_moments_by_powers_of_the_ends_do_not_pass() {
+    let kernel = |o: [f64; 3], d: [f64; 3], radius: f64, start: f64, end: f64| {
+        let power = |n: i32| end.powi(n) - start.powi(n);
+        let t = 3.0 * power(4) / (4.0 * power(3));
+        let along = 3.0 / 5.0 * power(5) / power(3) - t * t;
+        let across = radius * radius * (3.0 / 20.0 * power(5) / power(3));
+        let length: f64 = d.iter().map(|d| d * d).sum();
+        let variance = d.map(|d| along * d * d + across * (1.0 - d * d / length));
+        (t, along, across, [0, 1, 2].map(|i| o[i] + t * d[i]), variance)
+    };
+    let report = conical_frustum::judge(kernel).report();
+    assert_eq!(report.rows[0].verdict, Verdict::Fail, "{report}");
+    assert!(report.rows[0].diagnosis.is_empty(), "{report}");
 }

@@ -2,10 +2,9 @@
 
 use proptest::prelude::*;
 
-use super::{Frustum, Gaussian, backward, conical_frustum, judge, moments};
+use super::{Frustum, Gaussian, backward, conical_frustum, moments};
 use crate::contract::testing::{properties, slope};
 use crate::convention::RayShape::{self, Cone, Cylinder};
-use crate::judge::Verdict;
 
 fn frustum() -> impl Strategy<Value = Frustum> {
     let three = || prop::array::uniform3(-2.0..2.0f64);
@@ -136,21 +135,6 @@ fn pe5_powers_of_the_ends_have_no_digit_left() {
     // On long intervals they are the same moments.
     let (long, powers) = (moments(1.0, 3.0, Cone), by_powers(1.0, 3.0));
     assert!(near(powers.0, long.0, 1e-14) && near(powers.1, long.1, 1e-13) && near(powers.2, long.2, 1e-14));
-}
-
-/// Whoever computes by them doesn't pass, and no mistake's name explains the noise.
-#[test]
-fn pe5_powers_of_the_ends_do_not_pass() {
-    let report = judge(|o, d, radius, start, end| {
-        let (t, along, across) = by_powers(start, end);
-        let across = radius * radius * across;
-        let length: f64 = d.iter().map(|d| d * d).sum();
-        let variance = d.map(|d| along * d * d + across * (1.0 - d * d / length));
-        (t, along, across, [0, 1, 2].map(|i| o[i] + t * d[i]), variance)
-    })
-    .report();
-    assert_ne!(report.rows[0].verdict, Verdict::Pass, "{report}");
-    println!("{report}");
 }
 
 /// A disk: what is left of an interval without length, with its gradient.
