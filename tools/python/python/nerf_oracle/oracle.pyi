@@ -424,6 +424,67 @@ class _StepSizes:
 
 step_sizes: _StepSizes
 
+class ConicalFrustum(NamedTuple):
+    t_mean: Float
+    t_variance: Float
+    r_variance: Float
+    means: Float
+    variances: Float
+
+class ConicalFrustumGradients(NamedTuple):
+    grad_origins: Float
+    grad_directions: Float
+    grad_radii: Float
+    grad_starts: Float
+    grad_ends: Float
+
+class _ConicalFrustum:
+    def __call__(self, origins: Array, directions: Array, radii: Array, starts: Array, ends: Array, *, profile: Profile = None) -> ConicalFrustum:
+        """The reference: mean o + t_mean d, variances t_variance d_i^2 + r_variance (1 - d_i^2 / |d|^2); with s = start + end, d = end - start and q = d^2 / (3 s^2 + d^2): t_mean = s (1/2 + q), t_variance = d^2 (5 - 16 q + 20 q^2) / 60, r_variance = r^2 (s^2 / 16 + d^2 (5/48 - q / 15))
+
+        mip-NeRF (Barron et al. 2021) equations 7 and 8; google/mipnerf internal/mip.py conical_frustum_to_gaussian, lift_gaussian. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            origins (M,3): where rays begin
+            directions (M,3): of any length but 0, in which t counts
+            radii (M): a cone's at t = 1, or a cylinder's
+            starts (M): first t of the intervals, not below 0
+            ends (M): last t, not below the first
+
+        Returns:
+            t_mean (M): mean of t
+            t_variance (M): variance of t
+            r_variance (M): variance across the ray
+            means (M,3): means in space
+            variances (M,3): diagonals of the covariances in space
+        """
+    def vjp(self, origins: Array, directions: Array, radii: Array, starts: Array, ends: Array, *, grad_t_mean: Optional[Array] = None, grad_t_variance: Optional[Array] = None, grad_r_variance: Optional[Array] = None, grad_means: Optional[Array] = None, grad_variances: Optional[Array] = None, profile: Profile = None) -> ConicalFrustumGradients:
+        """The reference of the gradient: mean o + t_mean d, variances t_variance d_i^2 + r_variance (1 - d_i^2 / |d|^2); with s = start + end, d = end - start and q = d^2 / (3 s^2 + d^2): t_mean = s (1/2 + q), t_variance = d^2 (5 - 16 q + 20 q^2) / 60, r_variance = r^2 (s^2 / 16 + d^2 (5/48 - q / 15))
+
+        mip-NeRF (Barron et al. 2021) equations 7 and 8; google/mipnerf internal/mip.py conical_frustum_to_gaussian, lift_gaussian. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            origins (M,3): where rays begin
+            directions (M,3): of any length but 0, in which t counts
+            radii (M): a cone's at t = 1, or a cylinder's
+            starts (M): first t of the intervals, not below 0
+            ends (M): last t, not below the first
+            grad_t_mean (M): of the loss, by t_mean; zeros where left off
+            grad_t_variance (M): of the loss, by t_variance; zeros where left off
+            grad_r_variance (M): of the loss, by r_variance; zeros where left off
+            grad_means (M,3): of the loss, by means; zeros where left off
+            grad_variances (M,3): of the loss, by variances; zeros where left off
+
+        Returns:
+            grad_origins (M,3): of the loss, by origins
+            grad_directions (M,3): of the loss, by directions
+            grad_radii (M): of the loss, by radii
+            grad_starts (M): of the loss, by starts
+            grad_ends (M): of the loss, by ends
+        """
+
+conical_frustum: _ConicalFrustum
+
 
 
 class _Contraction:
@@ -483,6 +544,43 @@ class _PositionalEncoding:
         """
 
 positional_encoding: _PositionalEncoding
+
+
+class IntegratedEncodingGradients(NamedTuple):
+    grad_means: Float
+    grad_variances: Float
+
+class _IntegratedEncoding:
+    def __call__(self, means: Array, variances: Array, L: Array, *, profile: Profile = None) -> Float:
+        """The reference: sin(2^k pi x) e, cos(2^k pi x) e with e = exp(-(2^k pi)^2 v / 2), for k = 0, ..., L - 1
+
+        mip-NeRF (Barron et al. 2021) equations 11 to 16; google/mipnerf internal/mip.py integrated_pos_enc. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            means (M,D): of Gaussians, period 2 in band 0
+            variances (M,D): diagonals of their covariances
+            L (a number): number of bands
+
+        Returns:
+            encoding (M,2LD): the bands; identity, where it is kept
+        """
+    def vjp(self, means: Array, variances: Array, L: Array, *, grad_encoding: Optional[Array] = None, profile: Profile = None) -> IntegratedEncodingGradients:
+        """The reference of the gradient: sin(2^k pi x) e, cos(2^k pi x) e with e = exp(-(2^k pi)^2 v / 2), for k = 0, ..., L - 1
+
+        mip-NeRF (Barron et al. 2021) equations 11 to 16; google/mipnerf internal/mip.py integrated_pos_enc. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            means (M,D): of Gaussians, period 2 in band 0
+            variances (M,D): diagonals of their covariances
+            L (a number): number of bands
+            grad_encoding (M,2LD): of the loss, by encoding; zeros where left off
+
+        Returns:
+            grad_means (M,D): of the loss, by means
+            grad_variances (M,D): of the loss, by variances
+        """
+
+integrated_encoding: _IntegratedEncoding
 
 
 
@@ -1559,6 +1657,112 @@ class _LinearToSrgb:
 
 linear_to_srgb: _LinearToSrgb
 
+class ClipByGlobalNorm(NamedTuple):
+    g_weights_out: Float
+    g_bias_out: Float
+    norm: float
+
+
+class _ClipByGlobalNorm:
+    def __call__(self, g_weights: Array, g_bias: Array, max_norm: Array, *, profile: Profile = None) -> ClipByGlobalNorm:
+        """The reference: g min(1, max_norm / norm), norm = sqrt(sum of g^2 over all tensors)
+
+        Pascanu et al. 2013, algorithm 1; torch.nn.utils.clip_grad_norm_; optax.clip_by_global_norm. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            g_weights (N,M): gradient of a layer's weights
+            g_bias (N): gradient of its bias
+            max_norm (a number): the longest that both together may be
+
+        Returns:
+            g_weights_out (N,M): what is left of the weights' gradient
+            g_bias_out (N): what is left of the bias' gradient
+            norm (a number): the norm of both before they are clipped
+        """
+
+clip_by_global_norm: _ClipByGlobalNorm
+
+
+
+class _ClipByValue:
+    def __call__(self, g: Array, limit: Array, *, profile: Profile = None) -> Union[float, Float]:
+        """The reference: min(max(g, -limit), limit)
+
+        torch.nn.utils.clip_grad_value_; optax.clip. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            g (...): a gradient
+            limit (a number): the largest size of a number in it
+
+        Returns:
+            g_out (...): what is left of it
+        """
+
+clip_by_value: _ClipByValue
+
+
+
+class _LrExponential:
+    def __call__(self, step: Array, decay_steps: Array, lr_init: Array, decay: Array, *, profile: Profile = None) -> float:
+        """The reference: lr_init decay^(step / decay_steps)
+
+        bmild/nerf run_nerf.py: ExponentialDecay; torch.optim.lr_scheduler.ExponentialLR with decay_steps = 1. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            step (a number): steps that were taken before: 0 for the first
+            decay_steps (a number): steps after which `decay` is left
+            lr_init (a number): the first rate
+            decay (a number): what is left of the rate after `decay_steps`
+
+        Returns:
+            rate (a number): the learning rate of this step
+        """
+
+lr_exponential: _LrExponential
+
+
+
+class _LrCosine:
+    def __call__(self, step: Array, max_steps: Array, lr_init: Array, lr_final: Array, warmup_steps: Array, *, profile: Profile = None) -> float:
+        """The reference: lr_init step / warmup_steps in the warm-up; then lr_final + (lr_init - lr_final) (1 + cos(pi p)) / 2, p = (step - warmup_steps) / (max_steps - warmup_steps)
+
+        Loshchilov and Hutter 2017 (SGDR), equation 5; torch.optim.lr_scheduler.CosineAnnealingLR; with its warm-up NeuS and nerfstudio/engine/schedulers.py CosineDecayScheduler. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            step (a number): steps that were taken before: 0 for the first
+            max_steps (a number): the step that has the last rate
+            lr_init (a number): the first rate
+            lr_final (a number): the last rate
+            warmup_steps (a number): steps of the warm-up, which count among `max_steps`; 0: none
+
+        Returns:
+            rate (a number): the learning rate of this step
+        """
+
+lr_cosine: _LrCosine
+
+
+
+class _LrLogLinear:
+    def __call__(self, step: Array, max_steps: Array, lr_init: Array, lr_final: Array, delay_steps: Array, delay_mult: Array, *, profile: Profile = None) -> float:
+        """The reference: f lr_init^(1 - t) lr_final^t, t = step / max_steps up to 1; f = m + (1 - m) sin(pi / 2 step / delay_steps) before step `delay_steps`, then 1; m = delay_mult
+
+        google-research/multinerf internal/math.py learning_rate_decay; graphdeco-inria/gaussian-splatting utils/general_utils.py get_expon_lr_func. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            step (a number): steps that were taken before: 0 for the first
+            max_steps (a number): the step that has the last rate
+            lr_init (a number): the first rate
+            lr_final (a number): the last rate
+            delay_steps (a number): steps of the delay; 0: none
+            delay_mult (a number): what the delay leaves of the rate in step 0
+
+        Returns:
+            rate (a number): the learning rate of this step
+        """
+
+lr_log_linear: _LrLogLinear
+
 class AdamStep(NamedTuple):
     params_out: Float
     m_out: Float
@@ -1590,6 +1794,38 @@ class _AdamStep:
         """
 
 adam_step: _AdamStep
+
+class AdamwStep(NamedTuple):
+    params_out: Float
+    m_out: Float
+    v_out: Float
+
+
+class _AdamwStep:
+    def __call__(self, params: Array, grad: Array, m: Array, v: Array, step: Array, lr: Array, beta1: Array, beta2: Array, eps: Array, weight_decay: Array, *, profile: Profile = None) -> AdamwStep:
+        """The reference: Adam's step of the gradient alone, and p' = ... - lr weight_decay p, p as it was before the step
+
+        Loshchilov and Hutter 2019, algorithm 2, with lambda = lr weight_decay; torch.optim.AdamW; optax.adamw. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            params (P): parameters
+            grad (P): gradient
+            m (P): mean of gradients
+            v (P): mean of squared gradients
+            step (a number): number of the step, from 1
+            lr (a number): learning rate
+            beta1 (a number): decay of m
+            beta2 (a number): decay of v
+            eps (a number): added to the root, outside of it; by convention before or after its correction
+            weight_decay (a number): times lr and the parameter, taken off beside the step (decoupled)
+
+        Returns:
+            params_out (P): parameters after the step
+            m_out (P): m'
+            v_out (P): v'
+        """
+
+adamw_step: _AdamwStep
 
 class TrainingStep(NamedTuple):
     t: Float
