@@ -51,7 +51,7 @@ pub(crate) fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 pub(crate) struct Kept(BTreeMap<String, Vec<u8>>);
 
 impl Kept {
-    /// Of a run's folder. Pictures and curve as they are; of the checkpoint and the log everything but seconds.
+    /// Of a run's folder. Pictures and curve as they are; of the checkpoint, the log and the page's table everything but seconds.
     pub(crate) fn of(run: &Path) -> Kept {
         let mut kept = BTreeMap::new();
         for (path, bytes) in files(run) {
@@ -69,6 +69,10 @@ impl Kept {
                     );
                 }
                 "run.json" => {}
+                "index.html" => {
+                    let text = String::from_utf8(bytes).expect("text");
+                    kept.insert(name, text.lines().flat_map(without_seconds).collect());
+                }
                 _ => drop(kept.insert(name, bytes)),
             }
         }
@@ -93,4 +97,13 @@ fn timeless(line: &str) -> Vec<u8> {
     let mut object: Value = serde_json::from_str(line).unwrap_or_else(|error| panic!("{line}: {error}"));
     object.as_object_mut().expect("an object").remove("seconds");
     format!("{object}\n").into_bytes()
+}
+
+/// A line of a page; of a row of the table of steps all but its second cell, which is seconds.
+fn without_seconds(line: &str) -> Vec<u8> {
+    let mut cells: Vec<&str> = line.split("</td>").collect();
+    if line.starts_with("<tr><td>") && cells.len() == 5 {
+        cells.remove(1);
+    }
+    format!("{}\n", cells.join("</td>")).into_bytes()
 }
