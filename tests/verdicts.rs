@@ -10,6 +10,7 @@ use nerf_oracle::convention::CS180;
 use nerf_oracle::judge::answer::given;
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
 use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge};
+use nerf_oracle::ndarray::Axis;
 use nerf_oracle::{COMPONENTS, conical_frustum};
 
 /// A deep network's gradient in bf16: of this case alone nothing shows that it isn't 0.
@@ -129,6 +130,16 @@ fn rays_that_stand_alone_are_asked_in_another_order_and_in_tiles() {
     });
     assert_eq!(row(&fixed).verdict, Verdict::Fail, "{fixed}");
     assert!(row(&fixed).crashed.values().any(|said| said.starts_with("in a tile of 2 of")), "{fixed}");
+}
+
+/// An axis of length one in front: rays are still told apart in another order and in tiles.
+#[test]
+fn answers_with_another_axis_pass_in_every_order() {
+    let batched =
+        |out: Arrays| -> Arrays { out.into_iter().map(|(name, y)| (name, y.insert_axis(Axis(0)))).collect() };
+    let report = composited(|_, out| batched(out));
+    let row = report.of("composite_background", "forward").unwrap();
+    assert_eq!((row.verdict, row.layouts.is_empty()), (Verdict::Pass, false), "{report}");
 }
 
 /// Explaining a wrong answer moves the inputs by roundings, in bf16 by more than a sample of 64: what is counted stays.

@@ -110,19 +110,17 @@ impl Rounds {
             let later = later(&changes, report, || judge(other));
             for (n, text) in changes {
                 let row = &mut report.rows[n];
-                match &later {
-                    Some(later) if row.verdict == Verdict::Pass && later.rows[n].verdict == Verdict::Fail => {
-                        *row = later.rows[n].clone();
-                        row.faults.push(text);
-                    }
+                let fails = |later: &&Report| later.rows[n].verdict == Verdict::Fail;
+                let failing = later.as_ref().filter(|_| row.verdict == Verdict::Pass).filter(fails);
+                if let Some(later) = failing {
+                    *row = later.rows[n].clone();
+                    row.faults.push(text);
+                } else if row.verdict == Verdict::Fail && !row.faults.iter().any(|fault| of_repeating(fault))
+                {
                     // Whatever else is wrong: what changes from call to call explains it before any formula does.
-                    _ if row.verdict == Verdict::Fail => {
-                        if !row.faults.iter().any(|fault| of_repeating(fault)) {
-                            row.faults.insert(0, text);
-                        }
-                    }
-                    _ if row.findings.is_empty() => row.findings.push(text),
-                    _ => {}
+                    row.faults.insert(0, text);
+                } else if row.verdict != Verdict::Fail && row.findings.is_empty() {
+                    row.findings.push(text);
                 }
             }
         }
