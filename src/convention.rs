@@ -276,7 +276,7 @@ pub struct Conventions {
     /// What is added to a gradient's norm.
     #[serde(default)]
     pub clip_eps: ClipEps,
-    /// Learning rates behind a schedule's last step.
+    /// Learning rates after a schedule's last step.
     #[serde(default)]
     pub rate_end: RateEnd,
     /// The delay of a log-linear schedule.

@@ -20,7 +20,7 @@ pub enum RateDelay {
     /// Beside the decay, which begins with step 0 and is multiplied (jaxnerf, multinerf, 3D Gaussian Splatting).
     #[default]
     Beside,
-    /// Before the decay, which begins after it and has less steps (nerfstudio).
+    /// Before the decay, which begins after it and has fewer steps (nerfstudio).
     Before,
 }
 

@@ -19,7 +19,7 @@ mod tests;
 /// Clips the gradients of all tensors by their common norm (Pascanu et al. 2013, algorithm 1): times max_norm / norm where that is less
 /// than 1. Returns them with the norm that they had.
 ///
-/// The norm is the root of the sum of all squares, so that the direction of the whole step stays.
+/// The norm is the root of the sum of all squares, so that the direction of the whole step stays. `max_norm` is above 0.
 ///
 /// # Convention
 /// `eps` is added to the norm that is divided by: a norm of just below `max_norm` is then shortened too.
@@ -38,7 +38,7 @@ pub fn clip_by_global_norm(gradients: &[&[f64]], max_norm: f64, eps: ClipEps) ->
         }
     }
     let norm = squares.value().sqrt();
-    // min(1, max_norm / (norm + eps)), without a division by 0.
+    // min(1, max_norm / (norm + eps)).
     let scale = max_norm / (norm + eps.value()).max(max_norm);
     let clipped = gradients.iter().map(|tensor| tensor.iter().map(|g| g * scale).collect()).collect();
     (clipped, norm)

@@ -9,7 +9,7 @@ use super::exam::Question;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
-use crate::contract::component::{Component, Entries, Port};
+use crate::contract::component::{Entries, Port};
 use crate::convention::Conventions;
 
 /// How a case's rays or points come otherwise.
@@ -60,7 +60,7 @@ fn shuffled(count: usize) -> Vec<usize> {
 pub(super) enum Asked {
     /// Its answer, in the case's own order.
     Answer(Answer),
-    /// It crashed, and said this.
+    /// It crashed; on what, and what it said.
     Crash(String),
 }
 
@@ -78,8 +78,9 @@ pub(super) fn ask_otherwise<E>(
         match ask(&tile)? {
             Reply::Answer(answer) => answers.push(answer),
             Reply::Crash(said) => {
-                let how = if way == Way::Tiled { "in a tile of" } else { "in another order of" };
-                return Ok(Some(Asked::Crash(format!("{how} {} of {}: {said}", part.len(), items.count))));
+                let how = if way == Way::Tiled { "a tile of" } else { "another order of" };
+                let (some, all, id) = (part.len(), items.count, &case.id);
+                return Ok(Some(Asked::Crash(format!("{how} {some} of the {all} of {id}: {said}"))));
             }
             Reply::Nothing => return Ok(None),
         }
@@ -93,9 +94,8 @@ pub(super) fn ask_otherwise<E>(
 
 /// Whether an input belongs to all items together: it has their number in another axis too, as a grid of cells, or says where those of
 /// each ray begin.
-fn together(component: &Component, port: &Port) -> bool {
+fn together(letter: &str, port: &Port) -> bool {
     let mut axes = port.shape.split(',');
-    let letter = component.outputs[0].shape.split(',').next().unwrap_or_default();
     let first = axes.next().unwrap_or_default();
     let indexes = port.entries == Entries::Count && !port.shape.is_empty() && first != letter;
     indexes || first != letter && first.contains(letter) || axes.any(|axis| axis.contains(letter))
@@ -121,8 +121,11 @@ impl<'a> Items<'a> {
         let counts = |(name, array): (&String, &ArrayD<f64>)| {
             component.counts(name).then(|| array.shape().first().copied()).flatten()
         };
-        let together = component.inputs.iter().any(|port| together(component, port));
-        let count = case.inputs.iter().find_map(counts).filter(|_| !together)?;
+        // Rays, points, parameters and samples; rows of pictures and of weights aren't items.
+        let letter = component.outputs[0].shape.split(',').next()?;
+        let apart = ["R", "M", "P", "S"].contains(&letter);
+        let apart = apart && !component.inputs.iter().any(|port| together(letter, port));
+        let count = case.inputs.iter().find_map(counts).filter(|_| apart)?;
         let items = Items { question, case, count };
         let parts = way.parts(count).filter(|_| case.edge.is_none() && question.admits(base))?;
         let fits = items.cases(&parts).all(|tile| items.same_forms(&tile.inputs, dtype));
@@ -165,7 +168,7 @@ impl<'a> Items<'a> {
     }
 
     /// An output in the case's own order, from the parts' answers. What all items share is what all of them were asked for: the one part's,
-    /// or that of the first answer. An answer of another length stays as it is: its shape is wrong.
+    /// or that of the first answer: tiles say nothing of it. An answer of another length stays as it is: its shape is wrong.
     fn joined(&self, name: &str, first: &Given, found: &[&Given], parts: &[Vec<usize>]) -> Given {
         if !self.question.component.counts(name) {
             return if let [only] = found { (*only).clone() } else { first.clone() };
@@ -190,6 +193,7 @@ impl<'a> Items<'a> {
 mod tests {
     use super::*;
     use crate::contract::check::Kind;
+    use crate::contract::component::Component;
     use crate::convention::CS180;
     use crate::judge::exam::Exam;
     use crate::registry::COMPONENTS;
@@ -247,9 +251,16 @@ mod tests {
         ] {
             assert!(some.contains(&name), "{name}: {some:?}");
         }
-        for name in
-            ["image_rays", "occupancy_grid", "mse", "ssim", "pack_info", "training_step", "render_trace"]
-        {
+        for name in [
+            "image_rays",
+            "to_uint8",
+            "occupancy_grid",
+            "mse",
+            "ssim",
+            "pack_info",
+            "training_step",
+            "render_trace",
+        ] {
             assert!(!some.contains(&name), "{name}");
         }
     }

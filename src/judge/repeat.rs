@@ -30,6 +30,8 @@ pub(super) struct Rounds {
     again: Option<[Vec<Answers>; 3]>,
     /// Answers to the same questions put otherwise, and what is wrong where these alone are.
     otherwise: Vec<(&'static str, Vec<Answers>)>,
+    /// The questions that it wouldn't answer when they were put otherwise, with what it said.
+    refused: BTreeMap<usize, String>,
 }
 
 impl Rounds {
@@ -53,7 +55,7 @@ impl Rounds {
             first.push(question.cases.iter().map(|case| plain(n, case)).collect::<Result<_, E>>()?);
         }
         if !again {
-            return Ok(Rounds { first, crashed, again: None, otherwise: vec![] });
+            return Ok(Rounds { first, crashed, again: None, otherwise: vec![], refused: BTreeMap::new() });
         }
         let mut rounds = [0; 3].map(|_| first.clone());
         for (n, question) in exam.questions.iter().enumerate().rev().filter(|(_, q)| !q.statistics()) {
@@ -63,7 +65,8 @@ impl Rounds {
                 }
             }
         }
-        let mut rounds = Rounds { first, crashed, again: Some(rounds), otherwise: vec![] };
+        let mut rounds =
+            Rounds { first, crashed, again: Some(rounds), otherwise: vec![], refused: BTreeMap::new() };
         rounds.ask_otherwise(exam, ask)?;
         Ok(rounds)
     }
@@ -84,10 +87,8 @@ impl Rounds {
                     let put = |case: &Case| ask(question, case, Manner::Plain);
                     match ask_otherwise(way, (question, case, first), (&base, exam.dtype), put)? {
                         Some(Asked::Answer(answer)) => round[n][k] = Some(answer),
-                        Some(Asked::Crash(said)) => {
-                            self.crashed.entry((n, case.id.clone())).or_insert(said);
-                            round[n][k] = None;
-                        }
+                        // Who takes no other number of rays says so: that isn't wrong.
+                        Some(Asked::Crash(said)) => drop(self.refused.entry(n).or_insert(said)),
                         None => {}
                     }
                 }
@@ -111,7 +112,7 @@ impl Rounds {
             for (n, text) in changes {
                 let row = &mut report.rows[n];
                 let fails = |later: &&Report| later.rows[n].verdict == Verdict::Fail;
-                let failing = later.as_ref().filter(|_| row.verdict == Verdict::Pass).filter(fails);
+                let failing = later.as_ref().filter(|_| row.verdict.open()).filter(fails);
                 if let Some(later) = failing {
                     *row = later.rows[n].clone();
                     row.faults.push(text);
@@ -130,13 +131,16 @@ impl Rounds {
             let Some(later) = later(&changes, report, || judge(other)) else { continue };
             for (n, text) in changes {
                 let row = &mut report.rows[n];
-                if row.verdict == Verdict::Pass && later.rows[n].verdict == Verdict::Fail {
+                if row.verdict.open() && later.rows[n].verdict == Verdict::Fail {
                     *row = later.rows[n].clone();
-                    // Right when asked plainly: no formula explains it.
+                    // Not wrong when asked plainly: no formula explains it.
                     row.diagnosis.clear();
                     row.faults.insert(0, text);
                 }
             }
+        }
+        for (&n, said) in &self.refused {
+            report.rows[n].findings.push(format!("refuses {said}"));
         }
     }
 
@@ -156,9 +160,9 @@ impl Rounds {
     }
 }
 
-/// The report of another round, where it can tell something new: some row passes whose answers changed.
+/// The report of another round, where it can tell something new: some row doesn't fail whose answers changed.
 fn later(changes: &[(usize, String)], report: &Report, judge: impl FnOnce() -> Report) -> Option<Report> {
-    changes.iter().any(|&(n, _)| report.rows[n].verdict == Verdict::Pass).then(judge)
+    changes.iter().any(|&(n, _)| report.rows[n].verdict.open()).then(judge)
 }
 
 /// The questions that have other answers.

@@ -34,6 +34,13 @@ pub enum Verdict {
     Unsupported,
 }
 
+impl Verdict {
+    /// Whether something was answered, and nothing was wrong so far.
+    pub(crate) fn open(self) -> bool {
+        matches!(self, Verdict::Pass | Verdict::Unproved | Verdict::Imprecise)
+    }
+}
+
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.pad(match self {

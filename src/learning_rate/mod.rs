@@ -19,7 +19,7 @@ pub use judge::judge;
 #[cfg(test)]
 mod tests;
 
-/// Exponential decay (NeRF's `run_nerf.py`): lr_init decay^(step / decay_steps), which is lr_init decay after `decay_steps`.
+/// Exponential decay (NeRF's `run_nerf.py`): lr_init decay^(step / decay_steps), which is lr_init decay after `decay_steps`, at least one.
 ///
 /// # Convention
 /// `end`: with [`RateEnd::Held`] it falls no further than that.
@@ -36,7 +36,7 @@ pub fn exponential(lr_init: f64, decay: f64, step: u64, decay_steps: u64, end: R
 
 /// A cosine after a linear warm-up (Loshchilov and Hutter 2017, equation 5, without restarts): lr_init step / warmup_steps in the first
 /// `warmup_steps`, then lr_final + (lr_init - lr_final) (1 + cos(pi p)) / 2, where p goes from 0 to 1 in the steps that are left up to
-/// `max_steps`.
+/// `max_steps`, at least one.
 ///
 /// # Convention
 /// `end`: with [`RateEnd::Held`] it is `lr_final` from `max_steps` on, else it rises again. Half of the way the rate is the mean of both.

@@ -108,3 +108,34 @@ def test_numbers_that_a_function_draws_are_dealt():
         ]
         with pytest.raises(no.CandidateError, match=r"\(3,\) random numbers are drawn, where u has the shape \(1, 2\)"):
             np.random.rand(3)
+
+
+def learning_rate_decay(step, lr_init, lr_final, max_steps, lr_delay_steps=0, lr_delay_mult=1):
+    """By jaxnerf's names, with a delay that is a line for a sine."""
+    delay = lr_delay_mult + (1 - lr_delay_mult) * min(step / lr_delay_steps, 1) if lr_delay_steps else 1
+    t = min(step / max_steps, 1)
+    return np.array(delay * np.exp((1 - t) * np.log(lr_init) + t * np.log(lr_final)))
+
+
+def test_a_schedule_by_jaxnerf_s_names_is_asked_for_its_delay_too():
+    report = no.judge(dtype="f64", profile="multinerf", lr_log_linear=learning_rate_decay)
+    (row,) = report.json["components"]
+    assert row["verdict"] == "fail" and not row["left_out"], report
+
+
+def test_arrays_with_gaps_show_who_reads_them_in_one_piece():
+    def without_strides(x):
+        return x if x.flags.c_contiguous else x.base.reshape(-1)[: x.size].reshape(x.shape)
+
+    def composite(colors, opacity, background):
+        colors, opacity = without_strides(colors), without_strides(opacity)
+        return colors + (1 - opacity[:, None]) * background
+
+    (row,) = no.judge(dtype="f32", composite_background=composite, gradients=False).json["components"]
+    assert row["verdict"] == "fail" and row["faults"][0].startswith("depends on the layout"), row
+
+    def refusing(colors, opacity, background):
+        assert colors.flags.c_contiguous
+        return colors + (1 - opacity[:, None]) * background
+
+    assert no.judge(dtype="f32", composite_background=refusing, gradients=False).passed

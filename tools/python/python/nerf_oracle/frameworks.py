@@ -52,9 +52,13 @@ class Framework:
         return contextlib.nullcontext()
 
     def gradient(
-        self, call: Callable[[dict[str, Any]], dict[str, Any]], leaves: dict[str, Any], cotangents: dict[str, np.ndarray]
+        self,
+        call: Callable[[dict[str, Any]], dict[str, Any]],
+        leaves: dict[str, Any],
+        cotangents: dict[str, np.ndarray],
+        strided: bool = False,
     ) -> Any:
-        """The gradients of `call` with respect to `leaves`, and the outputs that it returns."""
+        """The gradients of `call` with respect to `leaves`, and the outputs that it returns. `strided`: from cotangents with gaps."""
         raise Undifferentiable(f"{self.name} has no gradients")
 
     def short_or(self, stored: str) -> str:
@@ -81,7 +85,7 @@ class Torch(Framework):
         """Tensors as one, their gradients kept."""
         return self.module.stack([self.module.as_tensor(x) for x in items])
 
-    def gradient(self, call, leaves, cotangents):
+    def gradient(self, call, leaves, cotangents, strided=False):
         """By torch.autograd.grad. A result that depends on nothing, as that of a ray without samples, has a gradient of 0."""
         torch = self.module
         leaves = {name: x.requires_grad_() for name, x in leaves.items()}
@@ -90,6 +94,7 @@ class Torch(Framework):
         if not smooth:
             return None, list(outputs)
         given = [torch.from_numpy(np.array(cotangents[n])).to(x).reshape(x.shape) for n, x in smooth.items()]
+        given = [self.with_gaps(g) if strided and g.ndim else g for g in given]
         found = torch.autograd.grad(list(smooth.values()), list(leaves.values()), given, allow_unused=True)
         return {n: torch.zeros_like(x) if g is None else g for (n, x), g in zip(leaves.items(), found)}, list(outputs)
 
@@ -115,7 +120,7 @@ class Jax(Framework):
         jax = importlib.import_module("jax")
         return jax.enable_x64(True) if hasattr(jax, "enable_x64") else importlib.import_module("jax.experimental").enable_x64()
 
-    def gradient(self, call, leaves, cotangents):
+    def gradient(self, call, leaves, cotangents, strided=False):
         """By jax.vjp, of the outputs of floats."""
         jax, jnp = importlib.import_module("jax"), self.module
         returned: list[str] = []

@@ -90,7 +90,8 @@ class Plan:
             forward = {name: x for name, x in inputs.items() if not name.startswith("grad_")}
             arrays = self.arrays(entry, forward, strided)
             leaves = {name: arrays[name] for name in wanted if hasattr(arrays[name], "reshape")}
-            found, returned = self.framework.gradient(lambda x: self.call(entry, {**arrays, **x}, outputs), leaves, cotangents)
+            through = lambda x: self.call(entry, {**arrays, **x}, outputs)  # noqa: E731
+            found, returned = self.framework.gradient(through, leaves, cotangents, strided)
             gradients = found or {name: np.zeros(inputs[name].shape, np.float64) for name in leaves}
             out = {f"grad_{name}": answered(x, name) for name, x in gradients.items()}
         masked = {name: (x * np.array(MASKS[name]) if name in MASKS else x, dtype) for name, (x, dtype) in out.items()}
