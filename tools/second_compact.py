@@ -98,7 +98,8 @@ def early_stop_vjp(a, c, wrong):
             ray["grad_transmittance"] = np.zeros_like(ray["grad_transmittance"])
         for name, g in rendering.volume_render_vjp(ray, c, ()).items():
             out[name][first : first + n] = g[0]
-        stopped = 0 < n < end - first or (n and np.exp(-(a["sigmas"] * a["deltas"])[first : first + n].sum()) < a["eps"])
+        # Who stops in front of the sample that ends a ray has none to forget.
+        stopped = n and np.exp(-(a["sigmas"] * a["deltas"])[first : first + n].sum()) < a["eps"]
         if "last_sample_learns_nothing" in wrong and stopped:
             for name in out:
                 out[name][first + n - 1] = 0
