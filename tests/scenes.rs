@@ -268,7 +268,7 @@ fn damaged_json_and_pictures_are_refused_by_name() {
 }
 
 #[test]
-fn cameras_that_look_the_same_way_need_near_and_far() {
+fn cameras_in_one_place_need_near_and_far() {
     let folder = captured(|json| {
         json["frames"][1]["transform_matrix"] = json["frames"][0]["transform_matrix"].clone();
         json["frames"]
@@ -277,10 +277,11 @@ fn cameras_that_look_the_same_way_need_near_and_far() {
             .push(json!({ "file_path": "./a.png", "transform_matrix": POSES[1] }));
     });
     let path = folder.path().join("transforms.json");
-    refused(&path, &["near and far", "meet nowhere", "Give both"]);
+    refused(&path, &["near and far", "all stand in one place", "Give both"]);
     let options = Options { near: Some(1.0), far: Some(7.0), ..Options::default() };
     let scene = scene::load(path.to_str().unwrap(), &options).unwrap();
-    assert!(scene.focus.length() < 1e-12, "the middle of the range of a camera 4 from the origin");
+    // Halfway in 1 / distance: 1.75 before the camera, which stands 4 from the origin.
+    assert!((scene.focus.length() - 2.25).abs() < 1e-12, "{}", scene.focus);
 }
 
 #[test]

@@ -118,6 +118,10 @@ impl Model for CompactModel {
         300
     }
 
+    fn any_background(&self) -> bool {
+        self.settings.any_background
+    }
+
     fn render(&self, rays: &[Ray]) -> Vec<Pixel> {
         self.render_rays(rays)
     }
