@@ -64,6 +64,16 @@ impl Array {
         }
     }
 
+    /// Bytes of an element.
+    fn width(&self) -> usize {
+        match self {
+            Array::F64(_) | Array::I64(_) => 8,
+            Array::F32(_) => 4,
+            Array::F16(_) => 2,
+            Array::U8(_) => 1,
+        }
+    }
+
     /// Every element as f64 (exact, but for integers beyond 2^53).
     pub fn to_f64(&self) -> ArrayD<f64> {
         match self {
@@ -359,8 +369,12 @@ pub fn write(path: &Path, arrays: &Arrays, compress: bool) -> Result<()> {
         .last_modified_time(zip::DateTime::DEFAULT)
         .large_file(false);
     let archive = || {
-        // In memory: dropping a ZipWriter whose file can't be written to may panic.
-        let mut zip = zip::ZipWriter::new(Cursor::new(vec![]));
+        // In memory: dropping a ZipWriter whose file can't be written to may panic. As large as it will be, so that it isn't copied
+        // while it grows.
+        let bytes =
+            arrays.values().map(|array| array.shape().iter().product::<usize>() * array.width() + 1024).sum();
+        let room = if compress { 0 } else { bytes };
+        let mut zip = zip::ZipWriter::new(Cursor::new(Vec::with_capacity(room)));
         for (name, array) in arrays {
             let large = array.shape().iter().product::<usize>() > (u32::MAX / 16) as usize;
             zip.start_file(format!("{name}.npy"), options.large_file(large))?;

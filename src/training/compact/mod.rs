@@ -24,6 +24,7 @@ mod extent;
 mod forward;
 pub(crate) mod kernels;
 mod march;
+mod mean;
 pub(crate) mod networks;
 mod occupancy;
 mod pace;

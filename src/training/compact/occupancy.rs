@@ -108,7 +108,7 @@ impl CompactModel {
         chunk.reserve();
         let active = self.settings.levels_at(step);
         for (level, out) in self.levels.iter().zip(&mut chunk.encoding).take(active) {
-            hash_grid::encode_level(self.arch, level, &chunk.points, out);
+            hash_grid::encode_level(self.arch, level, level.table(), &chunk.points, out);
         }
         chunk.clear_levels(active);
         densities(self.arch, &self.pass(None), chunk);

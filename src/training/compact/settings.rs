@@ -38,11 +38,13 @@ pub enum Part {
     RandomBackgrounds,
     /// The distortion loss against floaters.
     Distortion,
+    /// Pictures of the parameters' running mean.
+    Averaging,
 }
 
 impl Part {
     /// All of them.
-    pub const ALL: [Part; 10] = [
+    pub const ALL: [Part; 11] = [
         Part::Occupancy,
         Part::Stop,
         Part::Patience,
@@ -53,6 +55,7 @@ impl Part {
         Part::ViewDependence,
         Part::RandomBackgrounds,
         Part::Distortion,
+        Part::Averaging,
     ];
 }
 
@@ -233,6 +236,13 @@ impl CompactSettings {
             or(
                 Part::Growth,
                 "16,384 samples, from step 500 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs",
+            ),
+        );
+        because(
+            "averaging",
+            or(
+                Part::Averaging,
+                "from step 256 on pictures are of the parameters' running mean over the last sixteenth of the steps, which the last step's noise doesn't move",
             ),
         );
         let full = !cut_out(scene);

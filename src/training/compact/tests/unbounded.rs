@@ -172,6 +172,7 @@ fn the_distortion_loss_reaches_the_encodings() {
     let scatter = Scatter::new(&settings, Pace::new(&settings, 64.0), rays);
     let pass = Pass {
         nets: &nets,
+        weights: &nets.weights,
         stop: 0.0,
         view_dependent: true,
         gradient: Some(2.0 / (3 * rays) as f32),
