@@ -118,7 +118,8 @@ impl Watch {
 pub(super) fn unseen_failure(frames: &[Frame], psnr: f64) -> Option<String> {
     let constant = constant_error(frames, false);
     let error = 10f64.powf(-0.1 * psnr);
-    (constant > PLAIN && error > SHOWS_NOTHING * constant).then(|| {
+    // Where there is hardly anything to see, it must at least not be off by more than that.
+    (error > SHOWS_NOTHING * constant.max(PLAIN)).then(|| {
         format!(
             "held-out views are no better than one color all over ({error:.5} to {constant:.5} mean squared error): what was learned are the \
              training pictures alone. Do the poses belong to the pictures (order, axes, upside down, mirrored)? Are there enough views?"

@@ -3,7 +3,7 @@
 
 use super::CompactModel;
 use super::networks::Weights;
-use super::settings::Part;
+use super::parts::Part;
 use crate::hash_grid::fast::{self as hash_grid, Entry, Level};
 use crate::parallel;
 

@@ -28,6 +28,7 @@ mod mean;
 pub(crate) mod networks;
 mod occupancy;
 mod pace;
+mod parts;
 pub(crate) mod reference;
 mod render;
 mod scatter;
@@ -43,7 +44,8 @@ mod tests;
 use chunk::Chunk;
 pub use extent::Extent;
 use networks::{Networks, Weights};
-pub use settings::{CompactSettings, Overrides, Part};
+pub use parts::Part;
+pub use settings::{CompactSettings, Overrides};
 use views::Views;
 
 /// Hash grid, networks and occupancy grid, with the state of training.
