@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::answer::Answers;
 use super::assignment::{self, Found, partial};
 use super::diagnose::diagnose;
+use super::edges::but_for_edges;
 use super::evidence::{Explanation, Suspect, difference};
 use super::exam::{Exam, Question};
 use super::example::smallest;
@@ -31,23 +32,58 @@ pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
     let reached = within_reach(exam, answers);
     let (exam, answers) = reached.as_ref().map_or((exam, answers), |(exam, answers)| (exam, &answers[..]));
     let options = MarkOptions { dtype: exam.dtype, exp_ulp };
-    let first = Round::new(exam, answers, &options);
-    // A failure may be due to the layout alone: then it is judged again in the contract's layout.
-    let failing = |n: &usize| first.marked[*n].as_ref().is_some_and(|(marks, _)| marks.budget_used > 1.0);
-    let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
-    let base = first.found.conventions;
-    let laid = parallel::map(failing.len(), |n| {
-        let (question, answers) = (&exam.questions[failing[n]], &answers[failing[n]]);
-        layout::normalized(question, answers, &base, exam.profile.is_some(), &options)
-    });
-    let laid: BTreeMap<usize, (Answers, String)> =
-        failing.into_iter().zip(laid).filter_map(|(n, laid)| Some((n, laid?))).collect();
-    if laid.is_empty() {
-        return first.report(exam, answers, &options, &laid);
+    let whole = Laid::new(exam, answers, &options);
+    but_for_edges(exam, answers, &whole, &options).unwrap_or_else(|| whole.report(exam, &options))
+}
+
+/// Marked answers, in the contract's layout where another explains a failure.
+pub(super) struct Laid {
+    round: Round,
+    answers: Vec<Answers>,
+    /// What was changed, by question.
+    layouts: BTreeMap<usize, String>,
+}
+
+impl Laid {
+    pub(super) fn new(exam: &Exam, answers: &[Answers], options: &MarkOptions) -> Laid {
+        let first = Round::new(exam, answers, options);
+        // A failure may be due to the layout alone: then it is judged again in the contract's layout.
+        let failing = |n: &usize| first.marked[*n].as_ref().is_some_and(|(marks, _)| marks.budget_used > 1.0);
+        let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
+        let base = first.found.conventions;
+        let laid = parallel::map(failing.len(), |n| {
+            let (question, answers) = (&exam.questions[failing[n]], &answers[failing[n]]);
+            layout::normalized(question, answers, &base, exam.profile.is_some(), options)
+        });
+        let (mut answers, mut layouts) = (answers.to_vec(), BTreeMap::new());
+        for (n, laid) in failing.into_iter().zip(laid) {
+            if let Some((ordered, layout)) = laid {
+                answers[n] = ordered;
+                layouts.insert(n, layout);
+            }
+        }
+        let round = if layouts.is_empty() { first } else { Round::new(exam, &answers, options) };
+        Laid { round, answers, layouts }
     }
-    let same = |n: usize| laid.get(&n).map_or_else(|| answers[n].clone(), |(answers, _)| answers.clone());
-    let ordered: Vec<Answers> = (0..answers.len()).map(same).collect();
-    Round::new(exam, &ordered, &options).report(exam, &ordered, &options, &laid)
+
+    /// What marking found of a question; `None` where nothing was answered.
+    pub(super) fn marks(&self, n: usize) -> Option<&Marks> {
+        self.round.marked[n].as_ref().map(|(marks, _)| marks)
+    }
+
+    /// The answers to a question, as they are laid now.
+    pub(super) fn answers(&self, n: usize) -> &Answers {
+        &self.answers[n]
+    }
+
+    /// The run's conventions.
+    pub(super) fn conventions(&self) -> &Conventions {
+        &self.round.found.conventions
+    }
+
+    pub(super) fn report(&self, exam: &Exam, options: &MarkOptions) -> Report {
+        self.round.report(exam, &self.answers, options, &self.layouts)
+    }
 }
 
 /// Answers marked in the conventions of the run.
@@ -82,7 +118,7 @@ impl Round {
         exam: &Exam,
         answers: &[Answers],
         options: &MarkOptions,
-        laid: &BTreeMap<usize, (Answers, String)>,
+        layouts: &BTreeMap<usize, String>,
     ) -> Report {
         let c = &self.found.conventions;
         let mut report = Report::new(exam, c);
@@ -97,7 +133,7 @@ impl Round {
                 continue;
             };
             let mut row = Row::marked(question, &answers[n], marks, *grade, c);
-            row.layouts.extend(laid.get(&n).map(|(_, layout)| layout.clone()));
+            row.layouts.extend(layouts.get(&n).cloned());
             if let Some((_, own)) = self.found.contradicting.iter().find(|(m, _)| *m == n) {
                 row.contradiction = partial(question.component, own);
             }

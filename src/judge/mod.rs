@@ -11,6 +11,7 @@ pub mod declared;
 #[doc(hidden)]
 pub mod diagnose;
 pub(crate) mod door;
+mod edges;
 #[doc(hidden)]
 #[cfg(feature = "cli")]
 pub(crate) mod errors;
