@@ -14,11 +14,15 @@ def one_row_of_positions(sigma, rgb, t_vals):
 def test_positions_that_all_rays_share():
     report = no.judge(volume_render=one_row_of_positions)
     assert report.passed and "in batches that share t" in report.notes[0], report
-    # What mixes rays even so is wrong.
-    over_all = lambda sigma, rgb, t_vals: [x / np.linalg.norm(sigma) for x in one_row_of_positions(sigma, rgb, t_vals)]  # noqa: E731
+
+    def over_all(sigma, rgb, t_vals):
+        return [x / np.linalg.norm(sigma) for x in one_row_of_positions(sigma, rgb, t_vals)]
+
+    def own(sigma, rgb, t_vals):
+        return render(sigma, rgb, np.diff(t_vals, append=t_vals[:, -1:] + sigma.dtype.type(1e10)))
+
+    # What mixes rays even so is wrong; a row for each ray is asked as it is.
     assert not no.judge(volume_render=over_all).passed
-    # A row for each ray is asked as it is.
-    own = lambda sigma, rgb, t_vals: render(sigma, rgb, np.diff(t_vals, append=t_vals[:, -1:] + sigma.dtype.type(1e10)))  # noqa: E731
     report = no.judge(volume_render=own)
     assert report.passed and "share" not in report.notes[0], report
 
@@ -48,7 +52,11 @@ def inverse(stratified):
 
 
 def test_strata_of_one_s_own():
-    cases = {"as they come": lambda r, n: r, "in strata": lambda r, n: (np.arange(n) + r) / n, "twice": lambda r, n: (2 * np.arange(n) + r) / n}
+    cases = {
+        "as they come": lambda r, n: r,
+        "in strata": lambda r, n: (np.arange(n) + r) / n,
+        "twice": lambda r, n: (2 * np.arange(n) + r) / n,
+    }
     shown = {name: no.judge(importance_sampling=inverse(stratified), dtype="f64") for name, stratified in cases.items()}
     told = ["without the strata" in report.notes[0] for report in shown.values()]
     assert told == [False, True, False], [report.notes for report in shown.values()]
@@ -63,5 +71,5 @@ def test_a_depth_is_told_by_its_units():
         return {"rgb": colors, "depth": (weights * t_vals).sum(1), "acc": weights.sum(1), "weights": weights}
 
     for names in (("rgb", "depth"), ("rgb", "depth", "acc"), ("rgb", "acc", "depth"), ("rgb", "weights", "depth")):
-        report = no.judge(volume_render=lambda sigma, rgb, t_vals: [outputs(sigma, rgb, t_vals)[name] for name in names])  # noqa: B023
+        report = no.judge(volume_render=lambda sigma, rgb, t: [outputs(sigma, rgb, t)[name] for name in names])  # noqa: B023
         assert report.passed and ("opacity" in report["volume_render"].missing_outputs) == ("acc" not in names), (names, report)

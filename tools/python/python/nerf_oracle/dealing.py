@@ -144,7 +144,7 @@ def uniform_(dealer: Dealer) -> Any:
 
     def fill(self, *ends, **named):
         # Its parameters are called `from` and `to`.
-        low, high = (*ends, named.get("from", 0.0), named.get("to", 1.0))[:2] if len(ends) != 1 else (ends[0], named.get("to", 1.0))
+        low, high = [*ends, *[named.get("from", 0.0), named.get("to", 1.0)][len(ends) :]]
         return self.copy_(low + (high - low) * torch_numbers(dealer, tuple(self.shape), self))
 
     return fill

@@ -1,4 +1,4 @@
-"""Habits that shapes don't show: positions of one row for all rays, and random numbers that a function puts into strata itself."""
+"""Habits that shapes don't show: one row of positions for all rays, depths among opacities, random numbers put into strata."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def beyond_fractions(plan: Plan, inputs: dict[str, np.ndarray], answer: dict[str
 
 
 def doubled(plan: Plan, entry: dict[str, Any], inputs: dict[str, np.ndarray], answer: dict[str, Any]) -> list[str]:
-    """The outputs that are lengths: twice as large where steps are twice as long and densities half as large. Fractions aren't."""
+    """The outputs that are lengths: twice as large where steps are twice as long and densities half as large; no fractions."""
     if not answer or not {"sigmas", "deltas"} <= inputs.keys():
         return []
     larger = tried(plan, entry, {**inputs, "sigmas": inputs["sigmas"] / 2, "deltas": inputs["deltas"] * 2})
