@@ -73,3 +73,13 @@ def test_a_depth_is_told_by_its_units():
     for names in (("rgb", "depth"), ("rgb", "depth", "acc"), ("rgb", "acc", "depth"), ("rgb", "weights", "depth")):
         report = no.judge(volume_render=lambda sigma, rgb, t: [outputs(sigma, rgb, t)[name] for name in names])  # noqa: B023
         assert report.passed and ("opacity" in report["volume_render"].missing_outputs) == ("acc" not in names), (names, report)
+
+
+def test_rows_with_strata_take_no_others_off():
+    def both_ends(rays_o, rays_d, near, far, n_samples):
+        t = np.linspace(near, far, n_samples) + np.random.rand(n_samples) * 0.1
+        t = np.broadcast_to(t, (len(rays_o), n_samples)).astype(rays_o.dtype)
+        return t, rays_o[:, None] + t[..., None] * rays_d[:, None]
+
+    report = no.judge(sample_along_rays=both_ends)
+    assert not report.passed and "strata" not in report.notes[0], report

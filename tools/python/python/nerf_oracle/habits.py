@@ -115,10 +115,18 @@ def puts_into_strata(plan: Plan, entry: dict[str, Any], inputs: dict[str, np.nda
         return False
     shape = inputs["u"].shape
 
+    def of(u: Any) -> dict[str, np.ndarray]:
+        return {**inputs, "u": np.broadcast_to(u, shape).astype(inputs["u"].dtype)}
+
+    def right(u: Any) -> dict[str, Any]:
+        return _core.oracle(plan.row["name"], "forward", {name: x.astype(np.float64) for name, x in of(u).items()}, None)
+
+    # Rows that have strata of their own spread equal numbers out.
+    if not all(np.ptp(x, axis=-1).max() == 0 for x in map(np.asarray, right(0.5).values()) if x.shape == shape):
+        return False
+
     def answers(drawn: float, meant: np.ndarray) -> bool:
-        of = lambda u: {**inputs, "u": np.broadcast_to(u, shape).astype(inputs["u"].dtype)}  # noqa: E731
-        given = tried(plan, entry, of(np.array(drawn)))
-        truth = _core.oracle(plan.row["name"], "forward", {name: x.astype(np.float64) for name, x in of(meant).items()}, None)
+        given, truth = tried(plan, entry, of(drawn)), right(meant)
         return isinstance(given, dict) and all(alike(given[name][0], np.asarray(truth[name]), NEAR) for name in given)
 
     strata = lambda r: (np.arange(shape[-1]) + r) / shape[-1]  # noqa: E731
