@@ -59,7 +59,10 @@ struct Usual {
 
 impl Usual {
     fn new(exam: &Exam, answers: &[Answers], some: &[usize], options: &MarkOptions) -> Usual {
-        let (mut exam, mut answers) = (exam.clone(), answers.to_vec());
+        let (all, mut exam, mut answers) = (exam, exam.clone(), answers.to_vec());
+        for (question, all) in exam.questions.iter_mut().zip(&all.questions) {
+            question.truths = all.truths.shared();
+        }
         for &n in some {
             let question = &mut exam.questions[n];
             let usual: Vec<bool> = question.cases.iter().map(|case| case.edge.is_none()).collect();
