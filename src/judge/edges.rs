@@ -5,9 +5,9 @@ use super::answer::{Answer, Answers};
 use super::diagnose::diagnose;
 use super::exam::{Exam, Question};
 use super::example::smallest;
-use super::judging::{Laid, marks};
 use super::mark::{MarkOptions, Marks};
 use super::report::{Report, Row, Verdict};
+use super::round::{Laid, marks};
 use crate::contract::case::Case;
 use crate::convention::Conventions;
 

@@ -45,6 +45,7 @@ mod rearranged;
 mod repeat;
 #[doc(hidden)]
 pub mod report;
+mod round;
 mod slip;
 mod slips;
 #[doc(hidden)]
