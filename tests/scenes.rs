@@ -4,7 +4,7 @@ mod shared;
 
 use std::path::Path;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3};
 use nerf_oracle::Error;
 use nerf_oracle::camera::{Distortion, Lens};
 use nerf_oracle::files::npz;
@@ -333,6 +333,32 @@ fn near_follows_the_lens_before_the_real_world() {
     let sine = 1.5 / (1.0 + 1.5f64 * 1.5).sqrt();
     assert!((near(true) - 4.0 * (1.0 - sine)).abs() < 1e-12, "{}", near(true));
     assert_eq!(near(false), 2.0, "customary for what is cut out");
+}
+
+/// Axes that hardly differ meet somewhere, but that says little of how near things are.
+#[test]
+fn near_is_small_where_axes_hardly_differ() {
+    let near = |degrees: f64| {
+        let folder = captured(|json| {
+            for (n, frame) in json["frames"].as_array_mut().unwrap().iter_mut().enumerate() {
+                let turn = DMat4::from_rotation_z((2.0 * n as f64 - 1.0) * degrees.to_radians());
+                let pose = turn * DMat4::from_cols_array_2d(&POSES[1]).transpose();
+                frame["transform_matrix"] = json!(pose.transpose().to_cols_array_2d());
+            }
+        });
+        for name in ["a.png", "b.png"] {
+            image::RgbImage::from_pixel(6, 4, image::Rgb([9, 9, 9])).save(folder.path().join(name)).unwrap();
+        }
+        let scene = scene::load(folder.path().to_str().unwrap(), &Options::default()).unwrap();
+        assert!(scene.focus.length() < 1e-6, "{}", scene.focus);
+        scene.near
+    };
+    assert!(
+        (near(5.0) - 0.4).abs() < 1e-9 && (near(30.0) - 2.0).abs() < 1e-9,
+        "{} {}",
+        near(5.0),
+        near(30.0)
+    );
 }
 
 /// Pictures half as large as the file says, with Windows' paths from another machine, poses of three rows, and a byte order mark.

@@ -109,7 +109,8 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
 ///
 /// The nearest camera at distance r: near = r / 2, or in front of the real world, where that is less, r (1 - sin a) for a camera that sees
 /// as far as an angle a to one side: there a ball begins that fills the picture. With a smaller near, a field explains single photographs
-/// with specks in front of their cameras. The farthest at R: far = 3 R / 2 over a plain background (an object as large as half the distance to it), 2 R in front of the
+/// with specks in front of their cameras. Axes that hardly differ meet anywhere, far behind what they look at too: r / 10. The farthest
+/// at R: far = 3 R / 2 over a plain background (an object as large as half the distance to it), 2 R in front of the
 /// real world. On the synthetic scenes of the NeRF paper, r = R = 4.03, this is their customary 2 and 6, which is used exactly.
 fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
     let distances = cameras.iter().map(|camera| (focus - center(camera)).length());
@@ -120,12 +121,19 @@ fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
     }
     let (near, factor) = match backdrop {
         Backdrop::Plain => (0.5, 1.5),
+        _ if fan(cameras) < 10f64.to_radians() => (0.1, 2.0),
         _ => (cameras.iter().map(|camera| 1.0 - widest(camera)).fold(0.5, f64::min), 2.0),
     };
     let why = format!(
         "cameras stand {low:.3} to {high:.3} from their common focus: near is {near:.3} of the smallest, far {factor} of the largest"
     );
     Range { near: near * low, far: factor * high, why }
+}
+
+/// The largest angle between a camera's axis and the mean one.
+fn fan(cameras: &[&Camera]) -> f64 {
+    let mean = cameras.iter().map(|camera| axis(camera)).sum::<DVec3>();
+    cameras.iter().map(|camera| axis(camera).angle_between(mean)).fold(0.0, f64::max)
 }
 
 /// The sine of the angle that a camera sees to one side, at the most.
