@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 use serde_json::Value;
 
-use super::{Cloud, Options, Scene, doubts};
+use super::{Cloud, Options, Scene, border, doubts};
 use crate::camera::{Camera, pixel_to_camera, rotate};
 use crate::error::{Error, Input, Result};
 
@@ -56,8 +56,9 @@ struct Range {
     why: String,
 }
 
-/// Sets `focus`, `near`, `far` and, where depths are known, `bounds`, with their reasons: given, or derived.
+/// Sets the background, `focus`, `near`, `far` and, where depths are known, `bounds`, with their reasons: given, or derived.
 pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Options) -> Result<()> {
+    border::settle(scene, options);
     // Held-out cameras count too: the scene doesn't change when another frame is held out.
     let cameras: Vec<Camera> = scene.train.iter().chain(&scene.val).map(|frame| frame.camera).collect();
     let cameras: Vec<&Camera> = cameras.iter().collect();

@@ -17,6 +17,7 @@ use crate::ray::draw_index;
 
 #[cfg(feature = "cli")]
 pub(crate) mod aim;
+mod border;
 pub mod builtin;
 mod card;
 mod check;
