@@ -64,16 +64,6 @@ impl Array {
         }
     }
 
-    /// Bytes of an element.
-    fn width(&self) -> usize {
-        match self {
-            Array::F64(_) | Array::I64(_) => 8,
-            Array::F32(_) => 4,
-            Array::F16(_) => 2,
-            Array::U8(_) => 1,
-        }
-    }
-
     /// Every element as f64 (exact, but for integers beyond 2^53).
     pub fn to_f64(&self) -> ArrayD<f64> {
         match self {

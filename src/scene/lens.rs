@@ -22,7 +22,7 @@ fn number(transforms: &Transforms, frame: &Value, key: &str) -> Option<f64> {
 /// Width, height and K. `size` is the picture's, where there is one.
 ///
 /// fx is `fl_x`, or from `camera_angle_x`: w / 2 / tan(angle / 2). fy is `fl_y`, or from `camera_angle_y` where fx came from an
-/// angle too, or fx. The principal point is `cx`, `cy`, or the middle. All of it is scaled to a picture of the same shape.
+/// angle too, or fx. The principal point is `cx`, `cy`, or the middle. All of it is scaled to a picture that is a smaller copy.
 pub(super) fn intrinsics(
     transforms: &Transforms,
     name: &str,
@@ -38,10 +38,13 @@ pub(super) fn intrinsics(
         ([w, h], Some((width, height))) => Some((w.unwrap_or(width), h.unwrap_or(height))),
         ([w, h], None) => w.zip(h),
     };
-    // Sides of smaller pictures are rounded, each by less than a pixel.
-    let shaped = |(w, h): (usize, usize), (v, u): (usize, usize)| (w * u).abs_diff(h * v) <= v + u;
+    // Smaller copies: their sides are rounded, each by less than a pixel.
+    let copy = |(w, h): (usize, usize), (whole_w, whole_h): (usize, usize)| {
+        w < whole_w && h < whole_h && (w * whole_h).abs_diff(h * whole_w) <= whole_w + whole_h
+    };
     if let (Some(size), Some(declared)) = (size, declared)
-        && !shaped(size, declared)
+        && size != declared
+        && !copy(size, declared)
     {
         let remedy = "Resize the pictures, or scale w, h, fl_x, fl_y, cx and cy to them.";
         let (found, expected) = (format!("{}x{}", size.0, size.1), format!("{}x{}", declared.0, declared.1));
@@ -49,7 +52,7 @@ pub(super) fn intrinsics(
             file,
             field: format!("size of {name}"),
             found,
-            expected: format!("{expected} (w, h), or that shape"),
+            expected: format!("{expected} (w, h), or a smaller copy of it"),
             remedy,
         }));
     }
