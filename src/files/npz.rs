@@ -359,11 +359,9 @@ pub fn write(path: &Path, arrays: &Arrays, compress: bool) -> Result<()> {
         .last_modified_time(zip::DateTime::DEFAULT)
         .large_file(false);
     let archive = || {
-        // In memory: dropping a ZipWriter whose file can't be written to may panic. As large as it will be, so that it isn't copied
-        // while it grows.
-        let bytes =
-            arrays.values().map(|array| array.shape().iter().product::<usize>() * array.width() + 1024).sum();
-        let room = if compress { 0 } else { bytes };
+        // In memory: dropping a ZipWriter whose file can't be written to may panic. With room for all, so that it isn't copied as it grows.
+        let bytes = |array: &Array| 8 * array.shape().iter().product::<usize>() + 1024;
+        let room = if compress { 0 } else { arrays.values().map(bytes).sum() };
         let mut zip = zip::ZipWriter::new(Cursor::new(Vec::with_capacity(room)));
         for (name, array) in arrays {
             let large = array.shape().iter().product::<usize>() > (u32::MAX / 16) as usize;
