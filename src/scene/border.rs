@@ -11,7 +11,10 @@ const NEAR: f32 = 0.02;
 /// Sets the background of a scene whose pictures have no transparent pixels, unless it is given.
 pub(super) fn settle(scene: &mut Scene, options: &Options) {
     let pictures: Vec<&Photo> = scene.train.iter().filter_map(|frame| frame.image.as_ref()).collect();
-    if options.background.is_some() || pictures.iter().any(|picture| picture.seen_through()) {
+    let all =
+        scene.train.iter().chain(&scene.val).chain(&scene.test).filter_map(|frame| frame.image.as_ref());
+    // What shines through has a background already.
+    if options.background.is_some() || all.into_iter().any(Photo::seen_through) {
         return;
     }
     let border: Vec<[f32; 3]> = pictures.iter().flat_map(|picture| colors(picture)).collect();

@@ -78,7 +78,7 @@ pub(super) fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
 pub(super) fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
     if train.is_empty() {
         let remedy =
-            "Add frames, or hold out fewer of them. A single photograph isn't enough: one frame is held out.";
+            "Add frames, or hold out fewer of them. A single photograph isn't enough where one is held out.";
         return Err(Error::input(Input {
             file,
             field: "frames",

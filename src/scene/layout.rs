@@ -64,18 +64,17 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
     let cameras: Vec<&Camera> = cameras.iter().collect();
     let focus = common_focus(&cameras);
     let given = options.near.is_some() && options.far.is_some();
-    let range = match (backdrop, scene.cloud.as_ref().and_then(of_points)) {
+    let points = scene.cloud.as_ref().and_then(of_points);
+    let depths =
+        matches!(backdrop, Backdrop::Between { .. }) || backdrop == Backdrop::World && points.is_some();
+    if focus.is_none() && !depths && !given {
+        scene.warnings.push(PARALLEL.into());
+    }
+    let range = match (backdrop, points) {
         (Backdrop::Between { near, far }, _) => Some(of_depths(near, far, &cameras)),
         (Backdrop::World, Some(range)) => Some(range),
         _ => focus.map(|focus| of_focus(focus, backdrop, &cameras)).or_else(|| of_spread(&cameras)),
     };
-    if focus.is_none()
-        && matches!(backdrop, Backdrop::World | Backdrop::Plain)
-        && !given
-        && scene.cloud.is_none()
-    {
-        scene.warnings.push(PARALLEL.into());
-    }
     distrust_box(scene, focus, &cameras);
     choose(scene, file, range, options)?;
     let (near, far) = (scene.near, scene.far);
@@ -89,12 +88,12 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
     let (focus, why) = match focus.filter(seen) {
         Some(focus) => (focus, "point closest to all cameras' axes"),
         None if known => (
-            ahead(&cameras, 2.0 / (1.0 / near + 1.0 / far)),
+            ahead(&cameras, if near > 0.0 { 2.0 / (1.0 / near + 1.0 / far) } else { 0.5 * far }),
             "before the mean camera, halfway in 1 / distance",
         ),
         None => (
             ahead(&cameras, spread(&cameras)),
-            "before the mean camera, as far as the cameras stand from one another",
+            "before the cameras or between them, as far as they stand from one another",
         ),
     };
     scene.focus = focus;
@@ -134,6 +133,10 @@ fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
 /// The largest angle between a camera's axis and the mean one.
 fn fan(cameras: &[&Camera]) -> f64 {
     let mean = cameras.iter().map(|camera| axis(camera)).sum::<DVec3>();
+    // Axes to all sides have no mean.
+    if mean.length() < 1e-9 * cameras.len() as f64 {
+        return std::f64::consts::PI;
+    }
     cameras.iter().map(|camera| axis(camera).angle_between(mean)).fold(0.0, f64::max)
 }
 

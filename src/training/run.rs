@@ -189,7 +189,10 @@ impl<'a> Run<'a> {
             }
         }
         self.save(&mut seen)?;
-        self.failure = self.failure.take().or_else(|| self.unseen_failure());
+        // A run that was interrupted may still learn.
+        if self.finished() {
+            self.failure = self.unseen_failure();
+        }
         Ok(())
     }
 

@@ -40,13 +40,14 @@ fn center(camera: &Camera) -> DVec3 {
 
 /// Of the cameras from their focus.
 fn distances(scene: &Scene) -> Vec<f64> {
-    usual(scene.train.iter().map(|frame| (center(&frame.camera) - scene.focus).length()).collect())
+    scene.train.iter().map(|frame| (center(&frame.camera) - scene.focus).length()).collect()
 }
 
 /// Distances of which none is more than `OUTLIER` medians: a camera far away from all others takes no resolution from what they see.
-fn usual(mut distances: Vec<f64>) -> Vec<f64> {
-    distances.sort_by(f64::total_cmp);
-    let most = OUTLIER * distances[distances.len() / 2];
+fn usual(distances: Vec<f64>) -> Vec<f64> {
+    let mut sorted = distances.clone();
+    sorted.sort_by(f64::total_cmp);
+    let most = OUTLIER * sorted[sorted.len() / 2];
     // Where most cameras stand in the focus itself, the others are all that there is.
     distances.into_iter().map(|r| if most > 0.0 { r.min(most) } else { r }).collect()
 }
@@ -96,7 +97,7 @@ fn whole_cube(scene: &Scene) -> (DVec3, f64, String) {
     (scene.focus - DVec3::splat(half), 2.0 * half, why.into())
 }
 
-/// Half the edge of the inner cube of contracted space, around the cameras' focus: it holds the cameras.
+/// Half the edge of the inner cube of contracted space, around the cameras' focus: it holds the cameras that aren't outliers.
 fn inner_half(scene: &Scene) -> f64 {
     let away = |camera: &Camera| (center(camera) - scene.focus).abs().max_element();
     usual(scene.train.iter().map(|frame| away(&frame.camera)).collect()).into_iter().fold(0.0, f64::max)
@@ -105,7 +106,7 @@ fn inner_half(scene: &Scene) -> f64 {
 /// Whether the scene has a box that everything in it is in, or all of space around its middle; and why.
 pub(super) fn space(scene: &Scene, extent: Extent) -> (Space, String) {
     // Across the cube and back out of it, as seen from a camera.
-    let even = distances(scene).into_iter().fold(0.0, f64::max) + inner_half(scene);
+    let even = usual(distances(scene)).into_iter().fold(0.0, f64::max) + inner_half(scene);
     let contracted = Space::Contracted { even };
     let (_, size, _) = whole_cube(scene);
     let times = size / (2.0 * inner_half(scene));
@@ -164,7 +165,7 @@ fn off_background(scene: &Scene) -> f64 {
 
 /// The width of a pixel at the focus, from the mean camera; of different ones, from that with the median focal length.
 pub(super) fn pixel_footprint(scene: &Scene) -> f64 {
-    let mean = distances(scene).iter().sum::<f64>() / scene.train.len() as f64;
+    let mean = usual(distances(scene)).iter().sum::<f64>() / scene.train.len() as f64;
     let mut focal: Vec<f64> = scene.train.iter().map(|frame| frame.camera.k.fx).collect();
     focal.sort_by(f64::total_cmp);
     mean / focal[focal.len() / 2]

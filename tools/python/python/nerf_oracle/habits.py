@@ -40,10 +40,11 @@ def believable(plan: Plan, entry: dict[str, Any], inputs: dict[str, np.ndarray],
     over = beyond_fractions(plan, inputs, answer) if spare else []
     order = ["_" if name in spare and name in over else name for name in plan.order]
     several = [n for n in answer if len(siblings(n, shapes)) > 1]
-    for name in doubled(plan, entry, inputs, {n: answer[n] for n in several}):
+    lengths = doubled(plan, entry, inputs, {n: answer[n] for n in several})
+    for group in dict.fromkeys(tuple(siblings(name, shapes)) for name in lengths):
         # What comes behind a length is as if it weren't there: an opacity behind a depth is the first fraction.
-        rest = [n for n in shapes if n in siblings(name, order)]
-        order = ["_" if n == name else rest.pop(0) if n in siblings(name, shapes) else n for n in order]
+        rest = iter(group)
+        order = [n if n not in group else "_" if n in lengths else next(rest) for n in order]
     return order
 
 
