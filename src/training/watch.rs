@@ -254,7 +254,38 @@ mod tests {
         assert!((left - 0.25 / 3.0).abs() < 1e-7, "{left}");
     }
 
-    /// Slow, but better from window to window: it has ten times as long.
+    /// Three percent better from window to window, and never better than a constant color: it has ten times as long, and no more.
+    #[test]
+    fn patience_ends() {
+        let (mut watch, mut step) = (watch(), 0);
+        let reason = loop {
+            step += 1;
+            let mse = 2.0 * 0.97f64.powf(step as f64 / WINDOW as f64);
+            if let Some(reason) = watch.failure(step, &StepReport { mse, ..GOOD }) {
+                break reason;
+            }
+        };
+        assert!(step == 3000 && reason.contains("one color all over"), "{step}: {reason}");
+    }
+
+    /// Held-out views that are off by as much as one color, or, of hardly any picture, by more than that.
+    #[test]
+    fn held_out_views_must_show_something() {
+        let scene = |contrast: f32| {
+            let mut scene = crate::scene::load("builtin:slab", &crate::scene::Options::default()).unwrap();
+            let color = |(_, i, _): (usize, usize, usize)| 0.5 + contrast * (i % 2) as f32;
+            for frame in &mut scene.val {
+                frame.image = Some(ndarray::Array3::from_shape_fn((64, 64, 3), color).into());
+            }
+            scene.val
+        };
+        // A variance of 0.01: 20 dB; 0.9 of that are 20.5 dB.
+        let told = |contrast: f32, psnr: f64| unseen_failure(&scene(contrast), psnr).is_some();
+        assert!(told(0.2, 20.0) && told(0.2, 20.3) && !told(0.2, 20.6) && !told(0.2, 30.0));
+        assert!(told(0.0, 40.0) && !told(0.0, 41.0));
+    }
+
+    /// Slow, but better from window to window: it goes on.
     #[test]
     fn a_run_that_falls_may_go_on() {
         let slow = |step: u64| StepReport { mse: 0.2 * 0.999f64.powi(step as i32), ..GOOD };

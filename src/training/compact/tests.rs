@@ -323,6 +323,18 @@ fn same_bits_on_any_number_of_threads() {
 }
 
 #[test]
+fn a_checkpoint_from_before_there_was_a_mean_has_the_parameters_for_it() {
+    let mut state = trained(23).state();
+    state.retain(|name, _| !name.ends_with("_mean"));
+    let mut resumed = CompactModel::new(&ball(), &Overrides::default()).unwrap();
+    resumed.restore(&state, "checkpoint").unwrap();
+    assert!(resumed.levels.iter().all(|level| level.mean() == level.table()));
+    assert_eq!(resumed.nets.mean.parts(), resumed.nets.weights.parts());
+    let whole = trained(23);
+    assert!(whole.levels[0].mean() != whole.levels[0].table(), "nothing was averaged yet");
+}
+
+#[test]
 fn resumes_where_it_stood() {
     let scene = ball();
     let mut half = trained(23);
