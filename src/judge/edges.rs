@@ -97,8 +97,8 @@ fn told_apart(
         example: smallest(question, answers, c, options),
         ..Row::marked(question, answers, &marks, usual.grade, c)
     };
-    // A crash and a NaN explain themselves; other numbers may be a mistake that shows nowhere else.
-    if marks.faults.is_empty() {
+    // A crash explains itself; numbers, and what is none, may be a mistake that shows nowhere else.
+    if question.crashed.is_empty() {
         row.diagnosis = diagnose(question, answers, c, &[], options);
         row.diagnosis.retain(|e| e.whole() && e.wrong());
     }
