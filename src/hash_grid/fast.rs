@@ -214,6 +214,23 @@ impl WithSimd for Update<'_> {
     }
 }
 
+struct Average<'a> {
+    level: &'a mut Level,
+    rate: f32,
+}
+
+impl WithSimd for Average<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Level { table, mean, .. } = self.level;
+        for (mean, x) in mean.as_flattened_mut().iter_mut().zip(table.as_flattened()) {
+            *mean += self.rate * (x - *mean);
+        }
+    }
+}
+
 /// A level's features at `points` of the unit box, read from `table`, its own or its mean, into `out`, which may be longer.
 ///
 /// # Panics
@@ -241,23 +258,6 @@ pub fn scatter(arch: Arch, level: &mut Level, points: &[[f32; 3]], g_out: &[Entr
 /// Adam on the parameters that have a gradient, which is cleared. The others keep their running means, as in Instant-NGP.
 pub fn update(arch: Arch, level: &mut Level, rates: Rates) {
     arch.dispatch(Update { level, rates });
-}
-
-struct Average<'a> {
-    level: &'a mut Level,
-    rate: f32,
-}
-
-impl WithSimd for Average<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Level { table, mean, .. } = self.level;
-        for (mean, x) in mean.as_flattened_mut().iter_mut().zip(table.as_flattened()) {
-            *mean += self.rate * (x - *mean);
-        }
-    }
 }
 
 /// The table's mean goes by a share `rate` to where the table is.

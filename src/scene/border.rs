@@ -17,7 +17,7 @@ pub(super) fn settle(scene: &mut Scene, options: &Options) {
     if options.background.is_some() || all.into_iter().any(Photo::seen_through) {
         return;
     }
-    let border: Vec<[f32; 3]> = pictures.iter().flat_map(|picture| colors(picture)).collect();
+    let border: Vec<[f32; 3]> = pictures.iter().flat_map(|picture| picture.border()).collect();
     let Some(color) = median(&border) else { return };
     let alike = |c: &&[f32; 3]| (0..3).all(|k| (c[k] - color[k]).abs() <= NEAR);
     let share = border.iter().filter(alike).count() as f64 / border.len() as f64;
@@ -27,13 +27,6 @@ pub(super) fn settle(scene: &mut Scene, options: &Options) {
     scene.background = color.map(f64::from);
     let why = format!("{:.0}% of the pictures' borders have this color", 100.0 * share);
     scene.reasons.insert("background".into(), Value::from(why));
-}
-
-/// The colors along a picture's four sides.
-fn colors(picture: &Photo) -> Vec<[f32; 3]> {
-    let (h, w) = picture.size();
-    let along = (0..w).flat_map(|i| [(0, i), (h - 1, i)]).chain((0..h).flat_map(|j| [(j, 0), (j, w - 1)]));
-    along.map(|(j, i)| picture.at(j, i)).collect()
 }
 
 /// The median of each channel.

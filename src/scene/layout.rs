@@ -142,8 +142,13 @@ fn fan(cameras: &[&Camera]) -> f64 {
 
 /// The sine of the angle that a camera sees to one side, at the most.
 fn widest(camera: &Camera) -> f64 {
-    let slope = (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy);
+    let slope = widest_slope(camera);
     slope / (1.0 + slope * slope).sqrt()
+}
+
+/// How far a camera sees to one side at depth 1, at the most: half of its larger side over the focal length.
+pub(crate) fn widest_slope(camera: &Camera) -> f64 {
+    (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy)
 }
 
 /// What people are told where cameras have no common focus.

@@ -97,9 +97,8 @@ impl Watch {
                  `lr`."
             ));
         }
-        let mean = |errors: &mut dyn Iterator<Item = &f64>| errors.sum::<f64>() / WINDOW as f64;
-        let last = mean(&mut self.recent.iter().rev().take(WINDOW));
-        let before = mean(&mut self.recent.iter().rev().skip(WINDOW));
+        let windows = |skip| self.recent.iter().rev().skip(skip).take(WINDOW);
+        let [last, before] = [0, WINDOW].map(|skip| windows(skip).sum::<f64>() / WINDOW as f64);
         let judged = step >= self.start && self.recent.len() >= WINDOW && self.constant > PLAIN;
         // Pictures without contrast take longer, but they get better.
         let falls = self.recent.len() == 2 * WINDOW && last < (1.0 - FALLS) * before;

@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::space::Space;
 use crate::camera::Camera;
-use crate::scene::Scene;
+use crate::scene::{Scene, widest_slope};
 
 /// What a user says about the part of space that a model holds (`--space`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -84,10 +84,7 @@ fn whole_cube(scene: &Scene) -> (DVec3, f64, String) {
         (nearest, farthest) = (nearest.min(r), farthest.max(r));
     }
     let reach = (scene.far - nearest).max(0.1 * farthest);
-    let slope = |camera: &Camera| {
-        (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy)
-    };
-    let slope = scene.train.iter().map(|frame| slope(&frame.camera)).fold(0.0, f64::max);
+    let slope = scene.train.iter().map(|frame| widest_slope(&frame.camera)).fold(0.0, f64::max);
     let (half, why) = if cut_out(scene) {
         let why = "the pictures' borders are background, so the object lies where the pictures look at the cameras' focus";
         (reach.min(farthest * slope), why)
@@ -140,11 +137,8 @@ pub(super) fn cut_out(scene: &Scene) -> bool {
     let near = (0.25 * off_background(scene)).min(0.02);
     let (mut border, mut plain) = (0, 0);
     for image in scene.train.iter().filter_map(|frame| frame.image.as_ref()) {
-        let (h, w) = image.size();
-        let edge = (0..w).flat_map(|i| [(0, i), (h - 1, i)]).chain((0..h).flat_map(|j| [(j, 0), (j, w - 1)]));
-        for (j, i) in edge {
+        for color in image.border() {
             border += 1;
-            let color = image.at(j, i);
             plain += usize::from((0..3).all(|k| (f64::from(color[k]) - scene.background[k]).abs() <= near));
         }
     }
