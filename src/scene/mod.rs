@@ -41,11 +41,10 @@ pub use crate::files::photo::Photo;
 pub use builtin::Medium;
 pub use card::card;
 pub use cloud::Cloud;
-#[cfg(feature = "cli")]
-pub(crate) use fields::listed;
 pub use layout::common_focus;
-pub(crate) use layout::widest_slope;
 pub use rays::pixel_ray;
+#[cfg(feature = "cli")]
+pub(crate) use {fields::listed, layout::widest_slope};
 
 /// One camera, with its photograph.
 #[derive(Clone, Debug, PartialEq)]
