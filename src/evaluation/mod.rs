@@ -1,5 +1,7 @@
 //! Evaluation: whole pictures from a trained field, and how far they are from photographs.
 
+use std::ops::Range;
+
 use glam::DVec2;
 use ndarray::{Array2, Array3, ArrayView3};
 
@@ -13,6 +15,9 @@ use crate::ray::{Ray, camera_ray};
 use crate::scene::{Frame, Photo, pixel_ray};
 use crate::ssim::fast::ssim;
 use crate::training::{Model, Pixel};
+
+/// Pixels of whole rows that are rendered together: work for all threads, and little memory beside the picture.
+const TOGETHER: usize = 1 << 17;
 
 /// A rendered view.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,10 +42,12 @@ pub fn camera_rays(camera: &Camera) -> Result<Vec<Ray>> {
     Ok(rows?.concat())
 }
 
-/// The rays of all pixels, row by row; `None` beyond a fisheye's circle.
-fn view_rays(camera: &Camera) -> Result<Vec<Option<Ray>>> {
-    let row = |j: usize| -> Result<Vec<_>> { (0..camera.width).map(|i| pixel_ray(camera, i, j)).collect() };
-    let rows: Result<Vec<_>> = parallel::map(camera.height, row).into_iter().collect();
+/// The rays of some rows' pixels, row by row; `None` beyond a fisheye's circle.
+fn rows_rays(camera: &Camera, rows: Range<usize>) -> Result<Vec<Option<Ray>>> {
+    let row = |j: usize| -> Result<Vec<_>> {
+        (0..camera.width).map(|i| pixel_ray(camera, i, rows.start + j)).collect()
+    };
+    let rows: Result<Vec<_>> = parallel::map(rows.len(), row).into_iter().collect();
     Ok(rows?.concat())
 }
 
@@ -50,7 +57,7 @@ fn view_rays(camera: &Camera) -> Result<Vec<Option<Ray>>> {
 /// Where the lens has no inverse at some pixel, other than beyond a fisheye's circle.
 #[cfg(feature = "cli")]
 pub(crate) fn seen_rays(camera: &Camera) -> Result<Vec<Ray>> {
-    Ok(view_rays(camera)?.into_iter().flatten().collect())
+    Ok(rows_rays(camera, 0..camera.height)?.into_iter().flatten().collect())
 }
 
 /// A view over `background`, which is all that is seen beyond a fisheye's circle.
@@ -58,17 +65,20 @@ pub(crate) fn seen_rays(camera: &Camera) -> Result<Vec<Ray>> {
 /// # Errors
 /// Where the lens has no inverse at some pixel.
 pub fn render_view(model: &dyn Model, camera: &Camera, background: [f32; 3]) -> Result<View> {
-    let rays = view_rays(camera)?;
     let axis = camera.c2w.z_axis.truncate();
-    let seen = rays.iter().copied().flatten().map(|ray| match model.directions() {
-        Directions::Depth => Ray { d: ray.d / ray.d.dot(axis), ..ray },
-        _ => ray,
-    });
-    let seen: Vec<Ray> = seen.collect();
-    let mut seen = model.render(&seen).into_iter();
-    let pixels: Vec<Pixel> =
-        rays.iter().map(|ray| ray.and_then(|_| seen.next()).unwrap_or_default()).collect();
     let (h, w) = (camera.height, camera.width);
+    let mut pixels: Vec<Pixel> = Vec::with_capacity(h * w);
+    let rows = (TOGETHER / w).max(1);
+    for first in (0..h).step_by(rows) {
+        let rays = rows_rays(camera, first..h.min(first + rows))?;
+        let seen = rays.iter().copied().flatten().map(|ray| match model.directions() {
+            Directions::Depth => Ray { d: ray.d / ray.d.dot(axis), ..ray },
+            _ => ray,
+        });
+        let seen: Vec<Ray> = seen.collect();
+        let mut seen = model.render(&seen).into_iter();
+        pixels.extend(rays.iter().map(|ray| ray.and_then(|_| seen.next()).unwrap_or_default()));
+    }
     let at = |j: usize, i: usize| pixels[j * w + i];
     let rgb = Array3::from_shape_fn((h, w, 3), |(j, i, k)| over(at(j, i), background)[k]);
     let opacity = Array2::from_shape_fn((h, w), |(j, i)| at(j, i).opacity);
@@ -141,8 +151,11 @@ pub fn score_photo(name: &str, view: &Array3<f32>, photo: &Photo, with_ssim: boo
 pub fn score(name: &str, view: ArrayView3<f32>, image: ArrayView3<f32>, with_ssim: bool) -> ViewScore {
     let view = view.mapv(|x| f64::from(x.clamp(0.0, 1.0)));
     let image = image.mapv(f64::from);
-    let flat = |a: &Array3<f64>| a.iter().copied().collect::<Vec<_>>();
-    let error = mse(&flat(&view), &flat(&image));
+    let error = {
+        let (view, image) = (view.as_standard_layout(), image.as_standard_layout());
+        let values = "standard layout is one slice";
+        mse(view.as_slice().expect(values), image.as_slice().expect(values))
+    };
     let large = view.dim().0.min(view.dim().1) >= 11;
     let ssim = (with_ssim && large).then(|| ssim(view.view(), image.view(), 1.0));
     ViewScore { name: name.into(), mse: error, psnr: psnr(error, 1.0), ssim }

@@ -2,17 +2,21 @@
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Cursor, Read};
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use half::f16;
 use ndarray::{ArrayD, Dimension, IxDyn};
-use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar, WriterBuilder};
+use npyz::{DType, NpyFile, NpyHeader, Order, TypeChar};
 use zip::ZipArchive;
 
 use crate::error::{Error, Input, Result};
 use crate::files;
 use crate::limits::{self, ARRAY};
+
+mod writing;
+
+pub use writing::{write, write_each};
 
 /// Bytes that a deflated byte can unpack to, and a little for an empty array's header.
 const DEFLATE: u64 = 1032;
@@ -62,6 +66,17 @@ impl Array {
             Array::U8(_) => "u8",
             Array::I64(_) => "i64",
         }
+    }
+
+    /// Bytes of its elements.
+    fn bytes(&self) -> usize {
+        let each = match self {
+            Array::F64(_) | Array::I64(_) => 8,
+            Array::F32(_) => 4,
+            Array::F16(_) => 2,
+            Array::U8(_) => 1,
+        };
+        each * self.shape().iter().product::<usize>()
     }
 
     /// Every element as f64 (exact, but for integers beyond 2^53).
@@ -343,52 +358,4 @@ fn elements<T: npyz::Deserialize + Clone>(
     let reversed: Vec<usize> = shape.iter().rev().copied().collect();
     let transposed = ArrayD::from_shape_vec(IxDyn(&reversed), flat).map_err(|error| damaged(&error))?;
     Ok(transposed.reversed_axes().as_standard_layout().into_owned())
-}
-
-/// Writes arrays as NumPy's `savez` does (`savez_compressed` where `compress`), to a temporary file that is then renamed.
-///
-/// The same arrays give the same bytes: entries go in the names' order with the zip format's earliest date.
-///
-/// # Errors
-/// Where the file can't be written.
-pub fn write(path: &Path, arrays: &Arrays, compress: bool) -> Result<()> {
-    use zip::write::SimpleFileOptions;
-    let method = if compress { zip::CompressionMethod::Deflated } else { zip::CompressionMethod::Stored };
-    let options = SimpleFileOptions::default()
-        .compression_method(method)
-        .last_modified_time(zip::DateTime::DEFAULT)
-        .large_file(false);
-    let archive = || {
-        // In memory: dropping a ZipWriter whose file can't be written to may panic. With room for all, so that it isn't copied as it grows.
-        let bytes = |array: &Array| 8 * array.shape().iter().product::<usize>() + 1024;
-        let room = if compress { 0 } else { arrays.values().map(bytes).sum() };
-        let mut zip = zip::ZipWriter::new(Cursor::new(Vec::with_capacity(room)));
-        for (name, array) in arrays {
-            let large = array.shape().iter().product::<usize>() > (u32::MAX / 16) as usize;
-            zip.start_file(format!("{name}.npy"), options.large_file(large))?;
-            match array {
-                Array::F64(a) => write_npy(&mut zip, a),
-                Array::F32(a) => write_npy(&mut zip, a),
-                Array::F16(a) => write_npy(&mut zip, a),
-                Array::U8(a) => write_npy(&mut zip, a),
-                Array::I64(a) => write_npy(&mut zip, a),
-            }?;
-        }
-        Ok(zip.finish()?.into_inner())
-    };
-    files::write(path, archive().map_err(Error::writing(path))?)
-}
-
-/// One array in C order.
-fn write_npy<T: npyz::AutoSerialize + Copy>(
-    out: &mut impl std::io::Write,
-    array: &ArrayD<T>,
-) -> std::io::Result<()> {
-    let shape: Vec<u64> = array.shape().iter().map(|&n| n as u64).collect();
-    // Element by element is how npyz writes: through a buffer, otherwise every 8 bytes are a call into the zip.
-    let mut out = std::io::BufWriter::new(out);
-    let mut writer = npyz::WriteOptions::new().default_dtype().shape(&shape).writer(&mut out).begin_nd()?;
-    writer.extend(array.iter().copied())?;
-    writer.finish()?;
-    std::io::Write::flush(&mut out)
 }

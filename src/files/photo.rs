@@ -24,9 +24,54 @@ enum Pixels {
     /// Red, green, blue; 255 is 1.
     Opaque(Vec<[u8; 3]>),
     /// The same with opacity, not multiplied in.
-    Cut(Vec<[u8; 4]>),
+    Cut(CutOut),
     /// Colors in [0, 1] of files that hold more than bytes.
     Fine(Vec<[f32; 3]>),
+}
+
+/// Of each row, what lies between its first and its last pixel that isn't wholly transparent: most of a cut-out is empty.
+#[derive(Debug)]
+struct CutOut {
+    width: usize,
+    /// The column of each row's first pixel, and where that lies among `pixels`; one more for the end.
+    rows: Vec<(usize, usize)>,
+    pixels: Vec<[u8; 4]>,
+}
+
+impl CutOut {
+    fn new(width: usize, all: &[[u8; 4]]) -> Self {
+        let (mut rows, mut pixels) = (vec![], vec![]);
+        for row in all.chunks(width.max(1)) {
+            let seen = |pixel: &[u8; 4]| pixel[3] > 0;
+            let first = row.iter().position(seen).unwrap_or(0);
+            let end = row.iter().rposition(seen).map_or(0, |last| last + 1);
+            rows.push((first, pixels.len()));
+            pixels.extend_from_slice(&row[first..end]);
+        }
+        rows.push((0, pixels.len()));
+        pixels.shrink_to_fit();
+        CutOut { width, rows, pixels }
+    }
+
+    /// Pixel `n` of the whole picture, row by row.
+    #[inline(always)]
+    fn at(&self, n: usize) -> [u8; 4] {
+        let (j, i) = (n / self.width, n % self.width);
+        let ((first, start), (_, end)) = (self.rows[j], self.rows[j + 1]);
+        // Left of the first the number wraps around, and lies beyond the end too.
+        let place = i.wrapping_sub(first);
+        if place < end - start { self.pixels[start + place] } else { [0; 4] }
+    }
+
+    /// The rows as they are seen, margins and all.
+    fn whole_rows(&self) -> impl Iterator<Item = Vec<[u8; 4]>> {
+        self.rows.windows(2).map(|ends| {
+            let ((first, start), (_, end)) = (ends[0], ends[1]);
+            let mut row = vec![[0; 4]; self.width];
+            row[first..first + end - start].copy_from_slice(&self.pixels[start..end]);
+            row
+        })
+    }
 }
 
 /// A byte's value.
@@ -58,7 +103,7 @@ impl Photo {
         if pixels.iter().all(|pixel| pixel[3] == 255) {
             return Photo::opaque(height, width, pixels.iter().map(|&[r, g, b, _]| [r, g, b]).collect());
         }
-        Photo::new(height, width, background, Pixels::Cut(pixels))
+        Photo::new(height, width, background, Pixels::Cut(CutOut::new(width, &pixels)))
     }
 
     /// (H, W, 3) in [0, 1], composited already where it had transparent pixels.
@@ -119,7 +164,7 @@ impl Photo {
         match &*self.pixels {
             Pixels::Opaque(pixels) => pixels[n].map(value),
             Pixels::Cut(pixels) => {
-                let [r, g, b, a] = pixels[n].map(value);
+                let [r, g, b, a] = pixels.at(n).map(value);
                 let over = |c: f32, k: usize| c * a + background[k] * (1.0 - a);
                 [over(r, 0), over(g, 1), over(b, 2)]
             }
@@ -132,11 +177,11 @@ impl Photo {
         matches!(*self.pixels, Pixels::Cut(_))
     }
 
-    /// Its pixels as they are kept, a part at a time: bytes, or floats in little-endian order.
+    /// Its pixels, a part at a time: bytes, wholly transparent ones 0, or floats in little-endian order.
     pub(crate) fn each_part(&self, mut part: impl FnMut(&[u8])) {
         match &*self.pixels {
             Pixels::Opaque(pixels) => part(pixels.as_flattened()),
-            Pixels::Cut(pixels) => part(pixels.as_flattened()),
+            Pixels::Cut(pixels) => pixels.whole_rows().for_each(|row| part(row.as_flattened())),
             Pixels::Fine(pixels) => {
                 for some in pixels.chunks(1024) {
                     part(&some.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>());
@@ -174,7 +219,10 @@ impl Photo {
         let of = 0..height * width;
         let pixels = match &*self.pixels {
             Pixels::Opaque(pixels) => Pixels::Opaque(of.clone().map(|m| pixels[at(m)]).collect()),
-            Pixels::Cut(pixels) => Pixels::Cut(of.clone().map(|m| pixels[at(m)]).collect()),
+            Pixels::Cut(pixels) => {
+                let all: Vec<_> = of.clone().map(|m| pixels.at(at(m))).collect();
+                Pixels::Cut(CutOut::new(width, &all))
+            }
             Pixels::Fine(pixels) => Pixels::Fine(of.clone().map(|m| pixels[at(m)]).collect()),
         };
         let small = Photo::new(height, width, self.background, pixels);
@@ -193,7 +241,7 @@ impl Photo {
             for m in (0..n * n).map(|m| (j + m / n) * self.width + i + m % n) {
                 let [r, g, b, a] = match &*self.pixels {
                     Pixels::Opaque(pixels) => [pixels[m][0], pixels[m][1], pixels[m][2], 255].map(f64::from),
-                    Pixels::Cut(pixels) => pixels[m].map(f64::from),
+                    Pixels::Cut(pixels) => pixels.at(m).map(f64::from),
                     Pixels::Fine(pixels) => {
                         let [r, g, b] = pixels[m].map(|c| 255.0 * f64::from(c));
                         [r, g, b, 255.0]
@@ -214,7 +262,7 @@ impl Photo {
                     let [r, g, b] = color(s).map(byte);
                     [r, g, b, byte(s[3] / (n * n) as f64)]
                 };
-                Pixels::Cut(squares.map(whole).collect())
+                Pixels::Cut(CutOut::new(width, &squares.map(whole).collect::<Vec<_>>()))
             }
             Pixels::Fine(_) => Pixels::Fine(squares.map(|s| color(s).map(|c| (c / 255.0) as f32)).collect()),
         };
@@ -258,6 +306,26 @@ mod tests {
         assert_eq!((whole.at(1, 0), whole.seen_through()), ([0.2, 0.4, 1.0], false));
         assert_eq!(Photo::from(whole.to_array()), whole);
         assert_ne!(cut, whole);
+    }
+
+    /// What is left out between cut-outs' edges and the picture's is transparent, wherever it lies.
+    #[test]
+    fn a_cut_out_keeps_no_empty_margins() {
+        let (seen, hole, clear) = ([9, 8, 7, 255], [1, 2, 3, 0], [0; 4]);
+        #[rustfmt::skip]
+        let all = [
+            clear, hole, clear, clear,
+            clear, seen, hole, seen,
+            seen, clear, clear, clear,
+        ];
+        let kept = CutOut::new(4, &all);
+        assert_eq!(kept.pixels, [seen, hole, seen, seen]);
+        let rows: Vec<_> = kept.whole_rows().collect();
+        assert_eq!(rows, [[clear; 4], [clear, seen, hole, seen], [seen, clear, clear, clear]]);
+        assert_eq!((0..12).map(|n| kept.at(n)).collect::<Vec<_>>(), rows.concat());
+        let photo = Photo::cut(3, 4, all.to_vec(), [0.0, 0.5, 1.0]);
+        assert_eq!((photo.at(0, 3), photo.at(2, 1)), ([0.0, 0.5, 1.0], [0.0, 0.5, 1.0]));
+        assert_eq!(photo.at(2, 0), [9, 8, 7].map(value));
     }
 
     /// A half-covered red square of which three pixels are clear: opacity a quarter, its color as it was.

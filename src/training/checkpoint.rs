@@ -25,27 +25,15 @@ const SIGNS: [&str; 3] = [SETTINGS, CHECKPOINT, LOG];
 
 /// A run after a step.
 #[derive(Debug)]
-pub struct Checkpoint {
-    /// The model's arrays, and the loop's.
-    pub state: npz::Arrays,
+pub struct Checkpoint<State = npz::Arrays> {
+    /// The model's arrays by name, and the loop's; as they come where they are written.
+    pub state: State,
     /// The step.
     pub step: u64,
     /// Of wall clock so far.
     pub seconds: f64,
     /// Points with forward and backward so far.
     pub samples: u64,
-}
-
-impl Checkpoint {
-    /// The first array with a number that isn't finite.
-    pub(super) fn spoiled(&self) -> Option<&str> {
-        let finite = |array: &npz::Array| match array {
-            npz::Array::F64(array) => array.iter().all(|x| x.is_finite()),
-            npz::Array::F32(array) => array.iter().all(|x| x.is_finite()),
-            _ => true,
-        };
-        self.state.iter().find(|(_, array)| !finite(array)).map(|(name, _)| name.as_str())
-    }
 }
 
 /// The folder of a run.
@@ -157,20 +145,26 @@ impl RunFolder {
 
     /// Writes a checkpoint, by way of another file, so that a stop in the middle leaves the previous one. The log is on the disk before
     /// it.
-    pub(super) fn save(&self, checkpoint: Checkpoint) -> Result<()> {
-        let Checkpoint { mut state, step, seconds, samples } = checkpoint;
+    pub(super) fn save(
+        &self,
+        checkpoint: Checkpoint<impl Iterator<Item = (String, npz::Array)>>,
+    ) -> Result<()> {
+        let Checkpoint { state, step, seconds, samples } = checkpoint;
         let number = |x| npz::Array::F64(ArrayD::from_elem(IxDyn(&[]), x));
         let whole = |x| npz::Array::I64(ArrayD::from_elem(IxDyn(&[]), x));
-        state.insert("version".into(), whole(VERSION));
-        state.insert("step".into(), whole(step as i64));
-        state.insert("samples".into(), whole(samples as i64));
-        state.insert("seconds".into(), number(seconds));
+        let text = |text: &str| ndarray::Array1::from(text.as_bytes().to_vec()).into();
         let Identity { run, content } = self.identity();
-        for (name, text) in [(RUN, run), (CONTENT, content)] {
-            state.insert(name.into(), ndarray::Array1::from(text.clone().into_bytes()).into());
-        }
+        let own = [
+            ("version", whole(VERSION)),
+            ("step", whole(step as i64)),
+            ("samples", whole(samples as i64)),
+            ("seconds", number(seconds)),
+            (RUN, text(run)),
+            (CONTENT, text(content)),
+        ];
         files::sync(&self.file(LOG))?;
-        npz::write(&self.file(CHECKPOINT), &state, false)
+        let own = own.into_iter().map(|(name, array)| (name.to_string(), array));
+        npz::write_each(&self.file(CHECKPOINT), own.chain(state))
     }
 
     /// Reads the checkpoint.

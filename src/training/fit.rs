@@ -97,8 +97,8 @@ impl<'a> FitRun<'a> {
     fn save(&mut self, slow: &mut impl FnMut(f64, f64)) -> Result<()> {
         let Fit { step, seconds, .. } = self.fit;
         let samples = step * self.settings.batch as u64;
-        let saved =
-            self.pace.save(self.folder, || Checkpoint { state: self.fit.state(), step, seconds, samples })?;
+        let state = || self.fit.state().into_iter();
+        let saved = self.pace.save(self.folder, || Checkpoint { state: state(), step, seconds, samples })?;
         match saved {
             Saved::Usual => {}
             Saved::Slow { cost, every } => slow(cost, every),

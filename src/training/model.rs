@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::convention::Directions;
 use crate::error::Result;
-use crate::files::npz::Arrays;
+use crate::files::npz::{Array, Arrays};
 use crate::ray::Ray;
 use crate::scene::Scene;
 use crate::training::probe::{Cells, Probe};
@@ -55,7 +55,12 @@ pub trait Model: Any + Sync + Send {
     }
 
     /// The whole state by name, as a checkpoint stores it.
-    fn state(&self) -> Arrays;
+    fn state(&self) -> Arrays {
+        self.arrays().collect()
+    }
+
+    /// The same array by array, so that a large model's needn't be copied all at once.
+    fn arrays(&self) -> Box<dyn Iterator<Item = (String, Array)> + '_>;
 
     /// Loads the state of a checkpoint.
     ///

@@ -22,7 +22,7 @@ use crate::error::{Error, Input, Result};
 use crate::field::NerfMlp;
 use crate::field::fast::{Rays, Skipping};
 use crate::field::nerf_mlp::Shape;
-use crate::files::npz::Arrays;
+use crate::files::npz::{Array, Arrays};
 use crate::optimizer::Adam;
 use crate::parallel;
 use crate::random::{Key, Purpose};
@@ -277,14 +277,14 @@ impl Model for NerfModel {
         self.grid.as_ref().map(Grid::to_cells)
     }
 
-    fn state(&self) -> Arrays {
+    fn arrays(&self) -> Box<dyn Iterator<Item = (String, Array)> + '_> {
         let mut state = self.coarse.state("");
         if let Some(fine) = &self.fine {
             state.extend(fine.state(FINE));
         }
         state.extend(self.grid_state());
         state.insert(TURNED.into(), ndarray::arr0(i64::from(self.turned)).into());
-        state
+        Box::new(state.into_iter())
     }
 
     fn restore(&mut self, state: &Arrays, file: &str) -> Result<()> {

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::checkpoint::{Checkpoint, RunFolder};
 use crate::error::Result;
+use crate::files::npz::Array;
 
 /// The longest that may be lost where a checkpoint costs little: seconds of wall clock.
 const EVERY: f64 = 10.0;
@@ -28,17 +29,16 @@ impl Pace {
     }
 
     /// Writes a checkpoint; one with a number in it that is none isn't kept, and the last good one stays.
-    pub(super) fn save(
+    pub(super) fn save<State: Iterator<Item = (String, Array)>>(
         &mut self,
         folder: &RunFolder,
-        checkpoint: impl FnOnce() -> Checkpoint,
+        checkpoint: impl Fn() -> Checkpoint<State>,
     ) -> Result<Saved> {
         let began = Instant::now();
-        let checkpoint = checkpoint();
-        if let Some(name) = checkpoint.spoiled() {
-            return Ok(Saved::Spoiled(name.into()));
+        if let Some((name, _)) = checkpoint().state.find(|(_, array)| !finite(array)) {
+            return Ok(Saved::Spoiled(name));
         }
-        folder.save(checkpoint)?;
+        folder.save(checkpoint())?;
         Ok(self.saved(began.elapsed()))
     }
 
@@ -61,6 +61,14 @@ pub(super) enum Saved {
     Slow { cost: f64, every: f64 },
     /// The array of this name has a number that isn't finite.
     Spoiled(String),
+}
+
+fn finite(array: &Array) -> bool {
+    match array {
+        Array::F64(array) => array.iter().all(|x| x.is_finite()),
+        Array::F32(array) => array.iter().all(|x| x.is_finite()),
+        _ => true,
+    }
 }
 
 fn interval(cost: Duration) -> f64 {

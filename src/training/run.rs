@@ -94,6 +94,8 @@ pub struct Run<'a> {
     seconds: f64,
     samples: u64,
     pace: Pace,
+    /// The step of the checkpoint on the disk.
+    saved: Option<u64>,
     /// The log, earlier parts of a resumed run included.
     pub log: Vec<LogPoint>,
     /// Warnings for the user.
@@ -124,7 +126,7 @@ impl<'a> Run<'a> {
         let watch = Watch::new(scene, model.start(), model.any_background());
         let (log, warnings, pace) = (vec![], vec![], Pace::new());
         #[rustfmt::skip]
-        let run = Run { model, scene, folder, options, probe, schedule, watch, step: 0, seconds: 0.0, samples: 0, pace, log, warnings, failure: None };
+        let run = Run { model, scene, folder, options, probe, schedule, watch, step: 0, seconds: 0.0, samples: 0, pace, saved: None, log, warnings, failure: None };
         Ok(run)
     }
 
@@ -139,7 +141,7 @@ impl<'a> Run<'a> {
         let Checkpoint { state, step, seconds, samples } = self.folder.load()?;
         sound::restore(self.model, &state, step, &self.folder.file("checkpoint.npz").display().to_string())?;
         self.watch.restore(&state);
-        (self.step, self.seconds, self.samples) = (step, seconds, samples);
+        (self.step, self.seconds, self.samples, self.saved) = (step, seconds, samples, Some(step));
         self.log = self.folder.log_until(step)?;
         self.schedule.skip_to(step);
         Ok(())
@@ -168,6 +170,10 @@ impl<'a> Run<'a> {
             // At once, so that the run can be opened as soon as it has begun.
             self.save(&mut seen)?;
         }
+        if self.finished() && self.log.last().is_none_or(|last| last.step < self.step) {
+            // It was stopped in its last validation.
+            self.watch.last().map(|report| self.measure(&report, &mut seen)).transpose()?;
+        }
         let (before, start) = (self.seconds, Instant::now());
         while !self.finished() && !stop() {
             let report = self.model.step(self.scene, self.step + 1)?;
@@ -176,8 +182,12 @@ impl<'a> Run<'a> {
             self.samples += report.samples;
             self.failure = self.watch.failure(self.step, &report);
             stepped(self.step, &*self.model);
+            if self.failure.is_none() && self.finished() {
+                // The last validation may take long: what was learned is kept before it.
+                self.save(&mut seen)?;
+            }
             let reached = self.measure(&report, &mut seen)?;
-            if self.failure.is_none() && self.pace.due() {
+            if self.failure.is_none() && self.pace.due() && self.saved != Some(self.step) {
                 self.save(&mut seen)?;
             }
             if self.failure.is_some() {
@@ -188,7 +198,9 @@ impl<'a> Run<'a> {
                 break;
             }
         }
-        self.save(&mut seen)?;
+        if self.saved != Some(self.step) {
+            self.save(&mut seen)?;
+        }
         // A run that was interrupted may still learn.
         if self.finished() {
             self.failure = self.unseen_failure();
@@ -281,14 +293,15 @@ impl<'a> Run<'a> {
     /// Writes a checkpoint. A state with a number in it that is none isn't kept: the run has failed, and the last good one stays.
     fn save(&mut self, seen: &mut impl FnMut(News)) -> Result<()> {
         let step = self.step;
-        let state = || {
-            let mut state = self.model.state();
-            state.extend(self.watch.state());
-            Checkpoint { state, step, seconds: self.seconds, samples: self.samples }
-        };
-        match self.pace.save(self.folder, state)? {
-            Saved::Usual => {}
-            Saved::Slow { cost, every } => seen(News::SlowCheckpoints { cost, every }),
+        let (model, watch) = (&*self.model, &self.watch);
+        let state = || model.arrays().chain(watch.state());
+        let (seconds, samples) = (self.seconds, self.samples);
+        match self.pace.save(self.folder, || Checkpoint { state: state(), step, seconds, samples })? {
+            Saved::Usual => self.saved = Some(step),
+            Saved::Slow { cost, every } => {
+                self.saved = Some(step);
+                seen(News::SlowCheckpoints { cost, every });
+            }
             Saved::Spoiled(name) => {
                 self.failure =
                     Some(format!("after step {step} not every number of its {name} is finite. Lower `lr`."));

@@ -1,5 +1,7 @@
 //! Whether a checkpoint is what training writes: checked value by value before anything is computed with it.
 
+use std::collections::BTreeSet;
+
 use super::model::Model;
 use super::watch::Watch;
 use crate::error::{Error, Input, Result};
@@ -19,24 +21,26 @@ const REMEDY: &str = "Use the checkpoint of this very run, or train it again.";
 pub(crate) fn restore(model: &mut dyn Model, state: &Arrays, step: u64, file: &str) -> Result<()> {
     numbers(state, step, file)?;
     model.restore(state, file)?;
-    let taken = model.state();
-    for (name, array) in state.iter().filter(|(name, _)| !Watch::has(name)) {
-        let Some(mine) = taken.get(name) else {
-            return wrong(file, name, "an array that this model doesn't have", "the model's own arrays");
-        };
+    let mut unknown: BTreeSet<&String> = state.keys().filter(|name| !Watch::has(name)).collect();
+    for (name, mine) in model.arrays() {
+        unknown.remove(&name);
+        let Some(array) = state.get(&name).filter(|array| **array != mine) else { continue };
         let whole = |array: &Array| matches!(array, Array::I64(_) | Array::U8(_));
-        if mine.shape() != array.shape() || whole(mine) != whole(array) {
+        if mine.shape() != array.shape() || whole(&mine) != whole(array) {
             let of = |array: &Array| format!("{} {:?}", array.dtype(), array.shape());
-            return wrong(file, name, of(array), of(mine));
+            return wrong(file, &name, of(array), of(&mine));
         }
         // What the f64 reference has written is rounded where it is read for the f32 path.
         let (had, got) = (array.to_f64(), mine.to_f64());
         let other = |(had, got): &(&f64, &f64)| had != got && **had as f32 != **got as f32;
-        if let Some((had, got)) = had.iter().zip(&got).find(other).filter(|_| mine != array) {
-            return wrong(file, name, had, format!("{got}, or what else training can write"));
+        if let Some((had, got)) = had.iter().zip(&got).find(other) {
+            return wrong(file, &name, had, format!("{got}, or what else training can write"));
         }
     }
-    Ok(())
+    match unknown.first() {
+        Some(name) => wrong(file, name, "an array that this model doesn't have", "the model's own arrays"),
+        None => Ok(()),
+    }
 }
 
 /// That floats are finite, and second moments no less than 0; that steps are the checkpoint's.

@@ -26,6 +26,7 @@ const PLAIN: f64 = 1e-4;
 /// Names in a checkpoint.
 const RECENT: &str = "watch_recent";
 const COUNTS: &str = "watch_counts";
+const LAST: &str = "watch_last";
 
 /// The last steps of a run, and what they are held against.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,8 @@ pub struct Watch {
     recent: VecDeque<f64>,
     unseen: usize,
     still: usize,
+    /// The last step's report.
+    last: Option<StepReport>,
 }
 
 impl Watch {
@@ -45,19 +48,24 @@ impl Watch {
     pub fn new(scene: &Scene, start: u64, any_background: bool) -> Self {
         let recent = VecDeque::with_capacity(2 * WINDOW + 1);
         let constant = constant_error(&scene.train, any_background);
-        Watch { constant, start, recent, unseen: 0, still: 0 }
+        Watch { constant, start, recent, unseen: 0, still: 0, last: None }
     }
 
     /// Its part of a checkpoint, so that a run is given up at the same step however often it was stopped.
     pub fn state(&self) -> Arrays {
         let recent = self.recent.iter().copied().collect::<Array1<f64>>();
         let counts = Array1::from_vec(vec![self.unseen as i64, self.still as i64]);
-        Arrays::from([(RECENT.into(), recent.into()), (COUNTS.into(), counts.into())])
+        let last = self.last.iter().flat_map(|report| [report.loss, report.mse]).collect::<Array1<f64>>();
+        Arrays::from([
+            (RECENT.into(), recent.into()),
+            (COUNTS.into(), counts.into()),
+            (LAST.into(), last.into()),
+        ])
     }
 
     /// Whether an array of a checkpoint is the watch's.
     pub(super) fn has(name: &str) -> bool {
-        [RECENT, COUNTS].contains(&name)
+        [RECENT, COUNTS, LAST].contains(&name)
     }
 
     /// Loads what [`Self::state`] returned; a checkpoint of before this version has none.
@@ -68,10 +76,20 @@ impl Watch {
             self.unseen = counts.next().unwrap_or(0);
             self.still = counts.next().unwrap_or(0);
         }
+        if let Some(Array::F64(last)) = state.get(LAST) {
+            let report = |last: &[f64]| StepReport { loss: last[0], mse: last[1], ..StepReport::default() };
+            self.last = last.as_slice().filter(|last| last.len() == 2).map(report);
+        }
+    }
+
+    /// Loss and error of the last step, where a checkpoint knows them.
+    pub fn last(&self) -> Option<StepReport> {
+        self.last
     }
 
     /// Why the run is given up after this step, if it is.
     pub fn failure(&mut self, step: u64, report: &StepReport) -> Option<String> {
+        self.last = Some(*report);
         if !report.loss.is_finite() {
             return Some(format!(
                 "the loss at step {step} is {}, no finite number. Lower `lr`.",
@@ -126,6 +144,15 @@ pub(super) fn unseen_failure(frames: &[Frame], psnr: f64) -> Option<String> {
     })
 }
 
+/// Whether all pictures are the same color, over any background: nothing can be learned from them.
+pub fn blank(frames: &[Frame]) -> bool {
+    let pictures = frames.iter().filter_map(|frame| frame.image.as_ref());
+    let over = |picture: &Photo, n| [0.0, 1.0].map(|background| picture.pixel_over(n, [background; 3]));
+    let mut colors = pictures.flat_map(|picture| (0..picture.len()).map(move |n| over(picture, n)));
+    let first = colors.next();
+    colors.all(|color| Some(color) == first)
+}
+
 /// What the best constant color leaves of these pictures: the mean of the three channels' variances. Of pictures with opacity that are
 /// learned over any background, color c + (1 - a) b with b even in [0, 1], what the best constant c and a leave: var c - cov(c, a) + var a / 3.
 pub fn constant_error(frames: &[Frame], any_background: bool) -> f64 {
@@ -160,7 +187,7 @@ mod tests {
     use super::*;
 
     fn watch() -> Watch {
-        Watch { constant: 0.1, start: 300, recent: VecDeque::new(), unseen: 0, still: 0 }
+        Watch { constant: 0.1, start: 300, recent: VecDeque::new(), unseen: 0, still: 0, last: None }
     }
 
     /// The first step at which a run is given up, and why.
@@ -251,6 +278,11 @@ mod tests {
         assert_eq!(constant_error(&scene.train, false), 0.0);
         let left = constant_error(&scene.train, true);
         assert!((left - 0.25 / 3.0).abs() < 1e-7, "{left}");
+        assert!(!blank(&scene.train));
+        for frame in &mut scene.train {
+            frame.image = Some(Photo::cut(64, 64, vec![[9, 9, 9, 0]; 64 * 64], [0.0; 3]));
+        }
+        assert!(blank(&scene.train));
     }
 
     /// Three percent better from window to window, and never better than a constant color: it has ten times as long, and no more.

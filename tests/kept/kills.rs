@@ -1,5 +1,6 @@
 //! Runs that are killed at random times, and resumed until they have ended, come to the bits of a run that wasn't disturbed.
 
+use std::fs;
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
@@ -109,6 +110,23 @@ fn killed_runs_come_to_the_same_end() {
     }
 }
 
+/// A last validation may take longer than what came before it: its checkpoint is there, and resuming measures what wasn't.
+#[test]
+fn a_run_killed_in_its_last_validation_is_measured_when_it_is_resumed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, args) in RUNS.into_iter().filter(|(name, _)| *name != "fit") {
+        let run = folder.path().join(name);
+        ends(0, &[args, &["--out", run.to_str().expect("a name in UTF-8")]].concat());
+        let whole = Kept::of(&run);
+        let log = fs::read_to_string(run.join("log.jsonl")).expect("a log");
+        let (before, last) = log.trim_end().rsplit_once('\n').expect("more than one line");
+        assert!(last.contains("\"val_psnr\":"), "{last}");
+        fs::write(run.join("log.jsonl"), format!("{before}\n")).expect("written");
+        told(0, &start(args, &run).wait_with_output().expect("it ends"), name);
+        Kept::of(&run).assert_same(&whole, name);
+    }
+}
+
 /// The first signal lets a step finish and be kept, the second ends the program at once.
 #[cfg(unix)]
 #[test]
@@ -135,6 +153,8 @@ fn a_second_signal_ends_at_once() {
         assert!(child.try_wait().expect("a state").is_none(), "it ended by itself");
         std::thread::sleep(Duration::from_millis(20));
     }
+    // By then its first step has begun.
+    std::thread::sleep(Duration::from_millis(500));
     signal("-TERM", &child);
     std::thread::sleep(Duration::from_millis(300));
     assert!(child.try_wait().expect("a state").is_none(), "the first signal let no step finish");

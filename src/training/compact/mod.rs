@@ -9,7 +9,7 @@ use pulp::Arch;
 use serde_json::{Map, Value};
 
 use crate::error::Result;
-use crate::files::npz::Arrays;
+use crate::files::npz::{Array, Arrays};
 use crate::hash_grid::{self, fast::Level};
 use crate::occupancy_grid::fast::Occupancy;
 use crate::random::{Key, Purpose};
@@ -148,8 +148,8 @@ impl Model for CompactModel {
         Some(Cells { low, high: low + size, resolution, occupied })
     }
 
-    fn state(&self) -> Arrays {
-        self.to_arrays()
+    fn arrays(&self) -> Box<dyn Iterator<Item = (String, Array)> + '_> {
+        Box::new(self.each_array())
     }
 
     fn restore(&mut self, state: &Arrays, file: &str) -> Result<()> {

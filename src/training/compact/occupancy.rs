@@ -32,6 +32,8 @@ const LOOKS: usize = 1 << 15;
 const OCCUPIED: f64 = 0.015;
 /// Cells of a task.
 const TASK: usize = 2048;
+/// Tasks of a round, whose buffers the next one uses again: the looks of a grown grid.
+const TASKS: usize = LOOKS / TASK;
 
 impl CompactModel {
     /// Every 16 steps: cells are looked at, densities fall and rise, and what is dense enough counts as occupied.
@@ -47,17 +49,20 @@ impl CompactModel {
             self.occupancy = self.occupancy.resampled(self.settings.occupancy);
         }
         let cells = self.cells(step, first);
-        let mut tasks = std::mem::take(&mut self.chunks);
-        tasks.resize_with(tasks.len().max(cells.len().div_ceil(TASK)), Chunk::default);
-        let chunks = &mut tasks[..cells.len().div_ceil(TASK)];
-        parallel::for_chunks(chunks, 1, |n, chunk| {
-            let first = n * TASK;
-            self.look(&cells[first..cells.len().min(first + TASK)], first, step, &mut chunk[0]);
-        });
-        for chunk in chunks {
-            self.occupancy.raise(&chunk.points, &chunk.sigma);
+        let mut chunks = std::mem::take(&mut self.chunks);
+        chunks.resize_with(chunks.len().max(TASKS), Chunk::default);
+        for (round, cells) in cells.chunks(TASKS * TASK).enumerate() {
+            let chunks = &mut chunks[..cells.len().div_ceil(TASK)];
+            parallel::for_chunks(chunks, 1, |n, chunk| {
+                let first = n * TASK;
+                let cells = &cells[first..cells.len().min(first + TASK)];
+                self.look(cells, round * TASKS * TASK + first, step, &mut chunk[0]);
+            });
+            for chunk in chunks {
+                self.occupancy.raise(&chunk.points, &chunk.sigma);
+            }
         }
-        self.chunks = tasks;
+        self.chunks = chunks;
         self.occupancy.update(DECAY);
         self.apply_thresholds();
     }

@@ -59,27 +59,34 @@ impl CompactModel {
         [&mut nets.weights, &mut nets.m, &mut nets.v, &mut nets.mean]
     }
 
-    pub(super) fn to_arrays(&self) -> Arrays {
-        let mut out = Arrays::new();
-        for (l, level) in self.levels.iter().enumerate() {
-            for (kind, entries) in KINDS.into_iter().zip(level.state()) {
-                out.insert(format!("level{l}_{kind}"), f32s(&[entries.len(), 4], entries.as_flattened()));
-            }
-        }
-        for (kind, weights) in KINDS.into_iter().zip(self.weights()) {
-            for (name, part) in NAMES.into_iter().zip(weights.parts()) {
-                out.insert(format!("{name}_{kind}"), f32s(&[part.len()], part));
-            }
-        }
-        let r = self.occupancy.resolution;
-        out.insert("occupancy_density".into(), f32s(&[r, r, r], &self.occupancy.density));
-        out.insert("occupancy_found".into(), f32s(&[r, r, r], &self.occupancy.found));
-        for (name, bits) in ["occupancy_bits", "occupancy_opaque"].into_iter().zip(self.occupancy.bits()) {
-            out.insert(name.into(), i64s(bits.into_iter().map(|b| b as i64).collect()));
-        }
-        out.insert("compact_again".into(), i64s(self.again.iter().map(|&pixel| i64::from(pixel)).collect()));
-        out.insert("compact_progress".into(), i64s(vec![self.step as i64, self.rays as i64]));
-        out
+    pub(super) fn each_array(&self) -> impl Iterator<Item = (String, Array)> + '_ {
+        let levels = self.levels.iter().enumerate().flat_map(|(l, level)| {
+            KINDS.into_iter().zip(level.state()).map(move |(kind, entries)| {
+                (format!("level{l}_{kind}"), f32s(&[entries.len(), 4], entries.as_flattened()))
+            })
+        });
+        let weights = KINDS.into_iter().zip(self.weights()).flat_map(|(kind, weights)| {
+            let parts = NAMES.into_iter().zip(weights.parts());
+            parts.map(move |(name, part)| (format!("{name}_{kind}"), f32s(&[part.len()], part)))
+        });
+        levels.chain(weights).chain(self.progress())
+    }
+
+    /// What a state has beside parameters.
+    fn progress(&self) -> impl Iterator<Item = (String, Array)> {
+        let Occupancy { resolution: r, density, found, .. } = &self.occupancy;
+        let bits = self.occupancy.bits().map(|bits| i64s(bits.into_iter().map(|b| b as i64).collect()));
+        let [occupied, opaque] = bits;
+        let again = self.again.iter().map(|&pixel| i64::from(pixel)).collect();
+        let arrays = [
+            ("occupancy_density", f32s(&[*r, *r, *r], density)),
+            ("occupancy_found", f32s(&[*r, *r, *r], found)),
+            ("occupancy_bits", occupied),
+            ("occupancy_opaque", opaque),
+            ("compact_again", i64s(again)),
+            ("compact_progress", i64s(vec![self.step as i64, self.rays as i64])),
+        ];
+        arrays.into_iter().map(|(name, array)| (name.to_string(), array))
     }
 
     pub(super) fn take_arrays(&mut self, state: &Arrays, file: &str) -> Result<()> {

@@ -17,7 +17,7 @@ use super::sound::FOREIGN;
 use crate::convention::{Conventions, Delta, Directions, Grid, LastDelta, PdfDivision, PixelCenter};
 use crate::encoding::{Encoding, positional_encoding};
 use crate::error::{Error, Result};
-use crate::files::npz::Arrays;
+use crate::files::npz::{Array, Arrays};
 use crate::importance_sampling::{sample, sample_snapped, union};
 use crate::parallel;
 use crate::ray::Ray;
@@ -244,8 +244,8 @@ impl Model for ForeignModel {
         None
     }
 
-    fn state(&self) -> Arrays {
-        self.arrays.clone()
+    fn arrays(&self) -> Box<dyn Iterator<Item = (String, Array)> + '_> {
+        Box::new(self.arrays.clone().into_iter())
     }
 
     fn restore(&mut self, state: &Arrays, file: &str) -> Result<()> {
@@ -271,5 +271,5 @@ pub fn own(state: &Arrays) -> Arrays {
 /// Where a file can't be written.
 pub fn keep(folder: &RunFolder, model: &ForeignModel) -> Result<()> {
     folder.begin_log()?;
-    folder.save(Checkpoint { state: model.state(), step: 0, seconds: 0.0, samples: 0 })
+    folder.save(Checkpoint { state: model.arrays(), step: 0, seconds: 0.0, samples: 0 })
 }
