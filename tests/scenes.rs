@@ -269,6 +269,36 @@ fn damaged_json_and_pictures_are_refused_by_name() {
 }
 
 #[test]
+fn what_is_near_to_a_scene_is_told_how_it_becomes_one() {
+    let folder = captured(|_| ());
+    let outer = tempfile::tempdir().unwrap();
+    let inner = outer.path().join("download").join("my capture");
+    std::fs::create_dir_all(&inner).unwrap();
+    refused(outer.path(), &["a folder without transforms.json", "Start with builtin:spheres"]);
+    for name in ["a.png", "b.png"] {
+        std::fs::copy(folder.path().join(name), inner.join(name)).unwrap();
+    }
+    refused(&inner, &["2 pictures, and nothing that says where they were taken from", "COLMAP"]);
+    std::fs::copy(folder.path().join("transforms.json"), inner.join("transforms.json")).unwrap();
+    let deeper = Path::new("download").join("my capture").display().to_string();
+    refused(outer.path(), &[&format!("some below it: {deeper}"), &inner.display().to_string()]);
+    let images = inner.join("train");
+    std::fs::create_dir(&images).unwrap();
+    std::fs::copy(inner.join("a.png"), images.join("a.png")).unwrap();
+    refused(&images, &["a folder above it has one", &format!("Give that folder: {}.", inner.display())]);
+    let run = outer.path().join("run");
+    std::fs::create_dir(&run).unwrap();
+    std::fs::write(run.join("run.json"), "{}").unwrap();
+    refused(&run, &["a run", "train takes the scene"]);
+    let archive = outer.path().join("capture.zip");
+    std::fs::write(&archive, "PK").unwrap();
+    refused(&archive, &["a file of another kind: an archive", "Unpack it"]);
+    let film = outer.path().join("capture.MP4");
+    std::fs::write(&film, "film").unwrap();
+    refused(&film, &["a film", "ffmpeg"]);
+}
+
+#[test]
 fn cameras_in_one_place_need_near_and_far() {
     let folder = captured(|json| {
         json["frames"][1]["transform_matrix"] = json["frames"][0]["transform_matrix"].clone();

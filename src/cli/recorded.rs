@@ -12,6 +12,10 @@ use crate::training::model::Model;
 
 const REMEDY: &str = "Put back what train wrote there, or train the run again.";
 
+/// Of what is derived, which isn't always done as it was.
+const REDERIVED: &str = "Put back what train wrote there. Where nobody has changed it, another version trained the run and derived this \
+     differently: use that one, or train the run again.";
+
 const DISTANCE: Holds = Maybe(&Number(0.0, LENGTH));
 const COUNT: Holds = Maybe(&Whole(1, STEPS as u64));
 const POSITIVE: Holds = Maybe(&Above(0.0, f64::MAX));
@@ -94,7 +98,13 @@ pub(super) fn check_same(
             if !words.contains(&name.as_str()) && !same(had, now) {
                 let (field, expected) =
                     (format!("{part}.{name}"), format!("{}, which its scene and options give", short(now)));
-                return Err(Error::input(Input { file, field, found: short(had), expected, remedy: REMEDY }));
+                return Err(Error::input(Input {
+                    file,
+                    field,
+                    found: short(had),
+                    expected,
+                    remedy: REDERIVED,
+                }));
             }
         }
     }

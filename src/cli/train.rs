@@ -17,7 +17,7 @@ use super::options::{
 use super::signals::{Signal, Signals};
 use super::spelling::spelled;
 use super::{live, output, progress, recipe, recorded, run_page};
-use crate::error::Result;
+use crate::error::{Error, Input, Result};
 use crate::files;
 use crate::limits::{RAYS, SAMPLES, WIDTH};
 use crate::parallel;
@@ -29,6 +29,7 @@ use crate::training::compact::{Extent, Part};
 use crate::training::identity::Identity;
 use crate::training::model::Model;
 use crate::training::run::{LogPoint, News, Options, Run};
+use crate::training::watch::blank;
 
 /// Options of `train`.
 #[derive(clap::Args, Clone, Debug)]
@@ -182,6 +183,15 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     let recipe = recipe::given(args);
     let scene = Arc::new(recipe::load_scene(&recipe, false, "arguments")?);
     scene.warnings.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
+    if blank(&scene.train) {
+        return Err(Error::input(Input {
+            file: &scene.name,
+            field: "pictures",
+            found: "the same color in every pixel",
+            expected: "something to learn",
+            remedy: "Check that the pictures are those that were meant, and their opacity: transparent pixels show nothing.",
+        }));
+    }
     let identity = Identity::new(&recipe::kept(&recipe), scene.digest());
     // A run that was stopped before it had written anything begins.
     let resume = args.resume && !RunFolder::is_untouched(&args.out);

@@ -107,11 +107,12 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
 
 /// From the cameras' distance to their common focus.
 ///
-/// The nearest camera at distance r: near = r / 2, or in front of the real world, where that is less, r (1 - sin a) for a camera that sees
-/// as far as an angle a to one side: there a ball begins that fills the picture. With a smaller near, a field explains single photographs
-/// with specks in front of their cameras. Axes that hardly differ meet anywhere, far behind what they look at too: r / 10. The farthest
-/// at R: far = 3 R / 2 over a plain background (an object as large as half the distance to it), 2 R in front of the
-/// real world. On the synthetic scenes of the NeRF paper, r = R = 4.03, this is their customary 2 and 6, which is used exactly.
+/// The nearest camera at distance r: near = r / 2, or where that is less, r (1 - sin a) for a camera that sees as far as an angle a to one
+/// side: there a ball begins that fills the picture. With a smaller near, a field explains single photographs with specks in front of
+/// their cameras. In the real world, axes that hardly differ meet anywhere, far behind what they look at too: r / 10. The farthest at R: far
+/// = 2 R in front of the real world. Over a plain background 3 R / 2, or where that is more, R (1 + tan a), 2 R at the most: as far reaches
+/// the end of a bar that just fits into the picture from the side. On the synthetic scenes of the NeRF paper, r = R = 4.03, this is their
+/// customary 2 and 6, which is used exactly.
 fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
     let distances = cameras.iter().map(|camera| (focus - center(camera)).length());
     let (low, high) = distances.fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
@@ -119,13 +120,16 @@ fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
         let why = format!("customary where cameras stand {low:.3} to {high:.3} from their focus");
         return Range { near: 2.0, far: 6.0, why };
     }
+    let ball = cameras.iter().map(|camera| 1.0 - widest(camera)).fold(0.5, f64::min);
     let (near, factor) = match backdrop {
-        Backdrop::Plain => (0.5, 1.5),
+        Backdrop::Plain => {
+            (ball, 1.0 + cameras.iter().map(|camera| widest_slope(camera)).fold(0.5, f64::max).min(1.0))
+        }
         _ if fan(cameras) < 10f64.to_radians() => (0.1, 2.0),
-        _ => (cameras.iter().map(|camera| 1.0 - widest(camera)).fold(0.5, f64::min), 2.0),
+        _ => (ball, 2.0),
     };
     let why = format!(
-        "cameras stand {low:.3} to {high:.3} from their common focus: near is {near:.3} of the smallest, far {factor} of the largest"
+        "cameras stand {low:.3} to {high:.3} from their common focus: near is {near:.3} of the smallest, far {factor:.3} of the largest"
     );
     Range { near: near * low, far: factor * high, why }
 }

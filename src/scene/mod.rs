@@ -10,7 +10,7 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 
 use crate::camera::{Camera, Intrinsics};
-use crate::error::{Error, Input, Result};
+use crate::error::{Error, Result};
 use crate::parallel;
 use crate::random::Key;
 use crate::ray::draw_index;
@@ -26,6 +26,7 @@ mod colmap;
 pub(crate) mod digest;
 mod doubts;
 mod fields;
+mod hint;
 mod layout;
 mod lens;
 mod llff;
@@ -245,8 +246,7 @@ fn read(scene: &str, options: &Options) -> Result<Scene> {
     if is("npz") {
         return npz::load(path, options);
     }
-    let folder = ["transforms.json", "transforms_train.json"].iter().any(|file| path.join(file).is_file());
-    if is("json") || folder {
+    if is("json") || has_transforms(path) {
         return transforms::load(path, options);
     }
     if let Some(capture) = colmap::at(path) {
@@ -255,13 +255,15 @@ fn read(scene: &str, options: &Options) -> Result<Scene> {
     if let Some(capture) = llff::at(path) {
         return llff::load(&capture, options);
     }
-    let found = match (path.is_dir(), path.exists()) {
-        (true, _) => "a folder without transforms.json, transforms_train.json, sparse/0 or poses_bounds.npy",
-        (_, true) => "a file of another kind",
-        (_, false) => "nothing there",
-    };
-    let expected =
-        "builtin:NAME, an .npz, a folder or file of transforms*.json, or a folder that COLMAP or LLFF wrote";
-    let remedy = "Start with builtin:spheres, which needs no file.";
-    Err(Error::input(Input { file: scene, field: "scene", found, expected, remedy }))
+    Err(hint::no_scene(scene))
+}
+
+fn has_transforms(folder: &Path) -> bool {
+    ["transforms.json", "transforms_train.json"].iter().any(|file| folder.join(file).is_file())
+}
+
+/// Whether a folder is a scene by itself.
+fn is_folder_of_scene(folder: &Path) -> bool {
+    let whole = |capture: pictures::Capture| capture.chosen.is_none();
+    has_transforms(folder) || colmap::at(folder).is_some_and(whole) || llff::at(folder).is_some_and(whole)
 }

@@ -45,7 +45,7 @@ pub(super) fn file(folder: &Path, name: &str) -> Option<PathBuf> {
 }
 
 /// The pictures in a folder, sorted by name; none where it isn't one.
-fn all(folder: &Path) -> Vec<PathBuf> {
+pub(super) fn all(folder: &Path) -> Vec<PathBuf> {
     let picture = |path: &PathBuf| {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
         // A system's own notes beside pictures (macOS: `._a.jpg`) are none.
