@@ -91,6 +91,9 @@ const SAMPLES_FIRST: f64 = 128.0;
 /// Steps over which samples grow by the square root of 2.
 const SAMPLES_GROW: f64 = 2000.0;
 
+/// The step from which on batches grow.
+const BATCH_GROWS: f64 = 2000.0;
+
 /// Pixels of a scene from which on a level's table has 2^18 entries: a batch is too small a part of them to spoil what others learned.
 const MANY_PIXELS: usize = 8_000_000;
 
@@ -195,7 +198,7 @@ impl CompactSettings {
             "batch",
             or(
                 Part::Growth,
-                "16,384 samples, from step 500 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs",
+                "16,384 samples, from step 2,000 on in proportion to the step, up to 65,536: the noise of small steps averages out of pictures, and many of them learn more than few large ones",
             ),
         );
         because(
@@ -304,13 +307,14 @@ impl CompactSettings {
     }
 
     /// Samples of a training step: as learning slows down, more samples average out more of their noise, and share the fixed cost of a
-    /// step. Constant up to step 500, then in proportion to it, up to 4 times the first.
+    /// step. Constant up to step 2,000, then in proportion to it, up to 4 times the first: the same samples in more steps learn more, as
+    /// long as the pictures' running mean takes their noise.
     pub fn batch_at(&self, step: u64) -> usize {
         // A given number of rays stays constant.
         if self.rays.is_some() || self.without.contains(&Part::Growth) {
             return self.batch;
         }
-        let growth = (step as f64 / 500.0).clamp(1.0, 4.0);
+        let growth = (step as f64 / BATCH_GROWS).clamp(1.0, 4.0);
         ((growth * self.batch as f64) as usize).next_multiple_of(1024)
     }
 
