@@ -34,7 +34,7 @@ class Bench:
 
     def __init__(self, program, data, folder):
         self.tool, self.data, self.folder, self.said = program, data, Path(folder), []
-        self.trained = {}
+        self.trained, self.cost, self.seeds = {}, {}, SEEDS
 
     def run(self, *words, show=None, ok=(0,)):
         """One command from the repository's root: (standard output, seconds). `show` is how the page has it."""
@@ -43,12 +43,18 @@ class Bench:
         for path, name in [(self.tool, "nerf-oracle"), (self.folder, "OUT"), (self.data, "DATA"), (sys.executable, "python")]:
             shown = shown.replace(str(path), name)
         self.said.append(shown)
-        start = time.perf_counter()
-        done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False, env={**os.environ, "LC_ALL": "C"})
-        seconds = time.perf_counter() - start
-        if done.returncode not in ok:
-            raise RuntimeError(f"{shown}: exit {done.returncode}\n{done.stderr[-2000:]}")
-        return done.stdout, seconds
+        with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as errors:
+            start = time.perf_counter()
+            child = subprocess.Popen(words, cwd=ROOT, stdout=out, stderr=errors, env={**os.environ, "LC_ALL": "C"})
+            # Waited for by its number, which tells its own memory, and not the most of all programs so far.
+            _, status, used = os.wait4(child.pid, 0)
+            seconds, child.returncode = time.perf_counter() - start, os.waitstatus_to_exitcode(status)
+            out.seek(0), errors.seek(0)
+            told, wrong = out.read().decode(), errors.read().decode()
+        if child.returncode not in ok:
+            raise RuntimeError(f"{shown}: exit {child.returncode}\n{wrong[-2000:]}")
+        self.memory = used.ru_maxrss / 1024
+        return told, seconds
 
     def json(self, *words, **more):
         """The object that the program prints with --json: (object, seconds)."""
@@ -69,7 +75,8 @@ class Bench:
         if key not in self.trained:
             words = ["train", self.scene(scene), "--out", folder, "--seconds", seconds, "--seed", seed, *more]
             show = f"nerf-oracle train {scene} --out RUN --seconds {seconds} --seed N {' '.join(more)}"
-            self.run(self.tool, *words, show=show.strip())
+            _, seconds = self.run(self.tool, *words, show=show.strip())
+            self.cost[folder] = (seconds, self.memory)
             log = [json.loads(line) for line in (folder / "log.jsonl").read_text().splitlines()]
             self.trained[key] = (folder, log)
         return self.trained[key]
@@ -192,6 +199,26 @@ def capture(bench):
     return f"{number(end['val_psnr'], 4)} dB, {number(end['samples'] / end['seconds'] / 1e6)} million points/s"
 
 
+def sized(scene, seconds, *more):
+    """A scene as people have it: all pixels of its held-out views, the whole run's wall clock, and memory."""
+
+    def measure(bench):
+        runs = [bench.run_of(scene, seconds, seed, "--val-all", *more) for seed in bench.seeds]
+        ends = [[line for line in log if line["val_psnr"] is not None][-1] for _, log in runs]
+        cost = [bench.cost[folder] for folder, _ in runs]
+        found = [middle([end["val_psnr"] for end in ends], " dB", 4), middle([wall for wall, _ in cost], " s in all")]
+        points = middle([end["samples"] / end["seconds"] / 1e6 for end in ends], " million points/s")
+        return "; ".join([*found, middle([memory for _, memory in cost], " MiB"), points])
+
+    return measure
+
+
+def matrix(bench):
+    """Whether training learns wherever it is taken."""
+    answer, _ = bench.json("matrix", ok=(0, 1))
+    return f"{answer['learned']} of {answer['runs']}"
+
+
 def tests(bench):
     """The whole suite, after building."""
     bench.run("cargo", "test", "--release", "--locked", "--no-run")
@@ -227,6 +254,14 @@ FIGURES = [
     Figure("lego", "compact model on Lego 200", "10 s, 45 s, 33 dB, 1.5 million", lego),
     Figure("view", "one 200 x 200 view of it after 5 minutes", "0.25 s at 45 dB", view),
     Figure("capture", "compact model on a capture of 50 photographs, 2 minutes", "24 dB", capture),
+    Figure("lego_800", "Lego 800, 25 test views, 60 s", "31 dB; 500 MiB", sized("lego_800", 60)),
+    Figure("lego_400", "the same at `--scale 1/2`", "31.5 dB", sized("lego_800", 60, "--scale", "1/2")),
+    Figure("chair_400", "Chair 400, 60 s", "31 dB", sized("chair_400", 60)),
+    Figure("fox_capture", "the small capture, 60 s", "28.5 dB; 75 s in all", sized("fox_capture", 60)),
+    Figure("fox_540", "the same at 540 x 960, 2 minutes", "25 dB", sized("fox_540", 120)),
+    Figure("fern", "LLFF's fern, 5 minutes", "23.5 dB", sized("fern_llff", 300)),
+    Figure("beer", "a capture of COLMAP's at `--scale 1/2`, 5 minutes", "learns", sized("beer_colmap", 300, "--scale", "1/2")),
+    Figure("matrix", "`matrix`: builtin scenes of all sizes that learn", "all", matrix),
     Figure("dense", "share of the best matrix product in the dense layers", "65%", dense),
     Figure("skip", "8x256 with occupancy grid and early stop against the dense step", "5 times", skipping),
     Figure("tests", "`cargo test --release` after building", "120 s", tests),
@@ -272,10 +307,11 @@ def main():
     words.add_argument("--quick", action="store_true", help="only what takes seconds")
     words.add_argument("--only", default="", help="these figures, separated by commas; none: only write the page again")
     words.add_argument("--data", type=Path, default=ROOT.parent / "shared" / "data", help="folder of scenes")
+    words.add_argument("--seeds", type=int, default=len(SEEDS), help="how many seeds a scene is trained with")
     words.add_argument("--busy", action="store_true", help="mark the machine as busy with other work")
     asked = words.parse_args()
     if asked.list:
-        print("\n".join(f"{f.id:10} {'quick ' if f.quick else '      '} {f.what}" for f in FIGURES))
+        print("\n".join(f"{f.id:11} {'quick ' if f.quick else '      '} {f.what}" for f in FIGURES))
         return
     only = None if not asked.only else [] if asked.only == "none" else asked.only.split(",")
     if unknown := set(only or []) - {f.id for f in FIGURES}:
@@ -286,6 +322,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
         bench = Bench((target / "release" / "nerf-oracle").resolve(), asked.data.resolve(), folder)
+        bench.seeds = SEEDS[: asked.seeds]
         # The program that is measured is that of this tree, whatever was built before.
         if any(figure.measure not in [crates, mutants] for figure in wanted):
             bench.run("cargo", "build", "--release", "--locked")
