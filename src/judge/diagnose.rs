@@ -4,7 +4,7 @@ use super::answer::Answers;
 use super::assignment::{Partial, apply, changes, open, partial, possible};
 use super::evidence::{Explanation, Suspect, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
-use super::fitted::fitting;
+use super::fitted::{fitting, fitting_pairs};
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::MarkOptions;
 use super::mostly::mostly;
@@ -98,6 +98,13 @@ pub fn diagnose(
     let slips = slipped(question, answers, base, options, Beside::Nothing);
     if !slips.is_empty() {
         return slips;
+    }
+    if question.kind == Kind::Forward {
+        let near: Vec<_> = singles.iter().map(|p| apply(p, base)).collect();
+        let fitted = fitting_pairs(question, answers, &near, options);
+        if !fitted.is_empty() {
+            return ranked(fitted, question, answers, &home, options);
+        }
     }
     let most = mostly(question, answers, base, suspects, options);
     if let Some(named) = most.clone().filter(|e| parted.is_none() && e.wrong()) {

@@ -52,6 +52,7 @@ mod slips;
 pub mod statistics;
 mod truths;
 pub(crate) mod typed;
+mod unread;
 
 pub use candidate::{Candidate, judge, judge_large};
 pub use door::Door;
