@@ -4,6 +4,7 @@
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, Given, reshaped};
+use super::assignment::small_cases;
 use super::evidence::{Suspect, explains_all, shows, usable};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
@@ -17,8 +18,9 @@ use crate::parallel;
 /// Elements that a number is read off.
 const ELEMENTS: usize = 5;
 
-/// Pairs of mistakes, each in some conventions, that a number is fitted in.
-const PAIRED: usize = 600;
+/// Elements that all pairs together may have in their smallest case, and what each costs beside.
+const WORK: usize = 100_000;
+const LEAST: usize = 100;
 
 /// Numbers of a range that are tried before one is read off, on so many of the smallest cases, and by how much of an answer's size it may
 /// lie beyond what they give.
@@ -71,12 +73,19 @@ pub(crate) fn fitting_pairs(
 ) -> Vec<Hypothesis> {
     let all = || question.component.mistakes.iter().filter(|m| !m.gradient);
     let numbered = all().filter(|m| m.number.is_some());
-    let pairs = numbered.flat_map(|m| all().filter(|o| o.name != m.name).map(move |o| (m, o.name)));
-    let pairs: Vec<_> = pairs.collect();
-    let near = &near[..near.len().min((PAIRED / pairs.len().max(1)).max(1))];
+    let mut pairs: Vec<(&Mistake, &Mistake)> = numbered
+        .flat_map(|m| all().filter(|other| other.name != m.name).map(move |other| (m, other)))
+        .collect();
+    // What is seen most often first, and no more than there is time for.
+    pairs.sort_by_key(|(m, other)| std::cmp::Reverse(m.count + other.count));
+    let cases = small_cases(question, answers);
+    let Some((case, _)) = cases.first() else { return vec![] };
+    let most = WORK / (LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>());
+    pairs.truncate(most);
+    let near = &near[..near.len().min(most / pairs.len().max(1))];
     let found = parallel::map(pairs.len() * near.len(), |n| {
         let ((mistake, other), c) = (pairs[n / near.len()], near[n % near.len()]);
-        let usual = Hypothesis::new(vec![other, mistake.name], c);
+        let usual = Hypothesis::new(vec![other.name, mistake.name], c);
         let fits = |h: &Hypothesis| {
             explains_all(h, question, answers, options) && shows(h, question, answers, options)
         };
