@@ -8,6 +8,7 @@ use super::fitted::{fitting, fitting_pairs};
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::MarkOptions;
 use super::mostly::mostly;
+use super::paired::paired;
 use super::peel::peel;
 use super::slips::{Beside, slipped};
 use super::statistics;
@@ -102,8 +103,9 @@ pub fn diagnose(
     if question.kind == Kind::Forward {
         let near: Vec<_> = singles.iter().map(|p| apply(p, base)).collect();
         let fitted = fitting_pairs(question, answers, &near, options);
-        if !fitted.is_empty() {
-            return ranked(fitted, question, answers, &home, options);
+        let pairs = if fitted.is_empty() { paired(question, answers, base, options) } else { fitted };
+        if !pairs.is_empty() {
+            return ranked(pairs, question, answers, &home, options);
         }
     }
     let most = mostly(question, answers, base, suspects, options);

@@ -39,6 +39,7 @@ mod mostly;
 pub(crate) mod numeric;
 mod observed;
 pub(crate) mod page;
+mod paired;
 mod peel;
 mod reach;
 mod rearranged;
