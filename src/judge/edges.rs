@@ -213,8 +213,8 @@ mod tests {
                 )))
             });
             let row = report.rows.iter().find(|row| row.kind == "vjp").expect("it has a gradient");
-            let names: Vec<&str> = row.diagnosis.iter().flat_map(|e| &e.mistakes).map(|m| m.name).collect();
-            assert_eq!((row.verdict, &names[..]), (Verdict::Edge, &["gradient_not_a_number_at_origin"][..]));
+            let first: Vec<&str> = row.diagnosis[0].mistakes.iter().map(|m| m.name).collect();
+            assert_eq!((row.verdict, &first[..]), (Verdict::Edge, &["gradient_not_a_number_at_origin"][..]));
         }
     }
 }

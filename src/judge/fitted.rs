@@ -265,7 +265,6 @@ mod tests {
             ("mlp", "leaky_units", 0.2),
             ("ray_aabb", "eps_in_direction", 1e-4),
             ("ndc_rays", "eps_in_depth", 1e-4),
-            ("ray_aabb", "tiny_direction_replaced", 1e-4),
             ("sample_along_rays", "jitter_about_grid", 2e-3),
             ("volume_render", "weights_normalized", 1e-5),
             ("volume_render", "divided_by_opacity", 1e-3),

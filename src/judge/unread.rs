@@ -6,16 +6,18 @@ use super::answer::{Answer, reshaped};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Component;
 
-/// Predicts what was answered, where a prediction says that nobody reads it. The output that says so must have been answered: it is held
-/// against the prediction itself.
+/// Predicts what was answered, where a prediction says that nobody reads it, and so does the answer: else whatever is predicted to be
+/// missed would explain any t.
 pub(crate) fn as_answered(component: &Component, answer: &Answer, predicted: &mut Arrays) {
     for (output, by) in component.special.unread {
-        let read = predicted.get(*by).filter(|_| answer.contains_key(*by)).cloned();
-        let (Some(read), Some(predicted)) = (read, predicted.get_mut(*output)) else { continue };
-        let given = answer.get(*output).and_then(|given| reshaped(&given.values, read.shape()));
-        let Some((given, _)) = given.filter(|_| predicted.shape() == read.shape()) else { continue };
-        for ((predicted, given), read) in predicted.iter_mut().zip(&given).zip(&read) {
-            *predicted = if *read == 0.0 { *given } else { *predicted };
+        let (Some(read), Some(predicted)) = (predicted.get(*by).cloned(), predicted.get_mut(*output)) else {
+            continue;
+        };
+        let of_shape = |name: &str| reshaped(&answer.get(name)?.values, read.shape()).map(|(array, _)| array);
+        let both = of_shape(output).zip(of_shape(by)).filter(|_| predicted.shape() == read.shape());
+        let Some((given, said)) = both else { continue };
+        for (((predicted, given), read), said) in predicted.iter_mut().zip(&given).zip(&read).zip(&said) {
+            *predicted = if *read == 0.0 && *said == 0.0 { *given } else { *predicted };
         }
     }
 }
@@ -78,6 +80,38 @@ mod tests {
         let all = |question: &Question| question.cases.iter().map(|case| off(question, case)).collect();
         let report = judge_answers(&exam, &exam.questions.iter().map(all).collect::<Vec<_>>(), EXP_ULP);
         report.rows.iter().find(|row| row.kind == "vjp").expect("it has a gradient").verdict
+    }
+
+    #[test]
+    fn zz_debug() {
+        let exam = Exam::new("ray_aabb", Dtype::F32, None).unwrap();
+        let question = exam.questions.iter().find(|q| q.kind == crate::contract::check::Kind::Vjp).unwrap();
+        let h = Hypothesis { fitted: Some(1e-8), ..Hypothesis::new(vec!["eps_in_direction"], CS180) };
+        let options = MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 };
+        for case in &question.cases {
+            let direction = question.component.direction(question.kind).unwrap();
+            let mut answer = given((direction.oracle)(&case.inputs, &CS180));
+            let read =
+                (question.component.forward.wrong)(&case.inputs, &CS180, &["eps_in_direction=1e-8"])["hit"]
+                    .clone();
+            for gradient in answer.iter_mut().filter(|(name, _)| name.starts_with("grad_")) {
+                for (mut row, read) in gradient.1.values.outer_iter_mut().zip(&read) {
+                    row *= *read;
+                }
+            }
+            let (p, e) = h.prediction(question, case);
+            println!(
+                "{} {} {} {:?}",
+                case.id,
+                h.explains(question, case, &answer, &options),
+                h.residual(question, case, &answer, &options),
+                Hypothesis { loose: true, ..Hypothesis::new(vec![], CS180) }
+                    .compared(&h, question, case, &answer, &options)
+            );
+            if case.id == "CG1_in_a_face" {
+                println!("{p:?}\n{e:?}\n{answer:?}");
+            }
+        }
     }
 
     #[test]
