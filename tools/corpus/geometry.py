@@ -46,7 +46,13 @@ def axis_by_axis(rays_o, rays_d, low, high, near, far):
     return tuple(np.array(column, rays_o.dtype) for column in zip(*out))
 
 
-@fault("ray_aabb", "tiny_direction_replaced", "eps_in_direction", seen="an engine in numpy: sign(d) max(|d|, 1e-9)", arrays="numpy")
+@fault(
+    "ray_aabb",
+    "tiny_direction_replaced",
+    "eps_in_direction",
+    seen="an engine in numpy: sign(d) max(|d|, 1e-9)",
+    arrays="numpy",
+)
 def components_of_at_least_1e_9(rays_o, rays_d, low, high, near, far):
     """Zeros become 1e-9: right but for rays that lie in the far face, which leave at 0."""
     sign = np.where(rays_d < 0, -1, 1).astype(rays_d.dtype)
@@ -159,7 +165,13 @@ def faces_left_to_the_arithmetic(rays_o, rays_d, low, high, near, far):
     return enter, leave, (enter <= leave).float()
 
 
-@fault("ray_aabb", "tiny_direction_replaced+beyond_far_is_a_hit", "eps_in_direction+beyond_far_is_a_hit", seen="a batched slab test in jax (1e-6)", arrays="numpy")
+@fault(
+    "ray_aabb",
+    "tiny_direction_replaced+beyond_far_is_a_hit",
+    "eps_in_direction+beyond_far_is_a_hit",
+    seen="a batched slab test in jax (1e-6)",
+    arrays="numpy",
+)
 def at_least_1e_6_and_far_not_asked(rays_o, rays_d, low, high, near, far):
     """Components below 1e-6 are replaced; a hit is what isn't behind the camera."""
     safe = np.where(np.abs(rays_d) < 1e-6, np.where(rays_d < 0, -1e-6, 1e-6), rays_d).astype(rays_d.dtype)
