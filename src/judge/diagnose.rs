@@ -179,9 +179,7 @@ fn sets(question: &Question, count: usize, suspects: &[Suspect]) -> Vec<Vec<&'st
         .filter(|(set, fitted)| fitted.is_none() && (set.len() == count || count == 2 && set.len() > 2))
         .map(|(set, _)| set.clone())
         .collect();
-    // Where misses have no gradient that is asked for, what makes rays miss would explain any: the forward answers must have shown it.
-    let open = question.kind == Kind::Vjp && !question.component.special.unread.is_empty();
-    let shown = |m: &&Mistake| if open { m.gradient } else { question.kind == Kind::Vjp || !m.gradient };
+    let shown = |m: &&Mistake| question.kind == Kind::Vjp || !m.gradient;
     let names: Vec<_> = question.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
     // Numeric gradients of pairs would take minutes: only pairs that the forward answers suggest.
     let pairs = question.kind == Kind::Forward;

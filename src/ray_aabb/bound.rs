@@ -1,7 +1,7 @@
 //! Error bounds of rays and boxes.
 //!
 //! Whether a ray hits is certain where the two ends are further apart than their errors; otherwise either answer is admissible. On a
-//! miss there is no t, and any is admissible; nor has any a gradient that one could ask for.
+//! miss there is no t, and any is admissible.
 
 use super::arrays::{RayAndBox, forward, vjp};
 use crate::camera::bound::{any_order, hyper};
@@ -98,11 +98,13 @@ pub(crate) fn ray_aabb(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     })
 }
 
-/// Bound of [`super::backward::between`]: infinite where two axes, or an axis and near or far, may determine an end, and on a miss, whose
-/// t may be anything.
+/// Bound of [`super::backward::between`]: infinite where two axes, or an axis and near or far, may determine an end.
 pub(crate) fn ray_aabb_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, |q, g| {
         let ends = ends(q, m);
+        if decided(&ends) == Some(false) {
+            return [[0.0; 3]; 2];
+        }
         let unknown = [[f64::INFINITY; 3]; 2];
         let (Some(true), Some(ends)) = (decided(&ends), ends) else { return unknown };
         let mut terms: [[Vec<Bounded>; 3]; 2] = Default::default();

@@ -144,7 +144,7 @@ def line(rays_o, rays_d, low, high):
     return torch.minimum(a, b).max(-1).values, torch.maximum(a, b).min(-1).values
 
 
-@fault("ray_aabb", "eps_in_direction", seen="a text-to-3D code and a copy of it (1e-8), whose caller masks misses", times=2)
+@fault("ray_aabb", "eps_in_direction", seen="a text-to-3D code and a copy of it (1e-8), whose caller masks misses", times=2, gradient="none")
 def direction_plus_1e_8_and_misses_as_they_are(rays_o, rays_d, low, high, near, far):
     """d + 1e-8; on a miss t is what comes out."""
     enter, leave = line(rays_o, rays_d + 1e-8, low, high)
@@ -156,7 +156,7 @@ def direction_plus_1e_8_and_misses_as_they_are(rays_o, rays_d, low, high, near, 
     "ray_aabb",
     "face_is_a_miss",
     seen="a port of a WebGL path tracer to torch, cut to a range by its caller",
-    gradient=("not_a_number_along_axes",),
+    gradient="none",
 )
 def faces_left_to_the_arithmetic(rays_o, rays_d, low, high, near, far):
     """0 / 0 in a face, and infinities beside it: NaN is compared with near and far, and differentiated."""
@@ -186,6 +186,7 @@ def at_least_1e_6_and_far_not_asked(rays_o, rays_d, low, high, near, far):
     "tiny_direction_replaced+behind_is_a_hit",
     "eps_in_direction+behind_is_a_hit",
     seen="a scene editor's culling in torch: from 0 on, whatever is hit by the line",
+    gradient="none",
 )
 def line_against_box(rays_o, rays_d, low, high):
     """No range is taken: entries are cut at 0, boxes behind count, and every part is at least 1e-4 long."""
@@ -202,9 +203,9 @@ def without_a_range(rays_o, rays_d, low, high):
     return answer(*slabs(rays_o, rays_d, low, high), 0.0, np.inf, rays_o.dtype)
 
 
-@right("ray_aabb", seen="torch codes whose caller masks misses", times=3)
+@right("ray_aabb", seen="torch codes whose caller masks misses", times=3, gradient="none")
 def misses_as_they_are(rays_o, rays_d, low, high, near, far):
-    """Zeros are taken for 1 and left out; on a miss t is what comes out, and so is its gradient."""
+    """Zeros are taken for 1 and left out; on a miss t is what comes out."""
     along, inside = rays_d == 0, (rays_o >= low) & (rays_o <= high)
     safe, never = torch.where(along, 1.0, rays_d), torch.where(inside, -torch.inf, torch.inf)
     a, b = (low - rays_o) / safe, (high - rays_o) / safe

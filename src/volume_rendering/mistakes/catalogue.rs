@@ -75,8 +75,8 @@ const UNIT_WEIGHTS: Mistake = Mistake::new(
     "the weights are divided by their Euclidean norm, as a vector's normalize does",
     "they sum to more than 1; empty rays are NaN",
     "leave them: what is missing to 1 is the background's",
-    "2 public implementations, one with 1e-5 added to the sum",
-    2,
+    "1 public implementation; an option of another adds 1e-5 to the sum",
+    1,
 )
 .with("eps", 0.0, [1e-16, 1e-1]);
 const COLORS_MOVED: Mistake = Mistake::new(
