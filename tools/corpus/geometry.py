@@ -167,22 +167,6 @@ def faces_left_to_the_arithmetic(rays_o, rays_d, low, high, near, far):
 
 @fault(
     "ray_aabb",
-    "tiny_direction_replaced+beyond_far_is_a_hit",
-    "eps_in_direction+beyond_far_is_a_hit",
-    seen="a batched slab test in jax (1e-6)",
-    arrays="numpy",
-)
-def at_least_1e_6_and_far_not_asked(rays_o, rays_d, low, high, near, far):
-    """Components below 1e-6 are replaced; a hit is what isn't behind the camera."""
-    safe = np.where(np.abs(rays_d) < 1e-6, np.where(rays_d < 0, -1e-6, 1e-6), rays_d).astype(rays_d.dtype)
-    a, b = (low - rays_o) / safe, (high - rays_o) / safe
-    enter, leave = np.minimum(a, b).max(1), np.maximum(a, b).min(1)
-    hit = (enter < leave) & (leave > 0)
-    return np.maximum(enter, near).astype(a.dtype), np.minimum(leave, far).astype(a.dtype), hit
-
-
-@fault(
-    "ray_aabb",
     "tiny_direction_replaced+behind_is_a_hit",
     "eps_in_direction+behind_is_a_hit",
     seen="a scene editor's culling in torch: from 0 on, whatever is hit by the line",
