@@ -86,6 +86,14 @@ pub(crate) const FOCALS_SWAPPED: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
+pub(crate) const SQUARE_PICTURE: Mistake = Mistake::new(
+    "square_picture",
+    "fx and cx for both axes: one focal length and one center, as of a square picture",
+    "nothing on a square picture; shifted and stretched views on any other",
+    "v belongs to fy and cy",
+    "1 public implementation",
+    1,
+);
 pub(crate) const INVERSE_POSE: Mistake = Mistake::new(
     "inverse_pose",
     "the inverse of c2w is used as it: world to camera taken for camera to world",
@@ -192,6 +200,7 @@ pub(crate) const PIXEL_TO_CAMERA: &[Mistake] = &[
     FLIPS[3],
     FLIPS[4],
     FLIPS[5],
+    SQUARE_PICTURE,
 ];
 
 /// Flips axes.
@@ -209,6 +218,7 @@ fn wrong_lens(mut k: Intrinsics, wrong: &[&str]) -> Intrinsics {
             "center_floored" => (k.cx, k.cy) = (libm::floor(k.cx), libm::floor(k.cy)),
             "focal_ignored" => (k.fx, k.fy) = (1.0, 1.0),
             "one_focal_length" => k.fy = k.fx,
+            "square_picture" => (k.fy, k.cy) = (k.fx, k.cx),
             "focals_swapped" => (k.fx, k.fy) = (k.fy, k.fx),
             "intrinsics_not_rescaled" => {
                 k = Intrinsics { fx: 2.0 * k.fx, fy: 2.0 * k.fy, cx: 2.0 * k.cx, cy: 2.0 * k.cy }

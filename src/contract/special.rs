@@ -34,6 +34,8 @@ pub struct Special {
     pub large: fn() -> Vec<Large>,
     /// The input that says how far a function is asked to go, where many go less far.
     pub reach: Option<Reach>,
+    /// Outputs with another one that says where they are read: where that is 0, they may be anything.
+    pub unread: &'static [(&'static str, &'static str)],
 }
 
 /// A number, or a length, up to which a function may go: it is judged as far as it does.
@@ -73,6 +75,7 @@ impl Special {
         forms: &[],
         large: Vec::new,
         reach: None,
+        unread: &[],
     };
 }
 

@@ -93,6 +93,14 @@ pub(crate) const GAUSSIAN_COLOR: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    Mistake::new(
+        "first_band_alone",
+        "the first harmonic alone, whatever coefficients there are",
+        "splats have one color from all sides: highlights are baked into the scene",
+        "all bands that a splat has coefficients of",
+        "1 public implementation's fallback where its kernel isn't built; viewers",
+        1,
+    ),
 ];
 
 /// The coefficients as if read by channels.
@@ -110,6 +118,9 @@ fn wrong_color(mean: [f64; 3], center: [f64; 3], f: &[[f64; 3]], form: Form, wro
     let mut y = harmonics(d, degree(f), lengths, form.sign);
     if has("constant_forgotten") {
         y[0] = 1.0;
+    }
+    if has("first_band_alone") {
+        y[1..].fill(0.0);
     }
     let f = if has("channels_first") { by_channels(f) } else { f.to_vec() };
     let shift = if has("half_forgotten") || form.color == SplatColor::Sum { 0.0 } else { 0.5 };

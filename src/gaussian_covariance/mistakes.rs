@@ -84,6 +84,14 @@ pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    Mistake::new(
+        "length_squared_times_rotation",
+        "w^2 + x^2 - y^2 - z^2 on the diagonal, of quaternions that aren't of length 1: |q|^2 R",
+        "scales are multiplied by |q|^2, which every step of the optimizer changes",
+        "divide q by its length, or write 1 - 2 (y^2 + z^2) as the original does",
+        "1 public implementation, which shares the function with poses, whose quaternions are of length 1",
+        1,
+    ),
 ];
 
 /// The length that quaternions are divided by.
@@ -102,7 +110,11 @@ fn wrong_covariance(q: [f64; 4], scales: [f64; 3], of_all: f64, form: Form, wron
     let as_given = Form { length: QuaternionLength::AsGiven, ..form };
     let (u, _) = unit(q, as_given);
     let length = if form.length == QuaternionLength::Divided { divisor(q, of_all, wrong) } else { 1.0 };
-    let (r, s) = (rotation(u.map(|x| x / length)), deviations(scales, form));
+    let (mut r, s) = (rotation(u.map(|x| x / length)), deviations(scales, form));
+    if has("length_squared_times_rotation") {
+        let square = u.iter().map(|x| x * x).sum::<f64>();
+        r = rotation(u.map(|x| x / square.sqrt())).map(|row| row.map(|x| square * x));
+    }
     let entry = |i: usize, j: usize| -> f64 {
         let term = |k: usize| match () {
             () if has("rotation_transposed") => (r[k][i] * s[k]) * (r[k][j] * s[k]),

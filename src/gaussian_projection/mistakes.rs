@@ -173,12 +173,24 @@ pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    Mistake::new(
+        "jacobian_without_focal",
+        "1/z and -x/z^2 in the Jacobian, without fx and fy",
+        "splats in the units of the image plane at depth 1, not in pixels: nothing but the dilation is left of them",
+        "fx/z, -fx x/z^2, and fy below",
+        "1 public implementation",
+        1,
+    ),
 ];
 
 /// What is multiplied from the left with Sigma, in rows, and t as the Jacobian has it.
 fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f64; 3]; 2] {
     let has = |name: &str| wrong.contains(&name);
-    let focal = [view.k.fx, if has("one_focal") { view.k.fx } else { view.k.fy }];
+    let focal = match () {
+        () if has("jacobian_without_focal") => [1.0, 1.0],
+        () if has("one_focal") => [view.k.fx, view.k.fx],
+        () => [view.k.fx, view.k.fy],
+    };
     let slopes = clamped(t, view, form);
     let r = |i: usize, k: usize| match () {
         () if has("not_turned") => f64::from(u8::from(i == k)),

@@ -37,6 +37,7 @@ fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
     for name in wrong {
         match *name {
             "prime_mistyped" => primes[1] = 265_443_567,
+            "primes_of_cloth" => primes = [73_856_093, 19_349_663, 83_492_791],
             "primes_rolled" => primes.rotate_left(1),
             _ => {}
         }

@@ -110,11 +110,22 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    Mistake::new(
+        "strata_doubled",
+        "u = u + u + r where u = i / M and r is in [0, 1 / M), cut below 1: a `u +=` became `u = u +`",
+        "half of the samples on the ray's last edge, and every second stratum empty",
+        "u = i / M + r",
+        "mipnerf-pytorch#5 and three copies",
+        4,
+    ),
 ];
+
+/// The largest number below 1 that the code with doubled strata draws.
+const BELOW_ONE: f64 = 1.0 - 1.0 / 8_388_608.0;
 
 /// Changes to a ray's inputs, before anything is computed.
 fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
-    let Ray { mut edges, mut weights, padding, u } = Ray {
+    let Ray { mut edges, mut weights, padding, mut u } = Ray {
         edges: ray.edges.clone(),
         weights: ray.weights.clone(),
         padding: ray.padding,
@@ -127,7 +138,16 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     if wrong.contains(&"weights_as_densities") {
         weights.iter_mut().zip(edges.windows(2)).for_each(|(w, e)| *w *= e[1] - e[0]);
     }
+    if wrong.contains(&"strata_doubled") {
+        u = doubled(&u);
+    }
     Ray { edges, weights, padding, u }
+}
+
+/// The strata that were meant, twice as far apart.
+fn doubled(u: &[f64]) -> Vec<f64> {
+    let count = u.len() as f64;
+    u.iter().enumerate().map(|(i, r)| ((2.0 * i as f64 + r) / count).min(BELOW_ONE)).collect()
 }
 
 fn cdf_of(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
@@ -175,6 +195,7 @@ pub(crate) fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     forward(a, c, |ray| {
         let ray = changed(ray, wrong);
         let f = cdf_of(&ray, wrong);
+        let shared = if wrong.contains(&"strata_doubled") { doubled(&shared) } else { shared.clone() };
         let u = if wrong.contains(&"one_u_for_all_rays") { &shared } else { &ray.u };
         u.iter().map(|&u| one(&ray, &f, u, c, wrong)).collect()
     })

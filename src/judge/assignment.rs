@@ -282,7 +282,7 @@ pub(crate) fn nearest(
 }
 
 /// How many elements agree to three digits.
-fn agreement(answer: &Answer, expected: &Arrays) -> usize {
+pub(crate) fn agreement(answer: &Answer, expected: &Arrays) -> usize {
     let one = |(name, e): (&String, &ArrayD<f64>)| {
         let (got, _) = reshaped(&answer.get(name)?.values, e.shape())?;
         Some(got.iter().zip(e).filter(|&(g, e)| g == e || (g - e).abs() <= 1e-3 * e.abs()).count())

@@ -4,10 +4,11 @@ use super::answer::Answers;
 use super::assignment::{Partial, apply, changes, open, partial, possible};
 use super::evidence::{Explanation, Suspect, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
-use super::fitted::fitting;
+use super::fitted::{fitting, fitting_pairs};
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::MarkOptions;
 use super::mostly::mostly;
+use super::paired::paired;
 use super::peel::peel;
 use super::slips::{Beside, slipped};
 use super::statistics;
@@ -98,6 +99,14 @@ pub fn diagnose(
     let slips = slipped(question, answers, base, options, Beside::Nothing);
     if !slips.is_empty() {
         return slips;
+    }
+    if question.kind == Kind::Forward {
+        let near: Vec<_> = singles.iter().map(|p| apply(p, base)).collect();
+        let fitted = fitting_pairs(question, answers, &near, options);
+        let pairs = if fitted.is_empty() { paired(question, answers, base, options) } else { fitted };
+        if !pairs.is_empty() {
+            return ranked(pairs, question, answers, &home, options);
+        }
     }
     let most = mostly(question, answers, base, suspects, options);
     if let Some(named) = most.clone().filter(|e| parted.is_none() && e.wrong()) {

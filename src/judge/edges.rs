@@ -198,4 +198,23 @@ mod tests {
         assert_eq!(report.rows[0].verdict, Verdict::Edge, "{report}");
         assert!(report.to_string().contains("no samples (other numbers: VR9_no_samples)"), "{report}");
     }
+
+    #[test]
+    fn what_is_no_number_in_edge_cases_alone_is_named_in_any_convention() {
+        for norm in ["l2", "linf", "merf"] {
+            let c = CS180.with("contraction_norm", norm).unwrap();
+            let report = report("contraction", |question, case, _| {
+                let back = question.kind == crate::contract::check::Kind::Vjp;
+                let wrong = if back { &["gradient_not_a_number_at_origin"][..] } else { &[] };
+                Some(given((question.component.direction(question.kind).unwrap().wrong)(
+                    &case.inputs,
+                    &c,
+                    wrong,
+                )))
+            });
+            let row = report.rows.iter().find(|row| row.kind == "vjp").expect("it has a gradient");
+            let first: Vec<&str> = row.diagnosis[0].mistakes.iter().map(|m| m.name).collect();
+            assert_eq!((row.verdict, &first[..]), (Verdict::Edge, &["gradient_not_a_number_at_origin"][..]));
+        }
+    }
 }

@@ -3,7 +3,8 @@
 
 use ndarray::ArrayD;
 
-use super::answer::{Answer, Answers, reshaped};
+use super::answer::{Answer, Answers, Given, reshaped};
+use super::assignment::small_cases;
 use super::evidence::{Suspect, explains_all, shows, usable};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
@@ -16,6 +17,19 @@ use crate::parallel;
 
 /// Elements that a number is read off.
 const ELEMENTS: usize = 5;
+
+/// Elements that all pairs together may have in their smallest case, and what each costs beside.
+const WORK: usize = 100_000;
+const LEAST: usize = 100;
+
+/// Numbers of a range that are tried before one is read off, on so many of the smallest cases, and by how much of an answer's size it may
+/// lie beyond what they give.
+const GRID: usize = 9;
+const CASES: usize = 3;
+const BEYOND: f64 = 0.05;
+
+/// A range that is so many times as long as it begins is one of powers of ten.
+const MANY: f64 = 1e6;
 
 /// Halvings of its range: to the last bit of f32, and then some.
 const HALVINGS: usize = 80;
@@ -49,6 +63,73 @@ pub(crate) fn fitting(
     found.into_iter().flatten().collect()
 }
 
+/// Pairs of which one mistake has a number, chosen so that they explain every answer, in the conventions `near`: what the other mistake
+/// leaves is what the number is read off.
+pub(crate) fn fitting_pairs(
+    question: &Question,
+    answers: &Answers,
+    near: &[Conventions],
+    options: &MarkOptions,
+) -> Vec<Hypothesis> {
+    let all = || question.component.mistakes.iter().filter(|m| !m.gradient);
+    let numbered = all().filter(|m| m.number.is_some());
+    let mut pairs: Vec<(&Mistake, &Mistake)> = numbered
+        .flat_map(|m| all().filter(|other| other.name != m.name).map(move |other| (m, other)))
+        .collect();
+    // What is seen most often first, and no more than there is time for.
+    pairs.sort_by_key(|(m, other)| std::cmp::Reverse(m.count + other.count));
+    let cases = small_cases(question, answers);
+    let Some((case, _)) = cases.first() else { return vec![] };
+    let most = WORK / (LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>());
+    pairs.truncate(most);
+    let near = &near[..near.len().min(most / pairs.len().max(1))];
+    let found = parallel::map(pairs.len() * near.len(), |n| {
+        let ((mistake, other), c) = (pairs[n / near.len()], near[n % near.len()]);
+        let usual = Hypothesis::new(vec![other.name, mistake.name], c);
+        let fits = |h: &Hypothesis| {
+            explains_all(h, question, answers, options) && shows(h, question, answers, options)
+        };
+        within_reach(mistake, &usual, question, answers)
+            .then(|| shown(mistake, &usual, question, answers).into_iter().find(fits))?
+    });
+    found.into_iter().flatten().collect()
+}
+
+/// Whether the smallest answers lie between what the numbers of a mistake's range give, so that one of these may give them.
+fn within_reach(mistake: &Mistake, usual: &Hypothesis, question: &Question, answers: &Answers) -> bool {
+    let [least, most] = mistake.number.expect("a mistake with a number").range;
+    let at = |n: usize| least * crate::math::pow(most / least, n as f64 / (GRID - 1) as f64);
+    usable(usual, question, answers).iter().take(CASES).all(|(case, answer)| {
+        let with = |n| Hypothesis { fitted: Some(at(n)), ..usual.clone() }.prediction(question, case).0;
+        let tried: Vec<Arrays> = (0..GRID).map(with).collect();
+        answer.iter().all(|(name, given)| between(name, given, &tried))
+    })
+}
+
+/// Whether an output lies between these predictions, element by element, and by a part of its size beyond them.
+fn between(name: &str, given: &Given, tried: &[Arrays]) -> bool {
+    let Some(first) = tried[0].get(name) else { return true };
+    let Some((got, _)) = reshaped(&given.values, first.shape()) else { return false };
+    if tried.iter().any(|all| all[name].shape() != first.shape()) {
+        return true;
+    }
+    let size = got.iter().filter(|g| g.is_finite()).fold(0.0, |max: f64, g| max.max(g.abs()));
+    let mut low = first.clone();
+    let mut high = first.clone();
+    for all in tried {
+        low.zip_mut_with(&all[name], |low, x| {
+            *low = if x.is_nan() { f64::NEG_INFINITY } else { low.min(*x) }
+        });
+        high.zip_mut_with(&all[name], |high, x| {
+            *high = if x.is_nan() { f64::INFINITY } else { high.max(*x) }
+        });
+    }
+    let beyond = |((g, low), high): ((&f64, &f64), &f64)| {
+        g.is_finite() && (low - g > BEYOND * size || g - high > BEYOND * size)
+    };
+    !got.iter().zip(&low).zip(&high).any(beyond)
+}
+
 /// Mistakes with the numbers that single elements show, whether or not these explain all answers.
 pub(crate) fn guesses(question: &Question, answers: &Answers, base: &Conventions) -> Vec<Hypothesis> {
     let mistakes = question.component.mistakes.iter().filter(|m| m.number.is_some() && !m.gradient);
@@ -67,10 +148,14 @@ fn candidates(
     answers: &Answers,
     base: &Conventions,
 ) -> Vec<Hypothesis> {
+    shown(mistake, &of(&(vec![mistake.name], None), base), question, answers)
+}
+
+/// The same beside other mistakes, whose hypothesis this is with the usual number.
+fn shown(mistake: &Mistake, usual: &Hypothesis, question: &Question, answers: &Answers) -> Vec<Hypothesis> {
     let number = mistake.number.expect("a mistake with a number");
-    let usual = of(&(vec![mistake.name], None), base);
     let mut shown: Vec<f64> = vec![];
-    for (case, answer) in usable(&usual, question, answers) {
+    for (case, answer) in usable(usual, question, answers) {
         let at = |x: f64| Hypothesis { fitted: Some(x), ..usual.clone() }.prediction(question, case).0;
         shown.extend(read_off(&number, at, answer));
         if shown.len() >= ELEMENTS {
@@ -78,7 +163,15 @@ fn candidates(
         }
     }
     let rounded = shown.iter().flat_map(|&x| [2, 4].map(|digits| round_to(x, digits)));
-    rounded.chain(shown.iter().copied()).map(|x| Hypothesis { fitted: Some(x), ..usual.clone() }).collect()
+    let read = rounded.chain(shown.iter().copied()).chain(powers(number.range));
+    read.map(|x| Hypothesis { fitted: Some(x), ..usual.clone() }).collect()
+}
+
+/// The powers of ten in a range of many: an eps is one, and where it shows is in few elements.
+fn powers([least, most]: [f64; 2]) -> impl Iterator<Item = f64> {
+    let many = most / least >= MANY;
+    let power = |n: i32| format!("1e{n}").parse::<f64>().expect("a number");
+    (-20..=0).rev().map(power).filter(move |x| many && (least..=most).contains(x))
 }
 
 /// The number at which the element that changes most over the range is what was answered, in each output of a case.
@@ -135,19 +228,32 @@ mod tests {
         mistake: &str,
     ) -> Vec<(Vec<&'static str>, Option<f64>)> {
         let exam = Exam::new(component, dtype, None).unwrap();
-        let question = &exam.questions[direction];
-        let round =
-            |arrays: Arrays| arrays.into_iter().map(|(name, a)| (name, a.mapv(|x| dtype.round(x)))).collect();
-        let answer = |case: &Case| {
-            let wrong = question.component.direction(question.kind).unwrap().wrong;
-            Some(given(round(wrong(&case.inputs, &CS180, &[mistake]))))
-        };
-        let answers: Answers = question.cases.iter().map(answer).collect();
-        let options = MarkOptions { dtype, exp_ulp: 4.0 };
+        let (question, options) = (&exam.questions[direction], MarkOptions { dtype, exp_ulp: 4.0 });
+        let answers = answered(question, dtype, &[mistake]);
         fitting(question, &answers, &CS180, &[CS180], &[], &options)
             .into_iter()
             .map(|h| (h.mistakes, h.fitted))
             .collect()
+    }
+
+    /// What answers with these mistakes are, in a type.
+    fn answered(question: &Question, dtype: Dtype, mistakes: &[&str]) -> Answers {
+        let round =
+            |arrays: Arrays| arrays.into_iter().map(|(name, a)| (name, a.mapv(|x| dtype.round(x)))).collect();
+        let answer = |case: &Case| {
+            let wrong = question.component.direction(question.kind).unwrap().wrong;
+            Some(given(round(wrong(&case.inputs, &CS180, mistakes))))
+        };
+        question.cases.iter().map(answer).collect()
+    }
+
+    /// The pairs that are fitted to forward answers with these mistakes.
+    fn pairs(component: &str, dtype: Dtype, mistakes: &[&str]) -> Vec<(Vec<&'static str>, Option<f64>)> {
+        let exam = Exam::new(component, dtype, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype, exp_ulp: 4.0 });
+        let answers = answered(question, dtype, mistakes);
+        let found = fitting_pairs(question, &answers, &[CS180], &options);
+        found.into_iter().map(|h| (h.mistakes, h.fitted)).collect()
     }
 
     #[test]
@@ -159,6 +265,9 @@ mod tests {
             ("mlp", "leaky_units", 0.2),
             ("ray_aabb", "eps_in_direction", 1e-4),
             ("ndc_rays", "eps_in_depth", 1e-4),
+            ("sample_along_rays", "jitter_about_grid", 2e-3),
+            ("volume_render", "weights_normalized", 1e-5),
+            ("volume_render", "divided_by_opacity", 1e-3),
         ] {
             for dtype in [Dtype::F64, Dtype::F32] {
                 let found = found(component, dtype, &format!("{mistake}={number}"));
@@ -172,6 +281,36 @@ mod tests {
         for dtype in [Dtype::F64, Dtype::F32] {
             let found = found_in(1, "trunc_exp", dtype, "limits_of_its_own=1e5");
             assert_eq!(found, [(vec!["limits_of_its_own"], Some(1e5))], "{dtype}");
+        }
+    }
+
+    #[test]
+    fn a_number_is_read_off_beside_another_mistake() {
+        for (component, numbered, other, number) in [
+            ("volume_render", "weights_normalized", "inclusive_transmittance", 1e-5),
+            ("volume_render", "delta_scaled", "rolled_transmittance", 0.25),
+            ("sample_along_rays", "jitter_about_grid", "one_jitter_for_all_rays", 1e-4),
+            ("ray_aabb", "eps_in_direction", "behind_is_a_hit", 1e-5),
+        ] {
+            for dtype in [Dtype::F64, Dtype::F32] {
+                let found = |number: f64| pairs(component, dtype, &[other, &format!("{numbered}={number}")]);
+                let found = found(number);
+                assert!(
+                    found.contains(&(vec![other, numbered], Some(number))),
+                    "{component} {dtype}: {found:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn no_number_is_read_off_two_other_mistakes() {
+        for (component, mistakes) in [
+            ("volume_render", ["opacity_in_front_as_transmittance", "delta_differenced_twice"]),
+            ("sample_along_rays", ["middles_not_halved", "points_without_origin"]),
+            ("pixel_to_ray", ["center_swapped", "rotation_transposed"]),
+        ] {
+            assert_eq!(pairs(component, Dtype::F32, &mistakes), [], "{component}");
         }
     }
 

@@ -9,10 +9,12 @@ use super::exam::Question;
 use super::mark::{MarkOptions, within};
 use super::numeric;
 use super::slip::Slip;
+use super::unread;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
 use crate::contract::check::{Kind, budget_used};
+use crate::contract::component::Wrong;
 use crate::convention::Conventions;
 
 /// An assignment of conventions with mistakes, in the order in which they were made.
@@ -56,7 +58,7 @@ impl Hypothesis {
     /// What this candidate would answer, and its error where it isn't known exactly (numeric gradients).
     pub fn prediction(&self, question: &Question, case: &Case) -> (Arrays, Option<Arrays>) {
         if self.numeric(question) {
-            let forward = |inputs: &Arrays| self.slipped(inputs, question.component.forward.wrong);
+            let forward = |inputs: &Arrays| self.slipped(inputs, question, question.component.forward.wrong);
             let (gradient, error) = numeric::vjp(question.component, &case.inputs, forward);
             return (gradient, Some(error));
         }
@@ -66,23 +68,27 @@ impl Hypothesis {
     /// The wrong function.
     fn wrong(&self, question: &Question, inputs: &Arrays) -> Arrays {
         let direction = question.component.direction(question.kind).expect("a question has its direction");
-        self.slipped(inputs, direction.wrong)
+        self.slipped(inputs, question, direction.wrong)
     }
 
     /// A wrong function with its mistakes, between what slips.
-    fn slipped(&self, inputs: &Arrays, wrong: fn(&Arrays, &Conventions, &[&str]) -> Arrays) -> Arrays {
-        let with = |inputs: &Arrays| self.named(|names| wrong(inputs, &self.conventions, names));
+    fn slipped(&self, inputs: &Arrays, question: &Question, wrong: Wrong) -> Arrays {
+        let with = |inputs: &Arrays| self.named(question, |names| wrong(inputs, &self.conventions, names));
         match &self.slip {
             None => with(inputs),
             Some(slip) => slip.on_outputs(inputs, with(&slip.on_inputs(inputs))),
         }
     }
 
-    /// What is made of its mistakes' names, the fitted number with them (`Mistake::among`).
-    fn named<T>(&self, made: impl FnOnce(&[&str]) -> T) -> T {
+    /// What is made of its mistakes' names, the fitted number with the first that has one (`Mistake::among`).
+    fn named<T>(&self, question: &Question, made: impl FnOnce(&[&str]) -> T) -> T {
         let Some(number) = self.fitted else { return made(&self.mistakes) };
-        let names: Vec<String> = self.mistakes.iter().map(|name| format!("{name}={number}")).collect();
-        made(&names.iter().map(String::as_str).collect::<Vec<_>>())
+        let all = question.component.mistakes;
+        let has_one = |name: &&str| all.iter().any(|m| m.name == *name && m.number.is_some());
+        let of = self.mistakes.iter().find(|name| has_one(name)).map_or("", |name| *name);
+        let with_number = format!("{of}={number}");
+        let say = |name: &'static str| if name == of { with_number.as_str() } else { name };
+        made(&self.mistakes.iter().map(|name| say(name)).collect::<Vec<_>>())
     }
 
     /// The hypothesis' own bound: a multiple of that of the right formula in these conventions, plus the change of the wrong
@@ -167,7 +173,7 @@ impl Hypothesis {
     /// Whether it explains an answer.
     pub fn explains(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> bool {
         let (mut wrong, error) = self.prediction(question, case);
-        self.leave_infinity(case, answer, &mut wrong);
+        self.leave_open(question, case, answer, &mut wrong);
         // A numeric gradient is known only at some elements, so most elements can't be compared.
         let reject_early = options.may_reject_early(case) && error.is_none();
         within(answer, &wrong, reject_early, || self.bound(question, case, &wrong, error.as_ref(), options))
@@ -183,7 +189,7 @@ impl Hypothesis {
         outputs: &mut Vec<&str>,
     ) {
         let (mut wrong, _) = self.prediction(question, case);
-        self.leave_infinity(case, answer, &mut wrong);
+        self.leave_open(question, case, answer, &mut wrong);
         let all = OnceCell::new();
         let alone = |name: &str, from: &Arrays| -> Arrays {
             from.get(name).map(|array| (name.to_string(), array.clone())).into_iter().collect()
@@ -200,7 +206,7 @@ impl Hypothesis {
     /// The largest error over bound on an answer.
     pub fn residual(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> f64 {
         let (mut wrong, error) = self.prediction(question, case);
-        self.leave_infinity(case, answer, &mut wrong);
+        self.leave_open(question, case, answer, &mut wrong);
         let bound = self.bound(question, case, &wrong, error.as_ref(), options);
         off(answer, &wrong, &bound)
     }
@@ -216,14 +222,17 @@ impl Hypothesis {
     ) -> [f64; 2] {
         let (right, _) = self.prediction(question, case);
         let (mut wrong, error) = other.prediction(question, case);
-        other.leave_infinity(case, answer, &mut wrong);
+        other.leave_open(question, case, answer, &mut wrong);
         let bound = self.bound(question, case, &right, error.as_ref(), options);
         [off(answer, &right, &bound), off(answer, &wrong, &bound)]
     }
 
     /// What wrong code makes of an infinite input depends on how it is written: infinity times 0, or less infinity. NaN is predicted
-    /// there where the answer has it.
-    fn leave_infinity(&self, case: &Case, answer: &Answer, wrong: &mut Arrays) {
+    /// there where the answer has it; and where nobody reads what wrong code returns, what was answered.
+    fn leave_open(&self, question: &Question, case: &Case, answer: &Answer, wrong: &mut Arrays) {
+        if !self.right() && question.kind == Kind::Forward {
+            unread::as_answered(question.component, answer, wrong);
+        }
         if self.right() || case.inputs.values().flatten().all(|x| x.is_finite()) {
             return;
         }

@@ -39,6 +39,7 @@ mod mostly;
 pub(crate) mod numeric;
 mod observed;
 pub(crate) mod page;
+mod paired;
 mod peel;
 mod reach;
 mod rearranged;
@@ -52,6 +53,7 @@ mod slips;
 pub mod statistics;
 mod truths;
 pub(crate) mod typed;
+mod unread;
 
 pub use candidate::{Candidate, judge, judge_large};
 pub use door::Door;

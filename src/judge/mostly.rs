@@ -204,7 +204,7 @@ mod tests {
                 .get_mut("colors")
                 .expect("an output")
                 .values
-                .mapv_inplace(|c| if c.is_nan() { 0.0 } else { c });
+                .mapv_inplace(|c| if c.is_nan() { 0.25 } else { c });
         };
         let (mistakes, beside) = found(&["divided_by_opacity"], empty).unwrap();
         assert_eq!(mistakes, ["divided_by_opacity"]);

@@ -3,7 +3,7 @@
 
 use super::answer::{Answer, Answers};
 use super::assignment::{apply, open, partial, possible, small_cases};
-use super::evidence::{Explanation, difference, largest_residual, shows};
+use super::evidence::{Explanation, difference, explains_all, largest_residual, shows};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
@@ -84,7 +84,17 @@ impl<'a> Peeling<'a> {
             };
             layers = self.likeliest(grown, name);
         }
-        self.explanation(&layers[0], &outputs)
+        // Mistakes that explain all outputs together come before those of which each explains its own.
+        let together = |layer: &&Layer| self.all_of(layer, &outputs).is_some();
+        let best = layers.iter().find(together).unwrap_or(&layers[0]);
+        self.explanation(best, &outputs)
+    }
+
+    /// All mistakes of a layer at once, where they explain every output.
+    fn all_of(&self, layer: &Layer, unexplained: &[&str]) -> Option<Hypothesis> {
+        let all = Hypothesis::new(layer.mistakes.clone(), layer.conventions);
+        let fits = unexplained.is_empty() && explains_all(&all, self.question, self.answers, self.options);
+        fits.then_some(all)
     }
 
     /// The conventions to begin with: those that the outputs show which are right in some.
@@ -163,7 +173,10 @@ impl<'a> Peeling<'a> {
         (!mistakes.is_empty()).then(|| Explanation {
             mistakes,
             conventions: difference(&own(&layer.conventions), &own(self.base)),
-            residual: residuals.fold(0.0, f64::max),
+            residual: match self.all_of(layer, unexplained) {
+                Some(all) => largest_residual(&all, self.question, self.answers, self.options),
+                None => residuals.fold(0.0, f64::max),
+            },
             unexplained: unexplained.iter().map(|name| name.to_string()).collect(),
             ..Explanation::default()
         })

@@ -102,6 +102,7 @@ pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
         1,
     )
     .of_gradient(),
+    mistakes::SQUARE_PICTURE,
 ];
 
 /// Mistakes of the rays of a picture.

@@ -1,8 +1,10 @@
 //! Registry row of rays and boxes.
 
 use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::arithmetic::Dtype;
+use crate::contract::arrays::Arrays;
 use crate::contract::component::{Component, Direction, Entries, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Form, Special};
 
 /// Where rays enter and leave a box.
 pub(crate) const RAY_AABB: Component = Component {
@@ -39,5 +41,24 @@ pub(crate) const RAY_AABB: Component = Component {
     }),
     cases: cases::ray_aabb,
     mistakes: mistakes::RAY_AABB,
-    special: Special::NONE,
+    special: Special {
+        forms: &[Form {
+            without: &["near", "far"],
+            takes: None,
+            meaning: "rays begin at 0 and have no end: nothing is cut at far",
+            holds: without_range,
+        }],
+        unread: &[("t_near", "hit"), ("t_far", "hit")],
+        ..Special::NONE
+    },
 };
+
+/// Whether near is 0, and far beyond every box that a ray's line meets.
+fn without_range(inputs: &Arrays, _: Dtype) -> bool {
+    let beyond = |q: &arrays::RayAndBox| {
+        let line = super::intersect(q.o, q.d, q.low, q.high);
+        line.is_none_or(|line| 1.125 * line.leave < q.far)
+    };
+    let rays = arrays::rays_and_boxes(inputs);
+    rays.iter().all(|q| q.near == 0.0 && beyond(q))
+}

@@ -16,6 +16,16 @@ const EPS_IN_DIRECTION: Mistake = Mistake::new(
 )
 .with("eps", 1e-6, [1e-16, 1e-2]);
 
+const TINY_REPLACED: Mistake = Mistake::new(
+    "tiny_direction_replaced",
+    "d below eps, 0 too, is taken for eps, with the sign of d",
+    "t is as if the ray had another direction; rays in a box's far face leave it at 0, and miss",
+    "a case of its own for d = 0, and nothing else replaced",
+    "hand-written slab tests: 1e-6 and 1e-9 (three codes), by clamping |d| or by a selection",
+    3,
+)
+.with("eps", 1e-6, [1e-16, 1e-2]);
+
 /// Mistakes of rays and boxes.
 pub(crate) const RAY_AABB: &[Mistake] = &[
     EPS_IN_DIRECTION,
@@ -109,7 +119,40 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    TINY_REPLACED,
+    Mistake::new(
+        "beyond_far_is_a_hit",
+        "hit = max(near, enter) <= leave: far isn't asked",
+        "samples beyond far, in steps that run backward",
+        "hit = max(near, enter) <= min(far, leave)",
+        "a batched slab test in JAX, which asks near < far of the line and far > 0",
+        1,
+    ),
+    Mistake::new(
+        "not_a_number_along_axes",
+        "1 / d differentiated where d_a = 0: 0 times infinity",
+        "one ray along an axis makes every camera NaN",
+        "a case of its own for d = 0, selected before it is divided",
+        "automatic differentiation of slab tests in PyTorch, a port of a WebGL path tracer among them",
+        1,
+    )
+    .of_gradient(),
 ];
+
+/// A component of a direction as the mistakes have it.
+fn wrong_component(d: f64, wrong: &[&str]) -> f64 {
+    let d = d + EPS_IN_DIRECTION.among(wrong).unwrap_or(0.0);
+    match TINY_REPLACED.among(wrong) {
+        Some(eps) if d.abs() < eps => {
+            if d < 0.0 {
+                -eps
+            } else {
+                eps
+            }
+        }
+        _ => d,
+    }
+}
 
 fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
     let is = |name: &str| wrong.contains(&name);
@@ -122,7 +165,7 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
     let mut line = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };
     let mut any = Hit { enter: f64::INFINITY, leave: f64::NEG_INFINITY };
     for a in 0..3 {
-        let d = q.d[a] + EPS_IN_DIRECTION.among(wrong).unwrap_or(0.0);
+        let d = wrong_component(q.d[a], wrong);
         if d == 0.0 {
             let face = q.o[a] == low[a] || q.o[a] == high[a];
             if q.o[a] < low[a] || q.o[a] > high[a] || is("parallel_is_a_miss") || face && is("face_is_a_miss")
@@ -143,10 +186,12 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
         enter: if is("near_ignored") { line.enter } else { line.enter.max(q.near) },
         leave: if is("far_ignored") { line.leave } else { line.leave.min(q.far) },
     };
-    match is("behind_is_a_hit") {
-        true => (line.enter <= line.leave).then_some(cut),
-        false => (cut.enter <= cut.leave).then_some(cut),
-    }
+    let hit = match () {
+        () if is("behind_is_a_hit") => line.enter <= line.leave,
+        () if is("beyond_far_is_a_hit") => cut.enter <= line.leave,
+        () => cut.enter <= cut.leave,
+    };
+    hit.then_some(cut)
 }
 
 /// Where rays enter and leave a box.
@@ -172,12 +217,19 @@ pub(crate) fn ray_aabb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
 pub(crate) fn ray_aabb_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     vjp(a, |q, g| {
         let hit = between(q.o, q.d, q.low, q.high, q.near, q.far).is_some();
-        let (o, mut d) = match hit && wrong.contains(&"gradient_where_cut") {
+        let (mut o, mut d) = match hit && wrong.contains(&"gradient_where_cut") {
             true => backward::intersect(q.o, q.d, q.low, q.high, g),
             false => backward::between(q.o, q.d, q.low, q.high, [q.near, q.far], g),
         };
         if wrong.contains(&"direction_forgotten") {
             d = [0.0; 3];
+        }
+        if hit && wrong.contains(&"not_a_number_along_axes") {
+            // In a face t itself is 0 / 0, and nothing of it comes back.
+            if (0..3).any(|a| q.d[a] == 0.0 && (q.o[a] == q.low[a] || q.o[a] == q.high[a])) {
+                (o, d) = ([0.0; 3], [0.0; 3]);
+            }
+            (0..3).filter(|&a| q.d[a] == 0.0).for_each(|a| (o[a], d[a]) = (f64::NAN, f64::NAN));
         }
         [o, d]
     })

@@ -22,6 +22,16 @@ const fn fixed(name: &'static str, cause: &'static str) -> Mistake {
 const JITTER_WIDTH: Mistake =
     fixed("jitter_width", "t = near + i D + k u with a number k of one's own").with("k", 0.05, [1e-4, 10.0]);
 
+const JITTER_ABOUT_GRID: Mistake = Mistake::new(
+    "jitter_about_grid",
+    "t = grid + k (2 u - 1): a number k of one's own to either side of edges or of a linspace",
+    "samples in front of near and behind far; too narrow, and bands appear between the depths that the network knows",
+    "spread u over the width of an interval, (far - near) / N",
+    "1 public implementation: uniform(-1e-4, 1e-4)",
+    1,
+)
+.with("k", 1e-4, [1e-6, 10.0]);
+
 /// Mistakes of positions and points.
 pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
     Mistake::new(
@@ -108,9 +118,10 @@ pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    JITTER_ABOUT_GRID,
 ];
 
-// Wrong step lengths show where they are made and where they are used: volume rendering lists the same seven.
+// Wrong step lengths show where they are made and where they are used: volume rendering lists the same eight.
 pub(crate) const DELTA_MISSING: Mistake = Mistake::new(
     "delta_missing",
     "delta = 1, so that alpha = 1 - exp(-sigma)",
@@ -168,6 +179,15 @@ pub(crate) const FIRST_RAY_DELTAS: Mistake = Mistake::new(
     1,
 );
 
+pub(crate) const DELTA_OF_THE_WHOLE_RAY: Mistake = Mistake::new(
+    "delta_of_the_whole_ray",
+    "delta = far - near for every sample: the ray's length isn't divided by N",
+    "densities are learned N times too small, and change with the number of samples",
+    "(far - near) / N",
+    "1 public implementation",
+    1,
+);
+
 /// Mistakes of step lengths.
 pub(crate) const STEP_SIZES: &[Mistake] = &[
     DELTA_MISSING,
@@ -183,6 +203,15 @@ pub(crate) const STEP_SIZES: &[Mistake] = &[
         "the last sample has another sample's step",
         "deltas[-1:]",
         "a surface renderer",
+        1,
+    ),
+    DELTA_OF_THE_WHOLE_RAY,
+    Mistake::new(
+        "backward_delta_from_zero",
+        "delta_i = t_i - t_{i-1}, delta_0 = t_0: as if samples began at the camera",
+        "the first sample stands for everything in front of it, and every density belongs to the wrong step",
+        "delta_i = t_{i+1} - t_i",
+        "1 public implementation",
         1,
     ),
 ];
@@ -213,6 +242,9 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
     }
     if let Some(fixed) = JITTER_WIDTH.among(wrong) {
         u.iter_mut().for_each(|u| *u *= fixed / width);
+    }
+    if let Some(k) = JITTER_ABOUT_GRID.among(wrong) {
+        u.iter_mut().for_each(|u| *u = (2.0 * *u - 1.0) * k / width);
     }
     if wrong.contains(&"middles_not_halved") {
         let edge = |i: usize| near + i as f64 * width;
@@ -260,6 +292,10 @@ fn wrong_steps(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64
             "delta_unit_interval" => deltas.fill(1.0 / n as f64),
             "delta_over_n_minus_1" if n > 1 => deltas.fill((far - near) / (n - 1) as f64),
             "backward_delta" => deltas = (0..n).map(|i| if i == 0 { 0.0 } else { gap(i - 1) }).collect(),
+            "delta_of_the_whole_ray" => deltas.fill(far - near),
+            "backward_delta_from_zero" => {
+                deltas = (0..n).map(|i| t[i] - if i == 0 { 0.0 } else { t[i - 1] }).collect();
+            }
             "delta_differenced_twice" => {
                 deltas = (1..n).map(|i| gap(i) - gap(i - 1)).chain([1e10]).collect();
             }

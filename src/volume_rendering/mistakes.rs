@@ -10,9 +10,13 @@ use crate::convention::{Conventions, Depth, ProductEps};
 use crate::math::exp;
 
 mod catalogue;
+mod depth;
 
-pub(crate) use catalogue::{COMPOSITE_BACKGROUND, DEPTH, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
-use catalogue::{DELTA_SCALED, EPS_IN_PRODUCT, EPS_ON_ALPHA, SCALED_EXPONENTIAL};
+pub(crate) use catalogue::{COMPOSITE_BACKGROUND, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
+use catalogue::{
+    DELTA_SCALED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, SCALED_EXPONENTIAL, WEIGHTS_NORMALIZED,
+};
+pub(crate) use depth::DEPTH;
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub(crate) const ALPHA_ERROR: &str = "alpha_error";
@@ -35,6 +39,7 @@ fn wrong_deltas(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<f64> {
             "delta_over_n_minus_1" if n > 1 => {
                 deltas.iter_mut().for_each(|delta| *delta *= n as f64 / (n - 1) as f64)
             }
+            "delta_of_the_whole_ray" => deltas.iter_mut().for_each(|delta| *delta *= n as f64),
             "backward_delta" if n > 0 => {
                 deltas.rotate_right(1);
                 deltas[0] = 0.0;
@@ -103,27 +108,32 @@ fn wrong_composite(
     if let Some(early) = early {
         rendering.transmittance[n] = early;
     }
-    for name in wrong {
-        let length = match *name {
-            "weights_normalized" => rendering.opacity,
-            "weights_of_unit_length" => rendering.weights.iter().map(|w| w * w).sum::<f64>().sqrt(),
-            _ => continue,
-        };
-        rendering.weights.iter_mut().for_each(|w| *w /= length);
-        rendering.color = rendering.color.map(|c| c / length);
-        rendering.opacity = rendering.weights.iter().sum();
+    if let Some(eps) = WEIGHTS_NORMALIZED.among(wrong) {
+        let whole = rendering.opacity + eps;
+        divide(&mut rendering, whole);
+    }
+    if wrong.contains(&"weights_of_unit_length") {
+        let length = rendering.weights.iter().map(|w| w * w).sum::<f64>().sqrt();
+        divide(&mut rendering, length);
     }
     if wrong.contains(&"colors_of_next_sample") {
         let next = |k: usize| rendering.weights.iter().zip(&rgbs[n.min(1)..]).map(|(w, c)| w * c[k]).sum();
         rendering.color = std::array::from_fn(next);
     }
-    if wrong.contains(&"divided_by_opacity") {
-        rendering.color = rendering.color.map(|c| c / rendering.opacity);
+    if let Some(eps) = DIVIDED.among(wrong) {
+        rendering.color = rendering.color.map(|c| c / (rendering.opacity + eps));
     }
     if wrong.contains(&"clamped") {
         rendering.color = rendering.color.map(|c| c.clamp(0.0, 1.0));
     }
     rendering
+}
+
+/// Smaller weights, and what is made of them.
+fn divide(rendering: &mut Rendering, by: f64) {
+    rendering.weights.iter_mut().for_each(|w| *w /= by);
+    rendering.color = rendering.color.map(|c| c / by);
+    rendering.opacity = rendering.weights.iter().sum();
 }
 
 /// alpha_i and T_i of all rays, accumulated along the wrong axis where that is the mistake.

@@ -301,3 +301,17 @@ def norm_under_no_grad(K, c2w, uv):
     with torch.no_grad():
         length = d.norm(dim=-1, keepdim=True)
     return c2w[:, :3, 3], d / length
+
+
+@fault("pixel_to_ray", "square_picture+flipped_xz", "square_picture+flipped_xy", seen="Tianyue-Zhao/My-Nerf-Implementation ray_stuff.py")
+def one_center_and_axes_of_its_own(K, c2w, uv):
+    """cx and fx for both axes; x to the left, y down, z backward."""
+    x, y = (K[0, 2] - uv[:, 0]) / K[0, 0], (uv[:, 1] - K[0, 2]) / K[0, 0]
+    return c2w[:, :3, 3], unit(turned(c2w, torch.stack([x, y, -torch.ones_like(x)], -1)))
+
+
+@fault("pixel_to_camera", "square_picture", seen="codes for square pictures", times=2)
+def one_focal_length_and_one_center(K, uv, s):
+    """fx and cx for both axes."""
+    x, y = (uv[:, 0] - K[0, 2]) / K[0, 0], (uv[:, 1] - K[0, 2]) / K[0, 0]
+    return torch.stack([s * x, s * y, s], -1)

@@ -185,6 +185,13 @@ def primes_of_other_axes(x, base, finest, **rest):
     return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), primes=(*PRIMES[1:], 1))
 
 
+@fault("hash_grid", "primes_of_cloth", seen="a torch port that took the factors of the hash that the paper cites")
+def factors_of_another_paper(x, base, finest, **rest):
+    """73856093, 19349663, 83492791."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), primes=(73856093, 19349663, 83492791))
+
+
 @fault("hash_grid", "nearest_vertex", seen="a robot's hash encoder that looks up one entry", times=2)
 def one_vertex_alone(x, base, finest, **rest):
     """The nearest vertex, not interpolated."""

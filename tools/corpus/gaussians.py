@@ -253,3 +253,33 @@ def direction_detached(means, camera_center, coefficients, grad_colors):
 def toward_the_camera(means, camera_center, coefficients):
     """The camera's center less the mean."""
     return as_the_rasterizer_colors(2 * camera_center - means, camera_center, coefficients)
+
+
+@fault("gaussian_projection", "jacobian_without_focal", seen="a splat renderer in torch: 1/z and -x/z^2", gradient="none")
+def unit_focal_length(means, covariances, w2c, K):
+    """The Jacobian of x/z alone, nothing clamped, and the rasterizer's 0.3."""
+    t, sigma = in_camera(means, covariances, w2c)
+    j = jacobian(t[:, :2] / t[:, 2:], t[:, 2], torch.eye(3))
+    cov = j @ sigma @ j.mT + 0.3 * torch.eye(2)
+    three = torch.stack([cov[:, 0, 0], cov[:, 0, 1], cov[:, 1, 1]], -1)
+    return {"means2d": (t @ K.mT)[:, :2] / t[:, 2:], "covariances2d": three, "depths": t[:, 2]}
+
+
+@fault("gaussian_covariance", "length_squared_times_rotation", seen="a code whose poses and splats share a function")
+def polynomials_of_second_degree(quaternions, scales):
+    """w^2 + x^2 - y^2 - z^2 on the diagonal, and quaternions as they are."""
+    square = (quaternions * quaternions).sum(-1)[:, None, None]
+    m = square * rotation(quaternions / square[:, 0].sqrt()) * scales[:, None, :]
+    return m @ m.mT
+
+
+@fault("gaussian_color", "first_band_alone+clamped_at_one", seen="a splat trainer's fallback without its kernel")
+def one_color_from_all_sides(means, camera_center, coefficients):
+    """The first coefficient, 1/2, and a clamp to [0, 1]."""
+    return torch.clamp(0.5 + 0.28209479177387814 * coefficients[:, 0], 0.0, 1.0)
+
+
+@fault("gaussian_color", "first_band_alone", seen="viewers that read f_dc alone", times=2)
+def constant_band(means, camera_center, coefficients):
+    """The first coefficient and 1/2, not below 0."""
+    return torch.clamp_min(0.5 + 0.28209479177387814 * coefficients[:, 0], 0.0)

@@ -46,7 +46,13 @@ def axis_by_axis(rays_o, rays_d, low, high, near, far):
     return tuple(np.array(column, rays_o.dtype) for column in zip(*out))
 
 
-@fault("ray_aabb", "eps_in_direction", seen="an engine in numpy: sign(d) max(|d|, 1e-9)", arrays="numpy")
+@fault(
+    "ray_aabb",
+    "tiny_direction_replaced",
+    "eps_in_direction",
+    seen="an engine in numpy: sign(d) max(|d|, 1e-9)",
+    arrays="numpy",
+)
 def components_of_at_least_1e_9(rays_o, rays_d, low, high, near, far):
     """Zeros become 1e-9: right but for rays that lie in the far face, which leave at 0."""
     sign = np.where(rays_d < 0, -1, 1).astype(rays_d.dtype)
@@ -130,6 +136,66 @@ def parallel_rays_never_hit(rays_o, rays_d, low, high, near, far):
     enter, leave = slabs(rays_o, rays_d, low, high)
     enter = np.where((rays_d == 0).any(1), np.inf, enter)
     return answer(enter, leave, near, far, rays_o.dtype)
+
+
+def line(rays_o, rays_d, low, high):
+    """Largest entry and smallest exit of three slabs, whatever the arithmetic makes of a component of 0."""
+    a, b = (low - rays_o) / rays_d, (high - rays_o) / rays_d
+    return torch.minimum(a, b).max(-1).values, torch.maximum(a, b).min(-1).values
+
+
+@fault("ray_aabb", "eps_in_direction", seen="a text-to-3D code and a copy of it (1e-8), whose caller masks misses", times=2, gradient="none")
+def direction_plus_1e_8_and_misses_as_they_are(rays_o, rays_d, low, high, near, far):
+    """d + 1e-8; on a miss t is what comes out."""
+    enter, leave = line(rays_o, rays_d + 1e-8, low, high)
+    enter, leave = enter.clamp(min=near), leave.clamp(max=far)
+    return enter, leave, (enter <= leave).float()
+
+
+@fault(
+    "ray_aabb",
+    "face_is_a_miss",
+    seen="a port of a WebGL path tracer to torch, cut to a range by its caller",
+    gradient="none",
+)
+def faces_left_to_the_arithmetic(rays_o, rays_d, low, high, near, far):
+    """0 / 0 in a face, and infinities beside it: NaN is compared with near and far, and differentiated."""
+    enter, leave = line(rays_o, rays_d, low, high)
+    enter, leave = enter.clamp(min=near), leave.clamp(max=far)
+    return enter, leave, (enter <= leave).float()
+
+
+@fault(
+    "ray_aabb",
+    "tiny_direction_replaced+behind_is_a_hit",
+    "eps_in_direction+behind_is_a_hit",
+    seen="a scene editor's culling in torch: from 0 on, whatever is hit by the line",
+    gradient="none",
+)
+def line_against_box(rays_o, rays_d, low, high):
+    """No range is taken: entries are cut at 0, boxes behind count, and every part is at least 1e-4 long."""
+    sign = torch.where(rays_d < 0, -1.0, 1.0)
+    enter, leave = line(rays_o, torch.where(rays_d.abs() > 1e-6, rays_d, 1e-6 * sign), low, high)
+    hit = leave > enter
+    enter = enter.clamp_min(0.0)
+    return enter, torch.maximum(leave, enter + 1e-4), hit
+
+
+@right("ray_aabb", seen="engines whose rays have no range", times=4, arrays="numpy")
+def without_a_range(rays_o, rays_d, low, high):
+    """From 0 to infinity."""
+    return answer(*slabs(rays_o, rays_d, low, high), 0.0, np.inf, rays_o.dtype)
+
+
+@right("ray_aabb", seen="torch codes whose caller masks misses", times=3, gradient="none")
+def misses_as_they_are(rays_o, rays_d, low, high, near, far):
+    """Zeros are taken for 1 and left out; on a miss t is what comes out."""
+    along, inside = rays_d == 0, (rays_o >= low) & (rays_o <= high)
+    safe, never = torch.where(along, 1.0, rays_d), torch.where(inside, -torch.inf, torch.inf)
+    a, b = (low - rays_o) / safe, (high - rays_o) / safe
+    enter = torch.where(along, never, torch.minimum(a, b)).max(-1).values.clamp(min=near)
+    leave = torch.where(along, -never, torch.maximum(a, b)).min(-1).values.clamp(max=far)
+    return enter, leave, (enter <= leave).float()
 
 
 def cells(points, n):

@@ -316,3 +316,28 @@ def left_edges_one_bin_early(rays_o, rays_d, near, far, u):
     n = u.shape[1]
     t = (near + (far - near) * (torch.arange(n, dtype=u.dtype) - 1) / n).expand(u.shape)
     return t, rays_o[:, None] + t[..., None] * rays_d[:, None]
+
+
+@fault("sample_along_rays", "one_jitter_for_all_rays+jitter_about_grid", seen="a fork of the tiny NeRF: uniform(-1e-4, 1e-4)")
+def linspace_that_trembles(rays_o, rays_d, near, far, u):
+    """linspace, the same 1e-4 to either side for every ray."""
+    t = ends(near, far, u.shape[1]) + 1e-4 * (2 * u[0] - 1)
+    return on_rays(rays_o, rays_d, t.expand(len(rays_o), len(t)))
+
+
+@fault("sample_along_rays", "jitter_about_grid", seen="not met in this reading", times=0)
+def linspace_with_noise(rays_o, rays_d, near, far, u):
+    """linspace, and 0.03 to either side."""
+    return on_rays(rays_o, rays_d, ends(near, far, u.shape[1]) + 0.03 * (2 * u - 1))
+
+
+@fault("step_sizes", "backward_delta_from_zero", seen="a sampler in numpy: 0 in front of t, then differences")
+def gap_to_the_camera(t):
+    """t_i - t_{i-1}, the first t_0 itself."""
+    return torch.diff(t, dim=1, prepend=torch.zeros_like(t[:, :1]))
+
+
+@fault("step_sizes", "delta_of_the_whole_ray", seen="a student's renderer")
+def whole_ray_as_a_step(t, near, far):
+    """far - near for every sample."""
+    return torch.full_like(t, far - near)

@@ -479,3 +479,27 @@ def color_clamped(sigmas, rgbs, deltas):
     """The color is clamped to [0, 1]."""
     colors, weights, opacity = product_moved_by_one(sigmas, rgbs, deltas)
     return colors.clamp(0, 1), weights, opacity
+
+
+@fault("volume_render", "inclusive_transmittance+delta_of_the_whole_ray", seen="a student's renderer: colors alone, one step for all")
+def whole_ray_as_a_step_and_product_as_it_comes(sigmas, rgbs, step):
+    """far - near in the place of the step, and the product isn't moved."""
+    alpha = 1 - torch.exp(-sigmas * (step * sigmas.shape[1]))
+    return summed(alpha * torch.cumprod(1 - alpha + 1e-10, -1), rgbs)[0]
+
+
+@fault("volume_render", "inclusive_transmittance+weights_normalized", seen="an option of a rendering function")
+def normalized_with_eps_and_product_as_it_comes(sigmas, rgbs, deltas):
+    """The product isn't moved, and weights are divided by their sum and 1e-5."""
+    alpha = 1 - torch.exp(-sigmas * deltas)
+    weights = alpha * torch.cumprod(1 - alpha + 1e-10, -1)
+    weights = weights / (weights.sum(-1, keepdim=True) + 1e-5)
+    return (weights[..., None] * rgbs).sum(1), weights
+
+
+@fault("volume_render", "divided_by_opacity", seen="not met in this reading", times=0)
+def divided_with_eps(sigmas, rgbs, deltas):
+    """Colors over the opacity and 1e-3."""
+    alpha = opacities(sigmas, deltas)
+    weights = alpha * ahead(torch.cumprod(1 - alpha, -1))
+    return (weights[..., None] * rgbs).sum(1) / (weights.sum(1, keepdim=True) + 1e-3), weights

@@ -110,4 +110,12 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
         1,
     )
     .of_gradient(),
+    Mistake::new(
+        "primes_of_cloth",
+        "73856093, 19349663, 83492791: the factors of Teschner et al. 2003, whose hash the paper cites",
+        "another hash, whose first factor isn't 1, so that neighbors in x lie apart: slower, and tables can't be exchanged",
+        "1, 2654435761, 805459861",
+        "2 public implementations, one of them with 1 in front",
+        2,
+    ),
 ];

@@ -2,8 +2,8 @@
 
 use crate::contract::component::Mistake;
 use crate::sample::mistakes::{
-    BACKWARD_DELTA, DELTA_DIFFERENCED_TWICE, DELTA_MISSING, DELTA_OVER_N_MINUS_1, DELTA_UNIT_INTERVAL,
-    FIRST_GAP_FOR_ALL, FIRST_RAY_DELTAS,
+    BACKWARD_DELTA, DELTA_DIFFERENCED_TWICE, DELTA_MISSING, DELTA_OF_THE_WHOLE_RAY, DELTA_OVER_N_MINUS_1,
+    DELTA_UNIT_INTERVAL, FIRST_GAP_FOR_ALL, FIRST_RAY_DELTAS,
 };
 
 const INCLUSIVE: Mistake = Mistake::new(
@@ -75,9 +75,10 @@ const UNIT_WEIGHTS: Mistake = Mistake::new(
     "the weights are divided by their Euclidean norm, as a vector's normalize does",
     "they sum to more than 1; empty rays are NaN",
     "leave them: what is missing to 1 is the background's",
-    "1 public implementation",
+    "1 public implementation; an option of another adds 1e-5 to the sum",
     1,
-);
+)
+.with("eps", 0.0, [1e-16, 1e-1]);
 const COLORS_MOVED: Mistake = Mistake::new(
     "colors_of_next_sample",
     "C = sum w_i c_{i+1}: colors and weights are cut to the same length at opposite ends",
@@ -103,14 +104,15 @@ pub(super) const EPS_IN_PRODUCT: Mistake = Mistake::new(
     1,
 )
 .with("eps", 1e-5, [1e-7, 1e-1]);
-const WEIGHTS_NORMALIZED: Mistake = Mistake::new(
+pub(super) const WEIGHTS_NORMALIZED: Mistake = Mistake::new(
     "weights_normalized",
     "the weights are divided by their sum, and used like that",
     "empty rays are NaN, thin ones opaque",
     "leave them: what is missing to 1 is the background's",
-    "1 public implementation",
-    1,
-);
+    "2 public implementations, one with 1e-5 added to the sum",
+    2,
+)
+.with("eps", 0.0, [1e-16, 1e-1]);
 const OPACITY_AS_T: Mistake = Mistake::new(
     "opacity_as_transmittance",
     "T = 1 - prod(1 - alpha): opacity in the place of transmittance",
@@ -159,14 +161,15 @@ const OWN_FACTOR: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
-const DIVIDED: Mistake = Mistake::new(
+pub(super) const DIVIDED: Mistake = Mistake::new(
     "divided_by_opacity",
     "C / A: the weights are normalized",
     "half-transparent rays as bright as opaque ones; NaN on an empty ray",
     "leave the weights as they are",
     "2 public implementations",
     2,
-);
+)
+.with("eps", 0.0, [1e-16, 1e-1]);
 const ALPHA_FORGOTTEN: Mistake = Mistake::new(
     "alpha_forgotten",
     "w_i = T_i",
@@ -275,6 +278,7 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     EPS_ON_ALPHA,
     DELTA_SCALED,
     SCALED_EXPONENTIAL,
+    DELTA_OF_THE_WHOLE_RAY,
 ];
 /// Mistakes of rendering from opacities.
 pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
@@ -352,48 +356,5 @@ pub(crate) const COMPOSITE_BACKGROUND: &[Mistake] = &[
         "C + (1 - A) b",
         "1 public implementation",
         1,
-    ),
-];
-/// Mistakes of the expected distance.
-pub(crate) const DEPTH: &[Mistake] = &[
-    Mistake::new(
-        "zero_by_zero",
-        "sum w t / sum w on a ray without weight",
-        "NaN in depth pictures, and in losses on them",
-        "say what an empty ray's depth is: far",
-        "nerf-pytorch#28 and many others",
-        10,
-    ),
-    Mistake::new(
-        "median_depth",
-        "the t at which half of the light is spent, not the mean",
-        "depths that jump from sample to sample, and have no gradient in the weights",
-        "the weighted mean, or say that the median is meant",
-        "nerfstudio's renderers.py, method median: another quantity",
-        2,
-    ),
-    Mistake::new(
-        "disparity",
-        "1 / max(depth, 1e-10)",
-        "near is large: another quantity",
-        "sum w t / A",
-        "nerf-pytorch's and other ports' disp_map",
-        3,
-    ),
-    Mistake::new(
-        "far_by_opacity",
-        "sum w t + A far: far is added where the ray meets something, not where it meets nothing",
-        "surfaces lie behind far",
-        "sum w t + (1 - A) far, or sum w t / A",
-        "1 public implementation and its copies",
-        2,
-    ),
-    Mistake::new(
-        "depth_of_index",
-        "sum w i / sum w: the sample's number in the place of t",
-        "depth without units",
-        "weigh t",
-        "never; cheap to keep",
-        0,
     ),
 ];
