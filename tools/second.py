@@ -299,7 +299,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         fisheye: "fisheye_distort fisheye_distort_vjp fisheye_undistort fisheye_undistort_vjp",
         pose: "pose_from_colmap pose_from_colmap_vjp",
         motion: "so3_exp so3_exp_vjp se3_exp se3_exp_vjp",
-        space: "contraction contraction_vjp ndc_rays ndc_rays_vjp",
+        space: "contraction contraction_vjp contract_gaussians contract_gaussians_vjp ndc_rays ndc_rays_vjp",
         gaussians: "gaussian_covariance gaussian_covariance_vjp gaussian_projection gaussian_projection_vjp gaussian_alpha gaussian_alpha_vjp "
         "gaussian_color gaussian_color_vjp",
         harmonics: "spherical_harmonics spherical_harmonics_vjp",

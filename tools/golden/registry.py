@@ -23,6 +23,7 @@ COMPONENTS = [
     "step_sizes",
     "conical_frustum",
     "contraction",
+    "contract_gaussians",
     "positional_encoding",
     "integrated_encoding",
     "hash_grid",
