@@ -60,6 +60,7 @@ fn doors_fit_the_contract() {
         pose::judge(|_, _| ()).vjp(|_, _, _| ());
         pose::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
         loss_scaling::judge(|_, _, _, _, _, _| ());
+        loss_scaling::judge::unscale(|_, _| ());
         rigid_motion::judge(|_| ()).vjp(|_, _| ());
         rigid_motion::judge::judge_batch(|_| ()).vjp(|_, _| ());
         rigid_motion::judge::se3_exp(|_| ()).vjp(|_, _| ());

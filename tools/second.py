@@ -310,7 +310,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
         training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step adamw_step",
         rates: "lr_exponential lr_cosine lr_log_linear clip_by_global_norm clip_by_value",
-        scaling: "loss_scale_update",
+        scaling: "loss_scale_update unscale_gradients",
         step: "training_step",
         proposals: "proposal_pdf resample_edges",
         robust: "huber huber_vjp charbonnier charbonnier_vjp",

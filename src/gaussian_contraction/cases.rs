@@ -102,9 +102,16 @@ pub(crate) fn contract_gaussians() -> Vec<Case> {
         case(
             "CG9_far_away",
             "at 1e4, 1e6 and 1e15, wide for that: 1/r^2 along the ray beside 2/r across it",
-            [[1e4, -2e4, 3e3], [1e6, 3e5, -2e6], [1e15, 2e15, -1e15]].as_flattened().iter().map(|&x| short(x)).collect(),
+            [[1e4, -2e4, 3e3], [1e6, 3e5, -2e6], [1e15, 2e15, -1e15]]
+                .as_flattened()
+                .iter()
+                .map(|&x| short(x))
+                .collect(),
             &[1e7, 1e11, 1e29].map(|size| slanted.map(|x| short(size * x))),
         ),
     ];
-    in_full(cases, "outside").into_iter().map(|case| if case.full.is_some() { mirrored(case) } else { case }).collect()
+    in_full(cases, "outside")
+        .into_iter()
+        .map(|case| if case.full.is_some() { mirrored(case) } else { case })
+        .collect()
 }

@@ -324,8 +324,7 @@ impl<'a, O: Operations> Ways<'a, O> {
         let g_unit = w.map(|w| o.mul(t, w));
         let turned = o.neg(o.mul(o.dot(&g_unit, &self.unit), i));
         let g_r = o.sum(&[o.mul(of_s, trace), o.mul(of_t, along), o.mul(of_s, o.dot(&self.x, g)), turned]);
-        [0, 1, 2]
-            .map(|a| o.sum(&[o.mul(self.s, g[a]), o.mul(g_unit[a], i), o.mul(self.slope[a], g_r)]))
+        [0, 1, 2].map(|a| o.sum(&[o.mul(self.s, g[a]), o.mul(g_unit[a], i), o.mul(self.slope[a], g_r)]))
     }
 
     /// The same of MERF's x_j / r and 2 - 1/r: by way of 1/r.

@@ -4,9 +4,7 @@
 
 use super::arrays::{forward, vjp};
 use super::backward::bend;
-use super::{
-    Gaussian, backward, between, beyond, contract_gaussian, jacobian, product, scale, transposed,
-};
+use super::{Gaussian, backward, between, beyond, contract_gaussian, jacobian, product, scale, transposed};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::contraction::{backward::contract as point_vjp, contract, length};

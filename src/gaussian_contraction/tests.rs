@@ -146,7 +146,10 @@ fn on_an_axis_it_is_diagonal() {
 #[test]
 fn inside_it_stays_as_it_is() {
     let covariance = [[0.5, 0.25, -0.125], [0.25, 1.0, 0.0], [-0.125, 0.0, 2.0]];
-    let g = Gaussian { mean: [1.0, -2.0, 0.5], covariance: [[1.0, 2.0, 3.0], [-1.0, 0.5, 4.0], [0.0, 1.0, -2.0]] };
+    let g = Gaussian {
+        mean: [1.0, -2.0, 0.5],
+        covariance: [[1.0, 2.0, 3.0], [-1.0, 0.5, 4.0], [0.0, 1.0, -2.0]],
+    };
     for mean in [[0.0; 3], [0.25, -0.5, 0.125], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]] {
         let x = Gaussian { mean, covariance };
         for norm in NORMS {

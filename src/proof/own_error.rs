@@ -69,6 +69,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("ssim", 1.5, 3.5),
     row("linear_to_srgb", 1.9, 5.0),
     row("loss_scale_update", 0.0, 0.0),
+    row("unscale_gradients", 0.6, 0.0),
     row("clip_by_global_norm", 1.3, 0.0),
     row("clip_by_value", 0.0, 0.0),
     row("lr_exponential", 0.7, 0.0),

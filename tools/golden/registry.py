@@ -54,6 +54,7 @@ COMPONENTS = [
     "ssim",
     "linear_to_srgb",
     "loss_scale_update",
+    "unscale_gradients",
     "clip_by_global_norm",
     "clip_by_value",
     "lr_exponential",
