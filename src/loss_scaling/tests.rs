@@ -4,8 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::contract::testing::properties;
-use crate::convention::AdamEps;
-use crate::optimizer::{Adam, Moments};
+use crate::optimizer::{Adam, Moments, adam_step};
 
 const USUAL: LossScale =
     LossScale { scale: 1024.0, tracker: 0, growth_factor: 2.0, backoff_factor: 0.5, growth_interval: 4 };
@@ -44,7 +43,7 @@ fn limits_hold_what_changes() {
 fn stepped(before: Moments, gradient: f64, scale: f64) -> Moments {
     let adam = Adam { lr: 0.1, beta1: 0.9, beta2: 0.99, eps: 1e-8, weight_decay: 0.1 };
     match unscaled(&[gradient], scale) {
-        Some(g) => adam.step(before, g[0], 1, AdamEps::Corrected),
+        Some(g) => adam_step(&adam, before, g[0], 1),
         None => before,
     }
 }

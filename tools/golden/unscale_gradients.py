@@ -36,7 +36,7 @@ def over_reals(x):
 
 def in_torch(x):
     """torch's own kernel, which GradScaler.unscale_ calls."""
-    g, found = x["gradients"].float(), torch.zeros(1)
+    g, found = x["gradients"].float(), torch.zeros(1, dtype=torch.float32)
     inverse = torch.tensor(float(x["scale"])).double().reciprocal().float()
     torch._amp_foreach_non_finite_check_and_unscale_([g], found, inverse)
     unscaled = g.double() * 0 if found.item() else g.double()
