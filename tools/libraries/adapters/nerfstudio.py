@@ -1,18 +1,23 @@
-"""nerfstudio's torch implementations on a CPU. Its interlevel loss has no row in the contract; its fields have no feature
-layer, so that `nerf_mlp` doesn't fit them."""
+"""nerfstudio's torch implementations on a CPU. Its fields have no feature layer, so that `nerf_mlp` doesn't fit them."""
 
 import torch
 from entry import answers, replaced
 from nerfstudio.cameras.cameras import Cameras
+from nerfstudio.cameras.lie_groups import exp_map_SE3, exp_map_SO3xR3
 from nerfstudio.cameras.rays import Frustums, RayBundle, RaySamples
 from nerfstudio.field_components.activations import trunc_exp as nerfstudio_trunc_exp
 from nerfstudio.field_components.encodings import HashEncoding, NeRFEncoding
 from nerfstudio.field_components.mlp import MLP
 from nerfstudio.field_components.spatial_distortions import SceneContraction
-from nerfstudio.model_components.losses import lossfun_distortion, nerfstudio_distortion_loss
+from nerfstudio.model_components.losses import lossfun_distortion, lossfun_outer, nerfstudio_distortion_loss
 from nerfstudio.model_components.ray_samplers import PDFSampler, UniformSampler
 from nerfstudio.model_components.renderers import AccumulationRenderer, DepthRenderer, RGBRenderer
-from nerfstudio.utils.math import components_from_spherical_harmonics, intersect_aabb
+from nerfstudio.utils.math import (
+    Gaussians,
+    components_from_spherical_harmonics,
+    conical_frustum_to_gaussian,
+    intersect_aabb,
+)
 
 
 def samples(starts, ends, deltas=None):
@@ -178,3 +183,64 @@ def ray_aabb(rays_o, rays_d, low, high, near, far):
     """Its rays begin at 0: they are moved to near. A miss is 1e10. Without gradient, as where it is called."""
     t_near, t_far = intersect_aabb(rays_o + near * rays_d, rays_d, torch.cat([low, high]), max_bound=far - near)
     return t_near + near, t_far + near, t_near < 1e10
+
+
+@answers("nerfstudio", "conical_frustum", "utils.math.conical_frustum_to_gaussian")
+def conical_frustum(origins, directions, radii, starts, ends):
+    """Means and the diagonals of covariances; it hands out no moments."""
+    column = lambda x: x[:, None]  # noqa: E731
+    blob = conical_frustum_to_gaussian(origins, directions, column(starts), column(ends), column(radii))
+    return {"means": blob.mean, "variances": blob.cov.diagonal(dim1=-2, dim2=-1)}
+
+
+@answers(
+    "nerfstudio",
+    "integrated_encoding",
+    "NeRFEncoding(0, L - 1, include_input=True) with covs",
+    why="its variances lack the factor (2 pi)^2 of its means",
+)
+def integrated_encoding(means, variances, L):
+    """Octaves."""
+    return NeRFEncoding(means.shape[1], L, 0.0, L - 1.0, include_input=True)(means, torch.diag_embed(variances))
+
+
+@answers(
+    "nerfstudio",
+    "contract_gaussians",
+    "SceneContraction() of Gaussians",
+    why="the gradient at the origin is NaN",
+)
+def contract_gaussians(means, covariances):
+    """By the Euclidean norm, the only one that it takes Gaussians in."""
+    out = SceneContraction()(Gaussians(mean=means, cov=covariances))
+    return out.mean, out.cov
+
+
+@answers("nerfstudio", "so3_exp", "exp_map_SO3xR3: its rotation")
+def so3_exp(w):
+    """Without translation."""
+    return exp_map_SO3xR3(torch.cat([torch.zeros_like(w), w], 1))[:, :3, :3]
+
+
+def whole(motions):
+    """With the last row."""
+    last = torch.tensor([0.0, 0.0, 0.0, 1.0], dtype=motions.dtype).expand(len(motions), 1, 4)
+    return torch.cat([motions, last], 1)
+
+
+@answers("nerfstudio", "se3_exp", "exp_map_SE3")
+def se3_exp(twists):
+    """Of coupled halves."""
+    return whole(exp_map_SE3(twists))
+
+
+@answers("nerfstudio", "se3_exp", "exp_map_SO3xR3")
+def se3_exp_apart(twists):
+    """Of halves by themselves."""
+    return whole(exp_map_SO3xR3(twists))
+
+
+@answers("nerfstudio", "interlevel_loss", "losses.lossfun_outer, summed")
+def interlevel_loss(weights, t, proposal_weights, proposal_t, eps):
+    """Of each ray; the case's eps isn't asked for."""
+    return lossfun_outer(t, weights, proposal_t, proposal_weights).sum(-1)
