@@ -228,13 +228,13 @@ def whole(motions):
     return torch.cat([motions, last], 1)
 
 
-@answers("nerfstudio", "se3_exp", "exp_map_SE3")
+@answers("nerfstudio", "se3_exp", "exp_map_SE3", why="in f64: angles below 0.01 are turned by a Cayley transform")
 def se3_exp(twists):
     """Of coupled halves."""
     return whole(exp_map_SE3(twists))
 
 
-@answers("nerfstudio", "se3_exp", "exp_map_SO3xR3")
+@answers("nerfstudio", "se3_exp", "exp_map_SO3xR3", why="in f32: the gradient near 0, by an eighth of what is allowed")
 def se3_exp_apart(twists):
     """Of halves by themselves."""
     return whole(exp_map_SO3xR3(twists))
@@ -244,3 +244,26 @@ def se3_exp_apart(twists):
 def interlevel_loss(weights, t, proposal_weights, proposal_t, eps):
     """Of each ray; the case's eps isn't asked for."""
     return lossfun_outer(t, weights, proposal_t, proposal_weights).sum(-1)
+
+
+def resampled(edges, weights, u, include_original):
+    """PDFSampler's edges, its draws replaced by u; no padding, which is another row's."""
+    bins = samples(edges[:, :-1], edges[:, 1:])
+    bins.spacing_to_euclidean_fn = lambda x: x
+    sampler = PDFSampler(u.shape[1] - 1, include_original=include_original, histogram_padding=0.0)
+    nowhere = torch.zeros(len(u), 3, dtype=u.dtype)
+    with replaced(torch, linspace=lambda *_, **__: u, rand=lambda *_, **__: torch.zeros_like(u)):
+        found = sampler(bundle(nowhere, nowhere, 0.0, 1.0), bins, weights[..., None])
+    return torch.cat([found.spacing_starts[..., 0], found.spacing_ends[:, -1:, 0]], -1)
+
+
+@answers("nerfstudio", "resample_edges", "PDFSampler(include_original=False, histogram_padding=0)")
+def resample_edges(edges, weights, u):
+    """Between samples."""
+    return resampled(edges, weights, u, False)
+
+
+@answers("nerfstudio", "resample_edges", "PDFSampler(include_original=True, histogram_padding=0)")
+def resample_edges_with_old(edges, weights, u):
+    """And between the old edges."""
+    return resampled(edges, weights, u, True)
