@@ -1,8 +1,8 @@
-"""torchmetrics: PSNR in its two ways. Its SSIM is compared in ../bases.py: SSIM has no row in the contract."""
+"""torchmetrics: PSNR in its two ways, and SSIM."""
 
 import torch
 from entry import answers
-from torchmetrics.functional.image import peak_signal_noise_ratio
+from torchmetrics.functional.image import peak_signal_noise_ratio, structural_similarity_index_measure
 
 assert torch  # whose tensors it takes
 F32 = "in f64: ln 10 and the range are in f32"
@@ -18,3 +18,15 @@ def psnr(prediction, target, peak):
 def psnr_of_each(prediction, target, peak):
     """The mean of the pictures' own."""
     return peak_signal_noise_ratio(prediction, target, data_range=peak, dim=(1, 2, 3))
+
+
+@answers(
+    "torchmetrics",
+    "ssim",
+    "functional.image.structural_similarity_index_measure(data_range)",
+    why="in bf16: it squares and subtracts in it",
+)
+def ssim(prediction, target, peak):
+    """Of pictures with their channels in front."""
+    a, b = (x.permute(2, 0, 1)[None] for x in (prediction, target))
+    return structural_similarity_index_measure(a, b, data_range=float(peak))
