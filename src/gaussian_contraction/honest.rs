@@ -201,6 +201,9 @@ impl<'a, O: Operations> Ways<'a, O> {
 
     /// How much smaller the range is, once or twice.
     fn scaled<const N: usize>(&self, x: [O::Number; N], times: i32) -> [O::Number; N] {
+        if self.range == ContractionRange::Two {
+            return x;
+        }
         x.map(|x| self.o.times(scale(self.range).powi(times), x))
     }
 
