@@ -1,4 +1,4 @@
-"""torch's optimizers, clips, schedules and gradient scaler. What its operators do in the rest of the contract is further up this page."""
+"""torch's optimizers, clips, losses and gradient scaler. What its operators do elsewhere is further up this page."""
 
 import torch
 from entry import answers
@@ -82,7 +82,7 @@ def loss_scale_update(scale, growth_tracker, found_inf, growth_factor, backoff_f
     return after, tracker
 
 
-@answers("torch", "unscale_gradients", "_amp_foreach_non_finite_check_and_unscale_, which GradScaler.unscale_ calls", dtypes=("f32",))
+@answers("torch", "unscale_gradients", "_amp_foreach_non_finite_check_and_unscale_, as GradScaler calls it", dtypes=("f32",))
 def unscale_gradients(gradients, scale):
     """Times the inverse of the scale, in f32."""
     found, unscaled = torch.zeros(1, dtype=torch.float32), gradients.clone()
