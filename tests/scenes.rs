@@ -4,7 +4,7 @@ mod shared;
 
 use std::path::Path;
 
-use glam::{DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3};
 use nerf_oracle::Error;
 use nerf_oracle::camera::{Distortion, Lens};
 use nerf_oracle::files::npz;
@@ -47,8 +47,9 @@ fn fox_has_a_lens_an_off_center_axis_and_every_eighth_frame_held_out() {
     let camera = &scene.train[0].camera;
     assert_eq!((camera.k.fx, camera.k.fy, camera.k.cx, camera.k.cy), (171.94, 171.81125, 69.31975, 120.6585));
     assert!(matches!(camera.distortion, Some(Lens::Opencv(Distortion { k1: 0.0578421, .. }))));
-    // The nearest camera stands 3.77 from the focus, the farthest 6.32.
-    assert!((scene.near - 3.77 / 2.0).abs() < 0.01 && (scene.far - 2.0 * 6.32).abs() < 0.01);
+    // The nearest camera stands 3.77 from the focus, the farthest 6.32; half a picture is 120 pixels high.
+    let sine = 120.0 / 171.8f64.hypot(120.0);
+    assert!((scene.near - 3.77 * (1.0 - sine)).abs() < 0.01 && (scene.far - 2.0 * 6.32).abs() < 0.01);
 }
 
 /// Two cameras 4 from the origin, along x and along y, looking at it: rows of OpenGL poses.
@@ -227,7 +228,7 @@ fn bad_transforms_are_refused_by_field() {
         (&["fl_x", "-8", "positive"], |json| json["fl_x"] = json!(-8.0)),
         (&["fl_y", "0", "positive"], |json| json["fl_y"] = json!(0)),
         (&["neither fl_x nor camera_angle_x"], |json| drop(json.as_object_mut().unwrap().remove("fl_x"))),
-        (&["size of a.png", "6x4", "12x8"], |json| (json["w"], json["h"]) = (json!(12), json!(8))),
+        (&["size of a.png", "6x4", "12x30"], |json| (json["w"], json["h"]) = (json!(12), json!(30))),
         (&["camera_model", "FISHEYE624", "undistort"], |json| json["camera_model"] = json!("FISHEYE624")),
         (&["k4 of a.png", "0.01"], |json| json["k4"] = json!(0.01)),
         (&["is_latlong of b.png"], |json| json["frames"][0]["is_latlong"] = json!(true)),
@@ -268,7 +269,7 @@ fn damaged_json_and_pictures_are_refused_by_name() {
 }
 
 #[test]
-fn cameras_that_look_the_same_way_need_near_and_far() {
+fn cameras_in_one_place_need_near_and_far() {
     let folder = captured(|json| {
         json["frames"][1]["transform_matrix"] = json["frames"][0]["transform_matrix"].clone();
         json["frames"]
@@ -277,10 +278,140 @@ fn cameras_that_look_the_same_way_need_near_and_far() {
             .push(json!({ "file_path": "./a.png", "transform_matrix": POSES[1] }));
     });
     let path = folder.path().join("transforms.json");
-    refused(&path, &["near and far", "meet nowhere", "Give both"]);
+    refused(&path, &["near and far", "all stand in one place", "Give both"]);
     let options = Options { near: Some(1.0), far: Some(7.0), ..Options::default() };
     let scene = scene::load(path.to_str().unwrap(), &options).unwrap();
-    assert!(scene.focus.length() < 1e-12, "the middle of the range of a camera 4 from the origin");
+    // Halfway in 1 / distance: 1.75 before the camera, which stands 4 from the origin.
+    assert!((scene.focus.length() - 2.25).abs() < 1e-12, "{}", scene.focus);
+}
+
+/// Cameras in a row that all look across it: their axes never meet.
+fn row(count: usize, apart: f64) -> tempfile::TempDir {
+    captured(|json| {
+        let frame = |n: usize| {
+            let mut pose = POSES[1];
+            pose[0][3] = apart * n as f64;
+            json!({ "file_path": "./a.png", "transform_matrix": pose })
+        };
+        json["frames"] = (0..count).map(frame).collect();
+    })
+}
+
+/// Nothing says how far things are but how far the cameras stand apart; the camera looks along -y from y = 4.
+#[test]
+fn cameras_in_a_row_have_guesses_or_what_is_given() {
+    let folder = row(9, 1.0);
+    let path = folder.path().to_str().unwrap();
+    let scene = scene::load(path, &Options::default()).unwrap();
+    // The median of 0, 1, 1, 2, 2, 3, 3, 4, 4 is 2; one camera from the next 1, at most a tenth of that.
+    assert_eq!((scene.near, scene.far), (0.2, 20.0));
+    assert!(scene.focus.distance(DVec3::new(4.0, 2.0, 0.0)) < 1e-12, "{}", scene.focus);
+    assert!(scene.warnings.iter().any(|w| w.contains("axes meet nowhere")), "{:?}", scene.warnings);
+    assert!(scene.bounds.is_none());
+
+    let options = Options { near: Some(1.0), far: Some(3.0), ..Options::default() };
+    let given = scene::load(path, &options).unwrap();
+    let (low, high) = given.bounds.expect("what the cameras see between near and far");
+    assert!(low.x < 0.0 && high.x > 8.0 && low.y < 4.0 - 2.5 && high.y < 4.0, "{low} {high}");
+    assert!(given.warnings.is_empty(), "{:?}", given.warnings);
+}
+
+/// A wide lens before the real world: near is where a ball begins that fills the picture.
+#[test]
+fn near_follows_the_lens_before_the_real_world() {
+    let near = |opaque: bool| {
+        let folder = captured(|json| json["fl_x"] = json!(2.0));
+        if opaque {
+            for name in ["a.png", "b.png"] {
+                image::RgbImage::from_pixel(6, 4, image::Rgb([9, 9, 9]))
+                    .save(folder.path().join(name))
+                    .unwrap();
+            }
+        }
+        scene::load(folder.path().to_str().unwrap(), &Options::default()).unwrap().near
+    };
+    // Half a picture is 3 pixels wide, 1.5 focal lengths; the cameras stand 4 from what they look at.
+    let sine = 1.5 / (1.0 + 1.5f64 * 1.5).sqrt();
+    assert!((near(true) - 4.0 * (1.0 - sine)).abs() < 1e-12, "{}", near(true));
+    assert_eq!(near(false), 2.0, "customary for what is cut out");
+}
+
+/// Axes that hardly differ meet somewhere, but that says little of how near things are.
+#[test]
+fn near_is_small_where_axes_hardly_differ() {
+    let near = |degrees: f64| {
+        let folder = captured(|json| {
+            for (n, frame) in json["frames"].as_array_mut().unwrap().iter_mut().enumerate() {
+                let turn = DMat4::from_rotation_z((2.0 * n as f64 - 1.0) * degrees.to_radians());
+                let pose = turn * DMat4::from_cols_array_2d(&POSES[1]).transpose();
+                frame["transform_matrix"] = json!(pose.transpose().to_cols_array_2d());
+            }
+        });
+        for name in ["a.png", "b.png"] {
+            image::RgbImage::from_pixel(6, 4, image::Rgb([9, 9, 9])).save(folder.path().join(name)).unwrap();
+        }
+        let scene = scene::load(folder.path().to_str().unwrap(), &Options::default()).unwrap();
+        assert!(scene.focus.length() < 1e-6, "{}", scene.focus);
+        scene.near
+    };
+    assert!(
+        (near(5.0) - 0.4).abs() < 1e-9 && (near(30.0) - 2.0).abs() < 1e-9,
+        "{} {}",
+        near(5.0),
+        near(30.0)
+    );
+}
+
+/// Pictures half as large as the file says, with Windows' paths from another machine, poses of three rows, and a byte order mark.
+#[test]
+fn what_means_the_same_is_read() {
+    let folder = captured(|json| {
+        (json["w"], json["h"], json["fl_x"], json["fl_y"]) = (json!(12), json!(8), json!(16.0), json!(14.0));
+        (json["cx"], json["cy"]) = (json!(5.0), json!(3.0));
+        for (frame, name) in json["frames"].as_array_mut().unwrap().iter_mut().zip(["b", "a"]) {
+            frame["file_path"] = json!(format!("C:\\scans\\{name}.png"));
+            frame["transform_matrix"].as_array_mut().unwrap().truncate(3);
+        }
+    });
+    std::fs::create_dir(folder.path().join("images")).unwrap();
+    for name in ["a.png", "b.png"] {
+        std::fs::rename(folder.path().join(name), folder.path().join("images").join(name)).unwrap();
+    }
+    let file = folder.path().join("transforms.json");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, format!("\u{feff}{text}")).unwrap();
+    let (scene, plain) = (load(folder.path()).unwrap(), load(captured(|_| ()).path()).unwrap());
+    assert_eq!(
+        (&scene.train[0].camera, &scene.val[0].camera),
+        (&plain.train[0].camera, &plain.val[0].camera)
+    );
+}
+
+/// A box that is small beside the cameras' distance, or elsewhere, is in other units.
+#[test]
+fn a_box_in_other_units_is_not_used() {
+    let bounds = |scale: f64, moved: f64| {
+        let folder = captured(|json| {
+            json["aabb_scale"] = json!(2);
+            json["scale"] = json!(scale);
+            for frame in json["frames"].as_array_mut().unwrap() {
+                for row in 0..3 {
+                    let at = frame["transform_matrix"][row][3].as_f64().unwrap();
+                    frame["transform_matrix"][row][3] = json!(at + moved);
+                }
+            }
+        });
+        let scene = scene::load(folder.path().to_str().unwrap(), &Options::default()).unwrap();
+        let told = scene
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("aabb_scale") && warning.contains("isn't used"));
+        assert_eq!(scene.bounds.is_none(), told, "{:?}", scene.warnings);
+        scene.bounds.is_some()
+    };
+    assert!(bounds(0.33, 0.0));
+    assert!(!bounds(10.0, 0.0), "0.2 wide, 4 away");
+    assert!(!bounds(0.33, 50.0));
 }
 
 #[test]

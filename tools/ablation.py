@@ -28,6 +28,7 @@ PARTS = {
     "view_dependence": "view dependence",
     "random_backgrounds": "random backgrounds",
     "distortion": "distortion loss",
+    "averaging": "pictures of the parameters' running mean",
 }
 
 

@@ -58,13 +58,13 @@ def named(row, name):
 def judgment(report, component, name, kinds=("forward", "trace", "statistics", "vjp")):
     """That of the component's first failing row."""
     rows = [row for row in report["components"] if row["name"] == component and row["kind"] in kinds]
-    failed = [row for row in rows if row["verdict"] == "fail"] or rows
+    failed = [row for row in rows if row["verdict"] in ("fail", "edge")] or rows
     return named(failed[0], name), failed[0]
 
 
 def others(report, component):
     """Rows of other components that failed."""
-    return [row["name"] for row in report["components"] if row["verdict"] == "fail" and row["name"] != component]
+    return [row["name"] for row in report["components"] if row["verdict"] in ("fail", "edge") and row["name"] != component]
 
 
 def singles(tool, cases, right, mistakes, autograd=False):
@@ -129,7 +129,7 @@ def profiles(tool, cases):
         with tempfile.TemporaryDirectory(dir=cases.parent) as folder:
             second.answer(cases, folder, conventions=second.CS180 | deviations)
             report = program(tool, "judge", cases, folder)
-        failed = [f"{r['name']} {r['kind']}" for r in report["components"] if r["verdict"] == "fail"]
+        failed = [f"{r['name']} {r['kind']}" for r in report["components"] if r["verdict"] in ("fail", "edge")]
         out.append([name, report["profile"], failed])
     return out
 

@@ -29,6 +29,8 @@ def trunc_exp_vjp(a, c, wrong):
         slope = np.exp(x)
         if "gradient_not_clamped" in wrong:
             return {"grad_x": a["grad_sigmas"] * slope}
+        if "limits_of_its_own" in wrong:
+            return {"grad_x": a["grad_sigmas"] * np.clip(slope, x.dtype.type(1e-6), x.dtype.type(1e6))}
         if "value_clamped" in wrong:
             return {"grad_x": a["grad_sigmas"] * np.minimum(slope, x.dtype.type(15))}
         slope = np.clip(slope, low, high) if held == "both_ends" else np.minimum(slope, high)

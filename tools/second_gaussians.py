@@ -225,6 +225,8 @@ def at_pixels(a, c, wrong):
         seen &= ~(np.minimum(alpha, cap) < kind(1 / 255))
     if c["positive_power"] == "skipped":
         seen &= ~(power > 0)
+    if "cut_at_three_sigmas" in wrong:
+        seen &= power >= kind(-4.5)
     return d, conic, gaussian, alpha, cap, seen
 
 

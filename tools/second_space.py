@@ -183,7 +183,8 @@ def ndc_rays(a, c, wrong):
     # Divided by z, whose sign the scales take, as codes do: what is divided by 0 has their infinity.
     matrix = np.array([[sign * x, 0, 0, 0], [0, sign * y, 0, 0], [0, 0, 1, sign * twice], [0, 0, 1, 0]], kind)
     plane = -sign * near if "moved_behind" in wrong else sign * near
-    p = o if "origin_not_moved" in wrong else o + ((plane - o[:, 2]) / d[:, 2])[:, None] * d
+    eps = kind.type(1e-5 if "eps_in_depth" in wrong else 0)
+    p = o if "origin_not_moved" in wrong else o + ((plane - o[:, 2]) / (d[:, 2] + eps))[:, None] * d
     with np.errstate(divide="ignore", invalid="ignore"):
         start, end = (
             (h := np.concatenate([q, np.full_like(q[:, :1], w)], 1) @ matrix.T)[:, :3] / h[:, 3:] for q, w in ((p, 1), (d, 0))

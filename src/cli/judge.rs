@@ -21,15 +21,15 @@ pub(super) struct Args {
     /// How far off exp, log, sin and cos may be, in ULP of the type.
     #[arg(long, default_value_t = judging::EXP_ULP)]
     exp_ulp: f64,
-    /// Count this verdict as a pass: `imprecise`, the right formula with more digits lost than its arithmetic costs.
-    #[arg(long, value_name = "VERDICT", value_parser = ["imprecise"])]
-    allow: Option<String>,
+    /// Count this verdict as a pass, once for each: `imprecise`, the right formula with more digits lost than its arithmetic costs; `edge`, right but for cases that few programs ever meet (no samples, an infinite density).
+    #[arg(long, value_name = "VERDICT", value_parser = ["imprecise", "edge"])]
+    allow: Vec<String>,
     /// Write a page to look at, and to send: DIR/index.html.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
 
-/// Runs it. 0: something passed and nothing failed; 1: something failed, is unproved or imprecise; 2: nothing was answered.
+/// Runs it. 0: something passed and nothing failed; 1: something failed, is unproved, imprecise or wrong in edge cases; 2: nothing was answered.
 ///
 /// # Errors
 /// Folders that can't be read, or that hold something else than cases and answers.
@@ -57,6 +57,7 @@ pub(super) fn run(args: &Args, json: bool) -> Result<ExitCode> {
         files::write(&out.join("index.html"), judged::page(&report, &pictures))?;
     }
     output::print(json, &report.json(), &report.to_string())?;
-    let allowed: &[Verdict] = if args.allow.is_some() { &[Verdict::Imprecise] } else { &[] };
-    Ok(ExitCode::from(report.exit_code_allowing(allowed)))
+    let allowed = |verdict: &Verdict| args.allow.contains(&verdict.to_string());
+    let allowed: Vec<Verdict> = [Verdict::Imprecise, Verdict::Edge].into_iter().filter(allowed).collect();
+    Ok(ExitCode::from(report.exit_code_allowing(&allowed)))
 }

@@ -162,7 +162,7 @@ fn train(c: &Combination, steps: u64) -> Result<Row> {
     let options = scene::Options { background: Some(background), ..scene::Options::default() };
     let scene = scene::load(&format!("builtin:spheres,size={size},views={views},fill={fill}"), &options)?;
     let mut model = CompactModel::new(&scene, &Overrides { seed, ..Overrides::default() })?;
-    let mut watch = Watch::new(&scene, model.start());
+    let mut watch = Watch::new(&scene, model.start(), model.any_background());
     let (mut done, mut failure) = (0, None);
     while done < steps && failure.is_none() {
         done += 1;

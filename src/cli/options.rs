@@ -58,6 +58,7 @@ impl ValueEnum for Part {
                 ("random_backgrounds", "Random colors behind pictures that have opacity")
             }
             Part::Distortion => ("distortion", "The distortion loss against floaters in photographs"),
+            Part::Averaging => ("averaging", "Pictures of the parameters' running mean"),
         };
         Some(PossibleValue::new(name).help(help))
     }

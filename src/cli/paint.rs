@@ -12,9 +12,9 @@ const NONE: Style = Style::new().dimmed();
 
 /// Verdicts as pages spell them.
 #[rustfmt::skip]
-const VERDICTS: [(&str, Style); 11] = [
-    ("pass", GOOD), ("fail", BAD), ("unproved", DOUBTFUL), ("imprecise", DOUBTFUL), ("unsupported", NONE),
-    ("PASS", GOOD), ("FAIL", BAD), ("UNPROVED", DOUBTFUL), ("IMPRECISE", DOUBTFUL), ("PASSES", BAD), ("fails", GOOD),
+const VERDICTS: [(&str, Style); 13] = [
+    ("pass", GOOD), ("fail", BAD), ("unproved", DOUBTFUL), ("imprecise", DOUBTFUL), ("edge", DOUBTFUL), ("unsupported", NONE),
+    ("PASS", GOOD), ("FAIL", BAD), ("UNPROVED", DOUBTFUL), ("IMPRECISE", DOUBTFUL), ("EDGE", DOUBTFUL), ("PASSES", BAD), ("fails", GOOD),
 ];
 
 /// A page with its verdicts in color: words that fill a cell of a table, or begin a paragraph in capitals.

@@ -36,7 +36,7 @@ pub struct Special {
     pub reach: Option<Reach>,
 }
 
-/// A number up to which a function may go: it is judged as far as it does.
+/// A number, or a length, up to which a function may go: it is judged as far as it does.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
     /// The input.

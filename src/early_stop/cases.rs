@@ -75,7 +75,8 @@ pub(crate) fn early_stop() -> Vec<Case> {
             vec![-2.0, 2.0, 0.5, -1.0, 3.0, 1.5, 0.5, 1.0, -0.25],
             vec![0.5; 3],
         ),
-        case("VR9_nothing", "two rays and no sample", 0.5, &[0, 0], vec![], vec![], vec![]),
+        case("VR9_nothing", "two rays and no sample", 0.5, &[0, 0], vec![], vec![], vec![])
+            .edge("no samples"),
     ];
     for (n, (regime, comment, thick, eps)) in [
         ("thin", "nothing stops", 0.02, 0.25),

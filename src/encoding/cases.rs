@@ -37,7 +37,7 @@ pub(crate) fn positional_encoding() -> Vec<Case> {
         case("positions", "L = 10, in [-4, 4]", 10.0, 3, seeded(0, 12, -4.0, 4.0)),
         case("directions", "L = 4, in [-1, 1]", 4.0, 3, seeded(1, 12, -1.0, 1.0)),
         case("pixels", "L = 10, two dimensions in [0, 1]", 10.0, 2, seeded(2, 8, 0.0, 1.0)),
-        case("identity_only", "L = 0: the input alone", 0.0, 2, vec![0.25, -3.0]),
+        case("identity_only", "L = 0: the input alone", 0.0, 2, vec![0.25, -3.0]).edge("no bands"),
         case("PE3_zeros", "exact zeros and ones: sin(pi) is 0, cos(pi/2) is 0", 6.0, 2, halves),
         case("PE3_large", "large multiples of the period", 4.0, 2, vec![512.0, 1000.5, -4096.0, 65536.0]),
         case(

@@ -11,7 +11,7 @@ use crate::loss::{mse, psnr};
 use crate::parallel;
 use crate::ray::{Ray, camera_ray};
 use crate::scene::{Frame, Photo, pixel_ray};
-use crate::ssim::{Form, ssim};
+use crate::ssim::fast::ssim;
 use crate::training::{Model, Pixel};
 
 /// A rendered view.
@@ -107,7 +107,7 @@ pub struct Scores {
     pub views: Vec<ViewScore>,
 }
 
-/// Renders all frames that have a picture and scores them; `seen` gets each view. SSIM, which is expensive, only if `with_ssim`.
+/// Renders all frames that have a picture and scores them; `seen` gets each view. SSIM only if `with_ssim`.
 ///
 /// # Errors
 /// Where the lens has no inverse at some pixel.
@@ -144,7 +144,7 @@ pub fn score(name: &str, view: ArrayView3<f32>, image: ArrayView3<f32>, with_ssi
     let flat = |a: &Array3<f64>| a.iter().copied().collect::<Vec<_>>();
     let error = mse(&flat(&view), &flat(&image));
     let large = view.dim().0.min(view.dim().1) >= 11;
-    let ssim = (with_ssim && large).then(|| ssim(view.view(), image.view(), 1.0, Form::default()));
+    let ssim = (with_ssim && large).then(|| ssim(view.view(), image.view(), 1.0));
     ViewScore { name: name.into(), mse: error, psnr: psnr(error, 1.0), ssim }
 }
 

@@ -359,8 +359,10 @@ pub fn write(path: &Path, arrays: &Arrays, compress: bool) -> Result<()> {
         .last_modified_time(zip::DateTime::DEFAULT)
         .large_file(false);
     let archive = || {
-        // In memory: dropping a ZipWriter whose file can't be written to may panic.
-        let mut zip = zip::ZipWriter::new(Cursor::new(vec![]));
+        // In memory: dropping a ZipWriter whose file can't be written to may panic. With room for all, so that it isn't copied as it grows.
+        let bytes = |array: &Array| 8 * array.shape().iter().product::<usize>() + 1024;
+        let room = if compress { 0 } else { arrays.values().map(bytes).sum() };
+        let mut zip = zip::ZipWriter::new(Cursor::new(Vec::with_capacity(room)));
         for (name, array) in arrays {
             let large = array.shape().iter().product::<usize>() > (u32::MAX / 16) as usize;
             zip.start_file(format!("{name}.npy"), options.large_file(large))?;

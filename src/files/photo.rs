@@ -153,6 +153,14 @@ impl Photo {
         (0..self.len()).map(|n| self.pixel(n))
     }
 
+    /// The colors along its four sides; a corner is on two of them.
+    pub fn border(&self) -> impl Iterator<Item = [f32; 3]> {
+        let (h, w) = self.size();
+        let along = (0..w).flat_map(move |i| [(0, i), (h - 1, i)]);
+        let down = (0..h).flat_map(move |j| [(j, 0), (j, w - 1)]);
+        along.chain(down).map(|(j, i)| self.at(j, i))
+    }
+
     /// (H, W, 3).
     pub fn to_array(&self) -> Array3<f32> {
         let flat = self.colors().flatten().collect();

@@ -44,8 +44,7 @@ fn lenses(name: &str) -> Vec<Case> {
             "the middle of the picture and beside it, where theta / r is 0 / 0",
             FISHEYE,
             vec![[0.0, 0.0], [tiny, 0.0], [0.0, -tiny], [0.25, 0.0]],
-        )
-        .edge("a point in the middle of the picture"),
+        ),
         case(
             "one_point",
             "a strong lens and one point on an axis: sums of one term",

@@ -60,6 +60,14 @@ pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "cut_at_three_sigmas",
+        "0 where d^T conic d > 9",
+        "splats end in a rim of up to 1% of their opacity",
+        "cut where alpha falls below 1/255, or nowhere",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "mean_gradient_negated",
         "the gradient of the pixel as that of the mean",
         "means run away from where they should be",
@@ -121,7 +129,8 @@ fn wrong_alpha(pixel: [f64; 2], splat: &Splat, form: Form, wrong: &[&str]) -> f6
     let opacity = if has("opacity_forgotten") { 1.0 } else { splat.opacity };
     let factor = if has("gaussian_normalized") { det.max(0.0).sqrt() / (2.0 * PI) } else { 1.0 };
     let alpha = (opacity * exp(power) * factor).min(cap(form));
-    if skipped(power, alpha, form) { 0.0 } else { alpha }
+    let cut = has("cut_at_three_sigmas") && power < -4.5;
+    if cut || skipped(power, alpha, form) { 0.0 } else { alpha }
 }
 
 /// Opacities.

@@ -178,10 +178,16 @@ fn wanted<'a>(asked: &'a Asked, row: &Row) -> Vec<&'a str> {
 /// The verdict, and its points.
 fn worth(asked: &Asked, row: &Row) -> (Verdict, f64) {
     match row.verdict {
-        Verdict::Pass | Verdict::Imprecise if !wanted(asked, row).is_empty() => (Verdict::Fail, 0.0),
+        Verdict::Pass | Verdict::Imprecise | Verdict::Edge if !wanted(asked, row).is_empty() => {
+            (Verdict::Fail, 0.0)
+        }
         Verdict::Pass => (Verdict::Pass, asked.points),
         Verdict::Imprecise => (Verdict::Imprecise, asked.if_imprecise),
-        Verdict::Fail if only_edges(asked, row) => (Verdict::Fail, asked.if_only_edge_cases_fail),
+        Verdict::Fail | Verdict::Edge if only_edges(asked, row) => {
+            (row.verdict, asked.if_only_edge_cases_fail)
+        }
+        // The rubric has its own say in what an edge case is.
+        Verdict::Edge => (Verdict::Fail, 0.0),
         other => (other, 0.0),
     }
 }
@@ -201,11 +207,13 @@ fn in_short(verdict: Verdict, row: &Row, asked: &Asked, why: Option<&String>) ->
         Verdict::Pass | Verdict::Unsupported => left,
         Verdict::Unproved => format!("an answer of 0 would be as good in {}", row.unproved.join(", ")),
         Verdict::Imprecise => row.lost_bits.map_or_else(String::new, |bits| format!("{bits} bits lost")),
-        Verdict::Fail => {
+        Verdict::Fail | Verdict::Edge => {
             let missing = wanted(asked, row);
             let edges = if only_edges(asked, row) { "edge cases alone: " } else { "" };
             let said = match (row.diagnosis.first(), row.faults.first(), why) {
-                _ if row.verdict != Verdict::Fail => format!("not answered: {}", missing.join(", ")),
+                _ if !missing.is_empty() && row.verdict != Verdict::Fail => {
+                    format!("not answered: {}", missing.join(", "))
+                }
                 (_, _, Some(why)) => why.clone(),
                 (Some(best), ..) => page::name(best),
                 (None, Some(fault), _) => {
@@ -241,7 +249,7 @@ fn findings(row: &Row, asked: &Asked, why: Option<&String>, report: &Report) -> 
             row.unproved.join(", ")
         )),
         Verdict::Imprecise => said.push(lost(row)),
-        Verdict::Fail => {
+        Verdict::Fail | Verdict::Edge => {
             said.extend(other_conventions(row, report));
             said.extend(wrong(row));
         }
@@ -319,7 +327,7 @@ fn explanations(row: &Row) -> Vec<Explained> {
         title: page::name(e),
         mistakes: e.mistakes.iter().map(|mistake| mistake.name.to_string()).collect(),
     };
-    if row.verdict == Verdict::Fail { same.map(explained).collect() } else { vec![] }
+    if [Verdict::Fail, Verdict::Edge].contains(&row.verdict) { same.map(explained).collect() } else { vec![] }
 }
 
 /// A mistake of the catalogue.

@@ -32,6 +32,8 @@ pub struct Level {
     gradient: Aligned<Entry>,
     m: Aligned<Entry>,
     v: Aligned<Entry>,
+    /// The table's running mean, of which pictures are made.
+    mean: Aligned<Entry>,
     /// The cache lines of `gradient` that aren't all 0.
     touched: Vec<bool>,
 }
@@ -42,7 +44,16 @@ impl Level {
         table.resize(table.len().next_multiple_of(LINE), [0.0; FEATURES]);
         let (zeros, table) = (repeated([0.0; FEATURES], table.len()), copied(&table));
         let touched = vec![false; table.len() / LINE];
-        Level { resolution, dense, gradient: zeros.clone(), m: zeros.clone(), v: zeros, touched, table }
+        Level {
+            resolution,
+            dense,
+            gradient: zeros.clone(),
+            m: zeros.clone(),
+            v: zeros,
+            mean: table.clone(),
+            touched,
+            table,
+        }
     }
 
     /// The table.
@@ -65,14 +76,19 @@ impl Level {
         &self.gradient
     }
 
-    /// Table and running means, as one state: parameters, m, v.
-    pub fn state(&self) -> [&[Entry]; 3] {
-        [&self.table, &self.m, &self.v]
+    /// The table's running mean, as far as [`average`] has moved it.
+    pub fn mean(&self) -> &[Entry] {
+        &self.mean
+    }
+
+    /// Table and running means, as one state: parameters, m, v, and the parameters' own mean.
+    pub fn state(&self) -> [&[Entry]; 4] {
+        [&self.table, &self.m, &self.v, &self.mean]
     }
 
     /// The same, to be filled from a checkpoint.
-    pub fn state_mut(&mut self) -> [&mut [Entry]; 3] {
-        [&mut self.table, &mut self.m, &mut self.v]
+    pub fn state_mut(&mut self) -> [&mut [Entry]; 4] {
+        [&mut self.table, &mut self.m, &mut self.v, &mut self.mean]
     }
 
     /// Table indices and trilinear weights of the 8 corners of up to 16 points.
@@ -116,6 +132,7 @@ impl Level {
 
 struct Encode<'a> {
     level: &'a Level,
+    table: &'a [Entry],
     points: &'a [[f32; 3]],
     out: &'a mut [Entry],
 }
@@ -131,7 +148,7 @@ impl WithSimd for Encode<'_> {
             for (i, out) in out.iter_mut().enumerate().take(points.len()) {
                 let mut sum = [0f32; FEATURES];
                 for corner in 0..8 {
-                    let entry = &self.level.table[index[corner][i] as usize];
+                    let entry = &self.table[index[corner][i] as usize];
                     for f in 0..FEATURES {
                         sum[f] = multiply_add::<S>(weight[corner][i], entry[f], sum[f]);
                     }
@@ -197,13 +214,31 @@ impl WithSimd for Update<'_> {
     }
 }
 
-/// A level's features at `points` of the unit box, into `out`, which may be longer.
+struct Average<'a> {
+    level: &'a mut Level,
+    rate: f32,
+}
+
+impl WithSimd for Average<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Level { table, mean, .. } = self.level;
+        for (mean, x) in mean.as_flattened_mut().iter_mut().zip(table.as_flattened()) {
+            *mean += self.rate * (x - *mean);
+        }
+    }
+}
+
+/// A level's features at `points` of the unit box, read from `table`, its own or its mean, into `out`, which may be longer.
 ///
 /// # Panics
-/// Where `out` is shorter.
-pub fn encode_level(arch: Arch, level: &Level, points: &[[f32; 3]], out: &mut [Entry]) {
+/// Where `out` is shorter, or the table has another length.
+pub fn encode_level(arch: Arch, level: &Level, table: &[Entry], points: &[[f32; 3]], out: &mut [Entry]) {
     assert!(out.len() >= points.len(), "out and points: {} entries for {} points", out.len(), points.len());
-    arch.dispatch(Encode { level, points, out });
+    assert_eq!(table.len(), level.table.len(), "table: a level's own");
+    arch.dispatch(Encode { level, table, points, out });
 }
 
 /// Adds the gradients of a level's features at `points`, in order, to its table's. `g_out` may be longer.
@@ -223,6 +258,11 @@ pub fn scatter(arch: Arch, level: &mut Level, points: &[[f32; 3]], g_out: &[Entr
 /// Adam on the parameters that have a gradient, which is cleared. The others keep their running means, as in Instant-NGP.
 pub fn update(arch: Arch, level: &mut Level, rates: Rates) {
     arch.dispatch(Update { level, rates });
+}
+
+/// The table's mean goes by a share `rate` to where the table is.
+pub fn average(arch: Arch, level: &mut Level, rate: f32) {
+    arch.dispatch(Average { level, rate });
 }
 
 #[cfg(test)]

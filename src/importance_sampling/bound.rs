@@ -153,7 +153,7 @@ pub(crate) fn sample(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
 }
 
 /// Bound of [`super::backward::sample`]. At a kink any slope dt / du is admissible, and each edge next to the sample may get any
-/// share of the cotangent.
+/// share of the cotangent; so may each of several edges in one place, of what they get together.
 pub(crate) fn sample_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, c, |ray, g| {
         let d = Distribution::new(ray, c, m);
@@ -182,6 +182,18 @@ pub(crate) fn sample_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
             let slope = m.div(m.mul(exact(g), width), weight);
             g_u.push(slope.or(m.mul(exact(g), m.div(width, weight))).e);
         }
-        (terms.iter().map(|terms| any_order(terms, m).e).collect(), g_u)
+        let alone = terms.iter().map(|terms| any_order(terms, m).e);
+        let shared = (0..terms.len()).map(|k| shared_at(&ray.edges, k, &terms));
+        (alone.zip(shared).map(|(alone, shared)| alone + shared).collect(), g_u)
     })
+}
+
+/// What edge k shares with others in the same place. Whoever finds a bin's edges as the largest edge below and the smallest above has
+/// chosen among equals, and by which of them the result moves is nobody's to say.
+fn shared_at(edges: &[f64], k: usize, terms: &[Vec<Bounded>]) -> f64 {
+    let here: Vec<usize> = (0..edges.len()).filter(|&n| edges[n] == edges[k]).collect();
+    if here.len() == 1 {
+        return 0.0;
+    }
+    here.iter().flat_map(|&n| &terms[n]).map(|term| term.y.abs() + term.e).sum()
 }

@@ -61,7 +61,7 @@ pub(crate) fn importance_sampling() -> Vec<Case> {
     let steps = numbers(&mut draw, 4, 0.125, 0.875);
     let cases = vec![
         random("plain", "uneven bins, random weights, u in any order", [3, 6, 5], 0.0),
-        random("one_bin", "N = 1: uniform between the two edges", [2, 1, 4], 0.0),
+        random("one_bin", "N = 1: uniform between the two edges", [2, 1, 4], 0.0).edge("one bin"),
         random("two_bins", "N = 2", [3, 2, 3], 0.0),
         random("sixty_four_bins", "the paper's 64 coarse samples", [1, 64, 16], 0.0),
         random("padded", "0.01 added to every weight, as in nerfstudio", [2, 7, 6], 0.0078125),

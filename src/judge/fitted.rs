@@ -21,7 +21,7 @@ const ELEMENTS: usize = 5;
 const HALVINGS: usize = 80;
 
 /// The mistakes whose number can be chosen so that they explain every answer, in the conventions `near`. A gradient is
-/// asked in `base` with the numbers that the forward answers showed (`suspects`).
+/// asked in `base` with the numbers that the forward answers showed (`suspects`), then for numbers of its own.
 pub(crate) fn fitting(
     question: &Question,
     answers: &Answers,
@@ -34,9 +34,13 @@ pub(crate) fn fitting(
         |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
     if question.kind == Kind::Vjp {
         let with_number = suspects.iter().filter(|(_, fitted)| fitted.is_some());
-        return with_number.map(|suspect| of(suspect, base)).filter(fits).collect();
+        let found: Vec<_> = with_number.map(|suspect| of(suspect, base)).filter(fits).collect();
+        if !found.is_empty() {
+            return found;
+        }
     }
-    let mistakes = question.component.mistakes.iter().filter(|m| m.number.is_some() && !m.gradient);
+    let own = |m: &&Mistake| m.number.is_some() && m.gradient == (question.kind == Kind::Vjp);
+    let mistakes = question.component.mistakes.iter().filter(own);
     let pairs: Vec<_> = mistakes.flat_map(|m| near.iter().map(move |c| (m, c))).collect();
     let found = parallel::map(pairs.len(), |n| {
         let (mistake, c) = pairs[n];
@@ -120,12 +124,23 @@ mod tests {
 
     /// What is fitted where a row's answers have this mistake with this number.
     fn found(component: &str, dtype: Dtype, mistake: &str) -> Vec<(Vec<&'static str>, Option<f64>)> {
+        found_in(0, component, dtype, mistake)
+    }
+
+    /// The same in one direction: 0 forward, 1 back.
+    fn found_in(
+        direction: usize,
+        component: &str,
+        dtype: Dtype,
+        mistake: &str,
+    ) -> Vec<(Vec<&'static str>, Option<f64>)> {
         let exam = Exam::new(component, dtype, None).unwrap();
-        let question = &exam.questions[0];
+        let question = &exam.questions[direction];
         let round =
             |arrays: Arrays| arrays.into_iter().map(|(name, a)| (name, a.mapv(|x| dtype.round(x)))).collect();
         let answer = |case: &Case| {
-            Some(given(round((question.component.forward.wrong)(&case.inputs, &CS180, &[mistake]))))
+            let wrong = question.component.direction(question.kind).unwrap().wrong;
+            Some(given(round(wrong(&case.inputs, &CS180, &[mistake]))))
         };
         let answers: Answers = question.cases.iter().map(answer).collect();
         let options = MarkOptions { dtype, exp_ulp: 4.0 };
@@ -143,11 +158,20 @@ mod tests {
             ("pixel_to_ray", "focal_scaled", 1.5),
             ("mlp", "leaky_units", 0.2),
             ("ray_aabb", "eps_in_direction", 1e-4),
+            ("ndc_rays", "eps_in_depth", 1e-4),
         ] {
             for dtype in [Dtype::F64, Dtype::F32] {
                 let found = found(component, dtype, &format!("{mistake}={number}"));
                 assert!(found.contains(&(vec![mistake], Some(number))), "{component} {dtype}: {found:?}");
             }
+        }
+    }
+
+    #[test]
+    fn a_gradient_has_numbers_of_its_own() {
+        for dtype in [Dtype::F64, Dtype::F32] {
+            let found = found_in(1, "trunc_exp", dtype, "limits_of_its_own=1e5");
+            assert_eq!(found, [(vec!["limits_of_its_own"], Some(1e5))], "{dtype}");
         }
     }
 

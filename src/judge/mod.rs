@@ -11,6 +11,7 @@ pub mod declared;
 #[doc(hidden)]
 pub mod diagnose;
 pub(crate) mod door;
+mod edges;
 #[doc(hidden)]
 #[cfg(feature = "cli")]
 pub(crate) mod errors;
@@ -44,6 +45,7 @@ mod rearranged;
 mod repeat;
 #[doc(hidden)]
 pub mod report;
+mod round;
 mod slip;
 mod slips;
 #[doc(hidden)]

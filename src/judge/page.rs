@@ -46,13 +46,21 @@ impl fmt::Display for Report {
         for row in self.rows.iter().filter(|row| row.verdict != Verdict::Unsupported) {
             notes(f, row)?;
         }
-        let all = [Verdict::Pass, Verdict::Fail, Verdict::Unproved, Verdict::Imprecise, Verdict::Unsupported];
-        let [pass, fail, unproved, imprecise, unsupported] = all.map(|v| self.count(v));
-        writeln!(
-            f,
-            "\n{pass} passed, {fail} failed, {unproved} unproved, {imprecise} imprecise, {unsupported} unsupported"
-        )
+        writeln!(f, "\n{}", counts(self))
     }
+}
+
+/// How many rows have each verdict.
+pub(crate) fn counts(report: &Report) -> String {
+    let all = [
+        (Verdict::Pass, "passed"),
+        (Verdict::Fail, "failed"),
+        (Verdict::Unproved, "unproved"),
+        (Verdict::Imprecise, "imprecise"),
+        (Verdict::Edge, "wrong in edge cases alone"),
+        (Verdict::Unsupported, "unsupported"),
+    ];
+    all.map(|(verdict, word)| format!("{} {word}", report.count(verdict))).join(", ")
 }
 
 /// Error over bound.
@@ -99,7 +107,7 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             row.unproved.join(", ")
         );
     }
-    let word = if row.verdict == Verdict::Imprecise { "IMPRECISE" } else { "FAIL" };
+    let word = row.verdict.to_string().to_uppercase();
     writeln!(f, "\n{word} {} {}", row.name, row.kind)?;
     if let Some(bits) = row.lost_bits {
         let digits = f64::from(bits) * std::f64::consts::LOG10_2;
@@ -113,7 +121,7 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         }
     }
     if !row.edge_cases.is_empty() {
-        writeln!(f, "  in edge cases alone: {}", row.edge_cases.join(", "))?;
+        writeln!(f, "  right, but for edge cases: {}", but_for(row))?;
     }
     for fault in row.faults.iter().take(4) {
         writeln!(f, "  {fault}")?;
@@ -139,13 +147,29 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     if !row.contradiction.is_empty() {
         writeln!(f, "  right with {}, which contradicts the rest of this run", list(&row.contradiction))?;
     }
-    if row.verdict == Verdict::Fail && row.budget_used > Some(1.0) {
+    let explained = row.verdict == Verdict::Edge && !row.diagnosis.is_empty();
+    if explained || row.verdict == Verdict::Fail && row.budget_used > Some(1.0) {
         diagnosis(f, row)?;
     }
     if let Some(example) = &row.example {
         write!(f, "{example}")?;
     }
     Ok(())
+}
+
+/// The edge cases in which a row is wrong, each with what happens there, in a word.
+fn but_for(row: &Row) -> String {
+    let one = |(edge, id): (&&str, &String)| {
+        let what = row.faults.iter().filter_map(|fault| fault.strip_prefix(id)?.strip_prefix(": ")).next();
+        let what = match what {
+            Some(said) if said.starts_with("crashed") => "crashes",
+            Some(said) if said.ends_with("NaN") => "NaN",
+            Some(_) => "no such arrays",
+            None => "other numbers",
+        };
+        format!("{edge} ({what}: {id})")
+    };
+    row.edge_cases.iter().zip(&row.wrong_cases).map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// What is said of one row under the table.

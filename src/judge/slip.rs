@@ -1,7 +1,7 @@
 //! Slips: simple things that happen to one array and that no catalogue can list for every component: an input that is taken for its
 //! running sum, normalized first, or for another one of its shape; an output that is halved, reversed or clamped.
 
-use ndarray::{ArrayD, Axis};
+use ndarray::{ArrayD, Axis, IxDyn};
 
 use crate::contract::arrays::Arrays;
 
@@ -22,6 +22,8 @@ pub(crate) enum Change {
     One { axis: usize, element: usize, by: By },
     /// One element of a short axis is taken for another, too.
     Twice { axis: usize, from: usize, to: usize },
+    /// One entry of every small matrix alone, by its row and column.
+    Cell { at: [usize; 2], by: By },
     /// One entry of a small matrix is taken for another, too: c_x for c_y.
     Entry { from: [usize; 2], to: [usize; 2] },
     /// Two axes are exchanged, of the same length.
@@ -191,6 +193,7 @@ impl Slip {
             Change::Twice { axis, from, to } => {
                 format!("element {from} of axis {axis} of {name} in the place of element {to}")
             }
+            Change::Cell { at, by } => format!("entry {at:?} of {name} {}", by.says()),
             Change::Entry { from, to } => format!("{name}{from:?} in the place of {name}{to:?}"),
             Change::Transposed(a, b) => format!("{name} with axes {a} and {b} exchanged"),
             Change::Other(other) => format!("{other} in the place of {name}"),
@@ -207,8 +210,10 @@ impl Change {
     /// The likelier has the lower one, whichever array it happens to: what happens to one component may look like something else elsewhere.
     pub(crate) fn rank(&self) -> usize {
         match self {
-            Change::One { by: By::Each(n), .. } => 1 + n,
-            Change::One { .. } | Change::Twice { .. } | Change::Entry { .. } => 1 + EACH.len(),
+            Change::One { by: By::Each(n), .. } | Change::Cell { by: By::Each(n), .. } => 1 + n,
+            Change::One { .. } | Change::Cell { .. } | Change::Twice { .. } | Change::Entry { .. } => {
+                1 + EACH.len()
+            }
             _ => 0,
         }
     }
@@ -245,6 +250,12 @@ impl Change {
             Change::Twice { axis, from, to } if x.ndim() > *axis && x.len_of(Axis(*axis)) > *from.max(to) => {
                 let place = |n: usize| if n == *to { *from } else { n };
                 x.select(Axis(*axis), &(0..x.len_of(Axis(*axis))).map(place).collect::<Vec<_>>())
+            }
+            Change::Cell { at, by } if x.ndim() > 1 => {
+                let (mut x, rows) = (x.clone(), x.ndim() - 2);
+                let there = |index: &IxDyn| ndarray::Dimension::slice(index)[rows..] == *at;
+                x.indexed_iter_mut().filter(|(index, _)| there(index)).for_each(|(_, x)| *x = by.of(*x));
+                x
             }
             Change::Entry { from, to } if x.get(&from[..]).is_some() && x.get(&to[..]).is_some() => {
                 let mut x = x.clone();

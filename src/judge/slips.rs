@@ -30,6 +30,9 @@ const LEAST: usize = 100;
 /// Axes at most this long are taken for components: red, green, blue; x, y, z.
 const SHORT: usize = 4;
 
+/// What happens to single entries of matrices, of [`EACH`]: they are left out, or have the other sign.
+const CELL: [usize; 2] = [0, 1];
+
 /// Explanations that are listed.
 const SHOWN: usize = 3;
 
@@ -175,6 +178,13 @@ fn of_axes(shape: &[usize]) -> Vec<Change> {
         let others = (0..shape[axis]).filter(|to| *to != element);
         all.extend(others.map(|to| Change::Twice { axis, from: element, to }));
     }
+    if let [.., rows, columns] = *shape
+        && rows.max(columns) <= SHORT
+        && rows.min(columns) > 1
+    {
+        let places = (0..rows * columns).flat_map(|n| CELL.map(|by| ([n / columns, n % columns], by)));
+        all.extend(places.map(|(at, by)| Change::Cell { at, by: By::Each(by) }));
+    }
     if let [rows, columns] = *shape
         && rows.max(columns) <= SHORT
     {
@@ -317,6 +327,8 @@ mod tests {
         let turned = slip(true, "d", Change::Opposite(1, 2));
         let center = slip(true, "K", Change::Entry { from: [0, 2], to: [1, 2] });
         let corner = slip(true, "uv", Change::One { axis: 1, element: 0, by: By::Each(each("plus 1/2")) });
+        let opposite = Change::Cell { at: [2, 0], by: By::Each(each("with the other sign")) };
+        let rotated = slip(false, "rotations", opposite);
         let longer = slip(false, "rays_d_ndc", Change::One { axis: 1, element: 1, by: By::Times(1.25) });
         for (component, slip, mistakes) in [
             ("volume_render", &places, &[][..]),
@@ -326,6 +338,7 @@ mod tests {
             ("pixel_to_camera", &center, &[]),
             ("pixel_to_camera", &corner, &[]),
             ("ndc_rays", &longer, &[]),
+            ("so3_exp", &rotated, &[]),
         ] {
             for dtype in [Dtype::F64, Dtype::F32] {
                 let rows = judged(component, dtype, slip, mistakes);

@@ -32,7 +32,7 @@ struct OfCase {
 
 /// The truths of a question's cases, as they are asked for.
 #[derive(Debug, Default)]
-pub(crate) struct Truths(Mutex<Memory>);
+pub(crate) struct Truths(Arc<Mutex<Memory>>);
 
 #[derive(Debug, Default)]
 struct Memory {
@@ -48,6 +48,11 @@ impl Clone for Truths {
 }
 
 impl Truths {
+    /// The same memory for a question that has some of these cases.
+    pub(crate) fn shared(&self) -> Truths {
+        Truths(self.0.clone())
+    }
+
     /// The truth of a case that `computed` gives, if it wasn't asked for before. Two threads may compute the same: they get the same, and
     /// nobody waits.
     pub(crate) fn get(&self, case: &Case, key: Key, computed: impl FnOnce() -> Truth) -> Arc<Truth> {

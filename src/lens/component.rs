@@ -2,7 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Reach, Special};
 
 /// OpenCV's coefficients.
 const COEFFICIENTS: Port = Port::smooth(
@@ -10,6 +10,10 @@ const COEFFICIENTS: Port = Port::smooth(
     "C",
     "of the lens in OpenCV's order: k1, k2, p1, p2; k3 where there are 5; k4, k5, k6 where there are 8",
 );
+
+/// Most programs have five of them, or four.
+const SPECIAL: Special =
+    Special { reach: Some(Reach { input: "coefficients", least: 4.0 }), ..Special::NONE };
 
 /// Ideal points to the distorted picture.
 pub(crate) const LENS_DISTORT: Component = Component {
@@ -34,7 +38,7 @@ pub(crate) const LENS_DISTORT: Component = Component {
     }),
     cases: cases::lens_distort,
     mistakes: mistakes::LENS_DISTORT,
-    special: Special::NONE,
+    special: SPECIAL,
 };
 
 /// And back.
@@ -63,5 +67,5 @@ pub(crate) const LENS_UNDISTORT: Component = Component {
     }),
     cases: cases::lens_undistort,
     mistakes: mistakes::LENS_UNDISTORT,
-    special: Special::NONE,
+    special: SPECIAL,
 };

@@ -60,7 +60,8 @@ pub(crate) fn psnr() -> Vec<Case> {
         with_peak("two_pictures", "two pictures of unequal error: the two means differ", &two, &target, 1.0),
         with_peak("eighth", "an error of 1/8 everywhere: 18.06 dB", &tenth, &half, 1.0),
         with_peak("bytes", "bytes, peak 255", &two.mapv(byte), &target.mapv(byte), 255.0),
-        with_peak("ME1_equal", "equal pictures: infinite, never NaN", &half, &half, 1.0),
+        with_peak("ME1_equal", "equal pictures: infinite, never NaN", &half, &half, 1.0)
+            .edge("equal pictures"),
         with_peak(
             "zero_decibels",
             "an error of nearly 1: the digits are those of the mean squared error",

@@ -6,6 +6,16 @@ use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
+const EPS_IN_DEPTH: Mistake = Mistake::new(
+    "eps_in_depth",
+    "t = -(near + o_z) / (d_z + eps)",
+    "rays begin beside the near plane; beyond it where they hardly look ahead",
+    "-(near + o_z) / d_z: a ray that doesn't look ahead has no place in this view",
+    "1 public implementation: 1e-5",
+    1,
+)
+.with("eps", 1e-5, [1e-8, 1e-2]);
+
 /// Mistakes of rays in normalized device coordinates.
 pub(crate) const NDC_RAYS: &[Mistake] = &[
     Mistake::new(
@@ -72,6 +82,7 @@ pub(crate) const NDC_RAYS: &[Mistake] = &[
         "never by itself; callers that hand over 1 are many, and right where poses were scaled for it",
         0,
     ),
+    EPS_IN_DEPTH,
     Mistake::new(
         "shift_not_differentiated",
         "t held constant in the gradient",
@@ -98,8 +109,10 @@ fn wrong_ray(o: [f64; 3], d: [f64; 3], view: &View, wrong: &[&str]) -> Ray {
     let sign = view.sign();
     let near = if has("near_taken_as_one") { 1.0 } else { view.near };
     let plane = if has("moved_behind") { -sign * near } else { sign * near };
-    let t = if has("origin_not_moved") { 0.0 } else { (plane - o[2]) / d[2] };
-    let p = [o[0] + t * d[0], o[1] + t * d[1], if has("origin_not_moved") { o[2] } else { plane }];
+    let eps = EPS_IN_DEPTH.among(wrong);
+    let t = if has("origin_not_moved") { 0.0 } else { (plane - o[2]) / (d[2] + eps.unwrap_or(0.0)) };
+    let beside = has("origin_not_moved") || eps.is_some();
+    let p = [o[0] + t * d[0], o[1] + t * d[1], if beside { o[2] + t * d[2] } else { plane }];
     let of_depth = if has("depth_of_the_other_axes") { -sign } else { sign };
     let depth = 2.0 * of_depth * near / p[2];
     let (mut o_ndc, mut d_ndc) = ([1.0 - depth; 3], [depth; 3]);

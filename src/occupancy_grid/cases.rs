@@ -88,7 +88,8 @@ pub(crate) fn update() -> Vec<Case> {
             &[],
             &[[0.25, 0.75, 0.25]],
             [0.75, 0.5],
-        ),
+        )
+        .edge("no points"),
         update_case(
             "CG3_on_faces",
             "points and queries on faces belong to the cell above, at the box's end to the last",

@@ -8,11 +8,12 @@ use crate::shown::shown;
 const STYLE: &str = include_str!("style.css");
 
 /// Words that stand in a color of their own, and the color's name in the style.
-const VERDICTS: [(&str, &str); 5] = [
+const VERDICTS: [(&str, &str); 6] = [
     ("pass", "pass"),
     ("fail", "fail"),
     ("unproved", "doubt"),
     ("imprecise", "doubt"),
+    ("edge", "doubt"),
     ("unsupported", "dim"),
 ];
 

@@ -39,7 +39,8 @@ pub(crate) fn sample_along_rays() -> Vec<Case> {
         ),
         case("jittered", "an independent u for every ray and sample", [2.0, 6.0], random(0, 4, 8), 4.0),
         case("jittered_64", "the course's 64 samples from 2 to 6", [2.0, 6.0], random(1, 2, 64), 4.0),
-        case("one_sample", "N = 1: the interval is the whole ray", [2.0, 6.0], random(2, 3, 1), 4.0),
+        case("one_sample", "N = 1: the interval is the whole ray", [2.0, 6.0], random(2, 3, 1), 4.0)
+            .edge("one sample"),
         case("SA4_near_0", "near = 0 and a far that no type holds", [0.0, 0.7], random(3, 3, 5), 1.0),
         case("inexact_bounds", "near and far that no type holds", [0.1, 3.7], random(4, 3, 7), 2.0),
         case("CG9_far_away", "origins up to 2^20: o + t d cancels", [2.0, 6.0], random(5, 3, 6), 1_048_576.0),
@@ -72,7 +73,8 @@ pub(crate) fn step_sizes() -> Vec<Case> {
             [2.0, 6.0],
             jittered(0, 3, 8, 2.0, 0.5),
         ),
-        case("one_sample", "N = 1: no difference to take", [2.0, 6.0], array(&[2, 1], vec![3.5, 4.25])),
+        case("one_sample", "N = 1: no difference to take", [2.0, 6.0], array(&[2, 1], vec![3.5, 4.25]))
+            .edge("one sample"),
         case(
             "SA4_near_0",
             "near = 0 and a far that no type holds",

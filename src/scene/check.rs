@@ -77,7 +77,8 @@ pub(super) fn focal(file: &str, field: &str, value: f64) -> Result<f64> {
 /// At least one frame to learn from, and lenses that have rays.
 pub(super) fn frames(file: &str, train: &[Frame], val: &[Frame]) -> Result<()> {
     if train.is_empty() {
-        let remedy = "Add frames, or hold out fewer of them.";
+        let remedy =
+            "Add frames, or hold out fewer of them. A single photograph isn't enough where one is held out.";
         return Err(Error::input(Input {
             file,
             field: "frames",
@@ -107,6 +108,14 @@ fn lens(file: &str, frame: &Frame) -> Result<()> {
         camera_ray(&frame.camera, DVec2::new(u, v)).map_err(named)?;
     }
     Ok(())
+}
+
+/// Three rows of a pose and the fourth, which is always the same; anything else as it is.
+pub(super) fn whole(mut matrix: Array2<f64>) -> Array2<f64> {
+    if matrix.dim() == (3, 4) {
+        matrix.push_row(ndarray::aview1(&[0.0, 0.0, 0.0, 1.0])).expect("four columns");
+    }
+    matrix
 }
 
 /// A 4x4 array from JSON's nested rows, NaN where something isn't a number (so that [`pose`] names it).

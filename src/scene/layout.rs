@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 use serde_json::Value;
 
-use super::{Cloud, Options, Scene, doubts};
+use super::{Cloud, Options, Scene, border, doubts};
 use crate::camera::{Camera, pixel_to_camera, rotate};
 use crate::error::{Error, Input, Result};
 
@@ -56,20 +56,31 @@ struct Range {
     why: String,
 }
 
-/// Sets `focus`, `near`, `far` and, where depths are known, `bounds`, with their reasons: given, or derived.
+/// Sets the background, `focus`, `near`, `far` and, where depths are known, `bounds`, with their reasons: given, or derived.
 pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Options) -> Result<()> {
+    border::settle(scene, options);
     // Held-out cameras count too: the scene doesn't change when another frame is held out.
     let cameras: Vec<Camera> = scene.train.iter().chain(&scene.val).map(|frame| frame.camera).collect();
     let cameras: Vec<&Camera> = cameras.iter().collect();
     let focus = common_focus(&cameras);
-    let range = match (backdrop, scene.cloud.as_ref().and_then(of_points)) {
+    let given = options.near.is_some() && options.far.is_some();
+    let points = scene.cloud.as_ref().and_then(of_points);
+    let depths =
+        matches!(backdrop, Backdrop::Between { .. }) || backdrop == Backdrop::World && points.is_some();
+    if focus.is_none() && !depths && !given {
+        scene.warnings.push(PARALLEL.into());
+    }
+    let range = match (backdrop, points) {
         (Backdrop::Between { near, far }, _) => Some(of_depths(near, far, &cameras)),
         (Backdrop::World, Some(range)) => Some(range),
-        _ => focus.map(|focus| of_focus(focus, backdrop, &cameras)),
+        _ => focus.map(|focus| of_focus(focus, backdrop, &cameras)).or_else(|| of_spread(&cameras)),
     };
+    distrust_box(scene, focus, &cameras);
     choose(scene, file, range, options)?;
     let (near, far) = (scene.near, scene.far);
-    let known = scene.cloud.is_some() || matches!(backdrop, Backdrop::Between { .. });
+    // Where axes meet nowhere, depths that are given are all that says where things are.
+    let known =
+        scene.cloud.is_some() || matches!(backdrop, Backdrop::Between { .. }) || focus.is_none() && given;
     let seen = |focus: &DVec3| {
         let mean = cameras.iter().map(|camera| (*focus - center(camera)).length()).sum::<f64>();
         !known || (near..far).contains(&(mean / cameras.len() as f64))
@@ -77,12 +88,12 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
     let (focus, why) = match focus.filter(seen) {
         Some(focus) => (focus, "point closest to all cameras' axes"),
         None if known => (
-            ahead(&cameras, 2.0 / (1.0 / near + 1.0 / far)),
+            ahead(&cameras, if near > 0.0 { 2.0 / (1.0 / near + 1.0 / far) } else { 0.5 * far }),
             "before the mean camera, halfway in 1 / distance",
         ),
         None => (
-            center(cameras[0]) + axis(cameras[0]) * (0.5 * (near + far)),
-            "middle of the first camera's range",
+            ahead(&cameras, spread(&cameras)),
+            "before the cameras or between them, as far as they stand from one another",
         ),
     };
     scene.focus = focus;
@@ -96,8 +107,10 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
 
 /// From the cameras' distance to their common focus.
 ///
-/// The nearest camera at distance r: near = r / 2. With a smaller near, a field explains single photographs with specks in front of their
-/// cameras. The farthest at R: far = 3 R / 2 over a plain background (an object as large as half the distance to it), 2 R in front of the
+/// The nearest camera at distance r: near = r / 2, or in front of the real world, where that is less, r (1 - sin a) for a camera that sees
+/// as far as an angle a to one side: there a ball begins that fills the picture. With a smaller near, a field explains single photographs
+/// with specks in front of their cameras. Axes that hardly differ meet anywhere, far behind what they look at too: r / 10. The farthest
+/// at R: far = 3 R / 2 over a plain background (an object as large as half the distance to it), 2 R in front of the
 /// real world. On the synthetic scenes of the NeRF paper, r = R = 4.03, this is their customary 2 and 6, which is used exactly.
 fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
     let distances = cameras.iter().map(|camera| (focus - center(camera)).length());
@@ -106,11 +119,94 @@ fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
         let why = format!("customary where cameras stand {low:.3} to {high:.3} from their focus");
         return Range { near: 2.0, far: 6.0, why };
     }
-    let factor = if backdrop == Backdrop::Plain { 1.5 } else { 2.0 };
+    let (near, factor) = match backdrop {
+        Backdrop::Plain => (0.5, 1.5),
+        _ if fan(cameras) < 10f64.to_radians() => (0.1, 2.0),
+        _ => (cameras.iter().map(|camera| 1.0 - widest(camera)).fold(0.5, f64::min), 2.0),
+    };
     let why = format!(
-        "cameras stand {low:.3} to {high:.3} from their common focus: near is 0.5 of the smallest, far {factor} of the largest"
+        "cameras stand {low:.3} to {high:.3} from their common focus: near is {near:.3} of the smallest, far {factor} of the largest"
     );
-    Range { near: 0.5 * low, far: factor * high, why }
+    Range { near: near * low, far: factor * high, why }
+}
+
+/// The largest angle between a camera's axis and the mean one.
+fn fan(cameras: &[&Camera]) -> f64 {
+    let mean = cameras.iter().map(|camera| axis(camera)).sum::<DVec3>();
+    // Axes to all sides have no mean.
+    if mean.length() < 1e-9 * cameras.len() as f64 {
+        return std::f64::consts::PI;
+    }
+    cameras.iter().map(|camera| axis(camera).angle_between(mean)).fold(0.0, f64::max)
+}
+
+/// The sine of the angle that a camera sees to one side, at the most.
+fn widest(camera: &Camera) -> f64 {
+    let slope = widest_slope(camera);
+    slope / (1.0 + slope * slope).sqrt()
+}
+
+/// How far a camera sees to one side at depth 1, at the most: half of its larger side over the focal length.
+pub(crate) fn widest_slope(camera: &Camera) -> f64 {
+    (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy)
+}
+
+/// What people are told where cameras have no common focus.
+const PARALLEL: &str = "The cameras' axes meet nowhere in front of them: near, far and the middle of the scene are guessed from how far the \
+     cameras stand apart. If the cameras do look at one thing, their axes aren't those of the file's convention (OpenGL looks along -z, \
+     OpenCV along z), or the poses are world to camera. Give both near and far where they are known.";
+
+/// Where axes meet nowhere: a street, a flight, a room from inside. Things are about as far away as the cameras stand from one another;
+/// near is their usual distance from the next one, within 1% and 10% of that. `None` where all stand in one place.
+fn of_spread(cameras: &[&Camera]) -> Option<Range> {
+    let spread = spread(cameras);
+    let next = median(cameras.iter().map(|camera| {
+        let away = |other: &&Camera| (center(other) - center(camera)).length();
+        cameras.iter().map(away).filter(|r| *r > 0.0).fold(f64::INFINITY, f64::min)
+    }));
+    let why = format!(
+        "the axes meet nowhere, the cameras stand {spread:.3} from their middle and {next:.3} from one another: near is the latter, \
+         0.01 to 0.1 of the former, far 10 of it"
+    );
+    let near = next.max(0.01 * spread).min(0.1 * spread);
+    // What rounding leaves of equal places is no distance.
+    (spread > 1e-9 * middle(cameras).length()).then_some(Range { near, far: 10.0 * spread, why })
+}
+
+/// The median of the cameras' distances from their middle.
+fn spread(cameras: &[&Camera]) -> f64 {
+    let middle = middle(cameras);
+    median(cameras.iter().map(|camera| (center(camera) - middle).length()))
+}
+
+fn middle(cameras: &[&Camera]) -> DVec3 {
+    cameras.iter().map(|camera| center(camera)).sum::<DVec3>() / cameras.len() as f64
+}
+
+/// The upper one of two in the middle.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+/// Leaves out a box that the file states in units of its own: one that doesn't hold what the cameras look at, or is small beside their
+/// distance from it.
+fn distrust_box(scene: &mut Scene, focus: Option<DVec3>, cameras: &[&Camera]) {
+    let (Some((low, high)), Some(focus)) = (scene.bounds, focus) else { return };
+    let holds = focus.cmpge(low).all() && focus.cmple(high).all();
+    let away = median(cameras.iter().map(|camera| (focus - center(camera)).length()));
+    let width = (high - low).max_element();
+    if holds && width > 0.1 * away {
+        return;
+    }
+    let what = if holds { "is small beside" } else { "doesn't hold the point that the cameras look at," };
+    let stated = scene.reasons.remove("bounds").unwrap_or_default();
+    scene.bounds = None;
+    scene.warnings.push(format!(
+        "The scene's box, {width:.3} wide ({}), {what} {away:.3} away from them: it isn't used.",
+        stated.as_str().unwrap_or("stated")
+    ));
 }
 
 /// From how far away the points are that the photographs show, but for the outermost of them, which may be mistakes.
@@ -135,7 +231,7 @@ fn of_depths(near: f64, far: f64, cameras: &[&Camera]) -> Range {
 
 /// Sets `near` and `far`.
 fn choose(scene: &mut Scene, file: &str, range: Option<Range>, options: &Options) -> Result<()> {
-    let cameras_meet = range.is_some();
+    let derived = range.is_some();
     let Range { near, far, why } =
         range.unwrap_or(Range { near: f64::NAN, far: f64::NAN, why: String::new() });
     let mut choose = |name: &str, given: Option<f64>, derived: f64| {
@@ -146,8 +242,8 @@ fn choose(scene: &mut Scene, file: &str, range: Option<Range>, options: &Options
     scene.near = choose("near", options.near, near);
     scene.far = choose("far", options.far, far);
     if scene.near.partial_cmp(&scene.far) != Some(std::cmp::Ordering::Less) {
-        let found = match cameras_meet {
-            false => "cameras whose axes meet nowhere in front of them".to_string(),
+        let found = match derived {
+            false => "cameras that all stand in one place".to_string(),
             true => format!("near {}, far {}", scene.near, scene.far),
         };
         let remedy = "Give both near and far, in the units of the cameras' positions.";
@@ -162,11 +258,11 @@ fn choose(scene: &mut Scene, file: &str, range: Option<Range>, options: &Options
     Ok(())
 }
 
-/// The point so far before the mean of the cameras.
+/// The point so far before the mean camera.
 fn ahead(cameras: &[&Camera], distance: f64) -> DVec3 {
-    let mean = cameras.iter().map(|camera| center(camera)).sum::<DVec3>() / cameras.len() as f64;
-    let forward = cameras.iter().map(|camera| axis(camera)).sum::<DVec3>();
-    mean + forward.normalize_or(axis(cameras[0])) * distance
+    // Of cameras that look to all sides, the mean axis is short: the point is between them.
+    let forward = cameras.iter().map(|camera| axis(camera)).sum::<DVec3>() / cameras.len() as f64;
+    middle(cameras) + forward * distance
 }
 
 /// Directions through a picture's corners, of depth 1; a lens bends them a little.

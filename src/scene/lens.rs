@@ -22,7 +22,7 @@ fn number(transforms: &Transforms, frame: &Value, key: &str) -> Option<f64> {
 /// Width, height and K. `size` is the picture's, where there is one.
 ///
 /// fx is `fl_x`, or from `camera_angle_x`: w / 2 / tan(angle / 2). fy is `fl_y`, or from `camera_angle_y` where fx came from an
-/// angle too, or fx. The principal point is `cx`, `cy`, or the middle.
+/// angle too, or fx. The principal point is `cx`, `cy`, or the middle. All of it is scaled to a picture that is a smaller copy.
 pub(super) fn intrinsics(
     transforms: &Transforms,
     name: &str,
@@ -38,8 +38,13 @@ pub(super) fn intrinsics(
         ([w, h], Some((width, height))) => Some((w.unwrap_or(width), h.unwrap_or(height))),
         ([w, h], None) => w.zip(h),
     };
+    // Smaller copies: their sides are rounded, each by less than a pixel.
+    let copy = |(w, h): (usize, usize), (whole_w, whole_h): (usize, usize)| {
+        w < whole_w && h < whole_h && (w * whole_h).abs_diff(h * whole_w) <= whole_w + whole_h
+    };
     if let (Some(size), Some(declared)) = (size, declared)
         && size != declared
+        && !copy(size, declared)
     {
         let remedy = "Resize the pictures, or scale w, h, fl_x, fl_y, cx and cy to them.";
         let (found, expected) = (format!("{}x{}", size.0, size.1), format!("{}x{}", declared.0, declared.1));
@@ -47,11 +52,11 @@ pub(super) fn intrinsics(
             file,
             field: format!("size of {name}"),
             found,
-            expected: format!("{expected} (w, h)"),
+            expected: format!("{expected} (w, h), or a smaller copy of it"),
             remedy,
         }));
     }
-    let (width, height) = size.or(declared).unwrap_or((0, 0));
+    let (width, height) = declared.or(size).unwrap_or((0, 0));
     if width == 0 || height == 0 {
         let remedy = "Give w and h in pixels.";
         return Err(Error::input(Input {
@@ -88,7 +93,10 @@ pub(super) fn intrinsics(
         (None, _) => fx,
     };
     let (cx, cy) = (get("cx").unwrap_or(width as f64 / 2.0), get("cy").unwrap_or(height as f64 / 2.0));
-    Ok((width, height, Intrinsics { fx, fy, cx, cy }))
+    // What the file says is of its own size; pictures may be smaller copies (nerfstudio's `images_4`).
+    let own = size.unwrap_or((width, height));
+    let (sx, sy) = (own.0 as f64 / width as f64, own.1 as f64 / height as f64);
+    Ok((own.0, own.1, Intrinsics { fx: sx * fx, fy: sy * fy, cx: sx * cx, cy: sy * cy }))
 }
 
 /// The lens: a fisheye where the model or a flag says so; else OpenCV's distortion, where any coefficient isn't 0.

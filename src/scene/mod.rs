@@ -17,6 +17,7 @@ use crate::ray::draw_index;
 
 #[cfg(feature = "cli")]
 pub(crate) mod aim;
+mod border;
 pub mod builtin;
 mod card;
 mod check;
@@ -43,6 +44,7 @@ pub use cloud::Cloud;
 #[cfg(feature = "cli")]
 pub(crate) use fields::listed;
 pub use layout::common_focus;
+pub(crate) use layout::widest_slope;
 pub use rays::pixel_ray;
 
 /// One camera, with its photograph.

@@ -48,7 +48,9 @@ pub(super) fn file(folder: &Path, name: &str) -> Option<PathBuf> {
 fn all(folder: &Path) -> Vec<PathBuf> {
     let picture = |path: &PathBuf| {
         let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str())) && path.is_file()
+        // A system's own notes beside pictures (macOS: `._a.jpg`) are none.
+        let hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        !hidden && ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str())) && path.is_file()
     };
     let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut found: Vec<PathBuf> = entries.filter(picture).collect();

@@ -32,7 +32,9 @@ impl Transforms {
             let (file, expected) = (path.display(), "a whole transforms.json, one object");
             Error::input(Input { file, field: "JSON", found, expected, remedy })
         };
-        let json = json::parse(&text).map_err(|error| wrong(error.to_string()))?;
+        // Some editors begin a text with a byte order mark.
+        let text = text.trim_start_matches('\u{feff}');
+        let json = json::parse(text).map_err(|error| wrong(error.to_string()))?;
         let object = json.as_object().ok_or_else(|| wrong(json::short(&json)))?;
         let (file, mut unused) = (path.display().to_string(), vec![]);
         fields::check(&file, "", object, &["frames"], &mut unused)?;
@@ -87,11 +89,17 @@ impl Transforms {
         Ok(self.frames()?.iter().any(|(name, _)| self.picture(name).is_some()))
     }
 
-    /// The picture of a frame: beside the file, or in `images` there; with any ending where the path has none (Blender). `None` where it
-    /// isn't there.
+    /// The picture of a frame: beside the file, or in `images` there; with any ending where the path has none (Blender), with Windows'
+    /// separators too. A path from another machine's root is looked for by its last part. `None` where it isn't there.
     fn picture(&self, name: &str) -> Option<PathBuf> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        pictures::file(folder, name).or_else(|| pictures::file(&folder.join("images"), name))
+        let find = |name: &str| {
+            pictures::file(folder, name).or_else(|| pictures::file(&folder.join("images"), name))
+        };
+        let slashes = name.replace('\\', "/");
+        let rooted = slashes.starts_with('/') || slashes.as_bytes().get(1) == Some(&b':');
+        let last = slashes.rsplit('/').next().filter(|_| rooted);
+        find(name).or_else(|| find(&slashes)).or_else(|| last.and_then(find))
     }
 }
 
@@ -214,11 +222,11 @@ impl Reader<'_> {
                 file,
                 field,
                 found: "no matrix",
-                expected: "four rows of four numbers",
+                expected: "four rows of four numbers, or the first three of them",
                 remedy,
             }));
         };
-        let c2w = check::opengl_to_opencv(check::pose(&file, &field, matrix.view())?);
+        let c2w = check::opengl_to_opencv(check::pose(&file, &field, check::whole(matrix).view())?);
         if let Some(photo) = &image {
             let (height, width) = photo.size();
             self.size = Some((width, height));

@@ -12,6 +12,7 @@ pub mod backward;
 pub(crate) mod bound;
 pub(crate) mod cases;
 pub(crate) mod component;
+pub mod fast;
 pub(crate) mod honest;
 pub mod judge;
 pub(crate) mod mistakes;

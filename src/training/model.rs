@@ -71,6 +71,11 @@ pub trait Model: Any + Sync + Send {
         1000
     }
 
+    /// Whether pictures with opacity are learned over random backgrounds, and not over the scene's.
+    fn any_background(&self) -> bool {
+        false
+    }
+
     /// A warning for the user, e.g. that the density head died (TR1). Called at every validation.
     fn warning(&self) -> Option<String> {
         None

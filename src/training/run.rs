@@ -10,7 +10,7 @@ use super::model::{Model, StepReport};
 use super::pace::{Pace, Saved};
 use super::schedule::{MOST, Schedule};
 use super::sound;
-use super::watch::Watch;
+use super::watch::{self, Watch};
 use crate::error::Result;
 use crate::evaluation::{Scores, evaluate, over};
 use crate::files::picture;
@@ -121,7 +121,7 @@ impl<'a> Run<'a> {
     ) -> Result<Self> {
         let probe = probe_pixels(scene, options.seed)?;
         let schedule = Schedule::new(options.val_every, &options.val_at);
-        let watch = Watch::new(scene, model.start());
+        let watch = Watch::new(scene, model.start(), model.any_background());
         let (log, warnings, pace) = (vec![], vec![], Pace::new());
         #[rustfmt::skip]
         let run = Run { model, scene, folder, options, probe, schedule, watch, step: 0, seconds: 0.0, samples: 0, pace, log, warnings, failure: None };
@@ -188,7 +188,27 @@ impl<'a> Run<'a> {
                 break;
             }
         }
-        self.save(&mut seen)
+        self.save(&mut seen)?;
+        // A run that was interrupted may still learn.
+        if self.finished() {
+            self.failure = self.unseen_failure();
+        }
+        Ok(())
+    }
+
+    /// What the last full validation says of a run that learned its own pictures, or nothing at all.
+    fn unseen_failure(&self) -> Option<String> {
+        let last = self.log.last().filter(|last| last.step >= self.model.start())?;
+        let frames: Vec<Frame> = validated(self.scene, last.step, self.most())
+            .into_iter()
+            .map(|(frame, _)| frame.clone())
+            .collect();
+        watch::unseen_failure(&frames, last.val_psnr_pooled?)
+    }
+
+    /// The most views of a full validation.
+    fn most(&self) -> usize {
+        if self.options.val_all { usize::MAX } else { VIEWS }
     }
 
     fn finished(&self) -> bool {
@@ -249,8 +269,7 @@ impl<'a> Run<'a> {
 
     fn validate(&self) -> Result<Scores> {
         let background = self.scene.background.map(|b| b as f32);
-        let most = if self.options.val_all { usize::MAX } else { VIEWS };
-        let chosen = validated(self.scene, self.step, most);
+        let chosen = validated(self.scene, self.step, self.most());
         let frames: Vec<&Frame> = chosen.iter().map(|(frame, _)| *frame).collect();
         let mut files = chosen.iter().map(|(_, file)| file);
         evaluate(&*self.model, frames, background, false, |_, view| {

@@ -7,10 +7,15 @@ use ndarray::Array1;
 use super::model::StepReport;
 use crate::files::npz::{Array, Arrays};
 use crate::parallel;
-use crate::scene::Scene;
+use crate::scene::{Frame, Photo, Scene};
 
 /// Steps within which a run that stopped learning is noticed.
 pub const WINDOW: usize = 50;
+
+/// The share by which the error of a field that shows nothing yet must fall from one window to the next, so that it may go on; and how
+/// many times its start it may take.
+const FALLS: f64 = 0.02;
+const PATIENT: u64 = 10;
 
 /// A picture whose mean squared error is more than this share of that of the best constant color (0.5 dB better) shows nothing.
 const SHOWS_NOTHING: f64 = 0.9;
@@ -35,10 +40,12 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Of a run over these training pictures; `start` is [`super::Model::start`].
-    pub fn new(scene: &Scene, start: u64) -> Self {
-        let recent = VecDeque::with_capacity(WINDOW + 1);
-        Watch { constant: constant_error(scene), start, recent, unseen: 0, still: 0 }
+    /// Of a run over these training pictures; `start` is [`super::Model::start`], `any_background`
+    /// [`super::Model::any_background`].
+    pub fn new(scene: &Scene, start: u64, any_background: bool) -> Self {
+        let recent = VecDeque::with_capacity(2 * WINDOW + 1);
+        let constant = constant_error(&scene.train, any_background);
+        Watch { constant, start, recent, unseen: 0, still: 0 }
     }
 
     /// Its part of a checkpoint, so that a run is given up at the same step however often it was stopped.
@@ -56,7 +63,7 @@ impl Watch {
     /// Loads what [`Self::state`] returned; a checkpoint of before this version has none.
     pub fn restore(&mut self, state: &Arrays) {
         if let (Some(Array::F64(recent)), Some(Array::I64(counts))) = (state.get(RECENT), state.get(COUNTS)) {
-            self.recent = recent.iter().copied().take(WINDOW).collect();
+            self.recent = recent.iter().copied().take(2 * WINDOW).collect();
             let mut counts = counts.iter().map(|&n| usize::try_from(n).unwrap_or(0));
             self.unseen = counts.next().unwrap_or(0);
             self.still = counts.next().unwrap_or(0);
@@ -75,7 +82,7 @@ impl Watch {
         self.unseen = count(self.unseen, report.samples == 0);
         self.still = count(self.still, report.still);
         self.recent.push_back(report.mse);
-        if self.recent.len() > WINDOW {
+        if self.recent.len() > 2 * WINDOW {
             self.recent.pop_front();
         }
         if self.unseen >= WINDOW {
@@ -90,11 +97,15 @@ impl Watch {
                  `lr`."
             ));
         }
-        let mean = self.recent.iter().sum::<f64>() / self.recent.len() as f64;
-        let judged = step >= self.start && self.recent.len() == WINDOW && self.constant > PLAIN;
-        (judged && mean > SHOWS_NOTHING * self.constant).then(|| {
+        let windows = |skip| self.recent.iter().rev().skip(skip).take(WINDOW);
+        let [last, before] = [0, WINDOW].map(|skip| windows(skip).sum::<f64>() / WINDOW as f64);
+        let judged = step >= self.start && self.recent.len() >= WINDOW && self.constant > PLAIN;
+        // Pictures without contrast take longer, but they get better.
+        let falls = self.recent.len() == 2 * WINDOW && last < (1.0 - FALLS) * before;
+        let waits = falls && step < PATIENT * self.start;
+        (judged && last > SHOWS_NOTHING * self.constant && !waits).then(|| {
             format!(
-                "over the last {WINDOW} steps, up to step {step}, pictures are no better than one color all over ({mean:.5} to {:.5} mean \
+                "over the last {WINDOW} steps, up to step {step}, pictures are no better than one color all over ({last:.5} to {:.5} mean \
                  squared error). Check the poses and `near`, `far`; try another `background`, `seed` or `lr`.",
                 self.constant
             )
@@ -102,24 +113,46 @@ impl Watch {
     }
 }
 
-/// The variance of the training pixels' colors, the mean of the three channels: what the best constant color leaves.
-pub fn constant_error(scene: &Scene) -> f64 {
-    let sums = parallel::map(scene.train.len(), |n| {
-        let mut sums = [[0.0; 2]; 3];
-        for color in scene.train[n].image.iter().flat_map(|image| image.colors()) {
-            for (sum, x) in sums.iter_mut().zip(color.map(f64::from)) {
-                *sum = [sum[0] + x, sum[1] + x * x];
+/// Why a run is given up whose pictures of these held-out frames reach so many dB, if it is.
+pub(super) fn unseen_failure(frames: &[Frame], psnr: f64) -> Option<String> {
+    let constant = constant_error(frames, false);
+    let error = 10f64.powf(-0.1 * psnr);
+    // Where there is hardly anything to see, it must at least not be off by more than that.
+    (error > SHOWS_NOTHING * constant.max(PLAIN)).then(|| {
+        format!(
+            "held-out views are no better than one color all over ({error:.5} to {constant:.5} mean squared error): what was learned are the \
+             training pictures alone. Do the poses belong to the pictures (order, axes, upside down, mirrored)? Are there enough views?"
+        )
+    })
+}
+
+/// What the best constant color leaves of these pictures: the mean of the three channels' variances. Of pictures with opacity that are
+/// learned over any background, color c + (1 - a) b with b even in [0, 1], what the best constant c and a leave: var c - cov(c, a) + var a / 3.
+pub fn constant_error(frames: &[Frame], any_background: bool) -> f64 {
+    let pictures: Vec<&Photo> = frames.iter().filter_map(|frame| frame.image.as_ref()).collect();
+    let sums = parallel::map(pictures.len(), |n| {
+        // Sums of c, c^2, a, a^2 and c a.
+        let (mut sums, picture) = ([[0.0; 5]; 3], pictures[n]);
+        let seen_through = any_background && picture.keeps_opacity();
+        for pixel in 0..picture.len() {
+            // Over black the color that the pixel has by itself, over white what shines through it beside that.
+            let color = if seen_through { picture.pixel_over(pixel, [0.0; 3]) } else { picture.pixel(pixel) };
+            let white = if seen_through { picture.pixel_over(pixel, [1.0; 3]) } else { color };
+            for k in 0..3 {
+                let (c, a) = (f64::from(color[k]), 1.0 - f64::from(white[k] - color[k]));
+                let terms = [c, c * c, a, a * a, c * a];
+                (0..5).for_each(|term| sums[k][term] += terms[term]);
             }
         }
         sums
     });
-    let count: usize =
-        scene.train.iter().filter_map(|frame| frame.image.as_ref()).map(|image| image.len()).sum();
-    let variance = |k: usize| {
-        let of = |power: usize| sums.iter().map(|sum| sum[k][power]).sum::<f64>() / count as f64;
-        of(1) - of(0) * of(0)
+    let count = pictures.iter().map(|picture| picture.len()).sum::<usize>() as f64;
+    let left = |k: usize| {
+        let mean = |term: usize| sums.iter().map(|sum| sum[k][term]).sum::<f64>() / count;
+        let [c, c2, a, a2, ca] = [0, 1, 2, 3, 4].map(mean);
+        (c2 - c * c) - (ca - c * a) + (a2 - a * a) / 3.0
     };
-    (0..3).map(variance).sum::<f64>() / 3.0
+    (0..3).map(left).sum::<f64>() / 3.0
 }
 
 #[cfg(test)]
@@ -202,6 +235,62 @@ mod tests {
             let color = |(_, i, k): (usize, usize, usize)| if k == 1 { (i % 2) as f32 } else { 0.3 };
             frame.image = Some(ndarray::Array3::from_shape_fn((64, 64, 3), color).into());
         }
-        assert!((constant_error(&scene) - 0.25 / 3.0).abs() < 1e-7, "{}", constant_error(&scene));
+        let left = constant_error(&scene.train, true);
+        assert!((left - 0.25 / 3.0).abs() < 1e-7, "{left}");
+    }
+
+    /// Half of the pixels black and opaque, half of them clear: over black there is nothing to see, over any background a half that
+    /// varies as it does, 1/3, and what the best constant leaves of that: var a / 3.
+    #[test]
+    fn opacity_counts_over_any_background() {
+        let mut scene = crate::scene::load("builtin:slab", &crate::scene::Options::default()).unwrap();
+        let clear = (0..64 * 64).map(|n| [0, 0, 0, if n % 2 == 0 { 255 } else { 0 }]).collect::<Vec<_>>();
+        for frame in &mut scene.train {
+            frame.image = Some(Photo::cut(64, 64, clear.clone(), [0.0; 3]));
+        }
+        assert_eq!(constant_error(&scene.train, false), 0.0);
+        let left = constant_error(&scene.train, true);
+        assert!((left - 0.25 / 3.0).abs() < 1e-7, "{left}");
+    }
+
+    /// Three percent better from window to window, and never better than a constant color: it has ten times as long, and no more.
+    #[test]
+    fn patience_ends() {
+        let (mut watch, mut step) = (watch(), 0);
+        let reason = loop {
+            step += 1;
+            let mse = 2.0 * 0.97f64.powf(step as f64 / WINDOW as f64);
+            if let Some(reason) = watch.failure(step, &StepReport { mse, ..GOOD }) {
+                break reason;
+            }
+        };
+        assert!(step == 3000 && reason.contains("one color all over"), "{step}: {reason}");
+    }
+
+    /// Held-out views that are off by as much as one color, or, of hardly any picture, by more than that.
+    #[test]
+    fn held_out_views_must_show_something() {
+        let scene = |contrast: f32| {
+            let mut scene = crate::scene::load("builtin:slab", &crate::scene::Options::default()).unwrap();
+            let color = |(_, i, _): (usize, usize, usize)| 0.5 + contrast * (i % 2) as f32;
+            for frame in &mut scene.val {
+                frame.image = Some(ndarray::Array3::from_shape_fn((64, 64, 3), color).into());
+            }
+            scene.val
+        };
+        // A variance of 0.01: 20 dB; 0.9 of that are 20.5 dB.
+        let told = |contrast: f32, psnr: f64| unseen_failure(&scene(contrast), psnr).is_some();
+        assert!(told(0.2, 20.0) && told(0.2, 20.3) && !told(0.2, 20.6) && !told(0.2, 30.0));
+        assert!(told(0.0, 40.0) && !told(0.0, 41.0));
+    }
+
+    /// Slow, but better from window to window: it goes on.
+    #[test]
+    fn a_run_that_falls_may_go_on() {
+        let slow = |step: u64| StepReport { mse: 0.2 * 0.999f64.powi(step as i32), ..GOOD };
+        assert_eq!(first(slow), None);
+        let (step, reason) =
+            first(|step| StepReport { mse: 0.2 * 0.9999f64.powi(step as i32), ..GOOD }).unwrap();
+        assert!(step == 300 && reason.contains("one color all over"), "{step}: {reason}");
     }
 }

@@ -7,6 +7,17 @@ use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 use crate::math::{exp, ln_1p, pow};
 
+const OWN_LIMITS: Mistake = Mistake::new(
+    "limits_of_its_own",
+    "g clamp(e^x, 1/most, most), with limits that nobody else has",
+    "large densities learn more slowly than elsewhere, faint ones faster",
+    "g e^clamp(x, -15, 15)",
+    "1 public implementation: 1e-6 and 1e6",
+    1,
+)
+.of_gradient()
+.with("most", 1e6, [10.0, 1e30]);
+
 /// Mistakes of the truncated exponential.
 pub(crate) const TRUNC_EXP: &[Mistake] = &[
     Mistake::new(
@@ -52,6 +63,7 @@ pub(crate) const TRUNC_EXP: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    OWN_LIMITS,
 ];
 
 /// e^x.
@@ -72,6 +84,9 @@ pub(crate) fn trunc_exp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 pub(crate) fn trunc_exp_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     vjp(a, |x, g| {
         let shifted = shifted(x, c.exponent_shift);
+        if let Some(most) = OWN_LIMITS.among(wrong) {
+            return g * exp(shifted).max(1.0 / most).min(most);
+        }
         match wrong.first() {
             Some(&"gradient_not_clamped") => g * exp(shifted),
             Some(&"zero_outside") if shifted.abs() > LIMIT => 0.0,

@@ -127,7 +127,8 @@ pub(crate) fn volume_render() -> Vec<Case> {
             vec![0.5; 3],
         )
         // sigma times a gradient of 0 has no value.
-        .forward_only(),
+        .forward_only()
+        .edge("an infinite density"),
         one_ray("VR9_underflow", "T underflows behind x = 800", vec![800.0, 1.0, 1.0], gray(3), vec![1.0; 3]),
         one_ray("VR9_huge", "sigma = 1e300 and 1e-300", vec![1e-300, 0.5, 1e300, 1.0], gray(4), vec![1.0; 4]),
         one_ray(
@@ -224,7 +225,8 @@ pub(crate) fn volume_render_alpha() -> Vec<Case> {
             vec![0.25, 0.5, 0.75],
             array(&[1, 3, 3], vec![-2.0, 2.0, 0.5, -1.0, 3.0, 1.5, 0.5, 1.0, -0.25]),
         ),
-        one_ray("one_sample", "a ray with one sample", vec![0.25], array(&[1, 1, 3], vec![0.5, 0.75, 1.0])),
+        one_ray("one_sample", "a ray with one sample", vec![0.25], array(&[1, 1, 3], vec![0.5, 0.75, 1.0]))
+            .edge("one sample"),
         one_ray(
             "VR9_underflow",
             "T reaches subnormals and 0",

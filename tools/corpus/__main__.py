@@ -73,7 +73,7 @@ def outcome(entry, kind, row):
     if verdict in ("unsupported", "unproved", "crashed"):
         return ("not judged", row.get("reason") or verdict)
     if not wrong:
-        good = verdict == "pass" or (verdict == "imprecise" and entry.digits)
+        good = verdict in ("pass", *["imprecise"] * entry.digits, *["edge"] * entry.edges)
         return ("passed" if good else "failed wrongly"), verdict if good or verdict != "fail" else said(row)
     if verdict == "pass":
         return "passed wrongly", "pass"
@@ -220,7 +220,7 @@ def wanted(entry, kind):
     if wrong:
         return " or ".join(" + ".join(sorted(x)) for x in names) or "fail (no name yet)"
     told = ", ".join(f"{k} = {v}" for k, v in entry.choice.items())
-    return ("pass or imprecise" if entry.digits else "pass") + (
+    return "pass" + " or imprecise" * entry.digits + " or edge" * entry.edges + (
         f", {told}" if told else ", told" if entry.kind == "convention" else ""
     )
 

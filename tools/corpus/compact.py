@@ -347,6 +347,12 @@ def clamped_for_halves(x):
     return Surrogate.apply(x - 1, None, 11)
 
 
+@right("trunc_exp", gradient=("limits_of_its_own",), seen="an Instant-NGP port: a slope between 1e-6 and 1e6")
+def slope_clamped(x):
+    """e^x, its slope clamped, not x."""
+    return Surrogate.apply(x, float(np.log(1e-6)), float(np.log(1e6)))
+
+
 @right("trunc_exp", gradient=("gradient_not_clamped",), seen="torch.exp for the density", times=3)
 def plain_exponential(x):
     """e^x and its own gradient."""

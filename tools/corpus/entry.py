@@ -11,8 +11,9 @@ class Entry:
 
     `names` are the answers that are right for a fault, each a set of mistakes; none: the catalog has no name for it, so that it
     must fail unnamed. `choice` is the convention that is to be reported, empty where the judge knows none for it: it must pass
-    all the same. `digits`: the formula is right and loses digits, so that `imprecise` is as right as `pass`. `gradient`: what
-    differs in the vjp row: "right", "none" (the row isn't asked), or the names expected there.
+    all the same. `digits`: the formula is right and loses digits, so that `imprecise` is as right as `pass`; `edges`: it can't
+    take what few programs ever meet, so that `edge` is. `gradient`: what differs in the vjp row: "right", "none" (the row isn't
+    asked), or the names expected there.
     """
 
     component: str
@@ -21,6 +22,7 @@ class Entry:
     names: tuple
     choice: dict
     digits: bool
+    edges: bool
     gradient: object
     arrays: str
     seen: str
@@ -37,12 +39,12 @@ class Entry:
         return " ".join(self.function.__doc__.split())
 
 
-def added(component, kind, names=(), choice=None, *, seen, times=1, digits=False, gradient=None, arrays="torch"):
+def added(component, kind, names=(), choice=None, *, seen, times=1, digits=False, edges=False, gradient=None, arrays="torch"):
     """A decorator that makes a function an entry."""
 
     def keep(function):
         alternatives = tuple(frozenset(name.split("+")) for name in names)
-        ENTRIES.append(Entry(component, function, kind, alternatives, choice or {}, digits, gradient, arrays, seen, times))
+        ENTRIES.append(Entry(component, function, kind, alternatives, choice or {}, digits, edges, gradient, arrays, seen, times))
         return function
 
     return keep

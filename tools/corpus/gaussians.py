@@ -172,6 +172,13 @@ def opacity_times_gaussian(pixels, means2d, conics, opacities):
     return opacities * torch.exp(exponent(pixels, means2d, conics))
 
 
+@fault("gaussian_alpha", "cut_at_three_sigmas", seen="a splat renderer in torch")
+def nothing_beyond_three_sigmas(pixels, means2d, conics, opacities):
+    """exp(-1/2 d^T conic d), and 0 where d^T conic d is above 9."""
+    power = exponent(pixels, means2d, conics)
+    return torch.where(power >= -4.5, opacities * torch.exp(power), torch.zeros_like(power))
+
+
 @right("gaussian_alpha", seen="CMU 16-825 students: d^T Sigma^-1 d by batched products", times=3)
 def with_the_matrix(pixels, means2d, conics, opacities):
     """d^T conic d as matrices."""

@@ -52,6 +52,14 @@ def sum_of_all_but_the_last(sigmas, rgbs, deltas):
     return with_rest(torch.exp(-front) * (1 - torch.exp(-depth)), rgbs, torch.exp(-depth.sum(-1)))
 
 
+@right("volume_render", seen="students' renderers of four courses: no samples are a crash", times=5, edges=True)
+def first_of_a_rolled_sum(sigmas, rgbs, deltas):
+    """exp of minus the cumulative sum, rolled by one, and 1 written to its first place, which there must be."""
+    front = torch.roll(torch.exp(-torch.cumsum(sigmas * deltas, -1)), 1, -1)
+    front[:, 0] = 1
+    return summed(front * opacities(sigmas, deltas), rgbs)
+
+
 @right("volume_render", seen="VolSDF and its ports (shifted free energy)", times=6)
 def sum_of_moved_steps(sigmas, rgbs, deltas):
     """The steps are moved back by one, then summed."""

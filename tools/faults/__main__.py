@@ -68,6 +68,8 @@ def said(row):
             return " + ".join(parts)
     if row["verdict"] == "imprecise":
         return f"imprecise, {row['lost_bits']} bits lost" if row.get("lost_bits") else "imprecise"
+    if row["verdict"] == "edge":
+        return f"edge: {', '.join(row['edge_cases'])}"
     return (row["findings"] or row["observed"] or row["faults"] or [""])[0]
 
 

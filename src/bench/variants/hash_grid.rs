@@ -124,7 +124,9 @@ fn by_level(
 fn vectorized(a: &Arrays, threads: bool, largest: usize) -> Box<dyn Kernel> {
     let (arch, levels) = (crate::simd::arch(), levels(largest));
     let bytes = levels.iter().map(|level| size_of_val(level.table())).sum();
-    by_level(a, threads, bytes, move |l, points, out| encode_level(arch, &levels[l], points, out))
+    by_level(a, threads, bytes, move |l, points, out| {
+        encode_level(arch, &levels[l], levels[l].table(), points, out)
+    })
 }
 
 /// A table of short numbers with the addresses of a level.

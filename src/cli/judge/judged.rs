@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::judge::answer::Answers;
 use crate::judge::errors::errors;
 use crate::judge::exam::Exam;
-use crate::judge::page::{of_row, percent};
+use crate::judge::page::{counts, of_row, percent};
 use crate::judge::report::Row;
 use crate::judge::{Report, Verdict};
 use crate::report::heat;
@@ -34,14 +34,9 @@ pub(super) fn pictures(exam: &Exam, answers: &[Answers], report: &Report, exp_ul
 
 /// The page.
 pub(super) fn page(report: &Report, pictures: &Pictures) -> String {
-    let count = |verdict| report.count(verdict);
     let lead = format!(
-        "{} passed, {} failed, {} unproved, {} imprecise, {} unsupported. Answers in {}; conventions {}: {}.",
-        count(Verdict::Pass),
-        count(Verdict::Fail),
-        count(Verdict::Unproved),
-        count(Verdict::Imprecise),
-        count(Verdict::Unsupported),
+        "{}. Answers in {}; conventions {}: {}.",
+        counts(report),
         report.dtype,
         if report.pinned { "pinned" } else { "found" },
         report.profile

@@ -29,7 +29,7 @@ fn fast_path_agrees() {
     for arch in [crate::simd::arch(), Arch::Scalar] {
         let mut out = vec![vec![[0.0; FEATURES]; points.len()]; LEVELS];
         for (level, out) in fast.iter().zip(&mut out) {
-            encode_level(arch, level, &points, out);
+            encode_level(arch, level, level.table(), &points, out);
         }
         for (n, p) in exact.iter().enumerate() {
             for (a, b) in encode(&levels, *p).iter().zip(out.iter().flat_map(|level| &level[n])) {

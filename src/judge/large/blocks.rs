@@ -8,9 +8,9 @@ use crate::contract::laid::Laid;
 use crate::convention::Conventions;
 use crate::judge::answer::{Answer, Given, Reply, reshaped};
 use crate::judge::exam::Question;
-use crate::judge::judging::marks;
 use crate::judge::layout;
 use crate::judge::mark::{MarkOptions, Marks};
+use crate::judge::round::marks;
 use crate::parallel;
 
 /// Items that a failure is cut down to.

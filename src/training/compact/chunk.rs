@@ -19,6 +19,8 @@ pub(super) const TILE: usize = 64;
 #[derive(Clone, Copy)]
 pub(super) struct Pass<'a> {
     pub nets: &'a Networks,
+    /// The weights that it goes forward through.
+    pub weights: &'a Weights,
     /// A ray ends where its transmittance falls below this.
     pub stop: f32,
     pub view_dependent: bool,

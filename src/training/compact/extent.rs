@@ -5,7 +5,7 @@ use serde_json::Value;
 
 use super::space::Space;
 use crate::camera::Camera;
-use crate::scene::Scene;
+use crate::scene::{Scene, widest_slope};
 
 /// What a user says about the part of space that a model holds (`--space`).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -31,12 +31,25 @@ const TOGETHER: f64 = 1e-4;
 /// From how many times the cameras' own cube on a scene's box is too wide for its cells.
 const UNBOUNDED: f64 = 4.0;
 
+/// How many times farther away from the focus than half of the cameras one counts at the most.
+const OUTLIER: f64 = 3.0;
+
 fn center(camera: &Camera) -> DVec3 {
     camera.c2w.w_axis.truncate()
 }
 
-fn distances(scene: &Scene) -> impl Iterator<Item = f64> {
-    scene.train.iter().map(|frame| (center(&frame.camera) - scene.focus).length())
+/// Of the cameras from their focus.
+fn distances(scene: &Scene) -> Vec<f64> {
+    scene.train.iter().map(|frame| (center(&frame.camera) - scene.focus).length()).collect()
+}
+
+/// Distances of which none is more than `OUTLIER` medians: a camera far away from all others takes no resolution from what they see.
+fn usual(distances: Vec<f64>) -> Vec<f64> {
+    let mut sorted = distances.clone();
+    sorted.sort_by(f64::total_cmp);
+    let most = OUTLIER * sorted[sorted.len() / 2];
+    // Where most cameras stand in the focus itself, the others are all that there is.
+    distances.into_iter().map(|r| if most > 0.0 { r.min(most) } else { r }).collect()
 }
 
 /// The cube that the unit box holds, or that is the part of contracted space that isn't: its lower corner and its edge, with the reason.
@@ -45,8 +58,7 @@ pub(super) fn cube(scene: &Scene, space: Space) -> (DVec3, f64, String) {
         return whole_cube(scene);
     }
     let half = inner_half(scene);
-    let why =
-        "the part of space that isn't contracted: around the cameras' focus, as far as the farthest of them";
+    let why = "the part of space that isn't contracted: around the cameras' focus, as far as the farthest of them that isn't an outlier";
     (scene.focus - DVec3::splat(half), 2.0 * half, why.into())
 }
 
@@ -72,10 +84,7 @@ fn whole_cube(scene: &Scene) -> (DVec3, f64, String) {
         (nearest, farthest) = (nearest.min(r), farthest.max(r));
     }
     let reach = (scene.far - nearest).max(0.1 * farthest);
-    let slope = |camera: &Camera| {
-        (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy)
-    };
-    let slope = scene.train.iter().map(|frame| slope(&frame.camera)).fold(0.0, f64::max);
+    let slope = scene.train.iter().map(|frame| widest_slope(&frame.camera)).fold(0.0, f64::max);
     let (half, why) = if cut_out(scene) {
         let why = "the pictures' borders are background, so the object lies where the pictures look at the cameras' focus";
         (reach.min(farthest * slope), why)
@@ -85,16 +94,16 @@ fn whole_cube(scene: &Scene) -> (DVec3, f64, String) {
     (scene.focus - DVec3::splat(half), 2.0 * half, why.into())
 }
 
-/// Half the edge of the inner cube of contracted space, around the cameras' focus: it holds the cameras.
+/// Half the edge of the inner cube of contracted space, around the cameras' focus: it holds the cameras that aren't outliers.
 fn inner_half(scene: &Scene) -> f64 {
     let away = |camera: &Camera| (center(camera) - scene.focus).abs().max_element();
-    scene.train.iter().map(|frame| away(&frame.camera)).fold(0.0, f64::max)
+    usual(scene.train.iter().map(|frame| away(&frame.camera)).collect()).into_iter().fold(0.0, f64::max)
 }
 
 /// Whether the scene has a box that everything in it is in, or all of space around its middle; and why.
 pub(super) fn space(scene: &Scene, extent: Extent) -> (Space, String) {
     // Across the cube and back out of it, as seen from a camera.
-    let even = distances(scene).fold(0.0, f64::max) + inner_half(scene);
+    let even = usual(distances(scene)).into_iter().fold(0.0, f64::max) + inner_half(scene);
     let contracted = Space::Contracted { even };
     let (_, size, _) = whole_cube(scene);
     let times = size / (2.0 * inner_half(scene));
@@ -122,24 +131,35 @@ pub(super) fn space(scene: &Scene, extent: Extent) -> (Space, String) {
     }
 }
 
-/// Whether 95% of the pictures' border pixels are background.
+/// Whether 95% of the pictures' border pixels are background: within 0.02, or a quarter of what pictures are off it as a whole, so that
+/// the dark of a night isn't taken for black.
 pub(super) fn cut_out(scene: &Scene) -> bool {
+    let near = (0.25 * off_background(scene)).min(0.02);
     let (mut border, mut plain) = (0, 0);
     for image in scene.train.iter().filter_map(|frame| frame.image.as_ref()) {
-        let (h, w) = image.size();
-        let edge = (0..w).flat_map(|i| [(0, i), (h - 1, i)]).chain((0..h).flat_map(|j| [(j, 0), (j, w - 1)]));
-        for (j, i) in edge {
+        for color in image.border() {
             border += 1;
-            let color = image.at(j, i);
-            plain += usize::from((0..3).all(|k| (f64::from(color[k]) - scene.background[k]).abs() < 0.02));
+            plain += usize::from((0..3).all(|k| (f64::from(color[k]) - scene.background[k]).abs() <= near));
         }
     }
     plain * 20 >= border * 19
 }
 
+/// The root mean square of the pictures' differences from the background, over every 61st pixel.
+fn off_background(scene: &Scene) -> f64 {
+    let (mut sum, mut count) = (0.0, 0);
+    for image in scene.train.iter().filter_map(|frame| frame.image.as_ref()) {
+        for color in (0..image.len()).step_by(61).map(|n| image.pixel(n)) {
+            (0..3).for_each(|k| sum += (f64::from(color[k]) - scene.background[k]).powi(2));
+            count += 3;
+        }
+    }
+    (sum / f64::from(count.max(1))).sqrt()
+}
+
 /// The width of a pixel at the focus, from the mean camera; of different ones, from that with the median focal length.
 pub(super) fn pixel_footprint(scene: &Scene) -> f64 {
-    let mean = distances(scene).sum::<f64>() / scene.train.len() as f64;
+    let mean = usual(distances(scene)).iter().sum::<f64>() / scene.train.len() as f64;
     let mut focal: Vec<f64> = scene.train.iter().map(|frame| frame.camera.k.fx).collect();
     focal.sort_by(f64::total_cmp);
     mean / focal[focal.len() / 2]

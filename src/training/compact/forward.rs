@@ -57,7 +57,7 @@ pub(super) fn trunc_exp(x: f32) -> f32 {
 
 #[inline(always)]
 fn density<S: Simd>(s: S, pass: &Pass, c: &mut Chunk, on: &impl Multiply) {
-    let w = &pass.nets.weights;
+    let w = pass.weights;
     let rows = c.rows();
     let mut encoding = CacheAligned([[0f32; WIDTH]; TILE]);
     for first in (0..rows).step_by(TILE) {
@@ -90,7 +90,7 @@ fn early_stop(pass: &Pass, c: &mut Chunk) {
 
 #[inline(always)]
 fn color<S: Simd>(s: S, pass: &Pass, c: &mut Chunk, on: &impl Multiply) {
-    let w = &pass.nets.weights;
+    let w = pass.weights;
     for ray in c.rays.iter_mut().filter(|ray| ray.count > 0 && pass.view_dependent) {
         for (&h, row) in ray.harmonics.iter().zip(w.view.iter()) {
             ray.view.iter_mut().zip(row).for_each(|(v, r)| *v += h * r);

@@ -24,9 +24,11 @@ mod extent;
 mod forward;
 pub(crate) mod kernels;
 mod march;
+mod mean;
 pub(crate) mod networks;
 mod occupancy;
 mod pace;
+mod parts;
 pub(crate) mod reference;
 mod render;
 mod scatter;
@@ -42,7 +44,8 @@ mod tests;
 use chunk::Chunk;
 pub use extent::Extent;
 use networks::{Networks, Weights};
-pub use settings::{CompactSettings, Overrides, Part};
+pub use parts::Part;
+pub use settings::{CompactSettings, Overrides};
 use views::Views;
 
 /// Hash grid, networks and occupancy grid, with the state of training.
@@ -116,6 +119,10 @@ impl Model for CompactModel {
 
     fn start(&self) -> u64 {
         300
+    }
+
+    fn any_background(&self) -> bool {
+        self.settings.any_background
     }
 
     fn render(&self, rays: &[Ray]) -> Vec<Pixel> {

@@ -66,6 +66,13 @@ impl Weights {
         self.parts_mut().into_iter().for_each(|part| part.fill(0.0));
     }
 
+    /// Goes by a share `rate` to where another one is.
+    pub(crate) fn approach(&mut self, other: &Self, rate: f32) {
+        for (a, b) in self.parts_mut().into_iter().zip(other.parts()) {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += rate * (b - *a));
+        }
+    }
+
     pub(crate) fn add(&mut self, other: &Self) {
         for (a, b) in self.parts_mut().into_iter().zip(other.parts()) {
             a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
@@ -73,11 +80,12 @@ impl Weights {
     }
 }
 
-/// Weights, Adam's running means, and the transposes that the backward pass reads.
+/// Weights, Adam's running means, the weights' own, of which pictures are made, and the transposes that the backward pass reads.
 pub(super) struct Networks {
     pub weights: Weights,
     pub m: Weights,
     pub v: Weights,
+    pub mean: Weights,
     pub density0_t: Aligned<[f32; WIDTH]>,
     pub density1_t: Aligned<[f32; HIDDEN]>,
     pub color0_t: Aligned<[f32; GEOMETRY]>,
@@ -96,7 +104,8 @@ impl Networks {
         let density1_t = transpose(&weights.density1);
         let color0_t = transpose(&weights.color0);
         let color1_t = transpose(&weights.color1);
-        Networks { weights, m, v, density0_t, density1_t, color0_t, color1_t }
+        let mean = weights.clone();
+        Networks { weights, m, v, mean, density0_t, density1_t, color0_t, color1_t }
     }
 
     /// To be called whenever the weights have changed.

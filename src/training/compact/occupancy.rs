@@ -7,7 +7,8 @@ use super::CompactModel;
 use super::chunk::Chunk;
 use super::forward::densities;
 use super::pace::Pace;
-use super::settings::{CompactSettings, OPAQUE, Part};
+use super::parts::Part;
+use super::settings::{CompactSettings, OPAQUE};
 use super::space::OPTICAL_SIZE;
 use super::views::Views;
 use crate::hash_grid::fast as hash_grid;
@@ -108,7 +109,7 @@ impl CompactModel {
         chunk.reserve();
         let active = self.settings.levels_at(step);
         for (level, out) in self.levels.iter().zip(&mut chunk.encoding).take(active) {
-            hash_grid::encode_level(self.arch, level, &chunk.points, out);
+            hash_grid::encode_level(self.arch, level, level.table(), &chunk.points, out);
         }
         chunk.clear_levels(active);
         densities(self.arch, &self.pass(None), chunk);

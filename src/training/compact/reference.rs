@@ -65,15 +65,16 @@ fn thinner(v: [f64; 3]) -> f64 {
 }
 
 impl Reference {
-    /// The model's current parameters.
+    /// The parameters that the model's pictures are made of.
     pub(crate) fn new(model: &CompactModel) -> Self {
-        let (settings, w) = (&model.settings, &model.nets.weights);
+        let (settings, w) = (&model.settings, model.weights_at_rest());
         let active = settings.levels_at(model.step);
         let level = |l: &hash_grid::fast::Level| {
             // Tables are padded to whole cache lines.
             let side = l.resolution() as usize + 1;
-            let entries = if l.dense() { side * side * side } else { l.table().len() };
-            let table = l.table()[..entries].iter().map(|e| e.map(f64::from).to_vec()).collect();
+            let table = model.table_at_rest(l);
+            let entries = if l.dense() { side * side * side } else { table.len() };
+            let table = table[..entries].iter().map(|e| e.map(f64::from).to_vec()).collect();
             hash_grid::Level::new(l.resolution(), table)
         };
         // Levels that aren't in use yet say 0: the density network doesn't read them.

@@ -23,6 +23,8 @@ const CHUNKS: usize = 16;
 const ROUND: usize = 1024;
 /// The fewest samples that a round takes of a ray, so that what a ray costs by itself is shared.
 const FEWEST: usize = 8;
+/// The most: of more, those behind a surface are for nothing.
+const MOST: usize = 16;
 
 impl CompactModel {
     pub(super) fn render_rays(&self, rays: &[Ray]) -> Vec<Pixel> {
@@ -41,6 +43,7 @@ impl CompactModel {
     fn render_chunk(&self, rays: &[Ray], samples: f64, chunk: &mut Chunk) -> Vec<Pixel> {
         let pace = Pace::new(&self.settings, samples);
         let mut pass = self.pass(None);
+        pass.weights = self.weights_at_rest();
         pass.stop = self.settings.stop_at_rest as f32;
         chunk.clear();
         let march_ray = |(n, ray): (usize, &Ray)| {
@@ -59,7 +62,7 @@ impl CompactModel {
         let mut lit = std::mem::take(&mut chunk.rays);
         lit.retain(|ray| !steps.of(ray.pixel as usize).is_empty());
         while !lit.is_empty() {
-            let most = (ROUND / lit.len()).max(FEWEST);
+            let most = (ROUND / lit.len()).clamp(FEWEST, MOST);
             chunk.clear();
             for ray in lit.drain(..) {
                 let n = ray.pixel as usize;
@@ -88,7 +91,7 @@ impl CompactModel {
         chunk.reserve();
         let active = self.settings.levels_at(self.step);
         for (level, out) in self.levels.iter().zip(&mut chunk.encoding).take(active) {
-            hash_grid::encode_level(self.arch, level, &chunk.points, out);
+            hash_grid::encode_level(self.arch, level, self.table_at_rest(level), &chunk.points, out);
         }
         chunk.clear_levels(active);
         run(self.arch, pass, chunk, &Plain);

@@ -4,57 +4,17 @@ use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use super::extent::{self, Extent, cut_out, pixel_footprint};
+use super::parts::Part;
 use super::space::Space;
 use crate::camera::Camera;
 use crate::convention::Exponent;
 use crate::hash_grid;
 use crate::hash_grid::fast::LEVELS;
 use crate::scene::Scene;
+use crate::training::watch::constant_error;
 
 /// Optical depth over the width of a cell above which it is opaque.
 pub(super) const OPAQUE: f64 = 1.5;
-
-/// The parts of a compact model that can be switched off, to see what they are worth (`--without`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Part {
-    /// The occupancy grid: every cell counts as occupied.
-    Occupancy,
-    /// The early stop, and with it the end of rays behind opaque cells: every sample of a ray counts.
-    Stop,
-    /// Ending rays behind opaque cells, before their samples are evaluated.
-    Patience,
-    /// Coarse steps along the rays at first.
-    CoarseSteps,
-    /// Coarse levels of the hash grid first.
-    CoarseLevels,
-    /// Batches that grow with the step.
-    Growth,
-    /// Learning rates that fall.
-    Decay,
-    /// Colors that depend on the direction.
-    ViewDependence,
-    /// Random colors behind pictures that have opacity: the scene's background instead.
-    RandomBackgrounds,
-    /// The distortion loss against floaters.
-    Distortion,
-}
-
-impl Part {
-    /// All of them.
-    pub const ALL: [Part; 10] = [
-        Part::Occupancy,
-        Part::Stop,
-        Part::Patience,
-        Part::CoarseSteps,
-        Part::CoarseLevels,
-        Part::Growth,
-        Part::Decay,
-        Part::ViewDependence,
-        Part::RandomBackgrounds,
-        Part::Distortion,
-    ];
-}
 
 /// The settings that a user may choose.
 #[derive(Clone, Debug, Default)]
@@ -136,6 +96,9 @@ const MANY_PIXELS: usize = 8_000_000;
 
 /// The distortion loss' factor, as mip-NeRF 360 has it.
 const DISTORTION: f64 = 0.01;
+
+/// The variance of pictures' colors from which on that factor is as it is.
+const USUAL: f64 = 0.02;
 
 /// Where the density's exponent is clamped: in the forward pass too.
 pub(crate) const EXPONENT: Exponent = Exponent::Clamped;
@@ -235,14 +198,23 @@ impl CompactSettings {
                 "16,384 samples, from step 500 on in proportion to the step, up to 65,536: noise matters late, and a large step shares what every step costs",
             ),
         );
+        because(
+            "averaging",
+            or(
+                Part::Averaging,
+                "from step 256 on pictures are of the parameters' running mean over the last sixteenth of the steps, which the last step's noise doesn't move",
+            ),
+        );
         let full = !cut_out(scene);
         let scattered = full && !without(Part::Distortion);
+        // The loss beside it goes with the square of the pictures' contrast, so that faint pictures would be all fog.
+        let contrast = if scattered { (constant_error(&scene.train, false) / USUAL).min(1.0) } else { 0.0 };
         because(
             "distortion",
             or(
                 Part::Distortion,
                 if full {
-                    "the pictures are full: weights that lie scattered along a ray cost, against floaters before the cameras"
+                    "the pictures are full: weights that lie scattered along a ray cost, against floaters before the cameras; less where the pictures are faint"
                 } else {
                     "left out: the pictures' borders are background, over which floaters would show"
                 },
@@ -300,7 +272,7 @@ impl CompactSettings {
             batch: 16_384,
             rays: overrides.rays,
             lr: overrides.lr.map_or([2e-2, 1e-2], |lr| [lr, 0.5 * lr]),
-            distortion: if scattered { DISTORTION } else { 0.0 },
+            distortion: DISTORTION * contrast,
             seed: overrides.seed,
             view_dependent,
             without: overrides.without.clone(),

@@ -8,6 +8,9 @@ use crate::error::{Error, Input, Result};
 use crate::files::npz::{Array, Arrays};
 use crate::occupancy_grid::fast::Occupancy;
 
+/// What is kept of every parameter: itself, Adam's running means, its own.
+const KINDS: [&str; 4] = ["param", "m", "v", "mean"];
+
 const REMEDY: &str = "Train the run again, or use the checkpoint of this very run.";
 
 fn f32s(shape: &[usize], values: &[f32]) -> Array {
@@ -46,19 +49,24 @@ fn whole(state: &Arrays, name: &str, file: &str) -> Result<Vec<i64>> {
 }
 
 impl CompactModel {
-    fn weights_mut(&mut self) -> [(&'static str, &mut Weights); 3] {
+    fn weights(&self) -> [&Weights; 4] {
+        let nets = &self.nets;
+        [&nets.weights, &nets.m, &nets.v, &nets.mean]
+    }
+
+    fn weights_mut(&mut self) -> [&mut Weights; 4] {
         let nets = &mut self.nets;
-        [("param", &mut nets.weights), ("m", &mut nets.m), ("v", &mut nets.v)]
+        [&mut nets.weights, &mut nets.m, &mut nets.v, &mut nets.mean]
     }
 
     pub(super) fn to_arrays(&self) -> Arrays {
         let mut out = Arrays::new();
         for (l, level) in self.levels.iter().enumerate() {
-            for (kind, entries) in ["param", "m", "v"].into_iter().zip(level.state()) {
+            for (kind, entries) in KINDS.into_iter().zip(level.state()) {
                 out.insert(format!("level{l}_{kind}"), f32s(&[entries.len(), 4], entries.as_flattened()));
             }
         }
-        for (kind, weights) in [("param", &self.nets.weights), ("m", &self.nets.m), ("v", &self.nets.v)] {
+        for (kind, weights) in KINDS.into_iter().zip(self.weights()) {
             for (name, part) in NAMES.into_iter().zip(weights.parts()) {
                 out.insert(format!("{name}_{kind}"), f32s(&[part.len()], part));
             }
@@ -75,14 +83,17 @@ impl CompactModel {
     }
 
     pub(super) fn take_arrays(&mut self, state: &Arrays, file: &str) -> Result<()> {
+        // A checkpoint from before there was a mean: that begins as the parameters.
+        let averaged = state.contains_key("level0_mean");
+        let source = |kind: &'static str| if kind == "mean" && !averaged { "param" } else { kind };
         for (l, level) in self.levels.iter_mut().enumerate() {
-            for (kind, entries) in ["param", "m", "v"].into_iter().zip(level.state_mut()) {
-                copy(state, &format!("level{l}_{kind}"), file, entries.as_flattened_mut())?;
+            for (kind, entries) in KINDS.into_iter().zip(level.state_mut()) {
+                copy(state, &format!("level{l}_{}", source(kind)), file, entries.as_flattened_mut())?;
             }
         }
-        for (kind, weights) in self.weights_mut() {
+        for (kind, weights) in KINDS.into_iter().zip(self.weights_mut()) {
             for (name, part) in NAMES.into_iter().zip(weights.parts_mut()) {
-                copy(state, &format!("{name}_{kind}"), file, part)?;
+                copy(state, &format!("{name}_{}", source(kind)), file, part)?;
             }
         }
         self.nets.transpose();

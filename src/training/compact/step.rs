@@ -32,6 +32,7 @@ impl CompactModel {
     pub(super) fn pass(&self, gradient: Option<f32>) -> Pass<'_> {
         Pass {
             nets: &self.nets,
+            weights: &self.nets.weights,
             stop: self.settings.stop as f32,
             view_dependent: self.settings.view_dependent,
             gradient,
@@ -56,6 +57,7 @@ impl CompactModel {
             (rays as f64 * wanted.clamp(0.5, 1.5)).clamp(64.0, 65_536.0) as usize
         });
         self.update_occupancy(step);
+        self.average(step);
         if seen == 0 {
             self.reopen();
         }
@@ -99,7 +101,8 @@ impl CompactModel {
         parallel::for_chunks(chunks, share, |_, chunks| {
             for (l, level) in self.levels.iter().enumerate().take(active) {
                 for chunk in &mut *chunks {
-                    hash_grid::encode_level(self.arch, level, &chunk.points, &mut chunk.encoding[l]);
+                    let out = &mut chunk.encoding[l];
+                    hash_grid::encode_level(self.arch, level, level.table(), &chunk.points, out);
                 }
             }
             chunks.iter_mut().for_each(|chunk| chunk.clear_levels(active));

@@ -196,6 +196,7 @@ fn gradients_agree_with_the_oracle() {
     let encodings = rows::<32>(5, COUNTS.iter().sum());
     let pass = Pass {
         nets: &nets,
+        weights: &nets.weights,
         stop: 0.0,
         view_dependent: true,
         gradient: Some(2.0 / (3 * COUNTS.len()) as f32),
@@ -248,7 +249,14 @@ fn early_stop_keeps_its_word() {
     let encodings = rows::<32>(5, COUNTS.iter().sum());
     let colors = |stop| {
         let mut chunk = chunk_of(&encodings, 0.5);
-        let pass = Pass { nets: &nets, stop, view_dependent: true, gradient: None, scatter: None };
+        let pass = Pass {
+            nets: &nets,
+            weights: &nets.weights,
+            stop,
+            view_dependent: true,
+            gradient: None,
+            scatter: None,
+        };
         run(crate::simd::arch(), &pass, &mut chunk, &Plain);
         (chunk.rays.iter().map(|r| r.color).collect::<Vec<_>>(), chunk.points.len())
     };
@@ -267,7 +275,14 @@ fn a_ray_that_was_given_up_too_early_is_drawn_again() {
     let gradient = |cut: [bool; 5]| {
         let mut chunk = chunk_of(&encodings, 0.05);
         (0..5).for_each(|r| (chunk.rays[r].cut, chunk.rays[r].pixel) = (cut[r], 70 + r as u32));
-        let pass = Pass { nets: &nets, stop: 1e-4, view_dependent: true, gradient: Some(1.0), scatter: None };
+        let pass = Pass {
+            nets: &nets,
+            weights: &nets.weights,
+            stop: 1e-4,
+            view_dependent: true,
+            gradient: Some(1.0),
+            scatter: None,
+        };
         run(crate::simd::arch(), &pass, &mut chunk, &Plain);
         let light: Vec<f32> = chunk.rays.iter().map(|ray| ray.transmittance).collect();
         (chunk, light)
@@ -305,6 +320,18 @@ fn same_bits_on_any_number_of_threads() {
     for threads in [2, 3, 8] {
         assert!(one == bits(&parallel::with_threads(Some(threads), || trained(40))), "{threads} threads");
     }
+}
+
+#[test]
+fn a_checkpoint_from_before_there_was_a_mean_has_the_parameters_for_it() {
+    let mut state = trained(23).state();
+    state.retain(|name, _| !name.ends_with("_mean"));
+    let mut resumed = CompactModel::new(&ball(), &Overrides::default()).unwrap();
+    resumed.restore(&state, "checkpoint").unwrap();
+    assert!(resumed.levels.iter().all(|level| level.mean() == level.table()));
+    assert_eq!(resumed.nets.mean.parts(), resumed.nets.weights.parts());
+    let whole = trained(23);
+    assert!(whole.levels[0].mean() != whole.levels[0].table(), "nothing was averaged yet");
 }
 
 #[test]

@@ -143,7 +143,7 @@ fn put(ask: &Py<PyAny>, question: &Question, case: &Case, manner: Manner) -> PyR
 
 /// A report as JSON, as a page, and whether it passed.
 fn said(report: &Report, allowed: &[String]) -> (String, String, bool) {
-    let allowed: Vec<Verdict> = [Verdict::Imprecise, Verdict::Unproved]
+    let allowed: Vec<Verdict> = [Verdict::Imprecise, Verdict::Edge, Verdict::Unproved]
         .into_iter()
         .filter(|verdict| allowed.contains(&verdict.to_string()))
         .collect();

@@ -234,3 +234,14 @@ def test_a_number_that_was_fitted_is_told():
     row = no.judge(volume_render=volrend)["volume_render"]
     assert (row.diagnosis[0].name, row.diagnosis[0].fitted) == ("delta_scaled", 3.5)
     assert row.example is not None and row.example["inputs"]
+
+
+def test_what_fails_in_edge_cases_alone_counts_where_it_is_allowed():
+    def shown(sigmas, rgbs, deltas):
+        assert sigmas.shape[1] > 1, "two samples at least"
+        return render(sigmas, rgbs, deltas)
+
+    report = no.judge(volume_render=shown)
+    assert report["volume_render"].verdict == "edge" and not report.passed
+    assert report["volume_render"].edge_cases == ["one sample", "no samples"] and "right, but for edge cases: one sample" in str(report)
+    assert no.judge(volume_render=shown, allow=["edge"]).passed

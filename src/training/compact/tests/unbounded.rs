@@ -172,6 +172,7 @@ fn the_distortion_loss_reaches_the_encodings() {
     let scatter = Scatter::new(&settings, Pace::new(&settings, 64.0), rays);
     let pass = Pass {
         nets: &nets,
+        weights: &nets.weights,
         stop: 0.0,
         view_dependent: true,
         gradient: Some(2.0 / (3 * rays) as f32),
@@ -243,6 +244,20 @@ fn the_scene_says_which_space_it_needs() {
     };
     assert_eq!([derived(7.0, true), derived(500.0, false)], [7.0, 500.0]);
     assert!((150.0..250.0).contains(&derived(7.0, false)) && derived(1e9, true) < 3e4);
+    // One camera far away takes little from the others' cube.
+    let mut outlier = full(30.0);
+    let size = |scene: &Scene| CompactSettings::derive(scene, &asked(Extent::Contracted)).size;
+    let before = size(&outlier);
+    outlier.train[0].camera.c2w.w_axis = (outlier.focus + 1e3).extend(1.0);
+    assert!(size(&outlier) < 4.0 * before, "{} {before}", size(&outlier));
+    // Pictures of hardly any light aren't a cut-out's background because they are nearly black.
+    let mut night = unknown.clone();
+    (night.background, night.far_given) = ([0.0; 3], false);
+    for frame in &mut night.train {
+        let dark = |(j, i, _): (usize, usize, usize)| 0.005 + 0.001 * ((3 * j + i) % 7) as f32;
+        frame.image = Some(ndarray::Array3::from_shape_fn((16, 16, 3), dark).into());
+    }
+    assert!(contracted(space(&night, Extent::Auto)));
     let mut together = unknown.clone();
     together.train.iter_mut().for_each(|frame| frame.camera.c2w.w_axis = DVec3::ZERO.extend(1.0));
     assert_eq!(space(&together, Extent::Contracted), Space::Box);

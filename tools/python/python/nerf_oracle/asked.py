@@ -140,12 +140,15 @@ def outputs_of(row: dict[str, Any]) -> list[str]:
 def told(plan: Plan) -> str:
     """What isn't as the contract has it, in words."""
     said = [f"{p} as {name}" for p, name in (plan.match.names or {}).items() if p != name and name != "#N"]
-    said += [f"{name} with a last axis of one" for name in plan.trailing]
-    said += ["one at a time"] if plan.each else []
+    why = f", as otherwise it raises {plan.refused}" if plan.refused else ""
+    said += [f"{' and '.join(plan.trailing)} with a last axis of one{why}"] if plan.trailing else []
+    said += [f"one at a time{why}"] if plan.each else []
     said += ["in batches of one, as it has one number for all"] if plan.alone == () else []
-    said += [f"in batches that share {' and '.join(plan.alone)}"] if plan.alone else []
+    shared = ["t" if name == "deltas" else name for name in plan.alone or ()]
+    said += [f"in batches that share {' and '.join(shared)}"] if shared else []
     said += ["one alone as two of the same, as it crashes on one"] if plan.twice else []
     said += ["its random numbers are dealt to it"] if plan.draws else []
+    said += ["without the strata into which it puts them"] if plan.strata else []
     usual = plan.order == outputs_of(plan.row)[: len(plan.order)]
     said += [f"what it returns taken for {', '.join(plan.order)}"] if plan.settled and not usual else []
     ignored = plan.ignored()

@@ -142,7 +142,9 @@ def torch_numbers(dealer: Dealer, shape: tuple[int, ...], like: Any, settings: A
 def uniform_(dealer: Dealer) -> Any:
     """Tensor.uniform_."""
 
-    def fill(self, low=0.0, high=1.0, **_):
+    def fill(self, *ends, **named):
+        # Its parameters are called `from` and `to`.
+        low, high = [*ends, *[named.get("from", 0.0), named.get("to", 1.0)][len(ends) :]]
         return self.copy_(low + (high - low) * torch_numbers(dealer, tuple(self.shape), self))
 
     return fill

@@ -28,12 +28,13 @@ def in_other_forms(framework: Framework, arrays: dict[str, Any], wanted: set[str
 def positions(framework: Framework, arrays: dict[str, Any]) -> dict[str, Any]:
     """Steps as positions, and behind the last of them an empty sample, for a last step of the function's own."""
     join, deltas = framework.module.concatenate, arrays["deltas"]
-    axis = deltas.ndim - 1
     t = [framework.zeros((*deltas.shape[:-1], 1), deltas)]
     for i in range(deltas.shape[-1]):
         t.append(t[-1] + deltas[..., i : i + 1])
 
-    def padded(x: Any) -> Any:
+    # Samples are counted from behind: steps that all rays share have no axis of rays.
+    def padded(x: Any, behind: int) -> Any:
+        axis = x.ndim - 1 - behind
         return join([x, framework.zeros((*x.shape[:axis], 1, *x.shape[axis + 1 :]), x)], axis)
 
-    return {"t": join(t, axis), "sigmas": padded(arrays["sigmas"]), "rgbs": padded(arrays["rgbs"])}
+    return {"t": join(t, deltas.ndim - 1), "sigmas": padded(arrays["sigmas"], 0), "rgbs": padded(arrays["rgbs"], 1)}

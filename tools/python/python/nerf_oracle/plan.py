@@ -44,6 +44,10 @@ class Plan:
     twice: bool = False
     # Where it gets batches of one: the inputs that come without their axis then, as the camera that all pixels share. None: elsewhere.
     alone: tuple[str, ...] | None = None
+    # Whether it puts the random numbers that it draws into strata itself, where the row has none.
+    strata: bool = False
+    # What it raised when it was asked with whole arrays of the contract's shapes.
+    refused: str = ""
     # The outputs in the order in which they come, and whether that is known: a case of few rays would show another.
     order: list[str] = field(default_factory=list)
     settled: bool = False
@@ -195,7 +199,7 @@ class Plan:
         self.handed = self.match.handed(given, ordered(self.row, arrays))
         first = list(self.handed) if self.match.names is None else self.match.positional
         rest = {name: x for name, x in self.handed.items() if name not in first}
-        with dealt(arrays["u"]) if self.draws else contextlib.nullcontext():
+        with dealt(self.numbers(entry, arrays["u"])) if self.draws else contextlib.nullcontext():
             result = self.candidate.function(*(self.handed[name] for name in first), **rest)
         # Positions have one sample more, an empty one.
         more = ["weights"] if "t" in forms else []
@@ -205,6 +209,13 @@ class Plan:
             self.order = [] if by_name else list(self.candidate.returns or fitting(result, ports))
         found = by_output(result, [port["name"] for port in ports], self.order, f"{self.row['name']}: {self.function}")
         return {name: x[..., : arrays["deltas"].shape[-1]] if name in more else x for name, x in found.items()}
+
+    def numbers(self, entry: dict[str, Any], u: Any) -> Any:
+        """The numbers that are dealt to it: those from which it makes the row's."""
+        if not self.strata:
+            return u
+        count, stored = u.shape[-1], next(port["dtype"] for port in entry["inputs"] if port["name"] == "u")
+        return u * count - self.framework.array(np.arange(float(count)), stored)
 
 
 def crash(error: BaseException, plan: Plan) -> str:

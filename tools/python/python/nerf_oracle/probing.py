@@ -10,16 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from . import _core
 from .adapted import Adapted
 from .errors import CandidateError
 from .frameworks import framework, likely
+from .habits import believable, tried, with_habits
 from .names import Match, matched
 from .plan import Plan
 from .rows import counted, letter, ordered, resized
-
-# More than any fraction, however it was rounded.
-CLEARLY = 1.05
 
 # Which inputs get a last axis of one, whether it goes ray by ray, and what all rays of a batch share.
 Layout = tuple[tuple[str, ...], bool, "tuple[str, ...] | None"]
@@ -45,7 +42,8 @@ def planned(candidate: Adapted, row: dict[str, Any], cases: list[Case], dtype: s
             answer = {name: x for name, x in answer.items() if name in plan.order or not plan.order}
             plan.settled = True
         if isinstance(answer, dict) and right_shapes(entry, answer):
-            return plan if own or each or alone is not None else singly(plan, cases)
+            plan.refused = refusal(said) if each or trailing else ""
+            return plan if own or each or alone is not None else with_habits(singly(plan, cases), entry, inputs, askable(cases, match))
         if isinstance(answer, dict) and not own and one_for_all(row, inputs, answer):
             return replace(plan, alone=())
         if isinstance(answer, dict):
@@ -59,14 +57,10 @@ def planned(candidate: Adapted, row: dict[str, Any], cases: list[Case], dtype: s
     return ran or first
 
 
-def tried(plan: Plan, entry: dict[str, Any], inputs: dict[str, np.ndarray]) -> Any:
-    """What a function answers, or what it raises: that is told where it is asked again."""
-    try:
-        return plan.answer(entry, inputs)
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:
-        return error
+def refusal(error: BaseException | None) -> str:
+    """What arrays as the contract has them raise, in short."""
+    said = (str(error).strip().splitlines() or ["no words"])[0]
+    return "" if error is None else f"{type(error).__name__}: {said[:100]}"
 
 
 def singly(plan: Plan, cases: list[Case]) -> Plan:
@@ -137,24 +131,6 @@ def widened(row: dict[str, Any], entry: dict[str, Any], inputs: dict[str, np.nda
     again = np.arange(count) % len(inputs[items[0]])
     longer = {name: x[again] if name in items else x for name, x in inputs.items()}
     return resized(row, entry, longer), longer
-
-
-def believable(plan: Plan, entry: dict[str, Any], inputs: dict[str, np.ndarray], answer: dict[str, Any]) -> list[str]:
-    """The order of outputs without a depth among opacities: where fewer come than the contract has of a shape, one that stands
-    where a fraction is due, and clearly is more."""
-    shapes = {p["name"]: tuple(p["shape"]) for p in entry["outputs"]}
-    alike = lambda name, names: [n for n in names if shapes.get(n) == shapes[name]]  # noqa: E731
-    spare = [n for n in answer if n in plan.order and len(alike(n, answer)) < len(alike(n, shapes))]
-    if plan.candidate.returns or not spare:
-        return plan.order
-    truth = _core.oracle(plan.row["name"], "forward", {name: x.astype(np.float64) for name, x in inputs.items()}, None)
-
-    def more(name: str) -> bool:
-        given, true = answer[name][0], np.asarray(truth[name])
-        due = np.all((true >= 0) & (true <= 1))
-        return bool(due and np.all(np.isfinite(given)) and np.all(given >= 0) and np.max(given, initial=0) > CLEARLY)
-
-    return ["_" if name in spare and more(name) else name for name in plan.order]
 
 
 def one_for_all(row: dict[str, Any], inputs: dict[str, np.ndarray], answer: dict[str, Any]) -> bool:

@@ -62,6 +62,7 @@ class Row:
     faults: list[str]
     left_out: dict[str, str]
     crashed: dict[str, str]
+    # What the wrong cases of an `edge` row are, in the order of `wrong_cases`: "no samples", "one sample".
     edge_cases: list[str]
     # The cases of which something is wrong; of statistics, which take all cases together, none.
     wrong_cases: list[str]

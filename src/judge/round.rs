@@ -1,0 +1,266 @@
+//! A round of judging: answers marked in the conventions of the run, and what explains those that are wrong.
+
+use std::collections::BTreeMap;
+
+use super::answer::Answers;
+use super::assignment::{self, Found, partial};
+use super::diagnose::diagnose;
+use super::evidence::{Explanation, Suspect, difference};
+use super::exam::{Exam, Question};
+use super::example::smallest;
+use super::hypothesis::Hypothesis;
+use super::imprecise::lost_bits;
+use super::mark::{MarkOptions, Marks, mark};
+use super::observed::observed;
+use super::report::{Report, Row, Verdict};
+use super::slips::gradient_of;
+use super::{layout, statistics};
+use crate::contract::arithmetic::Grade;
+use crate::convention::Conventions;
+use crate::parallel;
+
+/// Bits whose loss is likelier than a mistake that explains the same: an eps of 1e-7 added in f32, or T as 1 less the sum of the weights.
+const FEW_BITS: i32 = 4;
+
+/// Marked answers, in the contract's layout where another explains a failure.
+pub(super) struct Laid {
+    round: Round,
+    answers: Vec<Answers>,
+    /// What was changed, by question.
+    layouts: BTreeMap<usize, String>,
+}
+
+impl Laid {
+    pub(super) fn new(exam: &Exam, answers: &[Answers], options: &MarkOptions) -> Laid {
+        let first = Round::new(exam, answers, options);
+        // A failure may be due to the layout alone: then it is judged again in the contract's layout.
+        let failing = |n: &usize| first.marked[*n].as_ref().is_some_and(|(marks, _)| marks.budget_used > 1.0);
+        let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
+        let base = first.found.conventions;
+        let laid = parallel::map(failing.len(), |n| {
+            let (question, answers) = (&exam.questions[failing[n]], &answers[failing[n]]);
+            layout::normalized(question, answers, &base, exam.profile.is_some(), options)
+        });
+        let (mut answers, mut layouts) = (answers.to_vec(), BTreeMap::new());
+        for (n, laid) in failing.into_iter().zip(laid) {
+            if let Some((ordered, layout)) = laid {
+                answers[n] = ordered;
+                layouts.insert(n, layout);
+            }
+        }
+        let round = if layouts.is_empty() { first } else { Round::new(exam, &answers, options) };
+        Laid { round, answers, layouts }
+    }
+
+    /// What marking found of a question; `None` where nothing was answered.
+    pub(super) fn marks(&self, n: usize) -> Option<&Marks> {
+        self.round.marked[n].as_ref().map(|(marks, _)| marks)
+    }
+
+    /// The answers to a question, as they are laid now.
+    pub(super) fn answers(&self, n: usize) -> &Answers {
+        &self.answers[n]
+    }
+
+    /// The run's conventions.
+    pub(super) fn conventions(&self) -> &Conventions {
+        &self.round.found.conventions
+    }
+
+    pub(super) fn report(&self, exam: &Exam, options: &MarkOptions) -> Report {
+        self.round.report(exam, &self.answers, options, &self.layouts)
+    }
+}
+
+/// Answers marked in the conventions of the run.
+struct Round {
+    found: Found,
+    /// Marks of each question; `None` where nothing was answered.
+    marked: Vec<Option<(Marks, Option<Grade>)>>,
+}
+
+impl Round {
+    fn new(exam: &Exam, answers: &[Answers], options: &MarkOptions) -> Round {
+        // A row that crashed on every case has an answer: that.
+        let crashed = |n: usize| !exam.questions[n].crashed.is_empty();
+        let answered = |n: &usize| answers[*n].iter().any(Option::is_some) || crashed(*n);
+        let answered_questions: Vec<usize> = (0..answers.len()).filter(answered).collect();
+        let questions: Vec<_> =
+            answered_questions.iter().map(|&n| (&exam.questions[n], &answers[n])).collect();
+        let mut found = match exam.profile {
+            Some(profile) => Found { conventions: profile.conventions, contradicting: vec![] },
+            None => assignment::find(&questions, options),
+        };
+        found.contradicting.iter_mut().for_each(|(n, _)| *n = answered_questions[*n]);
+        let marked = parallel::map(answers.len(), |n| {
+            let answered = answered_questions.contains(&n);
+            answered.then(|| marks(&exam.questions[n], &answers[n], &found.conventions, options))
+        });
+        Round { found, marked }
+    }
+
+    fn report(
+        &self,
+        exam: &Exam,
+        answers: &[Answers],
+        options: &MarkOptions,
+        layouts: &BTreeMap<usize, String>,
+    ) -> Report {
+        let c = &self.found.conventions;
+        let mut report = Report::new(exam, c);
+        // Forward explanations are suspects for the gradient of the same component.
+        let mut suspects: BTreeMap<&str, Vec<Suspect>> = BTreeMap::new();
+        // So does what else they showed: the conventions next to them, which the run's needn't have where nothing right shows them,
+        // and a slip.
+        let mut beside: BTreeMap<&str, Explanation> = BTreeMap::new();
+        for (n, question) in exam.questions.iter().enumerate() {
+            let Some((marks, grade)) = &self.marked[n] else {
+                report.rows.push(Row::unsupported(question));
+                continue;
+            };
+            let mut row = Row::marked(question, &answers[n], marks, *grade, c);
+            row.layouts.extend(layouts.get(&n).cloned());
+            if let Some((_, own)) = self.found.contradicting.iter().find(|(m, _)| *m == n) {
+                row.contradiction = partial(question.component, own);
+            }
+            if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
+                let known = suspects.get(question.component.name).map_or(&[][..], Vec::as_slice);
+                row.diagnosis = match beside.get(question.component.name) {
+                    Some(forward) => diagnose_beside(question, &answers[n], (c, forward), known, options),
+                    None => diagnose(question, &answers[n], c, known, options),
+                };
+                if let Some(best) = row.diagnosis.first().filter(|e| e.whole() && e.wrong()) {
+                    beside.insert(question.component.name, best.clone());
+                }
+                let sets =
+                    row.diagnosis.iter().map(suspect).filter(|(set, _)| !set.is_empty()).collect::<Vec<_>>();
+                suspects.entry(question.component.name).or_default().extend(sets);
+                // Other conventions are no matter of digits.
+                let conventions =
+                    row.diagnosis.first().is_some_and(|e| !e.wrong() && !e.inaccurate && e.whole());
+                if row.faults.is_empty() && !conventions {
+                    // Where a mistake explains it, too, a few bits must be enough.
+                    let named = row.diagnosis.iter().any(|e| !e.inaccurate && e.whole());
+                    let most = if named { FEW_BITS } else { i32::MAX };
+                    imprecise(&mut row, exam, question, &answers[n], c, options, most);
+                }
+                if exam.profile.is_none() && row.verdict == Verdict::Fail {
+                    nearest(&mut row, question, &answers[n], c, options);
+                }
+                if row.verdict == Verdict::Fail && !question.statistics() {
+                    let shown_in = assignment::apply(&row.shown_in, c);
+                    row.example = smallest(question, &answers[n], &shown_in, options);
+                    if row.diagnosis.iter().all(|e| !e.whole()) {
+                        row.observed = observed(question, &answers[n], &shown_in, options);
+                    }
+                }
+            }
+            report.rows.push(row);
+        }
+        report.settle();
+        report
+    }
+}
+
+/// The diagnosis of a gradient beside what the forward answers showed: their slip, or their conventions, where these explain it.
+fn diagnose_beside(
+    question: &Question,
+    answers: &Answers,
+    (base, forward): (&Conventions, &Explanation),
+    suspects: &[Suspect],
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    let home = assignment::apply(&forward.conventions, base);
+    if let Some(slip) = &forward.slip {
+        let mistakes = forward.mistakes.iter().map(|mistake| mistake.name).collect();
+        let h = Hypothesis { slip: Some(slip.clone()), ..Hypothesis::new(mistakes, home) };
+        let found = gradient_of(&h, question, answers, base, options);
+        if !found.is_empty() {
+            return found;
+        }
+    }
+    let of = |c: &Conventions| partial(question.component, c);
+    let mut found = diagnose(question, answers, &home, suspects, options);
+    if home == *base || !found.first().is_some_and(Explanation::whole) {
+        return if home == *base { found } else { diagnose(question, answers, base, suspects, options) };
+    }
+    for e in &mut found {
+        e.conventions = difference(&of(&assignment::apply(&e.conventions, &home)), &of(base));
+    }
+    found
+}
+
+/// Whether the answers are right but for at most so many lost bits, in the run's conventions or those next to them.
+fn imprecise(
+    row: &mut Row,
+    exam: &Exam,
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+    most: i32,
+) {
+    if question.statistics() {
+        return;
+    }
+    let c =
+        if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base, options) };
+    if let Some(bits) = lost_bits(question, answers, &c, options).filter(|bits| *bits <= most) {
+        let marks = mark(question, answers, &c, options, Grade::B);
+        *row = Row { layouts: row.layouts.clone(), ..Row::marked(question, answers, &marks, None, &c) };
+        (row.verdict, row.lost_bits) = (Verdict::Imprecise, Some(bits));
+        row.shown_in = difference(&partial(question.component, &c), &partial(question.component, base));
+    }
+}
+
+/// Shows the expected values of a failing row in the conventions that it probably follows, where nothing else in the run shows them:
+/// those of the best explanation, or those in which most elements agree. People compare with what they meant to write.
+fn nearest(row: &mut Row, question: &Question, answers: &Answers, base: &Conventions, options: &MarkOptions) {
+    let near = match row.diagnosis.first() {
+        // Right in other conventions: it only disagrees with the rest of the run.
+        Some(best) if !best.wrong() && best.whole() => return,
+        Some(best) => assignment::apply(&best.conventions, base),
+        None => assignment::nearest(question, answers, base, options),
+    };
+    if question.statistics() || near == *base {
+        return;
+    }
+    let marks = mark(question, answers, &near, options, Grade::B);
+    if marks.budget_used > 1.0 {
+        let shown = Row::marked(question, answers, &marks, None, &near);
+        *row = Row { layouts: row.layouts.clone(), diagnosis: std::mem::take(&mut row.diagnosis), ..shown };
+        row.shown_in = difference(&partial(question.component, &near), &partial(question.component, base));
+    }
+}
+
+fn suspect(explanation: &Explanation) -> Suspect {
+    (explanation.mistakes.iter().map(|mistake| mistake.name).collect(), explanation.fitted)
+}
+
+/// Marks by the stable formula's bound, then by the textbook's where the two differ. The grade is null where they don't.
+pub(super) fn marks(
+    question: &Question,
+    answers: &Answers,
+    c: &Conventions,
+    options: &MarkOptions,
+) -> (Marks, Option<Grade>) {
+    if question.statistics() {
+        return (statistics::mark(question, answers, c), None);
+    }
+    if !question.admits(c) {
+        let fault = "its questions have the shapes of other conventions than the run's: pin the profile";
+        return (Marks { faults: vec![fault.into()], ..Marks::default() }, None);
+    }
+    let graded = question.cases.iter().any(|case| {
+        let direction = question.component.direction(question.kind).expect("a question has its direction");
+        let bound = |grade| (direction.bound)(&case.inputs, c, &options.arithmetic(grade));
+        bound(Grade::A) != bound(Grade::B)
+    });
+    // The wider bound first: what exceeds it exceeds the other too.
+    let textbook = mark(question, answers, c, options, if graded { Grade::B } else { Grade::A });
+    if !graded || !textbook.right() {
+        return (textbook, None);
+    }
+    let stable = mark(question, answers, c, options, Grade::A);
+    if stable.right() { (stable, Some(Grade::A)) } else { (textbook, Some(Grade::B)) }
+}
