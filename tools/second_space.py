@@ -123,6 +123,8 @@ def contract_gaussians(a, c, wrong):
     norm, kind = c["contraction_norm"], x.dtype.type
     means = contraction({"x": x}, c, ())["contracted"]
     j = wrong_jacobians(x, norm, wrong) * kind({"two": 1, "one": 0.5, "unit": 0.25}[c["contraction_range"]])
+    if "batch_axis_last" in wrong:
+        j = j.transpose(1, 2, 0).reshape(j.shape)
     if "covariance_kept" in wrong:
         return {"contracted_means": means, "contracted_covariances": sigma}
     if "diagonal_contracted" in wrong:

@@ -5,13 +5,13 @@ use crate::contract::arrays::{Arrays, array, arrays, matrices3, threes};
 use crate::convention::Conventions;
 
 /// The Gaussians of two arrays.
-fn gaussians(a: &Arrays, means: &str, covariances: &str) -> Vec<Gaussian> {
+pub(super) fn gaussians(a: &Arrays, means: &str, covariances: &str) -> Vec<Gaussian> {
     let pairs = threes(a, means).into_iter().zip(matrices3(a, covariances));
     pairs.map(|(mean, covariance)| Gaussian { mean, covariance }).collect()
 }
 
 /// Gaussians as two arrays.
-fn named(gaussians: &[Gaussian], means: &str, covariances: &str) -> Arrays {
+pub(super) fn named(gaussians: &[Gaussian], means: &str, covariances: &str) -> Arrays {
     let mean = gaussians.iter().flat_map(|g| g.mean).collect();
     let covariance = gaussians.iter().flat_map(|g| g.covariance).flatten().collect();
     arrays([

@@ -1,5 +1,6 @@
 //! Honest contractions of Gaussians: Jacobians in closed form, or as automatic differentiation has them, formed or applied to the
-//! covariance's columns; products from either side; gradients by hand, or by way of the length, of x / r and of the factor.
+//! covariance's columns; 1 / r divided, or a reciprocal root; products from either side; gradients by hand, or by way of the length, of
+//! x / r and of the factor.
 
 use super::arrays::{forward, vjp};
 use super::{Gaussian, scale};
@@ -85,7 +86,11 @@ impl<'a, O: Operations> Ways<'a, O> {
         let norm = c.contraction_norm;
         let r = radius(o, x.mean, norm);
         let mean = x.mean.map(|x| o.exact(x));
-        let inverse = o.div(o.exact(1.0), r);
+        let inverse = if norm == ContractionNorm::L2 && way / 18 == 1 {
+            o.pow(o.dot(&mean, &mean), o.exact(-0.5))
+        } else {
+            o.div(o.exact(1.0), r)
+        };
         let rr = o.mul(r, r);
         let square = if way / 18 == 0 { o.mul(inverse, inverse) } else { o.div(o.exact(1.0), rr) };
         let s = match (way + way / 6) % 3 {
@@ -277,21 +282,18 @@ impl<'a, O: Operations> Ways<'a, O> {
         }
         let (second, third) = if round { (6.0, 8.0) } else { (4.0, 6.0) };
         let of_p = o.sub(o.times(second, self.square), o.times(third, self.cube));
-        if !round && self.way % 3 == 0 {
+        // Shares of several coordinates take the slope as it is.
+        let alone = self.choice.slope[self.choice.largest].abs() == 1.0;
+        if !round && alone && self.way % 3 == 0 {
             return self.bend_of_cube(b, p, of_p);
         }
         let radial = o.add(o.mul(p, trace), o.mul(of_p, along));
         [0, 1, 2].map(|a| o.add(o.mul(p, w[a]), o.mul(self.slope[a], radial)))
     }
 
-    /// The same coordinate by coordinate, in the norm of the largest; shares take the slope as it is.
+    /// The same coordinate by coordinate, in the norm of the largest.
     fn bend_of_cube(&self, b: &Matrix<O::Number>, p: O::Number, of_p: O::Number) -> [O::Number; 3] {
         let (o, k) = (self.o, self.choice.largest);
-        if self.choice.slope[k].abs() < 1.0 {
-            let (w, trace, along) = self.parts(b);
-            let radial = o.add(o.mul(p, trace), o.mul(of_p, along));
-            return [0, 1, 2].map(|a| o.add(o.mul(p, w[a]), o.mul(self.slope[a], radial)));
-        }
         let mut g = [0, 1, 2].map(|j| o.mul(p, o.mul(self.slope[k], b[j][k])));
         let own = o.neg(o.mul(o.times(2.0, b[k][k]), o.mul(self.slope[k], self.cube)));
         let mut terms = vec![own];

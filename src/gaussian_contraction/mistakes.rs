@@ -2,9 +2,9 @@
 //!
 //! Means alone are contracted by the row of points, which has the mistakes of that.
 
-use super::arrays::{forward, vjp};
+use super::arrays::{gaussians, named, vjp};
 use super::backward::bend;
-use super::{Gaussian, backward, between, beyond, contract_gaussian, jacobian, product, scale, transposed};
+use super::{Gaussian, backward, between, beyond, jacobian, product, scale, transposed};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::contraction::{backward::contract as point_vjp, contract, length};
@@ -33,8 +33,8 @@ pub(crate) const CONTRACT_GAUSSIANS: &[Mistake] = &[
         "the far piece's Jacobian inside, too",
         "near the middle of the scene, where nothing moves, everything is blurred",
         "the identity where |x| <= 1",
-        "a port of mip-NeRF 360 whose contract_gaussian has no branch",
-        1,
+        "never; ports of mip-NeRF 360 have code of the far piece alone, which they ask of a background alone",
+        0,
     ),
     Mistake::new(
         "shrunk_as_a_ball",
@@ -66,6 +66,14 @@ pub(crate) const CONTRACT_GAUSSIANS: &[Mistake] = &[
         "between ball and cube covariances belong to the other piece",
         "one norm for both",
         "nerfstudio's SceneContraction, which tests the length whatever its order (and asks for order=None of Gaussians)",
+        1,
+    ),
+    Mistake::new(
+        "batch_axis_last",
+        "the Jacobians of N means as an array (3, 3, N), read as (N, 3, 3)",
+        "each Gaussian is bent by entries of the others' Jacobians; a single one is right",
+        "move the axis, don't reshape: movedim(-1, 0)",
+        "a port of mip-NeRF 360: torch.diagonal(jacobian(f, means), dim1=0, dim2=2), which puts the batch last, then reshape",
         1,
     ),
     Mistake::new(
@@ -157,12 +165,22 @@ fn wrong_jacobian(x: [f64; 3], c: &Conventions, wrong: &[&str]) -> [[f64; 3]; 3]
     }
 }
 
-/// A contracted Gaussian with mistakes in it.
-fn wrong_gaussian(x: &Gaussian, c: &Conventions, wrong: &[&str]) -> Gaussian {
+/// The Jacobians of all means with mistakes in them.
+fn wrong_jacobians(all: &[Gaussian], c: &Conventions, wrong: &[&str]) -> Vec<[[f64; 3]; 3]> {
+    let each: Vec<_> = all.iter().map(|x| wrong_jacobian(x.mean, c, wrong)).collect();
+    if !wrong.contains(&"batch_axis_last") {
+        return each;
+    }
+    let n = each.len();
+    // Number `at` of the array that has the batch last.
+    let number = |at: usize| each[at % n][at / n / 3][at / n % 3];
+    (0..n).map(|m| [0, 1, 2].map(|i| [0, 1, 2].map(|k| number(9 * m + 3 * i + k)))).collect()
+}
+
+/// A contracted Gaussian with mistakes in it, given its Jacobian.
+fn wrong_gaussian(x: &Gaussian, j: [[f64; 3]; 3], c: &Conventions, wrong: &[&str]) -> Gaussian {
     let has = |name: &str| wrong.contains(&name);
     let (norm, range) = (c.contraction_norm, c.contraction_range);
-    let right = contract_gaussian(x, norm, range);
-    let j = wrong_jacobian(x.mean, c, wrong);
     let mut sigma = x.covariance;
     if has("covariance_taken_for_points") && length(x.mean, norm) > 1.0 {
         sigma = sigma.map(|row| contract(row, norm, ContractionRange::Two));
@@ -171,17 +189,19 @@ fn wrong_gaussian(x: &Gaussian, c: &Conventions, wrong: &[&str]) -> Gaussian {
         sigma = [0, 1, 2].map(|i| [0, 1, 2].map(|k| if i == k { sigma[i][i] } else { 0.0 }));
     }
     let covariance = match () {
-        () if wrong.is_empty() => right.covariance,
         () if has("covariance_kept") => x.covariance,
         () if has("one_side_alone") => product(j, sigma),
         () => between(j, sigma),
     };
-    Gaussian { mean: right.mean, covariance }
+    Gaussian { mean: contract(x.mean, norm, range), covariance }
 }
 
 /// Contracted Gaussians.
 pub(crate) fn contract_gaussians(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    forward(a, |x| wrong_gaussian(x, c, wrong))
+    let all = gaussians(a, "means", "covariances");
+    let each = all.iter().zip(wrong_jacobians(&all, c, wrong));
+    let out: Vec<Gaussian> = each.map(|(x, j)| wrong_gaussian(x, j, c, wrong)).collect();
+    named(&out, "contracted_means", "contracted_covariances")
 }
 
 /// The gradient with a mistake in it.
