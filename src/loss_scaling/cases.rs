@@ -81,7 +81,12 @@ pub(crate) fn unscale_gradients() -> Vec<Case> {
             with(6, &[(3, nan)]),
         ),
         case("two_infinities", "of both signs: their sum is NaN", 1024.0, with(7, &[(0, inf), (7, -inf)])),
-        case("last_of_all", "the last number alone", 1024.0, with(8, &[(7, nan)])),
+        case(
+            "last_of_all",
+            "the last number alone: who looks at the first doesn't see it, as fairscale did (#890)",
+            1024.0,
+            with(8, &[(7, nan)]),
+        ),
     ];
     in_full(cases, "usual")
 }

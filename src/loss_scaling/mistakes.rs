@@ -132,7 +132,7 @@ pub(crate) const UNSCALE_GRADIENTS: &[Mistake] = &[
         "g: gradients clipped or logged before they are unscaled",
         "clips cut every step to nothing; rates and decays are off by the scale",
         "unscale first, then clip",
-        "milesial/Pytorch-UNet#468; Lightning-AI/pytorch-lightning#9599; pytorch/examples#1196; harubaru/waifu-diffusion#64; \
+        "milesial/Pytorch-UNet#468; Lightning-AI/pytorch-lightning#9694; pytorch/examples#1196; harubaru/waifu-diffusion#64; \
          victorchall/EveryDream2trainer#175",
         5,
     ),
