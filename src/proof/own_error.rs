@@ -38,7 +38,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("step_sizes", 0.5, 0.0),
     row("conical_frustum", 3.7, 5.8),
     row("contraction", 1.7, 4.2),
-    row("contract_gaussians", 4.0, 8.0),
+    row("contract_gaussians", 9.2, 11.7),
     row("positional_encoding", 1.6, 2.9),
     row("integrated_encoding", 2.3, 2.8),
     row("mlp", 1.3, 12.0),
