@@ -84,7 +84,7 @@ fn bend_of_cube(x: [f64; 3], b: [[f64; 3]; 3], r: f64, norm: ContractionNorm) ->
         (-2.0 * (1.0 - 1.0 / r) / (r * r), 2.0 * (2.0 - 3.0 / r) / (r * r))
     };
     let mut g = [0.0; 3];
-    g[k] = -2.0 * sign * b[k][k] / (r * r * r);
+    g[k] = -2.0 * b[k][k] / (r * r * x[k]);
     for j in (0..3).filter(|&j| j != k) {
         g[j] = sign * across * b[j][k];
         g[k] += sign * across * b[j][j] + slant * b[j][k] * x[j] / r;

@@ -99,11 +99,11 @@ fn beyond(x: [f64; 3], r: f64, norm: ContractionNorm) -> [[f64; 3]; 3] {
             }
             ContractionNorm::Linf => {
                 j[i][i] = s;
-                j[i][k] = bent * u[i] * u[k];
+                j[i][k] = bent * (x[i] / x[k]);
             }
             ContractionNorm::Merf => {
                 j[i][i] = 1.0 / r;
-                j[i][k] = -u[i] * u[k] / r;
+                j[i][k] = -(x[i] / x[k]) / r;
             }
         }
     }

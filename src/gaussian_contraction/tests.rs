@@ -130,6 +130,14 @@ proptest! {
     }
 }
 
+/// Rows times columns; two in a row hide a sign.
+#[test]
+fn products_of_matrices() {
+    let a = [[1.0, 2.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let b = [[1.0, 0.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 2.0]];
+    assert_eq!(product(a, b), [[7.0, 2.0, 0.0], [3.0, 1.0, 0.0], [0.0, 0.0, 2.0]]);
+}
+
 /// On an axis: s^2 across, 1 / r^4 along, nothing between.
 #[test]
 fn on_an_axis_it_is_diagonal() {
