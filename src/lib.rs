@@ -67,7 +67,7 @@
 //! [`early_stop`], [`hash_grid`], [`importance_sampling`], [`spherical_harmonics`], [`trunc_exp`]; and [`trace`], all of these
 //! steps for one picture, and [`training_step`], all of them forth and back. [`srgb`] is the curve between linear light and a picture file, [`ssim`] how
 //! alike two pictures look, [`robust_loss`] has Huber's and Charbonnier's losses, [`contraction`] lays an unbounded scene into
-//! a bounded one, [`ndc`] the view of a camera that looks ahead; [`conical_frustum`] is what a pixel sees of a ray's interval,
+//! a bounded one, [`gaussian_contraction`] its Gaussians, [`ndc`] the view of a camera that looks ahead; [`conical_frustum`] is what a pixel sees of a ray's interval,
 //! [`integrated_encoding`] its encoding; [`packed`] has the sums and products of rays of different lengths,
 //! [`distortion`] the loss that gathers weights into surfaces, [`interlevel_loss`] the one that keeps proposals around them; [`proposal_pdf`] and
 //! [`resample_edges`] draw the next level's intervals from a proposal. [`lens`] and [`fisheye`] bend points as lenses do, and back; [`pose`] reads
@@ -83,7 +83,7 @@
 //! 2. what a component is, without knowing any: [`contract`]
 //! 3. the components: [`lens`], [`fisheye`], [`camera`], [`pose`], [`rigid_motion`], [`ray`], [`sample`], [`encoding`], [`conical_frustum`], [`integrated_encoding`], [`hash_grid`], [`spherical_harmonics`], [`trunc_exp`],
 //!    [`field`], [`volume_rendering`], [`packed`], [`early_stop`], [`trace`], [`loss`], [`optimizer`], [`training_step`], [`importance_sampling`], [`ray_aabb`],
-//!    [`occupancy_grid`], [`srgb`], [`robust_loss`], [`ssim`], [`contraction`], [`ndc`], [`distortion`], [`interlevel_loss`], [`gaussian_covariance`],
+//!    [`occupancy_grid`], [`srgb`], [`robust_loss`], [`ssim`], [`contraction`], [`gaussian_contraction`], [`ndc`], [`distortion`], [`interlevel_loss`], [`gaussian_covariance`],
 //!    [`gaussian_projection`], [`gaussian_alpha`], [`gaussian_color`], [`loss_scaling`], [`gradient_clipping`], [`learning_rate`],
 //!    [`proposal_pdf`], [`resample_edges`]
 //! 4. their f32 variants, in each folder's `fast`
@@ -150,6 +150,7 @@ pub mod distortion;
 pub mod early_stop;
 pub mod gaussian_alpha;
 pub mod gaussian_color;
+pub mod gaussian_contraction;
 pub mod gaussian_covariance;
 pub mod gaussian_projection;
 pub mod gradient_clipping;

@@ -60,6 +60,7 @@ fn doors_fit_the_contract() {
         pose::judge(|_, _| ()).vjp(|_, _, _| ());
         pose::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
         loss_scaling::judge(|_, _, _, _, _, _| ());
+        loss_scaling::judge::unscale(|_, _| ());
         rigid_motion::judge(|_| ()).vjp(|_, _| ());
         rigid_motion::judge::judge_batch(|_| ()).vjp(|_, _| ());
         rigid_motion::judge::se3_exp(|_| ()).vjp(|_, _| ());
@@ -70,6 +71,8 @@ fn doors_fit_the_contract() {
         conical_frustum::judge::judge_batch(|_, _, _, _, _| ()).vjp(|_, _, _, _, _, _, _, _, _, _| ());
         contraction::judge(|_| ()).vjp(|_, _| ());
         contraction::judge::judge_batch(|_| ()).vjp(|_, _| ());
+        gaussian_contraction::judge(|_, _| ()).vjp(|_, _, _, _| ());
+        gaussian_contraction::judge::judge_batch(|_, _| ()).vjp(|_, _, _, _| ());
         encoding::judge(|_, _| ()).vjp(|_, _, _| ());
         encoding::judge::judge_batch(|_, _| ()).vjp(|_, _, _| ());
         integrated_encoding::judge(|_, _, _| ()).vjp(|_, _, _, _| ());

@@ -45,13 +45,14 @@ const HARD: &[(&str, &[&str])] = &[
     ("CG1", &["ray_aabb"]),
     ("CG2", &["ray_aabb"]),
     ("CG3", &["grid_traversal", "occupancy_grid"]),
-    ("CG6", &["contraction"]),
-    ("CG7", &["contraction"]),
-    ("CG8", &["contraction"]),
+    ("CG6", &["contraction", "contract_gaussians"]),
+    ("CG7", &["contraction", "contract_gaussians"]),
+    ("CG8", &["contraction", "contract_gaussians"]),
     (
         "CG9",
         &[
             "contraction",
+            "contract_gaussians",
             "pose_from_colmap",
             "ndc_rays",
             "transform",

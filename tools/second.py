@@ -299,7 +299,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         fisheye: "fisheye_distort fisheye_distort_vjp fisheye_undistort fisheye_undistort_vjp",
         pose: "pose_from_colmap pose_from_colmap_vjp",
         motion: "so3_exp so3_exp_vjp se3_exp se3_exp_vjp",
-        space: "contraction contraction_vjp ndc_rays ndc_rays_vjp",
+        space: "contraction contraction_vjp contract_gaussians contract_gaussians_vjp ndc_rays ndc_rays_vjp",
         gaussians: "gaussian_covariance gaussian_covariance_vjp gaussian_projection gaussian_projection_vjp gaussian_alpha gaussian_alpha_vjp "
         "gaussian_color gaussian_color_vjp",
         harmonics: "spherical_harmonics spherical_harmonics_vjp",
@@ -310,7 +310,7 @@ FUNCTIONS = {"render_trace": render_trace} | {
         compact: "trunc_exp trunc_exp_vjp early_stop early_stop_vjp hash_grid hash_grid_vjp",
         training: "mse mse_vjp psnr to_uint8 linear_to_srgb linear_to_srgb_vjp adam_step adamw_step",
         rates: "lr_exponential lr_cosine lr_log_linear clip_by_global_norm clip_by_value",
-        scaling: "loss_scale_update",
+        scaling: "loss_scale_update unscale_gradients",
         step: "training_step",
         proposals: "proposal_pdf resample_edges",
         robust: "huber huber_vjp charbonnier charbonnier_vjp",

@@ -10,6 +10,8 @@ def bands(levels, c, wrong):
     f = 2.0 ** np.arange(levels) if c["bands"] == "octaves" else np.linspace(1, 2 ** max(levels - 1, 0), levels)
     if c["bands"] == "stretched":
         f = 2.0 ** np.linspace(0, max(levels - 2, 0), levels)
+    if c["bands"] == "widened":
+        f = 2.0 ** np.linspace(0, levels, levels)
     if "first_band_twice" in wrong and levels:
         f[0] = 2.0
     if "powers_exchanged" in wrong:

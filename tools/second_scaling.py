@@ -25,3 +25,19 @@ def loss_scale_update(a, c, wrong):
         scale = np.where(found, shrunk, np.where(due, grown, scale)).item()
         tracker = np.where(found, after_overflow, np.where(due, after_growth, counted)).item()
     return {"scale_out": np.array(scale), "growth_tracker_out": np.array(tracker)}
+
+
+def unscale_gradients(a, c, wrong):
+    """Times the inverse, and whether 0 times any of them isn't 0."""
+    g, kind = a["gradients"], a["gradients"].dtype.type
+    scale = float(a["scale"])
+    if "unscaled_twice" in wrong:
+        scale = scale * scale
+    if "divided_by_root_of_scale" in wrong:
+        scale = scale**0.5
+    with np.errstate(invalid="ignore"):
+        found = np.isnan(g * 0).any()
+        by = scale if "multiplied_by_scale" in wrong else 1 if "scale_left_in" in wrong else 1 / scale
+        # A short type would lose the inverse.
+        unscaled = (g.astype(np.promote_types(g.dtype, np.float32)) * np.promote_types(g.dtype, np.float32).type(by)).astype(kind)
+    return {"found_inf": np.array(int(found)), "unscaled": unscaled}

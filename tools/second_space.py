@@ -79,6 +79,100 @@ def contraction_vjp(a, c, wrong):
     return {"grad_x": np.where(r == 0, np.nan, out) if "gradient_not_a_number_at_origin" in wrong else out}
 
 
+def far_jacobians(x, norm):
+    """Those of the far piece, whatever the length: as of a point that is far, with its own length's factors."""
+    sizes = np.abs(x)
+    r = np.sqrt((x * x).sum(-1)) if norm == "l2" else sizes.max(-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u, k = x / r[:, None], sizes.argmax(-1)
+        pick = (np.arange(3) == k[:, None]).astype(x.dtype)
+        slope = u if norm == "l2" else pick * np.sign(x)
+        s, along = (2 - 1 / r) / r, 1 / (r * r)
+        across = np.broadcast_to(s[:, None], x.shape) if norm != "merf" else np.where(pick > 0, s[:, None], 1 / r[:, None])
+        bent = np.where(pick > 0, (along - s)[:, None], -1 / r[:, None]) if norm == "merf" else (along - s)[:, None]
+        return np.eye(3, dtype=x.dtype) * across[:, :, None] + (bent * u)[:, :, None] * slope[:, None, :]
+
+
+def wrong_jacobians(x, norm, wrong):
+    """J of each mean, with mistakes in it."""
+    length = {"l2": np.sqrt((x * x).sum(-1)), "linf": np.abs(x).max(-1)}
+    own, other = ("l2", "linf") if norm == "l2" else ("linf", "l2")
+    eye = np.broadcast_to(np.eye(3, dtype=x.dtype), (len(x), 3, 3))
+    if "jacobian_at_contracted_point" in wrong:
+        far, r = scales(x, norm)
+        with np.errstate(invalid="ignore"):
+            x = np.where(r > 1, far * x, x)
+    if "jacobian_of_another_norm" in wrong:
+        return jacobians(x, other)
+    if "far_jacobian_everywhere" in wrong:
+        return far_jacobians(x, norm)
+    if "branch_by_another_norm" in wrong:
+        return np.where((length[other] < 1)[:, None, None], eye, far_jacobians(x, norm))
+    if "shrunk_as_a_ball" in wrong:
+        r = np.maximum(length[own], 1)
+        return eye * ((2 - 1 / r) / r)[:, None, None]
+    j = jacobians(x, norm)
+    if "covariance_not_a_number_at_origin" in wrong:
+        return np.where((length[own] == 0)[:, None, None], np.nan, j)
+    return j
+
+
+def contract_gaussians(a, c, wrong):
+    """Means as points; covariances by products of stacks."""
+    x, sigma = a["means"], a["covariances"]
+    norm, kind = c["contraction_norm"], x.dtype.type
+    means = contraction({"x": x}, c, ())["contracted"]
+    j = wrong_jacobians(x, norm, wrong) * kind({"two": 1, "one": 0.5, "unit": 0.25}[c["contraction_range"]])
+    if "batch_axis_last" in wrong:
+        j = j.transpose(1, 2, 0).reshape(j.shape)
+    if "covariance_kept" in wrong:
+        return {"contracted_means": means, "contracted_covariances": sigma}
+    if "diagonal_contracted" in wrong:
+        sigma = sigma * np.eye(3, dtype=x.dtype)
+    if "covariance_taken_for_points" in wrong:
+        rows = contraction({"x": sigma.reshape(-1, 3)}, {**c, "contraction_range": "two"}, ())["contracted"].reshape(sigma.shape)
+        sigma = np.where((scales(x, norm)[1] > 1)[:, :, None], rows, sigma)
+    half = j @ sigma
+    return {"contracted_means": means, "contracted_covariances": half if "one_side_alone" in wrong else half @ j.transpose(0, 2, 1)}
+
+
+def bends(x, norm):
+    """d J_ij / d x_a of each point, (M, 3, 3, 3), 0 inside."""
+    _, r = scales(x, "l2" if norm == "l2" else "linf")
+    far, r, eye = r[:, 0] > 1, np.maximum(r[:, 0], 1), np.eye(3, dtype=x.dtype)
+    k = np.abs(x).argmax(-1)
+    pick = (np.arange(3) == k[:, None]).astype(x.dtype)
+    u, slope = x / r[:, None], x / r[:, None] if norm == "l2" else pick * np.sign(x)
+    p = -1 / (r * r) if norm == "merf" else -2 * (1 - 1 / r) / (r * r)
+    t = np.einsum("ma,ij->mija", slope, eye) + np.einsum("mj,ia->mija", slope, eye)
+    if norm == "l2":
+        t = t + np.einsum("mi,ja->mija", slope, eye)
+        of_p = (6 - 8 / r) / (r * r)
+    else:
+        of_p = (4 - 6 / r) / (r * r) if norm == "linf" else 2 / (r * r)
+    t = p[:, None, None, None] * t + of_p[:, None, None, None] * np.einsum("mi,mj,ma->mija", u, slope, slope)
+    if norm == "merf":
+        rows = np.einsum("m,mj,ma->mja", -2 / r**3, slope, pick)
+        t = np.where(pick[:, :, None, None] > 0, rows[:, None] * np.ones((1, 3, 1, 1), x.dtype), t)
+    return np.where(far[:, None, None, None], t, 0)
+
+
+def contract_gaussians_vjp(a, c, wrong):
+    """Both factors' gradients through the whole tensor of second derivatives."""
+    x, sigma, kind = a["means"], a["covariances"], a["means"].dtype.type
+    norm, scale = c["contraction_norm"], kind({"two": 1, "one": 0.5, "unit": 0.25}[c["contraction_range"]])
+    g, j = a["grad_contracted_covariances"] * scale * scale, jacobians(x, norm)
+    across = j.transpose(0, 2, 1)
+    mean = (across * (scale * a["grad_contracted_means"])[:, None, :]).sum(-1)
+    once, twice = g @ j @ sigma.transpose(0, 2, 1), g.transpose(0, 2, 1) @ j @ sigma
+    if "one_factor_differentiated" in wrong:
+        twice = np.zeros_like(twice)
+    if "jacobian_detached" not in wrong:
+        mean = mean + np.einsum("mij,mija->ma", once + twice, bends(x, norm))
+    covariance = a["grad_contracted_covariances"] if "gradient_of_covariance_kept" in wrong else across @ g @ j
+    return {"grad_means": mean, "grad_covariances": covariance}
+
+
 def ndc_rays(a, c, wrong):
     """Two points of each ray through a perspective matrix whose far plane is at infinity: on the near plane, and at infinity."""
     o, d = a["rays_o"], a["rays_d"]

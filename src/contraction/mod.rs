@@ -69,7 +69,7 @@ fn scaled(y: [f64; 3], range: ContractionRange) -> [f64; 3] {
 }
 
 /// The length of x: the root of the sum of squares, or the largest size of a coordinate.
-fn length(x: [f64; 3], norm: ContractionNorm) -> f64 {
+pub(crate) fn length(x: [f64; 3], norm: ContractionNorm) -> f64 {
     match norm {
         ContractionNorm::L2 => (x[0] * x[0] + x[1] * x[1] + x[2] * x[2]).sqrt(),
         ContractionNorm::Linf | ContractionNorm::Merf => x[largest(x)].abs(),
@@ -77,7 +77,7 @@ fn length(x: [f64; 3], norm: ContractionNorm) -> f64 {
 }
 
 /// The coordinate of the largest size; the first of them where several tie.
-fn largest(x: [f64; 3]) -> usize {
+pub(crate) fn largest(x: [f64; 3]) -> usize {
     let mut k = 0;
     for j in 1..3 {
         if x[j].abs() > x[k].abs() {

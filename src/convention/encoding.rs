@@ -24,6 +24,9 @@ pub enum Bands {
     Linear,
     /// L values in even octaves from 1 to 2^(L-2) (nerfstudio's vanilla NeRF has ten from 1 to 2^8).
     Stretched,
+    /// L values in even octaves from 1 to 2^L (nerfstudio's mip-NeRF has 16 from 1 to 2^16 for positions, and both of its models four from 1
+    /// to 2^4 for directions).
+    Widened,
 }
 
 /// The order of the encoding's columns (beside the identity, where it is kept). A matter of layout.

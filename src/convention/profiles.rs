@@ -212,8 +212,9 @@ pub const PROFILES: &[Profile] = &[
                 "model_components/renderers.py DepthRenderer expected: divided by sum of weights + 1e-10",
             ),
         ],
-        beyond: "vanilla NeRF's exponents run from 0 to 8 in ten steps, not octaves; no feature layer; in the torch code of \
-                 older versions (1.1.5 has them right) two harmonics of band 4 are others",
+        beyond: "vanilla NeRF's exponents run from 0 to 8 in ten steps, not octaves, mip-NeRF's from 0 to 16 in sixteen; Gaussians \
+                 are contracted by their length alone; no feature layer; in the torch code of older versions (1.1.5 has them \
+                 right) two harmonics of band 4 are others",
     },
     Profile {
         name: "multinerf",

@@ -28,7 +28,7 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("identity", &["true", "false"]),
     ("identity_place", &["first", "last"]),
     ("frequency", &["pi", "one", "two_pi"]),
-    ("bands", &["octaves", "linear", "stretched"]),
+    ("bands", &["octaves", "linear", "stretched", "widened"]),
     (
         "columns",
         &[

@@ -53,7 +53,7 @@ pub(crate) fn band(encoding: &Encoding, k: usize, m: &Arithmetic) -> Bounded {
     match encoding.bands {
         Bands::Octaves => exact(encoding.band(k)),
         Bands::Linear => m.rounded(encoding.band(k), m.u * encoding.band(k)),
-        Bands::Stretched => m.rounded(encoding.band(k), power_error(encoding, k, m)),
+        Bands::Stretched | Bands::Widened => m.rounded(encoding.band(k), power_error(encoding, k, m)),
     }
 }
 
@@ -64,7 +64,7 @@ fn argument_error(encoding: &Encoding, cosine: Cosine, k: usize, angle: f64, m: 
     let bands = match encoding.bands {
         Bands::Octaves => 0.0,
         Bands::Linear => 4.0,
-        Bands::Stretched => 2.0 + m.elementary_ulp + 2.0 * ln(encoding.band(k)),
+        Bands::Stretched | Bands::Widened => 2.0 + m.elementary_ulp + 2.0 * ln(encoding.band(k)),
     };
     // Whoever shifts the sine forms the product.
     let product = m.grade == Grade::B || cosine == Cosine::ShiftedSine;

@@ -52,8 +52,8 @@ impl Encoding {
         dims * (2 * self.levels + usize::from(self.identity))
     }
 
-    /// f_k: 2^k, or evenly spaced from 1 to 2^(L-1), or in even octaves from 1 to 2^(L-2). 2^k x is exact; other bands are rounded, and so
-    /// is f_k x.
+    /// f_k: 2^k, or evenly spaced from 1 to 2^(L-1), or in even octaves from 1 to 2^(L-2) or to 2^L. 2^k x is exact; other bands are
+    /// rounded, and so is f_k x.
     pub fn band(&self, k: usize) -> f64 {
         let last = self.levels - 1;
         if last == 0 {
@@ -63,6 +63,7 @@ impl Encoding {
             Bands::Octaves => power_of_two(k as i32),
             Bands::Linear => 1.0 + k as f64 * (power_of_two(last as i32) - 1.0) / last as f64,
             Bands::Stretched => pow(2.0, k as f64 * (last - 1) as f64 / last as f64),
+            Bands::Widened => pow(2.0, k as f64 * (last + 1) as f64 / last as f64),
         }
     }
 

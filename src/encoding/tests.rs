@@ -57,6 +57,13 @@ fn factors_and_bands() {
         (stretched.band(1).powi(3) - 4.0).abs() < 1e-14 && (stretched.band(2).powi(3) - 16.0).abs() < 1e-13
     );
     assert_eq!(Encoding { levels: 1, ..stretched }.band(0), 1.0);
+    // And in three from 2^0 to 2^4.
+    let widened = Encoding { bands: Bands::Widened, ..base };
+    assert_eq!([0, 3].map(|k| widened.band(k)), [1.0, 16.0]);
+    assert!(
+        (widened.band(1).powi(3) - 16.0).abs() < 1e-13 && (widened.band(2).powi(3) - 256.0).abs() < 1e-12
+    );
+    assert_eq!(Encoding { levels: 1, ..widened }.band(0), 1.0);
     let band0 =
         |frequency| positional_encoding(&[0.3], &Encoding { frequency, levels: 1, identity: false, ..base });
     assert_eq!(band0(Frequency::One), [sin(0.3), cos(0.3)]);
@@ -70,7 +77,12 @@ fn factors_and_bands() {
 fn gradients_in_every_convention() {
     let (x, levels) = ([0.3, -0.7], 3);
     for frequency in [Frequency::Pi, Frequency::One, Frequency::TwoPi] {
-        for (bands, identity) in [(Bands::Octaves, true), (Bands::Linear, false), (Bands::Stretched, true)] {
+        for (bands, identity) in [
+            (Bands::Octaves, true),
+            (Bands::Linear, false),
+            (Bands::Stretched, true),
+            (Bands::Widened, false),
+        ] {
             let encoding = Encoding {
                 identity,
                 frequency,
@@ -84,9 +96,9 @@ fn gradients_in_every_convention() {
             for d in 0..2 {
                 let pulled = |h: f64| {
                     let mut x = x;
-                    // Period 1 in the last band: a shorter step keeps h^4 small.
-                    x[d] += h / 64.0;
-                    64.0 * positional_encoding(&x, &encoding).iter().zip(&g).map(|(y, g)| y * g).sum::<f64>()
+                    // Period 1/8 in the shortest band: a shorter step keeps h^4 small.
+                    x[d] += h / 128.0;
+                    128.0 * positional_encoding(&x, &encoding).iter().zip(&g).map(|(y, g)| y * g).sum::<f64>()
                 };
                 let by_differences = slope(pulled);
                 assert!(

@@ -77,7 +77,12 @@ proptest! {
 fn gradients_in_every_convention() {
     let (x, v) = ([0.3, -0.7], [0.002, 0.01]);
     for frequency in [Frequency::Pi, Frequency::One, Frequency::TwoPi] {
-        for (bands, identity) in [(Bands::Octaves, true), (Bands::Linear, false), (Bands::Stretched, true)] {
+        for (bands, identity) in [
+            (Bands::Octaves, true),
+            (Bands::Linear, false),
+            (Bands::Stretched, true),
+            (Bands::Widened, false),
+        ] {
             let encoding = Encoding {
                 identity,
                 identity_place: IdentityPlace::Last,

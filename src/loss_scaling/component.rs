@@ -1,4 +1,4 @@
-//! Registry row of loss scales.
+//! Registry rows of loss scales.
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::arrays::number;
@@ -44,4 +44,32 @@ pub(crate) const LOSS_SCALE_UPDATE: Component = Component {
     cases: cases::loss_scale_update,
     mistakes: mistakes::LOSS_SCALE_UPDATE,
     special: Special { reads: &[("growth_tracker_out", &[])], forms: ONE_FACTOR, ..Special::NONE },
+};
+
+/// Gradients without the loss scale.
+pub(crate) const UNSCALE_GRADIENTS: Component = Component {
+    name: "unscale_gradients",
+    folder: "loss_scaling",
+    formula: "g / scale; found_inf = 1 where a g is infinite or NaN: then the step is skipped, and what is in g / scale is open",
+    source: "Micikevicius et al. 2018 (Mixed Precision Training), section 3.2; torch.amp.GradScaler.unscale_",
+    inputs: &[
+        Port::plain("gradients", "P", "of the scaled loss; what has overflowed is infinite or NaN"),
+        Port::plain("scale", "", "what the loss was multiplied by"),
+    ],
+    outputs: &[
+        Port::plain("found_inf", "", "1: parameters, moments and the count of steps stay as they are")
+            .of(Entries::Bit),
+        Port::plain("unscaled", "P", "gradients of the loss, where found_inf is 0"),
+    ],
+    conventions: &[],
+    forward: Direction {
+        oracle: arrays::unscale_gradients,
+        bound: bound::unscale_gradients,
+        honest: honest::unscale_gradients,
+        wrong: mistakes::unscale_gradients,
+    },
+    vjp: None,
+    cases: cases::unscale_gradients,
+    mistakes: mistakes::UNSCALE_GRADIENTS,
+    special: Special::NONE,
 };

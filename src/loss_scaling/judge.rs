@@ -1,6 +1,6 @@
 //! Somebody's loss scales, judged.
 
-use super::component::LOSS_SCALE_UPDATE;
+use super::component::{LOSS_SCALE_UPDATE, UNSCALE_GRADIENTS};
 use crate::judge::door::front_door;
 
 front_door! {
@@ -28,4 +28,18 @@ front_door! {
         backoff_factor: f64,
         growth_interval: usize,
     );
+}
+
+front_door! {
+    /// Judges unscaled gradients: (gradients, scale) -> (found_inf, unscaled). What stands in them where an overflow was found is open.
+    ///
+    /// ```
+    /// use nerf_oracle::loss_scaling::judge;
+    /// judge::unscale(|gradients, scale| {
+    ///     let overflow = gradients.iter().any(|g| !g.is_finite());
+    ///     (usize::from(overflow), gradients.iter().map(|g| g / scale).collect::<Vec<_>>())
+    /// })
+    /// .assert_pass();
+    /// ```
+    whole UNSCALE_GRADIENTS: unscale as Scaled(gradients: &[f64], scale: f64);
 }

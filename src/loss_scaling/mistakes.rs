@@ -1,8 +1,8 @@
 //! Loss scales, wrong on purpose. Without a mistake every function equals the oracle.
 
-use super::arrays::{forward, found, loss_scale};
-use super::{LossScale, updated};
-use crate::contract::arrays::Arrays;
+use super::arrays::{forward, found, gradients, loss_scale};
+use super::{LossScale, unscaled, updated};
+use crate::contract::arrays::{Arrays, number, values};
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
@@ -106,4 +106,58 @@ fn wrong_update(s: &LossScale, found: bool, c: &Conventions, wrong: &[&str]) -> 
 pub(crate) fn loss_scale_update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (scale, tracker) = wrong_update(&loss_scale(a), found(a), c, wrong);
     forward(scale, tracker as f64)
+}
+
+/// Mistakes of gradients. Overflows that aren't found are no mistakes by name: the cases with one say it, as what else wrong code makes
+/// of an infinity is open.
+pub(crate) const UNSCALE_GRADIENTS: &[Mistake] = &[
+    Mistake::new(
+        "multiplied_by_scale",
+        "g scale: the loss' own line once more",
+        "gradients are scale^2 times too large; Adam hardly shows it, weight decay and clips are lost",
+        "g / scale",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "unscaled_twice",
+        "g / scale^2: unscale_ by hand, and again in the step",
+        "gradients vanish below Adam's eps",
+        "once a step: GradScaler.step unscales what unscale_ hasn't",
+        "hand-written loops; GradScaler refuses a second unscale_",
+        0,
+    ),
+    Mistake::new(
+        "scale_left_in",
+        "g: gradients clipped or logged before they are unscaled",
+        "clips cut every step to nothing; rates and decays are off by the scale",
+        "unscale first, then clip",
+        "milesial/Pytorch-UNet#468; Lightning-AI/pytorch-lightning#9694; pytorch/examples#1196; harubaru/waifu-diffusion#64; \
+         victorchall/EveryDream2trainer#175",
+        5,
+    ),
+    Mistake::new(
+        "divided_by_root_of_scale",
+        "g / sqrt(scale), as of a squared loss whose residuals were scaled",
+        "gradients are too large by the root of the scale",
+        "the loss was scaled: g / scale",
+        "never; cheap to keep",
+        0,
+    ),
+];
+
+/// Unscaled gradients.
+pub(crate) fn unscale_gradients(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
+    let (scaled, scale) = (values(a, "gradients"), number(a, "scale"));
+    let Some(right) = unscaled(&scaled, scale) else {
+        return gradients(true, vec![0.0; scaled.len()]);
+    };
+    let by = |f: fn(f64, f64) -> f64| gradients(false, scaled.iter().map(|&g| f(g, scale)).collect());
+    match wrong.first() {
+        Some(&"multiplied_by_scale") => by(|g, scale| g * scale),
+        Some(&"unscaled_twice") => by(|g, scale| g / scale / scale),
+        Some(&"scale_left_in") => by(|g, _| g),
+        Some(&"divided_by_root_of_scale") => by(|g, scale| g / scale.sqrt()),
+        _ => gradients(false, right),
+    }
 }

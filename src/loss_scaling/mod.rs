@@ -1,7 +1,7 @@
 //! Loss scaling: what a loss is multiplied by, so that its gradients in f16 aren't lost below the smallest numbers of that type.
 //!
 //! The scale is as large as overflows allow: it shrinks when one is found, and that step is skipped; after so many steps without one it
-//! grows.
+//! grows. Gradients are divided by it before anything else looks at them.
 
 use crate::convention::{LossScaleCeiling, LossScaleFloor};
 
@@ -67,6 +67,33 @@ pub fn updated(
     }
     let grown = s.scale * s.growth_factor;
     (if ceiling == LossScaleCeiling::TwoTo24 { grown.min(CEILING) } else { grown }, 0)
+}
+
+/// The gradients of the loss from those of the scaled loss: g / scale; `None` where one of them isn't finite (Micikevicius et al. 2018,
+/// section 3.2; `torch.amp.GradScaler.unscale_`).
+///
+/// `None` says that the step is skipped: parameters and the optimizer's moments stay as they are, its count of steps too, and
+/// [`updated`] is told of an overflow. Any infinity and any NaN does that, of all parameters that are stepped together. Clips come after
+/// this, before the step: a norm of scaled gradients is `scale` times too large.
+///
+/// # Units
+/// Gradients times `scale`, which is above 0; gradients.
+///
+/// ```
+/// use nerf_oracle::loss_scaling::unscaled;
+/// assert_eq!(unscaled(&[1024.0, -3.0, 0.0], 1024.0), Some(vec![1.0, -3.0 / 1024.0, 0.0]));
+/// assert_eq!(unscaled(&[1.0, f64::NEG_INFINITY], 2.0), None);
+/// assert_eq!(unscaled(&[f64::NAN, 1.0], 2.0), None);
+/// ```
+pub fn unscaled(gradients: &[f64], scale: f64) -> Option<Vec<f64>> {
+    let mut out = vec![];
+    for &g in gradients {
+        if !g.is_finite() {
+            return None;
+        }
+        out.push(g / scale);
+    }
+    Some(out)
 }
 
 /// 2^24.

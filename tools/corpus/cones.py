@@ -63,3 +63,73 @@ def without_the_half(means, variances, L):
 def plain_waves(means, variances, L):
     """The encoding of the mean."""
     return waves(means, 0 * variances, L)
+
+
+def wide_bands(x, v, bands):
+    """2 pi in even octaves from 1 to 2^L, dimension by dimension; the mean comes last."""
+    a = 2 * torch.pi * 2.0 ** torch.linspace(0.0, float(bands), int(bands)).to(x.dtype)
+    angles, variances = (x[..., None] * a).flatten(-2), (v[..., None] * a * a).flatten(-2)
+    damped = torch.exp(-0.5 * torch.cat([variances, variances], -1))
+    return torch.cat([damped * torch.sin(torch.cat([angles, angles + torch.pi / 2.0], -1)), x], -1)
+
+
+@convention("integrated_encoding", {"bands": "widened"}, seen="nerfstudio models/mipnerf.py: 16 bands from 0 to 16", digits=True)
+def widened_octaves(means, variances, L):
+    """NeRFEncoding(L, 0, L), with its variances in the units of its means."""
+    return wide_bands(means, variances, L)
+
+
+def ball(x):
+    """Mip-NeRF 360's contraction, its length clamped inside the selection."""
+    square = (x * x).sum(-1, keepdim=True).clamp(min=torch.finfo(torch.float32).eps)
+    return torch.where(square <= 1, x, (2 * square.sqrt() - 1) / square * x)
+
+
+def linearized(f, means, covariances):
+    """f and J Sigma J^T, J by automatic differentiation, differentiable again."""
+    y, pull = torch.func.vjp(f, means)
+    rows = [pull(torch.eye(3, dtype=means.dtype)[i].expand(means.shape))[0] for i in range(3)]
+    j = torch.stack(rows, -2)
+    return y, j @ covariances @ j.transpose(-1, -2)
+
+
+@right("contract_gaussians", seen="google-research/multinerf internal/coord.py track_linearize", digits=True)
+def tangents_at_means(means, covariances):
+    """The contraction linearized at the mean."""
+    return linearized(ball, means, covariances)
+
+
+@fault(
+    "contract_gaussians",
+    "far_jacobian_everywhere",
+    seen="not met in this reading: code for a background alone, asked of all of the scene",
+    times=0,
+    gradient="none",
+)
+def far_piece_alone(means, covariances):
+    """The Jacobian of (2 - 1/r) x / r for every mean; means themselves are selected."""
+    r = means.norm(dim=-1, keepdim=True) + 1e-30
+    u = means / r
+    s, along = (2 - 1 / r) / r, 1 / (r * r)
+    eye = torch.eye(3, dtype=means.dtype)
+    j = s[..., None] * eye + (along - s)[..., None] * u[..., :, None] * u[..., None, :]
+    return ball(means), j @ covariances @ j.transpose(-1, -2)
+
+
+@fault(
+    "contract_gaussians",
+    "batch_axis_last",
+    seen="a port of mip-NeRF 360: diagonal(jacobian(f, means), dim1=0, dim2=2).reshape(N, 3, 3)",
+    gradient="none",
+)
+def jacobians_reshaped(means, covariances):
+    """The diagonal over both batch axes stands last; it is reshaped in place of moved."""
+    every = torch.autograd.functional.jacobian(ball, means)
+    j = torch.diagonal(every, dim1=0, dim2=2).reshape(len(means), 3, 3)
+    return ball(means), j @ covariances @ j.transpose(-1, -2)
+
+
+@fault("contract_gaussians", "covariance_kept", seen="not met in this reading: means contracted alone", times=0, gradient="none")
+def means_alone(means, covariances):
+    """The covariance as it was."""
+    return ball(means), covariances

@@ -94,6 +94,25 @@ def upper_limit_alone(g, limit):
     return g.clamp(max=limit)
 
 
+@right("unscale_gradients", seen="torch.amp.GradScaler.unscale_: times the inverse, in f32")
+def times_the_inverse(gradients, scale):
+    """All of them, and whether one isn't finite."""
+    found = (~torch.isfinite(gradients)).any()
+    return found.to(torch.int64), gradients * (1.0 / scale)
+
+
+@fault("unscale_gradients", "scale_left_in", seen="milesial/Pytorch-UNet#468: clipped as they come", times=5)
+def as_they_come(gradients, scale):
+    """Looked at, but not unscaled."""
+    return (~torch.isfinite(gradients)).any().to(torch.int64), gradients
+
+
+@fault("unscale_gradients", seen="not met in this reading: the largest number alone is looked at", times=0)
+def largest_alone(gradients, scale):
+    """max() == inf: neither -inf nor, in most languages, NaN."""
+    return (gradients.max() == torch.inf).to(torch.int64), gradients / scale
+
+
 def adam(params, grad, m, v, step, lr, beta1, beta2, eps):
     """A step of Adam, and its moments."""
     m, v = beta1 * m + (1 - beta1) * grad, beta2 * v + (1 - beta2) * grad * grad

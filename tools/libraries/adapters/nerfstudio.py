@@ -12,7 +12,12 @@ from nerfstudio.field_components.spatial_distortions import SceneContraction
 from nerfstudio.model_components.losses import lossfun_distortion, lossfun_outer, nerfstudio_distortion_loss
 from nerfstudio.model_components.ray_samplers import PDFSampler, UniformSampler
 from nerfstudio.model_components.renderers import AccumulationRenderer, DepthRenderer, RGBRenderer
-from nerfstudio.utils.math import components_from_spherical_harmonics, conical_frustum_to_gaussian, intersect_aabb
+from nerfstudio.utils.math import (
+    Gaussians,
+    components_from_spherical_harmonics,
+    conical_frustum_to_gaussian,
+    intersect_aabb,
+)
 
 
 def samples(starts, ends, deltas=None):
@@ -197,6 +202,18 @@ def conical_frustum(origins, directions, radii, starts, ends):
 def integrated_encoding(means, variances, L):
     """Octaves."""
     return NeRFEncoding(means.shape[1], L, 0.0, L - 1.0, include_input=True)(means, torch.diag_embed(variances))
+
+
+@answers(
+    "nerfstudio",
+    "contract_gaussians",
+    "SceneContraction() of Gaussians",
+    why="the gradient at the origin is NaN",
+)
+def contract_gaussians(means, covariances):
+    """By the Euclidean norm, the only one that it takes Gaussians in."""
+    out = SceneContraction()(Gaussians(mean=means, cov=covariances))
+    return out.mean, out.cov
 
 
 @answers("nerfstudio", "so3_exp", "exp_map_SO3xR3: its rotation")

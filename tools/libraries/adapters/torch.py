@@ -80,3 +80,12 @@ def loss_scale_update(scale, growth_tracker, found_inf, growth_factor, backoff_f
         single(scale), tracker, single(found_inf), float(growth_factor), float(backoff_factor), int(growth_interval)
     )
     return after, tracker
+
+
+@answers("torch", "unscale_gradients", "_amp_foreach_non_finite_check_and_unscale_, as GradScaler calls it", dtypes=("f32",))
+def unscale_gradients(gradients, scale):
+    """Times the inverse of the scale, in f32."""
+    found, unscaled = torch.zeros(1, dtype=torch.float32), gradients.clone()
+    inverse = torch.tensor(float(scale), dtype=torch.float32).double().reciprocal().float()
+    torch._amp_foreach_non_finite_check_and_unscale_([unscaled], found, inverse)
+    return found[0].to(torch.int64), unscaled
