@@ -89,6 +89,15 @@ fn right_answers_come_back_and_pass() {
     }
 }
 
+/// A NaN among the inputs is the NaN that was written.
+#[test]
+fn inputs_that_are_no_number_are_read_as_they_were_written() {
+    let (_root, cases, answers) = folders_of("unscale_gradients");
+    let exam = read_exam(&cases).unwrap();
+    let report = judge_answers(&exam, &read_answers(&exam, &answers).unwrap(), EXP_ULP);
+    assert_eq!(report.exit_code(), 0, "{report}");
+}
+
 /// In every pair of layouts.
 #[test]
 fn cases_and_answers_lie_in_either_layout() {

@@ -188,7 +188,7 @@ pub(super) fn as_written(layout: Layout, folder: &Path, place: &str, case: &Case
 }
 
 fn same(a: &ArrayD<f64>, b: &ArrayD<f64>) -> bool {
-    a.shape() == b.shape() && a.iter().zip(b).all(|(a, b)| a == b)
+    a.shape() == b.shape() && a.iter().zip(b).all(|(a, b)| a == b || (a.is_nan() && b.is_nan()))
 }
 
 fn bytes(arrays: &Arrays) -> u64 {
