@@ -278,14 +278,14 @@ fn what_is_near_to_a_scene_is_told_how_it_becomes_one() {
     for name in ["a.png", "b.png"] {
         std::fs::copy(folder.path().join(name), inner.join(name)).unwrap();
     }
-    refused(&inner, &["2 pictures, and nothing that says where they were taken from", "COLMAP"]);
+    refused(&inner, &["pictures (2), and nothing that says where they were taken from", "COLMAP"]);
     std::fs::copy(folder.path().join("transforms.json"), inner.join("transforms.json")).unwrap();
     let deeper = Path::new("download").join("my capture").display().to_string();
     refused(outer.path(), &[&format!("some below it: {deeper}"), &inner.display().to_string()]);
     let images = inner.join("train");
     std::fs::create_dir(&images).unwrap();
     std::fs::copy(inner.join("a.png"), images.join("a.png")).unwrap();
-    refused(&images, &["a folder above it has one", &format!("Give that folder: {}.", inner.display())]);
+    refused(&images, &["a folder above it has one", &inner.canonicalize().unwrap().display().to_string()]);
     let run = outer.path().join("run");
     std::fs::create_dir(&run).unwrap();
     std::fs::write(run.join("run.json"), "{}").unwrap();

@@ -47,7 +47,11 @@ class Bench:
             start = time.perf_counter()
             child = subprocess.Popen(words, cwd=ROOT, stdout=out, stderr=errors, env={**os.environ, "LC_ALL": "C"})
             # Waited for by its number, which tells its own memory, and not the most of all programs so far.
-            _, status, used = os.wait4(child.pid, 0)
+            try:
+                _, status, used = os.wait4(child.pid, 0)
+            except BaseException:
+                child.kill()
+                raise
             seconds, child.returncode = time.perf_counter() - start, os.waitstatus_to_exitcode(status)
             out.seek(0), errors.seek(0)
             told, wrong = out.read().decode(), errors.read().decode()
@@ -152,7 +156,7 @@ def step(bench):
 
 def lego(bench):
     """The compact model on Lego: seconds to two PSNRs, and the end of five minutes."""
-    logs = [bench.run_of("lego_200x200.npz", 300, seed)[1] for seed in SEEDS]
+    logs = [bench.run_of("lego_200x200.npz", 300, seed)[1] for seed in bench.seeds]
     found = []
     for goal in [24.69, 30.0]:
         reached = [next((line["seconds"] for line in log if (psnr_of(line) or 0) >= goal), None) for log in logs]
@@ -307,7 +311,7 @@ def main():
     words.add_argument("--quick", action="store_true", help="only what takes seconds")
     words.add_argument("--only", default="", help="these figures, separated by commas; none: only write the page again")
     words.add_argument("--data", type=Path, default=ROOT.parent / "shared" / "data", help="folder of scenes")
-    words.add_argument("--seeds", type=int, default=len(SEEDS), help="how many seeds a scene is trained with")
+    words.add_argument("--seeds", type=int, default=len(SEEDS), choices=range(1, len(SEEDS) + 1), help="how many seeds a scene is trained with")
     words.add_argument("--busy", action="store_true", help="mark the machine as busy with other work")
     asked = words.parse_args()
     if asked.list:

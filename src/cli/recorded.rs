@@ -112,8 +112,8 @@ pub(super) fn check_same(
 }
 
 /// Settings that runs from before them lack, and what a model was like then.
-fn since() -> [(&'static str, Value); 2] {
-    [("space", json!("box")), ("distortion", json!(0.0))]
+fn since() -> [(&'static str, Value); 3] {
+    [("space", json!("box")), ("distortion", json!(0.0)), ("batch_grows", json!(500.0))]
 }
 
 /// Checks that nothing is new in a run that goes on.

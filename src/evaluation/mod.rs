@@ -68,7 +68,7 @@ pub fn render_view(model: &dyn Model, camera: &Camera, background: [f32; 3]) -> 
     let axis = camera.c2w.z_axis.truncate();
     let (h, w) = (camera.height, camera.width);
     let mut pixels: Vec<Pixel> = Vec::with_capacity(h * w);
-    let rows = (TOGETHER / w).max(1);
+    let rows = (TOGETHER / w.max(1)).max(1);
     for first in (0..h).step_by(rows) {
         let rays = rows_rays(camera, first..h.min(first + rows))?;
         let seen = rays.iter().copied().flatten().map(|ray| match model.directions() {

@@ -46,7 +46,8 @@ impl CutOut {
             let first = row.iter().position(seen).unwrap_or(0);
             let end = row.iter().rposition(seen).map_or(0, |last| last + 1);
             rows.push((first, pixels.len()));
-            pixels.extend_from_slice(&row[first..end]);
+            // Whatever color is there, nobody sees it.
+            pixels.extend(row[first..end].iter().map(|pixel| if seen(pixel) { *pixel } else { [0; 4] }));
         }
         rows.push((0, pixels.len()));
         pixels.shrink_to_fit();
@@ -319,9 +320,9 @@ mod tests {
             seen, clear, clear, clear,
         ];
         let kept = CutOut::new(4, &all);
-        assert_eq!(kept.pixels, [seen, hole, seen, seen]);
+        assert_eq!(kept.pixels, [seen, clear, seen, seen]);
         let rows: Vec<_> = kept.whole_rows().collect();
-        assert_eq!(rows, [[clear; 4], [clear, seen, hole, seen], [seen, clear, clear, clear]]);
+        assert_eq!(rows, [[clear; 4], [clear, seen, clear, seen], [seen, clear, clear, clear]]);
         assert_eq!((0..12).map(|n| kept.at(n)).collect::<Vec<_>>(), rows.concat());
         let photo = Photo::cut(3, 4, all.to_vec(), [0.0, 0.5, 1.0]);
         assert_eq!((photo.at(0, 3), photo.at(2, 1)), ([0.0, 0.5, 1.0], [0.0, 0.5, 1.0]));

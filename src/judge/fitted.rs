@@ -82,10 +82,12 @@ pub(crate) fn fitting_pairs(
     let Some((case, _)) = cases.first() else { return vec![] };
     let most = WORK / (LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>());
     pairs.truncate(most);
-    let near = &near[..near.len().min(most / pairs.len().max(1))];
+    let near = &near[..near.len().min((most / pairs.len().max(1)).max(1))];
     let found = parallel::map(pairs.len() * near.len(), |n| {
         let ((mistake, other), c) = (pairs[n / near.len()], near[n % near.len()]);
-        let usual = Hypothesis::new(vec![other.name, mistake.name], c);
+        // The first that has a number gets it.
+        let names = if other.number.is_some() { [mistake, other] } else { [other, mistake] };
+        let usual = Hypothesis::new(names.map(|m| m.name).to_vec(), c);
         let fits = |h: &Hypothesis| {
             explains_all(h, question, answers, options) && shows(h, question, answers, options)
         };

@@ -6,6 +6,7 @@ use super::assignment::Partial;
 use super::evidence::Explanation;
 use super::mark::Worst;
 use super::report::{Report, Row, Verdict};
+use crate::contract::component::Mistake;
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -260,10 +261,15 @@ fn before(e: &Explanation) -> String {
 
 /// An explanation on a line.
 pub(crate) fn name(e: &Explanation) -> String {
-    let mut mistakes = e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>().join(" + ");
-    if let (Some(number), Some(fitted)) = (e.mistakes.first().and_then(|m| m.number), e.fitted) {
-        mistakes += &format!(" ({} = {fitted:?})", number.name);
-    }
+    // The number is the first one's that has one.
+    let numbered = e.mistakes.iter().position(|m| m.number.is_some());
+    let of = |(n, m): (usize, &Mistake)| match (e.fitted, m.number) {
+        (Some(fitted), Some(number)) if numbered == Some(n) => {
+            format!("{} ({} = {fitted:?})", m.name, number.name)
+        }
+        _ => m.name.to_string(),
+    };
+    let mut mistakes = e.mistakes.iter().copied().enumerate().map(of).collect::<Vec<_>>().join(" + ");
     if let Some(slip) = &e.slip {
         mistakes += if mistakes.is_empty() { "a slip: " } else { " + a slip: " };
         mistakes += &slip.says();
@@ -286,13 +292,15 @@ mod tests {
     use crate::registry::COMPONENTS;
 
     #[test]
-    fn small_numbers_keep_their_digits() {
-        let named = |mistake: &str, fitted| {
-            let mut all = COMPONENTS.iter().flat_map(|c| c.mistakes);
-            let mistakes = vec![all.find(|m| m.name == mistake).expect("a mistake")];
+    fn numbers_keep_their_digits_and_their_mistake() {
+        let named = |mistakes: &[&str], fitted| {
+            let find = |name: &&str| COMPONENTS.iter().flat_map(|c| c.mistakes).find(|m| m.name == *name);
+            let mistakes = mistakes.iter().map(|name| find(name).expect("a mistake")).collect();
             name(&Explanation { mistakes, fitted: Some(fitted), ..Explanation::default() })
         };
-        assert_eq!(named("eps_on_alpha", 1e-12), "eps_on_alpha (eps = 1e-12)");
-        assert_eq!(named("scaled_exponential", 0.98), "scaled_exponential (k = 0.98)");
+        assert_eq!(named(&["eps_on_alpha"], 1e-12), "eps_on_alpha (eps = 1e-12)");
+        assert_eq!(named(&["scaled_exponential"], 0.98), "scaled_exponential (k = 0.98)");
+        let pair = ["inclusive_transmittance", "weights_normalized"];
+        assert_eq!(named(&pair, 1e-5), "inclusive_transmittance + weights_normalized (eps = 1e-5)");
     }
 }

@@ -7,7 +7,6 @@ use super::evidence::{explains_all, shows};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
-use crate::contract::check::Kind;
 use crate::convention::Conventions;
 use crate::parallel;
 
@@ -29,12 +28,12 @@ pub(crate) fn paired(
     options: &MarkOptions,
 ) -> Vec<Hypothesis> {
     let cases = small_cases(question, answers);
-    let Some((case, _)) = cases.first().filter(|_| question.kind == Kind::Forward) else { return vec![] };
+    let Some((case, _)) = cases.first() else { return vec![] };
     let names: Vec<_> = question.component.mistakes.iter().filter(|m| !m.gradient).map(|m| m.name).collect();
     let home = partial(question.component, base);
     let mut near: Vec<Partial> = open(question, answers, base, options);
     let cost = LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>();
-    near.truncate(WORK / (cost * names.len().max(1)));
+    near.truncate((WORK / (cost * names.len().max(1))).max(1));
     let singles: Vec<Hypothesis> = names
         .iter()
         .flat_map(|name| near.iter().map(move |p| Hypothesis::new(vec![*name], apply(p, base))))
@@ -50,12 +49,15 @@ pub(crate) fn paired(
         .collect();
     best.sort_by_key(|(agreeing, changes, _)| (std::cmp::Reverse(*agreeing), *changes));
     best.truncate(KEPT);
-    let mut pairs = vec![];
+    let mut pairs: Vec<Hypothesis> = vec![];
     for (_, _, single) in best {
         let first = single.mistakes[0];
         for other in names.iter().filter(|other| **other != first) {
-            pairs.push(Hypothesis { mistakes: vec![first, other], ..single.clone() });
-            pairs.push(Hypothesis { mistakes: vec![other, first], ..single.clone() });
+            // Both of a pair may be among the best.
+            let known = |h: &Hypothesis| h.mistakes == [*other, first] && h.conventions == single.conventions;
+            if !pairs.iter().any(known) {
+                pairs.push(Hypothesis { mistakes: vec![first, other], ..single.clone() });
+            }
         }
     }
     let fits =
@@ -84,9 +86,12 @@ mod tests {
             Some(given(wrong.into_iter().map(|(name, a)| (name, a.mapv(|x| dtype.round(x)))).collect()))
         };
         let answers: Answers = question.cases.iter().map(|case| answer(&case.inputs)).collect();
-        let mut names = paired(question, &answers, &CS180, &options).first()?.mistakes.clone();
-        names.sort_unstable();
-        Some(names)
+        let found = paired(question, &answers, &CS180, &options);
+        let mut all: Vec<_> = found.iter().map(|h| (h.mistakes.clone(), h.conventions)).collect();
+        all.iter_mut().for_each(|(names, _)| names.sort_unstable());
+        let (first, rest) = all.split_first()?;
+        assert!(!rest.contains(first), "the same pair twice");
+        Some(first.0.clone())
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::error::{Error, Input};
 
 /// How far above and below a folder scenes are looked for, and in how many of a folder's folders.
 const DEPTH: usize = 3;
-const BREADTH: usize = 50;
+const BREADTH: usize = 20;
 
 /// The refusal of a path.
 pub(super) fn no_scene(scene: &str) -> Error {
@@ -28,7 +28,7 @@ fn of(path: &Path) -> (String, String) {
         return of_file(path).unwrap_or(("a file of another kind".into(), start));
     }
     let without = "a folder without transforms.json, transforms_train.json, sparse/0 or poses_bounds.npy";
-    let whole = std::path::absolute(path).unwrap_or(path.to_path_buf());
+    let whole = fs::canonicalize(path).unwrap_or(path.to_path_buf());
     if let Some(above) = whole.ancestors().skip(1).take(DEPTH).find(|above| is_folder_of_scene(above)) {
         let remedy = format!("Give that folder: {}.", above.display());
         return (format!("{without}; a folder above it has one"), remedy);
@@ -48,7 +48,7 @@ fn of(path: &Path) -> (String, String) {
         let remedy = "Let COLMAP find their cameras (`colmap automatic_reconstructor --workspace_path FOLDER --image_path PICTURES`, or \
                       nerfstudio's `ns-process-data`), then give the folder with its sparse/0 or transforms.json.";
         return (
-            format!("{without}: {count} pictures, and nothing that says where they were taken from"),
+            format!("{without}: pictures ({count}), and nothing that says where they were taken from"),
             remedy.into(),
         );
     }
@@ -71,9 +71,14 @@ fn of_file(path: &Path) -> Option<(String, String)> {
 
 /// The first scenes below a folder, those that lie less deep first.
 fn scenes_below(folder: &Path, depth: usize) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut folders: Vec<PathBuf> = entries.filter(|path| path.is_dir()).take(BREADTH).collect();
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let seen = entries.filter(|entry| !entry.file_name().to_string_lossy().starts_with('.'));
+    let mut folders: Vec<PathBuf> = seen
+        .filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()))
+        .map(|entry| entry.path())
+        .collect();
     folders.sort();
+    folders.truncate(BREADTH);
     let found: Vec<PathBuf> = folders.iter().filter(|folder| is_folder_of_scene(folder)).cloned().collect();
     if !found.is_empty() || depth == 1 {
         return found;

@@ -107,12 +107,16 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
 
 /// From the cameras' distance to their common focus.
 ///
-/// The nearest camera at distance r: near = r / 2, or where that is less, r (1 - sin a) for a camera that sees as far as an angle a to one
-/// side: there a ball begins that fills the picture. With a smaller near, a field explains single photographs with specks in front of
-/// their cameras. In the real world, axes that hardly differ meet anywhere, far behind what they look at too: r / 10. The farthest at R: far
-/// = 2 R in front of the real world. Over a plain background 3 R / 2, or where that is more, R (1 + tan a), 2 R at the most: as far reaches
-/// the end of a bar that just fits into the picture from the side. On the synthetic scenes of the NeRF paper, r = R = 4.03, this is their
-/// customary 2 and 6, which is used exactly.
+/// The nearest camera stands at distance r, the farthest at R.
+///
+/// Near is r / 2, or where that is less, r (1 - sin a) for a camera that sees as far as an angle a to one side: there a ball begins that
+/// fills the picture. With a smaller near, a field explains single photographs with specks in front of their cameras. In the real world,
+/// axes that hardly differ meet anywhere, far behind what they look at too: there near is r / 10.
+///
+/// Far is 2 R in front of the real world. Over a plain background it is 3 R / 2, or where that is more, R (1 + tan a), but 2 R at the most:
+/// so far away is the end of a bar that just fits into the picture from the side.
+///
+/// On the synthetic scenes of the NeRF paper, r = R = 4.03, this is their customary 2 and 6, which is used exactly.
 fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
     let distances = cameras.iter().map(|camera| (focus - center(camera)).length());
     let (low, high) = distances.fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
@@ -150,7 +154,7 @@ fn widest(camera: &Camera) -> f64 {
     slope / (1.0 + slope * slope).sqrt()
 }
 
-/// How far a camera sees to one side at depth 1, at the most: half of its larger side over the focal length.
+/// How far a camera sees to one side at depth 1, were the principal point in the middle: the larger of w / 2 fx and h / 2 fy.
 pub(crate) fn widest_slope(camera: &Camera) -> f64 {
     (0.5 * camera.width as f64 / camera.k.fx).max(0.5 * camera.height as f64 / camera.k.fy)
 }

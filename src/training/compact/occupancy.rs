@@ -32,7 +32,7 @@ const LOOKS: usize = 1 << 15;
 const OCCUPIED: f64 = 0.015;
 /// Cells of a task.
 const TASK: usize = 2048;
-/// Tasks of a round, whose buffers the next one uses again: the looks of a grown grid.
+/// The fewest tasks of a round, whose buffers the next one uses again: the looks of a grown grid.
 const TASKS: usize = LOOKS / TASK;
 
 impl CompactModel {
@@ -50,13 +50,14 @@ impl CompactModel {
         }
         let cells = self.cells(step, first);
         let mut chunks = std::mem::take(&mut self.chunks);
-        chunks.resize_with(chunks.len().max(TASKS), Chunk::default);
-        for (round, cells) in cells.chunks(TASKS * TASK).enumerate() {
+        let tasks = TASKS.max(parallel::threads());
+        chunks.resize_with(chunks.len().max(tasks), Chunk::default);
+        for (round, cells) in cells.chunks(tasks * TASK).enumerate() {
             let chunks = &mut chunks[..cells.len().div_ceil(TASK)];
             parallel::for_chunks(chunks, 1, |n, chunk| {
                 let first = n * TASK;
                 let cells = &cells[first..cells.len().min(first + TASK)];
-                self.look(cells, round * TASKS * TASK + first, step, &mut chunk[0]);
+                self.look(cells, round * tasks * TASK + first, step, &mut chunk[0]);
             });
             for chunk in chunks {
                 self.occupancy.raise(&chunk.points, &chunk.sigma);

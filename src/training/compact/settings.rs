@@ -352,7 +352,7 @@ impl CompactSettings {
             "model": "compact", "space": self.space.name(), "box_low": self.low.to_array(), "box_size": self.size, "near": self.near, "far": self.far,
             "background": self.background, "any_background": self.any_background, "samples": self.samples, "samples_first": self.samples_first, "samples_at_rest": AT_REST * self.samples,
             "resolutions": self.resolutions, "table": self.table, "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop, "stop_at_rest": self.stop_at_rest,
-            "patience": Some(self.patience_at(u64::MAX)).filter(|n| *n < u32::MAX), "batch": self.batch, "batch_most": self.batch_at(u64::MAX),
+            "patience": Some(self.patience_at(u64::MAX)).filter(|n| *n < u32::MAX), "batch": self.batch, "batch_grows": BATCH_GROWS, "batch_most": self.batch_at(u64::MAX),
             "rays": self.rays, "lr": self.lr, "lr_half_life": LR_HALF_LIFE, "seed": self.seed,
             "distortion": self.distortion, "view_dependent": self.view_dependent, "density_exponent": EXPONENT, "without": self.without, "reasons": self.reasons,
         });

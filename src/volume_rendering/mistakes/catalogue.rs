@@ -75,10 +75,9 @@ const UNIT_WEIGHTS: Mistake = Mistake::new(
     "the weights are divided by their Euclidean norm, as a vector's normalize does",
     "they sum to more than 1; empty rays are NaN",
     "leave them: what is missing to 1 is the background's",
-    "1 public implementation; an option of another adds 1e-5 to the sum",
+    "1 public implementation",
     1,
-)
-.with("eps", 0.0, [1e-16, 1e-1]);
+);
 const COLORS_MOVED: Mistake = Mistake::new(
     "colors_of_next_sample",
     "C = sum w_i c_{i+1}: colors and weights are cut to the same length at opposite ends",
@@ -109,8 +108,8 @@ pub(super) const WEIGHTS_NORMALIZED: Mistake = Mistake::new(
     "the weights are divided by their sum, and used like that",
     "empty rays are NaN, thin ones opaque",
     "leave them: what is missing to 1 is the background's",
-    "2 public implementations, one with 1e-5 added to the sum",
-    2,
+    "1 public implementation; an option of another adds 1e-5 to the sum",
+    1,
 )
 .with("eps", 0.0, [1e-16, 1e-1]);
 const OPACITY_AS_T: Mistake = Mistake::new(
