@@ -428,3 +428,18 @@ fn an_image_is_fitted() {
     assert!(psnr(2) > psnr(0) + 5.0, "{} -> {}", psnr(0), psnr(2));
     assert!(Path::new(&out).join("step_0101.png").exists() && Path::new(&out).join("psnr.svg").exists());
 }
+
+/// Pictures without anything in them are refused before anything is written.
+#[test]
+fn pictures_of_one_color_are_refused() {
+    use nerf_oracle::files::npz::{Array, read, write};
+    let dir = tempfile::tempdir().expect("a temporary folder");
+    let (scene, out) = (dir.path().join("scene.npz"), path(dir.path(), "run"));
+    cs180(&scene);
+    let mut arrays = read(&scene).expect("arrays");
+    arrays.insert("images_train".into(), Array::U8(ndarray::ArrayD::from_elem(vec![3, 12, 12, 3], 7)));
+    write(&scene, &arrays, true).expect("written");
+    let scene = scene.to_str().expect("a name in UTF-8");
+    refused(&["train", scene, "--out", &out], &["the same color in every pixel", "something to learn"]);
+    assert!(!Path::new(&out).exists());
+}

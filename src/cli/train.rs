@@ -183,7 +183,8 @@ pub(super) fn train(args: &Args) -> Result<Summary> {
     let recipe = recipe::given(args);
     let scene = Arc::new(recipe::load_scene(&recipe, false, "arguments")?);
     scene.warnings.iter().for_each(|warning| output::say(&format!("warning: {warning}")));
-    if blank(&scene.train) {
+    // Of what isn't seen of a built-in scene between near and far, the run itself says more.
+    if !args.scene.starts_with("builtin:") && blank(&scene.train) {
         return Err(Error::input(Input {
             file: &scene.name,
             field: "pictures",

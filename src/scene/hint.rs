@@ -45,8 +45,8 @@ fn of(path: &Path) -> (String, String) {
     let count =
         [path.to_path_buf(), path.join("images")].iter().map(|folder| pictures::all(folder).len()).max();
     if let Some(count) = count.filter(|count| *count > 0) {
-        let remedy = "Let COLMAP find their cameras (`colmap automatic_reconstructor --workspace_path FOLDER --image_path PICTURES`, or \
-                      nerfstudio's `ns-process-data`), then give the folder with its sparse/0 or transforms.json.";
+        let remedy = "Let COLMAP find their cameras (its automatic_reconstructor, or nerfstudio's ns-process-data), then give the folder with its \
+                      sparse/0 or transforms.json.";
         return (
             format!("{without}: pictures ({count}), and nothing that says where they were taken from"),
             remedy.into(),
