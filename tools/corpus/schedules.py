@@ -103,8 +103,9 @@ def times_the_inverse(gradients, scale):
 
 @fault("unscale_gradients", "scale_left_in", seen="milesial/Pytorch-UNet#468: clipped as they come", times=5)
 def as_they_come(gradients, scale):
-    """Looked at, but not unscaled."""
-    return (~torch.isfinite(gradients)).any().to(torch.int64), gradients
+    """Looked at, but not unscaled; a step that is skipped has no gradients."""
+    found = (~torch.isfinite(gradients)).any()
+    return found.to(torch.int64), torch.where(found, 0 * torch.nan_to_num(gradients), gradients)
 
 
 @fault("unscale_gradients", seen="not met in this reading: the largest number alone is looked at", times=0)

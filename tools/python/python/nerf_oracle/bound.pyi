@@ -572,6 +572,46 @@ class _Contraction:
 
 contraction: _Contraction
 
+class ContractGaussians(NamedTuple):
+    contracted_means: Float
+    contracted_covariances: Float
+
+class ContractGaussiansGradients(NamedTuple):
+    grad_means: Float
+    grad_covariances: Float
+
+class _ContractGaussians:
+    def __call__(self, means: Array, covariances: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> ContractGaussians:
+        """The error bound: f(mean), J Sigma J^T; J the Jacobian of the contraction f at the mean
+
+        mip-NeRF 360 (Barron et al. 2022), section 3.1 and equation 10; multinerf internal/coord.py track_linearize. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            means (M,3): what is near lies within length 1
+            covariances (M,3,3): symmetric; a gradient has all nine entries
+
+        Returns:
+            contracted_means (M,3): within 2 of the origin, or scaled
+            contracted_covariances (M,3,3): of the contraction's tangents at the means
+        """
+    def vjp(self, means: Array, covariances: Array, *, grad_contracted_means: Optional[Array] = None, grad_contracted_covariances: Optional[Array] = None, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> ContractGaussiansGradients:
+        """The error bound of the gradient: f(mean), J Sigma J^T; J the Jacobian of the contraction f at the mean
+
+        mip-NeRF 360 (Barron et al. 2022), section 3.1 and equation 10; multinerf internal/coord.py track_linearize. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            means (M,3): what is near lies within length 1
+            covariances (M,3,3): symmetric; a gradient has all nine entries
+            grad_contracted_means (M,3): of the loss, by contracted_means; zeros where left off
+            grad_contracted_covariances (M,3,3): of the loss, by contracted_covariances; zeros where left off
+
+        Returns:
+            grad_means (M,3): of the loss, by means
+            grad_covariances (M,3,3): of the loss, by covariances
+        """
+
+contract_gaussians: _ContractGaussians
+
 
 
 class _PositionalEncoding:
@@ -1740,6 +1780,28 @@ class _LossScaleUpdate:
         """
 
 loss_scale_update: _LossScaleUpdate
+
+class UnscaleGradients(NamedTuple):
+    found_inf: float
+    unscaled: Float
+
+
+class _UnscaleGradients:
+    def __call__(self, gradients: Array, scale: Array, *, profile: Profile = None, dtype: Dtype = 'f32', stable: bool = False) -> UnscaleGradients:
+        """The error bound: g / scale; found_inf = 1 where a g is infinite or NaN: then the step is skipped, and what is in g / scale is open
+
+        Micikevicius et al. 2018 (Mixed Precision Training), section 3.2; torch.amp.GradScaler.unscale_. Conventions: those of `profile`, cs180 if None.
+
+        Args:
+            gradients (P): of the scaled loss; what has overflowed is infinite or NaN
+            scale (a number): what the loss was multiplied by
+
+        Returns:
+            found_inf (a number): 1: parameters, moments and the count of steps stay as they are
+            unscaled (P): gradients of the loss, where found_inf is 0
+        """
+
+unscale_gradients: _UnscaleGradients
 
 class ClipByGlobalNorm(NamedTuple):
     g_weights_out: Float
