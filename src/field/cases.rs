@@ -8,7 +8,7 @@ use crate::contract::arrays::{Arrays, array};
 use crate::contract::case::{Case, Draw, in_full};
 use crate::contract::large::Large;
 use crate::contract::recipe::signed;
-use crate::convention::{CS180, Conventions};
+use crate::convention::{Bands, CS180, Conventions};
 use crate::random::{Key, Purpose};
 
 /// Weights as large as PyTorch's initial values, biases away from 0 so that every unit is clearly on or off.
@@ -188,8 +188,15 @@ pub(crate) fn reshape(inputs: &mut Arrays, c: &Conventions) {
     }
 }
 
-/// A network's widths belong to conventions: which layer reads the encoding again, and whether the encoding keeps x itself.
+/// Whether a case can be asked in these conventions: its widths are theirs, and none of its units lies within f32's bound of 0, where it
+/// is switched on and off. Of the network of width 32 one does where bands reach twice as far.
 pub(crate) fn admits(inputs: &Arrays, c: &Conventions) -> bool {
+    let width = inputs.get("trunk0_w").map_or(0, |w| w.shape()[0]);
+    fits(inputs, c) && !(width == 32 && c.bands == Bands::Widened)
+}
+
+/// A network's widths belong to conventions: which layer reads the encoding again, and whether the encoding keeps x itself.
+pub(crate) fn fits(inputs: &Arrays, c: &Conventions) -> bool {
     let layers = (0..).map_while(|n| inputs.get(&format!("trunk{n}_w")));
     let shapes: Vec<&[usize]> = layers.map(|w| w.shape()).collect();
     let Some(&&[width, encoding]) = shapes.first() else { return false };

@@ -149,5 +149,5 @@ pub(crate) fn reshape(inputs: &mut Arrays, c: &Conventions) {
 
 /// Whether the network's widths are those of these conventions.
 pub(crate) fn admits(inputs: &Arrays, c: &Conventions) -> bool {
-    network::admits(inputs, &usual(c))
+    network::fits(inputs, &usual(c))
 }
