@@ -155,7 +155,7 @@ fn names_from_files_move_no_cursor() {
     assert_eq!(clean(&inspect("model"), shown), Some(2));
     // The scene's own name, in text, in JSON and in the run's curve; a picture's name in a table.
     scene(&dir.path().join(EVIL), |json| json["frames"][0]["file_path"] = json!(EVIL));
-    image::RgbImage::from_pixel(6, 4, image::Rgb([200, 100, 50]))
+    image::RgbImage::from_fn(6, 4, |i, j| image::Rgb([200, 40 * i as u8, 50 * j as u8]))
         .save(dir.path().join(EVIL).join(EVIL))
         .expect("written");
     assert_eq!(clean(&["inspect", EVIL, "--rays", "1", "--samples", "1", "--out", "out"], shown), Some(0));
