@@ -44,7 +44,7 @@ fn scene(folder: &Path, change: impl FnOnce(&mut Value)) {
     change(&mut json);
     fs::create_dir_all(folder).expect("a folder");
     for name in ["a.png", "b.png"] {
-        image::RgbImage::from_pixel(6, 4, image::Rgb([200, 100, 50]))
+        image::RgbImage::from_fn(6, 4, |i, j| image::Rgb([200, 40 * i as u8, 50 * j as u8]))
             .save(folder.join(name))
             .expect("written");
     }
