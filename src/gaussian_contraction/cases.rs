@@ -101,14 +101,17 @@ pub(crate) fn contract_gaussians() -> Vec<Case> {
         ),
         case(
             "CG9_far_away",
-            "at 1e4, 1e6 and 1e15, wide for that: 1/r^2 along the ray beside 2/r across it",
-            [[1e4, -2e4, 3e3], [1e6, 3e5, -2e6], [1e15, 2e15, -1e15]]
-                .as_flattened()
-                .iter()
-                .map(|&x| short(x))
-                .collect(),
-            &[1e7, 1e11, 1e29].map(|size| slanted.map(|x| short(size * x))),
+            "at 1e4, wide for that: 1/r^2 along the ray beside 2/r across it",
+            vec![short(1e4), short(-2e4), short(3e3)],
+            &[slanted.map(|x| short(1e7 * x))],
         ),
+        case(
+            "CG9_at_the_horizon",
+            "at 1e6 and 1e15: the same, where a difference of the two has few digits left, and none",
+            [[1e6, 3e5, -2e6], [1e15, 2e15, -1e15]].as_flattened().iter().map(|&x| short(x)).collect(),
+            &[1e11, 1e29].map(|size| slanted.map(|x| short(size * x))),
+        )
+        .edge("a Gaussian at a million units and more"),
     ];
     in_full(cases, "outside")
         .into_iter()
