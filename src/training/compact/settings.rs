@@ -92,7 +92,7 @@ const SAMPLES_FIRST: f64 = 128.0;
 const SAMPLES_GROW: f64 = 2000.0;
 
 /// The step from which on batches grow.
-const BATCH_GROWS: f64 = 2000.0;
+const BATCH_GROWS: f64 = 1000.0;
 
 /// Pixels of a scene from which on a level's table has 2^18 entries: a batch is too small a part of them to spoil what others learned.
 const MANY_PIXELS: usize = 8_000_000;
@@ -198,7 +198,7 @@ impl CompactSettings {
             "batch",
             or(
                 Part::Growth,
-                "16,384 samples, from step 2,000 on in proportion to the step, up to 65,536: the noise of small steps averages out of pictures, and many of them learn more than few large ones",
+                "16,384 samples, from step 1,000 on in proportion to the step, up to 65,536: the noise of small steps averages out of pictures, but each goes through all tables",
             ),
         );
         because(
@@ -307,8 +307,8 @@ impl CompactSettings {
     }
 
     /// Samples of a training step: as learning slows down, more samples average out more of their noise, and share the fixed cost of a
-    /// step. Constant up to step 2,000, then in proportion to it, up to 4 times the first: the same samples in more steps learn more, as
-    /// long as the pictures' running mean takes their noise.
+    /// step, a pass over all tables. Constant up to step 1,000, then in proportion to it, up to 4 times the first: later, and the fixed cost
+    /// takes more than smaller steps learn.
     pub fn batch_at(&self, step: u64) -> usize {
         // A given number of rays stays constant.
         if self.rays.is_some() || self.without.contains(&Part::Growth) {
