@@ -2,6 +2,7 @@
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use rayon::prelude::*;
@@ -63,6 +64,21 @@ pub fn for_chunks<T: Send>(data: &mut [T], size: usize, f: impl Fn(usize, &mut [
 /// `f(&mut item)` for every item; items own their data, so the order of execution can't matter.
 pub fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync + Send) {
     items.par_iter_mut().for_each(f);
+}
+
+/// The same; meanwhile an item has one of `spare` to itself, or a new one, and leaves it as it found it: nobody says which.
+pub fn for_each_with<T: Send, S: Send + Default>(
+    items: &mut [T],
+    spare: &mut Vec<S>,
+    f: impl Fn(&mut T, &mut S) + Sync + Send,
+) {
+    let spare = Mutex::new(spare);
+    let spare = || spare.lock().unwrap_or_else(PoisonError::into_inner);
+    for_each(items, |item| {
+        let mut own = spare().pop().unwrap_or_default();
+        f(item, &mut own);
+        spare().push(own);
+    });
 }
 
 /// Runs both closures, on two threads if there are two.

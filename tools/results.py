@@ -51,6 +51,7 @@ class Bench:
                 _, status, used = os.wait4(child.pid, 0)
             except BaseException:
                 child.kill()
+                child.wait()
                 raise
             seconds, child.returncode = time.perf_counter() - start, os.waitstatus_to_exitcode(status)
             out.seek(0), errors.seek(0)
@@ -79,8 +80,8 @@ class Bench:
         if key not in self.trained:
             words = ["train", self.scene(scene), "--out", folder, "--seconds", seconds, "--seed", seed, *more]
             show = f"nerf-oracle train {scene} --out RUN --seconds {seconds} --seed N {' '.join(more)}"
-            _, seconds = self.run(self.tool, *words, show=show.strip())
-            self.cost[folder] = (seconds, self.memory)
+            _, wall = self.run(self.tool, *words, show=show.strip())
+            self.cost[folder] = (wall, self.memory)
             log = [json.loads(line) for line in (folder / "log.jsonl").read_text().splitlines()]
             self.trained[key] = (folder, log)
         return self.trained[key]

@@ -1,8 +1,9 @@
 //! f32 hash grid: 4 features per level, each level's table small enough for a core's L2 cache, level by level.
 //!
 //! A level belongs to one task at a time, which adds gradients in the order of the points: same bits on any number of threads, and faster
-//! than atomics or private copies. Corner indices and weights of 16 points are computed together, in vectors; an entry is 16 bytes: one
-//! load and one multiply-add per corner. Features are stored level by level too, a buffer each: four points fill a cache line.
+//! than atomics or private copies. Levels take turns with a task's buffer of gradients, which stays in the cache. Corner indices and
+//! weights of 16 points are computed together, in vectors; an entry is 16 bytes: one load and one multiply-add per corner. Features are
+//! stored level by level too, a buffer each: four points fill a cache line.
 
 use pulp::{Arch, Simd, WithSimd};
 
@@ -29,13 +30,39 @@ pub struct Level {
     resolution: u32,
     dense: bool,
     table: Aligned<Entry>,
-    gradient: Aligned<Entry>,
     m: Aligned<Entry>,
     v: Aligned<Entry>,
     /// The table's running mean, of which pictures are made.
     mean: Aligned<Entry>,
-    /// The cache lines of `gradient` that aren't all 0.
+}
+
+/// The gradient of a level's table while a step adds it up. Levels take turns with one, so that it stays in the cache.
+#[derive(Clone, Debug)]
+pub struct Gradient {
+    entries: Aligned<Entry>,
+    /// The cache lines of `entries` that aren't all 0.
     touched: Vec<bool>,
+}
+
+impl Default for Gradient {
+    fn default() -> Self {
+        Gradient { entries: repeated([0.0; FEATURES], 0), touched: vec![] }
+    }
+}
+
+impl Gradient {
+    /// The entries, as many as those of the largest level that has used it.
+    pub fn entries(&self) -> &[Entry] {
+        &self.entries
+    }
+
+    /// Room for a level's.
+    fn reserve(&mut self, level: &Level) {
+        if self.entries.len() < level.table.len() {
+            self.entries.resize(level.table.len(), [0.0; FEATURES]);
+            self.touched.resize(level.table.len() / LINE, false);
+        }
+    }
 }
 
 impl Level {
@@ -43,17 +70,7 @@ impl Level {
     pub fn new(resolution: u32, mut table: Vec<Entry>, dense: bool) -> Self {
         table.resize(table.len().next_multiple_of(LINE), [0.0; FEATURES]);
         let (zeros, table) = (repeated([0.0; FEATURES], table.len()), copied(&table));
-        let touched = vec![false; table.len() / LINE];
-        Level {
-            resolution,
-            dense,
-            gradient: zeros.clone(),
-            m: zeros.clone(),
-            v: zeros,
-            mean: table.clone(),
-            touched,
-            table,
-        }
+        Level { resolution, dense, m: zeros.clone(), v: zeros, mean: table.clone(), table }
     }
 
     /// The table.
@@ -69,11 +86,6 @@ impl Level {
     /// Whether every vertex has its own entry.
     pub fn dense(&self) -> bool {
         self.dense
-    }
-
-    /// The gradient that [`scatter`] has added up since the last [`update`].
-    pub fn gradient(&self) -> &[Entry] {
-        &self.gradient
     }
 
     /// The table's running mean, as far as [`average`] has moved it.
@@ -160,7 +172,8 @@ impl WithSimd for Encode<'_> {
 }
 
 struct Scatter<'a> {
-    level: &'a mut Level,
+    level: &'a Level,
+    gradient: &'a mut Gradient,
     points: &'a [[f32; 3]],
     g_out: &'a [Entry],
 }
@@ -173,7 +186,7 @@ impl WithSimd for Scatter<'_> {
         let (mut index, mut weight) = ([[0; BLOCK]; 8], [[0.0; BLOCK]; 8]);
         for (points, g_out) in self.points.chunks(BLOCK).zip(self.g_out.chunks(BLOCK)) {
             self.level.corners(points, &mut index, &mut weight);
-            let (gradient, touched) = (&mut self.level.gradient[..], &mut self.level.touched[..]);
+            let (gradient, touched) = (&mut self.gradient.entries[..], &mut self.gradient.touched[..]);
             for (i, &g_out) in g_out.iter().enumerate().take(points.len()) {
                 for corner in 0..8 {
                     let entry = index[corner][i] as usize;
@@ -190,6 +203,7 @@ impl WithSimd for Scatter<'_> {
 
 struct Update<'a> {
     level: &'a mut Level,
+    gradient: &'a mut Gradient,
     rates: Rates,
 }
 
@@ -198,7 +212,8 @@ impl WithSimd for Update<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Level { table, gradient, m, v, touched, .. } = self.level;
+        let (Level { table, m, v, .. }, Gradient { entries: gradient, touched }) =
+            (self.level, self.gradient);
         let lines = |entries| <[Entry]>::as_chunks_mut::<LINE>(entries).0;
         let (table, gradient, m, v) = (lines(table), lines(gradient), lines(m), lines(v));
         for (line, touched) in touched.iter_mut().enumerate().filter(|(_, touched)| **touched) {
@@ -241,23 +256,25 @@ pub fn encode_level(arch: Arch, level: &Level, table: &[Entry], points: &[[f32; 
     arch.dispatch(Encode { level, table, points, out });
 }
 
-/// Adds the gradients of a level's features at `points`, in order, to its table's. `g_out` may be longer.
+/// Adds the gradients of a level's features at `points`, in order, to its table's, `gradient`. `g_out` may be longer.
 ///
 /// # Panics
 /// Where `g_out` is shorter.
-pub fn scatter(arch: Arch, level: &mut Level, points: &[[f32; 3]], g_out: &[Entry]) {
+pub fn scatter(arch: Arch, level: &Level, points: &[[f32; 3]], g_out: &[Entry], gradient: &mut Gradient) {
     assert!(
         g_out.len() >= points.len(),
         "g_out and points: {} entries for {} points",
         g_out.len(),
         points.len()
     );
-    arch.dispatch(Scatter { level, points, g_out });
+    gradient.reserve(level);
+    arch.dispatch(Scatter { level, gradient, points, g_out });
 }
 
-/// Adam on the parameters that have a gradient, which is cleared. The others keep their running means, as in Instant-NGP.
-pub fn update(arch: Arch, level: &mut Level, rates: Rates) {
-    arch.dispatch(Update { level, rates });
+/// Adam on the parameters that have a gradient, which is cleared for the next level. The others keep their running means, as in Instant-NGP.
+pub fn update(arch: Arch, level: &mut Level, gradient: &mut Gradient, rates: Rates) {
+    gradient.reserve(level);
+    arch.dispatch(Update { level, gradient, rates });
 }
 
 /// The table's mean goes by a share `rate` to where the table is.

@@ -10,7 +10,10 @@ use serde_json::{Map, Value};
 
 use crate::error::Result;
 use crate::files::npz::{Array, Arrays};
-use crate::hash_grid::{self, fast::Level};
+use crate::hash_grid::{
+    self,
+    fast::{Gradient, Level},
+};
 use crate::occupancy_grid::fast::Occupancy;
 use crate::random::{Key, Purpose};
 use crate::ray::Ray;
@@ -63,6 +66,8 @@ pub struct CompactModel {
     again: Vec<u32>,
     /// Steps done.
     pub(crate) step: u64,
+    /// As many as there are threads, all 0 between steps: the levels' gradients, one after another.
+    gradients: Vec<Gradient>,
     arch: Arch,
 }
 
@@ -95,6 +100,7 @@ impl CompactModel {
             rays,
             again: vec![],
             step: 0,
+            gradients: vec![],
             arch,
         })
     }

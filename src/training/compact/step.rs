@@ -118,17 +118,17 @@ impl CompactModel {
         let [grid_lr, net_lr] = self.settings.lr;
         self.nets.update(&gradient, self.rates(net_lr, step));
         let (rates, active, arch) = (self.rates(grid_lr, step), self.settings.levels_at(step), self.arch);
-        let (levels, occupancy) = (&mut self.levels, &mut self.occupancy);
+        let (levels, gradients, occupancy) = (&mut self.levels, &mut self.gradients, &mut self.occupancy);
         let chunks = &*chunks;
         parallel::join(
             || chunks.iter().for_each(|chunk| occupancy.raise(&chunk.visited, &chunk.sigma)),
             || {
                 let mut levels = balanced(levels, active);
-                parallel::for_each(&mut levels, |(l, level)| {
+                parallel::for_each_with(&mut levels, gradients, |(l, level), gradient| {
                     for chunk in chunks {
-                        hash_grid::scatter(arch, level, &chunk.points, &chunk.encoding[*l]);
+                        hash_grid::scatter(arch, level, &chunk.points, &chunk.encoding[*l], gradient);
                     }
-                    hash_grid::update(arch, level, rates);
+                    hash_grid::update(arch, level, gradient, rates);
                 });
             },
         );
