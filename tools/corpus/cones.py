@@ -93,7 +93,7 @@ def linearized(f, means, covariances):
     return y, j @ covariances @ j.transpose(-1, -2)
 
 
-@right("contract_gaussians", seen="google-research/multinerf internal/coord.py track_linearize", digits=True)
+@right("contract_gaussians", seen="google-research/multinerf internal/coord.py track_linearize", digits=True, edges=True)
 def tangents_at_means(means, covariances):
     """The contraction linearized at the mean."""
     return linearized(ball, means, covariances)
