@@ -54,9 +54,10 @@ impl ValueEnum for Part {
             Part::Growth => ("growth", "Batches that grow with the step"),
             Part::Decay => ("decay", "Learning rates that fall"),
             Part::ViewDependence => ("view_dependence", "Colors that depend on the direction"),
-            Part::RandomBackgrounds => {
-                ("random_backgrounds", "Random colors behind pictures that have opacity")
-            }
+            Part::RandomBackgrounds => (
+                "random_backgrounds",
+                "All colors behind pictures that have opacity, and not the scene's alone",
+            ),
             Part::Distortion => ("distortion", "The distortion loss against floaters in photographs"),
             Part::Averaging => ("averaging", "Pictures of the parameters' running mean"),
         };

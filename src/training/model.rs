@@ -76,7 +76,7 @@ pub trait Model: Any + Sync + Send {
         1000
     }
 
-    /// Whether pictures with opacity are learned over random backgrounds, and not over the scene's.
+    /// Whether pictures with opacity are learned over all backgrounds, and not over the scene's.
     fn any_background(&self) -> bool {
         false
     }

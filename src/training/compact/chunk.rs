@@ -30,14 +30,23 @@ pub(super) struct Pass<'a> {
     pub scatter: Option<Scatter>,
 }
 
+/// What a training pixel shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Target {
+    /// Its color over the background.
+    pub color: [f32; 3],
+    /// What lies behind it.
+    pub background: [f32; 3],
+    /// The light that it lets through, where it counts over all backgrounds at once; its color is the one over black then.
+    pub clear: Option<f32>,
+}
+
 /// A ray, the range of its samples in the chunk, and its rendering.
 #[derive(Clone, Copy)]
 pub(crate) struct Ray {
     pub first: usize,
     pub count: usize,
-    pub target: [f32; 3],
-    /// What lies behind it.
-    pub background: [f32; 3],
+    pub target: Target,
     pub harmonics: [f32; harmonics::WIDTH],
     /// The training pixel that it comes from.
     pub pixel: u32,
@@ -118,20 +127,13 @@ impl Chunk {
         self.ray_of.clear();
     }
 
-    /// The next ray, its color and what it is seen over; samples pushed from now on are its own.
+    /// The next ray and what its pixel shows; samples pushed from now on are its own.
     #[inline(always)]
-    pub(super) fn push_ray(
-        &mut self,
-        ray: &BoxRay,
-        [target, background]: [[f32; 3]; 2],
-        pixel: u32,
-        cut: bool,
-    ) {
+    pub(super) fn push_ray(&mut self, ray: &BoxRay, target: Target, pixel: u32, cut: bool) {
         self.rays.push(Ray {
             first: self.points.len(),
             count: 0,
             target,
-            background,
             harmonics: harmonics(ray.unit),
             pixel,
             cut,

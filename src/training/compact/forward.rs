@@ -3,7 +3,7 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::backward::backward;
-use super::chunk::{Chunk, Pass, TILE};
+use super::chunk::{Chunk, Pass, TILE, Target};
 use super::kernels::{Multiply, Plain};
 use super::networks::{GEOMETRY, HIDDEN};
 use crate::approximate::exp;
@@ -149,12 +149,19 @@ fn composite(pass: &Pass, c: &mut Chunk) {
         } else {
             c.again.push(ray.pixel);
         }
-        let mut g_color = [0f32; 3];
+        let Target { color: target, background, clear } = ray.target;
+        let (mut g_color, mut g_light) = ([0f32; 3], 0.0);
         for k in 0..3 {
-            ray.color[k] = color[k] + transmittance * ray.background[k];
-            let error = if counts { ray.color[k] - ray.target[k] } else { 0.0 };
-            c.error += f64::from(error * error);
-            g_color[k] = pass.gradient.unwrap_or(0.0) * error;
+            ray.color[k] = color[k] + transmittance * background[k];
+            let error = ray.color[k] - target[k];
+            let (squared, slopes) = match clear {
+                Some(clear) => over_all_backgrounds(error, transmittance - clear),
+                None => (error * error, [error, error * background[k]]),
+            };
+            let factor = if counts { pass.gradient.unwrap_or(0.0) } else { 0.0 };
+            c.error += if counts { f64::from(squared) } else { 0.0 };
+            g_color[k] = factor * slopes[0];
+            g_light += factor * slopes[1];
         }
         if pass.gradient.is_some() {
             // What the distortion loss adds to each weight's worth, in column 6 of its sample.
@@ -163,10 +170,18 @@ fn composite(pass: &Pass, c: &mut Chunk) {
             }
             let range = ray.first..ray.first + ray.count;
             let (samples, deltas) = (&mut c.rgb[range.clone()], &c.delta[range]);
-            let background = g_color.iter().zip(ray.background).map(|(g, b)| g * b).sum::<f32>();
-            composite_backward(samples, deltas, transmittance * background, g_color);
+            composite_backward(samples, deltas, transmittance * g_light, g_color);
         }
     }
+}
+
+/// A channel that is off by `error` over black, and lets through `light` too much: the mean of (error + b light)^2 over backgrounds b even in
+/// [0, 1], which is error^2 + error light + light^2 / 3, and half its derivatives by error and by light. Random backgrounds would have the
+/// same mean, and noise.
+#[inline(always)]
+fn over_all_backgrounds(error: f32, light: f32) -> (f32, [f32; 2]) {
+    let squared = error * error + error * light + light * light / 3.0;
+    (squared, [error + 0.5 * light, 0.5 * error + light / 3.0])
 }
 
 /// Gradients below this are 0: Adam's eps is 10^5 times as large. Behind an opaque sample they are subnormal,

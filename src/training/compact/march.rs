@@ -3,7 +3,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::CompactModel;
-use super::chunk::Chunk;
+use super::chunk::{Chunk, Target};
 use super::pace::Pace;
 use super::space::Space;
 use super::views::BoxRay;
@@ -16,12 +16,11 @@ const TOGETHER: usize = 16;
 /// Rays of a march: enough that lanes are seldom idle, few enough that their samples stay in the cache.
 const WALKING: usize = 128;
 
-/// A training pixel's ray with its jitter and patience, its color and what it is seen over.
+/// A training pixel's ray with its jitter and patience, and what it shows.
 struct Drawn {
     ray: BoxRay,
     pixel: u32,
-    target: [f32; 3],
-    background: [f32; 3],
+    target: Target,
     u: f32,
     patience: u32,
 }
@@ -35,7 +34,7 @@ fn push(model: &CompactModel, pace: &Pace, rays: &[Drawn], chunk: &mut Chunk) {
         let march_rays: Vec<MarchRay> = rays.iter().map(march_ray).collect();
         pace.march(&model.occupancy, model.arch, &march_rays, &mut steps);
         for (n, (march_ray, drawn)) in march_rays.iter().zip(rays).enumerate() {
-            chunk.push_ray(&drawn.ray, [drawn.target, drawn.background], drawn.pixel, steps.cut(n));
+            chunk.push_ray(&drawn.ray, drawn.target, drawn.pixel, steps.cut(n));
             chunk.push_samples(march_ray, steps.of(n), pace);
         }
     }
@@ -59,7 +58,7 @@ impl CompactModel {
 /// Draws rays of training pixels and marches them.
 pub(super) struct March<'a> {
     pub model: &'a CompactModel,
-    /// The keys of pixels, and of jitter and backgrounds.
+    /// The keys of pixels and of jitter.
     pub keys: [Key; 2],
     pub step: u64,
     pub pace: Pace,
@@ -79,24 +78,18 @@ impl WithSimd for March<'_> {
         for first in rays.clone().step_by(TOGETHER) {
             let last = (first + TOGETHER).min(rays.end);
             // All random numbers first: reads from the pictures miss the cache, and several can be in flight at once.
-            let mut numbers = [(0, [0.0; 4], 0); TOGETHER];
+            let mut numbers = [(0, 0.0, 0); TOGETHER];
             for (number, r) in numbers.iter_mut().zip(first..last) {
-                let drawn = jitter.four(step, r as u64).map(|u| u as f32);
+                let u = jitter.four(step, r as u64)[0] as f32;
                 *number = match again.get(r) {
-                    Some(&pixel) => (pixel, drawn, u32::MAX),
-                    None => (model.views.draw(&pixels, step, r as u64) as u32, drawn, patience),
+                    Some(&pixel) => (pixel, u, u32::MAX),
+                    None => (model.views.draw(&pixels, step, r as u64) as u32, u, patience),
                 };
             }
-            for &(pixel, [u, rgb @ ..], patience) in &numbers[..last - first] {
-                let [target, background] = model.views.color(pixel as usize, rgb);
-                drawn.push(Drawn {
-                    ray: model.views.ray(pixel as usize),
-                    pixel,
-                    target,
-                    background,
-                    u,
-                    patience,
-                });
+            for &(pixel, u, patience) in &numbers[..last - first] {
+                let n = pixel as usize;
+                let (ray, target) = (model.views.ray(n), model.views.target(n));
+                drawn.push(Drawn { ray, pixel, target, u, patience });
             }
         }
         push(model, &pace, &drawn, chunk);

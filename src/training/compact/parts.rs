@@ -20,7 +20,7 @@ pub enum Part {
     Decay,
     /// Colors that depend on the direction.
     ViewDependence,
-    /// Random colors behind pictures that have opacity: the scene's background instead.
+    /// All colors behind pictures that have opacity: the scene's background instead.
     RandomBackgrounds,
     /// The distortion loss against floaters.
     Distortion,

@@ -48,7 +48,7 @@ pub struct CompactSettings {
     pub far: f64,
     /// The color behind everything.
     pub background: [f64; 3],
-    /// Whether pictures with opacity are learned over random backgrounds.
+    /// Whether pictures with opacity are learned over all backgrounds.
     pub any_background: bool,
     /// Step lengths across the box in the end.
     pub samples: f64,
@@ -111,7 +111,11 @@ pub(crate) const AT_REST: f64 = 1.5;
 
 /// Optical depth in opaque cells after which a training ray is ended, if the grid is right: more than the early stop asks for.
 /// Where the grid is out of date and light is left, the ray is drawn again in the next step, and then seen to its end.
-const PATIENCE: f64 = 12.0;
+const PATIENCE: f64 = 8.0;
+
+/// Light that is left where a training ray ends. What lies behind moves no color by an 8-bit step, and its samples are better spent on
+/// other rays: by equal samples six scenes learned as well as with 1e-4 or better.
+const STOP: f64 = 1.0 / 256.0;
 
 impl CompactSettings {
     /// The settings of a scene.
@@ -160,7 +164,7 @@ impl CompactSettings {
                 pixels as f64 / 1e6
             ),
         );
-        because("stop", or(Part::Stop, "a color moves by at most 1e-4, a fortieth of an 8-bit step"));
+        because("stop", or(Part::Stop, "a training ray's color moves by less than an 8-bit step"));
         because(
             "stop_at_rest",
             or(Part::Stop, "a picture's color moves by at most 1e-6: so near to f64 at the same samples"),
@@ -169,7 +173,7 @@ impl CompactSettings {
             "patience",
             or(
                 Part::Patience,
-                "a training ray ends after so many samples in opaque cells, those of optical depth 1.5: 12 of it in all",
+                "a training ray ends after so many samples in opaque cells, those of optical depth 1.5: 8 of it in all",
             ),
         );
         because(
@@ -245,7 +249,7 @@ impl CompactSettings {
             "any_background",
             or(
                 Part::RandomBackgrounds,
-                "pictures with opacity are learned over random colors, so that nothing but empty space looks empty and any background can be had later; others over the scene's",
+                "pictures with opacity are learned over all colors at once, by the loss' mean over them, so that nothing but empty space looks empty and any background can be had later; others over the scene's",
             ),
         );
         because(
@@ -270,7 +274,7 @@ impl CompactSettings {
             resolutions: hash_grid::resolutions(16 * space.width() as u32, finest, LEVELS),
             table,
             occupancy: 128,
-            stop: if without(Part::Stop) { 0.0 } else { 1e-4 },
+            stop: if without(Part::Stop) { 0.0 } else { STOP },
             stop_at_rest: if without(Part::Stop) { 0.0 } else { 1e-6 },
             batch: 16_384,
             rays: overrides.rays,

@@ -7,7 +7,7 @@ use glam::{DMat3, DMat4, DVec3};
 use ndarray::Array3;
 use pulp::Arch;
 
-use super::chunk::{Chunk, Pass};
+use super::chunk::{Chunk, Pass, Target};
 use super::forward::run;
 use super::kernels::{Plain, outer, product};
 use super::networks::{Networks, Weights};
@@ -149,6 +149,8 @@ fn field(w: &Weights, encoding: &[f64], direction: [f64; 3]) -> (f64, [f64; 3]) 
 
 const BACKGROUND: [f64; 3] = [0.25, 0.5, 1.0];
 const COUNTS: [usize; 5] = [7, 0, 1, 30, 64];
+/// The light that the rays' pixels let through, where they count over all backgrounds.
+const CLEAR: [Option<f64>; 5] = [None, Some(0.5), Some(1.0), None, Some(0.25)];
 
 fn direction(r: usize) -> [f64; 3] {
     DVec3::new(0.3 + r as f64, -0.5, 0.2).normalize().to_array()
@@ -164,8 +166,21 @@ fn oracle_loss(w: &Weights, encodings: &[[f32; 32]], delta: f64) -> f64 {
             samples.map(|e| field(w, &e.map(f64::from), unit)).unzip();
         first += count;
         let seen = volume_render(&sigmas, &rgbs, &vec![delta; count], ProductEps::None);
-        let color = composite_background(seen.color, seen.opacity, BACKGROUND);
-        loss += color.iter().map(|c| (c - 0.3) * (c - 0.3)).sum::<f64>();
+        let over = |background: [f64; 3], target: f64| {
+            let color = composite_background(seen.color, seen.opacity, background);
+            color.iter().map(|c| (c - target) * (c - target)).sum::<f64>()
+        };
+        loss += match CLEAR[r] {
+            // Simpson's rule over all backgrounds, exact for squares.
+            Some(clear) => {
+                [(1.0, 0.0), (4.0, 0.5), (1.0, 1.0)]
+                    .map(|(w, b)| w * over([b; 3], 0.3 + b * clear))
+                    .iter()
+                    .sum::<f64>()
+                    / 6.0
+            }
+            None => over(BACKGROUND, 0.3),
+        };
     }
     loss / (3 * COUNTS.len()) as f64
 }
@@ -176,7 +191,11 @@ fn chunk_of(encodings: &[[f32; 32]], delta: f32) -> Chunk {
         let unit = direction(r).map(|x| x as f32);
         chunk.push_ray(
             &BoxRay { o: [0.0; 3], d: [1.0; 3], unit },
-            [[0.3; 3], BACKGROUND.map(|b| b as f32)],
+            Target {
+                color: [0.3; 3],
+                background: if CLEAR[r].is_some() { [0.0; 3] } else { BACKGROUND.map(|b| b as f32) },
+                clear: CLEAR[r].map(|clear| clear as f32),
+            },
             0,
             false,
         );

@@ -2,6 +2,7 @@
 
 use glam::{DMat4, DVec3};
 
+use super::chunk::Target;
 use super::settings::CompactSettings;
 use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
@@ -144,13 +145,16 @@ impl Views {
         rays.filter(|ray| ray.unit != [0.0; 3])
     }
 
-    /// The color of pixel `n` of all and the background that it is seen over: `drawn` where the picture's opacity is known, so that
-    /// nothing but an empty ray has the right color, the scene's where it isn't.
+    /// What pixel `n` of all shows: over all backgrounds where the picture's opacity is known, so that nothing but an empty ray is right,
+    /// over the scene's where it isn't.
     #[inline(always)]
-    pub(super) fn color(&self, n: usize, drawn: [f32; 3]) -> [[f32; 3]; 2] {
-        let view = &self.views[n / self.pixels];
-        let background = if view.any_background { drawn } else { self.background };
-        [view.colors.pixel_over(n % self.pixels, background), background]
+    pub(super) fn target(&self, n: usize) -> Target {
+        let (View { colors, any_background, .. }, pixel) = (&self.views[n / self.pixels], n % self.pixels);
+        if *any_background {
+            let [color, white] = [0.0, 1.0].map(|background| colors.pixel_over(pixel, [background; 3]));
+            return Target { color, background: [0.0; 3], clear: Some(white[0] - color[0]) };
+        }
+        Target { color: colors.pixel_over(pixel, self.background), background: self.background, clear: None }
     }
 
     /// The ray of pixel `n` of all.
