@@ -3,7 +3,7 @@
 use super::networks::{GEOMETRY, HIDDEN, Networks, Weights};
 use super::pace::Pace;
 use super::scatter::Scatter;
-use super::views::BoxRay;
+use super::views::{BoxRay, Target};
 use crate::hash_grid::fast::{Entry, FEATURES, LEVELS, WIDTH};
 use crate::occupancy_grid::fast::{MarchRay, Steps};
 use crate::simd::{Aligned, repeated};
@@ -28,17 +28,6 @@ pub(super) struct Pass<'a> {
     pub gradient: Option<f32>,
     /// The distortion loss beside it.
     pub scatter: Option<Scatter>,
-}
-
-/// What a training pixel shows.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Target {
-    /// Its color over the background.
-    pub color: [f32; 3],
-    /// What lies behind it.
-    pub background: [f32; 3],
-    /// The light that it lets through, where it counts over all backgrounds at once; its color is the one over black then.
-    pub clear: Option<f32>,
 }
 
 /// A ray, the range of its samples in the chunk, and its rendering.

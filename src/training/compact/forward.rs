@@ -3,9 +3,10 @@
 use pulp::{Arch, Simd, WithSimd};
 
 use super::backward::backward;
-use super::chunk::{Chunk, Pass, TILE, Target};
+use super::chunk::{Chunk, Pass, TILE};
 use super::kernels::{Multiply, Plain};
 use super::networks::{GEOMETRY, HIDDEN};
+use super::views::Target;
 use crate::approximate::exp;
 use crate::hash_grid::fast::WIDTH;
 use crate::simd::CacheAligned;

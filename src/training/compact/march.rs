@@ -3,10 +3,10 @@
 use pulp::{Simd, WithSimd};
 
 use super::CompactModel;
-use super::chunk::{Chunk, Target};
+use super::chunk::Chunk;
 use super::pace::Pace;
 use super::space::Space;
-use super::views::BoxRay;
+use super::views::{BoxRay, Target};
 use crate::occupancy_grid::fast::MarchRay;
 use crate::random::Key;
 

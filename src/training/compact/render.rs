@@ -8,7 +8,7 @@ use super::chunk::{self, Chunk, Pass};
 use super::forward::run;
 use super::kernels::Plain;
 use super::pace::Pace;
-use super::views::BoxRay;
+use super::views::{BoxRay, Target};
 use crate::hash_grid::fast as hash_grid;
 use crate::occupancy_grid::fast::MarchRay;
 use crate::parallel;
@@ -49,7 +49,7 @@ impl CompactModel {
         let march_ray = |(n, ray): (usize, &Ray)| {
             let ray = BoxRay::new(ray, &self.settings);
             // A ray's number stands for its pixel.
-            chunk.push_ray(&ray, chunk::Target::default(), n as u32, false);
+            chunk.push_ray(&ray, Target::default(), n as u32, false);
             self.march_ray(&ray, 0.5, u32::MAX)
         };
         let march_rays: Vec<MarchRay> = rays.iter().enumerate().map(march_ray).collect();

@@ -1,5 +1,6 @@
 //! The f32 model against the oracle's formulas in f64, equal bits on any number of threads, and checkpoints.
 
+mod checkpoints;
 mod pictures;
 mod unbounded;
 
@@ -7,16 +8,15 @@ use glam::{DMat3, DMat4, DVec3};
 use ndarray::Array3;
 use pulp::Arch;
 
-use super::chunk::{Chunk, Pass, Target};
+use super::chunk::{Chunk, Pass};
 use super::forward::run;
 use super::kernels::{Plain, outer, product};
 use super::networks::{Networks, Weights};
 use super::pace::Pace;
-use super::views::BoxRay;
+use super::views::{BoxRay, Target};
 use super::{CompactModel, Overrides};
 use crate::camera::{Camera, Intrinsics};
 use crate::convention::{ExponentShift, HarmonicForm, HarmonicSign, ProductEps};
-use crate::files::npz::Array;
 use crate::hash_grid::fast::FEATURES;
 use crate::loss::psnr;
 use crate::occupancy_grid::fast::MarchRay;
@@ -339,49 +339,6 @@ fn same_bits_on_any_number_of_threads() {
     for threads in [2, 3, 8] {
         assert!(one == bits(&parallel::with_threads(Some(threads), || trained(40))), "{threads} threads");
     }
-}
-
-#[test]
-fn a_checkpoint_from_before_there_was_a_mean_has_the_parameters_for_it() {
-    let mut state = trained(23).state();
-    state.retain(|name, _| !name.ends_with("_mean"));
-    let mut resumed = CompactModel::new(&ball(), &Overrides::default()).unwrap();
-    resumed.restore(&state, "checkpoint").unwrap();
-    assert!(resumed.levels.iter().all(|level| level.mean() == level.table()));
-    assert_eq!(resumed.nets.mean.parts(), resumed.nets.weights.parts());
-    let whole = trained(23);
-    assert!(whole.levels[0].mean() != whole.levels[0].table(), "nothing was averaged yet");
-}
-
-#[test]
-fn resumes_where_it_stood() {
-    let scene = ball();
-    let mut half = trained(23);
-    // Everything that a step depends on: rays to draw again, and opaque cells.
-    half.again = vec![7, 9];
-    let most = half.occupancy.density.iter().copied().fold(0.0, f32::max);
-    half.occupancy.apply_thresholds([0.25 * most, 0.5 * most]);
-    assert!(half.occupancy.bits()[1].iter().any(|&word| word != 0), "some cell is opaque");
-    let state = half.state();
-    let mut whole = half;
-    for step in 24..=40 {
-        whole.step(&scene, step).unwrap();
-    }
-    let mut resumed = CompactModel::new(&scene, &Overrides::default()).unwrap();
-    resumed.restore(&state, "checkpoint").unwrap();
-    for step in 24..=40 {
-        resumed.step(&scene, step).unwrap();
-    }
-    assert!(bits(&whole) == bits(&resumed));
-    let mut beyond = state.clone();
-    let pixels = Array::I64(ndarray::arr1(&[12 * 24 * 24]).into_dyn());
-    beyond.insert("compact_again".into(), pixels);
-    let error = resumed.restore(&beyond, "checkpoint").unwrap_err().to_string();
-    assert!(error.contains("compact_again") && error.contains("pixels of the training pictures"), "{error}");
-    let mut short = state;
-    short.remove("level3_m");
-    let error = resumed.restore(&short, "checkpoint").unwrap_err().to_string();
-    assert!(error.contains("level3_m") && error.contains("checkpoint"), "{error}");
 }
 
 /// It learns: 20 dB on a view it has never seen, and most of the box is known to be empty.

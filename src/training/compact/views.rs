@@ -2,7 +2,6 @@
 
 use glam::{DMat4, DVec3};
 
-use super::chunk::Target;
 use super::settings::CompactSettings;
 use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
@@ -32,6 +31,17 @@ impl BoxRay {
             unit: f32s(ray.d.normalize()),
         }
     }
+}
+
+/// What a training pixel shows.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Target {
+    /// Its color over the background.
+    pub color: [f32; 3],
+    /// What lies behind it.
+    pub background: [f32; 3],
+    /// The light that it lets through, where it counts over all backgrounds at once; its color is the one over black then.
+    pub clear: Option<f32>,
 }
 
 struct View {
