@@ -6,7 +6,7 @@ use super::backward::backward;
 use super::chunk::{Chunk, Pass, TILE};
 use super::kernels::{Multiply, Plain};
 use super::networks::{GEOMETRY, HIDDEN};
-use super::views::Target;
+use super::views::{Behind, Target};
 use crate::approximate::exp;
 use crate::hash_grid::fast::WIDTH;
 use crate::simd::CacheAligned;
@@ -150,14 +150,15 @@ fn composite(pass: &Pass, c: &mut Chunk) {
         } else {
             c.again.push(ray.pixel);
         }
-        let Target { color: target, background, clear } = ray.target;
+        let Target { color: target, behind } = ray.target;
         let (mut g_color, mut g_light) = ([0f32; 3], 0.0);
         for k in 0..3 {
-            ray.color[k] = color[k] + transmittance * background[k];
+            let background = if let Behind::Color(background) = behind { background[k] } else { 0.0 };
+            ray.color[k] = color[k] + transmittance * background;
             let error = ray.color[k] - target[k];
-            let (squared, slopes) = match clear {
-                Some(clear) => over_all_backgrounds(error, transmittance - clear),
-                None => (error * error, [error, error * background[k]]),
+            let (squared, slopes) = match behind {
+                Behind::Anything { clear } => over_all_backgrounds(error, transmittance - clear),
+                Behind::Color(_) => (error * error, [error, error * background]),
             };
             let factor = if counts { pass.gradient.unwrap_or(0.0) } else { 0.0 };
             c.error += if counts { f64::from(squared) } else { 0.0 };

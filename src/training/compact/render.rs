@@ -49,7 +49,7 @@ impl CompactModel {
         let march_ray = |(n, ray): (usize, &Ray)| {
             let ray = BoxRay::new(ray, &self.settings);
             // A ray's number stands for its pixel.
-            chunk.push_ray(&ray, Target::default(), n as u32, false);
+            chunk.push_ray(&ray, Target::NOTHING, n as u32, false);
             self.march_ray(&ray, 0.5, u32::MAX)
         };
         let march_rays: Vec<MarchRay> = rays.iter().enumerate().map(march_ray).collect();

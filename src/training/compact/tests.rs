@@ -13,7 +13,7 @@ use super::forward::run;
 use super::kernels::{Plain, outer, product};
 use super::networks::{Networks, Weights};
 use super::pace::Pace;
-use super::views::{BoxRay, Target};
+use super::views::{Behind, BoxRay, Target};
 use super::{CompactModel, Overrides};
 use crate::camera::{Camera, Intrinsics};
 use crate::convention::{ExponentShift, HarmonicForm, HarmonicSign, ProductEps};
@@ -193,8 +193,10 @@ fn chunk_of(encodings: &[[f32; 32]], delta: f32) -> Chunk {
             &BoxRay { o: [0.0; 3], d: [1.0; 3], unit },
             Target {
                 color: [0.3; 3],
-                background: if CLEAR[r].is_some() { [0.0; 3] } else { BACKGROUND.map(|b| b as f32) },
-                clear: CLEAR[r].map(|clear| clear as f32),
+                behind: match CLEAR[r] {
+                    Some(clear) => Behind::Anything { clear: clear as f32 },
+                    None => Behind::Color(BACKGROUND.map(|b| b as f32)),
+                },
             },
             0,
             false,

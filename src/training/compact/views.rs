@@ -34,14 +34,26 @@ impl BoxRay {
 }
 
 /// What a training pixel shows.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Target {
-    /// Its color over the background.
+    /// Its color over what lies behind it; over black where that is anything.
     pub color: [f32; 3],
-    /// What lies behind it.
-    pub background: [f32; 3],
-    /// The light that it lets through, where it counts over all backgrounds at once; its color is the one over black then.
-    pub clear: Option<f32>,
+    pub behind: Behind,
+}
+
+impl Target {
+    /// Black, over black: for pixels that nothing is held against.
+    pub(crate) const NOTHING: Target = Target { color: [0.0; 3], behind: Behind::Color([0.0; 3]) };
+}
+
+/// What lies behind a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Behind {
+    Color([f32; 3]),
+    /// All backgrounds at once count; the pixel lets so much of their light through.
+    Anything {
+        clear: f32,
+    },
 }
 
 struct View {
@@ -162,9 +174,10 @@ impl Views {
         let (View { colors, any_background, .. }, pixel) = (&self.views[n / self.pixels], n % self.pixels);
         if *any_background {
             let [color, white] = [0.0, 1.0].map(|background| colors.pixel_over(pixel, [background; 3]));
-            return Target { color, background: [0.0; 3], clear: Some(white[0] - color[0]) };
+            return Target { color, behind: Behind::Anything { clear: white[0] - color[0] } };
         }
-        Target { color: colors.pixel_over(pixel, self.background), background: self.background, clear: None }
+        let color = colors.pixel_over(pixel, self.background);
+        Target { color, behind: Behind::Color(self.background) }
     }
 
     /// The ray of pixel `n` of all.

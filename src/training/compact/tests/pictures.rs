@@ -5,6 +5,7 @@ use crate::files::photo::Photo;
 use crate::training::Model;
 use crate::training::compact::chunk::Ray;
 use crate::training::compact::reference::Reference;
+use crate::training::compact::views::Behind;
 use crate::training::compact::{CompactModel, Overrides, Part};
 
 /// Pictures, which are rendered in rounds, have the colors and opacities of all samples at once in f64.
@@ -48,9 +49,9 @@ fn clear_pixels_are_learned_over_all_backgrounds() {
     assert!(drawn.len() > 100);
     for Ray { pixel, target, .. } in drawn {
         let clear = pixel % 2 == 1;
-        assert_eq!(target.clear, Some(if clear { 1.0 } else { 0.0 }));
-        assert_eq!((target.background, target.color == [0.0; 3]), ([0.0; 3], clear));
+        assert_eq!(target.behind, Behind::Anything { clear: if clear { 1.0 } else { 0.0 } });
+        assert_eq!(target.color == [0.0; 3], clear);
     }
     let fixed = rays(vec![Part::RandomBackgrounds]);
-    assert!(fixed.iter().all(|ray| ray.target.clear.is_none() && ray.target.background == [0.25, 0.5, 1.0]));
+    assert!(fixed.iter().all(|ray| ray.target.behind == Behind::Color([0.25, 0.5, 1.0])));
 }
