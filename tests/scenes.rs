@@ -202,6 +202,44 @@ fn a_scaled_scene_has_the_rays_of_its_squares() {
     assert!(error.unwrap_err().to_string().starts_with("scale: found 1/9"));
 }
 
+/// Saves a picture whose EXIF data say how it is to be turned, a TIFF of one field.
+fn save_turned(path: &Path, picture: &image::RgbImage, orientation: u8) {
+    use image::ImageEncoder;
+    let mut exif = b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0".to_vec();
+    exif.extend([orientation, 0, 0, 0, 0, 0, 0, 0]);
+    let mut png = image::codecs::png::PngEncoder::new(std::fs::File::create(path).unwrap());
+    png.set_exif_metadata(exif).unwrap();
+    let (width, height) = picture.dimensions();
+    png.write_image(picture, width, height, image::ExtendedColorType::Rgb8).unwrap();
+}
+
+/// A phone that was held upright stores rows that lie: they are turned where the camera is stated upright, and nowhere else.
+#[test]
+fn photographs_are_turned_where_their_cameras_are() {
+    let seen = image::RgbImage::from_fn(6, 4, |i, j| image::Rgb([40 * i as u8, 60 * j as u8, 7]));
+    let pixel = |scene: &Scene, n: usize| scene.train[0].image.as_ref().unwrap().pixel(n);
+    let folder = captured(|_| ());
+    let both = |picture: &image::RgbImage, orientation| {
+        for name in ["a.png", "b.png"] {
+            save_turned(&folder.path().join(name), picture, orientation);
+        }
+    };
+    let expected = |(i, j): (u32, u32)| seen.get_pixel(i, j).0.map(|byte| f32::from(byte) / 255.0);
+    // To be turned by 90 degrees clockwise, counterclockwise; as stored.
+    let turned =
+        [(image::imageops::rotate270(&seen), 6), (image::imageops::rotate90(&seen), 8), (seen.clone(), 6)];
+    for (stored, orientation) in turned {
+        both(&stored, orientation);
+        let scene = load(folder.path()).unwrap();
+        for (n, (j, i)) in (0..4).flat_map(|j| (0..6).map(move |i| (j, i))).enumerate() {
+            assert_eq!(pixel(&scene, n), expected((i, j)), "{orientation}: {i} {j}");
+        }
+    }
+    // Nothing says that it is to be turned.
+    both(&image::imageops::rotate90(&seen), 1);
+    refused(folder.path(), &["size of a.png", "4x6", "6x4"]);
+}
+
 #[test]
 fn a_missing_picture_is_named_and_all_missing_is_an_error() {
     let folder = captured(|json| {

@@ -3,6 +3,7 @@
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
+use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits, RgbImage};
 use ndarray::{Array3, ArrayView3};
 
@@ -33,12 +34,18 @@ pub fn read_rgba(path: &Path) -> Result<Array3<f32>> {
     Ok(Array3::from_shape_vec(shape, picture.into_raw()).expect("a picture's length is its shape's"))
 }
 
-/// Reads a picture over a background, as bytes where the file has bytes.
+/// Reads a picture over a background, as bytes where the file has bytes. As most programs take it: as its pixels are stored. But where its
+/// camera is said to have seen so many columns and rows, upright what lies here or the other way round, it is turned as its EXIF data say.
 ///
 /// # Errors
 /// As [`read_rgba`].
-pub fn read_photo(path: &Path, background: [f32; 3]) -> Result<Photo> {
-    let picture = decode(path)?;
+pub fn read_photo(path: &Path, background: [f32; 3], stated: Option<[usize; 2]>) -> Result<Photo> {
+    let mut picture = decode(path)?;
+    let lies = |[width, height]: [usize; 2]| width.cmp(&height);
+    let stored = [picture.width(), picture.height()].map(|side| side as usize);
+    if stated.is_some_and(|stated| lies(stated) == lies(stored).reverse()) {
+        picture.apply_orientation(orientation(path)?);
+    }
     let (height, width) = (picture.height() as usize, picture.width() as usize);
     let color = picture.color();
     if color.bytes_per_pixel() > color.channel_count() {
@@ -86,6 +93,14 @@ pub fn held_bytes(path: &Path) -> Result<u64> {
     let fine = color.bytes_per_pixel() > color.channel_count();
     // Three floats, or a byte a channel.
     Ok(width * height * if fine { 12 } else { 3 + u64::from(color.has_alpha()) })
+}
+
+/// What a file's EXIF data say of how its picture is to be turned.
+fn orientation(path: &Path) -> Result<Orientation> {
+    let file = BufReader::new(files::open(path, limits::PICTURE_FILE)?);
+    let reader = ImageReader::new(file).with_guessed_format().map_err(Error::reading(path))?;
+    let said = reader.into_decoder().and_then(|mut decoder| decoder.orientation());
+    said.map_err(|error| wrong(path, error))
 }
 
 fn decode(path: &Path) -> Result<DynamicImage> {

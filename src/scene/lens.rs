@@ -19,6 +19,12 @@ fn number(transforms: &Transforms, frame: &Value, key: &str) -> Option<f64> {
     frame[key].as_f64().or_else(|| transforms.json[key].as_f64())
 }
 
+/// Width and height, where both are stated.
+pub(super) fn stated_size(transforms: &Transforms, frame: &Value) -> Option<[usize; 2]> {
+    let side = |key| number(transforms, frame, key).map(|side| side as usize);
+    Some([side("w")?, side("h")?])
+}
+
 /// Width, height and K. `size` is the picture's, where there is one.
 ///
 /// fx is `fl_x`, or from `camera_angle_x`: w / 2 / tan(angle / 2). fy is `fl_y`, or from `camera_angle_y` where fx came from an

@@ -30,7 +30,9 @@ pub(super) fn load(capture: &Capture, options: &Options) -> Result<Scene> {
     let rows = rows(&path, &file)?;
     let paths: Vec<_> = capture.counted(rows.nrows())?.into_iter().map(Some).collect();
     let mut scene = Scene::empty(&capture.chosen.unwrap_or(capture.root).display().to_string(), options);
-    let photos = pictures::read(&file, &paths, scene.background)?;
+    let stated: Vec<_> =
+        rows.rows().into_iter().map(|row| Some([row[9], row[4]].map(|side| side as usize))).collect();
+    let photos = pictures::read(&file, &paths, &stated, scene.background)?;
     let (mut near, mut far, mut frames) = (f64::INFINITY, 0f64, vec![]);
     for (n, (row, photo)) in rows.axis_iter(Axis(0)).zip(photos.into_iter().flatten()).enumerate() {
         let name = paths[n].as_deref().and_then(Path::file_name).unwrap_or_default();

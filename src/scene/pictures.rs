@@ -163,20 +163,23 @@ impl<'a> Capture<'a> {
     }
 }
 
-/// Reads pictures; `None` where there is no path. `file` names the scene.
+/// Reads pictures; `None` where there is no path. `file` names the scene; `stated` has each camera's width and height, where they are known.
 ///
 /// # Errors
 /// Where one is no whole picture, or all of them don't fit into memory.
 pub(super) fn read(
     file: &str,
     paths: &[Option<PathBuf>],
+    stated: &[Option<[usize; 2]>],
     background: [f64; 3],
 ) -> Result<Vec<Option<Photo>>> {
     let bytes = parallel::map(paths.len(), |n| paths[n].as_deref().map_or(Ok(0), picture::held_bytes));
     let bytes = bytes.into_iter().sum::<Result<u64>>()? as f64;
     limits::fits(file, bytes, "Make the pictures smaller, or list fewer of them.")?;
     let background = background.map(|c| c as f32);
-    let read = |n: usize| paths[n].as_deref().map(|path| picture::read_photo(path, background)).transpose();
+    let read = |n: usize| {
+        paths[n].as_deref().map(|path| picture::read_photo(path, background, stated[n])).transpose()
+    };
     parallel::map(paths.len(), read).into_iter().collect()
 }
 

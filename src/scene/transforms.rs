@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::fields::{self, listed};
 use super::layout::{Backdrop, settle};
-use super::lens::{intrinsics, lens};
+use super::lens::{intrinsics, lens, stated_size};
 use super::{Cloud, Frame, Options, Photo, Scene, check, pictures, ply};
 use crate::camera::Camera;
 use crate::error::{Error, Input, Result};
@@ -191,7 +191,8 @@ impl Reader<'_> {
         let paths: Vec<Option<PathBuf>> =
             if images { named.iter().map(|(name, _)| transforms.picture(name)).collect() } else { vec![] };
         let file = transforms.file();
-        let photos = pictures::read(&file, &paths, self.scene.background)?;
+        let stated: Vec<_> = named.iter().map(|(_, frame)| stated_size(transforms, frame)).collect();
+        let photos = pictures::read(&file, &paths, &stated, self.scene.background)?;
         let mut photos = masked(transforms, &named, photos)?.into_iter();
         let (mut frames, mut missing) = (Vec::with_capacity(named.len()), Vec::new());
         for &(name, value) in &named {

@@ -90,7 +90,9 @@ fn frames<'a>(
         ));
     }
     let paths = capture.named(&names, scene);
-    let photos = pictures::read(file, &paths, scene.background)?;
+    let size = |view: &View| model.cameras.get(&view.camera).map(|lens| lens.size.map(|side| side as usize));
+    let stated: Vec<_> = model.views.iter().map(size).collect();
+    let photos = pictures::read(file, &paths, &stated, scene.background)?;
     let photos = pictures::all_masked(photos, &capture.masks(&paths, scene))?;
     let (mut frames, mut missing) = (vec![], vec![]);
     for (view, photo) in model.views.iter().zip(photos) {
