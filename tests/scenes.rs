@@ -235,6 +235,13 @@ fn photographs_are_turned_where_their_cameras_are() {
             assert_eq!(pixel(&scene, n), expected((i, j)), "{orientation}: {i} {j}");
         }
     }
+    // A square doesn't lie.
+    let square = captured(|json| (json["w"], json["h"]) = (json!(4), json!(4)));
+    let corner = image::imageops::crop_imm(&seen, 0, 0, 4, 4).to_image();
+    for name in ["a.png", "b.png"] {
+        save_turned(&square.path().join(name), &corner, 6);
+    }
+    assert_eq!(pixel(&load(square.path()).unwrap(), 1), expected((1, 0)));
     // Nothing says that it is to be turned.
     both(&image::imageops::rotate90(&seen), 1);
     refused(folder.path(), &["size of a.png", "4x6", "6x4"]);

@@ -1,5 +1,6 @@
 //! Pictures: PNG, JPEG and GIF read as floats, floats written as PNG.
 
+use std::cmp::Ordering;
 use std::io::{self, BufReader, Cursor};
 use std::path::Path;
 
@@ -34,16 +35,20 @@ pub fn read_rgba(path: &Path) -> Result<Array3<f32>> {
     Ok(Array3::from_shape_vec(shape, picture.into_raw()).expect("a picture's length is its shape's"))
 }
 
-/// Reads a picture over a background, as bytes where the file has bytes. As most programs take it: as its pixels are stored. But where its
-/// camera is said to have seen so many columns and rows, upright what lies here or the other way round, it is turned as its EXIF data say.
+/// Reads a picture over a background, as bytes where the file has bytes. Its pixels are taken as they are stored, as most programs
+/// do; but where `stated`, the width and height that its camera is said to have, is upright and the picture lies, or the other way round, it
+/// is turned as its EXIF data say.
 ///
 /// # Errors
 /// As [`read_rgba`].
 pub fn read_photo(path: &Path, background: [f32; 3], stated: Option<[usize; 2]>) -> Result<Photo> {
     let mut picture = decode(path)?;
-    let lies = |[width, height]: [usize; 2]| width.cmp(&height);
-    let stored = [picture.width(), picture.height()].map(|side| side as usize);
-    if stated.is_some_and(|stated| lies(stated) == lies(stored).reverse()) {
+    let otherwise = |[width, height]: [usize; 2]| match picture.width().cmp(&picture.height()) {
+        Ordering::Less => width > height,
+        Ordering::Equal => false,
+        Ordering::Greater => width < height,
+    };
+    if stated.is_some_and(otherwise) {
         picture.apply_orientation(orientation(path)?);
     }
     let (height, width) = (picture.height() as usize, picture.width() as usize);
