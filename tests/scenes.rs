@@ -327,6 +327,16 @@ fn what_is_near_to_a_scene_is_told_how_it_becomes_one() {
     std::fs::copy(folder.path().join("transforms.json"), inner.join("transforms.json")).unwrap();
     let deeper = Path::new("download").join("my capture").display().to_string();
     refused(outer.path(), &[&format!("some below it: {deeper}"), &inner.display().to_string()]);
+    // Files that are scenes, and what a download leaves in a folder.
+    let files = tempfile::tempdir().unwrap();
+    for (file, words) in [
+        ("lego.zip", ["there is an archive in it: lego.zip", "Unpack it"]),
+        ("transforms_test.json", ["there is transforms_test.json in it", "Give that file"]),
+        ("lego.npz", ["there is lego.npz in it", "Give that file"]),
+    ] {
+        std::fs::write(files.path().join(file), "").unwrap();
+        refused(files.path(), &words);
+    }
     let images = inner.join("train");
     std::fs::create_dir(&images).unwrap();
     std::fs::copy(inner.join("a.png"), images.join("a.png")).unwrap();

@@ -25,7 +25,11 @@ fn of(path: &Path) -> (String, String) {
         return ("nothing there".into(), start);
     }
     if !path.is_dir() {
-        return of_file(path).unwrap_or(("a file of another kind".into(), start));
+        let other = "a file of another kind";
+        return match instead(path) {
+            Some((what, remedy)) => (format!("{other}: {what}"), remedy.into()),
+            None => (other.into(), start),
+        };
     }
     let without = "a folder without transforms.json, transforms_train.json, sparse/0 or poses_bounds.npy";
     let whole = fs::canonicalize(path).unwrap_or(path.to_path_buf());
@@ -42,6 +46,13 @@ fn of(path: &Path) -> (String, String) {
         let remedy = "Render and evaluate take runs; train takes the scene that run.json names.";
         return (format!("{without}: a run"), remedy.into());
     }
+    let entries = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut files: Vec<PathBuf> = entries.filter(|path| path.is_file()).collect();
+    files.sort();
+    if let Some(file) = files.iter().find(|file| may_be_scene(file)) {
+        let remedy = format!("Give that file: {}.", file.display());
+        return (format!("{without}; there is {} in it", name(file)), remedy);
+    }
     let count =
         [path.to_path_buf(), path.join("images")].iter().map(|folder| pictures::all(folder).len()).max();
     if let Some(count) = count.filter(|count| *count > 0) {
@@ -52,21 +63,34 @@ fn of(path: &Path) -> (String, String) {
             remedy.into(),
         );
     }
+    if let Some((file, (what, remedy))) = files.iter().find_map(|file| Some((file, instead(file)?))) {
+        return (format!("{without}; there is {what} in it: {}", name(file)), remedy.into());
+    }
     (without.into(), start)
 }
 
+/// A file's name.
+fn name(file: &Path) -> String {
+    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Whether a file may be a scene by itself.
+fn may_be_scene(file: &Path) -> bool {
+    let name = name(file).to_lowercase();
+    name.ends_with(".npz") || name.starts_with("transforms") && name.ends_with(".json")
+}
+
 /// Files that people have in the place of a scene.
-fn of_file(path: &Path) -> Option<(String, String)> {
+fn instead(path: &Path) -> Option<(&'static str, &'static str)> {
     let ending = path.extension()?.to_string_lossy().to_lowercase();
-    let (what, remedy) = match ending.as_str() {
+    Some(match ending.as_str() {
         "zip" | "tar" | "gz" | "tgz" | "7z" | "rar" => ("an archive", "Unpack it, and give the folder."),
         "mp4" | "mov" | "avi" | "mkv" | "webm" => (
             "a film",
             "Take pictures out of it (`ffmpeg -i FILM -r 2 images/%04d.png`), and let COLMAP find their cameras.",
         ),
         _ => return None,
-    };
-    Some((format!("a file of another kind: {what}"), remedy.into()))
+    })
 }
 
 /// The first scenes below a folder, those that lie less deep first.
