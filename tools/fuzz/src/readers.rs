@@ -46,7 +46,10 @@ pub fn picture(bytes: &[u8]) {
     let Some((kind, bytes)) = bytes.split_first() else { return };
     let path = put(["a.png", "a.jpg", "a.gif"][usize::from(kind % 3)], bytes);
     let _ = pictures::held_bytes(&path);
-    let _ = pictures::read_photo(&path, [0.0; 3]);
+    // As it is stored; turned as its EXIF data say, if it lies or stands.
+    for stated in [None, Some([1, 2]), Some([2, 1])] {
+        let _ = pictures::read_photo(&path, [0.0; 3], stated);
+    }
 }
 
 /// A scene's cameras.
