@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec2, DVec3};
 use serde_json::Value;
 
-use super::{Cloud, Options, Scene, border, doubts};
+use super::{Cloud, Options, Scene, border, doubts, sweep};
 use crate::camera::{Camera, pixel_to_camera, rotate};
 use crate::error::{Error, Input, Result};
 
@@ -64,6 +64,14 @@ pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options:
     let cameras: Vec<&Camera> = cameras.iter().collect();
     let focus = common_focus(&cameras);
     let given = options.near.is_some() && options.far.is_some();
+    // Axes that hardly differ meet anywhere, or nowhere: then photographs say more than cameras.
+    if backdrop == Backdrop::World
+        && scene.cloud.is_none()
+        && !given
+        && !(focus.is_some() && fan(&cameras) >= FAN)
+    {
+        find_points(scene);
+    }
     let points = scene.cloud.as_ref().and_then(of_points);
     let depths =
         matches!(backdrop, Backdrop::Between { .. }) || backdrop == Backdrop::World && points.is_some();
@@ -129,7 +137,7 @@ fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
         Backdrop::Plain => {
             (ball, 1.0 + cameras.iter().map(|camera| widest_slope(camera)).fold(0.5, f64::max).min(1.0))
         }
-        _ if fan(cameras) < 10f64.to_radians() => (0.1, 2.0),
+        _ if fan(cameras) < FAN => (0.1, 2.0),
         _ => (ball, 2.0),
     };
     let why = format!(
@@ -137,6 +145,9 @@ fn of_focus(focus: DVec3, backdrop: Backdrop, cameras: &[&Camera]) -> Range {
     );
     Range { near: near * low, far: factor * high, why }
 }
+
+/// Cameras that look in one direction, within this angle to the mean.
+const FAN: f64 = 10.0 * std::f64::consts::PI / 180.0;
 
 /// The largest angle between a camera's axis and the mean one.
 fn fan(cameras: &[&Camera]) -> f64 {
@@ -215,6 +226,23 @@ fn distrust_box(scene: &mut Scene, focus: Option<DVec3>, cameras: &[&Camera]) {
         "The scene's box, {width:.3} wide ({}), {what} {away:.3} away from them: it isn't used.",
         stated.as_str().unwrap_or("stated")
     ));
+}
+
+/// Gives the scene the points that its photographs agree on; held-out ones aren't looked at. A warning where they agree on too few.
+fn find_points(scene: &mut Scene) {
+    let agreement = sweep::sweep(&scene.train);
+    let (found, places) = (agreement.cloud.points.len(), agreement.places);
+    if agreement.refuted() {
+        scene.warnings.push(format!(
+            "Of {places} places, neighboring photographs agree on {found} only: near and far are guessed. Do the poses belong to these \
+             photographs, in this order, with these axes and this focal length? Give both near and far where they are known."
+        ));
+    }
+    if agreement.trusted() {
+        let why = format!("{found} of {places} places that neighboring photographs agree on");
+        scene.reasons.insert("points".into(), Value::from(why));
+        scene.cloud = Some(agreement.cloud);
+    }
 }
 
 /// From how far away the points are that the photographs show, but for the outermost of them, which may be mistakes.

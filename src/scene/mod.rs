@@ -35,6 +35,7 @@ pub mod path;
 mod pictures;
 mod ply;
 mod rays;
+mod sweep;
 mod transforms;
 
 use crate::files::mask::Mask;
