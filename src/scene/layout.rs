@@ -234,8 +234,9 @@ fn find_points(scene: &mut Scene) {
     let (found, places) = (agreement.cloud.points.len(), agreement.places);
     if agreement.refuted() {
         scene.warnings.push(format!(
-            "Of {places} places, neighboring photographs agree on {found} only: near and far are guessed. Do the poses belong to these \
-             photographs, in this order, with these axes and this focal length? Give both near and far where they are known."
+            "Of {places} places, neighboring photographs agree on {found} only: near and far are guessed. Either the cameras stand too close \
+             to one another or too far apart for what they see, or poses, axes or focal length aren't these photographs'. Give both near and \
+             far where they are known."
         ));
     }
     if agreement.trusted() {

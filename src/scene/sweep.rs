@@ -120,6 +120,10 @@ impl View {
     /// Points, with their distance from this camera, on which enough neighbors agree; and how many places show something.
     fn sweep(&self, others: &[&View]) -> (Vec<(DVec3, f64)>, usize) {
         let (mut found, mut places) = (vec![], 0);
+        // Fewer can't agree, and can't refute anything either.
+        if others.len() < AGREEING {
+            return (found, places);
+        }
         for place in 0..PLACES * PLACES {
             let at = |n: usize, size: usize| (n as f64 + 0.5) / PLACES as f64 * size as f64;
             let uv =
@@ -272,7 +276,11 @@ mod tests {
             frame.image = Some(Photo::opaque(72, 96, vec![[90; 3]; 72 * 96]));
             frame
         };
-        let nothing = [sweep(&frames(false).into_iter().map(plain).collect::<Vec<_>>()), sweep(&[])];
+        let nothing = [
+            sweep(&frames(false).into_iter().map(plain).collect::<Vec<_>>()),
+            sweep(&[]),
+            sweep(&frames(true)[..AGREEING]),
+        ];
         assert!(nothing.iter().all(|sweep| sweep.places == 0 && !sweep.trusted() && !sweep.refuted()));
     }
 }
