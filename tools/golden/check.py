@@ -35,12 +35,18 @@ def differs(fixture, folder):
     return None
 
 
+# torch and kornia round differently on every processor: which vector instructions there are, and how a matrix product is cut,
+# decides in which order a sum is taken. Fixtures of one processor came out up to 4.9 times (error + 1 ulp) apart on others'
+# instruction sets; what a wrong formula does is millions of ulps away.
+PROCESSORS = 16.0
+
+
 def allowed(note, name):
-    """How far an array may be off: nothing for inputs and mpmath, else twice the recorded error and one ulp."""
+    """How far an array may be off: nothing for inputs and mpmath, else the recorded error and one ulp, for any processor."""
     case, _, rest = name.partition(".out.")
     entry = next((c for c in note["cases"] if c["name"] == case), {})
     recorded = entry.get("outputs", {}).get(rest)
-    return 2.0 * (recorded["ulp"] + 1.0) * recorded["unit"] if recorded else 0.0
+    return PROCESSORS * (recorded["ulp"] + 1.0) * recorded["unit"] if recorded else 0.0
 
 
 def agrees(committed, now, limit):
