@@ -6,6 +6,7 @@
 
 mod camera;
 mod compact;
+mod cs180;
 mod encoding;
 mod gaussians;
 mod network;
@@ -21,6 +22,7 @@ mod training;
 
 pub use camera::*;
 pub use compact::*;
+pub use cs180::CS180;
 pub use encoding::*;
 pub use gaussians::*;
 pub use network::*;
@@ -138,6 +140,9 @@ pub struct Conventions {
     /// Which sample of a ray that stops is the last.
     #[serde(default)]
     pub stop: Stop,
+    /// What becomes of such a ray.
+    #[serde(default)]
+    pub stopped: Stopped,
     /// The largest opacity.
     #[serde(default)]
     pub alpha_cap: AlphaCap,
@@ -150,6 +155,9 @@ pub struct Conventions {
     /// What is behind a ray.
     #[serde(default)]
     pub backdrop: Backdrop,
+    /// Which weights a ray's opacity adds up.
+    #[serde(default)]
+    pub opacity_sum: OpacitySum,
     /// Where a quaternion has its real part.
     #[serde(default)]
     pub quaternion_order: QuaternionOrder,
@@ -290,104 +298,4 @@ pub struct Conventions {
     /// What becomes of the old ones.
     #[serde(default)]
     pub old_edges: OldEdges,
-}
-
-/// The default: Berkeley's CS180 course, which is the paper's text taken literally.
-pub const CS180: Conventions = Conventions {
-    axes: Axes::Opencv,
-    camera_axes: Axes::Opencv,
-    quaternion: Quaternion::Normalized,
-    pixel_center: PixelCenter::Half,
-    directions: Directions::Unit,
-    grid: Grid::Intervals,
-    rest: Rest::Mid,
-    delta: Delta::Width,
-    last_delta: LastDelta::Width,
-    product_eps: ProductEps::None,
-    contraction_norm: ContractionNorm::L2,
-    contraction_range: ContractionRange::Two,
-    ray_shape: RayShape::Cone,
-    ndc_depth: NdcDepth::Negative,
-    identity: true,
-    identity_place: IdentityPlace::First,
-    frequency: Frequency::Pi,
-    bands: Bands::Octaves,
-    columns: Columns::BandSinCos,
-    cosine: Cosine::Own,
-    integrated_identity: false,
-    density: Density::Relu,
-    exponent: Exponent::Free,
-    exponent_gradient: ExponentGradient::BothEnds,
-    exponent_shift: ExponentShift::None,
-    grid_decay: GridDecay::Touched,
-    grid_threshold: GridThreshold::MeanOfDense,
-    grid_unseen: GridUnseen::Kept,
-    hash_levels: HashLevels::Nearest,
-    hash_index: HashIndex::DenseWhereItFits,
-    hash_primes: HashPrimes::Coherent,
-    hash_weights: HashWeights::Linear,
-    harmonic_sign: HarmonicSign::Alternating,
-    harmonic_form: HarmonicForm::Sphere,
-    pdf_padding: PdfPadding::AsGiven,
-    pdf_division: PdfDivision::AsItIs,
-    stop: Stop::Behind,
-    alpha_cap: AlphaCap::None,
-    faint: Faint::Kept,
-    sigma_relu: SigmaRelu::None,
-    backdrop: Backdrop::None,
-    quaternion_order: QuaternionOrder::RealFirst,
-    quaternion_length: QuaternionLength::Divided,
-    splat_scale: SplatScale::Plain,
-    splat_center: SplatCenter::Half,
-    splat_dilation: SplatDilation::ThreeTenths,
-    splat_clamp: SplatClamp::Picture,
-    splat_clamp_gradient: SplatClampGradient::Through,
-    radius_floor: RadiusFloor::Tenth,
-    compensation_floor: CompensationFloor::None,
-    positive_power: PositivePower::Kept,
-    cap_gradient: CapGradient::Stopped,
-    conic_gradient: ConicGradient::Number,
-    splat_color: SplatColor::Clamped,
-    skip_layer: 4,
-    skip_order: SkipOrder::HiddenFirst,
-    last_trunk: Activation::Relu,
-    feature: Activation::None,
-    depth: Depth::Divided,
-    empty_depth: EmptyDepth::Far,
-    psnr: PsnrOf::Images,
-    psnr_floor: PsnrFloor::None,
-    psnr_peak: PsnrPeak::Given,
-    loss_reduction: LossReduction::Mean,
-    huber_slope: HuberSlope::Delta,
-    charbonnier_eps: CharbonnierEps::Square,
-    outer_edges: OuterEdges::Touching,
-    interlevel_reduction: LossReduction::Mean,
-    interlevel_eps: InterlevelEps::AsGiven,
-    ssim_window: SsimWindow::Gaussian,
-    ssim_padding: SsimPadding::Valid,
-    ssim_variance: SsimVariance::Population,
-    ssim_peak: PsnrPeak::Given,
-    bytes: Bytes::Round,
-    adam_eps: AdamEps::Corrected,
-    clip_eps: ClipEps::None,
-    rate_end: RateEnd::GoesOn,
-    rate_delay: RateDelay::Beside,
-    rate_ramp: RateRamp::Sine,
-    twist_order: TwistOrder::TranslationFirst,
-    twist_translation: TwistTranslation::Coupled,
-    rotation_clamp: RotationClamp::None,
-    motion_layout: MotionLayout::ForColumns,
-    loss_scale_floor: LossScaleFloor::None,
-    loss_scale_ceiling: LossScaleCeiling::None,
-    anneal_padding: AnnealPadding::Before,
-    flat_bins: FlatBins::Dropped,
-    histogram_floor: HistogramFloor::None,
-    edges_from: EdgesFrom::Midpoints,
-    old_edges: OldEdges::Dropped,
-};
-
-impl Default for Conventions {
-    fn default() -> Self {
-        CS180
-    }
 }

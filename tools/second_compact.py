@@ -58,7 +58,7 @@ def one_ray(a, first, n):
 
 def early_stop(a, c, wrong):
     """Ray by ray, by products of 1 - alpha."""
-    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none"}
+    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all"}
     ends = np.rint(a["offsets"]).astype(int)
     kind, carried = a["sigmas"].dtype.type, a["sigmas"].dtype.type(1)
     out = {"weights": np.zeros_like(a["sigmas"]), "live": [], "colors": [], "opacity": [], "transmittance": []}
@@ -69,8 +69,9 @@ def early_stop(a, c, wrong):
         n = live_of(rendering.volume_render(ray, c, ())["weights"][0], behind, carried, a["eps"], c["stop"], wrong)
         ray = {name: carried * value[0] for name, value in rendering.volume_render(one_ray(a, first, n), c, ()).items()}
         left = ray["transmittance"]
-        if "renormalized" in wrong and left < a["eps"]:
-            ray |= {"colors": ray["colors"] / ray["opacity"], "opacity": kind(1), "transmittance": kind(0)}
+        if ("renormalized" in wrong or c["stopped"] == "made_opaque") and left < a["eps"]:
+            weights = ray["weights"] / ray["opacity"] if c["stopped"] == "made_opaque" else ray["weights"]
+            ray |= {"colors": ray["colors"] / ray["opacity"], "weights": weights, "opacity": kind(1), "transmittance": kind(0)}
         if "clamped" in wrong:
             ray["colors"] = np.clip(ray["colors"], 0, 1)
         if "not_reset_between_rays" in wrong:
@@ -83,9 +84,23 @@ def early_stop(a, c, wrong):
     return {name: np.asarray(value, a["sigmas"].dtype) for name, value in out.items()}
 
 
+def before_division(ray, c):
+    """Cotangents of a ray from those of its color and weights divided by its opacity."""
+    out = rendering.volume_render(ray, c, ())
+    whole, weights = out["opacity"][:, None], ray["grad_weights"]
+    worth = ((ray["grad_colors"] * out["colors"]).sum(1) + (weights * out["weights"]).sum(1))[:, None] / whole
+    none = np.zeros_like(ray["grad_opacity"])
+    return {
+        "grad_colors": ray["grad_colors"] / whole,
+        "grad_weights": (weights - worth) / whole,
+        "grad_opacity": none,
+        "grad_transmittance": none,
+    }
+
+
 def early_stop_vjp(a, c, wrong):
     """The gradient of so many samples."""
-    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none"}
+    c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all"}
     ends = np.rint(a["offsets"]).astype(int)
     out = {f"grad_{name}": np.zeros_like(a[name]) for name in ("sigmas", "rgbs", "deltas")}
     for r, (first, end) in enumerate(zip(ends, ends[1:])):
@@ -98,6 +113,8 @@ def early_stop_vjp(a, c, wrong):
             ray[f"grad_{name}"] = a[f"grad_{name}"][r : r + 1]
         if "light_left_forgotten" in wrong:
             ray["grad_transmittance"] = np.zeros_like(ray["grad_transmittance"])
+        if c["stopped"] == "made_opaque" and n and np.exp(-(ray["sigmas"] * ray["deltas"]).sum()) < a["eps"]:
+            ray |= before_division(ray, c)
         for name, g in rendering.volume_render_vjp(ray, c, ()).items():
             out[name][first : first + n] = g[0]
         # Who stops in front of the sample that ends a ray has none to forget.

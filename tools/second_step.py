@@ -20,6 +20,7 @@ USUAL = {
     "product_eps": "none",
     "sigma_relu": "none",
     "backdrop": "none",
+    "opacity_sum": "all",
 }
 NAMES = [f"{layer}_{part}" for layer in networks.NAMES for part in "wb"]
 

@@ -92,6 +92,17 @@ pub enum Stop {
     OneMore,
 }
 
+/// What becomes of a ray behind whose last sample the transmittance is below the limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stopped {
+    /// It is left as it is: what light there is goes on to the background.
+    #[default]
+    Left,
+    /// Its color and its weights are divided by its opacity, and no light is left (instant-ngp, svox2).
+    MadeOpaque,
+}
+
 /// The largest opacity of a sample or splat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -138,6 +149,17 @@ pub enum Backdrop {
     None,
     /// White, in the same function: C + (1 - A) (bmild/nerf's `white_bkgd`).
     White,
+}
+
+/// Which weights are a ray's opacity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OpacitySum {
+    /// All of them.
+    #[default]
+    All,
+    /// All but the last sample's, whose step leads to infinity: it has a color and hides nothing (nerfies).
+    WithoutLast,
 }
 
 /// What becomes of opacities below 1 / 255.

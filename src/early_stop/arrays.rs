@@ -1,10 +1,11 @@
 //! The oracle of this folder on named arrays, and what turns these into its types and back.
 
-use super::{backward, render_packed_to};
+use super::{backward, made_opaque, render_packed_to};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, threes, values};
-use crate::convention::{CS180, Conventions};
+use crate::convention::{CS180, Conventions, Stopped};
 use crate::packed::arrays::offsets;
+use crate::volume_rendering::Rendering;
 use crate::volume_rendering::backward::Cotangent;
 
 /// (first sample, number of samples) of each ray.
@@ -67,6 +68,12 @@ pub(crate) fn packed(rays: Vec<Arrays>) -> Arrays {
     names.iter().map(join).collect()
 }
 
+/// Whether a ray is made opaque: by convention, where T behind its last live sample is below the limit. A limit above 1 stops empty
+/// rays, which stay empty.
+pub(super) fn becomes_opaque(ray: &Rendering, eps: f64, c: &Conventions) -> bool {
+    c.stopped == Stopped::MadeOpaque && ray.transmittance[ray.weights.len()] < eps && ray.opacity > 0.0
+}
+
 pub(super) fn early_stop(a: &Arrays, c: &Conventions) -> Arrays {
     let (sigmas, deltas) = (values(a, "sigmas"), values(a, "deltas"));
     let rays = render_packed_to(
@@ -77,10 +84,10 @@ pub(super) fn early_stop(a: &Arrays, c: &Conventions) -> Arrays {
         number(a, "eps"),
         c.stop,
     );
-    let one = |(ray, (_, length)): (&crate::volume_rendering::Rendering, (usize, usize))| {
+    let one = |(ray, (_, length)): (&Rendering, (usize, usize))| {
         let live = ray.weights.len();
-        let of = crate::volume_rendering::arrays::renderings(live, std::slice::from_ref(ray));
-        stopped(live, length, of)
+        let ray = if becomes_opaque(ray, number(a, "eps"), c) { made_opaque(ray) } else { ray.clone() };
+        stopped(live, length, crate::volume_rendering::arrays::renderings(live, &[ray]))
     };
     packed(rays.iter().zip(spans(a)).map(one).collect())
 }
@@ -89,11 +96,14 @@ pub(super) fn early_stop_vjp(a: &Arrays, c: &Conventions) -> Arrays {
     let (sigmas, rgbs, deltas, offsets) =
         (values(a, "sigmas"), threes(a, "rgbs"), values(a, "deltas"), offsets(a, "sigmas"));
     let rays = render_packed_to(&sigmas, &rgbs, &deltas, &offsets, number(a, "eps"), c.stop);
-    let g = |r: usize| Cotangent {
-        color: threes(a, "grad_colors")[r],
-        weights: values(a, "grad_weights")[offsets[r]..offsets[r] + rays[r].weights.len()].to_vec(),
-        opacity: values(a, "grad_opacity")[r],
-        transmittance: values(a, "grad_transmittance")[r],
+    let g = |r: usize| {
+        let g = Cotangent {
+            color: threes(a, "grad_colors")[r],
+            weights: values(a, "grad_weights")[offsets[r]..offsets[r] + rays[r].weights.len()].to_vec(),
+            opacity: values(a, "grad_opacity")[r],
+            transmittance: values(a, "grad_transmittance")[r],
+        };
+        if becomes_opaque(&rays[r], number(a, "eps"), c) { backward::made_opaque(&rays[r], &g) } else { g }
     };
     let g: Vec<Cotangent> = (0..rays.len()).map(g).collect();
     let (g_sigmas, g_rgbs, g_deltas) = backward::render_packed(&sigmas, &rgbs, &deltas, &offsets, &rays, &g);

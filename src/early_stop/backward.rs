@@ -1,8 +1,27 @@
 //! Vector-Jacobian product of packed rendering with early stop, by hand.
 
 use crate::convention::ProductEps;
+use crate::math::Sum;
 use crate::volume_rendering::Rendering;
 use crate::volume_rendering::backward::{Cotangent, volume_render};
+
+/// The cotangent of a ray from that of the same ray made opaque, [`super::made_opaque`].
+///
+/// C' = C / A and w' = w / A, where A = sum w; A' = 1 and T' = 0 are constants. g_C = g_C' / A and g_w_i = (g_w'_i - K) / A, where
+/// K = g_C' . C' + sum g_w' w' is what all the light is worth.
+pub(crate) fn made_opaque(ray: &Rendering, g: &Cotangent) -> Cotangent {
+    let whole = ray.opacity;
+    let mut worth = Sum::default();
+    for (value, g) in ray.color.iter().chain(&ray.weights).zip(g.color.iter().chain(&g.weights)) {
+        worth.add(value / whole * g);
+    }
+    Cotangent {
+        color: g.color.map(|g| g / whole),
+        weights: g.weights.iter().map(|g| (g - worth.value()) / whole).collect(),
+        opacity: 0.0,
+        transmittance: 0.0,
+    }
+}
 
 /// Gradients of [`super::render_packed`] with respect to `sigmas`, `rgbs` and `deltas`, packed.
 ///

@@ -30,7 +30,7 @@ pub(crate) const EARLY_STOP: Component = Component {
         Port::smooth("opacity", "R", "sum of w"),
         Port::smooth("transmittance", "R", "T behind the last live sample"),
     ],
-    conventions: &["stop"],
+    conventions: &["stop", "stopped"],
     forward: Direction {
         oracle: arrays::early_stop,
         bound: bound::early_stop,

@@ -6,7 +6,7 @@ use super::arrays::{self, one_ray, packed, spans, stopped};
 use super::live_samples;
 use crate::contract::arrays::{Arrays, number, scalar, values};
 use crate::contract::component::Mistake;
-use crate::convention::{CS180, Conventions, ProductEps, Stop};
+use crate::convention::{CS180, Conventions, ProductEps, Stop, Stopped};
 use crate::volume_rendering::component::VOLUME_RENDER;
 use crate::volume_rendering::volume_render;
 
@@ -14,7 +14,7 @@ use crate::volume_rendering::volume_render;
 pub(crate) const EARLY_STOP: &[Mistake] = &[
     Mistake::new(
         "renormalized",
-        "a ray that stops is divided by its opacity, which becomes 1 (VR5)",
+        "the color of a ray that stops is divided by its opacity, which becomes 1, and its weights aren't (VR5)",
         "no light is left for the background; a jump of eps in every channel where a ray begins to stop",
         "leave the color as it is: the error is at most eps without it",
         "instant-ngp#384, where it is meant, and its ports",
@@ -118,9 +118,16 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
             ray.get_mut(name).expect("an output").mapv_inplace(|x| carried * x);
         }
         let t = number(&ray, "transmittance");
-        if wrong.contains(&"renormalized") && t < eps {
+        let divided: &[&str] = match c.stopped {
+            Stopped::Left if wrong.contains(&"renormalized") => &["colors"],
+            Stopped::Left => &[],
+            Stopped::MadeOpaque => &["colors", "weights"],
+        };
+        if !divided.is_empty() && t < eps {
             let opacity = number(&ray, "opacity");
-            ray.get_mut("colors").expect("an output").mapv_inplace(|x| x / opacity);
+            for name in divided {
+                ray.get_mut(*name).expect("an output").mapv_inplace(|x| x / opacity);
+            }
             ray.insert("opacity".into(), scalar(1.0));
             ray.insert("transmittance".into(), scalar(0.0));
         }

@@ -1,7 +1,8 @@
 //! Early stop: samples behind which almost no light comes through are left out; rays of different lengths, packed.
 //!
 //! Letters as in volume rendering: x_i = sigma_i delta_i, T_i = exp(-sum_{j<i} x_j), a ray is followed
-//! until T < `eps`. Nothing is renormalized (instant-ngp divides by the opacity, VR5): the light that is left goes on to the background.
+//! until T < `eps`. Nothing is renormalized: the light that is left goes on to the background. By a convention a ray that has
+//! stopped is divided by its opacity (instant-ngp, VR5).
 //! Packed: the samples of all rays in one array; those of ray r are `offsets[r] .. offsets[r + 1]`.
 
 use crate::convention::{ProductEps, Stop};
@@ -94,6 +95,16 @@ pub fn render_packed(
     assert_eq!(sigmas.len(), rgbs.len(), "sigmas and rgbs: one each a sample");
     assert!(!offsets.is_empty(), "offsets and rays: one more than rays, and not none");
     render_packed_to(sigmas, rgbs, deltas, offsets, eps, Stop::Behind)
+}
+
+/// A ray that has stopped, by a convention: C / A and w / A, opaque, and no light behind it.
+pub(crate) fn made_opaque(ray: &Rendering) -> Rendering {
+    let whole = ray.opacity;
+    let mut opaque = ray.clone();
+    opaque.color.iter_mut().chain(&mut opaque.weights).for_each(|x| *x /= whole);
+    opaque.opacity = 1.0;
+    *opaque.transmittance.last_mut().expect("one behind all samples") = 0.0;
+    opaque
 }
 
 /// The same in a convention.

@@ -1,6 +1,6 @@
 //! The stated error of the early stop, in color and in gradient.
 
-use super::{live_samples, render_packed, used_samples};
+use super::{live_samples, made_opaque, render_packed, used_samples};
 use crate::convention::{ProductEps, Stop};
 use crate::random::{Key, Purpose};
 use crate::volume_rendering::{backward, composite_background, volume_render};
@@ -139,6 +139,34 @@ fn nothing_is_renormalized() {
     assert_eq!(rays[0].weights.len(), 2);
     assert!((rays[0].color[0] - (1.0 - (-1.375f64).exp())).abs() < 1e-15);
     assert!((rays[0].opacity + rays[0].transmittance[2] - 1.0).abs() < 1e-15);
+}
+
+/// By convention a stopped ray is divided by its opacity: white stays white, weights sum to 1, nothing of it changes with the density of
+/// what all its samples share. A ray that goes through keeps its light.
+#[test]
+fn a_stopped_ray_is_made_opaque_by_convention() {
+    let rays = render_packed(&[1.375; 8], &[[1.0, 0.5, 0.0]; 8], &[0.5; 8], &[0, 6, 8], 0.35);
+    let opaque = made_opaque(&rays[0]);
+    assert!((opaque.color[0] - 1.0).abs() < 1e-15 && (opaque.color[1] - 0.5).abs() < 1e-15);
+    assert!((opaque.weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
+    assert_eq!((opaque.opacity, opaque.transmittance[2]), (1.0, 0.0));
+    assert_eq!(opaque.transmittance[..2], rays[0].transmittance[..2]);
+    let g = backward::Cotangent {
+        color: [1.0, -2.0, 3.0],
+        weights: vec![0.5; 2],
+        opacity: 4.0,
+        transmittance: 5.0,
+    };
+    let (g_sigmas, g_rgbs, _) = super::backward::render_packed(
+        &[1.375; 2],
+        &[[1.0, 0.5, 0.0]; 2],
+        &[0.5; 2],
+        &[0, 2],
+        &rays[..1],
+        &[super::backward::made_opaque(&rays[0], &g)],
+    );
+    assert!(g_sigmas.iter().all(|g| g.abs() < 1e-15), "{g_sigmas:?}");
+    assert!((g_rgbs.iter().map(|g| g[2]).sum::<f64>() - 3.0).abs() < 1e-15);
 }
 
 /// eps = 1 takes one sample of every ray that has some density, eps = 0 all.

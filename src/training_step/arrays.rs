@@ -6,7 +6,7 @@ use ndarray::{ArrayD, Axis};
 use super::{Batch, Field, Trained, flat, train};
 use crate::contract::arrays::{Arrays, array, arrays, input, number, rows, threes, values};
 use crate::convention::{
-    Activation, Backdrop, Bands, CS180, Conventions, Cosine, IdentityPlace, ProductEps, SigmaRelu,
+    Activation, Backdrop, Bands, CS180, Conventions, Cosine, IdentityPlace, OpacitySum, ProductEps, SigmaRelu,
 };
 use crate::field::arrays::Nerf;
 use crate::optimizer::Adam;
@@ -25,6 +25,7 @@ pub(super) fn usual(c: &Conventions) -> Conventions {
         product_eps: ProductEps::None,
         sigma_relu: SigmaRelu::None,
         backdrop: Backdrop::None,
+        opacity_sum: OpacitySum::All,
         ..*c
     }
 }

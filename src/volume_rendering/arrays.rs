@@ -4,7 +4,8 @@ use super::backward::Cotangent;
 use super::{Rendering, backward, composite_background, depth};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
-use crate::convention::{Backdrop, Conventions, Faint, SigmaRelu};
+use crate::convention::{Backdrop, Conventions, Faint, OpacitySum, SigmaRelu};
+use crate::math::Sum;
 
 /// The outputs of R rays as arrays.
 pub(crate) fn renderings(samples: usize, rays: &[Rendering]) -> Arrays {
@@ -35,8 +36,18 @@ pub(super) fn render(a: &Arrays, c: &Conventions) -> Arrays {
     over(c, renderings(samples, &(0..rays).map(ray).collect::<Vec<_>>()))
 }
 
-/// Over white, where that is the convention: C + 1 - A.
+/// Over white, where that is the convention: C + 1 - A. A is the sum of all weights, or of all but the last.
 pub(super) fn over(c: &Conventions, mut out: Arrays) -> Arrays {
+    if c.opacity_sum == OpacitySum::WithoutLast {
+        let (rays, samples) = size(&out, "weights");
+        let opacity = |r| {
+            let mut sum = Sum::default();
+            row(&out, "weights", r).iter().take(samples.saturating_sub(1)).for_each(|w| sum.add(*w));
+            sum.value()
+        };
+        let opacity = array(&[rays], (0..rays).map(opacity).collect());
+        out.insert("opacity".into(), opacity);
+    }
     if c.backdrop == Backdrop::White {
         let opacity = values(&out, "opacity");
         let colors = out.get_mut("colors").expect("an output");
@@ -45,13 +56,19 @@ pub(super) fn over(c: &Conventions, mut out: Arrays) -> Arrays {
     out
 }
 
-/// The cotangent of ray r in front of its backdrop: white loses what the opacity gains.
+/// The cotangent of ray r in front of its backdrop: white loses what the opacity gains. Where the opacity is without the last sample's
+/// weight, its cotangent goes to the weights of the others.
 pub(crate) fn cotangent_over(a: &Arrays, r: usize, c: &Conventions) -> Cotangent {
-    let g = cotangent(a, r);
-    match c.backdrop {
-        Backdrop::None => g,
-        Backdrop::White => Cotangent { opacity: g.opacity - g.color.iter().sum::<f64>(), ..g },
+    let mut g = cotangent(a, r);
+    if c.backdrop == Backdrop::White {
+        g.opacity -= g.color.iter().sum::<f64>();
     }
+    if c.opacity_sum == OpacitySum::WithoutLast {
+        let others = g.weights.len().saturating_sub(1);
+        g.weights[..others].iter_mut().for_each(|g_w| *g_w += g.opacity);
+        g.opacity = 0.0;
+    }
+    g
 }
 
 pub(super) fn render_vjp(a: &Arrays, c: &Conventions) -> Arrays {

@@ -8,7 +8,7 @@ use super::backward::Cotangent;
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::bounded::{Bounded, Running, exact};
-use crate::convention::{AlphaCap, Backdrop, Conventions, Depth, EmptyDepth, ProductEps};
+use crate::convention::{AlphaCap, Backdrop, Conventions, Depth, EmptyDepth, OpacitySum, ProductEps};
 
 /// One ray with its errors.
 pub(crate) struct Ray {
@@ -21,10 +21,12 @@ pub(crate) struct Ray {
     pub(crate) weights: Vec<Bounded>,
     /// Whether white is behind it, which loses what the opacity gains.
     white: bool,
+    /// How many samples' weights are its opacity.
+    counted: usize,
 }
 
 impl Ray {
-    fn of_case(a: &Arrays, r: usize, eps: ProductEps, m: &Arithmetic) -> Ray {
+    pub(crate) fn of_case(a: &Arrays, r: usize, eps: ProductEps, m: &Arithmetic) -> Ray {
         let deltas: Vec<Bounded> = row(a, "deltas", r).into_iter().map(exact).collect();
         let sigmas: Vec<Bounded> = row(a, "sigmas", r).into_iter().map(exact).collect();
         Ray::from_densities(&sigmas, &deltas, colors(a, r), eps, m)
@@ -76,8 +78,19 @@ impl Ray {
         transmittance: Vec<Bounded>,
         m: &Arithmetic,
     ) -> Ray {
-        let weights = alphas.iter().zip(&transmittance).map(|(&alpha, &t)| m.mul(t, alpha)).collect();
-        Ray { alphas, slopes, rgbs, transmittance, weights, white: false }
+        let weights: Vec<Bounded> =
+            alphas.iter().zip(&transmittance).map(|(&alpha, &t)| m.mul(t, alpha)).collect();
+        let counted = weights.len();
+        Ray { alphas, slopes, rgbs, transmittance, weights, white: false, counted }
+    }
+
+    /// In the conventions of what a ray's opacity is, and of what is behind it.
+    fn over(self, c: &Conventions) -> Ray {
+        let counted = match c.opacity_sum {
+            OpacitySum::All => self.counted,
+            OpacitySum::WithoutLast => self.counted.saturating_sub(1),
+        };
+        Ray { white: c.backdrop == Backdrop::White, counted, ..self }
     }
 
     /// The outputs: color, opacity, transmittance.
@@ -89,8 +102,9 @@ impl Ray {
         };
         // The sum of the weights, or 1 - T: the same over the reals when no eps is added to the factors. Not capped at [0, 1]:
         // an honest sum of 256 textbook alphas reaches 3 in bf16.
-        let sum = m.sum(&self.weights);
-        let opacity = if eps == ProductEps::None { sum.or(m.sub(exact(1.0), behind)) } else { sum };
+        let sum = m.sum(&self.weights[..self.counted]);
+        let left = self.transmittance[self.counted];
+        let opacity = if eps == ProductEps::None { sum.or(m.sub(exact(1.0), left)) } else { sum };
         ([color(0), color(1), color(2)], opacity, behind)
     }
 
@@ -136,7 +150,9 @@ impl Ray {
         let terms: Vec<Bounded> = (0..3).map(|k| m.mul(g.color[k], self.rgbs[i][k])).collect();
         let color = m.sum(&terms);
         let color = m.rounded(color.y, color.e);
-        let opacity = if self.white {
+        let opacity = if i >= self.counted {
+            exact(0.0)
+        } else if self.white {
             let lost = m.sum(&g.color);
             m.sub(g.opacity, m.rounded(lost.y, lost.e))
         } else {
@@ -215,7 +231,7 @@ fn forward(rays: &[Ray], c: &Conventions, m: &Arithmetic) -> Arrays {
 /// Bound of [`super::volume_render`].
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (rays, _) = size(a, "sigmas");
-    let rays: Vec<Ray> = (0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m)).collect();
+    let rays: Vec<Ray> = (0..rays).map(|r| Ray::of_case(a, r, c.product_eps, m).over(c)).collect();
     forward(&rays, c, m)
 }
 
@@ -223,7 +239,7 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arra
 pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let a = &counted(a, c);
     let (rays, _) = size(a, "alphas");
-    forward(&(0..rays).map(|r| Ray::from_alphas(a, r, c, m)).collect::<Vec<_>>(), c, m)
+    forward(&(0..rays).map(|r| Ray::from_alphas(a, r, c, m).over(c)).collect::<Vec<_>>(), c, m)
 }
 
 /// Bound of [`super::backward::volume_render`].
@@ -231,7 +247,7 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> 
     let (rays, samples) = size(a, "sigmas");
     let (mut g_sigmas, mut g_rgbs, mut g_deltas) = (vec![], vec![], vec![]);
     for r in 0..rays {
-        let ray = Ray { white: c.backdrop == Backdrop::White, ..Ray::of_case(a, r, c.product_eps, m) };
+        let ray = Ray::of_case(a, r, c.product_eps, m).over(c);
         let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
         g_sigmas.extend(row(a, "deltas", r).iter().zip(&g_x).map(|(&delta, &g)| m.mul(exact(delta), g).e));
         g_deltas.extend(row(a, "sigmas", r).iter().zip(&g_x).map(|(&sigma, &g)| m.mul(exact(sigma), g).e));
@@ -251,7 +267,7 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Arith
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
     for r in 0..rays {
-        let ray = Ray { white: c.backdrop == Backdrop::White, ..Ray::from_alphas(a, r, c, m) };
+        let ray = Ray::from_alphas(a, r, c, m).over(c);
         let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
         g_alphas.extend(g_x.iter().map(|g| g.e));
         g_rgbs.extend(g_rgb.concat());

@@ -37,7 +37,7 @@ pub(crate) const VOLUME_RENDER: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) equation 3",
     inputs: &[SIGMAS, RGBS, DELTAS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
-    conventions: &["product_eps", "backdrop", "sigma_relu"],
+    conventions: &["product_eps", "backdrop", "sigma_relu", "opacity_sum"],
     forward: Direction {
         oracle: arrays::render,
         bound: bound::volume_render,

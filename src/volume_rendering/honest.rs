@@ -5,7 +5,7 @@ use super::arrays::{cotangent, counted, gradients_of_counted, gradients_of_recti
 use super::backward::Cotangent;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::machine::Machine;
-use crate::convention::{Backdrop, Conventions, Depth, EmptyDepth, ProductEps};
+use crate::convention::{Backdrop, Conventions, Depth, EmptyDepth, OpacitySum, ProductEps};
 
 fn alphas(x: &[f64], m: &Machine) -> Vec<f64> {
     x.iter().map(|&x| if m.stable { -m.expm1(-x) } else { m.sub(1.0, m.exp(-x)) }).collect()
@@ -29,20 +29,26 @@ fn transmittance(x: &[f64], alphas: &[f64], eps: ProductEps, m: &Machine) -> Vec
     }
 }
 
+/// How many of n samples' weights are a ray's opacity.
+fn counted_of(n: usize, c: &Conventions) -> usize {
+    if c.opacity_sum == OpacitySum::All { n } else { n.saturating_sub(1) }
+}
+
 /// Opacity is the sum of the weights, or 1 - T where no eps is added to the factors of T.
 fn composite(
     alphas: &[f64],
     rgbs: &[[f64; 3]],
     transmittance: Vec<f64>,
-    eps: ProductEps,
+    c: &Conventions,
     m: &Machine,
 ) -> Rendering {
+    let counted = counted_of(alphas.len(), c);
     let weights: Vec<f64> = alphas.iter().zip(&transmittance).map(|(&a, &t)| m.mul(t, a)).collect();
     let color = std::array::from_fn(|k| m.dot(&weights, &rgbs.iter().map(|c| c[k]).collect::<Vec<_>>()));
-    let opacity = if m.form % 3 == 2 && eps == ProductEps::None {
-        m.sub(1.0, transmittance[alphas.len()])
+    let opacity = if m.form % 3 == 2 && c.product_eps == ProductEps::None {
+        m.sub(1.0, transmittance[counted])
     } else {
-        m.sum(&weights)
+        m.sum(&weights[..counted])
     };
     Rendering { color, weights, transmittance, opacity }
 }
@@ -51,13 +57,13 @@ fn render_ray(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rendering {
     let x = optical_depths(a, r, m);
     let alphas = alphas(&x, m);
     let t = transmittance(&x, &alphas, c.product_eps, m);
-    composite(&alphas, &rows3(a, "rgbs", r), t, c.product_eps, m)
+    composite(&alphas, &rows3(a, "rgbs", r), t, c, m)
 }
 
 fn render_ray_alpha(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rendering {
     let alphas: Vec<f64> = row(a, "alphas", r).into_iter().map(|alpha| m.round(alpha)).collect();
     let t = products(&alphas, c.product_eps, m);
-    composite(&alphas, &rows3(a, "rgbs", r), t, c.product_eps, m)
+    composite(&alphas, &rows3(a, "rgbs", r), t, c, m)
 }
 
 /// Rendering from densities.
@@ -103,8 +109,9 @@ fn gradients(
 ) -> Vec<f64> {
     let n = alphas.len();
     let eps = c.product_eps.value();
+    let on_opacity = |i: usize| if i < counted_of(n, c) { g.opacity } else { 0.0 };
     let g_w: Vec<f64> =
-        (0..n).map(|i| m.add(m.add(m.dot(&g.color, &rgbs[i]), g.weights[i]), g.opacity)).collect();
+        (0..n).map(|i| m.add(m.add(m.dot(&g.color, &rgbs[i]), g.weights[i]), on_opacity(i))).collect();
     if m.form % 3 == 0 || slopes.iter().all(|&s| s == 1.0) || eps != 0.0 {
         let mut behind = g.transmittance;
         let mut g_x = vec![0.0; n];

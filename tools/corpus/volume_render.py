@@ -201,7 +201,7 @@ def sum_of_clamped_logarithms(sigmas, rgbs, deltas):
     return summed(torch.exp(front) * alpha, rgbs)
 
 
-@convention("volume_render", seen="google/nerfies model_utils.py and a jax port of it", times=2)
+@convention("volume_render", {"opacity_sum": "without_last"}, seen="google/nerfies model_utils.py and a jax port of it", times=2)
 def last_sample_is_no_opacity(sigmas, rgbs, deltas):
     """The last, infinite sample counts for the color and not for the opacity."""
     alpha = opacities(sigmas, deltas)

@@ -45,7 +45,7 @@ pub(super) const NGP: Profile = Profile {
             "include/neural-graphics-primitives/nerf_loader.h nerf_matrix_to_ngp: poses are turned to z forward",
         ),
     ],
-    beyond: "hash grid and spherical harmonics in place of the encoding; marching stops at T < 1e-4 and renormalizes",
+    beyond: "hash grid and spherical harmonics in place of the encoding; marching stops at T < 1e-4; its pictures, not its training, renormalize (`stopped`)",
 };
 
 /// tiny-cuda-nn.
