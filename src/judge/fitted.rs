@@ -10,6 +10,7 @@ use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::{Mistake, Number};
 use crate::convention::Conventions;
@@ -82,7 +83,7 @@ pub(crate) fn fitting_pairs(
     let Some((case, _)) = cases.first() else { return vec![] };
     let most = WORK / (LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>());
     pairs.truncate(most);
-    let near = &near[..near.len().min((most / pairs.len().max(1)).max(1))];
+    let near = distinct(near, (most / pairs.len().max(1)).max(1), question, &cases);
     let found = parallel::map(pairs.len() * near.len(), |n| {
         let ((mistake, other), c) = (pairs[n / near.len()], near[n % near.len()]);
         // The first that has a number gets it.
@@ -95,6 +96,31 @@ pub(crate) fn fitting_pairs(
             .then(|| shown(mistake, &usual, question, answers).into_iter().find(fits))?
     });
     found.into_iter().flatten().collect()
+}
+
+/// The first `most` of these conventions that answer differently: what changes nothing that was answered takes no other's place.
+fn distinct(
+    near: &[Conventions],
+    most: usize,
+    question: &Question,
+    cases: &[(&Case, &Answer)],
+) -> Vec<Conventions> {
+    let oracle = question.component.direction(question.kind).expect("a question has its direction").oracle;
+    let mut kept: Vec<(Conventions, Vec<Arrays>)> = vec![];
+    for c in near {
+        if kept.len() == most {
+            break;
+        }
+        let answered = |(case, answer): &(&Case, &Answer)| {
+            let all = oracle(&case.inputs, c).into_iter();
+            all.filter(|(name, _)| answer.contains_key(name)).collect()
+        };
+        let answers: Vec<Arrays> = cases.iter().map(answered).collect();
+        if kept.iter().all(|(_, others)| *others != answers) {
+            kept.push((*c, answers));
+        }
+    }
+    kept.into_iter().map(|(c, _)| c).collect()
 }
 
 /// Whether the smallest answers lie between what the numbers of a mistake's range give, so that one of these may give them.
@@ -214,7 +240,6 @@ mod tests {
     use super::super::exam::Exam;
     use super::*;
     use crate::contract::arithmetic::Dtype;
-    use crate::contract::case::Case;
     use crate::convention::CS180;
 
     /// What is fitted where a row's answers have this mistake with this number.
@@ -320,5 +345,27 @@ mod tests {
     fn no_number_is_read_off_another_mistake() {
         assert_eq!(found("volume_render", Dtype::F64, "delta_missing"), []);
         assert_eq!(found("pixel_to_ray", Dtype::F64, "center_swapped"), []);
+    }
+
+    /// Forward answers notice no ReLU before densities, and colors without opacities not which weights these add up: the next convention
+    /// that they notice is tried in their place.
+    #[test]
+    fn conventions_that_change_no_answer_take_no_place() {
+        let exam = Exam::new("volume_render", Dtype::F64, None).unwrap();
+        let question = &exam.questions[0];
+        let mut answers = answered(question, Dtype::F64, &[]);
+        let with = |key, value| CS180.with(key, value).unwrap();
+        let near = [
+            CS180,
+            with("sigma_relu", "inside"),
+            with("opacity_sum", "without_last"),
+            with("backdrop", "white"),
+        ];
+        let kept = |answers: &Answers| distinct(&near, 2, question, &small_cases(question, answers));
+        assert_eq!(kept(&answers), [CS180, near[2]]);
+        answers.iter_mut().flatten().for_each(|answer| {
+            answer.remove("opacity");
+        });
+        assert_eq!(kept(&answers), [CS180, near[3]]);
     }
 }
