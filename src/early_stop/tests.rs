@@ -169,6 +169,35 @@ fn a_stopped_ray_is_made_opaque_by_convention() {
     assert!((g_rgbs.iter().map(|g| g[2]).sum::<f64>() - 3.0).abs() < 1e-15);
 }
 
+/// Its gradient against differences, where samples, colors and cotangents all differ.
+#[test]
+fn the_gradient_of_a_ray_made_opaque() {
+    let (c, d) = ([[0.2, 0.9, 0.4], [0.8, 0.1, 0.5], [0.3, 0.6, 1.2]], [0.5, 0.7, 0.9]);
+    let g = backward::Cotangent {
+        color: [1.5, -2.0, 3.0],
+        weights: vec![0.5, -1.25, 2.0],
+        opacity: 4.0,
+        transmittance: 5.0,
+    };
+    let sigmas = [1.0, 2.0, 1.5];
+    let render = |sigmas: &[f64; 3]| render_packed(sigmas, &c, &d, &[0, 3], 0.0);
+    let loss = |sigmas: &[f64; 3]| -> f64 {
+        let ray = made_opaque(&render(sigmas)[0]);
+        let values = ray.color.iter().chain(&ray.weights);
+        values.zip(g.color.iter().chain(&g.weights)).map(|(x, g)| x * g).sum()
+    };
+    let rays = render(&sigmas);
+    let before = super::backward::made_opaque(&rays[0], &g);
+    let (g_sigmas, g_rgbs, _) = super::backward::render_packed(&sigmas, &c, &d, &[0, 3], &rays, &[before]);
+    for i in 0..3 {
+        let at = |h: f64| loss(&std::array::from_fn(|j| sigmas[j] + if i == j { h } else { 0.0 }));
+        let slope = (at(1e-5) - at(-1e-5)) / 2e-5;
+        assert!((g_sigmas[i] - slope).abs() < 1e-8, "{} {slope}", g_sigmas[i]);
+        let share = rays[0].weights[i] / rays[0].opacity;
+        (0..3).for_each(|k| assert!((g_rgbs[i][k] - g.color[k] * share).abs() < 1e-15));
+    }
+}
+
 /// eps = 1 takes one sample of every ray that has some density, eps = 0 all.
 #[test]
 fn between_the_extremes_fewer_samples_for_larger_eps() {
