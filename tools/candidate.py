@@ -26,7 +26,7 @@ Cases that it can't be asked are left out, and the judge says so; `forms` in cas
 * image_rays, render_trace: without `cx` and `cy`; `K` in the place of `focal`, `cx`, `cy`;
 * volume_render: `t` (R, N + 1) in the place of `deltas`, with an empty sample at the end for a last step of the function's own (of
   its weights the judge is handed N); `step`, one number, in the place of `deltas`;
-* early_stop: without `eps`, where nothing stops;
+* early_stop: without `eps`, where nothing stops at a threshold of the function's own, up to 0.05;
 * ray_aabb: without `near` and `far`, where rays begin at 0 and end beyond the box.
 
 Where the function crashes, that is the case's answer, and the others are judged.

@@ -167,6 +167,8 @@ def image_rays(a, c, wrong):
     if "picture_transposed" in wrong:
         uv = np.swapaxes(uv, 0, 1)
     k = np.array([[a["focal"], 0, a["cx"]], [0, a["focal"], a["cy"]], [0, 0, 1]], kind)
+    if "one_angle_for_both_axes" in wrong:
+        k[1, 1] = k[1, 1] * kind.type(a["height"]) / kind.type(a["width"])
     o, d = rays(k, a["c2w"], uv, c, wrong)
     return {"uv": uv[..., ::-1] if "row_column_swapped" in wrong else uv, "rays_o": o, "rays_d": d}
 

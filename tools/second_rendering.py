@@ -113,6 +113,8 @@ def volume_render(a, c, wrong):
             ahead = np.concatenate([np.zeros_like(sigmas[:, :1]), sigmas[:, 1:] * deltas[:, :-1]], 1)
             shown = np.exp(-np.cumsum(ahead, 1))
         opaque = sigmas if "density_for_opacity" in wrong else None
+        if "optical_depth_for_alpha" in wrong:
+            opaque = sigmas * deltas
         if "exponent_without_minus" in wrong:
             opaque = 1 - np.exp(sigmas * deltas)
         if "depth_for_transmittance" in wrong and n:

@@ -61,6 +61,8 @@ def importance_sampling(a, c, wrong):
             below, above, s = places(edges, f, u, c, wrong)
             s = kind(0) * s if "left_edge" in wrong else kind(0) * s + kind(0.5) if "middle_of_bin" in wrong else s
             t[r] = edges[below] + s if "bin_width_forgotten" in wrong else take(edges, below, above, s)
+            if "last_bin_dropped" in wrong:
+                t[r] = np.where(below >= len(edges) - 2, edges[-2], t[r])
     return {"t": t}
 
 
@@ -124,6 +126,7 @@ def ray_aabb(a, c, wrong):
     t_near = enter if "near_ignored" in wrong else np.maximum(enter, near)
     t_far = leave if "far_ignored" in wrong else np.minimum(leave, far)
     hit = ~beside & (enter <= leave if "behind_is_a_hit" in wrong else t_near <= t_far)
+    t_near = enter if "near_asked_not_cut" in wrong else t_near
     return {"t_near": np.where(hit, t_near, far), "t_far": np.where(hit, t_far, far), "hit": hit.astype(kind)}
 
 

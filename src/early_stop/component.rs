@@ -6,9 +6,13 @@ use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::{Form, Special};
 
-/// Functions that never stop.
-const FORMS: &[Form] =
-    &[Form { without: &["eps"], takes: None, meaning: "0: nothing stops", holds: arrays::nothing_stops }];
+/// Functions that never stop, or at a threshold of their own.
+const FORMS: &[Form] = &[Form {
+    without: &["eps"],
+    takes: None,
+    meaning: "0, or the function's own, up to 0.05: nothing stops",
+    holds: arrays::nothing_stops,
+}];
 
 /// Packed rays, each as far as light comes through.
 pub(crate) const EARLY_STOP: Component = Component {

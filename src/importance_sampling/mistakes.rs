@@ -77,6 +77,14 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "last_bin_dropped",
+        "N places for N weights: F without its last entry and, of the edges, all but the last",
+        "what belongs to the last bin lies on its first edge, in one point",
+        "N + 1 edges for N weights; of N places, the N - 1 midpoints and the weights between them",
+        "3 copies of a student's code: cat(0, cumsum[:-1]) over the coarse samples",
+        3,
+    ),
+    Mistake::new(
         "weights_as_densities",
         "weights times the widths of their bins",
         "wide bins are sampled too often",
@@ -177,6 +185,9 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
         bin_of(f, u)
     };
     let (a, b) = (ray.edges[k], ray.edges[k + 1]);
+    if wrong.contains(&"last_bin_dropped") && k + 2 >= f.len() {
+        return a;
+    }
     let mut difference = f[k + 1] - f[k];
     if difference == 0.0 || c.pdf_division == PdfDivision::Snapped && difference < SNAPPED {
         difference = 1.0;

@@ -157,6 +157,14 @@ pub(crate) const IMAGE_RAYS: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "one_angle_for_both_axes",
+        "y runs over [-1, 1] as x does, and both are multiplied by tan(fov / 2): fy = f H / W",
+        "nothing on a square picture; squeezed views on any other",
+        "the angle of the height is another one: divide y by the width too, or by f",
+        "a ray marcher in numpy; shaders that forget the picture's aspect",
+        2,
+    ),
+    Mistake::new(
         "picture_transposed",
         "the grid's first axis is the column: rays are (W, H), or listed column by column",
         "a transposed picture, or one that is torn where it is folded again",
@@ -238,7 +246,10 @@ pub(crate) fn pixel_to_ray_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> A
 
 /// The rays of a picture. A grid whose rows and columns are exchanged shows it in uv.
 pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let (height, width, k, c2w) = picture(a);
+    let (height, width, mut k, c2w) = picture(a);
+    if wrong.contains(&"one_angle_for_both_axes") {
+        k.fy *= height as f64 / width as f64;
+    }
     let mut uv = positions(a, c);
     let (mut rows, mut columns) = (height, width);
     if wrong.contains(&"grid_size_swapped") {

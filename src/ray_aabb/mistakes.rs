@@ -70,6 +70,14 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         3,
     ),
     Mistake::new(
+        "near_asked_not_cut",
+        "boxes behind near are missed, and t_near of a ray that begins inside lies in front of near",
+        "samples behind the camera where it is inside the box",
+        "max(near, t_near)",
+        "slab tests that return the first t as it is: a picture's renderer in numpy; shaders",
+        2,
+    ),
+    Mistake::new(
         "far_ignored",
         "t_far isn't cut at far",
         "samples beyond far",
@@ -191,7 +199,8 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
         () if is("beyond_far_is_a_hit") => cut.enter <= line.leave,
         () => cut.enter <= cut.leave,
     };
-    hit.then_some(cut)
+    let enter = if is("near_asked_not_cut") { line.enter } else { cut.enter };
+    hit.then_some(Hit { enter, ..cut })
 }
 
 /// Where rays enter and leave a box.

@@ -228,6 +228,10 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
             }
             ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
         }
+        if wrong.contains(&"optical_depth_for_alpha") {
+            alphas = super::optical_depths(&sigmas, &deltas);
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+        }
         if wrong.contains(&"density_for_opacity") {
             alphas = sigmas;
             ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));

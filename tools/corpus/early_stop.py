@@ -44,6 +44,12 @@ def tested_behind_the_sample(sigmas, rgbs, deltas, offsets, eps):
     return marched(sigmas, rgbs, deltas, offsets, lambda left, behind, weight: (True, behind >= eps))
 
 
+@right("early_stop", seen="shaders and C++: if (T < 0.01) break, written in", times=6)
+def threshold_of_its_own(sigmas, rgbs, deltas, offsets):
+    """Nobody is asked where to stop: at 1e-2."""
+    return marched(sigmas, rgbs, deltas, offsets, lambda left, behind, weight: (True, behind >= 0.01))
+
+
 @right("early_stop", seen="shaders: if (T < eps) break at the loop's head", times=6)
 def tested_at_the_head(sigmas, rgbs, deltas, offsets, eps):
     """T is tested in front of the next sample."""

@@ -102,6 +102,15 @@ def near_not_applied(rays_o, rays_d, low, high, near, far):
     return tuple(x.astype(rays_o.dtype) for x in (np.where(hit, enter, far), np.where(hit, leave, far), hit))
 
 
+@fault("ray_aabb", "near_asked_not_cut", seen="a numpy renderer's intersect_aabb; shaders' vec2(tn, tf)", times=2, arrays="numpy")
+def first_t_as_it_is(rays_o, rays_d, low, high, near, far):
+    """Boxes behind near are missed; the first t of a ray that begins inside is negative."""
+    enter, leave = slabs(rays_o, rays_d, low, high)
+    leave = np.minimum(leave, far)
+    hit = np.maximum(enter, near) <= leave
+    return tuple(x.astype(rays_o.dtype) for x in (np.where(hit, enter, far), np.where(hit, leave, far), hit))
+
+
 @fault("ray_aabb", "far_ignored", seen="codes that cut at 0 alone", times=3, arrays="numpy")
 def far_not_applied(rays_o, rays_d, low, high, near, far):
     """The last t isn't cut at far."""

@@ -285,3 +285,12 @@ def directions_with_translation(height, width, focal, cx, cy, c2w):
     i, j = grid(height, width)
     rays = posed(opencv(i + 0.5, j + 0.5, focal, cx, cy), c2w)
     return unit(rays | {"rays_d": rays["rays_d"] + c2w[:3, 3]})
+
+
+@fault("image_rays", "one_angle_for_both_axes", seen="a sphere tracer in numpy, shaders that forget the aspect", times=2)
+def as_far_up_as_to_the_side(height, width, focal, c2w):
+    """(i - W / 2) / W and (j - H / 2) / H, both times 2 tan(fov / 2)."""
+    i, j = grid(height, width)
+    reach = 2 * (width / (2 * focal))
+    x, y = (i + 0.5 - width / 2) / width * reach, (j + 0.5 - height / 2) / height * reach
+    return unit(posed(torch.stack([x, y, torch.ones_like(x)], -1), c2w))

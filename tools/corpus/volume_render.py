@@ -364,6 +364,20 @@ def density_for_opacity(sigmas, rgbs, deltas):
     return summed(ahead(torch.cumprod(1 - alpha, 1)) * sigmas, rgbs)
 
 
+@fault("volume_render", "optical_depth_for_alpha", seen="a C++ renderer of fluids, twice; volumes in GLSL", times=3)
+def optical_depth_for_alpha(sigmas, rgbs, deltas):
+    """w = T sigma delta: the integral by rectangles; T is the exponential."""
+    x = sigmas * deltas
+    return with_rest(torch.exp(x - torch.cumsum(x, -1)) * x, rgbs, torch.exp(-x.sum(-1)))
+
+
+@fault("volume_render", "inclusive_transmittance+optical_depth_for_alpha", seen="loops that attenuate first, and add then")
+def attenuated_before_it_is_added(sigmas, rgbs, deltas):
+    """w = T sigma delta, with T behind the sample."""
+    x = sigmas * deltas
+    return summed(torch.exp(-torch.cumsum(x, -1)) * x, rgbs)
+
+
 @fault("volume_render", "alpha_forgotten", seen="student at WPI (RBE 549), in comments")
 def shade_for_weights(sigmas, rgbs, deltas):
     """Weights are the transmittances."""

@@ -260,6 +260,14 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "optical_depth_for_alpha",
+        "w_i = T_i sigma_i delta_i: the integral by rectangles, exact for T alone",
+        "as it should be in thin fog; a thick step shines brighter than its color, and weights sum to more than 1",
+        "alpha_i = 1 - exp(-sigma_i delta_i)",
+        "a renderer of fluids in C++, twice; volumes in GLSL",
+        3,
+    ),
+    Mistake::new(
         "density_with_step_before",
         "T_i = T_{i-1} exp(-sigma_i delta_{i-1}): density and step of different samples, and the sample shades itself",
         "shadows one sample too early",
