@@ -69,7 +69,7 @@ def early_stop(a, c, wrong):
         n = live_of(rendering.volume_render(ray, c, ())["weights"][0], behind, carried, a["eps"], c["stop"], wrong)
         ray = {name: carried * value[0] for name, value in rendering.volume_render(one_ray(a, first, n), c, ()).items()}
         left = ray["transmittance"]
-        if ("renormalized" in wrong or c["stopped"] == "made_opaque") and left < a["eps"]:
+        if ("renormalized" in wrong or c["stopped"] == "made_opaque") and left < a["eps"] and ray["opacity"] > 0:
             weights = ray["weights"] / ray["opacity"] if c["stopped"] == "made_opaque" else ray["weights"]
             ray |= {"colors": ray["colors"] / ray["opacity"], "weights": weights, "opacity": kind(1), "transmittance": kind(0)}
         if "clamped" in wrong:

@@ -63,22 +63,22 @@ def composite(alphas, rgbs, eps, wrong, shown=None, opaque=None):
 
 
 def over(c, out):
-    """In front of white, where that is the convention; the opacity without the last sample, where that is."""
-    if c["opacity_sum"] == "without_last":
-        out["opacity"] = out["weights"][:, :-1].sum(1)
+    """In front of white, where that is the convention; then the opacity without the last sample, where that is."""
     if c["backdrop"] == "white":
         out["colors"] = out["colors"] + (1 - out["opacity"])[:, None]
+    if c["opacity_sum"] == "without_last":
+        out["opacity"] = out["weights"][:, :-1].sum(1)
     return out
 
 
 def before_white(c, a):
-    """White loses what the opacity gains; where that is without the last sample, the others' weights have its gradient."""
-    if c["backdrop"] == "white":
-        a = a | {"grad_opacity": a["grad_opacity"] - a["grad_colors"].sum(1)}
+    """White loses what all weights gain; where the opacity is without the last sample, the others' weights have its gradient."""
     if c["opacity_sum"] == "without_last":
         weights = a["grad_weights"].copy()
         weights[:, :-1] += a["grad_opacity"][:, None]
         a = a | {"grad_weights": weights, "grad_opacity": np.zeros_like(a["grad_opacity"])}
+    if c["backdrop"] == "white":
+        a = a | {"grad_opacity": a["grad_opacity"] - a["grad_colors"].sum(1)}
     return a
 
 

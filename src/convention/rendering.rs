@@ -99,7 +99,7 @@ pub enum Stopped {
     /// It is left as it is: what light there is goes on to the background.
     #[default]
     Left,
-    /// Its color and its weights are divided by its opacity, and no light is left (instant-ngp, svox2).
+    /// Its color and its weights are divided by its opacity, and no light is left (instant-ngp, PlenOctrees).
     MadeOpaque,
 }
 
@@ -158,7 +158,8 @@ pub enum OpacitySum {
     /// All of them.
     #[default]
     All,
-    /// All but the last sample's, whose step leads to infinity: it has a color and hides nothing (nerfies).
+    /// All but the last sample's, whose step leads to infinity: it is not what one calls opaque (nerfies).
+    /// A backdrop shows through what all weights leave, all the same.
     WithoutLast,
 }
 

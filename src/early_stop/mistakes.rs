@@ -123,8 +123,8 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
             Stopped::Left => &[],
             Stopped::MadeOpaque => &["colors", "weights"],
         };
-        if !divided.is_empty() && t < eps {
-            let opacity = number(&ray, "opacity");
+        let opacity = number(&ray, "opacity");
+        if !divided.is_empty() && t < eps && opacity > 0.0 {
             for name in divided {
                 ray.get_mut(*name).expect("an output").mapv_inplace(|x| x / opacity);
             }

@@ -36,8 +36,13 @@ pub(super) fn render(a: &Arrays, c: &Conventions) -> Arrays {
     over(c, renderings(samples, &(0..rays).map(ray).collect::<Vec<_>>()))
 }
 
-/// Over white, where that is the convention: C + 1 - A. A is the sum of all weights, or of all but the last.
+/// Over white, where that is the convention: C + 1 - A, where A is the sum of all weights. What is handed out for A may be without the last.
 pub(super) fn over(c: &Conventions, mut out: Arrays) -> Arrays {
+    if c.backdrop == Backdrop::White {
+        let opacity = values(&out, "opacity");
+        let colors = out.get_mut("colors").expect("an output");
+        colors.indexed_iter_mut().for_each(|(i, color)| *color += 1.0 - opacity[i[0]]);
+    }
     if c.opacity_sum == OpacitySum::WithoutLast {
         let (rays, samples) = size(&out, "weights");
         let opacity = |r| {
@@ -48,25 +53,20 @@ pub(super) fn over(c: &Conventions, mut out: Arrays) -> Arrays {
         let opacity = array(&[rays], (0..rays).map(opacity).collect());
         out.insert("opacity".into(), opacity);
     }
-    if c.backdrop == Backdrop::White {
-        let opacity = values(&out, "opacity");
-        let colors = out.get_mut("colors").expect("an output");
-        colors.indexed_iter_mut().for_each(|(i, color)| *color += 1.0 - opacity[i[0]]);
-    }
     out
 }
 
-/// The cotangent of ray r in front of its backdrop: white loses what the opacity gains. Where the opacity is without the last sample's
-/// weight, its cotangent goes to the weights of the others.
+/// The cotangent of ray r in front of its backdrop: white loses what the sum of all weights gains. Where the opacity is without the last
+/// sample's weight, its cotangent goes to the weights of the others.
 pub(crate) fn cotangent_over(a: &Arrays, r: usize, c: &Conventions) -> Cotangent {
     let mut g = cotangent(a, r);
-    if c.backdrop == Backdrop::White {
-        g.opacity -= g.color.iter().sum::<f64>();
-    }
     if c.opacity_sum == OpacitySum::WithoutLast {
         let others = g.weights.len().saturating_sub(1);
         g.weights[..others].iter_mut().for_each(|g_w| *g_w += g.opacity);
         g.opacity = 0.0;
+    }
+    if c.backdrop == Backdrop::White {
+        g.opacity -= g.color.iter().sum::<f64>();
     }
     g
 }

@@ -19,9 +19,9 @@ pub(crate) struct Ray {
     /// In front of each sample and, last, behind all: (N + 1).
     transmittance: Vec<Bounded>,
     pub(crate) weights: Vec<Bounded>,
-    /// Whether white is behind it, which loses what the opacity gains.
+    /// Whether white is behind it, which loses what the sum of all weights gains.
     white: bool,
-    /// How many samples' weights are its opacity.
+    /// How many samples' weights are what it hands out for its opacity.
     counted: usize,
 }
 
@@ -100,12 +100,14 @@ impl Ray {
             let colors: Vec<Bounded> = self.rgbs.iter().map(|c| c[k]).collect();
             m.dot(&self.weights, &colors)
         };
-        // The sum of the weights, or 1 - T: the same over the reals when no eps is added to the factors. Not capped at [0, 1]:
-        // an honest sum of 256 textbook alphas reaches 3 in bf16.
-        let sum = m.sum(&self.weights[..self.counted]);
-        let left = self.transmittance[self.counted];
-        let opacity = if eps == ProductEps::None { sum.or(m.sub(exact(1.0), left)) } else { sum };
-        ([color(0), color(1), color(2)], opacity, behind)
+        ([color(0), color(1), color(2)], self.opacity(self.counted, eps, m), behind)
+    }
+
+    /// The sum of the first weights, or 1 - T: the same over the reals when no eps is added to the factors. Not capped at [0, 1]: an honest
+    /// sum of 256 textbook alphas reaches 3 in bf16.
+    fn opacity(&self, counted: usize, eps: ProductEps, m: &Arithmetic) -> Bounded {
+        let (sum, left) = (m.sum(&self.weights[..counted]), self.transmittance[counted]);
+        if eps == ProductEps::None { sum.or(m.sub(exact(1.0), left)) } else { sum }
     }
 
     /// Errors of g_x (g_alpha times the slope) and of g_rgb.
@@ -150,14 +152,11 @@ impl Ray {
         let terms: Vec<Bounded> = (0..3).map(|k| m.mul(g.color[k], self.rgbs[i][k])).collect();
         let color = m.sum(&terms);
         let color = m.rounded(color.y, color.e);
-        let opacity = if i >= self.counted {
-            exact(0.0)
-        } else if self.white {
+        let mut opacity = if i < self.counted { g.opacity } else { exact(0.0) };
+        if self.white {
             let lost = m.sum(&g.color);
-            m.sub(g.opacity, m.rounded(lost.y, lost.e))
-        } else {
-            g.opacity
-        };
+            opacity = m.sub(opacity, m.rounded(lost.y, lost.e));
+        }
         m.add(m.add(color, g.weights[i]), opacity)
     }
 }
@@ -212,11 +211,12 @@ fn products(alphas: &[Bounded], eps: ProductEps, m: &Arithmetic) -> Vec<Bounded>
 fn forward(rays: &[Ray], c: &Conventions, m: &Arithmetic) -> Arrays {
     let samples = rays.first().map_or(0, |ray| ray.weights.len());
     let outputs: Vec<_> = rays.iter().map(|ray| ray.outputs(c.product_eps, m)).collect();
-    let shown = |color: Bounded, opacity: Bounded| match c.backdrop {
+    let shown = |ray: &Ray, color: Bounded| match c.backdrop {
         Backdrop::None => color,
-        Backdrop::White => m.add(color, m.sub(exact(1.0), opacity)),
+        Backdrop::White => m.add(color, m.sub(exact(1.0), ray.opacity(ray.weights.len(), c.product_eps, m))),
     };
-    let colors = outputs.iter().flat_map(|o| o.0.map(|color| shown(color, o.1).e)).collect();
+    let colors =
+        rays.iter().zip(&outputs).flat_map(|(ray, o)| o.0.map(|color| shown(ray, color).e)).collect();
     arrays([
         ("colors", array(&[rays.len(), 3], colors)),
         (

@@ -34,7 +34,7 @@ fn counted_of(n: usize, c: &Conventions) -> usize {
     if c.opacity_sum == OpacitySum::All { n } else { n.saturating_sub(1) }
 }
 
-/// Opacity is the sum of the weights, or 1 - T where no eps is added to the factors of T.
+/// Opacity is the sum of the weights, or 1 - T where no eps is added to the factors of T. White shows through what all weights leave.
 fn composite(
     alphas: &[f64],
     rgbs: &[[f64; 3]],
@@ -42,14 +42,20 @@ fn composite(
     c: &Conventions,
     m: &Machine,
 ) -> Rendering {
-    let counted = counted_of(alphas.len(), c);
     let weights: Vec<f64> = alphas.iter().zip(&transmittance).map(|(&a, &t)| m.mul(t, a)).collect();
-    let color = std::array::from_fn(|k| m.dot(&weights, &rgbs.iter().map(|c| c[k]).collect::<Vec<_>>()));
-    let opacity = if m.form % 3 == 2 && c.product_eps == ProductEps::None {
-        m.sub(1.0, transmittance[counted])
-    } else {
-        m.sum(&weights[..counted])
+    let mut color = std::array::from_fn(|k| m.dot(&weights, &rgbs.iter().map(|c| c[k]).collect::<Vec<_>>()));
+    let opacity = |counted: usize| {
+        if m.form % 3 == 2 && c.product_eps == ProductEps::None {
+            m.sub(1.0, transmittance[counted])
+        } else {
+            m.sum(&weights[..counted])
+        }
     };
+    if c.backdrop == Backdrop::White {
+        let left = m.sub(1.0, opacity(weights.len()));
+        color = color.map(|color| m.add(color, left));
+    }
+    let opacity = opacity(counted_of(weights.len(), c));
     Rendering { color, weights, transmittance, opacity }
 }
 
@@ -69,32 +75,14 @@ fn render_ray_alpha(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Rende
 /// Rendering from densities.
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, samples) = size(a, "sigmas");
-    renderings(samples, &(0..rays).map(|r| over(render_ray(a, r, c, m), c, m)).collect::<Vec<_>>())
-}
-
-/// In front of white, where that is the convention.
-fn over(mut ray: Rendering, c: &Conventions, m: &Machine) -> Rendering {
-    if c.backdrop == Backdrop::White {
-        let left = m.sub(1.0, ray.opacity);
-        ray.color = ray.color.map(|color| m.add(color, left));
-    }
-    ray
-}
-
-/// The cotangent of ray r in front of its backdrop.
-fn cotangent_over(a: &Arrays, r: usize, c: &Conventions, m: &Machine) -> Cotangent {
-    let mut g = cotangent(a, r);
-    if c.backdrop == Backdrop::White {
-        g.opacity = m.sub(g.opacity, m.sum(&g.color));
-    }
-    g
+    renderings(samples, &(0..rays).map(|r| render_ray(a, r, c, m)).collect::<Vec<_>>())
 }
 
 /// Rendering from opacities.
 pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let a = &counted(a, c);
     let (rays, samples) = size(a, "alphas");
-    renderings(samples, &(0..rays).map(|r| over(render_ray_alpha(a, r, c, m), c, m)).collect::<Vec<_>>())
+    renderings(samples, &(0..rays).map(|r| render_ray_alpha(a, r, c, m)).collect::<Vec<_>>())
 }
 
 /// g_alpha by recursion from the last sample (form 0), by suffix sums (1), or as total minus prefix, as instant-ngp does (2).
@@ -109,7 +97,10 @@ fn gradients(
 ) -> Vec<f64> {
     let n = alphas.len();
     let eps = c.product_eps.value();
-    let on_opacity = |i: usize| if i < counted_of(n, c) { g.opacity } else { 0.0 };
+    let on_opacity = |i: usize| {
+        let own = if i < counted_of(n, c) { g.opacity } else { 0.0 };
+        if c.backdrop == Backdrop::White { m.sub(own, m.sum(&g.color)) } else { own }
+    };
     let g_w: Vec<f64> =
         (0..n).map(|i| m.add(m.add(m.dot(&g.color, &rgbs[i]), g.weights[i]), on_opacity(i))).collect();
     if m.form % 3 == 0 || slopes.iter().all(|&s| s == 1.0) || eps != 0.0 {
@@ -138,7 +129,7 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arr
     for r in 0..rays {
         let x = optical_depths(a, r, m);
         let slopes: Vec<f64> = x.iter().map(|&x| m.exp(-x)).collect();
-        let (f, g) = (render_ray(a, r, c, m), cotangent_over(a, r, c, m));
+        let (f, g) = (render_ray(a, r, c, m), cotangent(a, r));
         let g_x = gradients(&alphas(&x, m), &rows3(a, "rgbs", r), &slopes, &f, &g, c, m);
         g_sigmas.extend(row(a, "deltas", r).iter().zip(&g_x).map(|(&delta, &g)| m.mul(delta, g)));
         g_deltas.extend(row(a, "sigmas", r).iter().zip(&g_x).map(|(&sigma, &g)| m.mul(sigma, g)));
@@ -158,7 +149,7 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Machi
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
     for r in 0..rays {
-        let (f, g) = (render_ray_alpha(a, r, c, m), cotangent_over(a, r, c, m));
+        let (f, g) = (render_ray_alpha(a, r, c, m), cotangent(a, r));
         let slopes = vec![1.0; samples];
         let alphas: Vec<f64> = row(a, "alphas", r).into_iter().map(|alpha| m.round(alpha)).collect();
         g_alphas.extend(gradients(&alphas, &rows3(a, "rgbs", r), &slopes, &f, &g, c, m));

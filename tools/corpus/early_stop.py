@@ -79,7 +79,7 @@ def tested_before_the_sample_is_added(sigmas, rgbs, deltas, offsets, eps):
     return marched(sigmas, rgbs, deltas, offsets, lambda left, behind, weight: (behind >= eps, behind >= eps))
 
 
-@convention("early_stop", {"stopped": "made_opaque"}, seen="NVlabs/instant-ngp testbed_nerf.cu; PlenOctrees and svox2 kernels", times=3)
+@convention("early_stop", {"stopped": "made_opaque"}, seen="NVlabs/instant-ngp testbed_nerf.cu; PlenOctrees' kernel", times=3)
 def stopped_rays_made_opaque(sigmas, rgbs, deltas, offsets, eps):
     """A ray that stops is divided by its opacity."""
     colors, weights, opacity, behind = tested_behind_the_sample(sigmas, rgbs, deltas, offsets, eps).values()

@@ -209,6 +209,13 @@ def last_sample_is_no_opacity(sigmas, rgbs, deltas):
     return colors, weights, weights[:, :-1].sum(-1)
 
 
+@convention("volume_render", {"opacity_sum": "without_last", "backdrop": "white"}, seen="google/nerfies with use_white_background")
+def last_sample_is_no_opacity_over_white(sigmas, rgbs, deltas):
+    """White shows through what all weights leave; then the last sample's is taken off."""
+    colors, weights, opacity = last_sample_is_no_opacity(sigmas, rgbs, deltas)
+    return colors + (1 - weights.sum(-1))[:, None], weights, opacity
+
+
 @fault("volume_render", "inclusive_transmittance", seen="CMU 16-825 students; tutorials in three languages", times=7)
 def product_as_it_comes(sigmas, rgbs, deltas):
     """The cumulative product isn't moved: each sample shades itself."""
