@@ -82,7 +82,11 @@ fn quantile(sorted: &[f64], q: f64) -> Option<f64> {
 
 /// The pixel position on which a point falls, through the lens where there is one; `None` where it lies behind the camera.
 pub(super) fn project(camera: &Camera, point: DVec3) -> Option<DVec2> {
-    let seen = camera.c2w.inverse().transform_point3(point);
+    image_of(camera, camera.c2w.inverse().transform_point3(point))
+}
+
+/// The same of a point in the camera's own axes.
+pub(super) fn image_of(camera: &Camera, seen: DVec3) -> Option<DVec2> {
     if seen.z <= 0.0 {
         return None;
     }

@@ -59,7 +59,7 @@ struct Range {
 /// Sets the background, `focus`, `near`, `far` and, where depths are known, `bounds`, with their reasons: given, or derived.
 pub(super) fn settle(scene: &mut Scene, file: &str, backdrop: Backdrop, options: &Options) -> Result<()> {
     border::settle(scene, options);
-    // Held-out cameras count too: the scene doesn't change when another frame is held out.
+    // Held-out cameras count too: the scene doesn't change when another frame is held out, but for points that photographs agree on.
     let cameras: Vec<Camera> = scene.train.iter().chain(&scene.val).map(|frame| frame.camera).collect();
     let cameras: Vec<&Camera> = cameras.iter().collect();
     let focus = common_focus(&cameras);
@@ -228,7 +228,8 @@ fn distrust_box(scene: &mut Scene, focus: Option<DVec3>, cameras: &[&Camera]) {
     ));
 }
 
-/// Gives the scene the points that its photographs agree on; held-out ones aren't looked at. A warning where they agree on too few.
+/// Gives the scene the points that its photographs agree on, where these are all of it; held-out ones aren't looked at. A warning where
+/// they agree on too few.
 fn find_points(scene: &mut Scene) {
     let agreement = sweep::sweep(&scene.train);
     let (found, places) = (agreement.cloud.points.len(), agreement.places);
@@ -238,6 +239,13 @@ fn find_points(scene: &mut Scene) {
              to one another or too far apart for what they see, or poses, axes or focal length aren't these photographs'. Give both near and \
              far where they are known."
         ));
+    }
+    if agreement.open() && !agreement.refuted() {
+        let beyond = agreement.beyond;
+        let why = format!(
+            "none: {beyond} of {places} places are farther away than photographs so close to one another can tell"
+        );
+        scene.reasons.insert("points".into(), Value::from(why));
     }
     if agreement.trusted() {
         let why = format!("{found} of {places} places that neighboring photographs agree on");

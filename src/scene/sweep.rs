@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use super::cloud::project;
+use super::cloud::image_of;
 use super::{Cloud, Frame, shrunk};
 use crate::camera::Camera;
 use crate::parallel;
@@ -30,6 +30,8 @@ const AGREEING: usize = 3;
 /// What is found in fewer places than this, or in a smaller share of those that show something, may be chance.
 const ENOUGH: usize = 100;
 const SHARE: f64 = 0.1;
+/// Where more than this share is too far away to measure, the points that can be measured say nothing about where the scene ends.
+const BEYOND: f64 = 0.02;
 
 /// A photograph in gray, shrunk, with its camera.
 struct View {
@@ -41,11 +43,20 @@ struct View {
 /// Gray values without their mean, of length 1.
 type Patch = [f64; PIXELS];
 
-/// The inverse of a depth, and what a pixel of the neighbor is worth.
+/// The inverse of a depth, and what a pixel of the neighbor is worth; 0 where something is found, but too far away to say how far.
 #[derive(Clone, Copy)]
 struct Found {
     inverse: f64,
     pixel: f64,
+}
+
+/// What is found of one photograph in its neighbors.
+#[derive(Default)]
+struct Swept {
+    /// Points, with their distances from this camera.
+    found: Vec<(DVec3, f64)>,
+    places: usize,
+    beyond: usize,
 }
 
 /// What neighboring photographs agree on.
@@ -54,18 +65,28 @@ pub(super) struct Agreement {
     pub cloud: Cloud,
     /// The places that show something, with or without a point.
     pub places: usize,
+    /// Of these, what is farther away than photographs so close to one another can tell.
+    pub beyond: usize,
 }
 
 impl Agreement {
-    /// Whether there are more points than chance would find.
+    /// Whether there are more points than chance would find, and hardly anything behind them.
     pub(super) fn trusted(&self) -> bool {
-        let found = self.cloud.points.len();
-        found >= ENOUGH && found as f64 >= SHARE * self.places as f64
+        self.enough(self.cloud.points.len()) && !self.open()
+    }
+
+    /// Whether the scene goes on behind what can be measured.
+    pub(super) fn open(&self) -> bool {
+        self.beyond as f64 > BEYOND * self.places as f64
     }
 
     /// Whether photographs that show enough don't fit their cameras.
     pub(super) fn refuted(&self) -> bool {
-        self.places >= ENOUGH && !self.trusted()
+        self.places >= ENOUGH && !self.enough(self.cloud.points.len() + self.beyond)
+    }
+
+    fn enough(&self, found: usize) -> bool {
+        found >= ENOUGH && found as f64 >= SHARE * self.places as f64
     }
 }
 
@@ -80,16 +101,17 @@ pub(super) fn sweep(frames: &[Frame]) -> Agreement {
 
     let sweeps = parallel::map(count, |n| {
         let others: Vec<&View> = beside[n].iter().filter_map(|&other| views[other].as_ref()).collect();
-        views[chosen[n]].as_ref().map_or((vec![], 0), |view| view.sweep(&others))
+        views[chosen[n]].as_ref().map_or(Swept::default(), |view| view.sweep(&others))
     });
-    let places: usize = sweeps.iter().map(|(_, places)| places).sum();
-    let found: Vec<(DVec3, f64)> = sweeps.into_iter().flat_map(|(found, _)| found).collect();
+    let (places, beyond) = (sweeps.iter().map(|s| s.places).sum(), sweeps.iter().map(|s| s.beyond).sum());
+    let found: Vec<(DVec3, f64)> = sweeps.into_iter().flat_map(|swept| swept.found).collect();
     let (points, mut distances): (Vec<DVec3>, Vec<f64>) = found.into_iter().unzip();
     distances.sort_by(f64::total_cmp);
-    Agreement { cloud: Cloud { points, distances, reprojection: None }, places }
+    Agreement { cloud: Cloud { points, distances, reprojection: None }, places, beyond }
 }
 
-/// Of the nearest cameras elsewhere that look in about the same direction, every other one.
+/// Of the cameras elsewhere that look in about the same direction, the second nearest, and others that are farther away by equal factors
+/// of rank: a film's next frames stand too close to measure with.
 fn neighbors(frames: &[&Frame], n: usize) -> Vec<usize> {
     const TURNED: f64 = 30.0;
     let [center, axis] = stand(&frames[n].camera);
@@ -98,8 +120,16 @@ fn neighbors(frames: &[&Frame], n: usize) -> Vec<usize> {
         |m: &usize| away(*m) > 0.0 && stand(&frames[*m].camera)[1].angle_between(axis) < TURNED.to_radians();
     let mut others: Vec<usize> = (0..frames.len()).filter(near).collect();
     others.sort_by(|a, b| away(*a).total_cmp(&away(*b)));
-    let by = if others.len() >= 2 * NEIGHBORS { 2 } else { 1 };
-    others.into_iter().skip(by - 1).step_by(by).take(NEIGHBORS).collect()
+    if others.len() <= NEIGHBORS {
+        return others;
+    }
+    // The last is the 64th, or where there are fewer, the farthest.
+    let factor = (0.5 * others.len().min(64) as f64).powf(1.0 / (NEIGHBORS - 1) as f64);
+    let ranks = (0..NEIGHBORS).scan(0, |rank, n| {
+        *rank = (*rank + 1).max((2.0 * factor.powi(n as i32)).round() as usize);
+        Some(*rank)
+    });
+    ranks.map(|rank| others[rank.min(others.len()) - 1]).collect()
 }
 
 /// A camera's center and axis.
@@ -117,12 +147,12 @@ impl View {
         Some(View { camera: shrunk(&frame.camera, n), gray, counts })
     }
 
-    /// Points, with their distance from this camera, on which enough neighbors agree; and how many places show something.
-    fn sweep(&self, others: &[&View]) -> (Vec<(DVec3, f64)>, usize) {
-        let (mut found, mut places) = (vec![], 0);
+    /// What enough neighbors agree on.
+    fn sweep(&self, others: &[&View]) -> Swept {
+        let mut swept = Swept::default();
         // Fewer can't agree, and can't refute anything either.
         if others.len() < AGREEING {
-            return (found, places);
+            return swept;
         }
         for place in 0..PLACES * PLACES {
             let at = |n: usize, size: usize| (n as f64 + 0.5) / PLACES as f64 * size as f64;
@@ -131,15 +161,17 @@ impl View {
             let (Some(patch), Some(rays)) = (self.patch(uv, DVec2::X, DVec2::Y), self.rays(uv)) else {
                 continue;
             };
-            places += 1;
-            let all: Vec<Found> =
-                others.iter().filter_map(|other| self.search(other, &patch, &rays)).collect();
-            if let Some(inverse) = agreed(&all) {
+            swept.places += 1;
+            let all = others.iter().filter_map(|other| self.search(other, &patch, &rays));
+            let (measured, beyond): (Vec<Found>, Vec<Found>) = all.partition(|found| found.inverse > 0.0);
+            if let Some(inverse) = agreed(&measured) {
                 let to = rays[0] / inverse;
-                found.push((stand(&self.camera)[0] + to, to.length()));
+                swept.found.push((stand(&self.camera)[0] + to, to.length()));
+            } else if beyond.len() >= AGREEING {
+                swept.beyond += 1;
             }
         }
-        (found, places)
+        swept
     }
 
     /// Directions of depth 1 through a position, and through those a pixel to the right and below.
@@ -154,10 +186,12 @@ impl View {
         let [center, _] = stand(&self.camera);
         let apart = (stand(&other.camera)[0] - center).length();
         let pixel = 1.0 / (apart * other.camera.k.fx.max(other.camera.k.fy));
+        let w2c = other.camera.c2w.inverse();
+        let (origin, rays) = (w2c.transform_point3(center), rays.map(|ray| w2c.transform_vector3(ray)));
         let alike = |n: usize| {
             // The first is as good as infinitely far away.
             let depth = 1.0 / (pixel * (n as f64).max(0.01));
-            let [uv, right, below] = rays.map(|ray| project(&other.camera, center + ray * depth));
+            let [uv, right, below] = rays.map(|ray| image_of(&other.camera, origin + ray * depth));
             let uv = uv?;
             let found = other.patch(uv, right? - uv, below? - uv)?;
             Some(patch.iter().zip(&found).map(|(a, b)| a * b).sum::<f64>())
@@ -166,9 +200,9 @@ impl View {
         let scores: Vec<f64> = (0..most).map(|n| alike(n).unwrap_or(-1.0)).collect();
         let best = (0..most).max_by(|&a, &b| scores[a].total_cmp(&scores[b]))?;
         let rival = (0..most).filter(|n| n.abs_diff(best) > 3).map(|n| scores[n]).fold(-1.0, f64::max);
+        let told = scores[best] >= ALIKE && scores[best] >= rival + DISTINCT;
         // Less than two pixels apart, things are far away, but nobody can say how far.
-        let told = best >= 2 && scores[best] >= ALIKE && scores[best] >= rival + DISTINCT;
-        told.then_some(Found { inverse: best as f64 * pixel, pixel })
+        told.then_some(Found { inverse: if best >= 2 { best as f64 * pixel } else { 0.0 }, pixel })
     }
 
     /// The patch around a position whose next pixels lie `right` and `below`; `None` where it isn't whole, doesn't count or is plain.
@@ -230,6 +264,11 @@ mod tests {
     /// A wall on the left, another behind it on the right, with a pattern that doesn't repeat, seen from nine places side by side;
     /// with their own cameras, or with others' of them.
     fn frames(others: bool) -> Vec<Frame> {
+        before(FAR, others)
+    }
+
+    /// The same with the second wall at any distance, its pattern as large in the photographs.
+    fn before(far: f64, others: bool) -> Vec<Frame> {
         let k = Intrinsics { fx: 90.0, fy: 90.0, cx: 48.0, cy: 36.0 };
         let frame = |n: usize| {
             let center = DVec3::new(0.3 * (n % 3) as f64, 0.2 * (n / 3) as f64, 0.0);
@@ -242,7 +281,7 @@ mod tests {
             let color = |(j, i, _): (usize, usize, usize)| {
                 let ray = pixel_ray(&camera, i, j).unwrap().unwrap();
                 let at = |z: f64| ray.o + ray.d * ((z - ray.o.z) / ray.d.z);
-                gray(if at(NEAR).x < 0.3 { at(NEAR) } else { at(FAR) }) as f32
+                gray(if at(NEAR).x < 0.3 { at(NEAR) } else { at(far) * (FAR / far) }) as f32
             };
             let image = Some(Photo::fine(ndarray::Array3::from_shape_fn((72, 96, 3), color), false));
             Frame { name: n.to_string(), camera, image }
@@ -258,14 +297,24 @@ mod tests {
 
     #[test]
     fn photographs_tell_how_far_walls_are() {
-        let Agreement { cloud, places } = sweep(&frames(false));
+        let Agreement { cloud, places, beyond } = sweep(&frames(false));
         assert!(10 * cloud.points.len() > 3 * places, "{} of {places}", cloud.points.len());
+        assert!(50 * beyond < places, "{beyond} of {places}");
         let (near, far): (Vec<_>, Vec<_>) = cloud.points.iter().map(|p| p.z).partition(|z| *z < 4.2);
         for (depths, wall) in [(near, NEAR), (far, FAR)] {
             assert!(depths.len() > 50, "{wall}: {}", depths.len());
             let right = depths.iter().filter(|z| (*z / wall - 1.0).abs() < 0.1).count();
             assert!(20 * right >= 19 * depths.len(), "{wall}: {right} of {} are right", depths.len());
         }
+    }
+
+    /// 0.6 apart, photographs of 90 pixels to the depth can tell 27 away, and not 600.
+    #[test]
+    fn what_is_too_far_away_to_measure_keeps_the_scene_open() {
+        let far = sweep(&before(600.0, false));
+        assert!(far.cloud.points.len() > ENOUGH, "the wall in front is found: {}", far.cloud.points.len());
+        assert!(far.open() && !far.trusted() && !far.refuted(), "{} of {}", far.beyond, far.places);
+        assert!(sweep(&frames(false)).trusted());
     }
 
     #[test]
