@@ -1,6 +1,6 @@
 //! Marking: the answers to one question against the truth in given conventions.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use ndarray::ArrayD;
@@ -57,6 +57,8 @@ pub struct Marks {
     pub off: Vec<String>,
     /// The cases of which something is wrong.
     pub wrong_cases: Vec<String>,
+    /// Which formula's bound holds of each case of which two differ, where all that is answered is right.
+    pub grades: BTreeMap<String, Grade>,
 }
 
 impl Marks {

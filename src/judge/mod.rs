@@ -26,6 +26,7 @@ pub mod exchange;
 pub mod explain;
 mod fitted;
 #[doc(hidden)]
+mod honest;
 pub mod hypothesis;
 mod imprecise;
 #[doc(hidden)]

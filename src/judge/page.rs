@@ -6,6 +6,7 @@ use super::assignment::Partial;
 use super::evidence::Explanation;
 use super::mark::Worst;
 use super::report::{Report, Row, Verdict};
+use crate::contract::arithmetic::Grade;
 use crate::contract::component::Mistake;
 
 impl fmt::Display for Report {
@@ -21,22 +22,24 @@ impl fmt::Display for Report {
         }
         writeln!(
             f,
-            "\n{:<24}{:<12}{:>7}  {:<12}{:<7}{:>10}{:>9}",
-            "component", "kind", "cases", "verdict", "grade", "budget", "vacuous"
+            "\n{:<24}{:<12}{:>7}  {:<12}{:<7}{:>10}{:>9}{:>9}",
+            "component", "kind", "cases", "verdict", "grade", "budget", "honest", "vacuous"
         )?;
         for row in self.rows.iter().filter(|row| row.verdict != Verdict::Unsupported) {
             let budget = row.budget_used.map_or(String::new(), percent);
             let grade = row.grade.map_or("-".into(), |grade| format!("{grade:?}"));
+            let honest = row.over_honest().map_or("-".into(), |times| format!("{times:.1} x"));
             let cases = format!("{}/{}", row.answered, row.cases);
             writeln!(
                 f,
-                "{:<24}{:<12}{cases:>7}  {:<12}{grade:<7}{budget:>10}{:>9}",
+                "{:<24}{:<12}{cases:>7}  {:<12}{grade:<7}{budget:>10}{honest:>9}{:>9}",
                 row.name, row.kind, row.verdict, row.vacuous
             )?;
         }
         writeln!(
             f,
             "\nbudget: the largest error, of what is allowed; grade: A, the stable formula's bound held, B, the textbook's;\n\
+             honest: that error, in errors of the best honest form;\n\
              vacuous: elements whose bound reaches their own size, so that 0 would pass too"
         )?;
         let unsupported = self.rows.iter().filter(|row| row.verdict == Verdict::Unsupported);
@@ -83,6 +86,16 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         needed.dedup();
         let (cases, needed) = (row.left_out.len(), needed.join(", "));
         writeln!(f, "\n{} {}: {cases} cases left out, as they need {needed}", row.name, row.kind)?;
+    }
+    let textbook = row.grades.values().filter(|grade| **grade == Grade::B).count();
+    if textbook > 0 {
+        let first = row.grades.iter().find(|(_, grade)| **grade == Grade::B).map_or("", |(id, _)| id);
+        let graded = row.grades.len();
+        writeln!(
+            f,
+            "\n{} {}: grade B in {textbook} of {graded} graded cases, {first} first",
+            row.name, row.kind
+        )?;
     }
     if row.verdict == Verdict::Pass {
         for layout in &row.layouts {

@@ -71,8 +71,12 @@ pub struct Row {
     pub verdict: Verdict,
     /// Which formula's bound held, where two differ.
     pub grade: Option<Grade>,
+    /// The same of each case of which two differ, where the row is right.
+    pub grades: BTreeMap<String, Grade>,
     /// Largest error over bound.
     pub budget_used: Option<f64>,
+    /// Largest error over bound of the best honest form, asked the same, where the row passes.
+    pub honest_used: Option<f64>,
     /// Elements that prove nothing.
     pub vacuous: usize,
     /// Answered outputs that no element proves.
@@ -123,7 +127,9 @@ impl Row {
             answered: 0,
             verdict: Verdict::Unsupported,
             grade: None,
+            grades: BTreeMap::new(),
             budget_used: None,
+            honest_used: None,
             vacuous: 0,
             unproved: vec![],
             lost_bits: None,
@@ -162,6 +168,7 @@ impl Row {
                 (false, _) => Verdict::Fail,
             },
             grade,
+            grades: marks.grades.clone(),
             budget_used: Some(marks.budget_used),
             vacuous: marks.vacuous,
             unproved: marks.unproved.iter().cloned().collect(),
@@ -177,6 +184,11 @@ impl Row {
         }
     }
 
+    /// How many times the best honest form's error the largest error is, both in units of what is allowed.
+    pub fn over_honest(&self) -> Option<f64> {
+        Some(self.budget_used? / self.honest_used?)
+    }
+
     fn json(&self) -> Value {
         json!({
             "name": self.name,
@@ -185,7 +197,9 @@ impl Row {
             "answered": self.answered,
             "verdict": self.verdict.to_string(),
             "grade": self.grade.map(|grade| format!("{grade:?}")),
+            "grades": self.grades.iter().map(|(id, grade)| (id, format!("{grade:?}"))).collect::<BTreeMap<_, _>>(),
             "budget_used": self.budget_used.map(number),
+            "over_honest": self.over_honest().map(number),
             "vacuous": self.vacuous,
             "unproved": self.unproved,
             "lost_bits": self.lost_bits,

@@ -8,6 +8,7 @@ use super::diagnose::diagnose;
 use super::evidence::{Explanation, Suspect, difference};
 use super::exam::{Exam, Question};
 use super::example::smallest;
+use super::honest::best_honest;
 use super::hypothesis::Hypothesis;
 use super::imprecise::lost_bits;
 use super::mark::{MarkOptions, Marks, mark};
@@ -16,6 +17,7 @@ use super::report::{Report, Row, Verdict};
 use super::slips::gradient_of;
 use super::{layout, statistics};
 use crate::contract::arithmetic::Grade;
+use crate::contract::case::Case;
 use crate::convention::Conventions;
 use crate::parallel;
 
@@ -122,6 +124,9 @@ impl Round {
             row.layouts.extend(layouts.get(&n).cloned());
             if let Some((_, own)) = self.found.contradicting.iter().find(|(m, _)| *m == n) {
                 row.contradiction = partial(question.component, own);
+            }
+            if row.verdict == Verdict::Pass {
+                row.honest_used = best_honest(question, &answers[n], c, options, grade.unwrap_or(Grade::A));
             }
             if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
                 let known = suspects.get(question.component.name).map_or(&[][..], Vec::as_slice);
@@ -251,16 +256,17 @@ pub(super) fn marks(
         let fault = "its questions have the shapes of other conventions than the run's: pin the profile";
         return (Marks { faults: vec![fault.into()], ..Marks::default() }, None);
     }
-    let graded = question.cases.iter().any(|case| {
-        let direction = question.component.direction(question.kind).expect("a question has its direction");
-        let bound = |grade| (direction.bound)(&case.inputs, c, &options.arithmetic(grade));
-        bound(Grade::A) != bound(Grade::B)
-    });
+    let truth = |case: &Case, grade| options.truth(question, case, c, grade);
+    let differ = |case: &&Case| truth(case, Grade::A).bound != truth(case, Grade::B).bound;
+    let graded: Vec<&Case> = question.cases.iter().filter(differ).collect();
     // The wider bound first: what exceeds it exceeds the other too.
-    let textbook = mark(question, answers, c, options, if graded { Grade::B } else { Grade::A });
-    if !graded || !textbook.right() {
+    let textbook = mark(question, answers, c, options, if graded.is_empty() { Grade::A } else { Grade::B });
+    if graded.is_empty() || !textbook.right() {
         return (textbook, None);
     }
     let stable = mark(question, answers, c, options, Grade::A);
-    if stable.right() { (stable, Some(Grade::A)) } else { (textbook, Some(Grade::B)) }
+    let held = |id: &String| if stable.wrong_cases.contains(id) { Grade::B } else { Grade::A };
+    let grades = graded.into_iter().map(|case| (case.id.clone(), held(&case.id))).collect();
+    let (marks, grade) = if stable.right() { (stable, Grade::A) } else { (textbook, Grade::B) };
+    (Marks { grades, ..marks }, Some(grade))
 }

@@ -48,7 +48,11 @@ class Row:
     answered: int
     verdict: str
     grade: str | None
+    # The same of each case of which two formulas' bounds differ, where the row is right.
+    grades: dict[str, str]
     budget_used: float | None
+    # The largest error in errors of the best honest form, where the row passes and that form makes one.
+    over_honest: float | None
     vacuous: int
     unproved: list[str]
     lost_bits: int | None
@@ -97,6 +101,7 @@ def row_from(fields: dict[str, Any]) -> Row:
     changed = {
         "diagnosis": [mistake(found) for found in fields["diagnosis"]],
         "budget_used": number(fields["budget_used"]),
+        "over_honest": number(fields["over_honest"]),
         "worst_case": worst and {key: x if key in ("id", "output", "index") else number(x) for key, x in worst.items()},
     }
     return Row(**{**fields, **changed})
