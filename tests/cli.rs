@@ -6,6 +6,9 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
+/// A scene that is validated in no time.
+const SMALL: &str = "builtin:blob,size=24,views=6";
+
 fn run(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_nerf-oracle")).args(args).output().expect("the program starts")
 }
@@ -104,7 +107,7 @@ fn bad_input_is_named() {
 fn a_run_can_be_trained_resumed_measured_and_rendered() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let run = path(dir.path(), "run");
-    let common = ["train", "builtin:blob", "--out", &run, "--model", "nerf", "--width", "16", "--rays", "64"];
+    let common = ["train", SMALL, "--out", &run, "--model", "nerf", "--width", "16", "--rays", "64"];
     let rest = ["--samples", "8", "--threads", "2", "--json"];
     let train = |more: &[&str]| object(&[&common[..], &rest, more].concat());
     let first = train(&["--steps", "4"]);
@@ -283,8 +286,7 @@ fn a_log_says_how_it_was_measured() {
 fn a_run_goes_on_with_what_it_was_begun_with() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let run = path(dir.path(), "run");
-    let common =
-        ["train", "builtin:blob", "--out", &run, "--model", "nerf", "--rays", "16", "--samples", "4"];
+    let common = ["train", SMALL, "--out", &run, "--model", "nerf", "--rays", "16", "--samples", "4"];
     fn joined<'a>(common: &[&'a str], more: &[&'a str]) -> Vec<&'a str> {
         [common, more].concat()
     }
@@ -320,9 +322,7 @@ fn a_sweep_makes_a_table_and_a_film_a_folder_with_depth() {
     }
     let reference =
         ["--backend", "reference", "--width", "8", "--rays", "4", "--samples", "4", "--steps", "1"];
-    object(
-        &[&["train", "builtin:blob", "--out", &run, "--model", "nerf", "--json"], &reference[..]].concat(),
-    );
+    object(&[&["train", SMALL, "--out", &run, "--model", "nerf", "--json"], &reference[..]].concat());
     let frames = path(dir.path(), "frames");
     let view = ["--path", "orbit:2", "--size", "8x6", "--depth", "--background", "white", "--json"];
     object(&[&["render", &run, "--out", &frames], &view[..]].concat());
@@ -402,7 +402,7 @@ fn a_test_split_without_photographs_is_refused() {
 fn a_broken_checkpoint_is_refused() {
     let dir = tempfile::tempdir().expect("a temporary folder");
     let run = path(dir.path(), "run");
-    let args = ["train", "builtin:blob", "--out", &run, "--model", "nerf", "--width", "8", "--rays", "16"];
+    let args = ["train", SMALL, "--out", &run, "--model", "nerf", "--width", "8", "--rays", "16"];
     object(&[&args[..], &["--samples", "4", "--steps", "1", "--json"]].concat());
     let file = Path::new(&run).join("checkpoint.npz");
     let bytes = fs::read(&file).expect("a checkpoint");

@@ -154,7 +154,7 @@ fn unexplained(question: &Question, mistake: &Mistake, dtype: Dtype) -> String {
 
 /// Draws of one convention and one mistake: `NERF_ORACLE_PAIRS=2000` for more.
 fn pairs() -> u64 {
-    std::env::var("NERF_ORACLE_PAIRS").ok().map_or(30, |n| n.parse().expect("NERF_ORACLE_PAIRS is a number"))
+    std::env::var("NERF_ORACLE_PAIRS").ok().map_or(12, |n| n.parse().expect("NERF_ORACLE_PAIRS is a number"))
 }
 
 #[test]

@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 use ground::Ground;
 
 /// Inputs that are drawn where NERF_ORACLE_INPUTS doesn't say how many, and how many of them must be bad: some changes leave a file good.
-const DRAWN: usize = 300;
+const DRAWN: usize = 150;
 const BAD: f64 = 0.8;
 
 /// A program that takes longer hangs.

@@ -9,6 +9,7 @@ use nerf_oracle::files::fault::{self, Fault};
 use tempfile::TempDir;
 
 use super::program::{Kept, files, times, told};
+use super::types::types;
 
 /// How a test tells [`child`] what to do.
 const ARGS: &str = "KEPT_ARGS";
@@ -66,8 +67,10 @@ const NERF: &[&str] = &[
 #[rustfmt::skip]
 const FIT: &[&str] = &["fit-image", "builtin:card", "--size", "12", "--batch", "50", "--width", "8", "--levels", "2", "--threads", "1"];
 
-/// Every so many faults, unless all are asked for.
-const STRIDE: usize = 4;
+/// Every so many faults, unless more or all are asked for.
+fn stride() -> usize {
+    if times().is_some() { 1 } else { types(&[12], &[4])[0] }
+}
 
 impl Scenario {
     /// Strikes every operation in turn.
@@ -80,9 +83,8 @@ impl Scenario {
         let operations: u64 = fs::read_to_string(&count).expect("a count").parse().expect("a number");
         assert!(operations > 20, "{}: {operations} operations: the seam was not found", self.name);
         let whole = Kept::of(&whole);
-        let stride = if times().is_some() { 1 } else { STRIDE };
         for (offset, (kind, _)) in KINDS.into_iter().enumerate() {
-            for nth in (1..=operations).skip(offset).step_by(stride) {
+            for nth in (1..=operations).skip(offset).step_by(stride()) {
                 self.strike(command, (kind, nth), &whole);
             }
         }

@@ -2,6 +2,8 @@
 
 mod checkers;
 mod examples;
+#[path = "../types/mod.rs"]
+mod types;
 
 use std::io::Write;
 use std::process::{Command, Output};

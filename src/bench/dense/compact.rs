@@ -181,14 +181,25 @@ impl Layers for Step {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
+
     use super::*;
+
+    /// A step as it is made, which all tests share: it is trained once, and passed anew.
+    fn made() -> MutexGuard<'static, Step> {
+        static STEP: LazyLock<Mutex<Step>> = LazyLock::new(|| Mutex::new(Step::new()));
+        let mut step = STEP.lock().unwrap_or_else(PoisonError::into_inner);
+        step.chunks.clear();
+        step.run(&Plain);
+        step
+    }
 
     /// By hand: 32 * 64 + 64 * 16 and 16 * 64 + 64 * 3 weights are 4,288, each with 6 flops. What runs has 13 more columns of 64 in the
     /// color layer forward, and rows that fill a block of 16.
     #[test]
     fn flops_are_those_that_run() {
         assert_eq!(SAMPLE, 6.0 * 4288.0);
-        let mut step = Step::new();
+        let mut step = made();
         let [worst, flops] = step.checked(Checked::default());
         assert!(worst > 0.0 && worst <= 1.0, "{worst}");
         let chunk = &step.chunks[0];
@@ -207,7 +218,7 @@ mod tests {
     /// Below the normal numbers arithmetic is slow: what a pass starts from and leaves has none.
     #[test]
     fn no_number_is_subnormal() {
-        let mut step = Step::new();
+        let mut step = made();
         let encodings = |chunk: &Chunk| {
             let levels = chunk.encoding.iter();
             levels.flat_map(|l| l[..chunk.points.len()].as_flattened().to_vec()).collect::<Vec<f32>>()
@@ -224,14 +235,15 @@ mod tests {
             chunk.gradient.parts().into_iter().for_each(fine);
         }
         // The batch before its pass.
-        step.model.draw(&mut step.chunks, STEP);
+        let Step { model, chunks } = &mut *step;
+        model.draw(chunks, STEP);
         step.chunks.iter().for_each(|chunk| fine(&encodings(chunk)));
     }
 
     /// Who times or checks a pass gets the pass's own bits, and a part of its time.
     #[test]
     fn a_pass_that_is_watched_is_the_training_pass() {
-        let mut step = Step::new();
+        let mut step = made();
         let gradient = |step: &Step| step.chunks[0].gradient.parts().map(<[f32]>::to_vec);
         let plain = gradient(&step);
         assert!(plain.iter().all(|part| part.iter().any(|&g| g != 0.0)));
@@ -241,14 +253,15 @@ mod tests {
         step.chunks[0].gradient.clear();
         let clock = Clock::default();
         let [mut watched, mut part] = [0.0; 2];
+        let step = &mut *step;
         crate::parallel::with_threads(Some(1), || (watched, part) = (step.run(&clock), clock.seconds()));
-        assert!(gradient(&step) == plain);
+        assert!(gradient(step) == plain);
         assert!(0.0 < part && part < watched, "{part} of {watched}");
     }
 
     #[test]
     fn a_wrong_product_is_found() {
-        let mut step = Step::new();
+        let mut step = made();
         for wrong in [1e-3, f32::NAN] {
             let [worst, _] = step.checked(Checked { wrong, ..Checked::default() });
             assert!(worst > 1.0 || worst.is_nan(), "{wrong}: {worst}");
