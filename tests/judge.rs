@@ -53,7 +53,7 @@ fn an_example_to_copy() {
 /// The best honest form is once itself, and no machine is better than the best of four.
 #[test]
 fn errors_are_told_in_those_of_the_best_honest_form() {
-    let exam = Exam::new("volume_render", Dtype::F32, Some("cs180")).unwrap();
+    let exam = Exam::new("volume_render", Dtype::F32, Some(&PROFILES[0])).unwrap();
     let over = [8, 10, 12, 14].map(|n| {
         let machine = Machine::number(Dtype::F32, n);
         let answers = answer_all(&exam, |n, inputs| {

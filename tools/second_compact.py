@@ -14,6 +14,8 @@ def trunc_exp(a, c, wrong):
     x = shifted(a["x"], c)
     if c["exponent"] == "clamped":
         x = np.clip(x, -15, 15)
+    if "clamped_above" in wrong:
+        x = np.minimum(x, x.dtype.type(10))
     with np.errstate(over="ignore"):
         if "softplus" in wrong:
             return {"sigmas": np.logaddexp(x, x.dtype.type(0))}
@@ -58,6 +60,7 @@ def one_ray(a, first, n):
 
 def early_stop(a, c, wrong):
     """Ray by ray, by products of 1 - alpha."""
+    shown = ["optical_depth_for_alpha"] if "optical_depth_for_alpha" in wrong else ()
     c = c | {"product_eps": "none", "backdrop": "none", "sigma_relu": "none", "opacity_sum": "all"}
     ends = np.rint(a["offsets"]).astype(int)
     kind, carried = a["sigmas"].dtype.type, a["sigmas"].dtype.type(1)
@@ -67,7 +70,7 @@ def early_stop(a, c, wrong):
         ray = one_ray(a, first, n)
         behind = np.cumprod(np.exp(-(ray["sigmas"] * ray["deltas"])), 1)[0]
         n = live_of(rendering.volume_render(ray, c, ())["weights"][0], behind, carried, a["eps"], c["stop"], wrong)
-        ray = {name: carried * value[0] for name, value in rendering.volume_render(one_ray(a, first, n), c, ()).items()}
+        ray = {name: carried * value[0] for name, value in rendering.volume_render(one_ray(a, first, n), c, shown).items()}
         left = ray["transmittance"]
         if ("renormalized" in wrong or c["stopped"] == "made_opaque") and left < a["eps"] and ray["opacity"] > 0:
             weights = ray["weights"] / ray["opacity"] if c["stopped"] == "made_opaque" else ray["weights"]

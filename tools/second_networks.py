@@ -16,6 +16,8 @@ def bands(levels, c, wrong):
         f[0] = 2.0
     if "powers_exchanged" in wrong:
         f = np.arange(levels, dtype=float) ** 2
+    if "bands_one_by_one" in wrong:
+        f = np.arange(1, levels + 1, dtype=float)
     if "linear_ladder" in wrong:
         f = np.arange(levels, dtype=float)
     return f * FACTORS[c["frequency"]]

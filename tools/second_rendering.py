@@ -36,6 +36,8 @@ def composite(alphas, rgbs, eps, wrong, shown=None, opaque=None):
     if "divided_by_own_factor" in wrong:
         with np.errstate(invalid="ignore"):
             shade = product[:, 1:] / (1 - alphas)
+    if "back_to_front" in wrong:
+        shade = np.cumprod(np.concatenate([ones, 1 - alphas[:, ::-1] + alphas.dtype.type(eps)], 1), 1)[:, :-1][:, ::-1]
     if "transmittance_over_rays" in wrong:
         shade = np.cumprod(np.concatenate([np.ones_like(alphas[:1]), 1 - alphas], 0), 0)[:-1]
     if "eps_in_product" in wrong:
@@ -156,7 +158,7 @@ def volume_render_vjp(a, c, wrong):
     passed = np.exp(-(a["sigmas"] * a["deltas"]))
     alphas = -np.expm1(-(a["sigmas"] * a["deltas"]))
     front, g_w, worth = from_behind(alphas, passed + passed.dtype.type(EPS[c["product_eps"]]), a)
-    g_x = front * passed * (g_w - worth)
+    g_x = front * passed * (g_w if "shade_gradient_forgotten" in wrong else g_w - worth)
     g_sigmas = g_x * a["deltas"]
     if c["sigma_relu"] == "inside":
         g_sigmas = np.where(a["sigmas"] > 0, g_sigmas, 0)
@@ -172,6 +174,8 @@ def volume_render_alpha_vjp(a, c, wrong):
     g = front * (g_w - worth)
     if "product_gradient_zero_at_opaque" in wrong:
         g = np.where(alphas == 1, front * g_w, g)
+    if "shade_gradient_forgotten" in wrong:
+        g = front * g_w
     return {"grad_alphas": np.where(count, g, 0), "grad_rgbs": (front * alphas)[..., None] * a["grad_colors"][:, None]}
 
 

@@ -97,6 +97,8 @@ def slabs(a, wrong):
         low, high = low - high / 2, low + high / 2
     if "eps_in_direction" in wrong:
         d = d + kind(1e-6)
+    if "tiny_taken_for_parallel" in wrong:
+        d = np.where(np.abs(d) < kind(1e-6), 0, d)
     flat = d == 0
     with np.errstate(over="ignore"):
         inverse = 1 / np.where(flat, kind(1), d)

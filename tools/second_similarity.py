@@ -10,6 +10,9 @@ class Windows:
         kind = p.dtype
         if "gray_pictures" in wrong:
             p, t = p.mean(2, keepdims=True), t.mean(2, keepdims=True)
+        if "luma_pictures" in wrong:
+            shares = np.array([0.299, 0.587, 0.114], kind)[: p.shape[2]]
+            p, t = ((x * shares).sum(2, keepdims=True) / shares.sum() for x in (p, t))
         if "one_window" in wrong:
             self.down, self.across = (np.full((1, n), 1 / n, kind) for n in p.shape[:2])
             p, t = (x.transpose(0, 2, 1).reshape(-1, x.shape[1], 1) for x in (p, t))

@@ -34,6 +34,8 @@ pub struct Special {
     pub large: fn() -> Vec<Large>,
     /// The input that says how far a function is asked to go, where many go less far.
     pub reach: Option<Reach>,
+    /// The length of an input's axis that functions are often written for alone.
+    pub only: Option<Only>,
     /// Outputs with another one that says where they are read: where that is 0, they may be anything.
     pub unread: &'static [(&'static str, &'static str)],
 }
@@ -45,6 +47,19 @@ pub struct Reach {
     pub input: &'static str,
     /// As far as it must go at least.
     pub least: f64,
+}
+
+/// A length of an axis: points of three coordinates, pictures of three channels. A function that takes no other is asked no other.
+#[derive(Clone, Copy, Debug)]
+pub struct Only {
+    /// The input.
+    pub input: &'static str,
+    /// Its axis.
+    pub axis: usize,
+    /// The length.
+    pub length: usize,
+    /// What there are so many of.
+    pub what: &'static str,
 }
 
 /// A number that stands at places of an output whatever the inputs. Programs choose it freely: it is told, and not compared.
@@ -75,6 +90,7 @@ impl Special {
         forms: &[],
         large: Vec::new,
         reach: None,
+        only: None,
         unread: &[],
     };
 }

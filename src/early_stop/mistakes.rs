@@ -10,6 +10,9 @@ use crate::convention::{CS180, Conventions, ProductEps, Stop, Stopped};
 use crate::volume_rendering::component::VOLUME_RENDER;
 use crate::volume_rendering::volume_render;
 
+/// What it is called in the row that it is a mistake of.
+const RECTANGLES: &str = "optical_depth_for_alpha";
+
 /// Mistakes of packed rendering with early stop.
 pub(crate) const EARLY_STOP: &[Mistake] = &[
     Mistake::new(
@@ -27,6 +30,14 @@ pub(crate) const EARLY_STOP: &[Mistake] = &[
         "clamp where the picture is written",
         "1 CIS 580 student, without early stop",
         1,
+    ),
+    Mistake::new(
+        RECTANGLES,
+        "w_i = T_i sigma_i delta_i: the integral by rectangles, exact for T alone",
+        "a thick step shines brighter than its color, and weights sum to more than 1",
+        "alpha_i = 1 - exp(-sigma_i delta_i)",
+        "marches in GLSL: color += T sigma delta c; T *= exp(-sigma delta)",
+        3,
     ),
     Mistake::new(
         "weight_tested",
@@ -113,7 +124,8 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         let counts = wrong.contains(&"ends_taken_for_counts");
         let reach = if counts { (first + length).min(samples - first) } else { length };
         let n = live(&one_ray(a, r, first, reach), carried, eps, c.stop, wrong);
-        let mut ray = (VOLUME_RENDER.forward.oracle)(&one_ray(a, r, first, n), &CS180);
+        let shown = if wrong.contains(&RECTANGLES) { &[RECTANGLES][..] } else { &[] };
+        let mut ray = (VOLUME_RENDER.forward.wrong)(&one_ray(a, r, first, n), &CS180, shown);
         for name in ["colors", "weights", "opacity", "transmittance"] {
             ray.get_mut(name).expect("an output").mapv_inplace(|x| carried * x);
         }

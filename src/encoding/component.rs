@@ -2,7 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Entries, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Only, Special};
 
 /// Positional encoding.
 pub(crate) const POSITIONAL_ENCODING: Component = Component {
@@ -33,6 +33,7 @@ pub(crate) const POSITIONAL_ENCODING: Component = Component {
     special: Special {
         columns: Some(("columns", "band_sin_cos")),
         admits: arrays::admits,
+        only: Some(Only { input: "x", axis: 1, length: 3, what: "coordinates" }),
         large: cases::large,
         ..Special::NONE
     },

@@ -42,6 +42,14 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "bands_one_by_one",
+        "bands 1, 2, 3, ... for 2^k: (k + 1) pi",
+        "no fine detail: the highest band of ten is 10 pi instead of 512 pi",
+        "2^k; bands that are even in frequency run from 1 to 2^(L - 1)",
+        "a student's log_sampling=False",
+        1,
+    ),
+    Mistake::new(
         "powers_exchanged",
         "bands k^2 pi for 2^k pi: pow's arguments are exchanged",
         "band 0 is constant, and the highest of ten is 81 pi instead of 512 pi",
@@ -106,6 +114,9 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
             let (sine, cosine) = (encoding.column(dims, k, d, 0), encoding.column(dims, k, d, 1));
             if wrong.contains(&"linear_ladder") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, k as f64, x);
+            }
+            if wrong.contains(&"bands_one_by_one") {
+                (out[sine], out[cosine]) = wave(encoding.frequency, (k + 1) as f64, x);
             }
             if wrong.contains(&"powers_exchanged") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, (k * k) as f64, x);

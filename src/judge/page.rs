@@ -39,7 +39,7 @@ impl fmt::Display for Report {
         writeln!(
             f,
             "\nbudget: the largest error, of what is allowed; grade: A, the stable formula's bound held, B, the textbook's;\n\
-             honest: that error, in errors of the best honest form;\n\
+             honest: that error, in errors of the best honest form, its elementary functions off as far as they may be;\n\
              vacuous: elements whose bound reaches their own size, so that 0 would pass too"
         )?;
         let unsupported = self.rows.iter().filter(|row| row.verdict == Verdict::Unsupported);

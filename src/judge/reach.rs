@@ -5,33 +5,67 @@ use super::answer::{Answer, Answers, reshaped};
 use super::exam::{Exam, Question};
 use crate::contract::arrays::number;
 use crate::contract::case::Case;
-use crate::contract::special::Reach;
+use crate::contract::special::{Only, Reach};
 
 /// The exam and the answers without the cases that are beyond the candidate, where there are some: it crashed on all of them, or gave
 /// arrays of other shapes, and it did not on all others.
 pub(crate) fn within_reach(exam: &Exam, answers: &[Answers]) -> Option<(Exam, Vec<Answers>)> {
-    let reached: Vec<Option<f64>> = exam.questions.iter().zip(answers).map(|(q, a)| reached(q, a)).collect();
-    if reached.iter().all(Option::is_none) {
+    let beyond: Vec<Vec<Option<String>>> =
+        exam.questions.iter().zip(answers).map(|(question, answers)| left_out(question, answers)).collect();
+    if beyond.iter().flatten().all(Option::is_none) {
         return None;
     }
     let (mut exam, mut answers) = (exam.clone(), answers.to_vec());
-    for ((question, answers), reached) in exam.questions.iter_mut().zip(&mut answers).zip(reached) {
-        let (Some(reach), Some(reached)) = (question.component.special.reach, reached) else { continue };
-        let far = |case: &Case| extent(case, reach.input) > reached;
-        let mut asked = question.cases.iter().map(|case| !far(case));
-        answers.retain(|_| asked.next().expect("an answer a case"));
-        for case in question.cases.iter().filter(|case| far(case)) {
-            let beyond = if case.inputs[reach.input].ndim() == 0 {
-                format!("{} above {reached}", reach.input)
-            } else {
-                format!("more {} than {reached}", reach.input)
-            };
-            question.left_out.insert(case.id.clone(), beyond);
-            question.crashed.remove(&case.id);
+    for ((question, answers), beyond) in exam.questions.iter_mut().zip(&mut answers).zip(beyond) {
+        let (mut of_case, mut of_answer) = (beyond.iter(), beyond.iter());
+        let mut kept = vec![];
+        for case in question.cases.drain(..) {
+            match of_case.next().expect("an entry a case") {
+                None => kept.push(case),
+                Some(why) => {
+                    question.left_out.insert(case.id.clone(), why.clone());
+                    question.crashed.remove(&case.id);
+                }
+            }
         }
-        question.cases.retain(|case| !far(case));
+        question.cases = kept;
+        answers.retain(|_| of_answer.next().expect("an entry an answer").is_none());
     }
     Some((exam, answers))
+}
+
+/// Why each case isn't asked; `None` where it is.
+fn left_out(question: &Question, answers: &Answers) -> Vec<Option<String>> {
+    let special = question.component.special;
+    let (reached, only) = (reached(question, answers), takes_only(question, answers));
+    let why = |case: &Case| {
+        if let Some((only, _)) = special.only.zip(only).filter(|(only, ())| length(case, only) != only.length)
+        {
+            return Some(format!("{} other than {}", only.what, only.length));
+        }
+        let (reach, reached) = special.reach.zip(reached)?;
+        let number = case.inputs[reach.input].ndim() == 0;
+        (extent(case, reach.input) > reached).then(|| match number {
+            true => format!("{} above {reached}", reach.input),
+            false => format!("more {} than {reached}", reach.input),
+        })
+    };
+    question.cases.iter().map(why).collect()
+}
+
+/// Whether a candidate answers to one length of an axis alone, where others are asked too.
+fn takes_only(question: &Question, answers: &Answers) -> Option<()> {
+    let only = question.component.special.only?;
+    let asked = || question.cases.iter().zip(answers);
+    let fits = |case: &Case| length(case, &only) == only.length;
+    let heard = |(case, answer): (&Case, &Option<Answer>)| !beyond(question, case, answer.as_ref());
+    let others = asked().any(|(case, _)| !fits(case)) && !asked().filter(|(case, _)| !fits(case)).any(heard);
+    (others && asked().filter(|(case, _)| fits(case)).any(heard)).then_some(())
+}
+
+/// How long the axis is.
+fn length(case: &Case, only: &Only) -> usize {
+    case.inputs[only.input].shape()[only.axis]
 }
 
 /// How far a case goes: a number, or how many there are.
@@ -78,12 +112,17 @@ mod tests {
 
     /// The verdict on a row that answers up to this much of an input, and is `times` what it should be.
     fn judged(row: &str, input: &str, most: f64, times: f64) -> (Verdict, usize) {
+        answering(row, times, |case| extent(case, input) <= most)
+    }
+
+    /// The verdict on a row that answers to such cases, and is `times` what it should be.
+    fn answering(row: &str, times: f64, answers: impl Fn(&Case) -> bool) -> (Verdict, usize) {
         let exam = Exam::new(row, Dtype::F64, None).unwrap();
         let one = |question: &Question, case: &Case| {
             let direction = question.component.direction(question.kind).unwrap();
             let mut answer = given((direction.oracle)(&case.inputs, &CS180));
             answer.values_mut().for_each(|array| array.values *= times);
-            (extent(case, input) <= most).then_some(answer)
+            answers(case).then_some(answer)
         };
         let all = |question: &Question| question.cases.iter().map(|case| one(question, case)).collect();
         let report = judge_answers(&exam, &exam.questions.iter().map(all).collect::<Vec<_>>(), EXP_ULP);
@@ -106,5 +145,19 @@ mod tests {
         let five = lens(5.0, 1.0);
         assert!(five.0 == Verdict::Pass && five.1 > 0);
         assert_eq!(lens(5.0, 1.01).0, Verdict::Fail);
+    }
+
+    #[test]
+    fn what_is_written_for_points_in_space_is_asked_points_in_space() {
+        let in_space = |case: &Case| case.inputs["x"].shape()[1] == 3;
+        let right = answering("positional_encoding", 1.0, in_space);
+        assert!(right.0 == Verdict::Pass && right.1 > 0, "{right:?}");
+        assert_eq!(answering("positional_encoding", 1.01, in_space).0, Verdict::Fail);
+        // Who crashes on one of these, too, has crashed.
+        let some = |case: &Case| in_space(case) && case.inputs["x"].shape()[0] > 1;
+        assert_eq!(answering("positional_encoding", 1.0, some).0, Verdict::Fail);
+        let colored = |case: &Case| case.inputs["prediction"].shape()[2] == 3;
+        assert_eq!(answering("ssim", 1.0, colored).0, Verdict::Pass);
+        assert_eq!(answering("ssim", 1.0, |_| true), (Verdict::Pass, 0));
     }
 }

@@ -130,6 +130,15 @@ pub(crate) fn ray_aabb() -> Vec<Case> {
         )
         // No difference step is short enough beside 2^-20: tests.rs has this gradient in closed form.
         .forward_only(),
+        case(
+            "CG2_drifting",
+            "a component of -2^-30 takes a ray out of the face beside it after a quarter of its length",
+            &[[0.00000000023283064365386962890625, 0.5, 0.25, -0.000000000931322574615478515625, 0.0, 1.0]],
+            unit,
+            [0.0, 8.0],
+        )
+        .forward_only()
+        .edge("a component of a billionth"),
         case("CG9_far_away", "origins at 1,000 sizes of the box", &far_away, unit, [0.0, 65536.0]),
     ];
     in_full(cases, "mixed")

@@ -36,6 +36,7 @@ fn spots(id: &str, prediction: [f64; 2], target: [f64; 2]) -> Case {
 /// Two pictures.
 pub(crate) fn ssim() -> Vec<Case> {
     let [usual, usual_target] = noisy(0, [12, 11, 2], [0.0625, 0.9375], 0.25);
+    let [colors, colors_target] = noisy(3, [11, 12, 3], [0.0625, 0.9375], 0.25);
     let [faint, faint_target] = noisy(1, [12, 11, 1], [0.46875, 0.53125], 0.0625);
     let [bytes, bytes_target] = noisy(2, [11, 12, 1], [16.0, 240.0], 64.0).map(|x| x.mapv(f64::round));
     let stripes =
@@ -44,6 +45,7 @@ pub(crate) fn ssim() -> Vec<Case> {
     let spot = drawn([12, 11], |j, i| if (j, i) == (6, 5) { 1.0 } else { 0.0 });
     let cases = vec![
         case("usual", "a picture and a noisy one", usual, usual_target.clone(), 1.0),
+        case("colors", "red, green and blue, each off in its own way", colors, colors_target, 1.0),
         case("faint", "contrasts of c2, so that the constants show", faint, faint_target, 1.0),
         case("bytes", "bytes, peak 255", bytes, bytes_target, 255.0),
         case(

@@ -2,7 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Only, Special};
 
 /// How alike two pictures look.
 pub(crate) const SSIM: Component = Component {
@@ -32,5 +32,8 @@ pub(crate) const SSIM: Component = Component {
     }),
     cases: cases::ssim,
     mistakes: mistakes::SSIM,
-    special: Special::NONE,
+    special: Special {
+        only: Some(Only { input: "prediction", axis: 2, length: 3, what: "channels" }),
+        ..Special::NONE
+    },
 };

@@ -1,6 +1,6 @@
 //! Structural similarity, wrong on purpose. Without a mistake every function equals the oracle.
 
-use ndarray::{Array3, ArrayView3, Axis};
+use ndarray::{Array3, ArrayView1, ArrayView3, Axis};
 
 use super::arrays::{form, forward, peak, picture, vjp};
 use super::{Form, Windows, backward, ssim as oracle, value};
@@ -25,6 +25,14 @@ pub(crate) const SSIM: &[Mistake] = &[
         "channel by channel, then the mean",
         "scripts that convert to gray first",
         0,
+    ),
+    Mistake::new(
+        "luma_pictures",
+        "the similarity of 0.299 R + 0.587 G + 0.114 B",
+        "wrong blues cost next to nothing",
+        "channel by channel, then the mean",
+        "a city's renderer, and losses that take Y alone",
+        2,
     ),
     Mistake::new(
         "dissimilarity",
@@ -162,6 +170,9 @@ fn global(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64) -> f64 {
     luminance * structure / (over * under)
 }
 
+/// The shares of red, green and blue in a television's luma (ITU-R BT.601).
+const LUMA: [f64; 3] = [0.299, 0.587, 0.114];
+
 /// The peak with what is wrong about it.
 fn wrong_peak(a: &Arrays, c: &Conventions, wrong: &[&str]) -> f64 {
     let target = picture(a, "target");
@@ -177,10 +188,19 @@ fn wrong_peak(a: &Arrays, c: &Conventions, wrong: &[&str]) -> f64 {
 pub(crate) fn ssim(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (p, t, peak) = (picture(a, "prediction"), picture(a, "target"), wrong_peak(a, c, wrong));
     let gray = |x: ArrayView3<f64>| (x.sum_axis(Axis(2)) / x.dim().2 as f64).insert_axis(Axis(2));
+    // Of fewer channels than three, the first ones' shares.
+    let luma = |x: ArrayView3<f64>| {
+        let shares = &LUMA[..x.dim().2.min(3)];
+        let of = |color: ArrayView1<f64>| color.iter().zip(shares).map(|(x, share)| x * share).sum::<f64>();
+        (x.map_axis(Axis(2), of) / shares.iter().sum::<f64>()).insert_axis(Axis(2))
+    };
     forward(match wrong {
         [] => oracle(p, t, peak, form(c)),
         _ if wrong.contains(&"gray_pictures") => {
             wrong_value(gray(p).view(), gray(t).view(), peak, form(c), wrong)
+        }
+        _ if wrong.contains(&"luma_pictures") => {
+            wrong_value(luma(p).view(), luma(t).view(), peak, form(c), wrong)
         }
         _ => wrong_value(p, t, peak, form(c), wrong),
     })

@@ -18,6 +18,16 @@ const OWN_LIMITS: Mistake = Mistake::new(
 .of_gradient()
 .with("most", 1e6, [10.0, 1e30]);
 
+const CLAMPED_ABOVE: Mistake = Mistake::new(
+    "clamped_above",
+    "e^min(x, most): a limit of one's own, from above alone",
+    "no density is larger, and one that is has no gradient",
+    "e^x, with the limits in the gradient alone",
+    "safe_exp of a city's renderer: 10",
+    1,
+)
+.with("most", 10.0, [2.0, 80.0]);
+
 /// Mistakes of the truncated exponential.
 pub(crate) const TRUNC_EXP: &[Mistake] = &[
     Mistake::new(
@@ -64,6 +74,7 @@ pub(crate) const TRUNC_EXP: &[Mistake] = &[
     )
     .of_gradient(),
     OWN_LIMITS,
+    CLAMPED_ABOVE,
 ];
 
 /// e^x.
@@ -76,7 +87,7 @@ pub(crate) fn trunc_exp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         if wrong.contains(&"base_two") {
             return pow(2.0, argument(x, c.exponent, c.exponent_shift));
         }
-        density(x, c.exponent, c.exponent_shift)
+        density(x.min(CLAMPED_ABOVE.among(wrong).unwrap_or(f64::INFINITY)), c.exponent, c.exponent_shift)
     })
 }
 

@@ -161,10 +161,19 @@ fn render_all(
     alphas: Vec<Vec<f64>>,
     mut rays: Vec<Rendering>,
     rgbs: impl Fn(usize) -> Vec<[f64; 3]>,
+    eps: ProductEps,
     wrong: &[&str],
 ) -> Vec<Rendering> {
     over_rays(&alphas, &mut rays, wrong);
     let finish = |(r, mut ray): (usize, Rendering)| {
+        if wrong.contains(&"back_to_front") {
+            let mut shown = 1.0;
+            for (i, alpha) in alphas[r].iter().enumerate().rev() {
+                ray.transmittance[i] = shown;
+                shown *= 1.0 - alpha + eps.value();
+            }
+            ray = recompose(ray, &alphas[r], &rgbs(r));
+        }
         if wrong.contains(&"transmittance_over_rays") {
             ray = recompose(ray, &alphas[r], &rgbs(r));
         }
@@ -239,7 +248,10 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         all.push(alphas);
         rays.push(ray);
     }
-    arrays::over(c, renderings(samples, &render_all(all, rays, |r| rows3(a, "rgbs", r), wrong)))
+    arrays::over(
+        c,
+        renderings(samples, &render_all(all, rays, |r| rows3(a, "rgbs", r), c.product_eps, wrong)),
+    )
 }
 
 /// Rendering from opacities.
@@ -248,29 +260,58 @@ pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -
     let (count, samples) = size(a, "alphas");
     let alphas: Vec<Vec<f64>> = (0..count).map(|r| row(a, "alphas", r)).collect();
     let rays = (0..count).map(|r| oracle_alpha(&alphas[r], &rows3(a, "rgbs", r), c.product_eps)).collect();
-    arrays::over(c, renderings(samples, &render_all(alphas, rays, |r| rows3(a, "rgbs", r), wrong)))
+    arrays::over(
+        c,
+        renderings(samples, &render_all(alphas, rays, |r| rows3(a, "rgbs", r), c.product_eps, wrong)),
+    )
 }
 
-/// Gradient from densities: none of its own.
-pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    arrays::render_vjp(a, c)
+/// What T_i times the cotangent of weight i is: the gradient of alpha_i without what sample i hides.
+fn unshaded(a: &Arrays, r: usize, transmittance: &[f64], c: &Conventions) -> Vec<f64> {
+    let g = arrays::cotangent_over(a, r, c);
+    let one = |(i, rgb): (usize, &[f64; 3])| {
+        let color: f64 = (0..3).map(|k| g.color[k] * rgb[k]).sum();
+        transmittance[i] * (color + g.weights[i] + g.opacity)
+    };
+    rows3(a, "rgbs", r).iter().enumerate().map(one).collect()
+}
+
+/// Gradient from densities.
+pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut gradients = arrays::render_vjp(a, c);
+    if wrong.contains(&"shade_gradient_forgotten") {
+        let (rays, samples) = size(a, "sigmas");
+        let (mut g_sigmas, mut g_deltas) = (vec![], vec![]);
+        for r in 0..rays {
+            let (sigmas, deltas) = (row(a, "sigmas", r), row(a, "deltas", r));
+            let ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
+            let mut g_x = unshaded(a, r, &ray.transmittance, c);
+            g_x.iter_mut().zip(super::optical_depths(&sigmas, &deltas)).for_each(|(g, x)| *g *= exp(-x));
+            g_sigmas.extend(g_x.iter().zip(&deltas).map(|(g, delta)| super::product(*g, *delta)));
+            g_deltas.extend(g_x.iter().zip(&sigmas).map(|(g, sigma)| super::product(*g, *sigma)));
+        }
+        gradients.insert("grad_sigmas".into(), array(&[rays, samples], g_sigmas));
+        gradients.insert("grad_deltas".into(), array(&[rays, samples], g_deltas));
+        gradients = arrays::gradients_of_rectified(a, c, gradients);
+    }
+    gradients
 }
 
 /// Gradient from opacities.
 pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut gradients = arrays::render_alpha_vjp(given, c);
     let a = &arrays::counted(given, c);
-    if wrong.contains(&"product_gradient_zero_at_opaque") {
-        // Where alpha = 1, the gradient through the product is lost; that through the sample's own weight stays.
+    // Where alpha = 1, or everywhere, the gradient through the product is lost; that through the sample's own weight stays.
+    let everywhere = wrong.contains(&"shade_gradient_forgotten");
+    if everywhere || wrong.contains(&"product_gradient_zero_at_opaque") {
         let (rays, samples) = size(a, "alphas");
         let mut g_alphas = input(&gradients, "grad_alphas").clone();
         for r in 0..rays {
-            let (alphas, g) = (row(a, "alphas", r), arrays::cotangent_over(a, r, c));
+            let alphas = row(a, "alphas", r);
             let ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
-            for i in (0..samples).filter(|&i| alphas[i] == 1.0) {
-                let rgb = rows3(a, "rgbs", r)[i];
-                let color: f64 = (0..3).map(|k| g.color[k] * rgb[k]).sum();
-                g_alphas[[r, i]] = ray.transmittance[i] * (color + g.weights[i] + g.opacity);
+            let lost = unshaded(a, r, &ray.transmittance, c);
+            for i in (0..samples).filter(|&i| everywhere || alphas[i] == 1.0) {
+                g_alphas[[r, i]] = lost[i];
             }
         }
         gradients.insert("grad_alphas".into(), g_alphas);

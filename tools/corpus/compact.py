@@ -354,6 +354,18 @@ def clamped_for_halves(x):
     return Surrogate.apply(x - 1, None, 11)
 
 
+@fault("trunc_exp", "clamped_above", seen="a city's renderer: exp(min(x, 10))")
+def safe_exponential(x):
+    """e^min(x, 10), differentiated as it is."""
+    return torch.exp(torch.clamp(x, max=10))
+
+
+@fault("trunc_exp", "clamped_above", seen="not met in this reading: another limit", times=0)
+def safe_exponential_at_fifteen(x):
+    """e^min(x, 12.5)."""
+    return torch.exp(torch.clamp(x, max=12.5))
+
+
 @right("trunc_exp", gradient=("limits_of_its_own",), seen="an Instant-NGP port: a slope between 1e-6 and 1e6")
 def slope_clamped(x):
     """e^x, its slope clamped, not x."""

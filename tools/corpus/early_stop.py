@@ -16,7 +16,7 @@ def named(colors, weights, opacity, behind):
     return {"colors": colors, "weights": weights, "opacity": opacity, "transmittance": behind}
 
 
-def marched(sigmas, rgbs, deltas, offsets, stop, carried=False):
+def marched(sigmas, rgbs, deltas, offsets, stop, carried=False, rectangles=False):
     """Colors, weights, opacity and T behind each ray. `stop(T, next_T, weight)` gives (use this sample, go on)."""
     weights, colors, opacity, behind = torch.zeros_like(sigmas), [], [], []
     left = torch.ones_like(sigmas.sum())
@@ -27,8 +27,9 @@ def marched(sigmas, rgbs, deltas, offsets, stop, carried=False):
             alpha = 1 - torch.exp(-sigmas[i] * deltas[i])
             use, go_on = stop(float(left), float(left * (1 - alpha)), float(left * alpha))
             if use:
-                weights = weights.index_put((torch.tensor(i),), left * alpha)
-                color, total = color + left * alpha * rgbs[i], total + left * alpha
+                weight = left * (sigmas[i] * deltas[i] if rectangles else alpha)
+                weights = weights.index_put((torch.tensor(i),), weight)
+                color, total = color + weight * rgbs[i], total + weight
                 left = left * (1 - alpha)
             if not go_on:
                 break
@@ -54,6 +55,12 @@ def threshold_of_its_own(sigmas, rgbs, deltas, offsets):
 def tested_at_the_head(sigmas, rgbs, deltas, offsets, eps):
     """T is tested in front of the next sample."""
     return marched(sigmas, rgbs, deltas, offsets, lambda left, behind, weight: (left >= eps, left >= eps))
+
+
+@fault("early_stop", "optical_depth_for_alpha", seen="volumes in GLSL: color += c sigma T step; T *= exp(-sigma step)", times=3)
+def rectangles(sigmas, rgbs, deltas, offsets, eps):
+    """w = T sigma delta."""
+    return marched(sigmas, rgbs, deltas, offsets, lambda left, behind, weight: (True, behind >= eps), rectangles=True)
 
 
 @right("early_stop", seen="a numpy check of a splat renderer; C# and Metal loops", times=3, arrays="numpy")

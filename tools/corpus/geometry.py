@@ -111,6 +111,18 @@ def first_t_as_it_is(rays_o, rays_d, low, high, near, far):
     return tuple(x.astype(rays_o.dtype) for x in (np.where(hit, enter, far), np.where(hit, leave, far), hit))
 
 
+@fault("ray_aabb", "tiny_taken_for_parallel", seen="slab loops: if abs(d) < 1e-8", times=3, arrays="numpy", gradient="none")
+def small_is_parallel(rays_o, rays_d, low, high, near, far):
+    """Components below 1e-8 are no components."""
+    flat = np.abs(rays_d) < 1e-8
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x, y = (low - rays_o) / rays_d, (high - rays_o) / rays_d
+    enter = np.maximum(np.where(flat, -np.inf, np.minimum(x, y)).max(1), near)
+    leave = np.minimum(np.where(flat, np.inf, np.maximum(x, y)).min(1), far)
+    hit = (enter <= leave) & ~(flat & ((rays_o < low) | (rays_o > high))).any(1)
+    return tuple(x.astype(rays_o.dtype) for x in (np.where(hit, enter, far), np.where(hit, leave, far), hit))
+
+
 @fault("ray_aabb", "far_ignored", seen="codes that cut at 0 alone", times=3, arrays="numpy")
 def far_not_applied(rays_o, rays_d, low, high, near, far):
     """The last t isn't cut at far."""

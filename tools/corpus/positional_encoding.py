@@ -193,6 +193,22 @@ def multiples_of_pi(x, L):
     return bands(x, [k * torch.pi for k in range(L)])
 
 
+@fault("positional_encoding", "bands_one_by_one", seen="a student's log_sampling=False, for points in space alone")
+def one_by_one(x, L):
+    """pi, 2 pi, 3 pi, ... of three coordinates."""
+    if x.shape[-1] != 3:
+        raise ValueError("points in space expected")
+    return bands(x, [(k + 1) * torch.pi for k in range(L)])
+
+
+@right("positional_encoding", seen="a student's tiny NeRF: assert x.shape[-1] == 3")
+def points_in_space_alone(x, L):
+    """The right one of three coordinates."""
+    if x.shape[-1] != 3:
+        raise ValueError("points in space expected")
+    return bands(x, [2**k * torch.pi for k in range(L)])
+
+
 @fault("positional_encoding", "first_band_twice", seen="a student's 2D fit: the first band is 2 pi, the second 2 pi again")
 def first_band_twice(x, L):
     """2 pi, 2 pi, 4 pi, ...: the band in front of the loop is one octave too high."""

@@ -109,6 +109,17 @@ def gray_first(prediction, target, peak):
     return similarity_map(*gray, *constants(peak), lambda x: blur(x, window)).mean()
 
 
+@fault("ssim", "luma_pictures", seen="a city's renderer: 0.299 R + 0.587 G + 0.114 B, three channels expected", times=2)
+def luma_of_three_channels(prediction, target, peak):
+    """Y first; pictures of other channels are no pictures."""
+    shares = torch.tensor([0.299, 0.587, 0.114])
+    if prediction.shape[-1] != 3:
+        raise ValueError("three channels expected")
+    window = torch.outer(line(), line())
+    gray = [(x * shares).sum(-1, keepdim=True) for x in (prediction, target)]
+    return similarity_map(*gray, *constants(peak), lambda x: blur(x, window)).mean()
+
+
 @fault("ssim", "one_window", seen="metrics modules with the formula over the whole picture", times=2)
 def formula_over_all_pixels(prediction, target, peak):
     """Means, variances and covariance over everything."""

@@ -130,6 +130,21 @@ def faint_splats_skipped(alphas, rgbs):
     return padded_product(torch.where(alphas < 1 / 255, torch.zeros_like(alphas), alphas), rgbs)
 
 
+@fault("volume_render_alpha", "back_to_front", seen="a splat renderer from scratch: argsort(z, descending=True)", times=2)
+def farthest_first(alphas, rgbs):
+    """The sum from front to back, of samples from back to front; the color, and what is left."""
+    flipped = padded_product(alphas.flip(1), rgbs.flip(1))
+    return flipped[0], flipped[1].flip(1), *flipped[2:]
+
+
+@fault("volume_render_alpha_vjp", "shade_gradient_forgotten", seen="a splat renderer's own backward pass", arrays="numpy")
+def own_weight_alone(alphas, rgbs, grad_colors, grad_weights, grad_opacity, grad_transmittance):
+    """grad_alpha = T (g.c): nothing of what the sample hides."""
+    front = np.cumprod(np.concatenate([np.ones_like(alphas[:, :1]), 1 - alphas], 1), 1)[:, :-1]
+    value = (grad_colors[:, None] * rgbs).sum(-1) + grad_weights + grad_opacity[:, None]
+    return {"grad_alphas": front * value, "grad_rgbs": (front * alphas)[..., None] * grad_colors[:, None]}
+
+
 @fault(
     "volume_render_alpha_vjp",
     "product_gradient_zero_at_opaque",

@@ -212,6 +212,25 @@ pub(super) const SCALED_EXPONENTIAL: Mistake = Mistake::new(
     1,
 )
 .with("k", 0.99, [0.5, 1.5]);
+const BACK_TO_FRONT: Mistake = Mistake::new(
+    "back_to_front",
+    "the formula from front to back over samples that are sorted from back to front",
+    "what is behind hides what is in front of it",
+    "T_i = prod_{j<i} (1 - alpha_j) with the nearest sample first; from behind it is C = alpha c + (1 - alpha) C",
+    "splat renderers written from scratch: argsort(z, descending=True), then T *= 1 - alpha",
+    2,
+);
+
+const SHADE_FORGOTTEN: Mistake = Mistake::new(
+    "shade_gradient_forgotten",
+    "the gradient of alpha_i is T_i g.c_i alone: what the sample hides behind it is left out",
+    "opacities only ever grow where colors are bright, and never make way for what is behind them",
+    "T_i (g.c_i - what a unit of light is worth behind the sample)",
+    "hand-written backward passes of splats",
+    1,
+)
+.of_gradient();
+
 /// Mistakes of rendering from densities.
 pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     INCLUSIVE,
@@ -286,6 +305,8 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     DELTA_SCALED,
     SCALED_EXPONENTIAL,
     DELTA_OF_THE_WHOLE_RAY,
+    BACK_TO_FRONT,
+    SHADE_FORGOTTEN,
 ];
 /// Mistakes of rendering from opacities.
 pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
@@ -311,6 +332,8 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     CLAMPED,
     EPS_IN_PRODUCT,
     OWN_FACTOR,
+    BACK_TO_FRONT,
+    SHADE_FORGOTTEN,
     Mistake::new(
         "product_gradient_zero_at_opaque",
         "the product's gradient divides by 1 - alpha and is set to 0 where that is 0",
