@@ -47,7 +47,7 @@ fn an_example_to_copy() {
     // Case by case: thick samples have the stable formula's digits.
     let of = |grade: Grade| row.grades.values().filter(|g| **g == grade).count();
     assert!(of(Grade::A) > 0 && of(Grade::B) > 0, "{:?}", row.grades);
-    assert!(row.over_honest() > Some(1.0), "{:?}", row.over_honest());
+    assert!(row.over_honest().is_some_and(|times| 0.1 < times && times < 10.0), "{:?}", row.over_honest());
 }
 
 /// The best honest form is once itself, and no machine is better than the best of four.

@@ -75,15 +75,6 @@ pub(crate) fn early_stop() -> Vec<Case> {
             vec![-2.0, 2.0, 0.5, -1.0, 3.0, 1.5, 0.5, 1.0, -0.25],
             vec![0.5; 3],
         ),
-        case(
-            "written_in",
-            "T behind the samples: .50, .25, .13, .064, .060: who stops on his own from .05 on sees them all",
-            0.0,
-            &[5],
-            vec![1.375, 1.375, 1.375, 1.375, 0.125],
-            vec![1.0, 0.5, 0.25, 0.5, 1.0, 0.25, 0.25, 0.5, 1.0, 1.0, 0.25, 0.5, 0.5, 0.25, 1.0],
-            vec![0.5; 5],
-        ),
         case("VR9_nothing", "two rays and no sample", 0.5, &[0, 0], vec![], vec![], vec![])
             .edge("no samples"),
     ];
@@ -104,7 +95,17 @@ pub(crate) fn early_stop() -> Vec<Case> {
         let deltas = (0..samples).map(|_| draw.between(0.5, 1.5)).collect();
         cases.push(case(regime, comment, eps, &lengths, sigmas, rgbs, deltas));
     }
-    in_full(cases, "mixed")
+    let mut cases = in_full(cases, "mixed");
+    cases.push(case(
+        "written_in",
+        "T behind the samples: .50, .25, .13, .064, .060: who stops on his own from .05 on sees them all",
+        0.0,
+        &[5],
+        vec![1.375, 1.375, 1.375, 1.375, 0.125],
+        vec![1.0, 0.5, 0.25, 0.5, 1.0, 0.25, 0.25, 0.5, 1.0, 1.0, 0.25, 0.5, 0.5, 0.25, 1.0],
+        vec![0.5; 5],
+    ));
+    cases
 }
 
 /// Rays of up to 96 samples, of which about half are stopped.

@@ -5,6 +5,7 @@ pub mod answer;
 #[doc(hidden)]
 pub mod asking;
 pub(crate) mod assignment;
+mod best;
 pub(crate) mod candidate;
 #[doc(hidden)]
 pub mod declared;
@@ -26,7 +27,6 @@ pub mod exchange;
 pub mod explain;
 mod fitted;
 #[doc(hidden)]
-mod honest;
 pub mod hypothesis;
 mod imprecise;
 #[doc(hidden)]

@@ -87,6 +87,10 @@ fn reached(question: &Question, answers: &Answers) -> Option<f64> {
 /// Whether nothing of the right shape was answered.
 fn beyond(question: &Question, case: &Case, answer: Option<&Answer>) -> bool {
     let Some(answer) = answer else { return true };
+    // Asked in the shapes of other conventions, what is right isn't known yet.
+    if !question.admits(&crate::convention::CS180) {
+        return false;
+    }
     let direction = question.component.direction(question.kind).expect("a question has its direction");
     let expected = (direction.oracle)(&case.inputs, &crate::convention::CS180);
     let fits = |name: &String| {

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use super::answer::Answers;
 use super::assignment::{self, Found, partial};
+use super::best::best_honest;
 use super::diagnose::diagnose;
 use super::evidence::{Explanation, Suspect, difference};
 use super::exam::{Exam, Question};
 use super::example::smallest;
-use super::honest::best_honest;
 use super::hypothesis::Hypothesis;
 use super::imprecise::lost_bits;
 use super::mark::{MarkOptions, Marks, mark};

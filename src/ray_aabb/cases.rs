@@ -2,6 +2,7 @@
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::math::power_of_two;
 
 /// Rows of (o, d), a box, a range.
 fn case(
@@ -133,7 +134,7 @@ pub(crate) fn ray_aabb() -> Vec<Case> {
         case(
             "CG2_drifting",
             "a component of -2^-30 takes a ray out of the face beside it after a quarter of its length",
-            &[[0.00000000023283064365386962890625, 0.5, 0.25, -0.000000000931322574615478515625, 0.0, 1.0]],
+            &[[power_of_two(-32), 0.5, 0.25, -power_of_two(-30), 0.0, 1.0]],
             unit,
             [0.0, 8.0],
         )
