@@ -21,7 +21,7 @@ def cases():
 def case(name, changes, comment):
     """Gradients of a wide range of sizes, one parameter that has none."""
     draw = Draw(PURPOSE, name)
-    grads = draw.uniform((STEPS, 8), -1.0, 1.0) * 10.0 ** np.array([0.0, -1.0, -3.0, -6.0, 3.0, 0.0, 0.0, 0.0])
+    grads = draw.uniform((STEPS, 8), -1.0, 1.0) * np.array([1.0, 0.1, 1e-3, 1e-6, 1e3, 1.0, 1.0, 1.0])
     grads[:, 7] = 0.0
     inputs = {"params": draw.uniform((8,), -1.0, 1.0), "grads": grads}
     return Case(name, inputs | adam_step.DEFAULTS | changes, comment)

@@ -5,6 +5,7 @@ import torch
 
 from . import contraction, reals
 from .fixture import Case, Draw
+from .portable import power_of_ten, product
 
 NAME, PURPOSE = "contract_gaussians", 1361
 DIFFERENTIABLE = ("means", "covariances")
@@ -18,7 +19,7 @@ def cases():
         tag = f"{norm}-{scale}"
         yield case(f"inside-{tag}", Draw(PURPOSE, "inside").uniform((3, 3), -0.5, 0.5), 0.3, "stays", conventions)
         yield case(f"outside-{tag}", Draw(PURPOSE, "outside").uniform((5, 3), -9.0, 9.0), 1.0, "a few lengths out", conventions)
-        far = Draw(PURPOSE, "far").uniform((4, 3), -1.0, 1.0) * 10.0 ** Draw(PURPOSE, "size").uniform((4, 1), 1.0, 12.0)
+        far = Draw(PURPOSE, "far").uniform((4, 3), -1.0, 1.0) * power_of_ten(Draw(PURPOSE, "size").uniform((4, 1), 1.0, 12.0))
         yield case(f"far-{tag}", far, 30.0, "to 1e12", conventions)
     yield case("origin-CG6", np.array([[0.0, 0.0, 0.0], [-0.0, 2.0**-60, 0.0]]), 0.3, "0 and beside", {})
     surface = np.array([[1.0, 0.0, 0.0], [0.0, -1.0 - 2.0**-12, 0.0], [0.0, 0.0, 1.0 - 2.0**-53]])
@@ -29,7 +30,7 @@ def cases():
 def case(name, means, size, comment, conventions):
     """A case from its means; deviations around `size`."""
     half = Draw(PURPOSE, f"half-{len(means)}").uniform((len(means), 3, 3), -size, size)
-    covariances = half @ half.transpose(0, 2, 1)
+    covariances = product(half, half.transpose(0, 2, 1))
     covariances = (covariances + covariances.transpose(0, 2, 1)) / 2
     return Case(name, {"means": means, "covariances": covariances}, comment, conventions=conventions)
 

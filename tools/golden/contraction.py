@@ -5,6 +5,7 @@ import torch
 
 from . import reals
 from .fixture import Case, Draw
+from .portable import power_of_ten
 
 NAME, PURPOSE = "contraction", 1231
 DIFFERENTIABLE = ("x",)
@@ -17,7 +18,7 @@ def cases():
         tag = f"{norm}-{scale}"
         yield case(f"inside-{tag}", Draw(PURPOSE, "inside").uniform((4, 3), -0.5, 0.5), "stays", conventions)
         yield case(f"outside-{tag}", Draw(PURPOSE, "outside").uniform((8, 3), -9.0, 9.0), "a few lengths out", conventions)
-        far = Draw(PURPOSE, "far").uniform((4, 3), -1.0, 1.0) * 10.0 ** Draw(PURPOSE, "size").uniform((4, 1), 1.0, 15.0)
+        far = Draw(PURPOSE, "far").uniform((4, 3), -1.0, 1.0) * power_of_ten(Draw(PURPOSE, "size").uniform((4, 1), 1.0, 15.0))
         yield case(f"far-{tag}", far, "to 1e15", conventions)
     yield case("origin-CG6", np.array([[0.0, 0.0, 0.0], [-0.0, 2.0**-60, 0.0]]), "0 and beside", {})
     surface = np.array([[1.0, 0.0, 0.0], [0.0, -1.0 - 2.0**-52, 0.0], [0.0, 0.0, 1.0 - 2.0**-53]])

@@ -5,6 +5,7 @@ import torch
 
 from . import reals
 from .fixture import Case, Draw
+from .portable import power_of_ten
 
 NAME, PURPOSE = "gaussian_covariance", 1301
 DIFFERENTIABLE = ("quaternions", "scales")
@@ -20,7 +21,7 @@ def cases():
     for length in (2.0**-20, 1e3):
         q, s = Draw(PURPOSE, "far").uniform((4, 4), -length, length), Draw(PURPOSE, "t").uniform((4, 3), 0.05, 1.5)
         yield case(f"GS1-{length:.0e}", q, s, "far from unit")
-    sizes = 10.0 ** Draw(PURPOSE, "needles").uniform((6, 3), -5.0, 1.0)
+    sizes = power_of_ten(Draw(PURPOSE, "needles").uniform((6, 3), -5.0, 1.0))
     yield case("GS2-needles", Draw(PURPOSE, "n").uniform((6, 4), -1.0, 1.0), sizes, "variances far apart")
     yield case("half-turns", np.eye(4), np.tile([0.5, 0.25, 0.125], (4, 1)), "no turn, and half turns")
 

@@ -6,6 +6,7 @@ import torch
 
 from . import reals
 from .fixture import Case, Draw
+from .portable import product
 
 NAME, PURPOSE = "gaussian_projection", 1303
 DIFFERENTIABLE = ("means", "covariances")
@@ -36,7 +37,7 @@ def cases():
 def case(name, count, slopes, size, comment, conventions=None, vjp=True):
     """A case of `count` Gaussians with slopes and deviations up to these."""
     q = Draw(PURPOSE, "pose").uniform((4,), -1.0, 1.0)
-    w, x, y, z = q / np.linalg.norm(q)
+    w, x, y, z = q / np.sqrt(np.sum(q * q))
     rotation = np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -49,8 +50,8 @@ def case(name, count, slopes, size, comment, conventions=None, vjp=True):
     depth = Draw(PURPOSE, name + "z").uniform((count, 1), 1.0, 6.0)
     t = np.concatenate([Draw(PURPOSE, name).uniform((count, 2), -slopes, slopes) * depth, depth], 1)
     half = Draw(PURPOSE, name + "s").uniform((count, 3, 3), -size, size)
-    sigma = half @ half.transpose(0, 2, 1)
-    inputs = {"means": (t - w2c[:3, 3]) @ rotation, "covariances": np.stack([sigma[:, i, j] for i, j in PAIRS], 1)}
+    sigma = product(half, half.transpose(0, 2, 1))
+    inputs = {"means": product(t - w2c[:3, 3], rotation), "covariances": np.stack([sigma[:, i, j] for i, j in PAIRS], 1)}
     inputs |= {"w2c": w2c, "K": K, "width": np.array(64.0), "height": np.array(48.0)}
     return Case(name, inputs, comment, conventions=conventions or {}, vjp=vjp)
 

@@ -10,6 +10,7 @@ import torch
 
 from . import reals
 from .fixture import Case, Draw
+from .portable import power_of_ten
 
 NAME, PURPOSE = "integrated_encoding", 1325
 DIFFERENTIABLE = ("means", "variances")
@@ -25,7 +26,7 @@ def cases():
         ("kept", 4, -4.0, -1.5, {"frequency": "two_pi", "integrated_identity": "true"}),
     ):
         draw = Draw(PURPOSE, name)
-        means, variances = draw.uniform((4, 3), -1.5, 1.5), 10.0 ** draw.uniform((4, 3), low, high)
+        means, variances = draw.uniform((4, 3), -1.5, 1.5), power_of_ten(draw.uniform((4, 3), low, high))
         yield case(name, means, variances, levels, f"variances of 1e{low:g} to 1e{high:g}", conventions)
     means = Draw(PURPOSE, "points").uniform((3, 2), -2.0, 2.0)
     yield case("points", means, np.zeros((3, 2)), 6, "no variance: the encoding of points")
