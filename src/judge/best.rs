@@ -10,8 +10,8 @@ use crate::convention::Conventions;
 /// The machines that are asked: the stable formula, with sums from left to right and in halves, products rounded or not.
 const MACHINES: [u64; 4] = [8, 10, 12, 14];
 
-/// The share of its bounds that the best of them uses, over the cases and outputs that are answered. `None` of statistics, and where
-/// it makes no error at all.
+/// The share of its bounds that the best of them uses, over the cases and outputs that are answered. `None` of statistics, where it
+/// makes no error at all, and where it leaves its bounds: with exponentials asked to be more exact than the machines' are.
 pub(super) fn best_honest(
     question: &Question,
     answers: &Answers,
@@ -33,5 +33,5 @@ pub(super) fn best_honest(
         });
         mark(question, &asked.collect(), c, options, grade).budget_used
     });
-    Some(used.into_iter().fold(f64::INFINITY, f64::min)).filter(|used| 0.0 < *used && used.is_finite())
+    Some(used.into_iter().fold(f64::INFINITY, f64::min)).filter(|used| 0.0 < *used && *used <= 1.0)
 }

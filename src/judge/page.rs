@@ -39,7 +39,7 @@ impl fmt::Display for Report {
         writeln!(
             f,
             "\nbudget: the largest error, of what is allowed; grade: A, the stable formula's bound held, B, the textbook's;\n\
-             honest: that error, in errors of the best honest form, its elementary functions off as far as they may be;\n\
+             honest: that share, in those of the best of four honest machines, their exponentials off by up to 4 ULP;\n\
              vacuous: elements whose bound reaches their own size, so that 0 would pass too"
         )?;
         let unsupported = self.rows.iter().filter(|row| row.verdict == Verdict::Unsupported);
@@ -93,7 +93,7 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         let graded = row.grades.len();
         writeln!(
             f,
-            "\n{} {}: grade B in {textbook} of {graded} graded cases, {first} first",
+            "\n{} {}: grade B in {textbook} of {graded} graded cases, {first} among them",
             row.name, row.kind
         )?;
     }

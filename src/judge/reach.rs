@@ -53,14 +53,14 @@ fn left_out(question: &Question, answers: &Answers) -> Vec<Option<String>> {
     question.cases.iter().map(why).collect()
 }
 
-/// Whether a candidate answers to one length of an axis alone, where others are asked too.
+/// Whether a candidate answers to one length of an axis alone, and crashes on all others that are asked. Shapes don't count here:
+/// whether columns are missing or another convention's isn't known yet.
 fn takes_only(question: &Question, answers: &Answers) -> Option<()> {
     let only = question.component.special.only?;
-    let asked = || question.cases.iter().zip(answers);
-    let fits = |case: &Case| length(case, &only) == only.length;
-    let heard = |(case, answer): (&Case, &Option<Answer>)| !beyond(question, case, answer.as_ref());
-    let others = asked().any(|(case, _)| !fits(case)) && !asked().filter(|(case, _)| !fits(case)).any(heard);
-    (others && asked().filter(|(case, _)| fits(case)).any(heard)).then_some(())
+    let (fitting, others): (Vec<_>, Vec<_>) =
+        question.cases.iter().zip(answers).partition(|(case, _)| length(case, &only) == only.length);
+    let answered = |(_, answer): &(&Case, &Option<Answer>)| answer.is_some();
+    (!others.is_empty() && !others.iter().any(answered) && fitting.iter().any(answered)).then_some(())
 }
 
 /// How long the axis is.
@@ -107,7 +107,8 @@ mod tests {
     use super::super::report::Verdict;
     use super::*;
     use crate::contract::arithmetic::Dtype;
-    use crate::convention::CS180;
+    use crate::contract::check::Kind;
+    use crate::convention::{CS180, Conventions};
 
     /// The verdict on harmonics that go to this degree, and are `times` what they should be.
     fn verdict(degree: f64, times: f64) -> (Verdict, usize) {
@@ -163,5 +164,49 @@ mod tests {
         let colored = |case: &Case| case.inputs["prediction"].shape()[2] == 3;
         assert_eq!(answering("ssim", 1.0, colored).0, Verdict::Pass);
         assert_eq!(answering("ssim", 1.0, |_| true), (Verdict::Pass, 0));
+    }
+
+    #[test]
+    fn what_is_written_for_points_in_space_may_leave_the_point_itself_out() {
+        let exam = Exam::new("positional_encoding", Dtype::F64, None).unwrap();
+        let alone = Conventions { identity: false, ..CS180 };
+        let one = |question: &Question, case: &Case| {
+            let direction = question.component.direction(question.kind).unwrap();
+            let answer = || given((direction.oracle)(&case.inputs, &alone));
+            (question.kind == Kind::Forward && case.inputs["x"].shape()[1] == 3).then(answer)
+        };
+        let all = |question: &Question| question.cases.iter().map(|case| one(question, case)).collect();
+        let report = judge_answers(&exam, &exam.questions.iter().map(all).collect::<Vec<_>>(), EXP_ULP);
+        assert_eq!(report.of("positional_encoding", "forward").unwrap().verdict, Verdict::Pass, "{report}");
+    }
+
+    /// Who is asked one length alone is asked enough: each mistake that shows in some case shows in one of that length.
+    #[test]
+    fn cases_of_one_length_show_what_all_do() {
+        for component in crate::registry::COMPONENTS {
+            let Some(only) = component.special.only else { continue };
+            let cases = (component.cases)();
+            for mistake in component.mistakes {
+                let shows = |case: &&Case| {
+                    let wrong = (component.forward.wrong)(&case.inputs, &CS180, &[mistake.name]);
+                    let right = (component.forward.oracle)(&case.inputs, &CS180);
+                    right.iter().any(|(name, right)| {
+                        let wrong = &wrong[name];
+                        wrong.shape() != right.shape()
+                            || wrong.iter().zip(right).any(|(w, r)| (w - r).abs() > 1e-3 * r.abs())
+                    })
+                };
+                let some = cases.iter().filter(shows).count();
+                let fitting =
+                    cases.iter().filter(|case| length(case, &only) == only.length).filter(shows).count();
+                assert!(
+                    some == 0 || fitting > 0,
+                    "{} {}: {some} cases, none of {}",
+                    component.name,
+                    mistake.name,
+                    only.length
+                );
+            }
+        }
     }
 }

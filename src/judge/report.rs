@@ -184,7 +184,7 @@ impl Row {
         }
     }
 
-    /// How many times the best honest form's error the largest error is, both in units of what is allowed.
+    /// How many times the largest error of the best of four honest machines the largest error is, both in units of what is allowed.
     pub fn over_honest(&self) -> Option<f64> {
         Some(self.budget_used? / self.honest_used?)
     }

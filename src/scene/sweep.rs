@@ -82,7 +82,8 @@ impl Agreement {
 
     /// Whether photographs that show enough don't fit their cameras.
     pub(super) fn refuted(&self) -> bool {
-        self.places >= ENOUGH && !self.enough(self.cloud.points.len() + self.beyond)
+        let far = if self.open() { self.beyond } else { 0 };
+        self.places >= ENOUGH && !self.enough(self.cloud.points.len() + far)
     }
 
     fn enough(&self, found: usize) -> bool {

@@ -71,5 +71,18 @@ pub(crate) fn ssim() -> Vec<Case> {
         spots("spots", [0.5, 0.25], [0.125, 0.875]),
         spots("spots_f32", [rounded_down(0.5), 0.25], [rounded_down(0.125), 0.875]),
     ]);
-    cases
+    cases.extend(in_colors());
+    in_full(cases, "colors")
+}
+
+/// What a function of red, green and blue alone must be asked too: other peaks, contrasts of the constants, no contrast at all.
+fn in_colors() -> [Case; 3] {
+    let [faint, faint_target] = noisy(4, [11, 12, 3], [0.46875, 0.53125], 0.0625);
+    let [bytes, bytes_target] = noisy(5, [12, 11, 3], [16.0, 240.0], 64.0).map(|x| x.mapv(f64::round));
+    let flat = |color: [f64; 3]| array(&[11, 11, 3], color.repeat(121));
+    [
+        case("colors_faint", "contrasts of c2, in three channels", faint, faint_target, 1.0),
+        case("colors_bytes", "bytes of three channels, peak 255", bytes, bytes_target, 255.0),
+        case("colors_flat", "two flat colors", flat([0.5, 0.25, 0.75]), flat([0.75, 0.5, 0.5]), 1.0),
+    ]
 }

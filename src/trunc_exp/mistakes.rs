@@ -87,7 +87,10 @@ pub(crate) fn trunc_exp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         if wrong.contains(&"base_two") {
             return pow(2.0, argument(x, c.exponent, c.exponent_shift));
         }
-        density(x.min(CLAMPED_ABOVE.among(wrong).unwrap_or(f64::INFINITY)), c.exponent, c.exponent_shift)
+        if let Some(most) = CLAMPED_ABOVE.among(wrong) {
+            return exp(argument(x, c.exponent, c.exponent_shift).min(most));
+        }
+        density(x, c.exponent, c.exponent_shift)
     })
 }
 
