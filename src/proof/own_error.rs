@@ -55,7 +55,7 @@ pub const OWN_ERRORS: &[OwnError] = &[
     row("accumulate_along_rays", 1.1, 1.8),
     row("early_stop", 1.7, 3.5),
     row("gaussian_covariance", 8.9, 11.6),
-    row("gaussian_projection", 7.0, 8.8),
+    row("gaussian_projection", 10.1, 12.3),
     row("gaussian_alpha", 2.4, 3.6),
     row("gaussian_color", 2.6, 7.3),
     row("render_trace", 2.2, 0.0),
