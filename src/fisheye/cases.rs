@@ -81,6 +81,13 @@ pub(crate) fn fisheye_undistort() -> Vec<Case> {
             [-0.15, 0.0, 0.0, 0.0],
             ring(0.9609),
         ),
+        case(
+            "distorted",
+            "LE1_small_alone",
+            "a strong lens and nothing but small points: a search that ends at an absolute error ends before it begins",
+            [0.5, 0.0, 0.0, 0.0],
+            ring(0.0078125),
+        ),
     ]);
     cases
 }

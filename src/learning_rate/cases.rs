@@ -48,6 +48,15 @@ pub(crate) fn lr_cosine() -> Vec<Case> {
         of("after_warm_up", "the cosine after it", [370.0, 1000.0, 0.5, 0.1, 120.0]),
         of("after_both", "after the last step of both", [1240.0, 1000.0, 0.5, 0.1, 120.0]),
         of("usual", "NeuS: 300,000 steps after 5,000", [100_000.0, 300_000.0, 5e-4, 2.5e-5, 5000.0]),
+        of("to_nothing_begin", "step 0 of a decay to 0", [0.0, 100.0, 0.5, 0.0, 0.0]),
+        of("to_nothing_quarter", "a quarter of the way to 0", [25.0, 100.0, 0.75, 0.0, 0.0]),
+        of("to_nothing_late", "nine tenths of the way to 0", [90.0, 100.0, 0.5, 0.0, 0.0]),
+        of(
+            "to_nothing_warming_up",
+            "half of the warm-up before a decay to 0",
+            [60.0, 1000.0, 0.75, 0.0, 120.0],
+        ),
+        of("to_nothing_after_warm_up", "and the decay after it", [370.0, 1000.0, 0.5, 0.0, 120.0]),
     ]
 }
 

@@ -20,13 +20,21 @@ const EACH_STEP: &[Form] = &[Form {
     holds: |a, _| number(a, "decay_steps") == 1.0,
 }];
 
-/// Schedules without a warm-up.
-const COLD: &[Form] = &[Form {
-    without: &["warmup_steps"],
-    takes: None,
-    meaning: "0: there is no warm-up",
-    holds: |a, _| number(a, "warmup_steps") == 0.0,
-}];
+/// Schedules without a warm-up, and those that end at nothing.
+const SHORTER: &[Form] = &[
+    Form {
+        without: &["warmup_steps"],
+        takes: None,
+        meaning: "0: there is no warm-up",
+        holds: |a, _| number(a, "warmup_steps") == 0.0,
+    },
+    Form {
+        without: &["lr_final"],
+        takes: None,
+        meaning: "0: the last rate is nothing",
+        holds: |a, _| number(a, "lr_final") == 0.0,
+    },
+];
 
 /// Schedules without a delay.
 const AT_ONCE: &[Form] = &[Form {
@@ -89,7 +97,7 @@ pub(crate) const LR_COSINE: Component = Component {
     vjp: None,
     cases: cases::lr_cosine,
     mistakes: mistakes::LR_COSINE,
-    special: Special { forms: COLD, ..Special::NONE },
+    special: Special { forms: SHORTER, ..Special::NONE },
 };
 
 /// A log-linear decay with a delay.

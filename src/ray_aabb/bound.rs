@@ -98,13 +98,11 @@ pub(crate) fn ray_aabb(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     })
 }
 
-/// Bound of [`super::backward::between`]: infinite where two axes, or an axis and near or far, may determine an end.
+/// Bound of [`super::backward::between`]: infinite on a miss, which has no t to differentiate, and where two axes, or an axis and near
+/// or far, may determine an end.
 pub(crate) fn ray_aabb_vjp(a: &Arrays, _: &Conventions, m: &Arithmetic) -> Arrays {
     vjp(a, |q, g| {
         let ends = ends(q, m);
-        if decided(&ends) == Some(false) {
-            return [[0.0; 3]; 2];
-        }
         let unknown = [[f64::INFINITY; 3]; 2];
         let (Some(true), Some(ends)) = (decided(&ends), ends) else { return unknown };
         let mut terms: [[Vec<Bounded>; 3]; 2] = Default::default();

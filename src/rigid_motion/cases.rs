@@ -54,7 +54,10 @@ fn all(case: impl Fn(&str, &'static str, &[[f64; 3]]) -> Case) -> Vec<Case> {
     ] {
         cases.push(Case { full: Some(dtype), ..case(id, comment, &half_turns(dtype)) });
     }
-    in_full(in_full(cases, "usual"), "corrections")
+    let mut cases = in_full(in_full(cases, "usual"), "corrections");
+    let vanishing = any_way(&mut Draw::new("rigid_motion", 1), 5, 1e-8, 6e-8);
+    cases.push(case("CG11_vanishing", "angles whose squares vanish beside 1 in every type", &vanishing));
+    cases
 }
 
 /// Rotation vectors.
@@ -62,12 +65,19 @@ pub(crate) fn so3_exp() -> Vec<Case> {
     all(|id, comment, w| Case::new(id, comment, vec![("w", array(&[w.len(), 3], w.concat()))]))
 }
 
-/// Twists with these rotations.
+/// Twists with these rotations behind a translation, and for code that has the rotation in front, small ones there too.
 pub(crate) fn se3_exp() -> Vec<Case> {
-    all(|id, comment, w| {
+    let twists = |id: &str, comment, w: &[[f64; 3]], first: bool| {
         let mut draw = Draw::new(id, 1);
-        let twists: Vec<f64> =
-            w.iter().flat_map(|w| [0; 3].map(|_| draw.between(-2.0, 2.0)).into_iter().chain(*w)).collect();
+        let twist = |w: &[f64; 3]| {
+            let other = [0; 3].map(|_| draw.between(-2.0, 2.0));
+            if first { [*w, other] } else { [other, *w] }.concat()
+        };
+        let twists = w.iter().flat_map(twist).collect();
         Case::new(id, comment, vec![("twists", array(&[w.len(), 6], twists))])
-    })
+    };
+    let mut cases = all(|id, comment, w| twists(id, comment, w, false));
+    let small = vectors().into_iter().filter(|(id, ..)| id.starts_with("CG11"));
+    cases.extend(small.map(|(id, comment, w)| twists(&format!("{id}_first"), comment, &w, true)));
+    cases
 }

@@ -29,6 +29,18 @@ def parallel_rays_apart(rays_o, rays_d, low, high, near, far):
     return answer(*slabs(rays_o, rays_d, low, high), near, far, rays_o.dtype)
 
 
+@right("ray_aabb", seen="slab tests in torch that leave a miss what was computed for it, and differentiate it", times=3)
+def misses_as_they_come(rays_o, rays_d, low, high, near, far):
+    """The same in torch: t_near > t_far says that a ray misses, and both have gradients."""
+    parallel, inside = rays_d == 0, (low <= rays_o) & (rays_o <= high)
+    open_slab = torch.where(inside, torch.inf, -torch.inf).to(rays_o.dtype)
+    safe = torch.where(parallel, 1.0, rays_d)
+    a, b = (low - rays_o) / safe, (high - rays_o) / safe
+    enter = torch.where(parallel, -open_slab, torch.minimum(a, b)).max(-1).values.clamp(min=near)
+    leave = torch.where(parallel, open_slab, torch.maximum(a, b)).min(-1).values.clamp(max=far)
+    return enter, leave, (enter <= leave).to(rays_o.dtype)
+
+
 @right("ray_aabb", seen="pure Python engines: a loop over axes", times=3, arrays="numpy")
 def axis_by_axis(rays_o, rays_d, low, high, near, far):
     """A loop over rays and axes with two numbers carried along."""

@@ -35,8 +35,14 @@ def warm_cosine(step, max_steps, lr_init, lr_final, warmup_steps):
     return lr_init * ((math.cos(math.pi * progress) + 1.0) * 0.5 * (1 - alpha) + alpha)
 
 
-@fault("lr_cosine", "last_rate_forgotten", seen="not met in this reading: cosines to nothing", times=0)
-def cosine_to_nothing(step, max_steps, lr_init, warmup_steps):
+@fault("lr_cosine", "last_rate_forgotten", seen="not met in this reading: a last rate that isn't used", times=0)
+def cosine_to_nothing(step, max_steps, lr_init, lr_final, warmup_steps):
+    """lr / 2 (1 + cos), whatever lr_final."""
+    return no_last_rate(step, max_steps, lr_init, warmup_steps)
+
+
+@right("lr_cosine", seen="schedules that end at 0 by design, and take no last rate: one of a trial on unseen code")
+def no_last_rate(step, max_steps, lr_init, warmup_steps):
     """lr / 2 (1 + cos)."""
     if step < warmup_steps:
         return lr_init * step / warmup_steps
