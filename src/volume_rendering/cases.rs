@@ -2,14 +2,14 @@
 //!
 //! VR5 (stop early and renormalize, or not) is a hazard of `early_stop`, which states that nothing is renormalized and tests it.
 
+pub(crate) mod large;
+
 use std::f64::consts::LN_2;
 
 use ndarray::ArrayD;
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
-use crate::contract::large::Large;
-use crate::contract::recipe::{Recipe, floats, sparse};
 
 /// Seeded regimes: typical optical depth of one sample.
 const REGIMES: [(&str, &str, f64, f64); 4] = [
@@ -315,89 +315,4 @@ pub(crate) fn depth() -> Vec<Case> {
         ),
     ];
     in_full(cases, "seeded")
-}
-
-/// Name, what it probes, numbers of rays and samples, rays judged at once; densities, steps and opacities.
-struct Size {
-    id: &'static str,
-    comment: &'static str,
-    shape: [usize; 2],
-    block: usize,
-    sigmas: Recipe,
-    deltas: Recipe,
-    alphas: Recipe,
-}
-
-/// The large cases: more rays than threads, more samples than a warp has lanes, neither a multiple of anything, and as much light left at
-/// the end whatever the number of samples.
-const LARGE: [Size; 5] = [
-    Size {
-        id: "rays_4099x3",
-        comment: "4,099 rays of 3 samples, whose outputs keep digits in every type",
-        shape: [4099, 3],
-        block: 512,
-        sigmas: floats(3, 1),
-        deltas: Recipe::Constant(0.03125),
-        alphas: floats(-3, 2),
-    },
-    Size {
-        id: "rays_1025x193",
-        comment: "1,025 rays of 193 samples",
-        shape: [1025, 193],
-        block: 64,
-        sigmas: sparse(-3, 7, 2),
-        deltas: floats(-9, 3),
-        alphas: sparse(-8, 5, 2),
-    },
-    Size {
-        id: "rays_100003x64",
-        comment: "100,003 rays of 64 samples",
-        shape: [100_003, 64],
-        block: 256,
-        sigmas: sparse(-3, 7, 2),
-        deltas: Recipe::Constant(0.015625),
-        alphas: sparse(-8, 5, 2),
-    },
-    Size {
-        id: "ray_4097",
-        comment: "one ray of 4,097 samples",
-        shape: [1, 4097],
-        block: 1,
-        sigmas: sparse(-3, 7, 2),
-        deltas: Recipe::Constant(0.000244140625),
-        alphas: sparse(-12, 4, 2),
-    },
-    Size {
-        id: "ray_200",
-        comment: "one ray of 200 samples, none of them opaque: a scan that loses its carry shows in every type",
-        shape: [1, 200],
-        block: 1,
-        sigmas: floats(3, 1),
-        deltas: Recipe::Constant(0.0078125),
-        alphas: floats(-5, 1),
-    },
-];
-
-impl Size {
-    fn case(&self) -> Large {
-        Large::new(self.id, self.comment, self.shape[0], self.block)
-    }
-
-    /// With colors.
-    fn colored(&self, case: Large) -> Large {
-        case.with("rgbs", &[self.shape[0], self.shape[1], 3], Recipe::Unit)
-    }
-}
-
-/// From densities.
-pub(crate) fn large() -> Vec<Large> {
-    let densities = |size: &Size| {
-        size.case().with("sigmas", &size.shape, size.sigmas).with("deltas", &size.shape, size.deltas)
-    };
-    LARGE.iter().map(|size| size.colored(densities(size))).collect()
-}
-
-/// From opacities.
-pub(crate) fn large_alpha() -> Vec<Large> {
-    LARGE.iter().map(|size| size.colored(size.case().with("alphas", &size.shape, size.alphas))).collect()
 }

@@ -55,7 +55,7 @@ pub(crate) const VOLUME_RENDER: Component = Component {
     special: Special {
         rounds_inside: mistakes::rounds_alpha,
         forms: FORMS,
-        large: cases::large,
+        large: cases::large::densities,
         ..Special::NONE
     },
 };
@@ -83,7 +83,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     }),
     cases: cases::volume_render_alpha,
     mistakes: mistakes::VOLUME_RENDER_ALPHA,
-    special: Special { large: cases::large_alpha, ..Special::NONE },
+    special: Special { large: cases::large::opacities, ..Special::NONE },
 };
 
 /// Light from behind.
