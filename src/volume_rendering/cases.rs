@@ -190,14 +190,6 @@ pub(crate) fn volume_render() -> Vec<Case> {
         array(&[1, 4, 3], (1..=12).map(|k| f64::from(k) / 16.0).collect()),
         vec![1.0 / 16_384.0; 4],
     ));
-    // In f64 too the first sample's depth is nothing beside the second one's.
-    cases.push(one_ray(
-        "VR9_solid",
-        "equal steps through something solid: a sum less its own term has lost what is in front",
-        vec![0.6875, libm::ldexp(1.0, 53), 0.5],
-        array(&[1, 3, 3], (1..=9).map(|k| f64::from(k) / 16.0).collect()),
-        vec![0.125; 3],
-    ));
     cases
 }
 

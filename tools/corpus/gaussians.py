@@ -244,8 +244,8 @@ def sum_alone(means, camera_center, coefficients):
 )
 def direction_detached(means, camera_center, coefficients, grad_colors):
     """The direction has no gradient."""
-    f = torch.tensor(coefficients, requires_grad=True)
-    as_the_rasterizer_colors(torch.tensor(means), torch.tensor(camera_center), f).backward(torch.tensor(grad_colors))
+    x, center, f, g = (torch.from_numpy(a.copy()) for a in (means, camera_center, coefficients, grad_colors))
+    as_the_rasterizer_colors(x, center, f.requires_grad_()).backward(g)
     return {"grad_means": np.zeros_like(means), "grad_coefficients": f.grad.numpy()}
 
 
