@@ -29,7 +29,7 @@ def parallel_rays_apart(rays_o, rays_d, low, high, near, far):
     return answer(*slabs(rays_o, rays_d, low, high), near, far, rays_o.dtype)
 
 
-@right("ray_aabb", seen="slab tests in torch that leave a miss what was computed for it, and differentiate it", times=3)
+@right("ray_aabb", seen="a slab test in torch, of a trial on unseen code: a miss has what was computed for it")
 def misses_as_they_come(rays_o, rays_d, low, high, near, far):
     """The same in torch: t_near > t_far says that a ray misses, and both have gradients."""
     parallel, inside = rays_d == 0, (low <= rays_o) & (rays_o <= high)
