@@ -17,6 +17,7 @@ pub(crate) const UV: Port = Port::smooth("uv", "M,2", "pixel positions, u right,
 pub(crate) const TRANSFORM: Component = Component {
     name: "transform",
     folder: "camera",
+    code: include_str!("honest.rs"),
     formula: "x_w = R x_c + o, with R and o the upper 3x4 of c2w",
     source: "homogeneous coordinates; Hartley and Zisserman 2004, section 6.1",
     inputs: &[C2W, Port::smooth("x_c", "M,3", "points in camera space")],
@@ -43,6 +44,7 @@ pub(crate) const TRANSFORM: Component = Component {
 pub(crate) const PIXEL_TO_CAMERA: Component = Component {
     name: "pixel_to_camera",
     folder: "camera",
+    code: include_str!("honest.rs"),
     formula: "x_c = s K^-1 (u, v, 1) = s ((u - cx) / fx, (v - cy) / fy, 1)",
     source: "pinhole camera; Hartley and Zisserman 2004, section 6.1",
     inputs: &[K, UV, Port::smooth("s", "M", "depths along the camera's axis")],

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const CONICAL_FRUSTUM: Component = Component {
     name: "conical_frustum",
     folder: "conical_frustum",
+    code: include_str!("honest.rs"),
     formula: "mean o + t_mean d, variances t_variance d_i^2 + r_variance (1 - d_i^2 / |d|^2); with s = start + end, d = end - start and \
               q = d^2 / (3 s^2 + d^2): t_mean = s (1/2 + q), t_variance = d^2 (5 - 16 q + 20 q^2) / 60, r_variance = r^2 (s^2 / 16 + d^2 \
               (5/48 - q / 15))",

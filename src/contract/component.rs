@@ -155,6 +155,8 @@ pub struct Component {
     pub name: &'static str,
     /// Its folder under `src/`.
     pub folder: &'static str,
+    /// The text of its honest implementations, in which a slip of the formula is shown.
+    pub code: &'static str,
     /// The formula, on a line or two.
     pub formula: &'static str,
     /// Paper and equation, or the code that defines it.

@@ -6,6 +6,7 @@ pub mod bounded;
 pub mod case;
 pub mod check;
 pub mod component;
+pub(crate) mod fault;
 pub mod hazard;
 pub mod laid;
 pub mod large;

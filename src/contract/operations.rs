@@ -5,8 +5,9 @@
 
 use super::arithmetic::Arithmetic;
 use super::bounded::{Bounded, any_order, exact, hyper};
+use super::fault::Operation;
 use super::machine::Machine;
-use crate::math::{cos, expm1, ln, ln_1p, pow, sin};
+use crate::math::{expm1, ln, ln_1p, pow};
 
 /// Arithmetic on numbers of some kind.
 pub(crate) trait Operations {
@@ -134,55 +135,87 @@ impl Operations for Arithmetic {
 impl Operations for Machine {
     type Number = f64;
 
+    #[track_caller]
     fn exact(&self, y: f64) -> f64 {
-        y
+        if self.fault.is_none() { y } else { self.done(Operation::Given, y, 0.0) }
     }
+    #[track_caller]
     fn hyper(&self, y: f64) -> f64 {
-        self.round(y)
+        self.done(Operation::Given, y, 0.0)
     }
     fn is_zero(&self, a: f64) -> bool {
         a == 0.0
     }
+    #[track_caller]
     fn neg(&self, a: f64) -> f64 {
-        -a
+        self.done(Operation::Neg, a, 0.0)
     }
+    #[track_caller]
     fn add(&self, a: f64, b: f64) -> f64 {
         Machine::add(self, a, b)
     }
+    #[track_caller]
+    fn sub(&self, a: f64, b: f64) -> f64 {
+        Machine::sub(self, a, b)
+    }
+    #[track_caller]
     fn mul(&self, a: f64, b: f64) -> f64 {
         Machine::mul(self, a, b)
     }
+    #[track_caller]
     fn div(&self, a: f64, b: f64) -> f64 {
         Machine::div(self, a, b)
     }
+    #[track_caller]
     fn sqrt(&self, a: f64) -> f64 {
         Machine::sqrt(self, a)
     }
+    #[track_caller]
     fn exp(&self, a: f64) -> f64 {
         Machine::exp(self, a)
     }
+    #[track_caller]
     fn ln(&self, a: f64) -> f64 {
-        self.elementary(ln(a))
+        self.function(Operation::Ln, a, 0.0)
     }
+    #[track_caller]
     fn pow(&self, a: f64, b: f64) -> f64 {
-        self.elementary(pow(a, b))
+        self.function(Operation::Pow, a, b)
     }
+    #[track_caller]
     fn sin(&self, a: f64) -> f64 {
-        self.elementary(sin(a))
+        self.function(Operation::Sin, a, 0.0)
     }
+    #[track_caller]
     fn cos(&self, a: f64) -> f64 {
-        self.elementary(cos(a))
+        self.function(Operation::Cos, a, 0.0)
     }
+    #[track_caller]
     fn max(&self, a: f64, b: f64) -> f64 {
-        a.max(b)
+        self.done(Operation::Max, a, b)
     }
+    #[track_caller]
+    fn min(&self, a: f64, b: f64) -> f64 {
+        self.done(Operation::Min, a, b)
+    }
+    #[track_caller]
     fn above(&self, a: f64, b: f64, g: f64) -> f64 {
-        if a > b { g } else { 0.0 }
+        if self.fault.is_none() {
+            return if a > b { g } else { 0.0 };
+        }
+        let passed = if a > b { g } else { 0.0 };
+        self.done(Operation::Above, passed, g)
     }
+    #[track_caller]
     fn sum(&self, terms: &[f64]) -> f64 {
         Machine::sum(self, terms)
     }
+    #[track_caller]
     fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
         Machine::dot(self, a, b)
+    }
+    #[track_caller]
+    fn times(&self, a: f64, b: f64) -> f64 {
+        self.done(Operation::Mul, a, b)
     }
 }

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const CONTRACTION: Component = Component {
     name: "contraction",
     folder: "contraction",
+    code: include_str!("honest.rs"),
     formula: "x for |x| <= 1, (2 - 1/|x|) x/|x| beyond; which norm, and the scale of the result, by convention",
     source: "mip-NeRF 360 (Barron et al. 2022), equation 10; MERF (Reiser et al. 2023), equation 4",
     inputs: &[Port::smooth("x", "M,3", "points; what is near lies within length 1")],

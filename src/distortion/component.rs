@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const DISTORTION_LOSS: Component = Component {
     name: "distortion_loss",
     folder: "distortion",
+    code: include_str!("honest.rs"),
     formula: "sum_ij w_i w_j |m_i - m_j| + 1/3 sum_i w_i^2 (t_{i+1} - t_i), m_i = (t_i + t_{i+1}) / 2; of each ray",
     source: "mip-NeRF 360 (Barron et al. 2022), equation 15",
     inputs: &[

@@ -18,6 +18,7 @@ const FORMS: &[Form] = &[Form {
 pub(crate) const EARLY_STOP: Component = Component {
     name: "early_stop",
     folder: "early_stop",
+    code: include_str!("honest.rs"),
     formula: "ray r has samples offsets_r, ..., offsets_{r+1} - 1; live_r = up to and with the first behind which T < eps; volume_render of these, not renormalized",
     source: "Instant-NGP (Mueller et al. 2022) appendix C.1, without its division by the opacity",
     inputs: &[

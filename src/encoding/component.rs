@@ -8,6 +8,7 @@ use crate::contract::special::{Only, Special};
 pub(crate) const POSITIONAL_ENCODING: Component = Component {
     name: "positional_encoding",
     folder: "encoding",
+    code: include_str!("honest.rs"),
     formula: "x, then sin(2^k pi x), cos(2^k pi x) for k = 0, ..., L - 1",
     source: "NeRF (Mildenhall et al. 2020) equation 4",
     inputs: &[

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const MLP: Component = Component {
     name: "mlp",
     folder: "field",
+    code: include_str!("honest.rs"),
     formula: "h_0 = x, z_n = w_n h_n + b_n, h_{n+1} = max(z_n, 0), y = sigmoid(z_last)",
     source: "Berkeley CS180 project 4, part 1; Tancik et al. 2020",
     inputs: &[
@@ -33,6 +34,7 @@ pub(crate) const MLP: Component = Component {
 pub(crate) const NERF_MLP: Component = Component {
     name: "nerf_mlp",
     folder: "field",
+    code: include_str!("honest.rs"),
     formula: "h = trunk(encode(x)), the encoding again in trunk 4; sigma = max(w h + b, 0); rgb = sigmoid(color1 relu(color0 [feature h, encode(d)]))",
     source: "NeRF (Mildenhall et al. 2020) figure 7",
     inputs: &NERF_PORTS,

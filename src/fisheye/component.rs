@@ -11,6 +11,7 @@ const COEFFICIENTS: Port = Port::smooth("coefficients", "4", "k1, k2, k3, k4 of 
 pub(crate) const FISHEYE_DISTORT: Component = Component {
     name: "fisheye_distort",
     folder: "fisheye",
+    code: include_str!("honest.rs"),
     formula: "(x', y') = (theta_d / r) (x, y), theta = atan r, theta_d = theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8)",
     source: "OpenCV, Fisheye camera model; Kannala and Brandt 2006, equation 6",
     inputs: &[Port::smooth("points", "M,2", "ideal points, x/z and y/z in camera space"), COEFFICIENTS],
@@ -37,6 +38,7 @@ pub(crate) const FISHEYE_DISTORT: Component = Component {
 pub(crate) const FISHEYE_UNDISTORT: Component = Component {
     name: "fisheye_undistort",
     folder: "fisheye",
+    code: include_str!("honest.rs"),
     formula: "(x, y) = (tan theta / theta_d) (x', y'), theta the angle before every fold with theta_d = |(x', y')|",
     source: "OpenCV, Fisheye camera model; its inverse, which has no formula",
     inputs: &[

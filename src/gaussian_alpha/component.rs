@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const GAUSSIAN_ALPHA: Component = Component {
     name: "gaussian_alpha",
     folder: "gaussian_alpha",
+    code: include_str!("honest.rs"),
     formula: "min(cap, opacity exp(-1/2 (A dx^2 + C dy^2) - B dx dy)), d from the mean to the pixel",
     source: "3D Gaussian Splatting (Kerbl et al. 2023), equations 3 and 4; cap and cut: its rasterizer",
     inputs: &[

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const GAUSSIAN_COLOR: Component = Component {
     name: "gaussian_color",
     folder: "gaussian_color",
+    code: include_str!("honest.rs"),
     formula: "max(sum_k f_k Y_k(d / |d|) + 1/2, 0), d = mean - camera center",
     source: "3D Gaussian Splatting (Kerbl et al. 2023), section 4, and its rasterizer; Plenoxels (Fridovich-Keil et al. 2022)",
     inputs: &[

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const CONTRACT_GAUSSIANS: Component = Component {
     name: "contract_gaussians",
     folder: "gaussian_contraction",
+    code: include_str!("honest.rs"),
     formula: "f(mean), J Sigma J^T; J the Jacobian of the contraction f at the mean",
     source: "mip-NeRF 360 (Barron et al. 2022), section 3.1 and equation 10; multinerf internal/coord.py track_linearize",
     inputs: &[

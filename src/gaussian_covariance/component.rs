@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const GAUSSIAN_COVARIANCE: Component = Component {
     name: "gaussian_covariance",
     folder: "gaussian_covariance",
+    code: include_str!("honest.rs"),
     formula: "R diag(s)^2 R^T, R the rotation of q / |q|",
     source: "3D Gaussian Splatting (Kerbl et al. 2023), equation 6; gradients: its appendix A",
     inputs: &[

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const GAUSSIAN_PROJECTION: Component = Component {
     name: "gaussian_projection",
     folder: "gaussian_projection",
+    code: include_str!("honest.rs"),
     formula: "t = R mean + translation; (fx t_x/t_z + cx, fy t_y/t_z + cy); J R Sigma R^T J^T + 0.3 with t_x/t_z clamped in J; its inverse; \
               ceil(3 sqrt(lambda)); sqrt(det before / det after the dilation)",
     source: "Zwicker et al. 2001, EWA Volume Splatting; 3D Gaussian Splatting (Kerbl et al. 2023), equation 5, and its rasterizer",

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const CLIP_BY_GLOBAL_NORM: Component = Component {
     name: "clip_by_global_norm",
     folder: "gradient_clipping",
+    code: include_str!("honest.rs"),
     formula: "g min(1, max_norm / norm), norm = sqrt(sum of g^2 over all tensors)",
     source: "Pascanu et al. 2013, algorithm 1; torch.nn.utils.clip_grad_norm_; optax.clip_by_global_norm",
     inputs: &[
@@ -37,6 +38,7 @@ pub(crate) const CLIP_BY_GLOBAL_NORM: Component = Component {
 pub(crate) const CLIP_BY_VALUE: Component = Component {
     name: "clip_by_value",
     folder: "gradient_clipping",
+    code: include_str!("honest.rs"),
     formula: "min(max(g, -limit), limit)",
     source: "torch.nn.utils.clip_grad_value_; optax.clip",
     inputs: &[

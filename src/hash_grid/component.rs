@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const HASH_GRID: Component = Component {
     name: "hash_grid",
     folder: "hash_grid",
+    code: include_str!("honest.rs"),
     formula: "level l of L tables has N_l = round(base (finest / base)^(l / (L - 1))) cells along an edge; x N_l = cell + fraction, at x = 1 in the last cell; sum over the cell's 8 corners of trilinear weight times entry; entry x + (N + 1) (y + (N + 1) z) where (N + 1)^3 <= E, else (x xor 2654435761 y xor 805459861 z) mod E",
     source: "Instant-NGP (Mueller et al. 2022) equations 1 to 4, N rounded to nearest; by convention as tiny-cuda-nn, torch-ngp or nerfstudio have it",
     inputs: &[

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const IMPORTANCE_SAMPLING: Component = Component {
     name: "importance_sampling",
     folder: "importance_sampling",
+    code: include_str!("honest.rs"),
     formula: "F_k = sum_{j<k} (w_j + padding) / sum_j (w_j + padding), t = e_k + (u - F_k) / (F_{k+1} - F_k) (e_{k+1} - e_k)",
     source: "NeRF (Mildenhall et al. 2020) section 5.2",
     inputs: &[

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const INTEGRATED_ENCODING: Component = Component {
     name: "integrated_encoding",
     folder: "integrated_encoding",
+    code: include_str!("honest.rs"),
     formula: "sin(2^k pi x) e, cos(2^k pi x) e with e = exp(-(2^k pi)^2 v / 2), for k = 0, ..., L - 1",
     source: "mip-NeRF (Barron et al. 2021) equations 11 to 16; google/mipnerf internal/mip.py integrated_pos_enc",
     inputs: &[

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const INTERLEVEL_LOSS: Component = Component {
     name: "interlevel_loss",
     folder: "interlevel_loss",
+    code: include_str!("honest.rs"),
     formula: "mean over intervals of max(0, w_i - bound_i)^2 / (w_i + eps), bound_i the proposal's weights whose intervals overlap i; \
               of each ray",
     source: "mip-NeRF 360 (Barron et al. 2022), equations 12 and 13; google-research/multinerf internal/stepfun.py lossfun_outer",

@@ -7,6 +7,7 @@ use super::exam::Question;
 use super::fitted::{fitting, fitting_pairs};
 use super::hypothesis::{Hypothesis, of_forward};
 use super::mark::MarkOptions;
+use super::misdone::misdone;
 use super::mostly::mostly;
 use super::paired::paired;
 use super::peel::peel;
@@ -97,6 +98,10 @@ pub fn diagnose(
     }
     // Then what no catalogue lists, what is known of most cases, both, and what is known of some outputs.
     let slips = slipped(question, answers, base, options, Beside::Nothing);
+    if !slips.is_empty() {
+        return slips;
+    }
+    let slips = misdone(question, answers, base, options);
     if !slips.is_empty() {
         return slips;
     }

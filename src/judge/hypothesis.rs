@@ -14,7 +14,7 @@ use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
 use crate::contract::check::{Kind, budget_used};
-use crate::contract::component::Wrong;
+use crate::contract::component::Direction;
 use crate::convention::Conventions;
 
 /// An assignment of conventions with mistakes, in the order in which they were made.
@@ -51,14 +51,14 @@ impl Hypothesis {
 
     /// Whether it is a gradient of wrong code, which only differences know.
     pub(crate) fn numeric(&self, question: &Question) -> bool {
-        let forward = self.slip.as_ref().is_some_and(|slip| slip.forward);
+        let forward = self.slip.as_ref().is_some_and(Slip::forward);
         question.kind == Kind::Vjp && (forward || of_forward(question, &self.mistakes))
     }
 
     /// What this candidate would answer, and its error where it isn't known exactly (numeric gradients).
     pub fn prediction(&self, question: &Question, case: &Case) -> (Arrays, Option<Arrays>) {
         if self.numeric(question) {
-            let forward = |inputs: &Arrays| self.slipped(inputs, question, question.component.forward.wrong);
+            let forward = |inputs: &Arrays| self.slipped(inputs, question, &question.component.forward);
             let (gradient, error) = numeric::vjp(question.component, &case.inputs, forward);
             return (gradient, Some(error));
         }
@@ -68,15 +68,17 @@ impl Hypothesis {
     /// The wrong function.
     fn wrong(&self, question: &Question, inputs: &Arrays) -> Arrays {
         let direction = question.component.direction(question.kind).expect("a question has its direction");
-        self.slipped(inputs, question, direction.wrong)
+        self.slipped(inputs, question, direction)
     }
 
     /// A wrong function with its mistakes, between what slips.
-    fn slipped(&self, inputs: &Arrays, question: &Question, wrong: Wrong) -> Arrays {
-        let with = |inputs: &Arrays| self.named(question, |names| wrong(inputs, &self.conventions, names));
+    fn slipped(&self, inputs: &Arrays, question: &Question, direction: &Direction) -> Arrays {
+        let wrong = |names: &[&str], inputs: &Arrays| (direction.wrong)(inputs, &self.conventions, names);
+        let with = |inputs: &Arrays| self.named(question, |names| wrong(names, inputs));
         match &self.slip {
             None => with(inputs),
-            Some(slip) => slip.on_outputs(inputs, with(&slip.on_inputs(inputs))),
+            Some(Slip::Formula(slip)) => slip.of(inputs, &self.conventions, direction.honest),
+            Some(Slip::Array(slip)) => slip.on_outputs(inputs, with(&slip.on_inputs(inputs))),
         }
     }
 
@@ -168,6 +170,18 @@ impl Hypothesis {
         }
         (question.component.special.rounds_inside)(&mut inputs, relative, &mut draw);
         self.wrong(question, &inputs)
+    }
+
+    /// What this candidate would answer, and how far off it may be.
+    pub(crate) fn allowed(
+        &self,
+        question: &Question,
+        case: &Case,
+        options: &MarkOptions,
+    ) -> (Arrays, Arrays) {
+        let (wrong, error) = self.prediction(question, case);
+        let bound = self.bound(question, case, &wrong, error.as_ref(), options);
+        (wrong, bound)
     }
 
     /// Whether it explains an answer.

@@ -29,6 +29,7 @@ mod fitted;
 #[doc(hidden)]
 pub mod hypothesis;
 mod imprecise;
+mod infix;
 #[doc(hidden)]
 pub mod judging;
 #[doc(hidden)]
@@ -36,6 +37,7 @@ pub mod large;
 pub(crate) mod layout;
 #[doc(hidden)]
 pub mod mark;
+mod misdone;
 mod mostly;
 pub(crate) mod numeric;
 mod observed;

@@ -101,7 +101,15 @@ pub(crate) fn mostly(
             && beyond as f64 >= SHOWN.1 * wrong as f64
     };
     found.retain(enough);
-    if found.is_empty() && !numeric {
+    // Of bits and counts a pair of many explains a few cases by chance.
+    let real = || {
+        answers
+            .iter()
+            .flatten()
+            .flat_map(|a| a.keys())
+            .any(|name| !question.component.output_entries(name).whole())
+    };
+    if found.is_empty() && !numeric && real() {
         let pair = |n: usize| singles[..n].iter().map(move |other| (n, other[0]));
         let pairs = (0..singles.len()).flat_map(pair).map(|(n, other)| vec![other, singles[n][0]]);
         found = tried(&pairs.collect::<Vec<_>>(), &near[..near.len().min(PAIRED)], &cases);

@@ -6,6 +6,7 @@ use super::assignment::Partial;
 use super::evidence::Explanation;
 use super::mark::Worst;
 use super::report::{Report, Row, Verdict};
+use super::slip::Slip;
 use crate::contract::arithmetic::Grade;
 use crate::contract::component::Mistake;
 
@@ -239,7 +240,7 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         writeln!(f, "      to fix:  {}   (seen: {})", mistake.fix, mistake.seen)?;
     }
     let forward = |e: &Explanation| {
-        e.mistakes.iter().any(|m| !m.gradient) || e.slip.as_ref().is_some_and(|slip| slip.forward)
+        e.mistakes.iter().any(|m| !m.gradient) || e.slip.as_ref().is_some_and(Slip::forward)
     };
     if row.kind == "vjp" && forward(best) {
         writeln!(f, "  a mistake of the forward function: its gradient follows from it")?;

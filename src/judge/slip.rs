@@ -3,6 +3,7 @@
 
 use ndarray::{ArrayD, Axis, IxDyn};
 
+use super::misdone::FormulaSlip;
 use crate::contract::arrays::Arrays;
 
 /// What happens to an array.
@@ -136,9 +137,36 @@ fn earlier(x: &[f64], last: f64) -> Vec<f64> {
     [&x[1..], &[last]].concat()
 }
 
+/// What no catalogue lists.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Slip {
+    /// It happens to an array.
+    Array(ArraySlip),
+    /// It happens to an operation of the formula.
+    Formula(FormulaSlip),
+}
+
+impl Slip {
+    /// Whether it is one of the forward function, also where a gradient is asked for.
+    pub(crate) fn forward(&self) -> bool {
+        match self {
+            Slip::Array(slip) => slip.forward,
+            Slip::Formula(slip) => slip.forward,
+        }
+    }
+
+    /// What it says, on a line.
+    pub(crate) fn says(&self) -> String {
+        match self {
+            Slip::Array(slip) => slip.says(),
+            Slip::Formula(slip) => slip.says(),
+        }
+    }
+}
+
 /// What happens to an input, or to an output.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Slip {
+pub(crate) struct ArraySlip {
     /// Whether it is an input.
     pub input: bool,
     /// Name of the array.
@@ -149,7 +177,7 @@ pub(crate) struct Slip {
     pub forward: bool,
 }
 
-impl Slip {
+impl ArraySlip {
     /// The inputs as they are used.
     pub(crate) fn on_inputs(&self, inputs: &Arrays) -> Arrays {
         let mut changed = inputs.clone();

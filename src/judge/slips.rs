@@ -11,7 +11,7 @@ use super::evidence::{Explanation, difference, explains_all, largest_residual, s
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
-use super::slip::{ALONG, By, Change, EACH, Slip};
+use super::slip::{ALONG, ArraySlip, By, Change, EACH, Slip};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
@@ -81,7 +81,7 @@ pub(crate) fn slipped(
     let mut hypotheses = vec![];
     for (plain, _) in plain.iter().zip(most).filter(|(_, most)| !most) {
         let fitted = fitted(plain, question, &cases);
-        let with = |slip: &Slip| Hypothesis { slip: Some(slip.clone()), ..plain.clone() };
+        let with = |slip: &ArraySlip| Hypothesis { slip: Some(Slip::Array(slip.clone())), ..plain.clone() };
         hypotheses.extend(slips.iter().chain(&fitted).map(with));
     }
     let elements = |arrays: &Arrays| arrays.values().map(|a| a.len()).sum::<usize>();
@@ -106,14 +106,19 @@ pub(crate) fn gradient_of(
 }
 
 /// Whether a hypothesis explains the answers, and some of them show it.
-fn was_done(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> bool {
+pub(super) fn was_done(
+    h: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> bool {
     let fits = || explains_all(h, question, answers, options) && shows(h, question, answers, options);
     // Wrong code on changed inputs may break a rule that only right ones keep: then it isn't what was done.
     panic::catch_unwind(AssertUnwindSafe(fits)).unwrap_or(false)
 }
 
 /// The run's conventions, those in which most elements agree, and those of known programs.
-fn conventions(
+pub(super) fn conventions(
     question: &Question,
     answers: &Answers,
     base: &Conventions,
@@ -131,7 +136,7 @@ fn conventions(
 }
 
 /// All slips of a row's arrays.
-fn slips(question: &Question, (case, answer): (&Case, &Answer), c: &Conventions) -> Vec<Slip> {
+fn slips(question: &Question, (case, answer): (&Case, &Answer), c: &Conventions) -> Vec<ArraySlip> {
     let component = question.component;
     // Counts and offsets say how long arrays are.
     let real = |name: &&String| component.input_entries(name) == Entries::Real;
@@ -150,8 +155,12 @@ fn slips(question: &Question, (case, answer): (&Case, &Answer), c: &Conventions)
             if !input {
                 changes.extend(lengths(&case.inputs));
             }
-            let slip =
-                |change| Slip { input, array: name.clone(), change, forward: question.kind == Kind::Forward };
+            let slip = |change| ArraySlip {
+                input,
+                array: name.clone(),
+                change,
+                forward: question.kind == Kind::Forward,
+            };
             all.extend(changes.into_iter().map(slip));
         }
     }
@@ -206,7 +215,7 @@ fn lengths(inputs: &Arrays) -> Vec<Change> {
 
 /// A factor, or a summand, of one output, or of one component of it, as its largest element shows it: in four digits, as people write it,
 /// and as it is.
-fn fitted(plain: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)]) -> Vec<Slip> {
+fn fitted(plain: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)]) -> Vec<ArraySlip> {
     let mut shown: BTreeSet<String> = BTreeSet::new();
     let mut all = vec![];
     for (case, answer) in cases {
@@ -221,7 +230,7 @@ fn fitted(plain: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)]) -
             let Some((p, g)) = largest_off(p.iter().zip(&got)) else { continue };
             shown.insert(name.clone());
             let rounded = |x: f64| [format!("{x:.3e}").parse().unwrap_or(x), x];
-            let slip = |change| Slip {
+            let slip = |change| ArraySlip {
                 input: false,
                 array: name.clone(),
                 change,
@@ -254,7 +263,7 @@ fn largest_off<'a>(pairs: impl Iterator<Item = (&'a f64, &'a f64)>) -> Option<(f
 }
 
 /// The first few, the fewest mistakes and changes of conventions first.
-fn explanations(
+pub(super) fn explanations(
     mut found: Vec<Hypothesis>,
     question: &Question,
     answers: &Answers,
@@ -293,9 +302,15 @@ mod tests {
     const OPTIONS: MarkOptions = MarkOptions { dtype: Dtype::F64, exp_ulp: EXP_ULP };
 
     /// The rows of a report on forward answers that a change makes of the right ones.
-    fn judged(component: &'static str, dtype: Dtype, slip: &Slip, mistakes: &[&'static str]) -> Vec<Row> {
+    fn judged(
+        component: &'static str,
+        dtype: Dtype,
+        slip: &ArraySlip,
+        mistakes: &[&'static str],
+    ) -> Vec<Row> {
         let exam = Exam::new(component, dtype, None).unwrap();
-        let wrong = Hypothesis { slip: Some(slip.clone()), ..Hypothesis::new(mistakes.to_vec(), CS180) };
+        let wrong =
+            Hypothesis { slip: Some(Slip::Array(slip.clone())), ..Hypothesis::new(mistakes.to_vec(), CS180) };
         let answer = |question: &Question, case: &Case| {
             let rounded = |(name, a): (String, ndarray::ArrayD<f64>)| (name, a.mapv(|x| dtype.round(x)));
             given(wrong.prediction(question, case).0.into_iter().map(rounded).collect())
@@ -308,8 +323,8 @@ mod tests {
         judge_answers(&exam, &answers, EXP_ULP).rows
     }
 
-    fn slip(input: bool, array: &str, change: Change) -> Slip {
-        Slip { input, array: array.into(), change, forward: true }
+    fn slip(input: bool, array: &str, change: Change) -> ArraySlip {
+        ArraySlip { input, array: array.into(), change, forward: true }
     }
 
     fn named(what: &str) -> usize {
@@ -356,7 +371,7 @@ mod tests {
         let turned = slip(true, "d", Change::Opposite(1, 2));
         let exam = Exam::new("spherical_harmonics", Dtype::F64, None).unwrap();
         let question = exam.questions.iter().find(|q| q.kind == Kind::Vjp).expect("it has a gradient");
-        let wrong = Hypothesis { slip: Some(turned), ..Hypothesis::new(vec![], CS180) };
+        let wrong = Hypothesis { slip: Some(Slip::Array(turned)), ..Hypothesis::new(vec![], CS180) };
         let right = Hypothesis::new(vec![], CS180);
         let of = |h: &Hypothesis| -> Answers {
             question.cases.iter().map(|case| Some(given(h.prediction(question, case).0))).collect()
@@ -377,7 +392,8 @@ mod tests {
                 let gradient = |m: &&crate::contract::component::Mistake| m.gradient != forward;
                 let mistakes: Vec<_> = question.component.mistakes.iter().filter(gradient).collect();
                 for (n, slip) in slips(question, cases[0], &CS180).into_iter().enumerate() {
-                    let wrong = Hypothesis { slip: Some(slip), ..Hypothesis::new(vec![], CS180) };
+                    let wrong =
+                        Hypothesis { slip: Some(Slip::Array(slip)), ..Hypothesis::new(vec![], CS180) };
                     cases.iter().take(3).for_each(|(case, _)| drop(wrong.prediction(question, case)));
                     // Beside one of the mistakes, each in its turn.
                     if let Some(mistake) = mistakes.get(n % mistakes.len().max(1)) {

@@ -48,6 +48,7 @@ const AT_ONCE: &[Form] = &[Form {
 pub(crate) const LR_EXPONENTIAL: Component = Component {
     name: "lr_exponential",
     folder: "learning_rate",
+    code: include_str!("honest.rs"),
     formula: "lr_init decay^(step / decay_steps)",
     source: "bmild/nerf run_nerf.py: ExponentialDecay; torch.optim.lr_scheduler.ExponentialLR with decay_steps = 1",
     inputs: &[
@@ -74,6 +75,7 @@ pub(crate) const LR_EXPONENTIAL: Component = Component {
 pub(crate) const LR_COSINE: Component = Component {
     name: "lr_cosine",
     folder: "learning_rate",
+    code: include_str!("honest.rs"),
     formula: "lr_init step / warmup_steps in the warm-up; then lr_final + (lr_init - lr_final) (1 + cos(pi p)) / 2, \
               p = (step - warmup_steps) / (max_steps - warmup_steps)",
     source: "Loshchilov and Hutter 2017 (SGDR), equation 5; torch.optim.lr_scheduler.CosineAnnealingLR; with its warm-up NeuS and \
@@ -104,6 +106,7 @@ pub(crate) const LR_COSINE: Component = Component {
 pub(crate) const LR_LOG_LINEAR: Component = Component {
     name: "lr_log_linear",
     folder: "learning_rate",
+    code: include_str!("honest.rs"),
     formula: "f lr_init^(1 - t) lr_final^t, t = step / max_steps up to 1; f = m + (1 - m) sin(pi / 2 step / delay_steps) before \
               step `delay_steps`, then 1; m = delay_mult",
     source: "google-research/multinerf internal/math.py learning_rate_decay; graphdeco-inria/gaussian-splatting \

@@ -19,6 +19,7 @@ const SPECIAL: Special =
 pub(crate) const LENS_DISTORT: Component = Component {
     name: "lens_distort",
     folder: "lens",
+    code: include_str!("honest.rs"),
     formula: "x' = x radial + 2 p1 x y + p2 (r^2 + 2 x^2), y' = y radial + p1 (r^2 + 2 y^2) + 2 p2 x y, radial = (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)",
     source: "OpenCV, Camera Calibration and 3D Reconstruction; Brown 1966",
     inputs: &[Port::smooth("points", "M,2", "ideal points, x/z and y/z in camera space"), COEFFICIENTS],
@@ -45,6 +46,7 @@ pub(crate) const LENS_DISTORT: Component = Component {
 pub(crate) const LENS_UNDISTORT: Component = Component {
     name: "lens_undistort",
     folder: "lens",
+    code: include_str!("honest.rs"),
     formula: "the point before every fold of the lens for which lens_distort(points, coefficients) = distorted",
     source: "OpenCV, Camera Calibration and 3D Reconstruction; its inverse, which has no formula",
     inputs: &[

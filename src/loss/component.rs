@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const MSE: Component = Component {
     name: "mse",
     folder: "loss",
+    code: include_str!("honest.rs"),
     formula: "mean of (prediction - target)^2 over all entries",
     source: "NeRF (Mildenhall et al. 2020) equation 6, with the mean of its code",
     inputs: &[
@@ -32,6 +33,7 @@ pub(crate) const MSE: Component = Component {
 pub(crate) const PSNR: Component = Component {
     name: "psnr",
     folder: "loss",
+    code: include_str!("honest.rs"),
     formula: "10 log10(peak^2 / mse), mean over pictures or of the mean error",
     source: "NeRF (Mildenhall et al. 2020) section 6; bmild/nerf run_nerf_helpers.py mse2psnr",
     inputs: &[
@@ -57,6 +59,7 @@ pub(crate) const PSNR: Component = Component {
 pub(crate) const TO_UINT8: Component = Component {
     name: "to_uint8",
     folder: "loss",
+    code: include_str!("honest.rs"),
     formula: "round(255 clip(x, 0, 1)), halves away from 0; or floor",
     source: "bmild/nerf run_nerf_helpers.py to8b (floor); imageio and torchvision (round)",
     inputs: &[Port::plain("image", "H,W,3", "colors, beyond [0, 1] too")],

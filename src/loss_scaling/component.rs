@@ -17,6 +17,7 @@ const ONE_FACTOR: &[Form] = &[Form {
 pub(crate) const LOSS_SCALE_UPDATE: Component = Component {
     name: "loss_scale_update",
     folder: "loss_scaling",
+    code: include_str!("honest.rs"),
     formula: "found_inf: scale backoff_factor, tracker 0; else tracker + 1, and where that is growth_interval scale growth_factor, tracker 0",
     source: "Micikevicius et al. 2018 (Mixed Precision Training), section 3.2; torch.amp.GradScaler.update, _amp_update_scale_",
     inputs: &[
@@ -50,6 +51,7 @@ pub(crate) const LOSS_SCALE_UPDATE: Component = Component {
 pub(crate) const UNSCALE_GRADIENTS: Component = Component {
     name: "unscale_gradients",
     folder: "loss_scaling",
+    code: include_str!("honest.rs"),
     formula: "g / scale; found_inf = 1 where a g is infinite or NaN: then the step is skipped, and what is in g / scale is open",
     source: "Micikevicius et al. 2018 (Mixed Precision Training), section 3.2; torch.amp.GradScaler.unscale_",
     inputs: &[

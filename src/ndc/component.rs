@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const NDC_RAYS: Component = Component {
     name: "ndc_rays",
     folder: "ndc",
+    code: include_str!("honest.rs"),
     formula: "p = o + t d at depth near; o' = (2f/W p_x/near, 2f/H p_y/near, -1), d' = (2f/W (d_x/|d_z| - p_x/near), 2f/H (d_y/|d_z| - p_y/near), 2)",
     source: "NeRF (Mildenhall et al. 2020), appendix C, equations 25 and 26",
     inputs: &[

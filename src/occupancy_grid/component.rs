@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const OCCUPANCY_GRID: Component = Component {
     name: "occupancy_grid",
     folder: "occupancy_grid",
+    code: include_str!("honest.rs"),
     formula: "where points lie in a cell that is seen, density_out = max(decay density, max of their sigmas), elsewhere density; occupied where density_out > min(threshold, mean of the density_out > 0), all cells with density_out >= 0 where that leaves none",
     source: "Instant-NGP (Mueller et al. 2022) appendix C; nerfacc's OccGridEstimator",
     inputs: &[
@@ -52,6 +53,7 @@ pub(crate) const OCCUPANCY_GRID: Component = Component {
 pub(crate) const GRID_TRAVERSAL: Component = Component {
     name: "grid_traversal",
     folder: "occupancy_grid",
+    code: include_str!("honest.rs"),
     formula: "lengths = |{t in [near, far]: o + t d in the cell}|, visited = number of cells with a length above 0",
     source: "Amanatides and Woo 1987; nerfacc issue 265 (CG3)",
     inputs: &[

@@ -43,6 +43,7 @@ const OUTPUTS: &[Port] = &[
 pub(crate) const ADAM_STEP: Component = Component {
     name: "adam_step",
     folder: "optimizer",
+    code: include_str!("honest.rs"),
     formula: "m' = b1 m + (1 - b1) g, v' = b2 v + (1 - b2) g^2, p' = p - lr m' / (1 - b1^t) / (sqrt(v' / (1 - b2^t)) + eps)",
     source: "Kingma and Ba 2015, algorithm 1; torch.optim.Adam",
     inputs: &inputs("times the parameter, added to the gradient (coupled)"),
@@ -64,6 +65,7 @@ pub(crate) const ADAM_STEP: Component = Component {
 pub(crate) const ADAMW_STEP: Component = Component {
     name: "adamw_step",
     folder: "optimizer",
+    code: include_str!("honest.rs"),
     formula: "Adam's step of the gradient alone, and p' = ... - lr weight_decay p, p as it was before the step",
     source: "Loshchilov and Hutter 2019, algorithm 2, with lambda = lr weight_decay; torch.optim.AdamW; optax.adamw",
     inputs: &inputs("times lr and the parameter, taken off beside the step (decoupled)"),

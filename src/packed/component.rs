@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const PACK_INFO: Component = Component {
     name: "pack_info",
     folder: "packed",
+    code: include_str!("honest.rs"),
     formula: "count_r = the number of samples of ray r, start_r = sum_{q<r} count_q",
     source: "nerfacc (Li et al. 2023), pack_info",
     inputs: &[
@@ -36,6 +37,7 @@ pub(crate) const PACK_INFO: Component = Component {
 pub(crate) const PACKED_SCAN: Component = Component {
     name: "packed_scan",
     folder: "packed",
+    code: include_str!("honest.rs"),
     formula: "over the samples j of i's ray: sum_{j<i} x_j, sum_{j<=i} x_j, prod_{j<i} x_j, prod_{j<=i} x_j",
     source: "nerfacc (Li et al. 2023), exclusive_sum, inclusive_sum, exclusive_prod, inclusive_prod",
     inputs: &[
@@ -71,6 +73,7 @@ pub(crate) const PACKED_SCAN: Component = Component {
 pub(crate) const ACCUMULATE_ALONG_RAYS: Component = Component {
     name: "accumulate_along_rays",
     folder: "packed",
+    code: include_str!("honest.rs"),
     formula: "sum_i w_i v_i over the samples i of each ray; 0 without samples",
     source: "nerfacc (Li et al. 2023), accumulate_along_rays; NeRF equation 3",
     inputs: &[

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const POSE_FROM_COLMAP: Component = Component {
     name: "pose_from_colmap",
     folder: "pose",
+    code: include_str!("honest.rs"),
     formula: "c2w = [R^T, -R^T t; 0, 0, 0, 1] with R = R(q), q = (w, x, y, z) and x_c = R x_w + t; columns 2 and 3 negative for OpenGL's axes",
     source: "COLMAP documentation, Output Format (images.txt); Shepperd 1978 for R(q)",
     inputs: &[

@@ -31,6 +31,7 @@ const FORMS: &[Form] = &[
 pub(crate) const PROPOSAL_PDF: Component = Component {
     name: "proposal_pdf",
     folder: "proposal_pdf",
+    code: include_str!("honest.rs"),
     formula: "p_i = x_i / sum_j x_j, x_i = (w_i + padding)^anneal, 0 of a bin without width",
     source: "mip-NeRF 360 (Barron et al. 2022) equation 18; google-research/multinerf internal/models.py: logits_resample; \
              nerfstudio/model_components/ray_samplers.py ProposalNetworkSampler, PDFSampler",

@@ -9,6 +9,7 @@ use crate::contract::special::{Form, Special};
 pub(crate) const PIXEL_TO_RAY: Component = Component {
     name: "pixel_to_ray",
     folder: "ray",
+    code: include_str!("honest.rs"),
     formula: "o = translation of c2w, d = R K^-1 (u, v, 1) / |R K^-1 (u, v, 1)|",
     source: "NeRF (Mildenhall et al. 2020) section 4; CS180 project 4, part 2.1",
     inputs: &[K, C2W, UV],
@@ -54,6 +55,7 @@ pub(crate) const PICTURE_FORMS: &[Form] = &[
 pub(crate) const IMAGE_RAYS: Component = Component {
     name: "image_rays",
     folder: "ray",
+    code: include_str!("honest.rs"),
     formula: "pixel_to_ray at uv[j, i] = (i + 0.5, j + 0.5), with fx = fy = focal",
     source: "bmild/nerf run_nerf_helpers.py get_rays; CS180 project 4, part 2.2",
     inputs: &[

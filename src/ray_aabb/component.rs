@@ -10,6 +10,7 @@ use crate::contract::special::{Form, Special};
 pub(crate) const RAY_AABB: Component = Component {
     name: "ray_aabb",
     folder: "ray_aabb",
+    code: include_str!("honest.rs"),
     formula: "t_near = max(near, max_a min(t_a)), t_far = min(far, min_a max(t_a)) with t_a = (low_a - o_a) / d_a, (high_a - o_a) / d_a; hit = t_near <= t_far",
     source: "Kay and Kajiya 1986, slabs; the closed box, d_a = 0 as a case of its own",
     inputs: &[

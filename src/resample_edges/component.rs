@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const RESAMPLE_EDGES: Component = Component {
     name: "resample_edges",
     folder: "resample_edges",
+    code: include_str!("honest.rs"),
     formula: "c_i = F^-1(u_i); t_i = (c_{i-1} + c_i) / 2, t_0 = max(e_0, 2 c_0 - t_1), t_M = min(e_N, 2 c_{M-1} - t_{M-1})",
     source: "google-research/multinerf internal/stepfun.py sample_intervals; nerfacc/cuda/csrc/pdf.cu compute_intervels_kernel; \
              nerfstudio/model_components/ray_samplers.py PDFSampler",

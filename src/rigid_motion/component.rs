@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const SO3_EXP: Component = Component {
     name: "so3_exp",
     folder: "rigid_motion",
+    code: include_str!("honest.rs"),
     formula: "R = I + sin(theta) / theta K + (1 - cos theta) / theta^2 K^2, K = [w]_x, theta = |w|; at 0 the factors are 1 and 1/2",
     source: "Rodrigues 1840; Murray, Li and Sastry 1994, equation 2.14; nerfstudio/cameras/lie_groups.py exp_map_SO3xR3, BARF camera.py \
              so3_to_SO3",
@@ -35,6 +36,7 @@ pub(crate) const SO3_EXP: Component = Component {
 pub(crate) const SE3_EXP: Component = Component {
     name: "se3_exp",
     folder: "rigid_motion",
+    code: include_str!("honest.rs"),
     formula: "[R, V rho; 0, 0, 0, 1] of a twist (rho, w): R = so3_exp(w), V = I + (1 - cos theta) / theta^2 K + (theta - sin theta) / \
               theta^3 K^2; at 0 the factors are 1/2 and 1/6",
     source: "Murray, Li and Sastry 1994, equation 2.36; Blanco 2010, section 10.1; nerfstudio/cameras/lie_groups.py exp_map_SE3, BARF \

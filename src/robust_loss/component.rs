@@ -11,6 +11,7 @@ const TARGET: Port = Port::plain("target", "...", "photographed colors");
 pub(crate) const HUBER: Component = Component {
     name: "huber",
     folder: "robust_loss",
+    code: include_str!("honest.rs"),
     formula: "mean over entries of d^2 / 2 for |d| <= delta, else delta (|d| - delta / 2); d = prediction - target",
     source: "Huber 1964; torch.nn.functional.huber_loss, and smooth_l1_loss which divides by delta",
     inputs: &[PREDICTION, TARGET, Port::plain("delta", "", "where squares end")],
@@ -37,6 +38,7 @@ pub(crate) const HUBER: Component = Component {
 pub(crate) const CHARBONNIER: Component = Component {
     name: "charbonnier",
     folder: "robust_loss",
+    code: include_str!("honest.rs"),
     formula: "mean over entries of sqrt(d^2 + eps^2); d = prediction - target",
     source: "Charbonnier et al. 1994; google-research/multinerf internal/train_utils.py compute_data_loss",
     inputs: &[PREDICTION, TARGET, Port::plain("eps", "", "the value at d = 0")],

@@ -11,6 +11,7 @@ const FAR: Port = Port::plain("far", "", "where rays end");
 pub(crate) const SAMPLE_ALONG_RAYS: Component = Component {
     name: "sample_along_rays",
     folder: "sample",
+    code: include_str!("honest.rs"),
     formula: "D = (far - near) / N, t_i = near + (i + u_i) D, points = o + t d",
     source: "NeRF (Mildenhall et al. 2020) equation 2",
     inputs: &[
@@ -38,6 +39,7 @@ pub(crate) const SAMPLE_ALONG_RAYS: Component = Component {
 pub(crate) const STEP_SIZES: Component = Component {
     name: "step_sizes",
     folder: "sample",
+    code: include_str!("honest.rs"),
     formula: "delta = (far - near) / N; by convention t_{i+1} - t_i, with a stated last one",
     source: "NeRF (Mildenhall et al. 2020) equation 3; CS180 project 4, part 2.5",
     inputs: &[Port::plain("t", "R,N", "positions along the ray"), NEAR, FAR],

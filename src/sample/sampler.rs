@@ -25,6 +25,7 @@ const SAMPLES: usize = 16;
 pub(crate) const SAMPLER: Component = Component {
     name: "sample_random_rays",
     folder: "sample",
+    code: include_str!("honest.rs"),
     formula: "image, row and column uniform over all pixels; t_i by its grid, u_i uniform in training, at rest in evaluation",
     source: "NeRF (Mildenhall et al. 2020) section 4 and equation 2",
     inputs: &[

@@ -8,6 +8,7 @@ use crate::contract::special::{Reach, Special};
 pub(crate) const SPHERICAL_HARMONICS: Component = Component {
     name: "spherical_harmonics",
     folder: "spherical_harmonics",
+    code: include_str!("honest.rs"),
     formula: "Y_l^m(d) for l = 0, ..., degree and m = -l, ..., l, real, orthonormal, sign (-1)^m (none by convention)",
     source: "Sloan, Stupid Spherical Harmonics Tricks (2008), A2; Instant-NGP (Mueller et al. 2022) section 5.3",
     inputs: &[

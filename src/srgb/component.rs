@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const LINEAR_TO_SRGB: Component = Component {
     name: "linear_to_srgb",
     folder: "srgb",
+    code: include_str!("honest.rs"),
     formula: "srgb = 12.92 x for x <= 0.0031308, else 1.055 x^(1/2.4) - 0.055; x >= 0, not clamped above 1",
     source: "IEC 61966-2-1:1999, section 5.2",
     inputs: &[Port::smooth("linear", "M", "linear light, 1 is white, not negative")],

@@ -8,6 +8,7 @@ use crate::contract::special::{Only, Special};
 pub(crate) const SSIM: Component = Component {
     name: "ssim",
     folder: "ssim",
+    code: include_str!("honest.rs"),
     formula: "mean over windows and channels of (2 ma mb + c1) (2 sab + c2) / ((ma^2 + mb^2 + c1) (sa^2 + sb^2 + c2)), \
               c = (0.01 peak)^2, (0.03 peak)^2; 11 x 11, Gaussian of 1.5",
     source: "Wang et al. 2004, equations 13 to 17; graphdeco-inria/gaussian-splatting utils/loss_utils.py (padding)",

@@ -19,6 +19,7 @@ const READS: &[(&str, &[&str])] = &[
 pub(crate) const RENDER_TRACE: Component = Component {
     name: "render_trace",
     folder: "trace",
+    code: include_str!("honest.rs"),
     formula: "image_rays, sample_along_rays, step_sizes, volume_render and composite_background one after the other",
     source: "NeRF (Mildenhall et al. 2020) sections 4 and 5.2",
     inputs: &[

@@ -25,6 +25,7 @@ const FORMS: &[Form] = &[Form {
 pub(crate) const TRAINING_STEP: Component = Component {
     name: "training_step",
     folder: "training_step",
+    code: include_str!("honest.rs"),
     formula: "C = volume_render(nerf_mlp(o + t d)), loss = mean (C - target)^2, its gradient, adam_step; S steps, each with rays, draws and a rate of its own",
     source: "NeRF (Mildenhall et al. 2020) sections 4 and 5.3; torch.optim.Adam",
     inputs: &PORTS,

@@ -8,6 +8,7 @@ use crate::contract::special::Special;
 pub(crate) const TRUNC_EXP: Component = Component {
     name: "trunc_exp",
     folder: "trunc_exp",
+    code: include_str!("honest.rs"),
     formula: "sigma = e^x, or e^clamp(x, -15, 15) by convention; the gradient is stated, not derived: grad_x = grad_sigma e^clamp(x, -15, 15), by convention e^min(x, 15)",
     source: "Instant-NGP (Mueller et al. 2022) src/testbed_nerf.cu network_to_density_derivative; torch-ngp activation.py",
     inputs: &[Port::smooth("x", "M", "what the network says about density")],

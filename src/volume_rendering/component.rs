@@ -33,6 +33,7 @@ const TRANSMITTANCE: Port = Port::smooth("transmittance", "R", "T behind the las
 pub(crate) const VOLUME_RENDER: Component = Component {
     name: "volume_render",
     folder: "volume_rendering",
+    code: include_str!("honest.rs"),
     formula: "alpha_i = 1 - exp(-sigma_i delta_i), T_i = exp(-sum_{j<i} sigma_j delta_j), w_i = T_i alpha_i, C = sum w_i c_i",
     source: "NeRF (Mildenhall et al. 2020) equation 3",
     inputs: &[SIGMAS, RGBS, DELTAS],
@@ -64,6 +65,7 @@ pub(crate) const VOLUME_RENDER: Component = Component {
 pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     name: "volume_render_alpha",
     folder: "volume_rendering",
+    code: include_str!("honest.rs"),
     formula: "T_i = prod_{j<i} (1 - alpha_j), w_i = T_i alpha_i, C = sum w_i c_i",
     source: "NeRF (Mildenhall et al. 2020) equation 3, with alpha given",
     inputs: &[ALPHAS, RGBS],
@@ -90,6 +92,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
 pub(crate) const COMPOSITE_BACKGROUND: Component = Component {
     name: "composite_background",
     folder: "volume_rendering",
+    code: include_str!("honest.rs"),
     formula: "C' = C + (1 - A) b",
     source: "Porter and Duff 1984, premultiplied over",
     inputs: &[
@@ -120,6 +123,7 @@ pub(crate) const COMPOSITE_BACKGROUND: Component = Component {
 pub(crate) const DEPTH: Component = Component {
     name: "depth",
     folder: "volume_rendering",
+    code: include_str!("honest.rs"),
     formula: "z = sum w_i t_i / sum w_i, far where the ray meets nothing (by convention 0, the first t or the last)",
     source: "bmild/nerf run_nerf.py raw2outputs (undivided); nerfstudio renderers.py (divided)",
     inputs: &[

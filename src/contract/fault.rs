@@ -1,0 +1,326 @@
+//! One operation of a formula that is done in another way: what code with a slip of the pen does. An honest implementation does all its
+//! arithmetic with a [`Machine`](super::machine::Machine), which asks here, so that any operation of any component can be tried.
+
+use std::cell::{Cell, RefCell};
+use std::panic::{Location, resume_unwind};
+
+use crate::math::{cos, exp, ln, pow, sin};
+
+/// What is done with one number, with two, or with many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Operation {
+    /// A number that is given: an input, or a constant.
+    Given,
+    /// A result that the machine only rounds.
+    Rounded,
+    Neg,
+    Sqrt,
+    Exp,
+    Expm1,
+    Ln,
+    Sin,
+    Cos,
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Pow,
+    Max,
+    Min,
+    /// A number that passes where another is above a third.
+    Above,
+    Sum,
+    Dot,
+}
+
+impl Operation {
+    /// Of two numbers; a function takes the first.
+    pub(crate) fn of(self, a: f64, b: f64) -> f64 {
+        match self {
+            Operation::Given | Operation::Rounded | Operation::Above | Operation::Sum | Operation::Dot => a,
+            Operation::Neg => -a,
+            Operation::Sqrt => a.sqrt(),
+            Operation::Exp => exp(a),
+            Operation::Expm1 => crate::math::expm1(a),
+            Operation::Ln => ln(a),
+            Operation::Sin => sin(a),
+            Operation::Cos => cos(a),
+            Operation::Add => a + b,
+            Operation::Sub => a - b,
+            Operation::Mul => a * b,
+            Operation::Div => a / b,
+            Operation::Pow => pow(a, b),
+            Operation::Max => a.max(b),
+            Operation::Min => a.min(b),
+        }
+    }
+}
+
+/// An operation in the text of a formula.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Site {
+    /// What is done there.
+    pub operation: Operation,
+    /// Where that is.
+    pub at: &'static Location<'static>,
+}
+
+/// A site that an evaluation came by.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen {
+    /// Which.
+    pub site: Site,
+    /// How often it did.
+    pub times: usize,
+    /// What came out, where it was the same each time.
+    pub value: Option<f64>,
+}
+
+/// In which other way it is done. The likelier come first in [`How::all`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum How {
+    /// As it should be; the sites are written down.
+    Observed,
+    /// Without the second number, or without the function.
+    First,
+    /// Without the first.
+    Second,
+    /// Another operation.
+    Done(Operation),
+    /// The other way around: b - a, b / a.
+    Exchanged,
+    /// With the other sign.
+    Opposite,
+    /// The function of -a.
+    OfOpposite,
+    /// Squared.
+    Squared,
+    /// Its square root.
+    Root,
+    /// The first number or the second one has so much more.
+    PlusInside(usize, f64),
+    /// It is squared.
+    SquaredInside(usize),
+    /// Its square root is taken.
+    RootInside(usize),
+    /// Half of it.
+    Halved,
+    /// Twice of it.
+    Doubled,
+    /// Another number.
+    Taken(f64),
+    /// So many times as much.
+    Times(f64),
+    /// So much more.
+    Plus(f64),
+    /// A sum without one of its terms.
+    Without(usize),
+    /// A sum with one of its terms subtracted.
+    Less(usize),
+    /// The second number of a sum is taken outside of the parenthesis: a / c + b for (a + b) / c.
+    SecondOutside,
+    /// The first one: a + b / c.
+    FirstOutside,
+    /// The parenthesis closes after what follows: a / b + c is (a + c) / b.
+    Wider,
+}
+
+/// Terms of a sum that may be left out, one at a time.
+const TERMS: usize = 6;
+
+impl How {
+    /// Whether what comes out depends on what is done next.
+    pub(crate) fn of_parenthesis(self) -> bool {
+        matches!(self, How::FirstOutside | How::SecondOutside | How::Wider)
+    }
+
+    /// All ways in which this operation can be done wrong.
+    pub(crate) fn all(operation: Operation) -> Vec<How> {
+        use How::*;
+        use Operation as O;
+        let mut all = match operation {
+            O::Add => vec![First, Second, Done(O::Sub), Done(O::Mul), FirstOutside, SecondOutside],
+            O::Sub => vec![First, Second, Done(O::Add), Exchanged, FirstOutside, SecondOutside],
+            O::Mul => vec![First, Second, Done(O::Div), Done(O::Add), Exchanged, Wider],
+            O::Div => vec![First, Second, Done(O::Mul), Exchanged, Wider],
+            O::Max => vec![First, Second, Done(O::Min)],
+            O::Min => vec![First, Second, Done(O::Max)],
+            O::Pow => vec![First, Exchanged],
+            O::Neg | O::Sqrt | O::Ln => vec![First],
+            O::Exp => vec![First, OfOpposite, Done(O::Expm1)],
+            O::Expm1 => vec![First, OfOpposite, Done(O::Exp)],
+            O::Sin => vec![First, Done(O::Cos)],
+            O::Cos => vec![First, Done(O::Sin)],
+            O::Sum | O::Dot => (0..TERMS).flat_map(|n| [Without(n), Less(n)]).collect(),
+            O::Above => vec![Second],
+            O::Given | O::Rounded => vec![],
+        };
+        if matches!(operation, O::Add | O::Sub | O::Mul | O::Div) {
+            all.extend([RootInside(0), RootInside(1), SquaredInside(0), SquaredInside(1)]);
+        }
+        // Counted from 1, or up to the last one.
+        if matches!(operation, O::Mul | O::Div | O::Pow) {
+            all.extend([PlusInside(0, 1.0), PlusInside(0, -1.0), PlusInside(1, 1.0), PlusInside(1, -1.0)]);
+        }
+        all.extend([Opposite, Halved, Doubled, Squared, Root, Taken(0.0), Taken(1.0)]);
+        if matches!(operation, O::Given | O::Rounded) {
+            all.extend([Plus(1.0), Plus(-1.0), Plus(0.5), Plus(-0.5)]);
+        }
+        all.retain(|how| {
+            !(operation == O::Mul && *how == Exchanged) && !(operation == O::Neg && *how == Opposite)
+        });
+        all
+    }
+}
+
+/// A number that waits for the operation that it belongs to.
+#[derive(Clone, Copy)]
+struct Waiting {
+    /// What the next operation takes.
+    shown: f64,
+    numbers: [f64; 2],
+}
+
+thread_local! {
+    static SEEN: RefCell<Vec<Seen>> = const { RefCell::new(vec![]) };
+    static LEFT: Cell<usize> = const { Cell::new(0) };
+    static WAITING: Cell<Option<Waiting>> = const { Cell::new(None) };
+}
+
+/// A site with what happens there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Fault {
+    /// Where.
+    pub site: Option<Site>,
+    /// How.
+    pub how: How,
+}
+
+impl Fault {
+    /// The sites that a function comes by.
+    pub(crate) fn observed(function: impl FnOnce(Fault)) -> Vec<Seen> {
+        SEEN.with_borrow_mut(Vec::clear);
+        Fault::begin(usize::MAX);
+        function(Fault { site: None, how: How::Observed });
+        SEEN.take()
+    }
+
+    /// A new evaluation begins, of at most so many operations: a loop whose numbers are wrong may have no end.
+    ///
+    /// # Panics
+    /// Then the evaluation does, without a word.
+    pub(crate) fn begin(operations: usize) {
+        WAITING.set(None);
+        LEFT.set(operations);
+    }
+
+    fn here(&self, operation: Operation, at: &'static Location<'static>) -> bool {
+        match LEFT.get() {
+            0 => resume_unwind(Box::new("no end in sight")),
+            left => LEFT.set(left - 1),
+        }
+        self.site == Some(Site { operation, at })
+    }
+
+    /// Writes down what came out.
+    fn saw(site: Site, value: f64) {
+        SEEN.with_borrow_mut(|all| match all.iter_mut().find(|seen| seen.site == site) {
+            Some(seen) => {
+                seen.times += 1;
+                seen.value = seen.value.filter(|had| *had == value);
+            }
+            None => all.push(Seen { site, times: 1, value: Some(value) }),
+        });
+    }
+
+    /// An operation on two numbers, or a function of the first.
+    pub(crate) fn done(&self, operation: Operation, a: f64, b: f64, at: &'static Location<'static>) -> f64 {
+        if self.how == How::Observed {
+            Fault::saw(Site { operation, at }, operation.of(a, b));
+        }
+        if !self.here(operation, at) {
+            return self.caught_up(operation, a, b).unwrap_or_else(|| operation.of(a, b));
+        }
+        let right = operation.of(a, b);
+        let wait = |shown: f64| WAITING.set(Some(Waiting { shown, numbers: [a, b] }));
+        match self.how {
+            How::Observed | How::Without(_) | How::Less(_) => right,
+            How::First => a,
+            How::Second => b,
+            How::Done(other) => other.of(a, b),
+            How::Exchanged => operation.of(b, a),
+            How::Opposite => -right,
+            How::OfOpposite => operation.of(-a, b),
+            How::Squared => right * right,
+            How::Root => right.sqrt(),
+            How::PlusInside(0, k) => operation.of(a + k, b),
+            How::PlusInside(_, k) => operation.of(a, b + k),
+            How::SquaredInside(0) => operation.of(a * a, b),
+            How::SquaredInside(_) => operation.of(a, b * b),
+            How::RootInside(0) => operation.of(a.sqrt(), b),
+            How::RootInside(_) => operation.of(a, b.sqrt()),
+            How::Halved => 0.5 * right,
+            How::Doubled => 2.0 * right,
+            How::Taken(x) => x,
+            How::Times(k) => k * right,
+            How::Plus(k) => right + k,
+            How::SecondOutside => {
+                wait(a);
+                a
+            }
+            How::FirstOutside => {
+                wait(b);
+                b
+            }
+            How::Wider => {
+                wait(right);
+                right
+            }
+        }
+    }
+
+    /// What an operation gives that takes what is waiting, or nothing.
+    fn caught_up(&self, operation: Operation, a: f64, b: f64) -> Option<f64> {
+        let waiting = WAITING.get()?;
+        let first = a == waiting.shown;
+        if !first && b != waiting.shown {
+            return None;
+        }
+        let [one, two] = waiting.numbers;
+        let own = self.site?.operation;
+        let found = match (self.how, operation) {
+            // The number comes after the operation, not before.
+            (How::SecondOutside, Operation::Mul | Operation::Div | Operation::Sqrt | Operation::Neg) => {
+                own.of(operation.of(a, b), two)
+            }
+            (How::FirstOutside, Operation::Mul | Operation::Div | Operation::Sqrt | Operation::Neg) => {
+                own.of(one, operation.of(a, b))
+            }
+            // The sum is taken before the product or the quotient, not after.
+            (How::Wider, Operation::Add | Operation::Sub) if first => own.of(operation.of(one, b), two),
+            (How::Wider, Operation::Add | Operation::Sub) => own.of(operation.of(a, one), two),
+            _ => return None,
+        };
+        WAITING.set(None);
+        Some(found)
+    }
+
+    /// The terms of a sum.
+    pub(crate) fn terms(
+        &self,
+        operation: Operation,
+        terms: &[f64],
+        at: &'static Location<'static>,
+    ) -> Option<Vec<f64>> {
+        let here = self.here(operation, at);
+        let each = |change: fn(f64) -> f64, n: usize| {
+            let one = |(i, x): (usize, &f64)| if i == n { change(*x) } else { *x };
+            Some(terms.iter().enumerate().map(one).collect())
+        };
+        match self.how {
+            How::Without(n) if here => each(|_| 0.0, n),
+            How::Less(n) if here => each(|x| -x, n),
+            _ => None,
+        }
+    }
+}
