@@ -58,8 +58,8 @@ fn changed(right: &Written, arguments: &[Written], operation: Operation, how: Ho
         How::RootInside(_) => applied(operation, &[argument(0), root(&argument(1))]),
         How::Halved => Written(format!("{} / 2", right.within(2)), 2),
         How::Doubled => Written(format!("2 * {}", right.within(2)), 2),
-        How::Taken(x) => Written::atom(&format!("{x:?}")),
-        How::Times(k) => Written(format!("{k:?} * {}", right.within(2)), 2),
+        How::Taken(x) => Written::atom(&number(x)),
+        How::Times(k) => Written(format!("{} * {}", number(k), right.within(2)), 2),
         How::Plus(k) => plus(right, k),
         How::PlusInside(0, k) => applied(operation, &[plus(&argument(0), k), argument(1)]),
         How::PlusInside(_, k) => applied(operation, &[argument(0), plus(&argument(1), k)]),
@@ -73,9 +73,13 @@ fn changed(right: &Written, arguments: &[Written], operation: Operation, how: Ho
     format!("{} in the place of {}", cut(&instead.0), cut(&right.0))
 }
 
+fn number(x: f64) -> String {
+    if x.fract() == 0.0 && x.abs() < 1e6 { format!("{x}") } else { format!("{x:?}") }
+}
+
 fn plus(x: &Written, k: f64) -> Written {
     let sign = if k < 0.0 { "-" } else { "+" };
-    Written(format!("{} {sign} {:?}", x.within(1), k.abs()), 1)
+    Written(format!("{} {sign} {}", x.within(1), number(k.abs())), 1)
 }
 
 fn square(x: &Written) -> Written {
@@ -158,8 +162,9 @@ fn node(text: &str) -> Written {
         return written(name, &arguments);
     }
     let words: Vec<&str> = text.split_whitespace().collect();
-    let plain = words.join(" ").replace("self.", "");
-    Written(plain.trim_end_matches(".0").into(), if words.len() > 1 { 1 } else { 3 })
+    let whole = |word: &&str| word.strip_suffix(".0").unwrap_or(word).to_string();
+    let plain = words.iter().map(whole).collect::<Vec<_>>().join(" ").replace("self.", "");
+    Written(plain, if words.len() > 1 { 1 } else { 3 })
 }
 
 /// A call by its name.

@@ -2,15 +2,15 @@
 //! them with a fault in it is a hypothesis like any other.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::panic::{self, AssertUnwindSafe};
 
 use super::answer::{Answer, Answers, reshaped};
-use super::assignment::small_cases;
+use super::assignment::{partial, small_cases};
 use super::evidence::Explanation;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::infix;
 use super::mark::MarkOptions;
+use super::other_numbers::{TRIALS, other_numbers};
 use super::slip::Slip;
 use super::slips::{conventions, explanations, was_done};
 use crate::contract::arithmetic::Dtype;
@@ -18,7 +18,7 @@ use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Honest;
-use crate::contract::fault::{Fault, How, Operation, Seen, Site};
+use crate::contract::fault::{Fault, How, Seen, Site};
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 use crate::parallel;
@@ -26,15 +26,14 @@ use crate::parallel;
 /// Machines whose ways to the result are looked at.
 const MACHINES: u64 = 48;
 
-/// Cases on which operations are looked for: some are only done on some inputs.
-const CASES: usize = 8;
+/// Operations that looking for them may cost: some are only done on some inputs.
+const LOOKS: usize = 5_000_000;
 
 /// Operations that all hypotheses together may cost on the smallest case.
 const WORK: usize = 30_000_000;
 
-/// In how many ways an operation can be done wrong, about; and how often a number is tried before it is known.
+/// In how many ways an operation can be done wrong, about.
 const WAYS: usize = 12;
-const TRIALS: usize = 150;
 
 /// So many different numbers must be wrong, each by more than this part of it.
 const TELLING: usize = 3;
@@ -43,11 +42,6 @@ const WRONG: f64 = 1e-3;
 /// Bits of evidence beside those that so many hypotheses have by chance; and those of one number, at most.
 const SURE: f64 = 20.0;
 const MOST_BITS: f64 = 16.0;
-
-/// Between which numbers a factor is looked for, and a summand.
-const FACTORS: [f64; 11] = [-4.0, -1.01, -0.3, 0.0, 0.4, 0.7, 0.99, 1.01, 1.5, 4.0, 64.0];
-const SUMMANDS: [f64; 16] =
-    [-10.0, -1.0, -0.1, -1e-3, -1e-5, -1e-7, -1e-10, -1e-20, 1e-20, 1e-10, 1e-7, 1e-5, 1e-3, 0.1, 1.0, 10.0];
 
 /// What a hypothesis costs however short its formula is, in operations.
 const LEAST: usize = 200;
@@ -90,19 +84,13 @@ pub(super) fn misdone(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
-    let shown = |c: &Conventions| telling(question, &cases, c, options);
-    let tried = conventions(question, answers, base, options).into_iter().filter(|c| shown(c) >= TELLING);
-    let tried: Vec<(Conventions, Vec<Place>)> = tried.map(|c| (c, places(question, &cases, &c))).collect();
-    let explaining = |hypotheses: Vec<Hypothesis>, free: f64| {
-        let tried = hypotheses.len() as f64;
-        let fits = parallel::map(hypotheses.len(), |n| was_done(&hypotheses[n], question, answers, options));
-        let mut found: Vec<_> =
-            hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect();
-        found.retain(|h| evidence(h, question, &cases, options) >= tried.log2() + SURE + free);
-        explanations(found, question, answers, base, options)
-    };
+    let with = |c: Conventions| (telling(question, &cases, &c, options), c);
+    let mut tried: Vec<_> = conventions(question, answers, base, options).into_iter().map(with).collect();
+    tried.retain(|(shown, _)| *shown >= TELLING);
+    let tried: Vec<(usize, Conventions, Vec<Place>)> =
+        tried.into_iter().map(|(shown, c)| (shown, c, places(question, &cases, &c))).collect();
     let mut all: Vec<(usize, Hypothesis)> = vec![];
-    for (c, places) in &tried {
+    for (_, c, places) in &tried {
         let ways = |place: &Place| How::all(place.seen.site.operation).into_iter().enumerate();
         let each = |place: &Place| {
             let here = ways(place).filter(|(_, how)| place.first || how.of_parenthesis());
@@ -111,13 +99,36 @@ pub(super) fn misdone(
         all.extend(affordable(places, WAYS).iter().flat_map(each));
     }
     all.sort_by_key(|(rank, _)| *rank);
-    let found = explaining(all.into_iter().map(|(_, h)| h).collect(), 0.0);
-    if !found.is_empty() || tried.is_empty() {
-        return found;
-    }
-    let (c, places) = &tried[0];
+    let all = all.into_iter().map(|(_, h)| h).collect();
+    let found = proved(all, 0.0, question, answers, base, options);
+    let nearest = tried.iter().min_by_key(|(shown, ..)| *shown);
+    let Some((_, c, places)) = nearest.filter(|_| found.is_empty()) else { return found };
     // A number that is read off an element explains that one anyway.
-    explaining(numbers(question, &cases, affordable(places, TRIALS), c, options), MOST_BITS)
+    let read = other_numbers(question, &cases, affordable(places, TRIALS), c, options);
+    proved(read, MOST_BITS, question, answers, base, options)
+}
+
+/// Those that explain every answer, with more evidence than chance has: `free` bits come of numbers that were read off the answers.
+fn proved(
+    hypotheses: Vec<Hypothesis>,
+    free: f64,
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    let cases = small_cases(question, answers);
+    let needed = (hypotheses.len() as f64).log2() + SURE + free;
+    let fits = parallel::map(hypotheses.len(), |n| was_done(&hypotheses[n], question, answers, options));
+    let found = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h);
+    let mut found: Vec<_> = found.filter(|h| evidence(h, question, &cases, options) >= needed).collect();
+    // A slip has different ways on from it.
+    let says =
+        |h: &Hypothesis| (h.slip.as_ref().map(Slip::says), partial(question.component, &h.conventions));
+    let all: Vec<_> = found.iter().map(says).collect();
+    let mut n = 0..;
+    found.retain(|_| n.next().is_some_and(|n| !all[..n].contains(&all[n])));
+    explanations(found, question, answers, base, options)
 }
 
 /// By how many bits a slip explains the answers better than the right formula does, over the numbers that are wrong and different.
@@ -172,19 +183,19 @@ fn telling(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions, opt
 
 /// An operation of a formula that one of the machines does.
 #[derive(Clone, Copy)]
-struct Place {
+pub(super) struct Place {
     machine: u64,
-    seen: Seen,
+    pub(super) seen: Seen,
     /// What the formula costs on the smallest case, and what it may.
     cost: usize,
     operations: usize,
     forward: bool,
     /// Whether it is the first machine that does it.
-    first: bool,
+    pub(super) first: bool,
 }
 
 impl Place {
-    fn hypothesis(&self, how: How, c: &Conventions) -> Hypothesis {
+    pub(super) fn hypothesis(&self, how: How, c: &Conventions) -> Hypothesis {
         let fault = Fault { site: Some(self.seen.site), how };
         let Place { machine, operations, forward, .. } = *self;
         let slip = FormulaSlip { machine, fault, operations, forward };
@@ -210,11 +221,16 @@ fn places(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> V
     let largest = cases.last().map_or(0, |(case, _)| count(&sites(0, &case.inputs)));
     let (operations, forward) = (PATIENCE * largest, question.kind == Kind::Forward);
     let (mut all, mut paths): (Vec<Place>, Vec<Vec<Site>>) = (vec![], vec![]);
+    let mut left = LOOKS;
     for n in 0..MACHINES {
-        for (case, _) in cases.iter().take(CASES) {
+        for (case, _) in cases {
+            if left == 0 {
+                return all;
+            }
             let found = sites(n, &case.inputs);
             let path: Vec<Site> = found.iter().map(|seen| seen.site).collect();
             let (cost, new) = (count(&found), !paths.contains(&path));
+            left = left.saturating_sub(cost);
             for seen in found {
                 let known = all.iter_mut().find(|place| place.seen.site == seen.site);
                 let first = known.is_none();
@@ -231,128 +247,10 @@ fn places(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> V
     all
 }
 
-/// Other numbers in the formula: constants, factors and summands, each as the element that is furthest off shows it.
-fn numbers(
-    question: &Question,
-    cases: &[(&Case, &Answer)],
-    places: &[Place],
-    c: &Conventions,
-    options: &MarkOptions,
-) -> Vec<Hypothesis> {
-    let Some(shown) = furthest(question, cases, c, options) else { return vec![] };
-    let of = |place: &Place| -> Vec<(usize, Hypothesis)> {
-        let constant = place.seen.value.filter(|_| place.seen.site.operation == Operation::Given);
-        let mut kinds: Vec<(usize, &[f64], Box<dyn Fn(f64) -> How>)> = vec![];
-        match constant {
-            Some(value) => kinds.push((0, &FACTORS, Box::new(move |k| How::Taken(k * value)))),
-            None => {
-                kinds.push((1, &FACTORS, Box::new(How::Times)));
-                kinds.push((2, &SUMMANDS, Box::new(How::Plus)));
-            }
-        }
-        let mut all = vec![];
-        for (rank, grid, how) in kinds {
-            let value = |k: f64| shown.value(question, &place.hypothesis(how(k), c));
-            for k in roots(grid, |k| value(k) - shown.got) {
-                let k = match how(k) {
-                    How::Taken(x) => rounded(x).map(How::Taken),
-                    How::Times(x) => rounded(x).map(How::Times),
-                    _ => rounded(k).map(How::Plus),
-                };
-                all.extend(k.map(|how| (rank, place.hypothesis(how, c))));
-            }
-        }
-        all
-    };
-    let mut all: Vec<_> =
-        parallel::map(places.len(), |n| if places[n].first { of(&places[n]) } else { vec![] })
-            .into_iter()
-            .flatten()
-            .collect();
-    all.sort_by_key(|(rank, _)| *rank);
-    all.into_iter().map(|(_, h)| h).collect()
-}
-
-/// As people write it, and as it is.
-fn rounded(x: f64) -> [f64; 2] {
-    [format!("{x:.3e}").parse().unwrap_or(x), x]
-}
-
-/// An element of an answer.
-struct Shown<'a> {
-    case: &'a Case,
-    output: String,
-    index: usize,
-    got: f64,
-}
-
-impl Shown<'_> {
-    /// What a hypothesis has there.
-    fn value(&self, question: &Question, h: &Hypothesis) -> f64 {
-        let all = panic::catch_unwind(AssertUnwindSafe(|| h.prediction(question, self.case).0));
-        let found = all.ok().and_then(|all| all.get(&self.output)?.iter().nth(self.index).copied());
-        found.unwrap_or(f64::NAN)
-    }
-}
-
-/// The element whose error is the largest part of what it should be.
-fn furthest<'a>(
-    question: &Question,
-    cases: &[(&'a Case, &Answer)],
-    c: &Conventions,
-    options: &MarkOptions,
-) -> Option<Shown<'a>> {
-    let right = Hypothesis::new(vec![], *c);
-    for (case, answer) in cases {
-        if right.explains(question, case, answer, options) {
-            continue;
-        }
-        let mut best: Option<(f64, Shown)> = None;
-        for (name, p) in right.prediction(question, case).0 {
-            let Some((got, _)) = answer.get(&name).and_then(|given| reshaped(&given.values, p.shape()))
-            else {
-                continue;
-            };
-            for (index, (&p, &got)) in p.iter().zip(&got).enumerate() {
-                let off = (got - p).abs() / p.abs().max(got.abs());
-                if off.is_finite() && best.as_ref().is_none_or(|(most, _)| off > *most) {
-                    best = Some((off, Shown { case: *case, output: name.clone(), index, got }));
-                }
-            }
-        }
-        if best.is_some() {
-            return best.map(|(_, shown)| shown);
-        }
-    }
-    None
-}
-
-/// Where a function changes its sign, between neighbors on a grid.
-fn roots(grid: &[f64], f: impl Fn(f64) -> f64) -> Vec<f64> {
-    let values: Vec<f64> = grid.iter().map(|k| f(*k)).collect();
-    let mut all = vec![];
-    for n in 1..grid.len() {
-        let ([mut a, mut b], [mut fa, fb]) = ([grid[n - 1], grid[n]], [values[n - 1], values[n]]);
-        if !(fa.is_finite() && fb.is_finite()) || fa * fb > 0.0 || fa == 0.0 {
-            continue;
-        }
-        // The middle in the number, or in its logarithm where it grows by more than twice.
-        for _ in 0..60 {
-            let middle = if a * b > 0.0 && (a / b).abs().max((b / a).abs()) > 2.0 {
-                a.signum() * (a * b).sqrt()
-            } else {
-                0.5 * (a + b)
-            };
-            let fm = f(middle);
-            if fm * fa > 0.0 { (a, fa) = (middle, fm) } else { b = middle }
-        }
-        all.push(0.5 * (a + b));
-    }
-    all
-}
-
 #[cfg(test)]
 mod tests {
+    use std::panic::{self, AssertUnwindSafe};
+
     use super::super::answer::given;
     use super::super::exam::Exam;
     use super::super::judging::{EXP_ULP, judge_answers};
@@ -382,33 +280,55 @@ mod tests {
         found.unwrap_or_else(|| panic!("{says} is none of\n{}", said())).clone()
     }
 
+    /// What is said first of a row whose forward answers a slip made.
+    fn said(
+        component: &'static str,
+        dtype: Dtype,
+        slip: impl Fn(&Question) -> FormulaSlip,
+    ) -> [Option<String>; 2] {
+        let exam = Exam::new(component, dtype, None).unwrap();
+        let forward = exam.questions.iter().find(|q| q.kind == Kind::Forward).expect("each has one");
+        let slip = slip(forward);
+        let answer = |question: &Question, case: &Case| {
+            let of = slip.of(&case.inputs, &CS180, question.component.forward.honest);
+            given(of.into_iter().map(|(name, a)| (name, a.mapv(|x| dtype.round(x)))).collect())
+        };
+        let all = |q: &Question| -> Answers {
+            q.cases.iter().map(|case| (q.kind == Kind::Forward).then(|| answer(q, case))).collect()
+        };
+        let answers: Vec<Answers> = exam.questions.iter().map(all).collect();
+        let report = judge_answers(&exam, &answers, EXP_ULP);
+        let row = report.rows.iter().find(|row| row.name == component && row.kind == "forward").unwrap();
+        let best = row.diagnosis.first().and_then(|best| best.slip.as_ref()).map(Slip::says);
+        [best, Some(slip.says())]
+    }
+
     #[test]
     fn an_operation_done_in_another_way_is_described() {
         for (component, says) in [
             ("conical_frustum", "d in the place of d * d"),
-            ("ndc_rays", "2 in the place of 2 * view.focal"),
-            ("adam_step", "sqrt(v_hat) + eps"),
+            ("conical_frustum", "sqrt(dd) / 3 in the place of dd / 3"),
+            ("ndc_rays", "plane - o[2], of which plane is taken outside"),
+            ("lr_cosine", "(step + 1) / warmup in the place of"),
         ] {
             for dtype in [Dtype::F64, Dtype::F32] {
-                let exam = Exam::new(component, dtype, None).unwrap();
-                let forward = exam.questions.iter().find(|q| q.kind == Kind::Forward).expect("each has one");
-                let slip = slip(forward, says);
-                let answer = |question: &Question, case: &Case| {
-                    let of = slip.of(&case.inputs, &CS180, question.component.forward.honest);
-                    given(of.into_iter().map(|(name, a)| (name, a.mapv(|x| dtype.round(x)))).collect())
-                };
-                let all = |q: &Question| -> Answers {
-                    q.cases.iter().map(|case| (q.kind == Kind::Forward).then(|| answer(q, case))).collect()
-                };
-                let answers: Vec<Answers> = exam.questions.iter().map(all).collect();
-                let report = judge_answers(&exam, &answers, EXP_ULP);
-                let row =
-                    report.rows.iter().find(|row| row.name == component && row.kind == "forward").unwrap();
-                let best =
-                    row.diagnosis.first().unwrap_or_else(|| panic!("{component} {dtype}: nothing is said"));
-                let said = best.slip.as_ref().map(Slip::says);
-                assert_eq!(said, Some(slip.says()), "{component} {dtype}");
+                let [best, own] = said(component, dtype, |forward| slip(forward, says));
+                assert_eq!(best, own, "{component} {dtype}");
             }
+        }
+    }
+
+    #[test]
+    fn another_number_is_read_off_the_answers() {
+        for dtype in [Dtype::F64, Dtype::F32] {
+            let other = |forward: &Question| {
+                let mut slip = slip(forward, "0 in the place of 4 / 15");
+                slip.fault.how = How::Taken(0.26);
+                slip
+            };
+            let [best, own] = said("conical_frustum", dtype, other);
+            assert!(own.as_ref().is_some_and(|own| own.starts_with("0.26 in the place of 4 / 15")));
+            assert_eq!(best, own, "{dtype}");
         }
     }
 

@@ -41,6 +41,7 @@ mod misdone;
 mod mostly;
 pub(crate) mod numeric;
 mod observed;
+mod other_numbers;
 pub(crate) mod page;
 mod paired;
 mod peel;
