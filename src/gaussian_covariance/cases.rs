@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{floats, signed};
 
 /// Gaussians from their quaternions and scales.
 fn case(id: &str, comment: &'static str, quaternions: Vec<f64>, scales: Vec<f64>) -> Case {
@@ -55,4 +57,11 @@ pub(crate) fn gaussian_covariance() -> Vec<Case> {
         ),
     ];
     in_full(cases, "usual")
+}
+
+/// More Gaussians than 16 bits count.
+pub(crate) fn large() -> Vec<Large> {
+    let n = 100_003;
+    let large = Large::new("gaussians_100003", "100,003 Gaussians", n, 1024);
+    vec![large.with("quaternions", &[n, 4], signed(-3, 3)).with("scales", &[n, 3], floats(-4, 4))]
 }

@@ -25,7 +25,7 @@ pub(crate) const MSE: Component = Component {
     }),
     cases: cases::mse,
     mistakes: mistakes::MSE,
-    special: Special::NONE,
+    special: Special { large: cases::large_mse, ..Special::NONE },
 };
 
 /// Peak signal-to-noise ratio.
@@ -50,7 +50,7 @@ pub(crate) const PSNR: Component = Component {
     vjp: None,
     cases: cases::psnr,
     mistakes: mistakes::PSNR,
-    special: Special::NONE,
+    special: Special { large: cases::large_psnr, ..Special::NONE },
 };
 
 /// Colors as bytes.
@@ -71,5 +71,5 @@ pub(crate) const TO_UINT8: Component = Component {
     vjp: None,
     cases: cases::to_uint8,
     mistakes: mistakes::TO_UINT8,
-    special: Special::NONE,
+    special: Special { large: cases::large_to_uint8, ..Special::NONE },
 };
