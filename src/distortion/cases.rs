@@ -74,7 +74,7 @@ pub(crate) fn distortion_loss() -> Vec<Case> {
     in_full(cases, "usual")
 }
 
-/// More rays than threads, more intervals than a warp has lanes.
+/// More rays than a block has threads, more intervals than a warp has lanes.
 pub(crate) fn large() -> Vec<Large> {
     let case = |id, comment, [rays, n, block]: [usize; 3], cells, weights| {
         let large = Large::new(id, comment, rays, block).with("weights", &[rays, n], weights);
@@ -82,6 +82,6 @@ pub(crate) fn large() -> Vec<Large> {
     };
     vec![
         case("rays_4099x3", "4,099 rays of 3 intervals", [4099, 3, 512], 2, floats(-3, 2)),
-        case("rays_1025x193", "1,025 rays of 193 intervals", [1025, 193, 64], 8, sparse(-10, 4, 2)),
+        case("rays_257x193", "257 rays of 193 intervals", [257, 193, 16], 8, sparse(-10, 4, 2)),
     ]
 }

@@ -63,7 +63,7 @@ pub(crate) fn large() -> Vec<Large> {
         large.with("camera_center", &[3], CENTER).with("coefficients", &[n, width, 3], signed(-5, 4))
     };
     vec![
-        splats("splats_66001", "66,001 splats of two bands", 66_001, 4),
-        splats("splats_16411", "16,411 splats of four bands", 16_411, 16),
+        splats("splats_66001", "66,001 splats of two bands", 66_001, 4).forward_only(),
+        splats("splats_8209", "8,209 splats of four bands", 8209, 16),
     ]
 }

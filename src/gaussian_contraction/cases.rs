@@ -121,14 +121,14 @@ pub(crate) fn contract_gaussians() -> Vec<Case> {
         .collect()
 }
 
-/// More Gaussians than 16 bits count, most of them beyond the ball. Every entry has a word of its own: what lies on both sides of a diagonal
+/// More Gaussians than threads, most of them beyond the ball. Every entry has a word of its own: what lies on both sides of a diagonal
 /// is a number that they all have.
 pub(crate) fn large() -> Vec<Large> {
     const VARIANCE: Recipe = floats(-3, 3);
     const OTHER: Recipe = Recipe::Constant(0.046875);
     const COVARIANCES: Recipe =
         Recipe::Cycle(&[VARIANCE, OTHER, OTHER, OTHER, VARIANCE, OTHER, OTHER, OTHER, VARIANCE]);
-    let n = 70_001;
-    let large = Large::new("gaussians_70001", "70,001 Gaussians", n, 1024);
+    let n = 2053;
+    let large = Large::new("gaussians_2053", "2,053 Gaussians", n, 1024);
     vec![large.with("means", &[n, 3], signed(-2, 4)).with("covariances", &[n, 3, 3], COVARIANCES)]
 }

@@ -145,14 +145,14 @@ pub(crate) fn gaussian_projection() -> Vec<Case> {
     in_full(in_full(cases, "usual"), "small")
 }
 
-/// More Gaussians than 16 bits count, in front of the small cases' camera. A variance is more than its row's other entries together.
+/// More Gaussians than threads, in front of the small cases' camera. A variance is more than its row's other entries together.
 pub(crate) fn large() -> Vec<Large> {
     const MEANS: Recipe = Recipe::Cycle(&[signed(-3, 3), signed(-3, 3), floats(1, 2)]);
     const VARIANCE: Recipe = floats(-3, 3);
     const OTHER: Recipe = signed(-6, 2);
     const COVARIANCES: Recipe = Recipe::Cycle(&[VARIANCE, OTHER, OTHER, VARIANCE, OTHER, VARIANCE]);
-    let n = 100_003;
-    let large = Large::new("gaussians_100003", "100,003 Gaussians before a camera", n, 1024);
+    let n = 5003;
+    let large = Large::new("gaussians_5003", "5,003 Gaussians before a camera", n, 1024);
     let large = large.with("means", &[n, 3], MEANS).with("covariances", &[n, 6], COVARIANCES);
     let large = large.with("w2c", &[4, 4], Recipe::Cycle(&const { constants(W2C) }));
     let large = large.with("K", &[3, 3], Recipe::Cycle(&const { constants(K) }));

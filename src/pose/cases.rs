@@ -57,7 +57,7 @@ pub(crate) fn large() -> Vec<Large> {
         0.5, 0.5, 0.5, 0.5, 1.0, 0.0, 0.0, 0.0, 0.5, -0.5, 0.5, -0.5, 0.0, 0.0, 1.0, 0.0, -0.5, 0.5, 0.5,
         0.5, 0.0, -1.0, 0.0, 0.0, 0.5, 0.5, -0.5, -0.5,
     ]));
-    let n = 100_003;
-    let large = Large::new("poses_100003", "100,003 poses", n, 1024).with("q", &[n, 4], TURNS);
+    let n = 70_001;
+    let large = Large::new("poses_70001", "70,001 poses", n, 1024).with("q", &[n, 4], TURNS);
     vec![large.with("t", &[n, 3], signed(-2, 4))]
 }

@@ -84,14 +84,14 @@ pub(crate) fn se3_exp() -> Vec<Case> {
     cases
 }
 
-/// More rotation vectors than 16 bits count, up to a quarter turn: a pose for every ray.
+/// More rotation vectors than a grid has blocks, up to a quarter turn: a pose for every ray.
 pub(crate) fn large_so3() -> Vec<Large> {
-    let n = 100_003;
-    vec![Large::new("vectors_100003", "100,003 rotation vectors", n, 1024).with("w", &[n, 3], signed(-6, 6))]
+    let n = 20_011;
+    vec![Large::new("vectors_20011", "20,011 rotation vectors", n, 1024).with("w", &[n, 3], signed(-6, 6))]
 }
 
 /// The same of twists.
 pub(crate) fn large_se3() -> Vec<Large> {
-    let n = 100_003;
-    vec![Large::new("twists_100003", "100,003 twists", n, 1024).with("twists", &[n, 6], signed(-6, 6))]
+    let n = 10_007;
+    vec![Large::new("twists_10007", "10,007 twists", n, 1024).with("twists", &[n, 6], signed(-6, 6))]
 }
