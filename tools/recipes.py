@@ -44,6 +44,11 @@ def law(recipe, words, shape, bits):
         return (number % shape[-1] + inside) * 2.0 ** -recipe["cells"]
     if recipe["law"] == "each":
         return (number // recipe["each"]).astype(float)
+    if recipe["law"] == "cycle":
+        laws, x = recipe["of"], np.empty(len(words))
+        for place, one in enumerate(laws):
+            x[place :: len(laws)] = law(one, words, shape, bits)[place :: len(laws)]
+        return x
     lengths = (words[:-1] >> shift(33)) % shift(recipe["most"] + 1)
     return np.concatenate([[0], np.cumsum(lengths)]).astype(float)
 

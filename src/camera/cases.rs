@@ -5,6 +5,8 @@ use ndarray::ArrayD;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full, lengthen, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, constants, floats, signed};
 
 /// fx, fy, cx, cy that differ, with the center off the middle and between pixels.
 pub(crate) const LENS: [f64; 4] = [40.0, 28.0, 17.5, 11.5];
@@ -199,4 +201,38 @@ pub(crate) fn pixel_to_camera() -> Vec<Case> {
         cases.push(Case::new(format!("random_{n}"), "a random lens and random pixels", inputs));
     }
     in_full(cases, "random_1")
+}
+
+/// Poses that exchange the axes in a ring, at places of their own: words make no rotation.
+pub(crate) const MOVED: Recipe = {
+    const ZERO: Recipe = Recipe::Constant(0.0);
+    const ONE: Recipe = Recipe::Constant(1.0);
+    const PLACE: Recipe = signed(-2, 3);
+    Recipe::Cycle(&[
+        ZERO, ONE, ZERO, PLACE, ZERO, ZERO, ONE, PLACE, ONE, ZERO, ZERO, PLACE, ZERO, ZERO, ZERO, ONE,
+    ])
+};
+
+/// Intrinsics whose principal point isn't the middle of anything.
+pub(crate) const INTRINSICS: Recipe =
+    Recipe::Cycle(&constants([400.0, 0.0, 250.0, 0.0, 416.0, 270.0, 0.0, 0.0, 1.0]));
+
+/// As many points as a picture has pixels, each with a pose of its own.
+pub(crate) fn large_transform() -> Vec<Large> {
+    let n = 40_009;
+    let large = Large::new("points_40009", "40,009 points", n, 512).with("c2w", &[n, 4, 4], MOVED);
+    vec![large.with("x_c", &[n, 3], signed(-3, 5))]
+}
+
+/// More pixels than 16 bits count. The gradient of the intrinsics adds up over all of them, so that a gradient is judged at once, and in
+/// types in which so long a sum has digits.
+pub(crate) fn large_pixel_to_camera() -> Vec<Large> {
+    let pixels = |id, comment, n: usize, block| {
+        let large = Large::new(id, comment, n, block).with("K", &[3, 3], INTRINSICS);
+        large.with("uv", &[n, 2], floats(3, 6)).with("s", &[n], floats(-1, 3))
+    };
+    vec![
+        pixels("pixels_4099", "4,099 pixels", 4099, 4099).in_types(&[Dtype::F64, Dtype::F32]),
+        pixels("pixels_100003", "100,003 pixels", 100_003, 1024).forward_only(),
+    ]
 }

@@ -37,7 +37,7 @@ pub(crate) const TRANSFORM: Component = Component {
     }),
     cases: cases::transform,
     mistakes: mistakes::TRANSFORM,
-    special: Special::NONE,
+    special: Special { large: cases::large_transform, ..Special::NONE },
 };
 
 /// Pixel and depth to camera space.
@@ -64,5 +64,5 @@ pub(crate) const PIXEL_TO_CAMERA: Component = Component {
     }),
     cases: cases::pixel_to_camera,
     mistakes: mistakes::PIXEL_TO_CAMERA,
-    special: Special::NONE,
+    special: Special { large: cases::large_pixel_to_camera, ..Special::NONE },
 };

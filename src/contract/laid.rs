@@ -98,7 +98,10 @@ impl Laid {
             }
             Some(packed) if port.name == packed.offsets => None,
             Some(packed) => (letter == self.counted(packed)).then_some(items),
-            None => (letter == first_letter(&self.component.outputs[0])).then_some(items),
+            // A single number has no axis.
+            None => {
+                (!letter.is_empty() && letter == first_letter(&self.component.outputs[0])).then_some(items)
+            }
         }
     }
 

@@ -37,6 +37,8 @@ pub enum Recipe {
     },
     /// Entry n is n / each.
     Each(usize),
+    /// Entry n is that of law n mod their number, none of them a running one: columns that differ, or an array of a few numbers.
+    Cycle(&'static [Recipe]),
     /// 0, then running sums of lengths, (w >> 33) mod (most + 1) each, the word of a length being that of the entry before.
     Offsets {
         /// The longest.
@@ -59,6 +61,16 @@ pub const fn sparse(lowest: i32, binades: u64, empty: u64) -> Recipe {
     Recipe::Float { lowest, binades, signed: false, empty }
 }
 
+/// These numbers, for [`Recipe::Cycle`].
+pub const fn constants<const N: usize>(numbers: [f64; N]) -> [Recipe; N] {
+    let (mut laws, mut n) = ([Recipe::Unit; N], 0);
+    while n < N {
+        laws[n] = Recipe::Constant(numbers[n]);
+        n += 1;
+    }
+    laws
+}
+
 impl Recipe {
     /// The generator's key of an array: a seed from its name, and the purpose of cases.
     pub fn key(name: &str) -> [u64; 2] {
@@ -77,8 +89,6 @@ impl Recipe {
         let key = Key::new(Recipe::key(name)[0], Purpose::Cases);
         let word = |n: usize| key.bits(0, 0, n as u64);
         match *self {
-            Recipe::Constant(x) => vec![x; range.len()],
-            Recipe::Each(each) => range.map(|n| (n / each) as f64).collect(),
             Recipe::Offsets { most } => {
                 let mut sum = 0;
                 let mut next = |n: usize| {
@@ -87,13 +97,16 @@ impl Recipe {
                 };
                 (0..range.end).map(&mut next).skip(range.start).collect()
             }
-            _ => range.map(|n| self.entry(word(n), n % last.max(1), dtype.bits())).collect(),
+            _ => range.map(|n| self.entry(word(n), n, last.max(1), dtype.bits())).collect(),
         }
     }
 
-    /// The entry at place i of the last axis from its word.
-    fn entry(&self, w: u64, i: usize, b: i32) -> f64 {
+    /// Entry n from its word.
+    fn entry(&self, w: u64, n: usize, last: usize, b: i32) -> f64 {
         match *self {
+            Recipe::Constant(x) => x,
+            Recipe::Each(each) => (n / each) as f64,
+            Recipe::Cycle(laws) => laws[n % laws.len()].entry(w, n, last, b),
             Recipe::Float { lowest, binades, signed, empty } => {
                 let exponent = lowest + ((w % 256) % binades) as i32;
                 let x = power_of_two(exponent) * (1.0 + (w >> (65 - b)) as f64 * power_of_two(1 - b));
@@ -105,7 +118,7 @@ impl Recipe {
             }
             Recipe::Ascending { cells } => {
                 let inside = if b > 12 { (w >> (76 - b)) as f64 * power_of_two(11 - b) } else { 0.0 };
-                (i as f64 + inside) * power_of_two(-cells)
+                ((n % last) as f64 + inside) * power_of_two(-cells)
             }
             _ => (w >> (64 - b)) as f64 * power_of_two(-b),
         }
@@ -116,12 +129,13 @@ impl Recipe {
 mod tests {
     use super::*;
 
-    const ALL: [Recipe; 6] = [
+    const ALL: [Recipe; 7] = [
         Recipe::Constant(0.25),
         Recipe::Unit,
         Recipe::Float { lowest: -6, binades: 5, signed: true, empty: 2 },
         Recipe::Ascending { cells: 5 },
         Recipe::Each(7),
+        Recipe::Cycle(&[Recipe::Unit, Recipe::Constant(0.5), signed(-2, 3)]),
         Recipe::Offsets { most: 3 },
     ];
 
@@ -149,6 +163,9 @@ mod tests {
         }
         let edges = Recipe::Ascending { cells: 10 }.entries("edge", 0..2 * 1025, 1025, Dtype::F32);
         assert!(edges.chunks(1025).all(|row| row.is_sorted() && row[0] < 0.001 && row[1024] >= 1.0));
+        let cycle = Recipe::Cycle(&[Recipe::Unit, Recipe::Constant(7.0)]).entries("a", 0..6, 3, Dtype::F32);
+        let unit = Recipe::Unit.entries("a", 0..6, 3, Dtype::F32);
+        assert_eq!(cycle, [unit[0], 7.0, unit[2], 7.0, unit[4], 7.0]);
         let offsets = Recipe::Offsets { most: 3 }.entries("starting", 0..400, 400, Dtype::F32);
         let lengths: Vec<f64> = offsets.windows(2).map(|pair| pair[1] - pair[0]).collect();
         assert!(offsets[0] == 0.0 && [0.0, 1.0, 2.0, 3.0].iter().all(|n| lengths.contains(n)));

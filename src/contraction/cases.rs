@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::signed;
 
 /// All of space into a ball or a cube.
 pub(crate) fn contraction() -> Vec<Case> {
@@ -47,4 +49,10 @@ pub(crate) fn contraction() -> Vec<Case> {
         ),
     ];
     in_full(cases, "outside")
+}
+
+/// More points than 16 bits count, most of them outside.
+pub(crate) fn large() -> Vec<Large> {
+    let n = 100_003;
+    vec![Large::new("points_100003", "100,003 points", n, 1024).with("x", &[n, 3], signed(-2, 4))]
 }

@@ -32,5 +32,5 @@ pub(crate) const CONTRACTION: Component = Component {
     }),
     cases: cases::contraction,
     mistakes: mistakes::CONTRACTION,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

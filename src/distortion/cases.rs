@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats, sparse};
 
 /// Rays of as many intervals, from rows of weights and of edges.
 fn case(id: &str, comment: &'static str, weights: &[Vec<f64>], t: &[Vec<f64>]) -> Case {
@@ -70,4 +72,16 @@ pub(crate) fn distortion_loss() -> Vec<Case> {
         far_away(),
     ];
     in_full(cases, "usual")
+}
+
+/// More rays than a block has threads, more intervals than a warp has lanes.
+pub(crate) fn large() -> Vec<Large> {
+    let case = |id, comment, [rays, n, block]: [usize; 3], cells, weights| {
+        let large = Large::new(id, comment, rays, block).with("weights", &[rays, n], weights);
+        large.with("t", &[rays, n + 1], Recipe::Ascending { cells })
+    };
+    vec![
+        case("rays_4099x3", "4,099 rays of 3 intervals", [4099, 3, 512], 2, floats(-3, 2)),
+        case("rays_257x193", "257 rays of 193 intervals", [257, 193, 16], 8, sparse(-10, 4, 2)),
+    ]
 }

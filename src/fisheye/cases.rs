@@ -1,7 +1,10 @@
 //! Cases of fisheyes: the middle, ordinary angles, nearly 90 degrees, lenses that bend back.
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, constants, signed};
 
 /// A calibrated fisheye.
 const FISHEYE: [f64; 4] = [0.0298, -0.0102, 0.0057, -0.0014];
@@ -90,4 +93,29 @@ pub(crate) fn fisheye_undistort() -> Vec<Case> {
         ),
     ]);
     cases
+}
+
+/// More points than 16 bits count. Gradients of coefficients add up over all points, so that a gradient is judged at once, and in types in
+/// which so long a sum has digits.
+fn large(name: &str) -> Vec<Large> {
+    const COEFFICIENTS: Recipe =
+        Recipe::Cycle(&constants([0.02978515625, -0.01025390625, 0.005706787109375, -0.00140380859375]));
+    let points = |id, comment, n: usize, block| {
+        let large = Large::new(id, comment, n, block).with(name, &[n, 2], signed(-4, 3));
+        large.with("coefficients", &[4], COEFFICIENTS)
+    };
+    vec![
+        points("points_4099", "4,099 points", 4099, 4099).in_types(&[Dtype::F64, Dtype::F32]),
+        points("points_100003", "100,003 points", 100_003, 1024).forward_only(),
+    ]
+}
+
+/// Ideal points to the distorted picture.
+pub(crate) fn large_distort() -> Vec<Large> {
+    large("points")
+}
+
+/// And back.
+pub(crate) fn large_undistort() -> Vec<Large> {
+    large("distorted")
 }

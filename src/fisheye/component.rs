@@ -31,7 +31,7 @@ pub(crate) const FISHEYE_DISTORT: Component = Component {
     }),
     cases: cases::fisheye_distort,
     mistakes: mistakes::FISHEYE_DISTORT,
-    special: Special::NONE,
+    special: Special { large: cases::large_distort, ..Special::NONE },
 };
 
 /// And back.
@@ -61,5 +61,5 @@ pub(crate) const FISHEYE_UNDISTORT: Component = Component {
     }),
     cases: cases::fisheye_undistort,
     mistakes: mistakes::FISHEYE_UNDISTORT,
-    special: Special::NONE,
+    special: Special { large: cases::large_undistort, ..Special::NONE },
 };

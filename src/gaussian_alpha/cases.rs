@@ -1,7 +1,10 @@
 //! Cases of splats' opacities: in and around them, opaque and faint ones, needles, and conics that aren't positive.
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats, signed};
 
 /// Pixels and splats: means, conics, opacities.
 fn case(
@@ -93,4 +96,20 @@ pub(crate) fn gaussian_alpha() -> Vec<Case> {
         ),
     ];
     in_full(cases, "usual")
+}
+
+/// More pixels than 16 bits count. Gradients of splats add up over all pixels, so that a gradient is judged at once, and in types in which
+/// so long a sum has digits.
+pub(crate) fn large() -> Vec<Large> {
+    const CONICS: Recipe = Recipe::Cycle(&[floats(-5, 2), signed(-8, 2), floats(-5, 2)]);
+    let picture = |id, comment, [pixels, splats, block]: [usize; 3]| {
+        let large = Large::new(id, comment, pixels, block).with("pixels", &[pixels, 2], floats(0, 3));
+        let large = large.with("means2d", &[splats, 2], floats(0, 3)).with("conics", &[splats, 3], CONICS);
+        large.with("opacities", &[splats], floats(-4, 3))
+    };
+    vec![
+        picture("pixels_1025x65", "65 splats at 1,025 pixels", [1025, 65, 1025])
+            .in_types(&[Dtype::F64, Dtype::F32]),
+        picture("pixels_66001x9", "9 splats at 66,001 pixels", [66_001, 9, 1024]).forward_only(),
+    ]
 }

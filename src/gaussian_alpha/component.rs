@@ -33,5 +33,9 @@ pub(crate) const GAUSSIAN_ALPHA: Component = Component {
     }),
     cases: cases::gaussian_alpha,
     mistakes: mistakes::GAUSSIAN_ALPHA,
-    special: Special { reads: &[("alphas", &["alpha_cap", "faint", "positive_power"])], ..Special::NONE },
+    special: Special {
+        reads: &[("alphas", &["alpha_cap", "faint", "positive_power"])],
+        large: cases::large,
+        ..Special::NONE
+    },
 };

@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, constants, signed};
 
 const CENTER: [f64; 3] = [0.5, -0.25, 1.5];
 
@@ -51,4 +53,17 @@ pub(crate) fn gaussian_color() -> Vec<Case> {
         seeded("far", "splats a hundred units away", 6, 4, 3, 100.0, 0.5),
     ];
     in_full(cases, "usual")
+}
+
+/// More splats than 16 bits count in two bands, and many in four.
+pub(crate) fn large() -> Vec<Large> {
+    const CENTER: Recipe = Recipe::Cycle(&constants([0.125, -0.0625, 0.25]));
+    let splats = |id, comment, n: usize, width: usize| {
+        let large = Large::new(id, comment, n, 1024).with("means", &[n, 3], signed(-1, 3));
+        large.with("camera_center", &[3], CENTER).with("coefficients", &[n, width, 3], signed(-5, 4))
+    };
+    vec![
+        splats("splats_66001", "66,001 splats of two bands", 66_001, 4).forward_only(),
+        splats("splats_8209", "8,209 splats of four bands", 8209, 16),
+    ]
 }

@@ -36,5 +36,5 @@ pub(crate) const GAUSSIAN_COLOR: Component = Component {
     }),
     cases: cases::gaussian_color,
     mistakes: mistakes::GAUSSIAN_COLOR,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

@@ -3,6 +3,8 @@
 
 use crate::contract::arrays::{array, input};
 use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats, signed};
 
 /// Gaussians from their means and the upper triangles of their covariances.
 fn case(id: &str, comment: &'static str, means: Vec<f64>, triangles: &[[f64; 6]]) -> Case {
@@ -117,4 +119,16 @@ pub(crate) fn contract_gaussians() -> Vec<Case> {
         .into_iter()
         .map(|case| if case.full.is_some() { mirrored(case) } else { case })
         .collect()
+}
+
+/// More Gaussians than threads, most of them beyond the ball. Every entry has a word of its own: what lies on both sides of a diagonal
+/// is a number that they all have.
+pub(crate) fn large() -> Vec<Large> {
+    const VARIANCE: Recipe = floats(-3, 3);
+    const OTHER: Recipe = Recipe::Constant(0.046875);
+    const COVARIANCES: Recipe =
+        Recipe::Cycle(&[VARIANCE, OTHER, OTHER, OTHER, VARIANCE, OTHER, OTHER, OTHER, VARIANCE]);
+    let n = 2053;
+    let large = Large::new("gaussians_2053", "2,053 Gaussians", n, 1024);
+    vec![large.with("means", &[n, 3], signed(-2, 4)).with("covariances", &[n, 3, 3], COVARIANCES)]
 }

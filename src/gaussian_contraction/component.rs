@@ -34,5 +34,5 @@ pub(crate) const CONTRACT_GAUSSIANS: Component = Component {
     }),
     cases: cases::contract_gaussians,
     mistakes: mistakes::CONTRACT_GAUSSIANS,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{floats, signed};
 
 /// Gaussians from their quaternions and scales.
 fn case(id: &str, comment: &'static str, quaternions: Vec<f64>, scales: Vec<f64>) -> Case {
@@ -55,4 +57,11 @@ pub(crate) fn gaussian_covariance() -> Vec<Case> {
         ),
     ];
     in_full(cases, "usual")
+}
+
+/// More Gaussians than a grid has blocks.
+pub(crate) fn large() -> Vec<Large> {
+    let n = 20_011;
+    let large = Large::new("gaussians_20011", "20,011 Gaussians", n, 1024);
+    vec![large.with("quaternions", &[n, 4], signed(-3, 3)).with("scales", &[n, 3], floats(-4, 4))]
 }

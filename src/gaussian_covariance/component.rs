@@ -31,5 +31,5 @@ pub(crate) const GAUSSIAN_COVARIANCE: Component = Component {
     }),
     cases: cases::gaussian_covariance,
     mistakes: mistakes::GAUSSIAN_COVARIANCE,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, constants, floats, signed};
 
 /// A camera of 64 x 48 pixels whose principal point isn't the middle, turned and moved; its rotation has 7 bits.
 const W2C: [f64; 16] = [
@@ -141,4 +143,19 @@ pub(crate) fn gaussian_projection() -> Vec<Case> {
     ];
     // Where splats are small, their compensation counts as much as their shape.
     in_full(in_full(cases, "usual"), "small")
+}
+
+/// More Gaussians than threads, in front of the small cases' camera. A variance is more than its row's other entries together.
+pub(crate) fn large() -> Vec<Large> {
+    const MEANS: Recipe = Recipe::Cycle(&[signed(-3, 3), signed(-3, 3), floats(1, 2)]);
+    const VARIANCE: Recipe = floats(-3, 3);
+    const OTHER: Recipe = signed(-6, 2);
+    const COVARIANCES: Recipe = Recipe::Cycle(&[VARIANCE, OTHER, OTHER, VARIANCE, OTHER, VARIANCE]);
+    let n = 5003;
+    let large = Large::new("gaussians_5003", "5,003 Gaussians before a camera", n, 1024);
+    let large = large.with("means", &[n, 3], MEANS).with("covariances", &[n, 6], COVARIANCES);
+    let large = large.with("w2c", &[4, 4], Recipe::Cycle(&const { constants(W2C) }));
+    let large = large.with("K", &[3, 3], Recipe::Cycle(&const { constants(K) }));
+    let large = large.with("width", &[], Recipe::Constant(64.0));
+    vec![large.with("height", &[], Recipe::Constant(48.0))]
 }

@@ -59,6 +59,7 @@ pub(crate) const GAUSSIAN_PROJECTION: Component = Component {
             ("radii", &["splat_dilation", "splat_clamp", "radius_floor"]),
             ("compensations", &["splat_dilation", "splat_clamp", "compensation_floor"]),
         ],
+        large: cases::large,
         ..Special::NONE
     },
 };

@@ -3,8 +3,11 @@
 
 use ndarray::ArrayD;
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, signed};
 
 fn layer(id: &str, comment: &'static str, [weights, bias]: [ArrayD<f64>; 2], max_norm: f64) -> Case {
     Case::new(id, comment, vec![("g_weights", weights), ("g_bias", bias), ("max_norm", scalar(max_norm))])
@@ -76,4 +79,20 @@ pub(crate) fn clip_by_value() -> Vec<Case> {
         ),
     ];
     in_full(cases, "batch")
+}
+
+/// A layer of 257 times 253, judged at once: its norm is of all of it, in types in which so long a sum has digits.
+pub(crate) fn large_by_norm() -> Vec<Large> {
+    let (rows, columns) = (257, 253);
+    let large = Large::new("layer_257x253", "a layer of 257 times 253", rows, rows);
+    let large =
+        large.with("g_weights", &[rows, columns], signed(-8, 6)).with("g_bias", &[rows], signed(-8, 6));
+    vec![large.with("max_norm", &[], Recipe::Constant(1.0)).in_types(&[Dtype::F64, Dtype::F32])]
+}
+
+/// More numbers than 16 bits count.
+pub(crate) fn large_by_value() -> Vec<Large> {
+    let n = 100_003;
+    let large = Large::new("numbers_100003", "100,003 numbers", n, 4096).with("g", &[n], signed(-4, 4));
+    vec![large.with("limit", &[], Recipe::Constant(0.25))]
 }

@@ -31,7 +31,7 @@ pub(crate) const CLIP_BY_GLOBAL_NORM: Component = Component {
     vjp: None,
     cases: cases::clip_by_global_norm,
     mistakes: mistakes::CLIP_BY_GLOBAL_NORM,
-    special: Special { reads: &[("norm", &[])], ..Special::NONE },
+    special: Special { reads: &[("norm", &[])], large: cases::large_by_norm, ..Special::NONE },
 };
 
 /// By value.
@@ -56,5 +56,5 @@ pub(crate) const CLIP_BY_VALUE: Component = Component {
     vjp: None,
     cases: cases::clip_by_value,
     mistakes: mistakes::CLIP_BY_VALUE,
-    special: Special::NONE,
+    special: Special { large: cases::large_by_value, ..Special::NONE },
 };

@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats};
 
 /// Rays of as many intervals: weights and edges, and those of the proposal.
 fn case(id: &str, comment: &'static str, rays: &[[Vec<f64>; 4]], eps: f64) -> Case {
@@ -119,4 +121,20 @@ pub(crate) fn interlevel_loss() -> Vec<Case> {
     let mut cases = in_full(cases, "usual");
     cases.extend([beside_edges("beside_edges_f32", -20), beside_edges("beside_edges_f64", -40)]);
     cases
+}
+
+/// More rays than threads, more intervals than a warp has lanes, two for each of the proposal.
+pub(crate) fn large() -> Vec<Large> {
+    let case = |id, comment, [rays, m, block]: [usize; 3], cells| {
+        let large = Large::new(id, comment, rays, block);
+        let large = large.with("weights", &[rays, 2 * m], floats(-8, 3));
+        let large = large.with("t", &[rays, 2 * m + 1], Recipe::Ascending { cells: cells + 1 });
+        let large = large.with("proposal_weights", &[rays, m], floats(-11, 4));
+        let large = large.with("proposal_t", &[rays, m + 1], Recipe::Ascending { cells });
+        large.with("eps", &[], Recipe::Constant(0.0009765625))
+    };
+    vec![
+        case("rays_4099", "4,099 rays of 6 intervals, 3 of the proposal", [4099, 3, 512], 2),
+        case("rays_1025", "1,025 rays of 98 intervals, 49 of the proposal", [1025, 49, 64], 6),
+    ]
 }

@@ -35,5 +35,5 @@ pub(crate) const INTERLEVEL_LOSS: Component = Component {
     }),
     cases: cases::interlevel_loss,
     mistakes: mistakes::INTERLEVEL_LOSS,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

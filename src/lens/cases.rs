@@ -1,7 +1,10 @@
 //! Cases of lenses: four, five and eight coefficients, one at a time and all together, wide angles, close to a fold.
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, constants, signed};
 
 /// A phone's lens, in short numbers.
 const PHONE: [f64; 4] = [-0.2812, 0.07422, 0.0011, -0.00079];
@@ -98,4 +101,29 @@ pub(crate) fn lens_undistort() -> Vec<Case> {
         ),
     ]);
     cases
+}
+
+/// More points than 16 bits count. Gradients of coefficients add up over all points, so that a gradient is judged at once, and in types in
+/// which so long a sum has digits.
+fn large(name: &str) -> Vec<Large> {
+    const COEFFICIENTS: Recipe =
+        Recipe::Cycle(&constants([-0.28125, 0.07421875, 0.0010986328125, -0.00079345703125]));
+    let points = |id, comment, n: usize, block| {
+        let large = Large::new(id, comment, n, block).with(name, &[n, 2], signed(-4, 3));
+        large.with("coefficients", &[4], COEFFICIENTS)
+    };
+    vec![
+        points("points_4099", "4,099 points", 4099, 4099).in_types(&[Dtype::F64, Dtype::F32]),
+        points("points_100003", "100,003 points", 100_003, 1024).forward_only(),
+    ]
+}
+
+/// Ideal points to the distorted picture.
+pub(crate) fn large_distort() -> Vec<Large> {
+    large("points")
+}
+
+/// And back.
+pub(crate) fn large_undistort() -> Vec<Large> {
+    large("distorted")
 }

@@ -39,7 +39,7 @@ pub(crate) const LENS_DISTORT: Component = Component {
     }),
     cases: cases::lens_distort,
     mistakes: mistakes::LENS_DISTORT,
-    special: SPECIAL,
+    special: Special { large: cases::large_distort, ..SPECIAL },
 };
 
 /// And back.
@@ -69,5 +69,5 @@ pub(crate) const LENS_UNDISTORT: Component = Component {
     }),
     cases: cases::lens_undistort,
     mistakes: mistakes::LENS_UNDISTORT,
-    special: SPECIAL,
+    special: Special { large: cases::large_undistort, ..SPECIAL },
 };

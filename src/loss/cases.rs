@@ -5,6 +5,8 @@ use ndarray::ArrayD;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats};
 
 fn pair(
     id: &str,
@@ -103,4 +105,26 @@ pub(crate) fn to_uint8() -> Vec<Case> {
             vec![("image", draw.array(&[4, 5, 3], -0.5, 1.5))],
         ),
     ]
+}
+
+/// More colors than 16 bits count, judged at once, in types in which so long a sum has digits.
+pub(crate) fn large_mse() -> Vec<Large> {
+    let (n, colors) = (33_335, [33_335, 3]);
+    let large = Large::new("colors_33335", "33,335 colors", n, n).with("prediction", &colors, Recipe::Unit);
+    vec![large.with("target", &colors, Recipe::Unit).in_types(&[Dtype::F64, Dtype::F32])]
+}
+
+/// Three pictures in portrait, the same.
+pub(crate) fn large_psnr() -> Vec<Large> {
+    let shape = [3, 131, 67, 3];
+    let large = Large::new("portraits_3x131x67", "three pictures of 131 rows and 67 columns", 3, 3);
+    let large = large.with("prediction", &shape, Recipe::Unit).with("target", &shape, Recipe::Unit);
+    vec![large.with("peak", &[], Recipe::Constant(1.0)).in_types(&[Dtype::F64, Dtype::F32])]
+}
+
+/// A picture in portrait, with colors above 1.
+pub(crate) fn large_to_uint8() -> Vec<Large> {
+    let shape = [257, 131, 3];
+    let large = Large::new("portrait_257x131", "a picture of 257 rows and 131 columns", shape[0], 16);
+    vec![large.with("image", &shape, floats(-3, 4))]
 }

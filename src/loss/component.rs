@@ -26,7 +26,7 @@ pub(crate) const MSE: Component = Component {
     }),
     cases: cases::mse,
     mistakes: mistakes::MSE,
-    special: Special::NONE,
+    special: Special { large: cases::large_mse, ..Special::NONE },
 };
 
 /// Peak signal-to-noise ratio.
@@ -52,7 +52,7 @@ pub(crate) const PSNR: Component = Component {
     vjp: None,
     cases: cases::psnr,
     mistakes: mistakes::PSNR,
-    special: Special::NONE,
+    special: Special { large: cases::large_psnr, ..Special::NONE },
 };
 
 /// Colors as bytes.
@@ -74,5 +74,5 @@ pub(crate) const TO_UINT8: Component = Component {
     vjp: None,
     cases: cases::to_uint8,
     mistakes: mistakes::TO_UINT8,
-    special: Special::NONE,
+    special: Special { large: cases::large_to_uint8, ..Special::NONE },
 };

@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, signed};
 
 /// Rays in the view of 40 x 24 pixels with a focal length of 36, and a near plane.
 fn case(id: &str, comment: &'static str, rays: &[[f64; 6]], near: f64) -> Case {
@@ -78,4 +80,15 @@ pub(crate) fn ndc_rays() -> Vec<Case> {
         case("CG9_far_behind", "origins 48 behind the near plane: its z is what a sum leaves", &far, 1.0),
     ];
     in_full(cases, "usual")
+}
+
+/// More rays than 16 bits count, forward and back, in the view of the small cases.
+pub(crate) fn large() -> Vec<Large> {
+    const ORIGINS: Recipe = Recipe::Cycle(&[signed(-4, 3), signed(-4, 3), signed(-5, 3)]);
+    const DIRECTIONS: Recipe = Recipe::Cycle(&[signed(-4, 3), signed(-4, 3), signed(-1, 1)]);
+    let n = 100_003;
+    let large = Large::new("rays_100003", "100,003 rays", n, 1024);
+    let large = large.with("rays_o", &[n, 3], ORIGINS).with("rays_d", &[n, 3], DIRECTIONS);
+    let scalars = [("width", 40.0), ("height", 24.0), ("focal", 36.0), ("near", 1.0)];
+    vec![scalars.into_iter().fold(large, |large, (name, x)| large.with(name, &[], Recipe::Constant(x)))]
 }

@@ -38,5 +38,5 @@ pub(crate) const NDC_RAYS: Component = Component {
     }),
     cases: cases::ndc_rays,
     mistakes: mistakes::NDC_RAYS,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

@@ -228,3 +228,12 @@ pub(crate) fn large() -> Vec<Large> {
         large.with("decay", &[], Recipe::Constant(0.95)).with("threshold", &[], Recipe::Constant(0.25));
     vec![large.in_types(&[Dtype::F64, Dtype::F32])]
 }
+
+/// More rays than threads, in 9^3 cells: whole rays lie in the box.
+pub(crate) fn large_traversal() -> Vec<Large> {
+    let rays = 1025;
+    let large = Large::new("rays_1025", "1,025 rays in 9^3 cells", rays, 64);
+    let large = large.with("rays_o", &[rays, 3], floats(-2, 1)).with("rays_d", &[rays, 3], floats(-2, 2));
+    let scalars = [("near", 0.0), ("far", 0.5), ("resolution", 9.0)];
+    vec![scalars.into_iter().fold(large, |large, (name, x)| large.with(name, &[], Recipe::Constant(x)))]
+}

@@ -81,5 +81,5 @@ pub(crate) const GRID_TRAVERSAL: Component = Component {
     vjp: None,
     cases: cases::traverse,
     mistakes: mistakes::GRID_TRAVERSAL,
-    special: Special::NONE,
+    special: Special { large: cases::large_traversal, ..Special::NONE },
 };

@@ -162,10 +162,9 @@ pub(crate) fn adamw_step() -> Vec<Case> {
     in_full(cases, "second")
 }
 
-/// More parameters than a million, late in a training.
-pub(crate) fn large() -> Vec<Large> {
-    let n = 1_000_003;
-    let large = Large::new("parameters_1000003", "10^6 + 3 parameters, step 1,000", n, 1 << 15);
+/// Parameters late in a training.
+fn late(large: Large, weight_decay: f64) -> Large {
+    let n = large.items;
     let large = large.with("params", &[n], signed(-6, 6)).with("grad", &[n], signed(-10, 8));
     let large = large.with("m", &[n], signed(-10, 8)).with("v", &[n], floats(-12, 10));
     let scalars = [
@@ -174,7 +173,19 @@ pub(crate) fn large() -> Vec<Large> {
         ("beta1", 0.9),
         ("beta2", 0.999),
         ("eps", 1e-8),
-        ("weight_decay", 0.0),
+        ("weight_decay", weight_decay),
     ];
-    vec![scalars.into_iter().fold(large, |large, (name, x)| large.with(name, &[], Recipe::Constant(x)))]
+    scalars.into_iter().fold(large, |large, (name, x)| large.with(name, &[], Recipe::Constant(x)))
+}
+
+/// More parameters than a million.
+pub(crate) fn large() -> Vec<Large> {
+    let n = 1_000_003;
+    vec![late(Large::new("parameters_1000003", "10^6 + 3 parameters, step 1,000", n, 1 << 15), 0.0)]
+}
+
+/// More parameters than 16 bits count, which decay.
+pub(crate) fn large_decayed() -> Vec<Large> {
+    let n = 100_003;
+    vec![late(Large::new("parameters_100003", "100,003 parameters, step 1,000", n, 1 << 13), 0.01)]
 }

@@ -80,5 +80,5 @@ pub(crate) const ADAMW_STEP: Component = Component {
     vjp: None,
     cases: cases::adamw_step,
     mistakes: mistakes::ADAMW_STEP,
-    special: Special::NONE,
+    special: Special { large: cases::large_decayed, ..Special::NONE },
 };

@@ -114,3 +114,11 @@ pub(crate) fn large_accumulate() -> Vec<Large> {
         large.with("weights", &[samples], sparse(-9, 6, 1)).with("values", &[samples, 3], Recipe::Unit);
     vec![large.with("offsets", &[rays + 1], offsets)]
 }
+
+/// Rays of five samples, and the last eleven of them without any: their number is of all samples, so that they are judged at once.
+pub(crate) fn large_info() -> Vec<Large> {
+    let (rays, samples) = (20_011, 99_998);
+    let large = Large::new("rays_20011", "20,011 rays of 5 samples", rays, rays);
+    let large = large.with("ray_ids", &[samples], Recipe::Each(5));
+    vec![large.with("rays", &[], Recipe::Constant(rays as f64))]
+}

@@ -30,7 +30,7 @@ pub(crate) const PACK_INFO: Component = Component {
     vjp: None,
     cases: cases::pack_info,
     mistakes: mistakes::PACK_INFO,
-    special: Special::NONE,
+    special: Special { large: cases::large_info, ..Special::NONE },
 };
 
 /// Running sums and products that begin anew with each ray.

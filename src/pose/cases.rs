@@ -6,6 +6,8 @@
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, constants, signed};
 
 /// A case from its quaternions and translations.
 fn case(id: &str, comment: &'static str, q: &[[f64; 4]], t: &[[f64; 3]]) -> Case {
@@ -47,4 +49,15 @@ pub(crate) fn pose_from_colmap() -> Vec<Case> {
         case("at_the_origin", "cameras that only turn", &thirds[..3], &[[0.0; 3]; 3]),
         case("CG9_far_away", "cameras thousands away", &thirds[1..], &moves(&mut draw, 3, 4096.0)),
     ]
+}
+
+/// More pictures than 16 bits count. A word makes no quaternion of length 1: seven of them take turns.
+pub(crate) fn large() -> Vec<Large> {
+    const TURNS: Recipe = Recipe::Cycle(&constants([
+        0.5, 0.5, 0.5, 0.5, 1.0, 0.0, 0.0, 0.0, 0.5, -0.5, 0.5, -0.5, 0.0, 0.0, 1.0, 0.0, -0.5, 0.5, 0.5,
+        0.5, 0.0, -1.0, 0.0, 0.0, 0.5, 0.5, -0.5, -0.5,
+    ]));
+    let n = 70_001;
+    let large = Large::new("poses_70001", "70,001 poses", n, 1024).with("q", &[n, 4], TURNS);
+    vec![large.with("t", &[n, 3], signed(-2, 4))]
 }

@@ -31,5 +31,5 @@ pub(crate) const POSE_FROM_COLMAP: Component = Component {
     }),
     cases: cases::pose_from_colmap,
     mistakes: mistakes::POSE_FROM_COLMAP,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

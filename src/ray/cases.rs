@@ -1,8 +1,13 @@
 //! Cases of rays: cameras that tell mistakes apart, and seeded ones.
 
-use crate::camera::cases::{IDENTITY, LENS, lens, marked, pixels, poses, random_rotation, repeated, rigid};
+use crate::camera::cases::{
+    IDENTITY, INTRINSICS, LENS, MOVED, lens, marked, pixels, poses, random_rotation, repeated, rigid,
+};
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, constants, floats};
 
 /// The ray through a pixel.
 pub(crate) fn pixel_to_ray() -> Vec<Case> {
@@ -88,4 +93,32 @@ pub(crate) fn image_rays() -> Vec<Case> {
         cases.extend(rigid(&middle));
     }
     cases
+}
+
+/// Many pixels with poses of their own. The gradient of the intrinsics adds up over all of them, so that a gradient is judged at once, and in
+/// types in which so long a sum has digits.
+pub(crate) fn large_pixel_to_ray() -> Vec<Large> {
+    let pixels = |id, comment, n: usize, block| {
+        let large = Large::new(id, comment, n, block).with("K", &[3, 3], INTRINSICS);
+        large.with("c2w", &[n, 4, 4], MOVED).with("uv", &[n, 2], floats(3, 6))
+    };
+    vec![
+        pixels("pixels_4099", "4,099 pixels", 4099, 4099).in_types(&[Dtype::F64, Dtype::F32]),
+        pixels("pixels_40009", "40,009 pixels", 40_009, 512).forward_only(),
+    ]
+}
+
+/// A picture in portrait, judged at once: neither side a multiple of anything.
+pub(crate) fn large_image_rays() -> Vec<Large> {
+    const POSE: Recipe = Recipe::Cycle(&constants([
+        0.0, 1.0, 0.0, 0.5, 0.0, 0.0, 1.0, -1.25, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 1.0,
+    ]));
+    let (height, width) = (251, 131);
+    let large = Large::new("portrait_251x131", "a picture of 251 rows and 131 columns", height, height);
+    let (height, width) = (height as f64, f64::from(width));
+    let scalars =
+        [("height", height), ("width", width), ("focal", 160.0), ("cx", width / 2.0), ("cy", height / 2.0)];
+    let large =
+        scalars.into_iter().fold(large, |large, (name, x)| large.with(name, &[], Recipe::Constant(x)));
+    vec![large.with("c2w", &[4, 4], POSE)]
 }

@@ -32,7 +32,7 @@ pub(crate) const PIXEL_TO_RAY: Component = Component {
     }),
     cases: cases::pixel_to_ray,
     mistakes: mistakes::PIXEL_TO_RAY,
-    special: Special::NONE,
+    special: Special { large: cases::large_pixel_to_ray, ..Special::NONE },
 };
 
 /// How functions take a picture's lens.
@@ -81,5 +81,5 @@ pub(crate) const IMAGE_RAYS: Component = Component {
     vjp: None,
     cases: cases::image_rays,
     mistakes: mistakes::IMAGE_RAYS,
-    special: Special { forms: PICTURE_FORMS, ..Special::NONE },
+    special: Special { forms: PICTURE_FORMS, large: cases::large_image_rays, ..Special::NONE },
 };

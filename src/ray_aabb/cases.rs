@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, constants, signed};
 use crate::math::power_of_two;
 
 /// Rows of (o, d), a box, a range.
@@ -143,4 +145,14 @@ pub(crate) fn ray_aabb() -> Vec<Case> {
         case("CG9_far_away", "origins at 1,000 sizes of the box", &far_away, unit, [0.0, 65536.0]),
     ];
     in_full(cases, "mixed")
+}
+
+/// More rays than 16 bits count, some of which meet the box.
+pub(crate) fn large() -> Vec<Large> {
+    let n = 100_003;
+    let large = Large::new("rays_100003", "100,003 rays", n, 1024);
+    let large = large.with("rays_o", &[n, 3], signed(-2, 3)).with("rays_d", &[n, 3], signed(-2, 3));
+    let large = large.with("low", &[3], Recipe::Cycle(&const { constants([-1.0, -0.75, -1.25]) }));
+    let large = large.with("high", &[3], Recipe::Cycle(&const { constants([1.0, 0.5, 1.5]) }));
+    vec![large.with("near", &[], Recipe::Constant(0.0)).with("far", &[], Recipe::Constant(64.0))]
 }

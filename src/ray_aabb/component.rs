@@ -50,6 +50,7 @@ pub(crate) const RAY_AABB: Component = Component {
             holds: without_range,
         }],
         unread: &[("t_near", "hit"), ("t_far", "hit")],
+        large: cases::large,
         ..Special::NONE
     },
 };

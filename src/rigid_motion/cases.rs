@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::signed;
 
 /// What a case asks: its id, what it probes, its rotation vectors.
 type Asked = (&'static str, &'static str, Vec<[f64; 3]>);
@@ -80,4 +82,16 @@ pub(crate) fn se3_exp() -> Vec<Case> {
     let small = vectors().into_iter().filter(|(id, ..)| id.starts_with("CG11"));
     cases.extend(small.map(|(id, comment, w)| twists(&format!("{id}_first"), comment, &w, true)));
     cases
+}
+
+/// More rotation vectors than a grid has blocks, up to a quarter turn: a pose for every ray.
+pub(crate) fn large_so3() -> Vec<Large> {
+    let n = 20_011;
+    vec![Large::new("vectors_20011", "20,011 rotation vectors", n, 1024).with("w", &[n, 3], signed(-6, 6))]
+}
+
+/// The same of twists.
+pub(crate) fn large_se3() -> Vec<Large> {
+    let n = 10_007;
+    vec![Large::new("twists_10007", "10,007 twists", n, 1024).with("twists", &[n, 6], signed(-6, 6))]
 }

@@ -29,7 +29,7 @@ pub(crate) const SO3_EXP: Component = Component {
     }),
     cases: cases::so3_exp,
     mistakes: mistakes::SO3_EXP,
-    special: Special::NONE,
+    special: Special { large: cases::large_so3, ..Special::NONE },
 };
 
 /// Twists to motions.
@@ -62,5 +62,5 @@ pub(crate) const SE3_EXP: Component = Component {
     }),
     cases: cases::se3_exp,
     mistakes: mistakes::SE3_EXP,
-    special: Special::NONE,
+    special: Special { large: cases::large_se3, ..Special::NONE },
 };

@@ -2,8 +2,11 @@
 
 use ndarray::ArrayD;
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::Recipe;
 
 fn case(
     id: &str,
@@ -74,4 +77,22 @@ pub(crate) fn charbonnier() -> Vec<Case> {
         case("large", "errors of linear light", apart(&[96.0, -240.0, 3.0, 1.0]), of(0.001)),
     ];
     in_full(in_full(cases, "batch"), "about_eps")
+}
+
+/// More colors than 16 bits count, judged at once, in types in which so long a sum has digits.
+fn large(name: &str, number: f64) -> Vec<Large> {
+    let (n, colors) = (33_335, [33_335, 3]);
+    let large = Large::new("colors_33335", "33,335 colors", n, n).with("prediction", &colors, Recipe::Unit);
+    let large = large.with("target", &colors, Recipe::Unit).with(name, &[], Recipe::Constant(number));
+    vec![large.in_types(&[Dtype::F64, Dtype::F32])]
+}
+
+/// Huber's loss, a quarter of the entries within delta.
+pub(crate) fn large_huber() -> Vec<Large> {
+    large("delta", 0.125)
+}
+
+/// Charbonnier's loss.
+pub(crate) fn large_charbonnier() -> Vec<Large> {
+    large("eps", 0.03125)
 }

@@ -31,7 +31,7 @@ pub(crate) const HUBER: Component = Component {
     }),
     cases: cases::huber,
     mistakes: mistakes::HUBER,
-    special: Special::NONE,
+    special: Special { large: cases::large_huber, ..Special::NONE },
 };
 
 /// Charbonnier's loss.
@@ -58,5 +58,5 @@ pub(crate) const CHARBONNIER: Component = Component {
     }),
     cases: cases::charbonnier,
     mistakes: mistakes::CHARBONNIER,
-    special: Special::NONE,
+    special: Special { large: cases::large_charbonnier, ..Special::NONE },
 };

@@ -4,6 +4,8 @@ use ndarray::ArrayD;
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, signed};
 
 /// Positions and points.
 pub(crate) fn sample_along_rays() -> Vec<Case> {
@@ -84,4 +86,21 @@ pub(crate) fn step_sizes() -> Vec<Case> {
         case("inexact_bounds", "near and far that no type holds", [0.1, 3.7], jittered(2, 2, 6, 0.125, 0.5)),
     ];
     in_full(cases, "jittered")
+}
+
+/// More rays than threads, more samples than a warp has lanes.
+pub(crate) fn large_samples() -> Vec<Large> {
+    let (rays, n) = (1025, 193);
+    let large = Large::new("rays_1025x193", "1,025 rays of 193 samples", rays, 64);
+    let large = large.with("rays_o", &[rays, 3], signed(-2, 3)).with("rays_d", &[rays, 3], signed(-2, 3));
+    let large = large.with("near", &[], Recipe::Constant(2.0)).with("far", &[], Recipe::Constant(6.0));
+    vec![large.with("u", &[rays, n], Recipe::Unit)]
+}
+
+/// The same, in 193 cells of 1/256.
+pub(crate) fn large_steps() -> Vec<Large> {
+    let (rays, n) = (1025, 193);
+    let large = Large::new("rays_1025x193", "1,025 rays of 193 samples", rays, 64);
+    let large = large.with("t", &[rays, n], Recipe::Ascending { cells: 8 });
+    vec![large.with("near", &[], Recipe::Constant(0.0)).with("far", &[], Recipe::Constant(0.75390625))]
 }

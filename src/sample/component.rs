@@ -32,7 +32,7 @@ pub(crate) const SAMPLE_ALONG_RAYS: Component = Component {
     vjp: None,
     cases: cases::sample_along_rays,
     mistakes: mistakes::SAMPLE_ALONG_RAYS,
-    special: Special::NONE,
+    special: Special { large: cases::large_samples, ..Special::NONE },
 };
 
 /// Step lengths.
@@ -61,6 +61,7 @@ pub(crate) const STEP_SIZES: Component = Component {
             at: |index, shape| index[1] + 1 == shape[1],
             listed: 1e10,
         }),
+        large: cases::large_steps,
         ..Special::NONE
     },
 };

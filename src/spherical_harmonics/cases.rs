@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, signed};
 
 /// Spherical harmonics.
 pub(crate) fn spherical_harmonics() -> Vec<Case> {
@@ -40,4 +42,16 @@ pub(crate) fn spherical_harmonics() -> Vec<Case> {
         case("nearly_up", "beside the pole, where m > 0 vanishes", 4.0, vec![0.0078125, -0.00390625, 1.0]),
     ];
     in_full(cases, "five_bands")
+}
+
+/// More directions than 16 bits count, of any length below 2, in three bands, and many in five.
+pub(crate) fn large() -> Vec<Large> {
+    let points = |id, comment, n: usize, degree: f64| {
+        let large = Large::new(id, comment, n, 1024).with("d", &[n, 3], signed(-3, 3));
+        large.with("degree", &[], Recipe::Constant(degree))
+    };
+    vec![
+        points("directions_66001", "66,001 directions, degree 2", 66_001, 2.0),
+        points("directions_16411", "16,411 directions, degree 4", 16_411, 4.0),
+    ]
 }

@@ -32,5 +32,9 @@ pub(crate) const SPHERICAL_HARMONICS: Component = Component {
     cases: cases::spherical_harmonics,
     mistakes: mistakes::SPHERICAL_HARMONICS,
     // Plenoxels go to degree 2, splats to degree 3.
-    special: Special { reach: Some(Reach { input: "degree", least: 1.0 }), ..Special::NONE },
+    special: Special {
+        reach: Some(Reach { input: "degree", least: 1.0 }),
+        large: cases::large,
+        ..Special::NONE
+    },
 };

@@ -4,6 +4,8 @@ use super::THRESHOLD;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::floats;
 
 /// Linear light to sRGB.
 pub(crate) fn linear_to_srgb() -> Vec<Case> {
@@ -42,4 +44,10 @@ pub(crate) fn linear_to_srgb() -> Vec<Case> {
         ),
     ];
     in_full(cases, "usual")
+}
+
+/// More colors than 16 bits count, of both pieces.
+pub(crate) fn large() -> Vec<Large> {
+    let n = 100_003;
+    vec![Large::new("colors_100003", "100,003 colors", n, 1024).with("linear", &[n], floats(-10, 10))]
 }

@@ -5,6 +5,8 @@ use ndarray::ArrayD;
 
 use crate::contract::arrays::{array, scalar};
 use crate::contract::case::{Case, Draw, in_full, short};
+use crate::contract::large::Large;
+use crate::contract::recipe::{Recipe, floats};
 
 fn case(id: &str, comment: &'static str, prediction: ArrayD<f64>, target: ArrayD<f64>, peak: f64) -> Case {
     Case::new(id, comment, vec![("prediction", prediction), ("target", target), ("peak", scalar(peak))])
@@ -85,4 +87,16 @@ fn in_colors() -> [Case; 3] {
         case("colors_bytes", "bytes of three channels, peak 255", bytes, bytes_target, 255.0),
         case("colors_flat", "two flat colors", flat([0.5, 0.25, 0.75]), flat([0.75, 0.5, 0.5]), 1.0),
     ]
+}
+
+/// A picture in portrait whose stripes are those of its target: neither side a multiple of anything. Its value is of all of it.
+pub(crate) fn large() -> Vec<Large> {
+    const BRIGHT: Recipe = floats(-1, 1);
+    const GRAY: Recipe = floats(-2, 1);
+    const DARK: Recipe = floats(-4, 1);
+    const STRIPES: Recipe = Recipe::Cycle(&[BRIGHT, BRIGHT, BRIGHT, GRAY, GRAY, GRAY, DARK, DARK, DARK]);
+    let shape = [67, 37, 3];
+    let large = Large::new("portrait_67x37", "a picture of 67 rows and 37 columns", shape[0], shape[0]);
+    let large = large.with("prediction", &shape, STRIPES).with("target", &shape, STRIPES);
+    vec![large.with("peak", &[], Recipe::Constant(1.0))]
 }

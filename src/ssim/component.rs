@@ -35,6 +35,7 @@ pub(crate) const SSIM: Component = Component {
     mistakes: mistakes::SSIM,
     special: Special {
         only: Some(Only { input: "prediction", axis: 2, length: 3, what: "channels" }),
+        large: cases::large,
         ..Special::NONE
     },
 };

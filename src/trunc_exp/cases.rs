@@ -2,6 +2,8 @@
 
 use crate::contract::arrays::array;
 use crate::contract::case::{Case, Draw, in_full};
+use crate::contract::large::Large;
+use crate::contract::recipe::signed;
 
 /// Truncated exponential.
 pub(crate) fn trunc_exp() -> Vec<Case> {
@@ -42,4 +44,10 @@ pub(crate) fn trunc_exp() -> Vec<Case> {
     let odd = seeded(4, -6.0, 8.0).into_iter().take(7).collect();
     cases.push(case("odd_count", "seven points: the last one stands alone", odd));
     cases
+}
+
+/// More points than 16 bits count.
+pub(crate) fn large() -> Vec<Large> {
+    let n = 100_003;
+    vec![Large::new("points_100003", "100,003 points", n, 1024).with("x", &[n], signed(-3, 6))]
 }

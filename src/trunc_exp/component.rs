@@ -28,5 +28,5 @@ pub(crate) const TRUNC_EXP: Component = Component {
     }),
     cases: cases::trunc_exp,
     mistakes: mistakes::TRUNC_EXP,
-    special: Special::NONE,
+    special: Special { large: cases::large, ..Special::NONE },
 };

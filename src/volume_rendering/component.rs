@@ -116,7 +116,7 @@ pub(crate) const COMPOSITE_BACKGROUND: Component = Component {
     }),
     cases: cases::composite_background,
     mistakes: mistakes::COMPOSITE_BACKGROUND,
-    special: Special::NONE,
+    special: Special { large: cases::large::backgrounds, ..Special::NONE },
 };
 
 /// Expected distance.
@@ -147,5 +147,5 @@ pub(crate) const DEPTH: Component = Component {
     }),
     cases: cases::depth,
     mistakes: mistakes::DEPTH,
-    special: Special::NONE,
+    special: Special { large: cases::large::depths, ..Special::NONE },
 };

@@ -55,6 +55,9 @@ fn described(recipe: &Recipe) -> Value {
         }
         Recipe::Ascending { cells } => json!({ "law": "ascending", "cells": cells }),
         Recipe::Each(each) => json!({ "law": "each", "each": each }),
+        Recipe::Cycle(laws) => {
+            json!({ "law": "cycle", "of": laws.iter().map(described).collect::<Vec<Value>>() })
+        }
         Recipe::Offsets { most } => json!({ "law": "running", "most": most }),
     }
 }

@@ -1,7 +1,8 @@
 //! Cases of real sizes.
 
+use crate::contract::arithmetic::Dtype;
 use crate::contract::large::Large;
-use crate::contract::recipe::{Recipe, floats, sparse};
+use crate::contract::recipe::{Recipe, constants, floats, sparse};
 
 /// Name, what it probes, numbers of rays and samples, rays judged at once; densities, steps and opacities.
 struct Size {
@@ -86,4 +87,30 @@ pub(crate) fn densities() -> Vec<Large> {
 /// From opacities.
 pub(crate) fn opacities() -> Vec<Large> {
     LARGE.iter().map(|size| size.colored(size.case().with("alphas", &size.shape, size.alphas))).collect()
+}
+
+/// More rays than 16 bits count, over a background. Its gradient adds up over all of them, so that a gradient is judged at once, and in types
+/// in which so long a sum has digits.
+pub(crate) fn backgrounds() -> Vec<Large> {
+    const BACKGROUND: Recipe = Recipe::Cycle(&constants([0.75, 0.25, 0.5]));
+    let rays = |id, comment, n: usize, block| {
+        let large = Large::new(id, comment, n, block).with("colors", &[n, 3], Recipe::Unit);
+        large.with("opacity", &[n], Recipe::Unit).with("background", &[3], BACKGROUND)
+    };
+    vec![
+        rays("rays_4099", "4,099 rays", 4099, 4099).in_types(&[Dtype::F64, Dtype::F32]),
+        rays("rays_100003", "100,003 rays", 100_003, 1024).forward_only(),
+    ]
+}
+
+/// Where weights lie: few samples, whose depth keeps digits in every type, and many.
+pub(crate) fn depths() -> Vec<Large> {
+    let case = |id, comment, [rays, n, block]: [usize; 3], cells, weights| {
+        let large = Large::new(id, comment, rays, block).with("weights", &[rays, n], weights);
+        large.with("t", &[rays, n], Recipe::Ascending { cells }).with("far", &[], Recipe::Constant(2.0))
+    };
+    vec![
+        case("rays_4099x3", "4,099 rays of 3 samples", [4099, 3, 512], 2, floats(-3, 2)),
+        case("rays_1025x193", "1,025 rays of 193 samples", [1025, 193, 64], 8, sparse(-10, 4, 2)),
+    ]
 }
