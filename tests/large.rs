@@ -249,3 +249,29 @@ fn habits_of_kernels_fail_and_are_told() {
     assert!(race.rows[0].findings.iter().any(|said| said.starts_with("not deterministic")), "{race}");
     assert_eq!(race.exit_code(), 0);
 }
+
+/// A kernel that counts items in 16 bits leaves the others undone, whatever it computes.
+#[test]
+fn what_is_left_undone_fails() {
+    let mut rows = vec!["contraction", "linear_to_srgb", "ndc_rays", "pose_from_colmap", "trunc_exp"];
+    rows.truncate(if all_types() { rows.len() } else { 2 });
+    for (row, kind) in rows.into_iter().flat_map(|row| [(row, Kind::Forward), (row, Kind::Vjp)]) {
+        let component = COMPONENTS.iter().find(|c| c.name == row).unwrap();
+        let cases: Vec<&str> = (component.special.large)().iter().map(|large| large.id).collect();
+        let direction = component.direction(kind).unwrap();
+        let report = report(row, kind, Dtype::F32, &cases, |case| {
+            let mut outputs = (direction.oracle)(&case.inputs, &CS180);
+            for output in outputs.values_mut() {
+                output.outer_iter_mut().skip(1 << 16).for_each(|mut item| item.fill(0.0));
+                output.mapv_inplace(|x| Dtype::F32.round(x));
+            }
+            outputs
+        });
+        let told = report.rows[0].observed.first().cloned().unwrap_or_default();
+        assert_eq!(report.rows[0].verdict, Verdict::Fail, "{row} {kind:?}: {report}");
+        assert!(
+            told.contains("number 65536 of") && told.contains("alone, are right"),
+            "{row} {kind:?}: {told}"
+        );
+    }
+}

@@ -59,9 +59,9 @@ pub(crate) fn gaussian_covariance() -> Vec<Case> {
     in_full(cases, "usual")
 }
 
-/// More Gaussians than a grid has blocks.
+/// More Gaussians than threads.
 pub(crate) fn large() -> Vec<Large> {
-    let n = 20_011;
-    let large = Large::new("gaussians_20011", "20,011 Gaussians", n, 1024);
+    let n = 10_007;
+    let large = Large::new("gaussians_10007", "10,007 Gaussians", n, 1024);
     vec![large.with("quaternions", &[n, 4], signed(-3, 3)).with("scales", &[n, 3], floats(-4, 4))]
 }

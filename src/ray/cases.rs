@@ -113,11 +113,11 @@ pub(crate) fn large_image_rays() -> Vec<Large> {
     const POSE: Recipe = Recipe::Cycle(&constants([
         0.0, 1.0, 0.0, 0.5, 0.0, 0.0, 1.0, -1.25, 1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 1.0,
     ]));
-    let (height, width) = (251, 131);
-    let large = Large::new("portrait_251x131", "a picture of 251 rows and 131 columns", height, height);
+    let (height, width) = (67, 37);
+    let large = Large::new("portrait_67x37", "a picture of 67 rows and 37 columns", height, height);
     let (height, width) = (height as f64, f64::from(width));
     let scalars =
-        [("height", height), ("width", width), ("focal", 160.0), ("cx", width / 2.0), ("cy", height / 2.0)];
+        [("height", height), ("width", width), ("focal", 48.0), ("cx", width / 2.0), ("cy", height / 2.0)];
     let large =
         scalars.into_iter().fold(large, |large, (name, x)| large.with(name, &[], Recipe::Constant(x)));
     vec![large.with("c2w", &[4, 4], POSE)]

@@ -95,8 +95,8 @@ pub(crate) fn large() -> Vec<Large> {
     const GRAY: Recipe = floats(-2, 1);
     const DARK: Recipe = floats(-4, 1);
     const STRIPES: Recipe = Recipe::Cycle(&[BRIGHT, BRIGHT, BRIGHT, GRAY, GRAY, GRAY, DARK, DARK, DARK]);
-    let shape = [67, 37, 3];
-    let large = Large::new("portrait_67x37", "a picture of 67 rows and 37 columns", shape[0], shape[0]);
+    let shape = [37, 19, 3];
+    let large = Large::new("portrait_37x19", "a picture of 37 rows and 19 columns", shape[0], shape[0]);
     let large = large.with("prediction", &shape, STRIPES).with("target", &shape, STRIPES);
     vec![large.with("peak", &[], Recipe::Constant(1.0))]
 }
