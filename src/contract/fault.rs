@@ -141,12 +141,14 @@ impl How {
         let mut all = match operation {
             O::Add => vec![First, Second, Done(O::Sub), Done(O::Mul), FirstOutside, SecondOutside],
             O::Sub => vec![First, Second, Done(O::Add), Exchanged, FirstOutside, SecondOutside],
-            O::Mul => vec![First, Second, Done(O::Div), Done(O::Add), Exchanged, Wider],
+            O::Mul => vec![First, Second, Done(O::Div), Done(O::Add), Wider],
             O::Div => vec![First, Second, Done(O::Mul), Exchanged, Wider],
             O::Max => vec![First, Second, Done(O::Min)],
             O::Min => vec![First, Second, Done(O::Max)],
             O::Pow => vec![First, Exchanged],
-            O::Neg | O::Sqrt | O::Ln => vec![First],
+            // Twice the other sign is none at all.
+            O::Neg => vec![],
+            O::Sqrt | O::Ln => vec![First],
             O::Exp => vec![First, OfOpposite, Done(O::Expm1)],
             O::Expm1 => vec![First, OfOpposite, Done(O::Exp)],
             O::Sin => vec![First, Done(O::Cos)],
@@ -166,9 +168,6 @@ impl How {
         if matches!(operation, O::Given | O::Rounded) {
             all.extend([Plus(1.0), Plus(-1.0), Plus(0.5), Plus(-0.5)]);
         }
-        all.retain(|how| {
-            !(operation == O::Mul && *how == Exchanged) && !(operation == O::Neg && *how == Opposite)
-        });
         all
     }
 }
@@ -176,8 +175,10 @@ impl How {
 /// A number that waits for the operation that it belongs to.
 #[derive(Clone, Copy)]
 struct Waiting {
-    /// What the next operation takes.
+    /// What the next operation takes, but for its last bit, by which it is known again.
     shown: f64,
+    /// What that stands for.
+    meant: f64,
     numbers: [f64; 2],
 }
 
@@ -242,7 +243,11 @@ impl Fault {
             return self.caught_up(operation, a, b).unwrap_or_else(|| operation.of(a, b));
         }
         let right = operation.of(a, b);
-        let wait = |shown: f64| WAITING.set(Some(Waiting { shown, numbers: [a, b] }));
+        let wait = |meant: f64| {
+            let shown = meant.next_up();
+            WAITING.set(Some(Waiting { shown, meant, numbers: [a, b] }));
+            shown
+        };
         match self.how {
             How::Observed | How::Without(_) | How::Less(_) => right,
             How::First => a,
@@ -264,18 +269,9 @@ impl Fault {
             How::Taken(x) => x,
             How::Times(k) => k * right,
             How::Plus(k) => right + k,
-            How::SecondOutside => {
-                wait(a);
-                a
-            }
-            How::FirstOutside => {
-                wait(b);
-                b
-            }
-            How::Wider => {
-                wait(right);
-                right
-            }
+            How::SecondOutside => wait(a),
+            How::FirstOutside => wait(b),
+            How::Wider => wait(right),
         }
     }
 
@@ -286,6 +282,7 @@ impl Fault {
         if !first && b != waiting.shown {
             return None;
         }
+        let [a, b] = [a, b].map(|x| if x == waiting.shown { waiting.meant } else { x });
         let [one, two] = waiting.numbers;
         let own = self.site?.operation;
         let found = match (self.how, operation) {

@@ -98,7 +98,7 @@ fn furthest<'a>(
             for (index, (&p, &got)) in p.iter().zip(&got).enumerate() {
                 let off = (got - p).abs() / p.abs().max(got.abs());
                 if off.is_finite() && best.as_ref().is_none_or(|(most, _)| off > *most) {
-                    best = Some((off, Shown { case: *case, output: name.clone(), index, got }));
+                    best = Some((off, Shown { case, output: name.clone(), index, got }));
                 }
             }
         }

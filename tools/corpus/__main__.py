@@ -79,10 +79,16 @@ def outcome(entry, kind, row):
         return "passed wrongly", "pass"
     if verdict == "imprecise":
         return "named wrong", "imprecise"
-    found = [frozenset(d["mistakes"]) for d in row["diagnosis"] if d is row["diagnosis"][0] or d.get("same_as_best")]
+    found = [names_of(d) for d in row["diagnosis"] if d is row["diagnosis"][0] or d.get("same_as_best")]
     if not found or not any(found):
         return "unnamed", said(row)
     return ("named right" if any(d in names for d in found) else "named wrong"), said(row)
+
+
+def names_of(diagnosis):
+    """Its mistakes, and its slip without the place in the sources."""
+    slip = diagnosis.get("slip")
+    return frozenset([*diagnosis["mistakes"], *(["slip: " + slip.split(" (src/")[0]] if slip else [])])
 
 
 def said(row):

@@ -30,6 +30,19 @@ def cylinders(origins, directions, radii, starts, ends):
     return (t_mean, t_variance, r_variance, *lifted(origins, directions, t_mean, t_variance, r_variance))
 
 
+@fault(
+    "conical_frustum",
+    "slip: sqrt(dd) / 3 in the place of dd / 3",
+    seen="JulianKnodt/nerf_atlas src/utils.py conical_frustrum_to_gaussian",
+)
+def half_width_not_squared(origins, directions, radii, starts, ends):
+    """Half the width over 3, where its square belongs."""
+    hw = (ends - starts) / 2
+    t_mean, t_variance, r_variance, _, _ = middle_and_half_width(origins, directions, radii, starts, ends)
+    t_variance = t_variance - hw**2 / 3 + hw / 3
+    return (t_mean, t_variance, r_variance, *lifted(origins, directions, t_mean, t_variance, r_variance))
+
+
 @fault("conical_frustum", "across_everywhere", seen="not met in this reading: no projection", times=0, gradient="none")
 def across_on_all_axes(origins, directions, radii, starts, ends):
     """No projection."""

@@ -9,8 +9,8 @@ ENTRIES = []
 class Entry:
     """One behavior.
 
-    `names` are the answers that are right for a fault, each a set of mistakes; none: the catalog has no name for it, so that it
-    must fail unnamed. `choice` is the convention that is to be reported, empty where the judge knows none for it: it must pass
+    `names` are the answers that are right for a fault, each a set of mistakes, or a slip as the judge words it ("slip: a / b in
+    the place of b / a"); none: the catalog has no name for it, so that it must fail unnamed. `choice` is the convention that is to be reported, empty where the judge knows none for it: it must pass
     all the same. `digits`: the formula is right and loses digits, so that `imprecise` is as right as `pass`; `edges`: it can't
     take what few programs ever meet, so that `edge` is. `gradient`: what differs in the vjp row: "right", "none" (the row isn't
     asked), or the names expected there.
@@ -43,7 +43,7 @@ def added(component, kind, names=(), choice=None, *, seen, times=1, digits=False
     """A decorator that makes a function an entry."""
 
     def keep(function):
-        alternatives = tuple(frozenset(name.split("+")) for name in names)
+        alternatives = tuple(frozenset([name] if name.startswith("slip: ") else name.split("+")) for name in names)
         ENTRIES.append(Entry(component, function, kind, alternatives, choice or {}, digits, edges, gradient, arrays, seen, times))
         return function
 

@@ -347,3 +347,29 @@ def fixed_steps(rays_o, rays_d, near, far, resolution):
 def from_the_first_face_on(rays_o, rays_d, near, far, resolution):
     """The cell where a ray begins isn't counted."""
     return walked(rays_o, rays_d, near, far, resolution, lambda o, d: crossings(o, d, near, far, resolution)[1:])
+
+
+def in_the_cube(rays_o, rays_d, focal, width, height, near, t):
+    """NeRF's lines from the moved origin on."""
+    rays_o = rays_o + t[..., None] * rays_d
+    sx, sy = -1.0 / (width / (2.0 * focal)), -1.0 / (height / (2.0 * focal))
+    (ox, oy, oz), (dx, dy, dz) = rays_o.unbind(-1), rays_d.unbind(-1)
+    o = torch.stack([sx * ox / oz, sy * oy / oz, 1.0 + 2.0 * near / oz], -1)
+    d = torch.stack([sx * (dx / dz - ox / oz), sy * (dy / dz - oy / oz), -2.0 * near / oz], -1)
+    return o, d
+
+
+@right("ndc_rays", seen="bmild/nerf run_nerf_helpers.py ndc_rays, and its ports", times=12, digits=True)
+def to_the_near_plane(rays_o, rays_d, focal, width, height, near):
+    """t = -(near + o_z) / d_z."""
+    return in_the_cube(rays_o, rays_d, focal, width, height, near, -(near + rays_o[..., 2]) / rays_d[..., 2])
+
+
+@fault(
+    "ndc_rays",
+    "slip: plane - o[2], of which plane is taken outside of the parenthesis",
+    seen="a port whose parenthesis closes too late",
+)
+def near_outside_the_quotient(rays_o, rays_d, focal, width, height, near):
+    """t = -(near + o_z / d_z)."""
+    return in_the_cube(rays_o, rays_d, focal, width, height, near, -(near + rays_o[..., 2] / rays_d[..., 2]))

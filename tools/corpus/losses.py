@@ -270,6 +270,18 @@ def counted_from_zero(params, grad, m, v, step, lr, beta1, beta2, eps, weight_de
     return corrected_moments(params, grad, m, v, max(step - 1, 1), lr, beta1, beta2, eps, weight_decay)
 
 
+@fault(
+    "adam_step",
+    "slip: root + adam.eps, of which adam.eps is taken outside of the parenthesis",
+    seen="a student's Adam: the parenthesis closes too early",
+    arrays="numpy",
+)
+def eps_outside_the_quotient(params, grad, m, v, step, lr, beta1, beta2, eps):
+    """m-hat / sqrt(v-hat) + eps."""
+    m, v = moments(grad, m, v, beta1, beta2)
+    return params - lr * ((m / (1 - beta1**step)) / np.sqrt(v / (1 - beta2**step)) + eps), m, v
+
+
 @fault("adam_step", "decoupled_decay", seen="AdamW where Adam is asked for", times=3)
 def shrunk_first(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
     """p (1 - lr wd), then Adam without decay."""

@@ -35,6 +35,14 @@ def warm_cosine(step, max_steps, lr_init, lr_final, warmup_steps):
     return lr_init * ((math.cos(math.pi * progress) + 1.0) * 0.5 * (1 - alpha) + alpha)
 
 
+@fault("lr_cosine", "slip: (step + 1) / warmup in the place of step / warmup", seen="a speech code's warm-up")
+def warm_from_one(step, max_steps, lr_init, lr_final, warmup_steps):
+    """The warm-up counts from 1."""
+    if step < warmup_steps:
+        return lr_init * (step + 1) / warmup_steps
+    return warm_cosine(step, max_steps, lr_init, lr_final, warmup_steps)
+
+
 @fault("lr_cosine", "last_rate_forgotten", seen="not met in this reading: a last rate that isn't used", times=0)
 def cosine_to_nothing(step, max_steps, lr_init, lr_final, warmup_steps):
     """lr / 2 (1 + cos), whatever lr_final."""
