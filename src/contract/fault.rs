@@ -87,6 +87,8 @@ pub(crate) enum How {
     Second,
     /// Another operation.
     Done(Operation),
+    /// Another operation, the other way around: b / a for a b.
+    Crossed(Operation),
     /// The other way around: b - a, b / a.
     Exchanged,
     /// With the other sign.
@@ -139,9 +141,11 @@ impl How {
         use How::*;
         use Operation as O;
         let mut all = match operation {
-            O::Add => vec![First, Second, Done(O::Sub), Done(O::Mul), FirstOutside, SecondOutside],
+            O::Add => {
+                vec![First, Second, Done(O::Sub), Crossed(O::Sub), Done(O::Mul), FirstOutside, SecondOutside]
+            }
             O::Sub => vec![First, Second, Done(O::Add), Exchanged, FirstOutside, SecondOutside],
-            O::Mul => vec![First, Second, Done(O::Div), Done(O::Add), Wider],
+            O::Mul => vec![First, Second, Done(O::Div), Crossed(O::Div), Done(O::Add), Wider],
             O::Div => vec![First, Second, Done(O::Mul), Exchanged, Wider],
             O::Max => vec![First, Second, Done(O::Min)],
             O::Min => vec![First, Second, Done(O::Max)],
@@ -253,6 +257,7 @@ impl Fault {
             How::First => a,
             How::Second => b,
             How::Done(other) => other.of(a, b),
+            How::Crossed(other) => other.of(b, a),
             How::Exchanged => operation.of(b, a),
             How::Opposite => -right,
             How::OfOpposite => operation.of(-a, b),

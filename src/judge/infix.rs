@@ -9,7 +9,7 @@ const LONGEST: usize = 90;
 /// What is written where, and in which other way that would be: on a line.
 pub(super) fn says(site: &Site, how: How) -> String {
     let file = site.at.file().replace('\\', "/");
-    let place = format!("{}:{}", file.find("src/").map_or(&*file, |n| &file[n..]), site.at.line());
+    let place = format!("{}:{}", file.rfind("src/").map_or(&*file, |n| &file[n..]), site.at.line());
     let Some(call) = call(&file, site) else {
         return format!("{} ({place})", changed(&Written::atom("an operation"), &[], site.operation, how));
     };
@@ -47,6 +47,7 @@ fn changed(right: &Written, arguments: &[Written], operation: Operation, how: Ho
         How::Second if operation == Operation::Above => argument(2),
         How::Second => argument(1),
         How::Done(other) => applied(other, &[argument(0), argument(1)]),
+        How::Crossed(other) => applied(other, &[argument(1), argument(0)]),
         How::Exchanged => applied(operation, &[argument(1), argument(0)]),
         How::OfOpposite => applied(operation, &[Written(format!("-{}", argument(0).within(2)), 2)]),
         How::Opposite => Written(format!("-{}", right.within(2)), 2),

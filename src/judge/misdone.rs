@@ -1,8 +1,6 @@
 //! Slips of the formula: any one operation of it done in another way. Honest implementations say which operations there are; one of
 //! them with a fault in it is a hypothesis like any other.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use super::answer::{Answer, Answers, reshaped};
 use super::assignment::{partial, small_cases};
 use super::evidence::Explanation;
@@ -13,6 +11,7 @@ use super::mark::MarkOptions;
 use super::other_numbers::{TRIALS, other_numbers};
 use super::slip::Slip;
 use super::slips::{conventions, explanations, was_done};
+use super::telling::{MOST_BITS, SURE, TELLING, evidence, telling};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -20,7 +19,7 @@ use crate::contract::check::Kind;
 use crate::contract::component::Honest;
 use crate::contract::fault::{Fault, How, Seen, Site};
 use crate::contract::machine::Machine;
-use crate::convention::Conventions;
+use crate::convention::{CHOICES, Conventions};
 use crate::parallel;
 
 /// Machines whose ways to the result are looked at.
@@ -35,13 +34,8 @@ const WORK: usize = 30_000_000;
 /// In how many ways an operation can be done wrong, about.
 const WAYS: usize = 12;
 
-/// So many different numbers must be wrong, each by more than this part of it.
-const TELLING: usize = 3;
-const WRONG: f64 = 1e-3;
-
-/// Bits of evidence beside those that so many hypotheses have by chance; and those of one number, at most.
-const SURE: f64 = 20.0;
-const MOST_BITS: f64 = 16.0;
+/// Conventions that are tried, at most.
+const NEARBY: usize = 24;
 
 /// What a hypothesis costs however short its formula is, in operations.
 const LEAST: usize = 200;
@@ -85,7 +79,7 @@ pub(super) fn misdone(
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
     let with = |c: Conventions| (telling(question, &cases, &c, options), c);
-    let mut tried: Vec<_> = conventions(question, answers, base, options).into_iter().map(with).collect();
+    let mut tried: Vec<_> = nearby(question, answers, base, options).into_iter().map(with).collect();
     tried.retain(|(shown, _)| *shown >= TELLING);
     let tried: Vec<(usize, Conventions, Vec<Place>)> =
         tried.into_iter().map(|(shown, c)| (shown, c, places(question, &cases, &c))).collect();
@@ -96,7 +90,7 @@ pub(super) fn misdone(
             let here = ways(place).filter(|(_, how)| place.first || how.of_parenthesis());
             here.map(|(n, how)| (n, place.hypothesis(how, c))).collect::<Vec<_>>()
         };
-        all.extend(affordable(places, WAYS).iter().flat_map(each));
+        all.extend(affordable(places, WAYS * tried.len()).iter().flat_map(each));
     }
     all.sort_by_key(|(rank, _)| *rank);
     let all = all.into_iter().map(|(_, h)| h).collect();
@@ -106,6 +100,37 @@ pub(super) fn misdone(
     // A number that is read off an element explains that one anyway.
     let read = other_numbers(question, &cases, affordable(places, TRIALS), c, options);
     proved(read, MOST_BITS, question, answers, base, options)
+}
+
+/// The likely conventions, and those that differ from them in one, where the answers have their shapes: a slip hides some of them.
+fn nearby(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Conventions> {
+    let own = |c: &Conventions| partial(question.component, c);
+    let mut all = conventions(question, answers, base, options);
+    let cases = small_cases(question, answers);
+    let fits = |c: &Conventions| {
+        cases.first().is_some_and(|(case, answer)| {
+            let right = Hypothesis::new(vec![], *c).prediction(question, case).0;
+            right.iter().all(|(name, p)| {
+                answer.get(name).is_none_or(|given| reshaped(&given.values, p.shape()).is_some())
+            })
+        })
+    };
+    for c in all.clone() {
+        for (key, values) in CHOICES.iter().filter(|(key, _)| question.component.conventions.contains(key)) {
+            for other in values.iter().filter_map(|value| c.with(key, value).ok()) {
+                let new = question.admits(&other) && !all.iter().any(|had| own(had) == own(&other));
+                if all.len() < NEARBY && new && fits(&other) {
+                    all.push(other);
+                }
+            }
+        }
+    }
+    all
 }
 
 /// Those that explain every answer, with more evidence than chance has: `free` bits come of numbers that were read off the answers.
@@ -129,56 +154,6 @@ fn proved(
     let mut n = 0..;
     found.retain(|_| n.next().is_some_and(|n| !all[..n].contains(&all[n])));
     explanations(found, question, answers, base, options)
-}
-
-/// By how many bits a slip explains the answers better than the right formula does, over the numbers that are wrong and different.
-fn evidence(h: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)], options: &MarkOptions) -> f64 {
-    let right = Hypothesis::new(vec![], h.conventions);
-    let mut bits: BTreeMap<u64, f64> = BTreeMap::new();
-    for (case, answer) in cases {
-        let (wrong, allowed) = h.allowed(question, case, options);
-        for (name, p) in right.prediction(question, case).0 {
-            let Some((got, _)) = answer.get(&name).and_then(|given| reshaped(&given.values, p.shape()))
-            else {
-                continue;
-            };
-            for (((&p, &got), &wrong), &allowed) in p.iter().zip(&got).zip(&wrong[&name]).zip(&allowed[&name])
-            {
-                let gained = ((got - p).abs() / allowed.max((got - wrong).abs())).log2();
-                if !plain(got) && gained > 0.0 {
-                    let known = bits.entry(got.abs().to_bits()).or_insert(0.0);
-                    *known = known.max(gained.min(MOST_BITS));
-                }
-            }
-        }
-    }
-    bits.values().sum()
-}
-
-/// What anything could give.
-fn plain(x: f64) -> bool {
-    !x.is_finite() || x == 0.0 || x.abs() == 1.0
-}
-
-/// Different numbers that are wrong, but for those that anything could give. So many slips are tried that one of them may have one
-/// number, or two, by chance.
-fn telling(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions, options: &MarkOptions) -> usize {
-    let right = Hypothesis::new(vec![], *c);
-    let mut all: BTreeSet<u64> = BTreeSet::new();
-    for (case, answer) in
-        cases.iter().filter(|(case, answer)| !right.explains(question, case, answer, options))
-    {
-        for (name, p) in right.prediction(question, case).0 {
-            let Some((got, _)) = answer.get(&name).and_then(|given| reshaped(&given.values, p.shape()))
-            else {
-                continue;
-            };
-            let wrong = |(p, got): &(&f64, &f64)| (*got - *p).abs() > WRONG * p.abs().max(got.abs());
-            let numbers = p.iter().zip(&got).filter(wrong).map(|(_, got)| *got);
-            all.extend(numbers.filter(|got| !plain(*got)).map(|got| got.abs().to_bits()));
-        }
-    }
-    all.len()
 }
 
 /// An operation of a formula that one of the machines does.

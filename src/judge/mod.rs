@@ -55,6 +55,7 @@ mod slip;
 mod slips;
 #[doc(hidden)]
 pub mod statistics;
+mod telling;
 mod truths;
 pub(crate) mod typed;
 mod unread;

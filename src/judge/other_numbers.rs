@@ -16,8 +16,9 @@ use crate::parallel;
 /// How often a number is tried before it is known, about.
 pub(super) const TRIALS: usize = 150;
 
-/// Between which numbers a factor is looked for, and a summand.
+/// Between which numbers a factor is looked for, a number for one that changes, and a summand.
 const FACTORS: [f64; 11] = [-4.0, -1.01, -0.3, 0.0, 0.4, 0.7, 0.99, 1.01, 1.5, 4.0, 64.0];
+const NUMBERS: [f64; 10] = [-100.0, -10.0, -1.01, -0.1, 0.1, 0.99, 1.01, 5.0, 50.0, 300.0];
 const SUMMANDS: [f64; 16] =
     [-10.0, -1.0, -0.1, -1e-3, -1e-5, -1e-7, -1e-10, -1e-20, 1e-20, 1e-10, 1e-7, 1e-5, 1e-3, 0.1, 1.0, 10.0];
 
@@ -51,6 +52,9 @@ fn at(place: &Place, shown: &Shown, question: &Question, c: &Conventions) -> Vec
         return each(0, factors.into_iter().map(|k| k * value).collect(), How::Taken);
     }
     let mut all = each(1, found(&FACTORS, &How::Times), How::Times);
+    if matches!(place.seen.site.operation, Operation::Given | Operation::Rounded) {
+        all.extend(each(1, found(&NUMBERS, &How::Taken), How::Taken));
+    }
     all.extend(each(2, found(&SUMMANDS, &How::Plus), How::Plus));
     all
 }

@@ -1,0 +1,78 @@
+//! How much answers tell: so many slips are tried that one of them may have a number, or two, by chance.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::answer::{Answer, reshaped};
+use super::exam::Question;
+use super::hypothesis::Hypothesis;
+use super::mark::MarkOptions;
+use crate::contract::case::Case;
+use crate::convention::Conventions;
+
+/// So many different numbers must be wrong, each by more than this part of it.
+pub(super) const TELLING: usize = 3;
+const WRONG: f64 = 1e-3;
+
+/// Bits of evidence beside those that so many hypotheses have by chance; and those of one number, at most.
+pub(super) const SURE: f64 = 20.0;
+pub(super) const MOST_BITS: f64 = 16.0;
+
+/// By how many bits a slip explains the answers better than the right formula does, over the numbers that are wrong and different.
+pub(super) fn evidence(
+    h: &Hypothesis,
+    question: &Question,
+    cases: &[(&Case, &Answer)],
+    options: &MarkOptions,
+) -> f64 {
+    let right = Hypothesis::new(vec![], h.conventions);
+    let mut bits: BTreeMap<u64, f64> = BTreeMap::new();
+    for (case, answer) in cases {
+        let (wrong, allowed) = h.allowed(question, case, options);
+        for (name, p) in right.prediction(question, case).0 {
+            let Some((got, _)) = answer.get(&name).and_then(|given| reshaped(&given.values, p.shape()))
+            else {
+                continue;
+            };
+            for (((&p, &got), &wrong), &allowed) in p.iter().zip(&got).zip(&wrong[&name]).zip(&allowed[&name])
+            {
+                let gained = ((got - p).abs() / allowed.max((got - wrong).abs())).log2();
+                if !plain(got) && gained > 0.0 {
+                    let known = bits.entry(got.abs().to_bits()).or_insert(0.0);
+                    *known = known.max(gained.min(MOST_BITS));
+                }
+            }
+        }
+    }
+    bits.values().sum()
+}
+
+/// What anything could give.
+fn plain(x: f64) -> bool {
+    !x.is_finite() || x == 0.0 || x.abs() == 1.0
+}
+
+/// Different numbers that are wrong, but for those that anything could give. So many slips are tried that one of them may have one
+/// number, or two, by chance.
+pub(super) fn telling(
+    question: &Question,
+    cases: &[(&Case, &Answer)],
+    c: &Conventions,
+    options: &MarkOptions,
+) -> usize {
+    let right = Hypothesis::new(vec![], *c);
+    let mut all: BTreeSet<u64> = BTreeSet::new();
+    for (case, answer) in
+        cases.iter().filter(|(case, answer)| !right.explains(question, case, answer, options))
+    {
+        for (name, p) in right.prediction(question, case).0 {
+            let Some((got, _)) = answer.get(&name).and_then(|given| reshaped(&given.values, p.shape()))
+            else {
+                continue;
+            };
+            let wrong = |(p, got): &(&f64, &f64)| (*got - *p).abs() > WRONG * p.abs().max(got.abs());
+            let numbers = p.iter().zip(&got).filter(wrong).map(|(_, got)| *got);
+            all.extend(numbers.filter(|got| !plain(*got)).map(|got| got.abs().to_bits()));
+        }
+    }
+    all.len()
+}
