@@ -177,7 +177,9 @@ fn right_answers_pass_in_every_type() {
                 rows.push((component.name, kind));
             }
         }
-        for (row, kind) in rows {
+        // One in four by default.
+        let each = if all_types() || asked_for().is_some() { 1 } else { 4 };
+        for (row, kind) in rows.into_iter().step_by(each) {
             let component = COMPONENTS.iter().find(|c| c.name == row).unwrap();
             let cases: Vec<&str> =
                 (component.special.large)().iter().filter(|l| quick(l)).map(|l| l.id).collect();

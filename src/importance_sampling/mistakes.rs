@@ -20,7 +20,7 @@ pub(crate) const SEARCHED_FROM_THE_LEFT: Mistake = Mistake::new(
 pub(crate) const NO_LEADING_ZERO: Mistake = Mistake::new(
     "no_leading_zero",
     "F is the cumulative sum alone, without 0 in front",
-    "every sample lies a bin too far",
+    "every sample lies a bin too near",
     "concatenate 0 and the cumulative sum",
     "ports of sample_pdf",
     2,

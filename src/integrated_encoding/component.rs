@@ -2,7 +2,7 @@
 
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Entries, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Only, Special};
 
 /// Integrated positional encoding.
 pub(crate) const INTEGRATED_ENCODING: Component = Component {
@@ -35,6 +35,7 @@ pub(crate) const INTEGRATED_ENCODING: Component = Component {
     special: Special {
         columns: Some(("columns", "band_sin_cos")),
         admits: arrays::admits,
+        only: Some(Only { input: "means", axis: 1, length: 3, what: "coordinates" }),
         large: cases::large,
         ..Special::NONE
     },

@@ -1,6 +1,8 @@
 //! Slips of the formula: any one operation of it done in another way. Honest implementations say which operations there are; one of
 //! them with a fault in it is a hypothesis like any other.
 
+use std::panic::{self, AssertUnwindSafe};
+
 use super::answer::{Answer, Answers, reshaped};
 use super::assignment::{partial, small_cases};
 use super::evidence::Explanation;
@@ -26,10 +28,10 @@ use crate::parallel;
 const MACHINES: u64 = 48;
 
 /// Operations that looking for them may cost: some are only done on some inputs.
-const LOOKS: usize = 5_000_000;
+const LOOKS: usize = 1_000_000;
 
-/// Operations that all hypotheses together may cost on the smallest case.
-const WORK: usize = 30_000_000;
+/// Operations that all hypotheses together may cost on the case that they are tried on first.
+const WORK: usize = 20_000_000;
 
 /// In how many ways an operation can be done wrong, about.
 const WAYS: usize = 12;
@@ -78,28 +80,61 @@ pub(super) fn misdone(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
-    let with = |c: Conventions| (telling(question, &cases, &c, options), c);
-    let mut tried: Vec<_> = nearby(question, answers, base, options).into_iter().map(with).collect();
-    tried.retain(|(shown, _)| *shown >= TELLING);
-    let tried: Vec<(usize, Conventions, Vec<Place>)> =
-        tried.into_iter().map(|(shown, c)| (shown, c, places(question, &cases, &c))).collect();
-    let mut all: Vec<(usize, Hypothesis)> = vec![];
-    for (_, c, places) in &tried {
+    let of = |c: Conventions| Tried::new(question, &cases, c, options);
+    let tried: Vec<Tried> = nearby(question, answers, base, options).into_iter().filter_map(of).collect();
+    let mut all: Vec<(usize, usize, Hypothesis)> = vec![];
+    for t in &tried {
         let ways = |place: &Place| How::all(place.seen.site.operation).into_iter().enumerate();
         let each = |place: &Place| {
             let here = ways(place).filter(|(_, how)| place.first || how.of_parenthesis());
-            here.map(|(n, how)| (n, place.hypothesis(how, c))).collect::<Vec<_>>()
+            here.map(|(n, how)| (n, t.failing, place.hypothesis(how, &t.conventions))).collect::<Vec<_>>()
         };
-        all.extend(affordable(places, WAYS * tried.len()).iter().flat_map(each));
+        all.extend(t.affordable(WAYS * tried.len()).iter().flat_map(each));
     }
-    all.sort_by_key(|(rank, _)| *rank);
-    let all = all.into_iter().map(|(_, h)| h).collect();
+    all.sort_by_key(|(rank, ..)| *rank);
+    let all = all.into_iter().map(|(_, failing, h)| (failing, h)).collect();
     let found = proved(all, 0.0, question, answers, base, options);
-    let nearest = tried.iter().min_by_key(|(shown, ..)| *shown);
-    let Some((_, c, places)) = nearest.filter(|_| found.is_empty()) else { return found };
+    let nearest = tried.iter().min_by_key(|t| t.shown);
+    let Some(t) = nearest.filter(|_| found.is_empty()) else { return found };
     // A number that is read off an element explains that one anyway.
-    let read = other_numbers(question, &cases, affordable(places, TRIALS), c, options);
+    let read = other_numbers(question, &cases, t.affordable(TRIALS), &t.conventions, options);
+    let read = read.into_iter().map(|h| (t.failing, h)).collect();
     proved(read, MOST_BITS, question, answers, base, options)
+}
+
+/// Conventions in which slips are tried.
+struct Tried {
+    conventions: Conventions,
+    /// Different numbers that are wrong in them.
+    shown: usize,
+    /// The smallest case that the right formula doesn't explain, which most slips don't either.
+    failing: usize,
+    /// What the formula costs there, in operations.
+    cost: usize,
+    places: Vec<Place>,
+}
+
+impl Tried {
+    /// `None` where too little is wrong.
+    fn new(
+        question: &Question,
+        cases: &[(&Case, &Answer)],
+        conventions: Conventions,
+        options: &MarkOptions,
+    ) -> Option<Tried> {
+        let right = Hypothesis::new(vec![], conventions);
+        let shown = telling(question, cases, &conventions, options);
+        let wrong = |(case, answer): &(&Case, &Answer)| !right.explains(question, case, answer, options);
+        let failing = cases.iter().position(wrong).filter(|_| shown >= TELLING)?;
+        let cost = count(&sites(question, &conventions, 0, cases[failing].0));
+        let places = places(question, cases, &conventions);
+        Some(Tried { conventions, shown, failing, cost, places })
+    }
+
+    /// The first places, as many as may be tried so often.
+    fn affordable(&self, ways: usize) -> &[Place] {
+        &self.places[..self.places.len().min(WORK / (ways * self.cost))]
+    }
 }
 
 /// The likely conventions, and those that differ from them in one, where the answers have their shapes: a slip hides some of them.
@@ -134,8 +169,9 @@ fn nearby(
 }
 
 /// Those that explain every answer, with more evidence than chance has: `free` bits come of numbers that were read off the answers.
+/// Each stands beside the case that it is tried on first.
 fn proved(
-    hypotheses: Vec<Hypothesis>,
+    hypotheses: Vec<(usize, Hypothesis)>,
     free: f64,
     question: &Question,
     answers: &Answers,
@@ -144,8 +180,14 @@ fn proved(
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
     let needed = (hypotheses.len() as f64).log2() + SURE + free;
-    let fits = parallel::map(hypotheses.len(), |n| was_done(&hypotheses[n], question, answers, options));
-    let found = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h);
+    let fits = parallel::map(hypotheses.len(), |n| {
+        let (failing, h) = &hypotheses[n];
+        let (case, answer) = cases[*failing];
+        let first = || h.explains(question, case, answer, options);
+        panic::catch_unwind(AssertUnwindSafe(first)).unwrap_or(false)
+            && was_done(h, question, answers, options)
+    });
+    let found = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|((_, h), _)| h);
     let mut found: Vec<_> = found.filter(|h| evidence(h, question, &cases, options) >= needed).collect();
     // A slip has different ways on from it.
     let says =
@@ -161,8 +203,7 @@ fn proved(
 pub(super) struct Place {
     machine: u64,
     pub(super) seen: Seen,
-    /// What the formula costs on the smallest case, and what it may.
-    cost: usize,
+    /// What the formula may cost on any case.
     operations: usize,
     forward: bool,
     /// Whether it is the first machine that does it.
@@ -178,22 +219,19 @@ impl Place {
     }
 }
 
-/// The first places, as many as may be tried so often.
-fn affordable(places: &[Place], ways: usize) -> &[Place] {
-    let mut left = WORK;
-    let fits = |place: &&Place| {
-        left = left.saturating_sub(ways * place.cost);
-        left > 0
-    };
-    &places[..places.iter().take_while(fits).count()]
+/// The sites that a machine comes by.
+fn sites(question: &Question, c: &Conventions, n: u64, case: &Case) -> Vec<Seen> {
+    let direction = question.component.direction(question.kind).expect("a question has its direction");
+    Fault::observed(|fault| drop((direction.honest)(&case.inputs, c, &machine(n, fault))))
+}
+
+fn count(all: &[Seen]) -> usize {
+    LEAST + all.iter().map(|seen| seen.times).sum::<usize>()
 }
 
 /// Every operation that an honest implementation does.
 fn places(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> Vec<Place> {
-    let direction = question.component.direction(question.kind).expect("a question has its direction");
-    let sites = |n, inputs| Fault::observed(|fault| drop((direction.honest)(inputs, c, &machine(n, fault))));
-    let count = |all: &[Seen]| LEAST + all.iter().map(|seen| seen.times).sum::<usize>();
-    let largest = cases.last().map_or(0, |(case, _)| count(&sites(0, &case.inputs)));
+    let largest = cases.last().map_or(0, |(case, _)| count(&sites(question, c, 0, case)));
     let (operations, forward) = (PATIENCE * largest, question.kind == Kind::Forward);
     let (mut all, mut paths): (Vec<Place>, Vec<Vec<Site>>) = (vec![], vec![]);
     let mut left = LOOKS;
@@ -202,10 +240,10 @@ fn places(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> V
             if left == 0 {
                 return all;
             }
-            let found = sites(n, &case.inputs);
+            let found = sites(question, c, n, case);
             let path: Vec<Site> = found.iter().map(|seen| seen.site).collect();
-            let (cost, new) = (count(&found), !paths.contains(&path));
-            left = left.saturating_sub(cost);
+            let new = !paths.contains(&path);
+            left = left.saturating_sub(count(&found));
             for seen in found {
                 let known = all.iter_mut().find(|place| place.seen.site == seen.site);
                 let first = known.is_none();
@@ -213,7 +251,7 @@ fn places(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> V
                     place.seen.value = place.seen.value.filter(|had| Some(*had) == seen.value);
                 }
                 if first || new {
-                    all.push(Place { machine: n, seen, cost, operations, forward, first });
+                    all.push(Place { machine: n, seen, operations, forward, first });
                 }
             }
             paths.push(path);
@@ -224,8 +262,6 @@ fn places(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> V
 
 #[cfg(test)]
 mod tests {
-    use std::panic::{self, AssertUnwindSafe};
-
     use super::super::answer::given;
     use super::super::exam::Exam;
     use super::super::judging::{EXP_ULP, judge_answers};
