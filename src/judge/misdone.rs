@@ -8,24 +8,16 @@ use super::assignment::{partial, small_cases};
 use super::evidence::Explanation;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
-use super::infix;
 use super::mark::MarkOptions;
 use super::other_numbers::{TRIALS, other_numbers};
+use super::places::{Place, count, places, sites};
 use super::slip::Slip;
-use super::slips::{conventions, explanations, was_done};
+use super::slipping::{conventions, explanations, was_done};
 use super::telling::{MOST_BITS, SURE, TELLING, evidence, telling};
-use crate::contract::arithmetic::Dtype;
-use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
-use crate::contract::check::Kind;
-use crate::contract::component::Honest;
-use crate::contract::fault::{Fault, How, Seen, Site};
-use crate::contract::machine::Machine;
+use crate::contract::fault::How;
 use crate::convention::{CHOICES, Conventions};
 use crate::parallel;
-
-/// Machines whose ways to the result are looked at.
-const MACHINES: u64 = 48;
 
 /// Operations that looking for them may cost: some are only done on some inputs.
 const LOOKS: usize = 1_000_000;
@@ -39,39 +31,6 @@ const WAYS: usize = 12;
 /// Conventions that are tried, at most.
 const NEARBY: usize = 24;
 
-/// What a hypothesis costs however short its formula is, in operations.
-const LEAST: usize = 200;
-
-/// A fault is stopped at so many times the operations of right code.
-const PATIENCE: usize = 20;
-
-/// A formula with one operation done in another way.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct FormulaSlip {
-    machine: u64,
-    fault: Fault,
-    operations: usize,
-    /// Whether it is one of the forward function, also where a gradient is asked for.
-    pub forward: bool,
-}
-
-impl FormulaSlip {
-    /// What comes out.
-    pub(crate) fn of(&self, inputs: &Arrays, c: &Conventions, honest: Honest) -> Arrays {
-        Fault::begin(self.operations);
-        honest(inputs, c, &machine(self.machine, self.fault))
-    }
-
-    /// What it says, on a line.
-    pub(crate) fn says(&self) -> String {
-        self.fault.site.map_or_else(String::new, |site| infix::says(&site, self.fault.how))
-    }
-}
-
-fn machine(n: u64, fault: Fault) -> Machine {
-    Machine { fault: Some(fault), ..Machine::number(Dtype::F64, n) }
-}
-
 /// The formulas with one slip that explain every answer, the likeliest first.
 pub(super) fn misdone(
     question: &Question,
@@ -80,8 +39,10 @@ pub(super) fn misdone(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
-    let of = |c: Conventions| Tried::new(question, &cases, c, options);
-    let tried: Vec<Tried> = nearby(question, answers, base, options).into_iter().filter_map(of).collect();
+    let nearby = nearby(question, answers, base, options);
+    let looks = LOOKS / nearby.len();
+    let of = |c: Conventions| Tried::new(question, &cases, c, looks, options);
+    let tried: Vec<Tried> = nearby.into_iter().filter_map(of).collect();
     let mut all: Vec<(usize, usize, Hypothesis)> = vec![];
     for t in &tried {
         let ways = |place: &Place| How::all(place.seen.site.operation).into_iter().enumerate();
@@ -120,6 +81,7 @@ impl Tried {
         question: &Question,
         cases: &[(&Case, &Answer)],
         conventions: Conventions,
+        looks: usize,
         options: &MarkOptions,
     ) -> Option<Tried> {
         let right = Hypothesis::new(vec![], conventions);
@@ -127,7 +89,7 @@ impl Tried {
         let wrong = |(case, answer): &(&Case, &Answer)| !right.explains(question, case, answer, options);
         let failing = cases.iter().position(wrong).filter(|_| shown >= TELLING)?;
         let cost = count(&sites(question, &conventions, 0, cases[failing].0));
-        let places = places(question, cases, &conventions);
+        let places = places(question, cases, &conventions, looks);
         Some(Tried { conventions, shown, failing, cost, places })
     }
 
@@ -198,74 +160,16 @@ fn proved(
     explanations(found, question, answers, base, options)
 }
 
-/// An operation of a formula that one of the machines does.
-#[derive(Clone, Copy)]
-pub(super) struct Place {
-    machine: u64,
-    pub(super) seen: Seen,
-    /// What the formula may cost on any case.
-    operations: usize,
-    forward: bool,
-    /// Whether it is the first machine that does it.
-    pub(super) first: bool,
-}
-
-impl Place {
-    pub(super) fn hypothesis(&self, how: How, c: &Conventions) -> Hypothesis {
-        let fault = Fault { site: Some(self.seen.site), how };
-        let Place { machine, operations, forward, .. } = *self;
-        let slip = FormulaSlip { machine, fault, operations, forward };
-        Hypothesis { slip: Some(Slip::Formula(slip)), ..Hypothesis::new(vec![], *c) }
-    }
-}
-
-/// The sites that a machine comes by.
-fn sites(question: &Question, c: &Conventions, n: u64, case: &Case) -> Vec<Seen> {
-    let direction = question.component.direction(question.kind).expect("a question has its direction");
-    Fault::observed(|fault| drop((direction.honest)(&case.inputs, c, &machine(n, fault))))
-}
-
-fn count(all: &[Seen]) -> usize {
-    LEAST + all.iter().map(|seen| seen.times).sum::<usize>()
-}
-
-/// Every operation that an honest implementation does.
-fn places(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> Vec<Place> {
-    let largest = cases.last().map_or(0, |(case, _)| count(&sites(question, c, 0, case)));
-    let (operations, forward) = (PATIENCE * largest, question.kind == Kind::Forward);
-    let (mut all, mut paths): (Vec<Place>, Vec<Vec<Site>>) = (vec![], vec![]);
-    let mut left = LOOKS;
-    for n in 0..MACHINES {
-        for (case, _) in cases {
-            if left == 0 {
-                return all;
-            }
-            let found = sites(question, c, n, case);
-            let path: Vec<Site> = found.iter().map(|seen| seen.site).collect();
-            let new = !paths.contains(&path);
-            left = left.saturating_sub(count(&found));
-            for seen in found {
-                let known = all.iter_mut().find(|place| place.seen.site == seen.site);
-                let first = known.is_none();
-                if let Some(place) = known {
-                    place.seen.value = place.seen.value.filter(|had| Some(*had) == seen.value);
-                }
-                if first || new {
-                    all.push(Place { machine: n, seen, operations, forward, first });
-                }
-            }
-            paths.push(path);
-        }
-    }
-    all
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::answer::given;
     use super::super::exam::Exam;
+    use super::super::formula_slip::{FormulaSlip, machine};
     use super::super::judging::{EXP_ULP, judge_answers};
     use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::contract::check::Kind;
+    use crate::contract::fault::Fault;
     use crate::contract::testing::one_in;
     use crate::convention::CS180;
     use crate::registry::COMPONENTS;
@@ -286,7 +190,7 @@ mod tests {
             let all = How::all(place.seen.site.operation).into_iter();
             all.map(|how| formula(place.hypothesis(how, &CS180))).collect::<Vec<_>>()
         };
-        let all: Vec<FormulaSlip> = places(question, &cases, &CS180).iter().flat_map(slips).collect();
+        let all: Vec<FormulaSlip> = places(question, &cases, &CS180, LOOKS).iter().flat_map(slips).collect();
         let found = all.iter().find(|slip| slip.says().starts_with(says));
         let said = || all.iter().map(FormulaSlip::says).collect::<Vec<_>>().join("\n");
         found.unwrap_or_else(|| panic!("{says} is none of\n{}", said())).clone()
@@ -378,7 +282,7 @@ mod tests {
                 let right = |case: &Case| Some(given((direction.oracle)(&case.inputs, &CS180)));
                 let answers: Answers = question.cases.iter().map(right).collect();
                 let cases = small_cases(question, &answers);
-                let all = places(question, &cases, &CS180);
+                let all = places(question, &cases, &CS180, LOOKS);
                 let ways = |place: &Place| {
                     let ways = How::all(place.seen.site.operation);
                     ways.into_iter().map(|how| place.hypothesis(how, &CS180)).collect::<Vec<_>>()

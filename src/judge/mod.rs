@@ -26,6 +26,7 @@ mod example;
 pub mod exchange;
 pub mod explain;
 mod fitted;
+mod formula_slip;
 #[doc(hidden)]
 pub mod hypothesis;
 mod imprecise;
@@ -45,6 +46,7 @@ mod other_numbers;
 pub(crate) mod page;
 mod paired;
 mod peel;
+mod places;
 mod reach;
 mod rearranged;
 mod repeat;
@@ -52,6 +54,7 @@ mod repeat;
 pub mod report;
 mod round;
 mod slip;
+mod slipping;
 mod slips;
 #[doc(hidden)]
 pub mod statistics;

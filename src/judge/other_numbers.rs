@@ -7,7 +7,7 @@ use super::answer::{Answer, reshaped};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
-use super::misdone::Place;
+use super::places::Place;
 use crate::contract::case::Case;
 use crate::contract::fault::{How, Operation};
 use crate::convention::Conventions;

@@ -3,7 +3,7 @@
 
 use ndarray::{ArrayD, Axis, IxDyn};
 
-use super::misdone::FormulaSlip;
+use super::formula_slip::FormulaSlip;
 use crate::contract::arrays::Arrays;
 
 /// What happens to an array.

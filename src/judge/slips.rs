@@ -1,23 +1,22 @@
 //! Slips that explain answers which no mistake of the catalogue explains: one, by itself or beside one catalogued mistake.
 
 use std::collections::BTreeSet;
-use std::panic::{self, AssertUnwindSafe};
 
 use ndarray::{ArrayD, Axis};
 
 use super::answer::{Answer, Answers, reshaped};
-use super::assignment::{apply, changes, nearest, partial, small_cases};
-use super::evidence::{Explanation, difference, explains_all, largest_residual, shows, usable};
+use super::assignment::small_cases;
+use super::evidence::Explanation;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::slip::{ALONG, ArraySlip, By, Change, EACH, Slip};
+use super::slipping::{conventions, explanations, was_done};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Entries;
 use crate::convention::Conventions;
-use crate::convention::profiles::PROFILES;
 use crate::parallel;
 
 /// Elements that all hypotheses together may compute on the smallest case; in the short types, where nothing can be rejected before its
@@ -32,9 +31,6 @@ const SHORT: usize = 4;
 
 /// What happens to single entries of matrices, of [`EACH`]: they are left out, or have the other sign.
 const CELL: [usize; 2] = [0, 1];
-
-/// Explanations that are listed.
-const SHOWN: usize = 3;
 
 /// What a slip is tried with.
 #[derive(Clone, Copy, PartialEq)]
@@ -103,36 +99,6 @@ pub(crate) fn gradient_of(
     let fits = was_done(forward, question, answers, options);
     let found = if fits { vec![forward.clone()] } else { vec![] };
     explanations(found, question, answers, base, options)
-}
-
-/// Whether a hypothesis explains the answers, and some of them show it.
-pub(super) fn was_done(
-    h: &Hypothesis,
-    question: &Question,
-    answers: &Answers,
-    options: &MarkOptions,
-) -> bool {
-    let fits = || explains_all(h, question, answers, options) && shows(h, question, answers, options);
-    // Wrong code on changed inputs may break a rule that only right ones keep: then it isn't what was done.
-    panic::catch_unwind(AssertUnwindSafe(fits)).unwrap_or(false)
-}
-
-/// The run's conventions, those in which most elements agree, and those of known programs.
-pub(super) fn conventions(
-    question: &Question,
-    answers: &Answers,
-    base: &Conventions,
-    options: &MarkOptions,
-) -> Vec<Conventions> {
-    let own = |c: &Conventions| partial(question.component, c);
-    let known = PROFILES.iter().map(|p| apply(&own(&p.conventions), base));
-    let mut all: Vec<Conventions> = vec![];
-    for c in [*base, nearest(question, answers, base, options)].into_iter().chain(known) {
-        if question.admits(&c) && !all.iter().any(|other| own(other) == own(&c)) {
-            all.push(c);
-        }
-    }
-    all
 }
 
 /// All slips of a row's arrays.
@@ -260,32 +226,6 @@ fn largest_off<'a>(pairs: impl Iterator<Item = (&'a f64, &'a f64)>) -> Option<(f
     let finite = pairs.filter(|(p, g)| p.is_finite() && g.is_finite() && **p != 0.0);
     let largest = finite.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     largest.filter(|(p, g)| p != g).map(|(p, g)| (*p, *g))
-}
-
-/// The first few, the fewest mistakes and changes of conventions first.
-pub(super) fn explanations(
-    mut found: Vec<Hypothesis>,
-    question: &Question,
-    answers: &Answers,
-    base: &Conventions,
-    options: &MarkOptions,
-) -> Vec<Explanation> {
-    let own = |c: &Conventions| partial(question.component, c);
-    found.sort_by_key(|h| (h.mistakes.len(), changes(&own(&h.conventions), &own(base))));
-    found.truncate(SHOWN);
-    let Some(best) = found.first().cloned() else { return vec![] };
-    let same = |h: &Hypothesis| {
-        usable(h, question, answers).iter().all(|(case, _)| best.same_as(h, question, case, options))
-    };
-    let one = |(n, h): (usize, &Hypothesis)| Explanation {
-        mistakes: question.component.mistakes.iter().filter(|m| h.mistakes.contains(&m.name)).collect(),
-        conventions: difference(&own(&h.conventions), &own(base)),
-        residual: largest_residual(h, question, answers, options),
-        same_as_best: n > 0 && same(h),
-        slip: h.slip.clone(),
-        ..Explanation::default()
-    };
-    found.iter().enumerate().map(one).collect()
 }
 
 #[cfg(test)]

@@ -1,0 +1,40 @@
+//! A formula with one operation done in another way: what honest code with a fault in it gives, and how that is said.
+
+use super::infix;
+use crate::contract::arithmetic::Dtype;
+use crate::contract::arrays::Arrays;
+use crate::contract::component::Honest;
+use crate::contract::fault::Fault;
+use crate::contract::machine::Machine;
+use crate::convention::Conventions;
+
+/// A formula with one operation done in another way.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FormulaSlip {
+    /// Number of the machine whose way to the result it is.
+    pub machine: u64,
+    /// What is done where.
+    pub fault: Fault,
+    /// What it may cost: more is without end.
+    pub operations: usize,
+    /// Whether it is one of the forward function, also where a gradient is asked for.
+    pub forward: bool,
+}
+
+impl FormulaSlip {
+    /// What comes out.
+    pub(crate) fn of(&self, inputs: &Arrays, c: &Conventions, honest: Honest) -> Arrays {
+        Fault::begin(self.operations);
+        honest(inputs, c, &machine(self.machine, self.fault))
+    }
+
+    /// What it says, on a line.
+    pub(crate) fn says(&self) -> String {
+        self.fault.site.map_or_else(String::new, |site| infix::says(&site, self.fault.how))
+    }
+}
+
+/// A machine with a fault.
+pub(super) fn machine(n: u64, fault: Fault) -> Machine {
+    Machine { fault: Some(fault), ..Machine::number(Dtype::F64, n) }
+}

@@ -1,0 +1,86 @@
+//! Where a formula can slip: every operation that one of the honest machines does.
+
+use super::answer::Answer;
+use super::exam::Question;
+use super::formula_slip::{FormulaSlip, machine};
+use super::hypothesis::Hypothesis;
+use super::slip::Slip;
+use crate::contract::case::Case;
+use crate::contract::check::Kind;
+use crate::contract::fault::{Fault, How, Seen, Site};
+use crate::convention::Conventions;
+
+/// Machines whose ways to the result are looked at.
+const MACHINES: u64 = 48;
+
+/// What a hypothesis costs however short its formula is, in operations.
+const LEAST: usize = 200;
+
+/// A fault is stopped at so many times the operations of right code.
+const PATIENCE: usize = 20;
+
+/// An operation of a formula that one of the machines does.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    machine: u64,
+    pub(super) seen: Seen,
+    /// What the formula may cost on any case.
+    operations: usize,
+    forward: bool,
+    /// Whether it is the first machine that does it.
+    pub(super) first: bool,
+}
+
+impl Place {
+    pub(super) fn hypothesis(&self, how: How, c: &Conventions) -> Hypothesis {
+        let fault = Fault { site: Some(self.seen.site), how };
+        let Place { machine, operations, forward, .. } = *self;
+        let slip = FormulaSlip { machine, fault, operations, forward };
+        Hypothesis { slip: Some(Slip::Formula(slip)), ..Hypothesis::new(vec![], *c) }
+    }
+}
+
+/// The sites that a machine comes by.
+pub(super) fn sites(question: &Question, c: &Conventions, n: u64, case: &Case) -> Vec<Seen> {
+    let direction = question.component.direction(question.kind).expect("a question has its direction");
+    Fault::observed(|fault| drop((direction.honest)(&case.inputs, c, &machine(n, fault))))
+}
+
+pub(super) fn count(all: &[Seen]) -> usize {
+    LEAST + all.iter().map(|seen| seen.times).sum::<usize>()
+}
+
+/// Every operation that an honest implementation does; looking for them costs about so many of them.
+pub(super) fn places(
+    question: &Question,
+    cases: &[(&Case, &Answer)],
+    c: &Conventions,
+    mut left: usize,
+) -> Vec<Place> {
+    let largest = cases.last().map_or(0, |(case, _)| count(&sites(question, c, 0, case)));
+    let (operations, forward) = (PATIENCE * largest, question.kind == Kind::Forward);
+    let (mut all, mut paths): (Vec<Place>, Vec<Vec<Site>>) = (vec![], vec![]);
+    for n in 0..MACHINES {
+        for (case, _) in cases {
+            if left == 0 {
+                return all;
+            }
+            let found = sites(question, c, n, case);
+            let path: Vec<Site> = found.iter().map(|seen| seen.site).collect();
+            let new = !paths.contains(&path);
+            left = left.saturating_sub(count(&found));
+            for seen in found {
+                let known = all.iter_mut().find(|place| place.seen.site == seen.site);
+                let first = known.is_none();
+                if let Some(place) = known {
+                    place.seen.value = place.seen.value.filter(|had| Some(*had) == seen.value);
+                }
+                if first || new {
+                    all.push(Place { machine: n, seen, operations, forward, first });
+                }
+            }
+            paths.push(path);
+        }
+    }
+    all
+}

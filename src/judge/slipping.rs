@@ -1,0 +1,71 @@
+//! What slips of arrays and of formulas share: the conventions they are tried in, whether one was made, and what is said of it.
+
+use std::panic::{self, AssertUnwindSafe};
+
+use super::answer::Answers;
+use super::assignment::{apply, changes, nearest, partial};
+use super::evidence::{Explanation, difference, explains_all, largest_residual, shows, usable};
+use super::exam::Question;
+use super::hypothesis::Hypothesis;
+use super::mark::MarkOptions;
+use crate::convention::Conventions;
+use crate::convention::profiles::PROFILES;
+
+/// Explanations that are listed.
+const SHOWN: usize = 3;
+
+/// Whether a hypothesis explains the answers, and some of them show it.
+pub(super) fn was_done(
+    h: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> bool {
+    let fits = || explains_all(h, question, answers, options) && shows(h, question, answers, options);
+    // Wrong code on changed inputs may break a rule that only right ones keep: then it isn't what was done.
+    panic::catch_unwind(AssertUnwindSafe(fits)).unwrap_or(false)
+}
+
+/// The run's conventions, those in which most elements agree, and those of known programs.
+pub(super) fn conventions(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Conventions> {
+    let own = |c: &Conventions| partial(question.component, c);
+    let known = PROFILES.iter().map(|p| apply(&own(&p.conventions), base));
+    let mut all: Vec<Conventions> = vec![];
+    for c in [*base, nearest(question, answers, base, options)].into_iter().chain(known) {
+        if question.admits(&c) && !all.iter().any(|other| own(other) == own(&c)) {
+            all.push(c);
+        }
+    }
+    all
+}
+
+/// The first few, the fewest mistakes and changes of conventions first.
+pub(super) fn explanations(
+    mut found: Vec<Hypothesis>,
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    let own = |c: &Conventions| partial(question.component, c);
+    found.sort_by_key(|h| (h.mistakes.len(), changes(&own(&h.conventions), &own(base))));
+    found.truncate(SHOWN);
+    let Some(best) = found.first().cloned() else { return vec![] };
+    let same = |h: &Hypothesis| {
+        usable(h, question, answers).iter().all(|(case, _)| best.same_as(h, question, case, options))
+    };
+    let one = |(n, h): (usize, &Hypothesis)| Explanation {
+        mistakes: question.component.mistakes.iter().filter(|m| h.mistakes.contains(&m.name)).collect(),
+        conventions: difference(&own(&h.conventions), &own(base)),
+        residual: largest_residual(h, question, answers, options),
+        same_as_best: n > 0 && same(h),
+        slip: h.slip.clone(),
+        ..Explanation::default()
+    };
+    found.iter().enumerate().map(one).collect()
+}
