@@ -7,8 +7,11 @@ use nerf_oracle::registry::all_rows;
 
 use super::{code, root, sources};
 
-/// Words of the judge's JSON that happen to be the name of an array or a mistake as well.
-const WORDS: &[(&str, &[&str])] = &[("judge/explain.rs", &["count", "found", "right", "value", "values"])];
+/// Words of the judge's JSON, and names of operations, that happen to be the name of an array or a mistake as well.
+const WORDS: &[(&str, &[&str])] = &[
+    ("judge/explain.rs", &["count", "found", "right", "value", "values"]),
+    ("judge/infix.rs", &["round", "sum"]),
+];
 
 /// Names of components, arrays, conventions, their values, and mistakes.
 fn names() -> BTreeSet<&'static str> {
