@@ -200,11 +200,7 @@ impl Operations for Machine {
     }
     #[track_caller]
     fn above(&self, a: f64, b: f64, g: f64) -> f64 {
-        if self.fault.is_none() {
-            return if a > b { g } else { 0.0 };
-        }
-        let passed = if a > b { g } else { 0.0 };
-        self.done(Operation::Above, passed, g)
+        self.done(Operation::Above, if a > b { g } else { 0.0 }, g)
     }
     #[track_caller]
     fn sum(&self, terms: &[f64]) -> f64 {

@@ -60,6 +60,17 @@ pub fn wide_enough(entries: Entries, given: &str, dtype: Dtype) -> bool {
     }
 }
 
+/// Predicted arrays beside what was answered for them, where that has their shape.
+pub(crate) fn beside<'a>(
+    answer: &'a Answer,
+    predicted: &'a Arrays,
+) -> impl Iterator<Item = (&'a String, &'a ArrayD<f64>, ArrayD<f64>)> {
+    predicted.iter().filter_map(|(name, p)| {
+        let (got, _) = reshaped(&answer.get(name)?.values, p.shape())?;
+        Some((name, p, got))
+    })
+}
+
 /// The answer in the expected shape: as it is, with other axes of length one, or with merged axes split (rays of an (H, W) picture as H W
 /// rows). The text says which layout it was.
 pub fn reshaped(values: &ArrayD<f64>, expected: &[usize]) -> Option<(ArrayD<f64>, Option<String>)> {

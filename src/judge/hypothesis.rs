@@ -73,11 +73,11 @@ impl Hypothesis {
 
     /// A wrong function with its mistakes, between what slips.
     fn slipped(&self, inputs: &Arrays, question: &Question, direction: &Direction) -> Arrays {
-        let wrong = |names: &[&str], inputs: &Arrays| (direction.wrong)(inputs, &self.conventions, names);
-        let with = |inputs: &Arrays| self.named(question, |names| wrong(names, inputs));
+        let c = &self.conventions;
+        let with = |inputs: &Arrays| self.named(question, |names| (direction.wrong)(inputs, c, names));
         match &self.slip {
             None => with(inputs),
-            Some(Slip::Formula(slip)) => slip.of(inputs, &self.conventions, direction.honest),
+            Some(Slip::Formula(slip)) => slip.of(inputs, c, direction.honest),
             Some(Slip::Array(slip)) => slip.on_outputs(inputs, with(&slip.on_inputs(inputs))),
         }
     }

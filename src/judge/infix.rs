@@ -203,3 +203,39 @@ fn applied(operation: Operation, arguments: &[Written]) -> Written {
         (_, []) => Written::atom("it"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn calls_become_formulas() {
+        for (code, formula) in [
+            ("o.sub(a, o.add(b, c))", "a - (b + c)"),
+            ("o.sub(o.add(a, b), c)", "a + b - c"),
+            ("self.o.div(m.mul(a, b), o.times(2.0, self.c))", "a * b / (2 * c)"),
+            ("m.mul(m.sub(m.exact(1.0), a[i]), o.sqrt(b))", "(1 - a[i]) * sqrt(b)"),
+            ("o.sum(&[x, o.neg(y), o.max(y, z)])", "x + -y + max(y, z)"),
+            ("o.hyper(4.0 / 15.0)", "4 / 15"),
+        ] {
+            assert_eq!(node(code).0, formula, "{code}");
+        }
+    }
+
+    #[test]
+    fn what_is_done_in_another_way_is_written_so() {
+        let arguments = ["a", "o.add(b, c)"].map(node);
+        let said = |how| changed(&written("div", &arguments), &arguments, Operation::Div, how);
+        for (how, says) in [
+            (How::First, "a in the place of a / (b + c)"),
+            (How::Exchanged, "(b + c) / a in the place of a / (b + c)"),
+            (How::RootInside(1), "a / sqrt(b + c) in the place of a / (b + c)"),
+            (How::PlusInside(0, -1.0), "(a - 1) / (b + c) in the place of a / (b + c)"),
+            (How::Taken(1e-8), "1e-8 in the place of a / (b + c)"),
+            (How::Wider, "a / (b + c), with what follows inside of the parenthesis"),
+        ] {
+            assert_eq!(said(how), says);
+        }
+        assert_eq!(cut(&"x".repeat(200)).len(), LONGEST);
+    }
+}

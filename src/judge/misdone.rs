@@ -40,9 +40,9 @@ pub(super) fn misdone(
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
     let nearby = nearby(question, answers, base, options);
-    let looks = LOOKS / nearby.len();
-    let of = |c: Conventions| Tried::new(question, &cases, c, looks, options);
-    let tried: Vec<Tried> = nearby.into_iter().filter_map(of).collect();
+    let looks = LOOKS / nearby.len().max(1);
+    let of = |c: &Conventions| Tried::new(question, &cases, *c, looks, options);
+    let tried: Vec<Tried> = nearby.iter().filter_map(of).collect();
     let mut all: Vec<(usize, usize, Hypothesis)> = vec![];
     for t in &tried {
         let ways = |place: &Place| How::all(place.seen.site.operation).into_iter().enumerate();
@@ -54,13 +54,13 @@ pub(super) fn misdone(
     }
     all.sort_by_key(|(rank, ..)| *rank);
     let all = all.into_iter().map(|(_, failing, h)| (failing, h)).collect();
-    let found = proved(all, 0.0, question, answers, base, options);
+    let found = proved(all, 0.0, &nearby, question, answers, base, options);
     let nearest = tried.iter().min_by_key(|t| t.shown);
     let Some(t) = nearest.filter(|_| found.is_empty()) else { return found };
     // A number that is read off an element explains that one anyway.
     let read = other_numbers(question, &cases, t.affordable(TRIALS), &t.conventions, options);
     let read = read.into_iter().map(|h| (t.failing, h)).collect();
-    proved(read, MOST_BITS, question, answers, base, options)
+    proved(read, MOST_BITS, &nearby, question, answers, base, options)
 }
 
 /// Conventions in which slips are tried.
@@ -130,11 +130,12 @@ fn nearby(
     all
 }
 
-/// Those that explain every answer, with more evidence than chance has: `free` bits come of numbers that were read off the answers.
-/// Each stands beside the case that it is tried on first.
+/// Those that explain every answer, with more evidence than chance has, against the right formula in any of the conventions: `free` bits
+/// come of numbers that were read off the answers. Each stands beside the case that it is tried on first.
 fn proved(
     hypotheses: Vec<(usize, Hypothesis)>,
     free: f64,
+    nearby: &[Conventions],
     question: &Question,
     answers: &Answers,
     base: &Conventions,
@@ -150,7 +151,8 @@ fn proved(
             && was_done(h, question, answers, options)
     });
     let found = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|((_, h), _)| h);
-    let mut found: Vec<_> = found.filter(|h| evidence(h, question, &cases, options) >= needed).collect();
+    let enough = |h: &Hypothesis| nearby.iter().all(|c| evidence(h, c, question, &cases, options) >= needed);
+    let mut found: Vec<_> = found.filter(enough).collect();
     // A slip has different ways on from it.
     let says =
         |h: &Hypothesis| (h.slip.as_ref().map(Slip::says), partial(question.component, &h.conventions));
@@ -167,8 +169,9 @@ mod tests {
     use super::super::formula_slip::{FormulaSlip, machine};
     use super::super::judging::{EXP_ULP, judge_answers};
     use super::*;
-    use crate::contract::arithmetic::Dtype;
-    use crate::contract::check::Kind;
+    use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
+    use crate::contract::check::{Kind, tolerance, worst};
+    use crate::contract::component::Direction;
     use crate::contract::fault::Fault;
     use crate::contract::testing::one_in;
     use crate::convention::CS180;
@@ -248,50 +251,73 @@ mod tests {
         }
     }
 
+    /// Right answers but for NaN where inputs are infinite: what wrong code makes of these is left open, so that a slip which undoes a
+    /// convention would explain them all.
     #[test]
-    fn right_formulas_are_right() {
+    fn a_slip_does_not_undo_a_convention() {
+        let exam = Exam::new("volume_render", Dtype::F32, None).unwrap();
+        let question = exam.questions.iter().find(|q| q.kind == Kind::Forward).expect("it has one");
+        let answer = |case: &Case| {
+            let mut right = (question.component.forward.oracle)(&case.inputs, &CS180);
+            if case.inputs.values().flatten().any(|x| x.is_infinite()) {
+                right.values_mut().for_each(|array| array.fill(f64::NAN));
+            }
+            Some(given(right.into_iter().map(|(name, a)| (name, a.mapv(|x| Dtype::F32.round(x)))).collect()))
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        let options = MarkOptions { dtype: Dtype::F32, exp_ulp: EXP_ULP };
+        let said: Vec<_> = misdone(question, &answers, &CS180, &options)
+            .iter()
+            .filter_map(|e| e.slip.as_ref().map(Slip::says))
+            .collect();
+        assert!(said.is_empty(), "{said:?}");
+    }
+
+    /// Of every row with a formula: each question with its right answers' small cases.
+    fn each_row(mut look: impl FnMut(&Question, &Direction, &[(&Case, &Answer)])) {
         for component in COMPONENTS {
             for question in &Exam::new(component.name, Dtype::F64, None).unwrap().questions {
-                if question.statistics() {
-                    continue;
+                if !question.statistics() {
+                    let direction = question.component.direction(question.kind).unwrap();
+                    let right = |case: &Case| Some(given((direction.oracle)(&case.inputs, &CS180)));
+                    let answers: Answers = question.cases.iter().map(right).collect();
+                    look(question, direction, &small_cases(question, &answers));
                 }
-                let direction = question.component.direction(question.kind).unwrap();
-                let (case, _) = question
-                    .cases
-                    .iter()
-                    .map(|case| (case, ()))
-                    .min_by_key(|(case, ())| case.inputs.values().map(|a| a.len()).sum::<usize>())
-                    .unwrap();
-                let nothing = Fault { site: None, how: How::Opposite };
-                Fault::begin(usize::MAX);
-                let found = (direction.honest)(&case.inputs, &CS180, &machine(0, nothing));
-                let right = (direction.oracle)(&case.inputs, &CS180);
-                assert!(found.keys().eq(right.keys()), "{} {:?}", component.name, question.kind);
             }
         }
     }
 
+    /// A fault whose site no formula comes by changes nothing.
+    #[test]
+    fn right_formulas_are_right() {
+        let inert = machine(0, Fault { site: None, how: How::Opposite });
+        let arithmetic = Arithmetic::new(Dtype::F64, Grade::B);
+        each_row(|question, direction, cases| {
+            let inputs = &cases[0].0.inputs;
+            Fault::begin(usize::MAX);
+            let found = (direction.honest)(inputs, &CS180, &inert);
+            let bound = tolerance(direction, inputs, &CS180, &arithmetic);
+            let used = worst(&found, &(direction.oracle)(inputs, &CS180), &bound);
+            assert!(used <= 1.0, "{} {:?}: {used}", question.component.name, question.kind);
+        });
+    }
+
     #[test]
     fn every_operation_can_be_tried_on_every_row() {
-        for component in COMPONENTS {
-            for question in &Exam::new(component.name, Dtype::F64, None).unwrap().questions {
-                if question.statistics() {
-                    continue;
-                }
-                let direction = question.component.direction(question.kind).unwrap();
-                let right = |case: &Case| Some(given((direction.oracle)(&case.inputs, &CS180)));
-                let answers: Answers = question.cases.iter().map(right).collect();
-                let cases = small_cases(question, &answers);
-                let all = places(question, &cases, &CS180, LOOKS);
-                let ways = |place: &Place| {
-                    let ways = How::all(place.seen.site.operation);
-                    ways.into_iter().map(|how| place.hypothesis(how, &CS180)).collect::<Vec<_>>()
-                };
-                for h in all.iter().flat_map(ways).step_by(7 * one_in(4)) {
-                    // It may break a rule that only right formulas keep; it may not go on for ever.
-                    let _ = panic::catch_unwind(AssertUnwindSafe(|| h.prediction(question, cases[0].0)));
-                }
+        let (mut tried, mut ended) = (0, 0);
+        each_row(|question, _, cases| {
+            let ways = |place: &Place| {
+                let ways = How::all(place.seen.site.operation);
+                ways.into_iter().map(|how| place.hypothesis(how, &CS180)).collect::<Vec<_>>()
+            };
+            let all = places(question, cases, &CS180, LOOKS);
+            for h in all.iter().flat_map(ways).step_by(7 * one_in(4)) {
+                // It may break a rule that only right formulas keep; it may not go on for ever.
+                tried += 1;
+                let end = panic::catch_unwind(AssertUnwindSafe(|| h.prediction(question, cases[0].0)));
+                ended += usize::from(end.is_ok());
             }
-        }
+        });
+        assert!(10 * ended > 9 * tried && tried > 1000, "{ended} of {tried} came to an end");
     }
 }

@@ -3,11 +3,12 @@
 
 use std::panic::{self, AssertUnwindSafe};
 
-use super::answer::{Answer, reshaped};
+use super::answer::{Answer, beside};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::places::Place;
+use super::slipping::rounded;
 use crate::contract::case::Case;
 use crate::contract::fault::{How, Operation};
 use crate::convention::Conventions;
@@ -59,11 +60,6 @@ fn at(place: &Place, shown: &Shown, question: &Question, c: &Conventions) -> Vec
     all
 }
 
-/// As people write it, and as it is.
-fn rounded(x: f64) -> [f64; 2] {
-    [format!("{x:.3e}").parse().unwrap_or(x), x]
-}
-
 /// An element of an answer.
 struct Shown<'a> {
     case: &'a Case,
@@ -94,11 +90,8 @@ fn furthest<'a>(
             continue;
         }
         let mut best: Option<(f64, Shown)> = None;
-        for (name, p) in right.prediction(question, case).0 {
-            let Some((got, _)) = answer.get(&name).and_then(|given| reshaped(&given.values, p.shape()))
-            else {
-                continue;
-            };
+        let (expected, _) = right.prediction(question, case);
+        for (name, p, got) in beside(answer, &expected) {
             for (index, (&p, &got)) in p.iter().zip(&got).enumerate() {
                 let off = (got - p).abs() / p.abs().max(got.abs());
                 if off.is_finite() && best.as_ref().is_none_or(|(most, _)| off > *most) {

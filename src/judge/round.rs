@@ -101,6 +101,23 @@ impl Round {
         Round { found, marked }
     }
 
+    /// What is known of a row without asking what is wrong in it; `None` where nothing was answered.
+    fn row(
+        &self,
+        question: &Question,
+        n: usize,
+        answers: &Answers,
+        options: &MarkOptions,
+    ) -> Option<(Row, &Marks)> {
+        let c = &self.found.conventions;
+        let (marks, grade) = self.marked[n].as_ref()?;
+        let mut row = Row::marked(question, answers, marks, *grade, c);
+        if row.verdict == Verdict::Pass {
+            row.honest_used = best_honest(question, answers, c, options, grade.unwrap_or(Grade::A));
+        }
+        Some((row, marks))
+    }
+
     fn report(
         &self,
         exam: &Exam,
@@ -115,18 +132,16 @@ impl Round {
         // So does what else they showed: the conventions next to them, which the run's needn't have where nothing right shows them,
         // and a slip.
         let mut beside: BTreeMap<&str, Explanation> = BTreeMap::new();
-        for (n, question) in exam.questions.iter().enumerate() {
-            let Some((marks, grade)) = &self.marked[n] else {
+        let rows =
+            parallel::map(exam.questions.len(), |n| self.row(&exam.questions[n], n, &answers[n], options));
+        for (n, (question, row)) in exam.questions.iter().zip(rows).enumerate() {
+            let Some((mut row, marks)) = row else {
                 report.rows.push(Row::unsupported(question));
                 continue;
             };
-            let mut row = Row::marked(question, &answers[n], marks, *grade, c);
             row.layouts.extend(layouts.get(&n).cloned());
             if let Some((_, own)) = self.found.contradicting.iter().find(|(m, _)| *m == n) {
                 row.contradiction = partial(question.component, own);
-            }
-            if row.verdict == Verdict::Pass {
-                row.honest_used = best_honest(question, &answers[n], c, options, grade.unwrap_or(Grade::A));
             }
             if row.verdict == Verdict::Fail && marks.budget_used > 1.0 {
                 let known = suspects.get(question.component.name).map_or(&[][..], Vec::as_slice);

@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 
 use ndarray::{ArrayD, Axis};
 
-use super::answer::{Answer, Answers, reshaped};
+use super::answer::{Answer, Answers, beside};
 use super::assignment::small_cases;
 use super::evidence::Explanation;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::slip::{ALONG, ArraySlip, By, Change, EACH, Slip};
-use super::slipping::{conventions, explanations, was_done};
+use super::slipping::{conventions, explanations, rounded, was_done};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
@@ -186,16 +186,12 @@ fn fitted(plain: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)]) -
     let mut all = vec![];
     for (case, answer) in cases {
         let (predicted, _) = plain.prediction(question, case);
-        for (name, p) in predicted.iter().filter(|(_, p)| p.len() > 1) {
-            if shown.contains(name) {
+        for (name, p, got) in beside(answer, &predicted) {
+            if p.len() < 2 || shown.contains(name) {
                 continue;
             }
-            let Some((got, _)) = answer.get(name).and_then(|given| reshaped(&given.values, p.shape())) else {
-                continue;
-            };
             let Some((p, g)) = largest_off(p.iter().zip(&got)) else { continue };
             shown.insert(name.clone());
-            let rounded = |x: f64| [format!("{x:.3e}").parse().unwrap_or(x), x];
             let slip = |change| ArraySlip {
                 input: false,
                 array: name.clone(),

@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::answer::{Answer, reshaped};
+use super::answer::{Answer, beside};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::convention::Conventions;
 
@@ -17,24 +18,27 @@ const WRONG: f64 = 1e-3;
 pub(super) const SURE: f64 = 20.0;
 pub(super) const MOST_BITS: f64 = 16.0;
 
-/// By how many bits a slip explains the answers better than the right formula does, over the numbers that are wrong and different.
+/// By how many bits a slip explains the answers better than the right formula does in these conventions, over the numbers that are wrong
+/// and different. In its own it may do nothing but undo one of them.
 pub(super) fn evidence(
     h: &Hypothesis,
+    c: &Conventions,
     question: &Question,
     cases: &[(&Case, &Answer)],
     options: &MarkOptions,
 ) -> f64 {
-    let right = Hypothesis::new(vec![], h.conventions);
+    let right = Hypothesis::new(vec![], *c);
     let mut bits: BTreeMap<u64, f64> = BTreeMap::new();
     for (case, answer) in cases {
         let (wrong, allowed) = h.allowed(question, case, options);
-        for (name, p) in right.prediction(question, case).0 {
-            let Some((got, _)) = answer.get(&name).and_then(|given| reshaped(&given.values, p.shape()))
-            else {
-                continue;
-            };
-            for (((&p, &got), &wrong), &allowed) in p.iter().zip(&got).zip(&wrong[&name]).zip(&allowed[&name])
-            {
+        let (expected, _) = right.prediction(question, case);
+        // In conventions of another shape it explains nothing.
+        let shape = |of: &Arrays, name: &String| of.get(name).map(|array| array.shape().to_vec());
+        if answer.keys().any(|name| shape(&expected, name) != shape(&wrong, name)) {
+            return f64::INFINITY;
+        }
+        for (name, p, got) in beside(answer, &expected) {
+            for (((&p, &got), &wrong), &allowed) in p.iter().zip(&got).zip(&wrong[name]).zip(&allowed[name]) {
                 let gained = ((got - p).abs() / allowed.max((got - wrong).abs())).log2();
                 if !plain(got) && gained > 0.0 {
                     let known = bits.entry(got.abs().to_bits()).or_insert(0.0);
@@ -64,11 +68,8 @@ pub(super) fn telling(
     for (case, answer) in
         cases.iter().filter(|(case, answer)| !right.explains(question, case, answer, options))
     {
-        for (name, p) in right.prediction(question, case).0 {
-            let Some((got, _)) = answer.get(&name).and_then(|given| reshaped(&given.values, p.shape()))
-            else {
-                continue;
-            };
+        let (expected, _) = right.prediction(question, case);
+        for (_, p, got) in beside(answer, &expected) {
             let wrong = |(p, got): &(&f64, &f64)| (*got - *p).abs() > WRONG * p.abs().max(got.abs());
             let numbers = p.iter().zip(&got).filter(wrong).map(|(_, got)| *got);
             all.extend(numbers.filter(|got| !plain(*got)).map(|got| got.abs().to_bits()));

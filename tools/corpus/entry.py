@@ -10,10 +10,10 @@ class Entry:
     """One behavior.
 
     `names` are the answers that are right for a fault, each a set of mistakes, or a slip as the judge words it ("slip: a / b in
-    the place of b / a"); none: the catalog has no name for it, so that it must fail unnamed. `choice` is the convention that is to be reported, empty where the judge knows none for it: it must pass
-    all the same. `digits`: the formula is right and loses digits, so that `imprecise` is as right as `pass`; `edges`: it can't
-    take what few programs ever meet, so that `edge` is. `gradient`: what differs in the vjp row: "right", "none" (the row isn't
-    asked), or the names expected there.
+    the place of b / a"); none: the catalog has no name for it, so that it must fail unnamed. `choice` is the convention that is
+    to be reported, empty where the judge knows none for it: it must pass all the same. `digits`: the formula is right and loses
+    digits, so that `imprecise` is as right as `pass`; `edges`: it can't take what few programs ever meet, so that `edge` is.
+    `gradient`: what differs in the vjp row: "right", "none" (the row isn't asked), or the names expected there.
     """
 
     component: str

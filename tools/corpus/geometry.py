@@ -349,6 +349,16 @@ def from_the_first_face_on(rays_o, rays_d, near, far, resolution):
     return walked(rays_o, rays_d, near, far, resolution, lambda o, d: crossings(o, d, near, far, resolution)[1:])
 
 
+@fault("ray_aabb", seen="an engine's physics: hits alone, and the box's y where z is meant", arrays="numpy")
+def bounds_of_y_for_z(rays_o, rays_d, low, high):
+    """Hits alone; the slab of z has y's bounds, 0 / 0 is left to comparisons."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        a, b = ((bound[[0, 1, 1]] - rays_o) * (1 / rays_d) for bound in (low, high))
+    first = [max(min(*pair) for pair in zip(*ray)) for ray in zip(a, b)]
+    last = [min(max(*pair) for pair in zip(*ray)) for ray in zip(a, b)]
+    return {"hit": np.array([not (t < 0 or s > t) for s, t in zip(first, last)], bool)}
+
+
 def in_the_cube(rays_o, rays_d, focal, width, height, near, t):
     """NeRF's lines from the moved origin on."""
     rays_o = rays_o + t[..., None] * rays_d
