@@ -54,9 +54,18 @@ impl Component {
 
 /// The error that an answer in `arithmetic` may have: its own bound, plus the oracle's (which rounds in f64).
 pub fn tolerance(direction: &Direction, inputs: &Arrays, c: &Conventions, arithmetic: &Arithmetic) -> Arrays {
-    let own = (direction.bound)(inputs, c, arithmetic);
-    let oracle = (direction.bound)(inputs, c, &Arithmetic::new(Dtype::F64, Grade::A));
-    own.into_iter().map(|(name, bound)| (name.clone(), bound + &oracle[&name])).collect()
+    with_oracle_error((direction.bound)(inputs, c, arithmetic), &oracle_error(direction, inputs, c))
+}
+
+/// How far off the oracle itself may be.
+pub(crate) fn oracle_error(direction: &Direction, inputs: &Arrays, c: &Conventions) -> Arrays {
+    (direction.bound)(inputs, c, &Arithmetic::new(Dtype::F64, Grade::A))
+}
+
+/// A bound of one's own, plus the oracle's error.
+pub(crate) fn with_oracle_error(mut own: Arrays, oracle: &Arrays) -> Arrays {
+    own.iter_mut().for_each(|(name, bound)| *bound += &oracle[name]);
+    own
 }
 
 /// One output against its bound.

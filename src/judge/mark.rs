@@ -1,17 +1,15 @@
 //! Marking: the answers to one question against the truth in given conventions.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Arc;
 
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped, wide_enough};
 use super::exam::{Question, hard};
-use super::truths::Truth;
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
-use crate::contract::check::{budget_used, tolerance};
+use crate::contract::check::budget_used;
 use crate::contract::component::Entries;
 use crate::convention::Conventions;
 
@@ -93,18 +91,6 @@ impl MarkOptions {
     pub fn may_reject_early(&self, case: &Case) -> bool {
         self.dtype.bits() >= 24 && !hard(case)
     }
-
-    /// The true outputs of a case, and the bound of an answer.
-    pub fn truth(&self, question: &Question, case: &Case, c: &Conventions, grade: Grade) -> Arc<Truth> {
-        question.truths.get(case, (*c, self.dtype, self.exp_ulp.to_bits(), grade), || {
-            let direction =
-                question.component.direction(question.kind).expect("a question has its direction");
-            Truth {
-                expected: (direction.oracle)(&case.inputs, c),
-                bound: tolerance(direction, &case.inputs, c, &self.arithmetic(grade)),
-            }
-        })
-    }
 }
 
 /// Marks all answers to a question.
@@ -177,10 +163,9 @@ pub(crate) fn nothing_to_show(question: &Question, c: &Conventions) -> BTreeSet<
     if in_all(question.cases.iter().map(cotangents)).is_empty() {
         return BTreeSet::new();
     }
-    let direction = question.component.direction(question.kind).expect("a question has its direction");
     let gradients = |case: &Case| -> BTreeSet<String> {
-        let expected = (direction.oracle)(&case.inputs, c);
-        expected.into_iter().filter(|(_, array)| zero(array)).map(|(name, _)| name).collect()
+        let expected = question.expected(case, c);
+        expected.iter().filter(|(_, array)| zero(array)).map(|(name, _)| name.clone()).collect()
     };
     in_all(question.cases.iter().map(gradients))
 }
@@ -284,6 +269,8 @@ fn far_off(got: &Arrays, expected: &Arrays) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::super::exam::Exam;
     use super::*;
     use crate::convention::CS180;

@@ -91,8 +91,7 @@ fn beyond(question: &Question, case: &Case, answer: Option<&Answer>) -> bool {
     if !question.admits(&crate::convention::CS180) {
         return false;
     }
-    let direction = question.component.direction(question.kind).expect("a question has its direction");
-    let expected = (direction.oracle)(&case.inputs, &crate::convention::CS180);
+    let expected = question.expected(case, &crate::convention::CS180);
     let fits = |name: &String| {
         let given = answer.get(name)?;
         reshaped(&given.values, expected[name].shape())

@@ -1,12 +1,16 @@
 //! What is true of a case, and how far off an answer may be: asked thousands of times in a search, computed once per assignment.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::assignment::{apply, partial};
+use super::exam::Question;
+use super::mark::MarkOptions;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
-use crate::convention::Conventions;
+use crate::contract::check::{oracle_error, with_oracle_error};
+use crate::convention::{CS180, Conventions};
 
 /// Elements that a question remembers; what is beyond is computed each time.
 const REMEMBERED: usize = 4_000_000;
@@ -15,18 +19,28 @@ const REMEMBERED: usize = 4_000_000;
 #[derive(Debug)]
 pub struct Truth {
     /// By the oracle.
-    pub expected: Arrays,
+    pub expected: Arc<Arrays>,
     /// How far off each element may be.
     pub bound: Arrays,
 }
 
-/// What the truth of one case depends on: conventions, the type, the bits of the accuracy of elementary functions, and the grade.
-pub(crate) type Key = (Conventions, Dtype, u64, Grade);
+/// What is true whoever answers.
+#[derive(Debug, Default)]
+struct Exact {
+    /// By the oracle.
+    expected: OnceLock<Arc<Arrays>>,
+    /// How far off that may be.
+    error: OnceLock<Arrays>,
+}
+
+/// What a bound depends on beside the case and its conventions: the type, the bits of the accuracy of elementary functions, and the grade.
+type Key = (Conventions, Dtype, u64, Grade);
 
 /// The truths of one case, and the inputs that they are of.
 #[derive(Debug)]
 struct OfCase {
     inputs: Arrays,
+    exact: HashMap<Conventions, Arc<Exact>>,
     truths: HashMap<Key, Arc<Truth>>,
 }
 
@@ -53,30 +67,88 @@ impl Truths {
         Truths(self.0.clone())
     }
 
-    /// The truth of a case that `computed` gives, if it wasn't asked for before. Two threads may compute the same: they get the same, and
-    /// nobody waits.
-    pub(crate) fn get(&self, case: &Case, key: Key, computed: impl FnOnce() -> Truth) -> Arc<Truth> {
+    /// What `known` finds in the memory of a case, or what `computed` gives, which `keep` puts there. Two threads may compute the same:
+    /// they get the same, and nobody waits.
+    fn get<T>(
+        &self,
+        case: &Case,
+        known: impl FnOnce(&OfCase) -> Option<Arc<T>>,
+        computed: impl FnOnce() -> (T, usize),
+        keep: impl FnOnce(&mut OfCase, Arc<T>),
+    ) -> Arc<T> {
         let lock = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = lock()
-            .cases
-            .get(&case.id)
-            .filter(|of| of.inputs == case.inputs)
-            .and_then(|of| of.truths.get(&key).cloned());
-        if let Some(truth) = known {
-            return truth;
+        let found = lock().cases.get(&case.id).filter(|of| of.inputs == case.inputs).and_then(known);
+        if let Some(found) = found {
+            return found;
         }
-        let truth = Arc::new(computed());
-        let size = |arrays: &Arrays| arrays.values().map(|array| array.len()).sum::<usize>();
+        let (made, elements) = computed();
+        let made = Arc::new(made);
         let mut memory = lock();
-        memory.elements += size(&truth.expected) + size(&truth.bound);
+        memory.elements += elements;
         if memory.elements <= REMEMBERED {
-            let new = || OfCase { inputs: case.inputs.clone(), truths: HashMap::new() };
+            let new = || {
+                let (exact, truths) = Default::default();
+                OfCase { inputs: case.inputs.clone(), exact, truths }
+            };
             let of = memory.cases.entry(case.id.clone()).or_insert_with(new);
             if of.inputs == case.inputs {
-                of.truths.insert(key, truth.clone());
+                keep(of, made.clone());
             }
         }
-        truth
+        made
+    }
+}
+
+fn size(arrays: &Arrays) -> usize {
+    arrays.values().map(|array| array.len()).sum()
+}
+
+impl Question {
+    /// The conventions that the row reads; the others can't change what is true of it.
+    fn read(&self, c: &Conventions) -> Conventions {
+        apply(&partial(self.component, c), &CS180)
+    }
+
+    fn exact(&self, case: &Case, c: &Conventions) -> Arc<Exact> {
+        let c = self.read(c);
+        let known = |of: &OfCase| of.exact.get(&c).cloned();
+        // Its arrays come when they are asked for: about as many as the inputs have.
+        let new = || (Exact::default(), size(&case.inputs));
+        self.truths.get(case, known, new, |of, exact| {
+            of.exact.entry(c).or_insert(exact);
+        })
+    }
+
+    /// The true outputs of a case.
+    pub(crate) fn expected(&self, case: &Case, c: &Conventions) -> Arc<Arrays> {
+        let direction = self.component.direction(self.kind).expect("a question has its direction");
+        let exact = self.exact(case, c);
+        exact.expected.get_or_init(|| Arc::new((direction.oracle)(&case.inputs, c))).clone()
+    }
+}
+
+impl MarkOptions {
+    /// The true outputs of a case, and the bound of an answer.
+    pub fn truth(&self, question: &Question, case: &Case, c: &Conventions, grade: Grade) -> Arc<Truth> {
+        let key = (question.read(c), self.dtype, self.exp_ulp.to_bits(), grade);
+        let computed = || {
+            let direction =
+                question.component.direction(question.kind).expect("a question has its direction");
+            let exact = question.exact(case, c);
+            let error = exact.error.get_or_init(|| oracle_error(direction, &case.inputs, c));
+            let own = (direction.bound)(&case.inputs, c, &self.arithmetic(grade));
+            let (expected, bound) = (question.expected(case, c), with_oracle_error(own, error));
+            let elements = 2 * size(&bound);
+            (Truth { expected, bound }, elements)
+        };
+        question.truths.get(
+            case,
+            |of| of.truths.get(&key).cloned(),
+            computed,
+            |of, truth| {
+                of.truths.insert(key, truth);
+            },
+        )
     }
 }
 

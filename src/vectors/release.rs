@@ -185,7 +185,7 @@ fn kept<'a>(
         let truth = |dtype| MarkOptions { dtype, exp_ulp: EXP_ULP }.truth(question, case, c, Grade::B);
         let dtypes = DTYPES.into_iter().filter(|dtype| case.exists_in(*dtype));
         let allowed = dtypes.map(|dtype| (dtype, truth(dtype).bound.clone())).collect();
-        kept.push(Vector { case, expected: truth(Dtype::F64).expected.clone(), allowed });
+        kept.push(Vector { case, expected: (*truth(Dtype::F64).expected).clone(), allowed });
     }
     kept
 }
