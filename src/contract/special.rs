@@ -115,8 +115,11 @@ pub struct Statistics {
     /// Outputs that needn't be answered.
     pub optional: &'static [&'static str],
     /// What the answers show, given in the order of the cases: of the expected shapes, and finite.
-    pub findings: fn(&[Case], &[Arrays], &Conventions) -> Vec<Finding>,
+    pub findings: for<'a> fn(&'a [Case], &[Arrays], &Conventions) -> Findings<'a>,
 }
+
+/// What was found, one after the other as it is asked for: the cheapest first.
+pub type Findings<'a> = Box<dyn Iterator<Item = Finding> + 'a>;
 
 /// Something that right answers show with a negligible probability, or a choice.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,6 +7,7 @@ use ndarray::ArrayD;
 use super::answer::{Answer, Answers, reshaped};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
+use super::known::Known;
 use super::mark::{MarkOptions, nothing_to_show, proves, within};
 use super::statistics;
 use crate::contract::arithmetic::Grade;
@@ -150,7 +151,7 @@ pub(crate) fn possible(
             let c = apply(p, base);
             let mut expected = (question.component.forward.oracle)(&case.inputs, &c);
             expected.retain(|name, _| name == output);
-            within(&alone, &expected, options.may_reject_early(case), || {
+            within(&alone, &expected, options.scale(question, case), || {
                 options.truth(question, case, &c, Grade::B).bound.clone()
             })
         };
@@ -170,9 +171,12 @@ pub(crate) fn holds(question: &Question, answers: &Answers, c: &Conventions, opt
     }
     let cases = small_cases(question, answers);
     let mut unproved: BTreeSet<&String> = cases.iter().flat_map(|(_, answer)| answer.keys()).collect();
-    let right = cases.iter().all(|(case, answer)| {
+    // Those first that can be rejected without a bound.
+    let (hard, others): (Vec<_>, Vec<_>) =
+        cases.iter().partition(|(case, _)| !options.may_reject_early(case));
+    let right = others.into_iter().chain(hard).all(|(case, answer)| {
         let expected = question.expected(case, c);
-        within(answer, &expected, options.may_reject_early(case), || {
+        within(answer, &expected, options.scale(question, case), || {
             let bound = options.truth(question, case, c, Grade::B).bound.clone();
             unproved.retain(|name| expected.get(*name).is_some_and(|e| !proves(e, &bound[*name])));
             bound
@@ -193,15 +197,21 @@ pub(crate) struct Found {
     pub contradicting: Vec<(usize, Conventions)>,
 }
 
+/// A question, its answers, and what is known of them.
+pub(crate) type Asked<'a> = (&'a Question, &'a Answers, &'a Known);
+
 /// Looks for the one assignment in which every question is right that is right in any.
-pub(crate) fn find(questions: &[(&Question, &Answers)], options: &MarkOptions) -> Found {
-    let holds_in = |n: usize, c: &Conventions| holds(questions[n].0, questions[n].1, c, options);
+pub(crate) fn find(questions: &[Asked], options: &MarkOptions) -> Found {
+    let holds_in = |n: usize, c: &Conventions| {
+        let (question, answers, known) = questions[n];
+        known.holds(question.read(c), |c| holds(question, answers, c, options))
+    };
     let named = |c: &Conventions| parallel::map(questions.len(), |n| holds_in(n, c)).into_iter().all(|ok| ok);
     if let Some(profile) = PROFILES.iter().find(|profile| named(&profile.conventions)) {
         return Found { conventions: profile.conventions, contradicting: vec![] };
     }
     let survivors: Vec<Vec<Partial>> = parallel::map(questions.len(), |n| {
-        let (question, answers) = questions[n];
+        let (question, answers, _) = questions[n];
         let all = possible(question, answers, admitted(question, &CS180), &CS180, options);
         all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
     });

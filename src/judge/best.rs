@@ -6,6 +6,7 @@ use super::mark::{MarkOptions, mark};
 use crate::contract::arithmetic::Grade;
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
+use crate::parallel;
 
 /// The machines that are asked: the stable formula, with sums from left to right and in halves, products rounded or not.
 const MACHINES: [u64; 4] = [8, 10, 12, 14];
@@ -23,8 +24,8 @@ pub(super) fn best_honest(
         return None;
     }
     let direction = question.component.direction(question.kind).expect("a question has its direction");
-    let used = MACHINES.map(|number| {
-        let machine = Machine::number(options.dtype, number);
+    let used = parallel::map(MACHINES.len(), |n| {
+        let machine = Machine::number(options.dtype, MACHINES[n]);
         let asked = question.cases.iter().zip(answers).map(|(case, answer)| {
             let answer = answer.as_ref()?;
             let mut all = given((direction.honest)(&case.inputs, c, &machine));

@@ -22,13 +22,13 @@ pub(super) fn but_for_edges(
     let wrong = |n: &usize| whole.marks(*n).is_some_and(|marks| !marks.right());
     let tells = |n: &usize| tells(&exam.questions[*n], &answers[*n]);
     let some: Vec<usize> = (0..answers.len()).filter(|n| wrong(n) && tells(n)).collect();
-    let usual = (!some.is_empty()).then(|| Usual::new(exam, answers, &some, options))?;
+    let usual = (!some.is_empty()).then(|| Usual::new(exam, answers, whole, &some, options))?;
     let right: Vec<usize> = some.iter().copied().filter(|n| usual.passes(*n)).collect();
     // What is wrong elsewhere too is judged by all of its cases.
     let usual = match right.len() {
         0 => return None,
         n if n == some.len() => usual,
-        _ => Usual::new(exam, answers, &right, options),
+        _ => Usual::new(exam, answers, whole, &right, options),
     };
     let mut report = usual.laid.report(&usual.exam, options);
     for &n in &right {
@@ -58,7 +58,7 @@ struct Usual {
 }
 
 impl Usual {
-    fn new(exam: &Exam, answers: &[Answers], some: &[usize], options: &MarkOptions) -> Usual {
+    fn new(exam: &Exam, answers: &[Answers], whole: &Laid, some: &[usize], options: &MarkOptions) -> Usual {
         let (all, mut exam, mut answers) = (exam, exam.clone(), answers.to_vec());
         for (question, all) in exam.questions.iter_mut().zip(&all.questions) {
             question.truths = all.truths.shared();
@@ -71,7 +71,7 @@ impl Usual {
             question.crashed.retain(|id, _| question.cases.iter().any(|c| c.id == *id && c.edge.is_none()));
             question.cases.retain(|case| case.edge.is_none());
         }
-        let laid = Laid::new(&exam, &answers, options);
+        let laid = Laid::new(&exam, &answers, whole.known_but_of(some), options);
         Usual { exam, laid }
     }
 

@@ -189,8 +189,8 @@ impl Hypothesis {
         let (mut wrong, error) = self.prediction(question, case);
         self.leave_open(question, case, answer, &mut wrong);
         // A numeric gradient is known only at some elements, so most elements can't be compared.
-        let reject_early = options.may_reject_early(case) && error.is_none();
-        within(answer, &wrong, reject_early, || self.bound(question, case, &wrong, error.as_ref(), options))
+        let scale = options.scale(question, case).filter(|_| error.is_none());
+        within(answer, &wrong, scale, || self.bound(question, case, &wrong, error.as_ref(), options))
     }
 
     /// Keeps the outputs of an answer that it explains one by one; those that weren't answered stay.
@@ -211,7 +211,7 @@ impl Hypothesis {
         outputs.retain(|name| {
             let Some(given) = answer.get(*name) else { return true };
             let given = [(name.to_string(), given.clone())].into();
-            within(&given, &alone(name, &wrong), options.may_reject_early(case), || {
+            within(&given, &alone(name, &wrong), options.scale(question, case), || {
                 alone(name, all.get_or_init(|| self.bound(question, case, &wrong, None, options)))
             })
         });

@@ -1,5 +1,7 @@
 //! The judge: answers in, verdicts and diagnoses out.
 
+use std::sync::Arc;
+
 use super::answer::Answers;
 use super::edges::but_for_edges;
 use super::exam::Exam;
@@ -16,6 +18,7 @@ pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
     let reached = within_reach(exam, answers);
     let (exam, answers) = reached.as_ref().map_or((exam, answers), |(exam, answers)| (exam, &answers[..]));
     let options = MarkOptions { dtype: exam.dtype, exp_ulp };
-    let whole = Laid::new(exam, answers, &options);
+    let nothing = answers.iter().map(|_| Arc::default()).collect();
+    let whole = Laid::new(exam, answers, nothing, &options);
     but_for_edges(exam, answers, &whole, &options).unwrap_or_else(|| whole.report(exam, &options))
 }

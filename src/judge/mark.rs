@@ -1,17 +1,19 @@
 //! Marking: the answers to one question against the truth in given conventions.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped, wide_enough};
 use super::exam::{Question, hard};
+use super::truths::Truth;
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::budget_used;
 use crate::contract::component::Entries;
-use crate::convention::Conventions;
+use crate::convention::{CS180, Conventions};
 
 /// The element that used most of its bound.
 #[derive(Clone, Debug)]
@@ -90,6 +92,14 @@ impl MarkOptions {
     /// formula may have no digits left.
     pub fn may_reject_early(&self, case: &Case) -> bool {
         self.dtype.bits() >= 24 && !hard(case)
+    }
+
+    /// What an answer that may be rejected early is held against: the truth in the contract's own conventions, whose bound says how much
+    /// arithmetic costs there.
+    pub(super) fn scale(&self, question: &Question, case: &Case) -> Option<Arc<Truth>> {
+        let own = (question.component.special.admits)(&case.inputs, &CS180);
+        self.may_reject_early(case)
+            .then(|| if own { self.truth(question, case, &CS180, Grade::B) } else { Arc::default() })
     }
 }
 
@@ -233,11 +243,11 @@ impl Marks {
 }
 
 /// Whether answers lie within bounds. A search calls this thousands of times, so it may reject answers that are far off before the
-/// bounds are computed (see [`MarkOptions::may_reject_early`]).
+/// bounds are computed (see [`MarkOptions::scale`]).
 pub fn within(
     answer: &Answer,
     expected: &Arrays,
-    reject_early: bool,
+    scale: Option<Arc<Truth>>,
     bound: impl FnOnce() -> Arrays,
 ) -> bool {
     let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
@@ -245,7 +255,7 @@ pub fn within(
         Some(reshaped(&given.values, e.shape()).map(|(got, _)| (name.clone(), got)))
     };
     let Some(got) = expected.iter().filter_map(answered).collect::<Option<Arrays>>() else { return false };
-    if got.is_empty() || (reject_early && far_off(&got, expected)) {
+    if got.is_empty() || scale.is_some_and(|scale| far_off(&got, expected, &scale.bound)) {
         return false;
     }
     let bound = bound();
@@ -255,25 +265,31 @@ pub fn within(
     })
 }
 
-/// Whether most elements of an output are off by a quarter of its size. One alone may be across a threshold.
-fn far_off(got: &Arrays, expected: &Arrays) -> bool {
+/// Times the bound in the contract's own conventions, and parts of the largest element: what others cost is less, and what wrong code does.
+const FAR: f64 = 64.0;
+const PART: f64 = 1.0 / 256.0;
+
+/// Whether most elements of an output are far off. One alone may be across a threshold. Where other conventions have other shapes, far is
+/// a quarter of the largest.
+fn far_off(got: &Arrays, expected: &Arrays, bounds: &Arrays) -> bool {
     got.iter().any(|(name, got)| {
         let expected = &expected[name];
-        let scale = expected.iter().filter(|e| e.is_finite()).fold(0.0, |max: f64, e| max.max(e.abs()));
-        let near =
-            |g: f64, e: f64| g == e || g.is_nan() && e.is_nan() || (g - e).abs() <= 0.25 * scale + 1e-9;
-        let off = got.iter().zip(expected).filter(|&(&g, &e)| !near(g, e)).count();
+        let largest = expected.iter().filter(|e| e.is_finite()).fold(0.0, |max: f64, e| max.max(e.abs()));
+        let bounds = bounds.get(name).filter(|bound| bound.shape() == expected.shape());
+        let mut bounds = bounds.into_iter().flatten();
+        let off = got.iter().zip(expected).filter(|&(&g, &e)| {
+            let far = bounds.next().map_or(0.25 * largest, |bound| PART * largest + FAR * bound);
+            g != e && !(g.is_nan() && e.is_nan()) && !((g - e).abs() <= far + 1e-9)
+        });
+        let off = off.count();
         off > 1 && 2 * off > got.len()
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::super::exam::Exam;
     use super::*;
-    use crate::convention::CS180;
 
     #[test]
     fn what_was_asked_before_is_remembered_and_nothing_else() {

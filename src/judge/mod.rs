@@ -33,6 +33,7 @@ mod imprecise;
 mod infix;
 #[doc(hidden)]
 pub mod judging;
+mod known;
 #[doc(hidden)]
 pub mod large;
 pub(crate) mod layout;

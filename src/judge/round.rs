@@ -1,6 +1,7 @@
 //! A round of judging: answers marked in the conventions of the run, and what explains those that are wrong.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::answer::Answers;
 use super::assignment::{self, Found, partial};
@@ -11,6 +12,7 @@ use super::exam::{Exam, Question};
 use super::example::smallest;
 use super::hypothesis::Hypothesis;
 use super::imprecise::lost_bits;
+use super::known::Known;
 use super::mark::{MarkOptions, Marks, mark};
 use super::observed::observed;
 use super::report::{Report, Row, Verdict};
@@ -30,11 +32,18 @@ pub(super) struct Laid {
     answers: Vec<Answers>,
     /// What was changed, by question.
     layouts: BTreeMap<usize, String>,
+    /// What is known of the answers as they came.
+    known: Vec<Arc<Known>>,
 }
 
 impl Laid {
-    pub(super) fn new(exam: &Exam, answers: &[Answers], options: &MarkOptions) -> Laid {
-        let first = Round::new(exam, answers, options);
+    pub(super) fn new(
+        exam: &Exam,
+        answers: &[Answers],
+        known: Vec<Arc<Known>>,
+        options: &MarkOptions,
+    ) -> Laid {
+        let first = Round::new(exam, answers, &known, options);
         // A failure may be due to the layout alone: then it is judged again in the contract's layout.
         let failing = |n: &usize| first.marked[*n].as_ref().is_some_and(|(marks, _)| marks.budget_used > 1.0);
         let failing: Vec<usize> = (0..answers.len()).filter(|n| failing(n)).collect();
@@ -43,15 +52,23 @@ impl Laid {
             let (question, answers) = (&exam.questions[failing[n]], &answers[failing[n]]);
             layout::normalized(question, answers, &base, exam.profile.is_some(), options)
         });
-        let (mut answers, mut layouts) = (answers.to_vec(), BTreeMap::new());
+        let (mut answers, mut layouts, mut now) = (answers.to_vec(), BTreeMap::new(), known.clone());
         for (n, laid) in failing.into_iter().zip(laid) {
             if let Some((ordered, layout)) = laid {
-                answers[n] = ordered;
+                (answers[n], now[n]) = (ordered, Arc::default());
                 layouts.insert(n, layout);
             }
         }
-        let round = if layouts.is_empty() { first } else { Round::new(exam, &answers, options) };
-        Laid { round, answers, layouts }
+        let round = if layouts.is_empty() { first } else { Round::new(exam, &answers, &now, options) };
+        Laid { round, answers, layouts, known }
+    }
+
+    /// What is known of the answers as they came, but for those to some questions.
+    pub(super) fn known_but_of(&self, some: &[usize]) -> Vec<Arc<Known>> {
+        let of = |(n, known): (usize, &Arc<Known>)| {
+            if some.contains(&n) { Arc::default() } else { known.clone() }
+        };
+        self.known.iter().enumerate().map(of).collect()
     }
 
     /// What marking found of a question; `None` where nothing was answered.
@@ -82,13 +99,13 @@ struct Round {
 }
 
 impl Round {
-    fn new(exam: &Exam, answers: &[Answers], options: &MarkOptions) -> Round {
+    fn new(exam: &Exam, answers: &[Answers], known: &[Arc<Known>], options: &MarkOptions) -> Round {
         // A row that crashed on every case has an answer: that.
         let crashed = |n: usize| !exam.questions[n].crashed.is_empty();
         let answered = |n: &usize| answers[*n].iter().any(Option::is_some) || crashed(*n);
         let answered_questions: Vec<usize> = (0..answers.len()).filter(answered).collect();
-        let questions: Vec<_> =
-            answered_questions.iter().map(|&n| (&exam.questions[n], &answers[n])).collect();
+        let asked = |&n: &usize| (&exam.questions[n], &answers[n], &*known[n]);
+        let questions: Vec<assignment::Asked> = answered_questions.iter().map(asked).collect();
         let mut found = match exam.profile {
             Some(profile) => Found { conventions: profile.conventions, contradicting: vec![] },
             None => assignment::find(&questions, options),
@@ -96,7 +113,9 @@ impl Round {
         found.contradicting.iter_mut().for_each(|(n, _)| *n = answered_questions[*n]);
         let marked = parallel::map(answers.len(), |n| {
             let answered = answered_questions.contains(&n);
-            answered.then(|| marks(&exam.questions[n], &answers[n], &found.conventions, options))
+            let question = &exam.questions[n];
+            let marks = |c: &Conventions| marks(question, &answers[n], c, options);
+            answered.then(|| known[n].marks(question.read(&found.conventions), marks))
         });
         Round { found, marked }
     }
@@ -272,8 +291,12 @@ pub(super) fn marks(
         return (Marks { faults: vec![fault.into()], ..Marks::default() }, None);
     }
     let truth = |case: &Case, grade| options.truth(question, case, c, grade);
-    let differ = |case: &&Case| truth(case, Grade::A).bound != truth(case, Grade::B).bound;
-    let graded: Vec<&Case> = question.cases.iter().filter(differ).collect();
+    let differ = parallel::map(question.cases.len(), |n| {
+        let case = &question.cases[n];
+        truth(case, Grade::A).bound != truth(case, Grade::B).bound
+    });
+    let graded: Vec<&Case> =
+        question.cases.iter().zip(differ).filter(|(_, differ)| *differ).map(|(case, _)| case).collect();
     // The wider bound first: what exceeds it exceeds the other too.
     let textbook = mark(question, answers, c, options, if graded.is_empty() { Grade::A } else { Grade::B });
     if graded.is_empty() || !textbook.right() {

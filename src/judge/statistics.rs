@@ -6,7 +6,7 @@ use super::mark::Marks;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::component::Mistake;
-use crate::contract::special::Finding;
+use crate::contract::special::{Finding, Findings};
 use crate::convention::Conventions;
 
 /// What is wrong with an answer as arrays: absent, of a wrong shape, or not finite.
@@ -37,12 +37,12 @@ fn optional(question: &Question) -> &'static [&'static str] {
 }
 
 /// Faults of the answers, or what the statistics of all cases say.
-fn judged(question: &Question, answers: &Answers, c: &Conventions) -> (Vec<String>, Vec<Finding>) {
+fn judged<'a>(question: &'a Question, answers: &Answers, c: &Conventions) -> (Vec<String>, Findings<'a>) {
     let pairs = question.cases.iter().zip(answers);
     let faults: Vec<String> =
         pairs.filter_map(|(case, answer)| fault(question, case, answer.as_ref(), c)).collect();
     let Some(statistics) = question.component.special.statistics.filter(|_| faults.is_empty()) else {
-        return (faults, vec![]);
+        return (faults, Box::new(std::iter::empty()));
     };
     let plain = |answer: &Answer| -> Arrays {
         answer.iter().map(|(name, given)| (name.clone(), given.values.clone())).collect()
@@ -53,15 +53,15 @@ fn judged(question: &Question, answers: &Answers, c: &Conventions) -> (Vec<Strin
 
 /// Whether right answers in these conventions could look like this.
 pub fn plausible(question: &Question, answers: &Answers, c: &Conventions) -> bool {
-    let (faults, found) = judged(question, answers, c);
-    faults.is_empty() && found.iter().all(|finding| finding.honest)
+    let (faults, mut found) = judged(question, answers, c);
+    faults.is_empty() && found.all(|finding| finding.honest)
 }
 
 /// The marks: all or nothing.
 pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
     let (mut faults, found) = judged(question, answers, c);
-    let (choices, wrong): (Vec<&Finding>, Vec<&Finding>) = found.iter().partition(|finding| finding.honest);
-    let shown = |finding: &&Finding| format!("{}: {}", finding.name, finding.says);
+    let (choices, wrong): (Vec<Finding>, Vec<Finding>) = found.partition(|finding| finding.honest);
+    let shown = |finding: &Finding| format!("{}: {}", finding.name, finding.says);
     faults.extend(wrong.iter().map(shown));
     let never = |name: &&&str| answers.iter().flatten().all(|answer| !answer.contains_key(**name));
     Marks {
@@ -76,5 +76,5 @@ pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
 /// The mistakes that the statistics show.
 pub fn mistakes(question: &Question, answers: &Answers, c: &Conventions) -> Vec<&'static Mistake> {
     let row = |finding: Finding| question.component.mistakes.iter().find(|m| m.name == finding.name);
-    judged(question, answers, c).1.into_iter().filter_map(row).collect()
+    judged(question, answers, c).1.filter_map(row).collect()
 }

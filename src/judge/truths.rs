@@ -13,10 +13,10 @@ use crate::contract::check::{oracle_error, with_oracle_error};
 use crate::convention::{CS180, Conventions};
 
 /// Elements that a question remembers; what is beyond is computed each time.
-const REMEMBERED: usize = 4_000_000;
+const REMEMBERED: usize = 8_000_000;
 
 /// The true outputs of a case, and the bound of an answer.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Truth {
     /// By the oracle.
     pub expected: Arc<Arrays>,
@@ -25,11 +25,11 @@ pub struct Truth {
 }
 
 /// What is true whoever answers.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Exact {
     /// By the oracle.
-    expected: OnceLock<Arc<Arrays>>,
-    /// How far off that may be.
+    expected: Arc<Arrays>,
+    /// How far off that may be, once it was asked for.
     error: OnceLock<Arrays>,
 }
 
@@ -105,25 +105,27 @@ fn size(arrays: &Arrays) -> usize {
 
 impl Question {
     /// The conventions that the row reads; the others can't change what is true of it.
-    fn read(&self, c: &Conventions) -> Conventions {
+    pub(super) fn read(&self, c: &Conventions) -> Conventions {
         apply(&partial(self.component, c), &CS180)
     }
 
     fn exact(&self, case: &Case, c: &Conventions) -> Arc<Exact> {
         let c = self.read(c);
         let known = |of: &OfCase| of.exact.get(&c).cloned();
-        // Its arrays come when they are asked for: about as many as the inputs have.
-        let new = || (Exact::default(), size(&case.inputs));
-        self.truths.get(case, known, new, |of, exact| {
-            of.exact.entry(c).or_insert(exact);
+        let computed = || {
+            let direction = self.component.direction(self.kind).expect("a question has its direction");
+            let expected = (direction.oracle)(&case.inputs, &c);
+            let elements = size(&expected);
+            (Exact { expected: Arc::new(expected), error: OnceLock::new() }, elements)
+        };
+        self.truths.get(case, known, computed, |of, exact| {
+            of.exact.insert(c, exact);
         })
     }
 
     /// The true outputs of a case.
     pub(crate) fn expected(&self, case: &Case, c: &Conventions) -> Arc<Arrays> {
-        let direction = self.component.direction(self.kind).expect("a question has its direction");
-        let exact = self.exact(case, c);
-        exact.expected.get_or_init(|| Arc::new((direction.oracle)(&case.inputs, c))).clone()
+        self.exact(case, c).expected.clone()
     }
 }
 
@@ -137,7 +139,7 @@ impl MarkOptions {
             let exact = question.exact(case, c);
             let error = exact.error.get_or_init(|| oracle_error(direction, &case.inputs, c));
             let own = (direction.bound)(&case.inputs, c, &self.arithmetic(grade));
-            let (expected, bound) = (question.expected(case, c), with_oracle_error(own, error));
+            let (expected, bound) = (exact.expected.clone(), with_oracle_error(own, error));
             let elements = 2 * size(&bound);
             (Truth { expected, bound }, elements)
         };

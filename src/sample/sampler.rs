@@ -10,7 +10,7 @@ use crate::contract::arrays::{Arrays, array, arrays, input, number, rows, scalar
 use crate::contract::case::Case;
 use crate::contract::component::{Component, Direction, Entries, Mistake, Port};
 use crate::contract::machine::Machine;
-use crate::contract::special::{Finding, Special, Statistics};
+use crate::contract::special::{Findings, Special, Statistics};
 use crate::convention::Conventions;
 use crate::random::{Key, Purpose};
 use crate::ray::{PixelDraws, sample_random_rays};
@@ -311,11 +311,11 @@ fn call(answer: &Arrays) -> Call {
 }
 
 /// What the statistics of the four calls say.
-fn findings(cases: &[Case], answers: &[Arrays], c: &Conventions) -> Vec<Finding> {
+fn findings<'a>(cases: &'a [Case], answers: &[Arrays], c: &Conventions) -> Findings<'a> {
     let calls: Vec<Call> = answers.iter().map(call).collect();
     let [a, b, rest_a, rest_b] = <[Call; 4]>::try_from(calls).expect("an answer to each of the four calls");
     let inputs = &cases[0].inputs;
     let images = input(inputs, "images").view().into_dimensionality::<Ix4>().expect("(I, H, W, 3)");
     let bounds = [number(inputs, "near"), number(inputs, "far")];
-    statistics::findings(images, &[a, b], &[rest_a, rest_b], bounds, c)
+    Box::new(statistics::findings(images, [a, b], [rest_a, rest_b], bounds, *c))
 }

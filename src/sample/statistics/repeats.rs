@@ -5,21 +5,36 @@ use super::{confidence, count_slack};
 /// Neighbors in value that a number is compared with: where more agree, there is repetition enough among these.
 const MOST: usize = 64;
 
+/// The numbers of a sequence by size, each with its place.
+pub(super) struct Sorted(Vec<(f64, usize)>);
+
+impl Sorted {
+    pub(super) fn new(values: &[f64]) -> Sorted {
+        let mut sorted: Vec<(f64, usize)> = values.iter().copied().zip(0..).collect();
+        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        Sorted(sorted)
+    }
+
+    /// 1 less each of them.
+    pub(super) fn mirrored(&self) -> Sorted {
+        Sorted(self.0.iter().rev().map(|&(x, i)| (1.0 - x, i)).collect())
+    }
+}
+
 /// The distance at which most numbers of a sequence come again, and how many do, where that is more than chance brings. `other` is the
 /// sequence that is compared: itself, or mirrored.
 ///
 /// Along one distance, independent draws agree within `tolerance` like tosses of a coin that falls with a probability of at most
 /// `chance`, or as often as any two do (a law that isn't uniform): Bernstein's inequality, over all distances at once.
-pub(super) fn distance(values: &[f64], other: &[f64], tolerance: f64, chance: f64) -> Option<(usize, usize)> {
-    let n = values.len();
-    let sorted = |of: &[f64]| {
-        let mut sorted: Vec<(f64, usize)> = of.iter().copied().zip(0..).collect();
-        sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        sorted
-    };
-    let (left, right) = (sorted(values), sorted(other));
+pub(super) fn distance(
+    values: &Sorted,
+    other: &Sorted,
+    tolerance: f64,
+    chance: f64,
+) -> Option<(usize, usize)> {
+    let (Sorted(left), Sorted(right), n) = (values, other, values.0.len());
     let (mut counts, mut start, mut pairs) = (vec![0; n], 0, 0.0);
-    for (x, i) in left {
+    for &(x, i) in left {
         while start < n && right[start].0 < x - tolerance {
             start += 1;
         }

@@ -57,7 +57,7 @@ fn resting() -> [Call; 2] {
 }
 
 fn names(training: &[Call; 2], rest: &[Call; 2]) -> Vec<&'static str> {
-    findings(images().view(), training, rest, BOUNDS, &CS180).iter().map(|f| f.name).collect()
+    findings(images().view(), training.clone(), rest.clone(), BOUNDS, CS180).map(|f| f.name).collect()
 }
 
 #[test]
@@ -141,7 +141,8 @@ fn mistakes_of_the_jitter_are_named() {
 fn honest_choices_are_told_and_pass() {
     let per_ray = training(3, |key, step, r, _| key.uniform(step, r, 0));
     let shown = |calls: &[Call; 2], name: &str| {
-        let found = findings(images().view(), calls, &resting(), BOUNDS, &CS180);
+        let all = images();
+        let found: Vec<_> = findings(all.view(), calls.clone(), resting(), BOUNDS, CS180).collect();
         assert!(found.len() == 1 && found[0].name == name && found[0].honest, "{name}: {found:?}");
     };
     shown(&per_ray, "one_jitter_per_ray");
