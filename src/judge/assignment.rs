@@ -206,15 +206,27 @@ pub(crate) fn find(questions: &[Asked], options: &MarkOptions) -> Found {
         let (question, answers, known) = questions[n];
         known.holds(question.read(c), |c| holds(question, answers, c, options))
     };
-    let named = |c: &Conventions| parallel::map(questions.len(), |n| holds_in(n, c)).into_iter().all(|ok| ok);
-    if let Some(profile) = PROFILES.iter().find(|profile| named(&profile.conventions)) {
-        return Found { conventions: profile.conventions, contradicting: vec![] };
+    let wrong_in = |c: &Conventions| -> Vec<usize> {
+        let holds = parallel::map(questions.len(), |n| holds_in(n, c));
+        (0..questions.len()).filter(|n| !holds[*n]).collect()
+    };
+    let survivors_of = |some: &[usize]| -> Vec<(usize, Vec<Partial>)> {
+        let of = |n: usize| -> Vec<Partial> {
+            let (question, answers, _) = questions[n];
+            let all = possible(question, answers, admitted(question, &CS180), &CS180, options);
+            all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
+        };
+        some.iter().copied().zip(parallel::map(some.len(), |n| of(some[n]))).collect()
+    };
+    // A known program's conventions, if what is wrong in them is wrong in any.
+    let (conventions, wrong) = nearest_profile(wrong_in);
+    let of_wrong = survivors_of(&wrong);
+    if of_wrong.iter().all(|(_, survivors)| survivors.is_empty()) {
+        return Found { conventions, contradicting: vec![] };
     }
-    let survivors: Vec<Vec<Partial>> = parallel::map(questions.len(), |n| {
-        let (question, answers, _) = questions[n];
-        let all = possible(question, answers, admitted(question, &CS180), &CS180, options);
-        all.into_iter().filter(|p| holds_in(n, &apply(p, &CS180))).collect()
-    });
+    let others: Vec<usize> = (0..questions.len()).filter(|n| !wrong.contains(n)).collect();
+    let all: BTreeMap<usize, Vec<Partial>> = of_wrong.into_iter().chain(survivors_of(&others)).collect();
+    let survivors: Vec<Vec<Partial>> = all.into_values().collect();
     let mut order: Vec<usize> = (0..questions.len()).filter(|&n| !survivors[n].is_empty()).collect();
     order.sort_by_key(|&n| survivors[n].len());
     let mut patience = PATIENCE;
@@ -226,6 +238,23 @@ pub(crate) fn find(questions: &[Asked], options: &MarkOptions) -> Found {
         conventions: apply(&joined, &CS180),
         contradicting: contradicting.map(|&n| (n, apply(&survivors[n][0], &CS180))).collect(),
     }
+}
+
+/// The known program in whose conventions fewest questions are wrong, the first of equals, and which these are.
+fn nearest_profile(wrong_in: impl Fn(&Conventions) -> Vec<usize>) -> (Conventions, Vec<usize>) {
+    let mut all = PROFILES.iter().map(|profile| profile.conventions);
+    let first = all.next().expect("there are profiles");
+    let mut nearest = (first, wrong_in(&first));
+    for c in all {
+        if nearest.1.is_empty() {
+            break;
+        }
+        let wrong = wrong_in(&c);
+        if wrong.len() < nearest.1.len() {
+            nearest = (c, wrong);
+        }
+    }
+    nearest
 }
 
 /// Backtracking: the assignment that agrees with one survivor of every question.
