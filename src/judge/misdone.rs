@@ -40,9 +40,8 @@ pub(super) fn misdone(
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
     let nearby = nearby(question, answers, base, options);
-    let looks = LOOKS / nearby.len().max(1);
-    let of = |c: &Conventions| Tried::new(question, &cases, *c, looks, options);
-    let tried: Vec<Tried> = nearby.iter().filter_map(of).collect();
+    let of = |(n, c): (usize, &Conventions)| Tried::new(question, &cases, (*c, share(n)), options);
+    let tried: Vec<Tried> = nearby.iter().enumerate().filter_map(of).collect();
     let mut all: Vec<(usize, usize, Hypothesis)> = vec![];
     for t in &tried {
         let ways = |place: &Place| How::all(place.seen.site.operation).into_iter().enumerate();
@@ -50,7 +49,7 @@ pub(super) fn misdone(
             let here = ways(place).filter(|(_, how)| place.first || how.of_parenthesis());
             here.map(|(n, how)| (n, t.failing, place.hypothesis(how, &t.conventions))).collect::<Vec<_>>()
         };
-        all.extend(t.affordable(WAYS * tried.len()).iter().flat_map(each));
+        all.extend(t.affordable(WAYS, t.share).iter().flat_map(each));
     }
     all.sort_by_key(|(rank, ..)| *rank);
     let all = all.into_iter().map(|(_, failing, h)| (failing, h)).collect();
@@ -58,14 +57,22 @@ pub(super) fn misdone(
     let nearest = tried.iter().min_by_key(|t| t.shown);
     let Some(t) = nearest.filter(|_| found.is_empty()) else { return found };
     // A number that is read off an element explains that one anyway.
-    let read = other_numbers(question, &cases, t.affordable(TRIALS), &t.conventions, options);
+    let read = other_numbers(question, &cases, t.affordable(TRIALS, 1.0), &t.conventions, options);
     let read = read.into_iter().map(|h| (t.failing, h)).collect();
     proved(read, MOST_BITS, &nearby, question, answers, base, options)
+}
+
+/// The part of all work that is done in the n-th of the conventions nearby: the likelier, the more.
+fn share(n: usize) -> f64 {
+    let all: f64 = (1..=NEARBY).map(|k| 1.0 / k as f64).sum();
+    1.0 / ((n + 1) as f64 * all)
 }
 
 /// Conventions in which slips are tried.
 struct Tried {
     conventions: Conventions,
+    /// Their part of the work.
+    share: f64,
     /// Different numbers that are wrong in them.
     shown: usize,
     /// The smallest case that the right formula doesn't explain, which most slips don't either.
@@ -80,8 +87,7 @@ impl Tried {
     fn new(
         question: &Question,
         cases: &[(&Case, &Answer)],
-        conventions: Conventions,
-        looks: usize,
+        (conventions, share): (Conventions, f64),
         options: &MarkOptions,
     ) -> Option<Tried> {
         let right = Hypothesis::new(vec![], conventions);
@@ -89,13 +95,14 @@ impl Tried {
         let wrong = |(case, answer): &(&Case, &Answer)| !right.explains(question, case, answer, options);
         let failing = cases.iter().position(wrong).filter(|_| shown >= TELLING)?;
         let cost = count(&sites(question, &conventions, 0, cases[failing].0));
-        let places = places(question, cases, &conventions, looks);
-        Some(Tried { conventions, shown, failing, cost, places })
+        let places = places(question, cases, &conventions, (share * LOOKS as f64) as usize);
+        Some(Tried { conventions, share, shown, failing, cost, places })
     }
 
-    /// The first places, as many as may be tried so often.
-    fn affordable(&self, ways: usize) -> &[Place] {
-        &self.places[..self.places.len().min(WORK / (ways * self.cost))]
+    /// The first places, as many as may be tried in so many ways for this part of the work.
+    fn affordable(&self, ways: usize, share: f64) -> &[Place] {
+        let most = share * WORK as f64 / (ways * self.cost) as f64;
+        &self.places[..self.places.len().min(most as usize)]
     }
 }
 
@@ -229,6 +236,8 @@ mod tests {
             ("conical_frustum", "sqrt(dd) / 3 in the place of dd / 3"),
             ("ndc_rays", "plane - o[2], of which plane is taken outside"),
             ("lr_cosine", "(step + 1) / warmup in the place of"),
+            ("hash_grid", "1 in the place of 1 - cells[a].1"),
+            ("hash_grid", "0 in the place of scaled - cell"),
         ] {
             for dtype in [Dtype::F64, Dtype::F32] {
                 let [best, own] = said(component, dtype, |forward| slip(forward, says));

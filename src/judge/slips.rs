@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn what_no_catalogue_lists_is_described() {
-        let places = slip(true, "deltas", Change::Along(named("its running sum"), 1));
+        let places = slip(true, "deltas", Change::Along(named("taken for its running sum"), 1));
         let bent = slip(false, "srgb", Change::All(By::Times(0.93)));
         let turned = slip(true, "d", Change::Opposite(1, 2));
         let center = slip(true, "K", Change::Entry { from: [0, 2], to: [1, 2] });
