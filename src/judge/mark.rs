@@ -265,29 +265,29 @@ pub fn within(
     })
 }
 
-/// Times the bound in the contract's own conventions, and parts of the largest element: what others cost is less, and what wrong code does.
-const FAR: f64 = 64.0;
-const PART: f64 = 1.0 / 256.0;
+/// Times the largest bound in the contract's own conventions, and parts of the largest element: honest code in others is nearer.
+const FAR: f64 = 1024.0;
+const PART: f64 = 1.0 / 64.0;
 
-/// Whether most elements of an output are far off. One alone may be across a threshold. Where other conventions have other shapes, far is
-/// a quarter of the largest.
+/// Whether most elements of an output are far off. One alone may be across a threshold. Where the questions have the shapes of other
+/// conventions, far is a quarter of the largest element.
 fn far_off(got: &Arrays, expected: &Arrays, bounds: &Arrays) -> bool {
+    let largest = |array: &ArrayD<f64>| {
+        array.iter().filter(|x| x.is_finite()).fold(0.0, |max: f64, x| max.max(x.abs()))
+    };
     got.iter().any(|(name, got)| {
         let expected = &expected[name];
-        let largest = expected.iter().filter(|e| e.is_finite()).fold(0.0, |max: f64, e| max.max(e.abs()));
-        let bounds = bounds.get(name).filter(|bound| bound.shape() == expected.shape());
-        let mut bounds = bounds.into_iter().flatten();
-        let off = got.iter().zip(expected).filter(|&(&g, &e)| {
-            let far = bounds.next().map_or(0.25 * largest, |bound| PART * largest + FAR * bound);
-            g != e && !(g.is_nan() && e.is_nan()) && !((g - e).abs() <= far + 1e-9)
-        });
-        let off = off.count();
+        let size = largest(expected);
+        let far = bounds.get(name).map_or(0.25 * size, |bound| PART * size + FAR * largest(bound)) + 1e-9;
+        let near = |g: f64, e: f64| g == e || g.is_nan() && e.is_nan() || (g - e).abs() <= far;
+        let off = got.iter().zip(expected).filter(|&(&g, &e)| !near(g, e)).count();
         off > 1 && 2 * off > got.len()
     })
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::assignment::{admitted, apply};
     use super::super::exam::Exam;
     use super::*;
 
@@ -309,5 +309,36 @@ mod tests {
         moved.inputs.get_mut("x").unwrap().mapv_inplace(|x| x + 0.25);
         assert_ne!(truth(&moved, &CS180, options).expected, first.expected);
         assert!(question.clone().truths.is_empty());
+    }
+
+    /// Whatever the conventions, an answer that uses all of its bounds.
+    #[test]
+    fn what_is_within_its_bounds_is_never_far_off() {
+        let options = MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 };
+        let mut asked = 0;
+        for question in Exam::new("", Dtype::F32, None).unwrap().questions {
+            let all: Vec<_> = admitted(&question, &CS180).iter().map(|p| apply(p, &CS180)).collect();
+            let some = all.iter().step_by(all.len().div_ceil(16).max(1));
+            for (c, case) in some.flat_map(|c| small(&question).map(move |case| (c, case))) {
+                let Some(scale) = options.scale(&question, case) else { continue };
+                let truth = options.truth(&question, case, c, Grade::B);
+                let used = |(name, e): (&String, &ArrayD<f64>)| {
+                    let bound = truth.bound[name].mapv(|bound| if bound.is_finite() { bound } else { 0.0 });
+                    (name.clone(), e + &bound)
+                };
+                let got: Arrays = truth.expected.iter().map(used).collect();
+                let far = far_off(&got, &truth.expected, &scale.bound);
+                // In some conventions a question lies on a face, a threshold or at no gradient: bounds are as wide as answers there.
+                let wide = far_off(&got, &truth.expected, &Arrays::new());
+                assert!(!far || wide, "{} {} {c:?}", question.component.name, case.id);
+                asked += 1;
+            }
+        }
+        assert!(asked > 1000, "{asked}");
+    }
+
+    fn small(question: &Question) -> impl Iterator<Item = &Case> {
+        let small = |case: &&Case| case.inputs.values().map(|a| a.len()).sum::<usize>() < 2_000;
+        question.cases.iter().filter(small)
     }
 }
