@@ -318,7 +318,7 @@ mod tests {
         let mut asked = 0;
         for question in Exam::new("", Dtype::F32, None).unwrap().questions {
             let all: Vec<_> = admitted(&question, &CS180).iter().map(|p| apply(p, &CS180)).collect();
-            let some = all.iter().step_by(all.len().div_ceil(16).max(1));
+            let some = all.iter().step_by(all.len().div_ceil(6).max(1));
             for (c, case) in some.flat_map(|c| small(&question).map(move |case| (c, case))) {
                 let Some(scale) = options.scale(&question, case) else { continue };
                 let truth = options.truth(&question, case, c, Grade::B);

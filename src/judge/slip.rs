@@ -27,6 +27,8 @@ pub(crate) enum Change {
     Cell { at: [usize; 2], by: By },
     /// One entry of a small matrix is taken for another, too: c_x for c_y.
     Entry { from: [usize; 2], to: [usize; 2] },
+    /// The first three elements of a short axis are others of them, with either sign: another frame's x, y, z. By [`frame`].
+    Turned(usize, usize),
     /// Two axes are exchanged, of the same length.
     Transposed(usize, usize),
     /// Another array stands in its place.
@@ -225,6 +227,10 @@ impl ArraySlip {
             }
             Change::Cell { at, by } => format!("entry {at:?} of {name} {}", by.says()),
             Change::Entry { from, to } => format!("{name}{from:?} in the place of {name}{to:?}"),
+            Change::Turned(axis, n) => {
+                let [x, y, z] = frame(*n).map(|(from, sign)| format!("{sign}{}", ["x", "y", "z"][from]));
+                format!("{name} with x, y, z of axis {axis} taken for {x}, {y}, {z}")
+            }
             Change::Transposed(a, b) => format!("{name} with axes {a} and {b} exchanged"),
             Change::Other(other) => format!("{other} in the place of {name}"),
         }
@@ -241,9 +247,11 @@ impl Change {
     pub(crate) fn rank(&self) -> usize {
         match self {
             Change::One { by: By::Each(n), .. } | Change::Cell { by: By::Each(n), .. } => 1 + n,
-            Change::One { .. } | Change::Cell { .. } | Change::Twice { .. } | Change::Entry { .. } => {
-                1 + EACH.len()
-            }
+            Change::One { .. }
+            | Change::Cell { .. }
+            | Change::Twice { .. }
+            | Change::Entry { .. }
+            | Change::Turned(..) => 1 + EACH.len(),
             _ => 0,
         }
     }
@@ -292,6 +300,15 @@ impl Change {
                 x[&to[..]] = x[&from[..]];
                 x
             }
+            Change::Turned(axis, n) if x.ndim() > *axis && x.len_of(Axis(*axis)) > 2 => {
+                let mut turned = x.clone();
+                for (to, (from, sign)) in frame(*n).into_iter().enumerate() {
+                    let times = if sign == "-" { -1.0 } else { 1.0 };
+                    let part = x.index_axis(Axis(*axis), from).mapv(|x| times * x);
+                    turned.index_axis_mut(Axis(*axis), to).assign(&part);
+                }
+                turned
+            }
             Change::Transposed(a, b) if x.ndim() > *a.max(b) && x.shape()[*a] == x.shape()[*b] => {
                 let mut x = x.clone();
                 x.swap_axes(*a, *b);
@@ -301,6 +318,24 @@ impl Change {
             _ => x.clone(),
         }
     }
+}
+
+/// The n-th of the 48 frames whose axes are those of another one: where each comes from, and its sign.
+fn frame(n: usize) -> [(usize, &'static str); 3] {
+    let first = n % 3;
+    let second = (first + 1 + n / 3 % 2) % 3;
+    let sign = |k: usize| if n / 6 >> k & 1 == 1 { "-" } else { "" };
+    [(first, sign(0)), (second, sign(1)), (3 - first - second, sign(2))]
+}
+
+/// The frames that differ from one's own in more than a sign or two axes that are exchanged.
+pub(crate) fn turned() -> impl Iterator<Item = usize> {
+    (0..48).filter(|n| {
+        let (from, moved) = (frame(*n), |(to, (from, _)): (usize, (usize, &str))| to != from);
+        let signs = from.iter().filter(|(_, sign)| *sign == "-").count();
+        let moved = from.into_iter().enumerate().filter(|x| moved(*x)).count();
+        moved + signs > 1 && (moved, signs) != (2, 0)
+    })
 }
 
 /// `f` of each line along an axis.

@@ -10,7 +10,7 @@ use super::evidence::Explanation;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
-use super::slip::{ALONG, ArraySlip, By, Change, EACH, Slip};
+use super::slip::{ALONG, ArraySlip, By, Change, EACH, Slip, turned};
 use super::slipping::{conventions, explanations, rounded, was_done};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -153,6 +153,8 @@ fn of_axes(shape: &[usize]) -> Vec<Change> {
         let others = (0..shape[axis]).filter(|to| *to != element);
         all.extend(others.map(|to| Change::Twice { axis, from: element, to }));
     }
+    let frames = (0..shape.len()).filter(|axis| (3..=SHORT).contains(&shape[*axis]));
+    all.extend(frames.flat_map(|axis| turned().map(move |n| Change::Turned(axis, n))));
     if let [.., rows, columns] = *shape
         && rows.max(columns) <= SHORT
         && rows.min(columns) > 1
@@ -276,21 +278,23 @@ mod tests {
     fn what_no_catalogue_lists_is_described() {
         let places = slip(true, "deltas", Change::Along(named("taken for its running sum"), 1));
         let bent = slip(false, "srgb", Change::All(By::Times(0.93)));
-        let turned = slip(true, "d", Change::Opposite(1, 2));
+        let mirrored = slip(true, "d", Change::Opposite(1, 2));
         let center = slip(true, "K", Change::Entry { from: [0, 2], to: [1, 2] });
         let corner = slip(true, "uv", Change::One { axis: 1, element: 0, by: By::Each(each("plus 1/2")) });
         let opposite = Change::Cell { at: [2, 0], by: By::Each(each("with the other sign")) };
         let rotated = slip(false, "rotations", opposite);
+        let frame = slip(true, "c2w", Change::Turned(1, turned().next().expect("one")));
         let longer = slip(false, "rays_d_ndc", Change::One { axis: 1, element: 1, by: By::Times(1.25) });
         for (component, slip, mistakes) in [
             ("volume_render", &places, &[][..]),
             ("volume_render", &places, &["inclusive_transmittance"]),
             ("linear_to_srgb", &bent, &[]),
-            ("spherical_harmonics", &turned, &[]),
+            ("spherical_harmonics", &mirrored, &[]),
             ("pixel_to_camera", &center, &[]),
             ("pixel_to_camera", &corner, &[]),
             ("ndc_rays", &longer, &[]),
             ("so3_exp", &rotated, &[]),
+            ("image_rays", &frame, &[]),
         ] {
             for dtype in [Dtype::F64, Dtype::F32] {
                 let rows = judged(component, dtype, slip, mistakes);
@@ -305,10 +309,10 @@ mod tests {
 
     #[test]
     fn a_gradient_follows_from_the_slip_of_its_forward_function() {
-        let turned = slip(true, "d", Change::Opposite(1, 2));
+        let mirrored = slip(true, "d", Change::Opposite(1, 2));
         let exam = Exam::new("spherical_harmonics", Dtype::F64, None).unwrap();
         let question = exam.questions.iter().find(|q| q.kind == Kind::Vjp).expect("it has a gradient");
-        let wrong = Hypothesis { slip: Some(Slip::Array(turned)), ..Hypothesis::new(vec![], CS180) };
+        let wrong = Hypothesis { slip: Some(Slip::Array(mirrored)), ..Hypothesis::new(vec![], CS180) };
         let right = Hypothesis::new(vec![], CS180);
         let of = |h: &Hypothesis| -> Answers {
             question.cases.iter().map(|case| Some(given(h.prediction(question, case).0))).collect()

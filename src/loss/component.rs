@@ -1,8 +1,9 @@
 //! Registry rows of loss, metric and bytes.
 
 use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::arrays::number;
 use crate::contract::component::{Component, Direction, Entries, Port};
-use crate::contract::special::Special;
+use crate::contract::special::{Form, Special};
 
 /// Mean squared error.
 pub(crate) const MSE: Component = Component {
@@ -29,6 +30,14 @@ pub(crate) const MSE: Component = Component {
     special: Special { large: cases::large_mse, ..Special::NONE },
 };
 
+/// Figures of pictures in [0, 1] alone.
+const OF_ONE: &[Form] = &[Form {
+    without: &["peak"],
+    takes: None,
+    meaning: "1: colors lie in [0, 1]",
+    holds: |a, _| number(a, "peak") == 1.0,
+}];
+
 /// Peak signal-to-noise ratio.
 pub(crate) const PSNR: Component = Component {
     name: "psnr",
@@ -52,7 +61,7 @@ pub(crate) const PSNR: Component = Component {
     vjp: None,
     cases: cases::psnr,
     mistakes: mistakes::PSNR,
-    special: Special { large: cases::large_psnr, ..Special::NONE },
+    special: Special { large: cases::large_psnr, forms: OF_ONE, ..Special::NONE },
 };
 
 /// Colors as bytes.

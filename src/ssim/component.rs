@@ -1,8 +1,17 @@
 //! Registry row of structural similarity.
 
 use super::{arrays, bound, cases, honest, mistakes};
+use crate::contract::arrays::number;
 use crate::contract::component::{Component, Direction, Port};
-use crate::contract::special::{Only, Special};
+use crate::contract::special::{Form, Only, Special};
+
+/// Functions of pictures in [0, 1] alone.
+const OF_ONE: &[Form] = &[Form {
+    without: &["peak"],
+    takes: None,
+    meaning: "1: colors lie in [0, 1]",
+    holds: |a, _| number(a, "peak") == 1.0,
+}];
 
 /// How alike two pictures look.
 pub(crate) const SSIM: Component = Component {
@@ -36,6 +45,7 @@ pub(crate) const SSIM: Component = Component {
     special: Special {
         only: Some(Only { input: "prediction", axis: 2, length: 3, what: "channels" }),
         large: cases::large,
+        forms: OF_ONE,
         ..Special::NONE
     },
 };

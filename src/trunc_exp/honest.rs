@@ -25,7 +25,7 @@ pub(crate) fn trunc_exp_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays 
         let x = shifted(x, c, m);
         let stored = m.form % 2 == 1 && c.exponent_gradient == ExponentGradient::BothEnds;
         let slope = if stored {
-            m.exp(x).clamp(m.exp(-LIMIT), m.exp(LIMIT))
+            m.exp(x).max(m.exp(-LIMIT)).min(m.exp(LIMIT))
         } else {
             m.exp(held(x, c.exponent_gradient))
         };
