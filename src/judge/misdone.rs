@@ -1,8 +1,6 @@
 //! Slips of the formula: any one operation of it done in another way. Honest implementations say which operations there are; one of
 //! them with a fault in it is a hypothesis like any other.
 
-use std::panic::{self, AssertUnwindSafe};
-
 use super::answer::{Answer, Answers, reshaped};
 use super::assignment::{partial, small_cases};
 use super::evidence::Explanation;
@@ -12,7 +10,7 @@ use super::mark::MarkOptions;
 use super::other_numbers::{TRIALS, other_numbers};
 use super::places::{Place, count, places, sites};
 use super::slip::Slip;
-use super::slipping::{conventions, explanations, was_done};
+use super::slipping::{attempt, conventions, explanations, was_done};
 use super::telling::{MOST_BITS, SURE, TELLING, evidence, telling};
 use crate::contract::case::Case;
 use crate::contract::fault::How;
@@ -154,8 +152,7 @@ fn proved(
         let (failing, h) = &hypotheses[n];
         let (case, answer) = cases[*failing];
         let first = || h.explains(question, case, answer, options);
-        panic::catch_unwind(AssertUnwindSafe(first)).unwrap_or(false)
-            && was_done(h, question, answers, options)
+        attempt(first).unwrap_or(false) && was_done(h, question, answers, options)
     });
     let found = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|((_, h), _)| h);
     let enough = |h: &Hypothesis| nearby.iter().all(|c| evidence(h, c, question, &cases, options) >= needed);
@@ -323,8 +320,8 @@ mod tests {
             for h in all.iter().flat_map(ways).step_by(7 * one_in(4)) {
                 // It may break a rule that only right formulas keep; it may not go on for ever.
                 tried += 1;
-                let end = panic::catch_unwind(AssertUnwindSafe(|| h.prediction(question, cases[0].0)));
-                ended += usize::from(end.is_ok());
+                let end = attempt(|| h.prediction(question, cases[0].0));
+                ended += usize::from(end.is_some());
             }
         });
         assert!(10 * ended > 9 * tried && tried > 1000, "{ended} of {tried} came to an end");

@@ -1,14 +1,12 @@
 //! Another number in a formula: a constant of 0.1 where 0.3 should be, a factor, something small that is added. It is read off the
 //! element of the answers that is furthest off, place by place.
 
-use std::panic::{self, AssertUnwindSafe};
-
 use super::answer::{Answer, beside};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::places::Place;
-use super::slipping::rounded;
+use super::slipping::{attempt, rounded};
 use crate::contract::case::Case;
 use crate::contract::fault::{How, Operation};
 use crate::convention::Conventions;
@@ -71,8 +69,8 @@ struct Shown<'a> {
 impl Shown<'_> {
     /// What a hypothesis has there.
     fn value(&self, question: &Question, h: &Hypothesis) -> f64 {
-        let all = panic::catch_unwind(AssertUnwindSafe(|| h.prediction(question, self.case).0));
-        let found = all.ok().and_then(|all| all.get(&self.output)?.iter().nth(self.index).copied());
+        let all = attempt(|| h.prediction(question, self.case).0);
+        let found = all.and_then(|all| all.get(&self.output)?.iter().nth(self.index).copied());
         found.unwrap_or(f64::NAN)
     }
 }

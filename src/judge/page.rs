@@ -220,6 +220,15 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             before(best)
         );
     }
+    // Right elsewhere is no acquittal.
+    if !best.wrong() && !best.unexplained_cases.is_empty() && best.unexplained.is_empty() {
+        let cases = best.unexplained_cases.join(", ");
+        return writeln!(
+            f,
+            "  wrong in {cases} alone: all other cases follow {}the right formula; look at these by hand",
+            before(best)
+        );
+    }
     writeln!(f, "  consistent with: {}{}", name(best), closeness(best))?;
     if !best.unexplained.is_empty() {
         writeln!(f, "  but for {}, which something more must explain", best.unexplained.join(", "))?;
@@ -268,7 +277,7 @@ fn closeness(e: &Explanation) -> String {
     }
 }
 
-/// The conventions in which the right formula lost its digits.
+/// The conventions in which the right formula is followed.
 fn before(e: &Explanation) -> String {
     if e.conventions.is_empty() { String::new() } else { format!("with {}, ", list(&e.conventions)) }
 }

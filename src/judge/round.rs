@@ -180,8 +180,7 @@ impl Round {
                 if row.faults.is_empty() && !conventions {
                     // Where a mistake explains it, too, a few bits must be enough.
                     let named = row.diagnosis.iter().any(|e| !e.inaccurate && e.whole());
-                    let most = if named { FEW_BITS } else { i32::MAX };
-                    imprecise(&mut row, exam, question, &answers[n], c, options, most);
+                    imprecise(&mut row, exam, question, &answers[n], c, options, named);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {
                     nearest(&mut row, question, &answers[n], c, options);
@@ -229,7 +228,7 @@ fn diagnose_beside(
     found
 }
 
-/// Whether the answers are right but for at most so many lost bits, in the run's conventions or those next to them.
+/// Whether the answers are right but for lost bits (few, where a mistake explains them too), in the run's conventions or those next to them.
 fn imprecise(
     row: &mut Row,
     exam: &Exam,
@@ -237,14 +236,15 @@ fn imprecise(
     answers: &Answers,
     base: &Conventions,
     options: &MarkOptions,
-    most: i32,
+    named: bool,
 ) {
     if question.statistics() {
         return;
     }
     let c =
         if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base, options) };
-    if let Some(bits) = lost_bits(question, answers, &c, options).filter(|bits| *bits <= most) {
+    let most = if named { FEW_BITS } else { i32::MAX };
+    if let Some(bits) = lost_bits(question, answers, &c, options, named).filter(|bits| *bits <= most) {
         let marks = mark(question, answers, &c, options, Grade::B);
         *row = Row { layouts: row.layouts.clone(), ..Row::marked(question, answers, &marks, None, &c) };
         (row.verdict, row.lost_bits) = (Verdict::Imprecise, Some(bits));

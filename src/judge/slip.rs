@@ -324,7 +324,7 @@ impl Change {
 fn frame(n: usize) -> [(usize, &'static str); 3] {
     let first = n % 3;
     let second = (first + 1 + n / 3 % 2) % 3;
-    let sign = |k: usize| if n / 6 >> k & 1 == 1 { "-" } else { "" };
+    let sign = |k: usize| if (n / 6) >> k & 1 == 1 { "-" } else { "" };
     [(first, sign(0)), (second, sign(1)), (3 - first - second, sign(2))]
 }
 

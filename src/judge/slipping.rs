@@ -1,6 +1,8 @@
 //! What slips of arrays and of formulas share: the conventions they are tried in, whether one was made, and what is said of it.
 
+use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe};
+use std::sync::Once;
 
 use super::answer::Answers;
 use super::assignment::{apply, changes, nearest, partial};
@@ -27,8 +29,29 @@ pub(super) fn was_done(
     options: &MarkOptions,
 ) -> bool {
     let fits = || explains_all(h, question, answers, options) && shows(h, question, answers, options);
-    // Wrong code on changed inputs may break a rule that only right ones keep: then it isn't what was done.
-    panic::catch_unwind(AssertUnwindSafe(fits)).unwrap_or(false)
+    attempt(fits).unwrap_or(false)
+}
+
+thread_local! {
+    static ATTEMPTING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// What wrong code says. On changed inputs it may break a rule that only right code keeps: then it says nothing, and nobody needs to read
+/// of it. (The process' panic hook is asked as before for everything else.)
+pub(super) fn attempt<T>(wrong: impl FnOnce() -> T) -> Option<T> {
+    static QUIET: Once = Once::new();
+    QUIET.call_once(|| {
+        let before = panic::take_hook();
+        panic::set_hook(Box::new(move |info| {
+            if !ATTEMPTING.get() {
+                before(info);
+            }
+        }));
+    });
+    let outer = ATTEMPTING.replace(true);
+    let said = panic::catch_unwind(AssertUnwindSafe(wrong)).ok();
+    ATTEMPTING.set(outer);
+    said
 }
 
 /// The run's conventions, those in which most elements agree, and those of known programs.

@@ -26,6 +26,9 @@ const WORK: [usize; 2] = [6_000_000, 400_000];
 /// What a hypothesis costs however small the case is, in elements.
 const LEAST: usize = 100;
 
+/// Numbers of an array that are many.
+const MANY: usize = 64;
+
 /// Axes at most this long are taken for components: red, green, blue; x, y, z.
 const SHORT: usize = 4;
 
@@ -61,7 +64,12 @@ pub(crate) fn slipped(
     let mut slips = slips(question, (case, answer), &conventions[0]);
     // Beside a mistake of the catalogue only what happens to whole arrays.
     slips.retain(|slip| beside == Beside::Nothing || !slip.change.of_one());
-    slips.sort_by_key(|slip| slip.change.rank());
+    // What is seen in many numbers, as in a network's weights, is tried after all else.
+    let many = |slip: &ArraySlip| {
+        let given = answer.get(&slip.array).map(|given| given.values.len());
+        case.inputs.get(&slip.array).map(|a| a.len()).or(given).is_some_and(|n| n > MANY)
+    };
+    slips.sort_by_key(|slip| (slip.change.rank(), many(slip)));
     let mut plain = vec![];
     for mistakes in sets {
         // Beside a mistake in the likeliest conventions alone.
@@ -74,15 +82,21 @@ pub(crate) fn slipped(
         let right = cases.iter().filter(|(case, answer)| plain[n].explains(question, case, answer, options));
         2 * right.count() > cases.len()
     });
-    let mut hypotheses = vec![];
-    for (plain, _) in plain.iter().zip(most).filter(|(_, most)| !most) {
-        let fitted = fitted(plain, question, &cases);
-        let with = |slip: &ArraySlip| Hypothesis { slip: Some(Slip::Array(slip.clone())), ..plain.clone() };
-        hypotheses.extend(slips.iter().chain(&fitted).map(with));
-    }
+    let plain: Vec<&Hypothesis> =
+        plain.iter().zip(most).filter(|(_, most)| !most).map(|(plain, _)| plain).collect();
+    let with =
+        |h: &Hypothesis, slip: &ArraySlip| Hypothesis { slip: Some(Slip::Array(slip.clone())), ..h.clone() };
+    let fitted = plain.iter().flat_map(|h| {
+        let all = fitted(h, question, &cases).into_iter();
+        all.map(|slip| with(h, &slip)).collect::<Vec<_>>()
+    });
+    let fitted: Vec<Hypothesis> = fitted.collect();
     let elements = |arrays: &Arrays| arrays.values().map(|a| a.len()).sum::<usize>();
     let cost = LEAST + elements(&case.inputs) + answer.values().map(|a| a.values.len()).sum::<usize>();
-    hypotheses.truncate(WORK[usize::from(options.dtype.bits() < 24)] / cost);
+    let most = (WORK[usize::from(options.dtype.bits() < 24)] / cost).saturating_sub(fitted.len());
+    // The likelier slips in all conventions before the others in any.
+    let all = slips.iter().flat_map(|slip| plain.iter().map(move |h| with(h, slip)));
+    let hypotheses: Vec<Hypothesis> = all.take(most).chain(fitted).collect();
     let fits = parallel::map(hypotheses.len(), |n| was_done(&hypotheses[n], question, answers, options));
     let found = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect();
     explanations(found, question, answers, base, options)
