@@ -1,6 +1,7 @@
 //! Hypotheses: what a candidate would answer if it followed some conventions and made some mistakes.
 
 use std::cell::OnceCell;
+use std::sync::Arc;
 
 use ndarray::ArrayD;
 
@@ -205,13 +206,16 @@ impl Hypothesis {
         let (mut wrong, _) = self.prediction(question, case);
         self.leave_open(question, case, answer, &mut wrong);
         let all = OnceCell::new();
+        // A numeric gradient is no measure of what is near: a quarter is.
+        let rough = || options.may_reject_early(case).then(Arc::default);
+        let scale = if self.numeric(question) { rough() } else { options.scale(question, case) };
         let alone = |name: &str, from: &Arrays| -> Arrays {
             from.get(name).map(|array| (name.to_string(), array.clone())).into_iter().collect()
         };
         outputs.retain(|name| {
             let Some(given) = answer.get(*name) else { return true };
             let given = [(name.to_string(), given.clone())].into();
-            within(&given, &alone(name, &wrong), options.scale(question, case), || {
+            within(&given, &alone(name, &wrong), scale.clone(), || {
                 alone(name, all.get_or_init(|| self.bound(question, case, &wrong, None, options)))
             })
         });

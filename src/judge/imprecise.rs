@@ -21,20 +21,17 @@ fn most(dtype: Dtype) -> i32 {
 }
 
 /// How many bits fewer than `options.dtype` has would make every answer honest, if that is few enough and leaves proof in every output.
-/// Where a mistake explains the answers too (`named`), small numbers beside large ones have to keep their own digits: a small rotation that
-/// is none at all has lost more than a bit.
 pub(super) fn lost_bits(
     question: &Question,
     answers: &Answers,
     c: &Conventions,
     options: &MarkOptions,
-    named: bool,
 ) -> Option<i32> {
     let fits = |bits: &i32| {
         let mut unproved: Vec<&String> = answers.iter().flatten().flat_map(|answer| answer.keys()).collect();
         let right = question.cases.iter().zip(answers).all(|(case, answer)| {
             let Some(answer) = answer else { return false };
-            let (expected, bound) = coarse(question, case, c, options, (*bits, !named));
+            let (expected, bound) = coarse(question, case, c, options, *bits);
             // Four times: something must be left that is clearly right.
             let clear = |name: &&String| {
                 expected.get(*name).is_some_and(|e| proves(e, &bound[*name].mapv(|bound| 4.0 * bound)))
@@ -50,13 +47,13 @@ pub(super) fn lost_bits(
 }
 
 /// The truth, and the bound of arithmetic that is `bits` shorter: that of the formula, and as many bits of the largest number of an array,
-/// for what the contract allows nothing, and (`floor`) for what is left of a difference.
+/// for what the contract allows nothing, and for what is left of a difference.
 fn coarse(
     question: &Question,
     case: &Case,
     c: &Conventions,
     options: &MarkOptions,
-    (bits, floor): (i32, bool),
+    bits: i32,
 ) -> (Arc<Arrays>, Arrays) {
     let direction = question.component.direction(question.kind).expect("a question has its direction");
     let full = options.arithmetic(Grade::B);
@@ -66,8 +63,8 @@ fn coarse(
     let mut bound = (direction.bound)(&case.inputs, c, &short);
     for (name, bound) in &mut bound {
         let largest = |max: f64, x: &f64| if x.is_finite() { max.max(x.abs()) } else { max };
-        let least = short.u * expected[name].iter().fold(0.0, largest);
-        bound.mapv_inplace(|bound| if floor || bound == 0.0 { bound + least } else { bound });
+        let floor = short.u * expected[name].iter().fold(0.0, largest);
+        bound.mapv_inplace(|bound| bound + floor);
     }
     (expected, bound)
 }

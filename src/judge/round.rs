@@ -244,7 +244,7 @@ fn imprecise(
     let c =
         if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base, options) };
     let most = if named { FEW_BITS } else { i32::MAX };
-    if let Some(bits) = lost_bits(question, answers, &c, options, named).filter(|bits| *bits <= most) {
+    if let Some(bits) = lost_bits(question, answers, &c, options).filter(|bits| *bits <= most) {
         let marks = mark(question, answers, &c, options, Grade::B);
         *row = Row { layouts: row.layouts.clone(), ..Row::marked(question, answers, &marks, None, &c) };
         (row.verdict, row.lost_bits) = (Verdict::Imprecise, Some(bits));

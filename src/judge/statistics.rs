@@ -60,7 +60,9 @@ pub fn plausible(question: &Question, answers: &Answers, c: &Conventions) -> boo
 /// The marks: all or nothing.
 pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
     let (mut faults, found) = judged(question, answers, c);
-    let (choices, wrong): (Vec<Finding>, Vec<Finding>) = found.partition(|finding| finding.honest);
+    let found = in_order(question, found);
+    let (choices, wrong): (Vec<Finding>, Vec<Finding>) =
+        found.into_iter().partition(|finding| finding.honest);
     let shown = |finding: &Finding| format!("{}: {}", finding.name, finding.says);
     faults.extend(wrong.iter().map(shown));
     let never = |name: &&&str| answers.iter().flatten().all(|answer| !answer.contains_key(**name));
@@ -76,5 +78,14 @@ pub fn mark(question: &Question, answers: &Answers, c: &Conventions) -> Marks {
 /// The mistakes that the statistics show.
 pub fn mistakes(question: &Question, answers: &Answers, c: &Conventions) -> Vec<&'static Mistake> {
     let row = |finding: Finding| question.component.mistakes.iter().find(|m| m.name == finding.name);
-    judged(question, answers, c).1.filter_map(row).collect()
+    in_order(question, judged(question, answers, c).1).into_iter().filter_map(row).collect()
+}
+
+/// Findings as the row lists its mistakes, which is the order in which a program makes them.
+fn in_order(question: &Question, found: Findings) -> Vec<Finding> {
+    let mistakes = question.component.mistakes;
+    let place = |finding: &Finding| mistakes.iter().position(|m| m.name == finding.name);
+    let mut found: Vec<Finding> = found.collect();
+    found.sort_by_key(|finding| place(finding).unwrap_or(mistakes.len()));
+    found
 }
