@@ -10,6 +10,7 @@ use super::exam::Question;
 use super::mark::{MarkOptions, within};
 use super::numeric;
 use super::slip::Slip;
+use super::truths::Truth;
 use super::unread;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
@@ -185,12 +186,20 @@ impl Hypothesis {
         (wrong, bound)
     }
 
+    /// What is far off: of the right formula, by its bounds; wrong code may be of any accuracy, so that a quarter of an output's size is.
+    fn scale(&self, question: &Question, case: &Case, options: &MarkOptions) -> Option<Arc<Truth>> {
+        match self.right() && !self.loose {
+            true => options.scale(question, case),
+            false => options.may_reject_early(case).then(Arc::default),
+        }
+    }
+
     /// Whether it explains an answer.
     pub fn explains(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> bool {
         let (mut wrong, error) = self.prediction(question, case);
         self.leave_open(question, case, answer, &mut wrong);
         // A numeric gradient is known only at some elements, so most elements can't be compared.
-        let scale = options.scale(question, case).filter(|_| error.is_none());
+        let scale = self.scale(question, case, options).filter(|_| error.is_none());
         within(answer, &wrong, scale, || self.bound(question, case, &wrong, error.as_ref(), options))
     }
 
@@ -206,9 +215,7 @@ impl Hypothesis {
         let (mut wrong, _) = self.prediction(question, case);
         self.leave_open(question, case, answer, &mut wrong);
         let all = OnceCell::new();
-        // A numeric gradient is no measure of what is near: a quarter is.
-        let rough = || options.may_reject_early(case).then(Arc::default);
-        let scale = if self.numeric(question) { rough() } else { options.scale(question, case) };
+        let scale = self.scale(question, case, options);
         let alone = |name: &str, from: &Arrays| -> Arrays {
             from.get(name).map(|array| (name.to_string(), array.clone())).into_iter().collect()
         };
