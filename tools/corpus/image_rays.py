@@ -107,6 +107,14 @@ def columns_folded_as_rows(height, width, focal, cx, cy, c2w):
     return unit(posed(opencv(i.reshape(height, width), j.reshape(height, width), focal, cx, cy), c2w))
 
 
+@fault("image_rays", "slip: c2w with x, y, z of axis 1 taken for y, z, x", seen="a tomography code whose camera looks along -x")
+def looks_along_another_axis(height, width, focal, cx, cy, c2w):
+    """Depth first, then right and up."""
+    i, j = grid(height, width)
+    x, y, z = opengl(i + 0.5, j + 0.5, focal, cx, cy).unbind(-1)
+    return posed(torch.stack([z, x, y], -1), c2w)
+
+
 @fault("image_rays", "half_pixel_upward", seen="maurock/TinyNeRF")
 def half_a_pixel_behind_the_sign(height, width, focal, cx, cy, c2w):
     """u + 0.5, but v - 0.5."""

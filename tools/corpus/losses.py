@@ -90,6 +90,13 @@ def mean_of_pictures(prediction, target, peak):
     return (10 * torch.log10(peak**2 / error)).mean()
 
 
+@right("psnr", seen="a 3D generation code: pictures cut to [0, 1], and no peak")
+def cut_to_colors_first(prediction, target):
+    """Both cut, then each picture's; the peak is 1."""
+    error = ((prediction.clip(0, 1) - target.clip(0, 1)) ** 2).mean(dim=(1, 2, 3))
+    return (-10 * torch.log10(error)).mean()
+
+
 @convention("psnr", {"psnr": "mean_error", "psnr_floor": "small"}, seen="CS180 students: 100 where the error is 0", times=3)
 def a_hundred_for_equal_pictures(prediction, target, peak):
     """100 for equal pictures."""
