@@ -70,7 +70,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) equation 3, with alpha given",
     inputs: &[ALPHAS, RGBS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
-    conventions: &["product_eps", "alpha_cap", "faint", "backdrop"],
+    conventions: &["product_eps", "alpha_cap", "faint", "backdrop", "opacity_sum"],
     forward: Direction {
         oracle: arrays::render_alpha,
         bound: bound::volume_render_alpha,
