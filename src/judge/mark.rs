@@ -243,7 +243,7 @@ impl Marks {
 }
 
 /// Whether answers lie within bounds. A search calls this thousands of times, so it may reject answers that are far off before the
-/// bounds are computed (see [`MarkOptions::scale`]).
+/// bounds are computed (see [`MarkOptions::may_reject_early`]).
 pub fn within(
     answer: &Answer,
     expected: &Arrays,
