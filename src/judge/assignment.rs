@@ -9,6 +9,7 @@ use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::known::Known;
 use super::mark::{MarkOptions, nothing_to_show, proves, within};
+use super::partial::{Partial, apply, changes, partial, read, with};
 use super::statistics;
 use crate::contract::arithmetic::Grade;
 use crate::contract::arrays::Arrays;
@@ -17,9 +18,6 @@ use crate::contract::component::Component;
 use crate::convention::profiles::PROFILES;
 use crate::convention::{CHOICES, CS180, Conventions};
 use crate::parallel;
-
-/// Values of some conventions, spelled as in [`CHOICES`].
-pub(crate) type Partial = BTreeMap<&'static str, &'static str>;
 
 /// Inputs of more elements than this are left to the final marking: a search needs the small cases only.
 const LARGE: usize = 20_000;
@@ -30,24 +28,6 @@ const SHOWING: usize = 3;
 
 /// Steps of backtracking before the search settles for the best it has.
 const PATIENCE: usize = 20_000;
-
-/// The value of a convention as its static name.
-pub(crate) fn value(c: &Conventions, key: &str) -> &'static str {
-    let (_, values) =
-        CHOICES.iter().find(|(name, _)| *name == key).expect("components name known conventions");
-    let value = c.get(key);
-    values.iter().find(|v| **v == value).expect("every value is listed")
-}
-
-/// The conventions of `component` in `c`.
-pub(crate) fn partial(component: &Component, c: &Conventions) -> Partial {
-    component.conventions.iter().map(|key| (*key, value(c, key))).collect()
-}
-
-/// `base` with the values of `partial`.
-pub(crate) fn apply(partial: &Partial, base: &Conventions) -> Conventions {
-    partial.iter().fold(*base, |c, (key, value)| c.with(key, value).expect("listed values"))
-}
 
 /// All assignments of a component's conventions, those next to `base` first.
 pub(crate) fn assignments(component: &Component, base: &Conventions) -> Vec<Partial> {
@@ -109,17 +89,6 @@ pub(crate) fn open(
 fn keep(all: &mut Vec<Partial>, keys: &[&str], fits: impl Fn(&Partial) -> bool) {
     let mut known: BTreeMap<Vec<&str>, bool> = BTreeMap::new();
     all.retain(|p| *known.entry(keys.iter().map(|key| p[key]).collect()).or_insert_with(|| fits(p)));
-}
-
-fn with(partial: &Partial, key: &'static str, value: &'static str) -> Partial {
-    let mut partial = partial.clone();
-    partial.insert(key, value);
-    partial
-}
-
-/// In how many conventions `a` differs from `b`.
-pub(crate) fn changes(a: &Partial, b: &Partial) -> usize {
-    a.iter().filter(|(key, value)| b.get(*key).is_some_and(|other| other != *value)).count()
 }
 
 /// The cases that a search goes by, the smallest first.
@@ -204,7 +173,7 @@ pub(crate) type Asked<'a> = (&'a Question, &'a Answers, &'a Known);
 pub(crate) fn find(questions: &[Asked], options: &MarkOptions) -> Found {
     let holds_in = |n: usize, c: &Conventions| {
         let (question, answers, known) = questions[n];
-        known.holds(question.read(c), |c| holds(question, answers, c, options))
+        known.holds(read(question.component, c), |c| holds(question, answers, c, options))
     };
     let wrong_in = |c: &Conventions| -> Vec<usize> {
         let holds = parallel::map(questions.len(), |n| holds_in(n, c));

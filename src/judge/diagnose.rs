@@ -1,7 +1,7 @@
 //! Diagnosis: which conventions and which mistakes explain the answers of a component that failed.
 
 use super::answer::Answers;
-use super::assignment::{Partial, apply, changes, open, partial, possible};
+use super::assignment::{open, possible};
 use super::evidence::{Explanation, Suspect, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
 use super::fitted::{fitting, fitting_pairs};
@@ -10,6 +10,7 @@ use super::mark::MarkOptions;
 use super::misdone::misdone;
 use super::mostly::mostly;
 use super::paired::paired;
+use super::partial::{Partial, apply, changes, partial};
 use super::peel::peel;
 use super::slips::{Beside, slipped};
 use super::statistics;

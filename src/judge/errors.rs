@@ -1,9 +1,9 @@
 //! Element by element: how much of what is allowed the errors of an output take, for a picture of where they sit.
 
 use super::answer::{Answers, reshaped};
-use super::assignment;
 use super::exam::Exam;
 use super::mark::MarkOptions;
+use super::partial::apply;
 use super::report::Row;
 use crate::contract::arithmetic::Grade;
 use crate::contract::check::budget_used;
@@ -31,7 +31,7 @@ pub(crate) fn errors(exam: &Exam, answers: &[Answers], row: &Row, exp_ulp: f64) 
     }
     let at = question.cases.iter().position(|case| case.id == worst.id)?;
     let base = exam.profile.map_or(CS180, |profile| profile.conventions);
-    let c = assignment::apply(&row.shown_in, &assignment::apply(&row.conventions, &base));
+    let c = apply(&row.shown_in, &apply(&row.conventions, &base));
     let options = MarkOptions { dtype: exam.dtype, exp_ulp };
     let truth = options.truth(question, &question.cases[at], &c, Grade::B);
     let (expected, bound) = (truth.expected.get(&worst.output)?, truth.bound.get(&worst.output)?);

@@ -1,10 +1,11 @@
 //! Evidence: how well a hypothesis explains answers, and what is said of one that does.
 
 use super::answer::{Answer, Answers};
-use super::assignment::{Partial, small_cases};
+use super::assignment::small_cases;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::partial::Partial;
 use super::slip::Slip;
 use crate::contract::case::Case;
 use crate::contract::component::Mistake;

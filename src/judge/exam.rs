@@ -1,6 +1,7 @@
 //! The exam: every case of every component and direction for one type, and its manifest.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use ndarray::ArrayD;
 use serde::{Deserialize, Serialize};
@@ -8,6 +9,7 @@ use serde_json::{Value, json};
 
 use super::truths::Truths;
 use crate::contract::arithmetic::Dtype;
+use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::{Component, Entries};
@@ -234,6 +236,11 @@ impl Question {
             _ if axes == 0 => Stored::F64,
             entries => answer_type(entries, dtype),
         }
+    }
+
+    /// The true outputs of a case.
+    pub(crate) fn expected(&self, case: &Case, c: &Conventions) -> Arc<Arrays> {
+        self.truths.expected((self.component, self.kind), case, c)
     }
 
     /// Whether the cases have the shapes that these conventions need.

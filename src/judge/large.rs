@@ -5,11 +5,11 @@ use std::collections::BTreeMap;
 
 use self::blocks::{Whole, alone_is_right, blocks, merge};
 use super::answer::{Answer, Answers, Reply};
-use super::assignment::apply;
 use super::declared::Declared;
 use super::exam::{Exam, Question};
 use super::judging::{EXP_ULP, judge_answers};
 use super::mark::{MarkOptions, Marks};
+use super::partial::apply;
 use super::report::{Report, Row, Verdict};
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::case::Case;

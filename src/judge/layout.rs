@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use ndarray::{ArrayD, Axis};
 
 use super::answer::{Answer, Answers};
-use super::assignment::{admitted, apply, assignments, holds, open, possible};
+use super::assignment::{admitted, assignments, holds, open, possible};
 use super::exam::Question;
 use super::mark::MarkOptions;
+use super::partial::apply;
 use crate::contract::arithmetic::Grade;
 use crate::contract::case::Case;
 use crate::contract::check::{Kind, budget_used};

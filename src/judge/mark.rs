@@ -88,6 +88,12 @@ impl MarkOptions {
         Arithmetic { elementary_ulp: self.exp_ulp, ..Arithmetic::new(self.dtype, grade) }
     }
 
+    /// The true outputs of a case, and the bound of an answer.
+    pub fn truth(&self, question: &Question, case: &Case, c: &Conventions, grade: Grade) -> Arc<Truth> {
+        let row = (question.component, question.kind);
+        question.truths.truth(row, case, c, (self.dtype, &self.arithmetic(grade)))
+    }
+
     /// Whether an answer that is far off can be rejected without its bound: true in f32 and f64, except for hard cases, where a textbook
     /// formula may have no digits left.
     pub fn may_reject_early(&self, case: &Case) -> bool {
@@ -287,8 +293,9 @@ fn far_off(got: &Arrays, expected: &Arrays, bounds: &Arrays) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::assignment::{admitted, apply};
+    use super::super::assignment::admitted;
     use super::super::exam::Exam;
+    use super::super::partial::apply;
     use super::*;
 
     #[test]

@@ -2,12 +2,13 @@
 //! them with a fault in it is a hypothesis like any other.
 
 use super::answer::{Answer, Answers, reshaped};
-use super::assignment::{partial, small_cases};
+use super::assignment::small_cases;
 use super::evidence::Explanation;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::other_numbers::{TRIALS, other_numbers};
+use super::partial::partial;
 use super::places::{Place, count, places, sites};
 use super::slip::Slip;
 use super::slipping::{attempt, conventions, explanations, was_done};

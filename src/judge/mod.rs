@@ -46,6 +46,7 @@ mod observed;
 mod other_numbers;
 pub(crate) mod page;
 mod paired;
+pub(crate) mod partial;
 mod peel;
 mod places;
 mod reach;

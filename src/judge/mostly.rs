@@ -2,12 +2,13 @@
 //! divides 0 by 0 where nothing is there, and whether it adds 1e-8 shows nowhere else.
 
 use super::answer::{Answer, Answers};
-use super::assignment::{Partial, apply, changes, open, partial};
+use super::assignment::open;
 use super::evidence::{Explanation, Suspect, difference, largest_residual, shows, usable};
 use super::exam::Question;
 use super::fitted::guesses;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::partial::{Partial, apply, changes, partial};
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use super::assignment::Partial;
 use super::evidence::Explanation;
 use super::mark::Worst;
+use super::partial::Partial;
 use super::report::{Report, Row, Verdict};
 use super::slip::Slip;
 use crate::contract::arithmetic::Grade;

@@ -2,11 +2,12 @@
 //! more elements agree than what has nothing to do with it.
 
 use super::answer::Answers;
-use super::assignment::{Partial, agreement, apply, changes, open, partial, small_cases};
+use super::assignment::{agreement, open, small_cases};
 use super::evidence::{explains_all, shows};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::partial::{Partial, apply, changes, partial};
 use crate::convention::Conventions;
 use crate::parallel;
 

@@ -2,11 +2,12 @@
 //! one can't be, those found before it stand.
 
 use super::answer::{Answer, Answers};
-use super::assignment::{apply, open, partial, possible, small_cases};
+use super::assignment::{open, possible, small_cases};
 use super::evidence::{Explanation, difference, explains_all, largest_residual, shows};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::partial::{apply, partial};
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;

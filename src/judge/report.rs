@@ -6,11 +6,11 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use super::answer::Answers;
-use super::assignment::{Partial, partial};
 use super::evidence::Explanation;
 use super::exam::{Exam, Question};
 use super::example::Example;
 use super::mark::{Marks, Worst};
+use super::partial::{Partial, partial};
 use super::slip::Slip;
 use crate::contract::arithmetic::Grade;
 use crate::convention::profiles;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::answer::Answers;
-use super::assignment::{self, Found, partial};
+use super::assignment::{self, Found};
 use super::best::best_honest;
 use super::diagnose::diagnose;
 use super::evidence::{Explanation, Suspect, difference};
@@ -15,6 +15,7 @@ use super::imprecise::lost_bits;
 use super::known::Known;
 use super::mark::{MarkOptions, Marks, mark};
 use super::observed::observed;
+use super::partial::{apply, partial, read};
 use super::report::{Report, Row, Verdict};
 use super::slips::gradient_of;
 use super::{layout, statistics};
@@ -115,7 +116,7 @@ impl Round {
             let answered = answered_questions.contains(&n);
             let question = &exam.questions[n];
             let marks = |c: &Conventions| marks(question, &answers[n], c, options);
-            answered.then(|| known[n].marks(question.read(&found.conventions), marks))
+            answered.then(|| known[n].marks(read(question.component, &found.conventions), marks))
         });
         Round { found, marked }
     }
@@ -186,7 +187,7 @@ impl Round {
                     nearest(&mut row, question, &answers[n], c, options);
                 }
                 if row.verdict == Verdict::Fail && !question.statistics() {
-                    let shown_in = assignment::apply(&row.shown_in, c);
+                    let shown_in = apply(&row.shown_in, c);
                     row.example = smallest(question, &answers[n], &shown_in, options);
                     if row.diagnosis.iter().all(|e| !e.whole()) {
                         row.observed = observed(question, &answers[n], &shown_in, options);
@@ -208,7 +209,7 @@ fn diagnose_beside(
     suspects: &[Suspect],
     options: &MarkOptions,
 ) -> Vec<Explanation> {
-    let home = assignment::apply(&forward.conventions, base);
+    let home = apply(&forward.conventions, base);
     if let Some(slip) = &forward.slip {
         let mistakes = forward.mistakes.iter().map(|mistake| mistake.name).collect();
         let h = Hypothesis { slip: Some(slip.clone()), ..Hypothesis::new(mistakes, home) };
@@ -223,7 +224,7 @@ fn diagnose_beside(
         return if home == *base { found } else { diagnose(question, answers, base, suspects, options) };
     }
     for e in &mut found {
-        e.conventions = difference(&of(&assignment::apply(&e.conventions, &home)), &of(base));
+        e.conventions = difference(&of(&apply(&e.conventions, &home)), &of(base));
     }
     found
 }
@@ -258,7 +259,7 @@ fn nearest(row: &mut Row, question: &Question, answers: &Answers, base: &Convent
     let near = match row.diagnosis.first() {
         // Right in other conventions: it only disagrees with the rest of the run.
         Some(best) if !best.wrong() && best.whole() => return,
-        Some(best) => assignment::apply(&best.conventions, base),
+        Some(best) => apply(&best.conventions, base),
         None => assignment::nearest(question, answers, base, options),
     };
     if question.statistics() || near == *base {

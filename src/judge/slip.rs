@@ -228,7 +228,7 @@ impl ArraySlip {
             Change::Cell { at, by } => format!("entry {at:?} of {name} {}", by.says()),
             Change::Entry { from, to } => format!("{name}{from:?} in the place of {name}{to:?}"),
             Change::Turned(axis, n) => {
-                let [x, y, z] = frame(*n).map(|(from, sign)| format!("{sign}{}", ["x", "y", "z"][from]));
+                let [x, y, z] = frame(*n).map(|(from, sign)| format!("{sign}{}", ['x', 'y', 'z'][from]));
                 format!("{name} with x, y, z of axis {axis} taken for {x}, {y}, {z}")
             }
             Change::Transposed(a, b) => format!("{name} with axes {a} and {b} exchanged"),

@@ -5,11 +5,12 @@ use std::panic::{self, AssertUnwindSafe};
 use std::sync::Once;
 
 use super::answer::Answers;
-use super::assignment::{apply, changes, nearest, partial};
+use super::assignment::nearest;
 use super::evidence::{Explanation, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::partial::{apply, changes, partial};
 use crate::convention::Conventions;
 use crate::convention::profiles::PROFILES;
 

@@ -3,14 +3,13 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::assignment::{apply, partial};
-use super::exam::Question;
-use super::mark::MarkOptions;
-use crate::contract::arithmetic::{Dtype, Grade};
+use super::partial::read;
+use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
-use crate::contract::check::{oracle_error, with_oracle_error};
-use crate::convention::{CS180, Conventions};
+use crate::contract::check::{Kind, oracle_error, with_oracle_error};
+use crate::contract::component::{Component, Direction};
+use crate::convention::Conventions;
 
 /// Elements that a question remembers; what is beyond is computed each time.
 const REMEMBERED: usize = 8_000_000;
@@ -103,49 +102,52 @@ fn size(arrays: &Arrays) -> usize {
     arrays.values().map(|array| array.len()).sum()
 }
 
-impl Question {
-    /// The conventions that the row reads; the others can't change what is true of it.
-    pub(super) fn read(&self, c: &Conventions) -> Conventions {
-        apply(&partial(self.component, c), &CS180)
-    }
+/// A row in one direction.
+pub(crate) type Row = (&'static Component, Kind);
 
-    fn exact(&self, case: &Case, c: &Conventions) -> Arc<Exact> {
-        let c = self.read(c);
+fn direction((component, kind): Row) -> &'static Direction {
+    component.direction(kind).expect("a question has its direction")
+}
+
+impl Truths {
+    fn exact(&self, row: Row, case: &Case, c: Conventions) -> Arc<Exact> {
         let known = |of: &OfCase| of.exact.get(&c).cloned();
         let computed = || {
-            let direction = self.component.direction(self.kind).expect("a question has its direction");
-            let expected = (direction.oracle)(&case.inputs, &c);
+            let expected = (direction(row).oracle)(&case.inputs, &c);
             let elements = size(&expected);
             (Exact { expected: Arc::new(expected), error: OnceLock::new() }, elements)
         };
-        self.truths.get(case, known, computed, |of, exact| {
+        self.get(case, known, computed, |of, exact| {
             of.exact.insert(c, exact);
         })
     }
 
     /// The true outputs of a case.
-    pub(crate) fn expected(&self, case: &Case, c: &Conventions) -> Arc<Arrays> {
-        self.exact(case, c).expected.clone()
+    pub(crate) fn expected(&self, row: Row, case: &Case, c: &Conventions) -> Arc<Arrays> {
+        self.exact(row, case, read(row.0, c)).expected.clone()
     }
-}
 
-impl MarkOptions {
-    /// The true outputs of a case, and the bound of an answer.
-    pub fn truth(&self, question: &Question, case: &Case, c: &Conventions, grade: Grade) -> Arc<Truth> {
-        let key = (question.read(c), self.dtype, self.exp_ulp.to_bits(), grade);
+    /// The true outputs of a case, and the bound of an answer in `dtype`.
+    pub(crate) fn truth(
+        &self,
+        row: Row,
+        case: &Case,
+        c: &Conventions,
+        (dtype, arithmetic): (Dtype, &Arithmetic),
+    ) -> Arc<Truth> {
+        let c = read(row.0, c);
+        let key = (c, dtype, arithmetic.elementary_ulp.to_bits(), arithmetic.grade);
         let computed = || {
-            let direction =
-                question.component.direction(question.kind).expect("a question has its direction");
-            let exact = question.exact(case, c);
+            let exact = self.exact(row, case, c);
             // Not within the lock: nobody waits.
-            let made = exact.error.get().is_none().then(|| oracle_error(direction, &case.inputs, c));
+            let made = exact.error.get().is_none().then(|| oracle_error(direction(row), &case.inputs, &c));
             let error = exact.error.get_or_init(|| made.expect("it wasn't there"));
-            let own = (direction.bound)(&case.inputs, c, &self.arithmetic(grade));
+            let own = (direction(row).bound)(&case.inputs, &c, arithmetic);
             let (expected, bound) = (exact.expected.clone(), with_oracle_error(own, error));
             let elements = 2 * size(&bound);
             (Truth { expected, bound }, elements)
         };
-        question.truths.get(
+        self.get(
             case,
             |of| of.truths.get(&key).cloned(),
             computed,
@@ -168,10 +170,9 @@ impl Truths {
 mod tests {
     use super::super::exam::Exam;
     use super::*;
-    use crate::contract::arithmetic::Arithmetic;
-    use crate::convention::CHOICES;
+    use crate::convention::{CHOICES, CS180};
 
-    /// What [`Question::read`] leaves out changes nothing.
+    /// What [`read`] leaves out changes nothing.
     #[test]
     fn rows_read_the_conventions_that_they_list() {
         let mut changed = 0;
