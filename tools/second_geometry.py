@@ -234,6 +234,10 @@ def step_sizes(a, c, wrong):
     if c["delta"] == "midpoints":
         ends = [np.full_like(t[:, :1], x) for x in (near, far)]
         deltas = np.diff(np.concatenate([ends[0], (t[:, 1:] + t[:, :-1]) / 2, ends[1]], 1))
+    elif c["delta"] == "central":
+        between = gaps[:, :-1]
+        if n > 1:
+            deltas = np.concatenate([between[:, :1], (between[:, 1:] + between[:, :-1]) / 2, between[:, -1:]], 1)
     elif c["delta"] != "width":
         between = gaps[:, :-1]
         last = {"width": (far - near) / n, "1e10": 1e10, "1e9": 1e9, "1e-3": 1e-3, "to_far": gaps[:, -1]}

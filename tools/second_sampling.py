@@ -29,9 +29,17 @@ def places(edges, f, u, c, wrong):
     below = np.clip(k, 0, len(f) - 1)
     above = np.clip(k + 1, 0, len(f) - 1)
     difference = f[above] - f[below]
-    snapped = difference < 1e-5 if c["pdf_division"] == "snapped" else difference == 0
-    s = (u - f[below]) / np.where(snapped, u.dtype.type(1), difference)
+    s = (u - f[below]) / share_of(difference, c)
     return below, above, s
+
+
+def share_of(difference, c):
+    """What a place in a bin is divided by."""
+    kind = difference.dtype.type
+    if c["pdf_division"] == "at_least":
+        return np.maximum(difference, kind(1e-5))
+    snapped = difference < 1e-5 if c["pdf_division"] == "snapped" else difference == 0
+    return np.where(snapped, kind(1), difference)
 
 
 def importance_sampling(a, c, wrong):
@@ -81,7 +89,7 @@ def importance_sampling_vjp(a, c, wrong):
         np.add.at(g_edges[r], below, g * (1 - s))
         np.add.at(g_edges[r], above, g * s)
         share = f[above] - f[below]
-        share = np.where(share < 1e-5, share.dtype.type(1), share) if c["pdf_division"] == "snapped" else share
+        share = share if c["pdf_division"] == "as_it_is" else share_of(share, c)
         g_u[r] = 0 if "place_detached" in wrong else g * ((edges[above] - edges[below]) / share)
     return {"grad_edges": g_edges, "grad_u": g_u}
 

@@ -3,6 +3,10 @@
 import numpy as np
 
 
+# Windows whose pixels all weigh the same, and their sizes.
+BOXES = {"uniform": 7, "uniform_11": 11, "uniform_3": 3}
+
+
 class Windows:
     """The two pictures, filtered: each filter is a matrix from pixels to windows along an axis."""
 
@@ -19,7 +23,7 @@ class Windows:
             self.down = np.full((1, p.shape[0]), 1 / p.shape[0], kind)
         else:
             self.down, self.across = (filters(n, c, kind) for n in p.shape[:2])
-        size = 49 if c["ssim_window"] == "uniform" else 121
+        size = BOXES.get(c["ssim_window"], 11) ** 2
         self.more = kind.type(size / (size - 1) if c["ssim_variance"] == "sample" and "one_window" not in wrong else 1)
         self.p, self.t = p, t
         self.mean_p, self.mean_t = self.mean(p), self.mean(t)
@@ -52,8 +56,9 @@ class Windows:
 
 def filters(n, c, kind):
     """Rows are windows, columns pixels."""
-    if c["ssim_window"] == "uniform":
-        line = np.full(7, 1 / 7)
+    size = BOXES.get(c["ssim_window"])
+    if size:
+        line = np.full(size, 1 / size)
     else:
         line = np.exp(-(np.arange(-5, 6) ** 2) / 4.5)
         line = line / line.sum()

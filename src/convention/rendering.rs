@@ -77,6 +77,19 @@ pub enum PdfDivision {
     AsItIs,
     /// The bin's share, or 1 where that is below 1e-5: samples in faint bins fall on the bin's edge (bmild/nerf).
     Snapped,
+    /// The bin's share, but 1e-5 at least: faint bins' samples lie near its beginning (`denom.clamp(min = 1e-5)`).
+    AtLeast,
+}
+
+impl PdfDivision {
+    /// What a bin's share counts as where it is below 1e-5.
+    pub(crate) fn faint(self) -> Option<f64> {
+        match self {
+            PdfDivision::AsItIs => None,
+            PdfDivision::Snapped => Some(1.0),
+            PdfDivision::AtLeast => Some(1e-5),
+        }
+    }
 }
 
 /// Which sample of a ray that stops early is the last to count.

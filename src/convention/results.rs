@@ -70,6 +70,12 @@ pub enum SsimWindow {
     Gaussian,
     /// 7 x 7, all alike (scikit-image's default).
     Uniform,
+    /// 11 x 11, all alike (`avg_pool2d` of the published size).
+    #[serde(rename = "uniform_11")]
+    UniformEleven,
+    /// 3 x 3, all alike (monodepth2 and depth networks after it).
+    #[serde(rename = "uniform_3")]
+    UniformThree,
 }
 
 /// What windows of structural similarity see beyond the picture.

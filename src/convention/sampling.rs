@@ -42,6 +42,9 @@ pub enum Delta {
     /// The sample's cell: from the middle between it and the one before, or near, to the middle between it and the next, or far
     /// (Point-E, Shap-E).
     Midpoints,
+    /// The same, but the outer cells reach as far beyond the first and the last sample as to the other side: whole gaps, as `numpy.gradient`
+    /// has them.
+    Central,
 }
 
 /// The step of the last sample, where the others are differences.

@@ -142,7 +142,23 @@ pub(crate) fn nerf_mlp() -> Vec<Case> {
         full_size(),
         passing_nerf(),
     ];
-    in_full(cases, "passing_on")
+    let mut cases = in_full(in_full(cases, "width_16"), "passing_on");
+    cases.iter_mut().for_each(with_unit_directions);
+    cases
+}
+
+/// Directions of length 1, so that a network which normalizes them itself is asked the same: along the axes, which every type has, and
+/// in full precision as they are drawn.
+fn with_unit_directions(case: &mut Case) {
+    let directions = case.inputs.get_mut("directions").expect("a network's arrays");
+    for mut d in directions.rows_mut() {
+        let length = d.dot(&d).sqrt();
+        let largest = d.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        match case.full {
+            Some(dtype) => d.mapv_inplace(|x| dtype.round(x / length)),
+            None => d.mapv_inplace(|x| if x.abs() == largest { x.signum() } else { 0.0 }),
+        }
+    }
 }
 
 /// 8 layers of 256 with PyTorch's initial values, rounded to f32: `Key::new(0, Purpose::Parameters)`, streams as in

@@ -2,7 +2,7 @@
 
 use super::backward;
 use crate::contract::arrays::{Arrays, array, arrays, number, row, size};
-use crate::convention::{Conventions, PdfDivision};
+use crate::convention::Conventions;
 
 /// What belongs to one ray.
 pub(crate) struct Ray {
@@ -51,9 +51,9 @@ pub(super) fn sample(a: &Arrays, c: &Conventions) -> Arrays {
 
 /// One ray's samples.
 pub(super) fn drawn(ray: &Ray, c: &Conventions) -> Vec<f64> {
-    match c.pdf_division {
-        PdfDivision::AsItIs => super::sample(&ray.edges, &ray.weights, ray.padding, &ray.u),
-        PdfDivision::Snapped => super::sample_snapped(&ray.edges, &ray.weights, ray.padding, &ray.u),
+    match c.pdf_division.faint() {
+        None => super::sample(&ray.edges, &ray.weights, ray.padding, &ray.u),
+        Some(faint) => super::sample_snapped(&ray.edges, &ray.weights, ray.padding, &ray.u, faint),
     }
 }
 
@@ -63,8 +63,8 @@ pub(super) fn sample_vjp(a: &Arrays, c: &Conventions) -> Arrays {
 
 /// The gradient of one ray's samples.
 pub(super) fn gradient(ray: &Ray, g: &[f64], c: &Conventions) -> (Vec<f64>, Vec<f64>) {
-    match c.pdf_division {
-        PdfDivision::AsItIs => backward::sample(&ray.edges, &ray.weights, ray.padding, &ray.u, g),
-        PdfDivision::Snapped => backward::sample_snapped(&ray.edges, &ray.weights, ray.padding, &ray.u, g),
+    match c.pdf_division.faint() {
+        None => backward::sample(&ray.edges, &ray.weights, ray.padding, &ray.u, g),
+        Some(faint) => backward::sample_snapped(&ray.edges, &ray.weights, ray.padding, &ray.u, g, faint),
     }
 }

@@ -28,20 +28,21 @@ pub fn sample(edges: &[f64], weights: &[f64], padding: f64, u: &[f64], g_t: &[f6
     (g_edges, g_u)
 }
 
-/// Gradients of [`super::sample_snapped`]: in a bin whose share counts as 1, s = u - F_k.
+/// Gradients of [`super::sample_snapped`]: in a faint bin s = (u - F_k) / `faint`.
 pub(crate) fn sample_snapped(
     edges: &[f64],
     weights: &[f64],
     padding: f64,
     u: &[f64],
     g_t: &[f64],
+    faint: f64,
 ) -> (Vec<f64>, Vec<f64>) {
     let f = cdf(weights, padding);
     let (mut g_edges, mut g_u) = (vec![0.0; edges.len()], vec![]);
     for i in 0..u.len() {
         let k = bin_of(&f, u[i]);
         let share = f[k + 1] - f[k];
-        let divisor = if share < SNAPPED { 1.0 } else { share };
+        let divisor = if share < SNAPPED { faint } else { share };
         let s = (u[i] - f[k]) / divisor;
         g_edges[k] += g_t[i] * (1.0 - s);
         g_edges[k + 1] += g_t[i] * s;

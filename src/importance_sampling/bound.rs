@@ -7,11 +7,11 @@
 
 use super::arrays::{Ray, drawn, forward, vjp};
 use super::{SNAPPED, cdf};
-use crate::camera::bound::any_order;
+use crate::camera::bound::{any_order, hyper};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::Arrays;
 use crate::contract::bounded::{Bounded, exact, gamma};
-use crate::convention::{Conventions, PdfDivision};
+use crate::convention::Conventions;
 
 /// Roundings of one weight on its way into F: padding, its sum, the total, the quotient, the product with u.
 const ROUNDINGS: f64 = 6.0;
@@ -26,7 +26,8 @@ struct Distribution<'a> {
     absolute: f64,
     /// Sum of the padded weights, at most 1: implementations need not divide by it.
     total: f64,
-    division: PdfDivision,
+    /// What shares below [`SNAPPED`] count as.
+    faint: Option<f64>,
     m: &'a Arithmetic,
 }
 
@@ -48,7 +49,7 @@ impl<'a> Distribution<'a> {
         let scale = if total > 0.0 { 1.0 + 1.0 / total } else { 1.0 };
         let absolute = 2.0 * (n + 4.0) * m.tiny * scale;
         let total = if total > 0.0 { total.min(1.0) } else { 1.0 };
-        Distribution { ray, f, relative, absolute, total, division: c.pdf_division, m }
+        Distribution { ray, f, relative, absolute, total, faint: c.pdf_division.faint(), m }
     }
 
     fn reach(&self, u: f64) -> Reach {
@@ -101,31 +102,29 @@ impl<'a> Distribution<'a> {
         if self.overflows(reach.bins) {
             return f64::INFINITY;
         }
-        let [low, high] = self.snapped_too(reach.bins, [reach.low, reach.high]);
+        let [low, high] = self.snapped_too(u, reach.bins, [reach.low, reach.high]);
         let e = (t - low).max(high - t).max(0.0) + self.local(reach.bins);
         if t.abs() + e > self.m.largest { f64::INFINITY } else { e }
     }
 
-    /// Whether an honest machine may take a bin's share for 1, and whether all do.
+    /// Whether an honest machine may take a bin's share for another number, and whether all do.
     fn snaps(&self, k: usize) -> (bool, bool) {
         let (share, _) = self.inside(k, 0.0);
         let limit = SNAPPED * (1.0 + self.m.u);
-        let on = self.division == PdfDivision::Snapped;
+        let on = self.faint.is_some();
         (on && share.y - share.e < limit, on && share.y + share.e < SNAPPED * (1.0 - self.m.u))
     }
 
-    /// The interval of answers where some of these bins' shares may count as 1: then they lie beside the bin's edge.
-    fn snapped_too(&self, [first, last]: [usize; 2], as_it_is: [f64; 2]) -> [f64; 2] {
+    /// The interval of answers where some of these bins' shares may count as another number.
+    fn snapped_too(&self, u: f64, [first, last]: [usize; 2], as_it_is: [f64; 2]) -> [f64; 2] {
         let bins = first..=last;
         let all = bins.clone().all(|k| self.snaps(k).1);
         let mut answers = if all { [f64::INFINITY, f64::NEG_INFINITY] } else { as_it_is };
         for k in bins.filter(|k| self.snaps(*k).0) {
             let (edges, (share, _)) = (&self.ray.edges, self.inside(k, 0.0));
-            let width = edges[k + 1] - edges[k];
-            answers = [
-                answers[0].min(edges[k] - share.e * width),
-                answers[1].max(edges[k] + (share.y + share.e) * width),
-            ];
+            let (width, place) = (edges[k + 1] - edges[k], (u - self.f[k]).clamp(0.0, share.y));
+            let at = |place: f64| edges[k] + place / self.faint.unwrap_or(1.0) * width;
+            answers = [answers[0].min(at(place - share.e)), answers[1].max(at(place + share.e))];
         }
         answers
     }
@@ -173,7 +172,8 @@ pub(crate) fn sample_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
             }
             let (mut weight, mut s) = d.inside(k, u);
             if surely {
-                (weight, s) = (exact(1.0), m.sub(exact(u), d.honest(d.f[k])));
+                weight = hyper(d.faint.unwrap_or(1.0), m);
+                s = m.div(m.sub(exact(u), d.honest(d.f[k])), weight);
             }
             let width = m.sub(exact(ray.edges[k + 1]), exact(ray.edges[k]));
             terms[k].push(m.mul(exact(g), m.sub(exact(1.0), s)));

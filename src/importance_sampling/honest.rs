@@ -4,17 +4,17 @@ use super::SNAPPED;
 use super::arrays::{Ray, forward, vjp};
 use crate::contract::arrays::Arrays;
 use crate::contract::machine::Machine;
-use crate::convention::{Conventions, PdfDivision};
+use crate::convention::Conventions;
 
 /// How F is made. Shares that are compared with a number are those of a whole that is 1.
 fn form(c: &Conventions, m: &Machine) -> u64 {
-    m.form % if c.pdf_division == PdfDivision::Snapped { 2 } else { 3 }
+    m.form % if c.pdf_division.faint().is_some() { 2 } else { 3 }
 }
 
 /// What the place in a bin is divided by.
 fn divisor(below: f64, above: f64, c: &Conventions, m: &Machine) -> f64 {
     let share = m.sub(above, below);
-    if c.pdf_division == PdfDivision::Snapped && share < m.round(SNAPPED) { 1.0 } else { share }
+    c.pdf_division.faint().filter(|_| share < m.round(SNAPPED)).map_or(share, |faint| m.round(faint))
 }
 
 /// F at the edges, and the u that is searched in it.

@@ -4,7 +4,7 @@ use super::arrays::{Ray, forward, gradient, vjp};
 use super::{SNAPPED, bin_of, cdf};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
-use crate::convention::{Conventions, PdfDivision};
+use crate::convention::Conventions;
 
 /// The search takes the other side. This and the next three are mistakes of new edges, too.
 pub(crate) const SEARCHED_FROM_THE_LEFT: Mistake = Mistake::new(
@@ -189,7 +189,10 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
         return a;
     }
     let mut difference = f[k + 1] - f[k];
-    if difference == 0.0 || c.pdf_division == PdfDivision::Snapped && difference < SNAPPED {
+    if let Some(faint) = c.pdf_division.faint().filter(|_| difference < SNAPPED) {
+        difference = faint;
+    }
+    if difference == 0.0 {
         difference = 1.0;
     }
     let s = match () {

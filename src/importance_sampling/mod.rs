@@ -93,20 +93,27 @@ pub fn sample(edges: &[f64], weights: &[f64], padding: f64, u: &[f64]) -> Vec<f6
     t
 }
 
-/// The same where a bin's share counts as 1 if it is below [`SNAPPED`], as in the original code: samples in faint bins fall on their edge.
-pub(crate) fn sample_snapped(edges: &[f64], weights: &[f64], padding: f64, u: &[f64]) -> Vec<f64> {
+/// The same where a bin's share counts as `faint` if it is below [`SNAPPED`]: as 1 in the original code, where samples in faint bins fall
+/// on their edge.
+pub(crate) fn sample_snapped(
+    edges: &[f64],
+    weights: &[f64],
+    padding: f64,
+    u: &[f64],
+    faint: f64,
+) -> Vec<f64> {
     let f = cdf(weights, padding);
     let mut t = vec![];
     for &u in u {
         let k = bin_of(&f, u);
         let share = f[k + 1] - f[k];
-        let s = (u - f[k]) / if share < SNAPPED { 1.0 } else { share };
+        let s = (u - f[k]) / if share < SNAPPED { faint } else { share };
         t.push(edges[k] + s * (edges[k + 1] - edges[k]));
     }
     t
 }
 
-/// The share below which the original code divides by 1 (run_nerf_helpers.py sample_pdf).
+/// The share below which the original code divides by 1 (run_nerf_helpers.py sample_pdf), and others by this itself.
 pub(crate) const SNAPPED: f64 = 1e-5;
 
 /// The union of the samples of two passes, ascending: where the fine network of a hierarchical pair is evaluated (section 5.2).

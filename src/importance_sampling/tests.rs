@@ -79,15 +79,31 @@ fn faint_bins_are_snapped_by_hand() {
     let weights = [0.5 / faint, 1.0, 0.5 / faint - 1.0];
     let u = [0.25, 0.5 + faint / 2.0, 0.75];
     let s = (0.25 - faint) / (0.5 - faint);
-    assert_eq!(sample_snapped(&edges, &weights, 0.0, &u), [2.5, 3.0 + faint, 5.0 + 4.0 * s]);
-    let (g_edges, g_u) = backward::sample_snapped(&edges, &weights, 0.0, &u, &[1.0, 4.0, 8.0]);
+    assert_eq!(sample_snapped(&edges, &weights, 0.0, &u, 1.0), [2.5, 3.0 + faint, 5.0 + 4.0 * s]);
+    let (g_edges, g_u) = backward::sample_snapped(&edges, &weights, 0.0, &u, &[1.0, 4.0, 8.0], 1.0);
     assert_eq!(g_edges, [0.5, 0.5 + 4.0 * (1.0 - faint / 2.0), 2.0 * faint + 8.0 * (1.0 - s), 8.0 * s]);
     assert_eq!(g_u, [2.0, 8.0, 32.0 / (0.5 - faint)]);
     // A share of exactly 1e-5 isn't faint.
     let weights = [SNAPPED, 1.0 - SNAPPED];
-    assert_eq!(sample_snapped(&edges[..3], &weights, 0.0, &[0.5 * SNAPPED]), [2.5]);
-    let g_u = backward::sample_snapped(&edges[..3], &weights, 0.0, &[0.5 * SNAPPED], &[1.0]).1;
+    assert_eq!(sample_snapped(&edges[..3], &weights, 0.0, &[0.5 * SNAPPED], 1.0), [2.5]);
+    let g_u = backward::sample_snapped(&edges[..3], &weights, 0.0, &[0.5 * SNAPPED], &[1.0], 1.0).1;
     assert_eq!(g_u, [1.0 / SNAPPED]);
+}
+
+/// A share of 2^-20 that counts as 1e-5: s = (u - F) / 1e-5 in its bin.
+#[test]
+fn faint_shares_are_at_least_that_by_hand() {
+    let share = 2f64.powi(-20);
+    let (edges, weights) = ([2.0, 3.0, 5.0], [1.0 - share, share]);
+    let u = [0.5, 1.0 - share / 2.0];
+    let s = share / 2.0 / SNAPPED;
+    assert_eq!(
+        sample_snapped(&edges, &weights, 0.0, &u, SNAPPED),
+        [2.0 + 0.5 / (1.0 - share), 3.0 + s * 2.0]
+    );
+    let (g_edges, g_u) = backward::sample_snapped(&edges, &weights, 0.0, &u, &[0.0, 1.0], SNAPPED);
+    assert_eq!(g_edges, [0.0, 1.0 - s, s]);
+    assert_eq!(g_u, [0.0, 2.0 / SNAPPED]);
 }
 
 fn rays() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {

@@ -118,6 +118,22 @@ pub(crate) fn step_sizes(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
             continue;
         }
         let differences: Vec<Bounded> = t.windows(2).map(|t| m.sub(t[1], t[0])).collect();
+        if c.delta == Delta::Central {
+            let (half, last) = (exact(0.5), samples - 1);
+            deltas.extend((0..samples).map(|i| match i {
+                0 if last == 0 => width.e,
+                0 => differences[0].e,
+                i if i == last => differences[last - 1].e,
+                // The middle of one gap less that of the other, half of both gaps, or of their sum.
+                i => {
+                    let middle = |i: usize| m.mul(half, m.add(t[i], t[i + 1]));
+                    let gaps = m.mul(half, m.add(differences[i - 1], differences[i]));
+                    let ends = m.mul(half, m.sub(t[i + 1], t[i - 1]));
+                    ends.or(gaps).or(m.sub(middle(i), middle(i - 1))).e
+                }
+            }));
+            continue;
+        }
         let last = match c.last_delta {
             LastDelta::Width => width,
             LastDelta::Repeated => differences.last().copied().unwrap_or(width),

@@ -110,6 +110,17 @@ pub(crate) fn step_sizes(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
             continue;
         }
         let differences: Vec<f64> = t.windows(2).map(|t| m.sub(t[1], t[0])).collect();
+        if c.delta == Delta::Central {
+            let last = samples - 1;
+            deltas.extend((0..samples).map(|i| match i {
+                0 if last == 0 => width,
+                0 => differences[0],
+                i if i == last => differences[last - 1],
+                i if m.form % 2 == 0 => m.mul(0.5, m.sub(t[i + 1], t[i - 1])),
+                i => m.mul(0.5, m.add(differences[i - 1], differences[i])),
+            }));
+            continue;
+        }
         let last = match c.last_delta {
             LastDelta::Width => width,
             LastDelta::Repeated => differences.last().copied().unwrap_or(width),

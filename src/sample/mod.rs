@@ -68,7 +68,7 @@ pub fn rest_u(rest: Rest) -> f64 {
 /// Step lengths of one ray's samples.
 ///
 /// Constant D, differences t_{i+1} - t_i with a last one by convention (NeRF equation 3 and its code), or the lengths of cells that meet
-/// in the middle between two samples.
+/// in the middle between two samples; the outer ones end at near and far, or have their samples in the middle.
 ///
 /// ```
 /// use nerf_oracle::convention::{Delta, LastDelta};
@@ -82,6 +82,9 @@ pub fn step_sizes(t: &[f64], near: f64, far: f64, delta: Delta, last: LastDelta)
     let width = (far - near) / n as f64;
     if delta == Delta::Width || n == 0 {
         return vec![width; n];
+    }
+    if delta == Delta::Central {
+        return central(t, width);
     }
     if delta == Delta::Midpoints {
         let edge = |i: usize| match i {
@@ -107,4 +110,16 @@ pub fn step_sizes(t: &[f64], near: f64, far: f64, delta: Delta, last: LastDelta)
         LastDelta::ToFar => far - t[n - 1],
     });
     deltas
+}
+
+/// Half of the way from the sample before to the next one; the whole gap at both ends. One sample has the `width`.
+fn central(t: &[f64], width: f64) -> Vec<f64> {
+    let last = t.len() - 1;
+    let step = |i: usize| match i {
+        0 if last == 0 => width,
+        0 => t[1] - t[0],
+        i if i == last => t[i] - t[i - 1],
+        i => 0.5 * (t[i + 1] - t[i - 1]),
+    };
+    (0..=last).map(step).collect()
 }

@@ -3,7 +3,7 @@
 use ndarray::{Array3, ArrayView3};
 
 use super::arrays::{form, forward, peak, picture, vjp};
-use super::{Form, reach, value};
+use super::{Form, reach, uniform, value};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, number};
 use crate::contract::machine::Machine;
@@ -188,8 +188,8 @@ impl<'a, O: Operations> Pictures<'a, O> {
 
 /// Weights along one axis.
 fn weights<O: Operations>(o: &O, window: SsimWindow) -> Vec<O::Number> {
-    if window == SsimWindow::Uniform {
-        return vec![o.div(o.exact(1.0), o.exact(7.0)); 7];
+    if let Some(size) = uniform(window) {
+        return vec![o.div(o.exact(1.0), o.exact(size as f64)); size];
     }
     let weight = |x: i32| o.exp(o.hyper(-0.5 * f64::from(x * x) / (1.5 * 1.5)));
     let weights: Vec<O::Number> = (-5..=5).map(weight).collect();

@@ -143,10 +143,20 @@ fn value(image: &ArrayView3<f64>, at: Option<[usize; 3]>) -> f64 {
     at.map_or(0.0, |at| image[at])
 }
 
+/// The size of a window whose pixels all weigh the same.
+fn uniform(window: SsimWindow) -> Option<usize> {
+    match window {
+        SsimWindow::Gaussian => None,
+        SsimWindow::Uniform => Some(7),
+        SsimWindow::UniformEleven => Some(11),
+        SsimWindow::UniformThree => Some(3),
+    }
+}
+
 /// The weights of a window along one axis; they add up to 1.
 fn weights(window: SsimWindow) -> Vec<f64> {
-    if window == SsimWindow::Uniform {
-        return vec![1.0 / 7.0; 7];
+    if let Some(size) = uniform(window) {
+        return vec![1.0 / size as f64; size];
     }
     let weights: Vec<f64> = (-5..=5).map(|x| exp(-0.5 * f64::from(x * x) / (1.5 * 1.5))).collect();
     let mut sum = Sum::default();

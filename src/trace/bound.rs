@@ -62,6 +62,10 @@ pub(crate) fn carry(t: &[f64], steps: &mut [f64], delta: Delta) {
             Delta::Width => 0.0,
             // t_{i+1} - t_i; the last step may be computed from the two positions before it.
             Delta::Differences | Delta::DifferencesTimesNorm => t[i.min(last - 1)] + t[i.min(last - 1) + 1],
+            Delta::Central if last == 0 => 0.0,
+            Delta::Central => {
+                0.5 * (t[i.saturating_sub(1)] + t[(i + 1).min(last)]) * if i % last == 0 { 2.0 } else { 1.0 }
+            }
             Delta::Midpoints if i == 0 => edge(1),
             Delta::Midpoints if i == last => edge(last),
             Delta::Midpoints => edge(i) + edge(i + 1),

@@ -42,6 +42,21 @@ def a_millionth_added(edges, weights, u):
     return inverted(edges, steps(weights.detach(), 1e-6), u)
 
 
+@convention(
+    "importance_sampling",
+    {"pdf_padding": "1e-5", "pdf_division": "at_least"},
+    seen="a textbook's sample_pdf: denom.clamp(min=1e-5)",
+)
+def divided_by_a_hundred_thousandth_at_least(edges, weights, u):
+    """1e-5 is added to all weights, and shares are 1e-5 at least."""
+    cdf = steps(weights.detach(), 1e-5)
+    found = torch.searchsorted(cdf.contiguous(), u.contiguous(), right=True)
+    below, above = (found - 1).clamp(min=0), found.clamp(max=cdf.shape[-1] - 1)
+    low, high = torch.gather(cdf, -1, below), torch.gather(cdf, -1, above)
+    first, last = torch.gather(edges, -1, below), torch.gather(edges, -1, above)
+    return first + (u - low) / (high - low).clamp(min=1e-5) * (last - first)
+
+
 @right("importance_sampling", seen="blog posts that divide by the difference as it is", times=2, digits=True)
 def divided_as_it_is(edges, weights, u, padding):
     """Right side, gather, divided by the difference unless it is 0; empty rays by equal weights."""

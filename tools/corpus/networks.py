@@ -165,6 +165,13 @@ def relu_on_the_feature(**a):
     return field(a, feature=torch.relu)
 
 
+@convention("nerf_mlp", {"feature": "relu"}, seen="a CS180 student's field, which divides by the length + 1e-8")
+def directions_normalized_inside(**a):
+    """Directions are divided by their length, which is 1 already; relu behind the feature layer."""
+    d = a["directions"]
+    return field({**a, "directions": d / (torch.norm(d, dim=-1, keepdim=True) + 1e-8)}, feature=torch.relu)
+
+
 @fault("nerf_mlp", "no_view_direction", seen="CMU 16-825 students' first network; Ajithjaas/NeRF", times=3)
 def blind_to_the_direction(**a):
     """The direction is 0 for all."""

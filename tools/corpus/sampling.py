@@ -220,6 +220,14 @@ def infinite_last_step_in_numpy(t):
     return np.concatenate([np.diff(t, axis=-1), np.full_like(t[..., :1], 1e10)], -1)
 
 
+@convention("step_sizes", {"delta": "central"}, seen="a compositor of depths: cells about the samples, whole gaps at both ends")
+def whole_gaps_at_both_ends(t, near, far):
+    """(t_2 - t_0) / 2 inside, the first and the last gap as they are."""
+    if t.shape[-1] == 1:
+        return torch.full_like(t, far - near)
+    return torch.cat([t[:, 1:2] - t[:, :1], (t[:, 2:] - t[:, :-2]) / 2, t[:, -1:] - t[:, -2:-1]], -1)
+
+
 @fault("step_sizes", "last_gap_too_early", seen="a surface renderer: dists[..., -2:-1]")
 def last_step_from_one_too_early(t, near, far):
     """The last step is the gap before the last one: a slice that ends too early."""

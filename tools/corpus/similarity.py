@@ -91,6 +91,33 @@ def seven_by_seven(prediction, target, peak):
 
 @convention(
     "ssim",
+    {"ssim_window": "uniform_11", "ssim_padding": "zero", "ssim_peak": "one"},
+    seen="a splatting trainer: avg_pool2d of 11, padding 5, counted",
+)
+def even_windows_of_the_published_size(prediction, target):
+    """Boxes of 11 x 11 with zeros about the picture."""
+    window = torch.full((11, 11), 1 / 121)
+    return similarity_map(prediction, target, 0.01**2, 0.03**2, lambda x: blur(x, window, 5)).mean()
+
+
+@convention(
+    "ssim",
+    {"ssim_window": "uniform_3", "ssim_padding": "reflect", "ssim_peak": "one"},
+    seen="nianticlabs/monodepth2 layers.py SSIM, before it is turned into a loss, and depth networks after it",
+    times=3,
+)
+def three_by_three(prediction, target):
+    """Boxes of 3 x 3, one pixel reflected on each side."""
+    window = torch.full((3, 3), 1 / 9)
+
+    def mean(x):
+        return blur(F.pad(x.permute(2, 0, 1)[None], (1,) * 4, mode="reflect")[0].permute(1, 2, 0), window)
+
+    return similarity_map(prediction, target, 0.01**2, 0.03**2, mean).mean()
+
+
+@convention(
+    "ssim",
     {"ssim_variance": "sample"},
     seen="skimage with gaussian_weights and sigma 1.5, use_sample_covariance left on",
     times=2,

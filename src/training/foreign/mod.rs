@@ -14,7 +14,7 @@ use super::model::{Model, Pixel, StepReport};
 use super::probe::{Cells, Probe};
 use super::reference::interval_edges;
 use super::sound::FOREIGN;
-use crate::convention::{Conventions, Delta, Directions, Grid, LastDelta, PdfDivision, PixelCenter};
+use crate::convention::{Conventions, Delta, Directions, Grid, LastDelta, PixelCenter};
 use crate::encoding::{Encoding, positional_encoding};
 use crate::error::{Error, Result};
 use crate::files::npz::{Array, Arrays};
@@ -127,9 +127,9 @@ impl ForeignModel {
         };
         let u = self.places(0.0, 1.0, self.mapping.samples.fine);
         let padding = c.pdf_padding.value(0.0);
-        let drawn = match c.pdf_division {
-            PdfDivision::AsItIs => sample(&edges, weights, padding, &u),
-            PdfDivision::Snapped => sample_snapped(&edges, weights, padding, &u),
+        let drawn = match c.pdf_division.faint() {
+            None => sample(&edges, weights, padding, &u),
+            Some(faint) => sample_snapped(&edges, weights, padding, &u, faint),
         };
         union(t, &drawn)
     }
