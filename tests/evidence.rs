@@ -163,40 +163,47 @@ fn with(case: &Case, names: &[&String], change: impl Fn(f64) -> f64) -> Arrays {
     inputs
 }
 
+/// What is lost on a row: how many faults were tried, and those that pass.
+fn lost(row: &Row) -> (usize, Vec<String>) {
+    let (mut asked, mut passing) = (0, vec![]);
+    let oracle = |inputs: &Arrays| (row.direction().oracle)(inputs, &CS180);
+    let names: Vec<&String> = row.asked[0].0.inputs.keys().collect();
+    let sets = names.iter().map(|name| vec![*name]).chain([names.clone()]);
+    // What no output depends on may be rounded; whole numbers lose nothing.
+    let matters = |set: &Vec<&String>| {
+        let moved = |x: f64| if x.fract() == 0.0 { x } else { 1.0625 * x };
+        row.asked.iter().any(|(case, truth, _)| oracle(&with(case, set, moved)) != *truth)
+    };
+    for set in sets.filter(matters) {
+        for through in [Dtype::F32, Dtype::Tf32, Dtype::Bf16, Dtype::F16] {
+            if through.bits() < row.dtype.bits() {
+                asked += 1;
+                if !row.rejects(|case| oracle(&with(case, &set, |x| through.round(x)))) {
+                    passing.push(format!("{} {set:?} through {through}", row.name()));
+                }
+            }
+        }
+    }
+    // Counts are the same in every type.
+    let whole = row.component.outputs.iter().all(|port| port.entries.whole());
+    if row.dtype == Dtype::F64 && !whole {
+        asked += 1;
+        let machine = Machine::number(Dtype::F32, 8);
+        if !row.rejects(|case| (row.direction().honest)(&case.inputs, &CS180, &machine)) {
+            passing.push(format!("{} computed in f32", row.name()));
+        }
+    }
+    (asked, passing)
+}
+
 /// Each input alone, and all together, rounded to every shorter type on the way in: weights and tables kept in bf16, products of TF32
 /// units, f64 through f32. And all of it computed in f32, answered in f64.
 #[test]
 fn lost_digits_show() {
-    let (mut asked, mut passing) = (0, vec![]);
-    for row in rows(types(&[Dtype::F32], &[Dtype::F64, Dtype::F32])) {
-        let oracle = |inputs: &Arrays| (row.direction().oracle)(inputs, &CS180);
-        let names: Vec<&String> = row.asked[0].0.inputs.keys().collect();
-        let sets = names.iter().map(|name| vec![*name]).chain([names.clone()]);
-        // What no output depends on may be rounded; whole numbers lose nothing.
-        let matters = |set: &Vec<&String>| {
-            let moved = |x: f64| if x.fract() == 0.0 { x } else { 1.0625 * x };
-            row.asked.iter().any(|(case, truth, _)| oracle(&with(case, set, moved)) != *truth)
-        };
-        for set in sets.filter(matters) {
-            for through in [Dtype::F32, Dtype::Tf32, Dtype::Bf16, Dtype::F16] {
-                if through.bits() < row.dtype.bits() {
-                    asked += 1;
-                    if !row.rejects(|case| oracle(&with(case, &set, |x| through.round(x)))) {
-                        passing.push(format!("{} {set:?} through {through}", row.name()));
-                    }
-                }
-            }
-        }
-        // Counts are the same in every type.
-        let whole = row.component.outputs.iter().all(|port| port.entries.whole());
-        if row.dtype == Dtype::F64 && !whole {
-            asked += 1;
-            let machine = Machine::number(Dtype::F32, 8);
-            if !row.rejects(|case| (row.direction().honest)(&case.inputs, &CS180, &machine)) {
-                passing.push(format!("{} computed in f32", row.name()));
-            }
-        }
-    }
+    let rows = rows(types(&[Dtype::F32], &[Dtype::F64, Dtype::F32]));
+    let lost = parallel::map(rows.len(), |n| lost(&rows[n]));
+    let asked: usize = lost.iter().map(|(asked, _)| asked).sum();
+    let passing: Vec<&String> = lost.iter().flat_map(|(_, passing)| passing).collect();
     println!("{asked} faults, {} pass", passing.len());
     assert!(passing.is_empty(), "{passing:#?}");
 }

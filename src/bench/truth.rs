@@ -6,7 +6,7 @@ use super::error::same_shapes;
 use super::{Errors, Prepare, Suite, Variant};
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
-use crate::contract::check::{tolerance, worst};
+use crate::contract::check::{oracle_error, with_oracle_error, worst};
 use crate::convention::CS180;
 
 /// What a suite's variants are compared with.
@@ -14,6 +14,8 @@ pub(super) struct Truth {
     /// The inputs that are checked.
     pub inputs: Arrays,
     expected: Arrays,
+    /// The oracle's own error.
+    oracle_error: Option<Arrays>,
     /// Bounds by dtype and by the accuracy of elementary functions.
     bounds: BTreeMap<(Dtype, u64), Arrays>,
 }
@@ -26,16 +28,19 @@ impl Truth {
             Some(component) => (component.forward.oracle)(&inputs, &CS180),
             None => output(suite.oracle, &inputs),
         };
-        Truth { inputs, expected, bounds: BTreeMap::new() }
+        Truth { inputs, expected, oracle_error: None, bounds: BTreeMap::new() }
     }
 
     /// The component's bound in a type, grade B, with elementary functions within `ulp`.
     fn bound(&mut self, suite: &Suite, dtype: Dtype, ulp: f64) -> Option<&Arrays> {
         let component = suite.registered()?;
         let arithmetic = Arithmetic { elementary_ulp: ulp, ..Arithmetic::new(dtype, Grade::B) };
-        let (inputs, bounds) = (&self.inputs, &mut self.bounds);
-        let make = || tolerance(&component.forward, inputs, &CS180, &arithmetic);
-        Some(bounds.entry((dtype, ulp.to_bits())).or_insert_with(make))
+        let (direction, inputs) = (&component.forward, &self.inputs);
+        let make = || {
+            let error = self.oracle_error.get_or_insert_with(|| oracle_error(direction, inputs, &CS180));
+            with_oracle_error((direction.bound)(inputs, &CS180, &arithmetic), error)
+        };
+        Some(self.bounds.entry((dtype, ulp.to_bits())).or_insert_with(make))
     }
 
     /// Checks a variant: its errors, or why it is rejected.

@@ -2,59 +2,10 @@
 //! arithmetic with a [`Machine`](super::machine::Machine), which asks here, so that any operation of any component can be tried.
 
 use std::cell::{Cell, RefCell};
+use std::collections::VecDeque;
 use std::panic::{Location, resume_unwind};
 
-use crate::math::{cos, exp, ln, pow, sin};
-
-/// What is done with one number, with two, or with many.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Operation {
-    /// A number that is given: an input, or a constant.
-    Given,
-    /// A result that the machine only rounds.
-    Rounded,
-    Neg,
-    Sqrt,
-    Exp,
-    Expm1,
-    Ln,
-    Sin,
-    Cos,
-    Add,
-    Sub,
-    Mul,
-    Div,
-    Pow,
-    Max,
-    Min,
-    /// A number that passes where another is above a third.
-    Above,
-    Sum,
-    Dot,
-}
-
-impl Operation {
-    /// Of two numbers; a function takes the first.
-    pub(crate) fn of(self, a: f64, b: f64) -> f64 {
-        match self {
-            Operation::Given | Operation::Rounded | Operation::Above | Operation::Sum | Operation::Dot => a,
-            Operation::Neg => -a,
-            Operation::Sqrt => a.sqrt(),
-            Operation::Exp => exp(a),
-            Operation::Expm1 => crate::math::expm1(a),
-            Operation::Ln => ln(a),
-            Operation::Sin => sin(a),
-            Operation::Cos => cos(a),
-            Operation::Add => a + b,
-            Operation::Sub => a - b,
-            Operation::Mul => a * b,
-            Operation::Div => a / b,
-            Operation::Pow => pow(a, b),
-            Operation::Max => a.max(b),
-            Operation::Min => a.min(b),
-        }
-    }
-}
+use super::operation::Operation;
 
 /// An operation in the text of a formula.
 #[derive(Clone, Copy, Debug)]
@@ -73,8 +24,17 @@ impl PartialEq for Site {
     }
 }
 
+/// A number of an operation that was done before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Origin {
+    /// Where that was.
+    pub site: Site,
+    /// Its first number, its second one, or (2) what came out.
+    pub place: usize,
+}
+
 /// A site that an evaluation came by.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Seen {
     /// Which.
     pub site: Site,
@@ -82,6 +42,23 @@ pub(crate) struct Seen {
     pub times: usize,
     /// What came out, where it was the same each time.
     pub value: Option<f64>,
+    /// Other numbers that were there when it came by first, the latest first.
+    pub others: Vec<Origin>,
+}
+
+impl Seen {
+    /// The ways to take another number for one of its own.
+    pub(crate) fn mixed_up(&self) -> Vec<How> {
+        use Operation as O;
+        let numbers = match self.site.operation {
+            O::Add | O::Sub | O::Mul | O::Div | O::Max | O::Min | O::Pow => 2,
+            O::Sqrt | O::Exp | O::Expm1 | O::Ln | O::Sin | O::Cos => 1,
+            _ => 0,
+        };
+        let one_of_both = (0..numbers).filter(|_| numbers == 2).map(How::Both);
+        let others = self.others.iter().flat_map(|other| (0..numbers).map(|n| How::Other(n, *other)));
+        one_of_both.chain(others).collect()
+    }
 }
 
 /// In which other way it is done. The likelier come first in [`How::all`].
@@ -123,6 +100,10 @@ pub(crate) enum How {
     Times(f64),
     /// So much more.
     Plus(f64),
+    /// The first or the second number is taken for both.
+    Both(usize),
+    /// Another number is taken for the first or the second one.
+    Other(usize, Origin),
     /// A sum without one of its terms.
     Without(usize),
     /// A sum with one of its terms subtracted.
@@ -134,6 +115,12 @@ pub(crate) enum How {
     /// The parenthesis closes after what follows: a / b + c is (a + c) / b.
     Wider,
 }
+
+/// Numbers that one may be taken for.
+pub(crate) const OTHERS: usize = 24;
+
+/// Numbers of the operations before that are looked at for them.
+const LATEST: usize = 192;
 
 /// Terms of a sum that may be left out, one at a time.
 const TERMS: usize = 6;
@@ -198,6 +185,8 @@ thread_local! {
     static SEEN: RefCell<Vec<Seen>> = const { RefCell::new(vec![]) };
     static LEFT: Cell<usize> = const { Cell::new(0) };
     static WAITING: Cell<Option<Waiting>> = const { Cell::new(None) };
+    static LATEST_NUMBERS: RefCell<VecDeque<(Origin, f64)>> = const { RefCell::new(VecDeque::new()) };
+    static OTHER: Cell<Option<f64>> = const { Cell::new(None) };
 }
 
 /// A site with what happens there.
@@ -213,6 +202,7 @@ impl Fault {
     /// The sites that a function comes by.
     pub(crate) fn observed(function: impl FnOnce(Fault)) -> Vec<Seen> {
         SEEN.with_borrow_mut(Vec::clear);
+        LATEST_NUMBERS.with_borrow_mut(VecDeque::clear);
         Fault::begin(usize::MAX);
         function(Fault { site: None, how: How::Observed });
         SEEN.take()
@@ -224,6 +214,7 @@ impl Fault {
     /// Then the evaluation does, without a word.
     pub(crate) fn begin(operations: usize) {
         WAITING.set(None);
+        OTHER.set(None);
         LEFT.set(operations);
     }
 
@@ -235,21 +226,32 @@ impl Fault {
         self.site == Some(Site { operation, at })
     }
 
-    /// Writes down what came out.
-    fn saw(site: Site, value: f64) {
+    /// Writes down what came out of two numbers.
+    fn saw(site: Site, numbers: [f64; 2], value: f64) {
         SEEN.with_borrow_mut(|all| match all.iter_mut().find(|seen| seen.site == site) {
             Some(seen) => {
                 seen.times += 1;
                 seen.value = seen.value.filter(|had| *had == value);
             }
-            None => all.push(Seen { site, times: 1, value: Some(value) }),
+            None => all.push(Seen { site, times: 1, value: Some(value), others: others(numbers, value) }),
+        });
+        LATEST_NUMBERS.with_borrow_mut(|latest| {
+            for (place, number) in [numbers[0], numbers[1], value].into_iter().enumerate() {
+                latest.push_front((Origin { site, place }, number));
+            }
+            latest.truncate(LATEST);
         });
     }
 
     /// An operation on two numbers, or a function of the first.
     pub(crate) fn done(&self, operation: Operation, a: f64, b: f64, at: &'static Location<'static>) -> f64 {
         if self.how == How::Observed {
-            Fault::saw(Site { operation, at }, operation.of(a, b));
+            Fault::saw(Site { operation, at }, [a, b], operation.of(a, b));
+        }
+        if let How::Other(_, Origin { site, place }) = self.how
+            && site == (Site { operation, at })
+        {
+            OTHER.set(Some([a, b, operation.of(a, b)][place]));
         }
         if !self.here(operation, at) {
             return self.caught_up(operation, a, b).unwrap_or_else(|| operation.of(a, b));
@@ -277,6 +279,10 @@ impl Fault {
             How::SquaredInside(_) => operation.of(a, b * b),
             How::RootInside(0) => operation.of(a.sqrt(), b),
             How::RootInside(_) => operation.of(a, b.sqrt()),
+            How::Both(0) => operation.of(a, a),
+            How::Both(_) => operation.of(b, b),
+            How::Other(0, _) => operation.of(OTHER.get().unwrap_or(a), b),
+            How::Other(..) => operation.of(a, OTHER.get().unwrap_or(b)),
             How::Halved => 0.5 * right,
             How::Doubled => 2.0 * right,
             How::Taken(x) => x,
@@ -333,4 +339,17 @@ impl Fault {
             _ => None,
         }
     }
+}
+
+/// Numbers that differ from these and from one another, the latest first.
+fn others(numbers: [f64; 2], value: f64) -> Vec<Origin> {
+    let mut known = vec![numbers[0], numbers[1], value];
+    LATEST_NUMBERS.with_borrow(|latest| {
+        let new = latest.iter().filter(|(_, number)| {
+            let new = !known.contains(number) && !number.is_nan();
+            known.extend(new.then_some(*number));
+            new
+        });
+        new.map(|(origin, _)| *origin).take(OTHERS).collect()
+    })
 }

@@ -4,7 +4,8 @@
 use std::panic::Location;
 
 use super::arithmetic::Dtype;
-use super::fault::{Fault, Operation};
+use super::fault::Fault;
+use super::operation::Operation;
 use crate::random::{Key, Purpose};
 
 /// The order in which a sum is taken.

@@ -11,6 +11,7 @@ pub mod hazard;
 pub mod laid;
 pub mod large;
 pub mod machine;
+pub(crate) mod operation;
 pub(crate) mod operations;
 pub mod propagate;
 pub mod recipe;

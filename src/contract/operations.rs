@@ -5,8 +5,8 @@
 
 use super::arithmetic::Arithmetic;
 use super::bounded::{Bounded, any_order, exact, hyper};
-use super::fault::Operation;
 use super::machine::Machine;
+use super::operation::Operation;
 use crate::math::{expm1, ln, ln_1p, pow};
 
 /// Arithmetic on numbers of some kind.

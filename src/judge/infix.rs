@@ -1,6 +1,7 @@
 //! An operation in the text of an honest implementation, as it would be on paper: `o.div(o.mul(d, d), o.exact(12.0))` is `d * d / 12`.
 
-use crate::contract::fault::{How, Operation, Site};
+use crate::contract::fault::{How, Origin, Site};
+use crate::contract::operation::Operation;
 use crate::registry::COMPONENTS;
 
 /// Longer ones are cut.
@@ -15,7 +16,19 @@ pub(super) fn says(site: &Site, how: How) -> String {
     };
     let (name, arguments) = call;
     let right = written(&name, &arguments);
+    if let How::Other(n, origin) = how {
+        let other = originally(origin).unwrap_or_else(|| Written::atom("another number"));
+        let one = |(i, own): (usize, &Written)| if i == n { other.clone() } else { own.clone() };
+        let mixed: Vec<Written> = arguments.iter().enumerate().map(one).collect();
+        return format!("{} in the place of {} ({place})", cut(&written(&name, &mixed).0), cut(&right.0));
+    }
     format!("{} ({place})", changed(&right, &arguments, site.operation, how))
+}
+
+/// A number of an operation that was done before, as it is written there.
+fn originally(origin: Origin) -> Option<Written> {
+    let (name, arguments) = call(&origin.site.at.file().replace('\\', "/"), &origin.site)?;
+    if origin.place == 2 { Some(written(&name, &arguments)) } else { arguments.get(origin.place).cloned() }
 }
 
 /// Text, and how tightly it holds together: a sum is 1, a product 2, a name 3.
@@ -49,6 +62,7 @@ fn changed(right: &Written, arguments: &[Written], operation: Operation, how: Ho
         How::Done(other) => applied(other, &[argument(0), argument(1)]),
         How::Crossed(other) => applied(other, &[argument(1), argument(0)]),
         How::Exchanged => applied(operation, &[argument(1), argument(0)]),
+        How::Both(n) => applied(operation, &[argument(n), argument(n)]),
         How::OfOpposite => applied(operation, &[Written(format!("-{}", argument(0).within(2)), 2)]),
         How::Opposite => Written(format!("-{}", right.within(2)), 2),
         How::Squared => square(right),
@@ -69,7 +83,7 @@ fn changed(right: &Written, arguments: &[Written], operation: Operation, how: Ho
         How::SecondOutside => return outside(right, &argument(1)),
         How::FirstOutside => return outside(right, &argument(0)),
         How::Wider => return format!("{}, with what follows inside of the parenthesis", cut(&right.0)),
-        How::Observed => right.clone(),
+        How::Observed | How::Other(..) => right.clone(),
     };
     format!("{} in the place of {}", cut(&instead.0), cut(&right.0))
 }

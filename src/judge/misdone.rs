@@ -14,7 +14,7 @@ use super::slip::Slip;
 use super::slipping::{attempt, conventions, explanations, was_done};
 use super::telling::{MOST_BITS, SURE, TELLING, evidence, telling};
 use crate::contract::case::Case;
-use crate::contract::fault::How;
+use crate::contract::fault::{How, OTHERS};
 use crate::convention::{CHOICES, Conventions};
 use crate::parallel;
 
@@ -55,6 +55,16 @@ pub(super) fn misdone(
     let found = proved(all, 0.0, &nearby, question, answers, base, options);
     let nearest = tried.iter().min_by_key(|t| t.shown);
     let Some(t) = nearest.filter(|_| found.is_empty()) else { return found };
+    let mixed_up = |t: &Tried| {
+        let places = t.affordable(2 * (1 + OTHERS), t.share).iter().filter(|place| place.first);
+        let ways = places.flat_map(|place| place.seen.mixed_up().into_iter().map(move |how| (place, how)));
+        ways.map(|(place, how)| (t.failing, place.hypothesis(how, &t.conventions))).collect::<Vec<_>>()
+    };
+    let mixed = tried.iter().flat_map(mixed_up).collect();
+    let found = proved(mixed, 0.0, &nearby, question, answers, base, options);
+    if !found.is_empty() {
+        return found;
+    }
     // A number that is read off an element explains that one anyway.
     let read = other_numbers(question, &cases, t.affordable(TRIALS, 1.0), &t.conventions, options);
     let read = read.into_iter().map(|h| (t.failing, h)).collect();
@@ -195,7 +205,7 @@ mod tests {
         let answers: Answers = question.cases.iter().map(right).collect();
         let cases = small_cases(question, &answers);
         let slips = |place: &Place| {
-            let all = How::all(place.seen.site.operation).into_iter();
+            let all = How::all(place.seen.site.operation).into_iter().chain(place.seen.mixed_up());
             all.map(|how| formula(place.hypothesis(how, &CS180))).collect::<Vec<_>>()
         };
         let all: Vec<FormulaSlip> = places(question, &cases, &CS180, LOOKS).iter().flat_map(slips).collect();
@@ -234,6 +244,8 @@ mod tests {
             ("conical_frustum", "sqrt(dd) / 3 in the place of dd / 3"),
             ("ndc_rays", "plane - o[2], of which plane is taken outside"),
             ("lr_cosine", "(step + 1) / warmup in the place of"),
+            ("lens_distort", "r2 * r2 in the place of r4 * r2"),
+            ("lens_distort", "r2 * p[1] in the place of p[0] * p[1]"),
             ("hash_grid", "1 in the place of 1 - cells[a].1"),
             ("hash_grid", "0 in the place of scaled - cell"),
         ] {
@@ -314,8 +326,8 @@ mod tests {
         let (mut tried, mut ended) = (0, 0);
         each_row(|question, _, cases| {
             let ways = |place: &Place| {
-                let ways = How::all(place.seen.site.operation);
-                ways.into_iter().map(|how| place.hypothesis(how, &CS180)).collect::<Vec<_>>()
+                let ways = How::all(place.seen.site.operation).into_iter().chain(place.seen.mixed_up());
+                ways.map(|how| place.hypothesis(how, &CS180)).collect::<Vec<_>>()
             };
             let all = places(question, cases, &CS180, LOOKS);
             for h in all.iter().flat_map(ways).step_by(7 * one_in(4)) {

@@ -7,11 +7,14 @@ pub mod asking;
 pub(crate) mod assignment;
 mod best;
 pub(crate) mod candidate;
+mod changes;
+mod columns;
 #[doc(hidden)]
 pub mod declared;
 #[doc(hidden)]
 pub mod diagnose;
 pub(crate) mod door;
+mod each;
 mod edges;
 #[doc(hidden)]
 #[cfg(feature = "cli")]

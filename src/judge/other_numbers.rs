@@ -2,13 +2,15 @@
 //! element of the answers that is furthest off, place by place.
 
 use super::answer::{Answer, beside};
+use super::each::rounded;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::places::Place;
-use super::slipping::{attempt, rounded};
+use super::slipping::attempt;
 use crate::contract::case::Case;
-use crate::contract::fault::{How, Operation};
+use crate::contract::fault::How;
+use crate::contract::operation::Operation;
 use crate::convention::Conventions;
 use crate::parallel;
 

@@ -20,7 +20,7 @@ const LEAST: usize = 200;
 const PATIENCE: usize = 20;
 
 /// An operation of a formula that one of the machines does.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Place {
     machine: u64,
     pub(super) seen: Seen,

@@ -3,6 +3,8 @@
 
 use ndarray::{ArrayD, Axis, IxDyn};
 
+use super::columns::{Changed, regrouped};
+use super::each::{By, EACH};
 use super::formula_slip::FormulaSlip;
 use crate::contract::arrays::Arrays;
 
@@ -29,73 +31,15 @@ pub(crate) enum Change {
     Entry { from: [usize; 2], to: [usize; 2] },
     /// The first three elements of a short axis are others of them, with either sign: another frame's x, y, z. By [`frame`].
     Turned(usize, usize),
+    /// The last axis has another order: what went by an input's axis last goes by it first, or the other way around.
+    Regrouped { input: String, axis: usize, back: bool },
+    /// Some elements of a long axis.
+    Columns(Changed),
     /// Two axes are exchanged, of the same length.
     Transposed(usize, usize),
     /// Another array stands in its place.
     Other(String),
 }
-
-/// What happens to an element by itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum By {
-    /// As [`EACH`] has it in this place.
-    Each(usize),
-    /// It is multiplied by a number that the answers show.
-    Times(f64),
-    /// A number that the answers show is added.
-    Plus(f64),
-}
-
-impl By {
-    fn of(self, x: f64) -> f64 {
-        match self {
-            By::Each(n) => EACH[n].1(x),
-            By::Times(k) => k * x,
-            By::Plus(k) => x + k,
-        }
-    }
-
-    fn says(self) -> String {
-        match self {
-            By::Each(n) => EACH[n].0.into(),
-            By::Times(k) => format!("times {k:?}"),
-            By::Plus(k) => format!("{} {:?}", if k < 0.0 { "minus" } else { "plus" }, k.abs()),
-        }
-    }
-}
-
-/// Elements, one by one. The likelier come first: of two that give the same numbers, that one is named.
-pub(crate) const EACH: &[(&str, fn(f64) -> f64)] = &[
-    ("left out: 0", |_| 0.0),
-    ("with the other sign", |x| -x),
-    ("through a ReLU", |x| x.max(0.0)),
-    ("clamped to [0, 1]", |x| x.clamp(0.0, 1.0)),
-    ("without its sign", f64::abs),
-    ("halved", |x| 0.5 * x),
-    ("doubled", |x| 2.0 * x),
-    ("1 minus itself", |x| 1.0 - x),
-    ("taken for 1", |_| 1.0),
-    ("times pi", |x| std::f64::consts::PI * x),
-    ("times 2 pi", |x| std::f64::consts::TAU * x),
-    ("over pi", |x| x / std::f64::consts::PI),
-    ("over 2 pi", |x| x / std::f64::consts::TAU),
-    ("times 255", |x| 255.0 * x),
-    ("over 255", |x| x / 255.0),
-    ("mapped from [0, 1] to [-1, 1]", |x| 2.0 * x - 1.0),
-    ("mapped from [-1, 1] to [0, 1]", |x| 0.5 * x + 0.5),
-    ("squared", |x| x * x),
-    ("taken for its square root", f64::sqrt),
-    ("taken for its reciprocal", |x| 1.0 / x),
-    ("taken for its exponential", crate::math::exp),
-    ("taken for its logarithm", crate::math::ln),
-    ("through a sigmoid", |x| 1.0 / (1.0 + crate::math::exp(-x))),
-    ("plus 1", |x| x + 1.0),
-    ("minus 1", |x| x - 1.0),
-    ("plus 1/2", |x| x + 0.5),
-    ("minus 1/2", |x| x - 0.5),
-    ("rounded down", f64::floor),
-    ("rounded to whole numbers", f64::round),
-];
 
 /// All elements along an axis.
 pub(crate) const ALONG: &[(&str, fn(&[f64]) -> Vec<f64>)] = &[
@@ -114,6 +58,9 @@ pub(crate) const ALONG: &[(&str, fn(&[f64]) -> Vec<f64>)] = &[
     ("moved one back, with the last twice", |x| earlier(x, x[x.len() - 1])),
     ("moved one back, around the end", |x| earlier(x, x[0])),
     ("back to front", |x| x.iter().rev().copied().collect()),
+    ("mapped to [0, 1] from its first to its last", |x| {
+        over(&x.iter().map(|y| y - x[0]).collect::<Vec<_>>(), x[x.len() - 1] - x[0])
+    }),
     ("taken for its mean", |x| vec![x.iter().sum::<f64>() / x.len() as f64; x.len()]),
     ("taken for its first element for all", |x| vec![x[0]; x.len()]),
     ("taken for its last element for all", |x| vec![x[x.len() - 1]; x.len()]),
@@ -121,8 +68,9 @@ pub(crate) const ALONG: &[(&str, fn(&[f64]) -> Vec<f64>)] = &[
     ("without its first element", |x| [&[0.0], &x[1..]].concat()),
 ];
 
+/// 0 stays 0: whoever divides by a sum sees to that.
 fn over(x: &[f64], by: f64) -> Vec<f64> {
-    x.iter().map(|x| x / by).collect()
+    x.iter().map(|&x| if x == 0.0 { 0.0 } else { x / by }).collect()
 }
 
 fn running(x: &[f64], start: f64, next: fn(f64, f64) -> f64) -> Vec<f64> {
@@ -231,6 +179,11 @@ impl ArraySlip {
                 let [x, y, z] = frame(*n).map(|(from, sign)| format!("{sign}{}", ['x', 'y', 'z'][from]));
                 format!("{name} with x, y, z of axis {axis} taken for {x}, {y}, {z}")
             }
+            Change::Regrouped { input, axis, back } => {
+                let place = if *back { "last" } else { "first" };
+                format!("{name} with its last axis ordered by axis {axis} of {input} {place}")
+            }
+            Change::Columns(changed) => changed.says(name),
             Change::Transposed(a, b) => format!("{name} with axes {a} and {b} exchanged"),
             Change::Other(other) => format!("{other} in the place of {name}"),
         }
@@ -251,6 +204,7 @@ impl Change {
             | Change::Cell { .. }
             | Change::Twice { .. }
             | Change::Entry { .. }
+            | Change::Columns(_)
             | Change::Turned(..) => 1 + EACH.len(),
             _ => 0,
         }
@@ -309,6 +263,11 @@ impl Change {
                 }
                 turned
             }
+            Change::Regrouped { input, axis, back } => {
+                let group = inputs.get(input).and_then(|a| a.shape().get(*axis)).copied().unwrap_or(1);
+                regrouped(x, group, *back)
+            }
+            Change::Columns(changed) => changed.of(x),
             Change::Transposed(a, b) if x.ndim() > *a.max(b) && x.shape()[*a] == x.shape()[*b] => {
                 let mut x = x.clone();
                 x.swap_axes(*a, *b);

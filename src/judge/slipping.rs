@@ -17,11 +17,6 @@ use crate::convention::profiles::PROFILES;
 /// Explanations that are listed.
 const SHOWN: usize = 3;
 
-/// A number that answers show: in four digits, as people write it, and as it is.
-pub(super) fn rounded(x: f64) -> [f64; 2] {
-    [format!("{x:.3e}").parse().unwrap_or(x), x]
-}
-
 /// Whether a hypothesis explains the answers, and some of them show it.
 pub(super) fn was_done(
     h: &Hypothesis,

@@ -1,17 +1,20 @@
 //! Slips that explain answers which no mistake of the catalogue explains: one, by itself or beside one catalogued mistake.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use ndarray::{ArrayD, Axis};
 
 use super::answer::{Answer, Answers, beside};
 use super::assignment::small_cases;
+use super::changes::{SHORT, groups, lengths, of_axes};
+use super::columns;
+use super::each::{By, EACH, rounded};
 use super::evidence::Explanation;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
-use super::slip::{ALONG, ArraySlip, By, Change, EACH, Slip, turned};
-use super::slipping::{conventions, explanations, rounded, was_done};
+use super::slip::{ArraySlip, Change, Slip};
+use super::slipping::{conventions, explanations, was_done};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
@@ -28,12 +31,6 @@ const LEAST: usize = 100;
 
 /// Numbers of an array that are many.
 const MANY: usize = 64;
-
-/// Axes at most this long are taken for components: red, green, blue; x, y, z.
-const SHORT: usize = 4;
-
-/// What happens to single entries of matrices, of [`EACH`]: they are left out, or have the other sign.
-const CELL: [usize; 2] = [0, 1];
 
 /// What a slip is tried with.
 #[derive(Clone, Copy, PartialEq)]
@@ -61,7 +58,7 @@ pub(crate) fn slipped(
         Beside::Nothing => vec![vec![]],
         Beside::Mistake => rows.map(|name| vec![name]).collect(),
     };
-    let mut slips = slips(question, (case, answer), &conventions[0]);
+    let mut slips = slips(question, &cases, &conventions[0]);
     // Beside a mistake of the catalogue only what happens to whole arrays.
     slips.retain(|slip| beside == Beside::Nothing || !slip.change.of_one());
     // What is seen in many numbers, as in a network's weights, is tried after all else.
@@ -116,7 +113,8 @@ pub(crate) fn gradient_of(
 }
 
 /// All slips of a row's arrays.
-fn slips(question: &Question, (case, answer): (&Case, &Answer), c: &Conventions) -> Vec<ArraySlip> {
+fn slips(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> Vec<ArraySlip> {
+    let (case, answer) = cases[0];
     let component = question.component;
     // Counts and offsets say how long arrays are.
     let real = |name: &&String| component.input_entries(name) == Entries::Real;
@@ -134,6 +132,7 @@ fn slips(question: &Question, (case, answer): (&Case, &Answer), c: &Conventions)
             changes.extend(like.map(|(other, _)| Change::Other(other.clone())));
             if !input {
                 changes.extend(lengths(&case.inputs));
+                changes.extend(groups(name, cases));
             }
             let slip = |change| ArraySlip {
                 input,
@@ -145,54 +144,6 @@ fn slips(question: &Question, (case, answer): (&Case, &Answer), c: &Conventions)
         }
     }
     all
-}
-
-/// What can happen along the axes of an array of this shape.
-fn of_axes(shape: &[usize]) -> Vec<Change> {
-    let mut all = vec![];
-    for axis in (0..shape.len()).rev() {
-        all.extend((0..ALONG.len()).map(|n| Change::Along(n, axis)));
-        if shape[axis] <= SHORT {
-            for i in 0..shape[axis] {
-                all.extend((i + 1..shape[axis]).map(|j| Change::Exchanged(axis, i, j)));
-                all.push(Change::Opposite(axis, i));
-            }
-        }
-        all.extend((0..axis).filter(|b| shape[*b] == shape[axis]).map(|b| Change::Transposed(b, axis)));
-    }
-    // What happens to one component alone comes after what happens to all.
-    let short = (0..shape.len()).filter(|axis| shape[*axis] <= SHORT && shape[*axis] > 1);
-    for (axis, element) in short.flat_map(|axis| (0..shape[axis]).map(move |element| (axis, element))) {
-        all.extend((0..EACH.len()).map(|n| Change::One { axis, element, by: By::Each(n) }));
-        let others = (0..shape[axis]).filter(|to| *to != element);
-        all.extend(others.map(|to| Change::Twice { axis, from: element, to }));
-    }
-    let frames = (0..shape.len()).filter(|axis| (3..=SHORT).contains(&shape[*axis]));
-    all.extend(frames.flat_map(|axis| turned().map(move |n| Change::Turned(axis, n))));
-    if let [.., rows, columns] = *shape
-        && rows.max(columns) <= SHORT
-        && rows.min(columns) > 1
-    {
-        let places = (0..rows * columns).flat_map(|n| CELL.map(|by| ([n / columns, n % columns], by)));
-        all.extend(places.map(|(at, by)| Change::Cell { at, by: By::Each(by) }));
-    }
-    if let [rows, columns] = *shape
-        && rows.max(columns) <= SHORT
-    {
-        let places = || (0..rows * columns).map(|n| [n / columns, n % columns]);
-        let pairs = places().flat_map(|from| places().map(move |to| (from, to)));
-        all.extend(pairs.filter(|(a, b)| a != b).map(|(from, to)| Change::Entry { from, to }));
-    }
-    all
-}
-
-/// Means that are sums, and sums that are means, over any axis of an input.
-fn lengths(inputs: &Arrays) -> Vec<Change> {
-    let axes = inputs.iter().flat_map(|(name, a)| (0..a.ndim()).map(move |axis| (name, axis)));
-    let both = |(name, axis): (&String, usize)| {
-        [false, true].map(|over| Change::Length { input: name.clone(), axis, over })
-    };
-    axes.flat_map(both).collect()
 }
 
 /// A factor, or a summand, of one output, or of one component of it, as its largest element shows it: in four digits, as people write it,
@@ -230,6 +181,35 @@ fn fitted(plain: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)]) -
             break;
         }
     }
+    all.extend(of_columns(plain, question, cases));
+    all
+}
+
+/// What became of some elements of an output's long axis, as all cases show it. Rays and points come in any order: of their axis no element
+/// says anything.
+fn of_columns(plain: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)]) -> Vec<ArraySlip> {
+    let mut pairs: BTreeMap<String, Vec<_>> = BTreeMap::new();
+    for (case, answer) in cases {
+        let (predicted, _) = plain.prediction(question, case);
+        for (name, p, got) in beside(answer, &predicted) {
+            pairs.entry(name.clone()).or_default().push((p.clone(), got));
+        }
+    }
+    let forward = question.kind == Kind::Forward;
+    let mut all = vec![];
+    for (array, pairs) in &pairs {
+        let axes = pairs[0].0.ndim();
+        let long = |axis: &usize| pairs.iter().any(|(p, _)| p.shape().get(*axis).is_some_and(|n| *n > SHORT));
+        for axis in (usize::from(axes > 1)..axes).rev().filter(long) {
+            let slip = |changed| ArraySlip {
+                input: false,
+                array: array.clone(),
+                change: Change::Columns(changed),
+                forward,
+            };
+            all.extend(columns::shown(pairs, axis).into_iter().map(slip));
+        }
+    }
     all
 }
 
@@ -243,9 +223,11 @@ fn largest_off<'a>(pairs: impl Iterator<Item = (&'a f64, &'a f64)>) -> Option<(f
 #[cfg(test)]
 mod tests {
     use super::super::answer::given;
+    use super::super::columns::{Becomes, Changed};
     use super::super::exam::Exam;
     use super::super::judging::{EXP_ULP, judge_answers};
     use super::super::report::Row;
+    use super::super::slip::{ALONG, turned};
     use super::*;
     use crate::contract::arithmetic::Dtype;
     use crate::contract::testing::one_in;
@@ -298,12 +280,25 @@ mod tests {
         let opposite = Change::Cell { at: [2, 0], by: By::Each(each("with the other sign")) };
         let rotated = slip(false, "rotations", opposite);
         let frame = slip(true, "c2w", Change::Turned(1, turned().next().expect("one")));
+        let elements = vec![
+            (1, Becomes::Element { from: 3, negative: false }),
+            (6, Becomes::Changed(By::Each(each("halved")))),
+        ];
+        let columns = Change::Columns(Changed { axis: 1, from_end: false, elements });
+        let elements = vec![(0, Becomes::Changed(By::Each(each("left out: 0"))))];
+        let last = slip(false, "weights", Change::Columns(Changed { axis: 1, from_end: true, elements }));
+        let harmonics = slip(false, "harmonics", columns);
+        let by_feature = Change::Regrouped { input: "table0".into(), axis: 1, back: false };
+        let by_feature = slip(false, "encoding", by_feature);
         let longer = slip(false, "rays_d_ndc", Change::One { axis: 1, element: 1, by: By::Times(1.25) });
         for (component, slip, mistakes) in [
             ("volume_render", &places, &[][..]),
             ("volume_render", &places, &["inclusive_transmittance"]),
             ("linear_to_srgb", &bent, &[]),
             ("spherical_harmonics", &mirrored, &[]),
+            ("spherical_harmonics", &harmonics, &[]),
+            ("hash_grid", &by_feature, &[]),
+            ("volume_render_alpha", &last, &[]),
             ("pixel_to_camera", &center, &[]),
             ("pixel_to_camera", &corner, &[]),
             ("ndc_rays", &longer, &[]),
@@ -313,7 +308,7 @@ mod tests {
             for dtype in [Dtype::F64, Dtype::F32] {
                 let rows = judged(component, dtype, slip, mistakes);
                 let forward = rows.iter().find(|row| row.name == component && row.kind == "forward").unwrap();
-                let best = forward.diagnosis.first().expect("an explanation");
+                let best = forward.diagnosis.first().unwrap_or_else(|| panic!("{component} {dtype}"));
                 let names: Vec<&str> = best.mistakes.iter().map(|m| m.name).collect();
                 let said = best.slip.as_ref().map(Slip::says);
                 assert_eq!((said, &names[..]), (Some(slip.says()), mistakes), "{component} {dtype}");
@@ -346,8 +341,7 @@ mod tests {
                 let forward = question.kind == Kind::Forward;
                 let gradient = |m: &&crate::contract::component::Mistake| m.gradient != forward;
                 let mistakes: Vec<_> = question.component.mistakes.iter().filter(gradient).collect();
-                for (n, slip) in slips(question, cases[0], &CS180).into_iter().enumerate().step_by(one_in(5))
-                {
+                for (n, slip) in slips(question, &cases, &CS180).into_iter().enumerate().step_by(one_in(5)) {
                     let wrong =
                         Hypothesis { slip: Some(Slip::Array(slip)), ..Hypothesis::new(vec![], CS180) };
                     cases.iter().take(3).for_each(|(case, _)| drop(wrong.prediction(question, case)));
