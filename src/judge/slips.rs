@@ -32,6 +32,9 @@ const LEAST: usize = 100;
 /// Numbers of an array that are many.
 const MANY: usize = 64;
 
+/// Cases that are wrong, at least, where most are right.
+const SEVERAL: usize = 2;
+
 /// What a slip is tried with.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Beside {
@@ -74,20 +77,28 @@ pub(crate) fn slipped(
             if mistakes.is_empty() { &conventions[..] } else { &conventions[..conventions.len().min(2)] };
         plain.extend(tried.iter().map(|c| Hypothesis::new(mistakes.clone(), *c)));
     }
-    // Of a few odd cases a slip says little: it could be anything that shows in none of the others.
-    let most = parallel::map(plain.len(), |n| {
-        let right = cases.iter().filter(|(case, answer)| plain[n].explains(question, case, answer, options));
-        2 * right.count() > cases.len()
+    let wrong = parallel::map(plain.len(), |n| {
+        cases.iter().filter(|(case, answer)| !plain[n].explains(question, case, answer, options)).count()
     });
-    let plain: Vec<&Hypothesis> =
-        plain.iter().zip(most).filter(|(_, most)| !most).map(|(plain, _)| plain).collect();
+    // Of a few odd cases a slip says little: it could be anything that shows in none of the others. But long axes are in few cases.
+    let (plain, odd): (Vec<_>, Vec<_>) =
+        plain.iter().zip(&wrong).partition(|(_, wrong)| 2 * **wrong >= cases.len());
+    let plain: Vec<&Hypothesis> = plain.into_iter().map(|(plain, _)| plain).collect();
+    let odd = odd.into_iter().filter(|(_, wrong)| **wrong >= SEVERAL).map(|(plain, _)| plain);
     let with =
         |h: &Hypothesis, slip: &ArraySlip| Hypothesis { slip: Some(Slip::Array(slip.clone())), ..h.clone() };
     let fitted = plain.iter().flat_map(|h| {
         let all = fitted(h, question, &cases).into_iter();
         all.map(|slip| with(h, &slip)).collect::<Vec<_>>()
     });
-    let fitted: Vec<Hypothesis> = fitted.collect();
+    let mut fitted: Vec<Hypothesis> = fitted.collect();
+    let orders: Vec<&ArraySlip> =
+        slips.iter().filter(|slip| matches!(slip.change, Change::Regrouped { .. })).collect();
+    for h in odd {
+        fitted.extend(
+            of_columns(h, question, &cases).iter().chain(orders.iter().copied()).map(|slip| with(h, slip)),
+        );
+    }
     let elements = |arrays: &Arrays| arrays.values().map(|a| a.len()).sum::<usize>();
     let cost = LEAST + elements(&case.inputs) + answer.values().map(|a| a.values.len()).sum::<usize>();
     let most = (WORK[usize::from(options.dtype.bits() < 24)] / cost).saturating_sub(fitted.len());
@@ -285,7 +296,7 @@ mod tests {
             (6, Becomes::Changed(By::Each(each("halved")))),
         ];
         let columns = Change::Columns(Changed { axis: 1, from_end: false, elements });
-        let elements = vec![(0, Becomes::Changed(By::Each(each("left out: 0"))))];
+        let elements = vec![(0, Becomes::Changed(By::Each(each("halved"))))];
         let last = slip(false, "weights", Change::Columns(Changed { axis: 1, from_end: true, elements }));
         let harmonics = slip(false, "harmonics", columns);
         let by_feature = Change::Regrouped { input: "table0".into(), axis: 1, back: false };
