@@ -142,6 +142,20 @@ pub(crate) fn ray_aabb() -> Vec<Case> {
         )
         .forward_only()
         .edge("a component of a billionth"),
+        case(
+            "CG2_hardly_moving",
+            "components of 2^-31 and 2^-42, either way, inside a box as long as such rays need",
+            &[
+                [0.75, 0.5, 0.25, power_of_two(-31), 0.0, 0.0],
+                [0.75, 0.5, 0.25, -power_of_two(-31), 0.0, 0.0],
+                [0.75, 0.5, 0.25, power_of_two(-42), 0.0, 0.0],
+                [0.75, 0.5, 0.25, -power_of_two(-42), 0.0, 0.0],
+            ],
+            [[0.0, -64.0, -64.0], [1.0, 64.0, 64.0]],
+            [0.0, power_of_two(44)],
+        )
+        .forward_only()
+        .edge("a component of a billionth"),
         case("CG9_far_away", "origins at 1,000 sizes of the box", &far_away, unit, [0.0, 65536.0]),
     ];
     in_full(cases, "mixed")

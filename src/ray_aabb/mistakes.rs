@@ -36,6 +36,26 @@ const TINY_PARALLEL: Mistake = Mistake::new(
 )
 .with("eps", 1e-6, [1e-16, 1e-2]);
 
+const TINY_POSITIVE: Mistake = Mistake::new(
+    "tiny_direction_positive",
+    "d below eps, 0 and negative ones too, is taken for +eps: where(|d| > eps, 1 / d, 1 / eps)",
+    "t is as if the ray had another direction; rays in a box's far face leave it at 0, and miss",
+    "a case of its own for d = 0, and nothing else replaced",
+    "a batched slab test in torch: 1e9 for 1 / d below 1e-9",
+    1,
+)
+.with("eps", 1e-6, [1e-16, 1e-2]);
+
+const ZERO_REPLACED: Mistake = Mistake::new(
+    "zero_direction_replaced",
+    "d = 0 is taken for eps",
+    "rays in a box's far face leave it at 0, and miss",
+    "a case of its own for d = 0",
+    "hand-written slab tests: 1e-30 in C++",
+    1,
+)
+.with("eps", 1e-10, [1e-16, 1e-2]);
+
 /// Mistakes of rays and boxes.
 pub(crate) const RAY_AABB: &[Mistake] = &[
     EPS_IN_DIRECTION,
@@ -57,6 +77,14 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         2,
     ),
     Mistake::new(
+        "parallel_outside_is_a_hit",
+        "a ray along a slab, d_a = 0, isn't asked whether it runs inside of it",
+        "boxes are seen by rays that pass beside them",
+        "where d_a = 0 and o_a isn't between the faces: a miss",
+        "a voxel game, and a tree of boxes in numpy: -inf and inf where d is 0",
+        2,
+    ),
+    Mistake::new(
         "sign_ignored",
         "enters by the low face and leaves by the high one, whatever the sign of d",
         "rays of negative directions miss",
@@ -69,6 +97,22 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         "entered where the first slab is, left where the last one is",
         "stretches far too long",
         "the largest entry and the smallest exit",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "first_entry",
+        "the smallest entry and the smallest exit: min for max",
+        "rays enter in front of the box, and hit where they pass it by",
+        "the largest entry",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "last_exit",
+        "the largest entry and the largest exit: max for min",
+        "rays leave behind the box, and hit where they pass it by",
+        "the smallest exit",
         "never; cheap to keep",
         0,
     ),
@@ -105,6 +149,38 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         2,
     ),
     Mistake::new(
+        "zero_for_near",
+        "t_near is cut at 0, whatever near is",
+        "samples in front of near",
+        "max(near, t_near)",
+        "a batched slab test in torch, clamp_min(0)",
+        1,
+    ),
+    Mistake::new(
+        "range_ignored",
+        "the line's t as they are; a hit where t_far >= max(t_near, 0)",
+        "samples behind the camera and beyond far",
+        "cut both at near and far, then compare them",
+        "slab tests for one ray and a box in graphics and robotics",
+        2,
+    ),
+    Mistake::new(
+        "inside_is_a_miss",
+        "a ray that begins inside the box, t_near < 0, counts as a miss",
+        "nothing is seen once the camera is inside the scene's box",
+        "max(near, t_near) <= min(far, t_far)",
+        "a voxel game",
+        1,
+    ),
+    Mistake::new(
+        "exit_where_inside",
+        "t_far for t_near where the ray begins inside: the first face in front of the camera",
+        "no stretch is left of a ray that begins inside the box",
+        "max(near, t_near)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "unit_directions",
         "t counts in units of length, not of the direction",
         "points o + t d lie elsewhere where directions aren't unit",
@@ -139,6 +215,8 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
     )
     .of_gradient(),
     TINY_REPLACED,
+    TINY_POSITIVE,
+    ZERO_REPLACED,
     Mistake::new(
         "beyond_far_is_a_hit",
         "hit = max(near, enter) <= leave: far isn't asked",
@@ -164,15 +242,13 @@ fn wrong_component(d: f64, wrong: &[&str]) -> f64 {
         return 0.0;
     }
     let d = d + EPS_IN_DIRECTION.among(wrong).unwrap_or(0.0);
-    match TINY_REPLACED.among(wrong) {
-        Some(eps) if d.abs() < eps => {
-            if d < 0.0 {
-                -eps
-            } else {
-                eps
-            }
-        }
-        _ => d,
+    let replaced = TINY_REPLACED.among(wrong).filter(|eps| d.abs() < *eps);
+    let positive = TINY_POSITIVE.among(wrong).filter(|eps| d.abs() < *eps);
+    let of_zero = ZERO_REPLACED.among(wrong).filter(|_| d == 0.0);
+    match (replaced, positive.or(of_zero)) {
+        (Some(eps), _) if d < 0.0 => -eps,
+        (Some(eps), _) | (None, Some(eps)) => eps,
+        (None, None) => d,
     }
 }
 
@@ -190,7 +266,10 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
         let d = wrong_component(q.d[a], wrong);
         if d == 0.0 {
             let face = q.o[a] == low[a] || q.o[a] == high[a];
-            if q.o[a] < low[a] || q.o[a] > high[a] || is("parallel_is_a_miss") || face && is("face_is_a_miss")
+            let outside = q.o[a] < low[a] || q.o[a] > high[a];
+            if outside && !is("parallel_outside_is_a_hit")
+                || is("parallel_is_a_miss")
+                || face && is("face_is_a_miss")
             {
                 return None;
             }
@@ -204,8 +283,25 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
     if is("first_slab") && any.enter < any.leave {
         line = any;
     }
+    if is("first_entry") {
+        line.enter = any.enter.min(line.enter);
+    }
+    if is("last_exit") {
+        line.leave = any.leave.max(line.leave);
+    }
+    if is("range_ignored") {
+        return (line.enter.max(0.0) <= line.leave).then_some(line);
+    }
+    let inside = line.enter < 0.0 && line.leave > 0.0;
+    if inside && is("inside_is_a_miss") {
+        return None;
+    }
+    if inside && is("exit_where_inside") {
+        line.enter = line.leave;
+    }
+    let near = if is("zero_for_near") { 0.0 } else { q.near };
     let cut = Hit {
-        enter: if is("near_ignored") { line.enter } else { line.enter.max(q.near) },
+        enter: if is("near_ignored") { line.enter } else { line.enter.max(near) },
         leave: if is("far_ignored") { line.leave } else { line.leave.min(q.far) },
     };
     let hit = match () {

@@ -1,8 +1,8 @@
-//! What is wrong with each, what it does, and where it was seen.
+//! What is wrong with rotations, what it does, and where it was seen; and what motions share with them.
 
 use crate::contract::component::Mistake;
 
-const NAN_AT_ZERO: Mistake = Mistake::new(
+pub(super) const NAN_AT_ZERO: Mistake = Mistake::new(
     "not_a_number_at_zero",
     "w / |w| for the axis, or a factor's quotient, where the angle is 0",
     "refinement begins at 0: every pose is NaN from the first step on",
@@ -10,15 +10,45 @@ const NAN_AT_ZERO: Mistake = Mistake::new(
     "NVlabs/instant-ngp#303: the camera's rotation offset, which begins at 0, divided by its length",
     1,
 );
-const IDENTITY_WHEN_SMALL: Mistake = Mistake::new(
-    "identity_when_small",
-    "the identity below a limit of the angle, here 1e-5",
-    "small corrections are lost, and where autograd sees it their gradient: a pose that begins at 0 never moves",
-    "I + K and half of K^2, or a series: they are no dearer",
-    "SNURobotics/optimal-excitation libraries/lie/exp_so3.m, with 1e-14; the gradient of it: oarriaga/paz#383",
+pub(super) const IDENTITY_WHEN_SMALL: Mistake = Mistake::new("identity_when_small","the identity below a limit of the angle","small corrections are lost, and where autograd sees it their gradient: a pose that begins at 0 never moves","I + K and half of K^2, or a series: they are no dearer","SNURobotics/optimal-excitation libraries/lie/exp_so3.m, with 1e-14, a code in numpy, with 1e-6; the gradient of it: oarriaga/paz#383",2)
+.with("limit", 1e-5, [1e-9, 0.5]);
+pub(super) const FIRST_ORDER_WHEN_SMALL: Mistake = Mistake::new(
+    "first_order_when_small",
+    "I + K below a limit of the angle",
+    "no rotation there: off by half of the angle's square",
+    "and half of K^2, or a series",
+    "never; cheap to keep",
+    0,
+)
+.with("limit", 1e-2, [1e-7, 0.5]);
+pub(super) const POWER_SERIES: Mistake = Mistake::new(
+    "power_series",
+    "the powers of K (of the twist's matrix), each over its factorial, and so many of them",
+    "no rotation for large angles; with a few terms none at all",
+    "Rodrigues' formula: its factors are the sums of all of them",
+    "never; cheap to keep",
+    0,
+)
+.with("terms", 2.0, [2.0, 40.0]);
+pub(super) const EPS_IN_AXIS: Mistake = Mistake::new(
+    "eps_in_axis",
+    "w / (|w| + eps) for the axis",
+    "the axis isn't of unit length: no rotation, and none at all for angles below eps",
+    "a case of its own for 0, or the factors' series",
+    "a rotation's projection in torch: 0.001",
     1,
-);
-const CAYLEY_WHEN_SMALL: Mistake = Mistake::new(
+)
+.with("eps", 1e-3, [1e-9, 1e-1]);
+pub(super) const EPS_IN_VECTOR: Mistake = Mistake::new(
+    "eps_in_vector",
+    "|w + eps| for the angle, each entry moved",
+    "small turns are turned too far or not far enough, by the eps",
+    "a case of its own for 0, or the factors' series",
+    "batch_rodrigues of body models: 1e-8, which f32 doesn't notice",
+    1,
+)
+.with("eps", 1e-8, [1e-9, 1e-1]);
+pub(super) const CAYLEY_WHEN_SMALL: Mistake = Mistake::new(
     "cayley_when_small",
     "below an angle of 0.01 the cosine (4 - theta^2) / (4 + theta^2), and (1 + cos) / 2 for sin theta / theta: 1 - theta^2 / 4 for 1 - theta^2 / 6",
     "a rotation, but by 2 atan(theta / 2): the angle jumps by 8e-6 of it at 0.01, 140 of f32's last digits",
@@ -26,7 +56,7 @@ const CAYLEY_WHEN_SMALL: Mistake = Mistake::new(
     "nerfstudio's exp_map_SE3, and Theseus, which it is from",
     2,
 );
-const SERIES_CUT_SHORT: Mistake = Mistake::new(
+pub(super) const SERIES_CUT_SHORT: Mistake = Mistake::new(
     "series_cut_short",
     "eleven terms of each factor's series, for every angle",
     "right to 1e-11 up to half a turn; at a whole one 8e-5 off, at one and a half as far off as entries are large",
@@ -34,7 +64,7 @@ const SERIES_CUT_SHORT: Mistake = Mistake::new(
     "BARF's camera.py, taylor_A with nth=10, and what copied it",
     1,
 );
-const DEGREES: Mistake = Mistake::new(
+pub(super) const DEGREES: Mistake = Mistake::new(
     "degrees",
     "w in degrees",
     "turns are 57 times too small: poses hardly move",
@@ -42,7 +72,7 @@ const DEGREES: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
-const NAN_GRADIENT: Mistake = Mistake::new(
+pub(super) const NAN_GRADIENT: Mistake = Mistake::new(
     "gradient_not_a_number_at_zero",
     "both branches differentiated, one selected: 0 times the slope of a root at 0",
     "the first step makes every pose NaN",
@@ -51,7 +81,7 @@ const NAN_GRADIENT: Mistake = Mistake::new(
     1,
 )
 .of_gradient();
-const NO_GRADIENT: Mistake = Mistake::new(
+pub(super) const NO_GRADIENT: Mistake = Mistake::new(
     "no_gradient_at_zero",
     "a constant where the angle is 0",
     "a pose that begins at 0 stays there",
@@ -60,7 +90,7 @@ const NO_GRADIENT: Mistake = Mistake::new(
     1,
 )
 .of_gradient();
-const FACTORS_CONSTANT: Mistake = Mistake::new(
+pub(super) const FACTORS_CONSTANT: Mistake = Mistake::new(
     "factors_held_constant",
     "the factors of K and K^2 aren't differentiated: the angle is detached",
     "small turns learn nearly right, large ones turn their axis instead of themselves",
@@ -129,8 +159,20 @@ pub(crate) const SO3_EXP: &[Mistake] = &[
         "a browser's port of the body model Anny, 31 mm off",
         1,
     ),
+    Mistake::new("square_not_divided","sin(theta) / theta K + (1 - cos theta) K^2: K = [w]_x in both, and one of the two factors for it","no rotation: worse the further from an angle of 1","(1 - cos theta) / theta^2","never; cheap to keep",0),
+    Mistake::new("square_by_element","K * K for K @ K: each entry squared","no rotation","a product of matrices","never; cheap to keep",0),
+    Mistake::new("outer_product_forgotten","cos(theta) I + sin(theta) / theta K: without (1 - cos theta) u u^T","what lies along the axis shrinks by the cosine","all three terms, or I and K^2","never; cheap to keep",0),
+    Mistake::new("cosine_with_square","cos(theta) I, which goes with u u^T, beside (1 - cos theta) K^2, which goes with I","what lies along the axis shrinks by the cosine, what lies across by more","I + ... K^2, or cos(theta) I + ... u u^T","never; cheap to keep",0),
+    Mistake::new("root_forgotten","w . w for the angle","small turns vanish, large ones run wild","its root","never; cheap to keep",0),
+    Mistake::new("norm_of_all_vectors","one norm for the whole batch: without its axis","every rotation depends on the others in the batch","the norm along the last axis","never in this row; as norm_of_all_rays of directions",0),
+    Mistake::new("cayley_map","(I - K/2)^-1 (I + K/2), or the quaternion (1, w/2) made unit: a turn by 2 atan(theta / 2)","turns are too short, the more the larger they are","the exponential","never; cheap to keep",0),
+    Mistake::new("euler_angles_reversed","Rz Ry Rx of the three numbers","right about an axis, and the further off the more axes turn","one axis, and its angle","never by itself; rotations of three angles are written in this order most often",0),
+    EPS_IN_AXIS,
+    EPS_IN_VECTOR,
+    POWER_SERIES,
     DEGREES,
     IDENTITY_WHEN_SMALL,
+    FIRST_ORDER_WHEN_SMALL,
     CAYLEY_WHEN_SMALL,
     SERIES_CUT_SHORT,
     NAN_GRADIENT,
@@ -142,83 +184,6 @@ pub(crate) const SO3_EXP: &[Mistake] = &[
         "refinement turns about wrong axes, once poses have turned",
         "the chain rule at w; or compose the pose with a turn that begins at 0, and start again at 0 after each step",
         "never by itself; codes that compose after each step have it by right",
-        0,
-    )
-    .of_gradient(),
-];
-
-/// Mistakes of twists.
-pub(crate) const SE3_EXP: &[Mistake] = &[
-    NAN_AT_ZERO,
-    Mistake::new(
-        "turned_after",
-        "R rho for V rho: moved, then turned",
-        "translations learn a way that the rotation bends twice",
-        "V, or a plain rho, which is a convention",
-        "jaxlie's first SE3.exp below a limit of the angle, where R was taken for V, after Sophus",
-        1,
-    ),
-    Mistake::new(
-        "v_transposed",
-        "V^T rho: row vectors, or the sign of K in V alone",
-        "translations bend to the other side",
-        "rho + b w x rho + c w x (w x rho)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "v_of_first_order",
-        "rho + w x rho / 2",
-        "translations of large turns go astray",
-        "both factors, as functions of the angle",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "v_without_square",
-        "I + b K for V",
-        "translations along the axis are right, those across it too long",
-        "and c K^2",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "third_factor_negative",
-        "(sin theta - theta) / theta^3",
-        "translations across the axis grow where they should shrink",
-        "(theta - sin theta) / theta^3",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "third_divided_by_square",
-        "(theta - sin theta) / theta^2",
-        "translations across the axis are too long for angles below 1, and too short beyond",
-        "theta^3",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "inverted",
-        "the motion of -twist: the way back",
-        "refinement moves poses away from where they should go",
-        "camera to world, or world to camera: one of both",
-        "never by itself; as not_inverted of poses",
-        0,
-    ),
-    DEGREES,
-    IDENTITY_WHEN_SMALL,
-    CAYLEY_WHEN_SMALL,
-    SERIES_CUT_SHORT,
-    NAN_GRADIENT,
-    NO_GRADIENT,
-    FACTORS_CONSTANT,
-    Mistake::new(
-        "v_held_constant",
-        "w learns from R alone: V isn't differentiated",
-        "turns don't learn what they do to translations",
-        "V's gradient too: g_t rho^T as that of a matrix",
-        "never; cheap to keep",
         0,
     )
     .of_gradient(),
