@@ -118,7 +118,7 @@ def lens_undistort(a, c, wrong):
     k, target = read(a["coefficients"], wrong), a["distorted"]
     if "distorted_again" in wrong or "signs_flipped" in wrong:
         return {"points": bend(target, k)}
-    for name, n in (("one_step", 1), ("five_steps", 5)):
+    for name, n in (("one_step", 1), ("few_steps", 5)):
         if name in wrong:
             return {"points": steps(target, k, n)}
     return {"points": solved(target, k, wrong)}

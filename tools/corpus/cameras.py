@@ -84,7 +84,7 @@ def newtons_method(distorted, coefficients):
     return newton(distorted, coefficients, 10)
 
 
-@fault("lens_undistort", "five_steps", seen="OpenCV's undistortPoints without criteria", times=2, gradient="none")
+@fault("lens_undistort", "few_steps", seen="OpenCV's undistortPoints without criteria", times=2, gradient="none")
 def five_fixed_point_steps(distorted, coefficients):
     """x = (x' - tangential) / radial, five times."""
     p = distorted
