@@ -82,6 +82,18 @@ pub(crate) fn adam_step() -> Vec<Case> {
         ),
         case("TR3_eps", "an eps of 1 stands outside the root", 2.0, [0.5, 1.0, 0.0], running(7)),
         case(
+            "TR3_beside_eps",
+            "squared gradients about the square of eps",
+            3.0,
+            [0.125, 0.0009765625, 0.0],
+            [
+                vec![0.5, -0.25, 0.75],
+                vec![0.0009765625, -0.001953125, 0.00048828125],
+                vec![0.000244140625, 0.0, -0.0001220703125],
+                vec![0.00000095367431640625, 0.000000476837158203125, 0.000003814697265625],
+            ],
+        ),
+        case(
             "zero_gradient",
             "the moments still move the parameter",
             5.0,
@@ -144,6 +156,18 @@ pub(crate) fn adamw_step() -> Vec<Case> {
             0.9,
         ),
         case("TR3_eps", "an eps of 1 stands outside the root", 2.0, [0.5, 1.0, 0.125], running(7)),
+        case(
+            "TR3_beside_eps",
+            "squared gradients about the square of eps",
+            3.0,
+            [0.125, 0.0009765625, 0.25],
+            [
+                vec![0.5, -0.25, 0.75],
+                vec![0.0009765625, -0.001953125, 0.00048828125],
+                vec![0.000244140625, 0.0, -0.0001220703125],
+                vec![0.00000095367431640625, 0.000000476837158203125, 0.000003814697265625],
+            ],
+        ),
         case(
             "decay_alone",
             "no gradient and no moments: the decay alone moves",

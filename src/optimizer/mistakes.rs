@@ -1,123 +1,14 @@
 //! Adam's and AdamW's steps, wrong on purpose. Without a mistake they equal the oracle.
 
+mod catalogue;
+
+pub(crate) use catalogue::{ADAM_STEP, ADAMW_STEP};
+use catalogue::{EPS_OF_ITS_OWN, MEANS_BEGIN_AT_EPS};
+
 use super::arrays::{self, each, settings};
-use super::{Moments, adam_step as oracle, bias_correction, eps};
+use super::{Adam, Moments, adam_step as oracle, bias_correction, eps};
 use crate::contract::arrays::{Arrays, scalar, values};
-use crate::contract::component::Mistake;
 use crate::convention::Conventions;
-
-const NO_BIAS_CORRECTION: Mistake = Mistake::new(
-    "no_bias_correction",
-    "m and v are used as they are",
-    "the first steps are about 3 times too long (0.1 / sqrt(0.001))",
-    "divide by 1 - beta^step",
-    "hand-written optimizers",
-    0,
-);
-
-const EPS_INSIDE_ROOT: Mistake = Mistake::new(
-    "eps_inside_root",
-    "sqrt(v + eps)",
-    "small gradients take steps that are far too short: eps acts as its root, 1e-4",
-    "sqrt(v) + eps",
-    "hand-written optimizers",
-    0,
-);
-
-const STEP_FROM_ZERO: Mistake = Mistake::new(
-    "step_from_zero",
-    "the corrections use step - 1 (with the first clamped to 1)",
-    "early steps too long",
-    "count steps from 1",
-    "hand-written optimizers",
-    0,
-);
-
-/// Mistakes of Adam.
-pub(crate) const ADAM_STEP: &[Mistake] = &[
-    NO_BIAS_CORRECTION,
-    EPS_INSIDE_ROOT,
-    Mistake::new(
-        "decoupled_decay",
-        "p is shrunk by lr * weight_decay (AdamW) where the penalty belongs to the gradient",
-        "another optimizer: the decay isn't scaled by the root",
-        "add weight_decay * p to the gradient, or compare with AdamW",
-        "hand-written optimizers",
-        0,
-    ),
-    STEP_FROM_ZERO,
-    Mistake::new(
-        "corrected_as_in_first_step",
-        "1 - beta for 1 - beta^step in every step",
-        "steps that grow up to 10 times too long (and 1 / sqrt(1000) of it): the corrections never fade",
-        "raise beta to the number of the step",
-        "a teaching library",
-        1,
-    ),
-    Mistake::new(
-        "corrected_twice",
-        "corrected moments, and sqrt(1 - beta2^step) / (1 - beta1^step) in the rate besides",
-        "first steps wrong by that factor",
-        "either of the two",
-        "an algorithm collection in Python",
-        1,
-    ),
-];
-
-/// Mistakes of AdamW.
-pub(crate) const ADAMW_STEP: &[Mistake] = &[
-    Mistake::new(
-        "coupled_decay",
-        "weight_decay p is added to the gradient: Adam with an L2 penalty",
-        "another optimizer: weights with large gradients hardly decay",
-        "take lr weight_decay p off the parameter; torch: AdamW, not Adam(weight_decay=...)",
-        "torch.optim.Adam with a weight_decay that was meant for AdamW",
-        1,
-    ),
-    Mistake::new(
-        "decay_without_rate",
-        "weight_decay p, not times lr",
-        "a thousand times the decay: weights vanish within some hundred steps",
-        "lr weight_decay p",
-        "the paper's lambda, which isn't times its alpha, taken for PyTorch's",
-        0,
-    ),
-    Mistake::new(
-        "decay_of_new_parameter",
-        "(1 - lr weight_decay) (p - step): what the step has made decays",
-        "steps that are shorter by that factor: nothing shows",
-        "the parameter before the step: decay first",
-        "hand-written optimizers",
-        0,
-    ),
-    Mistake::new(
-        "decay_corrected",
-        "lr weight_decay p / (1 - beta1^step): with the step size of the first mean",
-        "ten times the decay in the first step",
-        "lr as it is",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "decay_under_the_root",
-        "lr (m' + weight_decay p) / (sqrt(v') + eps)",
-        "weights with large gradients hardly decay, though the means don't know of it",
-        "the decay beside the quotient",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "decay_negated",
-        "(1 + lr weight_decay) p",
-        "weights grow without bounds",
-        "(1 - lr weight_decay) p",
-        "never; cheap to keep",
-        0,
-    ),
-    NO_BIAS_CORRECTION,
-    EPS_INSIDE_ROOT,
-    STEP_FROM_ZERO,
-];
 
 /// AdamW's step: what is wrong with Adam's own, and what is wrong with the decay.
 pub(crate) fn adamw_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
@@ -153,6 +44,55 @@ pub(crate) fn adamw_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     out
 }
 
+/// What a mistake in the means makes of them: m', v', and those that the parameter moves by.
+struct Means {
+    kept: [f64; 2],
+    used: [f64; 2],
+}
+
+/// The means after a gradient.
+fn means(adam: &Adam, before: Moments, g: f64, step: u64, wrong: &[&str]) -> Means {
+    let is = |name: &str| wrong.contains(&name);
+    let (mut beta1, mut beta2) = (adam.beta1, adam.beta2);
+    if is("betas_exchanged") {
+        std::mem::swap(&mut beta1, &mut beta2);
+    }
+    let begun = MEANS_BEGIN_AT_EPS.among(wrong).filter(|_| step == 1);
+    let (old_m, old_v) = (begun.unwrap_or(before.m), begun.unwrap_or(before.v));
+    let mean = |beta: f64, old: f64, new: f64, exchanged: bool| {
+        let beta = if exchanged { 1.0 - beta } else { beta };
+        beta * old + (1.0 - beta) * new
+    };
+    let m = mean(beta1, old_m, g, is("mean_weights_exchanged"));
+    let of_square = if is("square_of_mean") { m } else { g };
+    let v = mean(beta2, old_v, of_square * of_square, is("square_weights_exchanged"));
+    let [by1, by2] = corrections(adam, step, wrong);
+    let used = match () {
+        () if is("means_before") => [before.m / by1, before.v / by2],
+        () if is("gradient_for_mean") => [g, v / by2],
+        () => [m / by1, v / by2],
+    };
+    Means { kept: if is("corrected_means_kept") { used } else { [m, v] }, used }
+}
+
+/// What the means are divided by.
+fn corrections(adam: &Adam, step: u64, wrong: &[&str]) -> [f64; 2] {
+    let is = |name: &str| wrong.contains(&name);
+    let of = |beta: f64| match () {
+        () if is("no_bias_correction") => 1.0,
+        () if is("corrected_as_in_first_step") => 1.0 - beta,
+        () if is("step_from_two") => bias_correction(beta, step + 1),
+        () if is("beta_times_step") => 1.0 - beta * step as f64,
+        () if is("correction_multiplied") => 1.0 / bias_correction(beta, step),
+        () => bias_correction(beta, step),
+    };
+    match () {
+        () if is("beta1_in_both_corrections") => [of(adam.beta1); 2],
+        () if is("beta2_in_both_corrections") => [of(adam.beta2); 2],
+        () => [of(adam.beta1), of(adam.beta2)],
+    }
+}
+
 /// Adam's step.
 pub(crate) fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (mut adam, mut step) = settings(a);
@@ -164,22 +104,27 @@ pub(crate) fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if is("decoupled_decay") {
         adam.weight_decay = 0.0;
     }
-    adam.eps = eps(&adam, step, c.adam_eps);
-    let correction = |beta: f64| match () {
-        () if is("no_bias_correction") => 1.0,
-        () if is("corrected_as_in_first_step") => 1.0 - beta,
-        () => bias_correction(beta, step),
-    };
-    let rewritten =
-        ["no_bias_correction", "eps_inside_root", "corrected_as_in_first_step", "corrected_twice"];
+    adam.eps = EPS_OF_ITS_OWN.among(wrong).unwrap_or(adam.eps);
+    adam.eps = if is("eps_forgotten") { 0.0 } else { eps(&adam, step, c.adam_eps) };
+    // What is rewritten below, another count of steps, eps and decay aside.
+    let as_it_is = ["step_from_zero", "decoupled_decay"];
+    let rewritten = wrong.iter().any(|name| !as_it_is.contains(name));
     each(a, |before, grad| {
         let mut after = oracle(&adam, before, grad, step);
-        if rewritten.into_iter().any(is) {
-            let (m, v) = (after.m / correction(adam.beta1), after.v / correction(adam.beta2));
+        if rewritten {
+            let Means { kept, used: [m, v] } =
+                means(&adam, before, grad + adam.weight_decay * before.param, step, wrong);
             let root = if is("eps_inside_root") { (v + adam.eps).sqrt() } else { v.sqrt() + adam.eps };
-            let twice = bias_correction(adam.beta2, step).sqrt() / bias_correction(adam.beta1, step);
-            let rate = if is("corrected_twice") { adam.lr * twice } else { adam.lr };
-            after = Moments { param: before.param - rate * m / root, ..after };
+            let rate = adam.lr
+                * match () {
+                    () if is("corrected_twice") => {
+                        bias_correction(adam.beta2, step).sqrt() / bias_correction(adam.beta1, step)
+                    }
+                    () if is("rate_over_root_of_step") => 1.0 / (step as f64).sqrt(),
+                    () if is("uphill") => -1.0,
+                    () => 1.0,
+                };
+            after = Moments { param: before.param - rate * m / root, m: kept[0], v: kept[1] };
         }
         if is("decoupled_decay") {
             after.param -= adam.lr * decay * before.param;
