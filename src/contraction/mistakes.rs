@@ -6,6 +6,16 @@ use crate::contract::arrays::{Arrays, values};
 use crate::contract::component::Mistake;
 use crate::convention::{ContractionNorm, ContractionRange, Conventions};
 
+const EPS_IN_NORM: Mistake = Mistake::new(
+    "eps_in_norm",
+    "|x| + eps for |x|",
+    "a jump at the surface: what is far lies a bit too near",
+    "|x| as it is beyond 1, where it isn't 0",
+    "never; cheap to keep",
+    0,
+)
+.with("eps", 1e-6, [1e-9, 1e-1]);
+
 /// Mistakes of the contraction.
 pub(crate) const CONTRACTION: &[Mistake] = &[
     Mistake::new(
@@ -56,6 +66,11 @@ pub(crate) const CONTRACTION: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new("branch_by_coordinate","each coordinate with |x_i| > 1 contracted, by the norm of all three","points beyond a face are bent away from their rays","one condition for all three, |x| > 1","never; cheap to keep",0),
+    Mistake::new("branch_by_another_norm","|x| > 1 asked in another norm than the one that contracts","between ball and cube points jump","one norm for both","nerfstudio's SceneContraction, which tests the length whatever its order",1),
+    Mistake::new("norms_mixed","(2 - 1/|x|) in one norm, x/|x| in the other","a jump at the surface, and points beyond 2","one norm for both","never; cheap to keep",0),
+    Mistake::new("norm_along_points","the norm over the points, one for each coordinate","where a point comes to lie depends on the others in the batch","the norm along the last axis","never; cheap to keep",0),
+    EPS_IN_NORM,
     Mistake::new(
         "ends_at_one",
         "(1 - 1/|x|) x/|x|",
@@ -126,6 +141,11 @@ pub(crate) const CONTRACTION: &[Mistake] = &[
     .of_gradient(),
 ];
 
+/// The norm that is taken for this one.
+fn other(norm: ContractionNorm) -> ContractionNorm {
+    if norm == ContractionNorm::L2 { ContractionNorm::Linf } else { ContractionNorm::L2 }
+}
+
 /// (limit - 1/r) x/r.
 fn beyond(x: [f64; 3], r: f64, limit: f64) -> [f64; 3] {
     x.map(|x| (limit - 1.0 / r) * (x / r))
@@ -140,12 +160,25 @@ fn length_of_all(a: &Arrays, norm: ContractionNorm) -> f64 {
     }
 }
 
+/// The norm of each coordinate over the points.
+fn lengths_along_points(a: &Arrays, norm: ContractionNorm) -> [f64; 3] {
+    let all = values(a, "x");
+    [0, 1, 2].map(|i| {
+        let own = all.iter().skip(i).step_by(3);
+        match norm {
+            ContractionNorm::L2 => own.map(|x| x * x).sum::<f64>().sqrt(),
+            _ => own.fold(0.0, |size: f64, x| size.max(x.abs())),
+        }
+    })
+}
+
 /// A point contracted into the ball or cube of radius 2, with a mistake in it; `None` without one of these.
 fn folded(x: [f64; 3], of_all: f64, norm: ContractionNorm, wrong: &[&str]) -> Option<[f64; 3]> {
     let has = |name: &str| wrong.contains(&name);
     let right = |x: [f64; 3]| contract(x, norm, ContractionRange::Two);
     let r = length(x, norm);
     let inside = r <= 1.0;
+    let eps = EPS_IN_NORM.among(wrong);
     Some(match () {
         () if has("not_divided_by_norm") => {
             if inside {
@@ -182,6 +215,21 @@ fn folded(x: [f64; 3], of_all: f64, norm: ContractionNorm, wrong: &[&str]) -> Op
                 beyond(x, r * r, 2.0)
             }
         }
+        () if has("branch_by_coordinate") => {
+            x.map(|x| if x.abs() <= 1.0 { x } else { beyond([x; 3], r, 2.0)[0] })
+        }
+        () if has("branch_by_another_norm") => {
+            if length(x, other(norm)) <= 1.0 {
+                x
+            } else {
+                beyond(x, r, 2.0)
+            }
+        }
+        () if has("norms_mixed") => {
+            let direction = length(x, other(norm));
+            if inside { x } else { x.map(|x| (2.0 - 1.0 / r) * (x / direction)) }
+        }
+        () if eps.is_some() && !inside => beyond(x, r + eps.expect("asked"), 2.0),
         () if has("coordinate_by_coordinate") => x.map(|x| right([x, 0.0, 0.0])[0]),
         () if has("ends_at_one") => {
             if inside {
@@ -200,8 +248,13 @@ fn folded(x: [f64; 3], of_all: f64, norm: ContractionNorm, wrong: &[&str]) -> Op
 pub(crate) fn contraction(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (norm, range) = (c.contraction_norm, c.contraction_range);
     let of_all = length_of_all(a, norm);
+    let along = lengths_along_points(a, norm);
     forward(a, |x| {
-        let y = folded(x, of_all, norm, wrong);
+        let y = if wrong.contains(&"norm_along_points") {
+            Some([0, 1, 2].map(|i| if along[i] <= 1.0 { x[i] } else { beyond(x, along[i], 2.0)[i] }))
+        } else {
+            folded(x, of_all, norm, wrong)
+        };
         if wrong.contains(&"half_of_the_range") {
             return y.unwrap_or_else(|| contract(x, norm, ContractionRange::Two)).map(|y| 0.5 * y + 0.5);
         }

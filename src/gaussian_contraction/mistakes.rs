@@ -29,6 +29,54 @@ pub(crate) const CONTRACT_GAUSSIANS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "jacobian_for_covariance",
+        "J itself for J Sigma J^T where |x| > 1",
+        "what is far is as wide as its contraction says, whatever it was",
+        "J Sigma J^T",
+        "a port of mip-NeRF 360 and three copies of it",
+        4,
+    ),
+    Mistake::new(
+        "jacobian_everywhere",
+        "J itself for J Sigma J^T",
+        "Gaussians are as wide as their contraction says, whatever they were",
+        "J Sigma J^T",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "product_by_element",
+        "J * Sigma * J, entry by entry",
+        "Gaussians turn away from their rays",
+        "products of matrices",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "diagonal_kept",
+        "the diagonal of J Sigma J^T alone",
+        "Gaussians off the axes are round where they should be slanted",
+        "all nine entries",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "covariance_contracted_as_points",
+        "the rows of Sigma contracted as points, and no J",
+        "what is far is blurred to nothing",
+        "J Sigma J^T",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "squared_jacobian",
+        "J J^T, without Sigma",
+        "Gaussians are as wide as their contraction says, whatever they were",
+        "J Sigma J^T",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "far_jacobian_everywhere",
         "the far piece's Jacobian inside, too",
         "near the middle of the scene, where nothing moves, everything is blurred",
@@ -177,6 +225,11 @@ fn wrong_jacobians(all: &[Gaussian], c: &Conventions, wrong: &[&str]) -> Vec<[[f
     (0..n).map(|m| [0, 1, 2].map(|i| [0, 1, 2].map(|k| number(9 * m + 3 * i + k)))).collect()
 }
 
+/// A matrix, entry by entry.
+fn by_entry(entry: impl Fn(usize, usize) -> f64) -> [[f64; 3]; 3] {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|k| entry(i, k)))
+}
+
 /// A contracted Gaussian with mistakes in it, given its Jacobian.
 fn wrong_gaussian(x: &Gaussian, j: [[f64; 3]; 3], c: &Conventions, wrong: &[&str]) -> Gaussian {
     let has = |name: &str| wrong.contains(&name);
@@ -186,11 +239,21 @@ fn wrong_gaussian(x: &Gaussian, j: [[f64; 3]; 3], c: &Conventions, wrong: &[&str
         sigma = sigma.map(|row| contract(row, norm, ContractionRange::Two));
     }
     if has("diagonal_contracted") {
-        sigma = [0, 1, 2].map(|i| [0, 1, 2].map(|k| if i == k { sigma[i][i] } else { 0.0 }));
+        sigma = by_entry(|i, k| if i == k { sigma[i][i] } else { 0.0 });
     }
     let covariance = match () {
         () if has("covariance_kept") => x.covariance,
         () if has("one_side_alone") => product(j, sigma),
+        () if has("jacobian_everywhere") => j,
+        () if has("jacobian_for_covariance") && length(x.mean, norm) > 1.0 => j,
+        () if has("jacobian_for_covariance") => x.covariance,
+        () if has("product_by_element") => by_entry(|i, k| j[i][k] * sigma[i][k] * j[i][k]),
+        () if has("diagonal_kept") => {
+            let whole = between(j, sigma);
+            by_entry(|i, k| if i == k { whole[i][i] } else { 0.0 })
+        }
+        () if has("covariance_contracted_as_points") => sigma.map(|row| contract(row, norm, range)),
+        () if has("squared_jacobian") => product(j, transposed(j)),
         () => between(j, sigma),
     };
     Gaussian { mean: contract(x.mean, norm, range), covariance }

@@ -89,6 +89,38 @@ pub(crate) const CLIP_BY_GLOBAL_NORM: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "sum_of_norms",
+        "|weights| + |bias| for the norm of both",
+        "gradients are clipped too much, the more the more tensors there are",
+        "the root of the sum of their squares",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "largest_of_norms",
+        "the longest tensor's norm",
+        "gradients are longer than max_norm, by the root of the number of tensors",
+        "the root of the sum of their squares",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "made_unit",
+        "g / norm beyond max_norm",
+        "a jump at max_norm: what is a bit too long becomes 1 long",
+        "times max_norm",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "dropped",
+        "0 beyond max_norm",
+        "no step where gradients are long",
+        "times max_norm / norm",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "norm_of_clipped",
         "the norm after the clip is returned",
         "its curve is flat at max_norm: what would show that a training diverges is hidden",
@@ -133,6 +165,22 @@ pub(crate) const CLIP_BY_VALUE: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "norm_clipped",
+        "all numbers times limit / norm, where that is less than 1",
+        "one long number shortens all others",
+        "each number by itself; clip_by_global_norm has that",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "sign_alone",
+        "1 with the sign of g beyond the limit",
+        "limits other than 1 aren't kept",
+        "the limit with the sign of g",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "scaled_together",
         "all numbers times limit / largest size, where that is less than 1",
         "one long number shortens all others",
@@ -171,7 +219,12 @@ fn factor(norm: f64, most: f64, c: &Conventions, wrong: &[&str]) -> f64 {
         () if has("square_compared") => norm * norm > most,
         () => factor < 1.0,
     };
-    if clips { factor } else { 1.0 }
+    match () {
+        () if !clips => 1.0,
+        () if has("made_unit") => 1.0 / norm,
+        () if has("dropped") => 0.0,
+        () => factor,
+    }
 }
 
 /// By the common norm.
@@ -182,7 +235,12 @@ pub(crate) fn clip_by_global_norm(a: &Arrays, c: &Conventions, wrong: &[&str]) -
     let has = |name: &str| wrong.contains(&name);
     let ([weights, bias], most) = (tensors(a), number(a, "max_norm"));
     let counted = if has("bias_left_out") { weights.clone() } else { [&weights[..], &bias].concat() };
-    let all = norm(&counted, wrong);
+    let each = [&weights, &bias].map(|tensor| norm(tensor, &[]));
+    let all = match () {
+        () if has("sum_of_norms") => each[0] + each[1],
+        () if has("largest_of_norms") => each[0].max(each[1]),
+        () => norm(&counted, wrong),
+    };
     let by = |numbers: &[f64], norm: f64| -> Vec<f64> {
         let factor = factor(norm, most, c, wrong);
         numbers.iter().map(|g| g * factor).collect()
@@ -207,6 +265,8 @@ pub(crate) fn clip_by_value(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arra
     let has = |name: &str| wrong.contains(&name);
     let limit = number(a, "limit");
     let largest = input(a, "g").iter().fold(0.0, |most: f64, g| most.max(g.abs()));
+    let largest =
+        if has("norm_clipped") { input(a, "g").iter().map(|g| g * g).sum::<f64>().sqrt() } else { largest };
     by_value(a, |g| match () {
         () if has("above_alone") => g.min(limit),
         () if has("below_alone") => g.max(-limit),
@@ -218,7 +278,8 @@ pub(crate) fn clip_by_value(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arra
                 g
             }
         }
-        () if has("scaled_together") => {
+        () if has("sign_alone") && g.abs() > limit => g.signum(),
+        () if has("scaled_together") || has("norm_clipped") => {
             if largest > limit {
                 g * limit / largest
             } else {
