@@ -3,205 +3,16 @@
 //! Two rows of the catalogue are not here because no case can show them: K read from the wrong array axes (cy = I / 2, with I the
 //! number of images, which no row receives), and the sign pattern (+, -, -), which is the other value of the convention `axes`.
 
+mod catalogue;
+
 use glam::{DMat3, DMat4, DVec2, DVec3};
+
+pub(crate) use catalogue::*;
 
 use super::arrays::{self, intrinsics, pose};
 use super::{Intrinsics, transform as oracle};
 use crate::contract::arrays::{Arrays, array, arrays, threes, twos, values};
-use crate::contract::component::Mistake;
 use crate::convention::Conventions;
-
-const fn flipped(name: &'static str, cause: &'static str) -> Mistake {
-    Mistake::new(
-        name,
-        cause,
-        "the scene is mirrored or lies behind the camera; training on several views can't converge",
-        "use the axes that the pose was written for (OpenCV: x right, y down, z forward)",
-        "many (yenchenlin/nerf-pytorch#53, NeuRay#35)",
-        3,
-    )
-}
-
-pub(crate) const NO_HALF: Mistake = Mistake::new(
-    "no_half_pixel",
-    "the ray goes through (i, j), the pixel's corner, while cx = W / 2 counts from the picture's edge",
-    "everything is shifted by half a pixel: 0.12 to 0.15 degrees on a picture of 100 pixels",
-    "add 0.5 to column and row",
-    "5 of 38 CS180 projects (2 of them at evaluation alone), 15 others",
-    20,
-);
-pub(crate) const MINUS_HALF: Mistake = Mistake::new(
-    "minus_half_pixel",
-    "0.5 is subtracted where it should be added",
-    "everything is shifted by a pixel in both directions",
-    "add 0.5 to column and row",
-    "1 CS180 project",
-    1,
-);
-pub(crate) const ROW_COLUMN: Mistake = Mistake::new(
-    "row_column_swapped",
-    "row and column exchanged: uv is read as (row, column), or meshgrid was called with indexing=\"ij\"",
-    "a transposed picture",
-    "u is the column, v the row",
-    "3 public implementations",
-    3,
-);
-pub(crate) const CENTER_SWAPPED: Mistake = Mistake::new(
-    "center_swapped",
-    "cx = H / 2 and cy = W / 2: height and width exchanged in K",
-    "nothing on a square picture; a shift on any other",
-    "images.shape is (count, height, width, 3): cx = W / 2, cy = H / 2",
-    "2 public implementations",
-    2,
-);
-pub(crate) const CENTER_FLOORED: Mistake = Mistake::new(
-    "center_floored",
-    "cx = W // 2: integer division",
-    "half a pixel of shift, on odd sizes alone",
-    "divide by 2.0",
-    "1 public implementation",
-    1,
-);
-pub(crate) const FOCAL_IGNORED: Mistake = Mistake::new(
-    "focal_ignored",
-    "f = 1",
-    "a field of view of nearly 180 degrees",
-    "divide by the focal length in pixels",
-    "1 public implementation",
-    1,
-);
-pub(crate) const ONE_FOCAL_LENGTH: Mistake = Mistake::new(
-    "one_focal_length",
-    "fx for both axes",
-    "nothing where pixels are square; stretched views where they aren't",
-    "divide v - cy by fy",
-    "robotics code and students, 3 public implementations",
-    3,
-);
-pub(crate) const FOCALS_SWAPPED: Mistake = Mistake::new(
-    "focals_swapped",
-    "fx and fy exchanged, as where K is built from (height, width)",
-    "nothing where pixels are square; stretched views where they aren't",
-    "u belongs to fx, v to fy",
-    "never; cheap to keep",
-    0,
-);
-pub(crate) const SQUARE_PICTURE: Mistake = Mistake::new(
-    "square_picture",
-    "fx and cx for both axes: one focal length and one center, as of a square picture",
-    "nothing on a square picture; shifted and stretched views on any other",
-    "v belongs to fy and cy",
-    "1 public implementation",
-    1,
-);
-pub(crate) const INVERSE_POSE: Mistake = Mistake::new(
-    "inverse_pose",
-    "the inverse of c2w is used as it: world to camera taken for camera to world",
-    "points land in the wrong place, and a round trip with the same mistake passes",
-    "use c2w, not its inverse",
-    "1 CS180 project, 2 public implementations",
-    3,
-);
-pub(crate) const NOT_RESCALED: Mistake = Mistake::new(
-    "intrinsics_not_rescaled",
-    "the pictures were halved, K was not: it is twice the right one",
-    "a quarter of the view, off center",
-    "scale fx, fy, cx, cy with the picture",
-    "1 public implementation",
-    1,
-);
-pub(crate) const FOCAL_SCALED: Mistake = Mistake::new(
-    "focal_scaled",
-    "the focal length is k times the right one: written in for one data set, or for pictures of another size",
-    "a view too narrow or too wide, which training can't mend",
-    "the focal length in pixels of the picture in hand",
-    "2 public implementations",
-    2,
-)
-.with("k", 2.0, [1e-2, 100.0]);
-pub(crate) const K_TRANSPOSED: Mistake = Mistake::new(
-    "K_transposed",
-    "K^T is inverted: row vectors multiplied as if they were columns",
-    "directions without sense",
-    "K^-1 (u, v, 1) for columns, (u, v, 1) K^-T for rows",
-    "never; cheap to keep",
-    0,
-);
-pub(crate) const K_FOR_INVERSE: Mistake = Mistake::new(
-    "K_for_inverse",
-    "K (u, v, 1) in the place of K^-1 (u, v, 1)",
-    "all rays point nearly the same way",
-    "invert K",
-    "never; cheap to keep",
-    0,
-);
-pub(crate) const ROTATION_TRANSPOSED: Mistake = Mistake::new(
-    "rotation_transposed",
-    "R^T in the place of R (the rotation of the inverse pose, or a matrix written column by column)",
-    "views turn the wrong way; right for the identity alone",
-    "use the upper 3x3 of c2w as it is",
-    "3 public implementations (chengzhag/UCPE#5)",
-    3,
-);
-pub(crate) const FLIPS: [Mistake; 6] = [
-    flipped("flipped_x", "x points to the left, against the pose"),
-    flipped("flipped_y", "y points up while z points forward, against the pose"),
-    flipped("flipped_z", "z points backward while y points down, against the pose"),
-    flipped("flipped_xy", "x to the left and y up: the picture is turned by 180 degrees"),
-    flipped("flipped_xz", "x to the left and z backward, against the pose"),
-    flipped("flipped_xyz", "all three axes point the other way"),
-];
-
-/// Mistakes of the transform.
-pub(crate) const TRANSFORM: &[Mistake] = &[
-    ROTATION_TRANSPOSED,
-    INVERSE_POSE,
-    Mistake::new(
-        "translation_missing",
-        "x_w = R x_c: a 0 was appended to the point in the place of a 1",
-        "all cameras stand at the origin",
-        "append 1 to points, 0 to directions",
-        "never; cheap to keep",
-        0,
-    ),
-    FLIPS[0],
-    FLIPS[1],
-    FLIPS[2],
-    FLIPS[3],
-    FLIPS[4],
-    FLIPS[5],
-];
-
-/// Mistakes of the lens.
-pub(crate) const PIXEL_TO_CAMERA: &[Mistake] = &[
-    NO_HALF,
-    MINUS_HALF,
-    ROW_COLUMN,
-    CENTER_SWAPPED,
-    CENTER_FLOORED,
-    FOCAL_IGNORED,
-    ONE_FOCAL_LENGTH,
-    FOCALS_SWAPPED,
-    NOT_RESCALED,
-    FOCAL_SCALED,
-    K_TRANSPOSED,
-    K_FOR_INVERSE,
-    Mistake::new(
-        "depth_forgotten",
-        "x_c = K^-1 (u, v, 1), whatever the depth is",
-        "every point lies at depth 1",
-        "multiply by s",
-        "never; cheap to keep",
-        0,
-    ),
-    FLIPS[0],
-    FLIPS[1],
-    FLIPS[2],
-    FLIPS[3],
-    FLIPS[4],
-    FLIPS[5],
-    SQUARE_PICTURE,
-];
 
 /// Flips axes.
 pub(crate) fn flip(x: DVec3, wrong: &[&str]) -> DVec3 {
@@ -220,6 +31,7 @@ fn wrong_lens(mut k: Intrinsics, wrong: &[&str]) -> Intrinsics {
             "one_focal_length" => k.fy = k.fx,
             "square_picture" => (k.fy, k.cy) = (k.fx, k.cx),
             "focals_swapped" => (k.fx, k.fy) = (k.fy, k.fx),
+            "mean_focal_length" => (k.fx, k.fy) = (0.5 * (k.fx + k.fy), 0.5 * (k.fx + k.fy)),
             "intrinsics_not_rescaled" => {
                 k = Intrinsics { fx: 2.0 * k.fx, fy: 2.0 * k.fy, cx: 2.0 * k.cx, cy: 2.0 * k.cy }
             }
@@ -253,7 +65,17 @@ pub(crate) fn wrong_point(k: &Intrinsics, uv: DVec2, s: f64, wrong: &[&str]) -> 
     if wrong.contains(&"K_for_inverse") {
         return s * DVec3::new(k.fx * uv.x + k.cx, k.fy * uv.y + k.cy, 1.0);
     }
-    super::pixel_to_camera(&k, uv, s)
+    let scaled = |x: f64, y: f64| s * DVec3::new(x, y, 1.0);
+    match () {
+        () if wrong.contains(&"focal_multiplied") => scaled((uv.x - k.cx) * k.fx, (uv.y - k.cy) * k.fy),
+        () if wrong.contains(&"center_taken_off_undivided") => scaled(uv.x / k.fx - k.cx, uv.y / k.fy - k.cy),
+        () if wrong.contains(&"depth_alone_in_z") => {
+            DVec3::new((uv.x - k.cx) / k.fx, (uv.y - k.cy) / k.fy, s)
+        }
+        () if wrong.contains(&"pixel_scaled_alone") => super::pixel_to_camera(&k, s * uv, 1.0),
+        () if wrong.contains(&"distance_for_depth") => s * super::pixel_to_camera(&k, uv, 1.0).normalize(),
+        () => super::pixel_to_camera(&k, uv, s),
+    }
 }
 
 /// The pose with R^T in the place of R.
@@ -275,16 +97,29 @@ pub(crate) fn inverse(c2w: &DMat4) -> DMat4 {
 pub(crate) fn transform(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let (c2w, x_c) = (values(a, "c2w"), threes(a, "x_c"));
     let point = |m: usize| {
-        let mut c2w = pose(&c2w, m);
+        let mut c2w = pose(&c2w, if wrong.contains(&"first_pose_for_all") { 0 } else { m });
+        let o = c2w.w_axis.truncate();
+        let mut x = DVec3::from(x_c[m]);
         for name in wrong {
             match *name {
                 "rotation_transposed" => c2w = with_transposed_rotation(&c2w),
                 "inverse_pose" => c2w = inverse(&c2w),
                 "translation_missing" => c2w.w_axis = glam::DVec4::W,
+                "moved_before_turned" => (x, c2w.w_axis) = (x + o, glam::DVec4::W),
+                "taken_off_before_turned" => (x, c2w.w_axis) = (x - o, glam::DVec4::W),
+                "place_of_an_inverse" => {
+                    let back = DMat3::from_mat4(c2w).transpose();
+                    c2w.w_axis = (-(back * o)).extend(1.0);
+                }
+                "inverted_by_transpose" => {
+                    c2w = with_transposed_rotation(&c2w);
+                    (x, c2w.w_axis) = (x - o, glam::DVec4::W);
+                }
                 _ => {}
             }
         }
-        oracle(&c2w, flip(DVec3::from(x_c[m]), wrong)).to_array()
+        let x_w = oracle(&c2w, flip(x, wrong));
+        if wrong.contains(&"divided_by_depth") { (x_w / x_w.z).to_array() } else { x_w.to_array() }
     };
     arrays([("x_w", array(&[x_c.len(), 3], (0..x_c.len()).flat_map(point).collect()))])
 }
@@ -301,7 +136,13 @@ pub(crate) fn pixel_to_camera(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Ar
         let s = if wrong.contains(&"depth_forgotten") { 1.0 } else { s[m] };
         flip(wrong_point(&k, DVec2::from(uv[m]), s, wrong), wrong).to_array()
     };
-    let points = arrays([("x_c", array(&[s.len(), 3], (0..s.len()).flat_map(point).collect()))]);
+    let mut all: Vec<f64> = (0..s.len()).flat_map(point).collect();
+    if wrong.contains(&"coordinates_refolded") {
+        let unscaled: Vec<f64> = all.iter().enumerate().map(|(n, x)| x / s[n / 3]).collect();
+        let n = s.len();
+        all = (0..3 * n).map(|at| unscaled[3 * (at % n) + at / n] * s[at / 3]).collect();
+    }
+    let points = arrays([("x_c", array(&[s.len(), 3], all))]);
     arrays::in_axes(points, "x_c", c)
 }
 
