@@ -9,6 +9,9 @@ use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, RayShape};
 
+const ROUGH_MOMENTS: Mistake = Mistake::new("rough_moments","the middle mu for the mean, hw^2 / 3 along the ray, r^2 (mu^2 / 4 + k hw^2) across: mip-NeRF's first terms alone","samples lie too near, and long intervals are blurred too much along the ray","all terms: the mean and both variances of a cone","a student's mip-NeRF: 1/5",1)
+.with("k", 0.2, [0.01, 2.0]);
+
 /// Mistakes of the frustum's Gaussian.
 pub(crate) const CONICAL_FRUSTUM: &[Mistake] = &[
     Mistake::new(
@@ -27,6 +30,39 @@ pub(crate) const CONICAL_FRUSTUM: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "radius_at_mean",
+        "r^2 t_mean^2 / 4: the disk at the mean for the whole frustum",
+        "long intervals are a bit too thick or too thin",
+        "r^2 (s^2 / 16 + d^2 (5/48 - q / 15))",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "variances_exchanged",
+        "the variance along the ray across it, and the other way around, in space",
+        "Gaussians lie across their rays",
+        "t_variance d_i^2 + r_variance (1 - d_i^2 / |d|^2)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "middle_and_half_exchanged",
+        "mu^2 + 3 hw^2 for 3 mu^2 + hw^2",
+        "samples lie too far",
+        "3 mu^2 + hw^2",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "deviations_for_variances",
+        "the root of every variance",
+        "narrow Gaussians are blurred, wide ones sharp",
+        "variances, as they are",
+        "never; cheap to keep",
+        0,
+    ),
+    ROUGH_MOMENTS,
     Mistake::new(
         "width_for_half_width",
         "t1 - t0 for the half width",
@@ -164,6 +200,21 @@ fn wrong_moments(f: &Frustum, shape: RayShape, wrong: &[&str]) -> (f64, f64, f64
     } else {
         moments(f.start, f.end, shape)
     };
+    if let Some(k) = ROUGH_MOMENTS.among(wrong).filter(|_| shape == RayShape::Cone) {
+        return (0.5 * s, d * d / 12.0, s * s / 16.0 + k * d * d / 4.0);
+    }
+    if has("middle_and_half_exchanged") && shape == RayShape::Cone {
+        let (mu, hw) = (0.5 * s, 0.5 * d);
+        let (mu, hw, sum) = (mu * mu, hw * hw, mu * mu + 3.0 * hw * hw);
+        return (
+            0.5 * s * (1.0 + 2.0 * hw / sum),
+            hw / 3.0 - 4.0 / 15.0 * hw * hw * (12.0 * mu - hw) / (sum * sum),
+            mu / 4.0 + 5.0 / 12.0 * hw - 4.0 / 15.0 * hw * hw / sum,
+        );
+    }
+    if has("radius_at_mean") && shape == RayShape::Cone {
+        return (mean, along, 0.25 * mean * mean);
+    }
     (
         if has("middle_for_mean") { 0.5 * s } else { mean },
         if has("fifths_forgotten") { d * d / 12.0 } else { along },
@@ -194,8 +245,15 @@ fn gaussian(f: &Frustum, shape: RayShape, wrong: &[&str]) -> Gaussian {
             () if has("projection_of_unit_direction") => 1.0 - v[i] * v[i],
             () => across(v, i),
         };
+        if has("variances_exchanged") {
+            return r_variance * square + t_variance * part;
+        }
         t_variance * square + r_variance * part
     });
+    if has("deviations_for_variances") {
+        let (t_variance, r_variance) = (t_variance.sqrt(), r_variance.sqrt());
+        return Gaussian { t_mean, t_variance, r_variance, mean, variance: variance.map(f64::sqrt) };
+    }
     Gaussian { t_mean, t_variance, r_variance, mean, variance }
 }
 

@@ -53,6 +53,22 @@ pub(crate) const INTEGRATED_ENCODING: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "variances_added",
+        "all coordinates fade by the sum of their variances",
+        "what is slanted fades too early",
+        "each by its own",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "attenuated_angle",
+        "sin(e x) for e sin(x)",
+        "waves are stretched where they should fade",
+        "times exp(-variance / 2), outside of the wave",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "cosine_not_attenuated",
         "sines fade, cosines don't",
         "half of the columns alias",
@@ -152,7 +168,14 @@ pub(crate) fn integrated_encoding(a: &Arrays, c: &Conventions, wrong: &[&str]) -
         for d in 0..dims {
             for k in 0..encoding.levels {
                 let (sin, cos) = wave(encoding.frequency, encoding.band(k), x[d]);
-                let [of_sin, of_cos] = left(&encoding, k, v[d], wrong);
+                let own = if wrong.contains(&"variances_added") { v.iter().sum() } else { v[d] };
+                let [of_sin, of_cos] = left(&encoding, k, own, wrong);
+                if wrong.contains(&"attenuated_angle") {
+                    let (sin, cos) = wave(encoding.frequency, encoding.band(k), of_sin * x[d]);
+                    out[encoding.column(dims, k, d, 0)] = sin;
+                    out[encoding.column(dims, k, d, 1)] = cos;
+                    continue;
+                }
                 out[encoding.column(dims, k, d, 0)] = of_sin * sin;
                 out[encoding.column(dims, k, d, 1)] = of_cos * cos;
             }

@@ -82,6 +82,30 @@ pub(crate) const NDC_RAYS: &[Mistake] = &[
         "never by itself; callers that hand over 1 are many, and right where poses were scaled for it",
         0,
     ),
+    Mistake::new(
+        "unmoved_origin_subtracted",
+        "d'_x = 2f/W (d_x/|d_z| - o_x/o_z): the origin as it was before it was moved",
+        "rays don't meet at their points at infinity, but for cameras on the near plane",
+        "the difference to what o' has",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "unmoved_depth",
+        "o'_z and d'_z by the z of the origin as it was before it was moved",
+        "rays begin at different depths of the cube",
+        "-1 and 2, or by the z of the moved origin",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "two_forgotten_in_depth",
+        "1 + near/p_z and -near/p_z",
+        "rays begin in the middle of the cube and end at 1",
+        "2 near/p_z",
+        "never; cheap to keep",
+        0,
+    ),
     EPS_IN_DEPTH,
     Mistake::new(
         "shift_not_differentiated",
@@ -114,7 +138,8 @@ fn wrong_ray(o: [f64; 3], d: [f64; 3], view: &View, wrong: &[&str]) -> Ray {
     let beside = has("origin_not_moved") || eps.is_some();
     let p = [o[0] + t * d[0], o[1] + t * d[1], if beside { o[2] + t * d[2] } else { plane }];
     let of_depth = if has("depth_of_the_other_axes") { -sign } else { sign };
-    let depth = 2.0 * of_depth * near / p[2];
+    let twice = if has("two_forgotten_in_depth") { 1.0 } else { 2.0 };
+    let depth = twice * of_depth * near / if has("unmoved_depth") { o[2] } else { p[2] };
     let (mut o_ndc, mut d_ndc) = ([1.0 - depth; 3], [depth; 3]);
     let mut scales = view.scales();
     if has("size_swapped") {
@@ -124,7 +149,12 @@ fn wrong_ray(o: [f64; 3], d: [f64; 3], view: &View, wrong: &[&str]) -> Ray {
         let scale = sign * if has("half_size_forgotten") { scales[j] / 2.0 } else { scales[j] };
         let start = p[j] / p[2];
         o_ndc[j] = scale * start;
-        d_ndc[j] = scale * (d[j] / d[2] - if has("origin_not_subtracted") { 0.0 } else { start });
+        let taken_off = match () {
+            () if has("origin_not_subtracted") => 0.0,
+            () if has("unmoved_origin_subtracted") => o[j] / o[2],
+            () => start,
+        };
+        d_ndc[j] = scale * (d[j] / d[2] - taken_off);
     }
     if has("direction_normalized") {
         let length = (d_ndc[0] * d_ndc[0] + d_ndc[1] * d_ndc[1] + d_ndc[2] * d_ndc[2]).sqrt();

@@ -18,6 +18,10 @@ pub(crate) const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("nearest_cell", "round(x R) for floor(x R)", "the grid is shifted by half a cell", "floor: cells lie between faces", "align_corners and its like", 2),
     Mistake::new("threshold_included", "occupied where density >= threshold", "with a threshold of 0 no cell is ever empty", "larger than the threshold", "hand-written grids", 1),
     Mistake::new("mean_of_all", "the mean counts the -1 of cells that no camera sees", "the threshold falls with the space that no camera sees, below 0 where that is most of it", "the mean of the densities of cells that are seen", "alpha_thre of nerfacc's OccGridEstimator.sampling", 1),
+    Mistake::new("points_averaged","several points in a cell count by their mean","thin things fall below the threshold","scatter with max","never; cheap to keep",0),
+    Mistake::new("mean_alone","the mean of the densities, whatever the threshold is","half of the scene is always empty","the threshold where that is less","never; cheap to keep",0),
+    Mistake::new("larger_for_smaller","the threshold or the mean, whichever is larger","early in a training every cell is empty","whichever is less","never; cheap to keep",0),
+    Mistake::new("corners_aligned","round(x (R - 1)) for floor(x R)","cells at the box's faces are half as wide","floor(x R): cells lie between faces","never; cheap to keep",0),
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
 ];
 
@@ -36,7 +40,9 @@ pub(crate) const GRID_TRAVERSAL: &[Mistake] = &[
 
 fn wrong_cell(grid: &OccupancyGrid, x: [f64; 3], wrong: &[&str]) -> usize {
     let shift = if wrong.contains(&"nearest_cell") { 0.5 / grid.resolution as f64 } else { 0.0 };
-    let [x, y, z] = x.map(|x| x + shift);
+    let last = grid.resolution as f64 - 1.0;
+    let aligned = |x: f64| ((x * last).clamp(0.0, last).round() + 0.5) / grid.resolution as f64;
+    let [x, y, z] = x.map(|x| if wrong.contains(&"corners_aligned") { aligned(x) } else { x + shift });
     grid.cell(if wrong.contains(&"axes_reversed") { [z, y, x] } else { [x, y, z] })
 }
 
@@ -46,10 +52,14 @@ pub(crate) fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let is = |name: &str| wrong.contains(&name);
     let before = grid.clone();
     let mut seen: Vec<Option<f64>> = vec![None; grid.density.len()];
+    let mut counts = vec![0.0; grid.density.len()];
     for (&x, &sigma) in points.iter().zip(&sigmas) {
-        let seen = &mut seen[wrong_cell(&grid, x, wrong)];
+        let cell = wrong_cell(&grid, x, wrong);
+        let seen = &mut seen[cell];
+        counts[cell] += 1.0;
         *seen = Some(match *seen {
             Some(before) if is("points_added") => before + sigma,
+            Some(before) if is("points_averaged") => before + (sigma - before) / counts[cell],
             Some(before) if !is("last_point_wins") => before.max(sigma),
             _ => sigma,
         });
@@ -78,6 +88,15 @@ pub(crate) fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 
 fn wrong_threshold(grid: &OccupancyGrid, convention: GridThreshold, wrong: &[&str]) -> f64 {
     let limit = grid.threshold;
+    // Where the limit stands alone there is no mean.
+    let mean =
+        || Some(grid.threshold_below(f64::INFINITY, convention)).filter(|x| x.is_finite()).unwrap_or(limit);
+    if wrong.contains(&"mean_alone") {
+        return mean();
+    }
+    if wrong.contains(&"larger_for_smaller") {
+        return limit.max(mean());
+    }
     if wrong.contains(&"mean_of_all") {
         let mean = grid.density.iter().sum::<f64>() / grid.density.len() as f64;
         return limit.min(mean);
