@@ -18,10 +18,10 @@ pub(crate) const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("nearest_cell", "round(x R) for floor(x R)", "the grid is shifted by half a cell", "floor: cells lie between faces", "align_corners and its like", 2),
     Mistake::new("threshold_included", "occupied where density >= threshold", "with a threshold of 0 no cell is ever empty", "larger than the threshold", "hand-written grids", 1),
     Mistake::new("mean_of_all", "the mean counts the -1 of cells that no camera sees", "the threshold falls with the space that no camera sees, below 0 where that is most of it", "the mean of the densities of cells that are seen", "alpha_thre of nerfacc's OccGridEstimator.sampling", 1),
-    Mistake::new("points_averaged","several points in a cell count by their mean","thin things fall below the threshold","scatter with max","never; cheap to keep",0),
-    Mistake::new("mean_alone","the mean of the densities, whatever the threshold is","half of the scene is always empty","the threshold where that is less","never; cheap to keep",0),
-    Mistake::new("larger_for_smaller","the threshold or the mean, whichever is larger","early in a training every cell is empty","whichever is less","never; cheap to keep",0),
-    Mistake::new("corners_aligned","round(x (R - 1)) for floor(x R)","cells at the box's faces are half as wide","floor(x R): cells lie between faces","never; cheap to keep",0),
+    Mistake::new("points_averaged", "several points in a cell count by their mean", "thin things fall below the threshold", "scatter with max", "never; cheap to keep", 0),
+    Mistake::new("mean_alone", "the mean of the densities, whatever the threshold is", "half of the scene is always empty", "the threshold where that is less", "never; cheap to keep", 0),
+    Mistake::new("larger_for_smaller", "the threshold or the mean, whichever is larger", "early in a training every cell is empty", "whichever is less", "never; cheap to keep", 0),
+    Mistake::new("corners_aligned", "round(x (R - 1)) for floor(x R)", "cells at the box's faces are half as wide", "floor(x R): cells lie between faces", "never; cheap to keep", 0),
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
 ];
 

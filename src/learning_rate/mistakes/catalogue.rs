@@ -168,7 +168,7 @@ pub(crate) const LR_COSINE: &[Mistake] = &[
         "lr_init (step + 1) / warmup_steps",
         "the last step of the warm-up has the first rate already: it lasts one step less",
         "lr_init step / warmup_steps; step counts from 0",
-        "schedules of language models (five of ten read)",
+        "schedules with a warm-up: three of twelve in one search, two others",
         5,
     ),
     Mistake::new(

@@ -97,10 +97,10 @@ pub(super) const EPS_IN_NORM: Mistake = Mistake::new(
     "d / (|d| + eps)",
     "directions are a bit too short",
     "a direction's norm is never 0: nothing added",
-    "ray generators (four read, 1e-8 and 1e-6), which f32 hardly notices",
-    4,
+    "never as large as this; 1e-8, which f32 doesn't notice, in front of a field",
+    0,
 )
-.with("eps", 1e-6, [1e-9, 1e-1]);
+.with("eps", 1e-3, [1e-9, 1e-1]);
 pub(super) const NORM_OF_ALL: Mistake = Mistake::new(
     "norm_of_all_rays",
     "d / norm(d) without an axis: the norm of all rays together",
