@@ -1,22 +1,24 @@
 //! Volume rendering, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
 
-use ndarray::ArrayD;
-
 use super::arrays::{self, renderings};
 use super::{Rendering, volume_render as oracle, volume_render_alpha as oracle_alpha};
-use crate::contract::arrays::{Arrays, array, input, number, row, rows3, scalar, size};
+use crate::contract::arrays::{Arrays, array, input, row, rows3, size};
 use crate::contract::case::Draw;
-use crate::convention::{Conventions, Depth, ProductEps};
+use crate::convention::{Conventions, ProductEps};
 use crate::math::exp;
 
+mod background;
 mod catalogue;
 mod depth;
+mod lists;
 
-pub(crate) use catalogue::{COMPOSITE_BACKGROUND, VOLUME_RENDER, VOLUME_RENDER_ALPHA};
+pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 use catalogue::{
-    DELTA_SCALED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, SCALED_EXPONENTIAL, WEIGHTS_NORMALIZED,
+    DELTA_SCALED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, OWN_STEP, SCALED_EXPONENTIAL, WEIGHTS_CUT,
+    WEIGHTS_NORMALIZED,
 };
-pub(crate) use depth::DEPTH;
+pub(crate) use depth::{DEPTH, depth, depth_vjp};
+pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub(crate) const ALPHA_ERROR: &str = "alpha_error";
@@ -48,8 +50,12 @@ fn wrong_deltas(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<f64> {
                 deltas = (1..n).map(|i| deltas[i] - deltas[i - 1]).chain([1e10]).collect()
             }
             "first_gap_for_all" if n > 0 => deltas = vec![deltas[0]; n],
+            "gaps_summed" => deltas = vec![deltas.iter().sum(); n],
             _ => {}
         }
+    }
+    if let Some(step) = OWN_STEP.among(wrong) {
+        deltas.fill(step);
     }
     let scale = DELTA_SCALED.among(wrong).unwrap_or(1.0);
     deltas.into_iter().map(|delta| scale * delta).collect()
@@ -107,6 +113,18 @@ fn wrong_composite(
     }
     if let Some(early) = early {
         rendering.transmittance[n] = early;
+    }
+    if let Some(most) = WEIGHTS_CUT.among(wrong) {
+        rendering.weights.iter_mut().filter(|w| **w < most).for_each(|w| *w = 0.0);
+        rendering.color = std::array::from_fn(|k| (0..n).map(|i| rendering.weights[i] * rgbs[i][k]).sum());
+        rendering.opacity = rendering.weights.iter().sum();
+    }
+    match () {
+        () if wrong.contains(&"opacity_of_the_densest") => {
+            rendering.opacity = alphas.iter().copied().fold(0.0, f64::max)
+        }
+        () if wrong.contains(&"alphas_summed") => rendering.opacity = alphas.iter().sum(),
+        () => {}
     }
     if let Some(eps) = WEIGHTS_NORMALIZED.among(wrong) {
         let whole = rendering.opacity + eps;
@@ -182,12 +200,36 @@ fn render_all(
     rays.into_iter().enumerate().map(finish).collect()
 }
 
+/// Opacities of optical depths by another law than the exponential's.
+fn other_alphas(depths: &[f64], wrong: &[&str]) -> Option<Vec<f64>> {
+    let law: fn(f64) -> f64 = match () {
+        () if wrong.contains(&"straight_alpha") => |x| x.clamp(0.0, 1.0),
+        () if wrong.contains(&"hyperbolic_alpha") => |x| if x.is_infinite() { 1.0 } else { x / (1.0 + x) },
+        () if wrong.contains(&"tanh_alpha") => {
+            |x| crate::math::expm1(2.0 * x.min(50.0)) / (exp(2.0 * x.min(50.0)) + 1.0)
+        }
+        () => return None,
+    };
+    Some(depths.iter().map(|&x| law(x)).collect())
+}
+
+/// e^x_i / sum e^x_j.
+fn softmax(x: &[f64]) -> Vec<f64> {
+    let most = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let powers: Vec<f64> = x.iter().map(|x| exp(x - most)).collect();
+    let total: f64 = powers.iter().sum();
+    powers.iter().map(|power| power / total).collect()
+}
+
 /// Rendering from densities.
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (count, samples) = size(a, "sigmas");
     let (mut all, mut rays) = (vec![], vec![]);
     for r in 0..count {
-        let (sigmas, deltas) = (row(a, "sigmas", r), wrong_deltas(a, r, wrong));
+        let (mut sigmas, deltas) = (row(a, "sigmas", r), wrong_deltas(a, r, wrong));
+        if wrong.contains(&"densities_averaged") {
+            (1..samples).for_each(|i| sigmas[i - 1] = 0.5 * (sigmas[i - 1] + sigmas[i]));
+        }
         let mut alphas: Vec<f64> =
             super::optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(-x)).collect();
         let mut ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
@@ -209,12 +251,20 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
                 .filter(|(alpha, _)| **alpha != 0.0)
                 .for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
         }
+        let other = other_alphas(&super::optical_depths(&sigmas, &deltas), wrong);
+        let touched = touched || other.is_some();
+        alphas = other.unwrap_or(alphas);
         if touched || textbook {
             ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
         }
         if let Some(eps) = eps {
             alphas.iter_mut().for_each(|alpha| *alpha += eps);
             ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), ProductEps::TenToMinusTen);
+        }
+        if wrong.contains(&"softmax_for_weights") {
+            alphas = softmax(&super::optical_depths(&sigmas, &deltas));
+            ray.transmittance.fill(1.0);
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
         }
         if wrong.contains(&"density_with_step_before") {
             let mut depth = 0.0;
@@ -258,8 +308,26 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
 pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let a = &arrays::counted(a, c);
     let (count, samples) = size(a, "alphas");
-    let alphas: Vec<Vec<f64>> = (0..count).map(|r| row(a, "alphas", r)).collect();
-    let rays = (0..count).map(|r| oracle_alpha(&alphas[r], &rows3(a, "rgbs", r), c.product_eps)).collect();
+    let mut alphas: Vec<Vec<f64>> = (0..count).map(|r| row(a, "alphas", r)).collect();
+    if wrong.contains(&"alphas_as_densities") {
+        alphas.iter_mut().flatten().for_each(|alpha| *alpha = -crate::math::expm1(-*alpha));
+    }
+    let one = |r: usize| {
+        let (alphas, rgbs) = (&alphas[r], rows3(a, "rgbs", r));
+        let mut ray = oracle_alpha(alphas, &rgbs, c.product_eps);
+        let sums = || (0..=alphas.len()).map(|i| alphas[..i].iter().sum::<f64>());
+        match () {
+            () if wrong.contains(&"exponential_of_alphas") => {
+                ray.transmittance = sums().map(|x| exp(-x)).collect()
+            }
+            () if wrong.contains(&"alphas_subtracted") => {
+                ray.transmittance = sums().map(|x| (1.0 - x).max(0.0)).collect()
+            }
+            () => return ray,
+        }
+        recompose(ray, alphas, &rgbs)
+    };
+    let rays = (0..count).map(one).collect();
     arrays::over(
         c,
         renderings(samples, &render_all(alphas, rays, |r| rows3(a, "rgbs", r), c.product_eps, wrong)),
@@ -317,82 +385,4 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[
         gradients.insert("grad_alphas".into(), g_alphas);
     }
     arrays::gradients_of_counted(given, c, gradients)
-}
-
-/// Background.
-pub(crate) fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut a = a.clone();
-    if wrong.contains(&"background_255") {
-        a.get_mut("background").expect("checked").mapv_inplace(|b| 255.0 * b);
-    }
-    if wrong.contains(&"one_channel") {
-        a.get_mut("background").expect("checked").iter_mut().skip(1).for_each(|b| *b = 0.0);
-    }
-    if wrong.contains(&"attenuated_twice") {
-        let opacity = input(&a, "opacity").clone();
-        let colors = a.get_mut("colors").expect("checked");
-        colors.indexed_iter_mut().for_each(|(i, c)| *c *= opacity[[i[0]]]);
-    }
-    if wrong.contains(&"background_by_opacity") {
-        a.get_mut("opacity").expect("checked").mapv_inplace(|opacity| 1.0 - opacity);
-    }
-    if wrong.contains(&"background_always") {
-        a.get_mut("opacity").expect("checked").fill(0.0);
-    }
-    let mut out = arrays::background(&a, c);
-    if wrong.contains(&"clamped") {
-        out.get_mut("colors_out").expect("an output").mapv_inplace(|c| c.clamp(0.0, 1.0));
-    }
-    out
-}
-
-/// Gradient of the background: none of its own.
-pub(crate) fn composite_background_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    arrays::background_vjp(a, c)
-}
-
-/// Expected distance.
-pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut a = a.clone();
-    if wrong.contains(&"zero_by_zero") {
-        a.insert("far".into(), scalar(f64::NAN));
-    }
-    if wrong.contains(&"depth_of_index") {
-        a.get_mut("t").expect("checked").indexed_iter_mut().for_each(|(i, t)| *t = i[1] as f64);
-    }
-    let mut depths = arrays::depths(&a, c);
-    if wrong.contains(&"far_by_opacity") {
-        let (far, (rays, _)) = (number(&a, "far"), size(&a, "weights"));
-        let plain = arrays::depths(&a, &Conventions { depth: Depth::Plain, ..*c });
-        let opacity = |r| row(&a, "weights", r).iter().sum::<f64>();
-        let moved = input(&plain, "depth").iter().enumerate().map(|(r, z)| z + far * opacity(r)).collect();
-        depths.insert("depth".into(), array(&[rays], moved));
-    }
-    if wrong.contains(&"median_depth") {
-        depths.insert("depth".into(), medians(&a));
-    }
-    if wrong.contains(&"disparity") {
-        depths.insert("depth".into(), input(&depths, "depth").mapv(|z| 1.0 / z.max(1e-10)));
-    }
-    depths
-}
-
-/// The first t at which the weights' sum reaches 1/2, but for its rounding; the last t where it never does.
-fn medians(a: &Arrays) -> ArrayD<f64> {
-    let median = |r| {
-        let (weights, t) = (row(a, "weights", r), row(a, "t", r));
-        let mut spent = 0.0;
-        let reached = weights.iter().position(|w| {
-            spent += w;
-            spent >= 0.499_99
-        });
-        t[reached.unwrap_or(t.len() - 1)]
-    };
-    let (rays, _) = size(a, "weights");
-    array(&[rays], (0..rays).map(median).collect())
-}
-
-/// Gradient of the expected distance: none of its own.
-pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    arrays::depths_vjp(a, c)
 }

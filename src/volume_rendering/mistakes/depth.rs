@@ -1,6 +1,30 @@
-//! Descriptions of the mistakes in the expected distance.
+//! The expected distance, wrong on purpose.
 
+use ndarray::ArrayD;
+
+use crate::contract::arrays::{Arrays, array, input, number, row, scalar, size};
 use crate::contract::component::Mistake;
+use crate::convention::{Conventions, Depth};
+use crate::volume_rendering::arrays;
+
+const OFF_WEIGHT: Mistake = Mistake::new(
+    "eps_beside_weight",
+    "sum w t / (sum w + eps), with an eps that shows",
+    "thin rays are too near, empty ones at 0",
+    "say what an empty ray's depth is, and divide by the sum alone",
+    "never; cheap to keep",
+    0,
+)
+.with("eps", 1e-3, [1e-8, 1.0]);
+const THIN_LEFT_OUT: Mistake = Mistake::new(
+    "thin_rays_left_out",
+    "0 where the weights' sum is below a threshold",
+    "holes in depth pictures where it is hazy",
+    "far, where there is no weight at all",
+    "never; cheap to keep",
+    0,
+)
+.with("least", 0.5, [1e-7, 0.99]);
 
 /// Mistakes of the expected distance.
 pub(crate) const DEPTH: &[Mistake] = &[
@@ -44,4 +68,122 @@ pub(crate) const DEPTH: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    OFF_WEIGHT,
+    THIN_LEFT_OUT,
+    Mistake::new(
+        "depth_of_the_heaviest",
+        "the t of the largest weight",
+        "depths that jump from sample to sample, and have no gradient",
+        "the weighted mean",
+        "argmax of the weights where a mesh or a flow is wanted",
+        0,
+    ),
+    Mistake::new(
+        "middles_of_gaps",
+        "sum w_i (t_i + t_{i+1}) / 2, without the last weight",
+        "depths half a gap too far",
+        "t where the weights belong to samples",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "last_sample_for_the_rest",
+        "sum w t + (1 - A) t_last",
+        "empty rays end at the last sample, thin ones near it",
+        "far, or the division by A",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "share_of_far",
+        "sum w t / far",
+        "depths in [0, 1]: another quantity",
+        "sum w t / A",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "counted_from_the_first",
+        "sum w (t - t_0)",
+        "depths that begin at the first sample",
+        "t itself",
+        "never; cheap to keep",
+        0,
+    ),
 ];
+
+/// Expected distance.
+pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut a = a.clone();
+    if wrong.contains(&"zero_by_zero") {
+        a.insert("far".into(), scalar(f64::NAN));
+    }
+    if wrong.contains(&"depth_of_index") {
+        a.get_mut("t").expect("checked").indexed_iter_mut().for_each(|(i, t)| *t = i[1] as f64);
+    }
+    let mut depths = arrays::depths(&a, c);
+    if wrong.contains(&"far_by_opacity") {
+        let (far, (rays, _)) = (number(&a, "far"), size(&a, "weights"));
+        let plain = arrays::depths(&a, &Conventions { depth: Depth::Plain, ..*c });
+        let opacity = |r| row(&a, "weights", r).iter().sum::<f64>();
+        let moved = input(&plain, "depth").iter().enumerate().map(|(r, z)| z + far * opacity(r)).collect();
+        depths.insert("depth".into(), array(&[rays], moved));
+    }
+    if wrong.contains(&"median_depth") {
+        depths.insert("depth".into(), medians(&a));
+    }
+    if let Some(z) = other_depths(&a, wrong) {
+        depths.insert("depth".into(), z);
+    }
+    if wrong.contains(&"disparity") {
+        depths.insert("depth".into(), input(&depths, "depth").mapv(|z| 1.0 / z.max(1e-10)));
+    }
+    depths
+}
+
+/// Depths by another law than the mean over the weights' sum.
+fn other_depths(a: &Arrays, wrong: &[&str]) -> Option<ArrayD<f64>> {
+    let has = |name: &str| wrong.contains(&name);
+    let (eps, least) = (OFF_WEIGHT.among(wrong), THIN_LEFT_OUT.among(wrong));
+    let one = |r: usize| -> Option<f64> {
+        let (weights, t) = (row(a, "weights", r), row(a, "t", r));
+        let sum = |t: &[f64]| weights.iter().zip(t).map(|(w, t)| w * t).sum::<f64>();
+        let opacity = weights.iter().sum::<f64>();
+        let heaviest = |most: usize, i: usize| if weights[i] > weights[most] { i } else { most };
+        let middles: Vec<f64> = t.windows(2).map(|t| 0.5 * (t[0] + t[1])).collect();
+        Some(match () {
+            () if eps.is_some() => sum(&t) / (opacity + eps?),
+            () if least.is_some() && opacity < least? => 0.0,
+            () if least.is_some() => sum(&t) / opacity,
+            () if has("depth_of_the_heaviest") => t[(0..t.len()).fold(0, heaviest)],
+            () if has("middles_of_gaps") => sum(&middles),
+            () if has("last_sample_for_the_rest") => sum(&t) + (1.0 - opacity) * t[t.len() - 1],
+            () if has("share_of_far") => sum(&t) / number(a, "far"),
+            () if has("counted_from_the_first") => sum(&t) - opacity * t[0],
+            () => return None,
+        })
+    };
+    let (rays, _) = size(a, "weights");
+    let all: Option<Vec<f64>> = (0..rays).map(one).collect();
+    all.map(|all| array(&[rays], all))
+}
+
+/// The first t at which the weights' sum reaches 1/2, but for its rounding; the last t where it never does.
+fn medians(a: &Arrays) -> ArrayD<f64> {
+    let median = |r| {
+        let (weights, t) = (row(a, "weights", r), row(a, "t", r));
+        let mut spent = 0.0;
+        let reached = weights.iter().position(|w| {
+            spent += w;
+            spent >= 0.499_99
+        });
+        t[reached.unwrap_or(t.len() - 1)]
+    };
+    let (rays, _) = size(a, "weights");
+    array(&[rays], (0..rays).map(median).collect())
+}
+
+/// Gradient of the expected distance: none of its own.
+pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
+    arrays::depths_vjp(a, c)
+}
