@@ -91,22 +91,91 @@ pub(crate) const DISTORTION_LOSS: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    Mistake::new(
+        "far_edges_for_middles",
+        "|t_{i+1} - t_{j+1}| for the distance of intervals",
+        "uneven intervals are pulled the wrong way",
+        "the middles (t_i + t_{i+1}) / 2",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "edges_normalized",
+        "edges mapped to [0, 1] inside, as if they weren't yet",
+        "a loss that is too small by the rays' length; rays of other lengths count otherwise",
+        "edges as they are handed over",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "weights_made_shares",
+        "weights divided by their sum",
+        "thin fog is pulled together as strongly as a surface",
+        "weights as they are",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "mean_of_pairs",
+        "the mean over pairs, and the sum of the own terms",
+        "pairs hardly count beside the own terms",
+        "both sums",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "neighbors_alone",
+        "pairs of neighbors alone",
+        "two surfaces far from each other aren't pulled together",
+        "all pairs",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "variance_for_pairs",
+        "sum w_i (m_i - sum w m)^2, the variance of the distance",
+        "outliers rule; another loss",
+        "|m_i - m_j| over all pairs",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// The loss of one ray.
 fn wrong_loss(weights: &[f64], t: &[f64], wrong: &[&str]) -> f64 {
     let has = |name: &str| wrong.contains(&name);
     let (mut pairs, mut own, n) = (0.0, 0.0, weights.len());
-    let place = |i: usize| if has("edges_for_middles") { t[i] } else { 0.5 * (t[i] + t[i + 1]) };
+    let (mut weights, mut t) = (weights.to_vec(), t.to_vec());
+    if has("edges_normalized") {
+        let (first, length) = (t[0], t[n] - t[0]);
+        t.iter_mut().for_each(|t| *t = (*t - first) / length);
+    }
+    if has("weights_made_shares") {
+        let total: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|w| *w /= total + 1e-8);
+    }
+    let place = |i: usize| match () {
+        () if has("edges_for_middles") => t[i],
+        () if has("far_edges_for_middles") => t[i + 1],
+        () => 0.5 * (t[i] + t[i + 1]),
+    };
+    if has("variance_for_pairs") {
+        let mean: f64 = (0..n).map(|i| weights[i] * place(i)).sum();
+        return (0..n).map(|i| weights[i] * (place(i) - mean) * (place(i) - mean)).sum();
+    }
     for i in 0..n {
-        for j in 0..n {
+        for j in (0..n).filter(|j| !has("neighbors_alone") || i.abs_diff(*j) == 1) {
             let apart = place(i) - place(j);
             pairs += weights[i] * weights[j] * if has("signs_kept") { apart } else { apart.abs() };
         }
         let weight = if has("own_weight_once") { weights[i] } else { weights[i] * weights[i] };
         own += weight * (t[i + 1] - t[i]);
     }
-    let pairs = if has("pairs_once") { pairs / 2.0 } else { pairs };
+    let pairs = match () {
+        () if has("pairs_once") => pairs / 2.0,
+        () if has("mean_of_pairs") => pairs / (n * n) as f64,
+        () => pairs,
+    };
     let own = match () {
         () if has("own_forgotten") => 0.0,
         () if has("third_forgotten") => own,

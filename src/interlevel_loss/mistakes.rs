@@ -100,6 +100,30 @@ pub(crate) const INTERLEVEL_LOSS: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    Mistake::new(
+        "both_exchanged",
+        "the proposal's weights held against the bound of the field's",
+        "the field is pulled to the proposal, which learns nothing",
+        "w of the field, the bound of the proposal",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "sizes_for_squares",
+        "the mean of |w - bound|",
+        "another loss: the proposal is pulled down as well",
+        "max(0, w - bound)^2 / (w + eps)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "bound_at_the_middle",
+        "the one interval of the proposal that the middle of interval i lies in",
+        "the bound is too small where intervals overlap several",
+        "the sum over all that overlap",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// The bound with what is wrong about it.
@@ -107,6 +131,10 @@ fn wrong_bound(fine: Histogram, i: usize, proposal: Histogram, form: Form, wrong
     let ([t, s], has) = ([fine.t, proposal.t], |name: &str| wrong.contains(&name));
     let over = (0..proposal.weights.len()).filter(|&j| overlaps(t, i, s, j, form.edges));
     let sum = |j: &mut dyn Iterator<Item = usize>| j.map(|j| proposal.weights[j]).sum::<f64>();
+    if has("bound_at_the_middle") {
+        let middle = 0.5 * (t[i] + t[i + 1]);
+        return sum(&mut over.filter(|&j| s[j] <= middle && middle < s[j + 1]));
+    }
     if has("inner_for_outer") {
         return sum(&mut over.filter(|&j| t[i] <= s[j] && s[j + 1] <= t[i + 1]));
     }
@@ -127,11 +155,13 @@ fn wrong_bound(fine: Histogram, i: usize, proposal: Histogram, form: Form, wrong
 /// The loss of one ray.
 fn wrong_loss(fine: Histogram, proposal: Histogram, form: Form, wrong: &[&str]) -> f64 {
     let has = |name: &str| wrong.contains(&name);
+    let (fine, proposal) = if has("both_exchanged") { (proposal, fine) } else { (fine, proposal) };
     let one = |(i, w): (usize, &f64)| {
         let bound = wrong_bound(fine, i, proposal, form, wrong);
         let missing = if has("both_signs") { w - bound } else { (w - bound).max(0.0) };
         let square = if has("square_forgotten") { missing } else { missing * missing };
         match () {
+            () if has("sizes_for_squares") => (w - bound).abs(),
             () if missing == 0.0 => 0.0,
             () if has("division_forgotten") => square,
             () if has("divided_by_the_bound") => square / (bound + form.eps),

@@ -62,6 +62,13 @@ pub(crate) fn psnr() -> Vec<Case> {
         with_peak("two_pictures", "two pictures of unequal error: the two means differ", &two, &target, 1.0),
         with_peak("eighth", "an error of 1/8 everywhere: 18.06 dB", &tenth, &half, 1.0),
         with_peak("bytes", "bytes, peak 255", &two.mapv(byte), &target.mapv(byte), 255.0),
+        with_peak(
+            "two_is_white",
+            "peak 2: colors in [-1, 1] are so far apart",
+            &two.mapv(|x| 2.0 * x - 1.0),
+            &target.mapv(|x| 2.0 * x - 1.0),
+            2.0,
+        ),
         with_peak("ME1_equal", "equal pictures: infinite, never NaN", &half, &half, 1.0)
             .edge("equal pictures"),
         with_peak(
@@ -95,6 +102,11 @@ pub(crate) fn to_uint8() -> Vec<Case> {
             "ends",
             "the ends of [0, 1], beyond them, and the tie 127.5",
             vec![("image", array(&[1, 3, 3], ends))],
+        ),
+        Case::new(
+            "inside",
+            "nothing is clipped: who guesses the scale by the largest number takes it for that of [0, 1]",
+            vec![("image", draw.array(&[3, 4, 3], 0.0, 0.875))],
         ),
         beside_ties("beside_ties_f32", Dtype::F32, 20),
         beside_ties("beside_ties_f64", Dtype::F64, 49),

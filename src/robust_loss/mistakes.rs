@@ -2,9 +2,10 @@
 
 use super::arrays::{forward, pair, vjp};
 use super::{backward, charbonnier as charbonnier_oracle, huber as huber_oracle, reduced, smooth};
-use crate::contract::arrays::{Arrays, number};
+use crate::contract::arrays::{Arrays, input, number};
 use crate::contract::component::Mistake;
 use crate::convention::{CharbonnierEps, Conventions, HuberSlope};
+use crate::math::pow;
 
 /// Mistakes of Huber's loss.
 pub(crate) const HUBER: &[Mistake] = &[
@@ -75,7 +76,58 @@ pub(crate) const HUBER: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    Mistake::new(
+        "pieces_exchanged",
+        "the straight piece inside, the square beyond",
+        "outliers rule, and small errors never vanish",
+        "squares inside",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "smooth_for_pieces",
+        "delta^2 (sqrt(1 + (d / delta)^2) - 1): the pseudo-Huber loss",
+        "another loss: too small about delta by up to a sixth",
+        "squares inside, straight beyond",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "smaller_piece",
+        "min(d^2 / 2, delta |d|)",
+        "squares up to 2 delta, and a kink there",
+        "delta (|d| - delta / 2) beyond delta",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "of_the_mean",
+        "the loss of the mean |d|",
+        "outliers rule: it is the mean that is compared",
+        "the loss of each, then the mean",
+        "never; cheap to keep",
+        0,
+    ),
 ];
+
+const OWN_EPS: Mistake = Mistake::new(
+    "eps_of_its_own",
+    "sqrt(d^2 + eps^2) with an eps of one's own",
+    "figures that can't be compared where errors are small",
+    "the eps that is handed over",
+    "never; cheap to keep",
+    0,
+)
+.with("eps", 1e-3, [1e-10, 1.0]);
+const OWN_POWER: Mistake = Mistake::new(
+    "another_power",
+    "(d^2 + eps^2)^k with k other than 1/2",
+    "outliers weigh less, or more: another loss",
+    "the root",
+    "0.45, of optical flow's generalized Charbonnier loss; never seen here",
+    0,
+)
+.with("k", 0.45, [0.1, 2.0]);
 
 /// Mistakes of Charbonnier's loss.
 pub(crate) const CHARBONNIER: &[Mistake] = &[
@@ -131,6 +183,32 @@ pub(crate) const CHARBONNIER: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    OWN_EPS,
+    OWN_POWER,
+    Mistake::new(
+        "least_subtracted",
+        "sqrt(d^2 + eps^2) - eps",
+        "figures that are smaller by eps; the gradient is right",
+        "the root as it is",
+        "Barron's general loss, which is 0 at 0; never seen here",
+        0,
+    ),
+    Mistake::new(
+        "root_over_channels",
+        "sqrt(sum over colors of d^2 + eps^2): the length of a color's error",
+        "a color's channels share one root: another loss",
+        "the root of each entry",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "in_units_of_eps",
+        "sqrt(1 + (d / eps)^2)",
+        "a loss 1 / eps times too large",
+        "sqrt(d^2 + eps^2)",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// One entry of Huber's loss, not yet divided by delta.
@@ -141,7 +219,10 @@ fn wrong_piece(d: f64, delta: f64, wrong: &[&str]) -> f64 {
         () if has("square_compared") => d * d <= delta,
         () => d.abs() <= delta,
     };
+    let inside = inside != has("pieces_exchanged");
     match () {
+        () if has("smooth_for_pieces") => delta * delta * ((1.0 + (d / delta) * (d / delta)).sqrt() - 1.0),
+        () if has("smaller_piece") => (0.5 * d * d).min(delta * d.abs()),
         () if inside => d * d * if has("half_forgotten") { 1.0 } else { 0.5 },
         () if has("offset_forgotten") => delta * d.abs(),
         () if has("slope_one_beyond") => d.abs() - 0.5 * delta,
@@ -155,7 +236,13 @@ pub(crate) fn huber(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
         return forward(huber_oracle(&p, &t, delta, c.huber_slope, c.loss_reduction));
     }
-    let sum: f64 = p.iter().zip(&t).map(|(p, t)| wrong_piece(p - t, delta, wrong)).sum();
+    let differences = p.iter().zip(&t).map(|(p, t)| p - t);
+    let sum: f64 = if wrong.contains(&"of_the_mean") {
+        let n = p.len() as f64;
+        n * wrong_piece(differences.map(f64::abs).sum::<f64>() / n, delta, wrong)
+    } else {
+        differences.map(|d| wrong_piece(d, delta, wrong)).sum()
+    };
     let sum = if c.huber_slope == HuberSlope::One { sum / delta } else { sum };
     forward(reduced(sum, p.len(), c.loss_reduction))
 }
@@ -184,17 +271,31 @@ pub(crate) fn charbonnier(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays
         return forward(charbonnier_oracle(&p, &t, eps, c.charbonnier_eps, c.loss_reduction));
     }
     let has = |name: &str| wrong.contains(&name);
+    let eps = OWN_EPS.among(wrong).unwrap_or(eps);
     let square = if c.charbonnier_eps == CharbonnierEps::Square { eps * eps } else { eps };
     let differences = || p.iter().zip(&t).map(|(p, t)| p - t);
     if has("root_of_mean") {
         let under = reduced(differences().map(|d| d * d).sum(), p.len(), c.loss_reduction) + square;
         return forward(under.sqrt());
     }
-    let one = |d: f64| match () {
+    if has("root_over_channels") {
+        let all: Vec<f64> = differences().collect();
+        let channels = input(a, "prediction").shape().last().copied().unwrap_or(1).max(1);
+        let roots = all.chunks(channels).map(|d| (d.iter().map(|d| d * d).sum::<f64>() + square).sqrt());
+        return forward(reduced(roots.sum(), all.len() / channels, c.loss_reduction));
+    }
+    let other = |d: f64| match () {
+        () if has("least_subtracted") => smooth(d, eps, c.charbonnier_eps) - eps,
+        () if has("in_units_of_eps") => smooth(d, eps, c.charbonnier_eps) / eps,
         () if has("eps_outside") => d.abs() + eps,
         () if has("root_forgotten") => d * d + square,
         () if has("square_forgotten") => (d.abs() + square).sqrt(),
         () => smooth(d, eps, c.charbonnier_eps),
+    };
+    let power = OWN_POWER.among(wrong);
+    let one = |d: f64| match power {
+        Some(power) => pow(d * d + square, power),
+        None => other(d),
     };
     forward(reduced(differences().map(one).sum(), p.len(), c.loss_reduction))
 }

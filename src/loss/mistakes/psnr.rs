@@ -1,0 +1,218 @@
+//! Signal-to-noise ratio, wrong on purpose.
+
+use crate::contract::arrays::{Arrays, arrays, input, scalar};
+use crate::contract::component::Mistake;
+use crate::convention::{Conventions, PsnrPeak};
+use crate::loss::arrays;
+
+const PEAK_SCALED: Mistake = Mistake::new(
+    "peak_scaled",
+    "a peak that is k times the largest value that a color may have",
+    "20 log10(k) dB too many, or too few, whatever the picture",
+    "the peak of the colors' own scale: 1, or 255 of bytes",
+    "1 public implementation, with 8",
+    1,
+)
+.with("k", 8.0, [1e-3, 1e3]);
+
+/// Mistakes of the metric.
+pub(crate) const PSNR: &[Mistake] = &[
+    Mistake::new(
+        "doubled_psnr",
+        "20 log10(1 / mse): the formula of the root mean square on the mean square",
+        "every figure twice as large",
+        "10 log10(peak^2 / mse)",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "regularized_psnr",
+        "PSNR of a training loss that holds a regularizer (here 1e-3)",
+        "figures too low, capped by the regularizer",
+        "take the mean squared error alone",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "few_pixels",
+        "a few pixels (here the first row) are reported as the picture",
+        "figures that can't be compared with anybody's",
+        "render the whole picture",
+        "3 public implementations",
+        3,
+    ),
+    Mistake::new(
+        "natural_log_psnr",
+        "10 ln(1 / mse)",
+        "every figure 2.3 times as large",
+        "use the decimal logarithm",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "peak_of_target",
+        "the target's largest value for the peak",
+        "figures that differ from picture to picture for the same error",
+        "peak is the largest value that a color may have",
+        "an imaging code",
+        1,
+    ),
+    PEAK_SCALED,
+    Mistake::new(
+        "peak_255",
+        "peak 255 whatever the colors",
+        "48.13 dB too many for colors in [0, 1]",
+        "peak is the largest value that a color may have",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "peak_of_prediction",
+        "the prediction's largest value for the peak",
+        "brighter pictures score better",
+        "peak is the largest value that a color may have",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "range_of_target",
+        "the target's largest value less its smallest for the peak",
+        "figures that differ from picture to picture for the same error",
+        "peak is the largest value that a color may have",
+        "scripts with data_range = target.max() - target.min(); never seen here",
+        0,
+    ),
+    Mistake::new(
+        "peak_not_squared",
+        "10 log10(peak / mse)",
+        "of bytes 24 dB too few; right where the peak is 1",
+        "peak^2 / mse",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "absolute_error_psnr",
+        "20 log10(peak / mean |p - t|)",
+        "figures too high wherever errors are uneven",
+        "the mean square",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "mean_over_channels",
+        "the mean of the channels' figures",
+        "one good channel outweighs two bad ones",
+        "the mean square over all channels",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "mean_over_pixels",
+        "the mean of the pixels' figures, errors of 1e-10 at least",
+        "figures too high wherever errors are uneven",
+        "the mean square over the picture",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "bias_left_out",
+        "the standard deviation of p - t for the root of its mean square",
+        "a picture that is too bright all over is perfect",
+        "the mean square",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "bytes_cut_off",
+        "both pictures cut off to bytes first, peak 255",
+        "figures of files, off by a part of a decibel, and infinite for errors below a byte",
+        "colors as they are",
+        "scripts that compare what was written; never seen here",
+        0,
+    ),
+];
+
+/// The errors whose figures are averaged, where these aren't the mean squares of pictures.
+fn parts(a: &Arrays, wrong: &[&str]) -> Option<Vec<f64>> {
+    let apart = input(a, "prediction") - input(a, "target");
+    let mean = |axes: [usize; 2], x: &ndarray::ArrayD<f64>| {
+        let of = |x: ndarray::ArrayD<f64>, axis: usize| x.mean_axis(ndarray::Axis(axis)).expect("pixels");
+        of(of(x.clone(), axes[0]), axes[1])
+    };
+    let squares = apart.mapv(|d| d * d);
+    let of_pictures =
+        |x: &ndarray::ArrayD<f64>| mean([2, 1], x).mean_axis(ndarray::Axis(1)).expect("channels");
+    let all = |x: ndarray::ArrayD<f64>| x.iter().copied().collect::<Vec<f64>>();
+    match () {
+        () if wrong.contains(&"absolute_error_psnr") => {
+            Some(all(of_pictures(&apart.mapv(f64::abs)).mapv(|x| x * x)))
+        }
+        () if wrong.contains(&"mean_over_channels") => Some(all(mean([2, 1], &squares))),
+        () if wrong.contains(&"mean_over_pixels") => {
+            Some(all(squares.mean_axis(ndarray::Axis(3)).expect("channels").mapv(|x| x.max(1e-10))))
+        }
+        () if wrong.contains(&"bias_left_out") => {
+            Some(all(of_pictures(&squares) - of_pictures(&apart).mapv(|x| x * x)))
+        }
+        () => None,
+    }
+}
+
+/// Peak signal-to-noise ratio.
+pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut a = a.clone();
+    if wrong.contains(&"peak_255") {
+        a.insert("peak".into(), scalar(255.0));
+    }
+    if wrong.contains(&"peak_of_target") {
+        a.insert("peak".into(), scalar(input(&a, "target").iter().copied().fold(f64::MIN, f64::max)));
+    }
+    if wrong.contains(&"peak_of_prediction") {
+        a.insert("peak".into(), scalar(input(&a, "prediction").iter().copied().fold(f64::MIN, f64::max)));
+    }
+    if wrong.contains(&"range_of_target") {
+        let ends = |[low, high]: [f64; 2], x: &f64| [low.min(*x), high.max(*x)];
+        let [low, high] = input(&a, "target").iter().fold([f64::MAX, f64::MIN], ends);
+        a.insert("peak".into(), scalar(high - low));
+    }
+    if wrong.contains(&"bytes_cut_off") {
+        let peak = arrays::peak(&a, c);
+        for name in ["prediction", "target"] {
+            a.get_mut(name).expect("checked").mapv_inplace(|x| (255.0 * (x / peak).clamp(0.0, 1.0)).floor());
+        }
+        a.insert("peak".into(), scalar(255.0));
+    }
+    if wrong.contains(&"few_pixels") {
+        for name in ["prediction", "target"] {
+            let row = input(&a, name).slice_axis(ndarray::Axis(1), (0..1).into()).to_owned();
+            a.insert(name.into(), row);
+        }
+    }
+    let peaks = ["peak_255", "peak_of_target", "peak_of_prediction", "range_of_target", "bytes_cut_off"];
+    let by_peak = peaks.iter().any(|name| wrong.contains(name));
+    // Where the peak is 1 by convention, another one is still a mistake.
+    let c = &Conventions { psnr_peak: if by_peak { PsnrPeak::Given } else { c.psnr_peak }, ..*c };
+    let mut value = input(&arrays::psnr(&a, c), "value").sum();
+    if wrong.contains(&"peak_not_squared") {
+        value -= 10.0 * libm::log10(arrays::peak(&a, c));
+    }
+    if let Some(parts) = parts(&a, wrong) {
+        let figure = |error: f64| crate::loss::psnr(error, arrays::peak(&a, c));
+        value = parts.iter().map(|error| figure(*error)).sum::<f64>() / parts.len() as f64;
+    }
+    if wrong.contains(&"regularized_psnr") {
+        let peak = arrays::peak(&a, c);
+        let error = peak * peak * crate::math::pow(10.0, -value / 10.0);
+        value = crate::loss::psnr(error + 1e-3, peak);
+    }
+    if let Some(k) = PEAK_SCALED.among(wrong) {
+        value += 20.0 * libm::log10(k);
+    }
+    if wrong.contains(&"doubled_psnr") {
+        value *= 2.0;
+    }
+    if wrong.contains(&"natural_log_psnr") {
+        value *= std::f64::consts::LN_10;
+    }
+    arrays([("value", scalar(value))])
+}
