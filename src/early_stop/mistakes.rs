@@ -4,14 +4,25 @@ use ndarray::{ArrayD, Axis};
 
 use super::arrays::{self, one_ray, packed, spans, stopped};
 use super::live_samples;
-use crate::contract::arrays::{Arrays, number, scalar, values};
+use crate::contract::arrays::{Arrays, array, number, scalar, values};
 use crate::contract::component::Mistake;
 use crate::convention::{CS180, Conventions, ProductEps, Stop, Stopped};
+use crate::math::expm1;
 use crate::volume_rendering::component::VOLUME_RENDER;
 use crate::volume_rendering::volume_render;
 
 /// What it is called in the row that it is a mistake of.
 const RECTANGLES: &str = "optical_depth_for_alpha";
+
+const OWN_EPS: Mistake = Mistake::new(
+    "eps_of_its_own",
+    "stops where T is below a number of one's own",
+    "rays end earlier, or later, than they should",
+    "the eps that is handed over",
+    "1e-4 in most rasterizers of splats and marches, here where another is handed over",
+    0,
+)
+.with("eps", 1e-4, [1e-8, 0.5]);
 
 /// Mistakes of packed rendering with early stop.
 pub(crate) const EARLY_STOP: &[Mistake] = &[
@@ -90,6 +101,55 @@ pub(crate) const EARLY_STOP: &[Mistake] = &[
         1,
     )
     .of_gradient(),
+    OWN_EPS,
+    Mistake::new(
+        "opaque_sample_tested",
+        "the ray ends in front of the first sample whose alpha is above 1 - eps",
+        "what is opaque is invisible",
+        "test the transmittance behind it",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "weight_tested_behind_the_first",
+        "the ray ends in front of the first sample, but for the very first, whose weight is below eps",
+        "whatever lies behind empty space isn't there",
+        "test the transmittance, not the weight",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "color_divided",
+        "the color divided by the opacity, of rays that don't stop too",
+        "half-transparent rays as bright as opaque ones",
+        "leave the color as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "all_samples_live",
+        "all of a ray's samples are counted, and not those that were used",
+        "grids and step counts learn that nothing was saved",
+        "those up to the stop",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "never_stopped",
+        "eps isn't looked at",
+        "nothing but time is lost, and numbers differ by up to eps",
+        "stop where T < eps",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "light_left_is_none",
+        "T is 0 where a ray has stopped",
+        "no background behind it: a jump of eps",
+        "T as it is, or the color divided",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// Number of samples that are used, as the mistakes have it; `carried` is the light that arrives.
@@ -99,6 +159,14 @@ fn live(ray: &Arrays, carried: f64, eps: f64, stop: Stop, wrong: &[&str]) -> usi
     if wrong.contains(&"weight_tested") {
         let weights = values(&(VOLUME_RENDER.forward.oracle)(ray, &CS180), "weights");
         return weights.iter().position(|w| carried * w < eps).map_or(n, |i| i + 1);
+    }
+    let alphas = || sigmas.iter().zip(&deltas).map(|(sigma, delta)| -expm1(-sigma * delta));
+    if wrong.contains(&"opaque_sample_tested") {
+        return alphas().position(|alpha| alpha > 1.0 - eps).unwrap_or(n);
+    }
+    if wrong.contains(&"weight_tested_behind_the_first") {
+        let weights = values(&(VOLUME_RENDER.forward.oracle)(ray, &CS180), "weights");
+        return weights.iter().skip(1).position(|w| carried * w < eps).map_or(n, |i| i + 1);
     }
     let live = live_samples(&sigmas, &deltas, eps / carried);
     // Whether it stops at its last sample, too: T behind them all.
@@ -118,7 +186,11 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     if wrong.is_empty() {
         return arrays::early_stop(a, c);
     }
-    let (eps, samples) = (number(a, "eps"), values(a, "sigmas").len());
+    let samples = values(a, "sigmas").len();
+    let eps = match () {
+        () if wrong.contains(&"never_stopped") => 0.0,
+        () => OWN_EPS.among(wrong).unwrap_or(number(a, "eps")),
+    };
     let (mut carried, mut rays) = (1.0, vec![]);
     for (r, (first, length)) in spans(a).into_iter().enumerate() {
         let counts = wrong.contains(&"ends_taken_for_counts");
@@ -146,11 +218,21 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         if wrong.contains(&"clamped") {
             ray.get_mut("colors").expect("an output").mapv_inplace(|c| c.clamp(0.0, 1.0));
         }
+        if wrong.contains(&"color_divided") && opacity > 0.0 {
+            ray.get_mut("colors").expect("an output").mapv_inplace(|c| c / opacity);
+        }
+        if wrong.contains(&"light_left_is_none") && t < eps {
+            ray.insert("transmittance".into(), scalar(0.0));
+        }
         if wrong.contains(&"not_reset_between_rays") {
             carried = t;
         }
         // Weights that would reach into the next ray's samples are dropped.
-        rays.push(stopped(n, length, ray));
+        let mut ray = stopped(n, length, ray);
+        if wrong.contains(&"all_samples_live") {
+            ray.insert("live".into(), array(&[1], vec![length as f64]));
+        }
+        rays.push(ray);
     }
     packed(rays)
 }

@@ -2,7 +2,7 @@
 
 use super::arrays::{Ray, forward, gradient, vjp};
 use super::{SNAPPED, bin_of, cdf};
-use crate::contract::arrays::Arrays;
+use crate::contract::arrays::{Arrays, size};
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
@@ -45,6 +45,16 @@ pub(crate) const NOT_NORMALIZED: Mistake = Mistake::new(
     "ports of sample_pdf",
     1,
 );
+
+const DENOMINATOR_EPS: Mistake = Mistake::new(
+    "eps_in_denominator",
+    "(u - F_k) / (F_{k+1} - F_k + eps)",
+    "bins with little weight are never left at their far end",
+    "1 where the difference is 0",
+    "never; cheap to keep",
+    0,
+)
+.with("eps", 1e-5, [1e-8, 1e-1]);
 
 /// Mistakes of importance sampling.
 pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
@@ -126,6 +136,56 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         "mipnerf-pytorch#5 and three copies",
         4,
     ),
+    DENOMINATOR_EPS,
+    Mistake::new(
+        "right_edge",
+        "the chosen bin's far edge, without a place inside it",
+        "samples in clumps, behind what they should show",
+        "interpolate between the two edges",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "place_of_u",
+        "edge_k + u (edge_{k+1} - edge_k): u itself for the place inside the bin",
+        "samples in a part of each bin that depends on how far away it is",
+        "(u - F_k) / (F_{k+1} - F_k)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "sum_of_all_rays",
+        "divided by the sum over the batch, without its axis",
+        "rays get the share of the batch that they happen to have; what is left falls on the last edge",
+        "a sum for each ray",
+        "a port of sample_pdf: sum without keepdim, another without its axis",
+        1,
+    ),
+    Mistake::new("weights_squared", "w^2", "faint surfaces get no samples", "w", "never; cheap to keep", 0),
+    Mistake::new(
+        "weights_over_widths",
+        "weights over the widths of their bins",
+        "narrow bins are sampled too often",
+        "a weight is a bin's whole share already",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "weights_of_next_bin",
+        "the weights of the next bin, those of the first at the end",
+        "samples a bin in front of what they should show",
+        "bin k has weight k",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "sorted_within",
+        "the samples are sorted",
+        "samples don't belong to their u any more: what is handed on with these is mixed up",
+        "sort where samples are merged, and all that belongs to them",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// The largest number below 1 that the code with doubled strata draws.
@@ -146,6 +206,15 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     if wrong.contains(&"weights_as_densities") {
         weights.iter_mut().zip(edges.windows(2)).for_each(|(w, e)| *w *= e[1] - e[0]);
     }
+    if wrong.contains(&"weights_squared") {
+        weights.iter_mut().for_each(|w| *w *= *w);
+    }
+    if wrong.contains(&"weights_over_widths") {
+        weights.iter_mut().zip(edges.windows(2)).for_each(|(w, e)| *w /= (e[1] - e[0]).max(1e-10));
+    }
+    if wrong.contains(&"weights_of_next_bin") {
+        weights.rotate_left(1);
+    }
     if wrong.contains(&"strata_doubled") {
         u = doubled(&u);
     }
@@ -158,11 +227,16 @@ fn doubled(u: &[f64]) -> Vec<f64> {
     u.iter().enumerate().map(|(i, r)| ((2.0 * i as f64 + r) / count).min(BELOW_ONE)).collect()
 }
 
-fn cdf_of(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
+/// F; `batch` is what the weights of all rays add up to.
+fn cdf_of(ray: &Ray, batch: f64, wrong: &[&str]) -> Vec<f64> {
     let mut f = cdf(&ray.weights, ray.padding);
     if wrong.contains(&"not_normalized") {
         let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
         f.iter_mut().for_each(|f| *f *= total);
+    }
+    if wrong.contains(&"sum_of_all_rays") {
+        let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
+        f.iter_mut().for_each(|f| *f *= total / batch);
     }
     if wrong.contains(&"no_leading_zero") {
         f.remove(0);
@@ -173,7 +247,8 @@ fn cdf_of(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
 
 fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     let left = wrong.contains(&"searched_from_the_left");
-    let searched = left || wrong.contains(&"no_leading_zero") || wrong.contains(&"not_normalized");
+    let unlike = ["no_leading_zero", "not_normalized", "sum_of_all_rays"];
+    let searched = left || unlike.iter().any(|name| wrong.contains(name));
     let k = if searched {
         // As searchsorted does it, clamped at both ends.
         match f.iter().rposition(|&f| if left { f < u } else { f <= u }) {
@@ -195,8 +270,11 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     if difference == 0.0 {
         difference = 1.0;
     }
+    let difference = difference + DENOMINATOR_EPS.among(wrong).unwrap_or(0.0);
     let s = match () {
         _ if wrong.contains(&"left_edge") => 0.0,
+        _ if wrong.contains(&"right_edge") => 1.0,
+        _ if wrong.contains(&"place_of_u") => u,
         _ if wrong.contains(&"middle_of_bin") => 0.5,
         _ => (u - f[k]) / difference,
     };
@@ -206,12 +284,18 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
 /// Samples.
 pub(crate) fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let shared = super::arrays::ray(a, 0, c).u;
+    let whole = |ray: Ray| ray.weights.iter().map(|w| w + ray.padding).sum::<f64>();
+    let batch: f64 = (0..size(a, "weights").0).map(|r| whole(super::arrays::ray(a, r, c))).sum();
     forward(a, c, |ray| {
         let ray = changed(ray, wrong);
-        let f = cdf_of(&ray, wrong);
+        let f = cdf_of(&ray, batch, wrong);
         let shared = if wrong.contains(&"strata_doubled") { doubled(&shared) } else { shared.clone() };
         let u = if wrong.contains(&"one_u_for_all_rays") { &shared } else { &ray.u };
-        u.iter().map(|&u| one(&ray, &f, u, c, wrong)).collect()
+        let mut t: Vec<f64> = u.iter().map(|&u| one(&ray, &f, u, c, wrong)).collect();
+        if wrong.contains(&"sorted_within") {
+            t.sort_by(f64::total_cmp);
+        }
+        t
     })
 }
 

@@ -3,170 +3,11 @@
 use super::arrays::{cotangents, gradient, gradients, ids, infos, offsets, scans, sums};
 use super::{Scan, accumulate as oracle_sums, backward, pack_info as oracle_info, scan as oracle_scan};
 use crate::contract::arrays::{Arrays, threes, values};
-use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
-/// Mistakes of where rays begin.
-pub(crate) const PACK_INFO: &[Mistake] = &[
-    Mistake::new(
-        "empty_rays_begin_at_0",
-        "the first sample of each ray that has some, 0 for all others",
-        "nothing, where counts are looked at; offsets made of the starts give empty rays the samples of those in front",
-        "the exclusive sum of the counts, which is right for empty rays too",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "ends_for_starts",
-        "the inclusive sum of the counts",
-        "every ray gets the next one's samples, the last one what lies behind the array",
-        "the sum of the counts in front: cumsum - count",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "empty_rays_skipped",
-        "rays numbered anew without the empty ones, zeros at the end",
-        "behind the first ray that misses the scene, every pixel has its neighbor's color",
-        "count all rays: bincount(ray_ids, minlength=rays), not unique_consecutive",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "last_sample_not_counted",
-        "counts as differences between a ray's first and last sample",
-        "each ray ends a sample early; rays of one sample have none",
-        "last - first + 1",
-        "never; cheap to keep",
-        0,
-    ),
-];
+mod catalogue;
 
-/// Mistakes of running sums and products.
-pub(crate) const PACKED_SCAN: &[Mistake] = &[
-    Mistake::new(
-        "not_reset",
-        "one sum or product over all samples of all rays",
-        "every ray begins with what those in front have added up: black behind the first opaque one",
-        "begin anew at each ray's first sample",
-        "one scan for a whole batch, as cumsum over the wrong axis (1 in volume rendering)",
-        1,
-    ),
-    Mistake::new(
-        "inclusive_for_exclusive",
-        "the exclusive results with the sample itself",
-        "each sample shades itself: w_i (1 - alpha_i)",
-        "shift by one: 0 or 1 for a ray's first sample",
-        "9 as the transmittance of dense rays",
-        9,
-    ),
-    Mistake::new(
-        "first_not_reset",
-        "rolled by one: the first of a ray has the last inclusive result of the one in front",
-        "a ray's first sample is as dark as the end of its neighbor",
-        "0 or 1 for a ray's first sample",
-        "2 as rolled products of dense rays",
-        2,
-    ),
-    Mistake::new(
-        "first_product_0",
-        "0 as the exclusive product of a ray's first sample",
-        "what a ray meets first is invisible",
-        "the empty product is 1",
-        "1 as T_0 = 0 of dense rays",
-        1,
-    ),
-    Mistake::new(
-        "gradient_divided_by_clamped",
-        "the gradient of products: sum_{i>=k} g_i P_i, divided by max(x_k, 1e-10)",
-        "a fully opaque sample has no gradient from what it hides: it stays opaque for ever",
-        "the recursion q_k = x_{k+1} p_{k+1} + g_{k+1}, which divides by nothing",
-        "nerfacc FIXME in the backward pass of its products",
-        1,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "gradient_divided",
-        "the same, divided by x_k as it is",
-        "NaN where a sample is fully opaque",
-        "the recursion, which divides by nothing",
-        "hand-written backward passes of cumulative products",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "gradient_not_reset",
-        "the sums behind a sample run on into the rays behind",
-        "rays pull at their neighbors' samples",
-        "end where the ray ends",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "gradient_forward",
-        "the gradient of sums as a sum over what lies in front",
-        "samples learn from those that they have no part in",
-        "the transposed scan runs backward",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-];
-
-/// Mistakes of weighted sums.
-pub(crate) const ACCUMULATE_ALONG_RAYS: &[Mistake] = &[
-    Mistake::new(
-        "divided_by_weights",
-        "divided by the sum of the weights",
-        "thin rays are as bright as opaque ones; NaN without samples",
-        "sum w v alone; a background takes what is left",
-        "2 in volume rendering",
-        2,
-    ),
-    Mistake::new(
-        "empty_rays_skipped",
-        "rays numbered anew without the empty ones, zeros at the end",
-        "behind the first ray that misses the scene, every pixel has its neighbor's color",
-        "index_add by the ray's number",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "last_write_counts",
-        "out[ray_ids] = w v: of a ray's samples the last one counts, not their sum",
-        "colors of the last sample alone, and too dark",
-        "index_add, or atomic additions",
-        "assignments by index in numpy and PyTorch, which don't add",
-        0,
-    ),
-    Mistake::new(
-        "weights_forgotten",
-        "the sum of the values",
-        "far too bright",
-        "times the weights",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "one_color_to_weights",
-        "the weights' gradient from the first color alone",
-        "densities learn from red alone",
-        "the sum over colors",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "weights_detached",
-        "no gradient to the weights",
-        "colors learn, densities don't",
-        "g . v",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-];
+pub(crate) use catalogue::{ACCUMULATE_ALONG_RAYS, PACK_INFO, PACKED_SCAN};
 
 /// Rays numbered anew without those of no samples, zeros at the end.
 fn skipped<T: Copy>(info: &[T], empty: impl Fn(&T) -> bool, zero: T) -> Vec<T> {
@@ -185,10 +26,19 @@ pub(crate) fn pack_info(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
             "ends_for_starts" => info.iter_mut().for_each(|ray| ray.0 += ray.1),
             "empty_rays_skipped" => info = skipped(&info, |ray| ray.1 == 0, (0, 0)),
             "last_sample_not_counted" => info.iter_mut().for_each(|ray| ray.1 = ray.1.saturating_sub(1)),
+            "even_share" => {
+                let share = ids.len() / rays.max(1);
+                info = (0..rays).map(|ray| (ray * share, share)).collect();
+            }
             _ => {}
         }
     }
-    infos(&info)
+    let mut out = infos(&info);
+    if wrong.contains(&"empty_rays_begin_nowhere") {
+        let starts = out.get_mut("starts").expect("an output");
+        starts.iter_mut().zip(&info).filter(|(_, ray)| ray.1 == 0).for_each(|(start, _)| *start = -1.0);
+    }
+    out
 }
 
 /// All samples as one ray.
@@ -196,12 +46,43 @@ fn joined(offsets: &[usize]) -> [usize; 2] {
     [0, offsets[offsets.len() - 1]]
 }
 
+/// Sums and products from each ray's last sample on.
+fn backwards(x: &[f64], offsets: &[usize]) -> Scan {
+    let turned = |x: &[f64]| {
+        let mut x = x.to_vec();
+        offsets.windows(2).for_each(|ray| x[ray[0]..ray[1]].reverse());
+        x
+    };
+    let Scan { exclusive_sum, inclusive_sum, exclusive_product, inclusive_product } =
+        oracle_scan(&turned(x), offsets);
+    Scan {
+        exclusive_sum: turned(&exclusive_sum),
+        inclusive_sum: turned(&inclusive_sum),
+        exclusive_product: turned(&exclusive_product),
+        inclusive_product: turned(&inclusive_product),
+    }
+}
+
 /// Sums and products.
 pub(crate) fn scan(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let (x, right) = (values(a, "x"), offsets(a, "x"));
     let all = if wrong.contains(&"not_reset") { joined(&right).to_vec() } else { right.clone() };
-    let Scan { mut exclusive_sum, inclusive_sum, mut exclusive_product, inclusive_product } =
-        oracle_scan(&x, &all);
+    let mut found = oracle_scan(&x, &all);
+    let other = |f: &dyn Fn(f64) -> f64| oracle_scan(&x.iter().map(|&x| f(x)).collect::<Vec<_>>(), &all);
+    if wrong.contains(&"from_behind") {
+        found = backwards(&x, &all);
+    }
+    if wrong.contains(&"factors_of_light") {
+        let light = other(&|x| 1.0 - x);
+        (found.exclusive_product, found.inclusive_product) =
+            (light.exclusive_product, light.inclusive_product);
+    }
+    if wrong.contains(&"product_by_logarithms") {
+        let sums = other(&crate::math::ln);
+        found.exclusive_product = sums.exclusive_sum.into_iter().map(crate::math::exp).collect();
+        found.inclusive_product = sums.inclusive_sum.into_iter().map(crate::math::exp).collect();
+    }
+    let Scan { mut exclusive_sum, inclusive_sum, mut exclusive_product, inclusive_product } = found;
     if wrong.contains(&"inclusive_for_exclusive") {
         (exclusive_sum, exclusive_product) = (inclusive_sum.clone(), inclusive_product.clone());
     }
@@ -209,6 +90,15 @@ pub(crate) fn scan(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
         (exclusive_sum, exclusive_product) = (inclusive_sum.clone(), inclusive_product.clone());
         exclusive_sum.rotate_right(1);
         exclusive_product.rotate_right(1);
+    }
+    for ray in right.windows(2).map(|ray| ray[0]..ray[1]).filter(|ray| !ray.is_empty()) {
+        if wrong.contains(&"rolled") {
+            exclusive_sum[ray.start] = inclusive_sum[ray.end - 1];
+            exclusive_product[ray.start] = inclusive_product[ray.end - 1];
+        }
+        if wrong.contains(&"product_by_division") {
+            ray.for_each(|i| exclusive_product[i] = inclusive_product[i] / x[i]);
+        }
     }
     if wrong.contains(&"first_product_0") {
         right.windows(2).filter(|ray| ray[0] < ray[1]).for_each(|ray| exclusive_product[ray[0]] = 0.0);
@@ -268,6 +158,24 @@ pub(crate) fn accumulate(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays 
         weights.fill(1.0);
     }
     let mut out = oracle_sums(&weights, &colors, &offsets);
+    for (ray, out) in offsets.windows(2).zip(&mut out) {
+        let n = ray[1] - ray[0];
+        let of = |i: usize| colors.get(i).map_or([0.0; 3], |color| color.map(|x| weights[i] * x));
+        let heavier = |most: usize, i: usize| if weights[i] > weights[most] { i } else { most };
+        for name in wrong {
+            *out = match *name {
+                "mean_over_samples" if n > 0 => out.map(|x| x / n as f64),
+                "first_sample_alone" if n > 0 => of(ray[0]),
+                "last_sample_left_out" if n > 0 => {
+                    let kept = |k: usize| (ray[0]..ray[1] - 1).map(|i| of(i)[k]).sum();
+                    std::array::from_fn(kept)
+                }
+                "heaviest_sample_alone" if n > 0 => colors[(ray[0]..ray[1]).fold(ray[0], heavier)],
+                "one_sample_too_many" => std::array::from_fn(|k| out[k] + of(ray[1])[k]),
+                _ => *out,
+            };
+        }
+    }
     if wrong.contains(&"divided_by_weights") {
         let totals = oracle_sums(&weights, &vec![[1.0; 3]; weights.len()], &offsets);
         out = out.iter().zip(totals).map(|(sum, total)| sum.map(|x| x / total[0])).collect();

@@ -7,6 +7,16 @@ use crate::contract::component::Mistake;
 use crate::convention::{AnnealPadding, Conventions};
 use crate::math::{exp, pow};
 
+const OWN_PADDING: Mistake = Mistake::new(
+    "padding_of_its_own",
+    "anneal log(w + padding + eps): a padding of one's own beside the one that is handed over",
+    "bins without weight are sampled more often than they should be",
+    "the padding that is handed over",
+    "never; cheap to keep",
+    0,
+)
+.with("eps", 1e-3, [1e-10, 1.0]);
+
 /// Mistakes of a proposal's distribution.
 pub(crate) const PROPOSAL_PDF: &[Mistake] = &[
     Mistake::new(
@@ -105,6 +115,39 @@ pub(crate) const PROPOSAL_PDF: &[Mistake] = &[
         "the same; never seen",
         0,
     ),
+    OWN_PADDING,
+    Mistake::new(
+        "share_raised",
+        "((w + padding) / sum)^anneal, and not divided again",
+        "the powers of shares add up to more than 1: samples crowd in front",
+        "divide after the power",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "mixed_with_even",
+        "(1 - anneal) + anneal (w + padding): a mean of even and not",
+        "weights, which are far below 1, come through in the very end alone",
+        "raise the weights to the power of anneal",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "anneal_from_one",
+        "weights to the power of 1 - anneal",
+        "sharp in the beginning, even in the end",
+        "to the power of anneal",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "divided_by_the_largest",
+        "divided by the largest power",
+        "they add up to more than 1: the last samples fall on the last edge",
+        "divide by the sum",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// The powers of one ray, before they are divided.
@@ -114,17 +157,22 @@ fn powers(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
     let padding = match () {
         () if has("padding_unused") || has("padding_of_the_share") => 0.0,
         () if has("padding_shared") => ray.padding / n,
-        () => ray.padding,
+        () => ray.padding + OWN_PADDING.among(wrong).unwrap_or(0.0),
     };
     let risen = |x: f64| match () {
         () if has("anneal_forgotten") => x,
         () if has("times_anneal") => ray.anneal * x,
+        () if has("mixed_with_even") => 1.0 - ray.anneal + ray.anneal * x,
+        () if has("anneal_from_one") => pow(x, 1.0 - ray.anneal),
         () if has("anneal_inverted") && ray.anneal > 0.0 => pow(x, 1.0 / ray.anneal),
         () if has("softmax_of_weights") => exp(ray.anneal * x),
         () => pow(x, ray.anneal),
     };
     let whole: f64 = if has("divided_before_the_power") { ray.weights.iter().sum() } else { 1.0 };
     let whole = if whole > 0.0 { whole } else { 1.0 };
+    // What is raised is the share of all bins, those without a width too.
+    let share = if has("share_raised") { ray.weights.iter().map(|w| w + padding).sum() } else { 1.0 };
+    let share: f64 = if share > 0.0 { share } else { 1.0 };
     let one = |(i, w): (usize, &f64)| {
         let width = ray.edges[i + 1] - ray.edges[i];
         let w = match () {
@@ -132,7 +180,11 @@ fn powers(ray: &Ray, wrong: &[&str]) -> Vec<f64> {
             () if has("width_times") => w * width,
             () => w / whole,
         };
-        if ray.form.padding == AnnealPadding::Before { risen(w + padding) } else { risen(w) + padding }
+        if ray.form.padding == AnnealPadding::Before {
+            risen((w + padding) / share)
+        } else {
+            risen(w) + padding
+        }
     };
     let counts = counted(&ray.edges, ray.form.flat);
     ray.weights.iter().enumerate().map(|pair| if counts[pair.0] { one(pair) } else { 0.0 }).collect()
@@ -144,7 +196,7 @@ fn shares(ray: &Ray, powers: &[f64], total: f64, wrong: &[&str]) -> Vec<f64> {
     let counts = counted(&ray.edges, ray.form.flat);
     let bins = counts.iter().filter(|&&counts| counts).count() as f64;
     let missing = (ray.form.floor.value() - total).max(0.0);
-    let undivided = has("sum_not_divided") || has("divided_before_the_power");
+    let undivided = has("sum_not_divided") || has("divided_before_the_power") || has("share_raised");
     let one = |(power, &counts): (&f64, &bool)| {
         let even = if counts { 1.0 / bins } else { 0.0 };
         let share = match () {
@@ -166,7 +218,11 @@ pub(crate) fn proposal_pdf(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Array
     let powers: Vec<Vec<f64>> = rays.iter().map(|ray| powers(ray, wrong)).collect();
     let batch: f64 = powers.iter().flatten().sum();
     let one = |(ray, powers): (&Ray, &Vec<f64>)| {
-        let total = if wrong.contains(&"sum_of_all_rays") { batch } else { powers.iter().sum() };
+        let total = match () {
+            () if wrong.contains(&"sum_of_all_rays") => batch,
+            () if wrong.contains(&"divided_by_the_largest") => powers.iter().copied().fold(0.0, f64::max),
+            () => powers.iter().sum(),
+        };
         shares(ray, powers, total, wrong)
     };
     forward(&rays.iter().zip(&powers).map(one).collect::<Vec<_>>())

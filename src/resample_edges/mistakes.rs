@@ -64,7 +64,35 @@ pub(crate) const RESAMPLE_EDGES: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    OWN_PADDING,
+    Mistake::new(
+        "clamp_exchanged",
+        "min(e_0, 2 c_0 - t_1) and max(e_N, ...): the clamps are exchanged",
+        "intervals reach to the histogram's ends, or beyond",
+        "max in front, min behind",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "mirrored_at_full_step",
+        "2 c_0 - c_1 for 2 c_0 - t_1: a whole gap beyond the outermost samples",
+        "the outermost intervals are too long by half a gap",
+        "half a gap: the mirror of the first midpoint",
+        "never; cheap to keep",
+        0,
+    ),
 ];
+
+/// A padding of one's own.
+const OWN_PADDING: Mistake = Mistake::new(
+    "padding_of_its_own",
+    "eps is added to every weight, where there is no padding",
+    "bins without weight are sampled",
+    "weights as they are, or the padding in the distribution's row",
+    "sample_pdf's 1e-5, nerfstudio's 0.01: never seen in this row",
+    0,
+)
+.with("eps", 1e-2, [1e-10, 1.0]);
 
 /// The mistakes that importance sampling has too.
 const OF_SAMPLES: usize = 5;
@@ -90,6 +118,12 @@ fn around(ray: &Ray, c: &[f64], wrong: &[&str]) -> Vec<f64> {
         () if has("ends_at_samples") => [c[0], c[last]],
         () if has("ends_of_the_histogram") => ends,
         () if has("mirrored_backwards") => [c[1], c[last - 1]],
+        () if has("clamp_exchanged") => {
+            [(2.0 * c[0] - t[1]).min(ends[0]), (2.0 * c[last] - t[last]).max(ends[1])]
+        }
+        () if has("mirrored_at_full_step") => {
+            [(2.0 * c[0] - c[1]).max(ends[0]), (2.0 * c[last] - c[last - 1]).min(ends[1])]
+        }
         () => [t[0], t[last + 1]],
     };
     (t[0], t[last + 1]) = (front, behind);
@@ -104,6 +138,10 @@ pub(crate) fn resample_edges(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arr
     let of_samples: Vec<&str> =
         RESAMPLE_EDGES[..OF_SAMPLES].iter().map(|m| m.name).filter(|name| wrong.contains(name)).collect();
     let (b, d) = sampled(a, c);
+    let mut b = b;
+    if let Some(eps) = OWN_PADDING.among(wrong) {
+        b.get_mut("weights").expect("an input").mapv_inplace(|w| w + eps);
+    }
     let drawn = sample(&b, &d, &of_samples);
     let one = |(r, ray): (usize, Ray)| {
         let lost = wrong.contains(&"last_edge_lost");

@@ -1,0 +1,261 @@
+//! Descriptions of the mistakes in packed rays.
+
+use crate::contract::component::Mistake;
+
+/// Mistakes of where rays begin.
+pub(crate) const PACK_INFO: &[Mistake] = &[
+    Mistake::new(
+        "empty_rays_begin_at_0",
+        "the first sample of each ray that has some, 0 for all others",
+        "nothing, where counts are looked at; offsets made of the starts give empty rays the samples of those in front",
+        "the exclusive sum of the counts, which is right for empty rays too",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "ends_for_starts",
+        "the inclusive sum of the counts",
+        "every ray gets the next one's samples, the last one what lies behind the array",
+        "the sum of the counts in front: cumsum - count",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "empty_rays_skipped",
+        "rays numbered anew without the empty ones, zeros at the end",
+        "behind the first ray that misses the scene, every pixel has its neighbor's color",
+        "count all rays: bincount(ray_ids, minlength=rays), not unique_consecutive",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "last_sample_not_counted",
+        "counts as differences between a ray's first and last sample",
+        "each ray ends a sample early; rays of one sample have none",
+        "last - first + 1",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "empty_rays_begin_nowhere",
+        "-1 for the first sample of a ray without any",
+        "reads in front of the arrays",
+        "where it would begin: the next ray's first",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "even_share",
+        "all rays have as many samples: those of all over the rays",
+        "rays reach into each other as soon as one misses the scene",
+        "count by the rays' numbers",
+        "never; cheap to keep",
+        0,
+    ),
+];
+
+/// Mistakes of running sums and products.
+pub(crate) const PACKED_SCAN: &[Mistake] = &[
+    Mistake::new(
+        "not_reset",
+        "one sum or product over all samples of all rays",
+        "every ray begins with what those in front have added up: black behind the first opaque one",
+        "begin anew at each ray's first sample",
+        "one scan for a whole batch, as cumsum over the wrong axis (1 in volume rendering)",
+        1,
+    ),
+    Mistake::new(
+        "inclusive_for_exclusive",
+        "the exclusive results with the sample itself",
+        "each sample shades itself: w_i (1 - alpha_i)",
+        "shift by one: 0 or 1 for a ray's first sample",
+        "9 as the transmittance of dense rays",
+        9,
+    ),
+    Mistake::new(
+        "first_not_reset",
+        "rolled by one: the first of a ray has the last inclusive result of the one in front",
+        "a ray's first sample is as dark as the end of its neighbor",
+        "0 or 1 for a ray's first sample",
+        "2 as rolled products of dense rays",
+        2,
+    ),
+    Mistake::new(
+        "first_product_0",
+        "0 as the exclusive product of a ray's first sample",
+        "what a ray meets first is invisible",
+        "the empty product is 1",
+        "1 as T_0 = 0 of dense rays",
+        1,
+    ),
+    Mistake::new(
+        "gradient_divided_by_clamped",
+        "the gradient of products: sum_{i>=k} g_i P_i, divided by max(x_k, 1e-10)",
+        "a fully opaque sample has no gradient from what it hides: it stays opaque for ever",
+        "the recursion q_k = x_{k+1} p_{k+1} + g_{k+1}, which divides by nothing",
+        "nerfacc FIXME in the backward pass of its products",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "gradient_divided",
+        "the same, divided by x_k as it is",
+        "NaN where a sample is fully opaque",
+        "the recursion, which divides by nothing",
+        "hand-written backward passes of cumulative products",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "gradient_not_reset",
+        "the sums behind a sample run on into the rays behind",
+        "rays pull at their neighbors' samples",
+        "end where the ray ends",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "gradient_forward",
+        "the gradient of sums as a sum over what lies in front",
+        "samples learn from those that they have no part in",
+        "the transposed scan runs backward",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "from_behind",
+        "sums and products from a ray's last sample on",
+        "what lies behind shades what lies in front of it",
+        "from the first sample on",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "rolled",
+        "the inclusive ones moved by one within each ray, the last one to the front",
+        "the first sample has the whole ray's",
+        "0 and 1 in front",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "factors_of_light",
+        "the products of 1 - x",
+        "light for what was handed over as light already",
+        "the products of x",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "product_by_logarithms",
+        "products as exp of sums of log x",
+        "NaN where a factor is negative, and where one is 0",
+        "multiply",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "product_by_division",
+        "the inclusive product divided by x for the exclusive one",
+        "NaN behind a factor of 0",
+        "move the product by one",
+        "never; cheap to keep",
+        0,
+    ),
+];
+
+/// Mistakes of weighted sums.
+pub(crate) const ACCUMULATE_ALONG_RAYS: &[Mistake] = &[
+    Mistake::new(
+        "divided_by_weights",
+        "divided by the sum of the weights",
+        "thin rays are as bright as opaque ones; NaN without samples",
+        "sum w v alone; a background takes what is left",
+        "2 in volume rendering",
+        2,
+    ),
+    Mistake::new(
+        "empty_rays_skipped",
+        "rays numbered anew without the empty ones, zeros at the end",
+        "behind the first ray that misses the scene, every pixel has its neighbor's color",
+        "index_add by the ray's number",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "last_write_counts",
+        "out[ray_ids] = w v: of a ray's samples the last one counts, not their sum",
+        "colors of the last sample alone, and too dark",
+        "index_add, or atomic additions",
+        "assignments by index in numpy and PyTorch, which don't add",
+        0,
+    ),
+    Mistake::new(
+        "weights_forgotten",
+        "the sum of the values",
+        "far too bright",
+        "times the weights",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "one_color_to_weights",
+        "the weights' gradient from the first color alone",
+        "densities learn from red alone",
+        "the sum over colors",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "weights_detached",
+        "no gradient to the weights",
+        "colors learn, densities don't",
+        "g . v",
+        "never; cheap to keep",
+        0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "mean_over_samples",
+        "the mean of w v over a ray's samples",
+        "the finer a ray is sampled, the darker it is",
+        "the sum",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "first_sample_alone",
+        "the first sample's w v",
+        "colors of the first sample alone, and too dark",
+        "the sum over samples",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "last_sample_left_out",
+        "the last sample of each ray isn't added",
+        "surfaces at a ray's end are missing",
+        "up to the next ray's first, that one left out",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "heaviest_sample_alone",
+        "the value of the largest weight",
+        "jagged colors without a gradient of the weights",
+        "the sum over samples",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "one_sample_too_many",
+        "the next ray's first sample is added, too",
+        "pixels shine into their neighbors",
+        "up to the next ray's first, that one left out",
+        "never; cheap to keep",
+        0,
+    ),
+];
