@@ -8,6 +8,7 @@ use super::{Encoding, factor, wave};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
+use crate::math::{cos, exp, pow, sin};
 
 /// The factor of the angle, forgotten in the gradient; of the integrated encoding too.
 pub(crate) const CHAIN_FACTOR_FORGOTTEN: Mistake = Mistake::new(
@@ -100,6 +101,46 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    Mistake::new(
+        "natural_base",
+        "e^k for 2^k: exp taken for exp2",
+        "bands that other programs' networks don't know, and no period",
+        "2^k",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "transformers_bands",
+        "10000^(-k/L) for 2^k pi: the frequencies of words' places in a sentence",
+        "no detail finer than the scene",
+        "2^k",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "powers_of_x",
+        "sin(pi x^(k+1)) for sin(2^k pi x)",
+        "no fine detail near 0, and no period",
+        "2^k x",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "divided_by_bands",
+        "everything divided by L",
+        "faint inputs: the first layer's weights, drawn for numbers of about 1, are too small",
+        "sines as they are",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "half_faded_in",
+        "bands are faded in by the cosine's window of coarse-to-fine training, half of them here",
+        "no fine detail, where no window is asked",
+        "all bands",
+        "BARF's and nerfies' window with alpha = L / 2; never seen here",
+        0,
+    ),
 ];
 
 /// The encoding of one point with mistakes in it.
@@ -121,6 +162,22 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
             if wrong.contains(&"powers_exchanged") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, (k * k) as f64, x);
             }
+            if wrong.contains(&"natural_base") {
+                (out[sine], out[cosine]) = wave(encoding.frequency, exp(k as f64), x);
+            }
+            if wrong.contains(&"transformers_bands") {
+                let turns = pow(10_000.0, -(k as f64) / encoding.levels as f64) * x;
+                (out[sine], out[cosine]) = (sin(turns), cos(turns));
+            }
+            if wrong.contains(&"powers_of_x") {
+                let power = (0..k).fold(x, |power, _| power * x);
+                (out[sine], out[cosine]) = wave(encoding.frequency, 1.0, power);
+            }
+            if wrong.contains(&"half_faded_in") {
+                let open = (0.5 * encoding.levels as f64 - k as f64).clamp(0.0, 1.0);
+                let shown = 0.5 * (1.0 - cos(std::f64::consts::PI * open));
+                (out[sine], out[cosine]) = (shown * out[sine], shown * out[cosine]);
+            }
             if wrong.contains(&"first_band_twice") && k == 0 {
                 (out[sine], out[cosine]) = wave(encoding.frequency, 2.0, x);
             }
@@ -131,6 +188,9 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
                 (out[sine], out[cosine]) = (0.0, 0.0);
             }
         }
+    }
+    if wrong.contains(&"divided_by_bands") && encoding.levels > 0 {
+        out.iter_mut().for_each(|x| *x /= encoding.levels as f64);
     }
     out
 }

@@ -5,148 +5,18 @@
 
 use super::arrays::{self, Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::trunk::Plan;
-use super::{Layer, backward, sigmoid, sigmoid_slope};
+use super::{Layer, backward, density, sigmoid, sigmoid_slope, softplus};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
-use crate::contract::component::Mistake;
-use crate::convention::Conventions;
+use crate::convention::{Activation, Conventions};
 use crate::encoding::{
     backward::positional_encoding as encoding_vjp, mistakes as encoding, positional_encoding,
 };
+use crate::math::{erf, exp, expm1, sin};
 
-const SIGMOID_MISSING: Mistake = Mistake::new(
-    "sigmoid_missing",
-    "the color head's output is handed over as it is",
-    "colors below 0 and above 1",
-    "1 / (1 + e^-z)",
-    "never; cheap to keep",
-    0,
-);
-const RELU_BEFORE_SIGMOID: Mistake = Mistake::new(
-    "relu_before_sigmoid",
-    "the last layer has a ReLU too: sigmoid(max(z, 0))",
-    "no color is darker than 1/2",
-    "no ReLU after the last layer",
-    "never; cheap to keep",
-    0,
-);
-const BIAS_FORGOTTEN: Mistake = Mistake::new(
-    "bias_forgotten",
-    "z = w x",
-    "black can't be learned",
-    "z = w x + b",
-    "never; cheap to keep",
-    0,
-);
-const TRANSPOSED: Mistake = Mistake::new(
-    "weights_transposed",
-    "x w for w x in square layers",
-    "parameters of another framework give noise",
-    "transpose when loading (JAX and Keras keep (in, out))",
-    "weight conversions",
-    0,
-);
-const NEVER_APPLIED: Mistake = Mistake::new(
-    "layer_never_applied",
-    "a square layer is built but left out of forward",
-    "a smaller network; the layer has no gradient",
-    "call every layer",
-    "2 public implementations",
-    2,
-);
-const SIGMOID_GRADIENT: Mistake = Mistake::new(
-    "sigmoid_gradient_missing",
-    "the gradient passes the sigmoid unchanged",
-    "dark and bright colors overshoot",
-    "multiply by y (1 - y)",
-    "hand-written backward passes",
-    0,
-)
-.of_gradient();
-const RELU_MASK: Mistake = Mistake::new(
-    "relu_mask_on_output",
-    "the mask asks max(z, 0) >= 0, which always holds",
-    "dead units are trained as if they were alive",
-    "mask by z > 0",
-    "hand-written backward passes",
-    0,
-)
-.of_gradient();
+mod catalogue;
 
-const LEAKY_UNITS: Mistake = Mistake::new(
-    "leaky_units",
-    "LeakyReLU in the hidden layers: k z below 0",
-    "another network: parameters of a ReLU network give other pictures",
-    "max(z, 0)",
-    "3 public implementations",
-    3,
-)
-.with("k", 0.01, [1e-6, 1.0]);
-const SMOOTH_UNITS: Mistake = Mistake::new(
-    "smooth_units",
-    "SiLU in the hidden layers: z / (1 + e^-z)",
-    "another network: parameters of a ReLU network give other pictures",
-    "max(z, 0)",
-    "2 public implementations",
-    2,
-);
-
-/// Mistakes of the plain network.
-pub(crate) const MLP: &[Mistake] = &[
-    SIGMOID_MISSING,
-    RELU_BEFORE_SIGMOID,
-    BIAS_FORGOTTEN,
-    TRANSPOSED,
-    NEVER_APPLIED,
-    LEAKY_UNITS,
-    SMOOTH_UNITS,
-    SIGMOID_GRADIENT,
-    RELU_MASK,
-];
-
-/// Mistakes of the NeRF network.
-pub(crate) const NERF_MLP: &[Mistake] = &[
-    encoding::POSITIONAL_ENCODING[0],
-    SIGMOID_MISSING,
-    RELU_BEFORE_SIGMOID,
-    BIAS_FORGOTTEN,
-    TRANSPOSED,
-    NEVER_APPLIED,
-    Mistake::new(
-        "skip_omitted",
-        "the encoding isn't concatenated again (zeros stand in its place)",
-        "blurred detail",
-        "[h, encoding] into the fifth layer",
-        "2 public implementations",
-        2,
-    ),
-    Mistake::new(
-        "no_view_direction",
-        "the direction never reaches the color layer",
-        "no highlights: a point looks the same from everywhere",
-        "[feature, encoded direction] into the color layer",
-        "3 public implementations",
-        3,
-    ),
-    Mistake::new(
-        "density_without_relu",
-        "the density head's output is handed over as it is: it may be negative",
-        "opacities below 0 where nobody takes a ReLU later",
-        "max(z, 0)",
-        "3 public implementations",
-        3,
-    ),
-    SIGMOID_GRADIENT,
-    RELU_MASK,
-    Mistake::new(
-        "skip_gradient_forgotten",
-        "the gradient of the encoding comes through the first layer alone",
-        "poses are refined with half of the gradient",
-        "add the skip's part",
-        "hand-written backward passes",
-        0,
-    )
-    .of_gradient(),
-];
+use catalogue::{LEAKY_UNITS, WIDENED};
+pub(crate) use catalogue::{MLP, NERF_MLP};
 
 /// Mistakes inside the layers: missing biases, transposed weights, the identity in place of a layer.
 fn spoil(layers: Vec<&mut Layer>, unused: usize, wrong: &[&str]) {
@@ -180,8 +50,16 @@ fn head(y: f64, z: f64, wrong: &[&str]) -> f64 {
 /// What stands in the place of the ReLU.
 fn units(wrong: &[&str]) -> Option<impl Fn(f64) -> f64> {
     let slope = LEAKY_UNITS.among(wrong);
-    let smooth = wrong.contains(&"smooth_units");
-    (smooth || slope.is_some()).then_some(move |z: f64| match slope {
+    let named = [
+        "smooth_units",
+        "exponential_units",
+        "error_function_units",
+        "softplus_units",
+        "sine_units",
+        "tanh_units",
+    ];
+    let law = named.into_iter().find(|name| wrong.contains(name));
+    (law.is_some() || slope.is_some()).then_some(move |z: f64| match slope {
         Some(slope) => {
             if z > 0.0 {
                 z
@@ -189,7 +67,15 @@ fn units(wrong: &[&str]) -> Option<impl Fn(f64) -> f64> {
                 slope * z
             }
         }
-        None => z * sigmoid(z),
+        None => match law {
+            Some("exponential_units") if z <= 0.0 => expm1(z),
+            Some("exponential_units") => z,
+            Some("error_function_units") => 0.5 * z * (1.0 + erf(z / std::f64::consts::SQRT_2)),
+            Some("softplus_units") => softplus(z),
+            Some("sine_units") => sin(z),
+            Some("tanh_units") => 2.0 * sigmoid(2.0 * z) - 1.0,
+            _ => z * sigmoid(z),
+        },
     })
 }
 
@@ -250,6 +136,40 @@ fn cut_skip(nerf: &mut Nerf, c: &Conventions) {
     }
 }
 
+/// z of both heads of a network whose units are other ones.
+fn heads(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, wrong: &[&str]) -> (f64, Vec<f64>) {
+    let (net, other) = (&nerf.net, units(wrong));
+    let unit = |z: &f64| other.as_ref().map_or(z.max(0.0), |unit| unit(*z));
+    let mut h = vec![];
+    for (n, layer) in net.trunk.iter().enumerate() {
+        let z = layer.forward(&Plan::of(c).join(n, &h, x));
+        let linear = n + 1 == net.trunk.len() && c.last_trunk == Activation::None;
+        h = if linear { z } else { z.iter().map(unit).collect() };
+    }
+    let z = net.feature.forward(&h);
+    let feature: Vec<f64> = match () {
+        () if wrong.contains(&"sigmoid_on_feature") => z.into_iter().map(sigmoid).collect(),
+        () if c.feature == Activation::Relu => z.iter().map(unit).collect(),
+        () => z,
+    };
+    let z = net.color0.forward(&[&feature, d].concat());
+    let hidden = if wrong.contains(&"color_layer_linear") { z } else { z.iter().map(unit).collect() };
+    (net.sigma.forward(&h)[0], net.color1.forward(&hidden))
+}
+
+/// What the color head makes of its z.
+fn color(z: &[f64], wrong: &[&str]) -> [f64; 3] {
+    let all = z.iter().map(|&z| exp(z)).sum::<f64>();
+    std::array::from_fn(|k| match () {
+        () if wrong.contains(&"tanh_color") => 2.0 * sigmoid(2.0 * z[k]) - 1.0,
+        () if wrong.contains(&"softmax_color") => exp(z[k]) / all,
+        () => {
+            let y = head(sigmoid(z[k]), z[k], wrong);
+            WIDENED.among(wrong).map_or(y, |e| (1.0 + 2.0 * e) * y - e)
+        }
+    })
+}
+
 /// The NeRF network.
 pub(crate) fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
@@ -266,9 +186,14 @@ pub(crate) fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         if wrong.contains(&"no_view_direction") {
             d.fill(0.0);
         }
-        let tape = nerf.net.forward(&x, &d, c);
-        let sigma = if wrong.contains(&"density_without_relu") { tape.z_sigma } else { tape.sigma };
-        (sigma, std::array::from_fn(|k| head(tape.rgb[k], tape.z_color1[k], wrong)))
+        let (z, z_color) = heads(&nerf, &x, &d, c, wrong);
+        let sigma = match () {
+            () if wrong.contains(&"density_without_relu") => z,
+            () if wrong.contains(&"sigmoid_density") => sigmoid(z),
+            () if wrong.contains(&"size_as_density") => z.abs(),
+            () => density(z, c.density),
+        };
+        (sigma, color(&z_color, wrong))
     };
     let (sigmas, rgbs): (Vec<f64>, Vec<_>) =
         rows(a, "positions").iter().zip(&rows(a, "directions")).map(point).unzip();

@@ -39,11 +39,16 @@ fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
             "prime_mistyped" => primes[1] = 265_443_567,
             "primes_of_cloth" => primes = [73_856_093, 19_349_663, 83_492_791],
             "primes_rolled" => primes.rotate_left(1),
+            "primes_exchanged" => primes.swap(1, 2),
             _ => {}
         }
     }
     let [x, y, z] = [x.wrapping_mul(primes[0]), y.wrapping_mul(primes[1]), z.wrapping_mul(primes[2])];
-    let hash = if wrong.contains(&"sum_for_xor") { x.wrapping_add(y).wrapping_add(z) } else { x ^ y ^ z };
+    let hash = match () {
+        () if wrong.contains(&"sum_for_xor") => x.wrapping_add(y).wrapping_add(z),
+        () if wrong.contains(&"and_for_xor") => x & y & z,
+        () => x ^ y ^ z,
+    };
     hash as usize % if wrong.contains(&"modulo_one_less") { entries - 1 } else { entries }
 }
 
@@ -60,17 +65,40 @@ fn wrong_cell(level: &Level, x: f64, wrong: &[&str]) -> (u32, f64) {
     (cell, level.weight(fraction))
 }
 
+/// The weight of corner k as the mistakes have it: bit i of k says which side along axis i.
+fn wrong_weight(k: usize, cells: [(u32, f64); 3], right: f64, wrong: &[&str]) -> f64 {
+    let has = |name: &str| wrong.contains(&name);
+    let side = |axis: usize, upper: bool| if upper { cells[axis].1 } else { 1.0 - cells[axis].1 };
+    let bits = [k & 1 == 1, k & 2 == 2, k & 4 == 4];
+    match () {
+        () if has("mean_of_corners") => 0.125,
+        () if has("corners_added") => 1.0,
+        () if has("one_face_alone") && bits[2] => 0.0,
+        () if has("one_face_alone") => side(0, bits[0]) * side(1, bits[1]),
+        () if has("weights_of_mirrored_corners") => (0..3).map(|axis| side(axis, bits[2 - axis])).product(),
+        () if has("corners_around_squares") => {
+            side(0, bits[0]) * side(1, bits[1]) * side(2, bits[2] != bits[1])
+        }
+        () => right,
+    }
+}
+
 fn encode(levels: &[Level], x: [f64; 3], wrong: &[&str]) -> Vec<f64> {
     let mut out = vec![];
     for level in levels {
         let cells = x.map(|x| wrong_cell(level, x, wrong));
         let mut features = vec![0.0; level.table[0].len()];
         for k in 0..8 {
-            let (vertex, weight) = corner(k, cells);
+            let (vertex, right) = corner(k, cells);
+            let weight = wrong_weight(k, cells, right, wrong);
             let entry = &level.table[wrong_entry(level, vertex, wrong)];
             features.iter_mut().zip(entry).for_each(|(feature, entry)| *feature += weight * entry);
         }
         out.extend(features);
+    }
+    if wrong.contains(&"feature_by_feature") && !levels.is_empty() {
+        let width = out.len() / levels.len();
+        out = (0..out.len()).map(|n| out[n % levels.len() * width + n / levels.len()]).collect();
     }
     out
 }

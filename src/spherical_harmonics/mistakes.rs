@@ -6,6 +6,34 @@ use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, HarmonicSign};
 
+const FIRST_CONSTANT: Mistake = Mistake::new(
+    "constant_of_band_0",
+    "another constant in the place of 1/2 sqrt(1/pi)",
+    "colors too strong or too faint from all sides",
+    "0.28209479177387814",
+    "never; cheap to keep",
+    0,
+)
+.with("c", 0.886226925452758, [0.01, 10.0]);
+const SECOND_CONSTANT: Mistake = Mistake::new(
+    "constant_of_band_1",
+    "another constant in the place of sqrt(3/(4 pi))",
+    "band 1 too strong or too faint",
+    "0.4886025119029199",
+    "never; cheap to keep",
+    0,
+)
+.with("c", 0.345494149471335, [0.01, 10.0]);
+const THIRD_CONSTANT: Mistake = Mistake::new(
+    "constant_of_the_zonal",
+    "another constant in the place of 1/4 sqrt(5/pi), of 3 z^2 - 1",
+    "band 2 isn't orthonormal",
+    "0.31539156525252005",
+    "never; cheap to keep",
+    0,
+)
+.with("c", 0.15769578262626002, [0.01, 10.0]);
+
 /// Mistakes of the spherical harmonics.
 pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
     Mistake::new(
@@ -57,6 +85,33 @@ pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    FIRST_CONSTANT,
+    SECOND_CONSTANT,
+    THIRD_CONSTANT,
+    Mistake::new(
+        "band_1_by_axes",
+        "band 1 as x, y, z",
+        "coefficients of other programs, and of one's own bands above, belong to other axes",
+        "y, z, x: m ascending",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "zonal_twice_for_thrice",
+        "2 z^2 - 1 for 3 z^2 - 1 in band 2",
+        "band 2 isn't orthonormal",
+        "3 z^2 - 1, or 2 z^2 - x^2 - y^2",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "last_of_band_2_added",
+        "x^2 + y^2 for x^2 - y^2 in band 2",
+        "two of its functions are nearly one",
+        "x^2 - y^2",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// Spherical harmonics.
@@ -76,6 +131,26 @@ pub(crate) fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         }
         if wrong.contains(&"band_1_signs") && degree(a) > 0 {
             (out[1], out[3]) = (-out[1], -out[3]);
+        }
+        let scaled = [
+            (&FIRST_CONSTANT, 0, 1, 0.282_094_791_773_878_14),
+            (&SECOND_CONSTANT, 1, 4, 0.488_602_511_902_919_9),
+            (&THIRD_CONSTANT, 6, 7, 0.315_391_565_252_520_05),
+        ];
+        for (mistake, first, end, right) in scaled {
+            if let Some(constant) = mistake.among(wrong) {
+                out.iter_mut().take(end).skip(first).for_each(|y| *y *= constant / right);
+            }
+        }
+        if wrong.contains(&"band_1_by_axes") && degree(a) > 0 {
+            let (y, z, x) = (out[1], out[2], out[3]);
+            out[1..4].copy_from_slice(&[x, y, z]);
+        }
+        if wrong.contains(&"zonal_twice_for_thrice") && degree(a) > 1 {
+            out[6] = 0.315_391_565_252_520_05 * (2.0 * d[2] * d[2] - 1.0);
+        }
+        if wrong.contains(&"last_of_band_2_added") && degree(a) > 1 {
+            out[8] = 0.546_274_215_296_039_6 * (d[0] * d[0] + d[1] * d[1]);
         }
         if wrong.contains(&"m_descending") {
             (0..=degree(a)).for_each(|l| out[l * l..(l + 1) * (l + 1)].reverse());
