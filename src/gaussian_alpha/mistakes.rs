@@ -7,7 +7,17 @@ use super::{Form, Splat, alpha as oracle, backward, cap, offset, skipped};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
-use crate::math::exp;
+use crate::math::{exp, expm1};
+
+const CUT: Mistake = Mistake::new(
+    "cut_at_other_sigmas",
+    "0 where d^T conic d > k^2",
+    "splats end in a rim that is seen",
+    "cut where alpha falls below 1/255, or nowhere",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 2.0, [0.5, 6.0]);
 
 /// Mistakes of splats' opacities.
 pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
@@ -112,24 +122,120 @@ pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    CUT,
+    Mistake::new(
+        "mean_rounded",
+        "the mean is rounded to a whole pixel",
+        "splats jump from pixel to pixel as they move",
+        "d from the mean as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "same_distance_twice",
+        "dx in the place of dy",
+        "splats are stripes",
+        "dy = y - mean_y",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "cross_term_forgotten",
+        "-1/2 (A dx^2 + C dy^2)",
+        "slanted splats lie along the axes",
+        "and B dx dy",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "cross_term_doubled",
+        "B dx dy twice",
+        "slanted splats are too thin, or grow without bound",
+        "B dx dy once: 1/2 stands in front of both of the matrix's",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "cross_term_sign",
+        "+ B dx dy",
+        "slanted splats lean to the other side",
+        "- B dx dy",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "pixels_half_off",
+        "half a pixel is added to pixels that have their centers already",
+        "the picture is shifted by half a pixel",
+        "pixels as they are handed over",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "opacity_through_sigmoid",
+        "sigmoid(opacity) of what is an opacity already",
+        "nothing is fainter than 1/2",
+        "the opacity as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "alpha_as_density",
+        "1 - exp(-opacity Gaussian)",
+        "nothing is more opaque than 0.63",
+        "opacity times the Gaussian",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "distance_not_squared",
+        "exp(-1/2 sqrt(d^T conic d))",
+        "splats with a peak and long tails",
+        "-1/2 d^T conic d",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// An opacity with what is wrong about it.
 fn wrong_alpha(pixel: [f64; 2], splat: &Splat, form: Form, wrong: &[&str]) -> f64 {
     let has = |name: &str| wrong.contains(&name);
     let pixel = if has("axes_swapped") { [pixel[1], pixel[0]] } else { pixel };
-    let ([x, y], [mut a, mut b, mut c]) = (offset(pixel, splat), splat.conic);
+    let ([mut x, mut y], [mut a, mut b, mut c]) = (offset(pixel, splat), splat.conic);
+    match () {
+        () if has("mean_rounded") => [x, y] = [0, 1].map(|k| pixel[k] - libm::rint(splat.mean[k])),
+        () if has("pixels_half_off") => [x, y] = [x + 0.5, y + 0.5],
+        () if has("same_distance_twice") => y = x,
+        () => {}
+    }
     let det = a * c - b * b;
     if has("covariance_for_conic") {
         (a, b, c) = (c / det, -b / det, a / det);
     }
-    let cross = if has("cross_term_halved") { 0.5 * b } else { b };
+    let cross = match () {
+        () if has("cross_term_halved") => 0.5 * b,
+        () if has("cross_term_forgotten") => 0.0,
+        () if has("cross_term_doubled") => 2.0 * b,
+        () if has("cross_term_sign") => -b,
+        () => b,
+    };
     let half = -0.5 * (a * x * x + c * y * y) - cross * x * y;
-    let power = if has("half_forgotten") { 2.0 * half } else { half };
-    let opacity = if has("opacity_forgotten") { 1.0 } else { splat.opacity };
+    let power = match () {
+        () if has("half_forgotten") => 2.0 * half,
+        () if has("distance_not_squared") => -0.5 * (-2.0 * half).max(0.0).sqrt(),
+        () => half,
+    };
+    let opacity = match () {
+        () if has("opacity_forgotten") => 1.0,
+        () if has("opacity_through_sigmoid") => 1.0 / (1.0 + exp(-splat.opacity)),
+        () => splat.opacity,
+    };
     let factor = if has("gaussian_normalized") { det.max(0.0).sqrt() / (2.0 * PI) } else { 1.0 };
-    let alpha = (opacity * exp(power) * factor).min(cap(form));
-    let cut = has("cut_at_three_sigmas") && power < -4.5;
+    let whole = opacity * exp(power) * factor;
+    let whole = if has("alpha_as_density") { -expm1(-whole) } else { whole };
+    let alpha = whole.min(cap(form));
+    let sigmas = CUT.among(wrong).or(has("cut_at_three_sigmas").then_some(3.0));
+    let cut = sigmas.is_some_and(|k| power < -0.5 * k * k);
     if cut || skipped(power, alpha, form) { 0.0 } else { alpha }
 }
 

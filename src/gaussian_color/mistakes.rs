@@ -2,10 +2,21 @@
 
 use super::arrays::{form, forward, vjp};
 use super::{Form, backward, color as oracle, degree, direction, sum};
-use crate::contract::arrays::Arrays;
+use crate::contract::arrays::{Arrays, threes, values};
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, HarmonicForm, SplatColor};
+use crate::math::exp;
 use crate::spherical_harmonics::harmonics;
+
+const OFF_LENGTH: Mistake = Mistake::new(
+    "eps_in_length",
+    "d / (|d| + eps)",
+    "directions are too short, those of near splats most of all",
+    "divide by |d|, or by max(|d|, eps)",
+    "never; cheap to keep",
+    0,
+)
+.with("eps", 1e-3, [1e-8, 1.0]);
 
 /// Mistakes of splats' colors.
 pub(crate) const GAUSSIAN_COLOR: &[Mistake] = &[
@@ -101,6 +112,62 @@ pub(crate) const GAUSSIAN_COLOR: &[Mistake] = &[
         "1 public implementation's fallback where its kernel isn't built; viewers",
         1,
     ),
+    Mistake::new(
+        "length_in_the_harmonics",
+        "3D Gaussian splatting's polynomials of mean - center as it is: band l grows with the l-th power of the distance",
+        "colors explode with the distance",
+        "divide by the length",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "length_of_all",
+        "all differences divided by one length: a norm without its axis",
+        "colors depend on the other splats, and on how many there are",
+        "a length for each splat",
+        "a generative splat code: torch.norm(rays_d)",
+        1,
+    ),
+    Mistake::new(
+        "length_along_splats",
+        "x, y and z divided by the lengths of their columns: a norm over the wrong axis",
+        "colors depend on the other splats",
+        "a length for each splat",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "length_of_the_farthest",
+        "all differences divided by the largest distance",
+        "near splats hardly change with the direction",
+        "a length for each splat",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "length_squared",
+        "divided by the squared length: the root is forgotten",
+        "colors that fade to the first band's with the distance",
+        "divide by the length",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "color_through_sigmoid",
+        "sigmoid(sum) in the place of sum + 1/2",
+        "washed-out pictures of splats that were trained with the shift",
+        "max(sum + 1/2, 0), or a sigmoid in training too",
+        "Plenoxels' and PlenOctrees' color; never seen here",
+        0,
+    ),
+    Mistake::new(
+        "shifted_through_sigmoid",
+        "sigmoid(sum + 1/2)",
+        "nothing is darker than gray",
+        "the shift or the sigmoid, not both",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// The coefficients as if read by channels.
@@ -109,13 +176,52 @@ fn by_channels(f: &[[f64; 3]]) -> Vec<[f64; 3]> {
     (0..width).map(|k| [0, 1, 2].map(|channel| flat[channel * width + k])).collect()
 }
 
-/// A color with what is wrong about it.
-fn wrong_color(mean: [f64; 3], center: [f64; 3], f: &[[f64; 3]], form: Form, wrong: &[&str]) -> [f64; 3] {
+/// What x, y and z of a direction are divided by, where that isn't its length.
+fn wrong_length(d: [f64; 3], all: &[[f64; 3]], wrong: &[&str]) -> Option<[f64; 3]> {
+    let has = |name: &str| wrong.contains(&name);
+    let square = |d: &[f64; 3]| d.iter().map(|x| x * x).sum::<f64>();
+    if let Some(eps) = OFF_LENGTH.among(wrong) {
+        return Some([square(&d).sqrt() + eps; 3]);
+    }
+    match () {
+        () if has("length_in_the_harmonics") => Some([1.0; 3]),
+        () if has("length_of_all") => Some([all.iter().map(square).sum::<f64>().sqrt(); 3]),
+        () if has("length_along_splats") => {
+            Some([0, 1, 2].map(|k| all.iter().map(|d| d[k] * d[k]).sum::<f64>().sqrt()))
+        }
+        () if has("length_of_the_farthest") => Some([all.iter().map(square).fold(0.0, f64::max).sqrt(); 3]),
+        () if has("length_squared") => Some([square(&d); 3]),
+        () => None,
+    }
+}
+
+/// The harmonics of a direction that isn't of length 1 as 3D Gaussian splatting's polynomials have them: homogeneous up to band 3.
+/// Band 4, which others have added, is that of the unit sphere.
+fn of_any_length(d: [f64; 3], degree: usize, form: Form) -> Vec<f64> {
+    let mut y = harmonics(d, degree, HarmonicForm::Homogeneous, form.sign);
+    if degree > 3 {
+        let last = harmonics(d, degree, HarmonicForm::Sphere, form.sign);
+        y[16..].copy_from_slice(&last[16..]);
+    }
+    y
+}
+
+/// A color with what is wrong about it; `all` are the differences of all means from the center.
+fn wrong_color(
+    mean: [f64; 3],
+    center: [f64; 3],
+    f: &[[f64; 3]],
+    all: &[[f64; 3]],
+    form: Form,
+    wrong: &[&str],
+) -> [f64; 3] {
     let has = |name: &str| wrong.contains(&name);
     let d = if has("direction_reversed") { direction(center, mean) } else { direction(mean, center) };
-    let lengths =
-        if has("direction_not_normalized") { HarmonicForm::Sphere } else { HarmonicForm::Normalized };
-    let mut y = harmonics(d, degree(f), lengths, form.sign);
+    let mut y = match wrong_length(d, all, wrong) {
+        _ if has("direction_not_normalized") => harmonics(d, degree(f), HarmonicForm::Sphere, form.sign),
+        None => harmonics(d, degree(f), HarmonicForm::Normalized, form.sign),
+        Some(length) => of_any_length(std::array::from_fn(|k| d[k] / length[k]), degree(f), form),
+    };
     if has("constant_forgotten") {
         y[0] = 1.0;
     }
@@ -123,9 +229,16 @@ fn wrong_color(mean: [f64; 3], center: [f64; 3], f: &[[f64; 3]], form: Form, wro
         y[1..].fill(0.0);
     }
     let f = if has("channels_first") { by_channels(f) } else { f.to_vec() };
-    let shift = if has("half_forgotten") || form.color == SplatColor::Sum { 0.0 } else { 0.5 };
+    let shift = if has("half_forgotten") || has("color_through_sigmoid") || form.color == SplatColor::Sum {
+        0.0
+    } else {
+        0.5
+    };
     sum(&y, &f).map(|sum| {
         let x = sum + shift;
+        if has("color_through_sigmoid") || has("shifted_through_sigmoid") {
+            return 1.0 / (1.0 + exp(-x));
+        }
         let x = if form.color == SplatColor::Clamped { x.max(0.0) } else { x };
         if has("clamped_at_one") { x.clamp(0.0, 1.0) } else { x }
     })
@@ -133,9 +246,12 @@ fn wrong_color(mean: [f64; 3], center: [f64; 3], f: &[[f64; 3]], form: Form, wro
 
 /// Colors.
 pub(crate) fn color(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let center = values(a, "camera_center");
+    let from = |mean: [f64; 3]| direction(mean, [center[0], center[1], center[2]]);
+    let all: Vec<[f64; 3]> = threes(a, "means").into_iter().map(from).collect();
     forward(a, |mean, center, f| match wrong {
         [] => oracle(mean, center, f, form(c)),
-        wrong => wrong_color(mean, center, f, form(c), wrong),
+        wrong => wrong_color(mean, center, f, &all, form(c), wrong),
     })
 }
 

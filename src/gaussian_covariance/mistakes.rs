@@ -6,6 +6,25 @@ use crate::contract::arrays::{Arrays, values};
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, QuaternionLength, QuaternionOrder, SplatScale};
 
+const WIDENED: Mistake = Mistake::new(
+    "eps_on_the_diagonal",
+    "eps is added to the diagonal",
+    "small splats are larger than their scales",
+    "the dilation in the picture, nothing here",
+    "never; cheap to keep",
+    0,
+)
+.with("eps", 1e-3, [1e-9, 1.0]);
+const LEAST_SCALE: Mistake = Mistake::new(
+    "scales_held_up",
+    "scales are at least so large",
+    "no splat is flat, and one that is has no gradient",
+    "scales as they are",
+    "never; cheap to keep",
+    0,
+)
+.with("least", 1e-2, [1e-6, 1.0]);
+
 /// Mistakes of the covariance.
 pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
     Mistake::new(
@@ -92,6 +111,48 @@ pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
         "1 public implementation, which shares the function with poses, whose quaternions are of length 1",
         1,
     ),
+    WIDENED,
+    LEAST_SCALE,
+    Mistake::new(
+        "not_multiplied_with_itself",
+        "M = R S itself in the place of M M^T",
+        "no covariance: not even symmetric",
+        "M M^T",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "sign_in_rotation",
+        "2 (x y + w z) in both of the places of R_xy and R_yx",
+        "R isn't a rotation: splats are sheared",
+        "2 (x y - w z) in R_xy",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "diagonal_once",
+        "1 - (y^2 + z^2) in R_xx: a 2 is missing",
+        "R isn't a rotation: splats are sheared",
+        "1 - 2 (y^2 + z^2)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "off_diagonal_once_in_rotation",
+        "x y - w z and the like off the diagonal, without the 2",
+        "R isn't a rotation: splats are turned half as far and shrink",
+        "2 (x y - w z)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "length_by_sum",
+        "q divided by the sum of its entries' sizes",
+        "R isn't a rotation",
+        "divide by the root of the sum of squares",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// The length that quaternions are divided by.
@@ -110,7 +171,19 @@ fn wrong_covariance(q: [f64; 4], scales: [f64; 3], of_all: f64, form: Form, wron
     let as_given = Form { length: QuaternionLength::AsGiven, ..form };
     let (u, _) = unit(q, as_given);
     let length = if form.length == QuaternionLength::Divided { divisor(q, of_all, wrong) } else { 1.0 };
-    let (mut r, s) = (rotation(u.map(|x| x / length)), deviations(scales, form));
+    let length = if has("length_by_sum") { u.iter().map(|x| x.abs()).sum() } else { length };
+    let (mut r, mut s) = (rotation(u.map(|x| x / length)), deviations(scales, form));
+    if let Some(least) = LEAST_SCALE.among(wrong) {
+        s = s.map(|s| s.max(least));
+    }
+    match () {
+        () if has("sign_in_rotation") => r[0][1] = r[1][0],
+        () if has("diagonal_once") => r[0][0] = 0.5 * (1.0 + r[0][0]),
+        () if has("off_diagonal_once_in_rotation") => {
+            r = [0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { r[i][i] } else { 0.5 * r[i][j] }))
+        }
+        () => {}
+    }
     if has("length_squared_times_rotation") {
         let square = u.iter().map(|x| x * x).sum::<f64>();
         r = rotation(u.map(|x| x / square.sqrt())).map(|row| row.map(|x| square * x));
@@ -124,7 +197,11 @@ fn wrong_covariance(q: [f64; 4], scales: [f64; 3], of_all: f64, form: Form, wron
         };
         (0..3).map(term).sum()
     };
-    [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
+    let more = WIDENED.among(wrong).unwrap_or(0.0);
+    if has("not_multiplied_with_itself") {
+        return [0, 1, 2].map(|i| [0, 1, 2].map(|j| r[i][j] * s[j]));
+    }
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j) + if i == j { more } else { 0.0 }))
 }
 
 /// Covariances.

@@ -3,185 +3,12 @@
 use super::arrays::{form, forward, view, vjp};
 use super::{Form, Splat, View, backward, clamped, in_camera, project, quadratic};
 use crate::contract::arrays::Arrays;
-use crate::contract::component::Mistake;
 use crate::convention::{Conventions, SplatCenter, SplatClamp, SplatClampGradient};
 
-/// Mistakes of the projection.
-pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] = &[
-    Mistake::new(
-        "not_dilated",
-        "J R Sigma R^T J^T as it is",
-        "splats below a pixel fall between pixels and flicker; lines have no inverse",
-        "add 0.3 to both variances",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "every_entry_dilated",
-        "0.3 added to the whole matrix, covariance too",
-        "small splats are stretched along the diagonal",
-        "0.3 times the identity",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "not_turned",
-        "J Sigma J^T: the covariance is still in the world's axes",
-        "splats keep their shape on the screen as the camera turns",
-        "J R Sigma R^T J^T",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "turned_back",
-        "J R^T: the rotation of c2w, or that of a view matrix stored by columns",
-        "splats turn against the camera",
-        "J R with R from the world to the camera, in rows",
-        "ports of the rasterizer of 3D Gaussian splatting, which is handed transposed matrices",
-        1,
-    ),
-    Mistake::new(
-        "jacobian_signs",
-        "+ f x/z^2 in the Jacobian's last column",
-        "splats off the middle lean the wrong way",
-        "- f x/z^2: what is farther is nearer to the middle",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "jacobian_not_squared",
-        "- f x/z in the Jacobian's last column",
-        "splats off the middle are drawn out with their depth",
-        "- f x/z^2",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "one_focal",
-        "fx for both axes of the Jacobian",
-        "splats are squeezed where pixels aren't square",
-        "fy along y",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "mean_clamped_too",
-        "the clamped t projects the mean as well",
-        "splats beside the picture gather along its edges",
-        "clamp in the Jacobian alone",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "clamped_without_depth",
-        "t_x = clamp(t_x/t_z) in the Jacobian, not multiplied by t_z again",
-        "splats lean too little, the less the farther away",
-        "t_x = t_z clamp(t_x/t_z)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "conic_sign",
-        "(c, b, a) / det",
-        "splats are mirrored",
-        "-b: the inverse of a 2 x 2 matrix",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "conic_not_swapped",
-        "(a, -b, c) / det",
-        "splats that are wide are drawn tall",
-        "(c, -b, a) / det",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "radius_of_variance",
-        "3 lambda: the root is missing",
-        "splats reach far too many tiles, the small ones too few",
-        "3 sqrt(lambda)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "radius_of_the_short_axis",
-        "the smaller eigenvalue",
-        "long splats are cut off in tiles",
-        "mid + sqrt(mid^2 - det)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "distance_for_depth",
-        "|t| for t_z",
-        "splats at the picture's edges are sorted behind those they hide",
-        "the third coordinate in the camera's axes",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "compensation_squared",
-        "det before / det after, without the root",
-        "small splats fade twice as fast",
-        "the root: light goes with the area, the root of the determinant",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "jacobian_held",
-        "means learn from their place in the picture alone",
-        "splats move without regard to how their size changes; depth is learned badly",
-        "the Jacobian's entries depend on t as well",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "clamp_not_differentiated",
-        "a clamped slope is differentiated as if it weren't",
-        "splats beside the picture are pulled by what their leaning would do",
-        "no gradient along x where x/z is clamped",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "off_diagonal_once",
-        "gradients of xy, xz, yz as those of single entries of the matrix",
-        "rotations learn at half of the speed of scales",
-        "twice: the number stands in the matrix twice",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "gradient_not_turned_back",
-        "the gradient of t as that of the mean",
-        "means move along the camera's axes in place of the world's",
-        "times R^T",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "compensation_not_differentiated",
-        "the compensation is held constant",
-        "splats don't learn that shrinking makes them fainter",
-        "its gradient to the covariance, by both determinants",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "jacobian_without_focal",
-        "1/z and -x/z^2 in the Jacobian, without fx and fy",
-        "splats in the units of the image plane at depth 1, not in pixels: nothing but the dilation is left of them",
-        "fx/z, -fx x/z^2, and fy below",
-        "1 public implementation",
-        1,
-    ),
-];
+mod catalogue;
+
+pub(crate) use catalogue::GAUSSIAN_PROJECTION;
+use catalogue::{OTHER_LIMIT, OTHER_SIGMAS};
 
 /// What is multiplied from the left with Sigma, in rows, and t as the Jacobian has it.
 fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f64; 3]; 2] {
@@ -191,15 +18,22 @@ fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f6
         () if has("one_focal") => [view.k.fx, view.k.fx],
         () => [view.k.fx, view.k.fy],
     };
-    let slopes = clamped(t, view, form);
+    let mut slopes = clamped(t, view, form);
+    if let Some(k) = OTHER_LIMIT.among(wrong) {
+        let half = [view.width / view.k.fx, view.height / view.k.fy].map(|whole| 0.5 * k * whole);
+        slopes = [0, 1].map(|n| ((t[n] / t[2]).clamp(-half[n], half[n]), false));
+    }
     let r = |i: usize, k: usize| match () {
         () if has("not_turned") => f64::from(u8::from(i == k)),
         () if has("turned_back") => view.rotation[k][i],
         () => view.rotation[i][k],
     };
     let row = |n: usize| {
-        let scale = focal[n] / t[2];
+        let far = if has("distance_in_jacobian") { distance(t) } else { t[2] };
+        let scale = focal[n] / far;
         let along = match () {
+            () if has("jacobian_without_depth") => 0.0,
+            () if has("distance_in_jacobian") => scale * slopes[n].0 * t[2] / far,
             () if has("jacobian_signs") => -scale * slopes[n].0,
             () if has("jacobian_not_squared") => focal[n] * slopes[n].0,
             () if has("clamped_without_depth") => scale * slopes[n].0 / t[2],
@@ -208,6 +42,11 @@ fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f6
         [0, 1, 2].map(|k| scale * r(n, k) - along * r(2, k))
     };
     [row(0), row(1)]
+}
+
+/// How far away a mean is.
+fn distance(t: [f64; 3]) -> f64 {
+    (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt()
 }
 
 /// A splat with what is wrong about it.
@@ -223,29 +62,45 @@ fn wrong_splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, wrong: 
     let ratio = ((before[0] * before[2] - before[1] * before[1]) / det).max(0.0);
     let apart = (0.25 * (a - c) * (a - c) + b * b).max(form.radius.value()).sqrt();
     let lambda = 0.5 * (a + c) + if has("radius_of_the_short_axis") { -apart } else { apart };
+    let deviation = match () {
+        () if has("radius_of_variance") => lambda,
+        () if has("radius_of_the_trace") => (a + c).sqrt(),
+        () if has("radius_along_axes") => a.max(c).sqrt(),
+        () => lambda.max(0.0).sqrt(),
+    };
     let slopes = clamped(t, view, form);
     let shift = if form.center == SplatCenter::Integer { 0.5 } else { 0.0 };
     let place = |n: usize, f: f64, center: f64| f * slopes[n].0 + center - shift;
     Splat {
-        mean: if has("mean_clamped_too") {
-            [place(0, view.k.fx, view.k.cx), place(1, view.k.fy, view.k.cy)]
-        } else {
-            right.mean
+        mean: match right.mean {
+            _ if has("mean_clamped_too") => [place(0, view.k.fx, view.k.cx), place(1, view.k.fy, view.k.cy)],
+            [x, y] if has("picture_upside_down") => [x, 2.0 * (view.k.cy - shift) - y],
+            [x, y] if has("middle_of_the_picture") => {
+                [x - view.k.cx + 0.5 * view.width, y - view.k.cy + 0.5 * view.height]
+            }
+            mean => mean,
         },
         covariance: [a, b, c],
         conic: match () {
             () if has("conic_sign") => [c / det, b / det, a / det],
+            () if has("conic_not_divided") => [c, -b, a],
+            () if has("determinant_with_plus") => [c, -b, a].map(|x| x / (a * c + b * b)),
             () if has("conic_not_swapped") => [a / det, -b / det, c / det],
             () => [c / det, -b / det, a / det],
         },
-        depth: if has("distance_for_depth") {
-            (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt()
-        } else {
-            right.depth
+        depth: if has("distance_for_depth") { distance(t) } else { right.depth },
+        radius: match 3.0 * deviation {
+            radius if has("radius_not_rounded") => radius,
+            radius if has("radius_rounded_down") => radius.floor(),
+            radius if has("radius_rounded") => radius.round(),
+            _ => (OTHER_SIGMAS.among(wrong).unwrap_or(3.0) * deviation).ceil(),
         },
-        radius: (3.0 * if has("radius_of_variance") { lambda } else { lambda.max(0.0).sqrt() }).ceil(),
-        compensation: if has("compensation_squared") { ratio } else { ratio.sqrt() }
-            .max(form.compensation.value()),
+        compensation: match () {
+            () if has("compensation_squared") => ratio,
+            () if has("compensation_inverted") => ratio.sqrt().recip(),
+            () => ratio.sqrt(),
+        }
+        .max(form.compensation.value()),
     }
 }
 
