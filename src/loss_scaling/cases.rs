@@ -67,6 +67,12 @@ pub(crate) fn unscale_gradients() -> Vec<Case> {
             1024.0,
             vec![65504.0, -65504.0, 1.0],
         ),
+        case(
+            "beyond_half",
+            "what is infinite in f16 alone is finite",
+            1024.0,
+            vec![131_072.0, -70_000.0, 1.0],
+        ),
         case("one_infinity", "an overflow in one place", 1024.0, with(4, &[(5, inf)])),
         case(
             "a_negative_infinity",

@@ -80,6 +80,22 @@ pub(crate) const LOSS_SCALE_UPDATE: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "scale_kept_at_overflow",
+        "an overflow resets the tracker and leaves the scale",
+        "every step overflows as the last one did, and is skipped: training stands still",
+        "times backoff_factor",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "grown_at_overflow",
+        "scale growth_factor with every overflow",
+        "the scale grows where it should shrink",
+        "times backoff_factor",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// A scale and a tracker with a mistake in them.
@@ -95,6 +111,8 @@ fn wrong_update(s: &LossScale, found: bool, c: &Conventions, wrong: &[&str]) -> 
         () if has("overflow_counted") && found => (scale, 1),
         () if has("meaning_of_bit_exchanged") => right(s, !found),
         () if has("divided_by_backoff") && found => (s.scale / s.backoff_factor, tracker),
+        () if has("scale_kept_at_overflow") && found => (s.scale, tracker),
+        () if has("grown_at_overflow") && found => (s.scale * s.growth_factor, tracker),
         () if has("updated_twice") => right(&LossScale { scale, tracker, ..*s }, found),
         () if has("overflow_ignored") => right(s, false),
         () if has("grown_with_every_step") && !found => right(&LossScale { growth_interval: 1, ..*s }, found),
@@ -144,20 +162,52 @@ pub(crate) const UNSCALE_GRADIENTS: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "finite_in_the_place_of_found",
+        "1 where all are finite",
+        "steps are skipped where nothing is wrong, and taken where something is",
+        "1: a gradient isn't finite; optax and jmp have it the other way around",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "unscaled_clipped",
+        "clamped to [-1, 1] after the division",
+        "large gradients lose their direction; clips are the caller's",
+        "g / scale",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "half_precisions_limit",
+        "found where a number is above 65504, whatever type the gradients have",
+        "steps that are right are skipped, and the scale shrinks for nothing",
+        "not isfinite",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// Unscaled gradients.
 pub(crate) fn unscale_gradients(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     let (scaled, scale) = (values(a, "gradients"), number(a, "scale"));
-    let Some(right) = unscaled(&scaled, scale) else {
-        return gradients(true, vec![0.0; scaled.len()]);
+    let has = |name: &str| wrong.contains(&name);
+    let found = match () {
+        () if has("finite_in_the_place_of_found") => scaled.iter().all(|g| g.is_finite()),
+        () if has("half_precisions_limit") => scaled.iter().any(|g| g.is_nan() || g.abs() > 65504.0),
+        () => scaled.iter().any(|g| !g.is_finite()),
     };
-    let by = |f: fn(f64, f64) -> f64| gradients(false, scaled.iter().map(|&g| f(g, scale)).collect());
+    // What else is made of an infinity is open.
+    let Some(right) = unscaled(&scaled, scale) else {
+        return gradients(found, vec![0.0; scaled.len()]);
+    };
+    let by = |f: fn(f64, f64) -> f64| gradients(found, scaled.iter().map(|&g| f(g, scale)).collect());
     match wrong.first() {
         Some(&"multiplied_by_scale") => by(|g, scale| g * scale),
+        Some(&"unscaled_clipped") => by(|g, scale| (g / scale).clamp(-1.0, 1.0)),
         Some(&"unscaled_twice") => by(|g, scale| g / scale / scale),
         Some(&"scale_left_in") => by(|g, _| g),
         Some(&"divided_by_root_of_scale") => by(|g, scale| g / scale.sqrt()),
-        _ => gradients(false, right),
+        _ => gradients(found, right),
     }
 }

@@ -145,7 +145,62 @@ pub(crate) const LINEAR_TO_SRGB: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    PURE_POWER,
+    OTHER_THRESHOLD,
+    OTHER_SLOPE,
+    Mistake::new(
+        "television_curve",
+        "4.5 x below 0.018, else 1.099 x^0.45 - 0.099: the curve of Rec. 709",
+        "too dark in the shadows",
+        "12.92 x below 0.0031308, else 1.055 x^(1/2.4) - 0.055",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "pieces_exchanged",
+        "the power below the threshold, the straight piece above",
+        "white is 12.92: pictures burn out",
+        "the straight piece below",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "tone_mapped",
+        "x / (1 + x) in front of the curve",
+        "white is gray",
+        "tone mapping where it is meant, the curve alone here",
+        "never; cheap to keep",
+        0,
+    ),
 ];
+
+const PURE_POWER: Mistake = Mistake::new(
+    "power_alone",
+    "x^k",
+    "too dark in the shadows, or too bright; an infinite gradient at 0",
+    "the curve of two pieces",
+    "1/2.4 without the straight piece, square roots; never seen here",
+    0,
+)
+.with("k", 0.4166666666666667, [0.2, 0.9]);
+const OTHER_THRESHOLD: Mistake = Mistake::new(
+    "another_threshold",
+    "the pieces meet elsewhere than at 0.0031308",
+    "a step in the shadows",
+    "0.0031308",
+    "never; cheap to keep",
+    0,
+)
+.with("at", 0.031308, [1e-7, 0.5]);
+const OTHER_SLOPE: Mistake = Mistake::new(
+    "another_slope",
+    "k x below the threshold, with a mistyped k",
+    "a step in the shadows",
+    "12.92 x",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 12.32, [0.01, 100.0]);
 
 /// The way back: sRGB to linear light.
 fn way_back(x: f64) -> f64 {
@@ -175,12 +230,19 @@ pub(crate) fn linear_to_srgb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arr
         let x = if has("clamped") { x.clamp(0.0, 1.0) } else { x };
         let x = if has("applied_twice") { oracle(x) } else { x };
         let threshold = if has("threshold_of_the_way_back") { THRESHOLD_BACK } else { THRESHOLD };
-        if has("way_back") {
+        let threshold = OTHER_THRESHOLD.among(wrong).unwrap_or(threshold);
+        let x = if has("tone_mapped") { x / (1.0 + x) } else { x };
+        let straight = (x <= threshold) != has("pieces_exchanged");
+        if has("television_curve") {
+            if x < 0.018 { 4.5 * x } else { 1.099 * pow(x, 0.45) - 0.099 }
+        } else if let Some(k) = PURE_POWER.among(wrong) {
+            pow(x, k)
+        } else if has("way_back") {
             way_back(x)
         } else if has("gamma_2_2") {
             pow(x, 1.0 / 2.2)
-        } else if x <= threshold && !has("straight_piece_forgotten") {
-            12.92 * x
+        } else if straight && !has("straight_piece_forgotten") {
+            OTHER_SLOPE.among(wrong).unwrap_or(12.92) * x
         } else {
             curved(x, wrong)
         }

@@ -74,6 +74,14 @@ pub(crate) fn ssim() -> Vec<Case> {
         spots("spots_f32", [rounded_down(0.5), 0.25], [rounded_down(0.125), 0.875]),
     ]);
     cases.extend(in_colors());
+    let [long, long_target] = noisy(6, [23, 14, 1], [0.0625, 0.9375], 0.25);
+    cases.push(case(
+        "two_windows",
+        "two windows of 11 below each other don't overlap",
+        long,
+        long_target,
+        1.0,
+    ));
     in_full(cases, "colors")
 }
 

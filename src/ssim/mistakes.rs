@@ -3,142 +3,31 @@
 use ndarray::{Array3, ArrayView1, ArrayView3, Axis};
 
 use super::arrays::{form, forward, peak, picture, vjp};
-use super::{Form, Windows, backward, ssim as oracle, value};
+use super::{Form, Windows, backward, reach, ssim as oracle, value};
 use crate::contract::arrays::{Arrays, number};
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
-/// Mistakes of structural similarity.
-pub(crate) const SSIM: &[Mistake] = &[
-    Mistake::new(
-        "one_window",
-        "means and variances of the whole picture: one window, without weights",
-        "a blurred picture scores like a sharp one; figures that can't be compared",
-        "a window about each pixel, and the mean of their similarities",
-        "2 public implementations of metrics",
-        2,
-    ),
-    Mistake::new(
-        "gray_pictures",
-        "the similarity of the mean over channels",
-        "wrong hues cost nothing",
-        "channel by channel, then the mean",
-        "scripts that convert to gray first",
-        0,
-    ),
-    Mistake::new(
-        "luma_pictures",
-        "the similarity of 0.299 R + 0.587 G + 0.114 B",
-        "wrong blues cost next to nothing",
-        "channel by channel, then the mean",
-        "a city's renderer, and losses that take Y alone",
-        2,
-    ),
-    Mistake::new(
-        "dissimilarity",
-        "1 - SSIM, the loss, reported as SSIM",
-        "the better the smaller",
-        "leave 1 - to the loss",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "constants_not_squared",
-        "c1 = 0.01 peak, c2 = 0.03 peak",
-        "values close to 1 whatever the pictures",
-        "(0.01 peak)^2 and (0.03 peak)^2",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "squared_means_kept",
-        "E[a^2] for the variance, E[a b] for the covariance",
-        "bright pictures are alike whatever is on them",
-        "subtract the squared mean, and the product of the means",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "luminance_dropped",
-        "the contrast and structure of MS-SSIM's coarser scales alone",
-        "a picture that is too dark all over scores 1",
-        "times (2 ma mb + c1) / (ma^2 + mb^2 + c1)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "peak_255",
-        "constants of bytes for colors in [0, 1]",
-        "0.999 for anything",
-        "peak is the largest value that a color may have",
-        "scripts that were written for bytes",
-        0,
-    ),
-    Mistake::new(
-        "peak_of_target",
-        "the target's range, its largest value less its smallest, for the peak",
-        "figures that differ from picture to picture",
-        "peak is the largest value that a color may have",
-        "scripts with data_range = target.max() - target.min(); torchmetrics without data_range takes the wider range of both",
-        3,
-    ),
-    Mistake::new(
-        "mean_forgotten",
-        "the gradient of the sum over windows",
-        "a loss that outweighs the other one by the number of pixels",
-        "divide by the number of windows and channels",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "gradient_of_the_loss",
-        "the gradient of 1 - SSIM",
-        "the caller's 1 - is differentiated twice: pictures become unlike",
-        "leave 1 - to the caller",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "means_held",
-        "the gradient through variances and covariance alone",
-        "brightness is never corrected",
-        "and through the means",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "variances_held",
-        "the gradient through the means alone",
-        "a loss of blurred pictures: no detail comes back",
-        "and through variances and covariance",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "center_alone",
-        "each window passes its gradient to the pixel in its middle",
-        "noise: most of the gradient is with the neighbors",
-        "every pixel of a window by its weight: the transposed filter",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-];
+mod catalogue;
+
+pub(crate) use catalogue::SSIM;
+use catalogue::{FIRST_CONSTANT, OTHER_WIDTH, SECOND_CONSTANT};
 
 /// Similarity from moments, by what is wrong about it.
 fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wrong: &[&str]) -> f64 {
     let has = |name: &str| wrong.contains(&name);
-    if has("one_window") {
-        return global(a, b, peak);
+    if has("one_window") || has("one_window_corrected") {
+        return global(a, b, peak, has("one_window_corrected"));
     }
-    let windows = Windows::new(a, b, form);
+    let (windows, places) = wrong_windows(a, b, form, wrong);
+    let n = windows.weights.len().pow(2) as f64;
     let mut sum = 0.0;
-    for place in windows.places() {
+    for &place in &places {
         let mut m = windows.moments(place);
+        if has("covariance_not_corrected") {
+            let corrected = if windows.unbiased == 1.0 { n / (n - 1.0) } else { 1.0 };
+            (m.var_a, m.var_b, m.cov) = (corrected * m.var_a, corrected * m.var_b, m.cov / windows.unbiased);
+        }
         if has("squared_means_kept") {
             m.var_a += m.mean_a * m.mean_a;
             m.var_b += m.mean_b * m.mean_b;
@@ -150,21 +39,81 @@ fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wr
             (luminance, over, structure, under) =
                 (luminance + more[0], over + more[0], structure + more[1], under + more[1]);
         }
+        let [mut c1, mut c2] = [0.01, 0.03].map(|k: f64| (k * peak) * (k * peak));
+        let [was_1, was_2] = [c1, c2];
+        if has("constants_exchanged") {
+            (c1, c2) = (c2, c1);
+        }
+        let own = |constant: &Mistake, c: f64| constant.among(wrong).map_or(c, |k| (k * peak) * (k * peak));
+        let (more_1, more_2) = (own(&FIRST_CONSTANT, c1) - was_1, own(&SECOND_CONSTANT, c2) - was_2);
+        (luminance, over, structure, under) =
+            (luminance + more_1, over + more_1, structure + more_2, under + more_2);
+        if has("sum_of_means_squared") {
+            over += 2.0 * m.mean_a * m.mean_b;
+        }
+        if has("covariance_once") {
+            structure -= m.cov;
+        }
         let luminance = if has("luminance_dropped") { 1.0 } else { luminance / over };
-        sum += luminance * structure / under;
+        let similarity = luminance * structure / under;
+        sum += if has("clipped_at_zero") { similarity.clamp(0.0, 1.0) } else { similarity };
     }
-    let value = sum / windows.places().len() as f64;
+    let value = sum / places.len() as f64;
     if has("dissimilarity") { 1.0 - value } else { value }
 }
 
-/// That of one window over everything.
-fn global(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64) -> f64 {
+/// Windows as the mistakes have them, and which of these are looked at.
+fn wrong_windows<'a>(
+    a: ArrayView3<'a, f64>,
+    b: ArrayView3<'a, f64>,
+    form: Form,
+    wrong: &[&str],
+) -> (Windows<'a>, Vec<[usize; 3]>) {
+    let has = |name: &str| wrong.contains(&name);
+    let mut windows = Windows::new(a, b, form);
+    let (height, width, _) = a.dim();
+    let even = |n: usize| Some(vec![1.0 / n as f64; n]);
+    let bell = |n: i32, width: f64| {
+        let one = |k: i32| crate::math::exp(-0.5 * (f64::from(k - n / 2) / width).powi(2));
+        let all: Vec<f64> = (0..n).map(one).collect();
+        let sum: f64 = all.iter().sum();
+        Some(all.iter().map(|w| w / sum).collect::<Vec<f64>>())
+    };
+    let own = match () {
+        () if has("box_of_eleven") => even(11),
+        () if has("box_of_three") => even(3),
+        () if has("box_of_eight") => even(8),
+        () if has("seven_wide") => bell(7, 1.5),
+        () => OTHER_WIDTH.among(wrong).and_then(|width| bell(11, width)),
+    };
+    if let Some(weights) = own {
+        [windows.rows, windows.columns] =
+            [height, width].map(|length| reach(length, weights.len(), form.padding));
+        windows.weights = weights;
+    }
+    if has("border_repeated") {
+        let size = windows.weights.len();
+        let pixel = |n: usize, length: usize| Some((n.max(size / 2) - size / 2).min(length - 1));
+        let repeated =
+            |length| (0..length).map(|n| (n..n + size).map(|n| pixel(n, length)).collect()).collect();
+        [windows.rows, windows.columns] = [height, width].map(repeated);
+    }
+    let step = if has("windows_side_by_side") { windows.weights.len() } else { 1 };
+    let looked_at =
+        |[j, i, c]: &[usize; 3]| j % step == 0 && i % step == 0 && (*c == 0 || !has("first_channel_alone"));
+    let places = windows.places().into_iter().filter(looked_at).collect();
+    (windows, places)
+}
+
+/// That of one window over everything; its variances divided by n, or n - 1 alone.
+fn global(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, corrected: bool) -> f64 {
     let n = a.len() as f64;
     let mean = [&a, &b].map(|x| x.sum() / n);
     let spread = |x: &ArrayView3<f64>, y: &ArrayView3<f64>, [p, q]: [f64; 2]| {
         x.iter().zip(y).map(|(x, y)| (x - p) * (y - q)).sum::<f64>() / n
     };
-    let (var_a, var_b) = (spread(&a, &a, [mean[0]; 2]), spread(&b, &b, [mean[1]; 2]));
+    let more = if corrected { n / (n - 1.0) } else { 1.0 };
+    let (var_a, var_b) = (more * spread(&a, &a, [mean[0]; 2]), more * spread(&b, &b, [mean[1]; 2]));
     let m = super::Moments { mean_a: mean[0], mean_b: mean[1], var_a, var_b, cov: spread(&a, &b, mean) };
     let [luminance, over, structure, under] = m.parts(peak);
     luminance * structure / (over * under)

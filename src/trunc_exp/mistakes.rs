@@ -28,6 +28,36 @@ const CLAMPED_ABOVE: Mistake = Mistake::new(
 )
 .with("most", 10.0, [2.0, 80.0]);
 
+const SHIFTED: Mistake = Mistake::new(
+    "argument_lowered",
+    "e^(x - k), with a k of one's own",
+    "densities begin e^k times fainter: networks trained with one shift are nothing to another",
+    "e^x, or the same shift in the reference",
+    "F2-NeRF in nerfstudio: 3",
+    1,
+)
+.with("k", 3.0, [0.1, 20.0]);
+
+const BOTH_ENDS: Mistake = Mistake::new(
+    "clamped_at_both_ends",
+    "e^clamp(x, -most, most), with a limit of one's own",
+    "no density is larger, or smaller, and one that is has no gradient",
+    "e^x, with the limits in the gradient alone",
+    "never; cheap to keep",
+    0,
+)
+.with("most", 10.0, [2.0, 80.0]);
+
+const SHARP_SOFTPLUS: Mistake = Mistake::new(
+    "sharp_softplus",
+    "ln(1 + e^(k x)) / k, a softplus with a factor",
+    "densities that grow with x, not e^x",
+    "e^x: a network trained with one is nothing to the other",
+    "softplus(beta=10) for a density; never seen here",
+    0,
+)
+.with("k", 10.0, [1.5, 200.0]);
+
 /// Mistakes of the truncated exponential.
 pub(crate) const TRUNC_EXP: &[Mistake] = &[
     Mistake::new(
@@ -75,6 +105,41 @@ pub(crate) const TRUNC_EXP: &[Mistake] = &[
     .of_gradient(),
     OWN_LIMITS,
     CLAMPED_ABOVE,
+    SHIFTED,
+    BOTH_ENDS,
+    SHARP_SOFTPLUS,
+    Mistake::new(
+        "rectified",
+        "max(x, 0)",
+        "densities that grow with x, not e^x; those that fall to 0 have no gradient",
+        "e^x, or a ReLU in the reference too",
+        "ReLU for the density, as in the first NeRF, where the exponential is asked for",
+        0,
+    ),
+    Mistake::new(
+        "sigmoid_for_density",
+        "1 / (1 + e^-x)",
+        "no density above 1: walls of fog",
+        "e^x",
+        "densities and opacities mixed up; never seen here",
+        0,
+    ),
+    Mistake::new(
+        "argument_squared",
+        "x^2",
+        "densities that don't grow fast enough, and grow below 0 too",
+        "e^x",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "straight_above_zero",
+        "x + 1 above 0, e^x below: elu(x) + 1",
+        "densities that grow with x, not e^x",
+        "e^x everywhere",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// e^x.
@@ -86,6 +151,21 @@ pub(crate) fn trunc_exp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         }
         if wrong.contains(&"base_two") {
             return pow(2.0, argument(x, c.exponent, c.exponent_shift));
+        }
+        let plain = argument(x, c.exponent, c.exponent_shift);
+        match () {
+            () if wrong.contains(&"rectified") => return plain.max(0.0),
+            () if wrong.contains(&"sigmoid_for_density") => return 1.0 / (1.0 + exp(-plain)),
+            () if wrong.contains(&"argument_squared") => return plain * plain,
+            () if wrong.contains(&"straight_above_zero") && plain > 0.0 => return plain + 1.0,
+            () => {}
+        }
+        if let Some(k) = SHARP_SOFTPLUS.among(wrong) {
+            return (k * plain.max(0.0) + ln_1p(exp(-k * plain.abs()))) / k;
+        }
+        let x = SHIFTED.among(wrong).map_or(x, |k| x - k);
+        if let Some(most) = BOTH_ENDS.among(wrong) {
+            return exp(argument(x, c.exponent, c.exponent_shift).clamp(-most, most));
         }
         if let Some(most) = CLAMPED_ABOVE.among(wrong) {
             return exp(argument(x, c.exponent, c.exponent_shift).min(most));
