@@ -158,8 +158,8 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         "divided by the sum over the batch, without its axis",
         "rays get the share of the batch that they happen to have; what is left falls on the last edge",
         "a sum for each ray",
-        "a port of sample_pdf: sum without keepdim, another without its axis",
-        1,
+        "never; cheap to keep",
+        0,
     ),
     Mistake::new("weights_squared", "w^2", "faint surfaces get no samples", "w", "never; cheap to keep", 0),
     Mistake::new(

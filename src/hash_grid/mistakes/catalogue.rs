@@ -147,8 +147,8 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
         "corners go around each face (00, 01, 11, 10), weights count in bits (00, 01, 10, 11)",
         "features that jump from cell to cell",
         "one order for both",
-        "the same",
-        1,
+        "never; cheap to keep",
+        0,
     ),
     Mistake::new(
         "one_face_alone",

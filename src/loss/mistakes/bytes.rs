@@ -60,7 +60,7 @@ pub(crate) const TO_UINT8: &[Mistake] = &[
         "times 255 only where no number of the picture is above 1",
         "one highlight, and the whole picture is black",
         "the scale is known: clip to [0, 1] and multiply by 255",
-        "a trainer's writer of pictures",
+        "1 public implementation",
         1,
     ),
     Mistake::new(

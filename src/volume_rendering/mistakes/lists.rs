@@ -94,8 +94,8 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
         "the whole ray's length in the place of each gap",
         "every sample is as opaque as a ray full of it",
         "the gaps between the samples",
-        "2 public implementations: far - near",
-        2,
+        "1 public implementation: far - near",
+        1,
     ),
     Mistake::new(
         "softmax_for_weights",
