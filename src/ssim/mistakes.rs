@@ -80,8 +80,6 @@ fn wrong_windows<'a>(
         Some(all.iter().map(|w| w / sum).collect::<Vec<f64>>())
     };
     let own = match () {
-        () if has("box_of_eleven") => even(11),
-        () if has("box_of_three") => even(3),
         () if has("box_of_eight") => even(8),
         () if has("seven_wide") => bell(7, 1.5),
         () => OTHER_WIDTH.among(wrong).and_then(|width| bell(11, width)),

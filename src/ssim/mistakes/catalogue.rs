@@ -177,22 +177,6 @@ pub(crate) const SSIM: &[Mistake] = &[
         0,
     ),
     Mistake::new(
-        "box_of_eleven",
-        "a uniform window of 11 x 11",
-        "figures that can't be compared",
-        "a Gaussian of 1.5, or 7 x 7",
-        "1 public implementation: avg_pool2d",
-        1,
-    ),
-    Mistake::new(
-        "box_of_three",
-        "a uniform window of 3 x 3",
-        "figures that can't be compared: noise is taken for structure",
-        "a Gaussian of 1.5 in 11 x 11",
-        "self-supervised depth's photometric loss; never seen here",
-        0,
-    ),
-    Mistake::new(
         "box_of_eight",
         "a uniform window of 8 x 8",
         "figures that can't be compared",
