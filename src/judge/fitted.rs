@@ -20,7 +20,7 @@ use crate::parallel;
 const ELEMENTS: usize = 5;
 
 /// Elements that all pairs together may have in their smallest case, and what each costs beside.
-const WORK: usize = 100_000;
+const WORK: usize = 200_000;
 const LEAST: usize = 100;
 
 /// Numbers of a range that are tried before one is read off, on so many of the smallest cases, and by how much of an answer's size it may
@@ -89,8 +89,13 @@ pub(crate) fn fitting_pairs(
         // The first that has a number gets it.
         let names = if other.number.is_some() { [mistake, other] } else { [other, mistake] };
         let usual = Hypothesis::new(names.map(|m| m.name).to_vec(), c);
+        let alone = Hypothesis::new(vec![other.name], c);
+        // A number next to the right one takes up what rounding left of the other mistake alone.
+        let needed = |h: &Hypothesis| {
+            usable(h, question, answers).iter().any(|(case, _)| !h.same_as(&alone, question, case, options))
+        };
         let fits = |h: &Hypothesis| {
-            explains_all(h, question, answers, options) && shows(h, question, answers, options)
+            explains_all(h, question, answers, options) && shows(h, question, answers, options) && needed(h)
         };
         within_reach(mistake, &usual, question, answers)
             .then(|| shown(mistake, &usual, question, answers).into_iter().find(fits))?

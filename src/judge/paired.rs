@@ -15,10 +15,10 @@ use crate::parallel;
 const CASES: usize = 4;
 
 /// Single mistakes that others are tried with.
-const KEPT: usize = 24;
+const KEPT: usize = 40;
 
 /// Elements that all single mistakes together may compute on the smallest case, and what each costs beside.
-const WORK: usize = 400_000;
+const WORK: usize = 1_000_000;
 const LEAST: usize = 100;
 
 /// The pairs of mistakes that explain every answer, in any conventions.

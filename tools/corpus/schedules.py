@@ -35,7 +35,7 @@ def warm_cosine(step, max_steps, lr_init, lr_final, warmup_steps):
     return lr_init * ((math.cos(math.pi * progress) + 1.0) * 0.5 * (1 - alpha) + alpha)
 
 
-@fault("lr_cosine", "slip: (step + 1) / warmup in the place of step / warmup", seen="a speech code's warm-up")
+@fault("lr_cosine", "warmup_from_one", seen="a speech code's warm-up")
 def warm_from_one(step, max_steps, lr_init, lr_final, warmup_steps):
     """The warm-up counts from 1."""
     if step < warmup_steps:
