@@ -21,7 +21,7 @@ fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f6
     let mut slopes = clamped(t, view, form);
     if let Some(k) = OTHER_LIMIT.among(wrong) {
         let half = [view.width / view.k.fx, view.height / view.k.fy].map(|whole| 0.5 * k * whole);
-        slopes = [0, 1].map(|n| ((t[n] / t[2]).clamp(-half[n], half[n]), false));
+        slopes = [0, 1].map(|n| ((t[n] / t[2]).max(-half[n]).min(half[n]), false));
     }
     let r = |i: usize, k: usize| match () {
         () if has("not_turned") => f64::from(u8::from(i == k)),

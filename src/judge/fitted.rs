@@ -92,7 +92,10 @@ pub(crate) fn fitting_pairs(
         let alone = Hypothesis::new(vec![other.name], c);
         // A number next to the right one takes up what rounding left of the other mistake alone.
         let needed = |h: &Hypothesis| {
-            usable(h, question, answers).iter().any(|(case, _)| !h.same_as(&alone, question, case, options))
+            let cases = usable(h, question, answers);
+            let explained =
+                |(case, answer): &&(&Case, &Answer)| alone.explains(question, case, answer, options);
+            2 * cases.iter().filter(explained).count() <= cases.len()
         };
         let fits = |h: &Hypothesis| {
             explains_all(h, question, answers, options) && shows(h, question, answers, options) && needed(h)

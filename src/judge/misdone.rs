@@ -243,7 +243,6 @@ mod tests {
             ("conical_frustum", "d in the place of d * d"),
             ("conical_frustum", "sqrt(dd) / 3 in the place of dd / 3"),
             ("ndc_rays", "plane - o[2], of which plane is taken outside"),
-            ("lr_cosine", "(step + 1) / warmup in the place of"),
             ("lens_distort", "p[0] * p[0] in the place of p[0] * p[1]"),
             ("lens_distort", "r2 * p[1] in the place of p[0] * p[1]"),
             ("hash_grid", "1 in the place of 1 - cells[a].1"),

@@ -15,7 +15,7 @@ use crate::parallel;
 const CASES: usize = 4;
 
 /// Single mistakes that others are tried with.
-const KEPT: usize = 40;
+const KEPT: usize = 100;
 
 /// Elements that all single mistakes together may compute on the smallest case, and what each costs beside.
 const WORK: usize = 1_000_000;

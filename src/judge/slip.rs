@@ -31,7 +31,7 @@ pub(crate) enum Change {
     Entry { from: [usize; 2], to: [usize; 2] },
     /// The first three elements of a short axis are others of them, with either sign: another frame's x, y, z. By [`frame`].
     Turned(usize, usize),
-    /// The last axis has another order: what went by an input's axis last goes by it first, or the other way around.
+    /// The last axis has another order: what went by an input's axis last goes by it first, or (`back`) the other way around.
     Regrouped { input: String, axis: usize, back: bool },
     /// Some elements of a long axis.
     Columns(Changed),
@@ -180,8 +180,8 @@ impl ArraySlip {
                 format!("{name} with x, y, z of axis {axis} taken for {x}, {y}, {z}")
             }
             Change::Regrouped { input, axis, back } => {
-                let place = if *back { "last" } else { "first" };
-                format!("{name} with its last axis ordered by axis {axis} of {input} {place}")
+                let by = format!("{name} with its last axis ordered by axis {axis} of {input}");
+                if *back { format!("{by} at the end") } else { format!("{by} before all else") }
             }
             Change::Columns(changed) => changed.says(name),
             Change::Transposed(a, b) => format!("{name} with axes {a} and {b} exchanged"),

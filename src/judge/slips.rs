@@ -299,7 +299,7 @@ mod tests {
         let elements = vec![(0, Becomes::Changed(By::Each(each("halved"))))];
         let last = slip(false, "weights", Change::Columns(Changed { axis: 1, from_end: true, elements }));
         let harmonics = slip(false, "harmonics", columns);
-        let by_feature = Change::Regrouped { input: "table0".into(), axis: 1, back: false };
+        let by_feature = Change::Regrouped { input: "table0".into(), axis: 1, back: true };
         let by_feature = slip(false, "encoding", by_feature);
         let longer = slip(false, "rays_d_ndc", Change::One { axis: 1, element: 1, by: By::Times(1.25) });
         for (component, slip, mistakes) in [

@@ -44,11 +44,13 @@ const AFTER: &str = "background_shaded_twice";
 const ROWS: [&[Mistake]; 6] =
     [AT_THE_CALL, IMAGE_RAYS, SAMPLE_ALONG_RAYS, STEP_SIZES, VOLUME_RENDER, COMPOSITE_BACKGROUND];
 
-/// Mistakes that no array of a trace shows (it has no points and no transmittance, and its samples have the picture's shape), and one that
-/// `jitter_ignored` covers already.
+/// Mistakes that no array of a trace shows (it has no points and no transmittance, its samples have the picture's shape, and its lens is in
+/// the middle), and one that `jitter_ignored` covers already.
 const ELSEWHERE: &[&str] = &[
     "flattened_in_wrong_order",
     "points_without_origin",
+    "points_from_near",
+    "center_of_picture",
     "never_jittered",
     "unit_directions",
     "picture_transposed",

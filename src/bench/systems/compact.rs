@@ -147,7 +147,7 @@ mod tests {
             model.step(&scene, step).unwrap();
         }
         let rays = camera_rays(&scene.val[0].camera).unwrap();
-        let some = rays.iter().copied().step_by(rays.len() / 20).collect();
+        let some = rays.iter().copied().step_by(rays.len() / 60).collect();
         (model, some)
     }
 

@@ -19,7 +19,7 @@ pub(super) const FIRST_CONSTANT: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 )
-.with("k", 0.02, [1e-6, 1.0]);
+.with("k", 0.1, [1e-6, 1.0]);
 pub(super) const SECOND_CONSTANT: Mistake = Mistake::new(
     "another_second_constant",
     "c2 = (k peak)^2 with k other than 0.03",
