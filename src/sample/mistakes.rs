@@ -129,16 +129,6 @@ fn wrong_steps(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64
             "backward_delta_from_near" => {
                 deltas = (0..n).map(|i| t[i] - if i == 0 { near } else { t[i - 1] }).collect();
             }
-            "central_differences" if n > 1 => {
-                let gap = |i: usize| t[i + 1] - t[i];
-                let both = |i: usize| 0.5 * (gap(i - 1) + gap(i));
-                let each = |i: usize| match i {
-                    0 => gap(0),
-                    i if i + 1 == n => gap(n - 2),
-                    i => both(i),
-                };
-                deltas = (0..n).map(each).collect();
-            }
             "delta_of_the_whole_ray" => deltas.fill(far - near),
             "backward_delta_from_zero" => {
                 deltas = (0..n).map(|i| t[i] - if i == 0 { 0.0 } else { t[i - 1] }).collect();

@@ -257,14 +257,6 @@ pub(crate) const STEP_SIZES: &[Mistake] = &[
         0,
     ),
     Mistake::new(
-        "central_differences",
-        "(t_{i+1} - t_{i-1}) / 2, and whole gaps at both ends: np.gradient",
-        "the first and the last sample stand for twice what is theirs",
-        "delta_i = t_{i+1} - t_i",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
         "backward_delta_from_zero",
         "delta_i = t_i - t_{i-1}, delta_0 = t_0: as if samples began at the camera",
         "the first sample stands for everything in front of it, and every density belongs to the wrong step",
