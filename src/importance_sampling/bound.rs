@@ -197,3 +197,30 @@ fn shared_at(edges: &[f64], k: usize, terms: &[Vec<Bounded>]) -> f64 {
     }
     here.iter().flat_map(|&n| &terms[n]).map(|term| term.y.abs() + term.e).sum()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contract::arithmetic::{Dtype, Grade};
+    use crate::contract::arrays::{array, arrays, scalar};
+    use crate::convention::CS180;
+
+    /// Edges 1 and 2 are one: any shares of what they get together are admissible, and no more; the others have their own.
+    #[test]
+    fn sa3_edges_in_one_place_share_their_gradient() {
+        let a = arrays([
+            ("edges", array(&[1, 4], vec![2.0, 3.0, 3.0, 4.5])),
+            ("weights", array(&[1, 3], vec![1.0, 2.0, 1.0])),
+            ("padding", scalar(0.0)),
+            ("u", array(&[1, 3], vec![0.125, 0.40625, 0.9375])),
+            ("grad_t", array(&[1, 3], vec![1.0, 0.5, 2.0])),
+        ]);
+        let bound = sample_vjp(&a, &CS180, &Arithmetic::new(Dtype::F64, Grade::B));
+        let shared = 0.5 + 0.5 + 0.5;
+        let e = &bound["grad_edges"];
+        assert!(e[[0, 0]] < 1e-12 && e[[0, 3]] < 1e-12, "{e:?}");
+        for k in [1, 2] {
+            assert!(e[[0, k]] > shared && e[[0, k]] < shared + 1e-12, "{e:?}");
+        }
+    }
+}

@@ -151,26 +151,3 @@ proptest! {
         prop_assert!(a.iter().chain(&b).all(|t| both.contains(t)));
     }
 }
-
-/// Edges 1 and 2 are one: any shares of what they get together are admissible, and no more; the others have their own.
-#[test]
-fn sa3_edges_in_one_place_share_their_gradient() {
-    use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
-    use crate::contract::arrays::array;
-    use crate::convention::CS180;
-
-    let a = crate::contract::arrays::arrays([
-        ("edges", array(&[1, 4], vec![2.0, 3.0, 3.0, 4.5])),
-        ("weights", array(&[1, 3], vec![1.0, 2.0, 1.0])),
-        ("padding", crate::contract::arrays::scalar(0.0)),
-        ("u", array(&[1, 3], vec![0.125, 0.40625, 0.9375])),
-        ("grad_t", array(&[1, 3], vec![1.0, 0.5, 2.0])),
-    ]);
-    let bound = bound::sample_vjp(&a, &CS180, &Arithmetic::new(Dtype::F64, Grade::B));
-    let shared = 0.5 + 0.5 + 0.5;
-    let e = &bound["grad_edges"];
-    assert!(e[[0, 0]] < 1e-12 && e[[0, 3]] < 1e-12, "{e:?}");
-    for k in [1, 2] {
-        assert!(e[[0, k]] > shared && e[[0, k]] < shared + 1e-12, "{e:?}");
-    }
-}

@@ -66,6 +66,15 @@ fn cells_between_middles() {
     assert_eq!(cells(&[3.0]), [5.5]);
 }
 
+/// Whole gaps at both ends, half of both gaps between them, as `numpy.gradient([2, 2.5, 4, 5])` has them.
+#[test]
+fn central_steps() {
+    let cells = |t: &[f64]| step_sizes(t, 1.5, 7.0, Delta::Central, LastDelta::Width);
+    assert_eq!(cells(&[2.0, 2.5, 4.0, 5.0]), [0.5, 1.0, 1.25, 1.0]);
+    assert_eq!(cells(&[2.0, 5.0]), [3.0, 3.0]);
+    assert_eq!(cells(&[3.0]), [5.5]);
+}
+
 proptest! {
     #![proptest_config(properties())]
 
