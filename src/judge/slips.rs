@@ -296,6 +296,7 @@ mod tests {
             (6, Becomes::Changed(By::Each(each("halved")))),
         ];
         let columns = Change::Columns(Changed { axis: 1, from_end: false, elements });
+        let harmonics = slip(false, "harmonics", columns);
         let by_feature = Change::Regrouped { input: "table0".into(), axis: 1, back: true };
         let by_feature = slip(false, "encoding", by_feature);
         let longer = slip(false, "rays_d_ndc", Change::One { axis: 1, element: 1, by: By::Times(1.25) });
