@@ -8,6 +8,7 @@
 //! The same version of this crate writes the same bytes every time: no dates, no compression, arrays in the order of their names.
 
 mod index;
+mod lines;
 mod release;
 mod sums;
 mod verify;

@@ -7,7 +7,7 @@ use std::path::Path;
 use ndarray::ArrayD;
 
 use super::index::{ACCEPT, Case as Entry, Flag, INDEX, Index, Outcome, Row, SCHEMA};
-use super::sums;
+use super::{lines, sums};
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -114,7 +114,7 @@ impl Release {
         let places: Vec<_> = self.arrays.iter().collect();
         let written = parallel::map(places.len(), |n| self.layout.write(folder, places[n].0, places[n].1));
         let mut bytes = written.into_iter().sum::<Result<u64>>()?;
-        let index = serde_json::to_string_pretty(&self.index).expect("an index is plain data") + "\n";
+        let index = lines::text(&self.index).expect("an index is plain data") + "\n";
         let mut texts = vec![(INDEX, &index[..]), ("schema.json", SCHEMA_FILE), ("README.md", README)];
         if self.layout == Layout::Raw {
             texts.push((LIST, &self.list));
