@@ -26,6 +26,12 @@ fn drawn([height, width]: [usize; 2], f: impl Fn(usize, usize) -> f64) -> ArrayD
     array(&[height, width, 1], (0..height * width).map(entry).collect())
 }
 
+/// A gray picture as red, green and blue.
+fn gray(picture: ArrayD<f64>) -> ArrayD<f64> {
+    let [height, width] = [picture.shape()[0], picture.shape()[1]];
+    picture.broadcast(vec![height, width, 3]).expect("its last axis has one element").into_owned()
+}
+
 /// One pixel in the middle of black, channel by channel: nothing cancels, so that bounds are as sharp as they get.
 fn spots(id: &str, prediction: [f64; 2], target: [f64; 2]) -> Case {
     let picture = |colors: [f64; 2]| {
@@ -57,7 +63,13 @@ pub(crate) fn ssim() -> Vec<Case> {
             stripes(0.25, 0.875),
             1.0,
         ),
-        case("negative", "light and dark exchanged: below 0", stripes(0.25, 0.75), stripes(0.75, 0.25), 1.0),
+        case(
+            "negative",
+            "light and dark exchanged: below 0",
+            gray(stripes(0.25, 0.75)),
+            gray(stripes(0.75, 0.25)),
+            1.0,
+        ),
         case("flat", "two flat pictures: luminance alone", flat(0.5), flat(0.75), 1.0),
         case("equal", "equal pictures: 1, and no gradient", usual_target.clone(), usual_target, 1.0),
         case("spot", "a white pixel on black", drawn([12, 11], |_, _| 0.0), spot, 1.0),
