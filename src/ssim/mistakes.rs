@@ -6,7 +6,7 @@ use super::arrays::{form, forward, peak, picture, vjp};
 use super::{Form, Windows, backward, reach, ssim as oracle, value};
 use crate::contract::arrays::{Arrays, number};
 use crate::contract::component::Mistake;
-use crate::convention::Conventions;
+use crate::convention::{Conventions, SsimWindow};
 
 mod catalogue;
 
@@ -79,7 +79,9 @@ fn wrong_windows<'a>(
         let sum: f64 = all.iter().sum();
         Some(all.iter().map(|w| w / sum).collect::<Vec<f64>>())
     };
+    // Another window than the convention's would undo it.
     let own = match () {
+        () if form.window != SsimWindow::Gaussian => None,
         () if has("box_of_eight") => even(8),
         () if has("seven_wide") => bell(7, 1.5),
         () => OTHER_WIDTH.among(wrong).and_then(|width| bell(11, width)),
