@@ -5,7 +5,7 @@ use ndarray::{ArrayD, Axis};
 
 use super::each::{By, EACH, rounded};
 
-/// Axes longer than this aren't looked at one by one.
+/// Elements of an axis that are looked at, from either end.
 const LONGEST: usize = 64;
 
 /// Elements that can be off, each for a reason of its own.
@@ -112,11 +112,8 @@ pub(super) fn shown(pairs: &[(ArrayD<f64>, ArrayD<f64>)], axis: usize) -> Vec<Ch
 
 fn counted(pairs: &[(ArrayD<f64>, ArrayD<f64>)], way: Changed) -> Vec<Changed> {
     let length = |(p, _): &(ArrayD<f64>, ArrayD<f64>)| p.shape().get(way.axis).copied().unwrap_or(0);
-    let elements = pairs.iter().map(length).max().unwrap_or(0);
-    let off: Vec<usize> = match elements {
-        2..=LONGEST => (0..elements).filter(|element| !way.numbers(pairs, *element).same(|p| p)).collect(),
-        _ => vec![],
-    };
+    let elements = pairs.iter().map(length).max().unwrap_or(0).min(LONGEST);
+    let off: Vec<usize> = (0..elements).filter(|n| !way.numbers(pairs, *n).same(|p| p)).collect();
     if off.is_empty() || off.len() > OFF || 2 * off.len() > elements {
         return vec![];
     }

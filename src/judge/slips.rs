@@ -297,6 +297,8 @@ mod tests {
         ];
         let columns = Change::Columns(Changed { axis: 1, from_end: false, elements });
         let harmonics = slip(false, "harmonics", columns);
+        let elements = vec![(0, Becomes::Changed(By::Each(each("halved"))))];
+        let last = slip(false, "weights", Change::Columns(Changed { axis: 1, from_end: true, elements }));
         let by_feature = Change::Regrouped { input: "table0".into(), axis: 1, back: true };
         let by_feature = slip(false, "encoding", by_feature);
         let longer = slip(false, "rays_d_ndc", Change::One { axis: 1, element: 1, by: By::Times(1.25) });
@@ -307,6 +309,7 @@ mod tests {
             ("spherical_harmonics", &mirrored, &[]),
             ("spherical_harmonics", &harmonics, &[]),
             ("hash_grid", &by_feature, &[]),
+            ("volume_render_alpha", &last, &[]),
             ("pixel_to_camera", &center, &[]),
             ("pixel_to_camera", &corner, &[]),
             ("ndc_rays", &longer, &[]),
