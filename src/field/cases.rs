@@ -153,10 +153,11 @@ fn with_unit_directions(case: &mut Case) {
     let directions = case.inputs.get_mut("directions").expect("a network's arrays");
     for mut d in directions.rows_mut() {
         let length = d.dot(&d).sqrt();
-        let largest = d.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        let nearest = (0..3).max_by(|&a, &b| d[a].abs().total_cmp(&d[b].abs())).expect("three axes");
+        let sign = d[nearest].signum();
         match case.full {
             Some(dtype) => d.mapv_inplace(|x| dtype.round(x / length)),
-            None => d.mapv_inplace(|x| if x.abs() == largest { x.signum() } else { 0.0 }),
+            None => (0..3).for_each(|axis| d[axis] = if axis == nearest { sign } else { 0.0 }),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Some conventions by their names: those that a row reads, and what an assignment of the others' search leaves open.
+//! The conventions that a row reads, by their names; the search for an assignment goes through their values.
 
 use std::collections::BTreeMap;
 
