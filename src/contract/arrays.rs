@@ -81,7 +81,12 @@ pub(crate) fn twos(a: &Arrays, name: &str) -> Vec<[f64; 2]> {
 
 /// Row r of an (R, N) array.
 pub(crate) fn row(arrays: &Arrays, name: &str, r: usize) -> Vec<f64> {
-    input(arrays, name).index_axis(Axis(0), r).iter().copied().collect()
+    let array = input(arrays, name);
+    let width = array.shape()[1..].iter().product::<usize>();
+    match array.as_slice() {
+        Some(all) => all[r * width..(r + 1) * width].to_vec(),
+        None => array.index_axis(Axis(0), r).iter().copied().collect(),
+    }
 }
 
 /// Row r of an (R, N, 3) or (R, 3) array, in threes.

@@ -1,6 +1,7 @@
 //! Which conventions a run follows: one assignment over all of its components, from closed lists, nothing fitted.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::iter::once_with;
 
 use ndarray::ArrayD;
 
@@ -120,9 +121,8 @@ pub(crate) fn possible(
             let c = apply(p, base);
             let mut expected = (question.component.forward.oracle)(&case.inputs, &c);
             expected.retain(|name, _| name == output);
-            within(&alone, &expected, options.scale(question, case), || {
-                options.truth(question, case, &c, Grade::B).bound.clone()
-            })
+            let bound = once_with(|| options.truth(question, case, &c, Grade::B).bound.clone());
+            within(&alone, &expected, options.scale(question, case), bound)
         };
         keep(&mut all, keys, fits);
     }
@@ -145,11 +145,12 @@ pub(crate) fn holds(question: &Question, answers: &Answers, c: &Conventions, opt
         cases.iter().partition(|(case, _)| !options.may_reject_early(case));
     let right = others.into_iter().chain(hard).all(|(case, answer)| {
         let expected = question.expected(case, c);
-        within(answer, &expected, options.scale(question, case), || {
+        let bound = once_with(|| {
             let bound = options.truth(question, case, c, Grade::B).bound.clone();
             unproved.retain(|name| expected.get(*name).is_some_and(|e| !proves(e, &bound[*name])));
             bound
-        })
+        });
+        within(answer, &expected, options.scale(question, case), bound)
     });
     if cases.is_empty() || !right {
         return false;

@@ -43,7 +43,7 @@ pub(crate) fn smallest(
                 |from: &crate::contract::arrays::Arrays| [((*name).clone(), from[*name].clone())].into();
             let given = answer.get(*name)?;
             let alone = [((*name).clone(), given.clone())].into();
-            let wrong = !within(&alone, &one(expected), None, || one(bound));
+            let wrong = !within(&alone, &one(expected), None, [one(bound)]);
             let (got, _) = reshaped(&given.values, expected[*name].shape()).filter(|_| wrong)?;
             Some(((*name).clone(), got, expected[*name].clone()))
         };

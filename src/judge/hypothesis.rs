@@ -1,6 +1,7 @@
 //! Hypotheses: what a candidate would answer if it followed some conventions and made some mistakes.
 
 use std::cell::OnceCell;
+use std::iter::once_with;
 use std::sync::Arc;
 
 use ndarray::ArrayD;
@@ -105,6 +106,37 @@ impl Hypothesis {
         error: Option<&Arrays>,
         options: &MarkOptions,
     ) -> Arrays {
+        self.bounds(question, case, wrong, error, options).last().expect("one at least")
+    }
+
+    /// The same, after a bound without that change where there is one: most answers that are explained need no more, and it costs little.
+    fn bounds<'a>(
+        &'a self,
+        question: &'a Question,
+        case: &'a Case,
+        wrong: &'a Arrays,
+        error: Option<&'a Arrays>,
+        options: &'a MarkOptions,
+    ) -> impl Iterator<Item = Arrays> + 'a {
+        let known = error.is_some() || self.right() && !self.loose;
+        (0..2 - usize::from(known)).map(move |n| {
+            let u = options.dtype.unit_roundoff();
+            let nudged = |n| [4.0, -4.0].map(|by| self.nudged(question, case, n, by * u));
+            let moved: Vec<Arrays> = if n == 0 { vec![] } else { (0..2).flat_map(nudged).collect() };
+            self.widened(question, case, wrong, error, &moved, options)
+        })
+    }
+
+    /// The bound with the change of the wrong function to what it gives on nudged inputs, `moved`.
+    fn widened(
+        &self,
+        question: &Question,
+        case: &Case,
+        wrong: &Arrays,
+        error: Option<&Arrays>,
+        moved: &[Arrays],
+        options: &MarkOptions,
+    ) -> Arrays {
         let known = options.truth(question, case, &self.conventions, Grade::B);
         let (truth, right) = (&known.expected, &known.bound);
         if self.right() && !self.loose {
@@ -120,12 +152,6 @@ impl Hypothesis {
         let fractions = |name: &String| !whole(name) && truth[name].iter().all(|x| (0.0..=1.0).contains(x));
         let of_fractions = right.iter().filter(|(name, _)| fractions(name)).flat_map(|(_, bound)| bound);
         let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
-        let moved: Vec<Arrays> = match error {
-            Some(_) => vec![],
-            None => {
-                (0..2).flat_map(|n| [4.0, -4.0].map(|by| self.nudged(question, case, n, by * u))).collect()
-            }
-        };
         let one = |(name, w): (&String, &ArrayD<f64>)| {
             let mut bound = w.mapv(|w| roundings * u * w.abs() + options.dtype.smallest_normal());
             let least = if fractions(name) { largest } else { 0.0 };
@@ -200,7 +226,7 @@ impl Hypothesis {
         self.leave_open(question, case, answer, &mut wrong);
         // A numeric gradient is known only at some elements, so most elements can't be compared.
         let scale = self.scale(question, case, options).filter(|_| error.is_none());
-        within(answer, &wrong, scale, || self.bound(question, case, &wrong, error.as_ref(), options))
+        within(answer, &wrong, scale, self.bounds(question, case, &wrong, error.as_ref(), options))
     }
 
     /// Keeps the outputs of an answer that it explains one by one; those that weren't answered stay.
@@ -222,9 +248,8 @@ impl Hypothesis {
         outputs.retain(|name| {
             let Some(given) = answer.get(*name) else { return true };
             let given = [(name.to_string(), given.clone())].into();
-            within(&given, &alone(name, &wrong), scale.clone(), || {
-                alone(name, all.get_or_init(|| self.bound(question, case, &wrong, None, options)))
-            })
+            let bound = || alone(name, all.get_or_init(|| self.bound(question, case, &wrong, None, options)));
+            within(&given, &alone(name, &wrong), scale.clone(), once_with(bound))
         });
     }
 

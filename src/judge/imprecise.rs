@@ -37,7 +37,7 @@ pub(super) fn lost_bits(
                 expected.get(*name).is_some_and(|e| proves(e, &bound[*name].mapv(|bound| 4.0 * bound)))
             };
             unproved.retain(|name| expected.contains_key(*name) && !clear(name));
-            within(answer, &expected, None, || bound)
+            within(answer, &expected, None, [bound])
         });
         right && unproved.is_empty()
     };

@@ -248,13 +248,13 @@ impl Marks {
     }
 }
 
-/// Whether answers lie within bounds. A search calls this thousands of times, so it may reject answers that are far off before the
-/// bounds are computed (see [`MarkOptions::may_reject_early`]).
-pub fn within(
+/// Whether answers lie within one of these bounds, the cheapest first. A search calls this thousands of times, so it may reject answers
+/// that are far off before the bounds are computed (see [`MarkOptions::may_reject_early`]).
+pub(super) fn within(
     answer: &Answer,
     expected: &Arrays,
     scale: Option<Arc<Truth>>,
-    bound: impl FnOnce() -> Arrays,
+    bounds: impl IntoIterator<Item = Arrays>,
 ) -> bool {
     let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
         let given = answer.get(name)?;
@@ -264,10 +264,11 @@ pub fn within(
     if got.is_empty() || scale.is_some_and(|scale| far_off(&got, expected, &scale.bound)) {
         return false;
     }
-    let bound = bound();
-    got.iter().all(|(name, got)| {
-        let pairs = got.iter().zip(&expected[name]).zip(&bound[name]);
-        pairs.into_iter().all(|((&g, &e), &b)| budget_used(g, e, b) <= 1.0)
+    bounds.into_iter().any(|bound| {
+        got.iter().all(|(name, got)| {
+            let pairs = got.iter().zip(&expected[name]).zip(&bound[name]);
+            pairs.into_iter().all(|((&g, &e), &b)| budget_used(g, e, b) <= 1.0)
+        })
     })
 }
 
