@@ -159,7 +159,9 @@ impl Numbers {
     /// Whether what was given is what `f` makes of what was predicted.
     fn same(&self, f: impl Fn(f64) -> f64) -> bool {
         let largest = self.given.iter().fold(0.0, |most: f64, g| most.max(g.abs()));
-        let near = |e: f64, g: f64| e == g || (e - g).abs() <= NEAR * largest.max(e.abs());
+        // Below its smallest normal number a type has fewer digits.
+        let tiny = f64::from(f32::MIN_POSITIVE);
+        let near = |e: f64, g: f64| e == g || (e - g).abs() <= tiny + NEAR * largest.max(e.abs());
         self.predicted.iter().zip(&self.given).all(|(p, g)| near(f(*p), *g))
     }
 }

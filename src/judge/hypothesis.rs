@@ -173,11 +173,14 @@ impl Hypothesis {
             if let Some(error) = error {
                 bound += &error[name];
             }
-            // Where the wrong value itself is NaN, only NaN fits.
-            bound.mapv_inplace(|b| if b.is_nan() { 0.0 } else { b });
-            // Where it overflows the type, or a factor of it does, the answer may be infinite.
-            let beyond = |w: f64| w.is_finite() && w.abs() > options.dtype.largest() / 4.0;
-            bound.zip_mut_with(w, |b, &w| *b = if beyond(w) { f64::INFINITY } else { *b });
+            // Where the wrong value itself is NaN or infinite, only that fits. Where it overflows the type, or a factor of it does, the
+            // answer may be infinite.
+            let one = |w: f64, b: f64| match () {
+                () if !w.is_finite() || b.is_nan() => 0.0,
+                () if w.abs() > options.dtype.largest() / 4.0 => f64::INFINITY,
+                () => b,
+            };
+            bound.zip_mut_with(w, |b, &w| *b = one(w, *b));
             (name.clone(), bound)
         };
         wrong.iter().map(one).collect()
