@@ -26,6 +26,7 @@ fn wrong_lens(mut k: Intrinsics, wrong: &[&str]) -> Intrinsics {
     for name in wrong {
         match *name {
             "center_swapped" => (k.cx, k.cy) = (k.cy, k.cx),
+            "center_one_early" => (k.cx, k.cy) = (k.fy, k.cx),
             "center_floored" => (k.cx, k.cy) = (libm::floor(k.cx), libm::floor(k.cy)),
             "focal_ignored" => (k.fx, k.fy) = (1.0, 1.0),
             "one_focal_length" => k.fy = k.fx,

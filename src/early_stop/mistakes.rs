@@ -150,12 +150,34 @@ pub(crate) const EARLY_STOP: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "stopped_colors_divided",
+        "the color of a ray that stops is divided by its opacity, which is told as it is",
+        "color and opacity don't fit: the background comes on top of a whole color",
+        "divide both, or neither",
+        "instant-ngp's pictures, half of it; never seen here",
+        0,
+    ),
+    Mistake::new(
+        "carried_light_tested_first",
+        "the transmittance runs on from ray to ray, and is tested in front of a ray's first sample",
+        "all rays behind the first opaque one are black",
+        "start every ray at T = 1",
+        "never; cheap to keep",
+        0,
+    ),
 ];
+
+/// What was carried over stops a ray in front of its first sample.
+const TESTED_FIRST: &str = "carried_light_tested_first";
 
 /// Number of samples that are used, as the mistakes have it; `carried` is the light that arrives.
 fn live(ray: &Arrays, carried: f64, eps: f64, stop: Stop, wrong: &[&str]) -> usize {
     let (sigmas, deltas) = (values(ray, "sigmas"), values(ray, "deltas"));
     let n = sigmas.len();
+    if wrong.contains(&TESTED_FIRST) && carried < eps.min(1.0) {
+        return 0;
+    }
     if wrong.contains(&"weight_tested") {
         let weights = values(&(VOLUME_RENDER.forward.oracle)(ray, &CS180), "weights");
         return weights.iter().position(|w| carried * w < eps).map_or(n, |i| i + 1);
@@ -204,6 +226,7 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         let t = number(&ray, "transmittance");
         let divided: &[&str] = match c.stopped {
             Stopped::Left if wrong.contains(&"renormalized") => &["colors"],
+            Stopped::Left if wrong.contains(&"stopped_colors_divided") => &["colors"],
             Stopped::Left => &[],
             Stopped::MadeOpaque => &["colors", "weights"],
         };
@@ -212,8 +235,10 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
             for name in divided {
                 ray.get_mut(*name).expect("an output").mapv_inplace(|x| x / opacity);
             }
-            ray.insert("opacity".into(), scalar(1.0));
-            ray.insert("transmittance".into(), scalar(0.0));
+            if !wrong.contains(&"stopped_colors_divided") {
+                ray.insert("opacity".into(), scalar(1.0));
+                ray.insert("transmittance".into(), scalar(0.0));
+            }
         }
         if wrong.contains(&"clamped") {
             ray.get_mut("colors").expect("an output").mapv_inplace(|c| c.clamp(0.0, 1.0));
@@ -224,7 +249,7 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         if wrong.contains(&"light_left_is_none") && t < eps {
             ray.insert("transmittance".into(), scalar(0.0));
         }
-        if wrong.contains(&"not_reset_between_rays") {
+        if wrong.contains(&"not_reset_between_rays") || wrong.contains(&TESTED_FIRST) {
             carried = t;
         }
         // Weights that would reach into the next ray's samples are dropped.

@@ -141,6 +141,30 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         "BARF's and nerfies' window with alpha = L / 2; never seen here",
         0,
     ),
+    Mistake::new(
+        "bands_up_to_two",
+        "frequencies 2^(k / (L - 1)): logspace from 0 to 1 in the place of 0 to L - 1",
+        "hardly any detail: all bands within one octave",
+        "2^k",
+        "2 public implementations",
+        2,
+    ),
+    Mistake::new(
+        "last_band_everywhere",
+        "every band has the last one's frequency",
+        "noise, and no large shapes",
+        "2^k of band k",
+        "closures in a loop that take the loop's variable, not its value",
+        0,
+    ),
+    Mistake::new(
+        "identity_through_sine",
+        "sin x in the place of x itself",
+        "positions beyond a quarter turn aren't told apart",
+        "x as it is",
+        "1 public implementation",
+        1,
+    ),
 ];
 
 /// The encoding of one point with mistakes in it.
@@ -161,6 +185,13 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
             }
             if wrong.contains(&"powers_exchanged") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, (k * k) as f64, x);
+            }
+            if wrong.contains(&"bands_up_to_two") {
+                let power = k as f64 / (encoding.levels - 1).max(1) as f64;
+                (out[sine], out[cosine]) = wave(encoding.frequency, pow(2.0, power), x);
+            }
+            if wrong.contains(&"last_band_everywhere") {
+                (out[sine], out[cosine]) = wave(encoding.frequency, encoding.band(encoding.levels - 1), x);
             }
             if wrong.contains(&"natural_base") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, exp(k as f64), x);
@@ -188,6 +219,9 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
                 (out[sine], out[cosine]) = (0.0, 0.0);
             }
         }
+    }
+    if wrong.contains(&"identity_through_sine") && encoding.identity {
+        (0..dims).for_each(|d| out[encoding.identity_column(dims, d)] = sin(x[d]));
     }
     if wrong.contains(&"divided_by_bands") && encoding.levels > 0 {
         out.iter_mut().for_each(|x| *x /= encoding.levels as f64);

@@ -168,6 +168,14 @@ pub(crate) const GAUSSIAN_COLOR: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "third_band_left_out",
+        "bands 0 to 2 alone, of coefficients that have more",
+        "colors change less with the direction than they were trained to",
+        "all bands that there are coefficients of",
+        "1 public implementation",
+        1,
+    ),
 ];
 
 /// The coefficients as if read by channels.
@@ -224,6 +232,9 @@ fn wrong_color(
     };
     if has("constant_forgotten") {
         y[0] = 1.0;
+    }
+    if has("third_band_left_out") {
+        y.iter_mut().skip(9).for_each(|y| *y = 0.0);
     }
     if has("first_band_alone") {
         y[1..].fill(0.0);

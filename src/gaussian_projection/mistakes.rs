@@ -23,6 +23,9 @@ fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f6
         let half = [view.width / view.k.fx, view.height / view.k.fy].map(|whole| 0.5 * k * whole);
         slopes = [0, 1].map(|n| ((t[n] / t[2]).max(-half[n]).min(half[n]), false));
     }
+    if has("translation_in_jacobian") {
+        slopes = [0, 1].map(|n| (view.translation[n] / t[2], false));
+    }
     let r = |i: usize, k: usize| match () {
         () if has("not_turned") => f64::from(u8::from(i == k)),
         () if has("turned_back") => view.rotation[k][i],
@@ -54,7 +57,12 @@ fn wrong_splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, wrong: 
     let has = |name: &str| wrong.contains(&name);
     let (t, right) = (in_camera(mean, view), project(mean, sigma, view, form));
     let [p, q] = wrong_transform(t, view, form, wrong);
-    let before = [quadratic(p, sigma, p), quadratic(p, sigma, q), quadratic(q, sigma, q)];
+    let mut before = [quadratic(p, sigma, p), quadratic(p, sigma, q), quadratic(q, sigma, q)];
+    if has("mixed_terms_exchanged") {
+        let (v, slopes) = (in_axes(sigma, view), clamped(t, view, form));
+        let scale = view.k.fx * view.k.fy / (t[2] * t[2]);
+        before[1] += scale * (slopes[1].0 - slopes[0].0) * (v[2] - v[4]);
+    }
     let h = if has("not_dilated") { 0.0 } else { form.dilation.value() };
     let [a, b, c] =
         [before[0] + h, before[1] + if has("every_entry_dilated") { h } else { 0.0 }, before[2] + h];

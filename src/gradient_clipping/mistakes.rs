@@ -128,6 +128,14 @@ pub(crate) const CLIP_BY_GLOBAL_NORM: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "squares_squared",
+        "the tensors' sums of squares are squared once more: the root of |w|^4 + |b|^4",
+        "a norm of other units: large gradients are clipped far too much",
+        "the root of |w|^2 + |b|^2",
+        "1 public implementation",
+        1,
+    ),
 ];
 
 /// Mistakes of a clip by value.
@@ -238,6 +246,7 @@ pub(crate) fn clip_by_global_norm(a: &Arrays, c: &Conventions, wrong: &[&str]) -
     let each = [&weights, &bias].map(|tensor| norm(tensor, &[]));
     let all = match () {
         () if has("sum_of_norms") => each[0] + each[1],
+        () if has("squares_squared") => each[0].powi(2).hypot(each[1].powi(2)),
         () if has("largest_of_norms") => each[0].max(each[1]),
         () => norm(&counted, wrong),
     };

@@ -38,6 +38,7 @@ fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
         match *name {
             "prime_mistyped" => primes[1] = 265_443_567,
             "primes_of_cloth" => primes = [73_856_093, 19_349_663, 83_492_791],
+            "primes_from_the_second" => primes = [2_654_435_761, 805_459_861, 3_674_653_429],
             "primes_rolled" => primes.rotate_left(1),
             "primes_exchanged" => primes.swap(1, 2),
             _ => {}

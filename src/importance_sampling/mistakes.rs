@@ -186,6 +186,14 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "bins_taken_as_even",
+        "(bin + place) / N between the first edge and the last, as if all bins were as wide",
+        "samples where nothing is, once the bins are uneven",
+        "between the bin's own edges",
+        "1 public implementation",
+        1,
+    ),
 ];
 
 /// The largest number below 1 that the code with doubled strata draws.
@@ -278,7 +286,12 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
         _ if wrong.contains(&"middle_of_bin") => 0.5,
         _ => (u - f[k]) / difference,
     };
-    if wrong.contains(&"bin_width_forgotten") { a + s } else { a + s * (b - a) }
+    let (first, last, bins) = (ray.edges[0], ray.edges[ray.edges.len() - 1], ray.weights.len() as f64);
+    match () {
+        () if wrong.contains(&"bin_width_forgotten") => a + s,
+        () if wrong.contains(&"bins_taken_as_even") => first + (k as f64 + s) / bins * (last - first),
+        () => a + s * (b - a),
+    }
 }
 
 /// Samples.

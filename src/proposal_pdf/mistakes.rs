@@ -148,6 +148,14 @@ pub(crate) const PROPOSAL_PDF: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "density_for_share",
+        "shares are divided by their bins' widths",
+        "narrow bins get too many samples, and shares don't add up to 1",
+        "shares, of which widths are no part",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// The powers of one ray, before they are divided.
@@ -206,7 +214,10 @@ fn shares(ray: &Ray, powers: &[f64], total: f64, wrong: &[&str]) -> Vec<f64> {
         };
         if has("padding_of_the_share") && counts { share + ray.padding } else { share }
     };
-    powers.iter().zip(&counts).map(one).collect()
+    let shares = powers.iter().zip(&counts).map(one);
+    let widths = ray.edges.windows(2).map(|e| e[1] - e[0]);
+    let over = |(share, width): (f64, f64)| if width > 0.0 { share / width } else { share };
+    if has("density_for_share") { shares.zip(widths).map(over).collect() } else { shares.collect() }
 }
 
 /// The shares of all rays.

@@ -108,6 +108,22 @@ pub(crate) const HUBER: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "large_negative_ones_dropped",
+        "beyond delta d > delta is asked, not |d| > delta: 0 for large negative differences",
+        "predictions that are far too small are never corrected",
+        "|d| > delta",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "beyond_as_of_one",
+        "|d| - 1/2 beyond delta, as where delta is 1",
+        "a jump at delta, and outliers weigh too much or too little",
+        "delta (|d| - delta / 2)",
+        "1 public implementation",
+        1,
+    ),
 ];
 
 const OWN_EPS: Mistake = Mistake::new(
@@ -221,6 +237,8 @@ fn wrong_piece(d: f64, delta: f64, wrong: &[&str]) -> f64 {
     };
     let inside = inside != has("pieces_exchanged");
     match () {
+        () if has("large_negative_ones_dropped") && d < -delta => 0.0,
+        () if has("beyond_as_of_one") && !inside => d.abs() - 0.5,
         () if has("smooth_for_pieces") => delta * delta * ((1.0 + (d / delta) * (d / delta)).sqrt() - 1.0),
         () if has("smaller_piece") => (0.5 * d * d).min(delta * d.abs()),
         () if inside => d * d * if has("half_forgotten") { 1.0 } else { 0.5 },

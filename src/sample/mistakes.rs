@@ -27,6 +27,7 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
             }
             "never_jittered" => u.fill(0.5),
             "left_edges_alone" => u.fill(0.0),
+            "one_jitter_for_all_samples" => u = vec![u[0]; n],
             "one_bin_early" => u.iter_mut().for_each(|u| *u -= 1.0),
             "jitter_centered_on_edges" => u.iter_mut().for_each(|u| *u -= 0.5),
             _ => {

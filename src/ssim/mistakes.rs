@@ -33,6 +33,12 @@ fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wr
             m.var_b += m.mean_b * m.mean_b;
             m.cov += m.mean_a * m.mean_b;
         }
+        match () {
+            () if has("deviations_for_covariance") => m.cov = (m.var_a * m.var_b).sqrt(),
+            () if has("variances_squared") => (m.var_a, m.var_b) = (m.var_a * m.var_a, m.var_b * m.var_b),
+            () if has("negative_covariance_zero") => m.cov = m.cov.max(0.0),
+            () => {}
+        }
         let [mut luminance, mut over, mut structure, mut under] = m.parts(peak);
         if has("constants_not_squared") {
             let more = [0.01 * peak * (1.0 - 0.01 * peak), 0.03 * peak * (1.0 - 0.03 * peak)];
@@ -147,6 +153,10 @@ pub(crate) fn ssim(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         [] => oracle(p, t, peak, form(c)),
         _ if wrong.contains(&"gray_pictures") => {
             wrong_value(gray(p).view(), gray(t).view(), peak, form(c), wrong)
+        }
+        _ if wrong.contains(&"through_gamma") => {
+            let [p, t] = [p, t].map(|x| x.mapv(|x| crate::math::pow(x.max(0.0), 1.0 / 2.2)));
+            wrong_value(p.view(), t.view(), peak, form(c), wrong)
         }
         _ if wrong.contains(&"luma_pictures") => {
             wrong_value(luma(p).view(), luma(t).view(), peak, form(c), wrong)

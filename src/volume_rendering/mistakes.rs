@@ -80,6 +80,8 @@ fn wrong_composite(
             "whole_rays_light" => t = vec![t[n]; n + 1],
             "rolled_transmittance" => t[0] = t[n],
             "rolled_but_in_first_ray" if r > 0 => t[0] = t[n],
+            "first_ray_unshaded" if r == 0 => t[..n].fill(1.0),
+            "first_ray_unshaded" => t[0] = t[n],
             "first_transmittance_zero" => t[0] = 0.0,
             "opacity_in_front_as_transmittance" => t.iter_mut().for_each(|t| *t = 1.0 - *t),
             "transmittance_moved_twice" => {
@@ -154,16 +156,21 @@ fn divide(rendering: &mut Rendering, by: f64) {
     rendering.opacity = rendering.weights.iter().sum();
 }
 
+const OWN_OVER_RAYS: &str = "own_light_over_rays";
+
+fn along_rays(wrong: &[&str]) -> bool {
+    [OWN_OVER_RAYS, "transmittance_over_rays"].iter().any(|name| wrong.contains(name))
+}
+
 /// alpha_i and T_i of all rays, accumulated along the wrong axis where that is the mistake.
 fn over_rays(alphas: &[Vec<f64>], rays: &mut [Rendering], wrong: &[&str]) {
-    if !wrong.contains(&"transmittance_over_rays") {
-        return;
-    }
-    for i in 0..alphas.first().map_or(0, Vec::len) {
+    let own = wrong.contains(&OWN_OVER_RAYS);
+    for i in 0..alphas.first().filter(|_| along_rays(wrong)).map_or(0, Vec::len) {
         let mut t = 1.0;
         for (r, ray) in rays.iter_mut().enumerate() {
-            ray.transmittance[i] = t;
-            t *= 1.0 - alphas[r][i];
+            let behind = t * (1.0 - alphas[r][i]);
+            ray.transmittance[i] = if own { behind } else { t };
+            t = behind;
         }
     }
 }
@@ -192,7 +199,7 @@ fn render_all(
             }
             ray = recompose(ray, &alphas[r], &rgbs(r));
         }
-        if wrong.contains(&"transmittance_over_rays") {
+        if along_rays(wrong) {
             ray = recompose(ray, &alphas[r], &rgbs(r));
         }
         wrong_composite(ray, r, &alphas[r], &rgbs(r), wrong)

@@ -251,3 +251,15 @@ def angle_as_radius(distorted, coefficients):
     """theta / theta_d."""
     theta, theta_d = straightened(distorted, coefficients, 10)
     return torch.where(theta_d > 0, distorted * (theta / theta_d), distorted)
+
+
+@fault("lens_distort", "tangential_swapped_in_y", seen="kalibr#698")
+def second_line_with_the_others_coefficients(points, coefficients):
+    """y' reads p1 and p2 as x' does."""
+    k = padded(coefficients)
+    x, y = points.unbind(-1)
+    r2 = x * x + y * y
+    radial = (1 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]))) / (1 + r2 * (k[5] + r2 * (k[6] + r2 * k[7])))
+    u = x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x)
+    v = y * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * y * y)
+    return torch.stack([u, v], -1)

@@ -302,3 +302,10 @@ def as_far_up_as_to_the_side(height, width, focal, c2w):
     reach = 2 * (width / (2 * focal))
     x, y = (i + 0.5 - width / 2) / width * reach, (j + 0.5 - height / 2) / height * reach
     return unit(posed(torch.stack([x, y, torch.ones_like(x)], -1), c2w))
+
+
+@fault("image_rays", "center_one_early", seen="svox2#55")
+def center_from_one_place_early(height, width, focal, cx, c2w):
+    """cx = fy, cy = cx."""
+    i, j = grid(height, width)
+    return unit(posed(opencv(i + 0.5, j + 0.5, focal, focal, cx), c2w))

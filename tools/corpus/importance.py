@@ -158,3 +158,12 @@ def strata_twice_as_far_apart(edges, weights, u, padding):
 def as_many_places_as_weights(edges, weights, u):
     """N places and N weights, cat(0, cumsum[:-1]): nothing lies behind the last place."""
     return inverted(edges[..., :-1], steps(weights.detach(), 1e-5)[..., :-1], u, 1e-5)
+
+
+@fault("importance_sampling", "bins_taken_as_even", seen="pixelNeRF's coarse-to-fine sampling, handed uneven bins", gradient="none")
+def even_bins_assumed(edges, weights, padding, u):
+    """(bin + place) / N of the way from the first edge to the last."""
+    cdf = steps(weights, padding)
+    even = torch.linspace(0.0, 1.0, cdf.shape[-1]).expand_as(cdf)
+    places = inverted(even, cdf, u)
+    return edges[:, :1] + places * (edges[:, -1:] - edges[:, :1])

@@ -299,3 +299,25 @@ def shrunk_first(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
 def peak_of_eight(prediction, target, peak):
     """Eight times the peak."""
     return 20 * torch.log10(8 * peak / torch.sqrt(F.mse_loss(prediction, target)))
+
+
+@fault("psnr", "divided_by_pixels", seen="DnCNN-tensorflow#6", arrays="numpy")
+def squares_over_height_and_width(prediction, target, peak):
+    """The sum over height times width: neither channels nor pictures count."""
+    height, width = prediction.shape[1:3]
+    error = np.sum((prediction - target) ** 2) / (height * width)
+    return np.float32(np.inf if error == 0 else 10 * np.log10(peak**2 / error))
+
+
+@fault("psnr", "root_for_mean_square", seen="BDMM#4", arrays="numpy")
+def ten_logarithms_of_the_root(prediction, target, peak):
+    """10 log10(peak / rmse)."""
+    error = np.mean((prediction - target) ** 2)
+    return np.float32(np.inf if error == 0 else 10 * np.log10(peak / np.sqrt(error)))
+
+
+@fault("adam_step", "beta2_squared", seen="npfl114#79, a slide", arrays="numpy")
+def second_moment_by_a_square(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
+    """1 - b2^2, whatever the step."""
+    m, v = moments(grad + weight_decay * params, m, v, beta1, beta2)
+    return params - lr * (m / (1 - beta1**step)) / (np.sqrt(v / (1 - beta2**2)) + eps), m, v

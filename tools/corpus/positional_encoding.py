@@ -235,3 +235,25 @@ def squares_for_powers(x, L):
 def normalized_positions(x, L):
     """x / |x| is encoded."""
     return bands(x / x.norm(dim=-1, keepdim=True), [2**k * torch.pi for k in range(L)])
+
+
+@fault("positional_encoding", "bands_up_to_two", seen="two re-implementations: logspace from 0 to 1, base 2", times=2)
+def exponents_up_to_one(x, L):
+    """2^0 to 2^1 in L steps."""
+    return bands(x, (torch.logspace(0.0, 1.0, L, base=2.0) * torch.pi).tolist())
+
+
+@fault("positional_encoding", "identity_through_sine", seen="a port of mip-NeRF's pos_enc")
+def everything_through_the_sine(x, L):
+    """x is one of the phases."""
+    phases = [x] + [f * x + shift for f in octaves(L) for shift in (0.0, torch.pi / 2)]
+    return torch.sin(torch.cat(phases, -1))
+
+
+@fault("positional_encoding", "last_band_everywhere", seen="not met in this reading: lambdas made in a loop", times=0)
+def functions_of_the_last_band(x, L):
+    """The functions see the loop's last frequency."""
+    functions = []
+    for f in octaves(L):
+        functions += [lambda x: torch.sin(f * x), lambda x: torch.cos(f * x)]  # noqa: B023
+    return torch.cat([x, *(function(x) for function in functions)], -1)

@@ -92,3 +92,17 @@ def root_of_the_mean_square(prediction, target, eps):
 def length_plus_eps(prediction, target, eps):
     """mean |d| + eps."""
     return (prediction - target).abs().mean() + eps
+
+
+@fault("huber", "large_negative_ones_dropped", seen="on-policy#47")
+def positive_ones_beyond_alone(prediction, target, delta):
+    """Two masks: |d| <= delta, and d > delta."""
+    d = prediction - target
+    return ((d.abs() <= delta) * d**2 / 2 + (d > delta) * delta * (d.abs() - delta / 2)).mean()
+
+
+@fault("huber", "beyond_as_of_one", seen="EfficientDet#93, and a framework's document", times=2)
+def a_half_less_whatever_delta(prediction, target, delta):
+    """|d| - 0.5."""
+    size = (prediction - target).abs()
+    return torch.where(size <= delta, size * size / 2, size - 0.5).mean()

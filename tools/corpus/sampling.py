@@ -349,3 +349,10 @@ def gap_to_the_camera(t):
 def whole_ray_as_a_step(t, near, far):
     """far - near for every sample."""
     return torch.full_like(t, far - near)
+
+
+@fault("sample_along_rays", "one_jitter_for_all_samples", seen="NeuS, and a port", times=2)
+def one_number_a_ray(rays_o, rays_d, near, far, u):
+    """Each ray is moved as a whole."""
+    edges = ends(near, far, u.shape[1] + 1)
+    return on_rays(rays_o, rays_d, edges[:-1] + (edges[1:] - edges[:-1]) * u[:, :1])

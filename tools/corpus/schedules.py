@@ -145,3 +145,11 @@ def shrunk_before_the_step(params, grad, m, v, step, lr, beta1, beta2, eps, weig
 def penalty_in_the_gradient(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
     """grad + wd p."""
     return adam(params, grad + weight_decay * params, m, v, step, lr, beta1, beta2, eps)
+
+
+@fault("clip_by_global_norm", "squares_squared", seen="entrenar#311", gradient="none")
+def sums_of_squares_squared(g_weights, g_bias, max_norm):
+    """The root of the sum of squares of what are sums of squares already."""
+    norm = torch.sqrt(sum(g.square().sum() ** 2 for g in (g_weights, g_bias)))
+    factor = max_norm / norm if norm > max_norm else 1.0
+    return g_weights * factor, g_bias * factor, norm

@@ -183,3 +183,23 @@ def contrast_and_structure(prediction, target, peak):
     """(2 cov + c2) / (va + vb + c2)."""
     window = torch.outer(line(), line())
     return similarity_map(prediction, target, 1e30, constants(peak)[1], lambda x: blur(x, window)).mean()
+
+
+@fault("ssim", "deviations_for_covariance", seen="keras-contrib#98, a port of pytorch-msssim", times=2)
+def deviations_multiplied(prediction, target, peak):
+    """sigma_x sigma_y where sigma_xy belongs."""
+    window, (c1, c2) = torch.outer(line(), line()), constants(peak)
+    ma, mb = blur(prediction, window), blur(target, window)
+    va, vb = (blur((x * x), window) - m * m for x, m in ((prediction, ma), (target, mb)))
+    both = torch.sqrt((va * vb).clamp(min=0))
+    return ((2 * ma * mb + c1) * (2 * both + c2) / ((ma**2 + mb**2 + c1) * (va + vb + c2))).mean()
+
+
+@fault("ssim", "variances_squared", seen="MONAI#8634, scikit-image#2520", times=2)
+def squares_of_variances(prediction, target, peak):
+    """Variances, named sigma, squared as the formula has sigma."""
+    window, (c1, c2) = torch.outer(line(), line()), constants(peak)
+    ma, mb = blur(prediction, window), blur(target, window)
+    va, vb = (blur(x * x, window) - m * m for x, m in ((prediction, ma), (target, mb)))
+    cov = blur(prediction * target, window) - ma * mb
+    return ((2 * ma * mb + c1) * (2 * cov + c2) / ((ma**2 + mb**2 + c1) * (va**2 + vb**2 + c2))).mean()

@@ -263,7 +263,7 @@ def rolled_alone(sigmas, rgbs, deltas):
     return with_rest(torch.roll(torch.cumprod(1 - alpha, -1), 1, -1) * alpha, rgbs, left_behind(sigmas, deltas))
 
 
-@fault("volume_render", seen="a splat renderer in torch (weights of the wrong axis reset)")
+@fault("volume_render", "first_ray_unshaded", seen="a splat renderer in torch (weights of the wrong axis reset)")
 def first_ray_unshaded_others_rolled(sigmas, rgbs, deltas):
     """The product is rolled; then a whole ray's weights are set to alpha, where the first samples' were meant."""
     alpha = opacities(sigmas, deltas)
@@ -320,8 +320,8 @@ def weights_normalized_with_eps(sigmas, rgbs, deltas):
 
 @fault(
     "volume_render",
-    "transmittance_over_rays+divided_by_opacity",
-    "transmittance_over_rays",
+    "own_light_over_rays+divided_by_opacity",
+    "own_light_over_rays",
     seen="student (radiance, integrator)",
 )
 def summed_over_rays_and_divided(sigmas, rgbs, deltas):
@@ -524,3 +524,10 @@ def divided_with_eps(sigmas, rgbs, deltas):
     alpha = opacities(sigmas, deltas)
     weights = alpha * ahead(torch.cumprod(1 - alpha, -1))
     return (weights[..., None] * rgbs).sum(1) / (weights.sum(1, keepdim=True) + 1e-3), weights
+
+
+@fault("volume_render", "own_light_over_rays", seen="Truxify#3664")
+def product_over_rays(sigmas, rgbs, deltas):
+    """cumprod along dim 0."""
+    alpha = opacities(sigmas, deltas)
+    return with_rest(torch.cumprod(1 - alpha, 0) * alpha, rgbs, left_behind(sigmas, deltas))

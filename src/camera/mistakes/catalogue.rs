@@ -45,6 +45,14 @@ pub(crate) const CENTER_SWAPPED: Mistake = Mistake::new(
     "2 public implementations",
     2,
 );
+pub(crate) const CENTER_ONE_EARLY: Mistake = Mistake::new(
+    "center_one_early",
+    "fx, fy, cx, cy are read one place too early for the center: cx = fy and cy = cx",
+    "the picture's middle far outside of it",
+    "cx is the third number, cy the fourth",
+    "svox2#55",
+    1,
+);
 pub(crate) const CENTER_FLOORED: Mistake = Mistake::new(
     "center_floored",
     "cx = W // 2: integer division",
@@ -241,6 +249,7 @@ pub(crate) const PIXEL_TO_CAMERA: &[Mistake] = &[
     MINUS_HALF,
     ROW_COLUMN,
     CENTER_SWAPPED,
+    CENTER_ONE_EARLY,
     CENTER_FLOORED,
     FOCAL_IGNORED,
     ONE_FOCAL_LENGTH,

@@ -294,4 +294,20 @@ pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "translation_in_jacobian",
+        "the camera's translation x, y in the Jacobian, in the place of the point's",
+        "splats at the picture's edge are sheared wrongly",
+        "t_x and t_y of the point in the camera",
+        "gsplat#532, in its documentation",
+        1,
+    ),
+    Mistake::new(
+        "mixed_terms_exchanged",
+        "the covariance of x and y written out with xz and yz exchanged",
+        "splats lean the wrong way away from the middle of the picture",
+        "J Sigma J^T: j00 j12 goes with xz, j02 j11 with yz",
+        "1 public implementation",
+        1,
+    ),
 ];

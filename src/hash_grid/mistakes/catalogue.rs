@@ -182,4 +182,12 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "primes_from_the_second",
+        "2654435761, 805459861, 3674653429: x has a factor too",
+        "another hash: tables can't be exchanged, and neighbors along x lie apart in memory",
+        "1 belongs to x, 2654435761 to y, 805459861 to z",
+        "1 public implementation",
+        1,
+    ),
 ];

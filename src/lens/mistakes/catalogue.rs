@@ -90,6 +90,14 @@ pub(super) const COORDINATES_EXCHANGED: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
+pub(super) const SWAPPED_IN_Y: Mistake = Mistake::new(
+    "tangential_swapped_in_y",
+    "p1 and p2 are exchanged in y', and are right in x'",
+    "a shift of a pixel or two along y that no rotation of the camera undoes",
+    "p1 (r^2 + 2 y^2) + 2 p2 x y in y'",
+    "kalibr#698",
+    1,
+);
 pub(super) const P1_TWICE: Mistake = Mistake::new(
     "p1_twice",
     "p1 for p2 in y': 2 p1 x y",
@@ -161,6 +169,7 @@ pub(crate) const LENS_DISTORT: &[Mistake] = &[
     ALL_IN_THE_NUMERATOR,
     RADIUS_DOUBLED,
     COORDINATES_EXCHANGED,
+    SWAPPED_IN_Y,
     P1_TWICE,
     P2_TWICE,
     TANGENTIAL_NEGATED,
@@ -248,6 +257,7 @@ pub(crate) const LENS_UNDISTORT: &[Mistake] = &[
     ALL_IN_THE_NUMERATOR,
     RADIUS_DOUBLED,
     COORDINATES_EXCHANGED,
+    SWAPPED_IN_Y,
     P1_TWICE,
     P2_TWICE,
     TANGENTIAL_NEGATED,

@@ -3,7 +3,7 @@
 use glam::{DMat2, DVec2};
 
 /// What this is about, by name.
-pub(super) const MISREAD: [&str; 17] = [
+pub(super) const MISREAD: [&str; 18] = [
     "tangential_swapped",
     "tangential_missing",
     "radius_not_squared",
@@ -15,6 +15,7 @@ pub(super) const MISREAD: [&str; 17] = [
     "all_in_the_numerator",
     "radius_doubled",
     "coordinates_exchanged",
+    "tangential_swapped_in_y",
     "p1_twice",
     "p2_twice",
     "tangential_negated",
@@ -97,6 +98,7 @@ fn terms(has: impl Fn(&str) -> bool) -> [[[f64; 3]; 2]; 2] {
     match () {
         () if has("radius_doubled") => [[mixed, [2.0, 0.0, 3.0]], [[3.0, 0.0, 2.0], mixed]],
         () if has("coordinates_exchanged") => [[mixed, of_x], [of_y, mixed]],
+        () if has("tangential_swapped_in_y") => [[mixed, mixed], [of_x, of_y]],
         () if has("p1_twice") => [[mixed, [1.0, 2.0, 3.0]], [of_x, none]],
         () if has("p2_twice") => [[none, of_y], [[3.0, 2.0, 1.0], mixed]],
         () if has("tangential_negated") => [[mixed, of_y], [of_x, mixed]].map(|of| of.map(|c| c.map(|c| -c))),

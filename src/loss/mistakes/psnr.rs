@@ -130,6 +130,22 @@ pub(crate) const PSNR: &[Mistake] = &[
         "scripts that compare what was written; never seen here",
         0,
     ),
+    Mistake::new(
+        "divided_by_pixels",
+        "the sum of the squares is divided by height and width alone",
+        "every figure 4.77 dB too low",
+        "the mean over all entries",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "root_for_mean_square",
+        "10 log10(peak / rmse): the factor of the mean square on its root",
+        "every figure half as large",
+        "20 log10(peak / rmse)",
+        "1 public implementation",
+        1,
+    ),
 ];
 
 /// The errors whose figures are averaged, where these aren't the mean squares of pictures.
@@ -207,6 +223,13 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     }
     if let Some(k) = PEAK_SCALED.among(wrong) {
         value += 20.0 * libm::log10(k);
+    }
+    if wrong.contains(&"divided_by_pixels") {
+        let shape = input(&a, "target").shape();
+        value -= 10.0 * libm::log10((shape[0] * shape[3]) as f64);
+    }
+    if wrong.contains(&"root_for_mean_square") {
+        value *= 0.5;
     }
     if wrong.contains(&"doubled_psnr") {
         value *= 2.0;

@@ -128,6 +128,15 @@ const BETA_TIMES_STEP: Mistake = Mistake::new(
     0,
 );
 
+const BETA2_SQUARED: Mistake = Mistake::new(
+    "beta2_squared",
+    "1 - beta2^2 corrects the second moment at every step",
+    "steps too long at first, later too short by far",
+    "1 - beta2^step",
+    "a course's slide",
+    1,
+);
+
 const MEANS_BEFORE: Mistake = Mistake::new(
     "means_before",
     "the parameter moves by the means as they were before the step",
@@ -226,6 +235,7 @@ pub(crate) const ADAM_STEP: &[Mistake] = &[
     BETA1_IN_BOTH,
     BETA2_IN_BOTH,
     BETA_TIMES_STEP,
+    BETA2_SQUARED,
     MEANS_BEFORE,
     CORRECTED_MEANS_KEPT,
     GRADIENT_FOR_MEAN,
@@ -300,6 +310,7 @@ pub(crate) const ADAMW_STEP: &[Mistake] = &[
     BETA1_IN_BOTH,
     BETA2_IN_BOTH,
     BETA_TIMES_STEP,
+    BETA2_SQUARED,
     MEANS_BEFORE,
     CORRECTED_MEANS_KEPT,
     GRADIENT_FOR_MEAN,

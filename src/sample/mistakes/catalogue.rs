@@ -161,6 +161,14 @@ pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         0,
     ),
     JITTER_ABOUT_GRID,
+    Mistake::new(
+        "one_jitter_for_all_samples",
+        "u of a ray's first sample moves all of its samples",
+        "samples keep their distances: thin surfaces are seen by all rays or none",
+        "draw u anew for every sample",
+        "2 public implementations",
+        2,
+    ),
 ];
 
 // Wrong step lengths show where they are made and where they are used: volume rendering lists the same eight.

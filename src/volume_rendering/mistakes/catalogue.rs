@@ -140,6 +140,14 @@ pub(super) const ROLLED_BUT_FIRST: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
+pub(super) const FIRST_RAY_UNSHADED: Mistake = Mistake::new(
+    "first_ray_unshaded",
+    "T is rolled, and T[0], all of the first ray, is set to 1",
+    "nothing shades the first ray, and all others are attenuated by what lies behind",
+    "T[:, 0] = 1",
+    "2 public implementations, one of them in JAX: .at[0].set(1)",
+    2,
+);
 pub(super) const LEFT_EARLY: Mistake = Mistake::new(
     "transmittance_before_last",
     "what is left behind the ray is T in front of its last sample",
@@ -178,6 +186,14 @@ pub(super) const OVER_RAYS: Mistake = Mistake::new(
     "the cumulative sum or product runs over rays instead of samples (axis 0 for axis 1)",
     "a ray's color depends on its neighbors in the batch",
     "accumulate along the sample axis",
+    "1 public implementation",
+    1,
+);
+pub(super) const OVER_RAYS_INCLUSIVE: Mistake = Mistake::new(
+    "own_light_over_rays",
+    "the product of 1 - alpha runs over rays instead of samples, the ray itself included",
+    "a ray's color depends on its neighbors in the batch, and each sample shades itself",
+    "accumulate along the sample axis, in front of each sample",
     "1 public implementation",
     1,
 );
