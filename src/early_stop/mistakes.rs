@@ -158,24 +158,24 @@ pub(crate) const EARLY_STOP: &[Mistake] = &[
         "instant-ngp's pictures, half of it; never seen here",
         0,
     ),
-    Mistake::new(
-        "carried_light_tested_first",
-        "the transmittance runs on from ray to ray, and is tested in front of a ray's first sample",
-        "all rays behind the first opaque one are black",
-        "start every ray at T = 1",
-        "never; cheap to keep",
-        0,
-    ),
+    TESTED_FIRST,
 ];
 
-/// What was carried over stops a ray in front of its first sample.
-const TESTED_FIRST: &str = "carried_light_tested_first";
+/// What was carried over may stop a ray in front of its first sample.
+const TESTED_FIRST: Mistake = Mistake::new(
+    "carried_light_tested_first",
+    "the transmittance runs on from ray to ray, and is tested in front of a ray's first sample",
+    "all rays behind the first opaque one are black",
+    "start every ray at T = 1",
+    "never; cheap to keep",
+    0,
+);
 
 /// Number of samples that are used, as the mistakes have it; `carried` is the light that arrives.
 fn live(ray: &Arrays, carried: f64, eps: f64, stop: Stop, wrong: &[&str]) -> usize {
     let (sigmas, deltas) = (values(ray, "sigmas"), values(ray, "deltas"));
     let n = sigmas.len();
-    if wrong.contains(&TESTED_FIRST) && carried < eps.min(1.0) {
+    if wrong.contains(&TESTED_FIRST.name) && carried < eps.min(1.0) {
         return 0;
     }
     if wrong.contains(&"weight_tested") {
@@ -224,9 +224,9 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
             ray.get_mut(name).expect("an output").mapv_inplace(|x| carried * x);
         }
         let t = number(&ray, "transmittance");
+        let alone = wrong.contains(&"stopped_colors_divided");
         let divided: &[&str] = match c.stopped {
-            Stopped::Left if wrong.contains(&"renormalized") => &["colors"],
-            Stopped::Left if wrong.contains(&"stopped_colors_divided") => &["colors"],
+            Stopped::Left if alone || wrong.contains(&"renormalized") => &["colors"],
             Stopped::Left => &[],
             Stopped::MadeOpaque => &["colors", "weights"],
         };
@@ -235,7 +235,7 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
             for name in divided {
                 ray.get_mut(*name).expect("an output").mapv_inplace(|x| x / opacity);
             }
-            if !wrong.contains(&"stopped_colors_divided") {
+            if !alone {
                 ray.insert("opacity".into(), scalar(1.0));
                 ray.insert("transmittance".into(), scalar(0.0));
             }
@@ -249,7 +249,7 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         if wrong.contains(&"light_left_is_none") && t < eps {
             ray.insert("transmittance".into(), scalar(0.0));
         }
-        if wrong.contains(&"not_reset_between_rays") || wrong.contains(&TESTED_FIRST) {
+        if wrong.contains(&"not_reset_between_rays") || wrong.contains(&TESTED_FIRST.name) {
             carried = t;
         }
         // Weights that would reach into the next ray's samples are dropped.

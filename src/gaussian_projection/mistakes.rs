@@ -58,6 +58,7 @@ fn wrong_splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, wrong: 
     let (t, right) = (in_camera(mean, view), project(mean, sigma, view, form));
     let [p, q] = wrong_transform(t, view, form, wrong);
     let mut before = [quadratic(p, sigma, p), quadratic(p, sigma, q), quadratic(q, sigma, q)];
+    // J's rows are f_x / t_z (1, 0, -x) and f_y / t_z (0, 1, -y): -y goes with V_xz, -x with V_yz.
     if has("mixed_terms_exchanged") {
         let (v, slopes) = (in_axes(sigma, view), clamped(t, view, form));
         let scale = view.k.fx * view.k.fy / (t[2] * t[2]);

@@ -174,25 +174,16 @@ fn between(name: &str, given: &Given, tried: &[Arrays]) -> bool {
 /// Mistakes with the numbers that single elements show, whether or not these explain all answers.
 pub(crate) fn guesses(question: &Question, answers: &Answers, base: &Conventions) -> Vec<Hypothesis> {
     let mistakes = question.component.mistakes.iter().filter(|m| m.number.is_some() && !m.gradient);
-    mistakes.flat_map(|mistake| candidates(mistake, question, answers, base)).collect()
+    let usual = |mistake: &Mistake| Hypothesis::new(vec![mistake.name], *base);
+    mistakes.flat_map(|mistake| shown(mistake, &usual(mistake), question, answers)).collect()
 }
 
 fn of((mistakes, fitted): &Suspect, base: &Conventions) -> Hypothesis {
     Hypothesis { fitted: *fitted, ..Hypothesis::new(mistakes.clone(), *base) }
 }
 
-/// One mistake with the numbers that single elements of the answers show, the likeliest first: what they show rounded to a few digits,
-/// as people write it.
-fn candidates(
-    mistake: &Mistake,
-    question: &Question,
-    answers: &Answers,
-    base: &Conventions,
-) -> Vec<Hypothesis> {
-    shown(mistake, &of(&(vec![mistake.name], None), base), question, answers)
-}
-
-/// The same beside other mistakes, whose hypothesis this is with the usual number.
+/// A mistake, alone or beside others, with the numbers that single elements of the answers show, the likeliest first: what they show
+/// rounded to a few digits, as people write it. `usual` is the hypothesis with the usual number.
 fn shown(mistake: &Mistake, usual: &Hypothesis, question: &Question, answers: &Answers) -> Vec<Hypothesis> {
     let number = mistake.number.expect("a mistake with a number");
     let mut shown: Vec<f64> = vec![];

@@ -175,12 +175,12 @@ impl Hypothesis {
             }
             // Where the wrong value itself is NaN or infinite, only that fits. Where it overflows the type, or a factor of it does, the
             // answer may be infinite.
-            let one = |w: f64, b: f64| match () {
+            let limited = |w: f64, b: f64| match () {
                 () if !w.is_finite() || b.is_nan() => 0.0,
                 () if w.abs() > options.dtype.largest() / 4.0 => f64::INFINITY,
                 () => b,
             };
-            bound.zip_mut_with(w, |b, &w| *b = one(w, *b));
+            bound.zip_mut_with(w, |b, &w| *b = limited(w, *b));
             (name.clone(), bound)
         };
         wrong.iter().map(one).collect()

@@ -327,6 +327,26 @@ mod tests {
         }
     }
 
+    /// Without an error, as of the target against itself, the ratio is infinite.
+    #[test]
+    fn what_predicts_infinity_explains_no_other_number() {
+        let exam = Exam::new("psnr", Dtype::F64, None).unwrap();
+        let question = &exam.questions[0];
+        let explains = |value: f64| {
+            let answer = given([("value".to_string(), crate::contract::arrays::scalar(value))].into());
+            let case = &question.cases[0];
+            let all = slips(question, &[(case, &answer)], &CS180);
+            let same = all.into_iter().find(|slip| slip.says() == "target in the place of prediction");
+            let slip = Some(Slip::Array(same.expect("two pictures of one shape")));
+            let wrong = Hypothesis { slip, ..Hypothesis::new(vec![], CS180) };
+            wrong.explains(question, case, &answer, &OPTIONS)
+        };
+        assert_eq!(
+            [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 20.0].map(explains),
+            [true, false, false, false]
+        );
+    }
+
     #[test]
     fn a_gradient_follows_from_the_slip_of_its_forward_function() {
         let mirrored = slip(true, "d", Change::Opposite(1, 2));

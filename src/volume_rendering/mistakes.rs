@@ -14,8 +14,8 @@ mod lists;
 
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 use catalogue::{
-    DELTA_SCALED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, OWN_STEP, SCALED_EXPONENTIAL, WEIGHTS_CUT,
-    WEIGHTS_NORMALIZED,
+    DELTA_SCALED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, OVER_RAYS, OVER_RAYS_INCLUSIVE, OWN_STEP,
+    SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
 };
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
@@ -156,15 +156,14 @@ fn divide(rendering: &mut Rendering, by: f64) {
     rendering.opacity = rendering.weights.iter().sum();
 }
 
-const OWN_OVER_RAYS: &str = "own_light_over_rays";
-
+/// Whether light is accumulated along the wrong axis.
 fn along_rays(wrong: &[&str]) -> bool {
-    [OWN_OVER_RAYS, "transmittance_over_rays"].iter().any(|name| wrong.contains(name))
+    [OVER_RAYS, OVER_RAYS_INCLUSIVE].iter().any(|m| wrong.contains(&m.name))
 }
 
 /// alpha_i and T_i of all rays, accumulated along the wrong axis where that is the mistake.
 fn over_rays(alphas: &[Vec<f64>], rays: &mut [Rendering], wrong: &[&str]) {
-    let own = wrong.contains(&OWN_OVER_RAYS);
+    let own = wrong.contains(&OVER_RAYS_INCLUSIVE.name);
     for i in 0..alphas.first().filter(|_| along_rays(wrong)).map_or(0, Vec::len) {
         let mut t = 1.0;
         for (r, ray) in rays.iter_mut().enumerate() {
