@@ -226,7 +226,7 @@ fn verdict_of_scaled(component: &Component, kind: Kind, dtype: Dtype, factor: f6
 fn no_convention_wins_without_evidence() {
     let nerf = COMPONENTS.iter().find(|component| component.name == "nerf_mlp").expect("the network");
     for &dtype in types(&[Dtype::Bf16], &Dtype::ALL) {
-        for &factor in types(&[0.0, 2.0], &[0.0, -1.0, 0.5, 2.0]) {
+        for &factor in types(&[0.0], &[0.0, -1.0, 0.5, 2.0]) {
             let verdict = verdict_of_scaled(nerf, Kind::Vjp, dtype, factor);
             assert_eq!(verdict, Verdict::Fail, "{dtype}, times {factor}");
         }

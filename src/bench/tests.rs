@@ -12,6 +12,7 @@ use super::truth::Truth;
 use super::{Kernel, Options, Suite, Tolerance, Variant, frontier, kernel, run};
 use crate::contract::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, values};
+use crate::contract::testing::one_in;
 
 fn workload(items: usize) -> Arrays {
     arrays([("x", array(&[items], (0..items).map(|i| 1.0 + i as f64 / 8.0).collect()))])
@@ -79,11 +80,12 @@ fn the_check_comes_first() {
     assert!(report.text().contains("refused: double wrong"));
 }
 
-/// All suites of the crate: no variant is rejected, and names are unique within a suite.
+/// Every second suite of the crate (all where `.ci/run` asks): no variant is rejected, and names are unique within a suite.
 #[test]
 fn every_variant_is_what_it_says() {
-    let refused = crate::parallel::map(SUITES.len(), |n| {
-        let suite = &SUITES[n];
+    let suites: Vec<&Suite> = SUITES.iter().step_by(one_in(2)).collect();
+    let refused = crate::parallel::map(suites.len(), |n| {
+        let suite = suites[n];
         let mut truth = Truth::new(suite);
         let all: Vec<Variant> = [suite.oracle_variant()].into_iter().chain(suite.variants.to_vec()).collect();
         let names: BTreeSet<&str> = all.iter().map(|variant| variant.name).collect();

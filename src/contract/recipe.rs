@@ -8,7 +8,8 @@ use std::ops::Range;
 
 use super::arithmetic::Dtype;
 use crate::math::power_of_two;
-use crate::random::{Key, Purpose};
+use crate::parallel;
+use crate::random::{Key, Purpose, philox};
 
 /// What the entries of an array are. `w` is an entry's word, `b` the significant bits of its type; `/` drops the remainder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +46,9 @@ pub enum Recipe {
         most: u64,
     },
 }
+
+/// Entries that one thread makes at a time.
+const TASK: usize = 1 << 14;
 
 /// Numbers in (2^lowest, 2^(lowest + binades)).
 pub const fn floats(lowest: i32, binades: u64) -> Recipe {
@@ -88,6 +92,8 @@ impl Recipe {
     pub fn entries(&self, name: &str, range: Range<usize>, last: usize, dtype: Dtype) -> Vec<f64> {
         let key = Key::new(Recipe::key(name)[0], Purpose::Cases);
         let word = |n: usize| key.bits(0, 0, n as u64);
+        // The four words, made at once, of which word n is one.
+        let words_from = |n: usize| philox([n as u64 / 4 + 1, 0, 0, 0], Recipe::key(name));
         match *self {
             Recipe::Offsets { most } => {
                 let mut sum = 0;
@@ -97,7 +103,20 @@ impl Recipe {
                 };
                 (0..range.end).map(&mut next).skip(range.start).collect()
             }
-            _ => range.map(|n| self.entry(word(n), n, last.max(1), dtype.bits())).collect(),
+            _ => {
+                let mut all = vec![0.0; range.len()];
+                parallel::for_chunks(&mut all, TASK, |i, chunk| {
+                    let first = range.start + i * TASK;
+                    let mut words = words_from(first);
+                    for (n, x) in (first..).zip(chunk) {
+                        if n % 4 == 0 {
+                            words = words_from(n);
+                        }
+                        *x = self.entry(words[n % 4], n, last.max(1), dtype.bits());
+                    }
+                });
+                all
+            }
         }
     }
 
@@ -143,8 +162,10 @@ mod tests {
     fn parts_are_parts_of_the_whole_and_fit_into_their_type() {
         for recipe in ALL {
             for dtype in Dtype::ALL {
-                let whole = recipe.entries("a", 0..100, 10, dtype);
-                assert_eq!(recipe.entries("a", 33..57, 10, dtype), whole[33..57], "{recipe:?}");
+                let whole = recipe.entries("a", 0..TASK + 100, 10, dtype);
+                for part in [33..57, TASK - 3..TASK + 6, 30..TASK + 34] {
+                    assert_eq!(recipe.entries("a", part.clone(), 10, dtype), whole[part], "{recipe:?}");
+                }
                 assert!(whole.iter().all(|&x| dtype.holds(x)), "{recipe:?} {dtype}");
             }
         }

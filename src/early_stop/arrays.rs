@@ -2,7 +2,7 @@
 
 use super::{backward, made_opaque, render_packed_to};
 use crate::contract::arithmetic::Dtype;
-use crate::contract::arrays::{Arrays, array, arrays, number, scalar, threes, values};
+use crate::contract::arrays::{Arrays, array, arrays, number, scalar, threes, values, values_of};
 use crate::convention::{CS180, Conventions, Stopped};
 use crate::packed::arrays::offsets;
 use crate::volume_rendering::Rendering;
@@ -15,17 +15,17 @@ pub(crate) fn spans(a: &Arrays) -> Vec<(usize, usize)> {
 
 /// Samples `first`, ..., `first + n - 1` as one ray of `volume_render`; with ray r's cotangents where the case has some.
 pub(crate) fn one_ray(a: &Arrays, r: usize, first: usize, n: usize) -> Arrays {
-    let part = |name: &str| values(a, name)[first..first + n].to_vec();
+    let part = |name: &str| values_of(a, name, first..first + n);
     let mut ray = arrays([
         ("sigmas", array(&[1, n], part("sigmas"))),
-        ("rgbs", array(&[1, n, 3], values(a, "rgbs")[3 * first..3 * (first + n)].to_vec())),
+        ("rgbs", array(&[1, n, 3], part("rgbs"))),
         ("deltas", array(&[1, n], part("deltas"))),
     ]);
     if a.contains_key("grad_colors") {
-        ray.insert("grad_colors".into(), array(&[1, 3], values(a, "grad_colors")[3 * r..3 * r + 3].to_vec()));
+        ray.insert("grad_colors".into(), array(&[1, 3], values_of(a, "grad_colors", r..r + 1)));
         ray.insert("grad_weights".into(), array(&[1, n], part("grad_weights")));
         for name in ["grad_opacity", "grad_transmittance"] {
-            ray.insert(name.into(), array(&[1], vec![values(a, name)[r]]));
+            ray.insert(name.into(), array(&[1], values_of(a, name, r..r + 1)));
         }
     }
     ray
@@ -96,12 +96,14 @@ pub(super) fn early_stop_vjp(a: &Arrays, c: &Conventions) -> Arrays {
     let (sigmas, rgbs, deltas, offsets) =
         (values(a, "sigmas"), threes(a, "rgbs"), values(a, "deltas"), offsets(a, "sigmas"));
     let rays = render_packed_to(&sigmas, &rgbs, &deltas, &offsets, number(a, "eps"), c.stop);
+    let (g_colors, g_weights) = (threes(a, "grad_colors"), values(a, "grad_weights"));
+    let (g_opacity, g_transmittance) = (values(a, "grad_opacity"), values(a, "grad_transmittance"));
     let g = |r: usize| {
         let g = Cotangent {
-            color: threes(a, "grad_colors")[r],
-            weights: values(a, "grad_weights")[offsets[r]..offsets[r] + rays[r].weights.len()].to_vec(),
-            opacity: values(a, "grad_opacity")[r],
-            transmittance: values(a, "grad_transmittance")[r],
+            color: g_colors[r],
+            weights: g_weights[offsets[r]..offsets[r] + rays[r].weights.len()].to_vec(),
+            opacity: g_opacity[r],
+            transmittance: g_transmittance[r],
         };
         if becomes_opaque(&rays[r], number(a, "eps"), c) { backward::made_opaque(&rays[r], &g) } else { g }
     };

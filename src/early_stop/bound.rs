@@ -7,7 +7,7 @@
 use super::arrays::{becomes_opaque, one_ray, packed, spans, stopped};
 use super::{backward, made_opaque, used_samples};
 use crate::contract::arithmetic::Arithmetic;
-use crate::contract::arrays::{Arrays, array, arrays, number, rows3, values};
+use crate::contract::arrays::{Arrays, array, arrays, number, rows3, values, values_of};
 use crate::contract::bounded::{Bounded, exact};
 use crate::convention::{CS180, Conventions, ProductEps, Stop, Stopped};
 use crate::math::{expm1, ln};
@@ -24,10 +24,9 @@ fn candidates(a: &Arrays, (first, length): (usize, usize), stop: Stop, m: &Arith
     let slack =
         eps * (m.u + expm1(2.0 * m.u * m.elementary_ulp * if eps > 0.0 { ln(eps).abs() } else { 0.0 }));
     let mut found = vec![];
-    let (sigmas, deltas) =
-        (&values(a, "sigmas")[first..first + length], &values(a, "deltas")[first..first + length]);
-    let light = volume_render(sigmas, &vec![[0.0; 3]; length], deltas, ProductEps::None).transmittance;
-    let errors = transmittance(sigmas, deltas, m);
+    let [sigmas, deltas] = ["sigmas", "deltas"].map(|name| values_of(a, name, first..first + length));
+    let light = volume_render(&sigmas, &vec![[0.0; 3]; length], &deltas, ProductEps::None).transmittance;
+    let errors = transmittance(&sigmas, &deltas, m);
     for n in 1..=length {
         let (t, off) = (light[n], errors[n]);
         if (t - off).max(0.0) < eps + slack {
@@ -89,9 +88,8 @@ fn covering(a: &Arrays, left: &Way, opaque: &Way, c: &Conventions, m: &Arithmeti
     for (r, (first, length)) in spans(a).into_iter().enumerate() {
         let way = |below: bool| if below && c.stopped == Stopped::MadeOpaque { opaque } else { left };
         let answer = |n: usize, way: &Way| stopped(n, length, (way.oracle)(&one_ray(a, r, first, n)));
-        let (sigmas, deltas) = (values(a, "sigmas"), values(a, "deltas"));
-        let span = first..first + length;
-        let live = used_samples(&sigmas[span.clone()], &deltas[span], number(a, "eps"), c.stop);
+        let [sigmas, deltas] = ["sigmas", "deltas"].map(|name| values_of(a, name, first..first + length));
+        let live = used_samples(&sigmas, &deltas, number(a, "eps"), c.stop);
         let below = becomes_opaque(&rendered(&one_ray(a, r, first, live)), number(a, "eps"), c);
         let right = answer(live, way(below));
         let mut bound: Arrays = right.iter().map(|(name, y)| (name.clone(), y.mapv(|_| 0.0))).collect();

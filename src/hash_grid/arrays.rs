@@ -1,5 +1,7 @@
 //! The oracle of this folder on named arrays, and what turns these into its types and back.
 
+use std::slice;
+
 use super::{Level, backward, encode, growing};
 use crate::contract::arrays::{Arrays, arrays, from_rows, input, number, rows};
 use crate::convention::Conventions;
@@ -9,9 +11,14 @@ pub(crate) fn count(a: &Arrays) -> usize {
     (0..).take_while(|l| a.contains_key(&format!("table{l}"))).count()
 }
 
+/// Level l of n cells in these conventions.
+pub(crate) fn level(a: &Arrays, n: f64, l: usize, c: &Conventions) -> Level {
+    Level::by_convention(n, rows(a, &format!("table{l}")), c)
+}
+
 /// The levels, n cells each ([`growing`]), in these conventions.
 pub(crate) fn levels_of(a: &Arrays, n: impl Fn(usize) -> f64, c: &Conventions) -> Vec<Level> {
-    (0..count(a)).map(|l| Level::by_convention(n(l), rows(a, &format!("table{l}")), c)).collect()
+    (0..count(a)).map(|l| level(a, n(l), l, c)).collect()
 }
 
 /// n of the levels of a case.
@@ -42,6 +49,22 @@ pub(crate) fn forward(a: &Arrays, f: impl Fn([f64; 3]) -> Vec<f64>) -> Arrays {
     arrays([("encoding", from_rows(&points(a).into_iter().map(f).collect::<Vec<_>>(), width))])
 }
 
+/// `f(level, point)` for each point, level by level, as the output. One level is there at a time: a real grid has half a gigabyte of rows.
+pub(crate) fn by_level<L>(
+    a: &Arrays,
+    level: impl Fn(usize) -> L,
+    f: impl Fn(&L, [f64; 3]) -> Vec<f64>,
+) -> Arrays {
+    let points = points(a);
+    let mut rows = vec![vec![]; points.len()];
+    for l in 0..count(a) {
+        let level = level(l);
+        rows.iter_mut().zip(&points).for_each(|(row, &x)| row.extend(f(&level, x)));
+    }
+    let width = (0..count(a)).map(|l| input(a, &format!("table{l}")).shape()[1]).sum();
+    arrays([("encoding", from_rows(&rows, width))])
+}
+
 /// Gradients as arrays.
 pub(crate) fn gradients(g_x: &[[f64; 3]], g_tables: &[Level]) -> Arrays {
     let g_x: Vec<Vec<f64>> = g_x.iter().map(|g| g.to_vec()).collect();
@@ -53,8 +76,7 @@ pub(crate) fn gradients(g_x: &[[f64; 3]], g_tables: &[Level]) -> Arrays {
 }
 
 pub(super) fn hash_grid(a: &Arrays, c: &Conventions) -> Arrays {
-    let levels = levels(a, c);
-    forward(a, |x| encode(&levels, x))
+    by_level(a, |l| level(a, n_of(a, l), l, c), |level, x| encode(slice::from_ref(level), x))
 }
 
 pub(super) fn hash_grid_vjp(a: &Arrays, c: &Conventions) -> Arrays {

@@ -4,7 +4,7 @@
 //! jumps (PE6), and the gradient of the tables goes to other entries. The bound covers every cell that x N may round to, and every N
 //! that a rounded power may give where N is cut.
 
-use super::arrays::{count, forward, gradients, n_of, points, zeros};
+use super::arrays::{by_level, count, gradients, level, n_of, points, zeros};
 use super::{Level, corner};
 use crate::contract::arithmetic::Arithmetic;
 use crate::contract::arrays::{Arrays, rows};
@@ -18,26 +18,23 @@ struct Reading {
     scale: Bounded,
 }
 
-/// All readings of each level, the oracle's first.
-fn readings(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Vec<Vec<Reading>> {
-    let one = |l: usize| {
-        let (n, base) = (n_of(a, l), n_of(a, 0));
-        let level = |n: f64| Level::by_convention(n, rows(a, &format!("table{l}")), c);
-        let mut all = vec![level(n)];
-        if l > 0 && n == n.round() {
-            match c.hash_levels {
-                HashLevels::Nearest => {}
-                HashLevels::Floor => all.push(level(n - 1.0)),
-                _ => all.push(Level { side: all[0].side + 1, ..level(n) }),
-            }
+/// All readings of level l, the oracle's first.
+fn readings(a: &Arrays, l: usize, c: &Conventions, m: &Arithmetic) -> Vec<Reading> {
+    let (n, base) = (n_of(a, l), n_of(a, 0));
+    let level = |n: f64| level(a, n, l, c);
+    let mut all = vec![level(n)];
+    if l > 0 && n == n.round() {
+        match c.hash_levels {
+            HashLevels::Nearest => {}
+            HashLevels::Floor => all.push(level(n - 1.0)),
+            _ => all.push(Level { side: all[0].side + 1, ..level(n) }),
         }
-        // Logarithm, product, power, product with the base, and the 1 that is taken off: at least in f32, as of hyper-parameters alone.
-        let off = if l == 0 { 0.0 } else { n * m.u_sum.min(m.u) * (8.0 + 4.0 * (n / base).ln()) };
-        let whole = [HashLevels::Nearest, HashLevels::Floor].contains(&c.hash_levels);
-        let scale = |y: f64| if whole || l == 0 { exact(y) } else { m.rounded(y, off) };
-        all.into_iter().map(|level| Reading { scale: scale(level.scale), level }).collect()
-    };
-    (0..count(a)).map(one).collect()
+    }
+    // Logarithm, product, power, product with the base, and the 1 that is taken off: at least in f32, as of hyper-parameters alone.
+    let off = if l == 0 { 0.0 } else { n * m.u_sum.min(m.u) * (8.0 + 4.0 * (n / base).ln()) };
+    let whole = [HashLevels::Nearest, HashLevels::Floor].contains(&c.hash_levels);
+    let scale = |y: f64| if whole || l == 0 { exact(y) } else { m.rounded(y, off) };
+    all.into_iter().map(|level| Reading { scale: scale(level.scale), level }).collect()
 }
 
 /// A point inside a cell, along one axis.
@@ -158,18 +155,15 @@ fn feature(cell: &Cell, f: usize, m: &Arithmetic) -> Bounded {
 
 /// Bound of [`super::encode`].
 pub(crate) fn hash_grid(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
-    let levels = readings(a, c, m);
-    forward(a, |x| {
-        let mut errors = vec![];
-        for readings in &levels {
-            let cells = cells(x, readings, m);
-            for f in 0..readings[0].level.table[0].len() {
-                let values: Vec<Bounded> = cells.iter().map(|cell| feature(cell, f, m)).collect();
-                errors.push(values.iter().map(|&value| reach(values[0].y, value)).fold(0.0, f64::max));
-            }
-        }
-        errors
-    })
+    let errors = |readings: &Vec<Reading>, x| {
+        let cells = cells(x, readings, m);
+        let error = |f| {
+            let values: Vec<Bounded> = cells.iter().map(|cell| feature(cell, f, m)).collect();
+            values.iter().map(|&value| reach(values[0].y, value)).fold(0.0, f64::max)
+        };
+        (0..readings[0].level.table[0].len()).map(error).collect()
+    };
+    by_level(a, |l| readings(a, l, c, m), errors)
 }
 
 /// The derivative along an axis in one cell: corners outside and features inside, or the other way round.
@@ -221,7 +215,7 @@ fn any_slope(cells: &[Cell], axis: usize, g: &[f64], m: &Arithmetic) -> Bounded 
 
 /// Bound of [`super::backward::encode`].
 pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
-    let levels = readings(a, c, m);
+    let levels: Vec<Vec<Reading>> = (0..count(a)).map(|l| readings(a, l, c, m)).collect();
     let plain: Vec<Level> = levels.iter().map(|readings| readings[0].level.clone()).collect();
     // The gradient of every entry's features.
     let mut terms: Vec<Vec<Vec<Vec<Bounded>>>> =

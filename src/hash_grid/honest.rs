@@ -1,6 +1,6 @@
 //! Honest hash grids in emulated arithmetic: by weights, or by interpolating along one axis after the other.
 
-use super::arrays::{forward, gradients, levels, points, zeros};
+use super::arrays::{by_level, gradients, level, levels, n_of, points, zeros};
 use super::{Level, corner};
 use crate::contract::arrays::{Arrays, rows};
 use crate::contract::machine::Machine;
@@ -70,14 +70,11 @@ fn feature(level: &Level, cells: [(u32, f64); 3], f: usize, m: &Machine) -> f64 
 
 /// The encoding.
 pub(crate) fn hash_grid(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    let levels = levels(a, c);
-    forward(a, |x| {
-        let level = |level: &Level| {
-            let cells = cells(x, level, m);
-            (0..level.table[0].len()).map(|f| feature(level, cells, f, m)).collect::<Vec<_>>()
-        };
-        levels.iter().flat_map(level).collect()
-    })
+    let features = |level: &Level, x| {
+        let cells = cells(x, level, m);
+        (0..level.table[0].len()).map(|f| feature(level, cells, f, m)).collect()
+    };
+    by_level(a, |l| level(a, n_of(a, l), l, c), features)
 }
 
 /// d encoding . g / d x along one axis.

@@ -106,7 +106,7 @@ impl Hypothesis {
         error: Option<&Arrays>,
         options: &MarkOptions,
     ) -> Arrays {
-        self.bounds(question, case, wrong, error, options).last().expect("one at least")
+        self.bounds(question, case, wrong, error, options).next_back().expect("one at least")
     }
 
     /// The same, after a bound without that change where there is one: most answers that are explained need no more, and it costs little.
@@ -117,7 +117,7 @@ impl Hypothesis {
         wrong: &'a Arrays,
         error: Option<&'a Arrays>,
         options: &'a MarkOptions,
-    ) -> impl Iterator<Item = Arrays> + 'a {
+    ) -> impl DoubleEndedIterator<Item = Arrays> + 'a {
         let known = error.is_some() || self.right() && !self.loose;
         (0..2 - usize::from(known)).map(move |n| {
             let u = options.dtype.unit_roundoff();

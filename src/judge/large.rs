@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use self::blocks::{Whole, alone_is_right, blocks, merge};
+use self::blocks::{How, Whole, alone_is_right, blocks, merge};
 use super::answer::{Answer, Answers, Reply};
 use super::declared::Declared;
 use super::exam::{Exam, Question};
@@ -250,7 +250,9 @@ impl Sum {
             let Reply::Answer(answer) = ask(question, Asked::Whole(laid))? else { continue };
             let whole = Whole::new(laid, answer);
             sum.changed |= whole.bits() != *bits;
-            let seen = blocks(question, laid, &whole, &sum.c, !row.layouts.is_empty(), options);
+            let (arranged, graded) = (!row.layouts.is_empty(), row.grade.is_some());
+            let how = How { conventions: &sum.c, arranged, graded, options };
+            let seen = blocks(question, laid, &whole, &how);
             if let Some(items) = &seen.first {
                 let case = laid.part(items.clone());
                 let alone = ask(question, Asked::Alone(&case))?;

@@ -135,8 +135,8 @@ fn every_row_is_refused_with_its_message() {
     assert!(rows.len() >= 300, "{} rows", rows.len());
     let names: BTreeSet<String> = rows.iter().map(|row| row.to_string()).collect();
     assert_eq!(names.len(), rows.len(), "a row is there twice");
-    // One in four; with `NERF_ORACLE_TYPES=all` all of them.
-    let each = types::types(&[4], &[1])[0];
+    // One in eight; with `NERF_ORACLE_TYPES=all` all of them.
+    let each = types::types(&[8], &[1])[0];
     let wrong = on_all_cores(rows.len().div_ceil(each), |ground, n| {
         let row = &rows[n * each];
         let args = row.prepare(ground);

@@ -6,10 +6,10 @@ use crate::contract::arithmetic::Grade;
 use crate::contract::case::Case;
 use crate::contract::laid::Laid;
 use crate::convention::Conventions;
-use crate::judge::answer::{Answer, Given, Reply, reshaped};
+use crate::judge::answer::{Answer, Answers, Given, Reply, reshaped};
 use crate::judge::exam::Question;
 use crate::judge::layout;
-use crate::judge::mark::{MarkOptions, Marks};
+use crate::judge::mark::{MarkOptions, Marks, mark};
 use crate::judge::round::marks;
 use crate::parallel;
 
@@ -74,27 +74,45 @@ pub(super) struct Seen {
     off: usize,
 }
 
+/// How blocks are marked.
+pub(super) struct How<'a> {
+    pub(super) conventions: &'a Conventions,
+    /// Whether the first items were laid otherwise.
+    pub(super) arranged: bool,
+    /// Whether the two formulas' bounds of the first items differ. Where those of later ones alone do, what is within the stable
+    /// formula's has no grade.
+    pub(super) graded: bool,
+    pub(super) options: &'a MarkOptions,
+}
+
+impl How<'_> {
+    /// Marks of a block. Bounds are most of the work: an answer within those of the stable formula needs no others.
+    fn marks(&self, block: &Question, answers: &Answers) -> (Marks, Option<Grade>) {
+        let (c, options) = (self.conventions, self.options);
+        if block.admits(c) {
+            let stable = mark(block, answers, c, options, Grade::A);
+            if stable.right() {
+                return (stable, self.graded.then_some(Grade::A));
+            }
+        }
+        marks(block, answers, c, options)
+    }
+}
+
 /// Marks a case block by block.
-pub(super) fn blocks(
-    question: &Question,
-    laid: &Laid,
-    whole: &Whole,
-    c: &Conventions,
-    arranged: bool,
-    options: &MarkOptions,
-) -> Seen {
+pub(super) fn blocks(question: &Question, laid: &Laid, whole: &Whole, how: &How) -> Seen {
     let mark = |items: Range<usize>| {
         let (alone, mut answers) =
             (question_of(question, laid.part(items.clone())), vec![Some(whole.cut(laid, items))]);
-        let (marks, grade) = marks(&alone, &answers, c, options);
-        if marks.right() || !arranged {
+        let (marks, grade) = how.marks(&alone, &answers);
+        if marks.right() || !how.arranged {
             return (marks, grade);
         }
         // In the layout that the first items have, too.
-        if let Some((laid, _)) = layout::normalized(&alone, &answers, c, true, options) {
+        if let Some((laid, _)) = layout::normalized(&alone, &answers, how.conventions, true, how.options) {
             answers = laid;
         }
-        self::marks(&alone, &answers, c, options)
+        how.marks(&alone, &answers)
     };
     let ranges = laid.blocks();
     let marked = parallel::map(ranges.len(), |n| mark(ranges[n].clone()));
