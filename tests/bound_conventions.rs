@@ -46,7 +46,9 @@ fn rejections(component: &Component, c: Conventions) -> (u64, Vec<String>) {
                 // The bound depends on the type and the grade, not on the machine.
                 let bound = |grade| tolerance(direction, &case.inputs, &c, &Arithmetic::new(dtype, grade));
                 let (stable, textbook) = (bound(Grade::A), bound(Grade::B));
-                for machine in machines.clone().map(|n| Machine::number(dtype, n)) {
+                let machines: Vec<Machine> = machines.clone().map(|n| Machine::number(dtype, n)).collect();
+                assert!([true, false].iter().all(|&stable| machines.iter().any(|m| m.stable == stable)));
+                for machine in machines {
                     let bound = if machine.stable { &stable } else { &textbook };
                     let used = worst(&(direction.honest)(&case.inputs, &c, &machine), &expected, bound);
                     evaluations += 1;

@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::arithmetic::Dtype;
 use crate::math::power_of_two;
 use crate::parallel;
-use crate::random::{Key, Purpose, philox};
+use crate::random::{Purpose, philox};
 
 /// What the entries of an array are. `w` is an entry's word, `b` the significant bits of its type; `/` drops the remainder.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,15 +90,13 @@ impl Recipe {
 
     /// Entries `range` of the array `name`, whose last axis has `last` entries, in `dtype`.
     pub fn entries(&self, name: &str, range: Range<usize>, last: usize, dtype: Dtype) -> Vec<f64> {
-        let key = Key::new(Recipe::key(name)[0], Purpose::Cases);
-        let word = |n: usize| key.bits(0, 0, n as u64);
-        // The four words, made at once, of which word n is one.
-        let words_from = |n: usize| philox([n as u64 / 4 + 1, 0, 0, 0], Recipe::key(name));
+        // The four words, made at once, of which word n is one; numpy advances the counter before its first four.
+        let four = |n: usize| philox([n as u64 / 4 + 1, 0, 0, 0], Recipe::key(name));
         match *self {
             Recipe::Offsets { most } => {
                 let mut sum = 0;
                 let mut next = |n: usize| {
-                    sum += if n == 0 { 0 } else { (word(n - 1) >> 33) % (most + 1) };
+                    sum += if n == 0 { 0 } else { (four(n - 1)[(n - 1) % 4] >> 33) % (most + 1) };
                     sum as f64
                 };
                 (0..range.end).map(&mut next).skip(range.start).collect()
@@ -107,10 +105,10 @@ impl Recipe {
                 let mut all = vec![0.0; range.len()];
                 parallel::for_chunks(&mut all, TASK, |i, chunk| {
                     let first = range.start + i * TASK;
-                    let mut words = words_from(first);
+                    let mut words = four(first);
                     for (n, x) in (first..).zip(chunk) {
                         if n % 4 == 0 {
-                            words = words_from(n);
+                            words = four(n);
                         }
                         *x = self.entry(words[n % 4], n, last.max(1), dtype.bits());
                     }

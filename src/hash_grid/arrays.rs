@@ -45,8 +45,13 @@ pub(crate) fn zeros(levels: &[Level]) -> Vec<Level> {
 
 /// `f(point)` for each point, as the output.
 pub(crate) fn forward(a: &Arrays, f: impl Fn([f64; 3]) -> Vec<f64>) -> Arrays {
+    encoding(a, &points(a).into_iter().map(f).collect::<Vec<_>>())
+}
+
+/// The points' features as the output.
+fn encoding(a: &Arrays, rows: &[Vec<f64>]) -> Arrays {
     let width = (0..count(a)).map(|l| input(a, &format!("table{l}")).shape()[1]).sum();
-    arrays([("encoding", from_rows(&points(a).into_iter().map(f).collect::<Vec<_>>(), width))])
+    arrays([("encoding", from_rows(rows, width))])
 }
 
 /// `f(level, point)` for each point, level by level, as the output. One level is there at a time: a real grid has half a gigabyte of rows.
@@ -61,8 +66,7 @@ pub(crate) fn by_level<L>(
         let level = level(l);
         rows.iter_mut().zip(&points).for_each(|(row, &x)| row.extend(f(&level, x)));
     }
-    let width = (0..count(a)).map(|l| input(a, &format!("table{l}")).shape()[1]).sum();
-    arrays([("encoding", from_rows(&rows, width))])
+    encoding(a, &rows)
 }
 
 /// Gradients as arrays.

@@ -162,10 +162,8 @@ impl Numbers {
         let largest = finite.fold(0.0, |most: f64, g| most.max(g.abs()));
         // Below its smallest normal number f32 has fewer digits.
         let tiny = f64::from(f32::MIN_POSITIVE);
-        let near = |e: f64, g: f64| {
-            e == g
-                || (e - g).abs() <= tiny + NEAR * if e.is_finite() { largest.max(e.abs()) } else { largest }
-        };
+        let near =
+            |e: f64, g: f64| e == g || e.is_finite() && (e - g).abs() <= tiny + NEAR * largest.max(e.abs());
         self.predicted.iter().zip(&self.given).all(|(p, g)| near(f(*p), *g))
     }
 }
@@ -175,6 +173,19 @@ mod tests {
     use ndarray::array;
 
     use super::*;
+
+    /// Beside an infinite number every other is small, and still not the same.
+    #[test]
+    fn what_is_infinite_hides_no_other_number() {
+        let same = |predicted: [f64; 3], given: [f64; 3]| {
+            Numbers { predicted: predicted.into(), given: given.into() }.same(|x| x)
+        };
+        let inf = f64::INFINITY;
+        assert!(same([1.0, 2.0, inf], [1.0, 2.0, inf]));
+        assert!(!same([1.0, 2.0, inf], [1.0, 3.0, inf]));
+        assert!(!same([1.0, 2.0, 3.0], [1.0, 2.0, inf]));
+        assert!(!same([1.0, 2.0, inf], [1.0, 2.0, 3.0]));
+    }
 
     fn at_start(elements: Vec<(usize, Becomes)>) -> Changed {
         Changed { axis: 1, from_end: false, elements }

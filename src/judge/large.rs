@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use self::blocks::{How, Whole, alone_is_right, blocks, merge};
+use self::blocks::{Marking, Whole, alone_is_right, blocks, merge};
 use super::answer::{Answer, Answers, Reply};
 use super::declared::Declared;
 use super::exam::{Exam, Question};
@@ -251,8 +251,8 @@ impl Sum {
             let whole = Whole::new(laid, answer);
             sum.changed |= whole.bits() != *bits;
             let (arranged, graded) = (!row.layouts.is_empty(), row.grade.is_some());
-            let how = How { conventions: &sum.c, arranged, graded, options };
-            let seen = blocks(question, laid, &whole, &how);
+            let marking = Marking { conventions: &sum.c, arranged, graded, options };
+            let seen = blocks(question, laid, &whole, &marking);
             if let Some(items) = &seen.first {
                 let case = laid.part(items.clone());
                 let alone = ask(question, Asked::Alone(&case))?;

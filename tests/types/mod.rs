@@ -1,4 +1,4 @@
-//! Which types are tried: a few, so that `cargo test` takes two minutes, or all of them, as `.ci/run` has it.
+//! Which types are tried: a few, so that `cargo test` takes minutes, or all of them, as `.ci/run` has it.
 
 /// Whether `NERF_ORACLE_TYPES=all` asks for all of them.
 pub(crate) fn all_types() -> bool {

@@ -75,7 +75,7 @@ pub(super) struct Seen {
 }
 
 /// How blocks are marked.
-pub(super) struct How<'a> {
+pub(super) struct Marking<'a> {
     pub(super) conventions: &'a Conventions,
     /// Whether the first items were laid otherwise.
     pub(super) arranged: bool,
@@ -85,7 +85,7 @@ pub(super) struct How<'a> {
     pub(super) options: &'a MarkOptions,
 }
 
-impl How<'_> {
+impl Marking<'_> {
     /// Marks of a block. Bounds are most of the work: an answer within those of the stable formula needs no others.
     fn marks(&self, block: &Question, answers: &Answers) -> (Marks, Option<Grade>) {
         let (c, options) = (self.conventions, self.options);
@@ -100,19 +100,21 @@ impl How<'_> {
 }
 
 /// Marks a case block by block.
-pub(super) fn blocks(question: &Question, laid: &Laid, whole: &Whole, how: &How) -> Seen {
+pub(super) fn blocks(question: &Question, laid: &Laid, whole: &Whole, marking: &Marking) -> Seen {
     let mark = |items: Range<usize>| {
         let (alone, mut answers) =
             (question_of(question, laid.part(items.clone())), vec![Some(whole.cut(laid, items))]);
-        let (marks, grade) = how.marks(&alone, &answers);
-        if marks.right() || !how.arranged {
+        let (marks, grade) = marking.marks(&alone, &answers);
+        if marks.right() || !marking.arranged {
             return (marks, grade);
         }
         // In the layout that the first items have, too.
-        if let Some((laid, _)) = layout::normalized(&alone, &answers, how.conventions, true, how.options) {
+        if let Some((laid, _)) =
+            layout::normalized(&alone, &answers, marking.conventions, true, marking.options)
+        {
             answers = laid;
         }
-        how.marks(&alone, &answers)
+        marking.marks(&alone, &answers)
     };
     let ranges = laid.blocks();
     let marked = parallel::map(ranges.len(), |n| mark(ranges[n].clone()));
