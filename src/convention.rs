@@ -149,6 +149,9 @@ pub struct Conventions {
     /// What becomes of faint samples.
     #[serde(default)]
     pub faint: Faint,
+    /// Whether a ray ends where next to no light is left.
+    #[serde(default)]
+    pub alpha_stop: AlphaStop,
     /// Whether rendering passes densities through a ReLU.
     #[serde(default)]
     pub sigma_relu: SigmaRelu,
@@ -201,6 +204,9 @@ pub struct Conventions {
     pub skip_layer: usize,
     /// Order of that concatenation.
     pub skip_order: SkipOrder,
+    /// Order of the color layer's input.
+    #[serde(default)]
+    pub color_order: ColorOrder,
     /// Activation after the last trunk layer.
     pub last_trunk: Activation,
     /// Activation of the feature layer.

@@ -6,11 +6,12 @@ use nerf_oracle::COMPONENTS;
 use nerf_oracle::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use nerf_oracle::contract::check::{Kind, tolerance, worst};
 use nerf_oracle::contract::{Component, Machine};
+use nerf_oracle::convention::profiles::PROFILES;
 use nerf_oracle::convention::{CHOICES, CS180, Conventions};
 use nerf_oracle::parallel;
 use types::types;
 
-/// All combinations of a component's conventions; where these are more than three, one at a time.
+/// All combinations of a component's conventions; where these are more than three, one at a time, and the profiles'.
 fn assignments(component: &Component) -> Vec<Conventions> {
     let mut all = vec![CS180];
     for &key in component.conventions {
@@ -22,6 +23,13 @@ fn assignments(component: &Component) -> Vec<Conventions> {
             all = all.iter().flat_map(with).collect();
         } else {
             all.extend(with(&CS180).into_iter().filter(|c| *c != CS180));
+        }
+    }
+    // And those that programs have at once, where they are others in what this component reads.
+    let read = |c: &Conventions| component.conventions.iter().map(|key| c.get(key)).collect::<Vec<_>>();
+    for profile in PROFILES {
+        if all.iter().all(|c| read(c) != read(&profile.conventions)) {
+            all.push(profile.conventions);
         }
     }
     all

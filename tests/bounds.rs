@@ -70,6 +70,35 @@ fn no_honest_implementation_is_rejected() {
     );
 }
 
+/// What the stable formula may be off by is allowed to whoever is judged by the textbook's.
+#[test]
+fn the_textbooks_bound_is_the_wider() {
+    let kinds = [Kind::Forward, Kind::Vjp];
+    let rows: Vec<_> = COMPONENTS.iter().flat_map(|c| kinds.map(|kind| (c, kind))).collect();
+    let narrower = parallel::map(rows.len(), |n| {
+        let (component, kind) = rows[n];
+        let Some(direction) = component.direction(kind) else { return vec![] };
+        let mut narrower = vec![];
+        for case in component.cases_of(kind, &CS180) {
+            for dtype in Dtype::ALL.into_iter().filter(|dtype| case.exists_in(*dtype)) {
+                let [stable, textbook] = [Grade::A, Grade::B]
+                    .map(|g| tolerance(direction, &case.inputs, &CS180, &Arithmetic::new(dtype, g)));
+                // Up to the roundings of the bounds themselves.
+                let narrow = |name: &String| {
+                    stable[name].iter().zip(&textbook[name]).any(|(a, b)| a.is_nan() || *a > b * (1.0 + 1e-9))
+                };
+                let names = stable.keys().filter(|name| narrow(name));
+                narrower.extend(
+                    names.map(|name| format!("{} {kind:?} {dtype} {} {name}", component.name, case.id)),
+                );
+            }
+        }
+        narrower
+    });
+    let narrower = narrower.concat();
+    assert!(narrower.is_empty(), "{} narrower, {:#?}", narrower.len(), &narrower[..narrower.len().min(40)]);
+}
+
 #[test]
 fn the_all_zero_answer_is_rejected() {
     for component in COMPONENTS {

@@ -114,6 +114,7 @@ fn depth_of_an_empty_ray_has_no_gradient() {
     let depth = |w: f64, t: f64| render::depth(&[w, 0.0], &[t, 3.0], 6.0, Depth::Divided, EmptyDepth::Far);
     assert_eq!((depth(0.0, 1.0), depth(1e-300, 1.0)), (6.0, 1.0), "a jump");
     assert_eq!(one_sided(|s| depth(0.0, 1.0 + s), 0.25).value, 0.0);
-    let gradients = render::backward::depth(&[0.0; 2], &[1.0, 3.0], Depth::Divided, EmptyDepth::Far, 1.0);
+    let gradients =
+        render::backward::depth(&[0.0; 2], &[1.0, 3.0], 6.0, Depth::Divided, EmptyDepth::Far, 1.0);
     assert_eq!(gradients, (vec![0.0; 2], vec![0.0; 2]));
 }

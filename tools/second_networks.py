@@ -191,7 +191,8 @@ def nerf_tape(a, c, wrong):
         h = zs[-1] if n == 7 and c["last_trunk"] == "none" else np.maximum(zs[-1], 0)
     apply = lambda name, h: h @ layers[name][0].T + layers[name][1]  # noqa: E731
     z_feature = apply("feature", h)
-    inputs = np.concatenate([np.maximum(z_feature, 0) if c["feature"] == "relu" else z_feature, d], 1)
+    feature = np.maximum(z_feature, 0) if c["feature"] == "relu" else z_feature
+    inputs = np.concatenate([feature, d] if c["color_order"] == "feature_first" else [d, feature], 1)
     z0 = apply("color0", inputs)
     z1 = apply("color1", np.maximum(z0, 0))
     return dict(hs=hs, zs=zs, h=h, z_sigma=apply("sigma", h), z_feature=z_feature, inputs=inputs, z0=z0, z1=z1, level=levels[0])
@@ -214,7 +215,8 @@ def nerf_mlp_vjp(a, c, wrong):
     g = back(("color1_w", "color1_b"), g, np.maximum(tape["z0"], 0), a["color1_w"], out)
     g = back(("color0_w", "color0_b"), g if opened else g * (tape["z0"] > 0), tape["inputs"], a["color0_w"], out)
     width = len(a["feature_w"])
-    g = g[:, :width] * (tape["z_feature"] > 0) if c["feature"] == "relu" else g[:, :width]
+    g = g[:, :width] if c["color_order"] == "feature_first" else g[:, -width:]
+    g = g * (tape["z_feature"] > 0) if c["feature"] == "relu" else g
     g = back(("feature_w", "feature_b"), g, tape["h"], a["feature_w"], out)
     g_sigma = a["grad_sigmas"][:, None] * density(tape["z_sigma"], c["density"])[1]
     g = g + back(("sigma_w", "sigma_b"), g_sigma, tape["h"], a["sigma_w"], out)

@@ -136,7 +136,9 @@ def counted(alphas, c):
     """Opacities under the cap, 0 where they are too faint, and whether they count as they are."""
     cap = alphas.dtype.type({"none": 1, "0.99": 0.99, "0.999": 0.999}[c["alpha_cap"]])
     faint = (c["faint"] == "skipped") & (alphas < alphas.dtype.type(1 / 255))
-    return np.where(faint, 0, np.minimum(alphas, cap)), ~faint & (alphas <= cap)
+    capped = np.where(faint, 0, np.minimum(alphas, cap))
+    live = np.cumprod(1 - capped, 1) >= 1e-4 if c["alpha_stop"] == "in_front" else True
+    return np.where(live, capped, 0), ~faint & (alphas <= cap) & live
 
 
 def from_behind(alphas, factors, a):
@@ -204,7 +206,7 @@ def composite_background_vjp(a, c, wrong):
 
 
 def depth(a, c, wrong):
-    """sum w t, divided by sum w or not."""
+    """sum w t, divided by sum w or not, or with far where light is left."""
     w, t = a["weights"], a["t"]
     if "depth_of_index" in wrong:
         t = np.broadcast_to(np.arange(t.shape[1], dtype=t.dtype), t.shape)
@@ -217,6 +219,8 @@ def depth(a, c, wrong):
             far = w.dtype.type(a["far"])
             empty = {"far": far, "zero": w.dtype.type(0), "first": t[:, 0], "last": t[:, -1]}[c["empty_depth"]]
             out = np.where(total == 0, empty, out)
+    if c["depth"] == "far_behind":
+        out = out + (1 - w.sum(1)) * w.dtype.type(a["far"])
     if "far_by_opacity" in wrong:
         out = np.einsum("rn,rn->r", w, t) + w.dtype.type(a["far"]) * w.sum(1)
     if "median_depth" in wrong:
@@ -231,8 +235,8 @@ def depth(a, c, wrong):
 def depth_vjp(a, c, wrong):
     """d/dw = (t - depth) / A, d/dt = w / A."""
     w, t, g = a["weights"], a["t"], a["grad_depth"][:, None]
-    if c["depth"] == "plain":
-        return {"grad_weights": g * t, "grad_t": g * w}
+    if c["depth"] != "divided":
+        return {"grad_weights": g * (t - (a["far"] if c["depth"] == "far_behind" else 0)), "grad_t": g * w}
     total = w.sum(1, keepdims=True)
     scale = np.divide(g, total, out=np.zeros_like(g), where=total != 0)
     g_t = scale * w

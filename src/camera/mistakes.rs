@@ -133,9 +133,12 @@ pub(crate) fn transform_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
 /// Pixel and depth to camera space.
 pub(crate) fn pixel_to_camera(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (k, uv, s) = (intrinsics(&values(a, "K")), twos(a, "uv"), values(a, "s"));
+    // Three depths fit three coordinates; one fits all of them, and is right.
+    let across = wrong.contains(&"depths_along_coordinates") && s.len() == 3;
     let point = |m: usize| {
-        let s = if wrong.contains(&"depth_forgotten") { 1.0 } else { s[m] };
-        flip(wrong_point(&k, DVec2::from(uv[m]), s, wrong), wrong).to_array()
+        let one = across || wrong.contains(&"depth_forgotten");
+        let x = wrong_point(&k, DVec2::from(uv[m]), if one { 1.0 } else { s[m] }, wrong);
+        flip(if across { x * DVec3::new(s[0], s[1], s[2]) } else { x }, wrong).to_array()
     };
     let mut all: Vec<f64> = (0..s.len()).flat_map(point).collect();
     if wrong.contains(&"coordinates_refolded") {

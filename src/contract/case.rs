@@ -32,6 +32,11 @@ impl Case {
         Case { id: id.to_string(), comment, inputs, forward_only: false, full: None, only: None, edge: None }
     }
 
+    /// Whether all that goes in is a finite number.
+    pub fn finite(&self) -> bool {
+        self.inputs.values().flatten().all(|x| x.is_finite())
+    }
+
     /// The same without a VJP case.
     pub fn forward_only(self) -> Self {
         Case { forward_only: true, ..self }

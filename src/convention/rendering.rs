@@ -142,6 +142,17 @@ impl AlphaCap {
     }
 }
 
+/// Whether a ray of given opacities ends where next to no light is left.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AlphaStop {
+    /// All samples count.
+    #[default]
+    None,
+    /// In front of the first sample behind which T is below 1e-4: it isn't added, and none behind it (3D Gaussian splatting, gsplat).
+    InFront,
+}
+
 /// Whether rendering passes densities through a ReLU, which those that are none of below 0 notice in their gradient alone: it is 0 at 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

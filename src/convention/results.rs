@@ -10,6 +10,8 @@ pub enum Depth {
     Divided,
     /// sum w t.
     Plain,
+    /// sum w t + (1 - A) far: what passes is met at far, as a background is.
+    FarBehind,
 }
 
 /// The depth of a ray without any weight, where depth is divided by the weights' sum A.

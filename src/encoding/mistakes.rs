@@ -154,8 +154,8 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         "every band has the last one's frequency",
         "noise, and no large shapes",
         "2^k of band k",
-        "closures in a loop that take the loop's variable, not its value",
-        0,
+        "1 public implementation: a loop's variable read after the loop, or by closures made in it",
+        1,
     ),
     Mistake::new(
         "identity_through_sine",

@@ -80,8 +80,8 @@ pub fn nerf_mlp(
     let g_z1: Vec<f64> = (0..3).map(|k| sigmoid_slope(tape.z_color1[k]) * g_rgb[k]).collect();
     let g = layer(&net.color1, &tape.color_hidden, &g_z1, &mut gradient.color1);
     let g = relu(&tape.z_color0, &g);
-    let mut g_feature = layer(&net.color0, &tape.color_input, &g, &mut gradient.color0);
-    let g_direction = g_feature.split_off(tape.z_feature.len());
+    let g = layer(&net.color0, &tape.color_input, &g, &mut gradient.color0);
+    let (mut g_feature, g_direction) = c.color_order.split(&g, tape.z_feature.len());
     if c.feature == Activation::Relu {
         g_feature = relu(&tape.z_feature, &g_feature);
     }

@@ -8,7 +8,7 @@ use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::bounded::{Bounded, exact};
 use crate::contract::propagate::Vector;
-use crate::convention::{Activation, Conventions, Cosine, Density};
+use crate::convention::{Activation, ColorOrder, Conventions, Cosine, Density};
 use crate::encoding::bound::{encode, gradient as encoding_gradient};
 
 /// One layer.
@@ -212,7 +212,10 @@ fn nerf_tape(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, m: &Arithmetic)
     let z_sigma = affine(&nerf.net.sigma, &h, m);
     let z_feature = affine(&nerf.net.feature, &h, m);
     let feature = if c.feature == Activation::Relu { z_feature.relu() } else { z_feature.clone() };
-    let color_input = feature.followed_by(&direction);
+    let color_input = match c.color_order {
+        ColorOrder::FeatureFirst => feature.followed_by(&direction),
+        ColorOrder::DirectionFirst => direction.followed_by(&feature),
+    };
     let z_color0 = affine(&nerf.net.color0, &color_input, m);
     let color_hidden = z_color0.relu();
     let z_color1 = affine(&nerf.net.color1, &color_hidden, m);
@@ -287,7 +290,9 @@ fn nerf_point(
     outer[depth + 3].add(&g, &tape.color_hidden);
     let g = transposed(&net.color1, &g, m).masked(&tape.z_color0);
     outer[depth + 2].add(&g, &tape.color_input);
-    let mut g = transposed(&net.color0, &g, m).part(0, net.feature.b.len());
+    let features = net.feature.b.len();
+    let [begins, _] = c.color_order.begins(features, net.color0.w.ncols() - features);
+    let mut g = transposed(&net.color0, &g, m).part(begins, begins + features);
     if c.feature == Activation::Relu {
         g = g.masked(&tape.z_feature);
     }

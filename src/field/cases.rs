@@ -186,7 +186,10 @@ pub(crate) fn reshape(inputs: &mut Arrays, c: &Conventions) {
     if !c.identity {
         let written = Plan { skip: CS180.skip_layer, order: c.skip_order };
         let encoding = columns(inputs, &name(0)).expect("a network's arrays");
-        let mut identity = vec![("color0_w".to_string(), inputs["feature_w"].shape()[0])];
+        let features = inputs["feature_w"].shape()[0];
+        let directions = columns(inputs, "color0_w").expect("a network's arrays") - features;
+        let [_, direction] = c.color_order.begins(features, directions);
+        let mut identity = vec![("color0_w".to_string(), direction)];
         for n in 0.. {
             let Some(inputs) = columns(inputs, &name(n)) else { break };
             identity.extend(written.encoding_begins(n, inputs, encoding).map(|first| (name(n), first)));

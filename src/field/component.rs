@@ -50,6 +50,7 @@ pub(crate) const NERF_MLP: Component = Component {
         "density",
         "skip_layer",
         "skip_order",
+        "color_order",
         "last_trunk",
         "feature",
     ],

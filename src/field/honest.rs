@@ -148,7 +148,7 @@ fn tape(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, m: &Machine) -> Tape
     let z_sigma = affine(&nerf.net.sigma, &h, m)[0];
     let z_feature = affine(&nerf.net.feature, &h, m);
     let feature = if c.feature == Activation::Relu { relu(&z_feature) } else { z_feature.clone() };
-    let color_input = [feature, direction].concat();
+    let color_input = c.color_order.join(&feature, &direction);
     let z_color0 = affine(&nerf.net.color0, &color_input, m);
     let color_hidden = relu(&z_color0);
     let z_color1 = affine(&nerf.net.color1, &color_hidden, m);
@@ -197,7 +197,7 @@ fn point_gradient(
     outer[depth + 3].add(&g, &tape.color_hidden);
     let g = masked(&transposed(&net.color1, &g, m), &tape.z_color0);
     outer[depth + 2].add(&g, &tape.color_input);
-    let mut g = transposed(&net.color0, &g, m)[..net.feature.b.len()].to_vec();
+    let (mut g, _) = c.color_order.split(&transposed(&net.color0, &g, m), net.feature.b.len());
     if c.feature == Activation::Relu {
         g = masked(&g, &tape.z_feature);
     }

@@ -152,7 +152,7 @@ fn heads(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, wrong: &[&str]) -> 
         () if c.feature == Activation::Relu => z.iter().map(unit).collect(),
         () => z,
     };
-    let z = net.color0.forward(&[&feature, d].concat());
+    let z = net.color0.forward(&c.color_order.join(&feature, d));
     let hidden = if wrong.contains(&"color_layer_linear") { z } else { z.iter().map(unit).collect() };
     (net.sigma.forward(&h)[0], net.color1.forward(&hidden))
 }

@@ -125,7 +125,7 @@ impl NerfMlp {
         let z_sigma = self.sigma.forward(&h)[0];
         let z_feature = self.feature.forward(&h);
         let feature = if c.feature == Activation::Relu { relu(&z_feature) } else { z_feature.clone() };
-        let color_input = [&feature, direction].concat();
+        let color_input = c.color_order.join(&feature, direction);
         let z_color0 = self.color0.forward(&color_input);
         let color_hidden = relu(&z_color0);
         let z_color1 = self.color1.forward(&color_hidden);

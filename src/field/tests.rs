@@ -5,7 +5,7 @@ use super::mlp::Output;
 use super::nerf_mlp::Shape;
 use super::*;
 use crate::contract::testing::{properties, slope};
-use crate::convention::{Activation, CS180, Conventions, SkipOrder};
+use crate::convention::{Activation, CS180, ColorOrder, Conventions, SkipOrder};
 use crate::random::Purpose;
 
 const SHAPE: Shape = Shape { position: 5, direction: 3, width: 4, depth: 8, color: 3 };
@@ -111,6 +111,7 @@ fn gradients_of_the_nerf_network_in_every_convention() {
         Conventions { density: Density::Softplus, skip_order: SkipOrder::EncodingFirst, ..CS180 },
         Conventions { density: Density::Exp, last_trunk: Activation::None, ..CS180 },
         Conventions { feature: Activation::Relu, ..CS180 },
+        Conventions { feature: Activation::Relu, color_order: ColorOrder::DirectionFirst, ..CS180 },
     ];
     for c in others {
         let pulled = |net: &NerfMlp, x: &[f64], d: &[f64]| {
@@ -245,6 +246,11 @@ fn conventions_change_what_they_name() {
         (relu(&base.z_feature).as_slice(), base.z_feature.as_slice())
     );
     assert_eq!(base.color_input[4..], d);
+    let direction_first = run(&net, Conventions { color_order: ColorOrder::DirectionFirst, ..CS180 });
+    assert_eq!(
+        (&direction_first.color_input[..3], &direction_first.color_input[3..]),
+        (&d[..], &base.color_input[..4])
+    );
     assert_eq!(run(&net, Conventions { density: Density::Exp, ..CS180 }).sigma, exp(base.z_sigma));
 }
 

@@ -18,6 +18,15 @@ const CUT: Mistake = Mistake::new(
     0,
 )
 .with("k", 2.0, [0.5, 6.0]);
+const FLOORED: Mistake = Mistake::new(
+    "exponent_floored",
+    "exp(max(-1/2 d^T conic d, -k))",
+    "every splat is a veil over the whole picture, of e^-k times its opacity at least",
+    "the exponent as it is: exp has no trouble with large negative ones",
+    "1 public implementation",
+    1,
+)
+.with("k", 10.0, [1.0, 80.0]);
 
 /// Mistakes of splats' opacities.
 pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
@@ -123,6 +132,7 @@ pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
     )
     .of_gradient(),
     CUT,
+    FLOORED,
     Mistake::new(
         "mean_rounded",
         "the mean is rounded to a whole pixel",
@@ -225,6 +235,7 @@ fn wrong_alpha(pixel: [f64; 2], splat: &Splat, form: Form, wrong: &[&str]) -> f6
         () if has("distance_not_squared") => -0.5 * (-2.0 * half).max(0.0).sqrt(),
         () => half,
     };
+    let power = FLOORED.among(wrong).map_or(power, |k| power.max(-k));
     let opacity = match () {
         () if has("opacity_forgotten") => 1.0,
         () if has("opacity_through_sigmoid") => 1.0 / (1.0 + exp(-splat.opacity)),

@@ -176,6 +176,14 @@ pub(crate) const GAUSSIAN_COLOR: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
+    Mistake::new(
+        "band_1_signs",
+        "the signs of x and y in band 1 are those of the other convention, all other bands' are not",
+        "a splat's sheen leans to the other side in one band of four",
+        "one convention for all bands: (-1)^m, or none",
+        "1 public implementation",
+        1,
+    ),
 ];
 
 /// The coefficients as if read by channels.
@@ -232,6 +240,9 @@ fn wrong_color(
     };
     if has("constant_forgotten") {
         y[0] = 1.0;
+    }
+    if has("band_1_signs") && y.len() > 1 {
+        (y[1], y[3]) = (-y[1], -y[3]);
     }
     if has("third_band_left_out") {
         y.iter_mut().skip(9).for_each(|y| *y = 0.0);

@@ -5,6 +5,7 @@ use super::{Form, backward, covariance as oracle, deviations, rotation, unit};
 use crate::contract::arrays::{Arrays, values};
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, QuaternionLength, QuaternionOrder, SplatScale};
+use crate::pose::mistakes::signs::{SIGNS, signed};
 
 const WIDENED: Mistake = Mistake::new(
     "eps_on_the_diagonal",
@@ -121,14 +122,12 @@ pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
-    Mistake::new(
-        "sign_in_rotation",
-        "2 (x y + w z) in both of the places of R_xy and R_yx",
-        "R isn't a rotation: splats are sheared",
-        "2 (x y - w z) in R_xy",
-        "never; cheap to keep",
-        0,
-    ),
+    SIGNS[0],
+    SIGNS[1],
+    SIGNS[2],
+    SIGNS[3],
+    SIGNS[4],
+    SIGNS[5],
     Mistake::new(
         "diagonal_once",
         "1 - (y^2 + z^2) in R_xx: a 2 is missing",
@@ -172,12 +171,11 @@ fn wrong_covariance(q: [f64; 4], scales: [f64; 3], of_all: f64, form: Form, wron
     let (u, _) = unit(q, as_given);
     let length = if form.length == QuaternionLength::Divided { divisor(q, of_all, wrong) } else { 1.0 };
     let length = if has("length_by_sum") { u.iter().map(|x| x.abs()).sum() } else { length };
-    let (mut r, mut s) = (rotation(u.map(|x| x / length)), deviations(scales, form));
+    let (mut r, mut s) = (signed(rotation(u.map(|x| x / length)), wrong), deviations(scales, form));
     if let Some(least) = LEAST_SCALE.among(wrong) {
         s = s.map(|s| s.max(least));
     }
     match () {
-        () if has("sign_in_rotation") => r[0][1] = r[1][0],
         () if has("diagonal_once") => r[0][0] = 0.5 * (1.0 + r[0][0]),
         () if has("off_diagonal_once_in_rotation") => {
             r = [0, 1, 2].map(|i| [0, 1, 2].map(|j| if i == j { r[i][i] } else { 0.5 * r[i][j] }))

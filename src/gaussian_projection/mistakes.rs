@@ -2,7 +2,7 @@
 
 use super::arrays::{form, forward, view, vjp};
 use super::{Form, Splat, View, backward, clamped, in_camera, project, quadratic};
-use crate::contract::arrays::Arrays;
+use crate::contract::arrays::{Arrays, threes};
 use crate::convention::{Conventions, SplatCenter, SplatClamp, SplatClampGradient};
 
 mod catalogue;
@@ -19,9 +19,13 @@ fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f6
         () => [view.k.fx, view.k.fy],
     };
     let mut slopes = clamped(t, view, form);
-    if let Some(k) = OTHER_LIMIT.among(wrong) {
-        let half = [view.width / view.k.fx, view.height / view.k.fy].map(|whole| 0.5 * k * whole);
-        slopes = [0, 1].map(|n| ((t[n] / t[2]).max(-half[n]).min(half[n]), false));
+    let half = [view.width / view.k.fx, view.height / view.k.fy].map(|whole| 0.5 * whole);
+    let limits = match OTHER_LIMIT.among(wrong) {
+        Some(k) => Some(half.map(|half| k * half)),
+        None => has("angle_for_tangent").then(|| half.map(|half| 1.3 * 2.0 * libm::atan(half))),
+    };
+    if let Some(limits) = limits {
+        slopes = [0, 1].map(|n| ((t[n] / t[2]).max(-limits[n]).min(limits[n]), false));
     }
     if has("translation_in_jacobian") {
         slopes = [0, 1].map(|n| (view.translation[n] / t[2], false));
@@ -52,11 +56,19 @@ fn distance(t: [f64; 3]) -> f64 {
     (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt()
 }
 
-/// A splat with what is wrong about it.
-fn wrong_splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, wrong: &[&str]) -> Splat {
+/// A splat with what is wrong about it; `middle` is the mean of all depths.
+fn wrong_splat(
+    mean: [f64; 3],
+    sigma: [f64; 6],
+    view: &View,
+    middle: f64,
+    form: Form,
+    wrong: &[&str],
+) -> Splat {
     let has = |name: &str| wrong.contains(&name);
     let (t, right) = (in_camera(mean, view), project(mean, sigma, view, form));
-    let [p, q] = wrong_transform(t, view, form, wrong);
+    let in_jacobian = if has("one_depth_for_all") { [t[0], t[1], middle] } else { t };
+    let [p, q] = wrong_transform(in_jacobian, view, form, wrong);
     let mut before = [quadratic(p, sigma, p), quadratic(p, sigma, q), quadratic(q, sigma, q)];
     // J's rows are f_x / t_z (1, 0, -x) and f_y / t_z (0, 1, -y): -y goes with V_xz, -x with V_yz.
     if has("mixed_terms_exchanged") {
@@ -116,9 +128,11 @@ fn wrong_splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, wrong: 
 /// Projections.
 pub(crate) fn projection(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (view, form) = (view(a), form(c));
+    let depths: Vec<f64> = threes(a, "means").into_iter().map(|mean| in_camera(mean, &view)[2]).collect();
+    let middle = depths.iter().sum::<f64>() / depths.len() as f64;
     forward(a, |mean, sigma| match wrong {
         [] => project(mean, sigma, &view, form),
-        wrong => wrong_splat(mean, sigma, &view, form, wrong),
+        wrong => wrong_splat(mean, sigma, &view, middle, form, wrong),
     })
 }
 

@@ -56,6 +56,16 @@ const DENOMINATOR_EPS: Mistake = Mistake::new(
 )
 .with("eps", 1e-5, [1e-8, 1e-1]);
 
+const EPS_AFTER_DIVISION: Mistake = Mistake::new(
+    "eps_after_division",
+    "w / sum w + eps: F ends beyond 1, at 1 + N eps",
+    "samples too near: the end of the last bin is never reached",
+    "add it to the weights, before they are divided by their sum",
+    "1 public implementation",
+    1,
+)
+.with("eps", 1e-6, [1e-8, 1e-1]);
+
 /// Mistakes of importance sampling.
 pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
     SEARCHED_FROM_THE_LEFT,
@@ -137,6 +147,23 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         4,
     ),
     DENOMINATOR_EPS,
+    EPS_AFTER_DIVISION,
+    Mistake::new(
+        "last_bin_zeroed",
+        "the last weight is set to 0 before the division by the sum",
+        "next to nothing is sampled in the last bin: what is added to all weights",
+        "every bin's own weight",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "upper_edge_held_by_sample_count",
+        "the far edge is min(k + 1, M - 1), with the number of samples M for that of edges",
+        "beyond bin M - 2 samples are drawn out from edges far in front of them",
+        "min(k + 1, N)",
+        "1 public implementation",
+        1,
+    ),
     Mistake::new(
         "right_edge",
         "the chosen bin's far edge, without a place inside it",
@@ -223,6 +250,9 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     if wrong.contains(&"weights_of_next_bin") {
         weights.rotate_left(1);
     }
+    if wrong.contains(&"last_bin_zeroed") {
+        weights.iter_mut().last().into_iter().for_each(|w| *w = 0.0);
+    }
     if wrong.contains(&"strata_doubled") {
         u = doubled(&u);
     }
@@ -246,6 +276,9 @@ fn cdf_of(ray: &Ray, batch: f64, wrong: &[&str]) -> Vec<f64> {
         let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
         f.iter_mut().for_each(|f| *f *= total / batch);
     }
+    if let Some(eps) = EPS_AFTER_DIVISION.among(wrong) {
+        f.iter_mut().enumerate().for_each(|(k, f)| *f += k as f64 * eps);
+    }
     if wrong.contains(&"no_leading_zero") {
         f.remove(0);
         f.push(f[f.len() - 1]);
@@ -255,8 +288,9 @@ fn cdf_of(ray: &Ray, batch: f64, wrong: &[&str]) -> Vec<f64> {
 
 fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     let left = wrong.contains(&"searched_from_the_left");
-    let unlike = ["no_leading_zero", "not_normalized", "sum_of_all_rays"];
-    let searched = left || unlike.iter().any(|name| wrong.contains(name));
+    let held = wrong.contains(&"upper_edge_held_by_sample_count");
+    let unlike = ["no_leading_zero", "not_normalized", "sum_of_all_rays", "last_bin_zeroed"];
+    let searched = left || held || unlike.iter().any(|name| wrong.contains(name));
     let k = if searched {
         // As searchsorted does it, clamped at both ends.
         match f.iter().rposition(|&f| if left { f < u } else { f <= u }) {
@@ -267,11 +301,12 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     } else {
         bin_of(f, u)
     };
-    let (a, b) = (ray.edges[k], ray.edges[k + 1]);
+    let above = if held { (k + 1).min(ray.u.len() - 1) } else { k + 1 };
+    let (a, b) = (ray.edges[k], ray.edges[above]);
     if wrong.contains(&"last_bin_dropped") && k + 2 >= f.len() {
         return a;
     }
-    let mut difference = f[k + 1] - f[k];
+    let mut difference = f[above] - f[k];
     if let Some(faint) = c.pdf_division.faint().filter(|_| difference < SNAPPED) {
         difference = faint;
     }

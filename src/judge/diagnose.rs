@@ -15,6 +15,7 @@ use super::peel::peel;
 use super::slips::{Beside, slipped};
 use super::statistics;
 use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
@@ -48,6 +49,10 @@ pub fn diagnose(
     let all = open(question, answers, base, options);
     let (mut parted, mut singles) = (None, vec![]);
     for count in 0..=2 {
+        if count == 2 && nothing_but_zero(question, answers) {
+            // Some pair or other makes nothing of everything, and so do slips: what there is to say is what was seen.
+            return vec![];
+        }
         if count == 2 {
             let known = singles.iter().map(|p| apply(p, base)).collect::<Vec<_>>();
             let fitted = fitting(question, answers, base, &known, suspects, options);
@@ -77,7 +82,7 @@ pub fn diagnose(
         // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
         for ring in near.chunk_by(|a, b| changes(a, &home) == changes(b, &home)) {
             let had = !found.is_empty();
-            found.extend(explaining(&sets, ring, question, answers, base, options));
+            found.extend(explaining((&sets, suspects), ring, question, answers, base, options));
             if had {
                 break;
             }
@@ -125,9 +130,16 @@ pub fn diagnose(
     parted.or(most).into_iter().collect()
 }
 
+/// Whether all numbers of all answers are 0, real ones among them: a stub, or the way out where something couldn't be imported.
+fn nothing_but_zero(question: &Question, answers: &Answers) -> bool {
+    let arrays = || answers.iter().flatten().flatten();
+    let real = |name: &String| !question.component.output_entries(name).whole();
+    arrays().any(|(name, _)| real(name)) && arrays().all(|(_, given)| given.values.iter().all(|x| *x == 0.0))
+}
+
 /// The hypotheses of these sets of mistakes in these assignments that explain every answer.
 fn explaining(
-    sets: &[Vec<&'static str>],
+    (sets, suspects): (&[Vec<&'static str>], &[Suspect]),
     ring: &[&Partial],
     question: &Question,
     answers: &Answers,
@@ -135,19 +147,37 @@ fn explaining(
     options: &MarkOptions,
 ) -> Vec<Hypothesis> {
     let mut hypotheses = vec![];
+    let home = partial(question.component, base);
+    // Numeric gradients are too expensive for all assignments: the forward answers have shown the conventions, but for one that
+    // gradients alone show, as a quaternion of length 1 that isn't divided by it.
+    let unseen = |p: &Partial, conventions: &Conventions| {
+        changes(p, &home) == 1 && forward_is_the_same(question, conventions, base, options)
+    };
     for mistakes in sets {
-        // Numeric gradients are too expensive for all assignments: the forward answers have shown the conventions.
         let numeric = question.kind == Kind::Vjp && of_forward(question, mistakes);
-        for conventions in ring.iter().map(|p| apply(p, base)) {
+        let suspected = suspects.iter().any(|(set, fitted)| fitted.is_none() && set == mistakes);
+        for (p, conventions) in ring.iter().map(|p| (p, apply(p, base))) {
             // No mistake in the run's own conventions isn't an explanation: it has just failed.
-            let home = conventions == *base;
-            if (home || !numeric) && !(home && mistakes.is_empty()) {
+            let near = conventions == *base || suspected && unseen(p, &conventions);
+            if (near || !numeric) && !(conventions == *base && mistakes.is_empty()) {
                 hypotheses.push(Hypothesis::new(mistakes.clone(), conventions));
             }
         }
     }
     let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], question, answers, options));
     hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect()
+}
+
+/// Whether the right formula gives the same in both, up to rounding, on the inputs of all cases.
+fn forward_is_the_same(question: &Question, a: &Conventions, b: &Conventions, options: &MarkOptions) -> bool {
+    let oracle = question.component.forward.oracle;
+    let near =
+        |(a, b): (&f64, &f64)| (a - b).abs() <= 64.0 * options.dtype.unit_roundoff() * a.abs().max(1.0);
+    let same = |case: &Case| {
+        let (a, b) = (oracle(&case.inputs, a), oracle(&case.inputs, b));
+        a.iter().all(|(name, a)| a.shape() == b[name].shape() && a.iter().zip(&b[name]).all(near))
+    };
+    question.cases.iter().all(same)
 }
 
 /// The right formula in the nearest of these assignments that explains every answer if digits were lost, and how much of what wrong code
@@ -271,4 +301,60 @@ fn ranked(
             ..Explanation::default()
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::answer::given;
+    use super::super::exam::Exam;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::convention::CS180;
+
+    /// What is said of a hypothesis' own answers in f32 after a change.
+    fn said(
+        (name, kind): (&str, Kind),
+        h: &Hypothesis,
+        suspects: &[Suspect],
+        change: fn(f64) -> f64,
+    ) -> Vec<Explanation> {
+        let exam = Exam::new(name, Dtype::F32, None).unwrap();
+        let question =
+            exam.questions.iter().find(|question| question.kind == kind).expect("a row of this kind");
+        let single = |a: ndarray::ArrayD<f64>| a.mapv(|x| Dtype::F32.round(change(x)));
+        let answer = |case| {
+            let (arrays, _) = h.prediction(question, case);
+            Some(given(arrays.into_iter().map(|(name, a)| (name, single(a))).collect()))
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        diagnose(question, &answers, &CS180, suspects, &MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 })
+    }
+
+    #[test]
+    fn nothing_explains_a_stub() {
+        let right = Hypothesis::new(vec![], CS180);
+        for name in ["distortion_loss", "volume_render"] {
+            assert_eq!(said((name, Kind::Forward), &right, &[], |_| 0.0).len(), 0, "{name}");
+        }
+        assert!(!said(("distortion_loss", Kind::Forward), &right, &[], |x| 2.0 * x).is_empty());
+    }
+
+    #[test]
+    fn a_gradient_may_show_a_convention_beside_the_mistake() {
+        let row = ("pose_from_colmap", Kind::Vjp);
+        let shown = [(vec!["not_inverted"], None)];
+        let with =
+            |key, value| Hypothesis::new(vec!["not_inverted"], CS180.with(key, value).expect("listed"));
+        let name = |found: &[Explanation]| found.first().and_then(|e| e.mistakes.first()).map(|m| m.name);
+        // Quaternions of length 1, as given: forward they are the same.
+        let found = said(row, &with("quaternion", "as_given"), &shown, |g| g);
+        assert_eq!(
+            (name(&found), found[0].conventions.get("quaternion")),
+            (Some("not_inverted"), Some(&"as_given"))
+        );
+        assert_ne!(name(&said(row, &with("quaternion", "as_given"), &[], |g| g)), Some("not_inverted"));
+        // Other axes aren't.
+        let found = said(row, &with("axes", "opengl"), &shown, |g| g);
+        assert!(!found.iter().any(|e| e.conventions.contains_key("axes") && e.whole()), "{}", found.len());
+    }
 }

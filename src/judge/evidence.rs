@@ -94,10 +94,18 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     let right = Hypothesis { loose: true, ..Hypothesis::new(vec![], h.conventions) };
     let off = |(case, answer): &(&Case, &Answer)| right.compared(h, question, case, answer, options);
     let larger = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
-    // What wrong code makes of an infinite input isn't known: it would explain any NaN.
-    let finite = |(case, _): &(&Case, &Answer)| case.inputs.values().flatten().all(|x| x.is_finite());
-    let [lost, wrong] =
-        usable(h, question, answers).iter().filter(|pair| finite(pair)).map(off).fold([0.0; 2], larger);
+    // What wrong code makes of an infinite input isn't known, but for what it counts or flags: else it would explain any NaN.
+    let known = |(case, answer): (&Case, &Answer)| -> Answer {
+        let told = |name: &String| case.finite() || question.component.output_entries(name).whole();
+        answer
+            .iter()
+            .filter(|(name, _)| told(name))
+            .map(|(name, given)| (name.clone(), given.clone()))
+            .collect()
+    };
+    let cases = usable(h, question, answers);
+    let each = cases.iter().map(|(case, answer)| (*case, known((case, answer))));
+    let [lost, wrong] = each.map(|(case, answer)| off(&(case, &answer))).fold([0.0; 2], larger);
     lost > 1.0 || MUCH_BETTER * wrong < lost
 }
 

@@ -167,8 +167,9 @@ impl Hypothesis {
                 None => {}
             }
             for moved in moved.iter().filter_map(|m| m.get(name)).filter(|m| m.shape() == w.shape()) {
-                let change = moved - w;
-                bound.zip_mut_with(&change, |b, change| *b += generous * change.abs());
+                // No number where both are infinite, or where a nudge makes one of what was none: it says nothing of sizes.
+                let change = (moved - w).mapv(|change| if change.is_nan() { 0.0 } else { change.abs() });
+                bound.zip_mut_with(&change, |b, change| *b += generous * change);
             }
             if let Some(error) = error {
                 bound += &error[name];
@@ -286,10 +287,12 @@ impl Hypothesis {
         if !self.right() && question.kind == Kind::Forward {
             unread::as_answered(question.component, answer, wrong);
         }
-        if self.right() || case.inputs.values().flatten().all(|x| x.is_finite()) {
+        if self.right() || case.finite() {
             return;
         }
-        for (name, wrong) in wrong.iter_mut() {
+        // Counts and flags aren't open.
+        let open = |name: &String| !question.component.output_entries(name).whole();
+        for (name, wrong) in wrong.iter_mut().filter(|(name, _)| open(name)) {
             let given = answer.get(name).and_then(|given| reshaped(&given.values, wrong.shape()));
             if let Some((got, _)) = given {
                 wrong.zip_mut_with(&got, |w, g| *w = if g.is_nan() { f64::NAN } else { *w });

@@ -48,8 +48,8 @@ fn chosen(
             if index.len() != shape.len() || !(chosen.at)(index, &shape) {
                 continue;
             }
-            // Everywhere the same, and no NaN.
-            if *found.get_or_insert(*value) != *value || *value < 0.0 {
+            // Everywhere the same, and no NaN. Nothing at all is no choice: it takes away what stands there.
+            if *found.get_or_insert(*value) != *value || *value <= 0.0 {
                 return None;
             }
             *value = chosen.listed;

@@ -95,9 +95,9 @@ impl MarkOptions {
     }
 
     /// Whether an answer that is far off can be rejected without its bound: true in f32 and f64, except for hard cases, where a textbook
-    /// formula may have no digits left.
+    /// formula may have no digits left, and where infinities and NaN go in: what comes out may be open.
     pub fn may_reject_early(&self, case: &Case) -> bool {
-        self.dtype.bits() >= 24 && !hard(case)
+        self.dtype.bits() >= 24 && !hard(case) && case.finite()
     }
 
     /// What an answer that may be rejected early is held against: the truth in the contract's own conventions, whose bound says how much

@@ -126,8 +126,7 @@ pub(crate) fn loss_scale_update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
     forward(scale, tracker as f64)
 }
 
-/// Mistakes of gradients. Overflows that aren't found are no mistakes by name: the cases with one say it, as what else wrong code makes
-/// of an infinity is open.
+/// Mistakes of gradients.
 pub(crate) const UNSCALE_GRADIENTS: &[Mistake] = &[
     Mistake::new(
         "multiplied_by_scale",
@@ -179,6 +178,22 @@ pub(crate) const UNSCALE_GRADIENTS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "nan_not_looked_for",
+        "1 where any is infinite: isinf alone",
+        "a step with NaN is taken, and every parameter is lost",
+        "not isfinite",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "largest_alone",
+        "1 where the largest is infinite, by a max that passes over NaN: neither -inf nor NaN",
+        "steps with -inf or NaN are taken, and every parameter is lost",
+        "not isfinite, of all of them",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "half_precisions_limit",
         "found where a number is above 65504, whatever type the gradients have",
         "steps that are right are skipped, and the scale shrinks for nothing",
@@ -194,14 +209,16 @@ pub(crate) fn unscale_gradients(a: &Arrays, _: &Conventions, wrong: &[&str]) -> 
     let has = |name: &str| wrong.contains(&name);
     let found = match () {
         () if has("finite_in_the_place_of_found") => scaled.iter().all(|g| g.is_finite()),
+        () if has("nan_not_looked_for") => scaled.iter().any(|g| g.is_infinite()),
+        () if has("largest_alone") => scaled.contains(&f64::INFINITY),
         () if has("half_precisions_limit") => scaled.iter().any(|g| g.is_nan() || g.abs() > 65504.0),
         () => scaled.iter().any(|g| !g.is_finite()),
     };
-    // What else is made of an infinity is open.
-    let Some(right) = unscaled(&scaled, scale) else {
-        return gradients(found, vec![0.0; scaled.len()]);
-    };
     let by = |f: fn(f64, f64) -> f64| gradients(found, scaled.iter().map(|&g| f(g, scale)).collect());
+    // What else is made of an infinity is open; where it isn't seen, nothing.
+    let Some(right) = unscaled(&scaled, scale) else {
+        return if found { gradients(found, vec![0.0; scaled.len()]) } else { by(|g, scale| g / scale) };
+    };
     match wrong.first() {
         Some(&"multiplied_by_scale") => by(|g, scale| g * scale),
         Some(&"unscaled_clipped") => by(|g, scale| (g / scale).clamp(-1.0, 1.0)),

@@ -30,18 +30,19 @@ pub(crate) struct Scalars {
     kept: Bounded,
 }
 
-/// 1 - beta^step. Grade A: -expm1(step ln beta). Grade B: the power is rounded before 1 - power cancels.
+/// 1 - beta^step. Grade A: -expm1(step ln beta). Grade B: or the power is rounded before 1 - power cancels. Behind many steps the
+/// power is nothing, and that way the more exact one.
 fn correction(beta: f64, step: u64, s: &Arithmetic) -> Bounded {
     let y = bias_correction(beta, step);
+    let stable = s.one_minus_exp(s.mul(exact(step as f64), s.elementary(-ln(beta), 0.0)));
     if s.grade == Grade::A {
-        let exponent = s.mul(exact(step as f64), s.elementary(-ln(beta), 0.0));
-        return s.one_minus_exp(exponent);
+        return stable;
     }
     // beta itself is rounded before the power: 1 + step roundings, as in repeated products.
     let power = 1.0 - y;
     let relative = expm1((step as f64 + 1.0) * s.u);
     let textbook = s.sub(exact(1.0), s.elementary(power, power * relative));
-    Bounded { y, e: textbook.e }
+    stable.or(Bounded { y, e: textbook.e })
 }
 
 impl Scalars {

@@ -101,14 +101,17 @@ pub(crate) fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if is("step_from_zero") {
         step = (step - 1).max(1);
     }
+    if is("betas_of_its_own") {
+        (adam.beta1, adam.beta2) = (0.9, 0.999);
+    }
     let decay = adam.weight_decay;
     if is("decoupled_decay") {
         adam.weight_decay = 0.0;
     }
     adam.eps = EPS_OF_ITS_OWN.among(wrong).unwrap_or(adam.eps);
     adam.eps = if is("eps_forgotten") { 0.0 } else { eps(&adam, step, c.adam_eps) };
-    // What is rewritten below, another count of steps, eps and decay aside.
-    let as_it_is = ["step_from_zero", "decoupled_decay"];
+    // What is rewritten below, another count of steps, betas, eps and decay aside.
+    let as_it_is = ["step_from_zero", "betas_of_its_own", "decoupled_decay"];
     let rewritten = wrong.iter().any(|name| !as_it_is.contains(name));
     each(a, |before, grad| {
         let mut after = oracle(&adam, before, grad, step);

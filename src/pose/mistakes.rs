@@ -1,7 +1,10 @@
 //! Poses, wrong on purpose. Without a mistake every function equals the oracle.
 
+pub(crate) mod signs;
+
 use glam::{DMat3, DMat4, DVec3};
 
+use self::signs::{SIGNS, signed};
 use super::arrays::{Written, forward, vjp};
 use super::{backward, flip, from_colmap, rotation};
 use crate::camera::arrays::{flat, pose};
@@ -83,6 +86,12 @@ pub(crate) const POSE_FROM_COLMAP: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    SIGNS[0],
+    SIGNS[1],
+    SIGNS[2],
+    SIGNS[3],
+    SIGNS[4],
+    SIGNS[5],
     Mistake::new(
         "place_held_constant",
         "the rotation learns from the axes alone, not from where the camera stands",
@@ -104,7 +113,9 @@ fn wrong_pose((q, t): Written, length: Quaternion, wrong: &[&str]) -> (DMat3, DV
     let has = |name: &str| wrong.contains(&name);
     let q = if has("scalar_last") { scalar_last(q) } else { q };
     let q = if has("conjugated") { [q[0], -q[1], -q[2], -q[3]] } else { q };
-    let (r, t) = (rotation(q, length), DVec3::from(t));
+    // By columns, as glam has matrices.
+    let rows = rotation(q, length).transpose().to_cols_array_2d();
+    let (r, t) = (DMat3::from_cols_array_2d(&signed(rows, wrong)).transpose(), DVec3::from(t));
     if has("not_inverted") {
         return (r, t);
     }

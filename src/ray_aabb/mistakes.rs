@@ -165,6 +165,14 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         2,
     ),
     Mistake::new(
+        "range_never_asked",
+        "the line's t as they are; a hit where t_far >= t_near, behind the camera too",
+        "samples behind the camera and beyond far",
+        "cut both at near and far, then compare them",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "inside_is_a_miss",
         "a ray that begins inside the box, t_near < 0, counts as a miss",
         "nothing is seen once the camera is inside the scene's box",
@@ -288,6 +296,9 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
     }
     if is("last_exit") {
         line.leave = any.leave.max(line.leave);
+    }
+    if is("range_never_asked") {
+        return (line.enter <= line.leave).then_some(line);
     }
     if is("range_ignored") {
         return (line.enter.max(0.0) <= line.leave).then_some(line);

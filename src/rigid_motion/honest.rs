@@ -1,6 +1,6 @@
 //! Honest exponential maps in emulated arithmetic: coefficients by their series, by quotients that don't cancel, by the textbook's; R as
 //! I + a K + b K^2, as cos I + a K + b w w^T, about an axis of length 1, by way of a quaternion; V as a matrix, by cross products, or with
-//! a rho in it. Gradients of each, as automatic differentiation has them, and by hand.
+//! a rho in it. Gradients of each, as automatic differentiation has them, by hand, and by the left Jacobian.
 
 use super::arrays::{Rows, se3, se3_vjp, so3, so3_vjp};
 use super::{LEAST_SQUARE, SERIES_BELOW, halves, held};
@@ -9,9 +9,9 @@ use crate::contract::machine::Machine;
 use crate::contract::operations::Operations;
 use crate::convention::{Conventions, MotionLayout, RotationClamp, TwistOrder, TwistTranslation};
 
-/// The number of ways, and that of those which don't cancel.
-pub(super) const WAYS: u64 = 6;
-pub(super) const STABLE: u64 = 4;
+/// The number of ways, and that of those which don't cancel. The others have w w^T (5), cross products (6) and V as a matrix (7).
+pub(super) const WAYS: u64 = 8;
+pub(super) const STABLE: u64 = 5;
 
 /// Three numbers.
 type Three<N> = [N; 3];
@@ -268,13 +268,19 @@ impl<'a, O: Operations> Ways<'a, O> {
 
     /// The gradient of g : R with respect to w.
     pub(super) fn of_matrix(&self, g: &Matrix<O::Number>) -> Three<O::Number> {
-        if self.has_axis() {
-            return self.of_axis(g);
+        match () {
+            () if self.has_axis() => self.of_axis(g),
+            () if self.has_quaternion() => self.of_quaternion(g),
+            () if self.way == 4 && !self.held => self.of_jacobian(g),
+            () => self.through(g, &self.of_rotation()),
         }
-        if self.has_quaternion() {
-            return self.of_quaternion(g);
-        }
-        self.through(g, &self.of_rotation())
+    }
+
+    /// By the left Jacobian V: dR = [V dw]_x R, so that g_w = V^T of what turns g R^T.
+    fn of_jacobian(&self, g: &Matrix<O::Number>) -> Three<O::Number> {
+        let r = self.matrix(self.w, &self.of_rotation());
+        let back = [0, 1, 2].map(|i| [0, 1, 2].map(|j| self.o.dot(&g[i], &r[j])));
+        self.along(self.turned(&back), -1.0)
     }
 
     /// By way of the angle and of the axis, which is divided by its length.

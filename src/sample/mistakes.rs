@@ -14,8 +14,11 @@ use crate::math::pow;
 
 /// One ray's positions as the mistakes have them.
 fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64> {
-    let unit = wrong.contains(&"unit_interval");
-    let (near, far) = if unit { (0.0, 1.0) } else { (number(a, "near"), number(a, "far")) };
+    let (near, far) = match () {
+        () if wrong.contains(&"unit_interval") => (0.0, 1.0),
+        () if wrong.contains(&"near_taken_for_zero") => (0.0, number(a, "far")),
+        () => (number(a, "near"), number(a, "far")),
+    };
     let mut u = row(a, "u", if wrong.contains(&"one_jitter_for_all_rays") { 0 } else { r });
     let n = u.len();
     let width = (far - near) / n as f64;
@@ -46,6 +49,10 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
     if wrong.contains(&"middles_not_halved") {
         let edge = |i: usize| near + i as f64 * width;
         return (0..n).map(|i| edge(i) + 0.5 * edge(i + 1)).collect();
+    }
+    if wrong.contains(&"ends_held") {
+        (u[0], u[n - 1]) = (0.0, 0.0);
+        return sample_along_ray(near, far, &u, Grid::EndsPlusSpacing);
     }
     bent(sample_along_ray(near, far, &u, c.grid), [near, far], &u, c, wrong)
 }
@@ -139,6 +146,7 @@ fn wrong_steps(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64
             }
             "first_gap_for_all" if n > 1 => deltas.fill(gap(0)),
             "last_gap_too_early" if n > 2 => deltas[n - 1] = gap(n - 3),
+            "last_delta_zero" => deltas = (0..n).map(|i| if i + 1 < n { gap(i) } else { 0.0 }).collect(),
             "first_ray_deltas" if n > 1 => deltas = (0..n).map(gap).collect(),
             _ => {}
         }

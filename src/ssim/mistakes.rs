@@ -3,7 +3,7 @@
 use ndarray::{Array3, ArrayView1, ArrayView3, Axis};
 
 use super::arrays::{form, forward, peak, picture, vjp};
-use super::{Form, Windows, backward, reach, ssim as oracle, value};
+use super::{Form, Moments, Windows, backward, reach, ssim as oracle, value};
 use crate::contract::arrays::{Arrays, number};
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, SsimWindow};
@@ -23,7 +23,10 @@ fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wr
     let n = windows.weights.len().pow(2) as f64;
     let mut sum = 0.0;
     for &place in &places {
-        let mut m = windows.moments(place);
+        let mut m = match () {
+            () if has("window_over_channels") => over_channels(&windows, place),
+            () => windows.moments(place),
+        };
         if has("covariance_not_corrected") {
             let corrected = if windows.unbiased == 1.0 { n / (n - 1.0) } else { 1.0 };
             (m.var_a, m.var_b, m.cov) = (corrected * m.var_a, corrected * m.var_b, m.cov / windows.unbiased);
@@ -40,15 +43,13 @@ fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wr
             () => {}
         }
         let [mut luminance, mut over, mut structure, mut under] = m.parts(peak);
-        if has("constants_not_squared") {
-            let more = [0.01 * peak * (1.0 - 0.01 * peak), 0.03 * peak * (1.0 - 0.03 * peak)];
-            (luminance, over, structure, under) =
-                (luminance + more[0], over + more[0], structure + more[1], under + more[1]);
-        }
         let [mut c1, mut c2] = [0.01, 0.03].map(|k: f64| (k * peak) * (k * peak));
         let [was_1, was_2] = [c1, c2];
-        if has("constants_exchanged") {
-            (c1, c2) = (c2, c1);
+        match () {
+            () if has("constants_exchanged") => (c1, c2) = (c2, c1),
+            () if has("constants_not_squared") => (c1, c2) = (0.01 * peak, 0.03 * peak),
+            () if has("factors_not_squared") => (c1, c2) = (0.01 * peak * peak, 0.03 * peak * peak),
+            () => {}
         }
         let own = |constant: &Mistake, c: f64| constant.among(wrong).map_or(c, |k| (k * peak) * (k * peak));
         let (more_1, more_2) = (own(&FIRST_CONSTANT, c1) - was_1, own(&SECOND_CONSTANT, c2) - was_2);
@@ -97,18 +98,50 @@ fn wrong_windows<'a>(
             [height, width].map(|length| reach(length, weights.len(), form.padding));
         windows.weights = weights;
     }
-    if has("border_repeated") {
-        let size = windows.weights.len();
-        let pixel = |n: usize, length: usize| Some((n.max(size / 2) - size / 2).min(length - 1));
-        let repeated =
-            |length| (0..length).map(|n| (n..n + size).map(|n| pixel(n, length)).collect()).collect();
-        [windows.rows, windows.columns] = [height, width].map(repeated);
+    let beyond: Option<fn(i64, i64) -> i64> = match () {
+        () if has("border_repeated") => Some(|n, length| n.clamp(0, length - 1)),
+        () if has("window_over_channels") => Some(mirrored),
+        () => None,
+    };
+    if let Some(pixel) = beyond {
+        let size = windows.weights.len() as i64;
+        let about =
+            |n: i64, length: i64| (n..n + size).map(|n| Some(pixel(n - size / 2, length) as usize)).collect();
+        [windows.rows, windows.columns] =
+            [height as i64, width as i64].map(|length| (0..length).map(|n| about(n, length)).collect());
     }
     let step = if has("windows_side_by_side") { windows.weights.len() } else { 1 };
     let looked_at =
         |[j, i, c]: &[usize; 3]| j % step == 0 && i % step == 0 && (*c == 0 || !has("first_channel_alone"));
     let places = windows.places().into_iter().filter(looked_at).collect();
     (windows, places)
+}
+
+/// The place that n stands for beyond a border which mirrors, as scipy's filters have it: the last one comes twice.
+fn mirrored(n: i64, length: i64) -> i64 {
+    let n = n.rem_euclid(2 * length);
+    n.min(2 * length - 1 - n)
+}
+
+/// Moments of a window that reaches over the channels too: each channel's within, and how far its means are off those of all.
+fn over_channels(windows: &Windows, [j, i, c]: [usize; 3]) -> Moments {
+    let channels = windows.a.dim().2;
+    let of_channel: Vec<Moments> = (0..channels).map(|c| windows.moments([j, i, c])).collect();
+    let mut shares = vec![0.0; channels];
+    let before = (windows.weights.len() / 2) as i64;
+    for (n, weight) in windows.weights.iter().enumerate() {
+        shares[mirrored((c + n) as i64 - before, channels as i64) as usize] += weight;
+    }
+    let mean = |of: fn(&Moments) -> f64| of_channel.iter().zip(&shares).map(|(m, w)| w * of(m)).sum::<f64>();
+    let (mean_a, mean_b) = (mean(|m| m.mean_a), mean(|m| m.mean_b));
+    let mut all = Moments { mean_a, mean_b, var_a: 0.0, var_b: 0.0, cov: 0.0 };
+    for (m, share) in of_channel.iter().zip(&shares) {
+        let (a, b, unbiased) = (m.mean_a - mean_a, m.mean_b - mean_b, windows.unbiased);
+        all.var_a += share * (m.var_a + unbiased * a * a);
+        all.var_b += share * (m.var_b + unbiased * b * b);
+        all.cov += share * (m.cov + unbiased * a * b);
+    }
+    all
 }
 
 /// That of one window over everything; its variances divided by n, or n - 1 alone.
@@ -120,7 +153,7 @@ fn global(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, corrected: bool) ->
     };
     let more = if corrected { n / (n - 1.0) } else { 1.0 };
     let (var_a, var_b) = (more * spread(&a, &a, [mean[0]; 2]), more * spread(&b, &b, [mean[1]; 2]));
-    let m = super::Moments { mean_a: mean[0], mean_b: mean[1], var_a, var_b, cov: spread(&a, &b, mean) };
+    let m = Moments { mean_a: mean[0], mean_b: mean[1], var_a, var_b, cov: spread(&a, &b, mean) };
     let [luminance, over, structure, under] = m.parts(peak);
     luminance * structure / (over * under)
 }

@@ -55,6 +55,7 @@ const ELSEWHERE: &[&str] = &[
     "unit_directions",
     "picture_transposed",
     "transmittance_before_last",
+    "last_factor_once_more",
 ];
 
 /// Mistakes of the caller, and those of every component: the first component that has a name owns it.

@@ -1,10 +1,12 @@
 //! Volume rendering on named arrays: batches on one side, slices of one ray on the other.
 
+use ndarray::{ArrayView1, Axis, s};
+
 use super::backward::Cotangent;
 use super::{Rendering, backward, composite_background, depth};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
-use crate::convention::{Backdrop, Conventions, Faint, OpacitySum, SigmaRelu};
+use crate::convention::{AlphaStop, Backdrop, Conventions, Faint, OpacitySum, SigmaRelu};
 use crate::math::Sum;
 
 /// The outputs of R rays as arrays.
@@ -165,8 +167,16 @@ pub(super) fn depths(a: &Arrays, c: &Conventions) -> Arrays {
 pub(super) fn depths_vjp(a: &Arrays, c: &Conventions) -> Arrays {
     let (rays, samples) = size(a, "weights");
     let g = values(a, "grad_depth");
-    let ray =
-        |r: usize| backward::depth(&row(a, "weights", r), &row(a, "t", r), c.depth, c.empty_depth, g[r]);
+    let ray = |r: usize| {
+        backward::depth(
+            &row(a, "weights", r),
+            &row(a, "t", r),
+            number(a, "far"),
+            c.depth,
+            c.empty_depth,
+            g[r],
+        )
+    };
     let (g_weights, g_t): (Vec<_>, Vec<_>) = (0..rays).map(ray).unzip();
     arrays([
         ("grad_weights", array(&[rays, samples], g_weights.concat())),
@@ -198,21 +208,101 @@ fn skipped(alpha: f64, c: &Conventions) -> bool {
     c.faint == Faint::Skipped && alpha < 1.0 / 255.0
 }
 
-/// The opacities that count: capped, and 0 where they are faint and skipped.
+/// An opacity under the cap, or 0.
+fn capped(alpha: f64, c: &Conventions) -> f64 {
+    if skipped(alpha, c) { 0.0 } else { alpha.min(c.alpha_cap.value()) }
+}
+
+/// The opacities that count: capped, and 0 where they are faint and skipped, and from where the ray ends.
 pub(super) fn counted(a: &Arrays, c: &Conventions) -> Arrays {
+    counted_to(a, c, &ends(a, c, |light, alpha| light * (1.0 - alpha)))
+}
+
+/// How many samples of each ray come before the first behind which less than 1e-4 of the light is left, where that ends it: of a program
+/// that finds the light behind a sample in this way.
+pub(super) fn ends(a: &Arrays, c: &Conventions, through: impl Fn(f64, f64) -> f64) -> Vec<usize> {
+    let end = |ray: ArrayView1<f64>| {
+        let mut light = 1.0;
+        let spent = |alpha: &f64| {
+            light = through(light, capped(*alpha, c));
+            light < LEAST_LIGHT
+        };
+        let spent = if c.alpha_stop == AlphaStop::InFront { ray.iter().position(spent) } else { None };
+        spent.unwrap_or(ray.len())
+    };
+    a["alphas"].lanes(Axis(1)).into_iter().map(end).collect()
+}
+
+/// The light at which a ray ends.
+pub(super) const LEAST_LIGHT: f64 = 1e-4;
+
+/// The opacities that count where rays end behind so many samples.
+pub(super) fn counted_to(a: &Arrays, c: &Conventions, ends: &[usize]) -> Arrays {
     let mut a = a.clone();
-    let one = |alpha: f64| if skipped(alpha, c) { 0.0 } else { alpha.min(c.alpha_cap.value()) };
-    a.get_mut("alphas").expect("an input").mapv_inplace(one);
+    let alphas = a.get_mut("alphas").expect("an input");
+    alphas.mapv_inplace(|alpha| capped(alpha, c));
+    for (mut ray, &end) in alphas.lanes_mut(Axis(1)).into_iter().zip(ends) {
+        ray.slice_mut(s![end..]).fill(0.0);
+    }
     a
 }
 
 /// The same without gradients of opacities that don't count as they are. A skipped 0 counts no more than its neighbors do.
-pub(super) fn gradients_of_counted(a: &Arrays, c: &Conventions, mut gradients: Arrays) -> Arrays {
+pub(super) fn gradients_of_counted(a: &Arrays, c: &Conventions, gradients: Arrays) -> Arrays {
+    gradients_to(a, c, &ends(a, c, |light, alpha| light * (1.0 - alpha)), gradients)
+}
+
+/// The same where rays end behind so many samples.
+pub(super) fn gradients_to(a: &Arrays, c: &Conventions, ends: &[usize], mut gradients: Arrays) -> Arrays {
     let gradient = gradients.get_mut("grad_alphas").expect("a gradient");
-    for (g, &alpha) in gradient.iter_mut().zip(&a["alphas"]) {
-        if skipped(alpha, c) || alpha > c.alpha_cap.value() {
-            *g = 0.0;
+    let rays = gradient.lanes_mut(Axis(1)).into_iter().zip(a["alphas"].lanes(Axis(1)));
+    for ((mut g, alphas), &end) in rays.zip(ends) {
+        for (i, g) in g.iter_mut().enumerate() {
+            if i >= end || skipped(alphas[i], c) || alphas[i] > c.alpha_cap.value() {
+                *g = 0.0;
+            }
         }
     }
     gradients
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::bound;
+    use super::*;
+    use crate::contract::arithmetic::{Arithmetic, Grade};
+    use crate::convention::CS180;
+
+    #[test]
+    fn a_ray_of_given_opacities_ends_where_next_to_no_light_is_left() {
+        let case = |alphas: &[f64]| {
+            let n = alphas.len();
+            arrays([
+                ("alphas", array(&[1, n], alphas.to_vec())),
+                ("rgbs", array(&[1, n, 3], vec![1.0; 3 * n])),
+            ])
+        };
+        let c = Conventions { alpha_stop: AlphaStop::InFront, ..CS180 };
+        let weights = |alphas: &[f64]| values(&render_alpha(&case(alphas), &c), "weights");
+        // 1/2 1e-5 would be left behind the second.
+        assert_eq!(weights(&[0.5, 1.0 - 1e-5, 0.25]), [0.5, 0.0, 0.0]);
+        assert_eq!(weights(&[0.5, 0.5, 0.25]), [0.5, 0.25, 0.0625]);
+        // Behind two opacities of 0.99 it is 1e-4, more or less: either is right.
+        let two = case(&[0.99, 0.99]);
+        let bound = bound::volume_render_alpha(&two, &c, &Arithmetic::new(Dtype::F32, Grade::A));
+        let off = values(&bound, "weights");
+        assert!(off[0] < 1e-6 && off[1] > 0.0099 && off[1] < 0.0100, "{off:?}");
+        // A gradient is that of the ray up to its end: of the last sample's opacity 0.01 g, or none.
+        let mut pulled = two.clone();
+        pulled.insert("grad_colors".into(), array(&[1, 3], vec![1.0; 3]));
+        pulled.insert("grad_weights".into(), array(&[1, 2], vec![0.0; 2]));
+        pulled.insert("grad_opacity".into(), array(&[1], vec![0.0]));
+        pulled.insert("grad_transmittance".into(), array(&[1], vec![0.0]));
+        let bound = bound::volume_render_alpha_vjp(&pulled, &c, &Arithmetic::new(Dtype::F32, Grade::A));
+        let off = values(&bound, "grad_alphas");
+        assert!(off[1] > 0.0299 && off[1] < 0.0301, "{off:?}");
+        let decided = case(&[0.99, 0.9899]);
+        let bound = bound::volume_render_alpha(&decided, &c, &Arithmetic::new(Dtype::F32, Grade::A));
+        assert!(values(&bound, "weights")[1] < 1e-6);
+    }
 }

@@ -111,13 +111,14 @@ pub fn composite_background(opacity: f64, background: [f64; 3], g: [f64; 3]) -> 
 /// Gradients of [`super::depth`] with respect to `weights` and `t`.
 ///
 /// z = sum w t / A: g_w_i = g (t_i - z) / A and g_t_i = g w_i / A. Where A = 0, both are 0, since `far` is a constant; but the first or
-/// last t has g, where that is an empty ray's depth by convention.
+/// last t has g, where that is an empty ray's depth by convention. z = sum w t + (1 - A) far: g_w_i = g (t_i - far) and g_t_i = g w_i.
 ///
 /// # Panics
 /// Where the lengths differ.
 pub fn depth(
     weights: &[f64],
     t: &[f64],
+    far: f64,
     convention: Depth,
     empty: EmptyDepth,
     g: f64,
@@ -127,7 +128,11 @@ pub fn depth(
     weights.iter().for_each(|&w| opacity.add(w));
     let opacity = opacity.value();
     match convention {
-        Depth::Plain => (t.iter().map(|&t| product(g, t)).collect(), weights.iter().map(|w| g * w).collect()),
+        Depth::Plain | Depth::FarBehind => {
+            let behind = if convention == Depth::FarBehind { far } else { 0.0 };
+            let g_weights = t.iter().map(|t| product(g, t - behind)).collect();
+            (g_weights, weights.iter().map(|w| g * w).collect())
+        }
         Depth::Divided if opacity == 0.0 => {
             let mut g_t = vec![0.0; t.len()];
             for i in 0..t.len() {

@@ -3,12 +3,17 @@
 //! Every form that the contract calls honest is covered: T as the exponential of a cumulative sum or as a cumulative
 //! product, sums in any order, the light behind a sample as a recursion, as a suffix sum, or as the total minus a prefix sum.
 
-use super::arrays::{cotangent, counted, gradients_of_counted, gradients_of_rectified};
+pub(crate) mod depth;
+
+use super::arrays::{
+    LEAST_LIGHT, cotangent, counted_to, ends, gradients_of_rectified, gradients_to, render_alpha,
+    render_alpha_vjp,
+};
 use super::backward::Cotangent;
 use crate::contract::arithmetic::{Arithmetic, Grade};
-use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
+use crate::contract::arrays::{Arrays, array, arrays, rgb, row, rows3, size, values};
 use crate::contract::bounded::{Bounded, Running, exact};
-use crate::convention::{AlphaCap, Backdrop, Conventions, Depth, EmptyDepth, OpacitySum, ProductEps};
+use crate::convention::{AlphaCap, AlphaStop, Backdrop, Conventions, OpacitySum, ProductEps};
 
 /// One ray with its errors.
 pub(crate) struct Ray {
@@ -237,9 +242,47 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arra
 
 /// Bound of [`super::volume_render_alpha`].
 pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
-    let a = &counted(a, c);
-    let (rays, _) = size(a, "alphas");
-    forward(&(0..rays).map(|r| Ray::from_alphas(a, r, c, m).over(c)).collect::<Vec<_>>(), c, m)
+    wherever_it_ends(a, c, m, |ends| {
+        let (a, c) = (&counted_to(a, c, ends), &Conventions { alpha_stop: AlphaStop::None, ..*c });
+        let (rays, _) = size(a, "alphas");
+        let rays: Vec<Ray> = (0..rays).map(|r| Ray::from_alphas(a, r, c, m).over(c)).collect();
+        (render_alpha(a, c), forward(&rays, c, m))
+    })
+}
+
+/// The bound where roundings may decide which sample of a ray is the last, as behind two opacities of 0.99: every end that is possible is
+/// right, so that it reaches from each to each. `at`: truth and bound where rays end behind so many samples.
+fn wherever_it_ends(
+    a: &Arrays,
+    c: &Conventions,
+    m: &Arithmetic,
+    at: impl Fn(&[usize]) -> (Arrays, Arrays),
+) -> Arrays {
+    let exact_ends = ends(a, c, |light, alpha| light * (1.0 - alpha));
+    let (truth, mut widest) = at(&exact_ends);
+    if c.alpha_stop == AlphaStop::None {
+        return widest;
+    }
+    let (rays, samples) = size(a, "alphas");
+    let whole = counted_to(a, c, &vec![samples; rays]);
+    let possible: Vec<[usize; 2]> = (0..rays).map(|r| possible_ends(&whole, r, c, m)).collect();
+    let steps = possible.iter().map(|[early, late]| late - early).max().unwrap_or(0);
+    for step in 0..=steps {
+        let ends: Vec<usize> = possible.iter().map(|[early, late]| (early + step).min(*late)).collect();
+        let (other, bound) = at(&ends);
+        for (name, widest) in &mut widest {
+            let apart = (&other[name] - &truth[name]).mapv(f64::abs) + &bound[name];
+            widest.zip_mut_with(&apart, |widest, apart| *widest = widest.max(*apart));
+        }
+    }
+    widest
+}
+
+/// The first and the last number of samples behind which a ray may end. `all`: opacities as they count, none left out at the end.
+fn possible_ends(all: &Arrays, r: usize, c: &Conventions, m: &Arithmetic) -> [usize; 2] {
+    let light = Ray::from_alphas(all, r, c, m).transmittance;
+    let end = |spent: fn(&Bounded) -> bool| light[1..].iter().position(spent).unwrap_or(light.len() - 1);
+    [end(|t| t.y - t.e < LEAST_LIGHT), end(|t| t.y + t.e < LEAST_LIGHT)]
 }
 
 /// Bound of [`super::backward::volume_render`].
@@ -263,20 +306,23 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> 
 
 /// Bound of [`super::backward::volume_render_alpha`].
 pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
-    let a = &counted(given, c);
-    let (rays, samples) = size(a, "alphas");
-    let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
-    for r in 0..rays {
-        let ray = Ray::from_alphas(a, r, c, m).over(c);
-        let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
-        g_alphas.extend(g_x.iter().map(|g| g.e));
-        g_rgbs.extend(g_rgb.concat());
-    }
-    let bounds = arrays([
-        ("grad_alphas", array(&[rays, samples], g_alphas)),
-        ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
-    ]);
-    gradients_of_counted(given, c, bounds)
+    wherever_it_ends(given, c, m, |ends| {
+        let (a, c) = (&counted_to(given, c, ends), &Conventions { alpha_stop: AlphaStop::None, ..*c });
+        let (rays, samples) = size(a, "alphas");
+        let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
+        for r in 0..rays {
+            let ray = Ray::from_alphas(a, r, c, m).over(c);
+            let (g_x, g_rgb) = ray.gradients(&cotangent(a, r), c.product_eps, m);
+            g_alphas.extend(g_x.iter().map(|g| g.e));
+            g_rgbs.extend(g_rgb.concat());
+        }
+        let bounds = arrays([
+            ("grad_alphas", array(&[rays, samples], g_alphas)),
+            ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
+        ]);
+        let [truth, bounds] = [render_alpha_vjp(a, c), bounds].map(|all| gradients_to(given, c, ends, all));
+        (truth, bounds)
+    })
 }
 
 /// Bound of [`super::composite_background`]: C + (1 - A) b, or C + b - A b.
@@ -318,75 +364,4 @@ pub(crate) fn composite_background_vjp(a: &Arrays, _: &Conventions, m: &Arithmet
         ("grad_opacity", array(&[opacity.len()], g_opacity)),
         ("grad_background", array(&[3], g_background)),
     ])
-}
-
-/// w . t, A and z = w . t / A of one ray.
-fn divided(a: &Arrays, r: usize, m: &Arithmetic) -> (Bounded, Bounded, Bounded) {
-    let weights: Vec<Bounded> = row(a, "weights", r).into_iter().map(exact).collect();
-    let t: Vec<Bounded> = row(a, "t", r).into_iter().map(exact).collect();
-    let (weighted, opacity) = (m.dot(&weights, &t), m.sum(&weights));
-    (weighted, opacity, m.div(weighted, opacity))
-}
-
-/// The largest number beside A, where one keeps empty rays from 0 / 0: it is told, and changes a depth by that over A.
-const BESIDE: f64 = 1e-6;
-
-/// How far a quotient by A may be off where A may have such a number beside it.
-fn beside(opacity: Bounded, powers: f64, c: &Conventions) -> f64 {
-    if c.empty_depth == EmptyDepth::Far { 0.0 } else { powers * BESIDE / opacity.y }
-}
-
-/// Bound of [`super::depth`]: the quotient of two sums, or the sum of normalized weights times t.
-pub(crate) fn depth(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
-    let (rays, samples) = size(a, "weights");
-    let error = |r: usize| {
-        let (weighted, opacity, z) = divided(a, r, m);
-        match c.depth {
-            Depth::Plain => weighted.e,
-            Depth::Divided if opacity.y == 0.0 && c.empty_depth == EmptyDepth::Far => {
-                m.rounded(number(a, "far"), 0.0).e
-            }
-            Depth::Divided if opacity.y == 0.0 => 0.0,
-            // Normalizing the weights first rounds each of them once more.
-            Depth::Divided => z.e + (m.u * samples.min(3) as f64 + beside(opacity, 1.0, c)) * z.size(),
-        }
-    };
-    arrays([("depth", array(&[rays], (0..rays).map(error).collect()))])
-}
-
-/// Bound of [`super::backward::depth`]: g (t - z) / A, or g t / A - g (w . t) / A^2.
-pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
-    let (rays, samples) = size(a, "weights");
-    let (mut g_weights, mut g_t) = (vec![], vec![]);
-    for (r, g) in values(a, "grad_depth").into_iter().enumerate() {
-        let (weighted, opacity, z) = divided(a, r, m);
-        for (w, t) in row(a, "weights", r).into_iter().zip(row(a, "t", r)) {
-            let (g, w, t) = (exact(g), exact(w), exact(t));
-            let (on_w, on_t) = match c.depth {
-                Depth::Plain => (m.mul(g, t), m.mul(g, w)),
-                // g t / eps, whatever eps is. The first and the last t that a depth is clipped to may be constants.
-                Depth::Divided if opacity.y == 0.0 && c.empty_depth != EmptyDepth::Far => {
-                    let clipped = c.empty_depth != EmptyDepth::Zero;
-                    let on_t = if clipped { g.size() } else { 0.0 };
-                    (exact(0.0).widened(f64::INFINITY), exact(0.0).widened(on_t))
-                }
-                Depth::Divided if opacity.y == 0.0 => (exact(0.0), exact(0.0)),
-                Depth::Divided => {
-                    let factored = m.div(m.mul(g, m.sub(t, z)), opacity);
-                    let square = m.mul(opacity, opacity);
-                    let terms = m.sub(m.mul(m.div(g, opacity), t), m.div(m.mul(g, weighted), square));
-                    // g t / A and g z / A cancel: each moves by the number beside A.
-                    let size = (g.size() * t.size() + g.size() * z.size()) / opacity.y;
-                    let on_t = m.div(m.mul(g, w), opacity).or(m.mul(m.div(g, opacity), w));
-                    (
-                        factored.or(terms).widened(beside(opacity, 2.0, c) * size),
-                        on_t.widened(beside(opacity, 1.0, c) * on_t.size()),
-                    )
-                }
-            };
-            g_weights.push(on_w.e);
-            g_t.push(on_t.e);
-        }
-    }
-    arrays([("grad_weights", array(&[rays, samples], g_weights)), ("grad_t", array(&[rays, samples], g_t))])
 }

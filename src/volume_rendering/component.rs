@@ -70,7 +70,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) equation 3, with alpha given",
     inputs: &[ALPHAS, RGBS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
-    conventions: &["product_eps", "alpha_cap", "faint", "backdrop", "opacity_sum"],
+    conventions: &["product_eps", "alpha_cap", "faint", "alpha_stop", "backdrop", "opacity_sum"],
     forward: Direction {
         oracle: arrays::render_alpha,
         bound: bound::volume_render_alpha,
@@ -135,13 +135,13 @@ pub(crate) const DEPTH: Component = Component {
     conventions: &["depth", "empty_depth"],
     forward: Direction {
         oracle: arrays::depths,
-        bound: bound::depth,
+        bound: bound::depth::expected,
         honest: honest::depth,
         wrong: mistakes::depth,
     },
     vjp: Some(Direction {
         oracle: arrays::depths_vjp,
-        bound: bound::depth_vjp,
+        bound: bound::depth::expected_vjp,
         honest: honest::depth_vjp,
         wrong: mistakes::depth_vjp,
     }),

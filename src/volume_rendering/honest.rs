@@ -1,7 +1,7 @@
 //! Honest implementations of volume rendering in emulated arithmetic: what the bound must never reject.
 
 use super::Rendering;
-use super::arrays::{cotangent, counted, gradients_of_counted, gradients_of_rectified, renderings};
+use super::arrays::{cotangent, counted_to, ends, gradients_of_rectified, gradients_to, renderings};
 use super::backward::Cotangent;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
 use crate::contract::machine::Machine;
@@ -80,7 +80,7 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays 
 
 /// Rendering from opacities.
 pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    let a = &counted(a, c);
+    let a = &counted_to(a, c, &ends(a, c, |light, alpha| passed(m, light, alpha)));
     let (rays, samples) = size(a, "alphas");
     renderings(samples, &(0..rays).map(|r| render_ray_alpha(a, r, c, m)).collect::<Vec<_>>())
 }
@@ -145,7 +145,8 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arr
 
 /// Gradient of rendering from opacities.
 pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    let a = &counted(given, c);
+    let ends = ends(given, c, |light, alpha| passed(m, light, alpha));
+    let a = &counted_to(given, c, &ends);
     let (rays, samples) = size(a, "alphas");
     let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
     for r in 0..rays {
@@ -159,7 +160,12 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, m: &Machi
         ("grad_alphas", array(&[rays, samples], g_alphas)),
         ("grad_rgbs", array(&[rays, samples, 3], g_rgbs)),
     ]);
-    gradients_of_counted(given, c, gradients)
+    gradients_to(given, c, &ends, gradients)
+}
+
+/// The light behind a sample.
+fn passed(m: &Machine, light: f64, alpha: f64) -> f64 {
+    m.mul(light, m.sub(1.0, m.round(alpha)))
 }
 
 /// C + (1 - A) b, or C + b - A b.
@@ -212,6 +218,15 @@ pub(crate) fn depth(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
         let opacity = beside(m.sum(&w), c, m);
         match c.depth {
             Depth::Plain => m.dot(&w, &t),
+            Depth::FarBehind => {
+                let (far, opacity) = (m.round(number(a, "far")), m.sum(&w));
+                match m.form % 3 {
+                    0 => m.add(m.dot(&w, &t), m.mul(m.sub(1.0, opacity), far)),
+                    1 => m.sub(m.add(m.dot(&w, &t), far), m.mul(opacity, far)),
+                    // One more sample.
+                    _ => m.dot(&[&w[..], &[m.sub(1.0, opacity)]].concat(), &[&t[..], &[far]].concat()),
+                }
+            }
             Depth::Divided if w.iter().all(|&w| w == 0.0) => match c.empty_depth {
                 EmptyDepth::Far => m.round(number(a, "far")),
                 EmptyDepth::Zero => m.div(0.0, opacity),
@@ -229,12 +244,15 @@ pub(crate) fn depth(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let (rays, samples) = size(a, "weights");
     let (mut g_weights, mut g_t) = (vec![], vec![]);
+    let far = m.round(number(a, "far"));
     for (r, g) in values(a, "grad_depth").into_iter().enumerate() {
         let (w, t) = (row(a, "weights", r), row(a, "t", r));
         let (weighted, opacity) = (m.dot(&w, &t), beside(m.sum(&w), c, m));
         for i in 0..samples {
             let (on_w, on_t) = match c.depth {
                 Depth::Plain => (m.mul(g, t[i]), m.mul(g, w[i])),
+                Depth::FarBehind if m.form % 2 == 0 => (m.mul(g, m.sub(t[i], far)), m.mul(g, w[i])),
+                Depth::FarBehind => (m.sub(m.mul(g, t[i]), m.mul(g, far)), m.mul(g, w[i])),
                 Depth::Divided if w.iter().all(|&w| w == 0.0) => (0.0, 0.0),
                 Depth::Divided if m.form % 2 == 0 => {
                     let centered = m.sub(t[i], m.div(weighted, opacity));

@@ -116,6 +116,9 @@ fn wrong_composite(
     if let Some(early) = early {
         rendering.transmittance[n] = early;
     }
+    if wrong.contains(&"last_factor_once_more") {
+        rendering.transmittance[n] *= 1.0 - alphas.last().unwrap_or(&0.0);
+    }
     if let Some(most) = WEIGHTS_CUT.among(wrong) {
         rendering.weights.iter_mut().filter(|w| **w < most).for_each(|w| *w = 0.0);
         rendering.color = std::array::from_fn(|k| (0..n).map(|i| rendering.weights[i] * rgbs[i][k]).sum());

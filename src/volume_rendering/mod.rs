@@ -139,8 +139,8 @@ pub fn composite_background(color: [f64; 3], opacity: f64, background: [f64; 3])
     std::array::from_fn(|k| color[k] + (1.0 - opacity) * background[k])
 }
 
-/// Expected distance: sum w_i t_i / A, and `far` where A = 0; or the sum alone. A sample without weight adds nothing, even at an
-/// infinite distance.
+/// Expected distance: sum w_i t_i / A, and `far` where A = 0; or the sum alone; or the sum and (1 - A) far. A sample without weight
+/// adds nothing, even at an infinite distance.
 ///
 /// # Convention
 /// `empty`: an empty ray's depth, where the sum is divided; the first and the last t of a ray without samples are `far` too.
@@ -157,6 +157,7 @@ pub fn composite_background(color: [f64; 3], opacity: f64, background: [f64; 3])
 /// assert_eq!(depth(&[0.25, 0.25], &[2.0, 4.0], 6.0, Depth::Divided), 3.0);
 /// assert_eq!(depth(&[0.25, 0.25], &[2.0, 4.0], 6.0, Depth::Plain), 1.5);
 /// assert_eq!(depth(&[0.0, 0.0], &[2.0, 4.0], 6.0, Depth::Divided), 6.0);
+/// assert_eq!(depth(&[0.25, 0.25], &[2.0, 4.0], 6.0, Depth::FarBehind), 4.5);
 /// ```
 pub fn depth(weights: &[f64], t: &[f64], far: f64, convention: Depth, empty: EmptyDepth) -> f64 {
     assert_eq!(weights.len(), t.len(), "weights and t: one each a sample");
@@ -167,6 +168,12 @@ pub fn depth(weights: &[f64], t: &[f64], far: f64, convention: Depth, empty: Emp
     }
     match convention {
         Depth::Plain => weighted.value(),
+        Depth::FarBehind => {
+            // Term by term, as 1 - A cancels.
+            weights.iter().for_each(|w| weighted.add(-product(*w, far)));
+            weighted.add(far);
+            weighted.value()
+        }
         Depth::Divided if opacity.value() == 0.0 => match empty {
             EmptyDepth::Zero => 0.0,
             EmptyDepth::First if !t.is_empty() => t[0],

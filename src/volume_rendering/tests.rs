@@ -121,8 +121,8 @@ fn gradients_of_rendering() {
 #[test]
 fn gradients_of_depth() {
     let (weights, t, far) = ([0.25, 0.125, 0.5], [2.0, 3.5, 5.0], 6.0);
-    for convention in [Depth::Divided, Depth::Plain] {
-        let (g_weights, g_t) = backward::depth(&weights, &t, convention, EmptyDepth::Far, 0.75);
+    for convention in [Depth::Divided, Depth::Plain, Depth::FarBehind] {
+        let (g_weights, g_t) = backward::depth(&weights, &t, far, convention, EmptyDepth::Far, 0.75);
         for i in 0..3 {
             let moved = |x: [f64; 3], h: f64| {
                 std::array::from_fn::<f64, 3, _>(|j| if i == j { x[j] + h } else { x[j] })
@@ -237,20 +237,22 @@ fn vr7_depth_of_an_empty_ray() {
     assert_eq!(all.map(|of| depth(&[], &[], 6.0, Depth::Divided, of)), [6.0, 0.0, 6.0, 6.0]);
     // Where there is any weight, the convention says nothing.
     assert_eq!(all.map(|of| depth(&[0.5; 3], &[1.0, 2.0, 3.0], 6.0, Depth::Divided, of)), [2.0; 4]);
+    // Where far lies behind the samples, an empty ray ends there without a rule of its own.
+    assert_eq!(all.map(|of| depth(&[0.0; 3], &[1.0, 2.0, 3.0], 6.0, Depth::FarBehind, of)), [6.0; 4]);
     // A sample at infinity that has no weight.
-    for convention in [Depth::Divided, Depth::Plain] {
+    for convention in [Depth::Divided, Depth::Plain, Depth::FarBehind] {
         let (weights, t) = ([0.25, 0.75, 0.0], [2.0, 4.0, f64::INFINITY]);
         assert_eq!(depth(&weights, &t, 6.0, convention, EmptyDepth::Far), 3.5);
-        let (g_weights, g_t) = backward::depth(&weights, &t, convention, EmptyDepth::Far, 0.0);
+        let (g_weights, g_t) = backward::depth(&weights, &t, 6.0, convention, EmptyDepth::Far, 0.0);
         assert_eq!((g_weights, g_t), (vec![0.0; 3], vec![0.0; 3]));
-        assert_eq!(backward::depth(&weights, &t, convention, EmptyDepth::Far, 1.0).1, weights);
+        assert_eq!(backward::depth(&weights, &t, 6.0, convention, EmptyDepth::Far, 1.0).1, weights);
     }
     // What an empty ray's depth is has a gradient of its own.
-    let of = |empty| backward::depth(&[0.0; 2], &[1.0, 2.0], Depth::Divided, empty, 3.0);
+    let of = |empty| backward::depth(&[0.0; 2], &[1.0, 2.0], 6.0, Depth::Divided, empty, 3.0);
     assert_eq!(of(EmptyDepth::Zero), (vec![0.0; 2], vec![0.0; 2]));
     assert_eq!(of(EmptyDepth::First), (vec![0.0; 2], vec![3.0, 0.0]));
     assert_eq!(of(EmptyDepth::Last), (vec![0.0; 2], vec![0.0, 3.0]));
-    let g = backward::depth(&[0.0; 2], &[1.0, 2.0], Depth::Divided, EmptyDepth::Far, 1.0);
+    let g = backward::depth(&[0.0; 2], &[1.0, 2.0], 6.0, Depth::Divided, EmptyDepth::Far, 1.0);
     assert_eq!(g, (vec![0.0; 2], vec![0.0; 2]));
     let opacity: f64 = [0.0; 3].iter().sum();
     assert!((opacity / opacity).is_nan(), "the textbook's quotient");

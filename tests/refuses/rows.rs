@@ -87,7 +87,7 @@ fn rendering() -> Vec<Row> {
         volume_rendering::depth(&ones(weights), &ones(t), 6.0, Depth::Plain, EmptyDepth::Far);
     }
     fn depth_vjp(weights: usize, t: usize) {
-        volume_rendering::backward::depth(&ones(weights), &ones(t), Depth::Plain, EmptyDepth::Far, 1.0);
+        volume_rendering::backward::depth(&ones(weights), &ones(t), 6.0, Depth::Plain, EmptyDepth::Far, 1.0);
     }
     fn trace(u: usize, sigmas: usize, rgbs: usize) {
         let k = Intrinsics { fx: 4.0, fy: 4.0, cx: 2.0, cy: 1.0 };

@@ -141,3 +141,35 @@ def disparity(weights, t):
 def far_where_something_is(weights, t, far):
     """far is added times A, for 1 - A."""
     return (weights * t).sum(-1) + far * weights.sum(-1)
+
+
+@convention("depth", {"depth": "far_behind"}, seen="renderers that end what passes at far, as with a background", times=3)
+def far_for_what_passes(weights, t, far):
+    """sum w t + (1 - A) far."""
+    return (weights * t).sum(-1) + (1 - weights.sum(-1)) * far
+
+
+@convention("depth", {"depth": "far_behind"}, seen="the weights' rest as one more sample", times=1, arrays="numpy", gradient="none")
+def far_as_one_more_sample(weights, t, far):
+    """The rest of the light is a weight of its own."""
+    rest = 1 - weights.sum(-1, keepdims=True)
+    weights = np.concatenate([weights, rest], -1)
+    t = np.concatenate([t, np.full_like(rest, far)], -1)
+    return (weights * t).sum(-1)
+
+
+def step_ends(t, far):
+    """Where each step ends: at the next sample, the last one at far."""
+    return torch.cat([t[:, 1:], torch.full_like(t[:, :1], far)], 1)[:, : t.shape[1]]
+
+
+@fault("depth", "steps_summed_for_t", seen="a trial on unseen code: weights times cumsum(deltas)", gradient="none")
+def sum_of_the_steps(weights, t, far):
+    """The steps' cumulative sum in the place of t."""
+    return (weights * (step_ends(t, far) - t[:, :1])).sum(-1)
+
+
+@fault("depth", "middles_of_steps", seen="a trial on unseen code", gradient="none")
+def middles_of_steps_and_far(weights, t, far):
+    """sum w (t + delta / 2) + (1 - A) far."""
+    return (weights * 0.5 * (t + step_ends(t, far))).sum(-1) + (1 - weights.sum(-1)) * far

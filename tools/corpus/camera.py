@@ -315,3 +315,10 @@ def one_focal_length_and_one_center(K, uv, s):
     """fx and cx for both axes."""
     x, y = (uv[:, 0] - K[0, 2]) / K[0, 0], (uv[:, 1] - K[0, 2]) / K[0, 0]
     return torch.stack([s * x, s * y, s], -1)
+
+
+@fault("pixel_to_camera", "depths_along_coordinates", seen="a trial on unseen code: points * s", arrays="numpy")
+def depths_by_broadcasting(K, uv, s):
+    """(M, 3) times (M): an error but for one point and for three."""
+    points = np.stack([(uv[:, 0] - K[0, 2]) / K[0, 0], (uv[:, 1] - K[1, 2]) / K[1, 1], np.ones_like(s)], -1)
+    return points * s

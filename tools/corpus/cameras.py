@@ -162,6 +162,15 @@ def for_opengl(q, t):
     return inverse_of_the_matrix(q, t) * torch.tensor([1, -1, -1, 1], dtype=q.dtype)
 
 
+@fault("pose_from_colmap", "sign_of_w_z_above", seen="a matrix typed by hand", times=1)
+def one_sign_wrong(q, t):
+    """2 (x y + w z) in both places."""
+    rotation = entries(torch.nn.functional.normalize(q, dim=-1)).clone()
+    rotation[:, 0, 1] = rotation[:, 1, 0]
+    back = rotation.transpose(1, 2)
+    return whole(back, -(back @ t[..., None])[..., 0])
+
+
 @fault("pose_from_colmap", "scalar_last", seen="scipy's Rotation.from_quat(qvec)", times=1)
 def as_scipy_has_it(q, t):
     """x, y, z, w."""
@@ -263,3 +272,16 @@ def second_line_with_the_others_coefficients(points, coefficients):
     u = x * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * x * x)
     v = y * radial + 2 * k[2] * x * y + k[3] * (r2 + 2 * y * y)
     return torch.stack([u, v], -1)
+
+
+@fault("lens_distort", "two_radial_coefficients", seen="a trial on unseen code: 1 + k1 r^2 + k2 r^4")
+def first_two_alone(points, coefficients):
+    """k1 and k2; the rest isn't read."""
+    r2 = (points * points).sum(-1, keepdim=True)
+    return points * (1 + r2 * (coefficients[0] + r2 * coefficients[1]))
+
+
+@fault("lens_undistort", "two_radial_coefficients", seen="a trial on unseen code, forth")
+def undone_by_the_first_two(distorted, coefficients):
+    """Newton's method for a lens of k1 and k2."""
+    return newton(distorted, coefficients[:2], 10)

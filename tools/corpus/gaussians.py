@@ -283,3 +283,56 @@ def one_color_from_all_sides(means, camera_center, coefficients):
 def constant_band(means, camera_center, coefficients):
     """The first coefficient and 1/2, not below 0."""
     return torch.clamp_min(0.5 + 0.28209479177387814 * coefficients[:, 0], 0.0)
+
+
+@fault("gaussian_color", "band_1_signs", seen="a trial on unseen code: +C1 y, +C1 z, +C1 x above the rasterizer's other bands")
+def band_one_without_signs(means, camera_center, coefficients):
+    """The rasterizer's harmonics but for + in all of band 1."""
+    width = coefficients.shape[1]
+    signs = torch.tensor([1.0, -1.0, 1.0, -1.0] + [1.0] * 21)[:width]
+    y = signs * basis(F.normalize(means - camera_center, dim=-1), width)
+    return torch.clamp_min((y[..., None] * coefficients).sum(1) + 0.5, 0.0)
+
+
+@fault("gaussian_color", "third_band_left_out", seen="a trial on unseen code: `pass` where band 3 belongs")
+def three_bands_of_four(means, camera_center, coefficients):
+    """Bands 0 to 2, whatever there is."""
+    return as_the_rasterizer_colors(means, camera_center, coefficients[:, :9])
+
+
+def in_the_picture(t, sigma, j, k):
+    """Means as they are, covariances by this Jacobian."""
+    return drawn((t @ k.mT)[:, :2] / t[:, 2:], j @ sigma @ j.mT, t[:, 2], 0.1)
+
+
+@fault("gaussian_projection", "angle_for_tangent", seen="a trial on unseen code: 1.3 fov for 1.3 tan(fov / 2)", gradient="none")
+def held_by_the_angle(means, covariances, w2c, K, width, height):
+    """1.3 times the field of view, an angle, limits the slopes."""
+    t, sigma = in_camera(means, covariances, w2c)
+    limit = 1.3 * 2 * torch.atan(torch.stack([0.5 * width / K[0, 0], 0.5 * height / K[1, 1]]))
+    slopes = t[:, :2] / t[:, 2:]
+    j = jacobian(torch.minimum(torch.maximum(slopes, -limit), limit), t[:, 2], K)
+    return in_the_picture(t, sigma, j, K)
+
+
+@fault("gaussian_projection", "jacobian_without_depth", seen="a trial on unseen code: two columns", gradient="none")
+def scaled_by_the_depth(means, covariances, w2c, K, width, height):
+    """diag(fx / z, fy / z) and nothing beside it."""
+    t, sigma = in_camera(means, covariances, w2c)
+    return in_the_picture(t, sigma, jacobian(torch.zeros_like(t[:, :2]), t[:, 2], K), K)
+
+
+@fault("gaussian_projection", "one_depth_for_all", seen="a trial on unseen code: depths.mean()", gradient="none")
+def mean_depth(means, covariances, w2c, K, width, height):
+    """The mean of all depths in each Jacobian, limits as gsplat's."""
+    t, sigma = in_camera(means, covariances, w2c)
+    z = t[:, 2].mean().expand(len(t))
+    low, high = around_the_picture(K, width, height)
+    slopes = torch.minimum(torch.maximum(t[:, :2] / z[:, None], low), high)
+    return in_the_picture(t, sigma, jacobian(slopes, z, K), K)
+
+
+@fault("gaussian_alpha", "exponent_floored", seen="a trial on unseen code: clamp(min=-10) before exp")
+def never_below_exp_of_minus_ten(pixels, means2d, conics, opacities):
+    """exp(max(power, -10))."""
+    return opacities * torch.exp(exponent(pixels, means2d, conics).clamp(min=-10.0))

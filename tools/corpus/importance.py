@@ -167,3 +167,34 @@ def even_bins_assumed(edges, weights, padding, u):
     even = torch.linspace(0.0, 1.0, cdf.shape[-1]).expand_as(cdf)
     places = inverted(even, cdf, u)
     return edges[:, :1] + places * (edges[:, -1:] - edges[:, :1])
+
+
+@fault("importance_sampling", "last_bin_zeroed", seen="a trial on unseen code", gradient="none")
+def nothing_in_the_last_bin(edges, weights, padding, u):
+    """The last weight counts as 0."""
+    weights = torch.cat([weights[..., :-1], torch.zeros_like(weights[..., -1:])], -1)
+    return inverted(edges, steps(weights, padding), u)
+
+
+@fault("importance_sampling", "eps_after_division", seen="a trial on unseen code", gradient="none")
+def shares_with_a_little_more(edges, weights, padding, u):
+    """1e-4 is added to every bin's share: F ends beyond 1."""
+    shares = torch.diff(steps(weights, padding), dim=-1) + 1e-4
+    return inverted(edges, torch.cat([torch.zeros_like(shares[..., :1]), torch.cumsum(shares, -1)], -1), u)
+
+
+@fault(
+    "importance_sampling",
+    "upper_edge_held_by_sample_count",
+    seen="a trial on unseen code",
+    gradient="none",
+)
+def far_edge_held_by_the_samples(edges, weights, padding, u):
+    """The far edge's number is M - 1 at most, where M samples are asked for."""
+    cdf = steps(weights, padding)
+    found = torch.searchsorted(cdf.contiguous(), u.contiguous(), right=True)
+    below, above = (found - 1).clamp(min=0), found.clamp(max=u.shape[-1] - 1)
+    low, high = torch.gather(cdf, -1, below), torch.gather(cdf, -1, above)
+    first, last = torch.gather(edges, -1, below), torch.gather(edges, -1, above)
+    width = torch.where(high == low, torch.ones_like(low), high - low)
+    return first + (u - low) / width * (last - first)

@@ -295,6 +295,12 @@ def shrunk_first(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
     return corrected_denominator(params * (1 - lr * weight_decay), grad, m, v, step, lr, beta1, beta2, eps, 0.0)
 
 
+@fault("adam_step", "betas_of_its_own", seen="a trial on unseen code", arrays="numpy")
+def usual_betas(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
+    """0.9 and 0.999, whatever is handed over."""
+    return corrected_moments(params, grad, m, v, step, lr, 0.9, 0.999, eps, weight_decay)
+
+
 @fault("psnr", "peak_scaled", seen="a code whose peak is 8")
 def peak_of_eight(prediction, target, peak):
     """Eight times the peak."""

@@ -257,3 +257,12 @@ def functions_of_the_last_band(x, L):
     for f in octaves(L):
         functions += [lambda x: torch.sin(f * x), lambda x: torch.cos(f * x)]  # noqa: B023
     return torch.cat([x, *(function(x) for function in functions)], -1)
+
+
+@fault("positional_encoding", "last_band_everywhere", seen="a trial on unseen code: the loop's variable read after the loop")
+def one_frequency_for_all(x, L):
+    """sin and cos of 2^(L - 1) pi x, L times."""
+    f = 1.0
+    for f in octaves(L):
+        pass
+    return bands(x, [f] * L)

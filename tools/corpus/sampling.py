@@ -356,3 +356,39 @@ def one_number_a_ray(rays_o, rays_d, near, far, u):
     """Each ray is moved as a whole."""
     edges = ends(near, far, u.shape[1] + 1)
     return on_rays(rays_o, rays_d, edges[:-1] + (edges[1:] - edges[:-1]) * u[:, :1])
+
+
+@fault("sample_along_rays", "ends_held", seen="a trial on unseen code: depth[:, 1:-1] += rand * gap", gradient="none")
+def noise_between_the_ends(rays_o, rays_d, near, far, u):
+    """linspace with both ends; all samples but these are moved by u times the gap."""
+    n = u.shape[1]
+    t = ends(near, far, n).expand(u.shape).clone()
+    t[:, 1:-1] += u[:, 1:-1] * (far - near) / max(n - 1, 1)
+    return on_rays(rays_o, rays_d, t)
+
+
+@fault("sample_along_rays", "near_taken_for_zero", seen="not met with a jitter", times=0, gradient="none")
+def intervals_from_zero(rays_o, rays_d, near, far, u):
+    """(i + u) far / N."""
+    n = u.shape[1]
+    return on_rays(rays_o, rays_d, (torch.arange(n) + u) / n * far)
+
+
+@fault(
+    "sample_along_rays",
+    "near_taken_for_zero+left_edges_alone",
+    seen="a trial on unseen code: pos + vec * d / N * max_depth",
+    gradient="none",
+)
+def left_edges_from_zero(rays_o, rays_d, near, far, u):
+    """i far / N: neither near nor u is read."""
+    n = u.shape[1]
+    return on_rays(rays_o, rays_d, (torch.arange(n, dtype=u.dtype) / n * far).expand(u.shape))
+
+
+@fault("step_sizes", "last_delta_zero", seen="a trial on unseen code: differences written into zeros_like(t)")
+def differences_into_zeros(t):
+    """t_{i+1} - t_i, and 0 for the last."""
+    steps = torch.zeros_like(t)
+    steps[..., :-1] = t[..., 1:] - t[..., :-1]
+    return steps

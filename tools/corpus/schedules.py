@@ -122,7 +122,13 @@ def as_they_come(gradients, scale):
     return found.to(torch.int64), torch.where(found, 0 * torch.nan_to_num(gradients), gradients)
 
 
-@fault("unscale_gradients", seen="not met in this reading: the largest number alone is looked at", times=0)
+@fault("unscale_gradients", "nan_not_looked_for", seen="isinf for isfinite, in a loop by hand", times=1)
+def infinities_alone(gradients, scale):
+    """isinf().any()."""
+    return torch.isinf(gradients).any().to(torch.int64), gradients / scale
+
+
+@fault("unscale_gradients", "largest_alone", seen="a loop by hand that looks at the largest number", times=1)
 def largest_alone(gradients, scale):
     """max() == inf: neither -inf nor, in most languages, NaN."""
     return (gradients.max() == torch.inf).to(torch.int64), gradients / scale
@@ -145,6 +151,12 @@ def shrunk_before_the_step(params, grad, m, v, step, lr, beta1, beta2, eps, weig
 def penalty_in_the_gradient(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
     """grad + wd p."""
     return adam(params, grad + weight_decay * params, m, v, step, lr, beta1, beta2, eps)
+
+
+@fault("adamw_step", "betas_of_its_own", seen="a trial on unseen code, in Adam", arrays="numpy")
+def decayed_with_the_usual_betas(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
+    """0.9 and 0.999, whatever is handed over."""
+    return adam(params * (1 - lr * weight_decay), grad, m, v, step, lr, 0.9, 0.999, eps)
 
 
 @fault("clip_by_global_norm", "squares_squared", seen="entrenar#311", gradient="none")

@@ -203,3 +203,28 @@ def squares_of_variances(prediction, target, peak):
     va, vb = (blur(x * x, window) - m * m for x, m in ((prediction, ma), (target, mb)))
     cov = blur(prediction * target, window) - ma * mb
     return ((2 * ma * mb + c1) * (2 * cov + c2) / ((ma**2 + mb**2 + c1) * (va**2 + vb**2 + c2))).mean()
+
+
+@fault("ssim", "factors_not_squared", seen="a student's metrics: C1 = k1 * L ** 2", times=1)
+def power_without_parentheses(prediction, target, peak):
+    """0.01 peak^2 and 0.03 peak^2."""
+    window = torch.outer(line(), line())
+    return similarity_map(prediction, target, 0.01 * peak**2, 0.03 * peak**2, lambda x: blur(x, window)).mean()
+
+
+def even_along(x, axis, size=7):
+    """A moving mean along an axis that is mirrored beyond its ends, the last element twice: one axis of uniform_filter."""
+    length = x.shape[axis]
+    at = (torch.arange(length)[:, None] + torch.arange(size) - size // 2) % (2 * length)
+    at = torch.where(at < length, at, 2 * length - 1 - at)
+    return x.index_select(axis, at.flatten()).unflatten(axis, (length, size)).mean(axis + 1)
+
+
+@fault("ssim", "window_over_channels", seen="a trial on unseen code: scipy.ndimage.uniform_filter of (H, W, C)", gradient="none")
+def boxes_of_three_axes(prediction, target, peak):
+    """Even windows of 7 x 7 x 7 about every pixel: along both sides, and over the channels."""
+
+    def mean(x):
+        return even_along(even_along(even_along(x, 0), 1), 2)
+
+    return similarity_map(prediction, target, *constants(peak), mean).mean()

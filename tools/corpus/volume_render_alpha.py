@@ -104,6 +104,14 @@ def light_left_one_sample_early(alphas, rgbs):
     return *summed(product[:, :-1] * alphas, rgbs), product[:, -2] if alphas.shape[1] else product[:, -1]
 
 
+@fault("volume_render_alpha", "last_factor_once_more", seen="a splat renderer's final T", times=1)
+def last_sample_shades_twice(alphas, rgbs):
+    """The loop's T has the last sample in it already; behind the loop it is multiplied once more."""
+    product = torch.cumprod(factors(alphas), 1)
+    left = product[:, -1] * (1 - alphas[:, -1]) if alphas.shape[1] else product[:, -1]
+    return *summed(product[:, :-1] * alphas, rgbs), left
+
+
 @fault("volume_render_alpha", "opacity_as_transmittance", "opacity_in_front_as_transmittance", seen="a teaching code's fine samples", times=3)
 def hidden_shows(alphas, rgbs):
     """One minus T stands for T."""

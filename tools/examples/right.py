@@ -37,7 +37,7 @@ def composite_background(colors, opacity, background):
 def sample_along_rays(rays_o, rays_d, near, far, u):
     """One sample in each of N equal intervals."""
     n = u.shape[-1]
-    t = near + (torch.arange(n, dtype=u.dtype) + u) * ((far - near) / n)
+    t = near + (torch.arange(n, dtype=u.dtype, device=u.device) + u) * ((far - near) / n)
     return t, rays_o[:, None] + t[..., None] * rays_d[:, None]
 
 

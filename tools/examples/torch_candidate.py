@@ -33,7 +33,7 @@ def image_rays(height, width, focal, cx, cy, c2w):
     """Centers of all pixels."""
     v, u = torch.meshgrid(torch.arange(height) + 0.5, torch.arange(width) + 0.5, indexing="ij")
     uv = torch.stack([u, v], -1).to(c2w)
-    K = torch.tensor([[focal, 0, cx], [0, focal, cy], [0, 0, 1]], dtype=c2w.dtype)
+    K = c2w.new_tensor([[focal, 0, cx], [0, focal, cy], [0, 0, 1]])
     return uv, *pixel_to_ray(K, c2w, uv)
 
 

@@ -294,6 +294,14 @@ pub(crate) const PIXEL_TO_CAMERA: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "depths_along_coordinates",
+        "points of shape (M, 3) times s of shape (M): coordinate j of each point times s_j",
+        "an error but for three points, whose coordinates are stretched, and for one",
+        "s[:, None]",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "depth_forgotten",
         "x_c = K^-1 (u, v, 1), whatever the depth is",
         "every point lies at depth 1",

@@ -11,6 +11,7 @@ pub(super) const GSPLAT: Profile = Profile {
         radius_floor: RadiusFloor::Hundredth,
         alpha_cap: AlphaCap::Thousandth,
         faint: Faint::Skipped,
+        alpha_stop: AlphaStop::InFront,
         positive_power: PositivePower::Skipped,
         stop: Stop::InFront,
         harmonic_form: HarmonicForm::Normalized,
@@ -41,6 +42,10 @@ pub(super) const GSPLAT: Profile = Profile {
         (
             "faint",
             "gsplat/cuda/csrc/RasterizeToPixels3DGSFwd.cu: alpha < ALPHA_THRESHOLD, 1 / 255, is skipped",
+        ),
+        (
+            "alpha_stop",
+            "gsplat/cuda/csrc/RasterizeToPixels3DGSFwd.cu: next_T <= 1e-4 ends the pixel, that splat left out",
         ),
         ("positive_power", "gsplat/cuda/csrc/RasterizeToPixels3DGSFwd.cu: sigma < 0 is skipped"),
         (
@@ -74,6 +79,7 @@ pub(super) const INRIA: Profile = Profile {
         compensation_floor: CompensationFloor::FiveThousandths,
         alpha_cap: AlphaCap::Hundredth,
         faint: Faint::Skipped,
+        alpha_stop: AlphaStop::InFront,
         positive_power: PositivePower::Skipped,
         cap_gradient: CapGradient::Through,
         conic_gradient: ConicGradient::Entry,
@@ -105,6 +111,10 @@ pub(super) const INRIA: Profile = Profile {
         ),
         ("alpha_cap", "cuda_rasterizer/forward.cu renderCUDA: min(0.99, con_o.w * exp(power))"),
         ("faint", "cuda_rasterizer/forward.cu renderCUDA: alpha < 1 / 255 is skipped"),
+        (
+            "alpha_stop",
+            "cuda_rasterizer/forward.cu renderCUDA: test_T < 0.0001 ends the pixel, that splat left out",
+        ),
         ("positive_power", "cuda_rasterizer/forward.cu renderCUDA: power > 0 is skipped"),
         (
             "cap_gradient",

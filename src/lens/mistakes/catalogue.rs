@@ -58,6 +58,14 @@ pub(super) const K3_DROPPED: Mistake = Mistake::new(
     "readers of four coefficients that take what they know",
     0,
 );
+pub(super) const TWO_RADIAL: Mistake = Mistake::new(
+    "two_radial_coefficients",
+    "1 + k1 r^2 + k2 r^4 alone: neither p1, p2 nor k3 to k6",
+    "edges are pixels off, to one side where the lens sits askew",
+    "all coefficients that there are",
+    "1 public implementation",
+    1,
+);
 pub(super) const EVERY_POWER: Mistake = Mistake::new(
     "every_power",
     "1 + k1 r^2 + k2 r^3 + k3 r^4",
@@ -165,6 +173,7 @@ pub(crate) const LENS_DISTORT: &[Mistake] = &[
     K4_IN_THE_NUMERATOR,
     DENOMINATOR_DROPPED,
     K3_DROPPED,
+    TWO_RADIAL,
     EVERY_POWER,
     ALL_IN_THE_NUMERATOR,
     RADIUS_DOUBLED,
@@ -253,6 +262,7 @@ pub(crate) const LENS_UNDISTORT: &[Mistake] = &[
     K4_IN_THE_NUMERATOR,
     DENOMINATOR_DROPPED,
     K3_DROPPED,
+    TWO_RADIAL,
     EVERY_POWER,
     ALL_IN_THE_NUMERATOR,
     RADIUS_DOUBLED,

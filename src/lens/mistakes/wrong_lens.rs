@@ -3,7 +3,7 @@
 use glam::{DMat2, DVec2};
 
 /// What this is about, by name.
-pub(super) const MISREAD: [&str; 18] = [
+pub(super) const MISREAD: [&str; 19] = [
     "tangential_swapped",
     "tangential_missing",
     "radius_not_squared",
@@ -11,6 +11,7 @@ pub(super) const MISREAD: [&str; 18] = [
     "k4_in_the_numerator",
     "denominator_dropped",
     "k3_dropped",
+    "two_radial_coefficients",
     "every_power",
     "all_in_the_numerator",
     "radius_doubled",
@@ -87,6 +88,9 @@ fn places(has: impl Fn(&str) -> bool) -> [Option<usize>; 8] {
     }
     if has("k4_in_the_numerator") || has("denominator_dropped") {
         (places[6], places[7]) = (None, None);
+    }
+    if has("two_radial_coefficients") {
+        places[2..].fill(None);
     }
     places
 }

@@ -191,6 +191,15 @@ const UPHILL: Mistake = Mistake::new(
     0,
 );
 
+const BETAS_OF_ITS_OWN: Mistake = Mistake::new(
+    "betas_of_its_own",
+    "0.9 and 0.999 are written in, whatever beta1 and beta2 are",
+    "means longer or shorter than what was asked for: nothing shows where betas are the usual ones",
+    "the betas that are handed over",
+    "1 public implementation",
+    1,
+);
+
 pub(super) const EPS_OF_ITS_OWN: Mistake = Mistake::new(
     "eps_of_its_own",
     "an eps that is written in, whatever eps is",
@@ -242,6 +251,7 @@ pub(crate) const ADAM_STEP: &[Mistake] = &[
     EPS_FORGOTTEN,
     RATE_OVER_ROOT_OF_STEP,
     UPHILL,
+    BETAS_OF_ITS_OWN,
     EPS_OF_ITS_OWN,
     MEANS_BEGIN_AT_EPS,
 ];
@@ -317,6 +327,7 @@ pub(crate) const ADAMW_STEP: &[Mistake] = &[
     EPS_FORGOTTEN,
     RATE_OVER_ROOT_OF_STEP,
     UPHILL,
+    BETAS_OF_ITS_OWN,
     EPS_OF_ITS_OWN,
     MEANS_BEGIN_AT_EPS,
 ];

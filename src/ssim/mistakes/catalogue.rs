@@ -73,6 +73,14 @@ pub(crate) const SSIM: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "factors_not_squared",
+        "c1 = 0.01 peak^2, c2 = 0.03 peak^2: the power without its parentheses",
+        "values close to 1 whatever the pictures",
+        "(0.01 peak)^2 and (0.03 peak)^2",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "squared_means_kept",
         "E[a^2] for the variance, E[a b] for the covariance",
         "bright pictures are alike whatever is on them",
@@ -270,6 +278,14 @@ pub(crate) const SSIM: &[Mistake] = &[
         "pictures with light and dark exchanged look alike",
         "the covariance with its sign",
         "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "window_over_channels",
+        "windows about every pixel that reach over the channels too, mirrored beyond all borders",
+        "wrong hues cost little: each channel's window holds the others; figures that can't be compared",
+        "two axes alone: size=(11, 11, 1), axes=(0, 1), or channel by channel",
+        "1 public implementation: scipy.ndimage.uniform_filter of (H, W, C)",
         1,
     ),
 ];

@@ -156,6 +156,14 @@ pub(super) const LEFT_EARLY: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
+pub(super) const LEFT_LATE: Mistake = Mistake::new(
+    "last_factor_once_more",
+    "what is left behind the ray is the product of all factors, times the last one again",
+    "the background is too dark behind a last sample that isn't empty",
+    "the product of all factors",
+    "1 public implementation",
+    1,
+);
 pub(super) const OWN_FACTOR: Mistake = Mistake::new(
     "divided_by_own_factor",
     "T_i = prod_{j<=i}(1 - alpha_j) / (1 - alpha_i)",

@@ -87,6 +87,22 @@ pub(crate) const DEPTH: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "steps_summed_for_t",
+        "sum w_i (delta_0 + ... + delta_i): the steps' cumulative sum in the place of t, not divided",
+        "depths that begin at the first sample, and a step too far",
+        "t itself",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "middles_of_steps",
+        "t + delta / 2 in the place of t, the last step up to far",
+        "depths half a step too far",
+        "t where the weights belong to samples",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "last_sample_for_the_rest",
         "sum w t + (1 - A) t_last",
         "empty rays end at the last sample, thin ones near it",
@@ -121,6 +137,13 @@ pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.contains(&"depth_of_index") {
         a.get_mut("t").expect("checked").indexed_iter_mut().for_each(|(i, t)| *t = i[1] as f64);
     }
+    if wrong.contains(&"middles_of_steps") {
+        let far = number(&a, "far");
+        for mut t in a.get_mut("t").expect("checked").rows_mut() {
+            let ends = step_ends(&t.to_vec(), far);
+            t.iter_mut().zip(ends).for_each(|(t, end)| *t = 0.5 * (*t + end));
+        }
+    }
     let mut depths = arrays::depths(&a, c);
     if wrong.contains(&"far_by_opacity") {
         let (far, (rays, _)) = (number(&a, "far"), size(&a, "weights"));
@@ -141,6 +164,11 @@ pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     depths
 }
 
+/// Where each step ends: at the next sample, the last one at far.
+fn step_ends(t: &[f64], far: f64) -> Vec<f64> {
+    t.iter().copied().skip(1).chain([far]).take(t.len()).collect()
+}
+
 /// Depths by another law than the mean over the weights' sum.
 fn other_depths(a: &Arrays, wrong: &[&str]) -> Option<ArrayD<f64>> {
     let has = |name: &str| wrong.contains(&name);
@@ -157,6 +185,7 @@ fn other_depths(a: &Arrays, wrong: &[&str]) -> Option<ArrayD<f64>> {
             () if least.is_some() => sum(&t) / opacity,
             () if has("depth_of_the_heaviest") => t[(0..t.len()).fold(0, heaviest)],
             () if has("middles_of_gaps") => sum(&middles),
+            () if has("steps_summed_for_t") => sum(&step_ends(&t, number(a, "far"))) - opacity * t[0],
             () if has("last_sample_for_the_rest") => sum(&t) + (1.0 - opacity) * t[t.len() - 1],
             () if has("share_of_far") => sum(&t) / number(a, "far"),
             () if has("counted_from_the_first") => sum(&t) - opacity * t[0],

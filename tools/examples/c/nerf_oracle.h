@@ -26,9 +26,11 @@
 #ifdef _WIN32
 #include <direct.h>
 #define no_mkdir(path) _mkdir(path)
+#define no_slash(c) ((c) == '/' || (c) == '\\')
 #else
 #include <sys/stat.h>
 #define no_mkdir(path) mkdir(path, 0777)
+#define no_slash(c) ((c) == '/')
 #endif
 
 enum { NO_NAME = 96, NO_DIMS = 8, NO_ARRAYS = 500, NO_PATH = 4096 };
@@ -57,6 +59,19 @@ static inline long no_item(const char *dtype) {
 
 static inline void no_join(char *path, const char *folder, const char *name, const char *extension) {
     if (snprintf(path, NO_PATH, "%s/%s%s", folder, name, extension) >= NO_PATH) no_fail(folder, "the path is too long: ", name);
+}
+
+/* Makes a folder, and what it lies in. That it can't be made shows when a file is opened in it. */
+static inline void no_folder(const char *folder) {
+    char path[NO_PATH];
+    int n;
+    no_join(path, folder, "", "");
+    for (n = 1; path[n]; n++)
+        if (no_slash(path[n])) {
+            path[n] = 0;
+            no_mkdir(path);
+            path[n] = '/';
+        }
 }
 
 /* The arrays that a folder's index.txt lists; a line is `name dtype ndim sizes file`. Returns how many. */
@@ -91,7 +106,7 @@ static inline int no_read(const char *folder, no_array *arrays) {
 static inline void no_write(const char *folder, const no_array *arrays, int count) {
     char path[NO_PATH];
     int n, d;
-    no_mkdir(folder);
+    no_folder(folder);
     no_join(path, folder, "index", ".txt");
     FILE *index = fopen(path, "w"), *numbers;
     if (!index) no_fail(path, "can't be written", "");
@@ -190,9 +205,6 @@ static inline long no_answer(const char *cases, const char *answers, const char 
         c->outputs = 0;
         function(c);
         if (answers && c->outputs) {
-            no_mkdir(answers);
-            no_join(path, answers, component, "");
-            no_mkdir(path);
             no_join(path, answers, place, "");
             no_write(path, c->output, c->outputs);
         }

@@ -119,7 +119,7 @@ def occupancy_grid(density, points, sigmas, queries, decay, threshold):
     """It draws the cells that it looks into and a point in each: it is handed the case's, where a camera sees them. Its index
     is [x, y, z]."""
     box = torch.tensor([0, 0, 0, 1, 1, 1], dtype=density.dtype)
-    grid = nerfacc.OccGridEstimator(box, resolution=list(density.shape))
+    grid = nerfacc.OccGridEstimator(box, resolution=list(density.shape)).to(density.device)
     grid.occs = density.permute(2, 1, 0).flatten().clone()
     size = len(density)
     x, y, z = (points * size).long().clamp(0, size - 1).unbind(-1)
