@@ -6,7 +6,8 @@ use ndarray::{ArrayD, Axis};
 use super::{Batch, Field, Trained, flat, train};
 use crate::contract::arrays::{Arrays, array, arrays, input, number, rows, threes, values};
 use crate::convention::{
-    Activation, Backdrop, Bands, CS180, Conventions, Cosine, IdentityPlace, OpacitySum, ProductEps, SigmaRelu,
+    Activation, Backdrop, Bands, CS180, ColorOrder, Conventions, Cosine, IdentityPlace, OpacitySum,
+    ProductEps, SigmaRelu,
 };
 use crate::field::arrays::Nerf;
 use crate::optimizer::Adam;
@@ -22,6 +23,7 @@ pub(super) fn usual(c: &Conventions) -> Conventions {
         columns: CS180.columns,
         last_trunk: Activation::Relu,
         feature: Activation::None,
+        color_order: ColorOrder::FeatureFirst,
         product_eps: ProductEps::None,
         sigma_relu: SigmaRelu::None,
         backdrop: Backdrop::None,
