@@ -215,7 +215,12 @@ fn capped(alpha: f64, c: &Conventions) -> f64 {
 
 /// The opacities that count: capped, and 0 where they are faint and skipped, and from where the ray ends.
 pub(super) fn counted(a: &Arrays, c: &Conventions) -> Arrays {
-    counted_to(a, c, &ends(a, c, |light, alpha| light * (1.0 - alpha)))
+    counted_to(a, c, &exact_ends(a, c))
+}
+
+/// How many samples of each ray come before its end, by the light that is left: see [`ends`].
+pub(super) fn exact_ends(a: &Arrays, c: &Conventions) -> Vec<usize> {
+    ends(a, c, |light, alpha| light * (1.0 - alpha))
 }
 
 /// How many samples of each ray come before the first behind which less than 1e-4 of the light is left, where that ends it: of a program
@@ -249,7 +254,7 @@ pub(super) fn counted_to(a: &Arrays, c: &Conventions, ends: &[usize]) -> Arrays 
 
 /// The same without gradients of opacities that don't count as they are. A skipped 0 counts no more than its neighbors do.
 pub(super) fn gradients_of_counted(a: &Arrays, c: &Conventions, gradients: Arrays) -> Arrays {
-    gradients_to(a, c, &ends(a, c, |light, alpha| light * (1.0 - alpha)), gradients)
+    gradients_to(a, c, &exact_ends(a, c), gradients)
 }
 
 /// The same where rays end behind so many samples.

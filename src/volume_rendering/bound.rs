@@ -6,7 +6,7 @@
 pub(crate) mod depth;
 
 use super::arrays::{
-    LEAST_LIGHT, cotangent, counted_to, ends, gradients_of_rectified, gradients_to, render_alpha,
+    LEAST_LIGHT, cotangent, counted_to, exact_ends, gradients_of_rectified, gradients_to, render_alpha,
     render_alpha_vjp,
 };
 use super::backward::Cotangent;
@@ -258,8 +258,7 @@ fn wherever_it_ends(
     m: &Arithmetic,
     at: impl Fn(&[usize]) -> (Arrays, Arrays),
 ) -> Arrays {
-    let exact_ends = ends(a, c, |light, alpha| light * (1.0 - alpha));
-    let (truth, mut widest) = at(&exact_ends);
+    let (truth, mut widest) = at(&exact_ends(a, c));
     if c.alpha_stop == AlphaStop::None {
         return widest;
     }
