@@ -67,7 +67,14 @@ fn training_step() -> (f64, f64, f64) {
     let t: Vec<f64> = (0..RAYS * SAMPLES).map(|i| 2.0 + ((i % SAMPLES) as f64 + jitter[i]) * width).collect();
     let targets: Vec<f32> = uniform(3, 3 * RAYS).iter().map(|&u| u as f32).collect();
     let deltas = vec![width; RAYS * SAMPLES];
-    let rays = Rays { origins: &origins, directions: &directions, t: &t, deltas: &deltas, samples: SAMPLES };
+    let rays = Rays {
+        origins: &origins,
+        directions: &directions,
+        t: &t,
+        deltas: &deltas,
+        samples: SAMPLES,
+        cube: None,
+    };
     let batch = Batch { rays, targets: &targets, background: [0.0; 3] };
     let mut net = network();
     let mut moments = Moments::new(net.params.len());

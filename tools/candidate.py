@@ -42,6 +42,7 @@ through, and where it crashed.
 import difflib
 import inspect
 import json
+import math
 import os
 import sys
 from pathlib import Path
@@ -280,7 +281,7 @@ def differentiated(function, case, inputs, names, what):
     result = called(function, case, inputs, names)
     what.returns = [name for name in names if name in result]
     for name, x in result.items():
-        if name in cotangents and x.numel() != cotangents[name].numel():
+        if name in cotangents and not alike(x.shape, cotangents[name].shape):
             raise Unsupported(f"{name} has the shape {tuple(x.shape)}, the gradient asked for {tuple(cotangents[name].shape)}")
     pairs = [(x, cotangents[name]) for name, x in result.items() if name in cotangents and getattr(x, "requires_grad", False)]
     what.differentiable = what.differentiable or bool(pairs)
@@ -304,6 +305,12 @@ def differentiated(function, case, inputs, names, what):
         # And its pose the upper three rows.
         found["grad_c2w"] = found["grad_c2w"] * found["grad_c2w"].new_tensor([[1], [1], [1], [0]])
     return found
+
+
+def alike(own, shape):
+    """Whether one shape is the other, with merged axes (H W rays of a picture) or with axes of length one."""
+    last = lambda shape: [n for n in shape if n != 1][-1:]  # noqa: E731
+    return math.prod(own) == math.prod(shape) and last(own) == last(shape)
 
 
 def write(path, result):

@@ -12,8 +12,9 @@ use crate::scene::Scene;
 use crate::training::Model;
 use crate::training::nerf::grid::Grid;
 use crate::training::nerf::path::Path;
+use crate::training::nerf::samples::{Drawn, Samples};
 use crate::training::nerf::skipping::skipping;
-use crate::training::nerf::{Drawn, NerfModel, Samples, Skip};
+use crate::training::nerf::{NerfModel, Skip};
 
 /// The step whose rays are drawn: beyond any training. Batches that follow it are only rendered.
 const STEP: u64 = 1 << 40;
@@ -69,7 +70,7 @@ pub fn compare(model: &mut dyn Model, scene: &Scene, rounds: usize) -> Result<Op
 
 fn drawn(model: &NerfModel, scene: &Scene, step: u64) -> Result<(Drawn, Samples)> {
     let mut drawn = model.draw(scene, step)?;
-    let samples = model.coarse_samples(std::mem::take(&mut drawn.t));
+    let samples = model.coarse_samples(std::mem::take(&mut drawn.places), &drawn.origins, &drawn.directions);
     Ok((drawn, samples))
 }
 
@@ -81,7 +82,7 @@ fn compared(model: &mut NerfModel, scene: &Scene, rounds: usize) -> Result<Value
     let grid = match &model.grid {
         Some(grid) => grid.clone(),
         None => {
-            let mut grid = Grid::new(scene, model.settings.near, model.settings.far, resolution)?;
+            let mut grid = Grid::new(scene, &|ray| model.settings.ends(ray), resolution)?;
             fill_seconds = Some(seconds(|| grid.fill(&key, STEP, length, &density_at)));
             grid
         }

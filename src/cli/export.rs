@@ -75,6 +75,11 @@ fn mapping(run: &Map<String, Value>, file: &str) -> Result<Value> {
             Error::input(Input { file, field, found: "no such field", expected, remedy })
         })
     };
+    if settings.get("space").is_some_and(|space| space == "ndc") {
+        let (found, expected) = ("ndc", "box: a mapping has no words for normalized device coordinates");
+        let remedy = "Train with --space box.";
+        return Err(Error::input(Input { file, field: "settings.space", found, expected, remedy }));
+    }
     let fine = get("fine")?;
     let second = fine.as_u64().filter(|fine| *fine > 0).map(|_| "fine.");
     Ok(json!({

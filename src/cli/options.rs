@@ -6,6 +6,7 @@ use clap::ValueEnum;
 use clap::builder::PossibleValue;
 use serde::{Deserialize, Serialize};
 
+use crate::error::{Error, Result};
 use crate::limits::{LENGTH, SIDE, STEPS, THREADS};
 use crate::training::compact::{Extent, Part};
 
@@ -19,18 +20,35 @@ pub(super) enum Backend {
     Reference,
 }
 
-impl ValueEnum for Extent {
-    fn value_variants<'a>() -> &'a [Extent] {
-        &[Extent::Auto, Extent::Box, Extent::Contracted]
-    }
+/// The part of space that a model holds, and the coordinates in which.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum Space {
+    /// As the scene asks for it.
+    #[default]
+    Auto,
+    /// The scene's box.
+    Box,
+    /// All of space, contracted around the scene's middle (--model compact).
+    Contracted,
+    /// All in front of a near plane, in normalized device coordinates (--model nerf).
+    Ndc,
+}
 
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let (name, help) = match self {
-            Extent::Auto => ("auto", "As the scene asks for it"),
-            Extent::Box => ("box", "The scene's box"),
-            Extent::Contracted => ("contracted", "All of space, contracted around the scene's middle"),
-        };
-        Some(PossibleValue::new(name).help(help))
+impl Space {
+    /// What the compact model makes of it.
+    ///
+    /// # Errors
+    /// Where it has no such space.
+    pub(super) fn extent(self) -> Result<Extent> {
+        match self {
+            Space::Auto => Ok(Extent::Auto),
+            Space::Box => Ok(Extent::Box),
+            Space::Contracted => Ok(Extent::Contracted),
+            Space::Ndc => {
+                Err(Error::usage("--space", "ndc", "auto, box or contracted: ndc is for --model nerf"))
+            }
+        }
     }
 }
 

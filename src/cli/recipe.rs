@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
+use super::options::Space;
 use super::recorded;
 use super::train::Args;
 use crate::error::{Error, Input, Result};
@@ -17,7 +18,7 @@ use crate::training::foreign::ForeignModel;
 use crate::training::foreign::mapping::Mapping;
 use crate::training::identity::Identity;
 use crate::training::model::Model;
-use crate::training::nerf::{NerfModel, NerfSettings, Skip};
+use crate::training::nerf::{NerfModel, NerfSettings, Skip, forward};
 
 /// What `run.json` calls the model of imported weights.
 pub(super) const FOREIGN: &str = "foreign";
@@ -54,7 +55,7 @@ pub(super) fn given(args: &Args) -> Map<String, Value> {
         "skip": args.skip, "steps": args.steps, "without": args.without,
     });
     let Value::Object(mut recipe) = recipe else { unreachable!("an object literal") };
-    if args.space != Extent::Auto {
+    if args.space != Space::Auto {
         // For the same reason.
         recipe.insert("space".into(), json!(args.space));
     }
@@ -138,22 +139,18 @@ pub(super) fn build(recipe: &Map<String, Value>, scene: &Scene) -> Result<Box<dy
     let without: Vec<Part> = listed(recipe, "without", json!([]), "names of parts")?;
     // A run.json whose settings have no space is from before there was a choice.
     let old = recipe.get("settings").is_some_and(|settings| settings.get("space").is_none());
-    let missing = if old && !named(recipe, "model", "nerf") { json!("box") } else { json!("auto") };
-    let extent: Extent = listed(recipe, "space", missing, "auto, box or contracted")?;
+    let space: Space =
+        listed(recipe, "space", json!(if old { "box" } else { "auto" }), "auto, box, contracted or ndc")?;
     if named(recipe, "model", FOREIGN) {
         return Ok(Box::new(foreign(recipe)?));
     }
     if named(recipe, "model", "compact") {
-        return Ok(Box::new(compact(recipe, scene, extent, without)?));
-    }
-    if extent != Extent::Auto {
-        let found = recipe.get("space").and_then(Value::as_str).unwrap_or_default();
-        return Err(Error::usage("--space", found, "no --space: it is the compact model's"));
+        return Ok(Box::new(compact(recipe, scene, space.extent()?, without)?));
     }
     if !without.is_empty() {
         return Err(Error::usage("--without", "given", "no --without: its parts are the compact model's"));
     }
-    Ok(Box::new(nerf(recipe, scene)?))
+    Ok(Box::new(nerf(recipe, scene, space)?))
 }
 
 /// A field of a recipe that isn't a number; `missing` where there is none.
@@ -217,8 +214,21 @@ fn compact(
     CompactModel::new(scene, &overrides)
 }
 
-fn nerf(recipe: &Map<String, Value>, scene: &Scene) -> Result<NerfModel> {
+fn nerf(recipe: &Map<String, Value>, scene: &Scene, space: Space) -> Result<NerfModel> {
     let mut settings = NerfSettings::new(scene.near, scene.far, scene.background);
+    match space {
+        Space::Auto => settings.choose_space(scene),
+        Space::Box => settings.space_reason = "as asked for",
+        Space::Ndc => {
+            let (cube, _) = forward::cube(scene)
+                .map_err(|why| Error::usage("--space", "ndc", format!("auto or box: {why}")))?;
+            (settings.cube, settings.space_reason) = (Some(cube), "as asked for");
+        }
+        Space::Contracted => {
+            let expected = "auto, box or ndc: contracted is for --model compact";
+            return Err(Error::usage("--space", "contracted", expected));
+        }
+    }
     settings.seed = seed(recipe);
     settings.reference = named(recipe, "backend", "reference");
     if let Some(rays) = whole(recipe, "rays") {

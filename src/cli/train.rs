@@ -11,8 +11,8 @@ use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::options::{
-    Backend, at_most, color, distance, finite_number, host, none_or, positive, positive_number, scale, steps,
-    threads,
+    Backend, Space, at_most, color, distance, finite_number, host, none_or, positive, positive_number, scale,
+    steps, threads,
 };
 use super::signals::{Signal, Signals};
 use super::spelling::spelled;
@@ -25,7 +25,7 @@ use crate::report::{table, training};
 use crate::scene::Scene;
 use crate::serve::Port;
 use crate::training::checkpoint::RunFolder;
-use crate::training::compact::{Extent, Part};
+use crate::training::compact::Part;
 use crate::training::identity::Identity;
 use crate::training::model::Model;
 use crate::training::run::{LogPoint, News, Options, Run};
@@ -109,9 +109,9 @@ pub(super) struct Args {
     /// Width of the 8x256 network's layers (--model nerf).
     #[arg(long, value_parser = at_most::<WIDTH>)]
     pub width: Option<usize>,
-    /// The part of space that the compact model holds: the scene's box, or all around its middle, contracted.
+    /// The part of space that a model holds, and its coordinates.
     #[arg(long, value_enum, default_value_t)]
-    pub space: Extent,
+    pub space: Space,
     /// Parts of the compact model to leave out, to see what they are worth.
     #[arg(long, value_enum, value_delimiter = ',')]
     pub without: Vec<Part>,
@@ -131,7 +131,7 @@ impl Args {
             scene: scene.into(), out: out.into(), model: Kind::Nerf, steps: None, seconds: None, stop_at_psnr: None, rays: None,
             samples: None, fine: 0, near: None, far: None, lr: None, holdout: None, scale: None, val_every: None, val_at: vec![], val_all: false, background: None, seed: 0,
             threads: None, backend: Backend::Fast, resume: false, overwrite: false, skip: false, width: None,
-            space: Extent::Auto, without: vec![], serve: None, host: IpAddr::V4(Ipv4Addr::LOCALHOST),
+            space: Space::Auto, without: vec![], serve: None, host: IpAddr::V4(Ipv4Addr::LOCALHOST),
         };
         args
     }

@@ -66,6 +66,16 @@ const EPS_AFTER_DIVISION: Mistake = Mistake::new(
 )
 .with("eps", 1e-6, [1e-8, 1e-1]);
 
+const BLURRED: Mistake = Mistake::new(
+    "weights_blurred",
+    "(max(w_{k-1}, w_k) + max(w_k, w_{k+1})) / 2 + 0.01: mip-NeRF's weights, the larger of two neighbors",
+    "samples beside what the weights show; mip-NeRF means it so, where a pixel is a cone",
+    "the weights as they are; whoever blurs does so in front of this",
+    "mip-NeRF's resampling and its ports",
+    2,
+)
+.with("padding", 0.01, [1e-8, 1.0]);
+
 /// Mistakes of importance sampling.
 pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
     SEARCHED_FROM_THE_LEFT,
@@ -148,6 +158,7 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
     ),
     DENOMINATOR_EPS,
     EPS_AFTER_DIVISION,
+    BLURRED,
     Mistake::new(
         "last_bin_zeroed",
         "the last weight is set to 0 before the division by the sum",
@@ -256,7 +267,17 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     if wrong.contains(&"strata_doubled") {
         u = doubled(&u);
     }
+    if let Some(padding) = BLURRED.among(wrong) {
+        weights = blurred(&weights).into_iter().map(|w| w + padding).collect();
+    }
     Ray { edges, weights, padding, u }
+}
+
+/// Half of the larger of a weight and the one before, and half of the larger of it and the next.
+fn blurred(weights: &[f64]) -> Vec<f64> {
+    let larger = |k: usize, n: usize| weights[k].max(weights[n]);
+    let last = weights.len() - 1;
+    (0..=last).map(|k| 0.5 * (larger(k.saturating_sub(1), k) + larger(k, (k + 1).min(last)))).collect()
 }
 
 /// The strata that were meant, twice as far apart.

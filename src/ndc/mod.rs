@@ -9,6 +9,7 @@ pub mod backward;
 pub(crate) mod bound;
 pub(crate) mod cases;
 pub(crate) mod component;
+pub mod cube;
 pub(crate) mod honest;
 pub mod judge;
 pub(crate) mod mistakes;
@@ -81,4 +82,19 @@ pub fn ndc_ray(o: [f64; 3], d: [f64; 3], view: &View) -> ([f64; 3], [f64; 3]) {
         d_ndc[j] = scales[j] * (slope - start);
     }
     (o_ndc, d_ndc)
+}
+
+/// A point in normalized device coordinates: on [`ndc_ray`]'s rays through it, at t' = 1 - n / depth.
+///
+/// (2f/W x/depth, 2f/H y/depth, 1 - 2 n/depth), the depth -z or z by convention: NeRF (Mildenhall et al. 2020), appendix C, the
+/// projection with the far plane at infinity. Units as in [`ndc_ray`]. At depth 0 what comes out isn't finite.
+///
+/// ```
+/// use nerf_oracle::{convention::NdcDepth, ndc::{View, ndc_point}};
+/// let view = View { width: 8.0, height: 4.0, focal: 4.0, near: 1.0, depth: NdcDepth::Negative };
+/// assert_eq!(ndc_point([0.5, 0.25, -2.0], &view), [0.25, 0.25, 0.0]);
+/// ```
+pub fn ndc_point(x: [f64; 3], view: &View) -> [f64; 3] {
+    let (depth, scales) = (view.sign() * x[2], view.scales());
+    [scales[0] * x[0] / depth, scales[1] * x[1] / depth, 1.0 - 2.0 * view.near / depth]
 }

@@ -3,22 +3,12 @@
 use approx::assert_relative_eq;
 use proptest::prelude::*;
 
-use super::{View, backward, ndc_ray};
+use super::{View, backward, ndc_point, ndc_ray};
 use crate::contract::testing::{properties, slope};
 use crate::convention::NdcDepth::{self, Negative, Positive};
 
 fn view(near: f64, depth: NdcDepth) -> View {
     View { width: 40.0, height: 24.0, focal: 36.0, near, depth }
-}
-
-/// The perspective projection of a point, equation 9 of the paper's derivation with the far plane at infinity.
-fn projected(p: [f64; 3], view: &View) -> [f64; 3] {
-    let depth = view.sign() * p[2];
-    [
-        2.0 * view.focal / view.width * p[0] / depth,
-        2.0 * view.focal / view.height * p[1] / depth,
-        1.0 - 2.0 * view.near / depth,
-    ]
 }
 
 fn number() -> impl Strategy<Value = f64> {
@@ -42,7 +32,7 @@ proptest! {
         let (o_ndc, d_ndc) = ndc_ray(o, d, &view);
         let at_near = (view.sign() * near - o[2]) / d[2];
         let p = [0, 1, 2].map(|j| o[j] + (at_near + along) * d[j]);
-        let (expected, t) = (projected(p, &view), 1.0 - near / (view.sign() * p[2]));
+        let (expected, t) = (ndc_point(p, &view), 1.0 - near / (view.sign() * p[2]));
         for j in 0..3 {
             let found = o_ndc[j] + t * d_ndc[j];
             prop_assert!((found - expected[j]).abs() <= 1e-12 * (1.0 + expected[j].abs()), "{j}: {found} {expected:?}");

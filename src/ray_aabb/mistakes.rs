@@ -165,6 +165,14 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         2,
     ),
     Mistake::new(
+        "range_asked_not_cut",
+        "the line's t as they are; a hit where some of it lies between near and far",
+        "samples behind the camera and beyond far",
+        "max(near, t_near) and min(far, t_far)",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "range_never_asked",
         "the line's t as they are; a hit where t_far >= t_near, behind the camera too",
         "samples behind the camera and beyond far",
@@ -320,8 +328,11 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
         () if is("beyond_far_is_a_hit") => cut.enter <= line.leave,
         () => cut.enter <= cut.leave,
     };
-    let enter = if is("near_asked_not_cut") { line.enter } else { cut.enter };
-    hit.then_some(Hit { enter, ..cut })
+    let uncut = is("range_asked_not_cut");
+    hit.then_some(Hit {
+        enter: if uncut || is("near_asked_not_cut") { line.enter } else { cut.enter },
+        leave: if uncut { line.leave } else { cut.leave },
+    })
 }
 
 /// Where rays enter and leave a box.

@@ -1,34 +1,38 @@
 //! The NeRF paper's network as a trainable model, on the f32 path or in the f64 reference; optionally the paper's pair of a coarse
 //! and a fine network.
 
+pub mod forward;
 pub(crate) mod grid;
 pub(crate) mod path;
+pub(crate) mod samples;
 pub(crate) mod skipping;
 
 #[cfg(test)]
 mod tests;
 
+use glam::DVec3;
 use serde_json::{Map, Value, json};
 
 use self::grid::Grid;
 use self::path::Path;
+use self::samples::Drawn;
 pub use self::skipping::Skip;
 use self::skipping::skipping;
 use super::model::{Model, Pixel, StepReport};
 use super::probe::{Cells, Probe};
-use super::reference::{fine_samples, interval_edges};
 use crate::convention::CS180;
 use crate::error::{Error, Input, Result};
 use crate::field::NerfMlp;
 use crate::field::fast::{Rays, Skipping};
 use crate::field::nerf_mlp::Shape;
 use crate::files::npz::{Array, Arrays};
+use crate::ndc::cube::Cube;
 use crate::optimizer::Adam;
 use crate::parallel;
 use crate::random::{Key, Purpose};
-use crate::ray::{Ray, camera_ray, pixel_position};
+use crate::ray::Ray;
 use crate::sample::{rest_u, sample_along_ray};
-use crate::scene::{Scene, random_pixel};
+use crate::scene::Scene;
 
 /// Prefix of the names of the fine network's arrays.
 const FINE: &str = "fine.";
@@ -66,6 +70,10 @@ pub struct NerfSettings {
     pub reference: bool,
     /// Whether, and from when on, an occupancy grid and early stop leave samples out (of one network alone).
     pub skip: Option<Skip>,
+    /// The normalized device coordinates that positions are in; without them, those of the scene.
+    pub cube: Option<Cube>,
+    /// Why.
+    pub space_reason: &'static str,
 }
 
 impl NerfSettings {
@@ -73,9 +81,22 @@ impl NerfSettings {
     pub fn new(near: f64, far: f64, background: [f64; 3]) -> Self {
         #[rustfmt::skip]
         let settings = NerfSettings {
-            near, far, background, rays: 1024, samples: 64, fine: 0, lr: 5e-4, seed: 0, shape: Shape::PAPER, levels: (10, 4), reference: false, skip: None,
+            near, far, background, rays: 1024, samples: 64, fine: 0, lr: 5e-4, seed: 0, shape: Shape::PAPER, levels: (10, 4), reference: false, skip: None, cube: None, space_reason: "the paper's own, for objects",
         };
         settings
+    }
+
+    /// The places on a ray where samples begin and end: distances, or s in normalized device coordinates.
+    fn range(&self) -> (f64, f64) {
+        self.cube.map_or((self.near, self.far), |_| (0.0, 1.0))
+    }
+
+    /// The positions of these.
+    pub(crate) fn ends(&self, ray: &Ray) -> [[f64; 3]; 2] {
+        match &self.cube {
+            Some(cube) => cube.ends(ray),
+            None => [self.near, self.far].map(|t| ray.at(t).to_array()),
+        }
     }
 
     /// Another trunk width; the color layer has half of it, as in the paper.
@@ -105,29 +126,6 @@ impl std::fmt::Debug for NerfModel {
     }
 }
 
-/// One step's rays as flat arrays.
-pub(crate) struct Drawn {
-    pub origins: Vec<f64>,
-    pub directions: Vec<f64>,
-    pub t: Vec<f64>,
-    /// The u of the second network's samples.
-    u: Vec<f64>,
-    pub targets: Vec<f32>,
-}
-
-/// Sample positions and step lengths (R, N).
-pub(crate) struct Samples {
-    t: Vec<f64>,
-    deltas: Vec<f64>,
-    count: usize,
-}
-
-impl Samples {
-    pub(crate) fn rays<'a>(&'a self, origins: &'a [f64], directions: &'a [f64]) -> Rays<'a> {
-        Rays { origins, directions, t: &self.t, deltas: &self.deltas, samples: self.count }
-    }
-}
-
 impl NerfModel {
     /// Initial parameters from the seed; those of the fine network from its complement.
     pub fn new(settings: NerfSettings) -> Self {
@@ -139,49 +137,6 @@ impl NerfModel {
 
     pub(crate) fn adam(&self) -> Adam {
         Adam { lr: self.settings.lr, ..Adam::default() }
-    }
-
-    /// The rays of a step: pixels from one stream, jitter from another, each ray its own counter.
-    pub(crate) fn draw(&self, scene: &Scene, step: u64) -> Result<Drawn> {
-        let NerfSettings { near, far, rays, samples, fine, seed, .. } = self.settings;
-        let (pixels, jitter) = (Key::new(seed, Purpose::Rays), Key::new(seed, Purpose::Samples));
-        let mut drawn = Drawn { origins: vec![], directions: vec![], t: vec![], u: vec![], targets: vec![] };
-        for r in 0..rays as u64 {
-            let [frame, j, i] = random_pixel(&scene.train, &pixels, step, r);
-            let frame = &scene.train[frame];
-            let ray = camera_ray(&frame.camera, pixel_position(i, j, CS180.pixel_center))?;
-            let image = frame.image.as_ref().expect("training frames have pictures");
-            drawn.origins.extend(ray.o.to_array());
-            drawn.directions.extend(ray.d.to_array());
-            let u = jitter.uniforms(step, r, samples + fine);
-            drawn.t.extend(sample_along_ray(near, far, &u[..samples], CS180.grid));
-            drawn.u.extend(&u[samples..]);
-            drawn.targets.extend(image.at(j, i));
-        }
-        Ok(drawn)
-    }
-
-    /// The first network's samples: steps D = (far - near) / N.
-    pub(crate) fn coarse_samples(&self, t: Vec<f64>) -> Samples {
-        let NerfSettings { near, far, samples, .. } = self.settings;
-        let deltas = vec![(far - near) / samples as f64; t.len()];
-        Samples { t, deltas, count: samples }
-    }
-
-    /// The second network's samples: those of the first, and more where its weights are large.
-    fn fine_samples(&self, rays: Rays, u: &[f64]) -> Samples {
-        let NerfSettings { near, far, samples, fine, .. } = self.settings;
-        let weights = self.coarse.weights(rays);
-        let edges = interval_edges(near, far, samples);
-        let mut found = Samples { t: vec![], deltas: vec![], count: samples + fine };
-        for r in 0..rays.len() {
-            let of = r * samples..(r + 1) * samples;
-            let (t, u) = (&rays.t[of.clone()], &u[r * fine..(r + 1) * fine]);
-            let (t, deltas) = fine_samples(t, &edges, &weights[of], u, far);
-            found.t.extend(t);
-            found.deltas.extend(deltas);
-        }
-        found
     }
 
     /// Before the first step: a density head that gives less than half of the samples a density gets the other sign (TR1).
@@ -200,11 +155,12 @@ impl NerfModel {
     }
 
     fn render_chunk(&self, rays: &[Ray]) -> Vec<Pixel> {
-        let NerfSettings { near, far, samples, fine, .. } = self.settings;
-        let t = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
+        let NerfSettings { samples, fine, .. } = self.settings;
+        let (near, far) = self.settings.range();
+        let places = sample_along_ray(near, far, &vec![rest_u(CS180.rest); samples], CS180.grid);
         let origins: Vec<f64> = rays.iter().flat_map(|r| r.o.to_array()).collect();
         let directions: Vec<f64> = rays.iter().flat_map(|r| r.d.to_array()).collect();
-        let coarse = self.coarse_samples(t.repeat(rays.len()));
+        let coarse = self.coarse_samples(places.repeat(rays.len()), &origins, &directions);
         let seen = match &self.fine {
             None => {
                 let rays = coarse.rays(&origins, &directions);
@@ -213,28 +169,33 @@ impl NerfModel {
             Some(network) => {
                 // At evaluation, u is in the middle of equal parts, as the samples of the first network are.
                 let u = sample_along_ray(0.0, 1.0, &vec![rest_u(CS180.rest); fine], CS180.grid);
-                let samples = self.fine_samples(coarse.rays(&origins, &directions), &u.repeat(rays.len()));
+                let samples = self.fine_samples(&coarse, &origins, &directions, &u.repeat(rays.len()));
                 network.render(samples.rays(&origins, &directions), Skipping::default())
             }
         };
         let pixel = |(rgb, opacity, weighted): ([f32; 3], f32, f32)| {
-            let depth = if opacity > 0.0 { weighted / opacity } else { far as f32 };
+            let depth = if opacity > 0.0 { weighted / opacity } else { self.settings.far as f32 };
             Pixel { rgb, opacity, depth }
         };
         seen.into_iter().map(pixel).collect()
+    }
+
+    /// Whether there is anything to be seen along a ray: normalized device coordinates have no place for those across or backward.
+    fn sees(&self, ray: &Ray) -> bool {
+        self.settings.cube.is_none_or(|cube| cube.faces(ray))
     }
 }
 
 impl Model for NerfModel {
     fn step(&mut self, scene: &Scene, step: u64) -> Result<StepReport> {
-        let Drawn { origins, directions, t, u, targets } = self.draw(scene, step)?;
+        let Drawn { origins, directions, places, u, targets } = self.draw(scene, step)?;
         let (background, adam) = (self.settings.background, self.adam());
-        let coarse = self.coarse_samples(t);
+        let coarse = self.coarse_samples(places, &origins, &directions);
         if step == 1 && !self.learned {
             self.wake(coarse.rays(&origins, &directions));
         }
         // Before the step: both networks use the same parameters of the first, whose weights are constants to the second.
-        let fine = self.fine.is_some().then(|| self.fine_samples(coarse.rays(&origins, &directions), &u));
+        let fine = self.fine.is_some().then(|| self.fine_samples(&coarse, &origins, &directions, &u));
         self.update_grid(scene, step)?;
         let rays = coarse.rays(&origins, &directions);
         let live = self.mask(&rays);
@@ -254,27 +215,24 @@ impl Model for NerfModel {
     }
 
     fn render(&self, rays: &[Ray]) -> Vec<Pixel> {
-        rays.chunks(RENDER_CHUNK).flat_map(|chunk| self.render_chunk(chunk)).collect()
+        let seen: Vec<Ray> = rays.iter().filter(|ray| self.sees(ray)).copied().collect();
+        let mut pixels = seen.chunks(RENDER_CHUNK).flat_map(|chunk| self.render_chunk(chunk));
+        let empty = Pixel { depth: self.settings.far as f32, ..Pixel::default() };
+        let pixel = |ray| if self.sees(ray) { pixels.next().expect("one a ray") } else { empty };
+        rays.iter().map(pixel).collect()
     }
 
     fn probe(&self, rays: &[(Ray, Vec<f64>)]) -> Vec<Vec<Probe>> {
         let field = self.fine.as_ref().unwrap_or(&self.coarse).to_oracle(&self.settings);
         parallel::map(rays.len(), |r| {
             let (ray, t) = &rays[r];
-            let live = |t: f64| self.grid.as_ref().is_none_or(|grid| grid.live(ray.at(t).to_array()));
-            let at = |&t: &f64| match live(t) {
-                true => {
-                    let tape = field.at(ray, t);
-                    Probe { density: tape.sigma, rgb: tape.rgb }
-                }
-                false => Probe::default(),
-            };
-            t.iter().map(at).collect()
+            t.iter().map(|&t| self.probed(&field, ray, t)).collect()
         })
     }
 
     fn cells(&self) -> Option<Cells> {
-        self.grid.as_ref().map(Grid::to_cells)
+        // Cells of the cube are none of the world's.
+        self.grid.as_ref().filter(|_| self.settings.cube.is_none()).map(Grid::to_cells)
     }
 
     fn arrays(&self) -> Box<dyn Iterator<Item = (String, Array)> + '_> {
@@ -321,6 +279,8 @@ impl Model for NerfModel {
         });
         let mut value = value.as_object().expect("an object literal").clone();
         value.extend(self.skipping_settings());
+        value.extend(self.space_settings());
+        value["reasons"]["space"] = self.settings.space_reason.into();
         value
     }
 
@@ -336,6 +296,12 @@ impl Model for NerfModel {
             "the density head was drawn with hardly a density above 0; its other sign, as likely a draw, was taken.".into()
         })
     }
+}
+
+/// Ray r of flat arrays (R, 3).
+pub(crate) fn ray_of(origins: &[f64], directions: &[f64], r: usize) -> Ray {
+    let vector = |values: &[f64]| DVec3::new(values[3 * r], values[3 * r + 1], values[3 * r + 2]);
+    Ray { o: vector(origins), d: vector(directions) }
 }
 
 fn flat(net: &NerfMlp) -> Vec<f32> {

@@ -5,6 +5,7 @@ use crate::convention::{Conventions, Delta, LastDelta};
 use crate::encoding::{Encoding, positional_encoding};
 use crate::field::{Layer, Mlp, NerfMlp, backward as field_backward, mlp, nerf_mlp};
 use crate::importance_sampling;
+use crate::ndc::cube::Cube;
 use crate::optimizer::{Adam, Moments, adam_step};
 use crate::ray::Ray;
 use crate::sample::step_sizes;
@@ -14,7 +15,7 @@ use crate::volume_rendering::{self, Rendering, composite_background};
 #[cfg(test)]
 mod tests;
 
-/// The NeRF paper's field: encodings and network.
+/// The NeRF paper's field: encodings and network, in the world's coordinates or, where there is a cube, in those of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     /// The network.
@@ -23,6 +24,8 @@ pub struct Field {
     pub position: Encoding,
     /// Encoding of directions.
     pub direction: Encoding,
+    /// The normalized device coordinates that positions are in.
+    pub cube: Option<Cube>,
     /// All other conventions.
     pub conventions: Conventions,
 }
@@ -43,9 +46,18 @@ pub struct Target {
 impl Field {
     /// Density and color at r(t).
     pub fn at(&self, ray: &Ray, t: f64) -> nerf_mlp::Tape {
-        let position = positional_encoding(&ray.at(t).to_array(), &self.position);
+        let x = ray.at(t).to_array();
+        let position = match &self.cube {
+            Some(cube) => cube.point(x),
+            None => x,
+        };
         // The direction of view, unit length whatever the length of the ray's direction.
-        let view = (ray.d / ray.d.length()).to_array();
+        self.seen(position, (ray.d / ray.d.length()).to_array())
+    }
+
+    /// Density and color at a position in the field's own coordinates, seen along a unit direction of the world's.
+    pub fn seen(&self, position: [f64; 3], view: [f64; 3]) -> nerf_mlp::Tape {
+        let position = positional_encoding(&position, &self.position);
         self.net.forward(&position, &positional_encoding(&view, &self.direction), &self.conventions)
     }
 

@@ -29,8 +29,8 @@ const CIRCLES: &[(&[&str], &str)] = &[
     ),
     (&["scene::lens", "scene::transforms"], "a lens is read from the fields of transforms.json"),
     (
-        &["training::nerf", "training::nerf::path", "training::nerf::skipping"],
-        "one model in three files: its settings, its two ways to compute, and what it skips",
+        &["training::nerf", "training::nerf::path", "training::nerf::samples", "training::nerf::skipping"],
+        "one model in four files: its settings, its two ways to compute, where it does so, and what it skips",
     ),
 ];
 

@@ -377,3 +377,19 @@ fn a_forward_facing_capture_of_llff() {
     // The least depth of all is 16.985, the largest 80.002.
     assert!((scene.near - 0.9 * 16.985).abs() < 1e-3 && scene.far > 80.0 && scene.far < 110.0);
 }
+
+/// Cameras that all look one way: the paper's network has its positions in normalized device coordinates, unless it is told otherwise.
+#[test]
+fn a_forward_facing_capture_is_learned_in_normalized_device_coordinates() {
+    let Some(path) = shared("fern_llff") else { return };
+    let scene = load(&path);
+    let mut settings =
+        NerfSettings { rays: 64, samples: 16, ..NerfSettings::new(scene.near, scene.far, [0.0; 3]) };
+    settings.choose_space(&scene);
+    let cube = settings.cube.expect("all rays go one way");
+    assert!(cube.view.near > 0.5 * scene.near && cube.view.near < scene.near, "{cube:?}");
+    let mut model = NerfModel::new(settings);
+    let losses: Vec<f64> = (1..=30).map(|step| model.step(&scene, step).unwrap().loss).collect();
+    assert!(losses[29] < losses[0], "{losses:?}");
+    assert_eq!(model.settings()["space"], "ndc");
+}

@@ -696,7 +696,7 @@ fn grids() -> Vec<Row> {
 fn training() -> Vec<Row> {
     fn field() -> Field {
         let (position, direction) = (Encoding::new(1, &CS180), Encoding::new(0, &CS180));
-        Field { net: net(), position, direction, conventions: CS180 }
+        Field { net: net(), position, direction, cube: None, conventions: CS180 }
     }
     fn target(t: usize, deltas: usize) -> Target {
         let ray = Ray { o: DVec3::ZERO, d: DVec3::Z };

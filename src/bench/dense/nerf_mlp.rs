@@ -109,7 +109,7 @@ impl Step {
         let Step { net, origins, directions, t, deltas, targets, gradient } = self;
         let (origins, directions) = (&origins[..3 * rays], &directions[..3 * rays]);
         let (t, deltas) = (&t[..SAMPLES * rays], &deltas[..SAMPLES * rays]);
-        let rays = Rays { origins, directions, t, deltas, samples: SAMPLES };
+        let rays = Rays { origins, directions, t, deltas, samples: SAMPLES, cube: None };
         let batch = Batch { rays, targets: &targets[..3 * rays.len()], background: [0.0; 3] };
         std::hint::black_box(net.step_on(&batch, Skipping::default(), true, gradient, on));
     }

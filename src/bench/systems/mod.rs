@@ -10,12 +10,14 @@ use crate::training::nerf::NerfModel;
 mod compact;
 mod nerf;
 
-/// A trained model's ways to render; none for a pair of networks, which has no one number of samples to choose.
+/// A trained model's ways to render; none for a pair of networks, which has no one number of samples to choose, and none in normalized
+/// device coordinates, whose steps aren't even.
 pub fn of(model: &mut dyn Model) -> Option<Box<dyn System + '_>> {
     let any: &mut dyn Any = model;
     if any.is::<CompactModel>() {
         return any.downcast_mut().map(|model| Box::new(compact::Trained::new(model)) as Box<dyn System>);
     }
-    let alone = any.downcast_mut::<NerfModel>().filter(|model| model.fine.is_none())?;
+    let alone = |model: &&mut NerfModel| model.fine.is_none() && model.settings.cube.is_none();
+    let alone = any.downcast_mut::<NerfModel>().filter(alone)?;
     Some(Box::new(nerf::Trained::new(alone)))
 }

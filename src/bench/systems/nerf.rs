@@ -40,6 +40,7 @@ impl<'a> Trained<'a> {
             net,
             position: Encoding::new(position, &CS180),
             direction: Encoding::new(direction, &CS180),
+            cube: None,
             conventions: CS180,
         };
         Trained { samples: model.settings.samples, model, field }

@@ -61,6 +61,7 @@ fn oracle(a: &Arrays) -> Box<dyn Kernel> {
         net: network(),
         position: Encoding::new(10, &CS180),
         direction: Encoding::new(4, &CS180),
+        cube: None,
         conventions: CS180,
     };
     let [o, d, t, targets] = ["origins", "directions", "t", "targets"].map(|name| values(a, name));
@@ -93,7 +94,7 @@ fn step(a: &Arrays, dense: bool) -> Box<dyn Kernel> {
     type Data = (Network, Moments, Gradient, f64);
     let run = move |(net, moments, gradient, loss): &mut Data| {
         let [origins, directions, t] = &inputs;
-        let rays = Rays { origins, directions, t, deltas: &deltas, samples: SAMPLES };
+        let rays = Rays { origins, directions, t, deltas: &deltas, samples: SAMPLES, cube: None };
         *loss = net.step(&Batch { rays, targets: &targets, background: [0.0; 3] }, dense, gradient);
         moments.update(net.arch, &Adam::default(), &mut net.params, &gradient.values);
     };

@@ -1,5 +1,7 @@
 //! What goes into rendering, and what comes out.
 
+use crate::ndc::cube::Cube;
+
 /// Rays with N samples each. Geometry is f64: its cost is negligible beside the network, and 2^9 pi x magnifies its rounding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rays<'a> {
@@ -13,6 +15,8 @@ pub struct Rays<'a> {
     pub deltas: &'a [f64],
     /// N.
     pub samples: usize,
+    /// What positions are taken in, where it isn't the world.
+    pub cube: Option<&'a Cube>,
 }
 
 /// Rendered rays.
@@ -53,14 +57,16 @@ impl<'a> Rays<'a> {
             t: &self.t[from * n..to * n],
             deltas: &self.deltas[from * n..to * n],
             samples: n,
+            cube: self.cube,
         }
     }
 
-    /// o + t d of sample n of all samples (R, N).
+    /// o + t d of sample n of all samples (R, N), or where that is in the cube.
     pub fn position(&self, n: usize) -> [f64; 3] {
         let (ray, t) = (n / self.samples * 3, self.t[n]);
         let (o, d) = (&self.origins[ray..ray + 3], &self.directions[ray..ray + 3]);
-        [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]]
+        let x = [o[0] + t * d[0], o[1] + t * d[1], o[2] + t * d[2]];
+        self.cube.map_or(x, |cube| cube.point(x))
     }
 
     /// Positions of the samples named (M, 3).

@@ -58,7 +58,7 @@ impl Scene {
 
     fn batch(&self) -> Batch<'_> {
         let Scene { origins, directions, t, deltas, targets, samples } = self;
-        let rays = Rays { origins, directions, t, deltas, samples: *samples };
+        let rays = Rays { origins, directions, t, deltas, samples: *samples, cube: None };
         Batch { rays, targets, background: BACKGROUND }
     }
 }

@@ -133,7 +133,7 @@ pub(super) fn space(scene: &Scene, extent: Extent) -> (Space, String) {
 
 /// Whether 95% of the pictures' border pixels are background: within 0.02, or a quarter of what pictures are off it as a whole, so that
 /// the dark of a night isn't taken for black.
-pub(super) fn cut_out(scene: &Scene) -> bool {
+pub(crate) fn cut_out(scene: &Scene) -> bool {
     let near = (0.25 * off_background(scene)).min(0.02);
     let (mut border, mut plain) = (0, 0);
     for image in scene.train.iter().filter_map(|frame| frame.image.as_ref()) {

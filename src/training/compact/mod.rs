@@ -23,7 +23,7 @@ use crate::training::{Model, Pixel, StepReport};
 
 mod backward;
 pub(crate) mod chunk;
-mod extent;
+pub(crate) mod extent;
 mod forward;
 pub(crate) mod kernels;
 mod march;

@@ -8,6 +8,7 @@ use crate::field::fast::Rays;
 use crate::occupancy_grid::fast::Occupancy;
 use crate::parallel;
 use crate::random::Key;
+use crate::ray::Ray;
 use crate::scene::{Scene, pixel_ray};
 use crate::training::probe::Cells;
 
@@ -25,6 +26,9 @@ const TASK: usize = 1 << 13;
 /// Densities at points (M, 3).
 pub(crate) type DensityAt<'a> = &'a dyn Fn(&[f64]) -> Vec<f32>;
 
+/// Where a ray's samples begin and end.
+pub(crate) type Ends<'a> = &'a dyn Fn(&Ray) -> [[f64; 3]; 2];
+
 /// The grid, and the box of the scene that it fills.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Grid {
@@ -35,11 +39,11 @@ pub(crate) struct Grid {
 }
 
 impl Grid {
-    /// Over the box of all training rays between `near` and `far`, with this many cells along an edge (a multiple of 16); no density known.
+    /// Over the box of all training rays between their `ends`, with this many cells along an edge (a multiple of 16); no density known.
     ///
     /// # Errors
     /// Where a training pixel has no ray.
-    pub(crate) fn new(scene: &Scene, near: f64, far: f64, resolution: usize) -> Result<Self> {
+    pub(crate) fn new(scene: &Scene, ends: Ends, resolution: usize) -> Result<Self> {
         // Every eighth pixel and the last ones: a sample outside the box counts as live, so that nothing depends on the rest.
         const STRIDE: usize = 8;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -48,8 +52,7 @@ impl Grid {
             let along = |n: usize| (0..n).step_by(STRIDE).chain([n - 1]);
             for (i, j) in along(camera.height).flat_map(|j| along(camera.width).map(move |i| (i, j))) {
                 let Some(ray) = pixel_ray(camera, i, j)? else { continue };
-                for t in [near, far] {
-                    let x = ray.at(t).to_array();
+                for x in ends(&ray) {
                     for a in 0..3 {
                         (low[a], high[a]) = (low[a].min(x[a]), high[a].max(x[a]));
                     }

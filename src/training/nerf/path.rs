@@ -1,8 +1,6 @@
 //! One network of the NeRF model with its optimizer's state: on the f32 path, or in the f64 reference.
 
-use glam::DVec3;
-
-use super::{NerfSettings, find, flat};
+use super::{NerfSettings, find, flat, ray_of};
 use crate::convention::{CS180, Depth, EmptyDepth};
 use crate::early_stop::live_samples;
 use crate::encoding::Encoding;
@@ -13,7 +11,6 @@ use crate::files::npz::{Array, Arrays};
 use crate::optimizer::{self, Adam};
 use crate::parallel;
 use crate::random::Key;
-use crate::ray::Ray;
 use crate::training::reference::{Field, Target, adam_layer};
 use crate::volume_rendering;
 
@@ -43,7 +40,7 @@ impl Path {
             zero.layers_mut().into_iter().for_each(|l| *l = Layer::zeros(l.w.ncols(), l.w.nrows()));
             let (position, direction) =
                 (Encoding::new(settings.levels.0, &CS180), Encoding::new(settings.levels.1, &CS180));
-            let field = Box::new(Field { net, position, direction, conventions: CS180 });
+            let field = Box::new(Field { net, position, direction, cube: settings.cube, conventions: CS180 });
             Path::Reference { field, m: zero.clone(), v: zero, steps: 0 }
         } else {
             let net = Box::new(Network::new(&net, &settings.shape, &CS180));
@@ -60,6 +57,7 @@ impl Path {
                 net: net.to_oracle(&net.params),
                 position: Encoding::new(settings.levels.0, &CS180),
                 direction: Encoding::new(settings.levels.1, &CS180),
+                cube: settings.cube,
                 conventions: CS180,
             },
         }
@@ -114,21 +112,21 @@ impl Path {
             Path::Reference { field, .. } => {
                 let one = |r: usize| {
                     let (t, deltas) = samples_of(rays, r);
-                    field.render(&ray_of(rays, r), t, deltas).0.weights
+                    field.render(&ray_of(rays.origins, rays.directions, r), t, deltas).0.weights
                 };
                 parallel::map(rays.len(), one).concat()
             }
         }
     }
 
-    /// Densities of points (M, 3).
+    /// Densities of points (M, 3), in the field's own coordinates.
     pub(crate) fn densities(&self, points: &[f64]) -> Vec<f32> {
         match self {
             Path::Fast { net, .. } => net.densities(points),
             Path::Reference { field, .. } => parallel::map(points.len() / 3, |n| {
-                // At t = 0 of a ray that starts there; the density doesn't depend on the direction.
-                let ray = Ray { o: DVec3::from_slice(&points[3 * n..]), d: DVec3::Z };
-                field.at(&ray, 0.0).sigma as f32
+                // The density doesn't depend on the direction.
+                let x = [points[3 * n], points[3 * n + 1], points[3 * n + 2]];
+                field.seen(x, [0.0, 0.0, 1.0]).sigma as f32
             }),
         }
     }
@@ -138,7 +136,7 @@ impl Path {
         match self {
             Path::Reference { field, .. } => parallel::map(rays.len(), |r| {
                 let (t, deltas) = followed(field, rays, skipping, r);
-                let (rendering, _) = field.render(&ray_of(rays, r), &t, &deltas);
+                let (rendering, _) = field.render(&ray_of(rays.origins, rays.directions, r), &t, &deltas);
                 let weighted =
                     volume_rendering::depth(&rendering.weights, &t, 0.0, Depth::Plain, EmptyDepth::Far);
                 (rendering.color.map(|c| c as f32), rendering.opacity as f32, weighted as f32)
@@ -222,12 +220,6 @@ impl Path {
     }
 }
 
-/// Ray r of a batch.
-fn ray_of(rays: Rays, r: usize) -> Ray {
-    let vector = |values: &[f64]| DVec3::new(values[3 * r], values[3 * r + 1], values[3 * r + 2]);
-    Ray { o: vector(rays.origins), d: vector(rays.directions) }
-}
-
 /// t and deltas of ray r.
 fn samples_of<'a>(rays: Rays<'a>, r: usize) -> (&'a [f64], &'a [f64]) {
     let range = r * rays.samples..(r + 1) * rays.samples;
@@ -240,7 +232,7 @@ fn followed(field: &Field, rays: Rays, skipping: Skipping, r: usize) -> (Vec<f64
     let live = samples.filter(|&n| skipping.live.is_none_or(|live| live[n]));
     let (mut t, mut deltas): (Vec<f64>, Vec<f64>) = live.map(|n| (rays.t[n], rays.deltas[n])).unzip();
     if skipping.stop > 0.0 {
-        let ray = ray_of(rays, r);
+        let ray = ray_of(rays.origins, rays.directions, r);
         let sigmas: Vec<f64> = t.iter().map(|&t| field.at(&ray, t).sigma).collect();
         let end = live_samples(&sigmas, &deltas, f64::from(skipping.stop));
         t.truncate(end);
@@ -262,7 +254,7 @@ fn reference_gradient(
     let target = |r: usize| {
         let (t, deltas) = followed(field, rays, skipping, r);
         let rgb = std::array::from_fn(|k| f64::from(targets[3 * r + k]));
-        Target { ray: ray_of(rays, r), t, deltas, rgb }
+        Target { ray: ray_of(rays.origins, rays.directions, r), t, deltas, rgb }
     };
     let parts = parallel::map(count.div_ceil(CHUNK), |n| {
         let batch: Vec<Target> = (n * CHUNK..count.min((n + 1) * CHUNK)).map(target).collect();

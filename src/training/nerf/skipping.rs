@@ -55,7 +55,7 @@ impl NerfModel {
                 grid.update(&key, (step, since / skip.every), length, &density_at);
             }
         } else {
-            let mut grid = Grid::new(scene, self.settings.near, self.settings.far, skip.resolution)?;
+            let mut grid = Grid::new(scene, &|ray| self.settings.ends(ray), skip.resolution)?;
             grid.fill(&key, step, length, &density_at);
             self.grid = Some(grid);
         }
@@ -72,9 +72,11 @@ impl NerfModel {
         if self.grid.is_some() { f64::from(STOP) } else { 0.0 }
     }
 
-    /// A 64th of the way from near to far, over which cells are judged: a step of the paper's, whatever the samples here.
+    /// A 64th of the way from near to far, over which cells are judged: a step of the paper's, whatever the samples here. A way
+    /// through the cube of normalized device coordinates is at least 2 long.
     pub(crate) fn step_length(&self) -> f64 {
-        (self.settings.far - self.settings.near) / 64.0
+        let way = self.settings.far - self.settings.near;
+        self.settings.cube.map_or(way, |_| 2.0) / 64.0
     }
 
     /// The grid's part of a checkpoint.

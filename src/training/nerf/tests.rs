@@ -1,11 +1,13 @@
 //! A coarse and a fine network: how one depends on the other, on both paths.
 
+mod forward;
 mod skipping;
 
 use super::*;
 use crate::parallel;
+use crate::ray::camera_ray;
 use crate::scene;
-use crate::training::reference::fine_samples;
+use crate::training::reference::{fine_samples, interval_edges};
 
 fn settings(fine: usize, reference: bool) -> NerfSettings {
     let mut settings = NerfSettings::new(2.0, 6.0, [1.0; 3]);

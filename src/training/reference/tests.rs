@@ -17,6 +17,7 @@ fn field() -> Field {
         net,
         position,
         direction,
+        cube: None,
         conventions: crate::convention::Conventions { density: Density::Softplus, ..CS180 },
     }
 }

@@ -42,6 +42,11 @@ fn copy(model: &NerfModel, settings: NerfSettings) -> NerfModel {
     copy
 }
 
+/// From 2 to 6.
+fn ends(ray: &Ray) -> [[f64; 3]; 2] {
+    settings(0, false).ends(ray)
+}
+
 /// A ball of radius 0.5 around (x, 0, 0).
 fn ball(x: f64) -> impl Fn(&[f64]) -> Vec<f32> {
     move |points| {
@@ -69,7 +74,7 @@ fn share(live: &[bool]) -> f64 {
 #[test]
 fn the_grid_follows_what_it_is_asked_about() {
     let key = Key::new(0, Purpose::Occupancy);
-    let mut grid = Grid::new(&scene(), 2.0, 6.0, 64).unwrap();
+    let mut grid = Grid::new(&scene(), &ends, 64).unwrap();
     let [low, .., high] = grid.corners();
     let cell = (high - low) / 64.0;
     assert!((0.05..0.2).contains(&cell), "{cell}");
@@ -157,7 +162,7 @@ fn both_paths_leave_out_the_same() {
     let scene = scene();
     let run = |reference, skip: bool| {
         let mut model = NerfModel::new(NerfSettings { rays: 32, samples: 16, ..settings(0, reference) });
-        let mut grid = Grid::new(&scene, 2.0, 6.0, 16).unwrap();
+        let mut grid = Grid::new(&scene, &ends, 16).unwrap();
         grid.fill(&Key::new(0, Purpose::Occupancy), 1, STEP, &|points: &[f64]| {
             points.chunks(3).map(|p| if p[0] < 0.0 { 1.0 } else { 0.0 }).collect()
         });
