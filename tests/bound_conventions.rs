@@ -45,11 +45,11 @@ fn in_range(component: &Component, c: &Conventions, dtype: Dtype) -> bool {
 /// Evaluations of honest machines in one assignment of conventions, and those that the bound rejects.
 fn rejections(component: &Component, c: Conventions) -> (u64, Vec<String>) {
     let (mut evaluations, mut rejected) = (0, vec![]);
-    let each = types(&[77], &[17])[0];
+    let each = types(&[77], &[29])[0];
     for kind in [Kind::Forward, Kind::Vjp] {
         let Some(direction) = component.direction(kind) else { continue };
         for case in component.cases_of(kind, &c) {
-            // Three machines out of 192, or twelve: with either step, order, fusing, formula and form all vary. Three for the network at
+            // Three machines out of 192, or seven: with either step, order, fusing, formula and form all vary. Three for the network at
             // full size in another convention than the default always: longer sums are what it adds, and these are the same in each.
             let large = case.inputs.values().map(|a| a.len()).sum::<usize>() >= 20_000;
             let machines = (0..192).step_by(if large && c != CS180 { 77 } else { each });

@@ -226,7 +226,9 @@ fn verdict_of_scaled(component: &Component, kind: Kind, dtype: Dtype, factor: f6
 fn no_convention_wins_without_evidence() {
     let nerf = COMPONENTS.iter().find(|component| component.name == "nerf_mlp").expect("the network");
     for &dtype in types(&[Dtype::Bf16], &Dtype::ALL) {
-        for &factor in types(&[0.0], &[0.0, -1.0, 0.5, 2.0]) {
+        // Each costs a search for what explains it: all of them in the type of which nothing was proved.
+        let all = dtype == Dtype::Bf16;
+        for &factor in types(&[0.0], if all { &[0.0, -1.0, 0.5, 2.0] } else { &[0.0] }) {
             let verdict = verdict_of_scaled(nerf, Kind::Vjp, dtype, factor);
             assert_eq!(verdict, Verdict::Fail, "{dtype}, times {factor}");
         }

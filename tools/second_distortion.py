@@ -51,7 +51,7 @@ def covers(a, c, wrong=()):
 
 def eps_of(a, c):
     """What is added to the weight."""
-    eps = {"as_given": float(a["eps"]), "float32": 2.0**-23, "1e-7": 1e-7}[c["interlevel_eps"]]
+    eps = {"as_given": float(a["eps"]), "float32": 2.0**-23, "1e-7": 1e-7, "1e-8": 1e-8}[c["interlevel_eps"]]
     return a["weights"].dtype.type(eps)
 
 

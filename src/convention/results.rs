@@ -162,6 +162,9 @@ pub enum InterlevelEps {
     /// 1e-7 (nerfstudio, nerfacc).
     #[serde(rename = "1e-7")]
     TenToMinusSeven,
+    /// 1e-8 (ports in PyTorch).
+    #[serde(rename = "1e-8")]
+    TenToMinusEight,
 }
 
 impl InterlevelEps {
@@ -171,6 +174,7 @@ impl InterlevelEps {
             InterlevelEps::AsGiven => given,
             InterlevelEps::Float32 => f64::from(f32::EPSILON),
             InterlevelEps::TenToMinusSeven => 1e-7,
+            InterlevelEps::TenToMinusEight => 1e-8,
         }
     }
 }

@@ -93,7 +93,7 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("charbonnier_eps", &["square", "as_given"]),
     ("outer_edges", &["touching", "inside"]),
     ("interlevel_reduction", &["mean", "sum"]),
-    ("interlevel_eps", &["as_given", "float32", "1e-7"]),
+    ("interlevel_eps", &["as_given", "float32", "1e-7", "1e-8"]),
     ("ssim_window", &["gaussian", "uniform", "uniform_11", "uniform_3"]),
     ("ssim_padding", &["valid", "zero", "reflect"]),
     ("ssim_variance", &["population", "sample"]),

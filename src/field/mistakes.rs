@@ -86,7 +86,9 @@ pub(crate) fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     }
     let mut net = network(a);
     spoil(net.layers.iter_mut().collect(), 1, wrong);
-    let point = |x: &Vec<f64>| {
+    // The output units, of whatever the hidden ones were.
+    let widened = |y: f64| WIDENED.among(wrong).map_or(y, |e| (1.0 + 2.0 * e) * y - e);
+    let point = |x: &Vec<f64>| -> Vec<f64> {
         let tape = net.forward(x);
         if let Some(units) = units(wrong) {
             let last = net.layers.len() - 1;
@@ -94,10 +96,10 @@ pub(crate) fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
                 .iter()
                 .fold(x.clone(), |h, layer| layer.forward(&h).into_iter().map(&units).collect());
             let z = net.layers[last].forward(&hidden);
-            return z.iter().map(|&z| head(sigmoid(z), z, wrong)).collect();
+            return z.iter().map(|&z| widened(head(sigmoid(z), z, wrong))).collect();
         }
         let z = tape.z.last().expect("a layer");
-        tape.y.iter().zip(z).map(|(&y, &z)| head(y, z, wrong)).collect()
+        tape.y.iter().zip(z).map(|(&y, &z)| widened(head(y, z, wrong))).collect()
     };
     let y: Vec<Vec<f64>> = rows(a, "x").iter().map(point).collect();
     arrays([("y", from_rows(&y, net.layers.last().expect("a layer").b.len()))])

@@ -23,6 +23,7 @@ pub(crate) fn lr_exponential() -> Vec<Case> {
         of("end", "the whole decay", [10.0, 10.0, 0.75, 0.1]),
         of("beyond", "two and a half times the steps", [25.0, 10.0, 0.75, 0.25]),
         of("each_step", "a factor a step", [7.0, 1.0, 0.5, 0.9]),
+        of("far_beyond", "six times the steps: next to no rate", [60.0, 10.0, 0.0005, 0.1]),
         of("paper", "NeRF's: a tenth after 250,000 steps", [20_000.0, 250_000.0, 5e-4, 0.1]),
     ]
 }

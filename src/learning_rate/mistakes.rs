@@ -4,7 +4,7 @@ mod catalogue;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use catalogue::{DECAY_OF_ITS_OWN, WARMUP_FROM_A_PART, WARMUP_FROM_A_RATE};
+use catalogue::{DECAY_OF_ITS_OWN, LAST_RATE_A_PART, RATE_FLOORED, WARMUP_FROM_A_PART, WARMUP_FROM_A_RATE};
 pub(crate) use catalogue::{LR_COSINE, LR_EXPONENTIAL, LR_LOG_LINEAR};
 
 use super::arrays::{self, count, delay, forward, rates};
@@ -33,7 +33,8 @@ pub(crate) fn lr_exponential(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arr
     let [steps, lr, decay] = ["decay_steps", "lr_init", "decay"].map(|name| number(a, name));
     let decay = DECAY_OF_ITS_OWN.among(wrong).unwrap_or(decay);
     let t = way(step(a, wrong), steps, c.rate_end, wrong);
-    forward(match () {
+    let least = RATE_FLOORED.among(wrong).unwrap_or(0.0);
+    let rate = match () {
         () if has("decay_as_rate") => lr * exp(-decay * t),
         () if has("inverse_time") => lr / (1.0 + decay * t),
         () if has("factor_every_step") => lr * pow(decay, t * steps),
@@ -41,7 +42,8 @@ pub(crate) fn lr_exponential(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arr
         () if has("linear_decay") => lr * (1.0 - (1.0 - decay) * t),
         () if has("compounded") => lr * pow(decay, t * (t * steps + 1.0) / 2.0),
         () => lr * pow(decay, t),
-    })
+    };
+    forward(rate.max(least))
 }
 
 /// The rate of a step of the warm-up.
@@ -75,15 +77,17 @@ pub(crate) fn lr_cosine(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let has = |name: &str| wrong.contains(&name);
     let ([first, last], step) = (rates(a), step(a, wrong));
     let (most, warmup) = (number(a, "max_steps"), number(a, "warmup_steps"));
+    let last = LAST_RATE_A_PART.among(wrong).map_or(last, |k| k * first);
     let [first, last] = if has("rates_exchanged") { [last, first] } else { [first, last] };
     if step < warmup && !has("warmup_times_cosine") {
         return forward(warming_up([first, last], step, warmup, wrong));
     }
     let counted = has("warmup_counted") || has("warmup_times_cosine") || has("warmup_taken_off_the_whole");
     let whole = has("warmup_counted") || has("warmup_times_cosine") || has("warmup_not_taken_off");
+    let early = if has("one_step_early") { 1.0 } else { 0.0 };
     let p = way(
-        if counted { step } else { step - warmup },
-        if whole { most } else { most - warmup },
+        if counted { step } else { step - warmup } - early,
+        if whole { most } else { most - warmup } - early,
         c.rate_end,
         wrong,
     );

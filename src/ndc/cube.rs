@@ -132,5 +132,7 @@ mod tests {
         let faces = |d| cube.faces(&ray(&cube, [0.0; 3], d));
         assert!(faces([0.0, 0.0, 1.0]) && faces([0.9, 0.0, 0.1]) && faces([90.0, 0.0, 10.0]));
         assert!(!faces([1.0, 0.0, 0.01]) && !faces([0.0, 0.6, -0.8]));
+        // However long the direction is.
+        assert!(!faces([100.0, 0.0, 1.0]) && !faces([0.0; 3]));
     }
 }

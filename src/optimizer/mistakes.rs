@@ -3,7 +3,7 @@
 mod catalogue;
 
 pub(crate) use catalogue::{ADAM_STEP, ADAMW_STEP};
-use catalogue::{EPS_OF_ITS_OWN, MEANS_BEGIN_AT_EPS};
+use catalogue::{EPS_OF_ITS_OWN, GRADIENT_CLIPPED, MEANS_BEGIN_AT_EPS};
 
 use super::arrays::{self, each, settings};
 use super::{Adam, Moments, adam_step as oracle, bias_correction, eps};
@@ -114,6 +114,7 @@ pub(crate) fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let as_it_is = ["step_from_zero", "betas_of_its_own", "decoupled_decay"];
     let rewritten = wrong.iter().any(|name| !as_it_is.contains(name));
     each(a, |before, grad| {
+        let grad = GRADIENT_CLIPPED.among(wrong).map_or(grad, |k| grad.clamp(-k, k));
         let mut after = oracle(&adam, before, grad, step);
         if rewritten {
             let Means { kept, used: [m, v] } =

@@ -62,6 +62,7 @@ fn bent(t: Vec<f64>, [near, far]: [f64; 2], u: &[f64], c: &Conventions, wrong: &
     let has = |name: &str| wrong.contains(&name);
     let law: fn(f64, f64, f64) -> f64 = match () {
         () if has("even_in_disparity") => |s, near, far| 1.0 / ((1.0 - s) / near + s / far),
+        () if has("even_in_square") => |s, near, far| near + s * s * (far - near),
         () if has("even_in_logarithm") => |s, near, far| pow(near, 1.0 - s) * pow(far, s),
         () => {
             let drawn = |u: &f64| near + u * (far - near);

@@ -25,6 +25,13 @@ pub(crate) fn spherical_harmonics() -> Vec<Case> {
         case("axes", "along the axes, both ways: every harmonic is 0 or extreme", 4.0, axes),
         case("constant", "degree 0: 1 / sqrt(4 pi), whatever the direction", 0.0, seeded(0, 3)),
         case("linear", "degree 1: y, z, x in this order", 1.0, seeded(1, 4)),
+        case("quadratic", "degree 2: the nine values of Plenoxels", 2.0, seeded(4, 5)),
+        case(
+            "quadratic_not_unit",
+            "the same where lengths aren't 1",
+            2.0,
+            vec![0.25, -0.375, 0.125, 1.0, -1.5, 0.5],
+        ),
         case("four_bands", "degree 3: the 16 values of Instant-NGP", 3.0, seeded(2, 6)),
         case("five_bands", "degree 4: all 25", 4.0, seeded(3, 6)),
         case(

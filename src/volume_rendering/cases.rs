@@ -280,6 +280,9 @@ pub(crate) fn depth() -> Vec<Case> {
         array(&[rays, 8], std::iter::repeat_n(row, rays).flatten().collect())
     };
     let spike = vec![0.0, 0.0, 0.5, 0.0, 0.25, 0.0, 0.0, 0.0];
+    let share = [0.125, 0.0, 0.25, 0.0625, 0.3125, 0.0, 0.125, 0.125];
+    let thin = [0.0625, 0.01171875, 0.0029296875].iter().flat_map(|whole| share.map(|w| w * whole)).collect();
+    let thin = array(&[3, 8], thin);
     let cases = vec![
         Case::new(
             "spike",
@@ -290,6 +293,11 @@ pub(crate) fn depth() -> Vec<Case> {
             "VR7_empty_ray",
             "no weight at all: far, not NaN",
             vec![("weights", array(&[1, 8], vec![0.0; 8])), ("t", t(1)), ("far", scalar(6.25))],
+        ),
+        Case::new(
+            "thin_rays",
+            "opacities of 1/16, 3/256 and 3/1024: thin rays have a depth too",
+            vec![("weights", thin), ("t", t(3)), ("far", scalar(6.25))],
         ),
         Case::new(
             "two_ends",

@@ -10,14 +10,16 @@ use crate::math::exp;
 mod background;
 mod catalogue;
 mod depth;
+mod laws;
 mod lists;
 
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 use catalogue::{
-    DELTA_SCALED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, OVER_RAYS, OVER_RAYS_INCLUSIVE, OWN_STEP,
-    SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
+    DELTA_SCALED, DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, OVER_RAYS, OVER_RAYS_INCLUSIVE,
+    OWN_STEP, SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
 };
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
+use laws::{other_alphas, softmax};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
@@ -209,27 +211,6 @@ fn render_all(
     rays.into_iter().enumerate().map(finish).collect()
 }
 
-/// Opacities of optical depths by another law than the exponential's.
-fn other_alphas(depths: &[f64], wrong: &[&str]) -> Option<Vec<f64>> {
-    let law: fn(f64) -> f64 = match () {
-        () if wrong.contains(&"straight_alpha") => |x| x.clamp(0.0, 1.0),
-        () if wrong.contains(&"hyperbolic_alpha") => |x| if x.is_infinite() { 1.0 } else { x / (1.0 + x) },
-        () if wrong.contains(&"tanh_alpha") => {
-            |x| crate::math::expm1(2.0 * x.min(50.0)) / (exp(2.0 * x.min(50.0)) + 1.0)
-        }
-        () => return None,
-    };
-    Some(depths.iter().map(|&x| law(x)).collect())
-}
-
-/// e^x_i / sum e^x_j.
-fn softmax(x: &[f64]) -> Vec<f64> {
-    let most = x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let powers: Vec<f64> = x.iter().map(|x| exp(x - most)).collect();
-    let total: f64 = powers.iter().sum();
-    powers.iter().map(|power| power / total).collect()
-}
-
 /// Rendering from densities.
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (count, samples) = size(a, "sigmas");
@@ -238,6 +219,9 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         let (mut sigmas, deltas) = (row(a, "sigmas", r), wrong_deltas(a, r, wrong));
         if wrong.contains(&"densities_averaged") {
             (1..samples).for_each(|i| sigmas[i - 1] = 0.5 * (sigmas[i - 1] + sigmas[i]));
+        }
+        if let Some(most) = DENSITY_CAPPED.among(wrong) {
+            sigmas.iter_mut().for_each(|sigma| *sigma = sigma.min(most));
         }
         let mut alphas: Vec<f64> =
             super::optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(-x)).collect();

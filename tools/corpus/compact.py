@@ -397,3 +397,12 @@ def signs_of_the_first_band(d, degree):
     if degree > 0:
         out[1], out[3] = -out[1], -out[3]
     return torch.stack(out, -1)
+
+
+@fault("spherical_harmonics", seen="a trial on unseen code: band 2 by a wrong constant", gradient="none")
+def nine_with_a_wrong_band(d, degree):
+    """Degrees up to 2, whose band 2 is 7 times too large."""
+    if degree > 2:
+        raise ValueError("nine coefficients")
+    out = harmonics(d, degree, -1)
+    return torch.stack(out[:4] + [7 * y for y in out[4:]], -1)

@@ -198,3 +198,11 @@ def far_edge_held_by_the_samples(edges, weights, padding, u):
     first, last = torch.gather(edges, -1, below), torch.gather(edges, -1, above)
     width = torch.where(high == low, torch.ones_like(low), high - low)
     return first + (u - low) / width * (last - first)
+
+
+@fault("importance_sampling", "weights_blurred", seen="google/mipnerf resample_along_rays, where its blur isn't asked", times=2, gradient="none")
+def blurred_weights(edges, weights, u):
+    """The larger of two neighbors, the mean of two of these, and 0.01."""
+    w = torch.cat([weights[:, :1], weights, weights[:, -1:]], -1)
+    larger = torch.maximum(w[:, :-1], w[:, 1:])
+    return inverted(edges, steps(0.5 * (larger[:, :-1] + larger[:, 1:]) + 0.01), u)

@@ -327,3 +327,10 @@ def second_moment_by_a_square(params, grad, m, v, step, lr, beta1, beta2, eps, w
     """1 - b2^2, whatever the step."""
     m, v = moments(grad + weight_decay * params, m, v, beta1, beta2)
     return params - lr * (m / (1 - beta1**step)) / (np.sqrt(v / (1 - beta2**2)) + eps), m, v
+
+
+@fault("adam_step", "gradient_clipped_first", seen="a trial on unseen code: clip(grad, -1, 1) in front", arrays="numpy")
+def gradient_clipped_first(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
+    """The paper's step of a gradient cut at 1."""
+    m, v = moments(np.clip(grad, -1, 1) + weight_decay * params, m, v, beta1, beta2)
+    return params - lr * (m / (1 - beta1**step)) / (np.sqrt(v / (1 - beta2**step)) + eps), m, v

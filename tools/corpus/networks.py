@@ -224,3 +224,9 @@ def linear_bands_in_the_field(**a):
     sigma = torch.relu(F.linear(h, a["sigma_w"], a["sigma_b"]))[:, 0]
     c = torch.cat([F.linear(h, a["feature_w"], a["feature_b"]), d], -1)
     return sigma, torch.sigmoid(F.linear(torch.relu(F.linear(c, a["color0_w"], a["color0_b"])), a["color1_w"], a["color1_b"]))
+
+
+@fault("mlp", "widened_sigmoid", seen="a trial on unseen code: mip-NeRF's padding of 0.001", times=2, gradient="widened_sigmoid")
+def padded_output(x, **rest):
+    """(1 + 0.002) sigmoid(z) - 0.001."""
+    return network(x, layers(rest), last=lambda z: torch.sigmoid(z) * (1 + 2 * 0.001) - 0.001)

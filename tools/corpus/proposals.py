@@ -94,3 +94,9 @@ def without_the_limit(weights, t, proposal_weights, proposal_t, eps):
 def without_the_division(weights, t, proposal_weights, proposal_t):
     """max(0, w - bound)^2."""
     return excess(weights, outer(t, proposal_t, proposal_weights)).mean(-1)
+
+
+@convention("interlevel_loss", {"interlevel_eps": "1e-8"}, seen="a trial on unseen code: ports in PyTorch", times=2, digits=True)
+def eps_of_ports(weights, t, proposal_weights, proposal_t):
+    """w + 1e-8."""
+    return (excess(weights, outer(t, proposal_t, proposal_weights)) / (weights + 1e-8)).mean(-1)

@@ -392,3 +392,11 @@ def differences_into_zeros(t):
     steps = torch.zeros_like(t)
     steps[..., :-1] = t[..., 1:] - t[..., :-1]
     return steps
+
+
+@fault("sample_along_rays", "even_in_square", seen="a trial on unseen code: near (1 - s^2) + far s^2")
+def even_in_the_square(rays_o, rays_d, near, far, u):
+    """Strata in s, whose square is taken."""
+    n = u.shape[1]
+    s = (torch.arange(n, dtype=u.dtype) + u) / n
+    return on_rays(rays_o, rays_d, near * (1 - s**2) + far * s**2)

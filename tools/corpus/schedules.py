@@ -165,3 +165,28 @@ def sums_of_squares_squared(g_weights, g_bias, max_norm):
     norm = torch.sqrt(sum(g.square().sum() ** 2 for g in (g_weights, g_bias)))
     factor = max_norm / norm if norm > max_norm else 1.0
     return g_weights * factor, g_bias * factor, norm
+
+
+@fault("lr_exponential", "rate_floored", seen="a trial on unseen code: max(lr, 1e-5)")
+def rate_with_a_floor(step, decay_steps, lr_init, decay):
+    """Never below 1e-5."""
+    return max(lr_init * decay ** (step / decay_steps), 1e-5)
+
+
+@fault("lr_cosine", "last_rate_a_part_of_first", seen="a trial on unseen code: 0.01 of the first rate")
+def down_to_a_hundredth(step, max_steps, lr_init, lr_final, warmup_steps):
+    """lr_final isn't read."""
+    if step < warmup_steps:
+        return lr_init * step / warmup_steps
+    part = min(max((step - warmup_steps) / (max_steps - warmup_steps), 0.0), 1.0)
+    last = 0.01 * lr_init
+    return last + 0.5 * (lr_init - last) * (1 + math.cos(math.pi * part))
+
+
+@fault("lr_cosine", "one_step_early", seen="a trial on unseen code: epochs counted from 1")
+def counted_from_one(step, max_steps, lr_init, lr_final, warmup_steps):
+    """(step - 1) / (max_steps - 1)."""
+    if step < warmup_steps:
+        return lr_init * step / warmup_steps
+    part = min(max((step - warmup_steps - 1) / (max_steps - warmup_steps - 1), 0.0), 1.0)
+    return lr_final + 0.5 * (lr_init - lr_final) * (1 + math.cos(math.pi * part))

@@ -133,6 +133,7 @@ pub(super) const WIDENED: Mistake = Mistake::new(
 /// Mistakes of the plain network.
 pub(crate) const MLP: &[Mistake] = &[
     SIGMOID_MISSING,
+    WIDENED,
     RELU_BEFORE_SIGMOID,
     BIAS_FORGOTTEN,
     TRANSPOSED,

@@ -29,6 +29,24 @@ pub(super) const DECAY_OF_ITS_OWN: Mistake = Mistake::new(
     1,
 )
 .with("decay", 0.1, [1e-3, 0.99]);
+pub(super) const RATE_FLOORED: Mistake = Mistake::new(
+    "rate_floored",
+    "max(lr, a least rate)",
+    "rates stop falling where nothing says so",
+    "lr_init decay^(step / decay_steps), however small; a floor belongs outside of what is asked here",
+    "1 public implementation",
+    1,
+)
+.with("least", 1e-5, [1e-9, 1e-2]);
+pub(super) const LAST_RATE_A_PART: Mistake = Mistake::new(
+    "last_rate_a_part_of_first",
+    "lr_final = k lr_init, whatever lr_final is",
+    "the rates end elsewhere",
+    "the lr_final that is handed over",
+    "1 public implementation",
+    1,
+)
+.with("k", 0.01, [1e-4, 0.9]);
 pub(super) const WARMUP_FROM_A_PART: Mistake = Mistake::new(
     "warmup_from_a_part",
     "lr_init (k + (1 - k) step / warmup_steps)",
@@ -93,6 +111,7 @@ pub(crate) const LR_EXPONENTIAL: &[Mistake] = &[
         0,
     ),
     DECAY_OF_ITS_OWN,
+    RATE_FLOORED,
     Mistake::new(
         "compounded",
         "decay^(step / decay_steps) times the last step's rate",
@@ -130,6 +149,15 @@ pub(crate) const LR_COSINE: &[Mistake] = &[
         "(1 + cos(pi p)) / 2",
         "never; cheap to keep",
         0,
+    ),
+    LAST_RATE_A_PART,
+    Mistake::new(
+        "one_step_early",
+        "p = (step - 1) / (max_steps - 1)",
+        "rates a step late, and above lr_init's cosine in step 0",
+        "step / max_steps",
+        "1 public implementation",
+        1,
     ),
     Mistake::new(
         "last_rate_on_top",

@@ -210,6 +210,16 @@ pub(super) const EPS_OF_ITS_OWN: Mistake = Mistake::new(
 )
 .with("eps", 1e-7, [1e-12, 1e-2]);
 
+pub(super) const GRADIENT_CLIPPED: Mistake = Mistake::new(
+    "gradient_clipped_first",
+    "the gradient is cut at [-k, k] before it is used",
+    "large gradients count as k: another direction, and moments that know nothing of them",
+    "the gradient as it comes; whoever clips does so outside, and says so",
+    "1 public implementation",
+    1,
+)
+.with("k", 1.0, [1e-3, 1e3]);
+
 pub(super) const MEANS_BEGIN_AT_EPS: Mistake = Mistake::new(
     "means_begin_at_eps",
     "m and v begin at an eps in the place of 0",
@@ -253,6 +263,7 @@ pub(crate) const ADAM_STEP: &[Mistake] = &[
     UPHILL,
     BETAS_OF_ITS_OWN,
     EPS_OF_ITS_OWN,
+    GRADIENT_CLIPPED,
     MEANS_BEGIN_AT_EPS,
 ];
 
@@ -329,5 +340,6 @@ pub(crate) const ADAMW_STEP: &[Mistake] = &[
     UPHILL,
     BETAS_OF_ITS_OWN,
     EPS_OF_ITS_OWN,
+    GRADIENT_CLIPPED,
     MEANS_BEGIN_AT_EPS,
 ];

@@ -85,6 +85,14 @@ pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "even_in_square",
+        "t = near + s^2 (far - near): even in the root of the distance",
+        "most samples lie in the near half",
+        "near + s (far - near)",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "even_in_logarithm",
         "t = near^(1 - s) far^s: even in log t",
         "most samples lie in the near half",

@@ -269,3 +269,12 @@ pub(super) const SHADE_FORGOTTEN: Mistake = Mistake::new(
     1,
 )
 .of_gradient();
+pub(super) const DENSITY_CAPPED: Mistake = Mistake::new(
+    "density_capped",
+    "min(sigma, k)",
+    "surfaces that should be opaque let light through where steps are short, and learn no more",
+    "sigma as it is: exp(-sigma delta) is 0 where it is large, and needs no protection",
+    "1 public implementation",
+    1,
+)
+.with("k", 100.0, [1.0, 1e6]);
