@@ -128,8 +128,8 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         let digits = f64::from(bits) * std::f64::consts::LOG10_2;
         writeln!(
             f,
-            "  the right formula, with {bits} bit{} ({digits:.1} digits) lost, first of all in {}",
-            if bits == 1 { "" } else { "s" },
+            "  the right formula, with {bits} {} ({digits:.1} digits) lost, first of all in {}",
+            if bits == 1 { "bit" } else { "bits" },
             row.off.join(", ")
         )?;
         if bits >= 24 {
