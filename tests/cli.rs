@@ -204,6 +204,9 @@ fn options_that_do_not_fit_together_leave_no_folder() {
     let train = ["train", "builtin:blob", "--out", &run];
     let with = |more: &[&'static str]| [&train[..], more].concat();
     refused(&with(&["--model", "compact", "--skip"]), &["--skip", "compact model always"]);
+    refused(&with(&["--model", "compact", "--space", "ndc"]), &["--space", "ndc is for --model nerf"]);
+    refused(&with(&["--model", "nerf", "--space", "contracted"]), &["--space", "for --model compact"]);
+    refused(&with(&["--model", "nerf", "--space", "ndc"]), &["--space", "auto or box: "]);
     refused(&with(&["--model", "nerf", "--without", "stop"]), &["--without", "compact model's"]);
     let parts = ["stops", "occupancy", "stop", "patience", "coarse_steps", "view_dependence"];
     refused(&with(&["--without", "stops"]), &parts);

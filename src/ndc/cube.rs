@@ -1,5 +1,7 @@
 //! The cube of normalized device coordinates in the world: the view of a camera that stands anywhere, from a near plane to infinity.
+//! NeRF (Mildenhall et al. 2020), appendix C: that camera's coordinates, then [`ndc_ray`] and [`ndc_point`].
 //!
+//! Places in the world and distances along rays have the scene's unit, whatever the length of a ray's direction; the cube is [-1, 1] wide.
 //! Letters: n the near plane's depth, z a point's depth, s = 1 - n / z its place on a ray, from 0 on the near plane to 1 at infinity.
 
 use glam::{DMat4, DVec3};
@@ -11,6 +13,17 @@ use crate::ray::Ray;
 const FORWARD: f64 = 0.05;
 
 /// A cube, by the camera whose view it is.
+///
+/// ```
+/// use glam::{DMat4, DVec3};
+/// use nerf_oracle::{convention::NdcDepth, ndc::{View, cube::Cube}, ray::Ray};
+/// let view = View { width: 2.0, height: 2.0, focal: 1.0, near: 1.0, depth: NdcDepth::Positive };
+/// let cube = Cube { w2c: DMat4::IDENTITY, view };
+/// let ray = Ray { o: DVec3::ZERO, d: DVec3::Z };
+/// // Straight ahead: from the near plane, half of the way at depth 2, to infinity.
+/// assert_eq!(cube.ends(&ray), [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]);
+/// assert_eq!((cube.distance(&ray, 0.5), cube.point([0.0, 0.0, 2.0])), (2.0, [0.0; 3]));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cube {
     /// World to that camera.
@@ -61,7 +74,7 @@ impl Cube {
         [o, [0, 1, 2].map(|a| o[a] + d[a])]
     }
 
-    /// The length of a ray in the cube, in which densities are 1 / length.
+    /// The length of a ray's way through the cube, |d'|: steps are shares of it, and densities 1 / length.
     pub fn length(&self, ray: &Ray) -> f64 {
         let [from, to] = self.ends(ray).map(DVec3::from);
         (to - from).length()

@@ -17,9 +17,6 @@ use crate::training::reference::Field;
 /// How far from the mean camera's axis rays lie at the most, as a cosine, in a scene for which the cube is chosen unasked: 60 degrees.
 const ONE_WAY: f64 = 0.5;
 
-/// Rays of the pictures' corners that are looked at, a camera.
-type Corners = Vec<Ray>;
-
 /// The cube of a scene's mean camera, whose near plane nothing lies before that is `near` away from a camera; with the least cosine
 /// between its axis and a training ray.
 ///
@@ -29,19 +26,18 @@ pub fn cube(scene: &Scene) -> Result<(Cube, f64), &'static str> {
     let cameras: Vec<&Camera> = scene.train.iter().map(|frame| &frame.camera).collect();
     let c2w = mean(&cameras).ok_or("the cameras look in all directions, and their mean in none")?;
     let (w2c, axis) = (c2w.inverse(), c2w.z_axis.truncate());
-    let rays: Vec<Corners> = cameras.iter().map(|camera| corners(camera)).collect();
-    let cosine = rays.iter().flatten().map(|ray| ray.d.dot(axis)).fold(1.0, f64::min);
-    let depth = |ray: &Ray| w2c.transform_point3(ray.at(scene.near)).z;
-    let near = rays.iter().flatten().map(depth).fold(f64::INFINITY, f64::min);
+    // Of a pinhole all other rays lie between these.
+    let rays: Option<Vec<Vec<Ray>>> = cameras.iter().map(|camera| corners(camera)).collect();
+    let rays = rays.ok_or("a lens has no rays at its pictures' corners")?.concat();
+    let cosine = rays.iter().map(|ray| ray.d.dot(axis)).fold(1.0, f64::min);
+    let near =
+        rays.iter().map(|ray| w2c.transform_point3(ray.at(scene.near)).z).fold(f64::INFINITY, f64::min);
     // The widest picture's slopes, so that none sees beyond the cube's sides from where the mean camera stands.
-    let slope = |size: usize, focal: f64| size as f64 / focal;
-    let widest = |of: fn(&Camera) -> (usize, f64)| {
-        cameras.iter().map(|camera| of(camera)).map(|(size, focal)| slope(size, focal)).fold(0.0, f64::max)
-    };
-    let (width, height) = (widest(|c| (c.width, c.k.fx)), widest(|c| (c.height, c.k.fy)));
+    let width = cameras.iter().map(|c| c.width as f64 / c.k.fx).fold(0.0, f64::max);
+    let height = cameras.iter().map(|c| c.height as f64 / c.k.fy).fold(0.0, f64::max);
     let cube = Cube { w2c, view: View { width, height, focal: 1.0, near, depth: NdcDepth::Positive } };
     match () {
-        () if !rays.iter().flatten().all(|ray| cube.faces(ray)) => {
+        () if !rays.iter().all(|ray| cube.faces(ray)) => {
             Err("some rays go across or against the mean camera's axis")
         }
         () if near <= 0.0 => {
@@ -66,11 +62,11 @@ fn mean(cameras: &[&Camera]) -> Option<DMat4> {
     Some(DMat4::from_rotation_translation(turn.normalize(), place))
 }
 
-/// The rays through a picture's corners that have one.
-fn corners(camera: &Camera) -> Corners {
+/// The rays through a picture's corners; `None` where one has none.
+fn corners(camera: &Camera) -> Option<Vec<Ray>> {
     let (last, bottom) = (camera.width - 1, camera.height - 1);
     let all = [(0, 0), (last, 0), (0, bottom), (last, bottom)];
-    all.into_iter().filter_map(|(i, j)| pixel_ray(camera, i, j).ok().flatten()).collect()
+    all.into_iter().map(|(i, j)| pixel_ray(camera, i, j).ok().flatten()).collect()
 }
 
 impl NerfSettings {

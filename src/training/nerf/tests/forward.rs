@@ -3,6 +3,7 @@
 use glam::{DMat4, DVec2, DVec3};
 
 use super::*;
+use crate::camera::Lens;
 use crate::convention::ProductEps;
 use crate::training::nerf::forward::cube;
 use crate::training::nerf::skipping::Skip;
@@ -56,6 +57,17 @@ fn chosen_where_all_rays_go_one_way() {
         assert!(aside.cube.is_none(), "{turned}");
         assert_eq!(cube(&scene).is_ok(), possible, "{turned}: {:?}", cube(&scene));
     }
+}
+
+/// A picture that is larger than its fisheye's circle has no rays at its corners, by which nothing could be known of the others.
+#[test]
+fn lenses_without_corners_have_no_cube() {
+    let mut scene = forward_scene(0.0);
+    for frame in &mut scene.train {
+        frame.camera.distortion = Some(Lens::Fisheye([0.0; 4]));
+        (frame.camera.k.fx, frame.camera.k.fy) = (5.0, 5.0);
+    }
+    assert!(cube(&scene).unwrap_err().contains("corners"));
 }
 
 /// What is `near` away from any camera, in any direction, lies in front of the near plane, and the nearest of it on the plane.
