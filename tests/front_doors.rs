@@ -188,7 +188,7 @@ fn right_kernels_pass() {
     })
     .vjp(|levels, x, g| {
         let mut tables = levels.to_vec();
-        tables.iter_mut().flat_map(|level| &mut level.table).for_each(|entry| entry.fill(0.0));
+        tables.iter_mut().for_each(|level| level.table.fill(0.0));
         let g_x = x.iter().zip(g.rows());
         let g_x = g_x.map(|(x, g)| hash_grid::backward::encode(levels, *x, &g.to_vec(), &mut tables));
         (g_x.collect(), tables)

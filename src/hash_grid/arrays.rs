@@ -2,9 +2,17 @@
 
 use std::slice;
 
+use ndarray::ArrayView2;
+
 use super::{Level, backward, encode, growing};
 use crate::contract::arrays::{Arrays, arrays, from_rows, input, number, rows};
 use crate::convention::Conventions;
+
+/// The table of level l.
+fn table(a: &Arrays, l: usize) -> ArrayView2<'_, f64> {
+    let table = input(a, &format!("table{l}")).view();
+    table.into_dimensionality().expect("the contract's (E, F)")
+}
 
 /// The number of levels: table0, table1, ...
 pub(crate) fn count(a: &Arrays) -> usize {
@@ -13,7 +21,7 @@ pub(crate) fn count(a: &Arrays) -> usize {
 
 /// Level l of n cells in these conventions.
 pub(crate) fn level(a: &Arrays, n: f64, l: usize, c: &Conventions) -> Level {
-    Level::by_convention(n, rows(a, &format!("table{l}")), c)
+    Level::by_convention(n, table(a, l).to_owned(), c)
 }
 
 /// The levels, n cells each ([`growing`]), in these conventions.
@@ -39,7 +47,7 @@ pub(crate) fn points(a: &Arrays) -> Vec<[f64; 3]> {
 /// Tables of zeros.
 pub(crate) fn zeros(levels: &[Level]) -> Vec<Level> {
     let mut zeros = levels.to_vec();
-    zeros.iter_mut().flat_map(|level| &mut level.table).for_each(|entry| entry.fill(0.0));
+    zeros.iter_mut().for_each(|level| level.table.fill(0.0));
     zeros
 }
 
@@ -50,7 +58,7 @@ pub(crate) fn forward(a: &Arrays, f: impl Fn([f64; 3]) -> Vec<f64>) -> Arrays {
 
 /// The points' features as the output.
 fn encoding(a: &Arrays, rows: &[Vec<f64>]) -> Arrays {
-    let width = (0..count(a)).map(|l| input(a, &format!("table{l}")).shape()[1]).sum();
+    let width = (0..count(a)).map(|l| table(a, l).ncols()).sum();
     arrays([("encoding", from_rows(rows, width))])
 }
 
@@ -74,7 +82,7 @@ pub(crate) fn gradients(g_x: &[[f64; 3]], g_tables: &[Level]) -> Arrays {
     let g_x: Vec<Vec<f64>> = g_x.iter().map(|g| g.to_vec()).collect();
     let mut all = arrays([("grad_x", from_rows(&g_x, 3))]);
     for (l, level) in g_tables.iter().enumerate() {
-        all.insert(format!("grad_table{l}"), from_rows(&level.table, level.table[0].len()));
+        all.insert(format!("grad_table{l}"), level.table.clone().into_dyn());
     }
     all
 }

@@ -13,14 +13,18 @@ use crate::convention::HashWeights;
 /// Where `g_tables` isn't shaped like `levels`, or `g_out` doesn't have their features, level by level.
 pub fn encode(levels: &[Level], x: [f64; 3], g_out: &[f64], g_tables: &mut [Level]) -> [f64; 3] {
     assert_eq!(g_tables.len(), levels.len(), "g_tables and levels: one each a level");
-    let width = levels.iter().fold(0, |width, level| width + level.table[0].len());
+    let width = levels.iter().fold(0, |width, level| width + level.table.ncols());
     assert_eq!(g_out.len(), width, "g_out and the levels' features: one each a feature");
     let mut g_x = [0.0; 3];
     let mut first = 0;
     for l in 0..levels.len() {
         let level = &levels[l];
-        let features = level.table[0].len();
-        assert_eq!(g_tables[l].table.len(), level.table.len(), "g_tables and levels: as many entries");
+        let features = level.table.ncols();
+        assert_eq!(
+            g_tables[l].table.dim(),
+            level.table.dim(),
+            "g_tables and levels: as many entries and features"
+        );
         let g_level = &g_out[first..first + features];
         first += features;
         let places = x.map(|x| level.cell(x));
@@ -28,11 +32,10 @@ pub fn encode(levels: &[Level], x: [f64; 3], g_out: &[f64], g_tables: &mut [Leve
         for k in 0..8 {
             let (vertex, weight) = corner(k, cells);
             let entry = level.entry(vertex);
-            assert_eq!(g_tables[l].table[entry].len(), features, "g_tables and levels: as many features");
             let mut g_weight = 0.0;
             for f in 0..features {
-                g_tables[l].table[entry][f] += weight * g_level[f];
-                g_weight += level.table[entry][f] * g_level[f];
+                g_tables[l].table[[entry, f]] += weight * g_level[f];
+                g_weight += level.table[[entry, f]] * g_level[f];
             }
             for a in 0..3 {
                 g_x[a] +=

@@ -142,8 +142,8 @@ fn reach(right: f64, other: Bounded) -> f64 {
 /// Feature f of a level by weights, or by interpolating along one axis after the other.
 fn feature(cell: &Cell, f: usize, m: &Arithmetic) -> Bounded {
     let (level, corners) = (cell.level, (0..8).map(|k| weighted(cell, k, None, m)).collect::<Vec<_>>());
-    let terms: Vec<Bounded> = corners.iter().map(|&(e, w)| m.mul(w, exact(level.table[e][f]))).collect();
-    let mut values: Vec<Bounded> = corners.iter().map(|&(e, _)| exact(level.table[e][f])).collect();
+    let terms: Vec<Bounded> = corners.iter().map(|&(e, w)| m.mul(w, exact(level.table[[e, f]]))).collect();
+    let mut values: Vec<Bounded> = corners.iter().map(|&(e, _)| exact(level.table[[e, f]])).collect();
     for along in &cell.along {
         let between = |pair: &[Bounded]| {
             m.add(m.mul(side(false, along.upper, m), pair[0]), m.mul(side(true, along.upper, m), pair[1]))
@@ -161,7 +161,7 @@ pub(crate) fn hash_grid(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
             let values: Vec<Bounded> = cells.iter().map(|cell| feature(cell, f, m)).collect();
             values.iter().map(|&value| reach(values[0].y, value)).fold(0.0, f64::max)
         };
-        (0..readings[0].level.table[0].len()).map(error).collect()
+        (0..readings[0].level.table.ncols()).map(error).collect()
     };
     by_level(a, |l| readings(a, l, c, m), errors)
 }
@@ -173,12 +173,12 @@ fn slope(cell: &Cell, axis: usize, g: &[f64], m: &Arithmetic) -> Bounded {
     let (mut by_corner, mut by_feature) = (vec![], vec![]);
     for &(entry, weight) in &corners {
         let products: Vec<Bounded> =
-            g.iter().zip(&level.table[entry]).map(|(&g, &t)| m.mul(exact(g), exact(t))).collect();
+            g.iter().zip(level.table.row(entry)).map(|(&g, &t)| m.mul(exact(g), exact(t))).collect();
         by_corner.push(m.mul(weight, any_sum(&products, m)));
     }
     for (f, &g) in g.iter().enumerate() {
         let products: Vec<Bounded> =
-            corners.iter().map(|&(e, w)| m.mul(w, exact(level.table[e][f]))).collect();
+            corners.iter().map(|&(e, w)| m.mul(w, exact(level.table[[e, f]]))).collect();
         by_feature.push(m.mul(exact(g), any_sum(&products, m)));
     }
     let sum = any_sum(&by_corner, m).or(any_sum(&by_feature, m));
@@ -219,13 +219,13 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arra
     let plain: Vec<Level> = levels.iter().map(|readings| readings[0].level.clone()).collect();
     // The gradient of every entry's features.
     let mut terms: Vec<Vec<Vec<Vec<Bounded>>>> =
-        plain.iter().map(|l| l.table.iter().map(|entry| vec![vec![]; entry.len()]).collect()).collect();
+        plain.iter().map(|l| vec![vec![vec![]; l.table.ncols()]; l.table.nrows()]).collect();
     let mut g_x = vec![];
     for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
         let mut first = 0;
         let mut of_levels = [vec![], vec![], vec![]];
         for (l, readings) in levels.iter().enumerate() {
-            let g = &g[first..first + plain[l].table[0].len()];
+            let g = &g[first..first + plain[l].table.ncols()];
             first += g.len();
             let cells = cells(x, readings, m);
             (0..3).for_each(|axis| of_levels[axis].push(any_slope(&cells, axis, g, m)));
@@ -249,7 +249,7 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arra
     }
     let mut g_tables = zeros(&plain);
     for (level, terms) in g_tables.iter_mut().zip(&terms) {
-        for (entry, terms) in level.table.iter_mut().zip(terms) {
+        for (mut entry, terms) in level.table.rows_mut().into_iter().zip(terms) {
             entry.iter_mut().zip(terms).for_each(|(e, terms)| *e = any_sum(terms, m).e);
         }
     }

@@ -21,7 +21,7 @@ pub(crate) fn hash_grid() -> Vec<Case> {
         ];
         for (l, n) in resolutions(base, finest, levels).into_iter().enumerate() {
             // A dense level doesn't use the last of its entries.
-            let used = Level::zeros(n, entries, 1).table.len();
+            let used = Level::zeros(n, entries, 1).table.nrows();
             let tables = [
                 draw.array(&[used, features], -1.0, 1.0),
                 spare.array(&[entries - used, features], -1.0, 1.0),
@@ -109,7 +109,8 @@ pub(crate) fn large() -> Vec<Large> {
         (0..levels).fold(large, table).in_types(&[Dtype::F64, Dtype::F32])
     };
     vec![
-        grid("points_20011", "20,011 points, L = 4, T = 2^14, F = 2", [4, 1 << 14, 2, 128], [20_011, 20_011]),
+        grid("points_20011", "20,011 points, L = 4, T = 2^14, F = 2", [4, 1 << 14, 2, 128], [20_011, 1024])
+            .summed(),
         grid(
             "points_100003",
             "100,003 points, L = 16, T = 2^19, N = 2048, F = 2",

@@ -51,7 +51,7 @@ fn sum(terms: &[f64], m: &Machine) -> f64 {
 }
 
 fn feature(level: &Level, cells: [(u32, f64); 3], f: usize, m: &Machine) -> f64 {
-    let entry = |k: usize| level.table[level.entry(corner(k, cells).0)][f];
+    let entry = |k: usize| level.table[[level.entry(corner(k, cells).0), f]];
     let mut values: Vec<f64> = (0..8).map(entry).collect();
     if m.form % 2 == 0 {
         let weights: Vec<f64> = (0..8).map(|k| weight(cells, k, None, m)).collect();
@@ -72,7 +72,7 @@ fn feature(level: &Level, cells: [(u32, f64); 3], f: usize, m: &Machine) -> f64 
 pub(crate) fn hash_grid(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let features = |level: &Level, x| {
         let cells = cells(x, level, m);
-        (0..level.table[0].len()).map(|f| feature(level, cells, f, m)).collect()
+        (0..level.table.ncols()).map(|f| feature(level, cells, f, m)).collect()
     };
     by_level(a, |l| level(a, n_of(a, l), l, c), features)
 }
@@ -80,8 +80,8 @@ pub(crate) fn hash_grid(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 /// d encoding . g / d x along one axis.
 fn slope(level: &Level, x: [f64; 3], axis: usize, g: &[f64], m: &Machine) -> f64 {
     let cells = cells(x, level, m);
-    let corners: Vec<(&Vec<f64>, f64)> = (0..8)
-        .map(|k| (&level.table[level.entry(corner(k, cells).0)], weight(cells, k, Some(axis), m)))
+    let corners: Vec<(Vec<f64>, f64)> = (0..8)
+        .map(|k| (level.table.row(level.entry(corner(k, cells).0)).to_vec(), weight(cells, k, Some(axis), m)))
         .collect();
     let terms: Vec<f64> = if m.form % 2 == 0 {
         corners.iter().map(|(entry, w)| m.mul(*w, m.dot(entry, g))).collect()
@@ -103,13 +103,13 @@ fn slope(level: &Level, x: [f64; 3], axis: usize, g: &[f64], m: &Machine) -> f64
 pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
     let levels = levels(a, c);
     let mut terms: Vec<Vec<Vec<Vec<f64>>>> =
-        levels.iter().map(|l| l.table.iter().map(|entry| vec![vec![]; entry.len()]).collect()).collect();
+        levels.iter().map(|l| vec![vec![vec![]; l.table.ncols()]; l.table.nrows()]).collect();
     let mut g_x = vec![];
     for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
         let mut first = 0;
         let mut of_levels = [vec![], vec![], vec![]];
         for (l, level) in levels.iter().enumerate() {
-            let g = &g[first..first + level.table[0].len()];
+            let g = &g[first..first + level.table.ncols()];
             first += g.len();
             let cells = cells(x, level, m);
             for axis in 0..3 {
@@ -125,7 +125,7 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays 
     }
     let mut g_tables = zeros(&levels);
     for (level, terms) in g_tables.iter_mut().zip(&terms) {
-        for (entry, terms) in level.table.iter_mut().zip(terms) {
+        for (mut entry, terms) in level.table.rows_mut().into_iter().zip(terms) {
             entry.iter_mut().zip(terms).for_each(|(g, terms)| *g = m.sum(terms));
         }
     }

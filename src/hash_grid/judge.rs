@@ -4,7 +4,6 @@ use ndarray::{Array2, ArrayView2};
 
 use super::component::HASH_GRID;
 use super::{Level, arrays};
-use crate::contract::arrays::from_rows;
 use crate::convention::CS180;
 use crate::judge::Door;
 use crate::judge::typed::Output;
@@ -20,7 +19,7 @@ pub struct Points;
 /// use nerf_oracle::ndarray::Array2;
 /// judge(|levels, x| {
 ///     let rows: Vec<Vec<f64>> = x.iter().map(|x| encode(levels, *x)).collect();
-///     let width = levels.iter().map(|level| level.table[0].len()).sum();
+///     let width = levels.iter().map(|level| level.table.ncols()).sum();
 ///     Array2::from_shape_fn((x.len(), width), |(m, f)| rows[m][f])
 /// })
 /// .in_f32()
@@ -41,7 +40,7 @@ impl<'a> Door<'a, Points> {
         self.whole_vjp(move |of| {
             let (x, g) = (of.get("x"), of.get("grad_encoding"));
             let (g_x, g_levels) = kernel(&arrays::levels(of.arrays, &CS180), x, g);
-            let table = |level: &Level| Some(from_rows(&level.table, level.table[0].len()));
+            let table = |level: &Level| level.table.clone().into_array();
             std::iter::once(g_x.into_array()).chain(g_levels.iter().map(table)).collect()
         })
     }

@@ -27,7 +27,7 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
 
 /// The entry of a vertex as the mistakes have it.
 fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
-    let entries = level.table.len();
+    let entries = level.table.nrows();
     if level.dense() {
         let side = level.side as usize - usize::from(wrong.contains(&"side_without_one"));
         let [x, y, z] = if wrong.contains(&"z_fastest") { [z, y, x] } else { [x, y, z] };
@@ -88,11 +88,11 @@ fn encode(levels: &[Level], x: [f64; 3], wrong: &[&str]) -> Vec<f64> {
     let mut out = vec![];
     for level in levels {
         let cells = x.map(|x| wrong_cell(level, x, wrong));
-        let mut features = vec![0.0; level.table[0].len()];
+        let mut features = vec![0.0; level.table.ncols()];
         for k in 0..8 {
             let (vertex, right) = corner(k, cells);
             let weight = wrong_weight(k, cells, right, wrong);
-            let entry = &level.table[wrong_entry(level, vertex, wrong)];
+            let entry = level.table.row(wrong_entry(level, vertex, wrong));
             features.iter_mut().zip(entry).for_each(|(feature, entry)| *feature += weight * entry);
         }
         out.extend(features);
@@ -119,7 +119,7 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
             let (mut sum, mut first) = ([0.0; 3], 0);
             for (l, level) in levels.iter().enumerate() {
-                let g = &g[first..first + level.table[0].len()];
+                let g = &g[first..first + level.table.ncols()];
                 first += g.len();
                 let one = backward::encode(&levels[l..=l], x, g, &mut scratch[l..=l]);
                 (0..3).for_each(|i| sum[i] += one[i] / level.scale);
@@ -136,10 +136,10 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
                 let cells = x.map(|x| level.cell(x)).map(|(cell, f)| (cell, level.weight(f)));
                 for k in 0..8 {
                     let (vertex, weight) = corner(k, cells);
-                    let entry = &mut last.table[level.entry(vertex)];
+                    let mut entry = last.table.row_mut(level.entry(vertex));
                     entry.iter_mut().zip(&g[first..]).for_each(|(entry, g)| *entry = weight * g);
                 }
-                first += level.table[0].len();
+                first += level.table.ncols();
             }
         }
         let g_x = right.remove("grad_x").expect("an output");

@@ -5,6 +5,8 @@
 //! A level whose vertices fit into T entries is dense: every vertex has its own entry. In others, vertices share entries by a hash;
 //! training resolves collisions, because vertices in empty space have no gradient.
 
+use ndarray::Array2;
+
 use crate::convention::{Conventions, HashIndex, HashLevels, HashPrimes, HashWeights};
 use crate::math::pow;
 
@@ -41,8 +43,8 @@ pub struct Level {
     pub primes: HashPrimes,
     /// How it interpolates.
     pub weights: HashWeights,
-    /// Entries, each F features; dense where all side^3 vertices have one, otherwise a power of two.
-    pub table: Vec<Vec<f64>>,
+    /// Entries (E, F), each of F features; dense where all side^3 vertices have one, otherwise a power of two.
+    pub table: Array2<f64>,
 }
 
 /// Factors of the hash, equation 4. The first is 1, so that neighbors along x stay neighbors in memory.
@@ -86,7 +88,7 @@ pub fn is_dense(resolution: u32, max_entries: usize) -> bool {
 
 impl Level {
     /// A level of N cells with this table, in the paper's conventions.
-    pub fn new(resolution: u32, table: Vec<Vec<f64>>) -> Level {
+    pub fn new(resolution: u32, table: Array2<f64>) -> Level {
         Level {
             scale: f64::from(resolution),
             shift: 0.0,
@@ -103,11 +105,11 @@ impl Level {
     ///
     /// ```
     /// use nerf_oracle::{convention::{CS180, HashLevels}, hash_grid::Level};
-    /// let of = |hash_levels| Level::by_convention(6.5, vec![], &nerf_oracle::convention::Conventions { hash_levels, ..CS180 });
+    /// let of = |hash_levels| Level::by_convention(6.5, Default::default(), &nerf_oracle::convention::Conventions { hash_levels, ..CS180 });
     /// let at = |level: Level| (level.scale, level.shift, level.side);
     /// assert_eq!((at(of(HashLevels::Floor)), at(of(HashLevels::TinyCudaNn))), ((6.0, 0.0, 7), (5.5, 0.5, 7)));
     /// ```
-    pub fn by_convention(n: f64, table: Vec<Vec<f64>>, c: &Conventions) -> Level {
+    pub fn by_convention(n: f64, table: Array2<f64>, c: &Conventions) -> Level {
         let vertices = (n - 1.0).ceil() as u32 + 1;
         let level = match c.hash_levels {
             HashLevels::Nearest => Level::new(n.round() as u32, table),
@@ -128,12 +130,12 @@ impl Level {
     pub fn zeros(resolution: u32, max_entries: usize, features: usize) -> Level {
         let side = resolution as usize + 1;
         let entries = if is_dense(resolution, max_entries) { side * side * side } else { max_entries };
-        Level::new(resolution, vec![vec![0.0; features]; entries])
+        Level::new(resolution, Array2::zeros([entries, features]))
     }
 
     /// Whether every vertex has its own entry.
     pub fn dense(&self) -> bool {
-        self.index == HashIndex::DenseWhereItFits && is_dense(self.side - 1, self.table.len())
+        self.index == HashIndex::DenseWhereItFits && is_dense(self.side - 1, self.table.nrows())
     }
 
     /// The entry of a vertex: x + side (y + side z), or (x p_1 xor y p_2 xor z p_3) in 32-bit arithmetic; both mod the table's length.
@@ -141,11 +143,11 @@ impl Level {
         if self.dense() {
             let side = self.side as usize;
             // A vertex beyond the last one, which tiny-cuda-nn's cells reach, has the entry of another.
-            return (x as usize + side * (y as usize + side * z as usize)) % self.table.len();
+            return (x as usize + side * (y as usize + side * z as usize)) % self.table.nrows();
         }
         let [p_1, p_2, p_3] = primes(self.primes);
         let hash = x.wrapping_mul(p_1) ^ y.wrapping_mul(p_2) ^ z.wrapping_mul(p_3);
-        hash as usize % self.table.len()
+        hash as usize % self.table.nrows()
     }
 
     /// The cell of `x` along one axis and the place in it: (c, f) with x scale + shift = c + f. The last cell is closed: x = 1 is
@@ -183,25 +185,25 @@ pub fn corner(k: usize, cells: [(u32, f64); 3]) -> ([u32; 3], f64) {
 /// `x` (3) in [0, 1]; result (L F), level by level.
 ///
 /// # Panics
-/// Where a level has no entries, or entries of different lengths meet at a corner of the cell.
+/// Where a level has no entries.
 ///
 /// ```
 /// use nerf_oracle::hash_grid::{Level, encode};
 /// let mut level = Level::zeros(1, 8, 1);
-/// level.table[7] = vec![1.0]; // the vertex (1, 1, 1)
+/// level.table[[7, 0]] = 1.0; // the vertex (1, 1, 1)
 /// assert_eq!(encode(&[level], [0.5, 0.5, 1.0]), [0.25]);
 /// ```
 pub fn encode(levels: &[Level], x: [f64; 3]) -> Vec<f64> {
     let mut out = vec![];
     for level in levels {
         let cells = x.map(|x| level.cell(x)).map(|(cell, f)| (cell, level.weight(f)));
-        let mut features = vec![0.0; level.table[0].len()];
+        assert!(level.table.nrows() > 0, "table: at least one entry");
+        let mut features = vec![0.0; level.table.ncols()];
         for k in 0..8 {
             let (vertex, weight) = corner(k, cells);
-            let entry = &level.table[level.entry(vertex)];
-            assert_eq!(entry.len(), features.len(), "entries of a table: as many features as the first");
+            let entry = level.entry(vertex);
             for f in 0..features.len() {
-                features[f] += weight * entry[f];
+                features[f] += weight * level.table[[entry, f]];
             }
         }
         out.extend(features);

@@ -1,6 +1,7 @@
 //! Closed forms and properties of the hash grid.
 
 use approx::assert_abs_diff_eq;
+use ndarray::{Array2, arr1};
 
 use super::{Level, backward, encode, growing, is_dense, primes, resolutions};
 use crate::convention::{CHOICES, CS180, Conventions, HashIndex, HashLevels, HashPrimes, HashWeights};
@@ -15,11 +16,9 @@ const KEY: fn() -> Key = || Key::new(0, Purpose::Cases);
 pub(super) fn random_levels(sides: &[u32], max_entries: usize) -> Vec<Level> {
     let fill = |(l, &n): (usize, &u32)| {
         let mut level = Level::zeros(n, max_entries, FEATURES);
-        for (i, entry) in level.table.iter_mut().enumerate() {
+        for ((i, f), x) in level.table.indexed_iter_mut() {
             // Numbers of 10 bits: exact in f32 too.
-            entry.iter_mut().enumerate().for_each(|(f, x)| {
-                *x = (KEY().below(1024, l as u64, i as u64, f as u64) as f64 - 512.0) / 512.0;
-            });
+            *x = (KEY().below(1024, l as u64, i as u64, f as u64) as f64 - 512.0) / 512.0;
         }
         level
     };
@@ -38,7 +37,7 @@ fn linear_functions_are_reproduced() {
     let mut level = Level::zeros(n, 1 << 10, 1);
     for (x, y, z) in (0..216).map(|i| (i % 6, i / 6 % 6, i / 36)) {
         let at = level.entry([x, y, z]);
-        level.table[at] = vec![f64::from(x) - 2.0 * f64::from(y) + 0.5 * f64::from(z)];
+        level.table[[at, 0]] = f64::from(x) - 2.0 * f64::from(y) + 0.5 * f64::from(z);
     }
     for p in points(100).into_iter().chain([[0.0; 3], [1.0; 3], [0.2, 0.4, 0.6]]) {
         let expected = 5.0 * (p[0] - 2.0 * p[1] + 0.5 * p[2]);
@@ -51,7 +50,7 @@ fn linear_functions_are_reproduced() {
 fn constants_are_kept() {
     for (n, entries) in [(4, 125), (40, 64)] {
         let mut level = Level::zeros(n, entries, 2);
-        level.table.iter_mut().for_each(|e| *e = vec![3.0, -1.0]);
+        level.table.rows_mut().into_iter().for_each(|mut e| e.assign(&arr1(&[3.0, -1.0])));
         for p in points(50) {
             let e = encode(std::slice::from_ref(&level), p);
             assert_abs_diff_eq!(e[0], 3.0, epsilon = 1e-14);
@@ -64,7 +63,7 @@ fn constants_are_kept() {
 fn dense_levels_have_no_collisions() {
     let level = Level::zeros(6, 343, 1);
     assert!(level.dense() && !is_dense(7, 343));
-    let mut seen = vec![false; level.table.len()];
+    let mut seen = vec![false; level.table.nrows()];
     for (x, y, z) in (0..343).map(|i| (i % 7, i / 7 % 7, i / 49)) {
         assert!(!std::mem::replace(&mut seen[level.entry([x, y, z])], true));
     }
@@ -104,7 +103,7 @@ fn a_level_keeps_its_conventions() {
         hash_weights: HashWeights::Smoothstep,
         ..CS180
     };
-    let level = Level::by_convention(6.5, vec![], &c);
+    let level = Level::by_convention(6.5, Array2::default([0, 0]), &c);
     assert_eq!((level.index, level.primes, level.weights), (c.hash_index, c.hash_primes, c.hash_weights));
 }
 
@@ -114,7 +113,7 @@ fn levels_lie_on_the_box_as_their_convention_says() {
     let n = growing(3, 25, 3, 1);
     assert_abs_diff_eq!(n, 75f64.sqrt(), epsilon = 1e-14);
     let at = |hash_levels, n| {
-        let level = Level::by_convention(n, vec![], &Conventions { hash_levels, ..CS180 });
+        let level = Level::by_convention(n, Array2::default([0, 0]), &Conventions { hash_levels, ..CS180 });
         (level.scale, level.shift, level.last, level.side)
     };
     assert_eq!(at(HashLevels::Nearest, n), (9.0, 0.0, 8, 10));
@@ -133,7 +132,7 @@ fn levels_lie_on_the_box_as_their_convention_says() {
 fn tiny_cuda_nn_by_hand() {
     let c = Conventions { hash_levels: HashLevels::TinyCudaNn, ..CS180 };
     // 3 vertices along an edge: the fourth along x is the first of the next row.
-    let table = (0..32).map(|i| vec![f64::from(i * i)]).collect();
+    let table = Array2::from_shape_fn([32, 1], |(i, _)| (i * i) as f64);
     let level = Level::by_convention(3.0, table, &c);
     assert_eq!(level.cell(1.0), (2, 0.5));
     // y and z at -1/2 of a cell don't exist: x = 0 lies at 1/2, between vertices 0 and 1.
@@ -158,7 +157,7 @@ fn tiny_cuda_nn_by_hand() {
 #[test]
 fn factors_and_dense_levels_by_convention() {
     assert_eq!(primes(HashPrimes::Prime), [1_958_374_283, 2_654_435_761, 805_459_861]);
-    let table = vec![vec![0.0]; 64];
+    let table = Array2::zeros([64, 1]);
     let of = |c: Conventions| Level::by_convention(3.0, table.clone(), &c);
     assert!(of(CS180).dense());
     let hashed = of(Conventions { hash_index: HashIndex::Hashed, ..CS180 });
@@ -175,7 +174,7 @@ fn factors_and_dense_levels_by_convention() {
 fn smoothstep_is_flat_at_vertices() {
     let mut level = Level::zeros(1, 8, 1);
     level.weights = HashWeights::Smoothstep;
-    level.table[1] = vec![1.0];
+    level.table[[1, 0]] = 1.0;
     let at = |x: f64| encode(std::slice::from_ref(&level), [x, 0.0, 0.0])[0];
     assert_eq!([0.0, 0.25, 0.5, 1.0].map(at), [0.0, 0.15625, 0.5, 1.0]);
     let slope = |x: f64| {
@@ -216,7 +215,7 @@ fn gradients_of(levels: &[Level]) {
     let loss =
         |levels: &[Level], x: [f64; 3]| encode(levels, x).iter().zip(&g_out).map(|(e, g)| e * g).sum::<f64>();
     let mut g_tables: Vec<Level> = levels.to_vec();
-    g_tables.iter_mut().flat_map(|l| &mut l.table).for_each(|e| e.fill(0.0));
+    g_tables.iter_mut().for_each(|l| l.table.fill(0.0));
     let g_x = backward::encode(levels, x, &g_out, &mut g_tables);
     // Linear or cubic in x inside a cell along one axis, linear in the tables: central differences are nearly exact.
     for a in 0..3 {
@@ -226,11 +225,11 @@ fn gradients_of(levels: &[Level]) {
         assert_abs_diff_eq!(g_x[a], slope, epsilon = 1e-5);
     }
     for l in 0..2 {
-        for entry in 0..levels[l].table.len() {
+        for entry in 0..levels[l].table.nrows() {
             let mut moved = levels.to_vec();
-            moved[l].table[entry][1] += 1.0;
+            moved[l].table[[entry, 1]] += 1.0;
             let slope = loss(&moved, x) - loss(levels, x);
-            assert_abs_diff_eq!(g_tables[l].table[entry][1], slope, epsilon = 1e-12);
+            assert_abs_diff_eq!(g_tables[l].table[[entry, 1]], slope, epsilon = 1e-12);
         }
     }
 }

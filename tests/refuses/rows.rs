@@ -1,7 +1,7 @@
 //! The table: for each public oracle function of several arrays, a right call and wrong ones.
 
 use glam::{DMat4, DVec3};
-use ndarray::{Array3, Array4};
+use ndarray::{Array2, Array3, Array4};
 use nerf_oracle::camera::{Camera, Intrinsics};
 use nerf_oracle::convention::HarmonicForm::Sphere;
 use nerf_oracle::convention::HarmonicSign::Plain;
@@ -632,9 +632,8 @@ fn grids() -> Vec<Row> {
     fn levels(features: &[usize]) -> Vec<Level> {
         features.iter().map(|&features| Level::zeros(1, 8, features)).collect()
     }
-    fn encode(features: usize) {
-        let mut level = Level::zeros(1, 8, 2);
-        level.table[7] = ones(features);
+    fn encode(entries: usize) {
+        let level = Level { table: Array2::zeros([entries, 2]), ..Level::zeros(1, 8, 2) };
         hash_grid::encode(&[level], [0.5; 3]);
     }
     fn encode_vjp(g: usize, mut g_tables: Vec<Level>) {
@@ -653,11 +652,7 @@ fn grids() -> Vec<Row> {
         grid(cells).samples([0.0; 3], [1.0, 0.5, 0.25], 0.0, 1.0, 0.25, 0.5);
     }
     vec![
-        row(
-            "hash_grid::encode",
-            || encode(2),
-            &[("entries of a table", || encode(1)), ("entries of a table", || encode(3))],
-        ),
+        row("hash_grid::encode", || encode(8), &[("table: at least one entry", || encode(0))]),
         row(
             "hash_grid::backward::encode",
             || encode_vjp(5, levels(&[2, 3])),
@@ -665,7 +660,7 @@ fn grids() -> Vec<Row> {
                 ("g_out and the levels' features", || encode_vjp(4, levels(&[2, 3]))),
                 ("g_out and the levels' features", || encode_vjp(6, levels(&[2, 3]))),
                 ("g_tables and levels: one each", || encode_vjp(5, levels(&[2]))),
-                ("g_tables and levels: as many features", || encode_vjp(5, levels(&[2, 2]))),
+                ("g_tables and levels: as many entries", || encode_vjp(5, levels(&[2, 2]))),
                 ("g_tables and levels: as many entries", || {
                     encode_vjp(5, vec![Level::zeros(1, 8, 2), Level::zeros(2, 27, 3)]);
                 }),

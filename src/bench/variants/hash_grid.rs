@@ -1,6 +1,7 @@
 //! Variants of the hash grid for `bench`: 8 levels of 4 features from 16 to 512 cells, tables of at most 2^17 entries.
 
 use half::f16;
+use ndarray::Array2;
 use pulp::{Simd, WithSimd};
 
 use crate::approximate::{from_bf16, to_bf16};
@@ -42,7 +43,8 @@ fn levels(largest: usize) -> Vec<Level> {
 fn oracle(a: &Arrays) -> Box<dyn Kernel> {
     let level = |l| {
         let (resolution, table) = table(l, TABLE);
-        crate::hash_grid::Level::new(resolution, table.iter().map(|e| e.map(f64::from).to_vec()).collect())
+        let table: Vec<_> = table.iter().map(|e| e.map(f64::from)).collect();
+        crate::hash_grid::Level::new(resolution, table.into())
     };
     let levels: Vec<crate::hash_grid::Level> = (0..LEVELS).map(level).collect();
     let run = move |x: &[f64], out: &mut [f64]| {
@@ -59,7 +61,7 @@ fn plain(a: &Arrays) -> Box<dyn Kernel> {
         .map(|l| {
             let (resolution, entries) = table(l, TABLE);
             // The oracle's level, for its addresses alone.
-            (crate::hash_grid::Level::new(resolution, vec![vec![]; entries.len()]), entries)
+            (crate::hash_grid::Level::new(resolution, Array2::zeros([entries.len(), 0])), entries)
         })
         .collect();
     let run = move |x: &[f32], out: &mut [f32]| {

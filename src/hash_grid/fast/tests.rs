@@ -10,7 +10,7 @@ use crate::optimizer::{Adam, Moments, adam_step};
 
 fn fast_levels(levels: &[Oracle]) -> Vec<Level> {
     let convert = |level: &Oracle| {
-        let table = level.table.iter().map(|e| std::array::from_fn(|f| e[f] as f32)).collect();
+        let table = level.table.rows().into_iter().map(|e| std::array::from_fn(|f| e[f] as f32)).collect();
         Level::new(level.scale as u32, table, level.dense())
     };
     levels.iter().map(convert).collect()
@@ -47,7 +47,7 @@ fn fast_gradient_agrees() {
     let g_out: Vec<[f32; WIDTH]> =
         (0..100).map(|i| std::array::from_fn(|c| ((i * 7 + c * 3) % 17) as f32 / 16.0 - 0.5)).collect();
     let mut expected = levels.clone();
-    expected.iter_mut().flat_map(|l| &mut l.table).for_each(|e| e.fill(0.0));
+    expected.iter_mut().for_each(|l| l.table.fill(0.0));
     for (p, g) in exact.iter().zip(&g_out) {
         backward::encode(&levels, *p, &g.map(f64::from), &mut expected);
     }
@@ -57,7 +57,7 @@ fn fast_gradient_agrees() {
             let g_level: Vec<Entry> = g_out.iter().map(|g| g.as_chunks().0[l]).collect();
             let mut gradient = Gradient::default();
             scatter(arch, &fast[l], &points, &g_level, &mut gradient);
-            for (entry, got) in expected[l].table.iter().zip(gradient.entries()) {
+            for (entry, got) in expected[l].table.rows().into_iter().zip(gradient.entries()) {
                 for f in 0..FEATURES {
                     // At most 800 terms below 1/2 meet in one entry.
                     assert_abs_diff_eq!(

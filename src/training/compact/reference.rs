@@ -74,8 +74,8 @@ impl Reference {
             let side = l.resolution() as usize + 1;
             let table = model.table_at_rest(l);
             let entries = if l.dense() { side * side * side } else { table.len() };
-            let table = table[..entries].iter().map(|e| e.map(f64::from).to_vec()).collect();
-            hash_grid::Level::new(l.resolution(), table)
+            let table: Vec<_> = table[..entries].iter().map(|e| e.map(f64::from)).collect();
+            hash_grid::Level::new(l.resolution(), table.into())
         };
         // Levels that aren't in use yet say 0: the density network doesn't read them.
         let read = w.density0.iter().take(active * hash_grid::fast::FEATURES);
