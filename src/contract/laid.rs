@@ -38,6 +38,8 @@ impl Laid {
         dtype: Dtype,
         c: &Conventions,
     ) -> Laid {
+        let whole = kind == Kind::Vjp && large.summed;
+        let large = if whole { Large { block: large.items, ..large } } else { large };
         let mut laid = Laid { component, large, dtype, offsets: vec![], outputs: vec![] };
         if let Some(packed) = laid.large.packed {
             laid.offsets = laid.made(packed.offsets).iter().map(|&x| x as usize).collect();

@@ -31,6 +31,10 @@ const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 /// The largest number of explanations that are listed.
 const SHOWN: usize = 8;
 
+/// Numbers that the cases of a question may have for a search. Where they have more, as the tables of a whole hash grid do, each trial
+/// takes a second: single mistakes are looked for in the run's own conventions, and no two.
+const SEARCHED: usize = 4_000_000;
+
 /// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
 /// gradient (mistakes that the forward answers showed).
 pub fn diagnose(
@@ -47,9 +51,9 @@ pub fn diagnose(
     }
     let home = partial(question.component, base);
     let all = open(question, answers, base, options);
-    let (mut parted, mut singles) = (None, vec![]);
+    let (mut parted, mut singles, large) = (None, vec![], numbers(question) > SEARCHED);
     for count in 0..=2 {
-        if count == 2 && nothing_but_zero(question, answers) {
+        if count == 2 && (large || nothing_but_zero(question, answers)) {
             // Some pair or other makes nothing of everything, and so do slips: what there is to say is what was seen.
             return vec![];
         }
@@ -70,7 +74,7 @@ pub fn diagnose(
         let right = if count == 0 { possible(question, answers, all.clone(), base, options) } else { vec![] };
         let all = if count == 0 { &right } else { &all };
         let mut near: Vec<&Partial> = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).collect();
-        near.truncate(ASSIGNMENTS[count]);
+        near.truncate(if count == 1 && large { 1 } else { ASSIGNMENTS[count] });
         // What known programs do is near, however many conventions they change at once.
         let known: Vec<Partial> =
             PROFILES.iter().map(|p| partial(question.component, &p.conventions)).collect();
@@ -128,6 +132,11 @@ pub fn diagnose(
         return slips;
     }
     parted.or(most).into_iter().collect()
+}
+
+/// The numbers that a question's cases have.
+fn numbers(question: &Question) -> usize {
+    question.cases.iter().flat_map(|case| case.inputs.values()).map(|array| array.len()).sum()
 }
 
 /// Whether all numbers of all answers are 0, real ones among them: a stub, or the way out where something couldn't be imported.

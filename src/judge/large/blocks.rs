@@ -109,10 +109,8 @@ pub(super) fn blocks(question: &Question, laid: &Laid, whole: &Whole, marking: &
             return (marks, grade);
         }
         // In the layout that the first items have, too.
-        if let Some((laid, _)) =
-            layout::normalized(&alone, &answers, marking.conventions, true, marking.options)
-        {
-            answers = laid;
+        if let Some(laid) = layout::normalized(&alone, &answers, marking.conventions, true, marking.options) {
+            answers = laid.answers;
         }
         marking.marks(&alone, &answers)
     };
@@ -121,9 +119,8 @@ pub(super) fn blocks(question: &Question, laid: &Laid, whole: &Whole, marking: &
     let off: Vec<usize> = (0..ranges.len()).filter(|&n| !marked[n].0.right()).collect();
     let first = off.first().map(|&n| {
         let block = ranges[n].clone();
-        let one = block
-            .clone()
-            .find(|&item| laid.large.block < laid.large.items && !mark(item..item + 1).0.right());
+        let divides = laid.large.block < laid.large.items;
+        let one = divides.then(|| first_off(block.clone(), |items| mark(items).0.right())).flatten();
         one.map_or(block.clone(), |item| item..block.end.min(item + CUT))
     });
     let (blocks, off) = (ranges.len(), off.len());
@@ -133,6 +130,20 @@ pub(super) fn blocks(question: &Question, laid: &Laid, whole: &Whole, marking: &
         merge(&mut sum.marks, shifted(marks, laid, ranges[n].start), n == 0);
     }
     sum
+}
+
+/// The first item that is off of those that are, by halves; `None` where it is right by itself.
+fn first_off(mut items: Range<usize>, right: impl Fn(Range<usize>) -> bool) -> Option<usize> {
+    while items.len() > 1 {
+        let middle = items.start + items.len() / 2;
+        if right(items.start..middle) {
+            items.start = middle;
+        } else {
+            items.end = middle;
+        }
+    }
+    let first = items.start;
+    (!right(items)).then_some(first)
 }
 
 /// Marks whose worst element lies where it does in the whole case.
@@ -192,4 +203,27 @@ pub(super) fn alone_is_right(
 ) -> Option<bool> {
     let Reply::Answer(answer) = reply else { return None };
     Some(marks(&question_of(question, case.clone()), &vec![Some(answer)], c, options).0.right())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+
+    #[test]
+    fn the_first_item_that_is_off_is_found_by_halves() {
+        for (count, off) in [(1, vec![0]), (7, vec![6]), (50_002, vec![3, 4, 49_999]), (1000, vec![999, 500])]
+        {
+            let asked = Cell::new(0);
+            let right = |items: Range<usize>| {
+                asked.set(asked.get() + 1);
+                !off.iter().any(|item| items.contains(item))
+            };
+            assert_eq!(first_off(0..count, right), off.iter().min().copied());
+            assert!(asked.get() <= 18, "{} of {count}", asked.get());
+        }
+        // Off together alone: no item is.
+        assert_eq!(first_off(10..20, |items| items.len() < 10), None);
+    }
 }
