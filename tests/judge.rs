@@ -2,6 +2,7 @@
 
 mod types;
 
+use ndarray::ArrayD;
 use nerf_oracle::COMPONENTS;
 use nerf_oracle::contract::arrays::{Arrays, array, arrays, input};
 use nerf_oracle::contract::check::Kind;
@@ -277,6 +278,44 @@ fn layouts_pass_and_are_reported() {
     {
         assert_eq!(report.exit_code(), 0, "{report}");
         assert!(report.to_string().contains(says), "{report}");
+    }
+}
+
+/// Who lays an encoding out in an order of their own is given its gradient in that order, in either encoding's row.
+#[test]
+fn a_gradient_comes_in_the_forward_answers_order() {
+    // Theirs begins with our second column and ends with our first.
+    let rolled = |array: &ArrayD<f64>, by: usize| {
+        let width = array.shape()[1];
+        array.select(ndarray::Axis(1), &(0..width).map(|n| (n + by) % width.max(1)).collect::<Vec<_>>())
+    };
+    for name in ["positional_encoding", "integrated_encoding"] {
+        let component = COMPONENTS.iter().find(|c| c.name == name).unwrap();
+        let forward = |inputs: &Arrays| {
+            let mut all = (component.forward.oracle)(inputs, &CS180);
+            all.insert("encoding".into(), rolled(&all["encoding"], 1));
+            all
+        };
+        let verdict = |rolls_back: bool, factor: f64| {
+            let vjp = |inputs: &Arrays| {
+                let mut inputs = inputs.clone();
+                let width = inputs["grad_encoding"].shape()[1].max(1);
+                let by = if rolls_back { width - 1 } else { 0 };
+                inputs.insert("grad_encoding".into(), rolled(&inputs["grad_encoding"], by));
+                let mut all = (component.vjp.unwrap().oracle)(&inputs, &CS180);
+                all.values_mut().for_each(|g| *g *= factor);
+                all
+            };
+            let candidate = Candidate::new().forward(name, forward).vjp(name, vjp);
+            let report = judge(&candidate, Dtype::F64).unwrap();
+            let verdict = |kind| report.of(name, kind).unwrap().verdict;
+            assert_eq!(verdict("forward"), Verdict::Pass, "{report}");
+            println!("{report}");
+            verdict("vjp")
+        };
+        assert_eq!(verdict(true, 1.0), Verdict::Pass);
+        assert_eq!(verdict(false, 1.0), Verdict::Pass, "in the contract's, as a port of the name says it");
+        assert_eq!(verdict(true, 2.0), Verdict::Fail);
     }
 }
 

@@ -18,7 +18,15 @@ pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
     let reached = within_reach(exam, answers);
     let (exam, answers) = reached.as_ref().map_or((exam, answers), |(exam, answers)| (exam, &answers[..]));
     let options = MarkOptions { dtype: exam.dtype, exp_ulp };
-    let nothing = answers.iter().map(|_| Arc::default()).collect();
-    let whole = Laid::new(exam, answers, nothing, &options);
+    let laid = |exam: &Exam, answers: &[Answers]| {
+        let nothing = answers.iter().map(|_| Arc::default()).collect();
+        Laid::new(exam, answers, nothing, &options)
+    };
+    let mut whole = laid(exam, answers);
+    let ordered = whole.in_their_order(exam, answers);
+    if let Some((exam, answers)) = &ordered {
+        whole = laid(exam, answers);
+    }
+    let (exam, answers) = ordered.as_ref().map_or((exam, answers), |(exam, answers)| (exam, &answers[..]));
     but_for_edges(exam, answers, &whole, &options).unwrap_or_else(|| whole.report(exam, &options))
 }

@@ -14,15 +14,36 @@ use crate::contract::case::Case;
 use crate::contract::check::{Kind, budget_used};
 use crate::convention::Conventions;
 
-/// The answers in the contract's layout, and a description of theirs; `None` if no layout makes them right. Numbers that programs choose
-/// for themselves count as layout, where no profile is pinned that has chosen one.
+/// Answers that are right in another layout.
+pub(crate) struct Arranged {
+    /// In the contract's.
+    pub answers: Answers,
+    /// Theirs, in words.
+    pub says: String,
+    /// Where theirs is an order of columns.
+    pub orders: Option<Orders>,
+}
+
+/// For each width of an input and of its encoding: the order of columns.
+pub(crate) type Orders = BTreeMap<(usize, usize), Order>;
+
+/// Columns in an order of their own.
+pub(crate) struct Order {
+    /// Which of theirs stands for each of ours.
+    columns: Vec<usize>,
+    /// Whether the answers fit no other order.
+    only: bool,
+}
+
+/// The answers in the contract's layout; `None` if no layout makes them right. Numbers that programs choose for themselves count as
+/// layout, where no profile is pinned that has chosen one.
 pub(crate) fn normalized(
     question: &Question,
     answers: &Answers,
     base: &Conventions,
     pinned: bool,
     options: &MarkOptions,
-) -> Option<(Answers, String)> {
+) -> Option<Arranged> {
     if question.kind == Kind::Vjp || question.statistics() {
         return None;
     }
@@ -37,7 +58,7 @@ fn chosen(
     answers: &Answers,
     base: &Conventions,
     options: &MarkOptions,
-) -> Option<(Answers, String)> {
+) -> Option<Arranged> {
     let chosen = question.component.special.chosen?;
     let mut found = None;
     let mut listed = answers.clone();
@@ -57,8 +78,8 @@ fn chosen(
     }
     let mut all = assignments(question.component, base).into_iter().map(|p| apply(&p, base));
     let right = all.any(|c| holds(question, &listed, &c, options));
-    right
-        .then(|| Some((listed, format!("{}: {} is {:e} in all cases", chosen.output, chosen.what, found?))))?
+    let says = format!("{}: {} is {:e} in all cases", chosen.output, chosen.what, found?);
+    right.then_some(Arranged { answers: listed, says, orders: None })
 }
 
 /// Two outputs of the same shape exchanged, as (d, o) for (o, d).
@@ -67,7 +88,7 @@ fn swapped(
     answers: &Answers,
     base: &Conventions,
     options: &MarkOptions,
-) -> Option<(Answers, String)> {
+) -> Option<Arranged> {
     let outputs = question.component.outputs;
     let pairs = outputs.iter().enumerate().flat_map(|(n, a)| outputs[n + 1..].iter().map(move |b| (a, b)));
     let pairs: Vec<_> = pairs.filter(|(a, b)| a.shape == b.shape).map(|(a, b)| (a.name, b.name)).collect();
@@ -85,7 +106,8 @@ fn swapped(
             .iter()
             .any(|p| holds(question, &exchanged, &apply(p, base), options));
         if right {
-            return Some((exchanged, format!("{a} and {b} are in each other's place")));
+            let says = format!("{a} and {b} are in each other's place");
+            return Some(Arranged { answers: exchanged, says, orders: None });
         }
     }
     None
@@ -107,24 +129,23 @@ fn columns(
     answers: &Answers,
     base: &Conventions,
     options: &MarkOptions,
-) -> Option<(Answers, String)> {
+) -> Option<Arranged> {
     let (key, value) = question.component.special.columns?;
     let name = question.component.outputs[0].name;
     let home = assignments(question.component, base);
     for p in home.iter().filter(|p| p.get(key) == Some(&value)) {
         let c = apply(p, base);
-        let Some(permutations) = permutations(question, answers, name, &c, options) else { continue };
+        let Some(orders) = orders(question, answers, name, &c, options) else { continue };
         let mut ordered = answers.clone();
         for (case, answer) in question.cases.iter().zip(&mut ordered) {
             let given = answer.as_mut()?.get_mut(name)?;
-            given.values = given.values.select(Axis(1), &permutations[&shape(case, &given.values)]);
+            given.values = given.values.select(Axis(1), &orders[&shape(case, &given.values)].columns);
         }
         if holds(question, &ordered, &c, options) {
-            let widest = permutations.values().max_by_key(|order| order.len()).expect("there are cases");
-            return Some((
-                ordered,
-                format!("{name}: columns in an order of their own, {widest:?} of theirs in ours"),
-            ));
+            let widest = orders.values().map(|order| &order.columns);
+            let widest = widest.max_by_key(|columns| columns.len()).expect("there are cases");
+            let says = format!("{name}: columns in an order of their own, {widest:?} of theirs in ours");
+            return Some(Arranged { answers: ordered, says, orders: Some(orders) });
         }
     }
     None
@@ -132,18 +153,19 @@ fn columns(
 
 /// Width of the input and of the encoding.
 fn shape(case: &Case, encoding: &ArrayD<f64>) -> (usize, usize) {
-    let x = case.inputs.values().find(|a| a.ndim() == 2).map_or(0, |a| a.shape()[1]);
+    let x = case.inputs.iter().find(|(name, a)| a.ndim() == 2 && !name.starts_with("grad_"));
+    let x = x.map_or(0, |(_, a)| a.shape()[1]);
     (x, encoding.shape().get(1).copied().unwrap_or(0))
 }
 
-/// For each width: which of their columns stands for each of ours.
-fn permutations(
+/// Where each case's columns lie, if they are the contract's in one order for each width.
+fn orders(
     question: &Question,
     answers: &Answers,
     name: &str,
     c: &Conventions,
     options: &MarkOptions,
-) -> Option<BTreeMap<(usize, usize), Vec<usize>>> {
+) -> Option<Orders> {
     let mut fits: BTreeMap<(usize, usize), Vec<Vec<bool>>> = BTreeMap::new();
     for (case, answer) in question.cases.iter().zip(answers) {
         let got = &answer.as_ref()?.get(name)?.values;
@@ -166,16 +188,26 @@ fn permutations(
 }
 
 /// A perfect matching of rows to columns (Kuhn's augmenting paths).
-fn matching(table: &[Vec<bool>]) -> Option<Vec<usize>> {
+fn matching(table: &[Vec<bool>]) -> Option<Order> {
     let mut row_of: Vec<Option<usize>> = vec![None; table.len()];
     for row in 0..table.len() {
         if !augment(table, row, &mut row_of, &mut vec![false; table.len()]) {
             return None;
         }
     }
-    let mut order = vec![0; table.len()];
-    row_of.iter().enumerate().for_each(|(column, row)| order[row.expect("the matching is perfect")] = column);
-    Some(order)
+    let mut columns = vec![0; table.len()];
+    let matched = row_of.iter().map(|row| row.expect("the matching is perfect"));
+    matched.enumerate().for_each(|(column, row)| columns[row] = column);
+    // There is another one where rows can pass their columns on in a ring.
+    let mut left: Vec<usize> = (0..table.len()).collect();
+    let ends = |left: &[usize]| {
+        let passes = |row: usize| left.iter().any(|&other| other != row && table[row][columns[other]]);
+        left.iter().position(|&row| !passes(row))
+    };
+    while let Some(end) = ends(&left) {
+        left.swap_remove(end);
+    }
+    Some(Order { columns, only: left.is_empty() })
 }
 
 fn augment(table: &[Vec<bool>], row: usize, row_of: &mut [Option<usize>], seen: &mut [bool]) -> bool {
@@ -191,12 +223,50 @@ fn augment(table: &[Vec<bool>], row: usize, row_of: &mut [Option<usize>], seen: 
     false
 }
 
+/// The gradient's question with its cotangents in the order of columns that the forward answers have: who arranges an encoding in an order
+/// of their own is given the gradient with respect to that. Cases of a width whose order the forward answers don't show are left out.
+pub(crate) fn asked_in(question: &Question, answers: &Answers, orders: &Orders) -> (Question, Answers) {
+    let name = format!("grad_{}", question.component.outputs[0].name);
+    let (mut asked, mut left) = (Question { cases: vec![], ..question.clone() }, vec![]);
+    for (case, answer) in question.cases.iter().zip(answers) {
+        let (mut case, g) = (case.clone(), &case.inputs[&name]);
+        match orders.get(&shape(&case, g)).filter(|order| order.only) {
+            Some(order) => {
+                let ordered = g.select(Axis(1), &order.columns);
+                case.inputs.insert(name.clone(), ordered);
+                asked.cases.push(case);
+                left.push(answer.clone());
+            }
+            None => {
+                let needs = "an order of columns that forward answers of their width show";
+                asked.crashed.remove(&case.id);
+                asked.left_out.insert(case.id, needs.into());
+            }
+        }
+    }
+    (asked, left)
+}
+
 #[cfg(test)]
 mod tests {
     #[test]
     fn a_matching_takes_back_what_it_gave() {
         let table = [vec![true, true, false], vec![true, false, false], vec![false, true, true]];
-        assert_eq!(super::matching(&table), Some(vec![1, 0, 2]));
-        assert_eq!(super::matching(&[vec![true, false], vec![true, false]]), None);
+        assert_eq!(
+            super::matching(&table).map(|order| (order.columns, order.only)),
+            Some((vec![1, 0, 2], true))
+        );
+        assert!(super::matching(&[vec![true, false], vec![true, false]]).is_none());
+    }
+
+    #[test]
+    fn rows_that_can_change_places_have_more_than_one_order() {
+        let only = |table: &[Vec<bool>]| super::matching(table).map(|order| order.only);
+        assert_eq!(only(&[vec![true, true], vec![true, true]]), Some(false));
+        assert_eq!(only(&[vec![true, true], vec![false, true]]), Some(true));
+        // A ring of three.
+        let ring = [vec![true, true, false], vec![false, true, true], vec![true, false, true]];
+        assert_eq!(only(&ring), Some(false));
+        assert_eq!(only(&[]), Some(true));
     }
 }

@@ -13,6 +13,7 @@ use super::example::smallest;
 use super::hypothesis::Hypothesis;
 use super::imprecise::lost_bits;
 use super::known::Known;
+use super::layout::Orders;
 use super::mark::{MarkOptions, Marks, mark};
 use super::observed::observed;
 use super::partial::{apply, partial, read};
@@ -21,6 +22,7 @@ use super::slips::gradient_of;
 use super::{layout, statistics};
 use crate::contract::arithmetic::Grade;
 use crate::contract::case::Case;
+use crate::contract::check::Kind;
 use crate::convention::Conventions;
 use crate::parallel;
 
@@ -33,6 +35,8 @@ pub(super) struct Laid {
     answers: Vec<Answers>,
     /// What was changed, by question.
     layouts: BTreeMap<usize, String>,
+    /// Orders of columns that were found, by component.
+    orders: BTreeMap<&'static str, Orders>,
     /// What is known of the answers as they came.
     known: Vec<Arc<Known>>,
 }
@@ -53,15 +57,32 @@ impl Laid {
             let (question, answers) = (&exam.questions[failing[n]], &answers[failing[n]]);
             layout::normalized(question, answers, &base, exam.profile.is_some(), options)
         });
-        let (mut answers, mut layouts, mut now) = (answers.to_vec(), BTreeMap::new(), known.clone());
+        let (mut answers, mut now) = (answers.to_vec(), known.clone());
+        let (mut layouts, mut orders) = <(BTreeMap<_, _>, BTreeMap<_, _>)>::default();
         for (n, laid) in failing.into_iter().zip(laid) {
-            if let Some((ordered, layout)) = laid {
-                (answers[n], now[n]) = (ordered, Arc::default());
-                layouts.insert(n, layout);
+            if let Some(laid) = laid {
+                (answers[n], now[n]) = (laid.answers, Arc::default());
+                layouts.insert(n, laid.says);
+                orders.extend(laid.orders.map(|orders| (exam.questions[n].component.name, orders)));
             }
         }
         let round = if layouts.is_empty() { first } else { Round::new(exam, &answers, &now, options) };
-        Laid { round, answers, layouts, known }
+        Laid { round, answers, layouts, orders, known }
+    }
+
+    /// The exam with the gradients that fail asked in the order of columns that the same component's forward answers have, and the answers
+    /// to that; `None` where there are none.
+    pub(super) fn in_their_order(&self, exam: &Exam, answers: &[Answers]) -> Option<(Exam, Vec<Answers>)> {
+        let wrong = |n: usize| self.marks(n).is_some_and(|marks| !marks.right());
+        let (mut ordered, mut answers, mut changed) = (exam.clone(), answers.to_vec(), false);
+        for (n, question) in ordered.questions.iter_mut().enumerate() {
+            let orders = self.orders.get(question.component.name);
+            if let Some(orders) = orders.filter(|_| question.kind == Kind::Vjp && wrong(n)) {
+                (*question, answers[n]) = layout::asked_in(question, &answers[n], orders);
+                changed = true;
+            }
+        }
+        changed.then_some((ordered, answers))
     }
 
     /// What is known of the answers as they came, but for those to some questions.
