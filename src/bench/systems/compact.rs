@@ -115,7 +115,7 @@ impl System for Trained<'_> {
     }
 
     fn true_pixels(&self) -> usize {
-        512
+        4096
     }
 
     fn timed_pixels(&self) -> usize {
