@@ -4,7 +4,7 @@ mod catalogue;
 
 use glam::DVec2;
 
-use catalogue::{EPS_IN_RADIUS, FEW_STEPS, FEW_STEPS_OF_NEWTON};
+use catalogue::{EPS_IN_RADIUS, FEW_STEPS, FEW_STEPS_OF_DIFFERENCES, FEW_STEPS_OF_NEWTON};
 pub(crate) use catalogue::{FISHEYE_DISTORT, FISHEYE_UNDISTORT};
 
 use super::arrays::{coefficients, undistorted};
@@ -124,7 +124,14 @@ pub(crate) fn fisheye_undistort(a: &Arrays, _: &Conventions, wrong: &[&str]) -> 
         }
         let right = undistorted(k, p);
         let nearly = nearly_undone(k, theta_d, wrong);
+        // Along the ray of a point there are radii alone.
+        let by_differences = FEW_STEPS_OF_DIFFERENCES.among(wrong);
+        let difference = |r: f64| r + theta_d - bent(k, libm::atan(r));
         match () {
+            () if has("handed_back_without_coefficients") && k == [0.0; 4] => target,
+            () if by_differences.is_some() => {
+                target * (stepped(theta_d, by_differences.expect("asked"), difference) / theta_d)
+            }
             () if has("opencv_lens") => opencv(k).undistort(target).unwrap_or(DVec2::NAN),
             () if nearly.is_some() => target * (libm::tan(nearly.expect("asked")) / theta_d),
             () if has("angle_bent_again") => target * (libm::tan(bent(k, theta_d)) / theta_d),

@@ -8,6 +8,7 @@ use crate::convention::Conventions;
 
 /// Mistakes of a clip by the common norm.
 pub(crate) const CLIP_BY_GLOBAL_NORM: &[Mistake] = &[
+    THROWN_AWAY,
     Mistake::new(
         "norm_of_each_tensor",
         "each tensor by its own norm",
@@ -138,8 +139,18 @@ pub(crate) const CLIP_BY_GLOBAL_NORM: &[Mistake] = &[
     ),
 ];
 
+const THROWN_AWAY: Mistake = Mistake::new(
+    "thrown_away",
+    "gradients as they came: what a function returns, which doesn't clip in place, is dropped",
+    "nothing is clipped",
+    "keep what it returns, or call the one that works in place (clip_grad_value_)",
+    "1 public implementation, with paddle.clip",
+    1,
+);
+
 /// Mistakes of a clip by value.
 pub(crate) const CLIP_BY_VALUE: &[Mistake] = &[
+    THROWN_AWAY,
     Mistake::new(
         "above_alone",
         "min(g, limit)",
@@ -228,7 +239,7 @@ fn factor(norm: f64, most: f64, c: &Conventions, wrong: &[&str]) -> f64 {
         () => factor < 1.0,
     };
     match () {
-        () if !clips => 1.0,
+        () if !clips || has("thrown_away") => 1.0,
         () if has("made_unit") => 1.0 / norm,
         () if has("dropped") => 0.0,
         () => factor,
@@ -277,6 +288,7 @@ pub(crate) fn clip_by_value(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arra
     let largest =
         if has("norm_clipped") { input(a, "g").iter().map(|g| g * g).sum::<f64>().sqrt() } else { largest };
     by_value(a, |g| match () {
+        () if has("thrown_away") => g,
         () if has("above_alone") => g.min(limit),
         () if has("below_alone") => g.max(-limit),
         () if has("sign_forgotten") => g.abs().min(limit).copysign(if g.abs() > limit { 1.0 } else { g }),

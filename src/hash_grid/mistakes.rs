@@ -9,6 +9,7 @@ use crate::math::pow;
 mod catalogue;
 
 pub(crate) use catalogue::HASH_GRID;
+use catalogue::OFFSET_HALF;
 
 /// The levels as the mistakes have them.
 fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
@@ -19,8 +20,11 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
         () => n_of(a, l),
     };
     let mut out = levels_of(a, n, c);
-    if wrong.contains(&"offset_half") {
-        out.iter_mut().for_each(|level| level.shift += 0.5);
+    if let Some(cells) = OFFSET_HALF.among(wrong) {
+        for level in &mut out {
+            level.shift += cells;
+            level.last = (level.scale + level.shift).floor() as u32;
+        }
     }
     out
 }

@@ -89,6 +89,7 @@ fn corrections(adam: &Adam, step: u64, wrong: &[&str]) -> [f64; 2] {
     match () {
         () if is("beta1_in_both_corrections") => [of(adam.beta1); 2],
         () if is("beta2_in_both_corrections") => [of(adam.beta2); 2],
+        () if is("betas_squared") => [adam.beta1, adam.beta2].map(|beta| bias_correction(beta, 2)),
         () if is("beta2_squared") => [of(adam.beta1), bias_correction(adam.beta2, 2)],
         () => [of(adam.beta1), of(adam.beta2)],
     }

@@ -77,6 +77,7 @@ fn wrong_composite(
         match *name {
             "inclusive_transmittance" => t.rotate_left(1),
             "inclusive_behind_the_first" => t[1..].rotate_left(1.min(n)),
+            "nothing_hides" => t[..n].fill(1.0),
             "own_light_alone" => (0..n).for_each(|i| t[i] = 1.0 - alphas[i]),
             "neighbors_light_alone" => (1..n).for_each(|i| t[i] = 1.0 - alphas[i - 1]),
             "whole_rays_light" => t = vec![t[n]; n + 1],

@@ -166,6 +166,14 @@ pub(crate) const ROTATION_TRANSPOSED: Mistake = Mistake::new(
     "3 public implementations (chengzhag/UCPE#5)",
     3,
 );
+const ROTATION_INVERTED: Mistake = Mistake::new(
+    "rotation_inverted",
+    "R^-1 in the place of R, the translation as it is",
+    "views turn the wrong way, and shrink where the pose has a scale",
+    "use the upper 3x3 of c2w as it is",
+    "1 public implementation",
+    1,
+);
 pub(crate) const FLIPS: [Mistake; 6] = [
     flipped("flipped_x", "x points to the left, against the pose"),
     flipped("flipped_y", "y points up while z points forward, against the pose"),
@@ -178,6 +186,7 @@ pub(crate) const FLIPS: [Mistake; 6] = [
 /// Mistakes of the transform.
 pub(crate) const TRANSFORM: &[Mistake] = &[
     ROTATION_TRANSPOSED,
+    ROTATION_INVERTED,
     INVERSE_POSE,
     Mistake::new(
         "moved_before_turned",

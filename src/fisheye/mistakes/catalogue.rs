@@ -149,6 +149,15 @@ pub(super) const FEW_STEPS_OF_NEWTON: Mistake = Mistake::new(
     1,
 )
 .with("steps", 1.0, [1.0, 6.0]);
+pub(super) const FEW_STEPS_OF_DIFFERENCES: Mistake = Mistake::new(
+    "few_steps_of_differences",
+    "x += x' - distort(x), so many times from x' on",
+    "edges are off where the lens is strong, and run away where it bends by more than twice",
+    "Newton's method, until the residual is down to rounding",
+    "1 public implementation: ten",
+    1,
+)
+.with("steps", 10.0, [1.0, 200.0]);
 
 /// Mistakes of its inverse.
 pub(crate) const FISHEYE_UNDISTORT: &[Mistake] = &[
@@ -187,6 +196,15 @@ pub(crate) const FISHEYE_UNDISTORT: &[Mistake] = &[
     ),
     FEW_STEPS,
     FEW_STEPS_OF_NEWTON,
+    FEW_STEPS_OF_DIFFERENCES,
+    Mistake::new(
+        "handed_back_without_coefficients",
+        "the point as it came where all coefficients are 0",
+        "without coefficients a fisheye is taken for a pinhole: the radius is the angle",
+        "tan(theta) theta_d / r, as with any coefficients",
+        "1 public implementation",
+        1,
+    ),
     Mistake::new(
         "distorted_again",
         "fisheye_distort of what is distorted already",

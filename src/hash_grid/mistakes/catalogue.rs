@@ -2,6 +2,16 @@
 
 use crate::contract::component::Mistake;
 
+pub(super) const OFFSET_HALF: Mistake = Mistake::new(
+    "offset_half",
+    "x N + 1/2 in front of the floor",
+    "every level is shifted by half a cell against the box: another encoding, and entries outside of it",
+    "x N without an offset",
+    "ports of tiny-cuda-nn's pos_fract, which has N - 1 for N; an encoder in Julia has x N + 1",
+    3,
+)
+.with("cells", 0.5, [1e-3, 2.0]);
+
 /// Mistakes of the hash grid.
 pub(crate) const HASH_GRID: &[Mistake] = &[
     Mistake::new(
@@ -52,14 +62,7 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
         "tables reshaped to (x, y, z) in row-major order",
         1,
     ),
-    Mistake::new(
-        "offset_half",
-        "x N + 1/2 in front of the floor",
-        "every level is shifted by half a cell against the box: another encoding, and entries outside of it",
-        "x N without an offset",
-        "ports of tiny-cuda-nn's pos_fract, which has N - 1 for N",
-        2,
-    ),
+    OFFSET_HALF,
     Mistake::new(
         "nearest_vertex",
         "the nearest vertex's entry without interpolation",

@@ -5,6 +5,16 @@ use crate::contract::component::Mistake;
 use crate::convention::{Bytes, Conventions};
 use crate::loss::arrays::{self, like};
 
+const SIGN_GUESSED: Mistake = Mistake::new(
+    "sign_guessed",
+    "(x + 1) / 2 where a number of the picture is below -k",
+    "one number that is too dark, and the whole picture is pale",
+    "the range is known: clip to [0, 1] and multiply by 255",
+    "1 public implementation and its copies, with 0.2",
+    2,
+)
+.with("k", 0.2, [1e-6, 0.999]);
+
 /// Mistakes of the bytes.
 pub(crate) const TO_UINT8: &[Mistake] = &[
     Mistake::new(
@@ -63,6 +73,7 @@ pub(crate) const TO_UINT8: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
+    SIGN_GUESSED,
     Mistake::new(
         "divided_by_the_largest",
         "x / max x, then bytes",
@@ -125,8 +136,14 @@ pub(crate) fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         Bytes::Round => libm::round(255.0 * x),
         Bytes::Truncate => (255.0 * x).trunc(),
     };
+    let least = image.iter().copied().fold(f64::MAX, f64::min);
+    let signed = SIGN_GUESSED.among(wrong).is_some_and(|k| least < -k);
+    if signed {
+        bytes = again(&|x| 0.5 * (x + 1.0));
+    }
     for name in wrong {
         bytes = match *name {
+            "scale_guessed" if signed => bytes,
             "scale_guessed" if most > 1.0 => again(&|x| x / 255.0),
             "divided_by_the_largest" => again(&|x| x / most),
             "divided_where_above_one" => again(&|x| x / most.max(1.0)),

@@ -59,6 +59,22 @@ pub(crate) const PSNR: &[Mistake] = &[
     ),
     PEAK_SCALED,
     Mistake::new(
+        "both_clipped_to_one",
+        "both pictures are clipped to [0, 1] first, whatever the peak",
+        "what is too bright or too dark costs nothing; bytes are white",
+        "colors of the peak's own scale, as they are",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "prediction_clipped_to_one",
+        "the prediction is clipped to [0, 1] first, whatever the peak",
+        "what is too bright or too dark costs less; bytes are compared with white",
+        "colors of the peak's own scale, as they are",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "peak_255",
         "peak 255 whatever the colors",
         "48.13 dB too many for colors in [0, 1]",
@@ -197,6 +213,14 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             a.get_mut(name).expect("checked").mapv_inplace(|x| (255.0 * (x / peak).clamp(0.0, 1.0)).floor());
         }
         a.insert("peak".into(), scalar(255.0));
+    }
+    let clipped: &[&str] = match () {
+        () if wrong.contains(&"both_clipped_to_one") => &["prediction", "target"],
+        () if wrong.contains(&"prediction_clipped_to_one") => &["prediction"],
+        () => &[],
+    };
+    for name in clipped {
+        a.get_mut(*name).expect("checked").mapv_inplace(|x| x.clamp(0.0, 1.0));
     }
     if wrong.contains(&"few_pixels") {
         for name in ["prediction", "target"] {

@@ -128,6 +128,14 @@ const BETA_TIMES_STEP: Mistake = Mistake::new(
     0,
 );
 
+const BETAS_SQUARED: Mistake = Mistake::new(
+    "betas_squared",
+    "1 - beta^2 corrects both moments at every step",
+    "steps of another length than Adam's, and never the right one but at the second",
+    "1 - beta^step",
+    "1 public implementation",
+    1,
+);
 const BETA2_SQUARED: Mistake = Mistake::new(
     "beta2_squared",
     "1 - beta2^2 corrects the second moment at every step",
@@ -255,6 +263,7 @@ pub(crate) const ADAM_STEP: &[Mistake] = &[
     BETA2_IN_BOTH,
     BETA_TIMES_STEP,
     BETA2_SQUARED,
+    BETAS_SQUARED,
     MEANS_BEFORE,
     CORRECTED_MEANS_KEPT,
     GRADIENT_FOR_MEAN,
@@ -332,6 +341,7 @@ pub(crate) const ADAMW_STEP: &[Mistake] = &[
     BETA2_IN_BOTH,
     BETA_TIMES_STEP,
     BETA2_SQUARED,
+    BETAS_SQUARED,
     MEANS_BEFORE,
     CORRECTED_MEANS_KEPT,
     GRADIENT_FOR_MEAN,

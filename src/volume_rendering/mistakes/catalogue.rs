@@ -34,6 +34,14 @@ pub(super) const INCLUSIVE_BEHIND_FIRST: Mistake = Mistake::new(
     "2 public implementations",
     2,
 );
+pub(super) const NOTHING_HIDES: Mistake = Mistake::new(
+    "nothing_hides",
+    "T_i = 1: w_i = alpha_i",
+    "what lies behind shines through, and weights sum to more than 1",
+    "T_i, the product of 1 - alpha over the samples in front",
+    "X-rays by the rules of light, with sigma delta for alpha",
+    2,
+);
 pub(super) const OWN_LIGHT: Mistake = Mistake::new(
     "own_light_alone",
     "T_i = 1 - alpha_i: the sample's own factor for the product of those in front",

@@ -25,6 +25,15 @@ const THIN_LEFT_OUT: Mistake = Mistake::new(
     0,
 )
 .with("least", 0.5, [1e-7, 0.99]);
+const EMPTY_OF_ITS_OWN: Mistake = Mistake::new(
+    "empty_depth_of_its_own",
+    "a number of its own where the weights' sum is 0",
+    "empty rays lie at no distance that the scene has",
+    "far",
+    "1 public implementation, with 1e10",
+    1,
+)
+.with("depth", 1e10, [1e-6, 1e12]);
 
 /// Mistakes of the expected distance.
 pub(crate) const DEPTH: &[Mistake] = &[
@@ -70,6 +79,7 @@ pub(crate) const DEPTH: &[Mistake] = &[
     ),
     OFF_WEIGHT,
     THIN_LEFT_OUT,
+    EMPTY_OF_ITS_OWN,
     Mistake::new(
         "depth_of_the_heaviest",
         "the t of the largest weight",
@@ -154,6 +164,11 @@ pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     }
     if wrong.contains(&"median_depth") {
         depths.insert("depth".into(), medians(&a));
+    }
+    if let Some(own) = EMPTY_OF_ITS_OWN.among(wrong) {
+        let empty = |r| row(&a, "weights", r).iter().sum::<f64>() == 0.0;
+        let each = depths.get_mut("depth").expect("an output").iter_mut().enumerate();
+        each.filter(|(r, _)| empty(*r)).for_each(|(_, z)| *z = own);
     }
     if let Some(z) = other_depths(&a, wrong) {
         depths.insert("depth".into(), z);

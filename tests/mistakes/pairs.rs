@@ -1,0 +1,145 @@
+//! Two mistakes at once, in conventions that are up to two away from the run's: what strangers' files have.
+
+use nerf_oracle::judge::Verdict;
+use nerf_oracle::judge::exam::Question;
+use nerf_oracle::judge::hypothesis::Hypothesis;
+use nerf_oracle::random::{Key, Purpose};
+
+use super::*;
+
+/// Draws of two mistakes, each row as often as any: `NERF_ORACLE_TWO=500` for more.
+fn draws() -> u64 {
+    std::env::var("NERF_ORACLE_TWO").ok().map_or(16, |n| n.parse().expect("NERF_ORACLE_TWO is a number"))
+}
+
+fn seed() -> u64 {
+    std::env::var("NERF_ORACLE_TWO_SEED").ok().map_or(20_261_126, |n| n.parse().expect("a number"))
+}
+
+/// Draws that are judged at once.
+const BATCH: usize = 16;
+
+/// Two mistakes of a row in conventions of its own.
+struct Drawn {
+    component: &'static Component,
+    mistakes: [&'static str; 2],
+    c: Conventions,
+    changed: Vec<(&'static str, &'static str)>,
+    dtype: Dtype,
+}
+
+fn drawn(key: &Key, draw: u64, usable: &[&'static Component]) -> Option<Drawn> {
+    let pick = |n: usize, lane: u64| key.below(n as u64, draw, lane, 0) as usize;
+    let component = usable[pick(usable.len(), 0)];
+    let all: Vec<&Mistake> = component.mistakes.iter().filter(|m| !m.gradient).collect();
+    // In proportion to how often they were seen, one more for each.
+    let weights = || all.iter().map(|m| m.count as usize + 1);
+    let chosen = |lane: u64| {
+        let mut left = pick(weights().sum(), lane);
+        let found = weights().position(|w| {
+            let here = left < w;
+            left = left.saturating_sub(w);
+            here
+        });
+        all[found.expect("one of them")].name
+    };
+    let mistakes = [chosen(1), chosen(2)];
+    let (mut c, mut changed) = (CS180, vec![]);
+    for lane in 0..pick(3, 3) as u64 {
+        let Some(key) = (!component.conventions.is_empty())
+            .then(|| component.conventions[pick(component.conventions.len(), 4 + 2 * lane)])
+        else {
+            break;
+        };
+        let (_, values) = CHOICES.iter().find(|(name, _)| *name == key).unwrap();
+        let value = values[pick(values.len(), 5 + 2 * lane)];
+        if c.get(key) != value && !changed.iter().any(|(other, _)| *other == key) {
+            c = c.with(key, value).unwrap();
+            changed.push((key, value));
+        }
+    }
+    let dtype = [Dtype::F64, Dtype::F32][pick(2, 12)];
+    (mistakes[0] != mistakes[1]).then_some(Drawn { component, mistakes, c, changed, dtype })
+}
+
+/// Whether one of the two, or none, in any convention next to them, explains all: there is nothing to find then.
+fn one_hides_the_other(question: &Question, d: &Drawn, answers: &Answers) -> bool {
+    let sets = [vec![], vec![d.mistakes[0]], vec![d.mistakes[1]]];
+    sets.into_iter().any(|set| {
+        let alone = |c| explains(question, &Hypothesis::new(set.clone(), c), answers, d.dtype);
+        alone(d.c) || d.changed.iter().any(|(key, _)| alone(d.c.with(key, &CS180.get(key)).unwrap()))
+    })
+}
+
+/// What is said of two mistakes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Said {
+    Both,
+    One,
+    Other,
+    Nothing,
+}
+
+fn said(row: &Row, d: &Drawn) -> Said {
+    let right = |e: &Explanation| names(e).iter().filter(|name| d.mistakes.contains(name)).count();
+    let listed = row.diagnosis.iter().enumerate().filter(|(n, e)| *n == 0 || e.same_as_best);
+    let most = listed.clone().map(|(_, e)| right(e)).max().unwrap_or(0);
+    let wrong = row.diagnosis.first().is_some_and(|e| names(e).iter().any(|name| !d.mistakes.contains(name)));
+    match most {
+        2 => Said::Both,
+        _ if wrong => Said::Other,
+        1 => Said::One,
+        _ => Said::Nothing,
+    }
+}
+
+#[test]
+fn two_mistakes_at_once_are_named() {
+    let key = Key::new(seed(), Purpose::Cases);
+    let two = |c: &&Component| c.mistakes.iter().filter(|m| !m.gradient).count() > 1;
+    let usable: Vec<&'static Component> = COMPONENTS.iter().filter(two).collect();
+    let judge = |draw: usize| {
+        let d = drawn(&key, draw as u64, &usable)?;
+        let exam = exam_of(d.component, d.dtype, None);
+        let n = sheet_of(&exam, d.component, Kind::Forward);
+        let question = &exam.questions[n];
+        if !question.admits(&d.c) {
+            return None;
+        }
+        let answers = wrong_answers(question, &d.c, &d.mistakes, d.dtype);
+        if one_hides_the_other(question, &d, &answers) {
+            return None;
+        }
+        let start = std::time::Instant::now();
+        let row = judged(&exam, n, answers);
+        let took = start.elapsed().as_secs_f64();
+        (row.verdict != Verdict::Pass).then(|| {
+            let what = said(&row, &d);
+            let got: Vec<_> = row.diagnosis.iter().take(3).map(|e| (names(e), &e.conventions)).collect();
+            (
+                what,
+                format!(
+                    "{what:?} {took:.1} s {} {} {:?} {:?} {}: {got:?}",
+                    d.dtype, d.component.name, d.mistakes, d.changed, row.verdict
+                ),
+            )
+        })
+    };
+    let mut found = vec![];
+    for first in (0..20 * draws() as usize).step_by(BATCH) {
+        let more = parallel::map(BATCH, |n| judge(first + n));
+        found.extend(more.into_iter().flatten());
+        if found.len() >= draws() as usize {
+            break;
+        }
+    }
+    found.truncate(draws() as usize);
+    let count = |what| found.iter().filter(|(said, _)| *said == what).count();
+    let [both, one, other, nothing] = [Said::Both, Said::One, Said::Other, Said::Nothing].map(count);
+    for (what, line) in &found {
+        if *what != Said::Both {
+            println!("{line}");
+        }
+    }
+    println!("{both} of {} named, {one} in part, {other} with another name, {nothing} unnamed", found.len());
+}
