@@ -1,4 +1,4 @@
-//! Two mistakes at once, in conventions that are up to two away from the run's: what strangers' files have.
+//! Two and three mistakes at once, in conventions that are up to two away from the run's: what strangers' files have.
 
 use nerf_oracle::judge::Verdict;
 use nerf_oracle::judge::exam::Question;
@@ -7,7 +7,7 @@ use nerf_oracle::random::{Key, Purpose};
 
 use super::*;
 
-/// Draws of two mistakes, each row as often as any: `NERF_ORACLE_TWO=500` for more.
+/// Draws of several mistakes, each row as often as any: `NERF_ORACLE_TWO=500` for more.
 fn draws() -> u64 {
     std::env::var("NERF_ORACLE_TWO").ok().map_or(16, |n| n.parse().expect("NERF_ORACLE_TWO is a number"))
 }
@@ -19,16 +19,16 @@ fn seed() -> u64 {
 /// Draws that are judged at once.
 const BATCH: usize = 16;
 
-/// Two mistakes of a row in conventions of its own.
+/// Mistakes of a row in conventions of its own.
 struct Drawn {
     component: &'static Component,
-    mistakes: [&'static str; 2],
+    mistakes: Vec<&'static str>,
     c: Conventions,
     changed: Vec<(&'static str, &'static str)>,
     dtype: Dtype,
 }
 
-fn drawn(key: &Key, draw: u64, usable: &[&'static Component]) -> Option<Drawn> {
+fn drawn(key: &Key, draw: u64, count: u64, usable: &[&'static Component]) -> Option<Drawn> {
     let pick = |n: usize, lane: u64| key.below(n as u64, draw, lane, 0) as usize;
     let component = usable[pick(usable.len(), 0)];
     let all: Vec<&Mistake> = component.mistakes.iter().filter(|m| !m.gradient).collect();
@@ -43,7 +43,7 @@ fn drawn(key: &Key, draw: u64, usable: &[&'static Component]) -> Option<Drawn> {
         });
         all[found.expect("one of them")].name
     };
-    let mistakes = [chosen(1), chosen(2)];
+    let mistakes: Vec<&str> = (0..count).map(|n| chosen(20 + n)).collect();
     let (mut c, mut changed) = (CS180, vec![]);
     for lane in 0..pick(3, 3) as u64 {
         let Some(key) = (!component.conventions.is_empty())
@@ -59,23 +59,31 @@ fn drawn(key: &Key, draw: u64, usable: &[&'static Component]) -> Option<Drawn> {
         }
     }
     let dtype = [Dtype::F64, Dtype::F32][pick(2, 12)];
-    (mistakes[0] != mistakes[1]).then_some(Drawn { component, mistakes, c, changed, dtype })
+    let twice = |n: usize| mistakes[..n].contains(&mistakes[n]);
+    (!(0..mistakes.len()).any(twice)).then_some(Drawn { component, mistakes, c, changed, dtype })
 }
 
-/// Whether one of the two, or none, in any convention next to them, explains all: there is nothing to find then.
-fn one_hides_the_other(question: &Question, d: &Drawn, answers: &Answers) -> bool {
-    let sets = [vec![], vec![d.mistakes[0]], vec![d.mistakes[1]]];
-    sets.into_iter().any(|set| {
-        let alone = |c| explains(question, &Hypothesis::new(set.clone(), c), answers, d.dtype);
-        alone(d.c) || d.changed.iter().any(|(key, _)| alone(d.c.with(key, &CS180.get(key)).unwrap()))
-    })
+/// Whether fewer of them, in these conventions or any next to them, explain all: there is nothing to find then.
+fn some_hide_others(question: &Question, d: &Drawn, answers: &Answers) -> bool {
+    let alone =
+        |set: &[&'static str], c| explains(question, &Hypothesis::new(set.to_vec(), c), answers, d.dtype);
+    let in_any = |set: &[&'static str]| {
+        alone(set, d.c)
+            || d.changed.iter().any(|(key, _)| alone(set, d.c.with(key, &CS180.get(key)).unwrap()))
+    };
+    let without = |n: usize| {
+        let mut set = d.mistakes.clone();
+        set.remove(n);
+        set
+    };
+    in_any(&[]) || (0..d.mistakes.len()).any(|n| in_any(&without(n)) || in_any(&[d.mistakes[n]]))
 }
 
-/// What is said of two mistakes.
+/// What is said of several mistakes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Said {
-    Both,
-    One,
+    All,
+    Some,
     Other,
     Nothing,
 }
@@ -86,20 +94,20 @@ fn said(row: &Row, d: &Drawn) -> Said {
     let most = listed.clone().map(|(_, e)| right(e)).max().unwrap_or(0);
     let wrong = row.diagnosis.first().is_some_and(|e| names(e).iter().any(|name| !d.mistakes.contains(name)));
     match most {
-        2 => Said::Both,
+        _ if most == d.mistakes.len() => Said::All,
         _ if wrong => Said::Other,
-        1 => Said::One,
-        _ => Said::Nothing,
+        0 => Said::Nothing,
+        _ => Said::Some,
     }
 }
 
-#[test]
-fn two_mistakes_at_once_are_named() {
+/// How many of the draws of so many mistakes are named, and the number of draws.
+fn named_of(count: u64) -> [usize; 2] {
     let key = Key::new(seed(), Purpose::Cases);
-    let two = |c: &&Component| c.mistakes.iter().filter(|m| !m.gradient).count() > 1;
-    let usable: Vec<&'static Component> = COMPONENTS.iter().filter(two).collect();
+    let enough = |c: &&Component| c.mistakes.iter().filter(|m| !m.gradient).count() >= count as usize;
+    let usable: Vec<&'static Component> = COMPONENTS.iter().filter(enough).collect();
     let judge = |draw: usize| {
-        let d = drawn(&key, draw as u64, &usable)?;
+        let d = drawn(&key, draw as u64, count, &usable)?;
         let exam = exam_of(d.component, d.dtype, None);
         let n = sheet_of(&exam, d.component, Kind::Forward);
         let question = &exam.questions[n];
@@ -107,7 +115,7 @@ fn two_mistakes_at_once_are_named() {
             return None;
         }
         let answers = wrong_answers(question, &d.c, &d.mistakes, d.dtype);
-        if one_hides_the_other(question, &d, &answers) {
+        if some_hide_others(question, &d, &answers) {
             return None;
         }
         let start = std::time::Instant::now();
@@ -134,12 +142,28 @@ fn two_mistakes_at_once_are_named() {
         }
     }
     found.truncate(draws() as usize);
-    let count = |what| found.iter().filter(|(said, _)| *said == what).count();
-    let [both, one, other, nothing] = [Said::Both, Said::One, Said::Other, Said::Nothing].map(count);
+    let of = |what| found.iter().filter(|(said, _)| *said == what).count();
+    let [all, some, other, nothing] = [Said::All, Said::Some, Said::Other, Said::Nothing].map(of);
     for (what, line) in &found {
-        if *what != Said::Both {
+        if *what != Said::All {
             println!("{line}");
         }
     }
-    println!("{both} of {} named, {one} in part, {other} with another name, {nothing} unnamed", found.len());
+    println!(
+        "{count} at once: {all} of {} named, {some} in part, {other} with another name, {nothing} unnamed",
+        found.len()
+    );
+    [all, found.len()]
+}
+
+#[test]
+fn two_mistakes_at_once_are_named() {
+    let [named, all] = named_of(2);
+    assert!(all == draws() as usize && named as f64 >= 0.9 * all as f64, "{named} of {all}");
+}
+
+#[test]
+fn three_mistakes_at_once_are_named() {
+    let [named, all] = named_of(3);
+    assert!(all == draws() as usize && named as f64 >= 0.4 * all as f64, "{named} of {all}");
 }
