@@ -14,6 +14,7 @@ use super::partial::{Partial, apply, changes, partial};
 use super::peel::peel;
 use super::slips::{Beside, slipped};
 use super::statistics;
+use super::tripled::tripled;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
@@ -121,6 +122,10 @@ pub fn diagnose(
         let pairs = if fitted.is_empty() { paired(question, answers, base, options) } else { fitted };
         if !pairs.is_empty() {
             return ranked(pairs, question, answers, &home, options);
+        }
+        let triples = tripled(question, answers, base, options);
+        if !triples.is_empty() {
+            return ranked(triples, question, answers, &home, options);
         }
     }
     let most = mostly(question, answers, base, suspects, options);

@@ -54,6 +54,12 @@ impl Explanation {
     }
 }
 
+/// Whether any output that was answered is of real numbers, no bits and counts alone.
+pub(crate) fn real_numbers(question: &Question, answers: &Answers) -> bool {
+    let mut names = answers.iter().flatten().flat_map(|answer| answer.keys());
+    names.any(|name| !question.component.output_entries(name).whole())
+}
+
 /// The cases that a hypothesis is held against, the smallest first.
 pub(crate) fn usable<'a>(
     h: &Hypothesis,

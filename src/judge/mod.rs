@@ -64,6 +64,7 @@ mod slips;
 #[doc(hidden)]
 pub mod statistics;
 mod telling;
+mod tripled;
 mod truths;
 pub(crate) mod typed;
 mod unread;

@@ -3,7 +3,7 @@
 
 use super::answer::{Answer, Answers};
 use super::assignment::open;
-use super::evidence::{Explanation, Suspect, difference, largest_residual, shows, usable};
+use super::evidence::{Explanation, Suspect, difference, largest_residual, real_numbers, shows, usable};
 use super::exam::Question;
 use super::fitted::guesses;
 use super::hypothesis::Hypothesis;
@@ -103,14 +103,7 @@ pub(crate) fn mostly(
     };
     found.retain(enough);
     // Of bits and counts a pair of many explains a few cases by chance.
-    let real = || {
-        answers
-            .iter()
-            .flatten()
-            .flat_map(|a| a.keys())
-            .any(|name| !question.component.output_entries(name).whole())
-    };
-    if found.is_empty() && !numeric && real() {
+    if found.is_empty() && !numeric && real_numbers(question, answers) {
         let pair = |n: usize| singles[..n].iter().map(move |other| (n, other[0]));
         let pairs = (0..singles.len()).flat_map(pair).map(|(n, other)| vec![other, singles[n][0]]);
         found = tried(&pairs.collect::<Vec<_>>(), &near[..near.len().min(PAIRED)], &cases);
