@@ -105,10 +105,7 @@ pub(crate) fn transform(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
             match *name {
                 "rotation_transposed" => c2w = with_transposed_rotation(&c2w),
                 "inverse_pose" => c2w = inverse(&c2w),
-                "rotation_inverted" => {
-                    let o = c2w.w_axis;
-                    c2w = DMat4 { w_axis: o, ..inverse(&c2w) };
-                }
+                "rotation_inverted" => c2w = DMat4 { w_axis: c2w.w_axis, ..inverse(&c2w) },
                 "translation_missing" => c2w.w_axis = glam::DVec4::W,
                 "moved_before_turned" => (x, c2w.w_axis) = (x + o, glam::DVec4::W),
                 "taken_off_before_turned" => (x, c2w.w_axis) = (x - o, glam::DVec4::W),

@@ -8,7 +8,11 @@ use crate::convention::Conventions;
 
 /// Mistakes of a clip by the common norm.
 pub(crate) const CLIP_BY_GLOBAL_NORM: &[Mistake] = &[
-    THROWN_AWAY,
+    thrown_away(
+        "keep what it returns, or call the one that works in place (clip_grad_norm_)",
+        "never; cheap to keep",
+        0,
+    ),
     Mistake::new(
         "norm_of_each_tensor",
         "each tensor by its own norm",
@@ -139,18 +143,24 @@ pub(crate) const CLIP_BY_GLOBAL_NORM: &[Mistake] = &[
     ),
 ];
 
-const THROWN_AWAY: Mistake = Mistake::new(
-    "thrown_away",
-    "gradients as they came: what a function returns, which doesn't clip in place, is dropped",
-    "nothing is clipped",
-    "keep what it returns, or call the one that works in place (clip_grad_value_)",
-    "1 public implementation, with paddle.clip",
-    1,
-);
+const fn thrown_away(remedy: &'static str, seen: &'static str, count: u32) -> Mistake {
+    Mistake::new(
+        "thrown_away",
+        "gradients as they came: what a function returns, which doesn't clip in place, is dropped",
+        "nothing is clipped",
+        remedy,
+        seen,
+        count,
+    )
+}
 
 /// Mistakes of a clip by value.
 pub(crate) const CLIP_BY_VALUE: &[Mistake] = &[
-    THROWN_AWAY,
+    thrown_away(
+        "keep what it returns, or call the one that works in place (clip_grad_value_)",
+        "1 public implementation, with paddle.clip",
+        1,
+    ),
     Mistake::new(
         "above_alone",
         "min(g, limit)",

@@ -21,10 +21,7 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
     };
     let mut out = levels_of(a, n, c);
     if let Some(cells) = OFFSET_HALF.among(wrong) {
-        for level in &mut out {
-            level.shift += cells;
-            level.last = (level.scale + level.shift).floor() as u32;
-        }
+        out.iter_mut().for_each(|level| level.shift += cells);
     }
     out
 }

@@ -1,7 +1,7 @@
 //! Diagnosis: which conventions and which mistakes explain the answers of a component that failed.
 
 use super::answer::Answers;
-use super::assignment::{open, possible};
+use super::assignment::{open, possible, small_cases};
 use super::evidence::{Explanation, Suspect, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
 use super::fitted::{fitting, fitting_pairs};
@@ -32,8 +32,8 @@ const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 /// The largest number of explanations that are listed.
 const SHOWN: usize = 8;
 
-/// Numbers that the cases of a question may have for a search. Where they have more, as the tables of a whole hash grid do, each trial
-/// takes a second: single mistakes are looked for in the run's own conventions, and no two.
+/// Numbers that the cases of a search may have in all. Where they have more, as the tables of a whole hash grid do, each trial takes a
+/// second: single mistakes are looked for in the run's own conventions and in those of known programs, and nothing else.
 const SEARCHED: usize = 4_000_000;
 
 /// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
@@ -52,9 +52,12 @@ pub fn diagnose(
     }
     let home = partial(question.component, base);
     let all = open(question, answers, base, options);
-    let (mut parted, mut singles, large) = (None, vec![], numbers(question) > SEARCHED);
+    let (mut parted, mut singles, large) = (None, vec![], numbers(question, answers) > SEARCHED);
     for count in 0..=2 {
-        if count == 2 && (large || nothing_but_zero(question, answers)) {
+        if count == 2 && large {
+            return vec![];
+        }
+        if count == 2 && nothing_but_zero(question, answers) {
             // Some pair or other makes nothing of everything, and so do slips: what there is to say is what was seen.
             return vec![];
         }
@@ -139,9 +142,10 @@ pub fn diagnose(
     parted.or(most).into_iter().collect()
 }
 
-/// The numbers that a question's cases have.
-fn numbers(question: &Question) -> usize {
-    question.cases.iter().flat_map(|case| case.inputs.values()).map(|array| array.len()).sum()
+/// The numbers that the cases have which a search goes by.
+fn numbers(question: &Question, answers: &Answers) -> usize {
+    let cases = small_cases(question, answers);
+    cases.iter().flat_map(|(case, _)| case.inputs.values()).map(|array| array.len()).sum()
 }
 
 /// Whether all numbers of all answers are 0, real ones among them: a stub, or the way out where something couldn't be imported.

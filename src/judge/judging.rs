@@ -18,15 +18,13 @@ pub fn judge_answers(exam: &Exam, answers: &[Answers], exp_ulp: f64) -> Report {
     let reached = within_reach(exam, answers);
     let (exam, answers) = reached.as_ref().map_or((exam, answers), |(exam, answers)| (exam, &answers[..]));
     let options = MarkOptions { dtype: exam.dtype, exp_ulp };
-    let laid = |exam: &Exam, answers: &[Answers]| {
-        let nothing = answers.iter().map(|_| Arc::default()).collect();
-        Laid::new(exam, answers, nothing, &options)
+    let nothing = answers.iter().map(|_| Arc::default()).collect();
+    let whole = Laid::new(exam, answers, nothing, &options);
+    let report = |exam: &Exam, answers: &[Answers], whole: &Laid| {
+        but_for_edges(exam, answers, whole, &options).unwrap_or_else(|| whole.report(exam, &options))
     };
-    let mut whole = laid(exam, answers);
-    let ordered = whole.in_their_order(exam, answers);
-    if let Some((exam, answers)) = &ordered {
-        whole = laid(exam, answers);
+    match whole.in_their_order(exam, answers, &options) {
+        Some((exam, answers, whole)) => report(&exam, &answers, &whole),
+        None => report(exam, answers, &whole),
     }
-    let (exam, answers) = ordered.as_ref().map_or((exam, answers), |(exam, answers)| (exam, &answers[..]));
-    but_for_edges(exam, answers, &whole, &options).unwrap_or_else(|| whole.report(exam, &options))
 }

@@ -234,15 +234,17 @@ pub(crate) fn asked_in(question: &Question, answers: &Answers, orders: &Orders) 
             Some(order) => {
                 let ordered = g.select(Axis(1), &order.columns);
                 case.inputs.insert(name.clone(), ordered);
-                asked.cases.push(case);
-                left.push(answer.clone());
             }
+            // A crash is one in any order.
+            None if question.crashed.contains_key(&case.id) => {}
             None => {
                 let needs = "an order of columns that forward answers of their width show";
-                asked.crashed.remove(&case.id);
                 asked.left_out.insert(case.id, needs.into());
+                continue;
             }
         }
+        asked.cases.push(case);
+        left.push(answer.clone());
     }
     (asked, left)
 }

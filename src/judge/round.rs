@@ -58,7 +58,7 @@ impl Laid {
             layout::normalized(question, answers, &base, exam.profile.is_some(), options)
         });
         let (mut answers, mut now) = (answers.to_vec(), known.clone());
-        let (mut layouts, mut orders) = <(BTreeMap<_, _>, BTreeMap<_, _>)>::default();
+        let (mut layouts, mut orders) = (BTreeMap::new(), BTreeMap::new());
         for (n, laid) in failing.into_iter().zip(laid) {
             if let Some(laid) = laid {
                 (answers[n], now[n]) = (laid.answers, Arc::default());
@@ -70,19 +70,36 @@ impl Laid {
         Laid { round, answers, layouts, orders, known }
     }
 
-    /// The exam with the gradients that fail asked in the order of columns that the same component's forward answers have, and the answers
-    /// to that; `None` where there are none.
-    pub(super) fn in_their_order(&self, exam: &Exam, answers: &[Answers]) -> Option<(Exam, Vec<Answers>)> {
-        let wrong = |n: usize| self.marks(n).is_some_and(|marks| !marks.right());
-        let (mut ordered, mut answers, mut changed) = (exam.clone(), answers.to_vec(), false);
+    /// The exam with those gradients asked in the order of columns that the same component's forward answers have of which more cases are
+    /// right then, and the answers to that, marked; `None` where there are none.
+    pub(super) fn in_their_order(
+        &self,
+        exam: &Exam,
+        answers: &[Answers],
+        options: &MarkOptions,
+    ) -> Option<(Exam, Vec<Answers>, Laid)> {
+        let (mut ordered, mut answers, mut changed) = (exam.clone(), answers.to_vec(), vec![]);
         for (n, question) in ordered.questions.iter_mut().enumerate() {
-            let orders = self.orders.get(question.component.name);
-            if let Some(orders) = orders.filter(|_| question.kind == Kind::Vjp && wrong(n)) {
-                (*question, answers[n]) = layout::asked_in(question, &answers[n], orders);
-                changed = true;
+            question.truths = exam.questions[n].truths.shared();
+            let orders = self.orders.get(question.component.name).filter(|_| question.kind == Kind::Vjp);
+            let Some((orders, found)) = orders.zip(self.marks(n)) else { continue };
+            let (asked, left) = layout::asked_in(question, &answers[n], orders);
+            let right = |question: &Question, marks: &Marks| question.cases.len() - marks.wrong_cases.len();
+            let (marks, _) = marks(&asked, &left, self.conventions(), options);
+            if right(&asked, &marks) > right(question, found) {
+                (*question, answers[n]) = (asked, left);
+                changed.push(n);
             }
         }
-        changed.then_some((ordered, answers))
+        if changed.is_empty() {
+            return None;
+        }
+        let mut laid = Laid::new(&ordered, &answers, self.known_but_of(&changed), options);
+        for n in changed {
+            let says = "asked for columns in the order of the forward answers";
+            laid.layouts.insert(n, says.into());
+        }
+        Some((ordered, answers, laid))
     }
 
     /// What is known of the answers as they came, but for those to some questions.

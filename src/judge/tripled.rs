@@ -1,5 +1,5 @@
-//! Triples: three mistakes at once, all that there are, in the conventions that are likeliest. Where two of them leave nothing that is
-//! right, nothing points to the third; but most are ruled out by a first small case.
+//! Triples: three mistakes at once, in the conventions that are likeliest. Where two of them leave nothing that is right, nothing points to
+//! the third; but most are ruled out by a first small case, so that all of a row's are tried where it has no more than some hundred.
 
 use super::answer::Answers;
 use super::assignment::{nearest, open, small_cases};
@@ -15,7 +15,8 @@ use crate::parallel;
 const WORK: usize = 20_000_000;
 const LEAST: usize = 100;
 
-/// The triples of mistakes that explain every answer, in the first conventions in which some do.
+/// The triples of mistakes that explain every answer, in the first conventions in which some do. Short types have too few digits to tell so
+/// many apart.
 pub(crate) fn tripled(
     question: &Question,
     answers: &Answers,
@@ -24,25 +25,42 @@ pub(crate) fn tripled(
 ) -> Vec<Hypothesis> {
     let cases = small_cases(question, answers);
     // Of bits and counts three of many explain a few cases by chance.
-    let Some((case, _)) = cases.first().filter(|_| real_numbers(question, answers)) else { return vec![] };
+    let told = options.dtype.bits() >= 24 && real_numbers(question, answers);
+    let Some((case, _)) = cases.first().filter(|_| told) else { return vec![] };
     let all = question.component.mistakes.iter().filter(|m| !m.gradient);
     let names: Vec<&str> = all.map(|m| m.name).collect();
+    let count = names.len() * names.len().saturating_sub(1) * names.len().saturating_sub(2) / 6;
+    let cost = LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>();
+    let most = WORK / (cost * count.max(1));
+    if most == 0 {
+        return vec![];
+    }
     let mut sets = vec![];
     for (a, first) in names.iter().enumerate() {
         for (b, second) in names.iter().enumerate().take(a) {
             sets.extend(names[..b].iter().map(|third| [*third, *second, *first]));
         }
     }
-    let cost = LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>();
-    let most = WORK / (cost * sets.len().max(1));
     let fits =
         |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
-    for c in likeliest(question, answers, base, options).into_iter().take(most) {
+    // What two of them explain alone is no matter of three: an inert one can stand beside any pair.
+    let fewest = |h: Hypothesis| -> Vec<Hypothesis> {
+        let without = |n: usize| {
+            let mut pair = h.clone();
+            pair.mistakes.remove(n);
+            pair
+        };
+        let pairs: Vec<Hypothesis> = (0..3).map(without).filter(|pair| fits(pair)).collect();
+        if pairs.is_empty() { vec![h] } else { pairs }
+    };
+    for c in likeliest(question, answers, base, options, most) {
         let tried = parallel::map(sets.len(), |n| {
             let h = Hypothesis::new(sets[n].to_vec(), c);
             fits(&h).then_some(h)
         });
-        let found: Vec<Hypothesis> = tried.into_iter().flatten().collect();
+        let mut found: Vec<Hypothesis> = tried.into_iter().flatten().flat_map(fewest).collect();
+        let least = found.iter().map(|h| h.mistakes.len()).min();
+        found.retain(|h| Some(h.mistakes.len()) == least);
         if !found.is_empty() {
             return found;
         }
@@ -50,19 +68,18 @@ pub(crate) fn tripled(
     vec![]
 }
 
-/// The run's own conventions, those in which most elements agree, and all that are open, the nearest first.
+/// The run's own conventions, those in which most elements agree, and those that are open, the nearest first: so many.
 fn likeliest(
     question: &Question,
     answers: &Answers,
     base: &Conventions,
     options: &MarkOptions,
+    most: usize,
 ) -> Vec<Conventions> {
+    let first = [*base, nearest(question, answers, base, options)];
     let open = open(question, answers, base, options).into_iter().map(|p| apply(&p, base));
-    let mut all = vec![];
-    for c in [*base, nearest(question, answers, base, options)].into_iter().chain(open) {
-        if question.admits(&c) && !all.contains(&c) {
-            all.push(c);
-        }
-    }
-    all
+    let second = first[1..].iter().copied().filter(|c| *c != *base);
+    let rest = open.filter(|c| !first.contains(c));
+    let all = first[..1].iter().copied().chain(second).chain(rest);
+    all.filter(|c| question.admits(c)).take(most).collect()
 }

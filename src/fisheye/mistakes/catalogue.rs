@@ -152,7 +152,7 @@ pub(super) const FEW_STEPS_OF_NEWTON: Mistake = Mistake::new(
 pub(super) const FEW_STEPS_OF_DIFFERENCES: Mistake = Mistake::new(
     "few_steps_of_differences",
     "x += x' - distort(x), so many times from x' on",
-    "edges are off where the lens is strong, and run away where it bends by more than twice",
+    "edges are off, at wide angles without coefficients too, and run away where the slope is above 2",
     "Newton's method, until the residual is down to rounding",
     "1 public implementation: ten",
     1,

@@ -4,8 +4,8 @@ use crate::contract::component::Mistake;
 
 pub(super) const OFFSET_HALF: Mistake = Mistake::new(
     "offset_half",
-    "x N + 1/2 in front of the floor",
-    "every level is shifted by half a cell against the box: another encoding, and entries outside of it",
+    "x N + 1/2, or another offset, in front of the floor",
+    "every level is shifted against the box: another encoding, and entries outside of it",
     "x N without an offset",
     "ports of tiny-cuda-nn's pos_fract, which has N - 1 for N; an encoder in Julia has x N + 1",
     3,

@@ -193,6 +193,14 @@ fn parts(a: &Arrays, wrong: &[&str]) -> Option<Vec<f64>> {
 /// Peak signal-to-noise ratio.
 pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
+    let clipped: &[&str] = match () {
+        () if wrong.contains(&"both_clipped_to_one") => &["prediction", "target"],
+        () if wrong.contains(&"prediction_clipped_to_one") => &["prediction"],
+        () => &[],
+    };
+    for name in clipped {
+        a.get_mut(*name).expect("checked").mapv_inplace(|x| x.clamp(0.0, 1.0));
+    }
     if wrong.contains(&"peak_255") {
         a.insert("peak".into(), scalar(255.0));
     }
@@ -213,14 +221,6 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             a.get_mut(name).expect("checked").mapv_inplace(|x| (255.0 * (x / peak).clamp(0.0, 1.0)).floor());
         }
         a.insert("peak".into(), scalar(255.0));
-    }
-    let clipped: &[&str] = match () {
-        () if wrong.contains(&"both_clipped_to_one") => &["prediction", "target"],
-        () if wrong.contains(&"prediction_clipped_to_one") => &["prediction"],
-        () => &[],
-    };
-    for name in clipped {
-        a.get_mut(*name).expect("checked").mapv_inplace(|x| x.clamp(0.0, 1.0));
     }
     if wrong.contains(&"few_pixels") {
         for name in ["prediction", "target"] {

@@ -39,8 +39,8 @@ pub(super) const NOTHING_HIDES: Mistake = Mistake::new(
     "T_i = 1: w_i = alpha_i",
     "what lies behind shines through, and weights sum to more than 1",
     "T_i, the product of 1 - alpha over the samples in front",
-    "X-rays by the rules of light, with sigma delta for alpha",
-    2,
+    "X-rays, which sum sigma delta c",
+    1,
 );
 pub(super) const OWN_LIGHT: Mistake = Mistake::new(
     "own_light_alone",

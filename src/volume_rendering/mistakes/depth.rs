@@ -29,7 +29,7 @@ const EMPTY_OF_ITS_OWN: Mistake = Mistake::new(
     "empty_depth_of_its_own",
     "a number of its own where the weights' sum is 0",
     "empty rays lie at no distance that the scene has",
-    "far",
+    "far, or what the program says an empty ray's depth is",
     "1 public implementation, with 1e10",
     1,
 )
