@@ -155,9 +155,15 @@ fn unexplained(question: &Question, mistake: &Mistake, dtype: Dtype) -> String {
     question.cases.iter().zip(&answers).filter_map(used).collect::<Vec<_>>().join(", ")
 }
 
+/// The number that a variable asks for, or the usual one.
+fn number(variable: &str, usual: u64) -> u64 {
+    let given = std::env::var(variable).ok();
+    given.map_or(usual, |n| n.parse().unwrap_or_else(|_| panic!("{variable} is a number")))
+}
+
 /// Draws of one convention and one mistake: `NERF_ORACLE_PAIRS=2000` for more.
 fn pairs() -> u64 {
-    std::env::var("NERF_ORACLE_PAIRS").ok().map_or(8, |n| n.parse().expect("NERF_ORACLE_PAIRS is a number"))
+    number("NERF_ORACLE_PAIRS", 8)
 }
 
 #[test]

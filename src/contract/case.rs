@@ -32,6 +32,11 @@ impl Case {
         Case { id: id.to_string(), comment, inputs, forward_only: false, full: None, only: None, edge: None }
     }
 
+    /// How many numbers go in.
+    pub fn size(&self) -> usize {
+        self.inputs.values().map(|array| array.len()).sum()
+    }
+
     /// Whether all that goes in is a finite number.
     pub fn finite(&self) -> bool {
         self.inputs.values().flatten().all(|x| x.is_finite())

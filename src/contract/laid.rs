@@ -38,11 +38,14 @@ impl Laid {
         dtype: Dtype,
         c: &Conventions,
     ) -> Laid {
-        let whole = kind == Kind::Vjp && large.summed;
-        let large = if whole { Large { block: large.items, ..large } } else { large };
         let mut laid = Laid { component, large, dtype, offsets: vec![], outputs: vec![] };
         if let Some(packed) = laid.large.packed {
             laid.offsets = laid.made(packed.offsets).iter().map(|&x| x as usize).collect();
+        }
+        // The gradient of what all items share adds them up.
+        let shared = |port: &Port| port.gradient && laid.axis(port, 0..0).is_none();
+        if kind == Kind::Vjp && component.inputs.iter().any(shared) {
+            laid.large.block = laid.large.items;
         }
         // One item shows the shapes, unless a case makes sense as a whole alone.
         let one = 0..if laid.large.block == laid.large.items { laid.large.items } else { 1 };
@@ -91,8 +94,12 @@ impl Laid {
     /// Where along the first axis of an array these items lie; `None` where all of them share it.
     pub fn span(&self, name: &str, items: Range<usize>) -> Option<Range<usize>> {
         let bare = name.strip_prefix("grad_").unwrap_or(name);
-        let port =
-            self.component.inputs.iter().chain(self.component.outputs).find(|port| port.covers(bare))?;
+        let mut ports = self.component.inputs.iter().chain(self.component.outputs);
+        self.axis(ports.find(|port| port.covers(bare))?, items)
+    }
+
+    /// The same of a port's arrays.
+    fn axis(&self, port: &Port, items: Range<usize>) -> Option<Range<usize>> {
         let letter = first_letter(port);
         match self.large.packed {
             Some(packed) if letter == packed.letter => {

@@ -32,7 +32,7 @@ pub struct Large {
     pub comment: &'static str,
     /// Rays, points or parameters in all.
     pub items: usize,
-    /// Of which so many are judged at once: all, where an output adds them up ([`Large::summed`] where a gradient alone does).
+    /// Of which so many are judged at once: all, where an output adds them up. A gradient that does is judged at once anyway.
     pub block: usize,
     /// The inputs.
     pub inputs: Vec<Made>,
@@ -40,8 +40,6 @@ pub struct Large {
     pub packed: Option<Packed>,
     /// Not asked of the gradient.
     pub forward_only: bool,
-    /// Whether a gradient adds up all items, so that it is judged at once.
-    pub summed: bool,
     /// The types that have these numbers.
     pub types: &'static [Dtype],
 }
@@ -49,8 +47,8 @@ pub struct Large {
 impl Large {
     /// A case without inputs.
     pub fn new(id: &'static str, comment: &'static str, items: usize, block: usize) -> Large {
-        let (inputs, packed, types) = (vec![], None, &Dtype::ALL[..]);
-        Large { id, comment, items, block, inputs, packed, forward_only: false, summed: false, types }
+        let (inputs, packed, forward_only, types) = (vec![], None, false, &Dtype::ALL[..]);
+        Large { id, comment, items, block, inputs, packed, forward_only, types }
     }
 
     /// The same with one input more.
@@ -67,11 +65,6 @@ impl Large {
     /// The same, not asked of the gradient.
     pub fn forward_only(self) -> Large {
         Large { forward_only: true, ..self }
-    }
-
-    /// The same, whose gradient adds up all items.
-    pub fn summed(self) -> Large {
-        Large { summed: true, ..self }
     }
 
     /// The same in these types alone.

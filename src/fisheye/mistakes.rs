@@ -107,8 +107,13 @@ fn nearly_undone(k: [f64; 4], theta_d: f64, wrong: &[&str]) -> Option<f64> {
         let slope = 1.0 + t2 * (3.0 * k[0] + t2 * (5.0 * k[1] + t2 * (7.0 * k[2] + t2 * 9.0 * k[3])));
         theta - (bent(k, theta) - theta_d) / slope
     };
+    // Along the ray of a point there are radii alone.
+    let difference = |r: f64| r + theta_d - bent(k, libm::atan(r));
     let by_fixed_point = FEW_STEPS.among(wrong).map(|steps| stepped(theta_d, steps, fixed_point));
-    by_fixed_point.or_else(|| FEW_STEPS_OF_NEWTON.among(wrong).map(|steps| stepped(theta_d, steps, newton)))
+    let by_newton = || FEW_STEPS_OF_NEWTON.among(wrong).map(|steps| stepped(theta_d, steps, newton));
+    let by_differences =
+        || FEW_STEPS_OF_DIFFERENCES.among(wrong).map(|steps| libm::atan(stepped(theta_d, steps, difference)));
+    by_fixed_point.or_else(by_newton).or_else(by_differences)
 }
 
 /// Ideal points.
@@ -124,14 +129,8 @@ pub(crate) fn fisheye_undistort(a: &Arrays, _: &Conventions, wrong: &[&str]) -> 
         }
         let right = undistorted(k, p);
         let nearly = nearly_undone(k, theta_d, wrong);
-        // Along the ray of a point there are radii alone.
-        let by_differences = FEW_STEPS_OF_DIFFERENCES.among(wrong);
-        let difference = |r: f64| r + theta_d - bent(k, libm::atan(r));
         match () {
             () if has("handed_back_without_coefficients") && k == [0.0; 4] => target,
-            () if by_differences.is_some() => {
-                target * (stepped(theta_d, by_differences.expect("asked"), difference) / theta_d)
-            }
             () if has("opencv_lens") => opencv(k).undistort(target).unwrap_or(DVec2::NAN),
             () if nearly.is_some() => target * (libm::tan(nearly.expect("asked")) / theta_d),
             () if has("angle_bent_again") => target * (libm::tan(bent(k, theta_d)) / theta_d),

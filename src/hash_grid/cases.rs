@@ -109,8 +109,7 @@ pub(crate) fn large() -> Vec<Large> {
         (0..levels).fold(large, table).in_types(&[Dtype::F64, Dtype::F32])
     };
     vec![
-        grid("points_20011", "20,011 points, L = 4, T = 2^14, F = 2", [4, 1 << 14, 2, 128], [20_011, 1024])
-            .summed(),
+        grid("points_20011", "20,011 points, L = 4, T = 2^14, F = 2", [4, 1 << 14, 2, 128], [20_011, 1024]),
         grid(
             "points_100003",
             "100,003 points, L = 16, T = 2^19, N = 2048, F = 2",

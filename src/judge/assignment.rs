@@ -94,11 +94,10 @@ fn keep(all: &mut Vec<Partial>, keys: &[&str], fits: impl Fn(&Partial) -> bool) 
 
 /// The cases that a search goes by, the smallest first.
 pub(crate) fn small_cases<'a>(question: &'a Question, answers: &'a Answers) -> Vec<(&'a Case, &'a Answer)> {
-    let size = |case: &Case| case.inputs.values().map(|a| a.len()).sum::<usize>();
     let pairs = question.cases.iter().zip(answers).filter_map(|(case, a)| a.as_ref().map(|a| (case, a)));
     let mut pairs: Vec<_> = pairs.collect();
-    pairs.sort_by_key(|(case, _)| size(case));
-    let first_large = pairs.iter().position(|(case, _)| size(case) > LARGE).unwrap_or(pairs.len());
+    pairs.sort_by_key(|(case, _)| case.size());
+    let first_large = pairs.iter().position(|(case, _)| case.size() > LARGE).unwrap_or(pairs.len());
     pairs.truncate(first_large.max(1));
     pairs
 }

@@ -52,7 +52,8 @@ pub fn diagnose(
     }
     let home = partial(question.component, base);
     let all = open(question, answers, base, options);
-    let (mut parted, mut singles, large) = (None, vec![], numbers(question, answers) > SEARCHED);
+    let large = small_cases(question, answers).iter().map(|(case, _)| case.size()).sum::<usize>() > SEARCHED;
+    let (mut parted, mut singles) = (None, vec![]);
     for count in 0..=2 {
         if count == 2 && large {
             return vec![];
@@ -140,12 +141,6 @@ pub fn diagnose(
         return slips;
     }
     parted.or(most).into_iter().collect()
-}
-
-/// The numbers that the cases have which a search goes by.
-fn numbers(question: &Question, answers: &Answers) -> usize {
-    let cases = small_cases(question, answers);
-    cases.iter().flat_map(|(case, _)| case.inputs.values()).map(|array| array.len()).sum()
 }
 
 /// Whether all numbers of all answers are 0, real ones among them: a stub, or the way out where something couldn't be imported.

@@ -86,7 +86,7 @@ pub(crate) fn fitting_pairs(
     pairs.sort_by_key(|(m, other)| std::cmp::Reverse(m.count + other.count));
     let cases = small_cases(question, answers);
     let Some((case, _)) = cases.first() else { return vec![] };
-    let most = WORK / (LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>());
+    let most = WORK / (LEAST + case.size());
     pairs.truncate(most);
     let near = distinct(near, (most / pairs.len().max(1)).max(1), question, &cases);
     let found = parallel::map(pairs.len() * near.len(), |n| {

@@ -33,7 +33,7 @@ pub(crate) fn paired(
     let names: Vec<_> = question.component.mistakes.iter().filter(|m| !m.gradient).map(|m| m.name).collect();
     let home = partial(question.component, base);
     let mut near: Vec<Partial> = open(question, answers, base, options);
-    let cost = LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>();
+    let cost = LEAST + case.size();
     near.truncate((WORK / (cost * names.len().max(1))).max(1));
     let singles: Vec<Hypothesis> = names
         .iter()

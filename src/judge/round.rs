@@ -78,6 +78,9 @@ impl Laid {
         answers: &[Answers],
         options: &MarkOptions,
     ) -> Option<(Exam, Vec<Answers>, Laid)> {
+        if self.orders.is_empty() {
+            return None;
+        }
         let (mut ordered, mut answers, mut changed) = (exam.clone(), answers.to_vec(), vec![]);
         for (n, question) in ordered.questions.iter_mut().enumerate() {
             question.truths = exam.questions[n].truths.shared();

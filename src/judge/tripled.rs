@@ -30,7 +30,7 @@ pub(crate) fn tripled(
     let all = question.component.mistakes.iter().filter(|m| !m.gradient);
     let names: Vec<&str> = all.map(|m| m.name).collect();
     let count = names.len() * names.len().saturating_sub(1) * names.len().saturating_sub(2) / 6;
-    let cost = LEAST + case.inputs.values().map(|a| a.len()).sum::<usize>();
+    let cost = LEAST + case.size();
     let most = WORK / (cost * count.max(1));
     if most == 0 {
         return vec![];
@@ -58,7 +58,13 @@ pub(crate) fn tripled(
             let h = Hypothesis::new(sets[n].to_vec(), c);
             fits(&h).then_some(h)
         });
-        let mut found: Vec<Hypothesis> = tried.into_iter().flatten().flat_map(fewest).collect();
+        let mut found: Vec<Hypothesis> = vec![];
+        for h in tried.into_iter().flatten().flat_map(fewest) {
+            // A pair comes once with every inert one.
+            if !found.contains(&h) {
+                found.push(h);
+            }
+        }
         let least = found.iter().map(|h| h.mistakes.len()).min();
         found.retain(|h| Some(h.mistakes.len()) == least);
         if !found.is_empty() {
@@ -82,4 +88,50 @@ fn likeliest(
     let rest = open.filter(|c| !first.contains(c));
     let all = first[..1].iter().copied().chain(second).chain(rest);
     all.filter(|c| question.admits(c)).take(most).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::answer::given;
+    use super::super::exam::Exam;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::convention::CS180;
+
+    /// What is found in a row's answers with these mistakes, in one convention other than the run's.
+    fn found(
+        row: &str,
+        (key, value): (&str, &str),
+        mistakes: &[&str],
+        dtype: Dtype,
+    ) -> Vec<Vec<&'static str>> {
+        let exam = Exam::new(row, dtype, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype, exp_ulp: 4.0 });
+        let c = CS180.with(key, value).unwrap();
+        let answer = |inputs| {
+            let wrong = (question.component.forward.wrong)(inputs, &c, mistakes);
+            Some(given(wrong.into_iter().map(|(name, a)| (name, a.mapv(|x| dtype.round(x)))).collect()))
+        };
+        let answers: Answers = question.cases.iter().map(|case| answer(&case.inputs)).collect();
+        let mut all: Vec<_> =
+            tripled(question, &answers, &CS180, &options).into_iter().map(|h| h.mistakes).collect();
+        all.iter_mut().for_each(|names| names.sort_unstable());
+        all
+    }
+
+    #[test]
+    fn three_are_found_where_there_are_digits_enough() {
+        let three = ["half_size_forgotten", "near_taken_as_one", "origin_not_moved"];
+        let found = |dtype| found("ndc_rays", ("ndc_depth", "positive"), &three, dtype);
+        assert_eq!(found(Dtype::F64), [three]);
+        assert_eq!(found(Dtype::F32), [three]);
+        assert!(found(Dtype::Bf16).is_empty());
+    }
+
+    /// Beside `every_power` most others do nothing.
+    #[test]
+    fn two_are_never_three() {
+        let two = ["every_power", "last_two_dropped"];
+        assert_eq!(found("fisheye_distort", ("axes", "opencv"), &two, Dtype::F64), [two]);
+    }
 }

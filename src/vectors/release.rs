@@ -4,8 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-use ndarray::ArrayD;
-
 use super::index::{ACCEPT, Case as Entry, Flag, INDEX, Index, Outcome, Row, SCHEMA};
 use super::{lines, sums};
 use crate::contract::arithmetic::{Dtype, Grade};
@@ -176,7 +174,7 @@ fn kept<'a>(
 ) -> Vec<Vector<'a>> {
     let mut kept = vec![];
     for case in &question.cases {
-        let numbers = case.inputs.values().map(ArrayD::len).sum::<usize>();
+        let numbers = case.size();
         if numbers > LARGEST {
             let why = format!("{numbers} numbers, too many to keep; `cases` writes it");
             left_out.push((format!("{}/{}", question.row(), case.id), why));
@@ -199,7 +197,7 @@ fn caught<'a>(
 ) -> Option<(&'a Vector<'a>, Arrays, Vec<Dtype>)> {
     let direction = question.component.direction(question.kind).expect("a question has its direction");
     let mut by_size: Vec<&Vector> = vectors.iter().collect();
-    by_size.sort_by_key(|vector| vector.case.inputs.values().map(ArrayD::len).sum::<usize>());
+    by_size.sort_by_key(|vector| vector.case.size());
     let mut best = None;
     for vector in by_size {
         let answer = (direction.wrong)(&vector.case.inputs, c, &[mistake.name]);

@@ -9,11 +9,7 @@ use super::*;
 
 /// Draws of two mistakes, each row as often as any, and half as many of three: `NERF_ORACLE_DRAWS=100` for more.
 fn draws() -> u64 {
-    std::env::var("NERF_ORACLE_DRAWS").ok().map_or(4, |n| n.parse().expect("NERF_ORACLE_DRAWS is a number"))
-}
-
-fn seed() -> u64 {
-    std::env::var("NERF_ORACLE_SEED").ok().map_or(20_261_126, |n| n.parse().expect("a number"))
+    number("NERF_ORACLE_DRAWS", 4)
 }
 
 /// Draws that are judged at once.
@@ -105,7 +101,7 @@ fn said(row: &Row, d: &Drawn) -> Said {
 
 /// How many of the draws of so many mistakes are named, and the number of draws.
 fn named_of(count: u64, draws: u64) -> [usize; 2] {
-    let key = Key::new(seed(), Purpose::Cases);
+    let key = Key::new(number("NERF_ORACLE_SEED", 20_261_126), Purpose::Cases);
     let enough = |c: &&Component| c.mistakes.iter().filter(|m| !m.gradient).count() >= count as usize;
     let usable: Vec<&'static Component> = COMPONENTS.iter().filter(enough).collect();
     let judge = |draw: usize| {
@@ -170,20 +166,13 @@ fn three_mistakes_at_once_are_named() {
     assert!(all > 0 && named as f64 >= 0.5 * all as f64, "{named} of {all}");
 }
 
-/// One row in so many: `NERF_ORACLE_UNKNOWN=1` for all.
-fn unknown_each() -> usize {
-    std::env::var("NERF_ORACLE_UNKNOWN")
-        .ok()
-        .map_or(60, |n| n.parse().expect("NERF_ORACLE_UNKNOWN is a number"))
-}
-
-/// What no catalogue has isn't explained by two or three of what it has.
+/// What no catalogue has isn't explained by two or three of what it has: one row in 60, all with `NERF_ORACLE_UNKNOWN=1`.
 #[test]
 fn what_nobody_listed_is_no_pair() {
     let changes: [fn(f64, f64) -> f64; 2] =
         [|x, n| x * (1.0 + 0.03 * (7.0 * n).cos()), |x, _| x.abs().powf(1.05).copysign(x)];
     let rows: Vec<_> = COMPONENTS.iter().flat_map(|c| changes.iter().map(move |f| (c, f))).collect();
-    let jobs: Vec<_> = rows.into_iter().step_by(unknown_each()).collect();
+    let jobs: Vec<_> = rows.into_iter().step_by(number("NERF_ORACLE_UNKNOWN", 60) as usize).collect();
     let judge = |n: usize| {
         let (component, change) = jobs[n];
         let exam = exam_of(component, Dtype::F32, None);
