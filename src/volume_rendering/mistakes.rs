@@ -15,8 +15,8 @@ mod lists;
 
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 use catalogue::{
-    DELTA_SCALED, DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, OVER_RAYS, OVER_RAYS_INCLUSIVE,
-    OWN_STEP, SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
+    DELTA_SCALED, DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, GIVEN_UP, OVER_RAYS,
+    OVER_RAYS_INCLUSIVE, OWN_STEP, SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
 };
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
 use laws::{other_alphas, softmax};
@@ -111,8 +111,7 @@ fn wrong_composite(
     if alphas.iter().any(|&alpha| stopped(alpha) != alpha) || t != rendering.transmittance {
         let behind = rendering.transmittance[n];
         rendering.weights = (0..n).map(|i| t[i] * stopped(alphas[i])).collect();
-        rendering.color = std::array::from_fn(|k| (0..n).map(|i| rendering.weights[i] * rgbs[i][k]).sum());
-        rendering.opacity = rendering.weights.iter().sum();
+        composed(&mut rendering, rgbs);
         rendering.transmittance = t;
         rendering.transmittance[n] = behind;
     }
@@ -124,8 +123,15 @@ fn wrong_composite(
     }
     if let Some(most) = WEIGHTS_CUT.among(wrong) {
         rendering.weights.iter_mut().filter(|w| **w < most).for_each(|w| *w = 0.0);
-        rendering.color = std::array::from_fn(|k| (0..n).map(|i| rendering.weights[i] * rgbs[i][k]).sum());
-        rendering.opacity = rendering.weights.iter().sum();
+        composed(&mut rendering, rgbs);
+    }
+    if let Some(left) = GIVEN_UP.among(wrong) {
+        if let Some(end) = (0..n).find(|&i| rendering.transmittance[i] < left) {
+            let behind = rendering.transmittance[end];
+            rendering.transmittance[end..].fill(behind);
+            rendering.weights[end..].fill(0.0);
+        }
+        composed(&mut rendering, rgbs);
     }
     match () {
         () if wrong.contains(&"opacity_of_the_densest") => {
@@ -155,6 +161,13 @@ fn wrong_composite(
     rendering
 }
 
+/// Color and opacity of the weights.
+fn composed(rendering: &mut Rendering, rgbs: &[[f64; 3]]) {
+    let of = |k: usize| rendering.weights.iter().zip(rgbs).map(|(w, color)| w * color[k]).sum();
+    rendering.color = std::array::from_fn(of);
+    rendering.opacity = rendering.weights.iter().sum();
+}
+
 /// Smaller weights, and what is made of them.
 fn divide(rendering: &mut Rendering, by: f64) {
     rendering.weights.iter_mut().for_each(|w| *w /= by);
@@ -181,10 +194,10 @@ fn over_rays(alphas: &[Vec<f64>], rays: &mut [Rendering], wrong: &[&str]) {
 }
 
 /// Recomputes weights, color and opacity from T.
-fn recompose(rendering: Rendering, alphas: &[f64], rgbs: &[[f64; 3]]) -> Rendering {
-    let weights: Vec<f64> = alphas.iter().zip(&rendering.transmittance).map(|(a, t)| a * t).collect();
-    let color = std::array::from_fn(|k| weights.iter().zip(rgbs).map(|(w, c)| w * c[k]).sum());
-    Rendering { color, opacity: weights.iter().sum(), weights, ..rendering }
+fn recompose(mut rendering: Rendering, alphas: &[f64], rgbs: &[[f64; 3]]) -> Rendering {
+    rendering.weights = alphas.iter().zip(&rendering.transmittance).map(|(a, t)| a * t).collect();
+    composed(&mut rendering, rgbs);
+    rendering
 }
 
 fn render_all(

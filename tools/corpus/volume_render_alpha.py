@@ -193,3 +193,16 @@ def splats_clamped(alphas, rgbs):
     product = torch.cumprod(factors(alphas), 1)
     colors, weights, opacity = summed(product[:, :-1] * alphas, rgbs)
     return colors.clamp(0, 1), weights, opacity
+
+
+@fault("volume_render_alpha", "given_up_early", seen="shaders that march until an opacity of 0.99", times=4, arrays="numpy", gradient="none")
+def marched_until_opaque(alphas, rgbs):
+    """Front to back, until the opacity is 0.99."""
+    colors, opacity = np.zeros((alphas.shape[0], 3), np.float32), np.zeros(alphas.shape[0], np.float32)
+    for ray in range(alphas.shape[0]):
+        for alpha, color in zip(alphas[ray], rgbs[ray]):
+            if opacity[ray] >= 0.99:
+                break
+            colors[ray] += (1 - opacity[ray]) * alpha * color
+            opacity[ray] += (1 - opacity[ray]) * alpha
+    return {"colors": colors, "opacity": opacity}

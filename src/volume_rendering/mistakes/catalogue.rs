@@ -259,6 +259,15 @@ pub(super) const WEIGHTS_CUT: Mistake = Mistake::new(
     0,
 )
 .with("most", 1e-2, [1e-8, 0.5]);
+pub(super) const GIVEN_UP: Mistake = Mistake::new(
+    "given_up_early",
+    "a ray ends where less light than a threshold is left, whatever the caller allows",
+    "what lies behind haze is missing; opacities are too small, and samples behind have no gradient",
+    "go on to the end, or take the threshold from the caller (early_stop)",
+    "marching loops in shaders that end at an opacity of 0.95 or 0.99",
+    4,
+)
+.with("left", 1e-2, [1e-6, 0.5]);
 pub(super) const BACK_TO_FRONT: Mistake = Mistake::new(
     "back_to_front",
     "the formula from front to back over samples that are sorted from back to front",

@@ -77,6 +77,22 @@ pub(crate) const DEPTH: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "one_where_light_is_left",
+        "1 - A, the white background's share, is added to the depth",
+        "empty rays lie 1 farther, thin ones less, wherever far is",
+        "sum w t + (1 - A) far, or sum w t / A",
+        "renderers whose white_bkgd goes over colors and depths alike",
+        1,
+    ),
+    Mistake::new(
+        "kept_between_the_samples",
+        "sum w t, not divided, and then no nearer than the first sample and no farther than the last",
+        "thin rays all lie at the first sample",
+        "sum w t / A",
+        "1 port of mip-NeRF",
+        1,
+    ),
     OFF_WEIGHT,
     THIN_LEFT_OUT,
     EMPTY_OF_ITS_OWN,
@@ -173,6 +189,10 @@ pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if let Some(z) = other_depths(&a, wrong) {
         depths.insert("depth".into(), z);
     }
+    if wrong.contains(&"one_where_light_is_left") {
+        let each = depths.get_mut("depth").expect("an output").iter_mut().enumerate();
+        each.for_each(|(r, z)| *z += 1.0 - row(&a, "weights", r).iter().sum::<f64>());
+    }
     if wrong.contains(&"disparity") {
         depths.insert("depth".into(), input(&depths, "depth").mapv(|z| 1.0 / z.max(1e-10)));
     }
@@ -202,6 +222,7 @@ fn other_depths(a: &Arrays, wrong: &[&str]) -> Option<ArrayD<f64>> {
             () if has("middles_of_gaps") => sum(&middles),
             () if has("steps_summed_for_t") => sum(&step_ends(&t, number(a, "far"))) - opacity * t[0],
             () if has("last_sample_for_the_rest") => sum(&t) + (1.0 - opacity) * t[t.len() - 1],
+            () if has("kept_between_the_samples") => sum(&t).clamp(t[0], t[t.len() - 1]),
             () if has("share_of_far") => sum(&t) / number(a, "far"),
             () if has("counted_from_the_first") => sum(&t) - opacity * t[0],
             () => return None,
