@@ -222,7 +222,7 @@ fn other_depths(a: &Arrays, wrong: &[&str]) -> Option<ArrayD<f64>> {
             () if has("middles_of_gaps") => sum(&middles),
             () if has("steps_summed_for_t") => sum(&step_ends(&t, number(a, "far"))) - opacity * t[0],
             () if has("last_sample_for_the_rest") => sum(&t) + (1.0 - opacity) * t[t.len() - 1],
-            () if has("kept_between_the_samples") => sum(&t).clamp(t[0], t[t.len() - 1]),
+            () if has("kept_between_the_samples") => sum(&t).max(t[0]).min(t[t.len() - 1]),
             () if has("share_of_far") => sum(&t) / number(a, "far"),
             () if has("counted_from_the_first") => sum(&t) - opacity * t[0],
             () => return None,
