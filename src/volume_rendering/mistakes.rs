@@ -125,12 +125,11 @@ fn wrong_composite(
         rendering.weights.iter_mut().filter(|w| **w < most).for_each(|w| *w = 0.0);
         composed(&mut rendering, rgbs);
     }
-    if let Some(left) = GIVEN_UP.among(wrong) {
-        if let Some(end) = (0..n).find(|&i| rendering.transmittance[i] < left) {
-            let behind = rendering.transmittance[end];
-            rendering.transmittance[end..].fill(behind);
-            rendering.weights[end..].fill(0.0);
-        }
+    let spent = |left: f64| (0..n).find(|&i| rendering.transmittance[i] < left);
+    if let Some(end) = GIVEN_UP.among(wrong).and_then(spent) {
+        let behind = rendering.transmittance[end];
+        rendering.transmittance[end..].fill(behind);
+        rendering.weights[end..].fill(0.0);
         composed(&mut rendering, rgbs);
     }
     match () {
