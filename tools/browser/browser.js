@@ -50,7 +50,7 @@ after(async () => (await started)?.close());
 
 /**
  * Opens a page and hands it to `look`. Whatever the page says on the console as an error, throws, or fails to load fails the test, as
- * does a request to anywhere but `from`.
+ * does a request to anywhere but `from`. A request that a reload breaks off, as a poll under way may be, is no failure.
  */
 export async function open(url, look, { viewport = DESKTOP, colorScheme = "light", from = "file://" } = {}) {
   const context = await (await browser()).newContext({ viewport, colorScheme });
@@ -58,7 +58,10 @@ export async function open(url, look, { viewport = DESKTOP, colorScheme = "light
   const wrong = [];
   page.on("console", (message) => message.type() === "error" && wrong.push(`console: ${message.text()}`));
   page.on("pageerror", (error) => wrong.push(`thrown: ${error.message}`));
-  page.on("requestfailed", (request) => wrong.push(`not loaded: ${request.url().slice(0, 200)}`));
+  page.on("requestfailed", (request) => {
+    const { errorText } = request.failure();
+    if (errorText !== "net::ERR_ABORTED") wrong.push(`not loaded: ${request.url().slice(0, 200)}: ${errorText}`);
+  });
   page.on("request", (request) => {
     const { protocol } = new URL(request.url());
     const here = ["data:", "blob:"].includes(protocol) || request.url().startsWith(from);
