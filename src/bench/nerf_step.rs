@@ -102,7 +102,7 @@ fn compared(model: &mut NerfModel, scene: &Scene, rounds: usize) -> Result<Value
     let (drawn, samples) = drawn(model, scene, STEP)?;
     let rays = samples.rays(&drawn.origins, &drawn.directions);
     let batch = Batch { rays, targets: &drawn.targets, background };
-    let adam = model.adam();
+    let adam = model.adam(1);
     let Path::Fast { net, moments, .. } = &mut model.coarse else { unreachable!("a fast path") };
     let [mut dense, mut usual, mut skip] = [(); 3].map(|()| StepVariant::default());
     // The first round warms up and doesn't count.

@@ -15,6 +15,7 @@ pub mod nerf;
 pub mod outlook;
 mod pace;
 pub mod probe;
+pub mod rate;
 pub mod reference;
 pub mod run;
 pub mod schedule;

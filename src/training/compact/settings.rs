@@ -11,6 +11,7 @@ use crate::convention::Exponent;
 use crate::hash_grid;
 use crate::hash_grid::fast::LEVELS;
 use crate::scene::Scene;
+use crate::training::rate;
 use crate::training::watch::constant_error;
 
 /// Optical depth over the width of a cell above which it is opaque.
@@ -81,9 +82,6 @@ pub struct CompactSettings {
     /// The reason of each value.
     pub reasons: Map<String, Value>,
 }
-
-/// Steps over which learning rates fall by the square root of 2.
-pub(crate) const LR_HALF_LIFE: f64 = 1500.0;
 
 /// Step lengths across the box early in training, where the scene has details that ask for more.
 const SAMPLES_FIRST: f64 = 128.0;
@@ -329,12 +327,9 @@ impl CompactSettings {
         if off { u32::MAX } else { (PATIENCE / each).ceil() as u32 }
     }
 
-    /// The learning rates' factor at a training step: 1 / sqrt(1 + step / 1500).
+    /// The learning rates' factor at a training step.
     pub fn lr_factor(&self, step: u64) -> f64 {
-        if self.without.contains(&Part::Decay) {
-            return 1.0;
-        }
-        1.0 / (1.0 + step as f64 / LR_HALF_LIFE).sqrt()
+        if self.without.contains(&Part::Decay) { 1.0 } else { rate::falling(step) }
     }
 
     /// Whether all of space is held, contracted, and not a box alone.
@@ -357,7 +352,7 @@ impl CompactSettings {
             "background": self.background, "any_background": self.any_background, "samples": self.samples, "samples_first": self.samples_first, "samples_at_rest": AT_REST * self.samples,
             "resolutions": self.resolutions, "table": self.table, "features": hash_grid::fast::FEATURES, "occupancy": self.occupancy, "stop": self.stop, "stop_at_rest": self.stop_at_rest,
             "patience": Some(self.patience_at(u64::MAX)).filter(|n| *n < u32::MAX), "batch": self.batch, "batch_grows": BATCH_GROWS, "batch_most": self.batch_at(u64::MAX),
-            "rays": self.rays, "lr": self.lr, "lr_half_life": LR_HALF_LIFE, "seed": self.seed,
+            "rays": self.rays, "lr": self.lr, "lr_half_life": rate::HALF_LIFE, "seed": self.seed,
             "distortion": self.distortion, "view_dependent": self.view_dependent, "density_exponent": EXPONENT, "without": self.without, "reasons": self.reasons,
         });
         let Value::Object(map) = object else { unreachable!("an object literal") };

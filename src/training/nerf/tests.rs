@@ -70,7 +70,7 @@ fn fast_path_and_reference_agree() {
     assert!((a.loss - b.loss).abs() < 1e-5 * b.loss, "{} {}", a.loss, b.loss);
     for ((name, x), (_, y)) in values(&fast.state()).into_iter().zip(values(&oracle.state())) {
         if !name.contains("m.") && !name.contains("v.") {
-            // A step of Adam is at most the learning rate 5e-4; where a gradient is noise, so is its sign.
+            // A step of Adam is at most the learning rate 1e-3; where a gradient is noise, so is its sign.
             let far = x.iter().zip(&y).filter(|(x, y)| (*x - *y).abs() > 1e-5).count();
             assert!(far * 50 <= x.len(), "{name}: {far} of {}", x.len());
         }
@@ -81,6 +81,13 @@ fn fast_path_and_reference_agree() {
     for (x, y) in fast.render(&rays).iter().zip(oracle.render(&rays)) {
         assert!((0..3).all(|k| (x.rgb[k] - y.rgb[k]).abs() < 2e-4), "{x:?} {y:?}");
     }
+}
+
+#[test]
+fn rates_fall_with_the_steps() {
+    let model = NerfModel::new(settings(0, false));
+    let rate = |step| model.adam(step).lr / model.settings.lr;
+    assert_eq!((rate(0), rate(4500)), (1.0, 0.5));
 }
 
 #[test]
@@ -131,7 +138,7 @@ fn no_seed_starts_dead() {
         assert_eq!(model.turned, reference.turned, "seed {seed}");
         // One step of Adam moves a parameter by lr at most: its sign still shows whether the head was turned.
         let [before, after] = [drawn, model.state()].map(|state| state["sigma_w"].to_f64());
-        let kept = before.iter().zip(&after).filter(|(a, b)| (*a - *b).abs() <= 6e-4).count();
+        let kept = before.iter().zip(&after).filter(|(a, b)| (*a - *b).abs() <= 1.2 * settings.lr).count();
         assert!(
             if model.turned { kept < before.len() } else { kept == before.len() },
             "seed {seed}: {kept} kept"
