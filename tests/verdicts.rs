@@ -10,7 +10,7 @@ use nerf_oracle::convention::CS180;
 use nerf_oracle::judge::answer::given;
 use nerf_oracle::judge::judging::{EXP_ULP, judge_answers};
 use nerf_oracle::judge::{Candidate, Exam, Report, Verdict, judge};
-use nerf_oracle::ndarray::Axis;
+use nerf_oracle::ndarray::{ArrayD, Axis};
 use nerf_oracle::{COMPONENTS, conical_frustum};
 
 /// A deep network's gradient in bf16: of this case alone nothing shows that it isn't 0.
@@ -50,6 +50,87 @@ fn lost_digits_are_told_apart_from_wrong_formulas() {
     }
     let off = composited(|_, out| out.into_iter().map(|(name, y)| (name, y * 1.0001)).collect());
     assert_eq!(off.of("composite_background", "forward").unwrap().verdict, Verdict::Fail, "{off}");
+}
+
+/// The answers of one candidate in f32.
+fn in_f32(candidate: &Candidate) -> Report {
+    judge(candidate, Dtype::F32).unwrap()
+}
+
+/// A factor that is off by so little that lost digits would do it, too, is still what it is; so is an eps that f32 nearly loses.
+#[test]
+fn what_is_off_by_little_is_named() {
+    let off = composited(|_, out| out.into_iter().map(|(name, y)| (name, y * (1.0 + 1e-8))).collect());
+    assert_eq!(off.of("composite_background", "forward").unwrap().verdict, Verdict::Fail, "{off}");
+    let wrong = COMPONENTS.iter().find(|c| c.name == "volume_render").unwrap().forward.wrong;
+    let report = in_f32(&Candidate::new().forward("volume_render", |inputs| {
+        let out = wrong(inputs, &CS180, &["eps_in_product=1e-6"]);
+        out.into_iter().map(|(name, y)| (name, y.mapv(|y| Dtype::F32.round(y)))).collect()
+    }));
+    assert_eq!(report.of("volume_render", "forward").unwrap().verdict, Verdict::Fail, "{report}");
+    assert!(report.to_string().contains("eps_in_product (eps = 1e-6)"), "{report}");
+}
+
+/// The textbook's formula in f32, twists as (rho, w): below angles of 3e-4 1 - cos theta is 0, and V is I.
+fn textbook_motion(twist: &[f64]) -> [f64; 16] {
+    let [x, y, z, a, b, c] = [0, 1, 2, 3, 4, 5].map(|n| twist[n] as f32);
+    let theta = (a * a + b * b + c * c).sqrt();
+    let k = [[0.0, -c, b], [c, 0.0, -a], [-b, a, 0.0]];
+    let product = |i: usize, j: usize| (0..3).map(|n| k[i][n] * k[n][j]).sum::<f32>();
+    let one = |i: usize, j: usize| f32::from(u8::from(i == j));
+    let entry = |i: usize, j: usize, [p, q]: [f32; 2]| {
+        if theta == 0.0 { one(i, j) } else { one(i, j) + p * k[i][j] + q * product(i, j) }
+    };
+    let falls = (1.0 - theta.cos()) / (theta * theta);
+    let [of_r, of_v] =
+        [[theta.sin() / theta, falls], [falls, (theta - theta.sin()) / (theta * theta * theta)]];
+    let rho = [x, y, z];
+    std::array::from_fn(|n| match (n / 4, n % 4) {
+        (3, column) => f64::from(u8::from(column == 3)),
+        (i, 3) => f64::from((0..3).map(|j| entry(i, j, of_v) * rho[j]).sum::<f32>()),
+        (i, j) => f64::from(entry(i, j, of_r)),
+    })
+}
+
+#[test]
+fn a_motion_whose_small_angles_cancel_has_lost_digits() {
+    let report = in_f32(&Candidate::new().forward("se3_exp", |inputs| {
+        let twists = &inputs["twists"];
+        let all: Vec<f64> = twists
+            .outer_iter()
+            .flat_map(|twist| textbook_motion(&twist.to_owned().into_raw_vec_and_offset().0))
+            .collect();
+        [("motions".to_string(), ArrayD::from_shape_vec(vec![twists.shape()[0], 4, 4], all).unwrap())].into()
+    }));
+    assert_eq!(report.of("se3_exp", "forward").unwrap().verdict, Verdict::Imprecise, "{report}");
+}
+
+/// Equal pictures have no finite PSNR, or one that a small error would have: not any.
+#[test]
+fn equal_pictures_have_no_psnr_of_ones_own() {
+    let oracle = COMPONENTS.iter().find(|c| c.name == "psnr").unwrap().forward.oracle;
+    let verdict = |of_equal: f64| {
+        let report = in_f32(&Candidate::new().forward("psnr", |inputs| {
+            let out = oracle(inputs, &CS180);
+            let finite = |y: f64| if y.is_finite() { y } else { of_equal };
+            out.into_iter().map(|(name, y)| (name, y.mapv(finite))).collect()
+        }));
+        report.of("psnr", "forward").unwrap().verdict
+    };
+    assert_eq!([100.0, 80.0].map(verdict), [Verdict::Pass; 2]);
+    assert_eq!([-1.0, 5.0].map(verdict), [Verdict::Edge; 2]);
+}
+
+/// The gradient of the loss itself, whatever comes back to it.
+#[test]
+fn a_cotangent_that_is_forgotten_is_told() {
+    let oracle = COMPONENTS.iter().find(|c| c.name == "mse").unwrap().vjp.unwrap().oracle;
+    let report = in_f32(&Candidate::new().vjp("mse", |inputs| {
+        let mut inputs = inputs.clone();
+        inputs.get_mut("grad_value").unwrap().fill(1.0);
+        oracle(&inputs, &CS180)
+    }));
+    assert!(report.to_string().contains("grad_value taken for 1"), "{report}");
 }
 
 /// C + (1 - A) b of a candidate that may change its answers.

@@ -101,6 +101,8 @@ pub struct Mistake {
     pub gradient: bool,
     /// The number in it, if it has one.
     pub number: Option<Number>,
+    /// Whether right code that loses digits gives the same, so that a few answers don't tell the two apart.
+    pub lost_digits: bool,
 }
 
 impl Mistake {
@@ -113,7 +115,7 @@ impl Mistake {
         seen: &'static str,
         count: u32,
     ) -> Mistake {
-        Mistake { name, cause, effect, seen, fix, count, gradient: false, number: None }
+        Mistake { name, cause, effect, seen, fix, count, gradient: false, number: None, lost_digits: false }
     }
 
     /// The same as a mistake of the gradient alone.
@@ -124,6 +126,11 @@ impl Mistake {
     /// The same with a number in it.
     pub const fn with(self, name: &'static str, usual: f64, range: [f64; 2]) -> Mistake {
         Mistake { number: Some(Number { name, usual, range }), ..self }
+    }
+
+    /// The same as what right code does that loses digits.
+    pub const fn like_lost_digits(self) -> Mistake {
+        Mistake { lost_digits: true, ..self }
     }
 
     /// The number in it where it is among the names of `wrong`: the usual one, or that of `name=number`.

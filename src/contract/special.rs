@@ -36,6 +36,8 @@ pub struct Special {
     pub reach: Option<Reach>,
     /// The length of an input's axis that functions are often written for alone.
     pub only: Option<Only>,
+    /// What an element costs, in those of a usual row: searches try so many hypotheses less.
+    pub work: usize,
     /// Outputs with another one that says where they are read: where that is 0, they may be anything.
     pub unread: &'static [(&'static str, &'static str)],
 }
@@ -91,6 +93,7 @@ impl Special {
         large: Vec::new,
         reach: None,
         only: None,
+        work: 1,
         unread: &[],
     };
 }

@@ -29,6 +29,9 @@ const CHANGES: [usize; 3] = [usize::MAX, 3, 1];
 /// The largest number of assignments that are tried, with one mistake and with two.
 const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 
+/// Elements that all pairs together may compute on the smallest case.
+const PAIRS: usize = 100_000_000;
+
 /// The largest number of explanations that are listed.
 const SHOWN: usize = 8;
 
@@ -63,11 +66,6 @@ pub fn diagnose(
             return vec![];
         }
         if count == 2 {
-            let known = singles.iter().map(|p| apply(p, base)).collect::<Vec<_>>();
-            let fitted = fitting(question, answers, base, &known, suspects, options);
-            if !fitted.is_empty() {
-                return ranked(fitted, question, answers, &home, options);
-            }
             // Output by output first: it is quicker, and knows more than two.
             parted = peel(question, answers, base, options);
             if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
@@ -80,6 +78,9 @@ pub fn diagnose(
         let all = if count == 0 { &right } else { &all };
         let mut near: Vec<&Partial> = all.iter().filter(|p| changes(p, &home) <= CHANGES[count]).collect();
         near.truncate(if count == 1 && large { 1 } else { ASSIGNMENTS[count] });
+        if let Some((case, _)) = small_cases(question, answers).first().filter(|_| count == 2) {
+            near.truncate((PAIRS / (question.cost(case) * sets.len().max(1))).max(1));
+        }
         // What known programs do is near, however many conventions they change at once.
         let known: Vec<Partial> =
             PROFILES.iter().map(|p| partial(question.component, &p.conventions)).collect();
@@ -98,6 +99,13 @@ pub fn diagnose(
         }
         found.retain(|h| shows(h, question, answers, options));
         let lost = count == 1 && found.is_empty();
+        if lost && !large && !nothing_but_zero(question, answers) {
+            let known = singles.iter().map(|p| apply(p, base)).collect::<Vec<_>>();
+            let fitted = fitting(question, answers, base, &known, suspects, options);
+            if !fitted.is_empty() {
+                return ranked(fitted, question, answers, &home, options);
+            }
+        }
         let inaccurate = if lost { inaccuracy(&near, question, answers, base, options) } else { None };
         if let Some((h, residual)) = inaccurate {
             let conventions = difference(&partial(question.component, &h.conventions), &home);

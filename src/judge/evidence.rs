@@ -1,5 +1,7 @@
 //! Evidence: how well a hypothesis explains answers, and what is said of one that does.
 
+use std::cell::Cell;
+
 use super::answer::{Answer, Answers};
 use super::assignment::small_cases;
 use super::exam::Question;
@@ -18,6 +20,11 @@ const MUCH_BETTER: f64 = 4.0;
 
 /// Gradients of mistakes in the forward function are numeric and expensive: this many of the smallest cases are used.
 const NUMERIC: usize = 12;
+
+thread_local! {
+    /// The place of the case that rejected this thread's last hypothesis. What is explained doesn't depend on it.
+    static REJECTED_BY: Cell<usize> = const { Cell::new(0) };
+}
 
 /// A hypothesis that explains every answered element, but for the outputs and the cases that it names.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -88,8 +95,20 @@ pub(crate) fn explains_all(
     // Those first that can be rejected without a bound.
     let (hard, others): (Vec<_>, Vec<_>) =
         cases.iter().partition(|(case, _)| !options.may_reject_early(case));
-    others.into_iter().chain(hard).all(|(case, answer)| h.explains(question, case, answer, options))
-        && cases.iter().any(|(case, _)| says(case))
+    let early = others.len();
+    let ordered: Vec<&(&Case, &Answer)> = others.into_iter().chain(hard).collect();
+    let fits = |n: &usize| h.explains(question, ordered[*n].0, ordered[*n].1, options);
+    // Before them the case that rejected the last hypothesis, unless it is long: where one thing is wrong, many are rejected by the same.
+    let cheap = |n: &usize| {
+        *n < early && ordered.get(*n).is_some_and(|(case, _)| case.size() <= 4 * ordered[0].0.size())
+    };
+    let first = Some(REJECTED_BY.get()).filter(cheap);
+    let rest = (0..ordered.len()).filter(|n| first != Some(*n));
+    if let Some(rejected) = first.into_iter().chain(rest).find(|n| !fits(n)) {
+        REJECTED_BY.set(rejected);
+        return false;
+    }
+    cases.iter().any(|(case, _)| says(case))
 }
 
 /// Whether its mistakes explain the answers much better than lost digits do, which are allowed what wrong code is.

@@ -224,6 +224,11 @@ impl Question {
         kind_name(self.component, self.kind)
     }
 
+    /// What a hypothesis costs on a case, in elements: so much however small the case is.
+    pub(crate) fn cost(&self, case: &Case) -> usize {
+        100 + self.component.special.work * case.size()
+    }
+
     /// Whether it is judged by the statistics of all of its cases together.
     pub fn statistics(&self) -> bool {
         self.component.special.statistics.is_some()

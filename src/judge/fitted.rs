@@ -19,9 +19,8 @@ use crate::parallel;
 /// Elements that a number is read off.
 const ELEMENTS: usize = 5;
 
-/// Elements that all pairs together may have in their smallest case, and what each costs beside.
+/// Elements that all pairs together may have in their smallest case.
 const WORK: usize = 200_000;
-const LEAST: usize = 100;
 
 /// Conventions in which a number is read off even where the answers lie beyond what its range gives: next to a pole they do.
 const LIKELIEST: usize = 4;
@@ -31,6 +30,10 @@ const LIKELIEST: usize = 4;
 const GRID: usize = 9;
 const CASES: usize = 3;
 const BEYOND: f64 = 0.05;
+
+/// By how many times what wrong code may be off a mistake alone misses answers that show another's number, and in how many cases at least.
+const FAR: f64 = 100.0;
+const FEW: usize = 2;
 
 /// A range that is so many times as long as it begins is one of powers of ten.
 const MANY: f64 = 1e6;
@@ -86,7 +89,7 @@ pub(crate) fn fitting_pairs(
     pairs.sort_by_key(|(m, other)| std::cmp::Reverse(m.count + other.count));
     let cases = small_cases(question, answers);
     let Some((case, _)) = cases.first() else { return vec![] };
-    let most = WORK / (LEAST + case.size());
+    let most = WORK / question.cost(case);
     pairs.truncate(most);
     let near = distinct(near, (most / pairs.len().max(1)).max(1), question, &cases);
     let found = parallel::map(pairs.len() * near.len(), |n| {
@@ -98,9 +101,13 @@ pub(crate) fn fitting_pairs(
         // A number next to the right one takes up what rounding left of the other mistake alone.
         let needed = |h: &Hypothesis| {
             let cases = usable(h, question, answers);
-            let explained =
-                |(case, answer): &&(&Case, &Answer)| alone.explains(question, case, answer, options);
-            2 * cases.iter().filter(explained).count() <= cases.len()
+            let missed =
+                |(case, answer): &&(&Case, &Answer)| !alone.explains(question, case, answer, options);
+            let missed: Vec<_> = cases.iter().filter(missed).collect();
+            // An eps shows where something is small, and nowhere else; but there by far.
+            let far =
+                |(case, answer): &&&(&Case, &Answer)| alone.residual(question, case, answer, options) > FAR;
+            2 * missed.len() >= cases.len() || missed.iter().filter(far).count() >= FEW
         };
         let fits = |h: &Hypothesis| {
             explains_all(h, question, answers, options) && shows(h, question, answers, options) && needed(h)
@@ -141,7 +148,12 @@ fn within_reach(mistake: &Mistake, usual: &Hypothesis, question: &Question, answ
     let [least, most] = mistake.number.expect("a mistake with a number").range;
     let at = |n: usize| least * crate::math::pow(most / least, n as f64 / (GRID - 1) as f64);
     usable(usual, question, answers).iter().take(CASES).all(|(case, answer)| {
-        let with = |n| Hypothesis { fitted: Some(at(n)), ..usual.clone() }.prediction(question, case).0;
+        let with = |n| {
+            let h = Hypothesis { fitted: Some(at(n)), ..usual.clone() };
+            let mut all = h.prediction(question, case).0;
+            h.leave_open(question, case, answer, &mut all);
+            all
+        };
         let tried: Vec<Arrays> = (0..GRID).map(with).collect();
         answer.iter().all(|(name, given)| between(name, given, &tried))
     })
@@ -194,7 +206,7 @@ fn shown(mistake: &Mistake, usual: &Hypothesis, question: &Question, answers: &A
             break;
         }
     }
-    let rounded = shown.iter().flat_map(|&x| [2, 4].map(|digits| round_to(x, digits)));
+    let rounded = shown.iter().flat_map(|&x| [1, 2, 4].map(|digits| round_to(x, digits)));
     let read = rounded.chain(shown.iter().copied()).chain(powers(number.range));
     read.map(|x| Hypothesis { fitted: Some(x), ..usual.clone() }).collect()
 }

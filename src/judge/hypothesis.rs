@@ -283,7 +283,7 @@ impl Hypothesis {
 
     /// What wrong code makes of an infinite input depends on how it is written: infinity times 0, or less infinity. NaN is predicted
     /// there where the answer has it; and where nobody reads what wrong code returns, what was answered.
-    fn leave_open(&self, question: &Question, case: &Case, answer: &Answer, wrong: &mut Arrays) {
+    pub(crate) fn leave_open(&self, question: &Question, case: &Case, answer: &Answer, wrong: &mut Arrays) {
         if !self.right() && question.kind == Kind::Forward {
             unread::as_answered(question.component, answer, wrong);
         }

@@ -21,11 +21,15 @@ const MOST: f64 = 2.0 / 3.0;
 /// Cases that the right formula doesn't explain and a mistake does, at least; and their share of those that the right formula doesn't.
 const SHOWN: (usize, f64) = (2, 0.5);
 
+/// How much of what wrong code may be off a mistake may use in the cases that it explains.
+const CLOSE: f64 = 0.25;
+
 /// Conventions that are tried, the nearest first.
 const ASSIGNMENTS: usize = 48;
 
-/// Conventions that are tried with two mistakes.
+/// Conventions that are tried with two mistakes, and elements that all of these may compute.
 const PAIRED: usize = 4;
+const WORK: usize = 100_000_000;
 
 /// Which cases a hypothesis explains.
 struct Tried {
@@ -102,12 +106,25 @@ pub(crate) fn mostly(
             && beyond as f64 >= SHOWN.1 * wrong as f64
     };
     found.retain(enough);
+    // A number that is read off one case explains that one, and others nearly, whatever they are; so does one mistake of many, where a case
+    // has a single number. What is right but for its rounding is closer. Short types have too few digits to tell.
+    let close = |t: &Tried| {
+        let fits = |h: &Hypothesis| -> f64 {
+            let own = cases.iter().zip(&t.explained).filter(|(_, explained)| **explained);
+            own.map(|((case, answer), _)| h.residual(question, case, answer, options)).fold(0.0, f64::max)
+        };
+        options.dtype.bits() < 24 || fits(&t.hypothesis) < CLOSE
+    };
+    found.retain(close);
     // Of bits and counts a pair of many explains a few cases by chance.
     if found.is_empty() && !numeric && real_numbers(question, answers) {
         let pair = |n: usize| singles[..n].iter().map(move |other| (n, other[0]));
         let pairs = (0..singles.len()).flat_map(pair).map(|(n, other)| vec![other, singles[n][0]]);
-        found = tried(&pairs.collect::<Vec<_>>(), &near[..near.len().min(PAIRED)], &cases);
+        let pairs: Vec<Vec<&str>> = pairs.collect();
+        let cost = cases.iter().map(|(case, _)| question.cost(case)).sum::<usize>() * pairs.len();
+        found = tried(&pairs, &near[..near.len().min(PAIRED).min(WORK / cost.max(1))], &cases);
         found.retain(enough);
+        found.retain(close);
     }
     let chosen = match best(found) {
         Some(mistake) => mistake,

@@ -17,9 +17,8 @@ const CASES: usize = 4;
 /// Single mistakes that others are tried with.
 const KEPT: usize = 100;
 
-/// Elements that all single mistakes together may compute on the smallest case, and what each costs beside.
+/// Elements that all single mistakes together may compute on the smallest case.
 const WORK: usize = 1_000_000;
-const LEAST: usize = 100;
 
 /// The pairs of mistakes that explain every answer, in any conventions.
 pub(crate) fn paired(
@@ -33,7 +32,7 @@ pub(crate) fn paired(
     let names: Vec<_> = question.component.mistakes.iter().filter(|m| !m.gradient).map(|m| m.name).collect();
     let home = partial(question.component, base);
     let mut near: Vec<Partial> = open(question, answers, base, options);
-    let cost = LEAST + case.size();
+    let cost = question.cost(case);
     near.truncate((WORK / (cost * names.len().max(1))).max(1));
     let singles: Vec<Hypothesis> = names
         .iter()

@@ -7,6 +7,7 @@ use super::answer::Answers;
 use super::assignment::{self, Found};
 use super::best::best_honest;
 use super::diagnose::diagnose;
+use super::each::rounded;
 use super::evidence::{Explanation, Suspect, difference};
 use super::exam::{Exam, Question};
 use super::example::smallest;
@@ -28,6 +29,10 @@ use crate::parallel;
 
 /// Bits whose loss is likelier than a mistake that explains the same: an eps of 1e-7 added in f32, or T as 1 less the sum of the weights.
 const FEW_BITS: i32 = 4;
+
+/// The share of what wrong code may be off that a mistake's number may use to be told in the place of lost digits: what wrong code may be
+/// off is 8 times the right formula's bound, and this is half of the latter.
+const CLOSELY: f64 = 1.0 / 16.0;
 
 /// Marked answers, in the contract's layout where another explains a failure.
 pub(super) struct Laid {
@@ -219,9 +224,13 @@ impl Round {
                 // Other conventions are no matter of digits.
                 let conventions =
                     row.diagnosis.first().is_some_and(|e| !e.wrong() && !e.inaccurate && e.whole());
-                if row.faults.is_empty() && !conventions {
-                    // Where a mistake explains it, too, a few bits must be enough.
-                    let named = row.diagnosis.iter().any(|e| !e.inaccurate && e.whole());
+                let closely = row.diagnosis.first().is_some_and(numbered_closely);
+                if row.faults.is_empty() && !conventions && !closely {
+                    // Where a mistake explains it, too, a few bits must be enough, but for one that lost digits look like.
+                    let lost = |e: &Explanation| {
+                        e.slip.is_none() && !e.mistakes.is_empty() && e.mistakes.iter().all(|m| m.lost_digits)
+                    };
+                    let named = row.diagnosis.iter().any(|e| !e.inaccurate && e.whole() && !lost(e));
                     imprecise(&mut row, exam, question, &answers[n], c, options, named);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {
@@ -240,6 +249,14 @@ impl Round {
         report.settle();
         report
     }
+}
+
+/// Whether one mistake's number, as people write it, explains the answers nearly as well as the right formula would have to: no loss of
+/// digits does that.
+fn numbered_closely(best: &Explanation) -> bool {
+    let numbered = matches!(best.mistakes[..], [mistake] if mistake.number.is_some() && !mistake.lost_digits);
+    let written = best.fitted.is_none_or(|x| rounded(x)[0] == x);
+    best.whole() && numbered && written && best.slip.is_none() && best.residual < CLOSELY
 }
 
 /// The diagnosis of a gradient beside what the forward answers showed: their slip, or their conventions, where these explain it.

@@ -9,13 +9,12 @@ use super::assignment::small_cases;
 use super::changes::{SHORT, groups, lengths, of_axes};
 use super::columns;
 use super::each::{By, EACH, rounded};
-use super::evidence::Explanation;
+use super::evidence::{Explanation, real_numbers};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::slip::{ArraySlip, Change, Slip};
 use super::slipping::{conventions, explanations, was_done};
-use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Entries;
@@ -25,9 +24,6 @@ use crate::parallel;
 /// Elements that all hypotheses together may compute on the smallest case; in the short types, where nothing can be rejected before its
 /// bound is known.
 const WORK: [usize; 2] = [6_000_000, 400_000];
-
-/// What a hypothesis costs however small the case is, in elements.
-const LEAST: usize = 100;
 
 /// Numbers of an array that are many.
 const MANY: usize = 64;
@@ -94,13 +90,13 @@ pub(crate) fn slipped(
     let mut fitted: Vec<Hypothesis> = fitted.collect();
     let orders: Vec<&ArraySlip> =
         slips.iter().filter(|slip| matches!(slip.change, Change::Regrouped { .. })).collect();
-    for h in odd {
+    // Of bits some columns or others explain a few cases by chance.
+    for h in odd.filter(|_| real_numbers(question, answers)) {
         fitted.extend(
             of_columns(h, question, &cases).iter().chain(orders.iter().copied()).map(|slip| with(h, slip)),
         );
     }
-    let elements = |arrays: &Arrays| arrays.values().map(|a| a.len()).sum::<usize>();
-    let cost = LEAST + elements(&case.inputs) + answer.values().map(|a| a.values.len()).sum::<usize>();
+    let cost = question.cost(case) + answer.values().map(|a| a.values.len()).sum::<usize>();
     let most = (WORK[usize::from(options.dtype.bits() < 24)] / cost).saturating_sub(fitted.len());
     // The likelier slips in all conventions before the others in any.
     let all = slips.iter().flat_map(|slip| plain.iter().map(move |h| with(h, slip)));
@@ -135,8 +131,9 @@ fn slips(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> Ve
     for (input, arrays) in [(false, &expected), (true, &case.inputs)] {
         for name in arrays.keys().filter(|name| if input { real(name) } else { answer.contains_key(*name) }) {
             let shape = arrays[name].shape();
-            // Numbers by themselves are sizes and limits: they are only taken for one another.
-            let each = if input && shape.is_empty() { 0 } else { EACH.len() };
+            // Numbers by themselves are sizes and limits, but for cotangents: they are only taken for one another.
+            let size = input && shape.is_empty() && !name.starts_with("grad_");
+            let each = if size { 0 } else { EACH.len() };
             let mut changes: Vec<Change> = (0..each).map(|n| Change::All(By::Each(n))).collect();
             changes.extend(of_axes(shape));
             let like = arrays.iter().filter(|(other, a)| *other != name && a.shape() == shape);

@@ -11,9 +11,8 @@ use super::partial::apply;
 use crate::convention::Conventions;
 use crate::parallel;
 
-/// Elements that all triples together may compute on the smallest case, and what each costs beside.
+/// Elements that all triples together may compute on the smallest case.
 const WORK: usize = 20_000_000;
-const LEAST: usize = 100;
 
 /// The triples of mistakes that explain every answer, in the first conventions in which some do. Short types have too few digits to tell so
 /// many apart.
@@ -30,7 +29,7 @@ pub(crate) fn tripled(
     let all = question.component.mistakes.iter().filter(|m| !m.gradient);
     let names: Vec<&str> = all.map(|m| m.name).collect();
     let count = names.len() * names.len().saturating_sub(1) * names.len().saturating_sub(2) / 6;
-    let cost = LEAST + case.size();
+    let cost = question.cost(case);
     let most = WORK / (cost * count.max(1));
     if most == 0 {
         return vec![];

@@ -75,9 +75,10 @@ fn floored(error: Bounded, peak: f64, floor: PsnrFloor, m: &Arithmetic) -> Bound
     }
     let (least, most) = (1e-10 * peak * peak, 1e-6 * peak * peak);
     let y = super::psnr(error.y.max(least), peak);
-    if error == exact(0.0) {
-        // Half precision doesn't hold such numbers.
-        return Bounded { y, e: if most > 1e3 * m.tiny { 60.0 } else { f64::INFINITY } };
+    if error.y == 0.0 {
+        // From 100 dB on half of the way to either end: the oracle's own error, which is added, is as large. Half precision doesn't hold
+        // such numbers.
+        return Bounded { y, e: if most > 1e3 * m.tiny { 30.0 } else { f64::INFINITY } };
     }
     let raised = Bounded { y: error.y + most, ..error };
     let reach = |b: Bounded| (b.y - y).abs() + b.e;

@@ -46,6 +46,8 @@ pub(crate) const SSIM: Component = Component {
         only: Some(Only { input: "prediction", axis: 2, length: 3, what: "channels" }),
         large: cases::large,
         forms: OF_ONE,
+        // Each pixel is in up to 121 windows.
+        work: 64,
         ..Special::NONE
     },
 };

@@ -14,7 +14,8 @@ pub(super) const V_IDENTITY_WHEN_SMALL: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 )
-.with("limit", 1e-2, [1e-7, 0.5]);
+.with("limit", 1e-2, [1e-7, 0.5])
+.like_lost_digits();
 
 /// Mistakes of twists.
 pub(crate) const SE3_EXP: &[Mistake] = &[
