@@ -132,6 +132,14 @@ pub(crate) const DISTORTION_LOSS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "own_width_one_over_n",
+        "1 / N for the width of each interval, in the own terms alone",
+        "uneven intervals are pulled together by other amounts than their widths",
+        "t_{i+1} - t_i of each",
+        "eff_distloss(w, m, 1 / N) in copies of DVGO's training loop",
+        4,
+    ),
+    Mistake::new(
         "variance_for_pairs",
         "sum w_i (m_i - sum w m)^2, the variance of the distance",
         "outliers rule; another loss",
@@ -169,7 +177,7 @@ fn wrong_loss(weights: &[f64], t: &[f64], wrong: &[&str]) -> f64 {
             pairs += weights[i] * weights[j] * if has("signs_kept") { apart } else { apart.abs() };
         }
         let weight = if has("own_weight_once") { weights[i] } else { weights[i] * weights[i] };
-        own += weight * (t[i + 1] - t[i]);
+        own += weight * if has("own_width_one_over_n") { 1.0 / n as f64 } else { t[i + 1] - t[i] };
     }
     let pairs = match () {
         () if has("pairs_once") => pairs / 2.0,

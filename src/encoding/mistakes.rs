@@ -150,6 +150,14 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         2,
     ),
     Mistake::new(
+        "even_ladder",
+        "2 k for 2^k: the frequencies 0, 2, 4, 6, ...",
+        "the finest band of ten is 28 times too coarse, and the first says nothing",
+        "2^k of band k",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "last_band_everywhere",
         "every band has the last one's frequency",
         "noise, and no large shapes",
@@ -182,6 +190,9 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
             }
             if wrong.contains(&"bands_one_by_one") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, (k + 1) as f64, x);
+            }
+            if wrong.contains(&"even_ladder") {
+                (out[sine], out[cosine]) = wave(encoding.frequency, (2 * k) as f64, x);
             }
             if wrong.contains(&"powers_exchanged") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, (k * k) as f64, x);

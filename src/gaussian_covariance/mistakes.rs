@@ -145,6 +145,14 @@ pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "quaternion_rolled",
+        "q[2], q[3], q[0], q[1] in the place of q[0], q[1], q[2], q[3]",
+        "another rotation",
+        "w first, or last",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "length_by_sum",
         "q divided by the sum of its entries' sizes",
         "R isn't a rotation",
@@ -165,8 +173,17 @@ fn divisor(q: [f64; 4], of_all: f64, wrong: &[&str]) -> f64 {
 }
 
 /// A covariance with what is wrong about it.
-fn wrong_covariance(q: [f64; 4], scales: [f64; 3], of_all: f64, form: Form, wrong: &[&str]) -> [[f64; 3]; 3] {
+fn wrong_covariance(
+    mut q: [f64; 4],
+    scales: [f64; 3],
+    of_all: f64,
+    form: Form,
+    wrong: &[&str],
+) -> [[f64; 3]; 3] {
     let has = |name: &str| wrong.contains(&name);
+    if has("quaternion_rolled") {
+        q.rotate_left(2);
+    }
     let as_given = Form { length: QuaternionLength::AsGiven, ..form };
     let (u, _) = unit(q, as_given);
     let length = if form.length == QuaternionLength::Divided { divisor(q, of_all, wrong) } else { 1.0 };

@@ -60,6 +60,7 @@ fn wrong_cell(level: &Level, x: f64, wrong: &[&str]) -> (u32, f64) {
     for name in wrong {
         match *name {
             "nearest_vertex" => fraction = f64::from(u8::from(fraction >= 0.5)),
+            "lower_vertex_alone" => fraction = 0.0,
             "weights_swapped" => fraction = 1.0 - fraction,
             _ => {}
         }

@@ -57,6 +57,7 @@ pub(crate) fn lr_cosine() -> Vec<Case> {
         of("usual", "NeuS: 300,000 steps after 5,000", [100_000.0, 300_000.0, 5e-4, 2.5e-5, 5000.0]),
         of("to_nothing_begin", "step 0 of a decay to 0", [0.0, 100.0, 0.5, 0.0, 0.0]),
         of("to_nothing_quarter", "a quarter of the way to 0", [25.0, 100.0, 0.75, 0.0, 0.0]),
+        of("to_nothing_beyond", "after the end of a decay to 0", [130.0, 100.0, 0.5, 0.0, 0.0]),
         of("to_nothing_late", "nine tenths of the way to 0", [90.0, 100.0, 0.5, 0.0, 0.0]),
         of(
             "to_nothing_warming_up",
@@ -78,6 +79,12 @@ pub(crate) fn lr_log_linear() -> Vec<Case> {
         of("late", "nine tenths of the way", [9.0, 10.0, 0.5, 0.05, 0.0, 1.0]),
         of("end", "the last rate", [10.0, 10.0, 0.75, 0.1, 0.0, 1.0]),
         of("beyond", "after the last step", [15.0, 10.0, 0.75, 0.25, 0.0, 1.0]),
+        of(
+            "no_delay_begin",
+            "a factor of a delay without steps: no delay",
+            [0.0, 100.0, 0.5, 0.125, 0.0, 0.25],
+        ),
+        of("no_delay", "the same, half of the way", [50.0, 100.0, 0.75, 0.125, 0.0, 0.01]),
         of("delayed_begin", "step 0 of a delay: a quarter of the rate", [0.0, 100.0, 0.5, 0.125, 20.0, 0.25]),
         of("delayed_second", "one step of a delay of four", [1.0, 16.0, 0.5, 0.125, 4.0, 0.25]),
         of("delayed", "a third of the delay", [8.0, 100.0, 0.5, 0.0625, 24.0, 0.01]),

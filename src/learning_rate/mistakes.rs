@@ -1,11 +1,13 @@
 //! Schedules, wrong on purpose. Without a mistake every function equals the oracle.
 
 mod catalogue;
+mod cosine;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use catalogue::{DECAY_OF_ITS_OWN, LAST_RATE_A_PART, RATE_FLOORED, WARMUP_FROM_A_PART, WARMUP_FROM_A_RATE};
-pub(crate) use catalogue::{LR_COSINE, LR_EXPONENTIAL, LR_LOG_LINEAR};
+pub(crate) use catalogue::{LR_EXPONENTIAL, LR_LOG_LINEAR};
+pub(crate) use cosine::LR_COSINE;
 
 use super::arrays::{self, count, delay, forward, rates};
 use super::part;
@@ -85,12 +87,15 @@ pub(crate) fn lr_cosine(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let counted = has("warmup_counted") || has("warmup_times_cosine") || has("warmup_taken_off_the_whole");
     let whole = has("warmup_counted") || has("warmup_times_cosine") || has("warmup_not_taken_off");
     let early = if has("one_step_early") { 1.0 } else { 0.0 };
+    let less = if has("one_step_less") { 1.0 } else { early };
+    let end = if has("begun_again") { RateEnd::GoesOn } else { c.rate_end };
     let p = way(
         if counted { step } else { step - warmup } - early,
-        if whole { most } else { most - warmup } - early,
-        c.rate_end,
+        if whole { most } else { most - warmup } - less,
+        end,
         wrong,
     );
+    let p = if has("begun_again") { p.fract() } else { p };
     let angle = p * match () {
         () if has("full_turn") => 2.0 * PI,
         () if has("pi_forgotten") => 1.0,
@@ -103,6 +108,7 @@ pub(crate) fn lr_cosine(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         }
         () if has("linear_for_cosine") => first + (last - first) * p,
         () if has("one_forgotten") => last + (first - last) * cos(angle),
+        () if has("seven_sixteenths") => first * cos(7.0 / 16.0 * PI * p).max(0.0),
         () if has("last_rate_forgotten") => first * fallen,
         () if has("last_rate_on_top") => last + first * fallen,
         () => last + (first - last) * fallen,
@@ -120,7 +126,8 @@ pub(crate) fn lr_log_linear(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
     let begin = if delay.place == RateDelay::Before { wait } else { 0.0 };
     let [first, last] = if has("rates_exchanged") { [last, first] } else { [first, last] };
     let end = if has("not_clamped") { RateEnd::GoesOn } else { RateEnd::Held };
-    let t = way((step - begin).max(0.0), most - begin, end, wrong);
+    let early = if has("one_step_early") { 1.0 } else { 0.0 };
+    let t = way((step - early - begin).max(0.0), most - early - begin, end, wrong);
     let decayed = match () {
         () if has("linear_for_log") => (1.0 - t) * first + t * last,
         () if has("last_rate_for_factor") => first * pow(last, t),

@@ -73,6 +73,12 @@ pub(crate) fn unscale_gradients() -> Vec<Case> {
             1024.0,
             vec![131_072.0, -70_000.0, 1.0],
         ),
+        case(
+            "sum_beyond_single",
+            "finite numbers whose sum is infinite in f32",
+            1024.0,
+            vec![1.5 * libm::ldexp(1.0, 127), 1.25 * libm::ldexp(1.0, 127), -3.0],
+        ),
         case("one_infinity", "an overflow in one place", 1024.0, with(4, &[(5, inf)])),
         case(
             "a_negative_infinity",

@@ -81,6 +81,14 @@ pub(crate) const LOSS_SCALE_UPDATE: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "interval_of_its_own",
+        "2000 is written in, whatever growth_interval is",
+        "the scale grows sooner or later than was asked for",
+        "the growth_interval that is handed over",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "scale_kept_at_overflow",
         "an overflow resets the tracker and leaves the scale",
         "every step overflows as the last one did, and is skipped: training stands still",
@@ -101,6 +109,8 @@ pub(crate) const LOSS_SCALE_UPDATE: &[Mistake] = &[
 /// A scale and a tracker with a mistake in them.
 fn wrong_update(s: &LossScale, found: bool, c: &Conventions, wrong: &[&str]) -> (f64, u64) {
     let has = |name: &str| wrong.contains(&name);
+    let interval = if has("interval_of_its_own") { 2000 } else { s.growth_interval };
+    let s = &LossScale { growth_interval: interval, ..*s };
     let right = |s: &LossScale, found| updated(s, found, c.loss_scale_floor, c.loss_scale_ceiling);
     let (scale, tracker) = right(s, found);
     let counted = s.tracker + 1;
@@ -194,6 +204,22 @@ pub(crate) const UNSCALE_GRADIENTS: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "sum_looked_at",
+        "1 where the sum of all, in f32, is infinite or NaN",
+        "steps whose gradients are finite are skipped where their sum isn't",
+        "not isfinite, of each of them",
+        "mmcv's LossScaler and its copies; nvidia/apex's first one",
+        2,
+    ),
+    Mistake::new(
+        "never_found",
+        "0, whatever the gradients are: they are divided, and nobody looks",
+        "steps with infinities and NaN are taken, and every parameter is lost",
+        "not isfinite, of all of them",
+        "hand-written loops in half precision",
+        1,
+    ),
+    Mistake::new(
         "half_precisions_limit",
         "found where a number is above 65504, whatever type the gradients have",
         "steps that are right are skipped, and the scale shrinks for nothing",
@@ -209,6 +235,8 @@ pub(crate) fn unscale_gradients(a: &Arrays, _: &Conventions, wrong: &[&str]) -> 
     let has = |name: &str| wrong.contains(&name);
     let found = match () {
         () if has("finite_in_the_place_of_found") => scaled.iter().all(|g| g.is_finite()),
+        () if has("sum_looked_at") => !scaled.iter().map(|&g| g as f32).sum::<f32>().is_finite(),
+        () if has("never_found") => false,
         () if has("nan_not_looked_for") => scaled.iter().any(|g| g.is_infinite()),
         () if has("largest_alone") => scaled.contains(&f64::INFINITY),
         () if has("half_precisions_limit") => scaled.iter().any(|g| g.is_nan() || g.abs() > 65504.0),

@@ -115,6 +115,14 @@ pub(crate) fn update() -> Vec<Case> {
             [0.5, 1.0],
         ),
         update_case(
+            "thin_and_empty",
+            "cells of no density beside thin ones, all seen: the mean of what is above 0 decides",
+            (2, vec![0.25, 0.0, 0.125, 0.0, 0.0, 0.5, 0.0, 0.0]),
+            &[[0.25, 0.25, 0.75, 0.0], [0.75, 0.25, 0.75, 0.3125]],
+            &[[0.25, 0.25, 0.25], [0.25, 0.25, 0.75], [0.75, 0.25, 0.75]],
+            [0.5, 1.0],
+        ),
+        update_case(
             "nothing_anywhere",
             "no density at all: every cell that a camera sees is open, and what no camera sees stays empty",
             (2, vec![0.0, 0.0, -1.0, 0.0, 0.0, -1.0, 0.0, 0.0]),

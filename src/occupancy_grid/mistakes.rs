@@ -22,6 +22,7 @@ pub(crate) const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("mean_alone", "the mean of the densities, whatever the threshold is", "half of the scene is always empty", "the threshold where that is less", "never; cheap to keep", 0),
     Mistake::new("larger_for_smaller", "the threshold or the mean, whichever is larger", "early in a training every cell is empty", "whichever is less", "never; cheap to keep", 0),
     Mistake::new("corners_aligned", "round(x (R - 1)) for floor(x R)", "cells at the box's faces are half as wide", "floor(x R): cells lie between faces", "never; cheap to keep", 0),
+    Mistake::new("mean_of_none", "the mean of no density above 0 is NaN, and no density is above that", "a grid that has seen nothing stays empty for ever", "where nothing is above 0, every cell that is seen is occupied", "ngp_pl and its copies", 2),
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
 ];
 
@@ -91,6 +92,12 @@ fn wrong_threshold(grid: &OccupancyGrid, convention: GridThreshold, wrong: &[&st
     // Where the limit stands alone there is no mean.
     let mean =
         || Some(grid.threshold_below(f64::INFINITY, convention)).filter(|x| x.is_finite()).unwrap_or(limit);
+    if wrong.contains(&"mean_of_none")
+        && convention == GridThreshold::MeanOfDense
+        && !grid.density.iter().any(|&d| d > 0.0)
+    {
+        return f64::NAN;
+    }
     if wrong.contains(&"mean_alone") {
         return mean();
     }

@@ -3,7 +3,7 @@
 mod catalogue;
 
 pub(crate) use catalogue::{ADAM_STEP, ADAMW_STEP};
-use catalogue::{EPS_OF_ITS_OWN, GRADIENT_CLIPPED, MEANS_BEGIN_AT_EPS};
+use catalogue::{EPS_OF_ITS_OWN, GRADIENT_CLIPPED, GRADIENT_NORM_CLIPPED, MEANS_BEGIN_AT_EPS};
 
 use super::arrays::{self, each, settings};
 use super::{Adam, Moments, adam_step as oracle, bias_correction, eps};
@@ -114,7 +114,10 @@ pub(crate) fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     // What is rewritten below, another count of steps, betas, eps and decay aside.
     let as_it_is = ["step_from_zero", "betas_of_its_own", "decoupled_decay"];
     let rewritten = wrong.iter().any(|name| !as_it_is.contains(name));
+    let norm = values(a, "grad").iter().map(|g| g * g).sum::<f64>().sqrt();
+    let shortened = GRADIENT_NORM_CLIPPED.among(wrong).filter(|k| norm > *k).map_or(1.0, |k| k / norm);
     each(a, |before, grad| {
+        let grad = shortened * grad;
         let grad = GRADIENT_CLIPPED.among(wrong).map_or(grad, |k| grad.clamp(-k, k));
         let mut after = oracle(&adam, before, grad, step);
         if rewritten {

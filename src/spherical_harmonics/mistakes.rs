@@ -105,6 +105,14 @@ pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "constants_forgotten",
+        "1, y, z, x, x y, 3 z^2 - 1, ...: polynomials without their constants",
+        "a basis that isn't orthonormal: bands weigh otherwise than a trained model's coefficients ask for",
+        "each with its constant: 0.28, 0.49, 1.09, 0.32, ...",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "last_of_band_2_added",
         "x^2 + y^2 for x^2 - y^2 in band 2",
         "two of its functions are nearly one",
@@ -112,6 +120,18 @@ pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+];
+
+/// What stands before the polynomials as they are usually written: x y, 3 z^2 - 1, x^2 - y^2, 5 z^3 - 3 z, ...
+#[rustfmt::skip]
+const CONSTANTS: [f64; super::MAX_WIDTH] = [
+    0.282_094_791_773_878_14,
+    0.488_602_511_902_919_9, 0.488_602_511_902_919_9, 0.488_602_511_902_919_9,
+    1.092_548_430_592_079_2, 1.092_548_430_592_079_2, 0.315_391_565_252_520_05, 1.092_548_430_592_079_2, 0.546_274_215_296_039_6,
+    0.590_043_589_926_643_5, 2.890_611_442_640_554, 0.457_045_799_464_465_8, 0.373_176_332_590_115_4, 0.457_045_799_464_465_8,
+    1.445_305_721_320_277, 0.590_043_589_926_643_5,
+    2.503_342_941_796_704_5, 1.770_130_769_779_930_5, 0.946_174_695_757_560_1, 0.669_046_543_557_289_2, 0.105_785_546_915_204_3,
+    0.669_046_543_557_289_2, 0.473_087_347_878_780_06, 1.770_130_769_779_930_5, 0.625_835_735_449_176_1,
 ];
 
 /// Spherical harmonics.
@@ -151,6 +171,9 @@ pub(crate) fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         }
         if wrong.contains(&"last_of_band_2_added") && degree(a) > 1 {
             out[8] = 0.546_274_215_296_039_6 * (d[0] * d[0] + d[1] * d[1]);
+        }
+        if wrong.contains(&"constants_forgotten") {
+            out.iter_mut().zip(CONSTANTS).for_each(|(y, constant)| *y /= constant);
         }
         if wrong.contains(&"m_descending") {
             (0..=degree(a)).for_each(|l| out[l * l..(l + 1) * (l + 1)].reverse());

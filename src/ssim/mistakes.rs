@@ -176,11 +176,9 @@ fn wrong_peak(a: &Arrays, c: &Conventions, wrong: &[&str]) -> f64 {
 pub(crate) fn ssim(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (p, t, peak) = (picture(a, "prediction"), picture(a, "target"), wrong_peak(a, c, wrong));
     let gray = |x: ArrayView3<f64>| (x.sum_axis(Axis(2)) / x.dim().2 as f64).insert_axis(Axis(2));
-    // Of fewer channels than three, the first ones' shares.
     let luma = |x: ArrayView3<f64>| {
-        let shares = &LUMA[..x.dim().2.min(3)];
-        let of = |color: ArrayView1<f64>| color.iter().zip(shares).map(|(x, share)| x * share).sum::<f64>();
-        (x.map_axis(Axis(2), of) / shares.iter().sum::<f64>()).insert_axis(Axis(2))
+        let of = |color: ArrayView1<f64>| color.iter().zip(LUMA).map(|(x, share)| x * share).sum::<f64>();
+        x.map_axis(Axis(2), of).insert_axis(Axis(2))
     };
     forward(match wrong {
         [] => oracle(p, t, peak, form(c)),
@@ -191,7 +189,8 @@ pub(crate) fn ssim(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             let [p, t] = [p, t].map(|x| x.mapv(|x| crate::math::pow(x.max(0.0), 1.0 / 2.2)));
             wrong_value(p.view(), t.view(), peak, form(c), wrong)
         }
-        _ if wrong.contains(&"luma_pictures") => {
+        // Whatever has another number of channels is taken as it is.
+        _ if wrong.contains(&"luma_pictures") && p.dim().2 == 3 => {
             wrong_value(luma(p).view(), luma(t).view(), peak, form(c), wrong)
         }
         _ => wrong_value(p, t, peak, form(c), wrong),

@@ -295,6 +295,15 @@ pub(crate) fn depth() -> Vec<Case> {
             vec![("weights", array(&[1, 8], vec![0.0; 8])), ("t", t(1)), ("far", scalar(6.25))],
         ),
         Case::new(
+            "VR7_empty_beside_others",
+            "no weight at all beside a ray that lies farther on: each has its own t",
+            vec![
+                ("weights", array(&[2, 4], vec![0.0, 0.0, 0.0, 0.0, 0.25, 0.0, 0.5, 0.125])),
+                ("t", array(&[2, 4], vec![2.25, 2.75, 3.25, 3.75, 4.25, 4.75, 5.25, 5.75])),
+                ("far", scalar(6.25)),
+            ],
+        ),
+        Case::new(
             "thin_rays",
             "opacities of 1/16, 3/256 and 3/1024: thin rays have a depth too",
             vec![("weights", thin), ("t", t(3)), ("far", scalar(6.25))],

@@ -72,6 +72,14 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "lower_vertex_alone",
+        "the entry of the cell's lower corner, without interpolation",
+        "features jump from cell to cell, and no gradient reaches the point",
+        "interpolate between all eight corners",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "weights_swapped",
         "lower corners have the fraction as their weight, upper ones the rest",
         "features jump at every face and run backwards in between",

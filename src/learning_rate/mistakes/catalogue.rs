@@ -2,7 +2,7 @@
 
 use crate::contract::component::Mistake;
 
-const STEP_FROM_ONE: Mistake = Mistake::new(
+pub(super) const STEP_FROM_ONE: Mistake = Mistake::new(
     "step_from_one",
     "the first step has the rate of step 1",
     "every rate is one step early: nothing shows but in short schedules, and a training that is resumed does it again",
@@ -11,7 +11,7 @@ const STEP_FROM_ONE: Mistake = Mistake::new(
     1,
 );
 
-const WHOLE_STEPS: Mistake = Mistake::new(
+pub(super) const WHOLE_STEPS: Mistake = Mistake::new(
     "whole_steps",
     "step / steps without its fraction",
     "a staircase: the first rate up to the end, then the last one",
@@ -122,169 +122,16 @@ pub(crate) const LR_EXPONENTIAL: &[Mistake] = &[
     ),
 ];
 
-/// Mistakes of a cosine with its warm-up.
-pub(crate) const LR_COSINE: &[Mistake] = &[
-    STEP_FROM_ONE,
-    WHOLE_STEPS,
-    Mistake::new(
-        "full_turn",
-        "cos(2 pi p)",
-        "the last rate in the middle, the first one in the end",
-        "half of a turn: cos(pi p)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "pi_forgotten",
-        "cos(p)",
-        "0.77 of the way is left in the end",
-        "cos(pi p)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "half_forgotten",
-        "1 + cos(pi p) without its half",
-        "the training begins with nearly twice the rate",
-        "(1 + cos(pi p)) / 2",
-        "never; cheap to keep",
-        0,
-    ),
-    LAST_RATE_A_PART,
+/// Mistakes of a log-linear decay with its delay.
+pub(crate) const LR_LOG_LINEAR: &[Mistake] = &[
     Mistake::new(
         "one_step_early",
-        "p = (step - 1) / (max_steps - 1)",
-        "rates a step late, and above lr_init's cosine in step 0",
+        "t = max(step - 1, 0) / (max_steps - 1)",
+        "the first two steps have lr_init, and every rate before the end is too high",
         "step / max_steps",
         "1 public implementation",
         1,
     ),
-    Mistake::new(
-        "last_rate_on_top",
-        "lr_final + lr_init (1 + cos(pi p)) / 2",
-        "the training begins with both rates",
-        "(lr_init - lr_final) (1 + cos(pi p)) / 2",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "last_rate_forgotten",
-        "lr_init (1 + cos(pi p)) / 2",
-        "the last steps have no rate",
-        "lr_final + (lr_init - lr_final) (1 + cos(pi p)) / 2",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "warmup_counted",
-        "p = step / max_steps after the warm-up too",
-        "a jump where the warm-up ends",
-        "p = (step - warmup_steps) / (max_steps - warmup_steps)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "warmup_taken_off_the_whole",
-        "p = step / (max_steps - warmup_steps)",
-        "a jump where the warm-up ends, and the last rate before the end",
-        "p = (step - warmup_steps) / (max_steps - warmup_steps)",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "warmup_from_one",
-        "lr_init (step + 1) / warmup_steps",
-        "the last step of the warm-up has the first rate already: it lasts one step less",
-        "lr_init step / warmup_steps; step counts from 0",
-        "schedules with a warm-up: three of twelve in one search, two others",
-        5,
-    ),
-    Mistake::new(
-        "warmup_above_nothing",
-        "lr_init max(step, 1) / warmup_steps",
-        "step 0 has the rate of step 1",
-        "lr_init step / warmup_steps",
-        "a schedule of a research library",
-        1,
-    ),
-    Mistake::new(
-        "warmup_beyond_its_end",
-        "lr_init (step + 1) / (warmup_steps + 1)",
-        "every step of the warm-up is a bit too long",
-        "lr_init step / warmup_steps",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "warmup_at_full_rate",
-        "lr_init during the warm-up",
-        "a training begins with its longest steps, before the moments of Adam know anything",
-        "lr_init step / warmup_steps",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "warmup_times_cosine",
-        "step / warmup_steps times a cosine that has begun already, cos(pi step / max_steps), and goes on after it",
-        "a jump where the warm-up ends, or none and a rate that is too low by a little",
-        "either of the two, one after the other",
-        "a transformer in JAX",
-        1,
-    ),
-    Mistake::new(
-        "warmup_from_last_rate",
-        "lr_final + (lr_init - lr_final) step / warmup_steps",
-        "the first steps have the last rate",
-        "lr_init step / warmup_steps",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "warmup_along_a_cosine",
-        "lr_init (1 - cos(pi step / warmup_steps)) / 2",
-        "rates of the warm-up are too low in its first half",
-        "lr_init step / warmup_steps",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "linear_for_cosine",
-        "lr_init + (lr_final - lr_init) p",
-        "rates are too low in the first half, too high in the second",
-        "(1 + cos(pi p)) / 2",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "one_forgotten",
-        "lr_final + (lr_init - lr_final) cos(pi p)",
-        "rates are negative in the second half: the training runs uphill",
-        "(1 + cos(pi p)) / 2",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "rates_exchanged",
-        "from lr_final to lr_init",
-        "rates grow",
-        "from lr_init to lr_final",
-        "never; cheap to keep",
-        0,
-    ),
-    WARMUP_FROM_A_PART,
-    WARMUP_FROM_A_RATE,
-    Mistake::new(
-        "warmup_not_taken_off",
-        "p = (step - warmup_steps) / max_steps",
-        "the training ends before the last rate",
-        "p = (step - warmup_steps) / (max_steps - warmup_steps)",
-        "CosineAnnealingLR over all steps after a LinearLR, by SequentialLR",
-        0,
-    ),
-];
-
-/// Mistakes of a log-linear decay with its delay.
-pub(crate) const LR_LOG_LINEAR: &[Mistake] = &[
     STEP_FROM_ONE,
     WHOLE_STEPS,
     Mistake::new(

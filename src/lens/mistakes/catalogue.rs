@@ -122,6 +122,14 @@ pub(super) const P2_TWICE: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
+pub(super) const K5_TWICE: Mistake = Mistake::new(
+    "k5_twice",
+    "k5 for k6: 1 + k4 r^2 + k5 r^4 + k5 r^6 below",
+    "edges are off where the lens is strong",
+    "k6 is the last coefficient",
+    "1 public implementation",
+    1,
+);
 pub(super) const TANGENTIAL_NEGATED: Mistake = Mistake::new(
     "tangential_negated",
     "the tangential terms taken off",
@@ -181,6 +189,7 @@ pub(crate) const LENS_DISTORT: &[Mistake] = &[
     SWAPPED_IN_Y,
     P1_TWICE,
     P2_TWICE,
+    K5_TWICE,
     TANGENTIAL_NEGATED,
     TANGENTIAL_STRETCHED,
     TANGENTIAL_OF_BENT_POINT,
@@ -270,6 +279,7 @@ pub(crate) const LENS_UNDISTORT: &[Mistake] = &[
     SWAPPED_IN_Y,
     P1_TWICE,
     P2_TWICE,
+    K5_TWICE,
     TANGENTIAL_NEGATED,
     TANGENTIAL_STRETCHED,
     TANGENTIAL_OF_BENT_POINT,

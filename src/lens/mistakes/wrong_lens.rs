@@ -3,7 +3,7 @@
 use glam::{DMat2, DVec2};
 
 /// What this is about, by name.
-pub(super) const MISREAD: [&str; 19] = [
+pub(super) const MISREAD: [&str; 20] = [
     "tangential_swapped",
     "tangential_missing",
     "radius_not_squared",
@@ -11,6 +11,7 @@ pub(super) const MISREAD: [&str; 19] = [
     "k4_in_the_numerator",
     "denominator_dropped",
     "k3_dropped",
+    "k5_twice",
     "two_radial_coefficients",
     "every_power",
     "all_in_the_numerator",
@@ -82,6 +83,9 @@ fn places(has: impl Fn(&str) -> bool) -> [Option<usize>; 8] {
     }
     if has("k3_dropped") {
         places[4] = None;
+    }
+    if has("k5_twice") {
+        places[7] = Some(6);
     }
     if has("denominator_dropped") {
         places[5] = None;

@@ -15,6 +15,16 @@ const SIGN_GUESSED: Mistake = Mistake::new(
 )
 .with("k", 0.2, [1e-6, 0.999]);
 
+const STRETCHED_TO_QUANTILES: Mistake = Mistake::new(
+    "stretched_to_quantiles",
+    "what lies between the quantiles q and 1 - q is stretched to [0, 255]",
+    "every picture has another brightness; PSNR of such files means nothing",
+    "clip to [0, 1] and multiply by 255",
+    "a viewer of depth maps, with 0.02",
+    1,
+)
+.with("q", 0.02, [1e-4, 0.4]);
+
 /// Mistakes of the bytes.
 pub(crate) const TO_UINT8: &[Mistake] = &[
     Mistake::new(
@@ -33,6 +43,7 @@ pub(crate) const TO_UINT8: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
+    STRETCHED_TO_QUANTILES,
     Mistake::new(
         "uint8_without_clipping",
         "255 x is cast without clipping: 1.01 becomes 1",
@@ -124,6 +135,14 @@ pub(crate) const TO_UINT8: &[Mistake] = &[
     ),
 ];
 
+/// The number that a share q of all, in ascending order, lies below: between the two nearest where it falls between two (as numpy has it).
+fn quantile(all: &[f64], q: f64) -> f64 {
+    let Some(last) = all.len().checked_sub(1) else { return f64::NAN };
+    let place = q * last as f64;
+    let n = (place as usize).min(last);
+    all[n] + (place - n as f64) * (all[(n + 1).min(last)] - all[n])
+}
+
 /// Bytes.
 pub(crate) fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut bytes = input(&arrays::to_uint8(a, c), "bytes").clone();
@@ -140,6 +159,12 @@ pub(crate) fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let signed = SIGN_GUESSED.among(wrong).is_some_and(|k| least < -k);
     if signed {
         bytes = again(&|x| 0.5 * (x + 1.0));
+    }
+    if let Some(q) = STRETCHED_TO_QUANTILES.among(wrong) {
+        let mut all: Vec<f64> = image.iter().copied().collect();
+        all.sort_by(f64::total_cmp);
+        let [low, high] = [q, 1.0 - q].map(|q| quantile(&all, q));
+        bytes = again(&|x| (x - low) / (high - low));
     }
     for name in wrong {
         bytes = match *name {

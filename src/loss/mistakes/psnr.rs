@@ -2,7 +2,7 @@
 
 use crate::contract::arrays::{Arrays, arrays, input, scalar};
 use crate::contract::component::Mistake;
-use crate::convention::{Conventions, PsnrPeak};
+use crate::convention::{Conventions, PsnrOf, PsnrPeak};
 use crate::loss::arrays;
 
 const PEAK_SCALED: Mistake = Mistake::new(
@@ -55,6 +55,14 @@ pub(crate) const PSNR: &[Mistake] = &[
         "figures that differ from picture to picture for the same error",
         "peak is the largest value that a color may have",
         "an imaging code",
+        1,
+    ),
+    Mistake::new(
+        "peak_of_each_target",
+        "the largest value of each target for its peak",
+        "figures that differ from picture to picture for the same error",
+        "peak is the largest value that a color may have",
+        "metrics that are handed one picture after the other",
         1,
     ),
     PEAK_SCALED,
@@ -155,6 +163,14 @@ pub(crate) const PSNR: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "channels_not_counted",
+        "the sum of a picture's squares is divided by its height and width, not by its channels",
+        "every figure 10 log10(channels) dB too low: 4.77 of three",
+        "the mean over all entries",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "root_for_mean_square",
         "10 log10(peak / rmse): the factor of the mean square on its root",
         "every figure half as large",
@@ -188,6 +204,17 @@ fn parts(a: &Arrays, wrong: &[&str]) -> Option<Vec<f64>> {
         }
         () => None,
     }
+}
+
+/// The mean of the pictures' figures, each with its target's largest value for the peak.
+fn by_own_peaks(a: &Arrays, c: &Conventions) -> f64 {
+    let pictures = input(a, "prediction").outer_iter().zip(input(a, "target").outer_iter());
+    let figures = pictures.map(|(prediction, target)| {
+        let [p, t] = [prediction, target].map(|x| x.iter().copied().collect::<Vec<f64>>());
+        let peak = t.iter().copied().fold(f64::MIN, f64::max);
+        crate::loss::psnr_of_images(&[&p], &[&t], peak, PsnrOf::Images, c.psnr_floor)
+    });
+    figures.sum::<f64>() / input(a, "target").shape()[0] as f64
 }
 
 /// Peak signal-to-noise ratio.
@@ -240,6 +267,9 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         let figure = |error: f64| crate::loss::psnr(error, arrays::peak(&a, c));
         value = parts.iter().map(|error| figure(*error)).sum::<f64>() / parts.len() as f64;
     }
+    if wrong.contains(&"peak_of_each_target") {
+        value = by_own_peaks(&a, c);
+    }
     if wrong.contains(&"regularized_psnr") {
         let peak = arrays::peak(&a, c);
         let error = peak * peak * crate::math::pow(10.0, -value / 10.0);
@@ -251,6 +281,9 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.contains(&"divided_by_pixels") {
         let shape = input(&a, "target").shape();
         value -= 10.0 * libm::log10((shape[0] * shape[3]) as f64);
+    }
+    if wrong.contains(&"channels_not_counted") {
+        value -= 10.0 * libm::log10(input(&a, "target").shape()[3] as f64);
     }
     if wrong.contains(&"root_for_mean_square") {
         value *= 0.5;

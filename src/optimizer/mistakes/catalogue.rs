@@ -228,6 +228,16 @@ pub(super) const GRADIENT_CLIPPED: Mistake = Mistake::new(
 )
 .with("k", 1.0, [1e-3, 1e3]);
 
+pub(super) const GRADIENT_NORM_CLIPPED: Mistake = Mistake::new(
+    "gradient_norm_clipped_first",
+    "the gradient is cut to a norm of k before it is used",
+    "moments that know nothing of large gradients; what is clipped outside is clipped twice",
+    "the gradient as it comes; whoever clips does so outside, and says so",
+    "training loops whose step clips by itself, by k / norm as optax does",
+    1,
+)
+.with("k", 1.0, [1e-3, 1e3]);
+
 pub(super) const MEANS_BEGIN_AT_EPS: Mistake = Mistake::new(
     "means_begin_at_eps",
     "m and v begin at an eps in the place of 0",
@@ -273,6 +283,7 @@ pub(crate) const ADAM_STEP: &[Mistake] = &[
     BETAS_OF_ITS_OWN,
     EPS_OF_ITS_OWN,
     GRADIENT_CLIPPED,
+    GRADIENT_NORM_CLIPPED,
     MEANS_BEGIN_AT_EPS,
 ];
 
@@ -351,5 +362,6 @@ pub(crate) const ADAMW_STEP: &[Mistake] = &[
     BETAS_OF_ITS_OWN,
     EPS_OF_ITS_OWN,
     GRADIENT_CLIPPED,
+    GRADIENT_NORM_CLIPPED,
     MEANS_BEGIN_AT_EPS,
 ];

@@ -239,7 +239,7 @@ pub(super) const SCALED_EXPONENTIAL: Mistake = Mistake::new(
     "1 public implementation",
     1,
 )
-.with("k", 0.99, [0.5, 1.5]);
+.with("k", 0.99, [0.02, 5.0]);
 pub(super) const OWN_STEP: Mistake = Mistake::new(
     "step_of_its_own",
     "alpha = 1 - exp(-sigma step), with one step for all samples, whatever they are apart",

@@ -2,7 +2,7 @@
 
 use ndarray::ArrayD;
 
-use crate::contract::arrays::{Arrays, array, input, number, row, scalar, size};
+use crate::contract::arrays::{Arrays, array, input, number, row, size};
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, Depth};
 use crate::volume_rendering::arrays;
@@ -145,6 +145,14 @@ pub(crate) const DEPTH: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "empty_depth_of_the_batch",
+        "the largest t of all rays where the weights' sum is 0: NaN made infinite, and cut to the batch's range",
+        "an empty ray's depth depends on what it is rendered with",
+        "far, or what the program says an empty ray's depth is",
+        "EG3D's ray marcher and its copies",
+        2,
+    ),
+    Mistake::new(
         "counted_from_the_first",
         "sum w (t - t_0)",
         "depths that begin at the first sample",
@@ -157,9 +165,6 @@ pub(crate) const DEPTH: &[Mistake] = &[
 /// Expected distance.
 pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
-    if wrong.contains(&"zero_by_zero") {
-        a.insert("far".into(), scalar(f64::NAN));
-    }
     if wrong.contains(&"depth_of_index") {
         a.get_mut("t").expect("checked").indexed_iter_mut().for_each(|(i, t)| *t = i[1] as f64);
     }
@@ -181,7 +186,10 @@ pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.contains(&"median_depth") {
         depths.insert("depth".into(), medians(&a));
     }
-    if let Some(own) = EMPTY_OF_ITS_OWN.among(wrong) {
+    let farthest = || input(&a, "t").iter().copied().fold(f64::MIN, f64::max);
+    let of_batch = wrong.contains(&"empty_depth_of_the_batch").then(farthest);
+    let divided = wrong.contains(&"zero_by_zero") && c.depth == Depth::Divided;
+    if let Some(own) = EMPTY_OF_ITS_OWN.among(wrong).or(of_batch).or(divided.then_some(f64::NAN)) {
         let each = depths.get_mut("depth").expect("an output").iter_mut().enumerate();
         each.filter(|(r, _)| opacity(*r) == 0.0).for_each(|(_, z)| *z = own);
     }
@@ -256,6 +264,7 @@ pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contract::arrays::scalar;
     use crate::convention::CS180;
 
     /// The judge asks wrong code about inputs that are changed in its turn.
