@@ -147,13 +147,17 @@ pub(crate) fn traverse(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
     })
 }
 
+/// More steps than any ray of a case has: the judge also asks about directions that it has made infinite, which have steps of 0.
+const MOST_STEPS: usize = 1 << 16;
+
 /// Steps of half a cell.
 fn stepped(o: [f64; 3], d: [f64; 3], near: f64, far: f64, r: usize) -> (Vec<f64>, f64) {
     let grid = OccupancyGrid { resolution: r, density: vec![], threshold: 0.0 };
     let step = 0.5 / r as f64 / d.iter().map(|d| d * d).sum::<f64>().sqrt();
     let mut lengths = vec![0.0; r * r * r];
-    let mut t = near;
-    while t < far {
+    let (mut t, mut left) = (near, MOST_STEPS);
+    while t < far && left > 0 {
+        left -= 1;
         lengths[grid.cell([0, 1, 2].map(|a| o[a] + t * d[a]))] += step.min(far - t);
         t += step;
     }

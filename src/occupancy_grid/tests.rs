@@ -55,6 +55,15 @@ fn crossings_cover_the_ray_once() {
 }
 
 /// CG3 (nerfacc issue 265): from a cell face, almost along another face, all 32 cells are visited.
+/// The judge asks wrong code about directions that it has made infinite.
+#[test]
+fn steps_of_no_length_end() {
+    let mut inputs = super::cases::traverse().swap_remove(0).inputs;
+    inputs.get_mut("rays_d").unwrap().fill(f64::INFINITY);
+    let out = super::mistakes::traverse(&inputs, &crate::convention::CS180, &["equal_steps"]);
+    assert_eq!(out["visited"].len(), inputs["rays_d"].shape()[0]);
+}
+
 #[test]
 fn starts_on_a_face() {
     let grid = OccupancyGrid { resolution: 32, density: vec![0.0; 32 * 32 * 32], threshold: 0.5 };
