@@ -107,13 +107,14 @@ pub(crate) fn mostly(
     };
     found.retain(enough);
     // A number that is read off one case explains that one, and others nearly, whatever they are; so does one mistake of many, where a case
-    // has a single number. What is right but for its rounding is closer. Short types have too few digits to tell.
+    // has a single number. What is right but for its rounding is closer. Short types and numeric gradients have too few
+    // digits to tell.
     let close = |t: &Tried| {
         let fits = |h: &Hypothesis| -> f64 {
             let own = cases.iter().zip(&t.explained).filter(|(_, explained)| **explained);
             own.map(|((case, answer), _)| h.residual(question, case, answer, options)).fold(0.0, f64::max)
         };
-        options.dtype.bits() < 24 || fits(&t.hypothesis) < CLOSE
+        numeric || options.dtype.bits() < 24 || fits(&t.hypothesis) < CLOSE
     };
     found.retain(close);
     // Of bits and counts a pair of many explains a few cases by chance.

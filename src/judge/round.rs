@@ -251,12 +251,13 @@ impl Round {
     }
 }
 
-/// Whether one mistake's number, as people write it, explains the answers nearly as well as the right formula would have to: no loss of
-/// digits does that.
+/// Whether one mistake's number, as people write it, explains the answers nearly as well as the right formula would have to, without
+/// another convention: no loss of digits does that. With a convention T as 1 less the sum of the weights does.
 fn numbered_closely(best: &Explanation) -> bool {
     let numbered = matches!(best.mistakes[..], [mistake] if mistake.number.is_some() && !mistake.lost_digits);
     let written = best.fitted.is_none_or(|x| rounded(x)[0] == x);
-    best.whole() && numbered && written && best.slip.is_none() && best.residual < CLOSELY
+    let alone = best.whole() && best.slip.is_none() && best.conventions.is_empty();
+    alone && numbered && written && best.residual < CLOSELY
 }
 
 /// The diagnosis of a gradient beside what the forward answers showed: their slip, or their conventions, where these explain it.
