@@ -30,6 +30,9 @@ use crate::parallel;
 /// Bits whose loss is likelier than a mistake that explains the same: an eps of 1e-7 added in f32, or T as 1 less the sum of the weights.
 const FEW_BITS: i32 = 4;
 
+/// The same where the mistake is what lost digits look like: V of a twist in f32 without 1 - cos theta, at angles of millionths.
+const LIKE_LOST: i32 = 5;
+
 /// The share of what wrong code may be off that a mistake's number may use to be told in the place of lost digits: what wrong code may be
 /// off is 8 times the right formula's bound, and this is half of the latter.
 const CLOSELY: f64 = 1.0 / 16.0;
@@ -226,12 +229,9 @@ impl Round {
                     row.diagnosis.first().is_some_and(|e| !e.wrong() && !e.inaccurate && e.whole());
                 let closely = row.diagnosis.first().is_some_and(numbered_closely);
                 if row.faults.is_empty() && !conventions && !closely {
-                    // Where a mistake explains it, too, a few bits must be enough, but for one that lost digits look like.
-                    let lost = |e: &Explanation| {
-                        e.slip.is_none() && !e.mistakes.is_empty() && e.mistakes.iter().all(|m| m.lost_digits)
-                    };
-                    let named = row.diagnosis.iter().any(|e| !e.inaccurate && e.whole() && !lost(e));
-                    imprecise(&mut row, exam, question, &answers[n], c, options, named);
+                    // Where a mistake explains it, too, a few bits must be enough.
+                    let most = row.diagnosis.iter().map(bits_beside).min().unwrap_or(i32::MAX);
+                    imprecise(&mut row, exam, question, &answers[n], c, options, most);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {
                     nearest(&mut row, question, &answers[n], c, options);
@@ -288,7 +288,17 @@ fn diagnose_beside(
     found
 }
 
-/// Whether the answers are right but for lost bits (few, where a mistake explains them too), in the run's conventions or those next to them.
+/// How many bits may be lost where this explains the answers, too.
+fn bits_beside(e: &Explanation) -> i32 {
+    let like_lost = e.slip.is_none() && !e.mistakes.is_empty() && e.mistakes.iter().all(|m| m.lost_digits);
+    match () {
+        () if e.inaccurate || !e.whole() => i32::MAX,
+        () if like_lost => LIKE_LOST,
+        () => FEW_BITS,
+    }
+}
+
+/// Whether the answers are right but for lost bits (`most` of them), in the run's conventions or those next to them.
 fn imprecise(
     row: &mut Row,
     exam: &Exam,
@@ -296,14 +306,13 @@ fn imprecise(
     answers: &Answers,
     base: &Conventions,
     options: &MarkOptions,
-    named: bool,
+    most: i32,
 ) {
     if question.statistics() {
         return;
     }
     let c =
         if exam.profile.is_some() { *base } else { assignment::nearest(question, answers, base, options) };
-    let most = if named { FEW_BITS } else { i32::MAX };
     if let Some(bits) = lost_bits(question, answers, &c, options).filter(|bits| *bits <= most) {
         let marks = mark(question, answers, &c, options, Grade::B);
         *row = Row { layouts: row.layouts.clone(), ..Row::marked(question, answers, &marks, None, &c) };
