@@ -67,7 +67,7 @@ pub(super) struct Args {
     /// Where they end.
     #[arg(long, value_parser = distance)]
     pub far: Option<f64>,
-    /// Learning rate at the start; it falls by 1 / sqrt(1 + step / 1500), but `--without decay`.
+    /// Learning rate at the start; it falls by 1 / sqrt(1 + step / 1500); the compact model's stays with `--without decay`.
     #[arg(long, value_parser = positive_number)]
     pub lr: Option<f64>,
     /// Every Nth frame is for validation, where the scene has no split of its own.

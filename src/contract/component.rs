@@ -128,7 +128,7 @@ impl Mistake {
         Mistake { number: Some(Number { name, usual, range }), ..self }
     }
 
-    /// The same as what right code does that loses digits.
+    /// The same, where right code that loses digits gives what this mistake does.
     pub const fn like_lost_digits(self) -> Mistake {
         Mistake { lost_digits: true, ..self }
     }
