@@ -321,6 +321,34 @@ fn a_gradient_comes_in_the_forward_answers_order() {
     }
 }
 
+/// What is wrong in an encoding that is laid out in an order of its own is found all the same.
+#[test]
+fn a_mistake_is_named_in_an_order_of_its_own() {
+    for (name, mistake) in [
+        ("positional_encoding", "another_base"),
+        ("positional_encoding", "linear_ladder"),
+        ("integrated_encoding", "half_forgotten"),
+    ] {
+        let component = COMPONENTS.iter().find(|c| c.name == name).unwrap();
+        let forward = |inputs: &Arrays| {
+            let mut all = (component.forward.wrong)(inputs, &CS180, &[mistake]);
+            // From behind, with the middle in front.
+            let encoding = &all["encoding"];
+            let width = encoding.shape()[1];
+            let mut order: Vec<usize> = (0..width).rev().collect();
+            order.rotate_left(width / 2);
+            let encoding = encoding.select(ndarray::Axis(1), &order);
+            all.insert("encoding".into(), encoding);
+            all
+        };
+        let report = judge(&Candidate::new().forward(name, forward), Dtype::F32).unwrap();
+        let row = report.of(name, "forward").unwrap();
+        assert_eq!(row.verdict, Verdict::Fail, "{report}");
+        assert_eq!(row.diagnosis[0].mistakes[0].name, mistake, "{report}");
+        assert!(report.to_string().contains("an order of their own"), "{report}");
+    }
+}
+
 /// A number that programs choose freely: any constant is told and passes, what varies fails.
 #[test]
 fn a_last_step_of_ones_own_is_told() {

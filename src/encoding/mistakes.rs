@@ -32,6 +32,28 @@ pub(crate) const COSINE_GRADIENT_SIGN: Mistake = Mistake::new(
 )
 .of_gradient();
 
+/// Powers of another base.
+const ANOTHER_BASE: Mistake = Mistake::new(
+    "another_base",
+    "b^k for 2^k, with another base b: 1 / 2^k where powers are divided by",
+    "bands that are too close together or too far apart",
+    "2^k",
+    "1 public implementation: x / 2^k",
+    1,
+)
+.with("base", 0.5, [0.01, 16.0]);
+
+/// All bands higher or lower, in one ratio.
+const ANOTHER_FIRST_BAND: Mistake = Mistake::new(
+    "another_first_band",
+    "c 2^k pi for 2^k pi: the ladder begins at another octave, or x is scaled beforehand",
+    "the slowest wave is missing, or the finest detail",
+    "2^k pi x from k = 0",
+    "2^(k + 1) in a loop that counts from 1",
+    1,
+)
+.with("c", 2.0, [0.05, 20.0]);
+
 /// Mistakes of the encoding.
 pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
     Mistake::new(
@@ -109,6 +131,8 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    ANOTHER_BASE,
+    ANOTHER_FIRST_BAND,
     Mistake::new(
         "transformers_bands",
         "10000^(-k/L) for 2^k pi: the frequencies of words' places in a sentence",
@@ -206,6 +230,12 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
             }
             if wrong.contains(&"natural_base") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, exp(k as f64), x);
+            }
+            if let Some(base) = ANOTHER_BASE.among(wrong) {
+                (out[sine], out[cosine]) = wave(encoding.frequency, pow(base, k as f64), x);
+            }
+            if let Some(c) = ANOTHER_FIRST_BAND.among(wrong) {
+                (out[sine], out[cosine]) = wave(encoding.frequency, c * encoding.band(k), x);
             }
             if wrong.contains(&"transformers_bands") {
                 let turns = pow(10_000.0, -(k as f64) / encoding.levels as f64) * x;

@@ -1,16 +1,17 @@
 //! Fitting: the number in a mistake that everybody chooses for herself, found from the answers themselves and then held against all of
 //! them.
 
+use std::iter::once_with;
+
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, Given, reshaped};
-use super::assignment::small_cases;
 use super::evidence::{Suspect, explains_all, shows, usable};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::stepwise;
 use crate::contract::arrays::Arrays;
-use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::{Mistake, Number};
 use crate::convention::Conventions;
@@ -18,9 +19,6 @@ use crate::parallel;
 
 /// Elements that a number is read off.
 const ELEMENTS: usize = 5;
-
-/// Elements that all pairs together may have in their smallest case.
-const WORK: usize = 200_000;
 
 /// Conventions in which a number is read off even where the answers lie beyond what its range gives: next to a pole they do.
 const LIKELIEST: usize = 4;
@@ -31,9 +29,9 @@ const GRID: usize = 9;
 const CASES: usize = 3;
 const BEYOND: f64 = 0.05;
 
-/// By how many times what wrong code may be off a mistake alone misses answers that show another's number, and in how many cases at least.
-const FAR: f64 = 100.0;
-const FEW: usize = 2;
+/// Numbers that people write, where what changes with them goes up and down, as a wave does.
+const WRITTEN: [f64; 12] =
+    [2.0, 0.5, 4.0, 3.0, 0.25, 10.0, 0.1, 8.0, 100.0, 1.5, 5.0, std::f64::consts::FRAC_PI_2];
 
 /// A range that is so many times as long as it begins is one of powers of ten.
 const MANY: f64 = 1e6;
@@ -67,84 +65,18 @@ pub(crate) fn fitting(
         let (mistake, c) = pairs[n];
         let usual = Hypothesis::new(vec![mistake.name], *c);
         let asked = n % near.len() < LIKELIEST || within_reach(mistake, &usual, question, answers);
-        asked.then(|| shown(mistake, &usual, question, answers).into_iter().find(|h| fits(h)))?
+        asked.then(|| shown(mistake, &usual, question, answers).find(|h| fits(h)))?
     });
     found.into_iter().flatten().collect()
-}
-
-/// Pairs of which one mistake has a number, chosen so that they explain every answer, in the conventions `near`: what the other mistake
-/// leaves is what the number is read off.
-pub(crate) fn fitting_pairs(
-    question: &Question,
-    answers: &Answers,
-    near: &[Conventions],
-    options: &MarkOptions,
-) -> Vec<Hypothesis> {
-    let all = || question.component.mistakes.iter().filter(|m| !m.gradient);
-    let numbered = all().filter(|m| m.number.is_some());
-    let mut pairs: Vec<(&Mistake, &Mistake)> = numbered
-        .flat_map(|m| all().filter(|other| other.name != m.name).map(move |other| (m, other)))
-        .collect();
-    // What is seen most often first, and no more than there is time for.
-    pairs.sort_by_key(|(m, other)| std::cmp::Reverse(m.count + other.count));
-    let cases = small_cases(question, answers);
-    let Some((case, _)) = cases.first() else { return vec![] };
-    let most = WORK / question.cost(case);
-    pairs.truncate(most);
-    let near = distinct(near, (most / pairs.len().max(1)).max(1), question, &cases);
-    let found = parallel::map(pairs.len() * near.len(), |n| {
-        let ((mistake, other), c) = (pairs[n / near.len()], near[n % near.len()]);
-        // The first that has a number gets it.
-        let names = if other.number.is_some() { [mistake, other] } else { [other, mistake] };
-        let usual = Hypothesis::new(names.map(|m| m.name).to_vec(), c);
-        let alone = Hypothesis::new(vec![other.name], c);
-        // A number next to the right one takes up what rounding left of the other mistake alone.
-        let needed = |h: &Hypothesis| {
-            let cases = usable(h, question, answers);
-            let missed =
-                |(case, answer): &&(&Case, &Answer)| !alone.explains(question, case, answer, options);
-            let missed: Vec<_> = cases.iter().filter(missed).collect();
-            // An eps shows where something is small, and nowhere else; but there by far.
-            let far =
-                |(case, answer): &&&(&Case, &Answer)| alone.residual(question, case, answer, options) > FAR;
-            2 * missed.len() >= cases.len() || missed.iter().filter(far).count() >= FEW
-        };
-        let fits = |h: &Hypothesis| {
-            explains_all(h, question, answers, options) && shows(h, question, answers, options) && needed(h)
-        };
-        within_reach(mistake, &usual, question, answers)
-            .then(|| shown(mistake, &usual, question, answers).into_iter().find(fits))?
-    });
-    found.into_iter().flatten().collect()
-}
-
-/// The first `most` of these conventions that answer differently: what changes nothing that was answered takes no other's place.
-fn distinct(
-    near: &[Conventions],
-    most: usize,
-    question: &Question,
-    cases: &[(&Case, &Answer)],
-) -> Vec<Conventions> {
-    let oracle = question.component.direction(question.kind).expect("a question has its direction").oracle;
-    let mut kept: Vec<(Conventions, Vec<Arrays>)> = vec![];
-    for c in near {
-        if kept.len() == most {
-            break;
-        }
-        let answered = |(case, answer): &(&Case, &Answer)| {
-            let all = oracle(&case.inputs, c).into_iter();
-            all.filter(|(name, _)| answer.contains_key(name)).collect()
-        };
-        let answers: Vec<Arrays> = cases.iter().map(answered).collect();
-        if kept.iter().all(|(_, others)| *others != answers) {
-            kept.push((*c, answers));
-        }
-    }
-    kept.into_iter().map(|(c, _)| c).collect()
 }
 
 /// Whether the smallest answers lie between what the numbers of a mistake's range give, so that one of these may give them.
-fn within_reach(mistake: &Mistake, usual: &Hypothesis, question: &Question, answers: &Answers) -> bool {
+pub(super) fn within_reach(
+    mistake: &Mistake,
+    usual: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+) -> bool {
     let [least, most] = mistake.number.expect("a mistake with a number").range;
     let at = |n: usize| least * crate::math::pow(most / least, n as f64 / (GRID - 1) as f64);
     usable(usual, question, answers).iter().take(CASES).all(|(case, answer)| {
@@ -187,7 +119,9 @@ fn between(name: &str, given: &Given, tried: &[Arrays]) -> bool {
 pub(crate) fn guesses(question: &Question, answers: &Answers, base: &Conventions) -> Vec<Hypothesis> {
     let mistakes = question.component.mistakes.iter().filter(|m| m.number.is_some() && !m.gradient);
     let usual = |mistake: &Mistake| Hypothesis::new(vec![mistake.name], *base);
-    mistakes.flat_map(|mistake| shown(mistake, &usual(mistake), question, answers)).collect()
+    mistakes
+        .flat_map(|mistake| shown(mistake, &usual(mistake), question, answers).collect::<Vec<_>>())
+        .collect()
 }
 
 fn of((mistakes, fitted): &Suspect, base: &Conventions) -> Hypothesis {
@@ -196,7 +130,12 @@ fn of((mistakes, fitted): &Suspect, base: &Conventions) -> Hypothesis {
 
 /// A mistake, alone or beside others, with the numbers that single elements of the answers show, the likeliest first: what they show
 /// rounded to a few digits, as people write it. `usual` is the hypothesis with the usual number.
-fn shown(mistake: &Mistake, usual: &Hypothesis, question: &Question, answers: &Answers) -> Vec<Hypothesis> {
+pub(super) fn shown<'a>(
+    mistake: &Mistake,
+    usual: &'a Hypothesis,
+    question: &'a Question,
+    answers: &'a Answers,
+) -> impl Iterator<Item = Hypothesis> + 'a {
     let number = mistake.number.expect("a mistake with a number");
     let mut shown: Vec<f64> = vec![];
     for (case, answer) in usable(usual, question, answers) {
@@ -208,7 +147,19 @@ fn shown(mistake: &Mistake, usual: &Hypothesis, question: &Question, answers: &A
     }
     let rounded = shown.iter().flat_map(|&x| [1, 2, 4].map(|digits| round_to(x, digits)));
     let read = rounded.chain(shown.iter().copied()).chain(powers(number.range));
-    read.map(|x| Hypothesis { fitted: Some(x), ..usual.clone() }).collect()
+    let read = read.chain(WRITTEN.into_iter().filter(|x| (number.range[0]..=number.range[1]).contains(x)));
+    let all: Vec<f64> = read.collect();
+    let steps = once_with(move || {
+        let asked = |(case, answer)| stepwise::Asked {
+            at: Box::new(move |x| {
+                Hypothesis { fitted: Some(x), ..usual.clone() }.prediction(question, case).0
+            }),
+            answer,
+        };
+        let cases: Vec<_> = usable(usual, question, answers).into_iter().map(asked).collect();
+        stepwise::read_off(&number, &cases)
+    });
+    all.into_iter().chain(steps.flatten()).map(|x| Hypothesis { fitted: Some(x), ..usual.clone() })
 }
 
 /// The powers of ten in a range of many: an eps is one, and where it shows is in few elements.
@@ -251,15 +202,20 @@ fn round_to(x: f64, digits: i32) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::super::answer::given;
     use super::super::exam::Exam;
     use super::*;
     use crate::contract::arithmetic::Dtype;
+    use crate::contract::case::Case;
     use crate::convention::CS180;
 
     /// What is fitted where a row's answers have this mistake with this number.
-    fn found(component: &str, dtype: Dtype, mistake: &str) -> Vec<(Vec<&'static str>, Option<f64>)> {
+    pub(in crate::judge) fn found(
+        component: &str,
+        dtype: Dtype,
+        mistake: &str,
+    ) -> Vec<(Vec<&'static str>, Option<f64>)> {
         found_in(0, component, dtype, mistake)
     }
 
@@ -280,7 +236,7 @@ mod tests {
     }
 
     /// What answers with these mistakes are, in a type.
-    fn answered(question: &Question, dtype: Dtype, mistakes: &[&str]) -> Answers {
+    pub(in crate::judge) fn answered(question: &Question, dtype: Dtype, mistakes: &[&str]) -> Answers {
         let round =
             |arrays: Arrays| arrays.into_iter().map(|(name, a)| (name, a.mapv(|x| dtype.round(x)))).collect();
         let answer = |case: &Case| {
@@ -288,15 +244,6 @@ mod tests {
             Some(given(round(wrong(&case.inputs, &CS180, mistakes))))
         };
         question.cases.iter().map(answer).collect()
-    }
-
-    /// The pairs that are fitted to forward answers with these mistakes.
-    fn pairs(component: &str, dtype: Dtype, mistakes: &[&str]) -> Vec<(Vec<&'static str>, Option<f64>)> {
-        let exam = Exam::new(component, dtype, None).unwrap();
-        let (question, options) = (&exam.questions[0], MarkOptions { dtype, exp_ulp: 4.0 });
-        let answers = answered(question, dtype, mistakes);
-        let found = fitting_pairs(question, &answers, &[CS180], &options);
-        found.into_iter().map(|h| (h.mistakes, h.fitted)).collect()
     }
 
     #[test]
@@ -328,60 +275,8 @@ mod tests {
     }
 
     #[test]
-    fn a_number_is_read_off_beside_another_mistake() {
-        for (component, numbered, other, number) in [
-            ("volume_render", "weights_normalized", "inclusive_transmittance", 1e-5),
-            ("volume_render", "delta_scaled", "rolled_transmittance", 0.25),
-            ("sample_along_rays", "jitter_about_grid", "one_jitter_for_all_rays", 1e-4),
-            ("ray_aabb", "eps_in_direction", "behind_is_a_hit", 1e-5),
-        ] {
-            for dtype in [Dtype::F64, Dtype::F32] {
-                let found = |number: f64| pairs(component, dtype, &[other, &format!("{numbered}={number}")]);
-                let found = found(number);
-                assert!(
-                    found.contains(&(vec![other, numbered], Some(number))),
-                    "{component} {dtype}: {found:?}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn no_number_is_read_off_two_other_mistakes() {
-        for (component, mistakes) in [
-            ("volume_render", ["opacity_in_front_as_transmittance", "delta_differenced_twice"]),
-            ("sample_along_rays", ["middles_not_halved", "points_without_origin"]),
-            ("pixel_to_ray", ["center_swapped", "rotation_transposed"]),
-        ] {
-            assert_eq!(pairs(component, Dtype::F32, &mistakes), [], "{component}");
-        }
-    }
-
-    #[test]
     fn no_number_is_read_off_another_mistake() {
         assert_eq!(found("volume_render", Dtype::F64, "delta_missing"), []);
         assert_eq!(found("pixel_to_ray", Dtype::F64, "center_swapped"), []);
-    }
-
-    /// Forward answers notice no ReLU before densities, and colors without opacities not which weights these add up: the next convention
-    /// that they notice is tried in their place.
-    #[test]
-    fn conventions_that_change_no_answer_take_no_place() {
-        let exam = Exam::new("volume_render", Dtype::F64, None).unwrap();
-        let question = &exam.questions[0];
-        let mut answers = answered(question, Dtype::F64, &[]);
-        let with = |key, value| CS180.with(key, value).unwrap();
-        let near = [
-            CS180,
-            with("sigma_relu", "inside"),
-            with("opacity_sum", "without_last"),
-            with("backdrop", "white"),
-        ];
-        let kept = |answers: &Answers| distinct(&near, 2, question, &small_cases(question, answers));
-        assert_eq!(kept(&answers), [CS180, near[2]]);
-        answers.iter_mut().flatten().for_each(|answer| {
-            answer.remove("opacity");
-        });
-        assert_eq!(kept(&answers), [CS180, near[3]]);
     }
 }

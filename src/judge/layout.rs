@@ -7,9 +7,9 @@ use ndarray::{ArrayD, Axis};
 use super::answer::{Answer, Answers};
 use super::assignment::{admitted, assignments, holds, open, possible};
 use super::exam::Question;
+use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::partial::apply;
-use crate::contract::arithmetic::Grade;
 use crate::contract::case::Case;
 use crate::contract::check::{Kind, budget_used};
 use crate::convention::Conventions;
@@ -123,7 +123,8 @@ fn exchange(answer: &Answer, a: &str, b: &str) -> Answer {
     answer.iter().map(|(name, given)| (rename(name), given.clone())).collect()
 }
 
-/// Columns of an encoding in an order that no convention names: one permutation for each width.
+/// Columns of an encoding in an order that no convention names: one permutation for each width. Where none makes the answers right, one
+/// that makes them those of a mistake: what is wrong in them is found in the contract's order.
 fn columns(
     question: &Question,
     answers: &Answers,
@@ -132,23 +133,31 @@ fn columns(
 ) -> Option<Arranged> {
     let (key, value) = question.component.special.columns?;
     let name = question.component.outputs[0].name;
-    let home = assignments(question.component, base);
-    for p in home.iter().filter(|p| p.get(key) == Some(&value)) {
-        let c = apply(p, base);
-        let Some(orders) = orders(question, answers, name, &c, options) else { continue };
+    let home = assignments(question.component, base).into_iter().filter(|p| p.get(key) == Some(&value));
+    let home: Vec<Conventions> = home.map(|p| apply(&p, base)).collect();
+    let forward = question.component.mistakes.iter().filter(|m| !m.gradient).map(|m| vec![m.name]);
+    let all = std::iter::once(vec![]).chain(forward);
+    all.flat_map(|wrong| home.iter().map(move |c| Hypothesis::new(wrong.clone(), *c))).find_map(|h| {
+        let orders = orders(question, answers, name, &h, options)?;
         let mut ordered = answers.clone();
         for (case, answer) in question.cases.iter().zip(&mut ordered) {
             let given = answer.as_mut()?.get_mut(name)?;
             given.values = given.values.select(Axis(1), &orders[&shape(case, &given.values)].columns);
         }
-        if holds(question, &ordered, &c, options) {
+        let explained = |(case, answer): (&Case, &Option<Answer>)| {
+            answer.as_ref().is_some_and(|answer| h.explains(question, case, answer, options))
+        };
+        let fits = match h.right() {
+            true => holds(question, &ordered, &h.conventions, options),
+            false => question.cases.iter().zip(&ordered).all(explained),
+        };
+        fits.then(|| {
             let widest = orders.values().map(|order| &order.columns);
             let widest = widest.max_by_key(|columns| columns.len()).expect("there are cases");
             let says = format!("{name}: columns in an order of their own, {widest:?} of theirs in ours");
-            return Some(Arranged { answers: ordered, says, orders: Some(orders) });
-        }
-    }
-    None
+            Arranged { answers: ordered, says, orders: Some(orders) }
+        })
+    })
 }
 
 /// Width of the input and of the encoding.
@@ -158,19 +167,19 @@ fn shape(case: &Case, encoding: &ArrayD<f64>) -> (usize, usize) {
     (x, encoding.shape().get(1).copied().unwrap_or(0))
 }
 
-/// Where each case's columns lie, if they are the contract's in one order for each width.
+/// Where each case's columns lie, if they are the predicted ones in one order for each width.
 fn orders(
     question: &Question,
     answers: &Answers,
     name: &str,
-    c: &Conventions,
+    h: &Hypothesis,
     options: &MarkOptions,
 ) -> Option<Orders> {
     let mut fits: BTreeMap<(usize, usize), Vec<Vec<bool>>> = BTreeMap::new();
     for (case, answer) in question.cases.iter().zip(answers) {
         let got = &answer.as_ref()?.get(name)?.values;
-        let truth = options.truth(question, case, c, Grade::B);
-        let (expected, bound) = (&truth.expected[name], &truth.bound[name]);
+        let (expected, bound) = h.allowed(question, case, options);
+        let (expected, bound) = (&expected[name], &bound[name]);
         if got.shape() != expected.shape() || got.ndim() != 2 {
             return None;
         }
@@ -181,6 +190,10 @@ fn orders(
             for (theirs, fits) in row.iter_mut().enumerate().filter(|(_, fits)| **fits) {
                 let g = got.index_axis(Axis(1), theirs);
                 *fits = g.iter().zip(&e).zip(&b).all(|((&g, &e), &b)| budget_used(g, e, b) <= 1.0);
+            }
+            // A column that nothing of theirs is, as in most orders that are tried.
+            if !row.contains(&true) {
+                return None;
             }
         }
     }

@@ -29,6 +29,7 @@ mod example;
 pub mod exchange;
 pub mod explain;
 mod fitted;
+mod fitted_pairs;
 mod formula_slip;
 #[doc(hidden)]
 pub mod hypothesis;
@@ -63,6 +64,7 @@ mod slipping;
 mod slips;
 #[doc(hidden)]
 pub mod statistics;
+mod stepwise;
 mod telling;
 mod tripled;
 mod truths;

@@ -139,6 +139,9 @@ fn notes(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     if !row.edge_cases.is_empty() {
         writeln!(f, "  right, but for edge cases: {}", but_for(row))?;
     }
+    for layout in &row.layouts {
+        writeln!(f, "  read in the contract's layout: {layout}")?;
+    }
     for fault in row.faults.iter().take(4) {
         writeln!(f, "  {fault}")?;
     }

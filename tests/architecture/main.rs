@@ -51,7 +51,8 @@ fn sources(folder: &Path) -> Vec<PathBuf> {
 /// The code of a file: without comments and without its test module.
 fn code(path: &Path) -> String {
     let text = fs::read_to_string(path).expect("readable source");
-    let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let tests = ["#[cfg(test)]\nmod tests {", "#[cfg(test)]\npub(super) mod tests {"];
+    let text = tests.into_iter().fold(&*text, |text, tests| text.split(tests).next().unwrap_or_default());
     text.lines().map(|line| line.split("//").next().unwrap_or_default().to_string() + "\n").collect()
 }
 

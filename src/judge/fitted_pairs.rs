@@ -1,0 +1,162 @@
+//! Fitting beside another mistake: what that leaves of the answers is what the number is read off.
+
+use super::answer::{Answer, Answers};
+use super::assignment::small_cases;
+use super::evidence::{explains_all, shows, usable};
+use super::exam::Question;
+use super::fitted::{shown, within_reach};
+use super::hypothesis::Hypothesis;
+use super::mark::MarkOptions;
+use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
+use crate::contract::component::Mistake;
+use crate::convention::Conventions;
+use crate::parallel;
+
+/// Elements that all pairs together may have in their smallest case.
+const WORK: usize = 200_000;
+
+/// By how many times what wrong code may be off a mistake alone misses answers that show another's number, and in how many cases at least.
+const FAR: f64 = 100.0;
+const FEW: usize = 2;
+
+/// Pairs of which one mistake has a number, chosen so that they explain every answer, in the conventions `near`: what the other mistake
+/// leaves is what the number is read off.
+pub(crate) fn fitting_pairs(
+    question: &Question,
+    answers: &Answers,
+    near: &[Conventions],
+    options: &MarkOptions,
+) -> Vec<Hypothesis> {
+    let all = || question.component.mistakes.iter().filter(|m| !m.gradient);
+    let numbered = all().filter(|m| m.number.is_some());
+    let mut pairs: Vec<(&Mistake, &Mistake)> = numbered
+        .flat_map(|m| all().filter(|other| other.name != m.name).map(move |other| (m, other)))
+        .collect();
+    // What is seen most often first, and no more than there is time for.
+    pairs.sort_by_key(|(m, other)| std::cmp::Reverse(m.count + other.count));
+    let cases = small_cases(question, answers);
+    let Some((case, _)) = cases.first() else { return vec![] };
+    let most = WORK / question.cost(case);
+    pairs.truncate(most);
+    let near = distinct(near, (most / pairs.len().max(1)).max(1), question, &cases);
+    let found = parallel::map(pairs.len() * near.len(), |n| {
+        let ((mistake, other), c) = (pairs[n / near.len()], near[n % near.len()]);
+        // The first that has a number gets it.
+        let names = if other.number.is_some() { [mistake, other] } else { [other, mistake] };
+        let usual = Hypothesis::new(names.map(|m| m.name).to_vec(), c);
+        let alone = Hypothesis::new(vec![other.name], c);
+        // A number next to the right one takes up what rounding left of the other mistake alone.
+        let needed = |h: &Hypothesis| {
+            let cases = usable(h, question, answers);
+            let missed =
+                |(case, answer): &&(&Case, &Answer)| !alone.explains(question, case, answer, options);
+            let missed: Vec<_> = cases.iter().filter(missed).collect();
+            // An eps shows where something is small, and nowhere else; but there by far.
+            let far =
+                |(case, answer): &&&(&Case, &Answer)| alone.residual(question, case, answer, options) > FAR;
+            2 * missed.len() >= cases.len() || missed.iter().filter(far).count() >= FEW
+        };
+        let fits = |h: &Hypothesis| {
+            explains_all(h, question, answers, options) && shows(h, question, answers, options) && needed(h)
+        };
+        within_reach(mistake, &usual, question, answers)
+            .then(|| shown(mistake, &usual, question, answers).find(fits))?
+    });
+    found.into_iter().flatten().collect()
+}
+
+/// The first `most` of these conventions that answer differently: what changes nothing that was answered takes no other's place.
+fn distinct(
+    near: &[Conventions],
+    most: usize,
+    question: &Question,
+    cases: &[(&Case, &Answer)],
+) -> Vec<Conventions> {
+    let oracle = question.component.direction(question.kind).expect("a question has its direction").oracle;
+    let mut kept: Vec<(Conventions, Vec<Arrays>)> = vec![];
+    for c in near {
+        if kept.len() == most {
+            break;
+        }
+        let answered = |(case, answer): &(&Case, &Answer)| {
+            let all = oracle(&case.inputs, c).into_iter();
+            all.filter(|(name, _)| answer.contains_key(name)).collect()
+        };
+        let answers: Vec<Arrays> = cases.iter().map(answered).collect();
+        if kept.iter().all(|(_, others)| *others != answers) {
+            kept.push((*c, answers));
+        }
+    }
+    kept.into_iter().map(|(c, _)| c).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::exam::Exam;
+    use super::super::fitted::tests::answered;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::convention::CS180;
+
+    /// The pairs that are fitted to forward answers with these mistakes.
+    fn pairs(component: &str, dtype: Dtype, mistakes: &[&str]) -> Vec<(Vec<&'static str>, Option<f64>)> {
+        let exam = Exam::new(component, dtype, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype, exp_ulp: 4.0 });
+        let answers = answered(question, dtype, mistakes);
+        let found = fitting_pairs(question, &answers, &[CS180], &options);
+        found.into_iter().map(|h| (h.mistakes, h.fitted)).collect()
+    }
+
+    #[test]
+    fn a_number_is_read_off_beside_another_mistake() {
+        for (component, numbered, other, number) in [
+            ("volume_render", "weights_normalized", "inclusive_transmittance", 1e-5),
+            ("volume_render", "delta_scaled", "rolled_transmittance", 0.25),
+            ("sample_along_rays", "jitter_about_grid", "one_jitter_for_all_rays", 1e-4),
+            ("ray_aabb", "eps_in_direction", "behind_is_a_hit", 1e-5),
+        ] {
+            for dtype in [Dtype::F64, Dtype::F32] {
+                let found = |number: f64| pairs(component, dtype, &[other, &format!("{numbered}={number}")]);
+                let found = found(number);
+                assert!(
+                    found.contains(&(vec![other, numbered], Some(number))),
+                    "{component} {dtype}: {found:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn no_number_is_read_off_two_other_mistakes() {
+        for (component, mistakes) in [
+            ("volume_render", ["opacity_in_front_as_transmittance", "delta_differenced_twice"]),
+            ("sample_along_rays", ["middles_not_halved", "points_without_origin"]),
+            ("pixel_to_ray", ["center_swapped", "rotation_transposed"]),
+        ] {
+            assert_eq!(pairs(component, Dtype::F32, &mistakes), [], "{component}");
+        }
+    }
+
+    /// Forward answers notice no ReLU before densities, and colors without opacities not which weights these add up: the next convention
+    /// that they notice is tried in their place.
+    #[test]
+    fn conventions_that_change_no_answer_take_no_place() {
+        let exam = Exam::new("volume_render", Dtype::F64, None).unwrap();
+        let question = &exam.questions[0];
+        let mut answers = answered(question, Dtype::F64, &[]);
+        let with = |key, value| CS180.with(key, value).unwrap();
+        let near = [
+            CS180,
+            with("sigma_relu", "inside"),
+            with("opacity_sum", "without_last"),
+            with("backdrop", "white"),
+        ];
+        let kept = |answers: &Answers| distinct(&near, 2, question, &small_cases(question, answers));
+        assert_eq!(kept(&answers), [CS180, near[2]]);
+        answers.iter_mut().flatten().for_each(|answer| {
+            answer.remove("opacity");
+        });
+        assert_eq!(kept(&answers), [CS180, near[3]]);
+    }
+}
