@@ -7,6 +7,7 @@ use super::arrays::{self, Nerf, cotangents, field, mlp_gradients, network, zeros
 use super::trunk::Plan;
 use super::{Layer, backward, density, sigmoid, sigmoid_slope, softplus};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
+use crate::contract::component::Mistake;
 use crate::convention::{Activation, Conventions};
 use crate::encoding::{
     backward::positional_encoding as encoding_vjp, mistakes as encoding, positional_encoding,
@@ -15,11 +16,18 @@ use crate::math::{erf, exp, expm1, sin};
 
 mod catalogue;
 
-use catalogue::{LEAKY_UNITS, WIDENED};
+use catalogue::{LAYER_TWICE, LEAKY_UNITS, NEVER_APPLIED, WIDENED};
 pub(crate) use catalogue::{MLP, NERF_MLP};
 
 /// Mistakes inside the layers: missing biases, transposed weights, the identity in place of a layer.
-fn spoil(layers: Vec<&mut Layer>, unused: usize, wrong: &[&str]) {
+fn spoil(mut layers: Vec<&mut Layer>, wrong: &[&str]) {
+    let which = |mistake: &Mistake| mistake.among(wrong).map(|layer| layer.round() as usize);
+    if let Some(n) = which(&LAYER_TWICE).filter(|n| (1..layers.len()).contains(n)) {
+        if layers[n].w.dim() == layers[n - 1].w.dim() {
+            *layers[n - 1] = layers[n].clone();
+        }
+    }
+    let unused = which(&NEVER_APPLIED);
     for (n, layer) in layers.into_iter().enumerate() {
         let square = layer.w.nrows() == layer.w.ncols();
         if wrong.contains(&"bias_forgotten") {
@@ -29,7 +37,7 @@ fn spoil(layers: Vec<&mut Layer>, unused: usize, wrong: &[&str]) {
             layer.w = layer.w.t().to_owned();
         }
         // h is not negative, so leaving a layer out equals an identity before the ReLU.
-        if wrong.contains(&"layer_never_applied") && square && n == unused {
+        if square && unused == Some(n) {
             layer.w = ndarray::Array2::eye(layer.w.nrows());
             layer.b.fill(0.0);
         }
@@ -85,7 +93,7 @@ pub(crate) fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         return arrays::mlp(a, c);
     }
     let mut net = network(a);
-    spoil(net.layers.iter_mut().collect(), 1, wrong);
+    spoil(net.layers.iter_mut().collect(), wrong);
     // The output units, of whatever the hidden ones were.
     let widened = |y: f64| WIDENED.among(wrong).map_or(y, |e| (1.0 + 2.0 * e) * y - e);
     let point = |x: &Vec<f64>| -> Vec<f64> {
@@ -178,7 +186,7 @@ pub(crate) fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         return arrays::nerf(a, c);
     }
     let mut nerf = Nerf::of(a, c);
-    spoil(nerf.net.layers_mut(), 1, wrong);
+    spoil(nerf.net.layers_mut(), wrong);
     if wrong.contains(&"skip_omitted") {
         cut_skip(&mut nerf, c);
     }

@@ -39,6 +39,7 @@ fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
         match *name {
             "prime_mistyped" => primes[1] = 265_443_567,
             "primes_of_cloth" => primes = [73_856_093, 19_349_663, 83_492_791],
+            "primes_of_cloth_but_the_first" => primes = [1, 19_349_663, 83_492_791],
             "primes_from_the_second" => primes = [2_654_435_761, 805_459_861, 3_674_653_429],
             "primes_rolled" => primes.rotate_left(1),
             "primes_exchanged" => primes.swap(1, 2),
@@ -76,6 +77,7 @@ fn wrong_weight(k: usize, cells: [(u32, f64); 3], right: f64, wrong: &[&str]) ->
     match () {
         () if has("mean_of_corners") => 0.125,
         () if has("corners_added") => 1.0,
+        () if has("last_axis_unweighted") => side(0, bits[0]) * side(1, bits[1]),
         () if has("one_face_alone") && bits[2] => 0.0,
         () if has("one_face_alone") => side(0, bits[0]) * side(1, bits[1]),
         () if has("weights_of_mirrored_corners") => (0..3).map(|axis| side(axis, bits[2 - axis])).product(),

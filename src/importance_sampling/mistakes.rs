@@ -4,7 +4,8 @@ mod catalogue;
 
 use catalogue::{BLURRED, DENOMINATOR_EPS, EPS_AFTER_DIVISION, EPS_IN_SUM};
 pub(crate) use catalogue::{
-    IMPORTANCE_SAMPLING, INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, SEARCHED_FROM_THE_LEFT,
+    IMPORTANCE_SAMPLING, INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, NOTHING_OVER_NOTHING,
+    SEARCHED_FROM_THE_LEFT,
 };
 
 use super::arrays::{Ray, forward, gradient, vjp};
@@ -29,6 +30,11 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     }
     if wrong.contains(&"weights_as_densities") {
         weights.iter_mut().zip(edges.windows(2)).for_each(|(w, e)| *w *= e[1] - e[0]);
+    }
+    if wrong.contains(&"padded_densities") {
+        let padded =
+            weights.iter().zip(edges.windows(2)).map(|(w, e)| (w + padding) * (e[1] - e[0]) - padding);
+        weights = padded.collect();
     }
     if wrong.contains(&"weights_squared") {
         weights.iter_mut().for_each(|w| *w *= *w);
@@ -86,6 +92,10 @@ fn cdf_of(ray: &Ray, batch: f64, wrong: &[&str]) -> Vec<f64> {
     if let Some(eps) = EPS_AFTER_DIVISION.among(wrong) {
         f.iter_mut().enumerate().for_each(|(k, f)| *f += k as f64 * eps);
     }
+    let nothing = ray.weights.iter().all(|w| w + ray.padding == 0.0);
+    if wrong.contains(&"nothing_over_nothing") && nothing {
+        f.fill(f64::NAN);
+    }
     if wrong.contains(&"no_leading_zero") {
         f.remove(0);
         f.push(f[f.len() - 1]);
@@ -94,6 +104,10 @@ fn cdf_of(ray: &Ray, batch: f64, wrong: &[&str]) -> Vec<f64> {
 }
 
 fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
+    // Wherever it is looked for.
+    if f[0].is_nan() {
+        return f64::NAN;
+    }
     let left = wrong.contains(&"searched_from_the_left");
     let held = wrong.contains(&"upper_edge_held_by_sample_count");
     let unlike = ["no_leading_zero", "not_normalized", "sum_of_all_rays", "last_bin_zeroed"];

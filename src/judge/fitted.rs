@@ -6,6 +6,7 @@ use std::iter::once_with;
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, Given, reshaped};
+use super::assignment::small_cases;
 use super::evidence::{Suspect, explains_all, shows, usable};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
@@ -21,7 +22,9 @@ use crate::parallel;
 const ELEMENTS: usize = 5;
 
 /// Conventions in which a number is read off even where the answers lie beyond what its range gives: next to a pole they do.
+/// In more of them where a row has few mistakes with numbers, and small cases: `ASKED` over what these are.
 const LIKELIEST: usize = 4;
+const ASKED: usize = 4000;
 
 /// Numbers of a range that are tried before one is read off, on so many of the smallest cases, and by how much of an answer's size it may
 /// lie beyond what they give.
@@ -61,10 +64,12 @@ pub(crate) fn fitting(
     let own = |m: &&Mistake| m.number.is_some() && m.gradient == (question.kind == Kind::Vjp);
     let mistakes = question.component.mistakes.iter().filter(own);
     let pairs: Vec<_> = mistakes.flat_map(|m| near.iter().map(move |c| (m, c))).collect();
+    let smallest = small_cases(question, answers).first().map_or(1, |(case, _)| question.cost(case));
+    let likeliest = (ASKED * near.len() / (pairs.len() * smallest).max(1)).max(LIKELIEST);
     let found = parallel::map(pairs.len(), |n| {
         let (mistake, c) = pairs[n];
         let usual = Hypothesis::new(vec![mistake.name], *c);
-        let asked = n % near.len() < LIKELIEST || within_reach(mistake, &usual, question, answers);
+        let asked = n % near.len() < likeliest || within_reach(mistake, &usual, question, answers);
         asked.then(|| shown(mistake, &usual, question, answers).find(|h| fits(h)))?
     });
     found.into_iter().flatten().collect()
@@ -147,7 +152,7 @@ pub(super) fn shown<'a>(
     }
     let rounded = shown.iter().flat_map(|&x| [1, 2, 4].map(|digits| round_to(x, digits)));
     let read = rounded.chain(shown.iter().copied()).chain(powers(number.range));
-    let read = read.chain(WRITTEN.into_iter().filter(|x| (number.range[0]..=number.range[1]).contains(x)));
+    let read = read.chain(written(mistake));
     let all: Vec<f64> = read.collect();
     let steps = once_with(move || {
         let asked = |(case, answer)| stepwise::Asked {
@@ -160,6 +165,12 @@ pub(super) fn shown<'a>(
         stepwise::read_off(&number, &cases)
     });
     all.into_iter().chain(steps.flatten()).map(|x| Hypothesis { fitted: Some(x), ..usual.clone() })
+}
+
+/// The numbers that people write of those that a mistake can have.
+pub(super) fn written(mistake: &Mistake) -> impl Iterator<Item = f64> + use<> {
+    let range = mistake.number.map(|number| number.range);
+    WRITTEN.into_iter().filter(move |x| range.is_some_and(|[least, most]| (least..=most).contains(x)))
 }
 
 /// The powers of ten in a range of many: an eps is one, and where it shows is in few elements.

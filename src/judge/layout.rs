@@ -7,11 +7,13 @@ use ndarray::{ArrayD, Axis};
 use super::answer::{Answer, Answers};
 use super::assignment::{admitted, assignments, holds, open, possible};
 use super::exam::Question;
+use super::fitted::written;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::partial::apply;
 use crate::contract::case::Case;
 use crate::contract::check::{Kind, budget_used};
+use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Answers that are right in another layout.
@@ -135,9 +137,14 @@ fn columns(
     let name = question.component.outputs[0].name;
     let home = assignments(question.component, base).into_iter().filter(|p| p.get(key) == Some(&value));
     let home: Vec<Conventions> = home.map(|p| apply(&p, base)).collect();
-    let forward = question.component.mistakes.iter().filter(|m| !m.gradient).map(|m| vec![m.name]);
-    let all = std::iter::once(vec![]).chain(forward);
-    all.flat_map(|wrong| home.iter().map(move |c| Hypothesis::new(wrong.clone(), *c))).find_map(|h| {
+    let forward = question.component.mistakes.iter().filter(|m| !m.gradient);
+    let numbered = |m: &'static Mistake| written(m).map(move |x| (vec![m.name], Some(x)));
+    let wrong = forward.flat_map(|m| std::iter::once((vec![m.name], None)).chain(numbered(m)));
+    let all = std::iter::once((vec![], None)).chain(wrong);
+    let tried = all.flat_map(|(wrong, fitted)| {
+        home.iter().map(move |c| Hypothesis { fitted, ..Hypothesis::new(wrong.clone(), *c) })
+    });
+    tried.into_iter().find_map(|h| {
         let orders = orders(question, answers, name, &h, options)?;
         let mut ordered = answers.clone();
         for (case, answer) in question.cases.iter().zip(&mut ordered) {

@@ -5,6 +5,7 @@ use super::counted;
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::{AnnealPadding, Conventions};
+use crate::importance_sampling::mistakes::NOTHING_OVER_NOTHING;
 use crate::math::{exp, pow};
 
 const OWN_PADDING: Mistake = Mistake::new(
@@ -116,6 +117,7 @@ pub(crate) const PROPOSAL_PDF: &[Mistake] = &[
         0,
     ),
     OWN_PADDING,
+    NOTHING_OVER_NOTHING,
     Mistake::new(
         "share_raised",
         "((w + padding) / sum)^anneal, and not divided again",
@@ -209,6 +211,7 @@ fn shares(ray: &Ray, powers: &[f64], total: f64, wrong: &[&str]) -> Vec<f64> {
         let even = if counts { 1.0 / bins } else { 0.0 };
         let share = match () {
             () if undivided => *power,
+            () if has("nothing_over_nothing") && total == 0.0 => f64::NAN,
             () if total > 0.0 => (power + missing * even) / (total + missing),
             () => even,
         };

@@ -52,6 +52,16 @@ fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&
 
 /// Directions divided by their norms, or by those of other rays.
 fn normalize(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
+    if wrong.contains(&"divided_by_depth_in_the_world") {
+        rays.iter_mut().for_each(|ray| ray.d /= ray.d.z);
+        return;
+    }
+    if wrong.contains(&"each_coordinate_by_its_norm") {
+        let squares = rays.iter().fold(DVec3::ZERO, |sum, ray| sum + ray.d * ray.d);
+        let norms = DVec3::from(squares.to_array().map(f64::sqrt));
+        rays.iter_mut().for_each(|ray| ray.d /= norms);
+        return;
+    }
     if c.directions != Directions::Unit {
         return;
     }

@@ -6,7 +6,7 @@ use crate::contract::arrays::{Arrays, row};
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, EdgesFrom, OldEdges};
 use crate::importance_sampling::mistakes::{
-    INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, SEARCHED_FROM_THE_LEFT, sample,
+    INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, NOTHING_OVER_NOTHING, SEARCHED_FROM_THE_LEFT, sample,
 };
 use crate::importance_sampling::{bin_of, cdf, union};
 
@@ -16,6 +16,7 @@ pub(crate) const RESAMPLE_EDGES: &[Mistake] = &[
     NO_LEADING_ZERO,
     INTERIOR_ALONE,
     NOT_NORMALIZED,
+    NOTHING_OVER_NOTHING,
     Mistake::new(
         "left_edge",
         "the chosen bin's edge, without a place inside it",
@@ -95,7 +96,7 @@ const OWN_PADDING: Mistake = Mistake::new(
 .with("eps", 1e-2, [1e-10, 1.0]);
 
 /// The mistakes that importance sampling has too.
-const OF_SAMPLES: usize = 5;
+const OF_SAMPLES: usize = 6;
 
 /// One ray's samples where bins' upper edges are looked up among N.
 fn without_the_last_edge(ray: &Ray) -> Vec<f64> {

@@ -82,6 +82,11 @@ fn wrong_composite(
             "neighbors_light_alone" => (1..n).for_each(|i| t[i] = 1.0 - alphas[i - 1]),
             "whole_rays_light" => t = vec![t[n]; n + 1],
             "rolled_transmittance" => t[0] = t[n],
+            "rolled_backward" => {
+                t = (0..=n).map(|i| t.get(i + 2).copied().unwrap_or(0.0)).collect();
+                t[0] = 1.0;
+                t[n] = rendering.transmittance[n];
+            }
             "rolled_but_in_first_ray" if r > 0 => t[0] = t[n],
             "first_ray_unshaded" if r == 0 => t[..n].fill(1.0),
             "first_ray_unshaded" => t[0] = t[n],

@@ -35,14 +35,24 @@ const TRANSPOSED: Mistake = Mistake::new(
     "weight conversions",
     0,
 );
-const NEVER_APPLIED: Mistake = Mistake::new(
+pub(super) const NEVER_APPLIED: Mistake = Mistake::new(
     "layer_never_applied",
     "a square layer is built but left out of forward",
     "a smaller network; the layer has no gradient",
     "call every layer",
     "2 public implementations",
     2,
-);
+)
+.with("layer", 1.0, [1.0, 8.0]);
+pub(super) const LAYER_TWICE: Mistake = Mistake::new(
+    "layer_twice",
+    "layer n is applied in the place of layer n - 1, too",
+    "a network of less freedom; the layer in front has no gradient",
+    "call every layer, once",
+    "1 public implementation",
+    1,
+)
+.with("layer", 3.0, [1.0, 8.0]);
 const SIGMOID_GRADIENT: Mistake = Mistake::new(
     "sigmoid_gradient_missing",
     "the gradient passes the sigmoid unchanged",
@@ -138,6 +148,7 @@ pub(crate) const MLP: &[Mistake] = &[
     BIAS_FORGOTTEN,
     TRANSPOSED,
     NEVER_APPLIED,
+    LAYER_TWICE,
     LEAKY_UNITS,
     SMOOTH_UNITS,
     ELU_UNITS,
@@ -157,6 +168,7 @@ pub(crate) const NERF_MLP: &[Mistake] = &[
     BIAS_FORGOTTEN,
     TRANSPOSED,
     NEVER_APPLIED,
+    LAYER_TWICE,
     Mistake::new(
         "skip_omitted",
         "the encoding isn't concatenated again (zeros stand in its place)",

@@ -130,6 +130,22 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
         2,
     ),
     Mistake::new(
+        "primes_of_cloth_but_the_first",
+        "1, 19349663, 83492791: the factors of Teschner et al. 2003 with 1 in front",
+        "another hash: tables can't be exchanged",
+        "1, 2654435761, 805459861",
+        "2 public implementations",
+        2,
+    ),
+    Mistake::new(
+        "last_axis_unweighted",
+        "corners are weighed along x and y alone",
+        "features twice as large, and steps from cell to cell in z",
+        "a weight along each axis",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "mean_of_corners",
         "the mean of the eight corners",
         "blocks: nothing changes within a cell",

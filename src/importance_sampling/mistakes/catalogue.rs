@@ -32,6 +32,16 @@ pub(crate) const INTERIOR_ALONE: Mistake = Mistake::new(
     4,
 );
 
+/// An empty ray isn't thought of. Of a proposal's distribution, too.
+pub(crate) const NOTHING_OVER_NOTHING: Mistake = Mistake::new(
+    "nothing_over_nothing",
+    "w / sum w without anything added: 0 / 0 where no bin weighs, or a softmax of infinities",
+    "not a number on rays through empty space, and from there in all parameters",
+    "a padding, or even shares where the sum is 0",
+    "2 public implementations",
+    2,
+);
+
 /// The distribution doesn't end at 1.
 pub(crate) const NOT_NORMALIZED: Mistake = Mistake::new(
     "not_normalized",
@@ -128,6 +138,15 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         "between histograms and densities; never seen",
         0,
     ),
+    Mistake::new(
+        "padded_densities",
+        "(weights + padding) times the widths of their bins",
+        "wide bins are sampled too often, also where nothing weighs",
+        "a weight is a bin's whole share already",
+        "1 public implementation: densities of a histogram, whose integral is taken",
+        1,
+    ),
+    NOTHING_OVER_NOTHING,
     Mistake::new(
         "one_u_for_all_rays",
         "the first ray's u for all",

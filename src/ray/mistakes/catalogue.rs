@@ -109,6 +109,22 @@ pub(super) const NORM_OF_ALL: Mistake = Mistake::new(
     "1 public implementation",
     1,
 );
+pub(super) const COORDINATES_BY_NORMS: Mistake = Mistake::new(
+    "each_coordinate_by_its_norm",
+    "each of x, y, z is divided by its own norm over all rays: the norm along the wrong axis",
+    "directions that are bent toward the smaller coordinates, and shorter the larger the batch is",
+    "norm(d, axis=-1, keepdims=True)",
+    "1 public implementation: norm(d, dim=0) of (H W, 3)",
+    1,
+);
+pub(super) const DIVIDED_BY_WORLD_DEPTH: Mistake = Mistake::new(
+    "divided_by_depth_in_the_world",
+    "d / d_z behind the rotation, of the world's z",
+    "infinite for rays across, and turned around for rays down",
+    "the norm; or divide in the camera, in front of the rotation",
+    "1 public implementation",
+    1,
+);
 
 /// Mistakes of the ray through a pixel.
 pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
@@ -135,6 +151,8 @@ pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
     TRANSLATION_IN_DIRECTION,
     ORIGIN_NORMALISED,
     NORM_OF_ALL,
+    COORDINATES_BY_NORMS,
+    DIVIDED_BY_WORLD_DEPTH,
     ORIGIN_MINUS_TURNED,
     ORIGIN_NEGATED,
     ORIGIN_ON_PLANE,
@@ -189,6 +207,8 @@ pub(crate) const IMAGE_RAYS: &[Mistake] = &[
     TRANSLATION_IN_DIRECTION,
     ORIGIN_NORMALISED,
     NORM_OF_ALL,
+    COORDINATES_BY_NORMS,
+    DIVIDED_BY_WORLD_DEPTH,
     ORIGIN_MINUS_TURNED,
     ORIGIN_NEGATED,
     ORIGIN_ON_PLANE,

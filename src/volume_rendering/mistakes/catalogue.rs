@@ -18,6 +18,14 @@ pub(super) const ROLLED: Mistake = Mistake::new(
     "2 public implementations",
     2,
 );
+pub(super) const ROLLED_BACKWARD: Mistake = Mistake::new(
+    "rolled_backward",
+    "the cumulative product is moved on by one in the place of back: T_i = T_{i+2}, 1 in the first place, 0 in the last",
+    "samples are shaded by themselves and by the next, and the last one is invisible",
+    "1 in front of the product, and its last entry left out",
+    "1 public implementation, whose framework has no roll",
+    1,
+);
 pub(super) const FIRST_ZERO: Mistake = Mistake::new(
     "first_transmittance_zero",
     "T_0 = 0 (a zero in front of the cumulative product instead of a one)",
