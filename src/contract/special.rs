@@ -1,5 +1,7 @@
 //! What only a few rows of the contract need.
 
+use ndarray::ArrayD;
+
 use super::arithmetic::Dtype;
 use super::arrays::Arrays;
 use super::case::{Case, Draw};
@@ -38,8 +40,19 @@ pub struct Special {
     pub only: Option<Only>,
     /// What an element costs, in those of a usual row: searches try so many hypotheses less.
     pub work: usize,
-    /// Outputs with another one that says where they are read: where that is 0, they may be anything.
-    pub unread: &'static [(&'static str, &'static str)],
+    /// Outputs that aren't read everywhere.
+    pub unread: Option<Unread>,
+}
+
+/// Outputs with another one that says where they are read: where that is 0, they may be anything.
+#[derive(Clone, Copy, Debug)]
+pub struct Unread {
+    /// What isn't read everywhere.
+    pub outputs: &'static [&'static str],
+    /// What says where.
+    pub by: &'static str,
+    /// The same from the inputs and those outputs, for who doesn't answer it: their user asks them.
+    pub told: fn(&Arrays, &[ArrayD<f64>]) -> ArrayD<f64>,
 }
 
 /// A number, or a length, up to which a function may go: it is judged as far as it does.
@@ -94,7 +107,7 @@ impl Special {
         reach: None,
         only: None,
         work: 1,
-        unread: &[],
+        unread: None,
     };
 }
 

@@ -285,7 +285,7 @@ impl Hypothesis {
     /// there where the answer has it; and where nobody reads what wrong code returns, what was answered.
     pub(crate) fn leave_open(&self, question: &Question, case: &Case, answer: &Answer, wrong: &mut Arrays) {
         if !self.right() && question.kind == Kind::Forward {
-            unread::as_answered(question.component, answer, wrong);
+            unread::as_answered(question.component, case, answer, wrong);
         }
         if self.right() || case.finite() {
             return;

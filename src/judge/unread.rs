@@ -2,18 +2,22 @@
 
 use super::answer::{Answer, reshaped};
 use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
 use crate::contract::component::Component;
 
 /// Predicts what was answered, where a prediction says that nobody reads it, and so does the answer: else whatever is predicted to be
 /// missed would explain any t.
-pub(crate) fn as_answered(component: &Component, answer: &Answer, predicted: &mut Arrays) {
-    for (output, by) in component.special.unread {
-        let (Some(read), Some(predicted)) = (predicted.get(*by).cloned(), predicted.get_mut(*output)) else {
+pub(crate) fn as_answered(component: &Component, case: &Case, answer: &Answer, predicted: &mut Arrays) {
+    let Some(unread) = component.special.unread else { return };
+    let Some(read) = predicted.get(unread.by).cloned() else { return };
+    let given = |name: &str| reshaped(&answer.get(name)?.values, read.shape()).map(|(array, _)| array);
+    let all = || unread.outputs.iter().map(|name| given(name)).collect::<Option<Vec<_>>>();
+    let Some(said) = given(unread.by).or_else(|| Some((unread.told)(&case.inputs, &all()?))) else { return };
+    for output in unread.outputs {
+        let Some((given, predicted)) = given(output).zip(predicted.get_mut(*output)) else { continue };
+        if predicted.shape() != read.shape() {
             continue;
-        };
-        let of_shape = |name: &str| reshaped(&answer.get(name)?.values, read.shape()).map(|(array, _)| array);
-        let both = of_shape(output).zip(of_shape(by)).filter(|_| predicted.shape() == read.shape());
-        let Some((given, said)) = both else { continue };
+        }
         for (((predicted, given), read), said) in predicted.iter_mut().zip(&given).zip(&read).zip(&said) {
             *predicted = if *read == 0.0 && *said == 0.0 { *given } else { *predicted };
         }
@@ -55,13 +59,14 @@ mod tests {
         };
         assert_eq!(explained(|answer| of_misses(answer, f64::NAN)), all);
         assert_eq!(explained(|answer| of_misses(answer, -1e6)), all);
-        // Hits are read, and without hits it isn't known what is.
+        // Hits are read; without an answer to what is hit, both t say it.
         let moved = |answer: &mut Answer| answer.get_mut("t_near").expect("an output").values += 1.0;
         assert!(explained(moved).0 < all.0);
-        let silent = |answer: &mut Answer| {
-            of_misses(answer, -1e6);
+        let silent = |answer: &mut Answer, number: f64| {
+            of_misses(answer, number);
             answer.remove("hit");
         };
-        assert!(explained(silent).0 < all.0);
+        assert_eq!(explained(|answer| silent(answer, 1e6)), all);
+        assert!(explained(|answer| silent(answer, -1e6)).0 < all.0);
     }
 }

@@ -119,6 +119,14 @@ pub(crate) const PROPOSAL_PDF: &[Mistake] = &[
     OWN_PADDING,
     NOTHING_OVER_NOTHING,
     Mistake::new(
+        "logarithm_of_nothing",
+        "a softmax of anneal log w, where no bin weighs, or anneal is 0 and a bin doesn't weigh: 0 times minus infinity",
+        "not a number on rays through empty space, and from there in all parameters",
+        "a padding inside of the logarithm, or even shares where the sum is 0",
+        "1 public implementation, after multinerf, whose padding isn't 0 where it is used",
+        1,
+    ),
+    Mistake::new(
         "share_raised",
         "((w + padding) / sum)^anneal, and not divided again",
         "the powers of shares add up to more than 1: samples crowd in front",
@@ -207,11 +215,14 @@ fn shares(ray: &Ray, powers: &[f64], total: f64, wrong: &[&str]) -> Vec<f64> {
     let bins = counts.iter().filter(|&&counts| counts).count() as f64;
     let missing = (ray.form.floor.value() - total).max(0.0);
     let undivided = has("sum_not_divided") || has("divided_before_the_power") || has("share_raised");
+    let faint = |w: &f64| w + ray.padding == 0.0;
+    let unlogged = ray.weights.iter().all(faint) || ray.anneal == 0.0 && ray.weights.iter().any(faint);
     let one = |(power, &counts): (&f64, &bool)| {
         let even = if counts { 1.0 / bins } else { 0.0 };
         let share = match () {
             () if undivided => *power,
             () if has("nothing_over_nothing") && total == 0.0 => f64::NAN,
+            () if has("logarithm_of_nothing") && unlogged => f64::NAN,
             () if total > 0.0 => (power + missing * even) / (total + missing),
             () => even,
         };

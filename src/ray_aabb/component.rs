@@ -1,10 +1,12 @@
 //! Registry row of rays and boxes.
 
+use ndarray::{ArrayD, Zip};
+
 use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::arithmetic::Dtype;
-use crate::contract::arrays::Arrays;
+use crate::contract::arrays::{Arrays, number};
 use crate::contract::component::{Component, Direction, Entries, Port};
-use crate::contract::special::{Form, Special};
+use crate::contract::special::{Form, Special, Unread};
 
 /// Where rays enter and leave a box.
 pub(crate) const RAY_AABB: Component = Component {
@@ -49,11 +51,18 @@ pub(crate) const RAY_AABB: Component = Component {
             meaning: "rays begin at 0 and have no end: nothing is cut at far",
             holds: without_range,
         }],
-        unread: &[("t_near", "hit"), ("t_far", "hit")],
+        unread: Some(Unread { outputs: &["t_near", "t_far"], by: "hit", told: hit }),
         large: cases::large,
         ..Special::NONE
     },
 };
+
+/// Whether the part of a ray's line between two t's is more than nothing, and some of it between near and far.
+fn hit(inputs: &Arrays, t: &[ArrayD<f64>]) -> ArrayD<f64> {
+    let (near, far) = (number(inputs, "near"), number(inputs, "far"));
+    let one = |enter: &f64, leave: &f64| f64::from(u8::from(enter.max(near) <= leave.min(far)));
+    Zip::from(&t[0]).and(&t[1]).map_collect(one)
+}
 
 /// Whether near is 0, and far beyond every box that a ray's line meets.
 fn without_range(inputs: &Arrays, _: Dtype) -> bool {

@@ -27,8 +27,8 @@ def entry_of(corner, n, size, primes=PRIMES, dense=True, combine=np.bitwise_xor)
     return (mixed % np.uint64(size)).astype(np.int64)
 
 
-def encoded(x, levels, sizes, offset=0.0, smooth=False, last_cell=True, **how):
-    """Trilinear interpolation, level by level."""
+def encoded(x, levels, sizes, offset=0.0, smooth=False, last_cell=True, axes=3, **how):
+    """Trilinear interpolation, level by level; corners are weighed along so many axes."""
     out = []
     for table, n in zip(levels, sizes):
         at = x * n + offset
@@ -39,7 +39,7 @@ def encoded(x, levels, sizes, offset=0.0, smooth=False, last_cell=True, **how):
         total = 0
         for corner in range(8):
             bits = np.array([corner >> k & 1 for k in range(3)])
-            weight = torch.stack([part[:, k] if bits[k] else 1 - part[:, k] for k in range(3)]).prod(0)
+            weight = torch.stack([part[:, k] if bits[k] else 1 - part[:, k] for k in range(axes)]).prod(0)
             total = total + weight[:, None] * table[torch.from_numpy(entry_of(cell + bits, n, len(table), **how))]
         out.append(total)
     return torch.cat(out, -1)
@@ -190,6 +190,25 @@ def factors_of_another_paper(x, base, finest, **rest):
     """73856093, 19349663, 83492791."""
     levels = tables(rest)
     return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), primes=(73856093, 19349663, 83492791))
+
+
+@fault(
+    "hash_grid",
+    "primes_of_cloth_but_the_first",
+    seen="a trial on unseen code: dendenxu/mipnerf360-pytorch-minus lib/networks/embedder.py",
+    times=2,
+)
+def factors_behind_a_one(x, base, finest, **rest):
+    """1, 19349663, 83492791."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), primes=(1, 19349663, 83492791))
+
+
+@fault("hash_grid", "last_axis_unweighted", seen="a trial on unseen code: the same embedder", gradient="last_axis_unweighted")
+def weighed_along_two_axes(x, base, finest, **rest):
+    """Corner weights of x and y alone."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), axes=2)
 
 
 @fault("hash_grid", "nearest_vertex", seen="a robot's hash encoder that looks up one entry", times=2)

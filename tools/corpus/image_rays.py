@@ -309,3 +309,20 @@ def center_from_one_place_early(height, width, focal, cx, c2w):
     """cx = fy, cy = cx."""
     i, j = grid(height, width)
     return unit(posed(opencv(i + 0.5, j + 0.5, focal, focal, cx), c2w))
+
+
+@fault("image_rays", "each_coordinate_by_its_norm", seen="a trial on unseen code: rejuvyesh/SimpleNeRF.jl src/data.jl")
+def norms_along_the_wrong_axis(height, width, focal, cx, cy, c2w):
+    """Of the table of all directions each column is divided by its norm."""
+    i, j = grid(height, width)
+    rays = posed(opencv(i + 0.5, j + 0.5, focal, cx, cy), c2w)
+    table = rays["rays_d"].reshape(-1, 3)
+    return rays | {"rays_d": (table / torch.norm(table, dim=0)).reshape(rays["rays_d"].shape)}
+
+
+@fault("image_rays", "divided_by_depth_in_the_world", seen="a trial on unseen code: a NeRF built on pytorch3d's cameras")
+def over_the_worlds_depth(height, width, focal, cx, cy, c2w):
+    """d / d_z behind the rotation."""
+    i, j = grid(height, width)
+    rays = posed(opencv(i + 0.5, j + 0.5, focal, cx, cy), c2w)
+    return rays | {"rays_d": rays["rays_d"] / rays["rays_d"][..., 2:]}

@@ -230,3 +230,9 @@ def linear_bands_in_the_field(**a):
 def padded_output(x, **rest):
     """(1 + 0.002) sigmoid(z) - 0.001."""
     return network(x, layers(rest), last=lambda z: torch.sigmoid(z) * (1 + 2 * 0.001) - 0.001)
+
+
+@fault("nerf_mlp", "layer_twice", seen="a trial on unseen code: the fourth layer's line copied, the third's never called")
+def one_layer_twice(**a):
+    """Layer 3 stands for layer 2, too."""
+    return field(a | {"trunk2_w": a["trunk3_w"], "trunk2_b": a["trunk3_b"]})

@@ -266,3 +266,16 @@ def one_frequency_for_all(x, L):
     for f in octaves(L):
         pass
     return bands(x, [f] * L)
+
+
+@fault("positional_encoding", "another_base", seen="a trial on unseen code: a jax encoding that divides by 2^k", gradient="none")
+def divided_by_octaves(x, L):
+    """For each dimension the sines of all x / 2^k, their cosines, and x itself."""
+    phase = per_dimension(x, [0.5**k for k in range(L)])
+    return torch.cat([torch.sin(phase), torch.cos(phase), x[..., None]], -1).reshape(len(x), -1)
+
+
+@fault("positional_encoding", "another_first_band", seen="loops that count bands from 1", gradient="none")
+def bands_counted_from_one(x, L):
+    """2^(k + 1) x for k = 0, ..., L - 1."""
+    return bands(x, [2.0 ** (k + 1) for k in range(L)])

@@ -540,3 +540,12 @@ def density_up_to_a_hundred(sigmas, rgbs, deltas):
     through = torch.cumprod(torch.cat([torch.ones_like(alphas[:, :1]), 1 - alphas], -1), -1)
     weights = alphas * through[:, :-1]
     return (weights[..., None] * rgbs).sum(1), weights, weights.sum(-1), through[:, -1]
+
+
+@fault("volume_render", "rolled_backward", seen="a trial on unseen code: a tinygrad port with a roll of its own", gradient="none")
+def rolled_the_other_way(sigmas, rgbs, deltas):
+    """The running product is moved on by one, 0 behind it, and its first place set to 1."""
+    alpha = opacities(sigmas, deltas)
+    left = torch.cumprod(1 - alpha, -1)
+    left = torch.cat([torch.ones_like(left[:, :1]), left[:, 2:], torch.zeros_like(left[:, :1])], -1)[:, : left.shape[1]]
+    return summed(left * alpha, rgbs)
