@@ -21,6 +21,9 @@ const MOST: f64 = 2.0 / 3.0;
 /// Cases that the right formula doesn't explain and a mistake does, at least; and their share of those that the right formula doesn't.
 const SHOWN: (usize, f64) = (2, 0.5);
 
+/// Gradients that are held against differences of what the forward answers showed, where most others are right.
+const FEW: usize = 6;
+
 /// How much of what wrong code may be off a mistake may use in the cases that it explains.
 const CLOSE: f64 = 0.25;
 
@@ -127,12 +130,46 @@ pub(crate) fn mostly(
         found.retain(enough);
         found.retain(close);
     }
+    if found.is_empty() && numeric {
+        let show = |suspect| in_few(suspect, &formula, &cases, question, answers, base, options);
+        if let Some(explanation) = suspects.iter().find_map(show) {
+            return Some(explanation);
+        }
+    }
     let chosen = match best(found) {
         Some(mistake) => mistake,
         None if formula.count() as f64 >= MOST * cases.len() as f64 => formula,
         None => return None,
     };
     explanation(chosen, &cases, question, answers, base, options)
+}
+
+/// What the forward answers showed, where it explains all of the few gradients that the right formula doesn't: a march that ends early does
+/// in opaque cases alone, which aren't among the smallest.
+fn in_few(
+    (mistakes, fitted): &Suspect,
+    formula: &Tried,
+    cases: &[(&Case, &Answer)],
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Option<Explanation> {
+    let h = Hypothesis { fitted: *fitted, ..Hypothesis::new(mistakes.clone(), *base) };
+    let left: Vec<_> =
+        cases.iter().zip(&formula.explained).filter(|(_, right)| !**right).map(|(case, _)| case).collect();
+    let few = left.len() >= SHOWN.0 && left.len() <= FEW;
+    let fits = few && left.iter().all(|(case, answer)| h.explains(question, case, answer, options));
+    let those = |(case, answer): (&Case, &Option<Answer>)| {
+        answer.clone().filter(|_| left.iter().any(|(other, _)| other.id == case.id))
+    };
+    let those: Answers = question.cases.iter().zip(answers).map(those).collect();
+    (fits && shows(&h, question, &those, options)).then(|| Explanation {
+        mistakes: question.component.mistakes.iter().filter(|m| mistakes.contains(&m.name)).collect(),
+        fitted: *fitted,
+        residual: largest_residual(&h, question, &those, options),
+        ..Explanation::default()
+    })
 }
 
 /// Which of the cases it explains; those behind the one from which on they can't be enough any more count as not explained.

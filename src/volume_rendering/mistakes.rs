@@ -272,6 +272,15 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
             alphas.iter_mut().for_each(|alpha| *alpha += eps);
             ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), ProductEps::TenToMinusTen);
         }
+        if wrong.contains(&"delta_missing_in_alpha") {
+            alphas = sigmas.iter().map(|sigma| -crate::math::expm1(-sigma)).collect();
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+        }
+        if wrong.contains(&"delta_missing_in_transmittance") {
+            let in_front = |i: usize| sigmas[..i].iter().sum::<f64>();
+            ray.transmittance = (0..=samples).map(|i| exp(-in_front(i))).collect();
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+        }
         if wrong.contains(&"softmax_for_weights") {
             alphas = softmax(&super::optical_depths(&sigmas, &deltas));
             ray.transmittance.fill(1.0);

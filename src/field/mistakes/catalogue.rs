@@ -148,7 +148,6 @@ pub(crate) const MLP: &[Mistake] = &[
     BIAS_FORGOTTEN,
     TRANSPOSED,
     NEVER_APPLIED,
-    LAYER_TWICE,
     LEAKY_UNITS,
     SMOOTH_UNITS,
     ELU_UNITS,

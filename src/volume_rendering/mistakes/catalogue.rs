@@ -18,6 +18,22 @@ pub(super) const ROLLED: Mistake = Mistake::new(
     "2 public implementations",
     2,
 );
+pub(super) const DELTA_MISSING_IN_ALPHA: Mistake = Mistake::new(
+    "delta_missing_in_alpha",
+    "alpha = 1 - exp(-sigma), while T has the steps in it",
+    "brightness depends on the number of samples, and weights don't add up to 1 - T",
+    "1 - exp(-sigma delta)",
+    "1 public implementation in CUDA, mended later",
+    1,
+);
+pub(super) const DELTA_MISSING_IN_LIGHT: Mistake = Mistake::new(
+    "delta_missing_in_transmittance",
+    "T = exp(-sum sigma), while alpha has the steps in it",
+    "light ends within a few samples of any density",
+    "exp(-sum sigma delta)",
+    "never; the other one of two",
+    0,
+);
 pub(super) const ROLLED_BACKWARD: Mistake = Mistake::new(
     "rolled_backward",
     "the cumulative product is moved on by one in the place of back: T_i = T_{i+2}, 1 in the first place, 0 in the last",
