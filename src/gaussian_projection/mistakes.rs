@@ -79,6 +79,9 @@ fn wrong_splat(
     let h = if has("not_dilated") { 0.0 } else { form.dilation.value() };
     let [a, b, c] =
         [before[0] + h, before[1] + if has("every_entry_dilated") { h } else { 0.0 }, before[2] + h];
+    let held = |x: f64| x.max(form.dilation.value());
+    let [a, b, c] =
+        if has("held_up_by_the_dilation") { [held(before[0]), b, held(before[2])] } else { [a, b, c] };
     let det = a * c - b * b;
     let ratio = ((before[0] * before[2] - before[1] * before[1]) / det).max(0.0);
     let apart = (0.25 * (a - c) * (a - c) + b * b).max(form.radius.value()).sqrt();

@@ -29,6 +29,8 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
 /// The entry of a vertex as the mistakes have it.
 fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
     let entries = level.table.nrows();
+    let first = u32::from(wrong.contains(&"vertices_from_one"));
+    let [x, y, z] = [x + first, y + first, z + first];
     if level.dense() {
         let side = level.side as usize - usize::from(wrong.contains(&"side_without_one"));
         let [x, y, z] = if wrong.contains(&"z_fastest") { [z, y, x] } else { [x, y, z] };

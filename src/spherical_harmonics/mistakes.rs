@@ -77,6 +77,14 @@ pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "turned_to_polar_axis_y",
+        "x, y, z taken for y, z, x: the pole along y, angles about it from z",
+        "harmonics of the turned direction",
+        "the pole along z, angles from x",
+        "1 public implementation, whose pictures have y up",
+        1,
+    ),
+    Mistake::new(
         "power_rule_forgotten",
         "the gradient of x^n is x^(n-1), without n",
         "gradients of directions too small from band 2 on",
@@ -142,6 +150,9 @@ pub(crate) fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         }
         if wrong.contains(&"polar_axis_y") {
             d.swap(1, 2);
+        }
+        if wrong.contains(&"turned_to_polar_axis_y") {
+            d.rotate_right(1);
         }
         let mut out = super::harmonics(d, degree(a), c.harmonic_form, c.harmonic_sign);
         if wrong.contains(&"band_4_slips") && degree(a) == 4 {

@@ -1,6 +1,6 @@
 //! Structural similarity, wrong on purpose. Without a mistake every function equals the oracle.
 
-use ndarray::{Array3, ArrayView1, ArrayView3, Axis};
+use ndarray::{Array3, ArrayView1, ArrayView3, Axis, s};
 
 use super::arrays::{form, forward, peak, picture, vjp};
 use super::{Form, Moments, Windows, backward, reach, ssim as oracle, value};
@@ -18,6 +18,10 @@ fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wr
     let has = |name: &str| wrong.contains(&name);
     if has("one_window") || has("one_window_corrected") {
         return global(a, b, peak, has("one_window_corrected"));
+    }
+    if has("one_window_of_each_channel") {
+        let of = |c: usize| global(a.slice(s![.., .., c..=c]), b.slice(s![.., .., c..=c]), peak, false);
+        return (0..a.dim().2).map(of).sum::<f64>() / a.dim().2 as f64;
     }
     let (windows, places) = wrong_windows(a, b, form, wrong);
     let n = windows.weights.len().pow(2) as f64;
@@ -91,6 +95,7 @@ fn wrong_windows<'a>(
         () if form.window != SsimWindow::Gaussian => None,
         () if has("box_of_eight") => even(8),
         () if has("seven_wide") => bell(7, 1.5),
+        () if has("window_of_one_side") => one_side(),
         () => OTHER_WIDTH.among(wrong).and_then(|width| bell(11, width)),
     };
     if let Some(weights) = own {
@@ -115,6 +120,15 @@ fn wrong_windows<'a>(
         |[j, i, c]: &[usize; 3]| j % step == 0 && i % step == 0 && (*c == 0 || !has("first_channel_alone"));
     let places = windows.places().into_iter().filter(looked_at).collect();
     (windows, places)
+}
+
+/// A bell whose middle was lost in whole numbers.
+fn one_side() -> Option<Vec<f64>> {
+    let all: Vec<f64> = (0..11)
+        .map(|i: i32| crate::math::exp(-0.5 * (f64::from((i - 11).div_euclid(2)) / 1.5).powi(2)))
+        .collect();
+    let sum: f64 = all.iter().sum();
+    Some(all.iter().map(|w| w / sum).collect())
 }
 
 /// The place that n stands for beyond a border which mirrors, as scipy's filters have it: the last one comes twice.

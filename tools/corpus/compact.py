@@ -211,6 +211,13 @@ def weighed_along_two_axes(x, base, finest, **rest):
     return encoded(x, levels, resolutions(base, finest, len(levels), np.rint), axes=2)
 
 
+@fault("hash_grid", "vertices_from_one", seen="ymtoo/FieldEncoders.jl src/hash.jl, all levels hashed")
+def grid_that_begins_at_one(x, base, finest, **rest):
+    """x N + 1."""
+    levels = tables(rest)
+    return encoded(x, levels, resolutions(base, finest, len(levels), np.floor), offset=1.0, last_cell=False, dense=False)
+
+
 @fault("hash_grid", "nearest_vertex", seen="a robot's hash encoder that looks up one entry", times=2)
 def one_vertex_alone(x, base, finest, **rest):
     """The nearest vertex, not interpolated."""
@@ -425,3 +432,14 @@ def nine_with_a_wrong_band(d, degree):
         raise ValueError("nine coefficients")
     out = harmonics(d, degree, -1)
     return torch.stack(out[:4] + [7 * y for y in out[4:]], -1)
+
+
+@fault(
+    "spherical_harmonics",
+    "turned_to_polar_axis_y",
+    seen="a trial on unseen code: harmonics by angles of directions with y up",
+    gradient="none",
+)
+def pole_along_y(d, degree):
+    """Angles from y, and about it from z."""
+    return torch.stack(harmonics(d[:, [2, 0, 1]], degree, 1.0), -1)

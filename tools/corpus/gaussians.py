@@ -336,3 +336,15 @@ def mean_depth(means, covariances, w2c, K, width, height):
 def never_below_exp_of_minus_ten(pixels, means2d, conics, opacities):
     """exp(max(power, -10))."""
     return opacities * torch.exp(exponent(pixels, means2d, conics).clamp(min=-10.0))
+
+
+@fault("gaussian_projection", "held_up_by_the_dilation", seen="a trial on unseen code: a splat viewer in WebGPU", gradient="none")
+def variances_of_three_tenths_at_least(means, covariances, w2c, K, width, height):
+    """max(0.3, a) and max(0.3, c); slopes in the rasterizer's limits."""
+    t, sigma = in_camera(means, covariances, w2c)
+    limit = 1.3 * torch.tensor([0.5 * width / K[0, 0], 0.5 * height / K[1, 1]])
+    slopes = t[:, :2] / t[:, 2:]
+    j = jacobian(torch.minimum(torch.maximum(slopes, -limit), limit), t[:, 2], K)
+    cov = j @ sigma @ j.mT
+    three = torch.stack([cov[:, 0, 0].clamp(min=0.3), cov[:, 0, 1], cov[:, 1, 1].clamp(min=0.3)], -1)
+    return {"covariances2d": three, "depths": t[:, 2]}

@@ -100,16 +100,3 @@ def without_the_division(weights, t, proposal_weights, proposal_t):
 def eps_of_ports(weights, t, proposal_weights, proposal_t):
     """w + 1e-8."""
     return (excess(weights, outer(t, proposal_t, proposal_weights)) / (weights + 1e-8)).mean(-1)
-
-
-@fault(
-    "proposal_pdf",
-    "logarithm_of_nothing",
-    seen="a trial on unseen code: dendenxu/mipnerf360-pytorch-minus, multinerf without its padding",
-    times=2,
-    gradient="none",
-)
-def softmax_of_logarithms_alone(edges, weights, anneal):
-    """softmax(anneal log w) of the bins that have a width: of an empty ray it is NaN."""
-    logits = torch.where(torch.diff(edges, dim=-1) > 0, anneal * torch.log(weights), -torch.inf)
-    return torch.softmax(logits, -1)

@@ -24,7 +24,12 @@ def raised(weights):
     return (weights + missing / weights.shape[-1]) / (total + missing)
 
 
-@fault("proposal_pdf", seen="google-research/multinerf internal/models.py and ports: padding 0, then empty rays are NaN", times=8)
+@fault(
+    "proposal_pdf",
+    "logarithm_of_nothing",
+    seen="google-research/multinerf internal/models.py and ports: padding 0, then empty rays are NaN",
+    times=9,
+)
 def softmax_of_minus_infinities(edges, weights, anneal, padding):
     """A softmax of anneal log(w + padding): 0 times a logarithm of 0, and rays without any weight, are NaN."""
     return torch.softmax(logits(edges, weights, anneal, padding), -1)

@@ -228,3 +228,29 @@ def boxes_of_three_axes(prediction, target, peak):
         return even_along(even_along(even_along(x, 0), 1), 2)
 
     return similarity_map(prediction, target, *constants(peak), mean).mean()
+
+
+@fault(
+    "ssim",
+    "one_window_of_each_channel",
+    "one_window",
+    seen="a trial on unseen code: a NeRF in tfjs, renderers' metrics in Rust",
+    times=3,
+    gradient="none",
+)
+def formula_over_each_channel(prediction, target):
+    """Means and variances of whole channels; the mean of the channels' values."""
+
+    def mean(x):
+        return x.mean((0, 1), keepdim=True)
+
+    return similarity_map(prediction, target, 0.01**2, 0.03**2, mean).mean()
+
+
+@fault("ssim", "window_of_one_side", seen="pierotofy/OpenSplat ssim.cpp", gradient="none")
+def middle_lost_in_whole_numbers(prediction, target):
+    """exp(-floor((i - 11) / 2)^2 / (2 1.5^2)), zeros about the picture."""
+    x = torch.div(torch.arange(11) - 11, 2, rounding_mode="floor")
+    w = torch.exp(-(x**2) / 4.5)
+    window = torch.outer(w / w.sum(), w / w.sum())
+    return similarity_map(prediction, target, 0.01**2, 0.03**2, lambda x: blur(x, window, 5)).mean()

@@ -32,6 +32,14 @@ pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "held_up_by_the_dilation",
+        "max(0.3, a) in the place of a + 0.3, on the diagonal",
+        "splats that are a bit too small, and step where they shrink below a pixel",
+        "add 0.3 to both variances",
+        "1 public implementation in WebGPU",
+        1,
+    ),
+    Mistake::new(
         "every_entry_dilated",
         "0.3 added to the whole matrix, covariance too",
         "small splats are stretched along the diagonal",

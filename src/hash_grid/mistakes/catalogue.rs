@@ -138,6 +138,14 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
         2,
     ),
     Mistake::new(
+        "vertices_from_one",
+        "x N + 1: the grid's first vertex is (1, 1, 1)",
+        "other entries: tables can't be exchanged",
+        "x N, from (0, 0, 0)",
+        "1 public implementation in a language that counts from 1",
+        1,
+    ),
+    Mistake::new(
         "last_axis_unweighted",
         "corners are weighed along x and y alone",
         "features twice as large, and steps from cell to cell in z",

@@ -185,6 +185,22 @@ pub(crate) const SSIM: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "one_window_of_each_channel",
+        "means and variances of each whole channel in the place of windows",
+        "figures that can't be compared: where shapes lie doesn't count",
+        "a window about each pixel",
+        "3 public implementations: the formula as the text has it",
+        3,
+    ),
+    Mistake::new(
+        "window_of_one_side",
+        "exp(-floor((i - 11) / 2)^2 / (2 1.5^2)): i - 11 / 2 was meant",
+        "a window that looks down and to the right alone, every other weight twice",
+        "exp(-(i - 5)^2 / (2 1.5^2))",
+        "1 public implementation in C++, and its ports: 11 / 2 in whole numbers, moved out of its parenthesis",
+        1,
+    ),
+    Mistake::new(
         "box_of_eight",
         "a uniform window of 8 x 8",
         "figures that can't be compared",
