@@ -22,10 +22,9 @@ pub(crate) use catalogue::{MLP, NERF_MLP};
 /// Mistakes inside the layers: missing biases, transposed weights, the identity in place of a layer.
 fn spoil(mut layers: Vec<&mut Layer>, wrong: &[&str]) {
     let which = |mistake: &Mistake| mistake.among(wrong).map(|layer| layer.round() as usize);
-    if let Some(n) = which(&LAYER_TWICE).filter(|n| (1..layers.len()).contains(n)) {
-        if layers[n].w.dim() == layers[n - 1].w.dim() {
-            *layers[n - 1] = layers[n].clone();
-        }
+    let alike = |n: &usize| (1..layers.len()).contains(n) && layers[*n].w.dim() == layers[n - 1].w.dim();
+    if let Some(n) = which(&LAYER_TWICE).filter(alike) {
+        *layers[n - 1] = layers[n].clone();
     }
     let unused = which(&NEVER_APPLIED);
     for (n, layer) in layers.into_iter().enumerate() {

@@ -12,15 +12,17 @@ mod catalogue;
 mod depth;
 mod laws;
 mod lists;
+mod steps;
 
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 use catalogue::{
-    DELTA_SCALED, DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, GIVEN_UP, OVER_RAYS,
-    OVER_RAYS_INCLUSIVE, OWN_STEP, SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
+    DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, GIVEN_UP, OVER_RAYS, OVER_RAYS_INCLUSIVE,
+    SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
 };
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
 use laws::{other_alphas, softmax};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
+use steps::wrong_deltas;
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub(crate) const ALPHA_ERROR: &str = "alpha_error";
@@ -30,37 +32,6 @@ pub(crate) fn rounds_alpha(a: &mut Arrays, relative: f64, draw: &mut Draw) {
     let rounding = 0.25 * relative;
     let error = input(a, "sigmas").mapv(|_| if draw.below(2) == 0 { rounding } else { -rounding });
     a.insert(ALPHA_ERROR.into(), error);
-}
-
-/// The steps as the mistakes have them.
-fn wrong_deltas(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<f64> {
-    let mut deltas = row(a, "deltas", if wrong.contains(&"first_ray_deltas") { 0 } else { r });
-    let n = deltas.len();
-    for name in wrong {
-        match *name {
-            "delta_missing" => deltas.fill(1.0),
-            "delta_unit_interval" => deltas.fill(1.0 / n as f64),
-            "delta_over_n_minus_1" if n > 1 => {
-                deltas.iter_mut().for_each(|delta| *delta *= n as f64 / (n - 1) as f64)
-            }
-            "delta_of_the_whole_ray" => deltas.iter_mut().for_each(|delta| *delta *= n as f64),
-            "backward_delta" if n > 0 => {
-                deltas.rotate_right(1);
-                deltas[0] = 0.0;
-            }
-            "delta_differenced_twice" if n > 0 => {
-                deltas = (1..n).map(|i| deltas[i] - deltas[i - 1]).chain([1e10]).collect()
-            }
-            "first_gap_for_all" if n > 0 => deltas = vec![deltas[0]; n],
-            "gaps_summed" => deltas = vec![deltas.iter().sum(); n],
-            _ => {}
-        }
-    }
-    if let Some(step) = OWN_STEP.among(wrong) {
-        deltas.fill(step);
-    }
-    let scale = DELTA_SCALED.among(wrong).unwrap_or(1.0);
-    deltas.into_iter().map(|delta| scale * delta).collect()
 }
 
 /// Mistakes between opacities and outputs.
