@@ -22,8 +22,9 @@ use crate::parallel;
 const ELEMENTS: usize = 5;
 
 /// Conventions in which a number is read off even where the answers lie beyond what its range gives: next to a pole they do.
-/// In more of them where a row has few mistakes with numbers, and small cases: `ASKED` over what these are.
 const LIKELIEST: usize = 4;
+
+/// The same where a row has few mistakes with numbers, and small cases: this many elements for each convention, over all of these.
 const ASKED: usize = 4000;
 
 /// Numbers of a range that are tried before one is read off, on so many of the smallest cases, and by how much of an answer's size it may
