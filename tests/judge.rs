@@ -349,6 +349,40 @@ fn a_mistake_is_named_in_an_order_of_its_own() {
     }
 }
 
+/// A march that ends early, with the gradient of what it looked at: that differs from the right one in a few opaque cases alone, none of
+/// which is among the smallest.
+#[test]
+fn a_gradient_of_a_march_that_ends_early_is_named() {
+    let component = COMPONENTS.iter().find(|c| c.name == "volume_render").unwrap();
+    let forward = |inputs: &Arrays| (component.forward.wrong)(inputs, &CS180, &["given_up_early=0.0001"]);
+    // Samples without a length are as good as none.
+    let behind_the_end = |inputs: &Arrays| -> Vec<(usize, usize)> {
+        let (sigmas, deltas) = (&inputs["sigmas"], &inputs["deltas"]);
+        let (rays, samples) = (sigmas.shape()[0], sigmas.shape()[1]);
+        let of_ray = |r: usize| {
+            let in_front = |i: usize| (0..i).map(|j| sigmas[[r, j]] * deltas[[r, j]]).sum::<f64>();
+            let end = (0..samples).find(|&i| (-in_front(i)).exp() < 1e-4).unwrap_or(samples);
+            (end..samples).map(move |i| (r, i))
+        };
+        (0..rays).flat_map(of_ray).collect()
+    };
+    let vjp = |inputs: &Arrays| {
+        let unseen = behind_the_end(inputs);
+        let mut inputs = inputs.clone();
+        unseen.iter().for_each(|&(r, i)| inputs.get_mut("deltas").unwrap()[[r, i]] = 0.0);
+        let mut all = (component.vjp.unwrap().oracle)(&inputs, &CS180);
+        unseen.iter().for_each(|&(r, i)| all.get_mut("grad_deltas").unwrap()[[r, i]] = 0.0);
+        all
+    };
+    let candidate = Candidate::new().forward(component.name, forward).vjp(component.name, vjp);
+    let report = judge(&candidate, Dtype::F32).unwrap();
+    for kind in ["forward", "vjp"] {
+        let row = report.of(component.name, kind).unwrap();
+        let names: Vec<&str> = row.diagnosis.iter().flat_map(|e| &e.mistakes).map(|m| m.name).collect();
+        assert_eq!(names.first(), Some(&"given_up_early"), "{report}");
+    }
+}
+
 /// A number that programs choose freely: any constant is told and passes, what varies fails.
 #[test]
 fn a_last_step_of_ones_own_is_told() {

@@ -51,7 +51,7 @@ pub struct Unread {
     pub outputs: &'static [&'static str],
     /// What says where.
     pub by: &'static str,
-    /// The same from the inputs and those outputs, for who doesn't answer it: their user asks them.
+    /// The same from the inputs and those outputs, in their order: what their user asks where it isn't answered.
     pub told: fn(&Arrays, &[ArrayD<f64>]) -> ArrayD<f64>,
 }
 

@@ -49,8 +49,8 @@ const ANOTHER_FIRST_BAND: Mistake = Mistake::new(
     "c 2^k pi for 2^k pi: the ladder begins at another octave, or x is scaled beforehand",
     "the slowest wave is missing, or the finest detail",
     "2^k pi x from k = 0",
-    "2^(k + 1) in a loop that counts from 1",
-    1,
+    "never; loops that count from 1 would",
+    0,
 )
 .with("c", 2.0, [0.05, 20.0]);
 

@@ -3,7 +3,9 @@
 
 use super::answer::{Answer, Answers};
 use super::assignment::open;
-use super::evidence::{Explanation, Suspect, difference, largest_residual, real_numbers, shows, usable};
+use super::evidence::{
+    Explanation, Suspect, difference, explains_all, largest_residual, real_numbers, shows, usable,
+};
 use super::exam::Question;
 use super::fitted::guesses;
 use super::hypothesis::Hypothesis;
@@ -159,7 +161,10 @@ fn in_few(
     let left: Vec<_> =
         cases.iter().zip(&formula.explained).filter(|(_, right)| !**right).map(|(case, _)| case).collect();
     let few = left.len() >= SHOWN.0 && left.len() <= FEW;
-    let fits = few && left.iter().all(|(case, answer)| h.explains(question, case, answer, options));
+    // Where the right formula explains them, the mistake must, too, as far as its differences are asked for.
+    let fits = few
+        && explains_all(&h, question, answers, options)
+        && left.iter().all(|(case, answer)| h.explains(question, case, answer, options));
     let those = |(case, answer): (&Case, &Option<Answer>)| {
         answer.clone().filter(|_| left.iter().any(|(other, _)| other.id == case.id))
     };

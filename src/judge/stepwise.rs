@@ -100,8 +100,8 @@ fn simplest(low: f64, high: f64) -> f64 {
     let middle = (low * high).sqrt();
     let written = |digits: usize| format!("{middle:.*e}", digits - 1).parse().unwrap_or(middle);
     let power = format!("1e{}", high.log10().floor()).parse().unwrap_or(middle);
-    let few = std::iter::once(power).chain((1..=DIGITS).map(written));
-    few.into_iter().find(|x| (low..=high).contains(x)).unwrap_or(middle)
+    let mut few = std::iter::once(power).chain((1..=DIGITS).map(written));
+    few.find(|x| (low..=high).contains(x)).unwrap_or(middle)
 }
 
 #[cfg(test)]

@@ -123,8 +123,8 @@ pub(crate) const PROPOSAL_PDF: &[Mistake] = &[
         "a softmax of anneal log w, where no bin weighs, or anneal is 0 and a bin doesn't weigh: 0 times minus infinity",
         "not a number on rays through empty space, and from there in all parameters",
         "a padding inside of the logarithm, or even shares where the sum is 0",
-        "1 public implementation, after multinerf, whose padding isn't 0 where it is used",
-        1,
+        "9 public implementations: multinerf, whose padding isn't 0 where it is used, and ports",
+        9,
     ),
     Mistake::new(
         "share_raised",

@@ -57,7 +57,7 @@ pub(crate) const RAY_AABB: Component = Component {
     },
 };
 
-/// Whether the part of a ray's line between two t's is more than nothing, and some of it between near and far.
+/// hit = max(near, t_near) <= min(far, t_far), for who answers both t alone.
 fn hit(inputs: &Arrays, t: &[ArrayD<f64>]) -> ArrayD<f64> {
     let (near, far) = (number(inputs, "near"), number(inputs, "far"));
     let one = |enter: &f64, leave: &f64| f64::from(u8::from(enter.max(near) <= leave.min(far)));

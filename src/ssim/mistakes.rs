@@ -84,19 +84,14 @@ fn wrong_windows<'a>(
     let mut windows = Windows::new(a, b, form);
     let (height, width, _) = a.dim();
     let even = |n: usize| Some(vec![1.0 / n as f64; n]);
-    let bell = |n: i32, width: f64| {
-        let one = |k: i32| crate::math::exp(-0.5 * (f64::from(k - n / 2) / width).powi(2));
-        let all: Vec<f64> = (0..n).map(one).collect();
-        let sum: f64 = all.iter().sum();
-        Some(all.iter().map(|w| w / sum).collect::<Vec<f64>>())
-    };
+    let centered = |n: i32, width: f64| Some(bell((0..n).map(|k| k - n / 2), width));
     // Another window than the convention's would undo it.
     let own = match () {
         () if form.window != SsimWindow::Gaussian => None,
         () if has("box_of_eight") => even(8),
-        () if has("seven_wide") => bell(7, 1.5),
-        () if has("window_of_one_side") => one_side(),
-        () => OTHER_WIDTH.among(wrong).and_then(|width| bell(11, width)),
+        () if has("seven_wide") => centered(7, 1.5),
+        () if has("window_of_one_side") => Some(bell((0..11).map(|i: i32| (i - 11).div_euclid(2)), 1.5)),
+        () => OTHER_WIDTH.among(wrong).and_then(|width| centered(11, width)),
     };
     if let Some(weights) = own {
         [windows.rows, windows.columns] =
@@ -122,13 +117,11 @@ fn wrong_windows<'a>(
     (windows, places)
 }
 
-/// A bell whose middle was lost in whole numbers.
-fn one_side() -> Option<Vec<f64>> {
-    let all: Vec<f64> = (0..11)
-        .map(|i: i32| crate::math::exp(-0.5 * (f64::from((i - 11).div_euclid(2)) / 1.5).powi(2)))
-        .collect();
+/// A Gaussian at these places, as weights that add up to 1.
+fn bell(places: impl Iterator<Item = i32>, width: f64) -> Vec<f64> {
+    let all: Vec<f64> = places.map(|x| crate::math::exp(-0.5 * (f64::from(x) / width).powi(2))).collect();
     let sum: f64 = all.iter().sum();
-    Some(all.iter().map(|w| w / sum).collect())
+    all.iter().map(|w| w / sum).collect()
 }
 
 /// The place that n stands for beyond a border which mirrors, as scipy's filters have it: the last one comes twice.

@@ -275,7 +275,7 @@ def divided_by_octaves(x, L):
     return torch.cat([torch.sin(phase), torch.cos(phase), x[..., None]], -1).reshape(len(x), -1)
 
 
-@fault("positional_encoding", "another_first_band", seen="loops that count bands from 1", gradient="none")
+@fault("positional_encoding", "another_first_band", seen="not met in this reading: loops that count bands from 1", times=0, gradient="none")
 def bands_counted_from_one(x, L):
     """2^(k + 1) x for k = 0, ..., L - 1."""
     return bands(x, [2.0 ** (k + 1) for k in range(L)])

@@ -234,8 +234,7 @@ def boxes_of_three_axes(prediction, target, peak):
     "ssim",
     "one_window_of_each_channel",
     "one_window",
-    seen="a trial on unseen code: a NeRF in tfjs, renderers' metrics in Rust",
-    times=3,
+    seen="a trial on unseen code: a NeRF in tfjs",
     gradient="none",
 )
 def formula_over_each_channel(prediction, target):

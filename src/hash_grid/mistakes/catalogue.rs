@@ -126,8 +126,8 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
         "73856093, 19349663, 83492791: the factors of Teschner et al. 2003, whose hash the paper cites",
         "another hash, whose first factor isn't 1, so that neighbors in x lie apart: slower, and tables can't be exchanged",
         "1, 2654435761, 805459861",
-        "2 public implementations, one of them with 1 in front",
-        2,
+        "1 public implementation",
+        1,
     ),
     Mistake::new(
         "primes_of_cloth_but_the_first",

@@ -35,11 +35,11 @@ pub(crate) const INTERIOR_ALONE: Mistake = Mistake::new(
 /// An empty ray isn't thought of. Of a proposal's distribution, too.
 pub(crate) const NOTHING_OVER_NOTHING: Mistake = Mistake::new(
     "nothing_over_nothing",
-    "w / sum w without anything added: 0 / 0 where no bin weighs, or a softmax of infinities",
+    "w / sum w without anything added: 0 / 0 where no bin weighs",
     "not a number on rays through empty space, and from there in all parameters",
     "a padding, or even shares where the sum is 0",
-    "2 public implementations",
-    2,
+    "never; proposals' softmaxes of logarithms do the same",
+    0,
 );
 
 /// The distribution doesn't end at 1.

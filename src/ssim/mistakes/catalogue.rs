@@ -189,15 +189,15 @@ pub(crate) const SSIM: &[Mistake] = &[
         "means and variances of each whole channel in the place of windows",
         "figures that can't be compared: where shapes lie doesn't count",
         "a window about each pixel",
-        "3 public implementations: the formula as the text has it",
-        3,
+        "1 public implementation: the formula as the text has it",
+        1,
     ),
     Mistake::new(
         "window_of_one_side",
         "exp(-floor((i - 11) / 2)^2 / (2 1.5^2)): i - 11 / 2 was meant",
         "a window that looks down and to the right alone, every other weight twice",
         "exp(-(i - 5)^2 / (2 1.5^2))",
-        "1 public implementation in C++, and its ports: 11 / 2 in whole numbers, moved out of its parenthesis",
+        "1 public implementation in C++: 11 / 2 in whole numbers, moved out of its parenthesis",
         1,
     ),
     Mistake::new(
