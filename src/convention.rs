@@ -259,6 +259,9 @@ pub struct Conventions {
     /// What Adam's eps is added to.
     #[serde(default)]
     pub adam_eps: AdamEps,
+    /// What Adam does where a gradient is 0.
+    #[serde(default)]
+    pub adam_zero: AdamZero,
     /// What is added to a gradient's norm.
     #[serde(default)]
     pub clip_eps: ClipEps,

@@ -116,6 +116,7 @@ CS180 = {
     "ssim_peak": "given",
     "bytes": "round",
     "adam_eps": "corrected",
+    "adam_zero": "stepped",
     "clip_eps": "none",
     "rate_end": "goes_on",
     "rate_delay": "beside",

@@ -133,12 +133,13 @@ def volume_render_alpha(a, c, wrong):
 
 
 def counted(alphas, c):
-    """Opacities under the cap, 0 where they are too faint, and whether they count as they are."""
+    """Opacities under the cap, 0 where they are too faint, and whether they have a gradient."""
     cap = alphas.dtype.type({"none": 1, "0.99": 0.99, "0.999": 0.999}[c["alpha_cap"]])
     faint = (c["faint"] == "skipped") & (alphas < alphas.dtype.type(1 / 255))
     capped = np.where(faint, 0, np.minimum(alphas, cap))
     live = np.cumprod(1 - capped, 1) >= 1e-4 if c["alpha_stop"] == "in_front" else True
-    return np.where(live, capped, 0), ~faint & (alphas <= cap) & live
+    held = (c["cap_gradient"] == "stopped") & (alphas > cap)
+    return np.where(live, capped, 0), ~faint & ~held & live
 
 
 def from_behind(alphas, factors, a):

@@ -124,7 +124,10 @@ def adam_step(a, c, wrong):
     root = np.sqrt(v_hat + eps) if "eps_inside_root" in wrong else np.sqrt(v_hat) + eps
     rate = a["lr"] * (np.sqrt(1 - b2**step) / (1 - b1**step) if "corrected_twice" in wrong else 1)
     out = p - rate * m_hat / root
-    return {"params_out": out - a["lr"] * decay * p if decoupled else out, "m_out": m, "v_out": v}
+    out = out - a["lr"] * decay * p if decoupled else out
+    stays = (a["grad"] == 0) & (c["adam_zero"] == "left")
+    after = {"params_out": (p, out), "m_out": (a["m"], m), "v_out": (a["v"], v)}
+    return {name: np.where(stays, *pair) for name, pair in after.items()}
 
 
 def adamw_step(a, c, wrong):
@@ -147,4 +150,5 @@ def adamw_step(a, c, wrong):
         decay = decay / (1 - a["beta1"] ** step)
     if "decay_negated" in wrong:
         decay = -decay
-    return plain | {"params_out": plain["params_out"] - decay * before}
+    stays = (a["grad"] == 0) & (c["adam_zero"] == "left")
+    return plain | {"params_out": np.where(stays, before, plain["params_out"] - decay * before)}

@@ -44,12 +44,15 @@ fn wrong_lens(mut k: Intrinsics, wrong: &[&str]) -> Intrinsics {
 }
 
 /// The pixel as the mistakes have it.
-fn wrong_pixel(mut uv: DVec2, wrong: &[&str]) -> DVec2 {
+fn wrong_pixel(mut uv: DVec2, k: &Intrinsics, wrong: &[&str]) -> DVec2 {
     for name in wrong {
         match *name {
             "no_half_pixel" => uv -= 0.5,
+            "half_pixel_twice" => uv += 0.5,
             "minus_half_pixel" => uv -= 1.0,
             "row_column_swapped" => uv = DVec2::new(uv.y, uv.x),
+            "whole_pixels" => uv = uv.floor() + 0.5,
+            "flipped_by_whole_pixels" => uv.y = 2.0 * k.cy - 1.0 - uv.y,
             _ => {}
         }
     }
@@ -58,7 +61,7 @@ fn wrong_pixel(mut uv: DVec2, wrong: &[&str]) -> DVec2 {
 
 /// The point at depth s behind a pixel, as the mistakes have it; the axes are left alone.
 pub(crate) fn wrong_point(k: &Intrinsics, uv: DVec2, s: f64, wrong: &[&str]) -> DVec3 {
-    let (k, uv) = (wrong_lens(*k, wrong), wrong_pixel(uv, wrong));
+    let (k, uv) = (wrong_lens(*k, wrong), wrong_pixel(uv, k, wrong));
     if wrong.contains(&"K_transposed") {
         let (x, y) = (uv.x / k.fx, uv.y / k.fy);
         return s * DVec3::new(x, y, 1.0 - k.cx * x - k.cy * y);
@@ -72,6 +75,12 @@ pub(crate) fn wrong_point(k: &Intrinsics, uv: DVec2, s: f64, wrong: &[&str]) -> 
         () if wrong.contains(&"center_taken_off_undivided") => scaled(uv.x / k.fx - k.cx, uv.y / k.fy - k.cy),
         () if wrong.contains(&"depth_alone_in_z") => {
             DVec3::new((uv.x - k.cx) / k.fx, (uv.y - k.cy) / k.fy, s)
+        }
+        () if wrong.contains(&"depth_in_the_pixel") => {
+            DVec3::new((uv.x - s * k.cx) / k.fx, (uv.y - s * k.cy) / k.fy, s)
+        }
+        () if wrong.contains(&"divided_by_its_depth") => {
+            DVec3::new((uv.x - k.cx) / k.fx / s, (uv.y - k.cy) / k.fy / s, s)
         }
         () if wrong.contains(&"pixel_scaled_alone") => super::pixel_to_camera(&k, s * uv, 1.0),
         () if wrong.contains(&"distance_for_depth") => s * super::pixel_to_camera(&k, uv, 1.0).normalize(),

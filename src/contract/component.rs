@@ -103,6 +103,8 @@ pub struct Mistake {
     pub number: Option<Number>,
     /// Whether right code that loses digits gives the same, so that a few answers don't tell the two apart.
     pub lost_digits: bool,
+    /// Whether it leaves open what becomes of some elements: it is said by a NaN, in the place of whatever is answered there.
+    pub open: bool,
 }
 
 impl Mistake {
@@ -115,7 +117,18 @@ impl Mistake {
         seen: &'static str,
         count: u32,
     ) -> Mistake {
-        Mistake { name, cause, effect, seen, fix, count, gradient: false, number: None, lost_digits: false }
+        Mistake {
+            name,
+            cause,
+            effect,
+            seen,
+            fix,
+            count,
+            gradient: false,
+            number: None,
+            lost_digits: false,
+            open: false,
+        }
     }
 
     /// The same as a mistake of the gradient alone.
@@ -131,6 +144,11 @@ impl Mistake {
     /// The same, where right code that loses digits gives what this mistake does.
     pub const fn like_lost_digits(self) -> Mistake {
         Mistake { lost_digits: true, ..self }
+    }
+
+    /// The same, where a NaN stands for whatever is answered: what wrong code gives there depends on the order of its comparisons.
+    pub const fn open_where_nan(self) -> Mistake {
+        Mistake { open: true, ..self }
     }
 
     /// The number in it where it is among the names of `wrong`: the usual one, or that of `name=number`.

@@ -83,6 +83,7 @@ pub const CS180: Conventions = Conventions {
     ssim_peak: PsnrPeak::Given,
     bytes: Bytes::Round,
     adam_eps: AdamEps::Corrected,
+    adam_zero: AdamZero::Stepped,
     clip_eps: ClipEps::None,
     rate_end: RateEnd::GoesOn,
     rate_delay: RateDelay::Beside,

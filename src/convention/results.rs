@@ -189,6 +189,17 @@ pub enum Bytes {
     Truncate,
 }
 
+/// What Adam does with a parameter whose gradient is 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AdamZero {
+    /// A step like any other: its means fade and move it (the paper, PyTorch, optax).
+    #[default]
+    Stepped,
+    /// Nothing: parameter and means stay (tiny-cuda-nn with the parameters of its encodings, lazy and sparse forms).
+    Left,
+}
+
 /// What Adam's eps is added to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

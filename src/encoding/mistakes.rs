@@ -89,6 +89,46 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "input_through_tanh",
+        "tanh(x) is encoded",
+        "everything outside of the unit cube is squeezed into its rim",
+        "x as it is, or a contraction with a name",
+        "a trainer in C++",
+        1,
+    ),
+    Mistake::new(
+        "degrees_for_radians",
+        "2^k pi x / 180: an angle that was taken for degrees",
+        "bands too low by a factor of 57: a blurred picture",
+        "sine and cosine take radians",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "identity_in_half_turns",
+        "pi x in the place of x",
+        "an input that is larger than the sines beside it",
+        "x as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "sine_of_half_turns_for_identity",
+        "sin(pi x) in the place of x",
+        "positions a whole period apart are the same",
+        "x as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "amplitudes_over_bands",
+        "sin(2^k pi x) / 2^k and cos(2^k pi x) / 2^k",
+        "fine detail that learns too slowly",
+        "amplitudes of 1",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "first_band_twice",
         "the band in front of the loop is one octave too high: 2, 2, 4, ...",
         "the slowest wave is missing: points a period apart look alike",
@@ -203,12 +243,25 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
 pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64> {
     let dims = x.len();
     let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let normalized: Vec<f64> = x.iter().map(|x| x / length).collect();
-    let x = if wrong.contains(&"input_normalized") { &normalized } else { x };
+    let normalized: Vec<f64> = x.iter().map(|x| if length == 0.0 { 0.0 } else { x / length }).collect();
+    let squashed: Vec<f64> = x.iter().map(|x| libm::tanh(*x)).collect();
+    let x = match () {
+        () if wrong.contains(&"input_normalized") => &normalized,
+        () if wrong.contains(&"input_through_tanh") => &squashed,
+        () => x,
+    };
     let mut out = super::positional_encoding(x, encoding);
     for k in 0..encoding.levels {
         for (d, &x) in x.iter().enumerate() {
             let (sine, cosine) = (encoding.column(dims, k, d, 0), encoding.column(dims, k, d, 1));
+            if wrong.contains(&"degrees_for_radians") {
+                (out[sine], out[cosine]) =
+                    wave(encoding.frequency, encoding.band(k) / 180.0, std::f64::consts::PI * x);
+            }
+            if wrong.contains(&"amplitudes_over_bands") {
+                let over = encoding.band(k);
+                (out[sine], out[cosine]) = (out[sine] / over, out[cosine] / over);
+            }
             if wrong.contains(&"linear_ladder") {
                 (out[sine], out[cosine]) = wave(encoding.frequency, k as f64, x);
             }
@@ -263,6 +316,18 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
     }
     if wrong.contains(&"identity_through_sine") && encoding.identity {
         (0..dims).for_each(|d| out[encoding.identity_column(dims, d)] = sin(x[d]));
+    }
+    if encoding.identity {
+        for d in 0..dims {
+            let own = &mut out[encoding.identity_column(dims, d)];
+            match () {
+                () if wrong.contains(&"identity_in_half_turns") => *own *= std::f64::consts::PI,
+                () if wrong.contains(&"sine_of_half_turns_for_identity") => {
+                    *own = sin(std::f64::consts::PI * x[d])
+                }
+                () => {}
+            }
+        }
     }
     if wrong.contains(&"divided_by_bands") && encoding.levels > 0 {
         out.iter_mut().for_each(|x| *x /= encoding.levels as f64);

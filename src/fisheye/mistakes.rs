@@ -40,7 +40,8 @@ pub(crate) fn fisheye_distort(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Ar
         let point = DVec2::from(p);
         let r = point.length();
         if r == 0.0 {
-            return if has("not_a_number_in_the_middle") { [f64::NAN; 2] } else { p };
+            let nothing = has("not_a_number_in_the_middle") || has("radius_not_rooted");
+            return if nothing { [f64::NAN; 2] } else { p };
         }
         let theta = if has("radius_for_angle") { r } else { libm::atan(r) };
         match () {
@@ -50,6 +51,7 @@ pub(crate) fn fisheye_distort(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Ar
             () if has("not_divided_by_radius") => point * bent(k, theta),
             () if has("scaled_by_polynomial") => point * (bent(k, theta) / theta),
             () if has("polynomial_of_radius") => point * (theta * bent(k, r) / (r * r)),
+            () if has("radius_not_rooted") => point * (bent(k, libm::atan(r * r)) / (r * r)),
             () if has("quadrant_lost") && p[0] < 0.0 => -distort(k, point),
             () if eps > 0.0 => point * (bent(k, theta) / (r + eps)),
             () if has("radius_for_angle") => point * (bent(k, theta) / r),

@@ -84,6 +84,40 @@ pub(crate) fn gaussian_alpha() -> Vec<Case> {
             [vec![2.0, 2.0, 3.0, 2.25], vec![0.25, 0.5, 0.25, 0.5, -0.75, 0.5], vec![0.25, 0.125]],
         )
         .edge("a conic that isn't positive"),
+        case(
+            "rims",
+            "just inside and outside of two, three and four deviations, along both axes, of splats that aren't faint there",
+            vec![
+                4.0, 4.0, 8.5, 4.0, 10.5, 4.0, 10.375, 4.0, 11.0, 4.0, 4.0, 13.25, 4.0, 10.625, 7.0, 8.0,
+                8.5, 8.5,
+            ],
+            [
+                vec![4.0, 4.0, 4.125, 4.0, 4.0, 4.0],
+                vec![0.25390625, 0.0, 0.25390625, 0.25, 0.0625, 0.125, 0.21875, 0.0, 1.0],
+                vec![1.0, 0.9375, 0.875],
+            ],
+        ),
+        case(
+            "nearly_opaque",
+            "opacities from 0.99 to 1 in and beside the middle, around what codes cap at",
+            vec![2.5, 2.5, 2.5625, 2.5],
+            [
+                vec![2.5, 2.5, 2.5, 2.5, 2.5, 2.5, 2.5, 2.5, 2.5, 2.5],
+                vec![0.5, 0.0, 0.5, 0.25, 0.125, 0.5, 0.5, 0.0, 1.0, 0.25, 0.0, 0.25, 0.5, 0.125, 0.25],
+                vec![0.9921875, 0.99609375, 0.998046875, 0.99951171875, 0.9998779296875],
+            ],
+        ),
+        // A number between the two thresholds, which short types don't have.
+        case(
+            "GS5_beside_the_threshold",
+            "opacities between 1/256 and 1/255, and just above",
+            vec![2.5, 2.5],
+            [
+                vec![2.5; 4],
+                vec![0.5, 0.0, 0.5, 0.5, 0.0, 0.5],
+                vec![0.003_913_879_394_531_25, 0.003_929_138_183_593_75],
+            ],
+        ),
         case("no_opacity", "opacities of 0: there is a gradient", diagonal(), {
             let [means, conics, _] = splats(3, 2, [1.0, 4.0], [0.0, 1.0]);
             [means, conics, vec![0.0, 0.5]]

@@ -28,6 +28,61 @@ const FLOORED: Mistake = Mistake::new(
 )
 .with("k", 10.0, [1.0, 80.0]);
 
+const SCALED: Mistake = Mistake::new(
+    "exponent_scaled",
+    "exp(-k d^T conic d) with k other than 1/2",
+    "splats are larger or smaller than they were fitted",
+    "1/2",
+    "a WebGPU viewer, 1/16: its quads are cut at a distance of its own",
+    1,
+)
+.with("k", 0.0625, [0.01, 10.0]);
+const BELOW: Mistake = Mistake::new(
+    "cut_below_an_opacity",
+    "0 where alpha < k, with k other than 1/255",
+    "faint splats are lost, and what lies behind many of them comes through",
+    "1/255, or everything counts",
+    "a WGSL shader, 0.02; a viewer, 0.01",
+    2,
+)
+.with("k", 0.02, [1e-4, 0.5]);
+const CAPPED: Mistake = Mistake::new(
+    "capped_elsewhere",
+    "min(alpha, k) with k other than 0.99 and 0.999",
+    "more of what lies behind comes through than was trained",
+    "0.99 as 3D Gaussian splatting has it, 0.999 as gsplat",
+    "a renderer on CPUs: 0.995",
+    1,
+)
+.with("k", 0.995, [0.3, 0.9999]);
+const CAPPED_BEFORE: Mistake = Mistake::new(
+    "gaussian_capped",
+    "opacity times min(exp(...), k)",
+    "what is opaque lets light through where it shouldn't, and the rest as it is",
+    "cap the product",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 0.99, [0.3, 0.9999]);
+const CIRCLE: Mistake = Mistake::new(
+    "cut_at_a_radius",
+    "0 where |d| is above k deviations along the long axis, rounded up",
+    "splats end in a rim",
+    "a radius is for finding tiles: within a tile every pixel counts",
+    "a Vulkan rasterizer, 2; others, 3",
+    1,
+)
+.with("k", 3.0, [0.5, 6.0]);
+const SQUARE: Mistake = Mistake::new(
+    "cut_at_a_square",
+    "0 where |dx| or |dy| is above k deviations along the long axis, rounded up",
+    "splats end in a rim",
+    "a radius is for finding tiles: within a tile every pixel counts",
+    "a wgpu rasterizer, 3",
+    1,
+)
+.with("k", 3.0, [0.5, 6.0]);
+
 /// Mistakes of splats' opacities.
 pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
     Mistake::new(
@@ -134,6 +189,28 @@ pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
     CUT,
     FLOORED,
     Mistake::new(
+        "exponent_not_above_zero",
+        "exp(min(-1/2 d^T conic d, 0))",
+        "splats whose conic isn't positive any more cover the picture with their opacity",
+        "skip what grows with the distance, or leave it",
+        "a WGSL shader",
+        1,
+    ),
+    SCALED,
+    BELOW,
+    CAPPED,
+    CAPPED_BEFORE,
+    CIRCLE,
+    SQUARE,
+    Mistake::new(
+        "conic_in_another_order",
+        "(A, B, C) read as (A, C, B): what lies between x and y stands last",
+        "splats are wide along one axis, and lean the wrong way",
+        "the conic in the order in which it was written",
+        "a Vulkan rasterizer",
+        1,
+    ),
+    Mistake::new(
         "mean_rounded",
         "the mean is rounded to a whole pixel",
         "splats jump from pixel to pixel as they move",
@@ -218,6 +295,9 @@ fn wrong_alpha(pixel: [f64; 2], splat: &Splat, form: Form, wrong: &[&str]) -> f6
         () if has("same_distance_twice") => y = x,
         () => {}
     }
+    if has("conic_in_another_order") {
+        (b, c) = (c, b);
+    }
     let det = a * c - b * b;
     if has("covariance_for_conic") {
         (a, b, c) = (c / det, -b / det, a / det);
@@ -235,19 +315,30 @@ fn wrong_alpha(pixel: [f64; 2], splat: &Splat, form: Form, wrong: &[&str]) -> f6
         () if has("distance_not_squared") => -0.5 * (-2.0 * half).max(0.0).sqrt(),
         () => half,
     };
+    let power = SCALED.among(wrong).map_or(power, |k| 2.0 * k * power);
     let power = FLOORED.among(wrong).map_or(power, |k| power.max(-k));
+    let power = if has("exponent_not_above_zero") { power.min(0.0) } else { power };
     let opacity = match () {
         () if has("opacity_forgotten") => 1.0,
         () if has("opacity_through_sigmoid") => 1.0 / (1.0 + exp(-splat.opacity)),
         () => splat.opacity,
     };
     let factor = if has("gaussian_normalized") { det.max(0.0).sqrt() / (2.0 * PI) } else { 1.0 };
-    let whole = opacity * exp(power) * factor;
+    let gaussian = exp(power).min(CAPPED_BEFORE.among(wrong).unwrap_or(f64::INFINITY));
+    let whole = opacity * gaussian * factor;
     let whole = if has("alpha_as_density") { -expm1(-whole) } else { whole };
-    let alpha = whole.min(cap(form));
+    let alpha = whole.min(cap(form)).min(CAPPED.among(wrong).unwrap_or(f64::INFINITY));
     let sigmas = CUT.among(wrong).or(has("cut_at_three_sigmas").then_some(3.0));
-    let cut = sigmas.is_some_and(|k| power < -0.5 * k * k);
-    if cut || skipped(power, alpha, form) { 0.0 } else { alpha }
+    let cut = sigmas.is_some_and(|k| power < -0.5 * k * k) || BELOW.among(wrong).is_some_and(|k| alpha < k);
+    let outside = CIRCLE.among(wrong).is_some_and(|k| x.hypot(y) > radius(splat.conic, k))
+        || SQUARE.among(wrong).is_some_and(|k| x.abs().max(y.abs()) > radius(splat.conic, k));
+    if cut || outside || skipped(power, alpha, form) { 0.0 } else { alpha }
+}
+
+/// k deviations along the long axis of a conic, rounded up: those of its smaller eigenvalue.
+fn radius([a, b, c]: [f64; 3], k: f64) -> f64 {
+    let least = 0.5 * (a + c) - (0.25 * (a - c) * (a - c) + b * b).sqrt();
+    (k / least.sqrt()).ceil()
 }
 
 /// Opacities.

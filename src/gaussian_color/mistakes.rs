@@ -177,6 +177,70 @@ pub(crate) const GAUSSIAN_COLOR: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "band_1_by_axes",
+        "x, y, z for y, z, x in band 1",
+        "a splat's sheen leans to another side",
+        "y, z, x: m = -1, 0, 1",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "direction_in_other_axes",
+        "(x, -y, -z): the direction in OpenGL's camera axes",
+        "a splat's sheen turned around",
+        "the direction in the world, in the axes of the training",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "direction_upside_down",
+        "(x, -y, z) for the direction",
+        "a splat's sheen mirrored",
+        "the direction in the world, in the axes of the training",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "direction_with_z_up",
+        "(x, z, y) for the direction",
+        "a splat's sheen turned around",
+        "the direction in the world, in the axes of the training",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "rest_by_channels",
+        "all coefficients but the first read as if they were stored channel by channel",
+        "rainbow noise that turns with the camera",
+        "(degree, channel), or transpose what a .ply file has",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "constant_twice",
+        "the first coefficient times 0.282 twice",
+        "all splats gray",
+        "once",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "absolute_value",
+        "|sum + 1/2|",
+        "dark splats shine",
+        "max(0, sum + 1/2)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "second_band_left_out",
+        "bands 0 and 1 alone, of coefficients that have more",
+        "colors change less with the direction than they were trained to",
+        "all bands that there are coefficients of",
+        "a renderer in Metal, one in Rust",
+        2,
+    ),
+    Mistake::new(
         "band_1_signs",
         "the signs of x and y in band 1 are those of the other convention, all other bands' are not",
         "a splat's sheen leans to the other side in one band of four",
@@ -233,6 +297,12 @@ fn wrong_color(
 ) -> [f64; 3] {
     let has = |name: &str| wrong.contains(&name);
     let d = if has("direction_reversed") { direction(center, mean) } else { direction(mean, center) };
+    let d = match () {
+        () if has("direction_in_other_axes") => [d[0], -d[1], -d[2]],
+        () if has("direction_upside_down") => [d[0], -d[1], d[2]],
+        () if has("direction_with_z_up") => [d[0], d[2], d[1]],
+        () => d,
+    };
     let mut y = match wrong_length(d, all, wrong) {
         _ if has("direction_not_normalized") => harmonics(d, degree(f), HarmonicForm::Sphere, form.sign),
         None => harmonics(d, degree(f), HarmonicForm::Normalized, form.sign),
@@ -241,14 +311,25 @@ fn wrong_color(
     if has("constant_forgotten") {
         y[0] = 1.0;
     }
+    if has("band_1_by_axes") && y.len() > 1 {
+        (y[1], y[2], y[3]) = (y[3], y[1], y[2]);
+    }
     if has("band_1_signs") && y.len() > 1 {
         (y[1], y[3]) = (-y[1], -y[3]);
     }
     if has("third_band_left_out") {
         y.iter_mut().skip(9).for_each(|y| *y = 0.0);
     }
+    if has("second_band_left_out") {
+        y.iter_mut().skip(4).for_each(|y| *y = 0.0);
+    }
     if has("first_band_alone") {
         y[1..].fill(0.0);
+    }
+    let rest = |f: &[[f64; 3]]| [&f[..1], &by_channels(&f[1..])].concat();
+    let f = &if has("rest_by_channels") { rest(f) } else { f.to_vec() };
+    if has("constant_twice") {
+        y[0] *= y[0];
     }
     let f = if has("channels_first") { by_channels(f) } else { f.to_vec() };
     let shift = if has("half_forgotten") || has("color_through_sigmoid") || form.color == SplatColor::Sum {
@@ -260,6 +341,9 @@ fn wrong_color(
         let x = sum + shift;
         if has("color_through_sigmoid") || has("shifted_through_sigmoid") {
             return 1.0 / (1.0 + exp(-x));
+        }
+        if has("absolute_value") {
+            return x.abs();
         }
         let x = if form.color == SplatColor::Clamped { x.max(0.0) } else { x };
         if has("clamped_at_one") { x.clamp(0.0, 1.0) } else { x }

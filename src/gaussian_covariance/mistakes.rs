@@ -160,6 +160,14 @@ pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "upper_triangle_alone",
+        "the six numbers of one half, and 0 in the other",
+        "whoever reads the matrix by rows or by columns sees another splat",
+        "both halves, or six numbers",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// The length that quaternions are divided by.
@@ -213,6 +221,9 @@ fn wrong_covariance(
         (0..3).map(term).sum()
     };
     let more = WIDENED.among(wrong).unwrap_or(0.0);
+    if has("upper_triangle_alone") {
+        return [0, 1, 2].map(|i| [0, 1, 2].map(|j| if j < i { 0.0 } else { entry(i, j) }));
+    }
     if has("not_multiplied_with_itself") {
         return [0, 1, 2].map(|i| [0, 1, 2].map(|j| r[i][j] * s[j]));
     }

@@ -6,9 +6,10 @@ use crate::contract::arrays::{Arrays, threes};
 use crate::convention::{Conventions, SplatCenter, SplatClamp, SplatClampGradient};
 
 mod catalogue;
+mod numbers;
 
 pub(crate) use catalogue::GAUSSIAN_PROJECTION;
-use catalogue::{OTHER_LIMIT, OTHER_SIGMAS};
+use numbers::{COMPENSATION_HELD, COVARIANCE_SCALED, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS, RADIUS_HELD};
 
 /// What is multiplied from the left with Sigma, in rows, and t as the Jacobian has it.
 fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f64; 3]; 2] {
@@ -16,6 +17,7 @@ fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f6
     let focal = match () {
         () if has("jacobian_without_focal") => [1.0, 1.0],
         () if has("one_focal") => [view.k.fx, view.k.fx],
+        () if has("jacobian_to_clip_space") => [2.0 * view.k.fx / view.width, 2.0 * view.k.fy / view.height],
         () => [view.k.fx, view.k.fy],
     };
     let mut slopes = clamped(t, view, form);
@@ -66,6 +68,12 @@ fn wrong_splat(
     wrong: &[&str],
 ) -> Splat {
     let has = |name: &str| wrong.contains(&name);
+    let r = view.rotation;
+    let turned = [0, 1, 2].map(|i| [0, 1, 2].map(|k| r[k][i]));
+    let view = &if has("rotation_transposed") { View { rotation: turned, ..*view } } else { *view };
+    let [xx, xy, xz, yy, yz, zz] = sigma;
+    let sigma = if has("covariance_in_another_order") { [xx, yy, yz, xy, zz, xz] } else { sigma };
+    let sigma = sigma.map(|x| x * COVARIANCE_SCALED.among(wrong).unwrap_or(1.0));
     let (t, right) = (in_camera(mean, view), project(mean, sigma, view, form));
     let in_jacobian = if has("one_depth_for_all") { [t[0], t[1], middle] } else { t };
     let [p, q] = wrong_transform(in_jacobian, view, form, wrong);
@@ -76,7 +84,8 @@ fn wrong_splat(
         let scale = view.k.fx * view.k.fy / (t[2] * t[2]);
         before[1] += scale * (slopes[1].0 - slopes[0].0) * (v[2] - v[4]);
     }
-    let h = if has("not_dilated") { 0.0 } else { form.dilation.value() };
+    let own = OTHER_DILATION.among(wrong).unwrap_or(form.dilation.value());
+    let h = if has("not_dilated") { 0.0 } else { own };
     let [a, b, c] =
         [before[0] + h, before[1] + if has("every_entry_dilated") { h } else { 0.0 }, before[2] + h];
     let held = |x: f64| x.max(form.dilation.value());
@@ -86,18 +95,29 @@ fn wrong_splat(
     let ratio = ((before[0] * before[2] - before[1] * before[1]) / det).max(0.0);
     let apart = (0.25 * (a - c) * (a - c) + b * b).max(form.radius.value()).sqrt();
     let lambda = 0.5 * (a + c) + if has("radius_of_the_short_axis") { -apart } else { apart };
-    let deviation = match () {
+    let mut deviation = match () {
         () if has("radius_of_variance") => lambda,
         () if has("radius_of_the_trace") => (a + c).sqrt(),
         () if has("radius_along_axes") => a.max(c).sqrt(),
         () => lambda.max(0.0).sqrt(),
     };
+    if has("radius_not_dilated") {
+        let [a, b, c] = before;
+        deviation = (0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).max(form.radius.value()).sqrt())
+            .max(0.0)
+            .sqrt();
+    }
+    let [p, q, s] = if has("conic_not_dilated") { before } else { [a, b, c] };
+    let under = p * s - q * q;
     let slopes = clamped(t, view, form);
     let shift = if form.center == SplatCenter::Integer { 0.5 } else { 0.0 };
     let place = |n: usize, f: f64, center: f64| f * slopes[n].0 + center - shift;
     Splat {
         mean: match right.mean {
             _ if has("mean_clamped_too") => [place(0, view.k.fx, view.k.cx), place(1, view.k.fy, view.k.cy)],
+            [x, y] if has("mean_in_clip_space") => {
+                [2.0 * (x + shift) / view.width - 1.0, 2.0 * (y + shift) / view.height - 1.0]
+            }
             [x, y] if has("picture_upside_down") => [x, 2.0 * (view.k.cy - shift) - y],
             [x, y] if has("middle_of_the_picture") => {
                 [x - view.k.cx + 0.5 * view.width, y - view.k.cy + 0.5 * view.height]
@@ -110,22 +130,31 @@ fn wrong_splat(
             () if has("conic_not_divided") => [c, -b, a],
             () if has("determinant_with_plus") => [c, -b, a].map(|x| x / (a * c + b * b)),
             () if has("conic_not_swapped") => [a / det, -b / det, c / det],
-            () => [c / det, -b / det, a / det],
+            () => [s / under, -q / under, p / under],
         },
         depth: if has("distance_for_depth") { distance(t) } else { right.depth },
-        radius: match 3.0 * deviation {
-            radius if has("radius_not_rounded") => radius,
-            radius if has("radius_rounded_down") => radius.floor(),
-            radius if has("radius_rounded") => radius.round(),
-            _ => (OTHER_SIGMAS.among(wrong).unwrap_or(3.0) * deviation).ceil(),
-        },
+        radius: wrong_radius(deviation, wrong),
         compensation: match () {
             () if has("compensation_squared") => ratio,
             () if has("compensation_inverted") => ratio.sqrt().recip(),
-            () => ratio.sqrt(),
+            () if has("compensation_of_flat_ones") && ratio == 0.0 => 1.0,
+            () => ratio.sqrt().max(COMPENSATION_HELD.among(wrong).unwrap_or(0.0)),
         }
         .max(form.compensation.value()),
     }
+}
+
+/// The radius of a deviation along the long axis.
+fn wrong_radius(deviation: f64, wrong: &[&str]) -> f64 {
+    let has = |name: &str| wrong.contains(&name);
+    let radius = OTHER_SIGMAS.among(wrong).unwrap_or(3.0) * deviation;
+    let radius = match () {
+        () if has("radius_not_rounded") => radius,
+        () if has("radius_rounded_down") => radius.floor(),
+        () if has("radius_rounded") => radius.round(),
+        () => radius.ceil(),
+    };
+    radius.min(RADIUS_HELD.among(wrong).unwrap_or(f64::INFINITY))
 }
 
 /// Projections.
@@ -157,6 +186,11 @@ pub(crate) fn projection_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arr
             Some(&"gradient_not_turned_back") => {
                 let t = in_camera(mean, &view);
                 g_mean = backward::project(t, in_axes(sigma, &view), &straight(&view), form, g).0;
+            }
+            Some(&"gradient_turned_on") => {
+                let t = in_camera(mean, &view);
+                let g_t = backward::project(t, in_axes(sigma, &view), &straight(&view), form, g).0;
+                g_mean = [0, 1, 2].map(|i| (0..3).map(|k| view.rotation[i][k] * g_t[k]).sum());
             }
             Some(&"compensation_not_differentiated") => {
                 let without = Splat { compensation: 0.0, ..*g };

@@ -9,13 +9,19 @@ use crate::math::pow;
 mod catalogue;
 
 pub(crate) use catalogue::HASH_GRID;
-use catalogue::OFFSET_HALF;
+use catalogue::{OFFSET_HALF, OTHER_GROWTH};
 
 /// The levels as the mistakes have them.
 fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
     let (base, finest, levels) = (number(a, "base"), number(a, "finest"), count(a));
+    let growth = OTHER_GROWTH.among(wrong);
     let n = |l: usize| match () {
         () if wrong.contains(&"growth_over_levels") => base * pow(finest / base, l as f64 / levels as f64),
+        () if growth.is_some() => base * pow(growth.unwrap_or(1.0), l as f64),
+        () if wrong.contains(&"levels_even") => {
+            base + (finest - base) * l as f64 / (levels.max(2) - 1) as f64
+        }
+        () if wrong.contains(&"resolution_doubled") => libm::ldexp(1.0, l as i32),
         () if wrong.contains(&"resolution_rounded_up") => n_of(a, l).ceil(),
         () => n_of(a, l),
     };
@@ -26,12 +32,13 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
     out
 }
 
-/// The entry of a vertex as the mistakes have it.
-fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
+/// The entry of a vertex of level l as the mistakes have it.
+fn wrong_entry((l, level): (usize, &Level), [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
     let entries = level.table.nrows();
     let first = u32::from(wrong.contains(&"vertices_from_one"));
     let [x, y, z] = [x + first, y + first, z + first];
-    if level.dense() {
+    let cells = (level.side as usize).saturating_sub(1);
+    if level.dense() || wrong.contains(&"dense_by_cells") && cells.pow(3) <= entries {
         let side = level.side as usize - usize::from(wrong.contains(&"side_without_one"));
         let [x, y, z] = if wrong.contains(&"z_fastest") { [z, y, x] } else { [x, y, z] };
         return (x as usize + side * (y as usize + side * z as usize)) % entries;
@@ -52,6 +59,7 @@ fn wrong_entry(level: &Level, [x, y, z]: [u32; 3], wrong: &[&str]) -> usize {
     let hash = match () {
         () if wrong.contains(&"sum_for_xor") => x.wrapping_add(y).wrapping_add(z),
         () if wrong.contains(&"and_for_xor") => x & y & z,
+        () if wrong.contains(&"level_in_the_hash") => (x ^ y ^ z).wrapping_add(l as u32),
         () => x ^ y ^ z,
     };
     hash as usize % if wrong.contains(&"modulo_one_less") { entries - 1 } else { entries }
@@ -92,13 +100,13 @@ fn wrong_weight(k: usize, cells: [(u32, f64); 3], right: f64, wrong: &[&str]) ->
 
 fn encode(levels: &[Level], x: [f64; 3], wrong: &[&str]) -> Vec<f64> {
     let mut out = vec![];
-    for level in levels {
+    for (l, level) in levels.iter().enumerate() {
         let cells = x.map(|x| wrong_cell(level, x, wrong));
         let mut features = vec![0.0; level.table.ncols()];
         for k in 0..8 {
             let (vertex, right) = corner(k, cells);
             let weight = wrong_weight(k, cells, right, wrong);
-            let entry = level.table.row(wrong_entry(level, vertex, wrong));
+            let entry = level.table.row(wrong_entry((l, level), vertex, wrong));
             features.iter_mut().zip(entry).for_each(|(feature, entry)| *feature += weight * entry);
         }
         out.extend(features);

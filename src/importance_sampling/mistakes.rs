@@ -2,7 +2,7 @@
 
 mod catalogue;
 
-use catalogue::{BLURRED, DENOMINATOR_EPS, EPS_AFTER_DIVISION, EPS_IN_SUM};
+use catalogue::{BLURRED, DENOMINATOR_EPS, EPS_AFTER_DIVISION, EPS_IN_SUM, PADDED};
 pub(crate) use catalogue::{
     IMPORTANCE_SAMPLING, INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, NOTHING_OVER_NOTHING,
     SEARCHED_FROM_THE_LEFT,
@@ -18,7 +18,7 @@ const BELOW_ONE: f64 = 1.0 - 1.0 / 8_388_608.0;
 
 /// Changes to a ray's inputs, before anything is computed.
 fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
-    let Ray { mut edges, mut weights, padding, mut u } = Ray {
+    let Ray { mut edges, mut weights, mut padding, mut u } = Ray {
         edges: ray.edges.clone(),
         weights: ray.weights.clone(),
         padding: ray.padding,
@@ -27,6 +27,15 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     if wrong.contains(&"interior_alone") && weights.len() > 2 {
         edges = edges.windows(2).map(|e| 0.5 * (e[0] + e[1])).collect();
         weights = weights[1..weights.len() - 1].to_vec();
+    }
+    if wrong.contains(&"first_bin_dropped") {
+        edges[0] = edges[1];
+    }
+    if wrong.contains(&"edges_about_the_middles") && weights.len() > 1 {
+        let middle = |k: usize| 0.5 * (ray.edges[k] + ray.edges[k + 1]);
+        let half = 0.5 * (middle(1) - middle(0));
+        let last = weights.len() - 1;
+        edges = (0..=last).map(|k| middle(k) - half).chain([middle(last) + half]).collect();
     }
     if wrong.contains(&"weights_as_densities") {
         weights.iter_mut().zip(edges.windows(2)).for_each(|(w, e)| *w *= e[1] - e[0]);
@@ -50,6 +59,11 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     }
     if wrong.contains(&"strata_doubled") {
         u = doubled(&u);
+    }
+    padding = PADDED.among(wrong).unwrap_or(padding);
+    if wrong.contains(&"stratified_again") {
+        let count = u.len() as f64;
+        u = u.iter().enumerate().map(|(j, u)| (j as f64 + u) / count).collect();
     }
     if let Some(padding) = BLURRED.among(wrong) {
         weights = blurred(&weights).into_iter().map(|w| w + padding).collect();
@@ -140,6 +154,7 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
         _ if wrong.contains(&"left_edge") => 0.0,
         _ if wrong.contains(&"right_edge") => 1.0,
         _ if wrong.contains(&"place_of_u") => u,
+        _ if wrong.contains(&"place_mirrored") => 1.0 - (u - f[k]) / difference,
         _ if wrong.contains(&"middle_of_bin") => 0.5,
         _ => (u - f[k]) / difference,
     };
@@ -162,6 +177,10 @@ pub(crate) fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         let shared = if wrong.contains(&"strata_doubled") { doubled(&shared) } else { shared.clone() };
         let u = if wrong.contains(&"one_u_for_all_rays") { &shared } else { &ray.u };
         let mut t: Vec<f64> = u.iter().map(|&u| one(&ray, &f, u, c, wrong)).collect();
+        if wrong.contains(&"own_bin_alone") {
+            let own = |j: usize| j + 1 < f.len() && f[j] <= u[j] && u[j] < f[j + 1];
+            t.iter_mut().enumerate().filter(|(j, _)| !own(*j)).for_each(|(_, t)| *t = 0.0);
+        }
         if wrong.contains(&"sorted_within") {
             t.sort_by(f64::total_cmp);
         }

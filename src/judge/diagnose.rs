@@ -5,8 +5,9 @@ use super::assignment::{open, possible, small_cases};
 use super::evidence::{Explanation, Suspect, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
 use super::fitted::fitting;
-use super::fitted_pairs::fitting_pairs;
+use super::fitted_pairs::{beside, fitting_pairs};
 use super::hypothesis::{Hypothesis, of_forward};
+use super::imprecise::inaccuracy;
 use super::mark::MarkOptions;
 use super::misdone::misdone;
 use super::mostly::mostly;
@@ -142,6 +143,11 @@ pub fn diagnose(
         }
     }
     let most = mostly(question, answers, base, suspects, options);
+    let pairs =
+        most.iter().flat_map(|most| beside(most, base, question, answers, options)).collect::<Vec<_>>();
+    if !pairs.is_empty() {
+        return ranked(pairs, question, answers, &home, options);
+    }
     if let Some(named) = most.clone().filter(|e| parted.is_none() && e.wrong()) {
         return vec![named];
     }
@@ -200,21 +206,6 @@ fn forward_is_the_same(question: &Question, a: &Conventions, b: &Conventions, op
         a.iter().all(|(name, a)| a.shape() == b[name].shape() && a.iter().zip(&b[name]).all(near))
     };
     question.cases.iter().all(same)
-}
-
-/// The right formula in the nearest of these assignments that explains every answer if digits were lost, and how much of what wrong code
-/// is allowed it uses.
-fn inaccuracy(
-    near: &[&Partial],
-    question: &Question,
-    answers: &Answers,
-    base: &Conventions,
-    options: &MarkOptions,
-) -> Option<(Hypothesis, f64)> {
-    let right = |p: &&Partial| Hypothesis { loose: true, ..Hypothesis::new(vec![], apply(p, base)) };
-    let h = near.iter().map(right).find(|h| explains_all(h, question, answers, options))?;
-    let residual = largest_residual(&h, question, answers, options);
-    Some((h, residual))
 }
 
 /// Single mistakes in the run's own conventions that explain everything.
@@ -282,9 +273,12 @@ fn ranked(
     rows.sort_by(|(a, ra), (b, rb)| {
         let seen = |h: &Hypothesis| h.mistakes.iter().map(|name| row(name).count).sum::<u32>();
         let mistakes = |h: &Hypothesis| h.mistakes.len();
+        // What leaves elements open explains more than what names them.
+        let open = |h: &Hypothesis| h.mistakes.iter().filter(|name| row(name).open).count();
         mistakes(a)
             .cmp(&mistakes(b))
             .then(moved(a).cmp(&moved(b)))
+            .then(open(a).cmp(&open(b)))
             .then(seen(b).cmp(&seen(a)))
             .then(ra.total_cmp(rb))
     });

@@ -20,6 +20,11 @@ impl By {
         }
     }
 
+    /// Whether what it gives are whole numbers.
+    pub(super) fn rounds(self) -> bool {
+        matches!(self, By::Each(n) if EACH[n].0.starts_with("rounded"))
+    }
+
     pub(super) fn says(self) -> String {
         match self {
             By::Each(n) => EACH[n].0.into(),

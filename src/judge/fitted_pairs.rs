@@ -2,13 +2,15 @@
 
 use super::answer::{Answer, Answers};
 use super::assignment::small_cases;
-use super::evidence::{explains_all, shows, usable};
+use super::evidence::{Explanation, explains_all, shows, usable};
 use super::exam::Question;
 use super::fitted::{shown, within_reach};
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::partial::apply;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
+use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 use crate::parallel;
@@ -42,28 +44,65 @@ pub(crate) fn fitting_pairs(
     let near = distinct(near, (most / pairs.len().max(1)).max(1), question, &cases);
     let found = parallel::map(pairs.len() * near.len(), |n| {
         let ((mistake, other), c) = (pairs[n / near.len()], near[n % near.len()]);
-        // The first that has a number gets it.
-        let names = if other.number.is_some() { [mistake, other] } else { [other, mistake] };
-        let usual = Hypothesis::new(names.map(|m| m.name).to_vec(), c);
-        let alone = Hypothesis::new(vec![other.name], c);
-        // A number next to the right one takes up what rounding left of the other mistake alone.
-        let needed = |h: &Hypothesis| {
-            let cases = usable(h, question, answers);
-            let missed =
-                |(case, answer): &&(&Case, &Answer)| !alone.explains(question, case, answer, options);
-            let missed: Vec<_> = cases.iter().filter(missed).collect();
-            // An eps shows where something is small, and nowhere else; but there by far.
-            let far =
-                |(case, answer): &&&(&Case, &Answer)| alone.residual(question, case, answer, options) > FAR;
-            2 * missed.len() >= cases.len() || missed.iter().filter(far).count() >= FEW
-        };
-        let fits = |h: &Hypothesis| {
-            explains_all(h, question, answers, options) && shows(h, question, answers, options) && needed(h)
-        };
-        within_reach(mistake, &usual, question, answers)
-            .then(|| shown(mistake, &usual, question, answers).find(fits))?
+        fitted_beside(mistake, other, c, question, answers, options)
     });
     found.into_iter().flatten().collect()
+}
+
+/// What explains every answer beside the mistake of `most`, which explains most cases, in its conventions: these may be too many for pairs
+/// to be looked for in.
+pub(crate) fn beside(
+    most: &Explanation,
+    base: &Conventions,
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> Vec<Hypothesis> {
+    let ([mistake], Kind::Forward) = (&most.mistakes[..], question.kind) else { return vec![] };
+    let c = apply(&most.conventions, base);
+    let others: Vec<&Mistake> =
+        question.component.mistakes.iter().filter(|m| !m.gradient && m.name != mistake.name).collect();
+    let fits =
+        |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
+    let found = parallel::map(others.len(), |n| {
+        let both =
+            Hypothesis { fitted: most.fitted, ..Hypothesis::new(vec![mistake.name, others[n].name], c) };
+        let fit = || {
+            let numbered = most.fitted.is_none() && others[n].number.is_some();
+            numbered.then(|| fitted_beside(others[n], mistake, c, question, answers, options))?
+        };
+        if fits(&both) { Some(both) } else { fit() }
+    });
+    found.into_iter().flatten().collect()
+}
+
+/// A mistake with the number that it needs to explain every answer beside another.
+fn fitted_beside(
+    mistake: &Mistake,
+    other: &Mistake,
+    c: Conventions,
+    question: &Question,
+    answers: &Answers,
+    options: &MarkOptions,
+) -> Option<Hypothesis> {
+    // The first that has a number gets it.
+    let names = if other.number.is_some() { [mistake, other] } else { [other, mistake] };
+    let usual = Hypothesis::new(names.map(|m| m.name).to_vec(), c);
+    let alone = Hypothesis::new(vec![other.name], c);
+    // A number next to the right one takes up what rounding left of the other mistake alone.
+    let needed = |h: &Hypothesis| {
+        let cases = usable(h, question, answers);
+        let missed = |(case, answer): &&(&Case, &Answer)| !alone.explains(question, case, answer, options);
+        let missed: Vec<_> = cases.iter().filter(missed).collect();
+        // An eps shows where something is small, and nowhere else; but there by far.
+        let far = |(case, answer): &&&(&Case, &Answer)| alone.residual(question, case, answer, options) > FAR;
+        2 * missed.len() >= cases.len() || missed.iter().filter(far).count() >= FEW
+    };
+    let fits = |h: &Hypothesis| {
+        explains_all(h, question, answers, options) && shows(h, question, answers, options) && needed(h)
+    };
+    within_reach(mistake, &usual, question, answers)
+        .then(|| shown(mistake, &usual, question, answers).find(fits))?
 }
 
 /// The first `most` of these conventions that answer differently: what changes nothing that was answered takes no other's place.
@@ -93,8 +132,12 @@ fn distinct(
 
 #[cfg(test)]
 mod tests {
+    use ndarray::ArrayD;
+
+    use super::super::answer::given;
     use super::super::exam::Exam;
     use super::super::fitted::tests::answered;
+    use super::super::mostly::mostly;
     use super::*;
     use crate::contract::arithmetic::Dtype;
     use crate::convention::CS180;
@@ -136,6 +179,28 @@ mod tests {
         ] {
             assert_eq!(pairs(component, Dtype::F32, &mistakes), [], "{component}");
         }
+    }
+
+    /// Three conventions away from the run's, pairs with a number aren't looked for but beside what explains most cases.
+    #[test]
+    fn what_explains_most_cases_is_joined_by_what_explains_the_others() {
+        let exam = Exam::new("gaussian_alpha", Dtype::F32, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 });
+        let c = [("alpha_cap", "0.99"), ("faint", "skipped"), ("positive_power", "skipped")];
+        let c = c.iter().fold(CS180, |c, (key, value)| c.with(key, value).unwrap());
+        let both = ["conic_in_another_order", "cut_at_a_radius"];
+        let h = Hypothesis { fitted: Some(2.0), ..Hypothesis::new(both.to_vec(), c) };
+        let single = |a: &ArrayD<f64>| a.mapv(|x| Dtype::F32.round(x));
+        let answer = |case| {
+            let (arrays, _) = h.prediction(question, case);
+            Some(given(arrays.iter().map(|(name, a)| (name.clone(), single(a))).collect()))
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        let most = mostly(question, &answers, &CS180, &[], &options).unwrap();
+        assert_eq!(most.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(), both[..1]);
+        let found = beside(&most, &CS180, question, &answers, &options);
+        let found: Vec<_> = found.iter().map(|h| (&h.mistakes[..], h.fitted)).collect();
+        assert_eq!(found[0], (&both[..], Some(2.0)));
     }
 
     /// Forward answers notice no ReLU before densities, and colors without opacities not which weights these add up: the next convention

@@ -17,7 +17,7 @@ use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
 use crate::contract::check::{Kind, budget_used};
-use crate::contract::component::Direction;
+use crate::contract::component::{Direction, Mistake};
 use crate::convention::Conventions;
 
 /// An assignment of conventions with mistakes, in the order in which they were made.
@@ -118,7 +118,9 @@ impl Hypothesis {
         error: Option<&'a Arrays>,
         options: &'a MarkOptions,
     ) -> impl DoubleEndedIterator<Item = Arrays> + 'a {
-        let known = error.is_some() || self.right() && !self.loose;
+        // Next to a whole number a nudge moves what is rounded by 1: so wide a bound explains anything.
+        let rounds = self.slip.as_ref().is_some_and(Slip::rounds);
+        let known = error.is_some() || rounds || self.right() && !self.loose;
         (0..2 - usize::from(known)).map(move |n| {
             let u = options.dtype.unit_roundoff();
             let nudged = |n| [4.0, -4.0].map(|by| self.nudged(question, case, n, by * u));
@@ -284,8 +286,11 @@ impl Hypothesis {
     /// What wrong code makes of an infinite input depends on how it is written: infinity times 0, or less infinity. NaN is predicted
     /// there where the answer has it; and where nobody reads what wrong code returns, what was answered.
     pub(crate) fn leave_open(&self, question: &Question, case: &Case, answer: &Answer, wrong: &mut Arrays) {
-        if !self.right() && question.kind == Kind::Forward {
-            unread::as_answered(question.component, case, answer, wrong);
+        if question.kind == Kind::Forward {
+            self.leave_undecided(question, answer, wrong);
+            if !self.right() {
+                unread::as_answered(question.component, case, answer, wrong);
+            }
         }
         if self.right() || case.finite() {
             return;
@@ -296,6 +301,20 @@ impl Hypothesis {
             let given = answer.get(name).and_then(|given| reshaped(&given.values, wrong.shape()));
             if let Some((got, _)) = given {
                 wrong.zip_mut_with(&got, |w, g| *w = if g.is_nan() { f64::NAN } else { *w });
+            }
+        }
+    }
+
+    /// Predicts what was answered where a mistake leaves it open.
+    fn leave_undecided(&self, question: &Question, answer: &Answer, wrong: &mut Arrays) {
+        let open = |m: &&Mistake| m.open && self.mistakes.contains(&m.name);
+        if question.component.mistakes.iter().find(open).is_none() {
+            return;
+        }
+        for (name, wrong) in wrong {
+            let given = answer.get(name).and_then(|given| reshaped(&given.values, wrong.shape()));
+            if let Some((got, _)) = given {
+                wrong.zip_mut_with(&got, |w, g| *w = if w.is_nan() { *g } else { *w });
             }
         }
     }

@@ -2,9 +2,14 @@
 
 use std::sync::Arc;
 
-use super::answer::Answers;
+use ndarray::ArrayD;
+
+use super::answer::{Answer, Answers, reshaped};
+use super::evidence::{explains_all, largest_residual, usable};
 use super::exam::Question;
+use super::hypothesis::Hypothesis;
 use super::mark::{MarkOptions, proves, within};
+use super::partial::{Partial, apply};
 use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -46,7 +51,19 @@ pub(super) fn lost_bits(
     (most > 0 && fits(&most)).then(|| (1..=most).find(fits).unwrap_or(most))
 }
 
-/// The truth, and the bound of arithmetic that is `bits` shorter: that of the formula, and as many bits of the largest number of an array,
+/// How large the numbers of an array are: its largest, but no more than so many times the median of those that aren't 0. A last step of
+/// 1e10 says nothing of what rounding costs the others.
+fn size(array: &ArrayD<f64>) -> f64 {
+    let mut sizes: Vec<f64> = array.iter().map(|x| x.abs()).filter(|x| x.is_finite() && *x > 0.0).collect();
+    sizes.sort_by(f64::total_cmp);
+    let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
+    sizes.last().map_or(0.0, |largest| largest.min(LARGER * median))
+}
+
+/// How much larger than most others the largest number of an array may count.
+const LARGER: f64 = 16.0;
+
+/// The truth, and the bound of arithmetic that is `bits` shorter: that of the formula, and as many bits of the size of an array,
 /// for what the contract allows nothing, and for what is left of a difference.
 fn coarse(
     question: &Question,
@@ -62,9 +79,44 @@ fn coarse(
     let expected = question.expected(case, c);
     let mut bound = (direction.bound)(&case.inputs, c, &short);
     for (name, bound) in &mut bound {
-        let largest = |max: f64, x: &f64| if x.is_finite() { max.max(x.abs()) } else { max };
-        let floor = short.u * expected[name].iter().fold(0.0, largest);
+        let floor = short.u * size(&expected[name]);
         bound.mapv_inplace(|bound| bound + floor);
     }
     (expected, bound)
 }
+
+/// The right formula in the nearest of these assignments that explains every answer if digits were lost, and how much of what wrong code
+/// is allowed it uses.
+pub(super) fn inaccuracy(
+    near: &[&Partial],
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Option<(Hypothesis, f64)> {
+    let right = |p: &&Partial| Hypothesis { loose: true, ..Hypothesis::new(vec![], apply(p, base)) };
+    let h = near.iter().map(right).find(|h| explains_all(h, question, answers, options))?;
+    // Across a face or a threshold a nudge changes everything: that explains any answer, and is no matter of digits.
+    let left = |(case, answer): &(&Case, &Answer)| {
+        let expected = question.expected(case, &h.conventions);
+        answer
+            .iter()
+            .all(|(name, given)| expected.get(name).is_none_or(|e| digits_are_left(e, &given.values)))
+    };
+    if !usable(&h, question, answers).iter().all(left) {
+        return None;
+    }
+    let residual = largest_residual(&h, question, answers, options);
+    Some((h, residual))
+}
+
+/// Whether answers are off by less than a part of an array's largest number.
+fn digits_are_left(expected: &ArrayD<f64>, given: &ArrayD<f64>) -> bool {
+    let Some((got, _)) = reshaped(given, expected.shape()) else { return true };
+    let finite = || got.iter().zip(expected).filter(|(g, e)| g.is_finite() && e.is_finite());
+    let largest = finite().fold(0.0, |max: f64, (_, e)| max.max(e.abs()));
+    largest == 0.0 || finite().all(|(g, e)| (g - e).abs() <= LOST * largest)
+}
+
+/// The part.
+const LOST: f64 = 1.0 / 16.0;

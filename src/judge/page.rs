@@ -1,5 +1,6 @@
 //! The judge's page for people.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use super::evidence::Explanation;
@@ -9,6 +10,7 @@ use super::report::{Report, Row, Verdict};
 use super::slip::Slip;
 use crate::contract::arithmetic::Grade;
 use crate::contract::component::Mistake;
+use crate::contract::hazard::{Hazard, of_case};
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
@@ -203,6 +205,13 @@ pub(crate) fn of_row(row: &Row) -> String {
     Notes(row).to_string()
 }
 
+/// What goes wrong in hard cases like those that an explanation leaves.
+fn hazards(f: &mut fmt::Formatter, e: &Explanation) -> fmt::Result {
+    let all = e.unexplained_cases.iter().filter_map(|id| of_case(id));
+    let known: BTreeMap<&str, &Hazard> = all.map(|hazard| (hazard.id, hazard)).collect();
+    known.values().try_for_each(|h| writeln!(f, "    {}, {}: {}", h.id, h.title, h.effect))
+}
+
 fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     let Some(best) = row.diagnosis.first() else {
         writeln!(
@@ -227,11 +236,12 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     // Right elsewhere is no acquittal.
     if !best.wrong() && !best.unexplained_cases.is_empty() && best.unexplained.is_empty() {
         let cases = best.unexplained_cases.join(", ");
-        return writeln!(
+        writeln!(
             f,
             "  wrong in {cases} alone: all other cases follow {}the right formula; look at these by hand",
             before(best)
-        );
+        )?;
+        return hazards(f, best);
     }
     writeln!(f, "  consistent with: {}{}", name(best), closeness(best))?;
     if !best.unexplained.is_empty() {
@@ -240,6 +250,7 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
     if !best.unexplained_cases.is_empty() {
         let cases = best.unexplained_cases.join(", ");
         writeln!(f, "  but for the cases {cases}, where something more is wrong: look at these by hand")?;
+        hazards(f, best)?;
     }
     for sentence in &row.observed {
         writeln!(f, "    {sentence}")?;

@@ -107,6 +107,15 @@ impl Slip {
         }
     }
 
+    /// Whether an array is rounded to whole numbers.
+    pub(crate) fn rounds(&self) -> bool {
+        let Slip::Array(slip) = self else { return false };
+        match slip.change {
+            Change::All(by) | Change::One { by, .. } | Change::Cell { by, .. } => by.rounds(),
+            _ => false,
+        }
+    }
+
     /// What it says, on a line.
     pub(crate) fn says(&self) -> String {
         match self {

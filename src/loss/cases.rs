@@ -34,6 +34,12 @@ pub(crate) fn mse() -> Vec<Case> {
         ),
         pair("close", "differences of 2^-8 are exact", close, gray.clone()),
         pair("ME1_equal", "equal pictures: exactly 0, gradient too", gray.clone(), gray),
+        pair(
+            "beyond",
+            "colors below 0 and above 1 count as they are",
+            draw.array(&shape, -0.5, 1.5),
+            draw.array(&shape, 0.0, 1.0),
+        ),
         pair("tiny", "squares underflow", array(&[2], vec![1e-170, 0.0]), array(&[2], vec![0.0, 2e-200])),
     ]
     .into_iter()

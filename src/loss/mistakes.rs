@@ -1,5 +1,7 @@
 //! Loss, metric and bytes, wrong on purpose. Without a mistake every function equals the oracle.
 
+use ndarray::Axis;
+
 use super::arrays;
 use crate::contract::arrays::{Arrays, input, scalar};
 use crate::contract::component::Mistake;
@@ -84,6 +86,38 @@ pub(crate) const MSE: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "mean_distance",
+        "the mean of |p - t| over pixels, each a length",
+        "another loss: a square that isn't squared",
+        "the mean of squares",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "variance_of_difference",
+        "the variance of p - t: its mean is taken off",
+        "a picture that is too bright everywhere is perfect",
+        "the mean of squares",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "gray_pictures",
+        "the means over channels are compared",
+        "the wrong colors of the right brightness are perfect",
+        "every channel by itself",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "prediction_clipped",
+        "the prediction is clamped to [0, 1] first",
+        "colors beyond have no gradient, and never come back",
+        "colors as they are; clamp for a picture alone",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "bytes_compared",
         "255 p and 255 t are compared",
         "a loss 65025 times too large; steps that are too long",
@@ -101,14 +135,41 @@ pub(crate) const MSE: &[Mistake] = &[
     ),
 ];
 
+/// What is compared.
+fn compared(a: &Arrays, wrong: &[&str]) -> Arrays {
+    let mut a = a.clone();
+    if wrong.contains(&"prediction_clipped") {
+        a.get_mut("prediction").expect("checked").mapv_inplace(|x| x.clamp(0.0, 1.0));
+    }
+    if wrong.contains(&"gray_pictures") {
+        for name in ["prediction", "target"] {
+            let colors = input(&a, name);
+            let last = Axis(colors.ndim() - 1);
+            let gray = colors.mean_axis(last).expect("channels").insert_axis(last);
+            a.insert(name.into(), gray);
+        }
+    }
+    a
+}
+
 /// Mean squared error.
 pub(crate) fn mse(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let a = &compared(a, wrong);
     let mut out = arrays::mse(a, c);
     let entries = input(a, "prediction").len() as f64;
     let channels = input(a, "prediction").shape().last().copied().unwrap_or(1) as f64;
     if wrong.contains(&"absolute_error") {
         let sizes = (input(a, "prediction") - input(a, "target")).mapv(f64::abs);
         out.insert("value".into(), scalar(sizes.sum() / entries));
+    }
+    let apart = input(a, "prediction") - input(a, "target");
+    if wrong.contains(&"mean_distance") {
+        let squares = apart.mapv(|d| d * d).sum_axis(Axis(apart.ndim() - 1));
+        out.insert("value".into(), scalar(squares.mapv(f64::sqrt).mean().unwrap_or(f64::NAN)));
+    }
+    if wrong.contains(&"variance_of_difference") {
+        let mean = apart.sum() / entries;
+        out.insert("value".into(), scalar(apart.mapv(|d| (d - mean) * (d - mean)).sum() / entries));
     }
     if wrong.contains(&"square_of_the_mean") {
         let mean = (input(a, "prediction") - input(a, "target")).sum() / entries;

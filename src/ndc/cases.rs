@@ -47,6 +47,9 @@ pub(crate) fn ndc_rays() -> Vec<Case> {
         .into_iter()
         .map(|ray| [4.0 * ray[0], -8.0 * ray[1], 48.0, ray[3], ray[4], ray[5]])
         .collect();
+    let mut odd = case("", "", &rays(7, 4, -1.0), 1.0).inputs;
+    odd.extend([("width".to_string(), scalar(41.0)), ("height".to_string(), scalar(25.0))]);
+    let odd = odd.iter().map(|(name, array)| (name.as_str(), array.clone())).collect();
     let cases = vec![
         case(
             "usual",
@@ -54,6 +57,7 @@ pub(crate) fn ndc_rays() -> Vec<Case> {
             &rays(0, 8, -1.0),
             1.0,
         ),
+        Case::new("odd_size", "a picture of 41 x 25", odd),
         case("near_quarter", "a near plane that isn't 1", &rays(1, 6, -1.0), 0.25),
         case("near_uneven", "one that no short type holds", &rays(2, 4, -1.0), 1.1),
         case("other_way", "rays along positive z: forward, or back to the near plane", &rays(3, 6, 1.0), 1.0),

@@ -108,6 +108,38 @@ pub(crate) const NDC_RAYS: &[Mistake] = &[
     ),
     EPS_IN_DEPTH,
     Mistake::new(
+        "direction_between_points",
+        "d' is from o' to where o + d is projected",
+        "directions of another length, and half of the cube is left",
+        "d' = the limit of the projection less o'",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "both_signs_forgotten",
+        "x' and y' without their minus: 2 f / W and 2 f / H at negative z",
+        "a scene that is mirrored twice",
+        "-2 f / W and -2 f / H where the camera looks along -z",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "half_sizes_cut",
+        "W // 2 and H // 2: halves cut to whole numbers",
+        "views of odd sizes are stretched by a part of a pixel",
+        "W / 2 and H / 2",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "picture_flipped",
+        "y' and its direction with the other sign",
+        "a scene upside down",
+        "the signs of one view",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "shift_not_differentiated",
         "t held constant in the gradient",
         "poses learn across the axis alone: none of their depth",
@@ -145,6 +177,9 @@ fn wrong_ray(o: [f64; 3], d: [f64; 3], view: &View, wrong: &[&str]) -> Ray {
     if has("size_swapped") {
         scales.swap(0, 1);
     }
+    if has("half_sizes_cut") {
+        scales = scales.map(|scale| 2.0 * view.focal / (2.0 * (view.focal / scale + 1e-9).floor()));
+    }
     for j in 0..2 {
         let scale = sign * if has("half_size_forgotten") { scales[j] / 2.0 } else { scales[j] };
         let start = p[j] / p[2];
@@ -155,6 +190,20 @@ fn wrong_ray(o: [f64; 3], d: [f64; 3], view: &View, wrong: &[&str]) -> Ray {
             () => start,
         };
         d_ndc[j] = scale * (d[j] / d[2] - taken_off);
+    }
+    if has("direction_between_points") {
+        let q = [p[0] + d[0], p[1] + d[1], p[2] + d[2]];
+        let place = |j: usize| sign * scales[j] * q[j] / q[2];
+        let there = [place(0), place(1), 1.0 - sign * 2.0 * near / q[2]];
+        d_ndc = [0, 1, 2].map(|j| there[j] - o_ndc[j]);
+    }
+    if has("both_signs_forgotten") {
+        for j in 0..2 {
+            (o_ndc[j], d_ndc[j]) = (-o_ndc[j], -d_ndc[j]);
+        }
+    }
+    if has("picture_flipped") {
+        (o_ndc[1], d_ndc[1]) = (-o_ndc[1], -d_ndc[1]);
     }
     if has("direction_normalized") {
         let length = (d_ndc[0] * d_ndc[0] + d_ndc[1] * d_ndc[1] + d_ndc[2] * d_ndc[2]).sqrt();

@@ -2,7 +2,7 @@
 
 use super::{Adam, Moments};
 use crate::contract::arrays::{Arrays, array, arrays, input, number, values};
-use crate::convention::Conventions;
+use crate::convention::{AdamZero, Conventions};
 
 /// The hyper-parameters and the number of the step.
 pub(crate) fn settings(a: &Arrays) -> (Adam, u64) {
@@ -14,6 +14,16 @@ pub(crate) fn settings(a: &Arrays) -> (Adam, u64) {
         weight_decay: number(a, "weight_decay"),
     };
     (adam, number(a, "step") as u64)
+}
+
+/// A step of each parameter, but of those that stay by convention, as their gradient is 0.
+pub(crate) fn each_moved(a: &Arrays, c: &Conventions, step: impl Fn(Moments, f64) -> Moments) -> Arrays {
+    each(a, |before, grad| if stays(grad, c) { before } else { step(before, grad) })
+}
+
+/// Whether a parameter stays as it is, by convention.
+pub(crate) fn stays(grad: f64, c: &Conventions) -> bool {
+    c.adam_zero == AdamZero::Left && grad == 0.0
 }
 
 /// Applies `step` to each parameter: (before, gradient) -> after.
@@ -34,7 +44,7 @@ pub(crate) fn each(a: &Arrays, step: impl Fn(Moments, f64) -> Moments) -> Arrays
 fn stepped(a: &Arrays, c: &Conventions, one: fn(&Adam, Moments, f64, u64) -> Moments) -> Arrays {
     let (adam, step) = settings(a);
     let adam = Adam { eps: super::eps(&adam, step, c.adam_eps), ..adam };
-    each(a, |before, grad| one(&adam, before, grad, step))
+    each_moved(a, c, |before, grad| one(&adam, before, grad, step))
 }
 
 pub(super) fn adam_step(a: &Arrays, c: &Conventions) -> Arrays {

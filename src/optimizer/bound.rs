@@ -3,7 +3,7 @@
 //! Hyper-parameters are f64 in every number type. What is computed from them alone (1 - beta, the bias corrections, lr / correction)
 //! is computed at least in f32, and rounded to the type where it is combined with an array.
 
-use super::arrays::{each, settings};
+use super::arrays::{each, settings, stays};
 use super::{Adam, Moments, bias_correction};
 use crate::contract::arithmetic::{Arithmetic, Grade};
 use crate::contract::arrays::Arrays;
@@ -159,11 +159,17 @@ fn moments(
     Moments { param: param.e, m: mean1.e, v: mean2.e }
 }
 
+/// How far off what stays as it is may be.
+const AS_IT_WAS: Moments = Moments { param: 0.0, m: 0.0, v: 0.0 };
+
 /// Bound of [`super::adam_step`].
 pub(crate) fn adam_step(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (adam, step) = settings(a);
     let scalars = Scalars::new(&adam, step, m);
-    each(a, |before, grad| moments(before, grad, &adam, &scalars, c.adam_eps, m))
+    each(a, |before, grad| match stays(grad, c) {
+        true => AS_IT_WAS,
+        false => moments(before, grad, &adam, &scalars, c.adam_eps, m),
+    })
 }
 
 /// Bound of [`super::adamw_step`].
@@ -171,6 +177,9 @@ pub(crate) fn adamw_step(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
     let (adam, step) = settings(a);
     let scalars = Scalars::new(&adam, step, m);
     each(a, |before, grad| {
+        if stays(grad, c) {
+            return AS_IT_WAS;
+        }
         let known = [before.param, before.m, before.v].map(exact);
         let [param, mean1, mean2] = moved_and_decayed(known, exact(grad), &scalars, c.adam_eps, m);
         Moments { param: param.e, m: mean1.e, v: mean2.e }

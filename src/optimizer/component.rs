@@ -48,7 +48,7 @@ pub(crate) const ADAM_STEP: Component = Component {
     source: "Kingma and Ba 2015, algorithm 1; torch.optim.Adam",
     inputs: &inputs("times the parameter, added to the gradient (coupled)"),
     outputs: OUTPUTS,
-    conventions: &["adam_eps"],
+    conventions: &["adam_eps", "adam_zero"],
     forward: Direction {
         oracle: arrays::adam_step,
         bound: bound::adam_step,
@@ -70,7 +70,7 @@ pub(crate) const ADAMW_STEP: Component = Component {
     source: "Loshchilov and Hutter 2019, algorithm 2, with lambda = lr weight_decay; torch.optim.AdamW; optax.adamw",
     inputs: &inputs("times lr and the parameter, taken off beside the step (decoupled)"),
     outputs: OUTPUTS,
-    conventions: &["adam_eps"],
+    conventions: &["adam_eps", "adam_zero"],
     forward: Direction {
         oracle: arrays::adamw_step,
         bound: bound::adamw_step,

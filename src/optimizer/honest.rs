@@ -1,6 +1,6 @@
 //! Honest implementations of Adam's and AdamW's steps in emulated arithmetic.
 
-use super::arrays::{each, settings};
+use super::arrays::{each_moved, settings};
 use super::{Moments, bias_correction};
 use crate::contract::Dtype;
 use crate::contract::arrays::Arrays;
@@ -55,7 +55,7 @@ fn stepped(a: &Arrays, c: &Conventions, m: &Machine, decay: Decay) -> Arrays {
         }
     };
     let (rest1, rest2) = (m.round(1.0 - adam.beta1), m.round(1.0 - adam.beta2));
-    each(a, |before, grad| {
+    each_moved(a, c, |before, grad| {
         let Moments { param, m: mean1, v: mean2 } = before;
         let g = if adam.weight_decay == 0.0 || decay == Decay::Decoupled {
             grad

@@ -1,11 +1,12 @@
 //! Adam's and AdamW's steps, wrong on purpose. Without a mistake they equal the oracle.
 
 mod catalogue;
+mod one_mean;
 
 pub(crate) use catalogue::{ADAM_STEP, ADAMW_STEP};
 use catalogue::{EPS_OF_ITS_OWN, GRADIENT_CLIPPED, GRADIENT_NORM_CLIPPED, MEANS_BEGIN_AT_EPS};
 
-use super::arrays::{self, each, settings};
+use super::arrays::{self, each_moved, settings, stays};
 use super::{Adam, Moments, adam_step as oracle, bias_correction, eps};
 use crate::contract::arrays::{Arrays, scalar, values};
 use crate::convention::Conventions;
@@ -25,11 +26,13 @@ pub(crate) fn adamw_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     alone.insert("weight_decay".into(), scalar(0.0));
     let mut out = adam_step(&alone, c, wrong);
     let (before, m, v) = (values(a, "params"), values(&out, "m_out"), values(&out, "v_out"));
+    let grad = values(a, "grad");
     let (correction1, correction2) = (bias_correction(adam.beta1, step), bias_correction(adam.beta2, step));
     let eps = eps(&adam, step, c.adam_eps);
     for (i, param) in out.get_mut("params_out").expect("an output").iter_mut().enumerate() {
         let p = before[i];
         match () {
+            () if stays(grad[i], c) => {}
             () if is("decay_without_rate") => *param -= decay * p,
             () if is("decay_of_new_parameter") => *param -= lr * decay * *param,
             () if is("decay_corrected") => *param -= lr * decay * p / correction1,
@@ -68,6 +71,8 @@ fn means(adam: &Adam, before: Moments, g: f64, step: u64, wrong: &[&str]) -> Mea
     let v = mean(beta2, old_v, of_square * of_square, is("square_weights_exchanged"));
     let [by1, by2] = corrections(adam, step, wrong);
     let used = match () {
+        () if is("square_of_before") => [m / by1, before.v / by2],
+        () if is("mean_of_before") => [before.m / by1, v / by2],
         () if is("means_before") => [before.m / by1, before.v / by2],
         () if is("gradient_for_mean") => [g, v / by2],
         () => [m / by1, v / by2],
@@ -89,6 +94,8 @@ fn corrections(adam: &Adam, step: u64, wrong: &[&str]) -> [f64; 2] {
     match () {
         () if is("beta1_in_both_corrections") => [of(adam.beta1); 2],
         () if is("beta2_in_both_corrections") => [of(adam.beta2); 2],
+        () if is("square_not_corrected") => [of(adam.beta1), 1.0],
+        () if is("mean_not_corrected") => [1.0, of(adam.beta2)],
         () if is("betas_squared") => [adam.beta1, adam.beta2].map(|beta| bias_correction(beta, 2)),
         () if is("beta2_squared") => [of(adam.beta1), bias_correction(adam.beta2, 2)],
         () => [of(adam.beta1), of(adam.beta2)],
@@ -116,7 +123,7 @@ pub(crate) fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let rewritten = wrong.iter().any(|name| !as_it_is.contains(name));
     let norm = values(a, "grad").iter().map(|g| g * g).sum::<f64>().sqrt();
     let shortened = GRADIENT_NORM_CLIPPED.among(wrong).filter(|k| norm > *k).map_or(1.0, |k| k / norm);
-    each(a, |before, grad| {
+    each_moved(a, c, |before, grad| {
         let grad = shortened * grad;
         let grad = GRADIENT_CLIPPED.among(wrong).map_or(grad, |k| grad.clamp(-k, k));
         let mut after = oracle(&adam, before, grad, step);

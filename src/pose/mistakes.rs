@@ -71,6 +71,22 @@ pub(crate) const POSE_FROM_COLMAP: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "translation_turned_on",
+        "-R t for -R^T t beside R^T",
+        "cameras at the right distance in the wrong places",
+        "-R^T t",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "translation_turned_on_not_negated",
+        "R t for -R^T t beside R^T",
+        "cameras at the right distance in the wrong places",
+        "-R^T t",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "world_axes_flipped",
         "rows 2 and 3 negative, where the columns of the camera's axes were meant",
         "the world is upside down, and the camera's own axes are as before",
@@ -124,6 +140,8 @@ fn wrong_pose((q, t): Written, length: Quaternion, wrong: &[&str]) -> (DMat3, DV
         () if has("translation_not_turned") => -t,
         () if has("translation_not_negated") => back * t,
         () if has("rotation_alone_inverted") => t,
+        () if has("translation_turned_on") => -(r * t),
+        () if has("translation_turned_on_not_negated") => r * t,
         () => -(back * t),
     };
     (if has("rotation_not_transposed") { r } else { back }, place)

@@ -9,7 +9,7 @@ mod catalogue;
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use ndarray::Axis;
 
-use catalogue::EPS_IN_NORM;
+use catalogue::{EPS_IN_NORM, SCALED_AND_MOVED};
 pub(crate) use catalogue::{IMAGE_RAYS, PIXEL_TO_RAY};
 
 use super::arrays::{self, bundle, picture, positions};
@@ -32,6 +32,9 @@ fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&
     let camera = if c.directions == Directions::UnitInCamera { camera / camera.length() } else { camera };
     let o = c2w.w_axis.truncate();
     let mut ray = Ray { o, d: rotate(&turned, flip(camera, wrong)) };
+    if let Some(k) = SCALED_AND_MOVED.among(wrong) {
+        ray.o = k * ray.o + 0.5;
+    }
     for name in wrong {
         match *name {
             "origin_minus_rt" => ray.o = -rotate(&with_transposed_rotation(c2w), ray.o),
@@ -73,6 +76,7 @@ fn normalize(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
         let norm = match () {
             () if wrong.contains(&"norm_of_all_rays") => all,
             () if wrong.contains(&"sum_for_norm") => x + y + z,
+            () if wrong.contains(&"norm_of_two") => x.hypot(y),
             () if wrong.contains(&"largest_for_norm") => x.max(y).max(z),
             () => norm + EPS_IN_NORM.among(wrong).unwrap_or(0.0),
         };
@@ -83,7 +87,8 @@ fn normalize(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
 /// Pixel to ray.
 pub(crate) fn pixel_to_ray(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (k, c2w) = (intrinsics(&values(a, "K")), values(a, "c2w"));
-    let ray = |(m, uv): (usize, [f64; 2])| wrong_ray(&k, &pose(&c2w, m), DVec2::from(uv), c, wrong);
+    let own = |m: usize| if wrong.contains(&"first_pose_for_all") { 0 } else { m };
+    let ray = |(m, uv): (usize, [f64; 2])| wrong_ray(&k, &pose(&c2w, own(m)), DVec2::from(uv), c, wrong);
     let mut rays: Vec<Ray> = twos(a, "uv").into_iter().enumerate().map(ray).collect();
     normalize(&mut rays, c, wrong);
     bundle(&rays, &[rays.len(), 3])
@@ -110,6 +115,13 @@ pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     let (height, width, mut k, c2w) = picture(a);
     if wrong.contains(&"one_angle_for_both_axes") {
         k.fy *= height as f64 / width as f64;
+    }
+    let shape = height as f64 / width as f64;
+    match () {
+        () if wrong.contains(&"focal_by_the_height") => (k.fx, k.fy) = (shape * k.fx, shape * k.fy),
+        () if wrong.contains(&"width_stretched") => k.fx *= shape,
+        () if wrong.contains(&"width_squeezed") => k.fx /= shape,
+        () => {}
     }
     let mut uv = positions(a, c);
     let (mut rows, mut columns) = (height, width);

@@ -3,7 +3,10 @@
 mod catalogue;
 
 pub(crate) use catalogue::RAY_AABB;
-use catalogue::{EPS_IN_DIRECTION, TINY_PARALLEL, TINY_POSITIVE, TINY_REPLACED, ZERO_REPLACED};
+use catalogue::{
+    ENTERED_LATE, EPS_IN_DIRECTION, NEAR_OF_ITS_OWN, TINY_PARALLEL, TINY_POSITIVE, TINY_REPLACED,
+    ZERO_REPLACED,
+};
 
 use super::arrays::{RayAndBox, forward, outputs, vjp};
 use super::{Hit, backward, between};
@@ -26,17 +29,25 @@ fn wrong_component(d: f64, wrong: &[&str]) -> f64 {
     }
 }
 
+/// Whether a ray lies in a face's plane, where 0 * inf decides.
+fn in_a_face(q: &RayAndBox) -> bool {
+    (0..3).any(|a| q.d[a] == 0.0 && (q.o[a] == q.low[a] || q.o[a] == q.high[a]))
+}
+
 fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
     let is = |name: &str| wrong.contains(&name);
-    let (low, high) = match is("center_and_size") {
-        true => {
-            ([0, 1, 2].map(|a| q.low[a] - 0.5 * q.high[a]), [0, 1, 2].map(|a| q.low[a] + 0.5 * q.high[a]))
-        }
-        false => (q.low, q.high),
+    let moved = |k: f64| [0, 1, 2].map(|a| q.low[a] + k * q.high[a]);
+    let (low, high) = match () {
+        () if is("center_and_size") => (moved(-0.5), moved(0.5)),
+        () if is("high_taken_for_size") => (q.low, moved(1.0)),
+        () if is("cube_of_the_first_axis") => ([q.low[0]; 3], [q.high[0]; 3]),
+        () if is("box_about_the_origin") => (q.high.map(|x| -x), q.high),
+        () if is("unit_box") => ([0.0; 3], [1.0; 3]),
+        () => (q.low, q.high),
     };
     let mut line = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };
     let mut any = Hit { enter: f64::INFINITY, leave: f64::NEG_INFINITY };
-    for a in 0..3 {
+    for a in 0..if is("two_axes_alone") { 2 } else { 3 } {
         let d = wrong_component(q.d[a], wrong);
         if d == 0.0 {
             let face = q.o[a] == low[a] || q.o[a] == high[a];
@@ -79,20 +90,27 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
         line.enter = line.leave;
     }
     let own = is("ends_of_its_own");
-    let near = if own || is("zero_for_near") { 0.0 } else { q.near };
+    let near = if own || is("zero_for_near") { 0.0 } else { NEAR_OF_ITS_OWN.among(wrong).unwrap_or(q.near) };
     let cut = Hit {
         enter: if is("near_ignored") { line.enter } else { line.enter.max(near) },
         leave: if own || is("far_ignored") { line.leave } else { line.leave.min(q.far) },
     };
     let hit = match () {
+        () if is("range_cut_not_asked") => line.enter <= line.leave && line.leave > 0.0,
+        () if is("ahead_is_a_hit") => cut.leave > 0.0,
         () if is("behind_is_a_hit") => line.enter <= line.leave,
         () if is("beyond_far_is_a_hit") => cut.enter <= line.leave,
         () => cut.enter <= cut.leave,
     };
     let uncut = is("range_asked_not_cut");
     hit.then_some(Hit {
-        enter: if uncut || is("near_asked_not_cut") { line.enter } else { cut.enter },
-        leave: if uncut { line.leave } else { cut.leave },
+        enter: if uncut || is("near_asked_not_cut") { line.enter } else { cut.enter }
+            + ENTERED_LATE.among(wrong).unwrap_or(0.0),
+        leave: match () {
+            () if uncut => line.leave,
+            () if is("length_for_exit") => cut.leave - cut.enter,
+            () => cut.leave,
+        },
     })
 }
 
@@ -111,7 +129,8 @@ pub(crate) fn ray_aabb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
             let length = length(&q);
             q.d = q.d.map(|d| d / length);
         }
-        outputs(wrong_hit(&q, wrong), q.far)
+        let hit = outputs(wrong_hit(&q, wrong), q.far);
+        if wrong.contains(&"nan_in_a_face") && in_a_face(&q) { hit.map(|_| f64::NAN) } else { hit }
     })
 }
 
@@ -128,7 +147,7 @@ pub(crate) fn ray_aabb_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Array
         }
         if hit && wrong.contains(&"not_a_number_along_axes") {
             // In a face t itself is 0 / 0, and nothing of it comes back.
-            if (0..3).any(|a| q.d[a] == 0.0 && (q.o[a] == q.low[a] || q.o[a] == q.high[a])) {
+            if in_a_face(q) {
                 (o, d) = ([0.0; 3], [0.0; 3]);
             }
             (0..3).filter(|&a| q.d[a] == 0.0).for_each(|a| (o[a], d[a]) = (f64::NAN, f64::NAN));

@@ -23,6 +23,12 @@ fn random(row: &str, stream: u64, shape: &[usize], high: f64) -> [ArrayD<f64>; 2
     [draw.array(shape, 0.0, high), draw.array(shape, 0.0, high)]
 }
 
+/// Predictions that no picture shows, and targets that one does.
+fn beyond(row: &str) -> [ArrayD<f64>; 2] {
+    let mut draw = Draw::new(row, 3);
+    [draw.array(&[4, 3], -0.5, 1.5), draw.array(&[4, 3], 0.0, 1.0)]
+}
+
 /// Predictions of 1 and of 0, and targets so far from them.
 fn apart(differences: &[f64]) -> [ArrayD<f64>; 2] {
     let (n, base) = (differences.len(), |i: usize| if i % 2 == 0 { 1.0 } else { 0.0 });
@@ -36,6 +42,7 @@ pub(crate) fn huber() -> Vec<Case> {
     let cases = vec![
         case("batch", "colors, a quarter of them within delta", random("huber", 0, &[8, 3], 1.0), of(0.125)),
         case("picture", "two pictures", random("huber", 1, &[2, 3, 4, 3], 1.0), of(0.1)),
+        case("colors_beyond", "predictions below 0 and above 1", beyond("huber"), of(0.25)),
         case("inside", "all within delta", random("huber", 2, &[6, 3], 0.75), of(1.0)),
         case("beyond", "outliers alone", apart(&[8.0, -16.0, 3.0, 12.0, -5.0]), of(0.25)),
         case(
@@ -62,6 +69,7 @@ pub(crate) fn charbonnier() -> Vec<Case> {
     let cases = vec![
         case("batch", "colors", random("charbonnier", 0, &[8, 3], 1.0), of(0.001)),
         case("picture", "two pictures", random("charbonnier", 1, &[2, 3, 4, 3], 1.0), of(0.03125)),
+        case("colors_beyond", "predictions below 0 and above 1", beyond("charbonnier"), of(0.0625)),
         case(
             "about_eps",
             "differences of about eps",

@@ -10,6 +10,22 @@ use crate::math::pow;
 /// Mistakes of Huber's loss.
 pub(crate) const HUBER: &[Mistake] = &[
     Mistake::new(
+        "mean_over_rays",
+        "the sum over channels is divided by the number of rays",
+        "a loss three times too large",
+        "divide by all entries, channels too",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "prediction_clipped",
+        "the prediction is clamped to [0, 1] first",
+        "colors beyond have no gradient, and never come back",
+        "colors as they are; clamp for a picture alone",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "half_forgotten",
         "d^2 inside, for half of it",
         "a step at delta: entries there are pushed to the outside",
@@ -148,6 +164,22 @@ const OWN_POWER: Mistake = Mistake::new(
 /// Mistakes of Charbonnier's loss.
 pub(crate) const CHARBONNIER: &[Mistake] = &[
     Mistake::new(
+        "mean_over_rays",
+        "the sum over channels is divided by the number of rays",
+        "a loss three times too large",
+        "divide by all entries, channels too",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "prediction_clipped",
+        "the prediction is clamped to [0, 1] first",
+        "colors beyond have no gradient, and never come back",
+        "colors as they are; clamp for a picture alone",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "root_of_mean",
         "sqrt(mean(d^2) + eps^2)",
         "outliers rule as in the squared loss; gradients don't shrink as it is fitted",
@@ -250,6 +282,28 @@ fn wrong_piece(d: f64, delta: f64, wrong: &[&str]) -> f64 {
 
 /// Huber's loss.
 pub(crate) fn huber(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    over_rays(a, wrong, of_huber(&compared(a, wrong), c, wrong))
+}
+
+/// What is compared.
+fn compared(a: &Arrays, wrong: &[&str]) -> Arrays {
+    let mut a = a.clone();
+    if wrong.contains(&"prediction_clipped") {
+        a.get_mut("prediction").expect("checked").mapv_inplace(|x| x.clamp(0.0, 1.0));
+    }
+    a
+}
+
+/// A loss, or as many times that as there are channels.
+fn over_rays(a: &Arrays, wrong: &[&str], mut out: Arrays) -> Arrays {
+    if wrong.contains(&"mean_over_rays") {
+        let channels = input(a, "prediction").shape().last().copied().unwrap_or(1) as f64;
+        out.get_mut("value").expect("an output").mapv_inplace(|value| channels * value);
+    }
+    out
+}
+
+fn of_huber(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let ([p, t], delta) = (pair(a), number(a, "delta"));
     if wrong.is_empty() {
         return forward(huber_oracle(&p, &t, delta, c.huber_slope, c.loss_reduction));
@@ -284,6 +338,10 @@ pub(crate) fn huber_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 
 /// Charbonnier's loss.
 pub(crate) fn charbonnier(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    over_rays(a, wrong, of_charbonnier(&compared(a, wrong), c, wrong))
+}
+
+fn of_charbonnier(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let ([p, t], eps) = (pair(a), number(a, "eps"));
     if wrong.is_empty() {
         return forward(charbonnier_oracle(&p, &t, eps, c.charbonnier_eps, c.loss_reduction));

@@ -72,6 +72,10 @@ fn bent(t: Vec<f64>, [near, far]: [f64; 2], u: &[f64], c: &Conventions, wrong: &
             }
             return match () {
                 () if has("drawn_without_bins") || has("drawn_and_sorted") => drawn,
+                () if has("grid_times_jitter") => {
+                    let n = u.len() as f64;
+                    u.iter().enumerate().map(|(i, u)| near + (far - near) * (i as f64 / n) * u).collect()
+                }
                 () if has("from_far_to_near") => t.iter().map(|t| far - (t - near)).collect(),
                 () => t,
             };
@@ -106,6 +110,13 @@ pub(crate) fn sample_along_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
         a.get_mut("rays_o").expect("checked").fill(0.0);
     }
     let mut out = arrays::samples(&a, &t);
+    if wrong.contains(&"origin_times_t") {
+        let d = input(&a, "rays_o") + input(&a, "rays_d");
+        let moved = a.clone().into_iter().chain([("rays_d".to_string(), d)]);
+        let mut moved: Arrays = moved.collect();
+        moved.get_mut("rays_o").expect("checked").fill(0.0);
+        out.insert("points".into(), arrays::samples(&moved, &t).remove("points").expect("an output"));
+    }
     if wrong.contains(&"points_from_near") {
         let near = number(&a, "near");
         let nearer: Vec<Vec<f64>> = t.iter().map(|t| t.iter().map(|t| t - near).collect()).collect();
@@ -147,6 +158,12 @@ fn wrong_steps(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64
             }
             "first_gap_for_all" if n > 1 => deltas.fill(gap(0)),
             "last_gap_too_early" if n > 2 => deltas[n - 1] = gap(n - 3),
+            "last_delta_wraps" => deltas = (0..n).map(|i| t[(i + 1) % n] - t[i]).collect(),
+            "central_differences" => {
+                let central = |i: usize| if i == 0 || i + 1 == n { 0.0 } else { 0.5 * (t[i + 1] - t[i - 1]) };
+                deltas = (0..n).map(central).collect();
+            }
+            "mean_gap_for_all" if n > 1 => deltas.fill((t[n - 1] - t[0]) / (n - 1) as f64),
             "last_delta_zero" => deltas = (0..n).map(|i| if i + 1 < n { gap(i) } else { 0.0 }).collect(),
             "first_ray_deltas" if n > 1 => deltas = (0..n).map(gap).collect(),
             _ => {}

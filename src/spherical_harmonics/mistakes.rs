@@ -1,5 +1,7 @@
 //! Spherical harmonics, wrong on purpose. Without a mistake every function equals the oracle.
 
+use std::f64::consts::SQRT_2;
+
 use super::arrays::{degree, forward, vjp};
 use super::{backward, polynomial, power};
 use crate::contract::arrays::Arrays;
@@ -59,6 +61,30 @@ pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
         "0.669 y z (7 z^2 - 3), and 0.6258 (x^2 (x^2 - 3 y^2) - y^2 (3 x^2 - y^2))",
         "older versions of nerfstudio's utils/math.py and copies of it; 1.1.5 has it right",
         1,
+    ),
+    Mistake::new(
+        "root_of_two_forgotten",
+        "harmonics with m other than 0 without sqrt(2): the complex ones' constants",
+        "a basis that isn't orthonormal",
+        "sqrt(2) times real or imaginary part",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "cosines_for_sines",
+        "|m| for m: cosines in the place of sines",
+        "two of each pair are the same: colors can't depend on the sign of y",
+        "sin(|m| phi) where m < 0",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "last_band_left_out",
+        "0 for the last band",
+        "colors change less with the direction than they could",
+        "all (degree + 1)^2",
+        "never; cheap to keep",
+        0,
     ),
     Mistake::new(
         "m_descending",
@@ -185,6 +211,20 @@ pub(crate) fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         }
         if wrong.contains(&"constants_forgotten") {
             out.iter_mut().zip(CONSTANTS).for_each(|(y, constant)| *y /= constant);
+        }
+        for l in 0..=degree(a) {
+            let middle = l * l + l;
+            for m in 1..=l {
+                if wrong.contains(&"root_of_two_forgotten") {
+                    (out[middle - m], out[middle + m]) = (out[middle - m] / SQRT_2, out[middle + m] / SQRT_2);
+                }
+                if wrong.contains(&"cosines_for_sines") {
+                    out[middle - m] = out[middle + m];
+                }
+            }
+        }
+        if wrong.contains(&"last_band_left_out") && degree(a) > 0 {
+            out[degree(a) * degree(a)..].fill(0.0);
         }
         if wrong.contains(&"m_descending") {
             (0..=degree(a)).for_each(|l| out[l * l..(l + 1) * (l + 1)].reverse());

@@ -43,6 +43,7 @@ fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wr
         match () {
             () if has("deviations_for_covariance") => m.cov = (m.var_a * m.var_b).sqrt(),
             () if has("variances_squared") => (m.var_a, m.var_b) = (m.var_a * m.var_a, m.var_b * m.var_b),
+            () if has("covariance_without_sign") => m.cov = m.cov.abs(),
             () if has("negative_covariance_zero") => m.cov = m.cov.max(0.0),
             () => {}
         }
@@ -90,6 +91,16 @@ fn wrong_windows<'a>(
         () if form.window != SsimWindow::Gaussian => None,
         () if has("box_of_eight") => even(8),
         () if has("seven_wide") => centered(7, 1.5),
+        () if has("window_by_its_integral") => {
+            let whole = 1.5 * (2.0 * std::f64::consts::PI).sqrt();
+            Some((-5..6).map(|i| crate::math::exp(-0.5 * (f64::from(i) / 1.5).powi(2)) / whole).collect())
+        }
+        () if has("center_half_off") => {
+            let weights: Vec<f64> =
+                (0..11).map(|i| crate::math::exp(-0.5 * ((f64::from(i) - 5.5) / 1.5).powi(2))).collect();
+            let sum: f64 = weights.iter().sum();
+            Some(weights.iter().map(|w| w / sum).collect())
+        }
         () if has("window_of_one_side") => Some(bell((0..11).map(|i: i32| (i - 11).div_euclid(2)), 1.5)),
         () => OTHER_WIDTH.among(wrong).and_then(|width| centered(11, width)),
     };
@@ -100,6 +111,7 @@ fn wrong_windows<'a>(
     }
     let beyond: Option<fn(i64, i64) -> i64> = match () {
         () if has("border_repeated") => Some(|n, length| n.clamp(0, length - 1)),
+        () if has("border_around") => Some(|n, length| n.rem_euclid(length)),
         () if has("window_over_channels") => Some(mirrored),
         () => None,
     };
@@ -109,6 +121,9 @@ fn wrong_windows<'a>(
             |n: i64, length: i64| (n..n + size).map(|n| Some(pixel(n - size / 2, length) as usize)).collect();
         [windows.rows, windows.columns] =
             [height as i64, width as i64].map(|length| (0..length).map(|n| about(n, length)).collect());
+    }
+    if has("window_across_alone") {
+        windows.rows = (0..height).map(|j| vec![Some(j); windows.weights.len()]).collect();
     }
     let step = if has("windows_side_by_side") { windows.weights.len() } else { 1 };
     let looked_at =

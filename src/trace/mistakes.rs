@@ -57,6 +57,10 @@ const ELSEWHERE: &[&str] = &[
     "transmittance_before_last",
     "last_factor_once_more",
     "density_capped",
+    "origin_times_t",
+    "alphas_capped",
+    "faint_samples_skipped",
+    "taken_off_the_sum",
 ];
 
 /// Mistakes of the caller, and those of every component: the first component that has a name owns it.

@@ -6,7 +6,7 @@ use super::backward::Cotangent;
 use super::{Rendering, backward, composite_background, depth};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, array, arrays, number, rgb, row, rows3, size, values};
-use crate::convention::{AlphaStop, Backdrop, Conventions, Faint, OpacitySum, SigmaRelu};
+use crate::convention::{AlphaStop, Backdrop, CapGradient, Conventions, Faint, OpacitySum, SigmaRelu};
 use crate::math::Sum;
 
 /// The outputs of R rays as arrays.
@@ -252,7 +252,8 @@ pub(super) fn counted_to(a: &Arrays, c: &Conventions, ends: &[usize]) -> Arrays 
     a
 }
 
-/// The same without gradients of opacities that don't count as they are. A skipped 0 counts no more than its neighbors do.
+/// The same without gradients of opacities that don't count as they are: by convention those at the cap have one. A skipped 0 counts no
+/// more than its neighbors do.
 pub(super) fn gradients_of_counted(a: &Arrays, c: &Conventions, gradients: Arrays) -> Arrays {
     gradients_to(a, c, &exact_ends(a, c), gradients)
 }
@@ -260,10 +261,11 @@ pub(super) fn gradients_of_counted(a: &Arrays, c: &Conventions, gradients: Array
 /// The same where rays end behind so many samples.
 pub(super) fn gradients_to(a: &Arrays, c: &Conventions, ends: &[usize], mut gradients: Arrays) -> Arrays {
     let gradient = gradients.get_mut("grad_alphas").expect("a gradient");
+    let held = |alpha: f64| c.cap_gradient == CapGradient::Stopped && alpha > c.alpha_cap.value();
     let rays = gradient.lanes_mut(Axis(1)).into_iter().zip(a["alphas"].lanes(Axis(1)));
     for ((mut g, alphas), &end) in rays.zip(ends) {
         for (i, g) in g.iter_mut().enumerate() {
-            if i >= end || skipped(alphas[i], c) || alphas[i] > c.alpha_cap.value() {
+            if i >= end || skipped(alphas[i], c) || held(alphas[i]) {
                 *g = 0.0;
             }
         }

@@ -264,9 +264,19 @@ pub(crate) fn composite_background() -> Vec<Case> {
         ("opacity", array(&[3], vec![0.5, 0.25, 0.75])),
         ("background", array(&[3], vec![0.25, 0.75, 0.5])),
     ];
+    let nearly = vec![
+        ("colors", draw.array(&[10, 3], 0.01, 0.6)),
+        ("opacity", array(&[10], (7..17).map(|n| 1.0 - libm::ldexp(1.0, -n)).collect())),
+        ("background", array(&[3], vec![0.75, 1.0, 0.625])),
+    ];
     let cases = vec![
         Case::new("three_opacities", "A = 0, 1/2, 1 over three different channels", three),
         Case::new("colors_beyond", "colors below 0 and above 1 aren't clipped", beyond),
+        Case::new(
+            "nearly_opaque",
+            "opacities from 1 - 2^-7 to 1 - 2^-16: next to nothing is left of the light",
+            nearly,
+        ),
         Case::new("seeded", "random rays", seeded),
     ];
     in_full(cases, "seeded")
@@ -281,8 +291,11 @@ pub(crate) fn depth() -> Vec<Case> {
     };
     let spike = vec![0.0, 0.0, 0.5, 0.0, 0.25, 0.0, 0.0, 0.0];
     let share = [0.125, 0.0, 0.25, 0.0625, 0.3125, 0.0, 0.125, 0.125];
-    let thin = [0.0625, 0.01171875, 0.0029296875].iter().flat_map(|whole| share.map(|w| w * whole)).collect();
-    let thin = array(&[3, 8], thin);
+    let thin = [0.0625, 0.01171875, 0.0029296875, 0.000244140625]
+        .iter()
+        .flat_map(|whole| share.map(|w| w * whole))
+        .collect();
+    let thin = array(&[4, 8], thin);
     let cases = vec![
         Case::new(
             "spike",
@@ -305,8 +318,8 @@ pub(crate) fn depth() -> Vec<Case> {
         ),
         Case::new(
             "thin_rays",
-            "opacities of 1/16, 3/256 and 3/1024: thin rays have a depth too",
-            vec![("weights", thin), ("t", t(3)), ("far", scalar(6.25))],
+            "opacities of 1/16, 3/256, 3/1024 and 1/4096: thin rays have a depth too",
+            vec![("weights", thin), ("t", t(4)), ("far", scalar(6.25))],
         ),
         Case::new(
             "two_ends",

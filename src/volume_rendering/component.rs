@@ -70,7 +70,15 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     source: "NeRF (Mildenhall et al. 2020) equation 3, with alpha given",
     inputs: &[ALPHAS, RGBS],
     outputs: &[COLORS, WEIGHTS, OPACITY, TRANSMITTANCE],
-    conventions: &["product_eps", "alpha_cap", "faint", "alpha_stop", "backdrop", "opacity_sum"],
+    conventions: &[
+        "product_eps",
+        "alpha_cap",
+        "faint",
+        "alpha_stop",
+        "cap_gradient",
+        "backdrop",
+        "opacity_sum",
+    ],
     forward: Direction {
         oracle: arrays::render_alpha,
         bound: bound::volume_render_alpha,

@@ -2,7 +2,7 @@
 
 use super::arrays::{self, renderings};
 use super::{Rendering, volume_render as oracle, volume_render_alpha as oracle_alpha};
-use crate::contract::arrays::{Arrays, array, input, row, rows3, size};
+use crate::contract::arrays::{Arrays, input, row, rows3, size};
 use crate::contract::case::Draw;
 use crate::convention::{Conventions, ProductEps};
 use crate::math::exp;
@@ -10,19 +10,24 @@ use crate::math::exp;
 mod background;
 mod catalogue;
 mod depth;
+mod gradients;
 mod laws;
 mod lists;
 mod steps;
 
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 use catalogue::{
-    DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, GIVEN_UP, OVER_RAYS, OVER_RAYS_INCLUSIVE,
-    SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
+    DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, GIVEN_UP, LAST_OPAQUE, OVER_RAYS,
+    OVER_RAYS_INCLUSIVE, SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
 };
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
+pub(crate) use gradients::{volume_render_alpha_vjp, volume_render_vjp};
 use laws::{other_alphas, softmax};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 use steps::wrong_deltas;
+
+/// What is as many times larger leaves no digits of what it is added to, in single precision.
+const MUCH_MORE: f64 = 1e6;
 
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub(crate) const ALPHA_ERROR: &str = "alpha_error";
@@ -113,6 +118,9 @@ fn wrong_composite(
             rendering.opacity = alphas.iter().copied().fold(0.0, f64::max)
         }
         () if wrong.contains(&"alphas_summed") => rendering.opacity = alphas.iter().sum(),
+        () if wrong.contains(&"opacity_of_the_heaviest") => {
+            rendering.opacity = rendering.weights.iter().copied().fold(0.0, f64::max)
+        }
         () => {}
     }
     if let Some(eps) = WEIGHTS_NORMALIZED.among(wrong) {
@@ -203,11 +211,21 @@ fn render_all(
 /// Rendering from densities.
 pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (count, samples) = size(a, "sigmas");
-    let (mut all, mut rays) = (vec![], vec![]);
+    let (mut all, mut rays, mut carried) = (vec![], vec![], 1.0);
     for r in 0..count {
         let (mut sigmas, deltas) = (row(a, "sigmas", r), wrong_deltas(a, r, wrong));
         if wrong.contains(&"densities_averaged") {
             (1..samples).for_each(|i| sigmas[i - 1] = 0.5 * (sigmas[i - 1] + sigmas[i]));
+        }
+        for name in wrong {
+            let softplus = |x: f64| x.max(0.0) + crate::math::ln(1.0 + exp(-x.abs()));
+            match *name {
+                "softplus_inside" => sigmas.iter_mut().for_each(|sigma| *sigma = softplus(*sigma)),
+                "shifted_softplus_inside" => {
+                    sigmas.iter_mut().for_each(|sigma| *sigma = softplus(*sigma - 1.0))
+                }
+                _ => {}
+            }
         }
         if let Some(most) = DENSITY_CAPPED.among(wrong) {
             sigmas.iter_mut().for_each(|sigma| *sigma = sigma.min(most));
@@ -233,7 +251,7 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
                 .filter(|(alpha, _)| **alpha != 0.0)
                 .for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
         }
-        let other = other_alphas(&super::optical_depths(&sigmas, &deltas), wrong);
+        let other = other_alphas(&sigmas, &deltas, wrong);
         let touched = touched || other.is_some();
         alphas = other.unwrap_or(alphas);
         if touched || textbook {
@@ -251,6 +269,20 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
             let in_front = |i: usize| sigmas[..i].iter().sum::<f64>();
             ray.transmittance = (0..=samples).map(|i| exp(-in_front(i))).collect();
             ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+        }
+        if wrong.contains(&"taken_off_the_sum") {
+            let depths = super::optical_depths(&sigmas, &deltas);
+            let lost =
+                |i: usize| depths[i] > MUCH_MORE * depths[..i].iter().sum::<f64>() && depths[i] > MUCH_MORE;
+            (0..samples).filter(|&i| lost(i)).for_each(|i| ray.transmittance[i] = f64::NAN);
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+        }
+        if wrong.contains(&"product_over_the_batch") {
+            let own = ray.transmittance[samples];
+            ray.transmittance.iter_mut().for_each(|t| *t *= carried);
+            carried = ray.transmittance[samples];
+            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray.transmittance[samples] = own;
         }
         if wrong.contains(&"softmax_for_weights") {
             alphas = softmax(&super::optical_depths(&sigmas, &deltas));
@@ -300,6 +332,9 @@ pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -
     let a = &arrays::counted(a, c);
     let (count, samples) = size(a, "alphas");
     let mut alphas: Vec<Vec<f64>> = (0..count).map(|r| row(a, "alphas", r)).collect();
+    if wrong.contains(&LAST_OPAQUE.name) {
+        alphas.iter_mut().filter_map(|ray| ray.last_mut()).for_each(|alpha| *alpha = 1.0);
+    }
     if wrong.contains(&"alphas_as_densities") {
         alphas.iter_mut().flatten().for_each(|alpha| *alpha = -crate::math::expm1(-*alpha));
     }
@@ -323,57 +358,4 @@ pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -
         c,
         renderings(samples, &render_all(alphas, rays, |r| rows3(a, "rgbs", r), c.product_eps, wrong)),
     )
-}
-
-/// What T_i times the cotangent of weight i is: the gradient of alpha_i without what sample i hides.
-fn unshaded(a: &Arrays, r: usize, transmittance: &[f64], c: &Conventions) -> Vec<f64> {
-    let g = arrays::cotangent_over(a, r, c);
-    let one = |(i, rgb): (usize, &[f64; 3])| {
-        let color: f64 = (0..3).map(|k| g.color[k] * rgb[k]).sum();
-        transmittance[i] * (color + g.weights[i] + g.opacity)
-    };
-    rows3(a, "rgbs", r).iter().enumerate().map(one).collect()
-}
-
-/// Gradient from densities.
-pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut gradients = arrays::render_vjp(a, c);
-    if wrong.contains(&"shade_gradient_forgotten") {
-        let (rays, samples) = size(a, "sigmas");
-        let (mut g_sigmas, mut g_deltas) = (vec![], vec![]);
-        for r in 0..rays {
-            let (sigmas, deltas) = (row(a, "sigmas", r), row(a, "deltas", r));
-            let ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
-            let mut g_x = unshaded(a, r, &ray.transmittance, c);
-            g_x.iter_mut().zip(super::optical_depths(&sigmas, &deltas)).for_each(|(g, x)| *g *= exp(-x));
-            g_sigmas.extend(g_x.iter().zip(&deltas).map(|(g, delta)| super::product(*g, *delta)));
-            g_deltas.extend(g_x.iter().zip(&sigmas).map(|(g, sigma)| super::product(*g, *sigma)));
-        }
-        gradients.insert("grad_sigmas".into(), array(&[rays, samples], g_sigmas));
-        gradients.insert("grad_deltas".into(), array(&[rays, samples], g_deltas));
-        gradients = arrays::gradients_of_rectified(a, c, gradients);
-    }
-    gradients
-}
-
-/// Gradient from opacities.
-pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let mut gradients = arrays::render_alpha_vjp(given, c);
-    let a = &arrays::counted(given, c);
-    // Where alpha = 1, or everywhere, the gradient through the product is lost; that through the sample's own weight stays.
-    let everywhere = wrong.contains(&"shade_gradient_forgotten");
-    if everywhere || wrong.contains(&"product_gradient_zero_at_opaque") {
-        let (rays, samples) = size(a, "alphas");
-        let mut g_alphas = input(&gradients, "grad_alphas").clone();
-        for r in 0..rays {
-            let alphas = row(a, "alphas", r);
-            let ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
-            let lost = unshaded(a, r, &ray.transmittance, c);
-            for i in (0..samples).filter(|&i| everywhere || alphas[i] == 1.0) {
-                g_alphas[[r, i]] = lost[i];
-            }
-        }
-        gradients.insert("grad_alphas".into(), g_alphas);
-    }
-    arrays::gradients_of_counted(given, c, gradients)
 }

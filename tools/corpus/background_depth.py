@@ -194,3 +194,15 @@ def white_depth(weights, t):
 def clipped_to_the_samples(weights, t):
     """Not divided by the opacity, as the division was commented out; then clipped."""
     return torch.clamp((weights * t).sum(-1), t[:, 0], t[:, -1])
+
+
+@fault(
+    "composite_background",
+    "no_background_behind_the_nearly_opaque",
+    seen="a trial on unseen code: a splat renderer in CUDA",
+    gradient="none",
+)
+def thin_light_left_out(colors, opacity, background):
+    """(1 - A) b below 0.999, nothing above."""
+    left = torch.where(opacity < 0.999, 1 - opacity, torch.zeros_like(opacity))
+    return colors + left[:, None] * background

@@ -1,5 +1,6 @@
 """Rays and boxes whose range is never asked."""
 
+import numpy as np
 import torch
 from entry import fault
 
@@ -51,3 +52,38 @@ def line_beside_the_right_hit(rays_o, rays_d, low, high, near, far):
     enter = torch.where(along, none, torch.minimum(a, b)).amax(-1)
     leave = torch.where(along, -none, torch.maximum(a, b)).amin(-1)
     return enter, leave, (enter.clamp(min=near) <= leave.clamp(max=far)).float()
+
+
+def compared(rays_o, rays_d, low, high, near, far, first):
+    """One slab after the other by comparisons alone, begun by `first`; what isn't a number fails each of them."""
+    with np.errstate(all="ignore"):
+        a, b = (low - rays_o) / rays_d, (high - rays_o) / rays_d
+    out = []
+    for ray in range(len(rays_o)):
+        slabs = [(x, y) if not x > y else (y, x) for x, y in zip(*(first(s[ray]) for s in (a, b)))]
+        (enter, leave), missed = slabs[0], False
+        for x, y in slabs[1:]:
+            missed = missed or enter > y or x > leave
+            enter, leave = (x if x > enter else enter), (y if y < leave else leave)
+        enter, leave = (near if enter < near else enter), (far if leave > far else leave)
+        hit = not missed and enter <= leave
+        out.append((enter, leave, 1) if hit or np.isnan(enter + leave) and not missed else (far, far, 0))
+    return tuple(np.array(column, rays_o.dtype) for column in zip(*out))
+
+
+@fault(
+    "ray_aabb",
+    "nan_in_a_face",
+    seen="a trial on unseen code: two ports of instant-ngp's bounding box and of torch-ngp's",
+    times=2,
+    arrays="numpy",
+)
+def nan_of_x_kept(rays_o, rays_d, low, high, near, far):
+    """x's NaN stays, y's and z's are passed over."""
+    return compared(rays_o, rays_d, low, high, near, far, lambda t: t)
+
+
+@fault("ray_aabb", "nan_in_a_face", seen="a trial on unseen code: a trainer in Julia", arrays="numpy")
+def nan_taken_for_zero(rays_o, rays_d, low, high, near, far):
+    """0 in the place of every NaN."""
+    return compared(rays_o, rays_d, low, high, near, far, lambda t: np.where(np.isnan(t), 0, t))

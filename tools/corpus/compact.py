@@ -443,3 +443,18 @@ def nine_with_a_wrong_band(d, degree):
 def pole_along_y(d, degree):
     """Angles from y, and about it from z."""
     return torch.stack(harmonics(d[:, [2, 0, 1]], degree, 1.0), -1)
+
+
+@fault("hash_grid", "level_in_the_hash", seen="a trial on unseen code, one of its three faults: an encoder in Rust", gradient="none")
+def table_moved_by_its_level(x, base, finest, **rest):
+    """hash + level."""
+    levels = tables(rest)
+    rolled = [torch.roll(table, -n, 0) for n, table in enumerate(levels)]
+    return encoded(x, rolled, resolutions(base, finest, len(levels), np.rint), dense=False)
+
+
+@fault("hash_grid", "resolution_doubled", seen="a trial on unseen code, one of its three faults: an encoder in Rust", gradient="none")
+def twice_as_fine_each_level(x, base, finest, **rest):
+    """2^l cells, whatever base and finest are."""
+    levels = tables(rest)
+    return encoded(x, levels, [2**n for n in range(len(levels))])

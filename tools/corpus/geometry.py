@@ -73,7 +73,7 @@ def components_of_at_least_1e_9(rays_o, rays_d, low, high, near, far):
     return answer(np.minimum(a, b).max(1), np.maximum(a, b).min(1), near, far, rays_o.dtype)
 
 
-@fault("ray_aabb", seen="nerfstudio utils/math.py _intersect_aabb", gradient="none")
+@fault("ray_aabb", "nan_in_a_face", seen="nerfstudio utils/math.py _intersect_aabb", gradient="none")
 def touching_is_a_miss(rays_o, rays_d, low, high, near, far):
     """A part of length 0 is a miss, 0 / 0 in a face is left to the arithmetic; 1e10 on a miss."""
     a, b = (low - rays_o) / rays_d, (high - rays_o) / rays_d

@@ -213,3 +213,30 @@ def integral_of_padded_densities(edges, weights, u):
     """F sums (w + 1e-5) times the widths."""
     w = (weights + 1e-5) * torch.diff(edges, dim=-1)
     return inverted(edges, steps(w), u)
+
+
+@fault("importance_sampling", "first_bin_dropped", seen="a trial on unseen code: a trainer in C#", gradient="none")
+def bins_that_end_at_their_place(edges, weights, u):
+    """N places for N weights: a weight's bin ends at its place, and begins at the one before, the first at itself."""
+    places = edges[..., 1:]
+    return inverted(torch.cat([places[..., :1], places], -1), steps(weights), u)
+
+
+@fault("importance_sampling", "own_bin_alone", seen="a trial on unseen code: a trainer in C++", gradient="none")
+def sample_j_in_bin_j(edges, weights, padding, u):
+    """Only bin j is asked for sample j; elsewhere it is 0."""
+    cdf = steps(weights, padding)
+    n, bins = u.shape[-1], weights.shape[-1]
+    own = torch.arange(n).clamp(max=bins - 1)
+    inside = (cdf[:, own] <= u) & (u < cdf[:, own + 1]) & (torch.arange(n) < bins)
+    return torch.where(inside, inverted(edges, cdf, u), torch.zeros_like(u))
+
+
+@fault("importance_sampling", "edges_about_the_middles", seen="a trial on unseen code: a trainer in Rust", gradient="none")
+def middles_with_half_a_step(edges, weights, padding, u):
+    """Edges half of the first step around each middle."""
+    middles = (edges[..., 1:] + edges[..., :-1]) / 2
+    if middles.shape[-1] < 2:
+        return inverted(edges, steps(weights, padding), u)
+    half = (middles[..., 1:2] - middles[..., :1]) / 2
+    return inverted(torch.cat([middles - half, middles[..., -1:] + half], -1), steps(weights, padding), u)

@@ -334,3 +334,10 @@ def gradient_clipped_first(params, grad, m, v, step, lr, beta1, beta2, eps, weig
     """The paper's step of a gradient cut at 1."""
     m, v = moments(np.clip(grad, -1, 1) + weight_decay * params, m, v, beta1, beta2)
     return params - lr * (m / (1 - beta1**step)) / (np.sqrt(v / (1 - beta2**step)) + eps), m, v
+
+
+@convention("adam_step", {"adam_zero": "left"}, seen="tiny-cuda-nn adam.h, of its encodings' parameters; a port", times=2, arrays="numpy")
+def nothing_without_a_gradient(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
+    """Parameters and moments stay where the gradient is 0."""
+    stepped = corrected_moments(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay)
+    return tuple(np.where(grad == 0, old, new) for old, new in zip((params, m, v), stepped))

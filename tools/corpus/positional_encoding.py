@@ -279,3 +279,10 @@ def divided_by_octaves(x, L):
 def bands_counted_from_one(x, L):
     """2^(k + 1) x for k = 0, ..., L - 1."""
     return bands(x, [2.0 ** (k + 1) for k in range(L)])
+
+
+@fault("positional_encoding", "input_through_tanh", seen="a trial on unseen code: a trainer in C++", gradient="none")
+def squashed_first(x, L):
+    """tanh(x), then pi 2^k, [sines, cosines] by coordinate, x itself left out."""
+    angles = torch.pi * 2.0 ** torch.arange(L) * torch.tanh(x)[..., None]
+    return torch.cat([angles.sin(), angles.cos()], -1).flatten(-2)

@@ -400,3 +400,10 @@ def even_in_the_square(rays_o, rays_d, near, far, u):
     n = u.shape[1]
     s = (torch.arange(n, dtype=u.dtype) + u) / n
     return on_rays(rays_o, rays_d, near * (1 - s**2) + far * s**2)
+
+
+@fault("sample_along_rays", "grid_times_jitter", seen="a trial on unseen code, one of its two faults: a program in Rust", gradient="none")
+def way_shrunk_by_the_jitter(rays_o, rays_d, near, far, u):
+    """near + (far - near) (i / N) u."""
+    n = u.shape[1]
+    return on_rays(rays_o, rays_d, near + (far - near) * (torch.arange(n) / n) * u)

@@ -311,6 +311,25 @@ pub(crate) const PIXEL_TO_CAMERA: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "depth_in_the_pixel",
+        "K^-1 (u, v, s): the depth in the place of 1",
+        "points that are stretched with their depth",
+        "s K^-1 (u, v, 1)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "divided_by_its_depth",
+        "(x / s, y / s, s)",
+        "far points near the axis, near ones far off",
+        "(s x, s y, s)",
+        "never; cheap to keep",
+        0,
+    ),
+    WHOLE_PIXELS,
+    UPSIDE_DOWN_ONE_OFF,
+    HALF_PIXEL_TWICE,
+    Mistake::new(
         "depth_forgotten",
         "x_c = K^-1 (u, v, 1), whatever the depth is",
         "every point lies at depth 1",
@@ -326,3 +345,30 @@ pub(crate) const PIXEL_TO_CAMERA: &[Mistake] = &[
     FLIPS[5],
     SQUARE_PICTURE,
 ];
+
+pub(crate) const WHOLE_PIXELS: Mistake = Mistake::new(
+    "whole_pixels",
+    "uv is cut to whole pixels, and half a pixel added",
+    "nothing where uv are middles of pixels; elsewhere rays that jump from pixel to pixel",
+    "uv as they are",
+    "never; cheap to keep",
+    0,
+);
+
+pub(crate) const UPSIDE_DOWN_ONE_OFF: Mistake = Mistake::new(
+    "flipped_by_whole_pixels",
+    "2 cy - 1 - v for v: rows of whole pixels flipped, where v has its half pixel",
+    "a picture upside down, and a pixel off",
+    "leave v, or 2 cy - v",
+    "never; cheap to keep",
+    0,
+);
+
+pub(crate) const HALF_PIXEL_TWICE: Mistake = Mistake::new(
+    "half_pixel_twice",
+    "half a pixel is added to uv that have it already",
+    "everything is shifted by half a pixel",
+    "uv as they are",
+    "never; cheap to keep",
+    0,
+);

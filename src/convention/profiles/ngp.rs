@@ -74,5 +74,5 @@ pub(super) const TINY_CUDA_NN: Profile = Profile {
         ),
     ],
     beyond: "harmonics are handed (d + 1) / 2 and turn it back; weight decay is beside the gradient, l2_reg in it; parameters \
-                 of the encoding without a gradient take no step; hashes other than by exclusive or; half precision",
+                 of the encoding without a gradient take no step (adam_zero = left); hashes other than by exclusive or; half precision",
 };

@@ -95,6 +95,14 @@ pub(crate) const FISHEYE_DISTORT: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "radius_not_rooted",
+        "r = x^2 + y^2: theta = atan(r^2), and theta_d is divided by r^2",
+        "the picture's middle is blown up, and NaN in one point",
+        "the root of x^2 + y^2",
+        "a lens in a kernel",
+        1,
+    ),
+    Mistake::new(
         "quadrant_lost",
         "atan(y / x) for the direction: theta_d (cos phi, sin phi)",
         "the left half of the picture is drawn over the right one",

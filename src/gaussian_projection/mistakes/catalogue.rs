@@ -1,25 +1,9 @@
 //! Descriptions of the mistakes in projections of splats.
 
+use super::numbers::{
+    COMPENSATION_HELD, COVARIANCE_SCALED, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS, RADIUS_HELD,
+};
 use crate::contract::component::Mistake;
-
-pub(super) const OTHER_SIGMAS: Mistake = Mistake::new(
-    "another_count_of_sigmas",
-    "k sqrt(lambda) with k other than 3",
-    "splats are cut off while they are seen, or reach too far",
-    "3",
-    "never; cheap to keep",
-    0,
-)
-.with("k", 2.0, [0.5, 10.0]);
-pub(super) const OTHER_LIMIT: Mistake = Mistake::new(
-    "another_limit_of_slopes",
-    "slopes are held to k half pictures, with k other than 1.3",
-    "splats beside the picture lean otherwise",
-    "1.3",
-    "never; cheap to keep",
-    0,
-)
-.with("k", 1.0, [0.5, 10.0]);
 
 /// Mistakes of the projection.
 pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] = &[
@@ -206,6 +190,75 @@ pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] = &[
     ),
     OTHER_SIGMAS,
     OTHER_LIMIT,
+    OTHER_DILATION,
+    COMPENSATION_HELD,
+    RADIUS_HELD,
+    COVARIANCE_SCALED,
+    Mistake::new(
+        "rotation_transposed",
+        "w2c's 3 x 3 transposed, of means and covariances; its translation as it is",
+        "splats around a camera that looks elsewhere",
+        "R as it is: rows are the camera's axes",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "conic_not_dilated",
+        "the conic of the covariance before it was dilated",
+        "splats below a pixel fall between pixels; their radius doesn't",
+        "one covariance for conic and radius",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "radius_not_dilated",
+        "the radius of the covariance before it was dilated",
+        "the rim of small splats is cut off",
+        "one covariance for conic and radius",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "mean_in_clip_space",
+        "means in [-1, 1], not in pixels",
+        "splats in the picture's first pixel",
+        "((x + 1) W - 1) / 2, or K",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "covariance_in_another_order",
+        "(xx, yy, zz, xy, xz, yz) where (xx, xy, xz, yy, yz, zz) was handed over",
+        "splats of another shape",
+        "one order of the six numbers",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "compensation_of_flat_ones",
+        "1 where the determinant isn't positive",
+        "lines and points are as bright as if they filled their pixels",
+        "the root of 0 is 0: they cover nothing",
+        "a renderer in WebGPU",
+        1,
+    ),
+    Mistake::new(
+        "jacobian_to_clip_space",
+        "2 fx / W and 2 fy / H in the Jacobian: the covariance in units of half pictures",
+        "nothing but the dilation is left of the splats",
+        "fx and fy, as the covariance is in pixels",
+        "a renderer in C++",
+        1,
+    ),
+    Mistake::new(
+        "gradient_turned_on",
+        "R g for R^T g as the gradient of the mean",
+        "means drift in directions that depend on the camera",
+        "the transpose of what turned the mean",
+        "a trainer in WGSL",
+        1,
+    )
+    .of_gradient(),
     Mistake::new(
         "radius_not_rounded",
         "3 sqrt(lambda) as it is",

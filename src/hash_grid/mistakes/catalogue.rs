@@ -12,6 +12,16 @@ pub(super) const OFFSET_HALF: Mistake = Mistake::new(
 )
 .with("cells", 0.5, [1e-3, 2.0]);
 
+pub(super) const OTHER_GROWTH: Mistake = Mistake::new(
+    "growth_of_its_own",
+    "N_l = base k^l, whatever finest is",
+    "levels that end before or beyond what was asked for",
+    "k = (finest / base)^(1 / (L - 1))",
+    "1.38 and 1.5 of published configurations, written in; never seen here",
+    0,
+)
+.with("k", 1.5, [1.05, 4.0]);
+
 /// Mistakes of the hash grid.
 pub(crate) const HASH_GRID: &[Mistake] = &[
     Mistake::new(
@@ -216,6 +226,39 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
         "exclusive or",
         "never; cheap to keep",
         0,
+    ),
+    OTHER_GROWTH,
+    Mistake::new(
+        "levels_even",
+        "N_l = base + (finest - base) l / (L - 1)",
+        "levels that are close together where they are coarse",
+        "a geometric series",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "dense_by_cells",
+        "dense where N^3 entries are enough",
+        "vertices of the far faces share entries",
+        "dense where all (N + 1)^3 vertices have one",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "resolution_doubled",
+        "N_l = 2^l, whatever base and finest are",
+        "the first levels hold next to nothing, and no level is as fine as was asked for",
+        "base (finest / base)^(l / (L - 1))",
+        "an encoder in Rust",
+        1,
+    ),
+    Mistake::new(
+        "level_in_the_hash",
+        "the level's number is added to the hash",
+        "another hash: tables can't be exchanged",
+        "one hash for all levels, each with a table of its own",
+        "an encoder in Rust",
+        1,
     ),
     Mistake::new(
         "primes_from_the_second",

@@ -92,12 +92,23 @@ pub(super) const BLURRED: Mistake = Mistake::new(
 )
 .with("padding", 0.01, [1e-8, 1.0]);
 
+pub(super) const PADDED: Mistake = Mistake::new(
+    "padded_by",
+    "w + k, whatever the padding is",
+    "samples that are spread over empty space, or not spread where it was asked for",
+    "w + padding",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 1e-3, [1e-8, 0.1]);
+
 /// Mistakes of importance sampling.
 pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
     SEARCHED_FROM_THE_LEFT,
     NO_LEADING_ZERO,
     INTERIOR_ALONE,
     NOT_NORMALIZED,
+    PADDED,
     Mistake::new(
         "left_edge",
         "the chosen bin's edge, without a place inside it",
@@ -129,6 +140,46 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         "N + 1 edges for N weights; of N places, the N - 1 midpoints and the weights between them",
         "3 copies of a student's code: cat(0, cumsum[:-1]) over the coarse samples",
         3,
+    ),
+    Mistake::new(
+        "first_bin_dropped",
+        "N places for N weights, each of a bin that ends there: of the edges, all but the first",
+        "what belongs to the first bin lies on its far edge, in one point",
+        "N + 1 edges for N weights; of N places, the N - 1 midpoints and the weights between them",
+        "a trainer in C#",
+        1,
+    ),
+    Mistake::new(
+        "place_mirrored",
+        "1 - s for the place s within the bin",
+        "samples of a bin in the reverse order, each where another belongs",
+        "a + s (b - a)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "stratified_again",
+        "(j + u_j) / M for u_j, which were handed over as they are to be used",
+        "samples in the wrong bins",
+        "u as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "own_bin_alone",
+        "sample j is looked for in bin j alone, and is 0 where it doesn't lie there",
+        "nearly all samples lie at the camera",
+        "look for each u in the whole of F",
+        "a trainer in C++: for (i) if (F[i] <= u[i] && u[i] < F[i + 1])",
+        1,
+    ),
+    Mistake::new(
+        "edges_about_the_middles",
+        "edges half of the first step before and behind each middle: bins are taken for even",
+        "samples in bins that aren't where they are, wherever bins aren't even",
+        "the edges as they are",
+        "a trainer in Rust, which has the coarse samples' middles alone",
+        1,
     ),
     Mistake::new(
         "weights_as_densities",

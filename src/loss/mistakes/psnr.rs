@@ -178,6 +178,30 @@ pub(crate) const PSNR: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
+    Mistake::new(
+        "first_picture_alone",
+        "the figure of the first picture",
+        "nothing is known of the others",
+        "the mean over all pictures",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "through_bytes",
+        "both pictures are rounded to bytes first",
+        "figures that end at 58.9 dB",
+        "colors as they are, or say that they are bytes",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "prediction_clipped_to_peak",
+        "the prediction is clamped to [0, peak] first",
+        "figures that hide colors beyond the peak",
+        "colors as they are, or say that they are clamped",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// The errors whose figures are averaged, where these aren't the mean squares of pictures.
@@ -227,6 +251,19 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     };
     for name in clipped {
         a.get_mut(*name).expect("checked").mapv_inplace(|x| x.clamp(0.0, 1.0));
+    }
+    let peak = arrays::peak(&a, c);
+    if wrong.contains(&"prediction_clipped_to_peak") {
+        a.get_mut("prediction").expect("checked").mapv_inplace(|x| x.clamp(0.0, peak));
+    }
+    for name in ["prediction", "target"] {
+        let array = a.get_mut(name).expect("checked");
+        if wrong.contains(&"through_bytes") {
+            array.mapv_inplace(|x| libm::rint(255.0 * x / peak) / 255.0 * peak);
+        }
+        if wrong.contains(&"first_picture_alone") {
+            *array = array.slice_axis(ndarray::Axis(0), (0..1).into()).to_owned();
+        }
     }
     if wrong.contains(&"peak_255") {
         a.insert("peak".into(), scalar(255.0));

@@ -1,5 +1,6 @@
 //! What is wrong with Adam's and AdamW's steps, what it does, and where it was seen.
 
+use super::one_mean::{MEAN_NOT_CORRECTED, OLD_MEAN, OLD_SQUARE, SQUARE_NOT_CORRECTED};
 use crate::contract::component::Mistake;
 
 const NO_BIAS_CORRECTION: Mistake = Mistake::new(
@@ -250,6 +251,10 @@ pub(super) const MEANS_BEGIN_AT_EPS: Mistake = Mistake::new(
 
 /// Mistakes of Adam.
 pub(crate) const ADAM_STEP: &[Mistake] = &[
+    SQUARE_NOT_CORRECTED,
+    MEAN_NOT_CORRECTED,
+    OLD_SQUARE,
+    OLD_MEAN,
     NO_BIAS_CORRECTION,
     EPS_INSIDE_ROOT,
     Mistake::new(
@@ -289,6 +294,10 @@ pub(crate) const ADAM_STEP: &[Mistake] = &[
 
 /// Mistakes of AdamW.
 pub(crate) const ADAMW_STEP: &[Mistake] = &[
+    SQUARE_NOT_CORRECTED,
+    MEAN_NOT_CORRECTED,
+    OLD_SQUARE,
+    OLD_MEAN,
     Mistake::new(
         "coupled_decay",
         "weight_decay p is added to the gradient: Adam with an L2 penalty",

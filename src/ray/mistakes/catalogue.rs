@@ -44,6 +44,23 @@ pub(super) const ORIGIN_MINUS_TURNED: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
+pub(super) const SCALED_AND_MOVED: Mistake = Mistake::new(
+    "scaled_and_moved",
+    "k o + 1/2: the unit cube of instant-ngp",
+    "cameras that stand elsewhere than the scene's other numbers say",
+    "scale poses, or leave them, before rays are made",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 0.33, [0.01, 3.0]);
+pub(super) const NORM_OF_TWO: Mistake = Mistake::new(
+    "norm_of_two",
+    "d divided by the length of its x and y",
+    "directions of different lengths: samples are farther apart near the middle",
+    "the length of all three",
+    "never; cheap to keep",
+    0,
+);
 pub(super) const ORIGIN_NEGATED: Mistake = Mistake::new(
     "origin_negated",
     "o = -t",
@@ -185,6 +202,19 @@ pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
     )
     .of_gradient(),
     mistakes::SQUARE_PICTURE,
+    SCALED_AND_MOVED,
+    NORM_OF_TWO,
+    mistakes::UPSIDE_DOWN_ONE_OFF,
+    mistakes::HALF_PIXEL_TWICE,
+    mistakes::WHOLE_PIXELS,
+    Mistake::new(
+        "first_pose_for_all",
+        "the first ray's pose for all rays",
+        "views of one camera, whatever was asked",
+        "one pose for each ray",
+        "never; cheap to keep",
+        0,
+    ),
 ];
 
 /// Mistakes of the rays of a picture.
@@ -319,4 +349,32 @@ pub(crate) const IMAGE_RAYS: &[Mistake] = &[
     FLIPS[3],
     FLIPS[4],
     FLIPS[5],
+    SCALED_AND_MOVED,
+    NORM_OF_TWO,
+    mistakes::UPSIDE_DOWN_ONE_OFF,
+    mistakes::HALF_PIXEL_TWICE,
+    Mistake::new(
+        "focal_by_the_height",
+        "f H / W for both axes: the angle of the width taken for that of the height",
+        "everything too large or too small, but for square pictures",
+        "f = W / 2 / tan(fov_x / 2)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "width_stretched",
+        "x W / H: the picture's shape on top of the focal length",
+        "views stretched across, but for square pictures",
+        "x / f and y / f",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "width_squeezed",
+        "x H / W: the picture's shape on top of the focal length",
+        "views squeezed across, but for square pictures",
+        "x / f and y / f",
+        "never; cheap to keep",
+        0,
+    ),
 ];

@@ -52,6 +52,26 @@ pub(super) const ZERO_REPLACED: Mistake = Mistake::new(
 )
 .with("eps", 1e-10, [1e-16, 1e-2]);
 
+pub(super) const NEAR_OF_ITS_OWN: Mistake = Mistake::new(
+    "near_of_its_own",
+    "t_near is k at least, whatever near is",
+    "what lies nearer isn't seen, or samples lie in front of near",
+    "max(near, t_near)",
+    "torch-ngp, whose min_near is 0.2; not handed over in ports",
+    1,
+)
+.with("k", 0.2, [1e-3, 2.0]);
+
+pub(super) const ENTERED_LATE: Mistake = Mistake::new(
+    "entered_late",
+    "eps is added to t_near",
+    "rays begin a little inside the box",
+    "t_near as it is",
+    "never; cheap to keep",
+    0,
+)
+.with("eps", 1e-4, [1e-6, 0.1]);
+
 /// Mistakes of rays and boxes.
 pub(crate) const RAY_AABB: &[Mistake] = &[
     EPS_IN_DIRECTION,
@@ -80,6 +100,15 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         "hand-written slab tests with std::min and std::max, or comparisons in their place: six of eleven in one reading",
         6,
     ),
+    Mistake::new(
+        "nan_in_a_face",
+        "a ray in a face: 0 * inf is NaN, and what becomes of it depends on the order of comparisons: NaN, a miss or the other face",
+        "pictures with seams along some sides of the box, or pixels that are NaN",
+        "where d_a = 0 compare o_a with both faces, which are inside",
+        "instant-ngp's chain of comparisons and its ports, which keep x's NaN and pass over y's and z's; NaN taken for 0 in Julia",
+        3,
+    )
+    .open_where_nan(),
     Mistake::new(
         "parallel_is_a_miss",
         "d_a = 0 anywhere counts as a miss",
@@ -270,4 +299,70 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         1,
     )
     .of_gradient(),
+    NEAR_OF_ITS_OWN,
+    ENTERED_LATE,
+    Mistake::new(
+        "high_taken_for_size",
+        "the box is [low, low + high]",
+        "another box",
+        "two corners",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "two_axes_alone",
+        "the slabs of x and y alone",
+        "rays hit what they pass above or below",
+        "all three axes",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "length_for_exit",
+        "t_far is the length of the way inside",
+        "samples in front of the box",
+        "t_far, and t_far - t_near where it is asked",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "ahead_is_a_hit",
+        "a hit wherever t_far > 0",
+        "rays that miss the box enter behind where they leave",
+        "max(near, t_near) <= min(far, t_far)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "range_cut_not_asked",
+        "a hit where the line leaves the box behind the origin; t are cut at near and far",
+        "samples that run backward, of boxes in front of near or beyond far",
+        "max(near, t_near) <= min(far, t_far)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "cube_of_the_first_axis",
+        "low_x and high_x for all three axes",
+        "nothing for a cube, another box elsewhere",
+        "one pair for each axis",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "box_about_the_origin",
+        "the box is [-high, high]",
+        "nothing for a box about the origin, another one elsewhere",
+        "two corners",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "unit_box",
+        "the box is [0, 1], whatever low and high are",
+        "another box",
+        "two corners",
+        "never; cheap to keep",
+        0,
+    ),
 ];

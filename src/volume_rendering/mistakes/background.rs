@@ -6,9 +6,20 @@ use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 use crate::volume_rendering::arrays;
 
+const NEARLY_OPAQUE: Mistake = Mistake::new(
+    "no_background_behind_the_nearly_opaque",
+    "(1 - A) b where A < 1 - k alone, and nothing elsewhere",
+    "what is nearly opaque is darker than it should be, by k b at most",
+    "C + (1 - A) b, whatever A is",
+    "a splat renderer in CUDA, 1e-3",
+    1,
+)
+.with("k", 1e-3, [1e-7, 0.3]);
+
 /// Mistakes of the background.
 pub(crate) const COMPOSITE_BACKGROUND: &[Mistake] = &[
     CLAMPED,
+    NEARLY_OPAQUE,
     Mistake::new(
         "background_by_opacity",
         "C + A b: the opacity stands where the light that is left belongs",
@@ -74,6 +85,14 @@ pub(crate) const COMPOSITE_BACKGROUND: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "background_where_nothing_is",
+        "C where A > 0, else b",
+        "dark fringes, and no fog",
+        "C + (1 - A) b",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "light_left_exchanged",
         "(1 - A) C + A b: the weights of both are exchanged",
         "opaque objects have the background's color",
@@ -121,6 +140,8 @@ pub(crate) fn composite_background(a: &Arrays, c: &Conventions, wrong: &[&str]) 
         let (c, b, left) = (colors[&i], background[[i[1]]], 1.0 - opacity[[i[0]]]);
         match () {
             () if wrong.contains(&"brighter_of_both") => *written = c.max(left * b),
+            () if NEARLY_OPAQUE.among(wrong).is_some_and(|k| left <= k) => *written = c,
+            () if wrong.contains(&"background_where_nothing_is") => *written = if left < 1.0 { c } else { b },
             () if wrong.contains(&"either_of_both") => *written = if left < 0.5 { c } else { b },
             () => {}
         }

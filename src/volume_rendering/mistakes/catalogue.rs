@@ -319,3 +319,29 @@ pub(super) const DENSITY_CAPPED: Mistake = Mistake::new(
     1,
 )
 .with("k", 100.0, [1.0, 1e6]);
+pub(super) const ALPHAS_CAPPED: Mistake = Mistake::new(
+    "alphas_capped",
+    "min(alpha, k)",
+    "nothing is ever opaque",
+    "alpha as it is: a cap belongs to gradients that divide by 1 - alpha",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 0.99, [0.3, 0.9999]);
+pub(super) const FAINT_SKIPPED: Mistake = Mistake::new(
+    "faint_samples_skipped",
+    "0 where alpha < k: a rasterizer's threshold for splats",
+    "fog is invisible, however deep",
+    "alpha as it is: many thin samples are a wall",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 0.003_921_568_627_450_98, [1e-6, 0.2]);
+pub(super) const LAST_OPAQUE: Mistake = Mistake::new(
+    "last_sample_opaque",
+    "the last alpha is 1, whatever its density",
+    "every ray ends in its last color, and none sees a background",
+    "alpha = 1 - exp(-sigma delta), or a last step of 1e10",
+    "never; cheap to keep",
+    0,
+);

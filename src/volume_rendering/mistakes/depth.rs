@@ -25,6 +25,24 @@ const THIN_LEFT_OUT: Mistake = Mistake::new(
     0,
 )
 .with("least", 0.5, [1e-7, 0.99]);
+const THIN_AT_FAR: Mistake = Mistake::new(
+    "thin_rays_at_far",
+    "far where the weights' sum is below a threshold",
+    "haze is drawn as the background's distance",
+    "far, where there is no weight at all",
+    "never; cheap to keep",
+    0,
+)
+.with("least", 0.5, [1e-7, 0.99]);
+const FIRST_SURFACE: Mistake = Mistake::new(
+    "first_weight_above",
+    "the t of the first weight above a threshold",
+    "depths that jump from sample to sample, and have no gradient",
+    "sum w t / A",
+    "never; cheap to keep",
+    0,
+)
+.with("least", 0.01, [1e-4, 0.5]);
 const EMPTY_OF_ITS_OWN: Mistake = Mistake::new(
     "empty_depth_of_its_own",
     "a number of its own where the weights' sum is 0",
@@ -95,6 +113,24 @@ pub(crate) const DEPTH: &[Mistake] = &[
     ),
     OFF_WEIGHT,
     THIN_LEFT_OUT,
+    THIN_AT_FAR,
+    FIRST_SURFACE,
+    Mistake::new(
+        "weights_of_all_rays",
+        "divided by the sum of all rays' weights",
+        "depths that shrink as the batch grows",
+        "the sum over the ray's own samples",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "middles_between_samples",
+        "middles between neighboring samples, the last one as it is",
+        "depths half a step too far",
+        "the t at which the weight was found",
+        "never; cheap to keep",
+        0,
+    ),
     EMPTY_OF_ITS_OWN,
     Mistake::new(
         "depth_of_the_heaviest",
@@ -215,6 +251,8 @@ fn step_ends(t: &[f64], far: f64) -> Vec<f64> {
 fn other_depths(a: &Arrays, wrong: &[&str]) -> Option<ArrayD<f64>> {
     let has = |name: &str| wrong.contains(&name);
     let (eps, least) = (OFF_WEIGHT.among(wrong), THIN_LEFT_OUT.among(wrong));
+    let (at_far, first) = (THIN_AT_FAR.among(wrong), FIRST_SURFACE.among(wrong));
+    let of_all = input(a, "weights").sum();
     let one = |r: usize| -> Option<f64> {
         let (weights, t) = (row(a, "weights", r), row(a, "t", r));
         let sum = |t: &[f64]| weights.iter().zip(t).map(|(w, t)| w * t).sum::<f64>();
@@ -225,6 +263,16 @@ fn other_depths(a: &Arrays, wrong: &[&str]) -> Option<ArrayD<f64>> {
             () if eps.is_some() => sum(&t) / (opacity + eps?),
             () if least.is_some() && opacity < least? => 0.0,
             () if least.is_some() => sum(&t) / opacity,
+            () if at_far.is_some_and(|least| opacity <= least) => number(a, "far"),
+            () if at_far.is_some() => sum(&t) / opacity,
+            () if first.is_some() => {
+                t[weights.iter().position(|w| first.is_some_and(|least| *w > least)).unwrap_or(0)]
+            }
+            () if has("weights_of_all_rays") => sum(&t) / of_all,
+            () if has("middles_between_samples") => {
+                let last = t[t.len() - 1];
+                sum(&middles.iter().copied().chain([last]).collect::<Vec<_>>()) / opacity
+            }
             () if has("depth_of_the_heaviest") => t[(0..t.len()).fold(0, heaviest)],
             () if has("middles_of_gaps") => sum(&middles),
             () if has("steps_summed_for_t") => sum(&step_ends(&t, number(a, "far"))) - opacity * t[0],

@@ -1,9 +1,27 @@
 //! Other laws than the exponential's.
 
-use crate::math::exp;
+use super::catalogue::{ALPHAS_CAPPED, FAINT_SKIPPED, LAST_OPAQUE};
+use crate::math::{exp, expm1};
+use crate::volume_rendering::optical_depths;
 
 /// Opacities of optical depths by another law than the exponential's.
-pub(super) fn other_alphas(depths: &[f64], wrong: &[&str]) -> Option<Vec<f64>> {
+pub(super) fn other_alphas(sigmas: &[f64], deltas: &[f64], wrong: &[&str]) -> Option<Vec<f64>> {
+    let depths = optical_depths(sigmas, deltas);
+    let right = || depths.iter().map(|&x| -expm1(-x));
+    if let Some(most) = ALPHAS_CAPPED.among(wrong) {
+        return Some(right().map(|alpha| alpha.min(most)).collect());
+    }
+    if let Some(least) = FAINT_SKIPPED.among(wrong) {
+        return Some(right().map(|alpha| if alpha < least { 0.0 } else { alpha }).collect());
+    }
+    if wrong.contains(&LAST_OPAQUE.name) {
+        let last = depths.len().saturating_sub(1);
+        return Some(right().enumerate().map(|(i, alpha)| if i == last { 1.0 } else { alpha }).collect());
+    }
+    if wrong.contains(&"delta_outside") {
+        let alpha = |(sigma, delta): (&f64, &f64)| 1.0 - exp(-sigma) * delta;
+        return Some(sigmas.iter().zip(deltas).map(alpha).collect());
+    }
     let law: fn(f64) -> f64 = match () {
         () if wrong.contains(&"straight_alpha") => |x| x.clamp(0.0, 1.0),
         () if wrong.contains(&"hyperbolic_alpha") => |x| if x.is_infinite() { 1.0 } else { x / (1.0 + x) },

@@ -8,6 +8,8 @@ use super::catalogue::{
     OWN_FACTOR, OWN_LIGHT, OWN_STEP, ROLLED, ROLLED_BACKWARD, ROLLED_BUT_FIRST, SCALED_EXPONENTIAL,
     SHADE_FORGOTTEN, UNIT_WEIGHTS, WEIGHTS_CUT, WEIGHTS_NORMALIZED, WHOLE_RAYS_LIGHT,
 };
+use super::catalogue::{ALPHAS_CAPPED, FAINT_SKIPPED, LAST_OPAQUE};
+use super::gradients::HAND_WRITTEN;
 use crate::contract::component::Mistake;
 use crate::sample::mistakes::{
     BACKWARD_DELTA, DELTA_DIFFERENCED_TWICE, DELTA_MISSING, DELTA_OF_THE_WHOLE_RAY, DELTA_OVER_N_MINUS_1,
@@ -43,6 +45,71 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     CLAMPED,
     EPS_IN_PRODUCT,
     DENSITY_CAPPED,
+    ALPHAS_CAPPED,
+    FAINT_SKIPPED,
+    LAST_OPAQUE,
+    HAND_WRITTEN[1],
+    HAND_WRITTEN[2],
+    HAND_WRITTEN[3],
+    HAND_WRITTEN[4],
+    HAND_WRITTEN[5],
+    Mistake::new(
+        "opacity_of_the_heaviest",
+        "A = max w_i",
+        "layers of fog don't add up: the background shines through",
+        "A = sum w_i",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "alphas_summed",
+        "A = sum alpha_i",
+        "an opacity above 1, and a background below 0",
+        "A = sum w_i",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "delta_outside",
+        "alpha = 1 - exp(-sigma) delta: the step outside of the exponential",
+        "opacities that have nothing to do with how thick a step is",
+        "alpha = 1 - exp(-sigma delta)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "softplus_inside",
+        "softplus(sigma) for sigma: an activation of what has one",
+        "empty space is fog of density 0.69",
+        "sigma as it is handed over",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "shifted_softplus_inside",
+        "softplus(sigma - 1) for sigma: an activation of what has one",
+        "empty space is fog of density 0.31",
+        "sigma as it is handed over",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "taken_off_the_sum",
+        "T_i = exp(-(S_i - x_i)): the sample's own depth taken off the sum up to it",
+        "not a number behind an infinite step or density; no digits of T in front of one of 1e10",
+        "sum what lies in front: cumsum(x)[:-1] behind a 0",
+        "renderers in torch and JAX: jnp.cumsum(x) - x",
+        1,
+    )
+    .open_where_nan(),
+    Mistake::new(
+        "product_over_the_batch",
+        "the cumulative product runs over the flattened batch: a ray begins with the light that the one before left",
+        "rays are dark where their neighbors in the batch are opaque",
+        "accumulate along the samples",
+        "never; cheap to keep",
+        0,
+    ),
     DELTA_MISSING_IN_ALPHA,
     DELTA_MISSING_IN_LIGHT,
     Mistake::new(
@@ -181,6 +248,15 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     OWN_FACTOR,
     WEIGHTS_CUT,
     GIVEN_UP,
+    LAST_OPAQUE,
+    Mistake::new(
+        "opacity_of_the_heaviest",
+        "A = max w_i",
+        "layers of fog don't add up: the background shines through",
+        "A = sum w_i",
+        "never; cheap to keep",
+        0,
+    ),
     Mistake::new(
         "opacity_of_the_densest",
         "A = max alpha_i",

@@ -1,0 +1,158 @@
+"""Splats as renderers of their own draw them: cuts, caps, dilations and colors with other numbers."""
+
+import numpy as np
+import torch
+from entry import convention, fault
+from gaussians import around_the_picture, as_the_rasterizer_colors, exponent, in_camera, jacobian
+
+
+def long_deviation(conics):
+    """The deviation along the long axis of the covariances."""
+    covariances = torch.linalg.inv(torch.stack([conics[:, 0], conics[:, 1], conics[:, 1], conics[:, 2]], -1).view(-1, 2, 2))
+    return torch.linalg.eigvalsh(covariances)[:, 1].sqrt()
+
+
+def seen(power, opacities, cap):
+    """Capped, and left out where it is faint or grows."""
+    alpha = (opacities * torch.exp(power)).clamp(max=cap)
+    return torch.where((power > 0) | (alpha < 1 / 255), torch.zeros_like(alpha), alpha)
+
+
+@fault("gaussian_alpha", "cut_at_a_square", seen="a trial on unseen code: a wgpu rasterizer", gradient="none")
+def within_the_square(pixels, means2d, conics, opacities):
+    """Nothing outside of ceil(3 sigma) to either side; up to 0.99, faint ones skipped."""
+    reach = torch.ceil(3 * long_deviation(conics))
+    outside = (pixels[:, None] - means2d[None]).abs().amax(-1) > reach
+    return torch.where(outside, 0.0, seen(exponent(pixels, means2d, conics), opacities, 0.99))
+
+
+@fault("gaussian_alpha", "cut_at_three_sigmas", seen="a trial on unseen code: a fragment shader in Metal", gradient="none")
+def shader_to_three_sigmas(pixels, means2d, conics, opacities):
+    """Discarded where the power is below -4.5 or above 0, and below 1/255; no cap."""
+    power = exponent(pixels, means2d, conics)
+    return torch.where(power < -4.5, 0.0, seen(power, opacities, torch.inf))
+
+
+@fault(
+    "gaussian_alpha",
+    "conic_in_another_order+cut_at_a_radius",
+    seen="a trial on unseen code: a Vulkan rasterizer, two sigmas",
+    gradient="none",
+)
+def conic_with_its_cross_term_last(pixels, means2d, conics, opacities):
+    """(A, B, C) read as (A, C, B), and nothing outside of two deviations."""
+    reach = torch.ceil(2 * long_deviation(conics))
+    far = torch.linalg.vector_norm(pixels[:, None] - means2d[None], dim=-1) > reach
+    return torch.where(far, 0.0, seen(exponent(pixels, means2d, conics[:, [0, 2, 1]]), opacities, 0.99))
+
+
+@fault("gaussian_alpha", "cut_below_an_opacity", seen="a trial on unseen code: a WGSL shader, 0.02", gradient="none")
+def nothing_below_a_fiftieth(pixels, means2d, conics, opacities):
+    """0 where alpha is below 0.02; no cap."""
+    alpha = opacities * torch.exp(exponent(pixels, means2d, conics))
+    return torch.where(alpha < 0.02, torch.zeros_like(alpha), alpha)
+
+
+@fault("gaussian_alpha", "exponent_scaled", seen="a trial on unseen code, without its cut: a WebGPU viewer", gradient="none")
+def an_eighth_of_the_exponent(pixels, means2d, conics, opacities):
+    """exp(-q / 16) where exp(-q / 2) belongs."""
+    return opacities * torch.exp(exponent(pixels, means2d, conics) / 8)
+
+
+@fault("gaussian_alpha", "capped_elsewhere", seen="a trial on unseen code: a renderer on CPUs", gradient="none")
+def capped_at_995(pixels, means2d, conics, opacities):
+    """0.995 at most."""
+    return (opacities * torch.exp(exponent(pixels, means2d, conics))).clamp(max=0.995)
+
+
+def flat(means, covariances, w2c, k, width, height):
+    """Means, depths and undilated covariances in the picture, with gsplat's limits."""
+    t, sigma = in_camera(means, covariances, w2c)
+    low, high = around_the_picture(k, width, height)
+    slopes = t[:, :2] / t[:, 2:]
+    j = jacobian(torch.minimum(torch.maximum(slopes, low), high), t[:, 2], k)
+    return (t @ k.mT)[:, :2] / t[:, 2:], t[:, 2], j @ sigma @ j.mT
+
+
+def three(cov):
+    """(a, b, c)."""
+    return torch.stack([cov[:, 0, 0], cov[:, 0, 1], cov[:, 1, 1]], -1)
+
+
+@fault("gaussian_projection", "compensation_held", seen="a trial on unseen code: a renderer in Metal", gradient="none")
+def a_quarter_at_least(means, covariances, w2c, K, width, height):
+    """The compensation is sqrt(max(0.0625, det / det'))."""
+    middle, depths, cov = flat(means, covariances, w2c, K, width, height)
+    wide = cov + 0.3 * torch.eye(2)
+    ratio = torch.linalg.det(cov) / torch.linalg.det(wide)
+    return {"means2d": middle, "depths": depths, "covariances2d": three(wide), "compensations": ratio.clamp(min=0.0625).sqrt()}
+
+
+@fault("gaussian_projection", "compensation_of_flat_ones", seen="a trial on unseen code: a renderer in WebGPU", gradient="none")
+def full_light_for_lines(means, covariances, w2c, K, width, height):
+    """Not compensated where the determinant isn't positive."""
+    middle, depths, cov = flat(means, covariances, w2c, K, width, height)
+    cov = cov.double()
+    before, after = torch.linalg.det(cov), torch.linalg.det(cov + 0.3 * torch.eye(2))
+    rounded = before.abs() < 1e-6 * after.abs()
+    ratio = torch.where(rounded, 1.0, before / after).sqrt().float()
+    return {"means2d": middle, "depths": depths, "compensations": ratio}
+
+
+@fault("gaussian_projection", "radius_held", seen="a trial on unseen code: a renderer in Metal", gradient="none")
+def never_beyond_512(means, covariances, w2c, K, width, height):
+    """min(ceil(3 sigma), 512), of slopes without limits."""
+    t, sigma = in_camera(means, covariances, w2c)
+    j = jacobian(t[:, :2] / t[:, 2:], t[:, 2], K)
+    depths, cov = t[:, 2], j @ sigma @ j.mT
+    a, b, c = three(cov + 0.3 * torch.eye(2)).unbind(-1)
+    mid = (a + c) / 2
+    radii = torch.ceil(3 * torch.sqrt(mid + torch.sqrt(torch.clamp(mid * mid - (a * c - b * b), min=0.1))))
+    return {"depths": depths, "radii": radii.clamp(max=512.0)}
+
+
+@fault("gaussian_projection", "dilated_by_another_number", seen="a trial on unseen code: a trainer in C#", gradient="none")
+def next_to_no_dilation(means, covariances, w2c, K, width, height):
+    """A thousandth on the diagonal."""
+    middle, depths, cov = flat(means, covariances, w2c, K, width, height)
+    return {"means2d": middle, "depths": depths, "covariances2d": three(cov + 1e-3 * torch.eye(2))}
+
+
+@fault("gaussian_color", "second_band_left_out", seen="a trial on unseen code: a renderer in Metal", times=2)
+def two_bands(means, camera_center, coefficients):
+    """Bands 0 and 1, whatever there is."""
+    return as_the_rasterizer_colors(means, camera_center, coefficients[:, :4])
+
+
+def blended(alphas, rgbs):
+    """Weights and the light that is left: up to 0.99, faint ones skipped, ended in front of what leaves less than 1e-4."""
+    weights, left = np.zeros_like(alphas), np.ones(len(alphas), np.float32)
+    for ray, row in enumerate(np.minimum(alphas, np.float32(0.99))):
+        for k in np.flatnonzero(row >= np.float32(1 / 255)):
+            if left[ray] * (1 - row[k]) < np.float32(1e-4):
+                break
+            weights[ray, k] = left[ray] * row[k]
+            left[ray] *= 1 - row[k]
+    return weights, left
+
+
+@convention(
+    "volume_render_alpha_vjp",
+    {"cap_gradient": "through"},
+    seen="graphdeco-inria/diff-gaussian-rasterization backward.cu; a port in Slang",
+    times=2,
+    digits=True,
+    arrays="numpy",
+)
+def through_the_cap(alphas, rgbs, grad_colors):
+    """From behind, by division; the gradient passes through min(0.99, alpha) as it is."""
+    grad_alphas, grad_rgbs = np.zeros_like(alphas), np.zeros_like(rgbs)
+    weights, left = blended(alphas, rgbs)
+    for ray, row in enumerate(np.minimum(alphas, np.float32(0.99))):
+        light, behind = left[ray], np.zeros(3, np.float32)
+        for k in reversed(np.flatnonzero(weights[ray])):
+            light = light / (1 - row[k])
+            grad_rgbs[ray, k] = row[k] * light * grad_colors[ray]
+            grad_alphas[ray, k] = light * ((rgbs[ray, k] - behind) * grad_colors[ray]).sum()
+            behind = row[k] * rgbs[ray, k] + (1 - row[k]) * behind
+    return {"grad_alphas": grad_alphas, "grad_rgbs": grad_rgbs}
