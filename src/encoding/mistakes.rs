@@ -87,7 +87,8 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
         "normalize directions alone",
         "1 public implementation",
         1,
-    ),
+    )
+    .open_where_nan(),
     Mistake::new(
         "input_through_tanh",
         "tanh(x) is encoded",
@@ -243,7 +244,7 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
 pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64> {
     let dims = x.len();
     let length = x.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let normalized: Vec<f64> = x.iter().map(|x| if length == 0.0 { 0.0 } else { x / length }).collect();
+    let normalized: Vec<f64> = x.iter().map(|x| x / length).collect();
     let squashed: Vec<f64> = x.iter().map(|x| libm::tanh(*x)).collect();
     let x = match () {
         () if wrong.contains(&"input_normalized") => &normalized,

@@ -16,7 +16,7 @@ use crate::convention::Conventions;
 use crate::parallel;
 
 /// Elements that all pairs together may have in their smallest case.
-const WORK: usize = 200_000;
+const WORK: usize = 400_000;
 
 /// By how many times what wrong code may be off a mistake alone misses answers that show another's number, and in how many cases at least.
 const FAR: f64 = 100.0;

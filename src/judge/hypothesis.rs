@@ -366,3 +366,30 @@ fn off(answer: &Answer, predicted: &Arrays, bound: &Arrays) -> f64 {
 pub fn of_forward(question: &Question, mistakes: &[&str]) -> bool {
     question.component.mistakes.iter().any(|m| !m.gradient && mistakes.contains(&m.name))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::answer::given;
+    use super::super::each::{By, EACH};
+    use super::super::exam::Exam;
+    use super::super::slip::{ArraySlip, Change};
+    use super::*;
+    use crate::contract::arrays::{array, arrays};
+    use crate::convention::CS180;
+
+    /// Edges of 2, 3, 5 that are nudged and then rounded down are 1, 2, 4: so wide a bound would explain any sample.
+    #[test]
+    fn what_is_rounded_is_not_nudged_across_whole_numbers() {
+        let exam = Exam::new("importance_sampling", Dtype::F32, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 });
+        let case = question.cases.iter().find(|case| case.id == "SA1_empty_ray").expect("a case");
+        let down = EACH.iter().position(|(name, _)| *name == "rounded down").expect("a slip");
+        let change = Change::All(By::Each(down));
+        let slip = ArraySlip { input: true, array: "edges".into(), change, forward: true };
+        let h = Hypothesis { slip: Some(Slip::Array(slip)), ..Hypothesis::new(vec![], CS180) };
+        let (own, _) = h.prediction(question, case);
+        assert!(h.explains(question, case, &given(own.clone()), &options));
+        let last = array(own["t"].shape(), vec![5.0; own["t"].len()]);
+        assert!(!h.explains(question, case, &given(arrays([("t", last)])), &options));
+    }
+}

@@ -51,13 +51,13 @@ pub(super) fn lost_bits(
     (most > 0 && fits(&most)).then(|| (1..=most).find(fits).unwrap_or(most))
 }
 
-/// How large the numbers of an array are: its largest, but no more than so many times the median of those that aren't 0. A last step of
-/// 1e10 says nothing of what rounding costs the others.
+/// How large the numbers of an array are: its largest, but no more than 1 or so many times the median of those that aren't 0. A last step of
+/// 1e10 says nothing of what rounding costs the others; 1 less an opacity does, however few rays are left with light.
 fn size(array: &ArrayD<f64>) -> f64 {
     let mut sizes: Vec<f64> = array.iter().map(|x| x.abs()).filter(|x| x.is_finite() && *x > 0.0).collect();
     sizes.sort_by(f64::total_cmp);
     let median = sizes.get(sizes.len() / 2).copied().unwrap_or(0.0);
-    sizes.last().map_or(0.0, |largest| largest.min(LARGER * median))
+    sizes.last().map_or(0.0, |largest| largest.min((LARGER * median).max(1.0)))
 }
 
 /// How much larger than most others the largest number of an array may count.
@@ -120,3 +120,40 @@ fn digits_are_left(expected: &ArrayD<f64>, given: &ArrayD<f64>) -> bool {
 
 /// The part.
 const LOST: f64 = 1.0 / 16.0;
+
+#[cfg(test)]
+mod tests {
+    use super::super::answer::given;
+    use super::super::exam::Exam;
+    use super::*;
+    use crate::convention::CS180;
+
+    /// Bits that answers in f32 have lost, after a change of each number below 1e9.
+    fn lost(change: impl Fn(f64) -> f64) -> Option<i32> {
+        let exam = Exam::new("step_sizes", Dtype::F32, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 });
+        let c = CS180.with("delta", "differences").unwrap().with("last_delta", "1e10").unwrap();
+        let own = |x: f64| Dtype::F32.round(if x < 1e9 { change(x) } else { x });
+        let answer = |case: &Case| {
+            let expected = (question.component.forward.oracle)(&case.inputs, &c);
+            Some(given(expected.into_iter().map(|(name, a)| (name, a.mapv(own))).collect()))
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        lost_bits(question, &answers, &c, &options)
+    }
+
+    #[test]
+    fn a_last_step_of_1e10_hides_no_mistake() {
+        assert!(lost(|x| x * (1.0 + 2.0_f64.powi(-20))).is_some_and(|bits| bits > 1));
+        assert_eq!(lost(|x| 1.5 * x), None);
+        assert_eq!(lost(|x| -x), None);
+    }
+
+    #[test]
+    fn across_a_face_no_digits_are_left() {
+        let array = |x: &[f64]| ArrayD::from_shape_vec(vec![x.len()], x.to_vec()).unwrap();
+        assert!(digits_are_left(&array(&[7.0, 1.0]), &array(&[7.1, 1.1])));
+        assert!(!digits_are_left(&array(&[7.0, 1.0]), &array(&[1.39, 1.0])));
+        assert!(digits_are_left(&array(&[0.0]), &array(&[1e-9])));
+    }
+}

@@ -81,11 +81,17 @@ pub(crate) fn lr_cosine(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (most, warmup) = (number(a, "max_steps"), number(a, "warmup_steps"));
     let last = LAST_RATE_A_PART.among(wrong).map_or(last, |k| k * first);
     let [first, last] = if has("rates_exchanged") { [last, first] } else { [first, last] };
-    if step < warmup && !has("warmup_times_cosine") {
+    if has("nothing_after_the_end") && step > most {
+        return forward(0.0);
+    }
+    if step < warmup && !has("warmup_times_cosine") && !has("warmup_forgotten") {
         return forward(warming_up([first, last], step, warmup, wrong));
     }
-    let counted = has("warmup_counted") || has("warmup_times_cosine") || has("warmup_taken_off_the_whole");
-    let whole = has("warmup_counted") || has("warmup_times_cosine") || has("warmup_not_taken_off");
+    let forgotten = has("warmup_forgotten");
+    let counted =
+        forgotten || has("warmup_counted") || has("warmup_times_cosine") || has("warmup_taken_off_the_whole");
+    let whole =
+        forgotten || has("warmup_counted") || has("warmup_times_cosine") || has("warmup_not_taken_off");
     let early = if has("one_step_early") { 1.0 } else { 0.0 };
     let less = if has("one_step_less") { 1.0 } else { early };
     let end = if has("begun_again") { RateEnd::GoesOn } else { c.rate_end };

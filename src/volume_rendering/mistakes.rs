@@ -26,9 +26,6 @@ use laws::{other_alphas, softmax};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 use steps::wrong_deltas;
 
-/// What is as many times larger leaves no digits of what it is added to, in single precision.
-const MUCH_MORE: f64 = 1e6;
-
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub(crate) const ALPHA_ERROR: &str = "alpha_error";
 
@@ -271,10 +268,12 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
             ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
         }
         if wrong.contains(&"taken_off_the_sum") {
-            let depths = super::optical_depths(&sigmas, &deltas);
-            let lost =
-                |i: usize| depths[i] > MUCH_MORE * depths[..i].iter().sum::<f64>() && depths[i] > MUCH_MORE;
-            (0..samples).filter(|&i| lost(i)).for_each(|i| ray.transmittance[i] = f64::NAN);
+            let errors = if textbook { row(a, ALPHA_ERROR, r) } else { vec![0.0; samples] };
+            let mut sum = 0.0;
+            for (i, x) in super::optical_depths(&sigmas, &deltas).into_iter().enumerate() {
+                sum += x;
+                ray.transmittance[i] = exp(-((sum - x) + errors[i] * sum));
+            }
             ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
         }
         if wrong.contains(&"product_over_the_batch") {

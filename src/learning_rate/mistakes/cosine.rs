@@ -59,6 +59,22 @@ pub(crate) const LR_COSINE: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "warmup_forgotten",
+        "p = step / max_steps from the first step on, without a warm-up",
+        "the first steps are too long",
+        "rise to lr_init over the warm-up, then fall",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "nothing_after_the_end",
+        "0 after max_steps",
+        "a run that goes on learns nothing",
+        "lr_final from max_steps on",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "begun_again",
         "p without its whole part: after max_steps the cosine begins again with lr_init",
         "a run that is resumed or goes on jumps to its first rate",

@@ -100,8 +100,7 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
         "sum what lies in front: cumsum(x)[:-1] behind a 0",
         "renderers in torch and JAX: jnp.cumsum(x) - x",
         1,
-    )
-    .open_where_nan(),
+    ),
     Mistake::new(
         "product_over_the_batch",
         "the cumulative product runs over the flattened batch: a ray begins with the light that the one before left",
