@@ -62,6 +62,10 @@ class Unsupported(Exception):
     """A question that the function can't answer; the judge is told nothing."""
 
 
+class OtherShape(Unsupported):
+    """A result whose shape isn't that of its cotangent: in all cases it is another question, in some a fault of these."""
+
+
 def run(cases, answers, *, arrays=None, device="cpu", **functions):
     """Answers the cases in folder `cases` that `functions` are for, below `answers`. Returns what became of each component.
 
@@ -82,7 +86,7 @@ def run(cases, answers, *, arrays=None, device="cpu", **functions):
         group = [case for case in manifest["cases"] if (case["component"], case["kind"]) == (component, kind)]
         style = arrays or ("torch" if uses_torch(function) else "numpy")
         by_autograd = kind == "vjp" and own is None
-        row, what, results = f"{component}/{kind}", Declared(), {}
+        row, what, results, odd = f"{component}/{kind}", Declared(), {}, {}
         try:
             what.takes = taken(function, group[0])
             what.returns = through(what.takes, group[0]) if own else None
@@ -99,6 +103,12 @@ def run(cases, answers, *, arrays=None, device="cpu", **functions):
                     )
                 except Crash as crash:
                     what.crashed.setdefault(case["id"], crash)
+                except OtherShape as reason:
+                    odd[case["id"]] = reason
+            if odd and not results:
+                raise next(iter(odd.values()))
+            for name, reason in odd.items():
+                what.crashed.setdefault(name, Crash(f"case {name}: {reason}"))
             if not results and what.crashed:
                 hopeless += [] if by_autograd else list(what.crashed.values())[:1]
                 outcome[row] = "crashed in every case"
@@ -282,7 +292,7 @@ def differentiated(function, case, inputs, names, what):
     what.returns = [name for name in names if name in result]
     for name, x in result.items():
         if name in cotangents and not alike(x.shape, cotangents[name].shape):
-            raise Unsupported(f"{name} has the shape {tuple(x.shape)}, the gradient asked for {tuple(cotangents[name].shape)}")
+            raise OtherShape(f"{name} has the shape {tuple(x.shape)}, the gradient asked for {tuple(cotangents[name].shape)}")
     pairs = [(x, cotangents[name]) for name, x in result.items() if name in cotangents and getattr(x, "requires_grad", False)]
     what.differentiable = what.differentiable or bool(pairs)
     # A result that depends on nothing, such as that of a ray without samples, has a gradient of 0.

@@ -29,6 +29,7 @@ fn wrong_lens(mut k: Intrinsics, wrong: &[&str]) -> Intrinsics {
             "center_one_early" => (k.cx, k.cy) = (k.fy, k.cx),
             "center_floored" => (k.cx, k.cy) = (libm::floor(k.cx), libm::floor(k.cy)),
             "focal_ignored" => (k.fx, k.fy) = (1.0, 1.0),
+            "pixels_as_they_are" => k = Intrinsics { fx: 1.0, fy: 1.0, cx: 0.0, cy: 0.0 },
             "one_focal_length" => k.fy = k.fx,
             "square_picture" => (k.fy, k.cy) = (k.fx, k.cx),
             "focals_swapped" => (k.fx, k.fy) = (k.fy, k.fx),

@@ -26,6 +26,12 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
         () => n_of(a, l),
     };
     let mut out = levels_of(a, n, c);
+    if wrong.contains(&"one_cell_less") {
+        for level in &mut out {
+            (level.scale, level.last, level.side) =
+                (level.scale - 1.0, level.last.max(1) - 1, level.side - 1);
+        }
+    }
     if let Some(cells) = OFFSET_HALF.among(wrong) {
         out.iter_mut().for_each(|level| level.shift += cells);
     }

@@ -58,6 +58,8 @@ pub(crate) fn importance_sampling() -> Vec<Case> {
     let mut empty_between = numbers(&mut draw, 8, 0.25, 1.0);
     [0, 1, 4, 7].into_iter().for_each(|k| empty_between[k] = 0.0);
     let inner = numbers(&mut draw, 6, 0.0625, 0.9375);
+    let mut of_ends = Draw::new("importance_sampling", 101);
+    let ends: Vec<Vec<f64>> = (0..8).map(|_| numbers(&mut of_ends, 62, 0.0625, 1.0)).collect();
     let steps = numbers(&mut draw, 4, 0.125, 0.875);
     let cases = vec![
         random("plain", "uneven bins, random weights, u in any order", [3, 6, 5], 0.0),
@@ -115,6 +117,12 @@ pub(crate) fn importance_sampling() -> Vec<Case> {
             "SA3_zero_width",
             "two edges at the same place: all of a bin's samples are there",
             [&[vec![2.0, 3.0, 3.0, 4.5]], &[vec![1.0, 2.0, 1.0]], &[vec![0.125, 0.40625, 0.625, 0.9375]]],
+            0.0,
+        ),
+        case(
+            "SA3_end_below_1",
+            "u = 1 in rays whose F ends below 1 in short types, or above: the last edge, not the last bin's first",
+            [&vec![even(62); 8], &ends, &vec![vec![1.0, 0.5]; 8]],
             0.0,
         ),
         case(

@@ -55,6 +55,11 @@ impl Explanation {
         !self.mistakes.is_empty() || self.slip.is_some()
     }
 
+    /// Whether it is wrong about the forward function, not about its gradient alone.
+    pub(crate) fn of_forward(&self) -> bool {
+        self.mistakes.iter().any(|m| !m.gradient) || self.slip.as_ref().is_some_and(Slip::forward)
+    }
+
     /// Whether it explains all that was answered.
     pub(crate) fn whole(&self) -> bool {
         self.unexplained.is_empty() && self.unexplained_cases.is_empty()

@@ -55,6 +55,7 @@ mod peel;
 mod places;
 mod reach;
 mod rearranged;
+mod refuted;
 mod repeat;
 #[doc(hidden)]
 pub mod report;

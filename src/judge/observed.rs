@@ -6,7 +6,7 @@ use super::answer::{Answers, Given, reshaped};
 use super::assignment::small_cases;
 use super::exam::Question;
 use super::mark::MarkOptions;
-use crate::contract::arithmetic::Grade;
+use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::check::budget_used;
 use crate::convention::Conventions;
 
@@ -80,7 +80,25 @@ pub(crate) fn observed(
         }
     }
     off.retain(|(_, off, _)| !off.is_empty());
-    off.iter().map(|(name, off, asked)| sentence(name, off, *asked)).collect()
+    let narrow = off.iter().filter_map(|(name, off, _)| narrower(name, off, options.dtype));
+    off.iter().map(|(name, off, asked)| sentence(name, off, *asked)).chain(narrow).collect()
+}
+
+/// Numbers that a sentence about their type needs.
+const ENOUGH: usize = 16;
+
+/// What it says where all numbers of an output are of a shorter type, and those that were expected aren't.
+fn narrower(name: &str, off: &[Off], dtype: Dtype) -> Option<String> {
+    let short = [(Dtype::F16, "float16"), (Dtype::Bf16, "bfloat16")];
+    let numbers = |of: fn(&Off) -> &ArrayD<f64>| -> Vec<f64> {
+        off.iter().flat_map(of).copied().filter(|x| x.is_finite() && x.fract() != 0.0).collect()
+    };
+    let (got, expected) = (numbers(|off| &off.got), numbers(|off| &off.expected));
+    let all = |short: Dtype| got.iter().all(|x| short.holds(*x));
+    let few = |short: Dtype| 2 * expected.iter().filter(|x| short.holds(**x)).count() < expected.len();
+    let found = short.into_iter().find(|(short, _)| all(*short) && few(*short));
+    let (_, said) = found.filter(|_| dtype.bits() >= 24 && got.len() >= ENOUGH)?;
+    Some(format!("every number of {name} is one of {said}: something is computed in half precision"))
 }
 
 /// An answer beside the truth, where there is one of its shape.
@@ -237,7 +255,6 @@ mod tests {
     use super::super::answer::{Answer, given};
     use super::super::exam::Exam;
     use super::*;
-    use crate::contract::arithmetic::Dtype;
     use crate::convention::CS180;
 
     /// What is seen of the right answers to a row after a change.
@@ -280,6 +297,12 @@ mod tests {
             let seen = seen("transform", on("x_w", change));
             assert!(seen.len() == 1 && seen[0].contains(said), "{said}: {seen:?}");
         }
+    }
+
+    #[test]
+    fn half_precision_is_seen() {
+        let seen = seen("spherical_harmonics", on("harmonics", |a| a.mapv_inplace(|x| Dtype::F16.round(x))));
+        assert!(seen.iter().any(|said| said.contains("float16")), "{seen:?}");
     }
 
     #[test]

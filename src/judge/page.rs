@@ -7,7 +7,6 @@ use super::evidence::Explanation;
 use super::mark::Worst;
 use super::partial::Partial;
 use super::report::{Report, Row, Verdict};
-use super::slip::Slip;
 use crate::contract::arithmetic::Grade;
 use crate::contract::component::Mistake;
 use crate::contract::hazard::{Hazard, of_case};
@@ -263,10 +262,7 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         writeln!(f, "      effect: {}", mistake.effect)?;
         writeln!(f, "      to fix:  {}   (seen: {})", mistake.fix, mistake.seen)?;
     }
-    let forward = |e: &Explanation| {
-        e.mistakes.iter().any(|m| !m.gradient) || e.slip.as_ref().is_some_and(Slip::forward)
-    };
-    if row.kind == "vjp" && forward(best) {
+    if row.kind == "vjp" && best.of_forward() {
         writeln!(f, "  a mistake of the forward function: its gradient follows from it")?;
     }
     if let Some(next) = row.diagnosis.iter().skip(1).find(|e| !e.same_as_best) {

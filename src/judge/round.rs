@@ -18,6 +18,7 @@ use super::layout::Orders;
 use super::mark::{MarkOptions, Marks, mark};
 use super::observed::observed;
 use super::partial::{apply, partial, read};
+use super::refuted::refuted;
 use super::report::{Report, Row, Verdict};
 use super::slips::gradient_of;
 use super::{layout, statistics};
@@ -218,6 +219,9 @@ impl Round {
                     Some(forward) => diagnose_beside(question, &answers[n], (c, forward), known, options),
                     None => diagnose(question, &answers[n], c, known, options),
                 };
+                if question.kind == Kind::Vjp {
+                    refuted(&mut row.diagnosis, known, &report, question.component.name);
+                }
                 if let Some(best) = row.diagnosis.first().filter(|e| e.whole() && e.wrong()) {
                     beside.insert(question.component.name, best.clone());
                 }

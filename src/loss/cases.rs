@@ -78,6 +78,13 @@ pub(crate) fn psnr() -> Vec<Case> {
         with_peak("ME1_equal", "equal pictures: infinite, never NaN", &half, &half, 1.0)
             .edge("equal pictures"),
         with_peak(
+            "nearly_equal",
+            "an error of 2^-18 everywhere: 108 dB",
+            &half.mapv(|x| x + libm::ldexp(1.0, -18)),
+            &half,
+            1.0,
+        ),
+        with_peak(
             "zero_decibels",
             "an error of nearly 1: the digits are those of the mean squared error",
             &half.mapv(|_| 0.9921875),

@@ -15,7 +15,7 @@ use crate::math::pow;
 /// One ray's positions as the mistakes have them.
 fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec<f64> {
     let (near, far) = match () {
-        () if wrong.contains(&"unit_interval") => (0.0, 1.0),
+        () if wrong.contains(&"unit_interval") || wrong.contains(&"grid_of_unit_interval") => (0.0, 1.0),
         () if wrong.contains(&"near_taken_for_zero") => (0.0, number(a, "far")),
         () => (number(a, "near"), number(a, "far")),
     };
@@ -29,6 +29,10 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
                 return sample_along_ray(near, far, &vec![0.0; n], Grid::EndsPlusWidth);
             }
             "never_jittered" => u.fill(0.5),
+            "jitter_in_unit_widths" => u.iter_mut().for_each(|u| *u /= far - near),
+            "grid_of_unit_interval" => {
+                u.iter_mut().for_each(|u| *u *= number(a, "far") - number(a, "near"));
+            }
             "left_edges_alone" => u.fill(0.0),
             "one_jitter_for_all_samples" => u = vec![u[0]; n],
             "one_bin_early" => u.iter_mut().for_each(|u| *u -= 1.0),

@@ -91,6 +91,7 @@ fn wrong_windows<'a>(
         () if form.window != SsimWindow::Gaussian => None,
         () if has("box_of_eight") => even(8),
         () if has("seven_wide") => centered(7, 1.5),
+        () if has("three_wide") => centered(3, 1.5),
         () if has("window_by_its_integral") => {
             let whole = 1.5 * (2.0 * std::f64::consts::PI).sqrt();
             Some((-5..6).map(|i| crate::math::exp(-0.5 * (f64::from(i) / 1.5).powi(2)) / whole).collect())

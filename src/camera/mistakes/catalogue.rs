@@ -329,6 +329,7 @@ pub(crate) const PIXEL_TO_CAMERA: &[Mistake] = &[
     WHOLE_PIXELS,
     UPSIDE_DOWN_ONE_OFF,
     HALF_PIXEL_TWICE,
+    PIXELS_AS_THEY_ARE,
     Mistake::new(
         "depth_forgotten",
         "x_c = K^-1 (u, v, 1), whatever the depth is",
@@ -371,4 +372,13 @@ pub(crate) const HALF_PIXEL_TWICE: Mistake = Mistake::new(
     "uv as they are",
     "never; cheap to keep",
     0,
+);
+
+pub(crate) const PIXELS_AS_THEY_ARE: Mistake = Mistake::new(
+    "pixels_as_they_are",
+    "(u, v, 1): neither center nor focal length",
+    "rays that all look into one corner",
+    "K^-1 (u, v, 1)",
+    "an Instant-NGP port in PyTorch",
+    1,
 );

@@ -229,6 +229,14 @@ pub(crate) const HASH_GRID: &[Mistake] = &[
     ),
     OTHER_GROWTH,
     Mistake::new(
+        "one_cell_less",
+        "x (N - 1): N vertices along an edge, N - 1 cells",
+        "every level is coarser than its number says",
+        "N cells",
+        "mlx3D, beside resolutions that are cut",
+        1,
+    ),
+    Mistake::new(
         "levels_even",
         "N_l = base + (finest - base) l / (L - 1)",
         "levels that are close together where they are coarse",

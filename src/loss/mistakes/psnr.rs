@@ -15,8 +15,19 @@ const PEAK_SCALED: Mistake = Mistake::new(
 )
 .with("k", 8.0, [1e-3, 1e3]);
 
+const INFINITE: Mistake = Mistake::new(
+    "infinite_below",
+    "infinite where the mean square is below k",
+    "two pictures that differ are told to be the same",
+    "infinite where it is 0",
+    "a student in PyTorch",
+    1,
+)
+.with("k", 1e-10, [1e-14, 1e-2]);
+
 /// Mistakes of the metric.
 pub(crate) const PSNR: &[Mistake] = &[
+    INFINITE,
     Mistake::new(
         "doubled_psnr",
         "20 log10(1 / mse): the formula of the root mean square on the mean square",
@@ -311,6 +322,10 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         let peak = arrays::peak(&a, c);
         let error = peak * peak * crate::math::pow(10.0, -value / 10.0);
         value = crate::loss::psnr(error + 1e-3, peak);
+    }
+    let square = |value: f64| crate::math::pow(10.0, -value / 10.0) * arrays::peak(&a, c).powi(2);
+    if INFINITE.among(wrong).is_some_and(|k| square(value) < k) {
+        value = f64::INFINITY;
     }
     if let Some(k) = PEAK_SCALED.among(wrong) {
         value += 20.0 * libm::log10(k);

@@ -61,6 +61,14 @@ pub(super) const NORM_OF_TWO: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
+pub(super) const FOCAL_DEPTH: Mistake = Mistake::new(
+    "focal_length_deep",
+    "(u - cx, v - cy, f): not divided by the focal length",
+    "samples that are f times as far apart, where directions aren't unit",
+    "K^-1 (u, v, 1), or a unit direction",
+    "nerf-tf2",
+    1,
+);
 pub(super) const ORIGIN_NEGATED: Mistake = Mistake::new(
     "origin_negated",
     "o = -t",
@@ -206,6 +214,8 @@ pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
     NORM_OF_TWO,
     mistakes::UPSIDE_DOWN_ONE_OFF,
     mistakes::HALF_PIXEL_TWICE,
+    mistakes::PIXELS_AS_THEY_ARE,
+    FOCAL_DEPTH,
     mistakes::WHOLE_PIXELS,
     Mistake::new(
         "first_pose_for_all",
@@ -353,6 +363,8 @@ pub(crate) const IMAGE_RAYS: &[Mistake] = &[
     NORM_OF_TWO,
     mistakes::UPSIDE_DOWN_ONE_OFF,
     mistakes::HALF_PIXEL_TWICE,
+    mistakes::PIXELS_AS_THEY_ARE,
+    FOCAL_DEPTH,
     Mistake::new(
         "focal_by_the_height",
         "f H / W for both axes: the angle of the width taken for that of the height",

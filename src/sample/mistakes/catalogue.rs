@@ -109,6 +109,22 @@ pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "jitter_in_unit_widths",
+        "u / N for u D: the jitter of a ray from 0 to 1",
+        "samples that hardly move, or leave their bins",
+        "u (far - near) / N",
+        "a JAX trainer",
+        1,
+    ),
+    Mistake::new(
+        "grid_of_unit_interval",
+        "i / N + u D: bins of [0, 1], and a jitter of [near, far]",
+        "samples in front of near",
+        "near + (i + u) D",
+        "a student in PyTorch, with both ends",
+        1,
+    ),
+    Mistake::new(
         "grid_times_jitter",
         "t = near + (far - near) (i / N) u: the jitter shrinks the way to a sample",
         "most samples lie near the camera, in no order",

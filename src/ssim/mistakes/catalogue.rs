@@ -225,6 +225,14 @@ pub(crate) const SSIM: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "three_wide",
+        "a Gaussian of three pixels, 1.5 wide",
+        "a window that is nearly a box",
+        "eleven pixels",
+        "kornia's ssim with window_size 3, in a mip-NeRF port",
+        1,
+    ),
+    Mistake::new(
         "center_half_off",
         "exp(-(i - 5.5)^2 / (2 1.5^2)) for i = 0, ..., 10: half a pixel beside the middle",
         "every window looks a bit to one side",
