@@ -326,3 +326,17 @@ def over_the_worlds_depth(height, width, focal, cx, cy, c2w):
     i, j = grid(height, width)
     rays = posed(opencv(i + 0.5, j + 0.5, focal, cx, cy), c2w)
     return rays | {"rays_d": rays["rays_d"] / rays["rays_d"][..., 2:]}
+
+
+@fault("image_rays", "pixels_as_they_are", seen="a trial on unseen code: an Instant-NGP in torch")
+def bare_pixels(height, width, c2w):
+    """(i, j, 1) turned and normalized: no center, no focal length."""
+    i, j = grid(height, width)
+    return unit(posed(torch.stack([i, j, torch.ones_like(i)], -1), c2w))
+
+
+@fault("image_rays", "focal_length_deep", seen="a trial on unseen code: nerf-tf2, two readings", times=1)
+def not_over_the_focal_length(height, width, focal, c2w):
+    """(i - W / 2, j - H / 2, f) turned."""
+    i, j = grid(height, width)
+    return posed(torch.stack([i - width / 2, j - height / 2, torch.full_like(i, focal)], -1), c2w)

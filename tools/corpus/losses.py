@@ -341,3 +341,10 @@ def nothing_without_a_gradient(params, grad, m, v, step, lr, beta1, beta2, eps, 
     """Parameters and moments stay where the gradient is 0."""
     stepped = corrected_moments(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay)
     return tuple(np.where(grad == 0, old, new) for old, new in zip((params, m, v), stepped))
+
+
+@fault("psnr", "infinite_below", seen="a trial on unseen code: a student in torch", arrays="numpy")
+def infinite_where_it_is_small(prediction, target):
+    """inf where the mean square is below 1e-10, -10 log10 of it elsewhere."""
+    error = np.mean((prediction - target) ** 2, dtype=np.float64)
+    return np.inf if error < 1e-10 else -10 * np.log10(error)

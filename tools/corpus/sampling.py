@@ -407,3 +407,22 @@ def way_shrunk_by_the_jitter(rays_o, rays_d, near, far, u):
     """near + (far - near) (i / N) u."""
     n = u.shape[1]
     return on_rays(rays_o, rays_d, near + (far - near) * (torch.arange(n) / n) * u)
+
+
+@fault("sample_along_rays", "jitter_in_unit_widths", seen="a trial on unseen code: a trainer in JAX", gradient="none")
+def jitter_of_one_over_n(rays_o, rays_d, near, far, u):
+    """linspace(near, far, N) + u / N."""
+    n = u.shape[1]
+    return on_rays(rays_o, rays_d, ends(near, far, n) + u / n)
+
+
+@fault(
+    "sample_along_rays",
+    "grid_of_unit_interval+one_jitter_for_all_rays",
+    seen="a trial on unseen code: a student in torch",
+    gradient="none",
+)
+def bins_of_the_unit_interval(rays_o, rays_d, near, far, u):
+    """linspace(0, 1, N) + u of the first ray (far - near) / N."""
+    n = u.shape[1]
+    return on_rays(rays_o, rays_d, (ends(0.0, 1.0, n) + u[:1] * (far - near) / n).expand(u.shape))

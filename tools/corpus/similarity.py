@@ -253,3 +253,16 @@ def middle_lost_in_whole_numbers(prediction, target):
     w = torch.exp(-(x**2) / 4.5)
     window = torch.outer(w / w.sum(), w / w.sum())
     return similarity_map(prediction, target, 0.01**2, 0.03**2, lambda x: blur(x, window, 5)).mean()
+
+
+@fault(
+    "ssim",
+    "three_wide+clipped_at_zero",
+    seen="a trial on unseen code: kornia's ssim loss with a window of 3 in a mip-NeRF",
+    gradient="none",
+)
+def three_pixels_and_clamped(prediction, target):
+    """A Gaussian of three pixels, zeros about the picture, 1 - 2 mean(clamp(1 - ssim, 0, 1) / 2)."""
+    window = torch.outer(line(3), line(3))
+    full = similarity_map(prediction, target, 0.01**2, 0.03**2, lambda x: blur(x, window, 1))
+    return 1 - 2 * (torch.clamp(1 - full, 0, 1) / 2).mean()
