@@ -219,8 +219,9 @@ impl Round {
                     Some(forward) => diagnose_beside(question, &answers[n], (c, forward), known, options),
                     None => diagnose(question, &answers[n], c, known, options),
                 };
-                if question.kind == Kind::Vjp {
-                    refuted(&mut row.diagnosis, known, &report, question.component.name);
+                if let Some(forward) = forward_of(&exam.questions, n).filter(|m| *m < n) {
+                    let asked = (&exam.questions[forward], &answers[forward]);
+                    refuted(&mut row.diagnosis, &report.rows[forward], asked, c, options);
                 }
                 if let Some(best) = row.diagnosis.first().filter(|e| e.whole() && e.wrong()) {
                     beside.insert(question.component.name, best.clone());
@@ -253,6 +254,12 @@ impl Round {
         report.settle();
         report
     }
+}
+
+/// The question whose gradient question n asks for.
+fn forward_of(questions: &[Question], n: usize) -> Option<usize> {
+    let forward = |q: &Question| q.kind == Kind::Forward && q.component.name == questions[n].component.name;
+    if questions[n].kind == Kind::Vjp { questions.iter().position(forward) } else { None }
 }
 
 /// Whether one mistake's number, as people write it, explains the answers nearly as well as the right formula would have to, without

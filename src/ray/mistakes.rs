@@ -66,7 +66,7 @@ fn normalize(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
         rays.iter_mut().for_each(|ray| ray.d /= norms);
         return;
     }
-    if c.directions != Directions::Unit {
+    if c.directions != Directions::Unit || wrong.contains(&"focal_length_deep") {
         return;
     }
     let norms: Vec<f64> = rays.iter().map(|ray| ray.d.length()).collect();

@@ -63,8 +63,8 @@ pub(super) const NORM_OF_TWO: Mistake = Mistake::new(
 );
 pub(super) const FOCAL_DEPTH: Mistake = Mistake::new(
     "focal_length_deep",
-    "(u - cx, v - cy, f): not divided by the focal length",
-    "samples that are f times as far apart, where directions aren't unit",
+    "(u - cx, v - cy, f) as it is: neither divided by the focal length nor normalized",
+    "samples that are f times as far apart",
     "K^-1 (u, v, 1), or a unit direction",
     "nerf-tf2",
     1,
