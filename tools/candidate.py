@@ -105,7 +105,8 @@ def run(cases, answers, *, arrays=None, device="cpu", **functions):
                     what.crashed.setdefault(case["id"], crash)
                 except OtherShape as reason:
                     odd[case["id"]] = reason
-            if odd and not results:
+            # One that fits by chance, as it is of one number, doesn't make the others faults.
+            if odd and len(odd) >= len(results):
                 raise next(iter(odd.values()))
             for name, reason in odd.items():
                 what.crashed.setdefault(name, Crash(f"case {name}: {reason}"))

@@ -99,7 +99,7 @@ pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
     ),
     Mistake::new(
         "degrees_for_radians",
-        "2^k pi x / 180: an angle that was taken for degrees",
+        "2^k pi x in degrees: times pi / 180 once more",
         "bands too low by a factor of 57: a blurred picture",
         "sine and cosine take radians",
         "never; cheap to keep",

@@ -69,7 +69,7 @@ const CIRCLE: Mistake = Mistake::new(
     "0 where |d| is above k deviations along the long axis, rounded up",
     "splats end in a rim",
     "a radius is for finding tiles: within a tile every pixel counts",
-    "a Vulkan rasterizer, 2; others, 3",
+    "a Vulkan rasterizer, of 2 deviations",
     1,
 )
 .with("k", 3.0, [0.5, 6.0]);

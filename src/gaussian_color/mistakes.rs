@@ -219,7 +219,7 @@ pub(crate) const GAUSSIAN_COLOR: &[Mistake] = &[
     Mistake::new(
         "constant_twice",
         "the first coefficient times 0.282 twice",
-        "all splats gray",
+        "all splats nearly gray",
         "once",
         "never; cheap to keep",
         0,

@@ -1,5 +1,7 @@
 //! What is known of answers that nothing explains: in which cases which output is off, and whether one simple thing makes it right.
 
+use std::collections::BTreeSet;
+
 use ndarray::{ArrayD, Axis, Slice, concatenate};
 
 use super::answer::{Answers, Given, reshaped};
@@ -84,7 +86,7 @@ pub(crate) fn observed(
     off.iter().map(|(name, off, asked)| sentence(name, off, *asked)).chain(narrow).collect()
 }
 
-/// Numbers that a sentence about their type needs.
+/// Different numbers that a sentence about their type needs.
 const ENOUGH: usize = 16;
 
 /// What it says where all numbers of an output are of a shorter type, and those that were expected aren't.
@@ -97,8 +99,11 @@ fn narrower(name: &str, off: &[Off], dtype: Dtype) -> Option<String> {
     let all = |short: Dtype| got.iter().all(|x| short.holds(*x));
     let few = |short: Dtype| 2 * expected.iter().filter(|x| short.holds(**x)).count() < expected.len();
     let found = short.into_iter().find(|(short, _)| all(*short) && few(*short));
-    let (_, said) = found.filter(|_| dtype.bits() >= 24 && got.len() >= ENOUGH)?;
-    Some(format!("every number of {name} is one of {said}: something is computed in half precision"))
+    let different: BTreeSet<u64> = got.iter().map(|x| x.to_bits()).collect();
+    let (_, said) = found.filter(|_| dtype.bits() >= 24 && different.len() >= ENOUGH)?;
+    Some(format!(
+        "what is off in {name} are numbers of {said} alone: something is computed in half precision"
+    ))
 }
 
 /// An answer beside the truth, where there is one of its shape.

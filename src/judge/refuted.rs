@@ -1,5 +1,5 @@
 //! What forward answers say of a gradient's diagnosis: right ones refute whatever would have made them wrong, and wrong ones that are
-//! explained whatever doesn't explain them.
+//! explained whatever would have made others of them.
 
 use super::answer::Answers;
 use super::evidence::{Explanation, explains_all};
@@ -26,12 +26,45 @@ pub(super) fn refuted(
     let fits = |e: &Explanation| {
         let mistakes = e.mistakes.iter().filter(|m| !m.gradient).map(|m| m.name).collect();
         let own = Hypothesis::new(mistakes, apply(&e.conventions, base));
-        explains_all(
-            &Hypothesis { fitted: e.fitted, slip: e.slip.clone(), ..own },
-            question,
-            answers,
-            options,
-        )
+        // The number is that of the first mistake that has one.
+        let owner = e.mistakes.iter().find(|m| m.number.is_some());
+        let fitted = e.fitted.filter(|_| owner.is_some_and(|m| !m.gradient));
+        explains_all(&Hypothesis { fitted, slip: e.slip.clone(), ..own }, question, answers, options)
     };
-    diagnosis.retain(|e| !e.of_forward() || !passes && fits(e));
+    // A gradient may not show the number in a mistake.
+    let names = |e: &Explanation| e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>();
+    let shown = |e: &Explanation| forward.diagnosis.iter().any(|f| names(f) == names(e));
+    diagnosis.retain(|e| !e.of_forward() || shown(e) || fits(e));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::answer::given;
+    use super::super::exam::Exam;
+    use super::super::judging::{EXP_ULP, judge_answers};
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::contract::check::Kind;
+    use crate::convention::CS180;
+
+    /// What a gradient is said to be that is the clamped color's, beside forward answers with these mistakes.
+    fn said(mistakes: &[&'static str]) -> Vec<&'static str> {
+        let exam = Exam::new("composite_background", Dtype::F64, None).unwrap();
+        let one = |question: &Question| -> Answers {
+            let own = if question.kind == Kind::Vjp { vec!["clamped"] } else { mistakes.to_vec() };
+            let h = Hypothesis::new(own, CS180);
+            question.cases.iter().map(|case| Some(given(h.prediction(question, case).0))).collect()
+        };
+        let report = judge_answers(&exam, &exam.questions.iter().map(one).collect::<Vec<_>>(), EXP_ULP);
+        let row = report.of("composite_background", "vjp").unwrap();
+        assert_eq!(row.verdict, Verdict::Fail, "{report}");
+        row.diagnosis.iter().flat_map(|e| &e.mistakes).map(|m| m.name).collect()
+    }
+
+    #[test]
+    fn forward_answers_say_what_a_gradient_is_not() {
+        assert!(said(&["clamped"]).contains(&"clamped"));
+        assert!(!said(&[]).contains(&"clamped"));
+        assert!(!said(&["one_channel"]).contains(&"clamped"));
+    }
 }

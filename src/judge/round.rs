@@ -219,6 +219,8 @@ impl Round {
                     Some(forward) => diagnose_beside(question, &answers[n], (c, forward), known, options),
                     None => diagnose(question, &answers[n], c, known, options),
                 };
+                // Where a mistake explains them, too, a few bits must be enough.
+                let most = row.diagnosis.iter().map(bits_beside).min().unwrap_or(i32::MAX);
                 if let Some(forward) = forward_of(&exam.questions, n).filter(|m| *m < n) {
                     let asked = (&exam.questions[forward], &answers[forward]);
                     refuted(&mut row.diagnosis, &report.rows[forward], asked, c, options);
@@ -234,8 +236,6 @@ impl Round {
                     row.diagnosis.first().is_some_and(|e| !e.wrong() && !e.inaccurate && e.whole());
                 let closely = row.diagnosis.first().is_some_and(numbered_closely);
                 if row.faults.is_empty() && !conventions && !closely {
-                    // Where a mistake explains it, too, a few bits must be enough.
-                    let most = row.diagnosis.iter().map(bits_beside).min().unwrap_or(i32::MAX);
                     imprecise(&mut row, exam, question, &answers[n], c, options, most);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {

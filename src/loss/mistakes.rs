@@ -88,7 +88,7 @@ pub(crate) const MSE: &[Mistake] = &[
     Mistake::new(
         "mean_distance",
         "the mean of |p - t| over pixels, each a length",
-        "another loss: a square that isn't squared",
+        "another loss: lengths, not their squares",
         "the mean of squares",
         "never; cheap to keep",
         0,

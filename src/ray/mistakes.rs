@@ -29,7 +29,8 @@ fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&
         Axes::Opengl if wrong.is_empty() => camera_direction(k, uv, c.axes),
         Axes::Opengl => wrong_point(k, uv, 1.0, wrong) * DVec3::new(1.0, -1.0, -1.0),
     };
-    let camera = if wrong.contains(&"focal_length_deep") { k.fx * camera } else { camera };
+    let camera =
+        if wrong.contains(&"focal_length_deep") { camera * DVec3::new(k.fx, k.fy, k.fx) } else { camera };
     let camera = if c.directions == Directions::UnitInCamera { camera / camera.length() } else { camera };
     let o = c2w.w_axis.truncate();
     let mut ray = Ray { o, d: rotate(&turned, flip(camera, wrong)) };

@@ -52,6 +52,12 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
         if d == 0.0 {
             let face = q.o[a] == low[a] || q.o[a] == high[a];
             let outside = q.o[a] < low[a] || q.o[a] > high[a];
+            // Infinities: both above, or both below.
+            if outside && is("ahead_is_a_hit") {
+                let end = if q.o[a] < low[a] { f64::INFINITY } else { f64::NEG_INFINITY };
+                line = Hit { enter: line.enter.max(end), leave: line.leave.min(end) };
+                continue;
+            }
             if outside && !is("parallel_outside_is_a_hit")
                 || is("parallel_is_a_miss")
                 || face && is("face_is_a_miss")

@@ -111,7 +111,7 @@ def never_beyond_512(means, covariances, w2c, K, width, height):
     return {"depths": depths, "radii": radii.clamp(max=512.0)}
 
 
-@fault("gaussian_projection", "dilated_by_another_number", seen="a trial on unseen code: a trainer in C#", gradient="none")
+@fault("gaussian_projection", "dilated_by_another_number", seen="a trial on unseen code: a trainer in C#, with 1e-6", gradient="none")
 def next_to_no_dilation(means, covariances, w2c, K, width, height):
     """A thousandth on the diagonal."""
     middle, depths, cov = flat(means, covariances, w2c, K, width, height)

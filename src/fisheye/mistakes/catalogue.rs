@@ -97,9 +97,9 @@ pub(crate) const FISHEYE_DISTORT: &[Mistake] = &[
     Mistake::new(
         "radius_not_rooted",
         "r = x^2 + y^2: theta = atan(r^2), and theta_d is divided by r^2",
-        "the picture's middle is blown up, and NaN in one point",
+        "what is far off the axis is squeezed toward the middle, which is NaN",
         "the root of x^2 + y^2",
-        "a lens in a kernel",
+        "a kernel of undistortions",
         1,
     ),
     Mistake::new(

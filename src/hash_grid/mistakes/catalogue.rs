@@ -20,7 +20,7 @@ pub(super) const OTHER_GROWTH: Mistake = Mistake::new(
     "1.38 and 1.5 of published configurations, written in; never seen here",
     0,
 )
-.with("k", 1.5, [1.05, 4.0]);
+.with("k", 1.5, [1.05, 2.5]);
 
 /// Mistakes of the hash grid.
 pub(crate) const HASH_GRID: &[Mistake] = &[

@@ -70,7 +70,7 @@ pub(crate) const LR_COSINE: &[Mistake] = &[
         "nothing_after_the_end",
         "0 after max_steps",
         "a run that goes on learns nothing",
-        "lr_final from max_steps on",
+        "lr_final, or the cosine as it goes on",
         "never; cheap to keep",
         0,
     ),

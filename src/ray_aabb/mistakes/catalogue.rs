@@ -105,8 +105,8 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
         "a ray in a face: 0 * inf is NaN, and what becomes of it depends on the order of comparisons: NaN, a miss or the other face",
         "pictures with seams along some sides of the box, or pixels that are NaN",
         "where d_a = 0 compare o_a with both faces, which are inside",
-        "instant-ngp's chain of comparisons and its ports, which keep x's NaN and pass over y's and z's; NaN taken for 0 in Julia",
-        3,
+        "instant-ngp's chain of comparisons and its ports, which keep x's NaN and pass over y's and z's; NaN taken for 0 in Julia; nerfstudio's minima and maxima",
+        4,
     )
     .open_where_nan(),
     Mistake::new(
@@ -328,14 +328,14 @@ pub(crate) const RAY_AABB: &[Mistake] = &[
     Mistake::new(
         "ahead_is_a_hit",
         "a hit wherever t_far > 0",
-        "rays that miss the box enter behind where they leave",
+        "rays that miss the box are hits, whose t_near lies beyond t_far",
         "max(near, t_near) <= min(far, t_far)",
         "never; cheap to keep",
         0,
     ),
     Mistake::new(
         "range_cut_not_asked",
-        "a hit where the line leaves the box behind the origin; t are cut at near and far",
+        "a hit where the line leaves the box at t > 0; t are cut at near and far, which aren't asked",
         "samples that run backward, of boxes in front of near or beyond far",
         "max(near, t_near) <= min(far, t_far)",
         "never; cheap to keep",

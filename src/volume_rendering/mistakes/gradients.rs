@@ -42,8 +42,8 @@ pub(super) const HAND_WRITTEN: [Mistake; 6] = [
     .of_gradient(),
     Mistake::new(
         "alpha_for_density",
-        "the gradient of alpha as that of sigma delta: its slope 1 - alpha is left out",
-        "gradients too large where it is dense, infinite where it is opaque",
+        "the gradient of alpha, with 1e-10 in what it divides by, as that of sigma delta: its slope 1 - alpha is left out",
+        "gradients too large where it is dense",
         "times exp(-sigma delta)",
         "never; cheap to keep",
         0,
@@ -127,8 +127,11 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
             } else {
                 0.0
             };
+            // The step's own gradient is right.
+            let rest: &[&str] = if wrong.contains(&"opacity_without_step") { &[] } else { wrong };
+            let along = wrong_slopes(a, r, &ray, &optical_depths(&sigmas, &deltas), c, rest);
             g_sigmas.extend(g_x.iter().zip(&deltas).map(|(g, delta)| product(*g, *delta) + more));
-            g_deltas.extend(g_x.iter().zip(&sigmas).map(|(g, sigma)| product(*g, *sigma)));
+            g_deltas.extend(along.iter().zip(&sigmas).map(|(g, sigma)| product(*g, *sigma)));
         }
         gradients.insert("grad_sigmas".into(), array(&[rays, samples], g_sigmas));
         gradients.insert("grad_deltas".into(), array(&[rays, samples], g_deltas));
