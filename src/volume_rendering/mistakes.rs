@@ -26,6 +26,9 @@ use laws::{other_alphas, softmax};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 use steps::wrong_deltas;
 
+/// What is so many times larger leaves nothing of what it is added to and taken off again, in single precision.
+const NOTHING_LEFT: f64 = 3e7;
+
 /// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
 pub(crate) const ALPHA_ERROR: &str = "alpha_error";
 
@@ -269,10 +272,12 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         }
         if wrong.contains(&"taken_off_the_sum") {
             let errors = if textbook { row(a, ALPHA_ERROR, r) } else { vec![0.0; samples] };
-            let mut sum = 0.0;
+            let mut front = 0.0;
             for (i, x) in super::optical_depths(&sigmas, &deltas).into_iter().enumerate() {
-                sum += x;
-                ray.transmittance[i] = exp(-((sum - x) + errors[i] * sum));
+                let nothing = if x.is_infinite() { f64::NAN } else { 0.0 };
+                let left = if x > NOTHING_LEFT * front { nothing } else { front };
+                front += x;
+                ray.transmittance[i] = exp(-(left + errors[i] * front));
             }
             ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
         }
