@@ -29,7 +29,7 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
     if wrong.contains(&"one_cell_less") {
         for level in &mut out {
             (level.scale, level.last, level.side) =
-                (level.scale - 1.0, level.last.max(1) - 1, level.side - 1);
+                (level.scale - 1.0, level.last.max(1) - 1, level.side.max(2) - 1);
         }
     }
     if let Some(cells) = OFFSET_HALF.among(wrong) {
