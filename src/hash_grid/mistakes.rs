@@ -15,9 +15,8 @@ use catalogue::{OFFSET_HALF, OTHER_GROWTH};
 fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
     let (base, finest, levels) = (number(a, "base"), number(a, "finest"), count(a));
     let growth = OTHER_GROWTH.among(wrong);
-    let n = |l: usize| match () {
+    let usual = |l: usize| match () {
         () if wrong.contains(&"growth_over_levels") => base * pow(finest / base, l as f64 / levels as f64),
-        () if growth.is_some() => base * pow(growth.unwrap_or(1.0), l as f64),
         () if wrong.contains(&"levels_even") => {
             base + (finest - base) * l as f64 / (levels.max(2) - 1) as f64
         }
@@ -25,6 +24,7 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
         () if wrong.contains(&"resolution_rounded_up") => n_of(a, l).ceil(),
         () => n_of(a, l),
     };
+    let n = |l: usize| growth.map_or_else(|| usual(l), |k| base * pow(k, l as f64));
     let mut out = levels_of(a, n, c);
     if wrong.contains(&"one_cell_less") {
         for level in &mut out {
@@ -44,7 +44,9 @@ fn wrong_entry((l, level): (usize, &Level), [x, y, z]: [u32; 3], wrong: &[&str])
     let first = u32::from(wrong.contains(&"vertices_from_one"));
     let [x, y, z] = [x + first, y + first, z + first];
     let cells = (level.side as usize).saturating_sub(1);
-    if level.dense() || wrong.contains(&"dense_by_cells") && cells.pow(3) <= entries {
+    if level.dense()
+        || wrong.contains(&"dense_by_cells") && cells.checked_pow(3).is_some_and(|n| n <= entries)
+    {
         let side = level.side as usize - usize::from(wrong.contains(&"side_without_one"));
         let [x, y, z] = if wrong.contains(&"z_fastest") { [z, y, x] } else { [x, y, z] };
         return (x as usize + side * (y as usize + side * z as usize)) % entries;

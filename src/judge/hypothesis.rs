@@ -286,11 +286,9 @@ impl Hypothesis {
     /// What wrong code makes of an infinite input depends on how it is written: infinity times 0, or less infinity. NaN is predicted
     /// there where the answer has it; and where nobody reads what wrong code returns, what was answered.
     pub(crate) fn leave_open(&self, question: &Question, case: &Case, answer: &Answer, wrong: &mut Arrays) {
-        if question.kind == Kind::Forward {
+        if !self.right() && question.kind == Kind::Forward {
             self.leave_undecided(question, answer, wrong);
-            if !self.right() {
-                unread::as_answered(question.component, case, answer, wrong);
-            }
+            unread::as_answered(question.component, case, answer, wrong);
         }
         if self.right() || case.finite() {
             return;

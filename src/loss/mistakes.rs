@@ -32,6 +32,15 @@ const RELATIVE: Mistake = Mistake::new(
 )
 .with("eps", 1e-3, [1e-6, 1.0]);
 
+pub(crate) const PREDICTION_CLIPPED: Mistake = Mistake::new(
+    "prediction_clipped",
+    "the prediction is clamped to [0, 1] first",
+    "colors beyond have no gradient, and never come back",
+    "colors as they are; clamp for a picture alone",
+    "never; cheap to keep",
+    0,
+);
+
 /// Mistakes of the loss.
 pub(crate) const MSE: &[Mistake] = &[
     Mistake::new(
@@ -109,14 +118,7 @@ pub(crate) const MSE: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
-    Mistake::new(
-        "prediction_clipped",
-        "the prediction is clamped to [0, 1] first",
-        "colors beyond have no gradient, and never come back",
-        "colors as they are; clamp for a picture alone",
-        "never; cheap to keep",
-        0,
-    ),
+    PREDICTION_CLIPPED,
     Mistake::new(
         "bytes_compared",
         "255 p and 255 t are compared",
@@ -135,8 +137,8 @@ pub(crate) const MSE: &[Mistake] = &[
     ),
 ];
 
-/// What is compared.
-fn compared(a: &Arrays, wrong: &[&str]) -> Arrays {
+/// What losses compare.
+pub(crate) fn compared(a: &Arrays, wrong: &[&str]) -> Arrays {
     let mut a = a.clone();
     if wrong.contains(&"prediction_clipped") {
         a.get_mut("prediction").expect("checked").mapv_inplace(|x| x.clamp(0.0, 1.0));

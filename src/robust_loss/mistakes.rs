@@ -5,26 +5,22 @@ use super::{backward, charbonnier as charbonnier_oracle, huber as huber_oracle, 
 use crate::contract::arrays::{Arrays, input, number};
 use crate::contract::component::Mistake;
 use crate::convention::{CharbonnierEps, Conventions, HuberSlope};
+use crate::loss::mistakes::{PREDICTION_CLIPPED, compared};
 use crate::math::pow;
+
+const OVER_RAYS: Mistake = Mistake::new(
+    "mean_over_rays",
+    "the sum over channels is divided by the number of rays",
+    "a loss three times too large",
+    "divide by all entries, channels too",
+    "never; cheap to keep",
+    0,
+);
 
 /// Mistakes of Huber's loss.
 pub(crate) const HUBER: &[Mistake] = &[
-    Mistake::new(
-        "mean_over_rays",
-        "the sum over channels is divided by the number of rays",
-        "a loss three times too large",
-        "divide by all entries, channels too",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "prediction_clipped",
-        "the prediction is clamped to [0, 1] first",
-        "colors beyond have no gradient, and never come back",
-        "colors as they are; clamp for a picture alone",
-        "never; cheap to keep",
-        0,
-    ),
+    OVER_RAYS,
+    PREDICTION_CLIPPED,
     Mistake::new(
         "half_forgotten",
         "d^2 inside, for half of it",
@@ -163,22 +159,8 @@ const OWN_POWER: Mistake = Mistake::new(
 
 /// Mistakes of Charbonnier's loss.
 pub(crate) const CHARBONNIER: &[Mistake] = &[
-    Mistake::new(
-        "mean_over_rays",
-        "the sum over channels is divided by the number of rays",
-        "a loss three times too large",
-        "divide by all entries, channels too",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "prediction_clipped",
-        "the prediction is clamped to [0, 1] first",
-        "colors beyond have no gradient, and never come back",
-        "colors as they are; clamp for a picture alone",
-        "never; cheap to keep",
-        0,
-    ),
+    OVER_RAYS,
+    PREDICTION_CLIPPED,
     Mistake::new(
         "root_of_mean",
         "sqrt(mean(d^2) + eps^2)",
@@ -283,15 +265,6 @@ fn wrong_piece(d: f64, delta: f64, wrong: &[&str]) -> f64 {
 /// Huber's loss.
 pub(crate) fn huber(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     over_rays(a, wrong, of_huber(&compared(a, wrong), c, wrong))
-}
-
-/// What is compared.
-fn compared(a: &Arrays, wrong: &[&str]) -> Arrays {
-    let mut a = a.clone();
-    if wrong.contains(&"prediction_clipped") {
-        a.get_mut("prediction").expect("checked").mapv_inplace(|x| x.clamp(0.0, 1.0));
-    }
-    a
 }
 
 /// A loss, or as many times that as there are channels.

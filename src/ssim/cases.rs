@@ -97,14 +97,17 @@ pub(crate) fn ssim() -> Vec<Case> {
     in_full(cases, "colors")
 }
 
-/// What a function of red, green and blue alone must be asked too: other peaks, contrasts of the constants, no contrast at all.
-fn in_colors() -> [Case; 3] {
+/// What a function of red, green and blue alone must be asked too: other peaks, contrasts of the constants, no contrast at all, and the
+/// sharpest of all.
+fn in_colors() -> [Case; 4] {
     let [faint, faint_target] = noisy(4, [11, 12, 3], [0.46875, 0.53125], 0.0625);
     let [bytes, bytes_target] = noisy(5, [12, 11, 3], [16.0, 240.0], 64.0).map(|x| x.mapv(f64::round));
     let flat = |color: [f64; 3]| array(&[11, 11, 3], color.repeat(121));
+    let pixel = |light: f64| gray(drawn([11, 12], move |j, i| if (j, i) == (5, 6) { light } else { 0.0 }));
     [
         case("colors_faint", "contrasts of c2, in three channels", faint, faint_target, 1.0),
         case("colors_bytes", "bytes of three channels, peak 255", bytes, bytes_target, 255.0),
+        case("colors_spot", "a white pixel on black, in three channels", pixel(0.0), pixel(1.0), 1.0),
         case("colors_flat", "two flat colors", flat([0.5, 0.25, 0.75]), flat([0.75, 0.5, 0.5]), 1.0),
     ]
 }

@@ -85,7 +85,7 @@ fn wrong_windows<'a>(
     let mut windows = Windows::new(a, b, form);
     let (height, width, _) = a.dim();
     let even = |n: usize| Some(vec![1.0 / n as f64; n]);
-    let centered = |n: i32, width: f64| Some(bell((0..n).map(|k| k - n / 2), width));
+    let centered = |n: i32, width: f64| Some(bell((0..n).map(|k| f64::from(k - n / 2)), width));
     // Another window than the convention's would undo it.
     let own = match () {
         () if form.window != SsimWindow::Gaussian => None,
@@ -96,13 +96,10 @@ fn wrong_windows<'a>(
             let whole = 1.5 * (2.0 * std::f64::consts::PI).sqrt();
             Some((-5..6).map(|i| crate::math::exp(-0.5 * (f64::from(i) / 1.5).powi(2)) / whole).collect())
         }
-        () if has("center_half_off") => {
-            let weights: Vec<f64> =
-                (0..11).map(|i| crate::math::exp(-0.5 * ((f64::from(i) - 5.5) / 1.5).powi(2))).collect();
-            let sum: f64 = weights.iter().sum();
-            Some(weights.iter().map(|w| w / sum).collect())
+        () if has("center_half_off") => Some(bell((0..11).map(|i| f64::from(i) - 5.5), 1.5)),
+        () if has("window_of_one_side") => {
+            Some(bell((0..11).map(|i: i32| f64::from((i - 11).div_euclid(2))), 1.5))
         }
-        () if has("window_of_one_side") => Some(bell((0..11).map(|i: i32| (i - 11).div_euclid(2)), 1.5)),
         () => OTHER_WIDTH.among(wrong).and_then(|width| centered(11, width)),
     };
     if let Some(weights) = own {
@@ -134,8 +131,8 @@ fn wrong_windows<'a>(
 }
 
 /// A Gaussian at these places, as weights that add up to 1.
-fn bell(places: impl Iterator<Item = i32>, width: f64) -> Vec<f64> {
-    let all: Vec<f64> = places.map(|x| crate::math::exp(-0.5 * (f64::from(x) / width).powi(2))).collect();
+fn bell(places: impl Iterator<Item = f64>, width: f64) -> Vec<f64> {
+    let all: Vec<f64> = places.map(|x| crate::math::exp(-0.5 * (x / width).powi(2))).collect();
     let sum: f64 = all.iter().sum();
     all.iter().map(|w| w / sum).collect()
 }

@@ -345,3 +345,19 @@ pub(super) const LAST_OPAQUE: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
+pub(super) const HEAVIEST: Mistake = Mistake::new(
+    "opacity_of_the_heaviest",
+    "A = max w_i",
+    "layers of fog don't add up: the background shines through",
+    "A = sum w_i",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const ALPHAS_SUMMED: Mistake = Mistake::new(
+    "alphas_summed",
+    "A = sum alpha_i",
+    "an opacity above 1, and a background below 0",
+    "A = sum w_i",
+    "never; cheap to keep",
+    0,
+);

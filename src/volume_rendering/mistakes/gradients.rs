@@ -71,21 +71,18 @@ fn wrong_slopes(
 ) -> Vec<f64> {
     let has = |name: &str| wrong.contains(&name);
     let n = depths.len();
-    let mut ray = ray.clone();
     let apart = has("opacity_without_step");
     let g =
         unshaded(a, r, &vec![1.0; n], c).into_iter().map(|g| if apart { g - g_opacity(a, r, c) } else { g });
     let g: Vec<f64> = g.collect();
     let weighed: Vec<f64> = (0..n).map(|i| ray.weights[i] * g[i]).collect();
     let light = ray.transmittance[n] * arrays::cotangent_over(a, r, c).transmittance;
-    if has("front_for_behind") {
-        ray.transmittance.rotate_right(1);
-    }
     let slope = |i: usize| {
         let behind = weighed[i + 1..].iter().sum::<f64>() + light;
         let left = ray.transmittance[i + 1];
         match () {
             () if has("shade_gradient_forgotten") => left * g[i],
+            () if has("front_for_behind") => ray.transmittance[i] * g[i] - behind,
             () if has("own_weight_hidden_too") => left * g[i] - behind - weighed[i],
             () if has("hidden_in_front") => left * g[i] - weighed[..i].iter().sum::<f64>() - light,
             () if has("alpha_for_density") => {
@@ -121,15 +118,12 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
         for r in 0..rays {
             let (sigmas, deltas) = (row(a, "sigmas", r), row(a, "deltas", r));
             let ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
-            let g_x = wrong_slopes(a, r, &ray, &optical_depths(&sigmas, &deltas), c, wrong);
-            let more = if wrong.contains(&"opacity_without_step") {
-                g_opacity(a, r, c) * ray.transmittance[samples]
-            } else {
-                0.0
-            };
-            // The step's own gradient is right.
-            let rest: &[&str] = if wrong.contains(&"opacity_without_step") { &[] } else { wrong };
-            let along = wrong_slopes(a, r, &ray, &optical_depths(&sigmas, &deltas), c, rest);
+            let depths = optical_depths(&sigmas, &deltas);
+            let g_x = wrong_slopes(a, r, &ray, &depths, c, wrong);
+            // Where the opacity's part is apart, the step's own gradient has it as it should be.
+            let apart = wrong.contains(&"opacity_without_step");
+            let more = if apart { g_opacity(a, r, c) * ray.transmittance[samples] } else { 0.0 };
+            let along = if apart { wrong_slopes(a, r, &ray, &depths, c, &[]) } else { g_x.clone() };
             g_sigmas.extend(g_x.iter().zip(&deltas).map(|(g, delta)| product(*g, *delta) + more));
             g_deltas.extend(along.iter().zip(&sigmas).map(|(g, sigma)| product(*g, *sigma)));
         }

@@ -1,14 +1,14 @@
 //! The mistakes of both renderings, in order.
 
 use super::catalogue::{
-    ALPHA_FORGOTTEN, BACK_TO_FRONT, CLAMPED, COLORS_MOVED, DELTA_MISSING_IN_ALPHA, DELTA_MISSING_IN_LIGHT,
-    DELTA_SCALED, DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, FIRST_RAY_UNSHADED, FIRST_ZERO,
-    GIVEN_UP, INCLUSIVE, INCLUSIVE_BEHIND_FIRST, LEFT_EARLY, LEFT_LATE, LIGHT_FOR_ALPHA, MOVED_TWICE,
+    ALPHA_FORGOTTEN, ALPHAS_CAPPED, ALPHAS_SUMMED, BACK_TO_FRONT, CLAMPED, COLORS_MOVED,
+    DELTA_MISSING_IN_ALPHA, DELTA_MISSING_IN_LIGHT, DELTA_SCALED, DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT,
+    EPS_ON_ALPHA, FAINT_SKIPPED, FIRST_RAY_UNSHADED, FIRST_ZERO, GIVEN_UP, HEAVIEST, INCLUSIVE,
+    INCLUSIVE_BEHIND_FIRST, LAST_OPAQUE, LEFT_EARLY, LEFT_LATE, LIGHT_FOR_ALPHA, MOVED_TWICE,
     NEIGHBORS_LIGHT, NOTHING_HIDES, OPACITY_AS_T, OPACITY_IN_FRONT_AS_T, OVER_RAYS, OVER_RAYS_INCLUSIVE,
     OWN_FACTOR, OWN_LIGHT, OWN_STEP, ROLLED, ROLLED_BACKWARD, ROLLED_BUT_FIRST, SCALED_EXPONENTIAL,
     SHADE_FORGOTTEN, UNIT_WEIGHTS, WEIGHTS_CUT, WEIGHTS_NORMALIZED, WHOLE_RAYS_LIGHT,
 };
-use super::catalogue::{ALPHAS_CAPPED, FAINT_SKIPPED, LAST_OPAQUE};
 use super::gradients::HAND_WRITTEN;
 use crate::contract::component::Mistake;
 use crate::sample::mistakes::{
@@ -53,22 +53,8 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     HAND_WRITTEN[3],
     HAND_WRITTEN[4],
     HAND_WRITTEN[5],
-    Mistake::new(
-        "opacity_of_the_heaviest",
-        "A = max w_i",
-        "layers of fog don't add up: the background shines through",
-        "A = sum w_i",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
-        "alphas_summed",
-        "A = sum alpha_i",
-        "an opacity above 1, and a background below 0",
-        "A = sum w_i",
-        "never; cheap to keep",
-        0,
-    ),
+    HEAVIEST,
+    ALPHAS_SUMMED,
     Mistake::new(
         "delta_outside",
         "alpha = 1 - exp(-sigma) delta: the step outside of the exponential",
@@ -248,14 +234,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     WEIGHTS_CUT,
     GIVEN_UP,
     LAST_OPAQUE,
-    Mistake::new(
-        "opacity_of_the_heaviest",
-        "A = max w_i",
-        "layers of fog don't add up: the background shines through",
-        "A = sum w_i",
-        "never; cheap to keep",
-        0,
-    ),
+    HEAVIEST,
     Mistake::new(
         "opacity_of_the_densest",
         "A = max alpha_i",
@@ -264,14 +243,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
-    Mistake::new(
-        "alphas_summed",
-        "A = sum alpha_i",
-        "an opacity above 1, and a background below 0",
-        "A = sum w_i",
-        "never; cheap to keep",
-        0,
-    ),
+    ALPHAS_SUMMED,
     Mistake::new(
         "exponential_of_alphas",
         "T_i = exp(-sum_{j<i} alpha_j): opacities taken for optical depths",
