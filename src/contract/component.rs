@@ -161,6 +161,22 @@ impl Mistake {
     }
 }
 
+/// Lists of mistakes as one: N is how many there are.
+pub(crate) const fn joined<const N: usize>(lists: &[&[Mistake]]) -> [Mistake; N] {
+    let mut all = [lists[0][0]; N];
+    let (mut list, mut n) = (0, 0);
+    while list < lists.len() {
+        let mut one = 0;
+        while one < lists[list].len() {
+            all[n] = lists[list][one];
+            (one, n) = (one + 1, n + 1);
+        }
+        list += 1;
+    }
+    assert!(n == N, "as many as there are");
+    all
+}
+
 /// A function over named arrays in given conventions.
 pub type Function = fn(&Arrays, &Conventions) -> Arrays;
 

@@ -55,6 +55,18 @@ pub(crate) fn importance_sampling() -> Vec<Case> {
     opaque[40] = 1.0;
     let faint =
         (0..8).map(|k| crate::contract::case::short((5.0 * f64::from(k) + 0.5) * 1e-5 / 1.00062)).collect();
+    // Shares of about 0.001, 0.0001 and 0.00003, between which programs draw the line below which they divide by 1.
+    let faint_weights = [1.0, 0.001, 0.0001, 0.00003].map(crate::contract::case::short).to_vec();
+    let mut front = 0.0;
+    let mut faint_places = vec![0.5];
+    for k in 0..4 {
+        let (w, whole) = (faint_weights[k] + 1e-5, faint_weights.iter().map(|w| w + 1e-5).sum::<f64>());
+        if k > 0 {
+            faint_places.push((front + 0.75 * w) / whole);
+        }
+        front += w;
+    }
+    let faint_places = faint_places.into_iter().map(|u| Dtype::F32.round(u)).collect::<Vec<f64>>();
     let mut empty_between = numbers(&mut draw, 8, 0.25, 1.0);
     [0, 1, 4, 7].into_iter().for_each(|k| empty_between[k] = 0.0);
     let inner = numbers(&mut draw, 6, 0.0625, 0.9375);
@@ -96,6 +108,12 @@ pub(crate) fn importance_sampling() -> Vec<Case> {
             1e-5,
         ),
         case(
+            "SA2_faint_shares",
+            "bins that hold a 1,000th, a 10,000th and a 30,000th of all, and samples in them: still bins to sample in",
+            [&[quarters.clone()], &[faint_weights], &[faint_places]],
+            1e-5,
+        ),
+        case(
             "SA3_u_1",
             "u = 1 and nearly 1 where ten times 0.1 make 0.99999994 or 1.0000001",
             [&[even(10)], &[vec![0.10009765625; 10]], &[vec![1.0, 0.99609375, 0.984375]]],
@@ -132,7 +150,7 @@ pub(crate) fn importance_sampling() -> Vec<Case> {
             0.0,
         ),
     ];
-    in_full(cases, "plain")
+    in_full(in_full(cases, "plain"), "SA3_end_below_1")
 }
 
 /// More bins than a block has threads; short types can't tell so many edges apart.

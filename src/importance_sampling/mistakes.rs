@@ -1,12 +1,15 @@
 //! Importance sampling, wrong on purpose. Without a mistake every function equals the oracle.
 
 mod catalogue;
+mod inputs;
 
 use catalogue::{BLURRED, DENOMINATOR_EPS, EPS_AFTER_DIVISION, EPS_IN_SUM, PADDED};
 pub(crate) use catalogue::{
     IMPORTANCE_SAMPLING, INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, NOTHING_OVER_NOTHING,
     SEARCHED_FROM_THE_LEFT,
 };
+
+use inputs::{MAX_FOR_SUM, MIXED, SNAPPED_BELOW, U_CUT, U_HELD};
 
 use super::arrays::{Ray, forward, gradient, vjp};
 use super::{SNAPPED, bin_of, cdf};
@@ -51,8 +54,45 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     if wrong.contains(&"weights_over_widths") {
         weights.iter_mut().zip(edges.windows(2)).for_each(|(w, e)| *w /= (e[1] - e[0]).max(1e-10));
     }
+    let last = weights.len() - 1;
+    if wrong.contains(&"outer_bins_zeroed") {
+        (weights[0], weights[last]) = (0.0, 0.0);
+    }
+    if wrong.contains(&"weights_averaged") {
+        (0..last).for_each(|k| weights[k] = 0.5 * (weights[k] + weights[k + 1]));
+    }
+    if wrong.contains(&"weights_pooled") {
+        let most = |k: usize| weights[k.saturating_sub(1)..(k + 2).min(last + 1)].iter().copied();
+        weights = (0..=last).map(|k| most(k).fold(0.0, f64::max)).collect();
+    }
+    if let Some(share) = MIXED.among(wrong) {
+        let whole: f64 = weights.iter().map(|w| w + padding).sum();
+        let even = share / weights.len() as f64;
+        weights.iter_mut().for_each(|w| *w = (1.0 - share) * (*w + padding) / whole + even);
+        padding = 0.0;
+    }
+    if let Some(least) = MAX_FOR_SUM.among(wrong) {
+        weights.iter_mut().for_each(|w| *w = w.max(least));
+        padding = 0.0;
+    }
+    if wrong.contains(&"inner_weights_on_first_edges") && last > 1 {
+        weights = weights[1..last].to_vec();
+        edges.truncate(last);
+    }
+    let behind = wrong.contains(&"middles_with_weights_behind");
+    if (behind || wrong.contains(&"middles_with_weights_before")) && last > 0 {
+        edges = edges.windows(2).map(|e| 0.5 * (e[0] + e[1])).collect();
+        weights = if behind { weights[1..].to_vec() } else { weights[..last].to_vec() };
+    }
+    if wrong.contains(&"interpolated_in_disparity") {
+        edges.iter_mut().for_each(|e| *e = 1.0 / *e);
+    }
+    u = drawn(u, wrong);
     if wrong.contains(&"weights_of_next_bin") {
         weights.rotate_left(1);
+    }
+    if wrong.contains(&"edges_from_zero") {
+        edges.iter_mut().for_each(|e| *e -= ray.edges[0]);
     }
     if wrong.contains(&"last_bin_zeroed") {
         weights.iter_mut().last().into_iter().for_each(|w| *w = 0.0);
@@ -69,6 +109,22 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
         weights = blurred(&weights).into_iter().map(|w| w + padding).collect();
     }
     Ray { edges, weights, padding, u }
+}
+
+/// What is taken for u.
+fn drawn(u: Vec<f64>, wrong: &[&str]) -> Vec<f64> {
+    let count = u.len();
+    let one = |(j, u): (usize, f64)| match () {
+        () if wrong.contains(&"u_ignored") => j as f64 / (count - 1).max(1) as f64,
+        () if wrong.contains(&"middles_for_u") => (j as f64 + 0.5) / count as f64,
+        () if wrong.contains(&"u_from_the_far_end") => 1.0 - u,
+        () => match (U_CUT.among(wrong), U_HELD.among(wrong)) {
+            (Some(k), _) => u.min(1.0 - k),
+            (_, Some(k)) => u.clamp(k, 1.0 - k),
+            _ => u,
+        },
+    };
+    u.into_iter().enumerate().map(one).collect()
 }
 
 /// Half of the larger of a weight and the one before, and half of the larger of it and the next.
@@ -88,18 +144,16 @@ fn doubled(u: &[f64]) -> Vec<f64> {
 fn cdf_of(ray: &Ray, batch: f64, wrong: &[&str]) -> Vec<f64> {
     let mut f = cdf(&ray.weights, ray.padding);
     if wrong.contains(&"not_normalized") {
-        let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
-        f.iter_mut().for_each(|f| *f *= total);
+        f.iter_mut().for_each(|f| *f *= total(ray));
     }
     if wrong.contains(&"sum_of_all_rays") {
-        let total: f64 = ray.weights.iter().map(|w| w + ray.padding).sum();
-        f.iter_mut().for_each(|f| *f *= total / batch);
+        f.iter_mut().for_each(|f| *f *= total(ray) / batch);
     }
     if let Some(eps) = EPS_IN_SUM.among(wrong) {
-        let total = eps + ray.weights.iter().sum::<f64>();
+        let whole = eps + ray.weights.iter().sum::<f64>();
         let mut sum = 0.0;
         for (f, w) in f[1..].iter_mut().zip(&ray.weights) {
-            sum += w / total;
+            sum += w / whole;
             *f = sum;
         }
     }
@@ -110,11 +164,83 @@ fn cdf_of(ray: &Ray, batch: f64, wrong: &[&str]) -> Vec<f64> {
     if wrong.contains(&"nothing_over_nothing") && nothing {
         f.fill(f64::NAN);
     }
+    if wrong.contains(&"divided_by_the_integral") {
+        let shares = ray.weights.iter().zip(ray.edges.windows(2));
+        let integral: f64 = shares.map(|(w, e)| (w + ray.padding) * (e[1] - e[0])).sum();
+        f.iter_mut().for_each(|f| *f *= total(ray) / integral);
+    }
+    if wrong.contains(&"sums_cut_at_one") {
+        f.iter_mut().for_each(|f| *f = (*f * total(ray)).min(1.0));
+    }
+    if wrong.contains(&"rest_in_the_last_bin") {
+        f.iter_mut().for_each(|f| *f = (*f * total(ray)).min(1.0));
+        f.pop();
+        f.push(1.0);
+    }
+    if wrong.contains(&"padding_not_in_the_sum") {
+        let without: f64 = ray.weights.iter().sum();
+        f.iter_mut().for_each(|f| *f *= total(ray) / without);
+    }
     if wrong.contains(&"no_leading_zero") {
         f.remove(0);
-        f.push(f[f.len() - 1]);
     }
     f
+}
+
+/// What a ray's weights add up to.
+fn total(ray: &Ray) -> f64 {
+    ray.weights.iter().map(|w| w + ray.padding).sum()
+}
+
+/// Mistakes that leave `u` beyond the ends of F, or look for it in another way.
+const SEARCHED: [&str; 12] = [
+    "searched_from_the_left",
+    "upper_edge_held_by_sample_count",
+    "no_leading_zero",
+    "not_normalized",
+    "sum_of_all_rays",
+    "divided_by_the_integral",
+    "last_bin_zeroed",
+    "index_not_moved_back",
+    "sums_cut_at_one",
+    "rest_in_the_last_bin",
+    "padding_not_in_the_sum",
+    "last_edge_out_of_reach",
+];
+
+/// The places in F between which `u` lies.
+fn between(f: &[f64], u: f64, wrong: &[&str]) -> [usize; 2] {
+    if EPS_IN_SUM.among(wrong).is_none() && !SEARCHED.iter().any(|name| wrong.contains(name)) {
+        let k = bin_of(f, u);
+        return [k, k + 1];
+    }
+    // As searchsorted and gather find them, both held inside.
+    let left = wrong.contains(&"searched_from_the_left");
+    let count = f.iter().filter(|&&f| if left { f < u } else { f <= u }).count();
+    let upper = count + usize::from(wrong.contains(&"index_not_moved_back"));
+    [upper.saturating_sub(1), upper].map(|k| k.min(f.len() - 1))
+}
+
+/// The place inside a bin, from 0 to 1, of the bin's share `f` at both ends.
+fn place(f: [f64; 2], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
+    let mut difference = f[1] - f[0];
+    if let Some(faint) = c.pdf_division.faint().filter(|_| difference < SNAPPED) {
+        difference = faint;
+    }
+    if difference == 0.0 || SNAPPED_BELOW.among(wrong).is_some_and(|least| difference < least) {
+        difference = 1.0;
+    }
+    let difference = difference + DENOMINATOR_EPS.among(wrong).unwrap_or(0.0);
+    let s = (u - f[0]) / difference;
+    match () {
+        () if wrong.contains(&"left_edge") => 0.0,
+        () if wrong.contains(&"right_edge") => 1.0,
+        () if wrong.contains(&"place_of_u") => u,
+        () if wrong.contains(&"place_mirrored") => 1.0 - s,
+        () if wrong.contains(&"measured_from_above") => s - 1.0,
+        () if wrong.contains(&"middle_of_bin") => 0.5,
+        () => s,
+    }
 }
 
 fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
@@ -122,61 +248,78 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     if f[0].is_nan() {
         return f64::NAN;
     }
-    let left = wrong.contains(&"searched_from_the_left");
-    let held = wrong.contains(&"upper_edge_held_by_sample_count");
-    let unlike = ["no_leading_zero", "not_normalized", "sum_of_all_rays", "last_bin_zeroed"];
-    let searched =
-        EPS_IN_SUM.among(wrong).is_some() || left || held || unlike.iter().any(|name| wrong.contains(name));
-    let k = if searched {
-        // As searchsorted does it, clamped at both ends.
-        match f.iter().rposition(|&f| if left { f < u } else { f <= u }) {
-            None => return ray.edges[0],
-            Some(k) if k + 1 >= f.len() => return ray.edges[ray.edges.len() - 1],
-            Some(k) => k,
-        }
-    } else {
-        bin_of(f, u)
-    };
-    let above = if held { (k + 1).min(ray.u.len() - 1) } else { k + 1 };
+    let [k, mut above] = between(f, u, wrong);
+    if wrong.contains(&"no_leading_zero") && above == k && k > 0 {
+        // The last place, or the last edge: it depends on what else is forgotten at the end.
+        return f64::NAN;
+    }
+    if wrong.contains(&"upper_edge_held_by_sample_count") {
+        above = above.min(ray.u.len() - 1);
+    }
+    if wrong.contains(&"last_edge_out_of_reach") {
+        above = above.min(f.len() - 2);
+    }
+    if wrong.contains(&"u_of_one_past_the_end") && u >= 1.0 {
+        return f64::NAN;
+    }
     let (a, b) = (ray.edges[k], ray.edges[above]);
-    if wrong.contains(&"last_bin_dropped") && k + 2 >= f.len() {
+    let at_the_end = wrong.contains(&"left_edge_at_the_end") && u >= 1.0;
+    if at_the_end || wrong.contains(&"last_bin_dropped") && k + 2 >= f.len() {
         return a;
     }
-    let mut difference = f[above] - f[k];
-    if let Some(faint) = c.pdf_division.faint().filter(|_| difference < SNAPPED) {
-        difference = faint;
-    }
-    if difference == 0.0 {
-        difference = 1.0;
-    }
-    let difference = difference + DENOMINATOR_EPS.among(wrong).unwrap_or(0.0);
-    let s = match () {
-        _ if wrong.contains(&"left_edge") => 0.0,
-        _ if wrong.contains(&"right_edge") => 1.0,
-        _ if wrong.contains(&"place_of_u") => u,
-        _ if wrong.contains(&"place_mirrored") => 1.0 - (u - f[k]) / difference,
-        _ if wrong.contains(&"middle_of_bin") => 0.5,
-        _ => (u - f[k]) / difference,
+    let share = match () {
+        () if wrong.contains(&"next_bins_share") => {
+            let next = (k + 1).min(f.len() - 2);
+            [f[k], f[k] + f[next + 1] - f[next]]
+        }
+        () => [f[k], f[above]],
     };
+    let s = place(share, u, c, wrong);
     let (first, last, bins) = (ray.edges[0], ray.edges[ray.edges.len() - 1], ray.weights.len() as f64);
     match () {
         () if wrong.contains(&"bin_width_forgotten") => a + s,
+        () if wrong.contains(&"even_widths") => a + s / bins * (last - first),
         () if wrong.contains(&"bins_taken_as_even") => first + (k as f64 + s) / bins * (last - first),
+        () if wrong.contains(&"bins_counted_by_samples") => {
+            first + (k as f64 + s) / ray.u.len() as f64 * (last - first)
+        }
         () => a + s * (b - a),
+    }
+}
+
+/// f at x, between its values at the edges, as numpy.interp has it.
+fn interpolated(edges: &[f64], f: &[f64], x: f64) -> f64 {
+    let last = edges.len() - 1;
+    match edges.iter().rposition(|&e| e <= x) {
+        None => f[0],
+        Some(k) if k == last => f[last],
+        Some(k) => f[k] + (x - edges[k]) / (edges[k + 1] - edges[k]) * (f[k + 1] - f[k]),
     }
 }
 
 /// Samples.
 pub(crate) fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let shared = super::arrays::ray(a, 0, c).u;
-    let whole = |ray: Ray| ray.weights.iter().map(|w| w + ray.padding).sum::<f64>();
-    let batch: f64 = (0..size(a, "weights").0).map(|r| whole(super::arrays::ray(a, r, c))).sum();
+    let batch: f64 = (0..size(a, "weights").0).map(|r| total(&super::arrays::ray(a, r, c))).sum();
+    let others = super::arrays::ray(a, 0, c);
     forward(a, c, |ray| {
-        let ray = changed(ray, wrong);
+        let mut ray = changed(ray, wrong);
+        if wrong.contains(&"first_rays_edges") {
+            ray.edges.clone_from(&others.edges);
+        }
+        if wrong.contains(&"first_rays_weights") {
+            ray.weights.clone_from(&others.weights);
+        }
         let f = cdf_of(&ray, batch, wrong);
         let shared = if wrong.contains(&"strata_doubled") { doubled(&shared) } else { shared.clone() };
         let u = if wrong.contains(&"one_u_for_all_rays") { &shared } else { &ray.u };
         let mut t: Vec<f64> = u.iter().map(|&u| one(&ray, &f, u, c, wrong)).collect();
+        if wrong.contains(&"interpolated_in_disparity") {
+            t.iter_mut().for_each(|t| *t = 1.0 / *t);
+        }
+        if wrong.contains(&"distribution_at_u") {
+            t = u.iter().map(|&u| interpolated(&ray.edges, &f, u)).collect();
+        }
         if wrong.contains(&"own_bin_alone") {
             let own = |j: usize| j + 1 < f.len() && f[j] <= u[j] && u[j] < f[j + 1];
             t.iter_mut().enumerate().filter(|(j, _)| !own(*j)).for_each(|(_, t)| *t = 0.0);

@@ -2,6 +2,7 @@
 
 use super::answer::Answers;
 use super::assignment::{open, possible, small_cases};
+use super::climb::climbed;
 use super::evidence::{Explanation, Suspect, difference, explains_all, largest_residual, shows, usable};
 use super::exam::Question;
 use super::fitted::fitting;
@@ -141,6 +142,10 @@ pub fn diagnose(
         if !triples.is_empty() {
             return ranked(triples, question, answers, &home, options);
         }
+        let several = climbed(question, answers, base, options);
+        if !several.is_empty() {
+            return ranked(several, question, answers, &home, options);
+        }
     }
     let most = mostly(question, answers, base, suspects, options);
     let pairs =
@@ -230,16 +235,16 @@ fn sets(question: &Question, count: usize, suspects: &[Suspect]) -> Vec<Vec<&'st
         .collect();
     let shown = |m: &&Mistake| question.kind == Kind::Vjp || !m.gradient;
     let names: Vec<_> = question.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
-    // Numeric gradients of pairs would take minutes: only pairs that the forward answers suggest.
-    let pairs = question.kind == Kind::Forward;
+    // Numeric gradients of pairs would take minutes: of the forward function's mistakes only pairs that its answers suggest.
+    let own = |m: &&Mistake| question.kind == Kind::Forward || m.gradient;
+    let own: Vec<_> = question.component.mistakes.iter().filter(own).filter(shown).map(|m| m.name).collect();
     let sets: Vec<Vec<&'static str>> = match count {
         0 => vec![vec![]],
         1 => names.iter().map(|name| vec![*name]).collect(),
-        _ if pairs => {
-            let others = |a| names.iter().filter(move |b| **b != a).map(move |b| vec![a, *b]);
-            names.iter().flat_map(|a| others(*a)).collect()
+        _ => {
+            let others = |a| own.iter().filter(move |b| **b != a).map(move |b| vec![a, *b]);
+            own.iter().flat_map(|a| others(*a)).collect()
         }
-        _ => vec![],
     };
     suspected.extend(sets);
     suspected.dedup();

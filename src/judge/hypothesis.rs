@@ -276,10 +276,17 @@ impl Hypothesis {
         answer: &Answer,
         options: &MarkOptions,
     ) -> [f64; 2] {
-        let (right, _) = self.prediction(question, case);
-        let (mut wrong, error) = other.prediction(question, case);
+        let (mut right, _) = self.prediction(question, case);
+        let (predicted, error) = other.prediction(question, case);
+        let mut wrong = predicted.clone();
         other.leave_open(question, case, answer, &mut wrong);
         let bound = self.bound(question, case, &right, error.as_ref(), options);
+        // What the other leaves open, it doesn't explain.
+        for (name, right) in right.iter_mut().filter(|(name, a)| predicted[*name].shape() == a.shape()) {
+            for ((r, p), w) in right.iter_mut().zip(&predicted[name]).zip(&wrong[name]) {
+                *r = if p.is_nan() && !w.is_nan() { *w } else { *r };
+            }
+        }
         [off(answer, &right, &bound), off(answer, &wrong, &bound)]
     }
 

@@ -146,6 +146,10 @@ fn columns(
     });
     tried.into_iter().find_map(|h| {
         let orders = orders(question, answers, name, &h, options)?;
+        // The contract's: what is wrong with it is no matter of layout.
+        if orders.values().all(|order| order.columns.is_sorted()) {
+            return None;
+        }
         let mut ordered = answers.clone();
         for (case, answer) in question.cases.iter().zip(&mut ordered) {
             let given = answer.as_mut()?.get_mut(name)?;
@@ -209,8 +213,9 @@ fn orders(
 
 /// A perfect matching of rows to columns (Kuhn's augmenting paths).
 fn matching(table: &[Vec<bool>]) -> Option<Order> {
-    let mut row_of: Vec<Option<usize>> = vec![None; table.len()];
-    for row in 0..table.len() {
+    // What may stay where it is does.
+    let mut row_of: Vec<Option<usize>> = (0..table.len()).map(|n| table[n][n].then_some(n)).collect();
+    for row in (0..table.len()).filter(|&n| !table[n][n]) {
         if !augment(table, row, &mut row_of, &mut vec![false; table.len()]) {
             return None;
         }
@@ -278,6 +283,8 @@ mod tests {
             super::matching(&table).map(|order| (order.columns, order.only)),
             Some((vec![1, 0, 2], true))
         );
+        let stays = [vec![true, true], vec![true, true]];
+        assert_eq!(super::matching(&stays).map(|order| order.columns), Some(vec![0, 1]));
         assert!(super::matching(&[vec![true, false], vec![true, false]]).is_none());
     }
 

@@ -8,6 +8,7 @@ pub(crate) mod assignment;
 mod best;
 pub(crate) mod candidate;
 mod changes;
+mod climb;
 mod columns;
 #[doc(hidden)]
 pub mod declared;

@@ -24,6 +24,7 @@ pub(crate) const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("corners_aligned", "round(x (R - 1)) for floor(x R)", "cells at the box's faces are half as wide", "floor(x R): cells lie between faces", "never; cheap to keep", 0),
     Mistake::new("mean_of_none", "the mean of no density above 0 is NaN, and no density is above that", "a grid that has seen nothing stays empty for ever", "where nothing is above 0, every cell that is seen is occupied", "ngp_pl and its copies", 2),
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
+    Mistake::new("opacities_kept", "1 - exp(-sigma) for sigma, against a threshold of densities", "whatever is dense counts as 1 at most", "the density, or its opacity over the step with a threshold of opacities", "2 public implementations", 2),
 ];
 
 /// Mistakes of the traversal.
@@ -56,6 +57,7 @@ pub(crate) fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut counts = vec![0.0; grid.density.len()];
     for (&x, &sigma) in points.iter().zip(&sigmas) {
         let cell = wrong_cell(&grid, x, wrong);
+        let sigma = if is("opacities_kept") { -crate::math::expm1(-sigma) } else { sigma };
         let seen = &mut seen[cell];
         counts[cell] += 1.0;
         *seen = Some(match *seen {

@@ -1,43 +1,32 @@
 //! Volume rendering, wrong on purpose. Every function takes the names of its mistakes; without any it equals the oracle.
 
 use super::arrays::{self, renderings};
-use super::{Rendering, volume_render as oracle, volume_render_alpha as oracle_alpha};
-use crate::contract::arrays::{Arrays, input, row, rows3, size};
-use crate::contract::case::Draw;
+use super::{Rendering, volume_render_alpha as oracle_alpha};
+use crate::contract::arrays::{Arrays, row, rows3, size};
 use crate::convention::{Conventions, ProductEps};
 use crate::math::exp;
 
 mod background;
 mod catalogue;
+mod densities;
 mod depth;
 mod gradients;
+mod hand_written;
 mod laws;
 mod lists;
+mod march;
 mod steps;
 
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 use catalogue::{
-    DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT, EPS_ON_ALPHA, GIVEN_UP, LAST_OPAQUE, OVER_RAYS,
-    OVER_RAYS_INCLUSIVE, SCALED_EXPONENTIAL, WEIGHTS_CUT, WEIGHTS_NORMALIZED,
+    COLORS_GIVEN_UP, DIVIDED, EPS_IN_PRODUCT, GIVEN_UP, LAST_OPAQUE, OVER_RAYS, OVER_RAYS_INCLUSIVE,
+    WEIGHTS_CUT, WEIGHTS_NORMALIZED,
 };
+pub(crate) use densities::{ALPHA_ERROR, rounds_alpha, volume_render};
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
 pub(crate) use gradients::{volume_render_alpha_vjp, volume_render_vjp};
-use laws::{other_alphas, softmax};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
-use steps::wrong_deltas;
-
-/// What is so many times larger leaves nothing of what it is added to and taken off again, in single precision.
-const NOTHING_LEFT: f64 = 3e7;
-
-/// The error of the textbook form 1 - exp(-x), as a further input (R,N): the diagnosis propagates it through wrong code.
-pub(crate) const ALPHA_ERROR: &str = "alpha_error";
-
-/// The textbook's opacity is off by a rounding of 1 however small it is, which wrong code may magnify (C / A on a thin ray).
-pub(crate) fn rounds_alpha(a: &mut Arrays, relative: f64, draw: &mut Draw) {
-    let rounding = 0.25 * relative;
-    let error = input(a, "sigmas").mapv(|_| if draw.below(2) == 0 { rounding } else { -rounding });
-    a.insert(ALPHA_ERROR.into(), error);
-}
+use march::{BEFORE_THE_SAMPLE, FAINT_UNCOLORED, MADE_OPAQUE};
 
 /// Mistakes between opacities and outputs.
 fn wrong_composite(
@@ -106,13 +95,19 @@ fn wrong_composite(
         rendering.weights.iter_mut().filter(|w| **w < most).for_each(|w| *w = 0.0);
         composed(&mut rendering, rgbs);
     }
-    let spent = |left: f64| (0..n).find(|&i| rendering.transmittance[i] < left);
+    let light = rendering.transmittance.clone();
+    let spent = |left: f64| (0..n).find(|&i| light[i] < left);
     if let Some(end) = GIVEN_UP.among(wrong).and_then(spent) {
         let behind = rendering.transmittance[end];
         rendering.transmittance[end..].fill(behind);
         rendering.weights[end..].fill(0.0);
         composed(&mut rendering, rgbs);
     }
+    if let Some(end) = COLORS_GIVEN_UP.among(wrong).and_then(spent) {
+        let of = |k: usize| rendering.weights[..end].iter().zip(rgbs).map(|(w, color)| w * color[k]).sum();
+        rendering.color = std::array::from_fn(of);
+    }
+    ended(&mut rendering, rgbs, wrong);
     match () {
         () if wrong.contains(&"opacity_of_the_densest") => {
             rendering.opacity = alphas.iter().copied().fold(0.0, f64::max)
@@ -138,10 +133,39 @@ fn wrong_composite(
     if let Some(eps) = DIVIDED.among(wrong) {
         rendering.color = rendering.color.map(|c| c / (rendering.opacity + eps));
     }
+    if wrong.contains(&"color_by_opacity") {
+        rendering.color = rendering.color.map(|c| c * rendering.opacity);
+    }
+    if wrong.contains(&"colors_with_gamma") {
+        rendering.color = rendering.color.map(|c| crate::math::pow(c.max(0.0), 1.0 / 2.2));
+    }
     if wrong.contains(&"clamped") {
         rendering.color = rendering.color.map(|c| c.clamp(0.0, 1.0));
     }
+    if wrong.contains(&"weights_are_alphas") {
+        rendering.weights = alphas.to_vec();
+    }
     rendering
+}
+
+/// What ends a march, or leaves samples out of what it adds up.
+fn ended(rendering: &mut Rendering, rgbs: &[[f64; 3]], wrong: &[&str]) {
+    let (n, light) = (rendering.weights.len(), rendering.transmittance.clone());
+    if let Some(end) = BEFORE_THE_SAMPLE.among(wrong).and_then(|left| (0..n).find(|&i| light[i + 1] < left)) {
+        rendering.transmittance[end..].fill(light[end]);
+        rendering.weights[end..].fill(0.0);
+        composed(rendering, rgbs);
+    }
+    if let Some(end) = MADE_OPAQUE.among(wrong).and_then(|left| (0..n).find(|&i| light[i + 1] < left)) {
+        rendering.weights[end + 1..].fill(0.0);
+        composed(rendering, rgbs);
+        rendering.color = rendering.color.map(|c| c / rendering.opacity);
+        (rendering.opacity, rendering.transmittance[n]) = (1.0, 0.0);
+    }
+    if let Some(least) = FAINT_UNCOLORED.among(wrong) {
+        let seen = rendering.weights.iter().zip(rgbs).filter(|(w, _)| **w > least);
+        rendering.color = seen.fold([0.0; 3], |sum, (w, color)| [0, 1, 2].map(|k| sum[k] + w * color[k]));
+    }
 }
 
 /// Color and opacity of the weights.
@@ -206,129 +230,6 @@ fn render_all(
         wrong_composite(ray, r, &alphas[r], &rgbs(r), wrong)
     };
     rays.into_iter().enumerate().map(finish).collect()
-}
-
-/// Rendering from densities.
-pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let (count, samples) = size(a, "sigmas");
-    let (mut all, mut rays, mut carried) = (vec![], vec![], 1.0);
-    for r in 0..count {
-        let (mut sigmas, deltas) = (row(a, "sigmas", r), wrong_deltas(a, r, wrong));
-        if wrong.contains(&"densities_averaged") {
-            (1..samples).for_each(|i| sigmas[i - 1] = 0.5 * (sigmas[i - 1] + sigmas[i]));
-        }
-        for name in wrong {
-            let softplus = |x: f64| x.max(0.0) + crate::math::ln(1.0 + exp(-x.abs()));
-            match *name {
-                "softplus_inside" => sigmas.iter_mut().for_each(|sigma| *sigma = softplus(*sigma)),
-                "shifted_softplus_inside" => {
-                    sigmas.iter_mut().for_each(|sigma| *sigma = softplus(*sigma - 1.0))
-                }
-                _ => {}
-            }
-        }
-        if let Some(most) = DENSITY_CAPPED.among(wrong) {
-            sigmas.iter_mut().for_each(|sigma| *sigma = sigma.min(most));
-        }
-        let mut alphas: Vec<f64> =
-            super::optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(-x)).collect();
-        let mut ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
-        let (eps, scale) = (EPS_ON_ALPHA.among(wrong), SCALED_EXPONENTIAL.among(wrong));
-        let touched = eps.is_some() || scale.is_some();
-        if touched {
-            for (alpha, x) in alphas.iter_mut().zip(super::optical_depths(&sigmas, &deltas)) {
-                let k = scale.unwrap_or(1.0);
-                *alpha = 1.0 - k * exp(-x);
-            }
-        }
-        let textbook = a.contains_key(ALPHA_ERROR);
-        if textbook {
-            // No digits are lost at x = 0: 1 - exp(-0) is 0.
-            let errors = row(a, ALPHA_ERROR, r);
-            alphas
-                .iter_mut()
-                .zip(errors)
-                .filter(|(alpha, _)| **alpha != 0.0)
-                .for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
-        }
-        let other = other_alphas(&sigmas, &deltas, wrong);
-        let touched = touched || other.is_some();
-        alphas = other.unwrap_or(alphas);
-        if touched || textbook {
-            ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
-        }
-        if let Some(eps) = eps {
-            alphas.iter_mut().for_each(|alpha| *alpha += eps);
-            ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), ProductEps::TenToMinusTen);
-        }
-        if wrong.contains(&"delta_missing_in_alpha") {
-            alphas = sigmas.iter().map(|sigma| -crate::math::expm1(-sigma)).collect();
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-        }
-        if wrong.contains(&"delta_missing_in_transmittance") {
-            let in_front = |i: usize| sigmas[..i].iter().sum::<f64>();
-            ray.transmittance = (0..=samples).map(|i| exp(-in_front(i))).collect();
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-        }
-        if wrong.contains(&"taken_off_the_sum") {
-            let errors = if textbook { row(a, ALPHA_ERROR, r) } else { vec![0.0; samples] };
-            let mut front = 0.0;
-            for (i, x) in super::optical_depths(&sigmas, &deltas).into_iter().enumerate() {
-                let nothing = if x.is_infinite() { f64::NAN } else { 0.0 };
-                let left = if x > NOTHING_LEFT * front { nothing } else { front };
-                front += x;
-                ray.transmittance[i] = exp(-(left + errors[i] * front));
-            }
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-        }
-        if wrong.contains(&"product_over_the_batch") {
-            let own = ray.transmittance[samples];
-            ray.transmittance.iter_mut().for_each(|t| *t *= carried);
-            carried = ray.transmittance[samples];
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-            ray.transmittance[samples] = own;
-        }
-        if wrong.contains(&"softmax_for_weights") {
-            alphas = softmax(&super::optical_depths(&sigmas, &deltas));
-            ray.transmittance.fill(1.0);
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-        }
-        if wrong.contains(&"density_with_step_before") {
-            let mut depth = 0.0;
-            for i in 1..samples {
-                depth += super::product(sigmas[i], deltas[i - 1]);
-                ray.transmittance[i] = exp(-depth);
-            }
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-        }
-        if wrong.contains(&"exponent_without_minus") {
-            alphas =
-                super::optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(x)).collect();
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-        }
-        if wrong.contains(&"depth_for_transmittance") {
-            let mut depth = 0.0;
-            for (i, x) in super::optical_depths(&sigmas, &deltas).into_iter().enumerate() {
-                ray.transmittance[i] = depth;
-                depth += x;
-            }
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-        }
-        if wrong.contains(&"optical_depth_for_alpha") {
-            alphas = super::optical_depths(&sigmas, &deltas);
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-        }
-        if wrong.contains(&"density_for_opacity") {
-            alphas = sigmas;
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
-        }
-        all.push(alphas);
-        rays.push(ray);
-    }
-    arrays::over(
-        c,
-        renderings(samples, &render_all(all, rays, |r| rows3(a, "rgbs", r), c.product_eps, wrong)),
-    )
 }
 
 /// Rendering from opacities.

@@ -1,6 +1,7 @@
 //! What is wrong with importance sampling, what it does, and where it was seen.
 
-use crate::contract::component::Mistake;
+use super::inputs::OF_INPUTS;
+use crate::contract::component::{Mistake, joined};
 
 /// The search takes the other side. This and the next three are mistakes of new edges, too.
 pub(crate) const SEARCHED_FROM_THE_LEFT: Mistake = Mistake::new(
@@ -20,7 +21,8 @@ pub(crate) const NO_LEADING_ZERO: Mistake = Mistake::new(
     "concatenate 0 and the cumulative sum",
     "ports of sample_pdf",
     2,
-);
+)
+.open_where_nan();
 
 /// Weights of samples are taken for those of intervals.
 pub(crate) const INTERIOR_ALONE: Mistake = Mistake::new(
@@ -103,7 +105,10 @@ pub(super) const PADDED: Mistake = Mistake::new(
 .with("k", 1e-3, [1e-8, 0.1]);
 
 /// Mistakes of importance sampling.
-pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
+pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] =
+    &joined::<{ OF_SAMPLES.len() + OF_INPUTS.len() }>(&[OF_SAMPLES, OF_INPUTS]);
+
+const OF_SAMPLES: &[Mistake] = &[
     SEARCHED_FROM_THE_LEFT,
     NO_LEADING_ZERO,
     INTERIOR_ALONE,
@@ -308,5 +313,45 @@ pub(crate) const IMPORTANCE_SAMPLING: &[Mistake] = &[
         "between the bin's own edges",
         "1 public implementation",
         1,
+    ),
+    Mistake::new(
+        "index_not_moved_back",
+        "edges k + 1 and k + 2 for a u between F_k and F_{k+1}: what searchsorted finds, without - 1",
+        "every sample lies a bin too far",
+        "the bin begins one before what a search from the right finds",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "divided_by_the_integral",
+        "F sums w / sum (w width): divided as a density is, summed without its widths",
+        "F ends far from 1, unless bins are 1 wide",
+        "w / sum w for weights, w width / sum (w width) for densities",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "edges_from_zero",
+        "edges measured from the first one: sums of widths",
+        "samples begin at the camera, not at near",
+        "edges as they are, or near added to sums of widths",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "bins_counted_by_samples",
+        "(bin + place) / M between the first edge and the last, with the number of samples for that of even bins",
+        "samples in a part of the ray alone, or beyond it",
+        "between the bin's own edges",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "left_edge_at_the_end",
+        "u = 1 gives the last bin's first edge: the search runs past F, and both ends of the bin are its last entry",
+        "the last of evenly spaced samples is a bin too near",
+        "hold the bin, not each of its ends: its end is the last edge",
+        "2 public implementations",
+        2,
     ),
 ];

@@ -361,3 +361,12 @@ pub(super) const ALPHAS_SUMMED: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
+pub(super) const COLORS_GIVEN_UP: Mistake = Mistake::new(
+    "colors_given_up_early",
+    "samples count for the color where T_i is above a threshold alone; weights and opacity go on to the end",
+    "what lies behind haze is missing in the color, but not in depth and opacity",
+    "one end for all that is added up, the caller's (early_stop)",
+    "a marching loop beside vectorized weights",
+    1,
+)
+.with("left", 1e-4, [1e-6, 0.5]);

@@ -1,64 +1,22 @@
 //! Gradients of renderings, wrong on purpose.
 
 use super::arrays;
-use super::catalogue::SHADE_FORGOTTEN;
+use super::hand_written::{OF_DENSITIES, OF_OPACITIES};
 use crate::contract::arrays::{Arrays, array, input, row, rows3, size};
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
-use crate::math::exp;
+use crate::math::{exp, expm1};
 use crate::volume_rendering::{
     Rendering, optical_depths, product, volume_render as oracle, volume_render_alpha as oracle_alpha,
 };
 
-/// What hand-written backward passes get wrong between weights and densities.
-pub(super) const HAND_WRITTEN: [Mistake; 6] = [
-    SHADE_FORGOTTEN,
-    Mistake::new(
-        "front_for_behind",
-        "T_i g_i - B_{i+1}: the light in front of a sample for that behind it",
-        "gradients too large where it is dense",
-        "T_{i+1} g_i - B_{i+1}: alpha has the slope 1 - alpha",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "own_weight_hidden_too",
-        "T_{i+1} g_i - B_i: the sample itself among what it hides",
-        "densities learn too slowly where a sample is bright itself",
-        "the sum over what lies behind, the sample left out",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "hidden_in_front",
-        "T_{i+1} g_i minus the sum over what lies in front",
-        "the gradient of a ray that is looked through from behind",
-        "the sum over what lies behind the sample",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "alpha_for_density",
-        "the gradient of alpha, with 1e-10 in what it divides by, as that of sigma delta: its slope 1 - alpha is left out",
-        "gradients too large where it is dense",
-        "times exp(-sigma delta)",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "opacity_without_step",
-        "g_A T_N for g_A T_N delta_i: the opacity's gradient without the step",
-        "densities that follow the mask too fast or too slowly",
-        "dA / dsigma_i = T_N delta_i",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-];
+/// Below this 1 - exp(-x) is 0 in single precision.
+const NO_ALPHA: f64 = 1.0 / 33_554_432.0;
+
+/// The number in a mistake, where it is made.
+fn number(list: &[Mistake], name: &str, wrong: &[&str]) -> Option<f64> {
+    list.iter().find(|m| m.name == name).and_then(|m| m.among(wrong))
+}
 
 /// The gradient of each sigma delta as a hand-written backward pass has it.
 fn wrong_slopes(
@@ -66,32 +24,60 @@ fn wrong_slopes(
     r: usize,
     ray: &Rendering,
     depths: &[f64],
+    deltas: &[f64],
     c: &Conventions,
     wrong: &[&str],
 ) -> Vec<f64> {
     let has = |name: &str| wrong.contains(&name);
     let n = depths.len();
-    let apart = has("opacity_without_step");
-    let g =
-        unshaded(a, r, &vec![1.0; n], c).into_iter().map(|g| if apart { g - g_opacity(a, r, c) } else { g });
-    let g: Vec<f64> = g.collect();
-    let weighed: Vec<f64> = (0..n).map(|i| ray.weights[i] * g[i]).collect();
+    // The opacity's part apart from the others'.
+    let apart = ["opacity_without_step", "opacity_shades_nothing", "opacity_without_light"];
+    let apart = if apart.iter().any(|name| has(name)) { g_opacity(a, r, c) } else { 0.0 };
+    let g: Vec<f64> = unshaded(a, r, &vec![1.0; n], c, wrong).into_iter().map(|g| g - apart).collect();
+    let left = |i: usize| ray.transmittance[i + 1];
+    let weigh = |j: usize| match () {
+        () if has("light_lost_behind") => -expm1(-depths[j]) * g[j],
+        () => ray.weights[j] * g[j],
+    };
+    let weighed: Vec<f64> = (0..n).map(weigh).collect();
     let light = ray.transmittance[n] * arrays::cotangent_over(a, r, c).transmittance;
+    let given_up = number(OF_DENSITIES, "backward_given_up", wrong);
     let slope = |i: usize| {
-        let behind = weighed[i + 1..].iter().sum::<f64>() + light;
-        let left = ray.transmittance[i + 1];
+        let mut behind = weighed[i + 1..].iter().sum::<f64>() + light;
+        if has("steps_of_those_behind") && deltas[i] != 0.0 {
+            behind = (i + 1..n).map(|j| weighed[j] * deltas[j]).sum::<f64>() / deltas[i] + light;
+        }
+        let (own, through) = (left(i) * g[i], exp(-depths[i]));
+        let more = match () {
+            () if has("opacity_shades_nothing") => apart * left(i),
+            () if has("opacity_without_light") => apart,
+            () => 0.0,
+        };
         match () {
-            () if has("shade_gradient_forgotten") => left * g[i],
+            () if has("last_sample_without_gradient") && i + 1 == n => 0.0,
+            () if given_up.is_some_and(|least| ray.transmittance[i] < least) => 0.0,
+            () if has("shade_gradient_forgotten") => own,
             () if has("front_for_behind") => ray.transmittance[i] * g[i] - behind,
-            () if has("own_weight_hidden_too") => left * g[i] - behind - weighed[i],
-            () if has("hidden_in_front") => left * g[i] - weighed[..i].iter().sum::<f64>() - light,
-            () if has("alpha_for_density") => {
-                ray.transmittance[i] * g[i] - behind / (exp(-depths[i]) + 1e-10)
+            () if has("own_weight_hidden_too") => own - behind - weighed[i],
+            () if has("hidden_in_front") => own - weighed[..i].iter().sum::<f64>() - light,
+            () if has("alpha_for_density") => ray.transmittance[i] * g[i] - behind / (through + 1e-10),
+            () if has("opacity_for_its_slope") => {
+                let hidden = if through > 0.0 { behind / through } else { 0.0 };
+                (ray.transmittance[i] * g[i] - hidden) * (1.0 - through)
             }
-            () => left * g[i] - behind,
+            () if has("slope_taken_twice") => own * through - behind,
+            () if has("step_lost_in_slope") => {
+                let sigma = if deltas[i] == 0.0 { 0.0 } else { depths[i] / deltas[i] };
+                ray.transmittance[i] * exp(-sigma) * g[i] - behind
+            }
+            () if has("slope_for_both") => own - behind * through,
+            () if has("nothing_learned_at_zero") && depths[i] == 0.0 => -behind,
+            () if has("ties_shared") && depths[i] < NO_ALPHA => own - 0.5 * behind,
+            () => own - behind + more,
         }
     };
-    (0..n).map(slope).collect()
+    let scale = if has("light_not_reset") { ray.transmittance[n] } else { 1.0 };
+    (0..n).map(|i| scale * slope(i)).collect()
 }
 
 /// The opacity's cotangent.
@@ -99,39 +85,120 @@ fn g_opacity(a: &Arrays, r: usize, c: &Conventions) -> f64 {
     arrays::cotangent_over(a, r, c).opacity
 }
 
+/// The cotangent of the color as the mistakes have it.
+fn g_color(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> [f64; 3] {
+    let ray = if wrong.contains(&"first_rays_cotangent") { 0 } else { r };
+    let color = arrays::cotangent_over(a, ray, c).color;
+    if wrong.contains(&"first_channel_for_all") { [color[0]; 3] } else { color }
+}
+
 /// What T_i times the cotangent of weight i is: the gradient of alpha_i without what sample i hides.
-fn unshaded(a: &Arrays, r: usize, transmittance: &[f64], c: &Conventions) -> Vec<f64> {
+fn unshaded(a: &Arrays, r: usize, transmittance: &[f64], c: &Conventions, wrong: &[&str]) -> Vec<f64> {
     let g = arrays::cotangent_over(a, r, c);
+    let of_color = if wrong.contains(&"weights_detached") { [0.0; 3] } else { g_color(a, r, c, wrong) };
     let one = |(i, rgb): (usize, &[f64; 3])| {
-        let color: f64 = (0..3).map(|k| g.color[k] * rgb[k]).sum();
+        let color: f64 = (0..3).map(|k| of_color[k] * rgb[k]).sum();
         transmittance[i] * (color + g.weights[i] + g.opacity)
     };
     rows3(a, "rgbs", r).iter().enumerate().map(one).collect()
 }
 
+/// The gradient of a ray's colors as a hand-written backward pass has it.
+fn wrong_colors(a: &Arrays, r: usize, ray: &Rendering, c: &Conventions, wrong: &[&str]) -> Vec<f64> {
+    let has = |name: &str| wrong.contains(&name);
+    let (n, g) = (ray.weights.len(), g_color(a, r, c, wrong));
+    let given_up = number(OF_DENSITIES, "backward_given_up", wrong);
+    let weight = |i: usize| match () {
+        () if has("last_sample_without_gradient") && i + 1 == n => 0.0,
+        () if given_up.is_some_and(|least| ray.transmittance[i] < least) => 0.0,
+        () if has("light_not_reset") => ray.transmittance[n] * ray.weights[i],
+        () if has("colors_by_light_behind") && ray.transmittance[i] > 0.0 => {
+            ray.weights[i] * ray.transmittance[i + 1] / ray.transmittance[i]
+        }
+        () => ray.weights[i],
+    };
+    (0..n).flat_map(|i| g.map(|g| weight(i) * g)).collect()
+}
+
 /// Gradient from densities.
 pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let mut gradients = arrays::render_vjp(a, c);
-    if HAND_WRITTEN.iter().any(|m| wrong.contains(&m.name)) {
+    if OF_DENSITIES.iter().any(|m| m.among(wrong).is_some()) {
         let (rays, samples) = size(a, "sigmas");
-        let (mut g_sigmas, mut g_deltas) = (vec![], vec![]);
+        let (mut g_sigmas, mut g_deltas, mut g_rgbs) = (vec![], vec![], vec![]);
         for r in 0..rays {
             let (sigmas, deltas) = (row(a, "sigmas", r), row(a, "deltas", r));
             let ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
             let depths = optical_depths(&sigmas, &deltas);
-            let g_x = wrong_slopes(a, r, &ray, &depths, c, wrong);
-            // Where the opacity's part is apart, the step's own gradient has it as it should be.
-            let apart = wrong.contains(&"opacity_without_step");
-            let more = if apart { g_opacity(a, r, c) * ray.transmittance[samples] } else { 0.0 };
-            let along = if apart { wrong_slopes(a, r, &ray, &depths, c, &[]) } else { g_x.clone() };
+            let g_x = wrong_slopes(a, r, &ray, &depths, &deltas, c, wrong);
+            // Where the opacity's part, or the order of steps, is apart, the step's own gradient has it as it should be.
+            let apart =
+                ["opacity_without_step", "steps_of_those_behind"].iter().any(|name| wrong.contains(name));
+            let step = wrong.contains(&"opacity_without_step");
+            let more = if step { g_opacity(a, r, c) * ray.transmittance[samples] } else { 0.0 };
+            let along = if apart { wrong_slopes(a, r, &ray, &depths, &deltas, c, &[]) } else { g_x.clone() };
             g_sigmas.extend(g_x.iter().zip(&deltas).map(|(g, delta)| product(*g, *delta) + more));
-            g_deltas.extend(along.iter().zip(&sigmas).map(|(g, sigma)| product(*g, *sigma)));
+            let by = if wrong.contains(&"step_gradient_by_step") { &deltas } else { &sigmas };
+            g_deltas.extend(along.iter().zip(by).map(|(g, by)| product(*g, *by)));
+            g_rgbs.extend(wrong_colors(a, r, &ray, c, wrong));
         }
         gradients.insert("grad_sigmas".into(), array(&[rays, samples], g_sigmas));
         gradients.insert("grad_deltas".into(), array(&[rays, samples], g_deltas));
+        gradients.insert("grad_rgbs".into(), array(&[rays, samples, 3], g_rgbs));
         gradients = arrays::gradients_of_rectified(a, c, gradients);
+        if let Some(scale) = number(OF_DENSITIES, "loss_scale_left_in", wrong) {
+            gradients.values_mut().for_each(|g| g.mapv_inplace(|g| scale * g));
+        }
     }
     gradients
+}
+
+/// The gradient of each alpha as a hand-written backward pass has it.
+fn wrong_alpha_slopes(
+    a: &Arrays,
+    r: usize,
+    ray: &Rendering,
+    alphas: &[f64],
+    c: &Conventions,
+    wrong: &[&str],
+) -> Vec<f64> {
+    let has = |name: &str| wrong.contains(&name);
+    let (n, t, all) = (alphas.len(), &ray.transmittance, arrays::cotangent_over(a, r, c));
+    let apart = ["opacity_shades_nothing", "opacity_undivided"].iter().any(|name| has(name));
+    let apart = if apart { all.opacity } else { 0.0 };
+    let g: Vec<f64> = unshaded(a, r, &vec![1.0; n], c, &[]).into_iter().map(|g| g - apart).collect();
+    // B_i = alpha_i g_i + (1 - alpha_i) B_{i+1}: what lies behind, as the light sees it that reaches it.
+    let mut behind = vec![all.transmittance; n + 1];
+    for i in (0..n).rev() {
+        behind[i] = match () {
+            () if has("last_alpha_forgotten") && i > 0 => {
+                alphas[i - 1] * g[i] + (1.0 - alphas[i - 1]) * behind[i + 1]
+            }
+            () => alphas[i] * g[i] + (1.0 - alphas[i]) * behind[i + 1],
+        };
+    }
+    let slope = |i: usize| {
+        let through = 1.0 - alphas[i];
+        let hidden = behind[i + 1];
+        let scaled = |by: f64| t[i] * (g[i] - hidden * through / by);
+        match () {
+            () if has("accumulated_before_use") => t[i] * (g[i] - behind[i]),
+            () if has("light_behind_itself") => t[i] * through * (g[i] - hidden),
+            () if has("hidden_undivided") => t[i] * (g[i] - hidden * through),
+            () if has("own_weight_hidden_too") => t[i] * (g[i] - hidden - alphas[i] * g[i] / through),
+            () if has("opacity_shades_nothing") => t[i] * (g[i] - hidden) + apart * t[i],
+            () if has("opacity_undivided") => t[i] * (g[i] - hidden) + apart * t[n],
+            () => match (
+                number(OF_OPACITIES, "eps_in_hidden", wrong),
+                number(OF_OPACITIES, "hidden_held", wrong),
+            ) {
+                (Some(eps), _) => scaled(through + eps),
+                (_, Some(least)) => scaled(through.max(least)),
+                _ => t[i] * (g[i] - hidden),
+            },
+        }
+    };
+    (0..n).map(slope).collect()
 }
 
 /// Gradient from opacities.
@@ -146,12 +213,21 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[
         for r in 0..rays {
             let alphas = row(a, "alphas", r);
             let ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
-            let lost = unshaded(a, r, &ray.transmittance, c);
+            let lost = unshaded(a, r, &ray.transmittance, c, &[]);
             for i in (0..samples).filter(|&i| everywhere || alphas[i] == 1.0) {
                 g_alphas[[r, i]] = lost[i];
             }
         }
         gradients.insert("grad_alphas".into(), g_alphas);
+    }
+    if OF_OPACITIES.iter().any(|m| m.among(wrong).is_some()) {
+        let (rays, samples) = size(a, "alphas");
+        let of = |r: usize| {
+            let alphas = row(a, "alphas", r);
+            let ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
+            wrong_alpha_slopes(a, r, &ray, &alphas, c, wrong)
+        };
+        gradients.insert("grad_alphas".into(), array(&[rays, samples], (0..rays).flat_map(of).collect()));
     }
     arrays::gradients_of_counted(given, c, gradients)
 }

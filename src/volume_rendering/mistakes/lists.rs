@@ -1,7 +1,7 @@
 //! The mistakes of both renderings, in order.
 
 use super::catalogue::{
-    ALPHA_FORGOTTEN, ALPHAS_CAPPED, ALPHAS_SUMMED, BACK_TO_FRONT, CLAMPED, COLORS_MOVED,
+    ALPHA_FORGOTTEN, ALPHAS_CAPPED, ALPHAS_SUMMED, BACK_TO_FRONT, CLAMPED, COLORS_GIVEN_UP, COLORS_MOVED,
     DELTA_MISSING_IN_ALPHA, DELTA_MISSING_IN_LIGHT, DELTA_SCALED, DENSITY_CAPPED, DIVIDED, EPS_IN_PRODUCT,
     EPS_ON_ALPHA, FAINT_SKIPPED, FIRST_RAY_UNSHADED, FIRST_ZERO, GIVEN_UP, HEAVIEST, INCLUSIVE,
     INCLUSIVE_BEHIND_FIRST, LAST_OPAQUE, LEFT_EARLY, LEFT_LATE, LIGHT_FOR_ALPHA, MOVED_TWICE,
@@ -9,15 +9,27 @@ use super::catalogue::{
     OWN_FACTOR, OWN_LIGHT, OWN_STEP, ROLLED, ROLLED_BACKWARD, ROLLED_BUT_FIRST, SCALED_EXPONENTIAL,
     SHADE_FORGOTTEN, UNIT_WEIGHTS, WEIGHTS_CUT, WEIGHTS_NORMALIZED, WHOLE_RAYS_LIGHT,
 };
-use super::gradients::HAND_WRITTEN;
-use crate::contract::component::Mistake;
+use super::hand_written::{OF_DENSITIES, OF_OPACITIES};
+use super::march::{
+    ALPHAS_OFF_ONE, BEFORE_THE_SAMPLE, BY_OPACITY, CLOUD, COLORS_AVERAGED, FAINT_UNCOLORED, GAMMA,
+    LAST_REPEATED, LAST_STEP, MADE_OPAQUE, MIDDLE_LIGHT, SOURCE, STEPS_AVERAGED, STEPS_MOVED, THIN_SKIPPED,
+    WEIGHTS_ARE_ALPHAS,
+};
+use crate::contract::component::{Mistake, joined};
 use crate::sample::mistakes::{
     BACKWARD_DELTA, DELTA_DIFFERENCED_TWICE, DELTA_MISSING, DELTA_OF_THE_WHOLE_RAY, DELTA_OVER_N_MINUS_1,
     DELTA_UNIT_INTERVAL, FIRST_GAP_FOR_ALL, FIRST_RAY_DELTAS,
 };
 
 /// Mistakes of rendering from densities.
-pub(crate) const VOLUME_RENDER: &[Mistake] = &[
+pub(crate) const VOLUME_RENDER: &[Mistake] =
+    &joined::<{ FROM_DENSITIES.len() + OF_DENSITIES.len() }>(&[FROM_DENSITIES, OF_DENSITIES]);
+
+/// Mistakes of rendering from opacities.
+pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] =
+    &joined::<{ FROM_OPACITIES.len() + OF_OPACITIES.len() }>(&[FROM_OPACITIES, OF_OPACITIES]);
+
+const FROM_DENSITIES: &[Mistake] = &[
     INCLUSIVE,
     ROLLED,
     ROLLED_BACKWARD,
@@ -48,11 +60,6 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     ALPHAS_CAPPED,
     FAINT_SKIPPED,
     LAST_OPAQUE,
-    HAND_WRITTEN[1],
-    HAND_WRITTEN[2],
-    HAND_WRITTEN[3],
-    HAND_WRITTEN[4],
-    HAND_WRITTEN[5],
     HEAVIEST,
     ALPHAS_SUMMED,
     Mistake::new(
@@ -151,6 +158,7 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
     OWN_STEP,
     WEIGHTS_CUT,
     GIVEN_UP,
+    COLORS_GIVEN_UP,
     Mistake::new(
         "gaps_summed",
         "the whole ray's length in the place of each gap",
@@ -200,10 +208,24 @@ pub(crate) const VOLUME_RENDER: &[Mistake] = &[
         0,
     ),
     BACK_TO_FRONT,
-    SHADE_FORGOTTEN,
+    LAST_STEP,
+    LAST_REPEATED,
+    STEPS_MOVED,
+    STEPS_AVERAGED,
+    BEFORE_THE_SAMPLE,
+    MADE_OPAQUE,
+    FAINT_UNCOLORED,
+    THIN_SKIPPED,
+    WEIGHTS_ARE_ALPHAS,
+    MIDDLE_LIGHT,
+    CLOUD,
+    GAMMA,
+    BY_OPACITY,
+    ALPHAS_OFF_ONE,
+    COLORS_AVERAGED,
+    SOURCE,
 ];
-/// Mistakes of rendering from opacities.
-pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
+const FROM_OPACITIES: &[Mistake] = &[
     INCLUSIVE,
     ROLLED,
     ROLLED_BACKWARD,
@@ -233,6 +255,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
     OWN_FACTOR,
     WEIGHTS_CUT,
     GIVEN_UP,
+    COLORS_GIVEN_UP,
     LAST_OPAQUE,
     HEAVIEST,
     Mistake::new(
@@ -279,4 +302,10 @@ pub(crate) const VOLUME_RENDER_ALPHA: &[Mistake] = &[
         1,
     )
     .of_gradient(),
+    BEFORE_THE_SAMPLE,
+    MADE_OPAQUE,
+    FAINT_UNCOLORED,
+    WEIGHTS_ARE_ALPHAS,
+    GAMMA,
+    BY_OPACITY,
 ];

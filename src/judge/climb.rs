@@ -1,0 +1,199 @@
+//! Climbing: several mistakes at once, in conventions of their own, one after the other. Where each of them brings the answers nearer, the
+//! way to all of them leads through few of the many that there are; where one alone shows nothing, it isn't found here.
+
+use ndarray::ArrayD;
+
+use super::answer::{Answer, Answers, reshaped};
+use super::assignment::{open, small_cases};
+use super::evidence::{explains_all, real_numbers, shows};
+use super::exam::Question;
+use super::fitted::{shown, written};
+use super::hypothesis::Hypothesis;
+use super::mark::MarkOptions;
+use super::partial::{Partial, apply, partial, with};
+use crate::contract::arithmetic::Dtype;
+use crate::contract::case::Case;
+use crate::contract::component::Mistake;
+use crate::convention::{CHOICES, Conventions};
+use crate::parallel;
+
+/// Mistakes at once, steps on the way to them (a change of convention is one, too), and ways that are followed side by side.
+const MISTAKES: usize = 4;
+const STEPS: usize = 6;
+const WAYS: usize = 24;
+
+/// Conventions from which ways begin, the nearest first.
+const STARTS: usize = 48;
+
+/// The smallest cases go by this many.
+const CASES: usize = 8;
+
+/// Elements that all steps together may compute.
+const WORK: usize = 40_000_000;
+
+/// Bits by which a step must bring the answers nearer, on the average.
+const NEARER: f64 = 0.02;
+
+/// What is so near, in bits that are lost on the average, is held against all bounds.
+const CLOSE: f64 = 1.0;
+
+/// Of each step's best, those whose number is read off the answers.
+const FITTED: usize = 4;
+
+/// What may be, and how many bits of the answers it loses.
+#[derive(Clone)]
+struct Way {
+    h: Hypothesis,
+    off: f64,
+}
+
+/// The mistakes that explain every answer together, each of which is needed.
+pub(crate) fn climbed(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Hypothesis> {
+    // Of bits and counts several of many explain a few cases by chance, and short types have too few digits.
+    if options.dtype.bits() < 24 || !real_numbers(question, answers) {
+        return vec![];
+    }
+    let mut cases = small_cases(question, answers);
+    cases.retain(|(case, _)| case.finite());
+    cases.truncate(CASES);
+    let cost: usize = cases.iter().map(|(case, _)| question.cost(case)).sum();
+    let mut left = WORK / cost.max(1);
+    let mut measured = |all: Vec<Hypothesis>| -> Vec<Way> {
+        let all: Vec<Hypothesis> = all.into_iter().take(left).collect();
+        left -= all.len();
+        let off = parallel::map(all.len(), |n| distance(&all[n], question, &cases, options.dtype));
+        all.into_iter().zip(off).map(|(h, off)| Way { h, off }).collect()
+    };
+    let fits =
+        |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
+    let starts = open(question, answers, base, options).into_iter().take(STARTS);
+    let mut ways = measured(starts.map(|p| Hypothesis::new(vec![], apply(&p, base))).collect());
+    best(&mut ways);
+    for _ in 0..STEPS {
+        let next = ways.iter().flat_map(|way| steps(&way.h, question).map(|h| (h, way.off)));
+        let (all, before): (Vec<_>, Vec<_>) = next.unzip();
+        let mut next = measured(all);
+        let mut before = before.into_iter();
+        next.retain(|way| before.next().is_some_and(|before| way.off < before - NEARER));
+        best(&mut next);
+        let near = |way: &Way| (way.off < CLOSE && fits(&way.h)).then(|| way.h.clone());
+        let tried = parallel::map(next.len(), |n| {
+            near(&next[n]).or_else(|| (n < FITTED).then(|| numbered(&next[n].h, question, answers, &fits))?)
+        });
+        let found: Vec<Hypothesis> = tried.into_iter().flatten().filter(|h| !h.right()).collect();
+        if !found.is_empty() {
+            return found.into_iter().map(|h| needed(h, &fits)).collect();
+        }
+        if next.is_empty() {
+            break;
+        }
+        ways = next;
+    }
+    vec![]
+}
+
+/// The best ways, each once.
+fn best(ways: &mut Vec<Way>) {
+    ways.sort_by(|a, b| a.off.total_cmp(&b.off));
+    let mut known: Vec<(Vec<&str>, Conventions)> = vec![];
+    ways.retain(|way| {
+        let mut key = (way.h.mistakes.clone(), way.h.conventions);
+        key.0.sort_unstable();
+        let new = known.len() < WAYS && !known.contains(&key);
+        if new {
+            known.push(key);
+        }
+        new
+    });
+}
+
+/// One more mistake, or another value of one convention.
+fn steps<'a>(h: &'a Hypothesis, question: &'a Question) -> impl Iterator<Item = Hypothesis> + 'a {
+    let component = question.component;
+    let more = h.mistakes.len() < MISTAKES;
+    let others = component.mistakes.iter().filter(move |m| more && !m.gradient);
+    let others = others.filter(|m| !h.mistakes.contains(&m.name)).flat_map(move |m| added(h, m));
+    let own: Partial = partial(component, &h.conventions);
+    let changed = component.conventions.iter().flat_map(move |key| {
+        let (_, values) = CHOICES.iter().find(|(name, _)| name == key).expect("known conventions");
+        let own = own.clone();
+        values.iter().filter_map(move |value| {
+            (own[key] != *value).then(|| apply(&with(&own, key, value), &h.conventions))
+        })
+    });
+    let changed = changed.filter(|c| question.admits(c));
+    others.chain(changed.map(|conventions| Hypothesis { conventions, ..h.clone() }))
+}
+
+/// A mistake beside those that there are, with its usual number and with those that people write. The first that has a number gets it.
+fn added<'a>(h: &'a Hypothesis, m: &'static Mistake) -> impl Iterator<Item = Hypothesis> + 'a {
+    let usual = Hypothesis { mistakes: [&h.mistakes[..], &[m.name]].concat(), ..h.clone() };
+    let own = h.fitted.is_none().then(|| written(m)).into_iter().flatten();
+    let own = own.map(|number| Hypothesis {
+        mistakes: [&[m.name], &h.mistakes[..]].concat(),
+        fitted: Some(number),
+        ..h.clone()
+    });
+    std::iter::once(usual).chain(own)
+}
+
+/// The same mistakes where they fit with the number of one of them read off the answers.
+fn numbered(
+    h: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    fits: &impl Fn(&Hypothesis) -> bool,
+) -> Option<Hypothesis> {
+    let own = |m: &&Mistake| m.number.is_some() && h.mistakes.contains(&m.name);
+    question.component.mistakes.iter().filter(own).find_map(|m| {
+        let others = h.mistakes.iter().filter(|name| **name != m.name).copied();
+        let mistakes = std::iter::once(m.name).chain(others).collect();
+        let usual = Hypothesis { mistakes, fitted: None, ..h.clone() };
+        shown(m, &usual, question, answers).find(fits)
+    })
+}
+
+/// What is left of mistakes without those that nothing needs.
+fn needed(mut h: Hypothesis, fits: &impl Fn(&Hypothesis) -> bool) -> Hypothesis {
+    let mut n = 0;
+    while n < h.mistakes.len() {
+        let mut less = h.clone();
+        less.mistakes.remove(n);
+        if !less.right() && fits(&less) { h = less } else { n += 1 }
+    }
+    h
+}
+
+/// How many bits of the answers are lost, on the average over each output's elements.
+fn distance(h: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)], dtype: Dtype) -> f64 {
+    let one = |(case, answer): &(&Case, &Answer)| {
+        let (mut predicted, _) = h.prediction(question, case);
+        h.leave_open(question, case, answer, &mut predicted);
+        let each = answer.iter().filter_map(|(name, given)| {
+            let predicted = predicted.get(name)?;
+            let got = reshaped(&given.values, predicted.shape());
+            Some(got.map_or(WORST, |(got, _)| lost(&got, predicted, dtype)))
+        });
+        each.sum::<f64>() / answer.len().max(1) as f64
+    };
+    cases.iter().map(one).sum::<f64>() / cases.len().max(1) as f64
+}
+
+/// Bits that are lost where an answer has another shape, or no number.
+const WORST: f64 = 24.0;
+
+/// Bits that an output has lost, on the average.
+fn lost(got: &ArrayD<f64>, predicted: &ArrayD<f64>, dtype: Dtype) -> f64 {
+    let unit = 64.0 * dtype.unit_roundoff().max(Dtype::F32.unit_roundoff());
+    let of = |(g, p): (&f64, &f64)| match () {
+        () if g == p || g.is_nan() && p.is_nan() => 0.0,
+        () if !g.is_finite() || !p.is_finite() => WORST,
+        () => (1.0 + (g - p).abs() / (unit * g.abs().max(p.abs()))).log2(),
+    };
+    got.iter().zip(predicted).map(of).sum::<f64>() / got.len().max(1) as f64
+}

@@ -1,0 +1,137 @@
+//! What is wrong with a march along a ray, and what it does: where it ends, which steps it takes, and what it adds up.
+
+use crate::contract::component::Mistake;
+
+pub(super) const LAST_STEP: Mistake = Mistake::new(
+    "last_step_of_its_own",
+    "the last step is 1e10, whatever was handed over",
+    "what is given with a step of its own counts as a wall",
+    "steps as they are given; whoever has no last one appends it in front of this",
+    "never; cheap to keep",
+    0,
+)
+.with("step", 1e10, [1e-4, 1e12]);
+pub(super) const LAST_REPEATED: Mistake = Mistake::new(
+    "last_step_repeated",
+    "the last step is the one before",
+    "a last sample that is too thin or too thick",
+    "steps as they are given",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const STEPS_MOVED: Mistake = Mistake::new(
+    "steps_moved_on",
+    "the step in front of each sample for that behind it, the first one twice",
+    "densities over lengths that aren't theirs",
+    "delta_i = t_{i+1} - t_i",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const STEPS_AVERAGED: Mistake = Mistake::new(
+    "steps_averaged",
+    "(delta_{i-1} + delta_i) / 2, half of the first",
+    "densities over lengths that aren't theirs",
+    "delta_i = t_{i+1} - t_i",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const BEFORE_THE_SAMPLE: Mistake = Mistake::new(
+    "given_up_before_the_sample",
+    "the ray ends without the sample behind which less light than a threshold is left",
+    "what lies behind haze is missing, and the sample that ends the ray",
+    "take the sample, then end; or take the threshold from the caller (early_stop)",
+    "3D Gaussian splatting's rasterizer, where it is meant so",
+    1,
+)
+.with("left", 1e-4, [1e-6, 0.5]);
+pub(super) const MADE_OPAQUE: Mistake = Mistake::new(
+    "made_opaque_early",
+    "where less light than a threshold is left, the color is divided by the opacity, and that is 1",
+    "haze in front of a background is brighter than it should be",
+    "go on to the end, or take the threshold from the caller (early_stop)",
+    "instant-ngp's renderer, where it is meant so",
+    1,
+)
+.with("left", 1e-4, [1e-6, 0.5]);
+pub(super) const FAINT_UNCOLORED: Mistake = Mistake::new(
+    "faint_weights_have_no_color",
+    "colors of samples whose weight is above a threshold alone; weights and opacity have all",
+    "fog is darker than its opacity",
+    "all samples, or the same ones for all that is added up",
+    "TensoRF's rayMarch_weight_thres, where it saves the color network",
+    1,
+)
+.with("k", 1e-4, [1e-6, 0.1]);
+pub(super) const THIN_SKIPPED: Mistake = Mistake::new(
+    "thin_samples_skipped",
+    "density 0 where sigma < k",
+    "fog vanishes",
+    "densities as they are",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 1e-2, [1e-6, 10.0]);
+pub(super) const WEIGHTS_ARE_ALPHAS: Mistake = Mistake::new(
+    "weights_are_alphas",
+    "alpha is handed on for the weights; colors and opacity are right",
+    "depths and resampling see what is hidden",
+    "w_i = T_i alpha_i",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const MIDDLE_LIGHT: Mistake = Mistake::new(
+    "light_at_the_middle",
+    "T_i = exp(-(sum_{j<i} x_j + x_i / 2))",
+    "surfaces are darker than they should be",
+    "the light that reaches the sample: all in front of it",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const CLOUD: Mistake = Mistake::new(
+    "cloud_of_a_shader",
+    "w_i = T_{i+1} sigma_i delta_i, with 1 - T_N for the opacity",
+    "dense samples shine less than thin ones",
+    "alpha_i T_i",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const GAMMA: Mistake = Mistake::new(
+    "colors_with_gamma",
+    "C^(1 / 2.2)",
+    "pictures that are too bright: photographs have it already",
+    "C as it is",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const BY_OPACITY: Mistake = Mistake::new(
+    "color_by_opacity",
+    "C times its opacity",
+    "fog is darker than it should be",
+    "C has its weights already",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const ALPHAS_OFF_ONE: Mistake = Mistake::new(
+    "alphas_subtracted",
+    "T_i = 1 - sum alpha_j over those in front, ending at 0",
+    "everything is opaque after a few dense samples",
+    "a product of 1 - alpha_j",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const COLORS_AVERAGED: Mistake = Mistake::new(
+    "colors_averaged",
+    "(c_i + c_{i+1}) / 2",
+    "edges are blurred",
+    "each sample's own color",
+    "never; cheap to keep",
+    0,
+);
+pub(super) const SOURCE: Mistake = Mistake::new(
+    "source_without_density",
+    "w_i = T_i alpha_i / sigma_i: light that is emitted by length, not by matter",
+    "thin fog shines as brightly as a wall",
+    "w_i = T_i alpha_i",
+    "never; cheap to keep",
+    0,
+);
