@@ -80,6 +80,8 @@ pub struct Number {
     pub usual: f64,
     /// The least and the largest that it can be.
     pub range: [f64; 2],
+    /// Others that people write, where they can't be read off the answers.
+    pub listed: &'static [f64],
 }
 
 /// A mistake that people really make, runnable through [`Direction::wrong`].
@@ -138,7 +140,13 @@ impl Mistake {
 
     /// The same with a number in it.
     pub const fn with(self, name: &'static str, usual: f64, range: [f64; 2]) -> Mistake {
-        Mistake { number: Some(Number { name, usual, range }), ..self }
+        Mistake { number: Some(Number { name, usual, range, listed: &[] }), ..self }
+    }
+
+    /// The same with other numbers that people write.
+    pub const fn or(self, listed: &'static [f64]) -> Mistake {
+        let Some(number) = self.number else { panic!("a mistake with a number") };
+        Mistake { number: Some(Number { listed, ..number }), ..self }
     }
 
     /// The same, where right code that loses digits gives what this mistake does.

@@ -42,6 +42,8 @@ pub struct Special {
     pub work: usize,
     /// Outputs that aren't read everywhere.
     pub unread: Option<Unread>,
+    /// Outputs that many programs have as 1 less another: what is left of that has the digits of 1.
+    pub left_of_one: &'static [&'static str],
 }
 
 /// Outputs with another one that says where they are read: where that is 0, they may be anything.
@@ -108,6 +110,7 @@ impl Special {
         only: None,
         work: 1,
         unread: None,
+        left_of_one: &[],
     };
 }
 

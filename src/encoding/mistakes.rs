@@ -3,10 +3,14 @@
 //! Two mistakes of the catalogue have no row here: the same number of bands for positions and directions shows in the shapes
 //! (63 columns for 27), and a pixel grid that differs between training and rendering is a mistake of the caller.
 
+mod waves;
+
+use waves::OF_WAVES;
+
 use super::arrays::{self, dims, settings};
 use super::{Encoding, factor, wave};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
-use crate::contract::component::Mistake;
+use crate::contract::component::{Mistake, joined};
 use crate::convention::Conventions;
 use crate::math::{cos, exp, pow, sin};
 
@@ -55,7 +59,10 @@ const ANOTHER_FIRST_BAND: Mistake = Mistake::new(
 .with("c", 2.0, [0.05, 20.0]);
 
 /// Mistakes of the encoding.
-pub(crate) const POSITIONAL_ENCODING: &[Mistake] = &[
+pub(crate) const POSITIONAL_ENCODING: &[Mistake] =
+    &joined::<{ OF_BANDS.len() + OF_WAVES.len() }>(&[OF_BANDS, OF_WAVES]);
+
+const OF_BANDS: &[Mistake] = &[
     Mistake::new(
         "linear_ladder",
         "bands k pi for 2^k pi, k from 0",
@@ -251,10 +258,15 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
         () if wrong.contains(&"input_through_tanh") => &squashed,
         () => x,
     };
+    let mapped: Vec<f64> = x.iter().map(|x| waves::mapped(*x, wrong)).collect();
+    let x = &mapped[..];
     let mut out = super::positional_encoding(x, encoding);
     for k in 0..encoding.levels {
-        for (d, &x) in x.iter().enumerate() {
+        for (d, all, x) in x.iter().enumerate().map(|(d, own)| (d, x, *own)) {
             let (sine, cosine) = (encoding.column(dims, k, d, 0), encoding.column(dims, k, d, 1));
+            if let Some(other) = waves::other_wave(all, d, k, encoding, wrong) {
+                (out[sine], out[cosine]) = other;
+            }
             if wrong.contains(&"degrees_for_radians") {
                 (out[sine], out[cosine]) =
                     wave(encoding.frequency, encoding.band(k) / 180.0, std::f64::consts::PI * x);
@@ -363,6 +375,9 @@ pub(crate) fn positional_encoding_vjp(a: &Arrays, c: &Conventions, wrong: &[&str
                 }
             }
         }
+    }
+    if OF_WAVES.iter().any(|m| m.gradient && wrong.contains(&m.name)) {
+        return waves::slopes(&a, &g, &encoding, wrong);
     }
     a.insert("grad_encoding".into(), from_rows(&g, encoding.width(dims)));
     arrays::encoding_vjp(&a, c)

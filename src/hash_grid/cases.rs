@@ -88,6 +88,7 @@ pub(crate) fn hash_grid() -> Vec<Case> {
             (3, 4, 2, 64, 1),
             vec![0.5625, 0.4375, 0.1875, 0.8125, 0.5625, 0.9375, 0.0625, 0.6875, 0.4375],
         ),
+        case("PE6_two_dense", "2 and 4 cells fit into 128 entries, 8 don't", (2, 8, 3, 128, 2), seeded(8, 6)),
         case(
             "PE6_centers",
             "centers of cells: all 8 corners count 1/8; half a cell further is a vertex",

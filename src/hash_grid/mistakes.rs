@@ -7,30 +7,58 @@ use crate::convention::Conventions;
 use crate::math::pow;
 
 mod catalogue;
+mod digits;
+mod levels;
 
 pub(crate) use catalogue::HASH_GRID;
 use catalogue::{OFFSET_HALF, OTHER_GROWTH};
 
+/// The number in a mistake of levels, where it is made.
+fn fitted(name: &str, wrong: &[&str]) -> Option<f64> {
+    HASH_GRID.iter().find(|m| m.name == name).and_then(|m| m.among(wrong))
+}
+
 /// The levels as the mistakes have them.
 fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
-    let (base, finest, levels) = (number(a, "base"), number(a, "finest"), count(a));
+    let (mut base, mut finest, levels) = (number(a, "base"), number(a, "finest"), count(a));
+    finest = fitted("finest_of_its_own", wrong).unwrap_or(finest);
+    base = fitted("base_of_its_own", wrong).unwrap_or(base);
+    let other = finest != number(a, "finest") || base != number(a, "base");
+    let steps = (levels.max(2) - 1) as f64;
     let growth = OTHER_GROWTH.among(wrong);
     let usual = |l: usize| match () {
         () if wrong.contains(&"growth_over_levels") => base * pow(finest / base, l as f64 / levels as f64),
         () if wrong.contains(&"levels_even") => {
             base + (finest - base) * l as f64 / (levels.max(2) - 1) as f64
         }
+        () if wrong.contains(&"growth_from_the_second") => {
+            base * pow(finest / base, (l + 1) as f64 / levels as f64)
+        }
+        () if wrong.contains(&"rounded_level_by_level") => {
+            (0..l).fold(base, |n, _| libm::rint(n * pow(finest / base, 1.0 / steps)))
+        }
+        () if wrong.contains(&"whole_powers_fall_short") && l > 0 => n_of(a, l) - 1e-6,
+        () if other => base * pow(finest / base, l as f64 / steps),
         () if wrong.contains(&"resolution_doubled") => libm::ldexp(1.0, l as i32),
         () if wrong.contains(&"resolution_rounded_up") => n_of(a, l).ceil(),
         () => n_of(a, l),
     };
-    let n = |l: usize| growth.map_or_else(|| usual(l), |k| base * pow(k, l as f64));
+    let replaced = fitted("base_replaced", wrong).map_or(1.0, |own| own / base);
+    let n = |l: usize| replaced * growth.map_or_else(|| usual(l), |k| base * pow(k, l as f64));
     let mut out = levels_of(a, n, c);
     if wrong.contains(&"one_cell_less") {
         for level in &mut out {
             (level.scale, level.last, level.side) =
                 (level.scale - 1.0, level.last.max(1) - 1, level.side.max(2) - 1);
         }
+    }
+    if wrong.contains(&"one_cell_more") {
+        for level in &mut out {
+            (level.scale, level.last, level.side) = (level.scale + 1.0, level.last + 1, level.side + 1);
+        }
+    }
+    if wrong.contains(&"half_cell_back") {
+        out.iter_mut().for_each(|level| level.shift = -0.5);
     }
     if let Some(cells) = OFFSET_HALF.among(wrong) {
         out.iter_mut().for_each(|level| level.shift += cells);
@@ -44,17 +72,26 @@ fn wrong_entry((l, level): (usize, &Level), [x, y, z]: [u32; 3], wrong: &[&str])
     let first = u32::from(wrong.contains(&"vertices_from_one"));
     let [x, y, z] = [x + first, y + first, z + first];
     let cells = (level.side as usize).saturating_sub(1);
-    if level.dense()
-        || wrong.contains(&"dense_by_cells") && cells.checked_pow(3).is_some_and(|n| n <= entries)
-    {
+    let dense = match () {
+        () if wrong.contains(&"first_level_dense_alone") && l > 0 => false,
+        () if wrong.contains(&"dense_only_below") => {
+            level.dense() && (level.side as usize).checked_pow(3).is_some_and(|n| n < entries)
+        }
+        () if wrong.contains(&"dense_by_cells") => {
+            level.dense() || cells.checked_pow(3).is_some_and(|n| n <= entries)
+        }
+        () => level.dense(),
+    };
+    if dense {
         let side = level.side as usize - usize::from(wrong.contains(&"side_without_one"));
         let [x, y, z] = if wrong.contains(&"z_fastest") { [z, y, x] } else { [x, y, z] };
-        return (x as usize + side * (y as usize + side * z as usize)) % entries;
+        let rows = if wrong.contains(&"side_not_squared") { 1 } else { side };
+        return (x as usize + side * y as usize + side * rows * z as usize) % entries;
     }
     let mut primes = primes(level.primes);
     for name in wrong {
         match *name {
-            "prime_mistyped" => primes[1] = 265_443_567,
+            "first_prime_of_cloth" => primes[0] = 73_856_093,
             "primes_of_cloth" => primes = [73_856_093, 19_349_663, 83_492_791],
             "primes_of_cloth_but_the_first" => primes = [1, 19_349_663, 83_492_791],
             "primes_from_the_second" => primes = [2_654_435_761, 805_459_861, 3_674_653_429],
@@ -63,10 +100,32 @@ fn wrong_entry((l, level): (usize, &Level), [x, y, z]: [u32; 3], wrong: &[&str])
             _ => {}
         }
     }
+    if let Some(prime) = fitted("prime_mistyped", wrong) {
+        primes[1] = prime as u64 as u32;
+    }
+    if let Some(prime) = fitted("third_prime_mistyped", wrong) {
+        primes[2] = prime as u64 as u32;
+    }
+    if ["products_in_floats", "products_cut_off"].iter().any(|name| wrong.contains(name)) {
+        let single = |v: u32, p: u32| f64::from(v as f32 * p as f32);
+        let cut = wrong.contains(&"products_cut_off");
+        let whole = |x: f64| if cut { x as u32 } else { x as u64 as u32 };
+        let [x, y, z] = [(x, primes[0]), (y, primes[1]), (z, primes[2])].map(|(v, p)| whole(single(v, p)));
+        return (x ^ y ^ z) as usize % entries;
+    }
     let [x, y, z] = [x.wrapping_mul(primes[0]), y.wrapping_mul(primes[1]), z.wrapping_mul(primes[2])];
     let hash = match () {
         () if wrong.contains(&"sum_for_xor") => x.wrapping_add(y).wrapping_add(z),
         () if wrong.contains(&"and_for_xor") => x & y & z,
+        () if wrong.contains(&"hash_without_z") => x ^ y,
+        () if wrong.contains(&"level_xored_in") => x ^ y ^ z ^ l as u32,
+        () if wrong.contains(&"hash_of_top_bits") => {
+            let bits = usize::BITS - entries.saturating_sub(1).leading_zeros();
+            return ((u64::from(x ^ y ^ z)) >> (32 - bits.min(32))) as usize % entries;
+        }
+        () if wrong.contains(&"last_factor_reduced_alone") => {
+            return ((x ^ y ^ (z as usize % entries) as u32) as usize).min(entries - 1);
+        }
         () if wrong.contains(&"level_in_the_hash") => (x ^ y ^ z).wrapping_add(l as u32),
         () => x ^ y ^ z,
     };
@@ -75,7 +134,20 @@ fn wrong_entry((l, level): (usize, &Level), [x, y, z]: [u32; 3], wrong: &[&str])
 
 /// Cell and weight of the upper side along one axis as the mistakes have them.
 fn wrong_cell(level: &Level, x: f64, wrong: &[&str]) -> (u32, f64) {
-    let (cell, mut fraction) = level.cell(x);
+    let (mut cell, mut fraction) = level.cell(x);
+    if wrong.contains(&"half_cell_back") {
+        let held = (x * level.scale + level.shift).max(0.0);
+        cell = held.floor().min(f64::from(level.last)) as u32;
+        fraction = held - f64::from(cell);
+    }
+    if wrong.contains(&"cell_rounded") {
+        let scaled = x * level.scale + level.shift;
+        cell = libm::rint(scaled).max(0.0) as u32;
+        fraction = scaled - f64::from(cell);
+    }
+    if wrong.contains(&"last_face_one_early") && fraction == 1.0 {
+        fraction = 0.0;
+    }
     for name in wrong {
         match *name {
             "nearest_vertex" => fraction = f64::from(u8::from(fraction >= 0.5)),
@@ -90,12 +162,14 @@ fn wrong_cell(level: &Level, x: f64, wrong: &[&str]) -> (u32, f64) {
 /// The weight of corner k as the mistakes have it: bit i of k says which side along axis i.
 fn wrong_weight(k: usize, cells: [(u32, f64); 3], right: f64, wrong: &[&str]) -> f64 {
     let has = |name: &str| wrong.contains(&name);
+    let cells = if has("y_weighs_z") { [cells[0], cells[1], cells[1]] } else { cells };
     let side = |axis: usize, upper: bool| if upper { cells[axis].1 } else { 1.0 - cells[axis].1 };
     let bits = [k & 1 == 1, k & 2 == 2, k & 4 == 4];
     match () {
         () if has("mean_of_corners") => 0.125,
         () if has("corners_added") => 1.0,
         () if has("last_axis_unweighted") => side(0, bits[0]) * side(1, bits[1]),
+        () if has("y_weighs_z") => (0..3).map(|axis| side(axis, bits[axis])).product(),
         () if has("one_face_alone") && bits[2] => 0.0,
         () if has("one_face_alone") => side(0, bits[0]) * side(1, bits[1]),
         () if has("weights_of_mirrored_corners") => (0..3).map(|axis| side(axis, bits[2 - axis])).product(),
@@ -112,24 +186,61 @@ fn encode(levels: &[Level], x: [f64; 3], wrong: &[&str]) -> Vec<f64> {
         let cells = x.map(|x| wrong_cell(level, x, wrong));
         let mut features = vec![0.0; level.table.ncols()];
         for k in 0..8 {
-            let (vertex, right) = corner(k, cells);
+            let (mut vertex, right) = corner(k, cells);
+            if wrong.contains(&"upper_vertex_held") {
+                vertex = vertex.map(|v| v.min(level.side.saturating_sub(2)));
+            }
             let weight = wrong_weight(k, cells, right, wrong);
-            let entry = level.table.row(wrong_entry((l, level), vertex, wrong));
-            features.iter_mut().zip(entry).for_each(|(feature, entry)| *feature += weight * entry);
+            let entry = wrong_entry((l, level), vertex, wrong);
+            let of = |(f, feature): (usize, &mut f64)| *feature += weight * read(levels, l, entry, f, wrong);
+            features.iter_mut().enumerate().for_each(of);
         }
         out.extend(features);
     }
+    let width = if levels.is_empty() { 0 } else { out.len() / levels.len() };
     if wrong.contains(&"feature_by_feature") && !levels.is_empty() {
-        let width = out.len() / levels.len();
         out = (0..out.len()).map(|n| out[n % levels.len() * width + n / levels.len()]).collect();
     }
+    if wrong.contains(&"finest_first") && width > 0 {
+        out = out.chunks(width).rev().flatten().copied().collect();
+    }
     out
+}
+
+/// Feature f of an entry of level l, as tables in a flat buffer are read.
+fn read(levels: &[Level], l: usize, entry: usize, f: usize, wrong: &[&str]) -> f64 {
+    let has = |name: &str| wrong.contains(&name);
+    let table = &levels[if has("first_table_for_all") { 0 } else { l }].table;
+    let (entries, width) = table.dim();
+    let flat = |n: usize| table[[n / width % entries, n % width]];
+    match () {
+        () if has("entries_overlap") => flat(entry % entries + f),
+        () if has("features_apart") => flat(f * entries + entry % entries),
+        () if has("levels_overlap") => {
+            let n = levels[..l].iter().map(|level| level.table.nrows()).sum::<usize>() + entry * width + f;
+            let all = levels.iter().flat_map(|level| level.table.iter());
+            all.copied().nth(n).unwrap_or(0.0)
+        }
+        () => table[[entry % entries, f]],
+    }
 }
 
 /// The encoding.
 pub(crate) fn hash_grid(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let levels = wrong_levels(a, c, wrong);
-    forward(a, |x| if wrong.is_empty() { oracle(&levels, x) } else { encode(&levels, x, wrong) })
+    let all = points(a);
+    let over =
+        |axis: usize, larger: fn(f64, f64) -> f64| all.iter().map(|x| x[axis]).reduce(larger).unwrap_or(0.0);
+    let (least, most) =
+        ([0, 1, 2].map(|axis| over(axis, f64::min)), [0, 1, 2].map(|axis| over(axis, f64::max)));
+    let moved = |x: [f64; 3]| match () {
+        () if wrong.contains(&"halved_into_the_box") => x.map(|x| 0.5 * (x + 1.0)),
+        () if wrong.contains(&"normalized_by_the_batch") => {
+            [0, 1, 2].map(|axis| (x[axis] - least[axis]) / (most[axis] - least[axis]))
+        }
+        () => x,
+    };
+    forward(a, |x| if wrong.is_empty() { oracle(&levels, x) } else { encode(&levels, moved(x), wrong) })
 }
 
 /// Its gradient.
@@ -150,6 +261,11 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         }
         right.extend(gradients(&g_x, &[]));
     }
+    if wrong.contains(&"duplicates_lost") {
+        let g_x = right.remove("grad_x").expect("an output");
+        right = gradients(&[], &each_entry_once(a, &levels));
+        right.insert("grad_x".into(), g_x);
+    }
     if wrong.contains(&"collisions_overwrite") {
         let mut last = zeros(&levels);
         for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
@@ -169,4 +285,24 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         right.insert("grad_x".into(), g_x);
     }
     right
+}
+
+/// The tables' gradients where each corner's are added by indexed assignment, all points at once: the last of those that share an entry.
+fn each_entry_once(a: &Arrays, levels: &[Level]) -> Vec<Level> {
+    let mut sums = zeros(levels);
+    for k in 0..8 {
+        let mut last = zeros(levels);
+        for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
+            let mut first = 0;
+            for (level, last) in levels.iter().zip(&mut last) {
+                let cells = x.map(|x| level.cell(x)).map(|(cell, f)| (cell, level.weight(f)));
+                let (vertex, weight) = corner(k, cells);
+                let mut entry = last.table.row_mut(level.entry(vertex));
+                entry.iter_mut().zip(&g[first..]).for_each(|(entry, g)| *entry = weight * g);
+                first += level.table.ncols();
+            }
+        }
+        sums.iter_mut().zip(&last).for_each(|(sum, last)| sum.table += &last.table);
+    }
+    sums
 }

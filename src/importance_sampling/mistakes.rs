@@ -75,14 +75,14 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
         weights.iter_mut().for_each(|w| *w = w.max(least));
         padding = 0.0;
     }
-    if wrong.contains(&"inner_weights_on_first_edges") && last > 1 {
-        weights = weights[1..last].to_vec();
-        edges.truncate(last);
+    if wrong.contains(&"inner_weights_on_first_edges") && weights.len() > 2 {
+        weights = weights[1..weights.len() - 1].to_vec();
+        edges.truncate(weights.len() + 1);
     }
     let behind = wrong.contains(&"middles_with_weights_behind");
-    if (behind || wrong.contains(&"middles_with_weights_before")) && last > 0 {
+    if (behind || wrong.contains(&"middles_with_weights_before")) && weights.len() > 1 {
         edges = edges.windows(2).map(|e| 0.5 * (e[0] + e[1])).collect();
-        weights = if behind { weights[1..].to_vec() } else { weights[..last].to_vec() };
+        weights = if behind { weights[1..].to_vec() } else { weights[..weights.len() - 1].to_vec() };
     }
     if wrong.contains(&"interpolated_in_disparity") {
         edges.iter_mut().for_each(|e| *e = 1.0 / *e);
@@ -303,13 +303,18 @@ pub(crate) fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let batch: f64 = (0..size(a, "weights").0).map(|r| total(&super::arrays::ray(a, r, c))).sum();
     let others = super::arrays::ray(a, 0, c);
     forward(a, c, |ray| {
-        let mut ray = changed(ray, wrong);
-        if wrong.contains(&"first_rays_edges") {
-            ray.edges.clone_from(&others.edges);
-        }
-        if wrong.contains(&"first_rays_weights") {
-            ray.weights.clone_from(&others.weights);
-        }
+        let first = |name: &str, own: &[f64], others: &[f64]| {
+            if wrong.contains(&name) { others.to_vec() } else { own.to_vec() }
+        };
+        let ray = changed(
+            &Ray {
+                edges: first("first_rays_edges", &ray.edges, &others.edges),
+                weights: first("first_rays_weights", &ray.weights, &others.weights),
+                u: ray.u.clone(),
+                ..*ray
+            },
+            wrong,
+        );
         let f = cdf_of(&ray, batch, wrong);
         let shared = if wrong.contains(&"strata_doubled") { doubled(&shared) } else { shared.clone() };
         let u = if wrong.contains(&"one_u_for_all_rays") { &shared } else { &ray.u };

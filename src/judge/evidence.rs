@@ -134,6 +134,14 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
             .collect()
     };
     let cases = usable(h, question, answers);
+    // What leaves most of the answers open explains anything.
+    let [open, all] = cases.iter().fold([0; 2], |[open, all], (case, _)| {
+        let own = h.open(question, case);
+        [open + own[0], all + own[1]]
+    });
+    if 2 * open > all {
+        return false;
+    }
     let each = cases.iter().map(|(case, answer)| (*case, known((case, answer))));
     let [lost, wrong] = each.map(|(case, answer)| off(&(case, &answer))).fold([0.0; 2], larger);
     lost > 1.0 || MUCH_BETTER * wrong < lost

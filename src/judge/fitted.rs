@@ -171,7 +171,9 @@ pub(super) fn shown<'a>(
 /// The numbers that people write of those that a mistake can have.
 pub(super) fn written(mistake: &Mistake) -> impl Iterator<Item = f64> + use<> {
     let range = mistake.number.map(|number| number.range);
-    WRITTEN.into_iter().filter(move |x| range.is_some_and(|[least, most]| (least..=most).contains(x)))
+    let usual =
+        WRITTEN.into_iter().filter(move |x| range.is_some_and(|[least, most]| (least..=most).contains(x)));
+    mistake.number.map_or(&[][..], |number| number.listed).iter().copied().chain(usual)
 }
 
 /// The powers of ten in a range of many: an eps is one, and where it shows is in few elements.

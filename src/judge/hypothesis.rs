@@ -154,8 +154,10 @@ impl Hypothesis {
         let fractions = |name: &String| !whole(name) && truth[name].iter().all(|x| (0.0..=1.0).contains(x));
         let of_fractions = right.iter().filter(|(name, _)| fractions(name)).flat_map(|(_, bound)| bound);
         let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
+        let of_one = |name: &String| question.component.special.left_of_one.contains(&name.as_str());
         let one = |(name, w): (&String, &ArrayD<f64>)| {
-            let mut bound = w.mapv(|w| roundings * u * w.abs() + options.dtype.smallest_normal());
+            let least = if of_one(name) && question.kind == Kind::Forward { 1.0 } else { 0.0 };
+            let mut bound = w.mapv(|w| roundings * u * w.abs().max(least) + options.dtype.smallest_normal());
             let least = if fractions(name) { largest } else { 0.0 };
             match right.get(name) {
                 Some(right) if right.shape() == w.shape() => {
@@ -276,17 +278,10 @@ impl Hypothesis {
         answer: &Answer,
         options: &MarkOptions,
     ) -> [f64; 2] {
-        let (mut right, _) = self.prediction(question, case);
-        let (predicted, error) = other.prediction(question, case);
-        let mut wrong = predicted.clone();
+        let (right, _) = self.prediction(question, case);
+        let (mut wrong, error) = other.prediction(question, case);
         other.leave_open(question, case, answer, &mut wrong);
         let bound = self.bound(question, case, &right, error.as_ref(), options);
-        // What the other leaves open, it doesn't explain.
-        for (name, right) in right.iter_mut().filter(|(name, a)| predicted[*name].shape() == a.shape()) {
-            for ((r, p), w) in right.iter_mut().zip(&predicted[name]).zip(&wrong[name]) {
-                *r = if p.is_nan() && !w.is_nan() { *w } else { *r };
-            }
-        }
         [off(answer, &right, &bound), off(answer, &wrong, &bound)]
     }
 
@@ -325,6 +320,16 @@ impl Hypothesis {
                 wrong.zip_mut_with(&got, |w, g| *w = if w.is_nan() && open(*g) { *g } else { *w });
             }
         }
+    }
+
+    /// How many elements of its answers a mistake leaves open, and how many there are.
+    pub(crate) fn open(&self, question: &Question, case: &Case) -> [usize; 2] {
+        let open = |m: &Mistake| m.open && self.mistakes.contains(&m.name);
+        if question.kind == Kind::Vjp || !question.component.mistakes.iter().any(open) {
+            return [0; 2];
+        }
+        let all = self.prediction(question, case).0;
+        [all.values().flatten().filter(|x| x.is_nan()).count(), all.values().map(ArrayD::len).sum()]
     }
 
     /// Whether two hypotheses predict the same on a case, up to rounding: no answer could tell them apart.

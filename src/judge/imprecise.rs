@@ -79,7 +79,8 @@ fn coarse(
     let expected = question.expected(case, c);
     let mut bound = (direction.bound)(&case.inputs, c, &short);
     for (name, bound) in &mut bound {
-        let floor = short.u * size(&expected[name]);
+        let of_one = question.component.special.left_of_one.contains(&name.as_str());
+        let floor = short.u * size(&expected[name]).max(if of_one { 1.0 } else { 0.0 });
         bound.mapv_inplace(|bound| bound + floor);
     }
     (expected, bound)

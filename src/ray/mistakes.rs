@@ -5,6 +5,7 @@
 //! convention `directions`; a norm that is taken over the wrong axis is a mistake.
 
 mod catalogue;
+mod pictures;
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use ndarray::Axis;
@@ -86,6 +87,16 @@ fn normalize(rays: &mut [Ray], c: &Conventions, wrong: &[&str]) {
     }
 }
 
+/// Directions divided by the norm over their column, coordinate by coordinate.
+fn normalize_columns(rays: &mut [Ray], columns: usize) {
+    for column in 0..columns {
+        let own = rays.iter().skip(column).step_by(columns);
+        let squares = own.fold(DVec3::ZERO, |sum, ray| sum + ray.d * ray.d);
+        let norms = DVec3::from(squares.to_array().map(f64::sqrt));
+        rays.iter_mut().skip(column).step_by(columns).for_each(|ray| ray.d /= norms);
+    }
+}
+
 /// Pixel to ray.
 pub(crate) fn pixel_to_ray(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (k, c2w) = (intrinsics(&values(a, "K")), values(a, "c2w"));
@@ -119,7 +130,20 @@ pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         k.fy *= height as f64 / width as f64;
     }
     let shape = height as f64 / width as f64;
+    // The field of view across.
+    let angle = 2.0 * libm::atan(0.5 * width as f64 / k.fx);
+    let of_angle = |angle: f64| 0.5 * width as f64 / libm::tan(0.5 * angle);
     match () {
+        () if wrong.contains(&"focal_floored") => (k.fx, k.fy) = (libm::floor(k.fx), libm::floor(k.fy)),
+        () if wrong.contains(&"focal_rounded") => (k.fx, k.fy) = (libm::rint(k.fx), libm::rint(k.fy)),
+        () if wrong.contains(&"center_halved") => (k.cx, k.cy) = (0.5 * k.cx, 0.5 * k.cy),
+        () if wrong.contains(&"half_angle_forgotten") => {
+            (k.fx, k.fy) = (of_angle(2.0 * angle), of_angle(2.0 * angle))
+        }
+        () if wrong.contains(&"angle_in_whole_degrees") => {
+            let focal = of_angle(libm::rint(angle.to_degrees()).to_radians());
+            (k.fx, k.fy) = (focal, focal);
+        }
         () if wrong.contains(&"focal_by_the_height") => (k.fx, k.fy) = (shape * k.fx, shape * k.fy),
         () if wrong.contains(&"width_stretched") => k.fx *= shape,
         () if wrong.contains(&"width_squeezed") => k.fx /= shape,
@@ -135,6 +159,9 @@ pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         if wrong.contains(&"pixels_to_the_edges") && width > 1 && height > 1 {
             let steps = DVec2::new(width as f64 / (width - 1) as f64, height as f64 / (height - 1) as f64);
             *uv = DVec2::new(column, row) * steps;
+        }
+        if wrong.contains(&"rows_as_far_as_columns") && height > 1 {
+            uv.y += row * ((width as f64 - 1.0) / (height as f64 - 1.0) - 1.0);
         }
         if wrong.contains(&"half_pixel_across_alone") {
             *uv = DVec2::new(column + 0.5, row);
@@ -157,7 +184,10 @@ pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         (rows, columns) = (width, height);
     }
     let mut rays: Vec<Ray> = uv.iter().map(|&uv| wrong_ray(&k, &c2w, uv, c, wrong)).collect();
-    normalize(&mut rays, c, wrong);
+    match wrong.contains(&"norm_down_the_columns") {
+        true => normalize_columns(&mut rays, columns),
+        false => normalize(&mut rays, c, wrong),
+    }
     // Their uv are those of the right order.
     let at = |n: usize| match () {
         () if wrong.contains(&"picture_upside_down") => (height - 1 - n / width) * width + n % width,

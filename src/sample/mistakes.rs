@@ -4,6 +4,7 @@
 //! a single call can't show (jitter at evaluation, frozen, Gaussian) is found by statistics over repeated calls.
 
 mod catalogue;
+mod places;
 
 pub(crate) use catalogue::*;
 
@@ -21,6 +22,8 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
     };
     let mut u = row(a, "u", if wrong.contains(&"one_jitter_for_all_rays") { 0 } else { r });
     let n = u.len();
+    let own = places::OF_PLACES.iter().find(|m| m.name == "length_of_its_own");
+    let far = own.and_then(|m| m.among(wrong)).map_or(far, |length| near + length);
     let width = (far - near) / n as f64;
     for name in wrong {
         match *name {
@@ -33,6 +36,7 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
             "grid_of_unit_interval" => {
                 u.iter_mut().for_each(|u| *u *= number(a, "far") - number(a, "near"));
             }
+            "jitter_of_the_whole_range" => u.iter_mut().for_each(|u| *u *= n as f64),
             "left_edges_alone" => u.fill(0.0),
             "one_jitter_for_all_samples" => u = vec![u[0]; n],
             "one_bin_early" => u.iter_mut().for_each(|u| *u -= 1.0),
@@ -58,7 +62,29 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
         (u[0], u[n - 1]) = (0.0, 0.0);
         return sample_along_ray(near, far, &u, Grid::EndsPlusSpacing);
     }
-    bent(sample_along_ray(near, far, &u, c.grid), [near, far], &u, c, wrong)
+    let t = bent(sample_along_ray(near, far, &u, c.grid), [near, far], &u, c, wrong);
+    rearranged(t, [near, far], &u, wrong)
+}
+
+/// Positions in other strata, or in another order.
+fn rearranged(mut t: Vec<f64>, [near, far]: [f64; 2], u: &[f64], wrong: &[&str]) -> Vec<f64> {
+    let has = |name: &str| wrong.contains(&name);
+    let n = t.len();
+    if has("lower_halves_alone") {
+        let place = |i: usize| near + (far - near) * i as f64 / (n.max(2) - 1) as f64;
+        let lower = |i: usize| if i == 0 { near } else { 0.5 * (place(i - 1) + place(i)) };
+        t = (0..n).map(|i| lower(i) + u[i] * (place(i) - lower(i))).collect();
+    }
+    if has("middles_of_jittered_edges") {
+        t = (0..n).map(|i| 0.5 * (t[i] + t.get(i + 1).copied().unwrap_or(far))).collect();
+    }
+    if has("held_in_the_range") {
+        t.iter_mut().for_each(|t| *t = t.clamp(near.min(far), far.max(near)));
+    }
+    if has("samples_sorted") {
+        t.sort_by(f64::total_cmp);
+    }
+    t
 }
 
 /// Positions by another law.
@@ -67,6 +93,13 @@ fn bent(t: Vec<f64>, [near, far]: [f64; 2], u: &[f64], c: &Conventions, wrong: &
     let law: fn(f64, f64, f64) -> f64 = match () {
         () if has("even_in_disparity") => |s, near, far| 1.0 / ((1.0 - s) / near + s / far),
         () if has("even_in_square") => |s, near, far| near + s * s * (far - near),
+        () if has("even_then_in_disparity") => |s, near, far| {
+            let (spaced, back) = (
+                |x: f64| if x < 1.0 { 0.5 * x } else { 1.0 - 0.5 / x },
+                |y: f64| if y < 0.5 { 2.0 * y } else { 0.5 / (1.0 - y) },
+            );
+            back((1.0 - s) * spaced(near) + s * spaced(far))
+        },
         () if has("even_in_logarithm") => |s, near, far| pow(near, 1.0 - s) * pow(far, s),
         () => {
             let drawn = |u: &f64| near + u * (far - near);
@@ -126,6 +159,20 @@ pub(crate) fn sample_along_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
         let nearer: Vec<Vec<f64>> = t.iter().map(|t| t.iter().map(|t| t - near).collect()).collect();
         let points = arrays::samples(&a, &nearer).remove("points").expect("an output");
         out.insert("points".into(), points);
+    }
+    if wrong.contains(&"near_added_twice") {
+        let near = number(&a, "near");
+        let farther: Vec<Vec<f64>> = t.iter().map(|t| t.iter().map(|t| t + near).collect()).collect();
+        out.insert("points".into(), arrays::samples(&a, &farther).remove("points").expect("an output"));
+    }
+    if wrong.contains(&"near_added_for_points_alone") {
+        let near = number(&a, "near");
+        out.get_mut("t").expect("an output").mapv_inplace(|t| t - near);
+    }
+    if wrong.contains(&"t_without_jitter") {
+        let still: Vec<Vec<f64>> =
+            (0..rays).map(|r| wrong_positions(&a, r, c, &["never_jittered"])).collect();
+        out.insert("t".into(), arrays::samples(&a, &still).remove("t").expect("an output"));
     }
     if wrong.contains(&"flattened_in_wrong_order") {
         let points = input(&out, "points");

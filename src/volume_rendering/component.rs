@@ -57,6 +57,7 @@ pub(crate) const VOLUME_RENDER: Component = Component {
         rounds_inside: mistakes::rounds_alpha,
         forms: FORMS,
         large: cases::large::densities,
+        left_of_one: &["transmittance"],
         ..Special::NONE
     },
 };
@@ -93,7 +94,7 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     }),
     cases: cases::volume_render_alpha,
     mistakes: mistakes::VOLUME_RENDER_ALPHA,
-    special: Special { large: cases::large::opacities, ..Special::NONE },
+    special: Special { large: cases::large::opacities, left_of_one: &["transmittance"], ..Special::NONE },
 };
 
 /// Light from behind.

@@ -1,6 +1,8 @@
 //! Descriptions of the mistakes in hash grids. Libraries' choices that differ from the paper's text are conventions.
 
-use crate::contract::component::Mistake;
+use super::digits::MISTYPED;
+use super::levels::OF_LEVELS;
+use crate::contract::component::{Mistake, joined};
 
 pub(super) const OFFSET_HALF: Mistake = Mistake::new(
     "offset_half",
@@ -23,15 +25,20 @@ pub(super) const OTHER_GROWTH: Mistake = Mistake::new(
 .with("k", 1.5, [1.05, 2.5]);
 
 /// Mistakes of the hash grid.
-pub(crate) const HASH_GRID: &[Mistake] = &[
+pub(crate) const HASH_GRID: &[Mistake] =
+    &joined::<{ OF_HASHES.len() + OF_LEVELS.len() }>(&[OF_HASHES, OF_LEVELS]);
+
+const OF_HASHES: &[Mistake] = &[
     Mistake::new(
         "prime_mistyped",
-        "265443567 for 2654435761: a digit is missing",
+        "265443567 for 2654435761: a digit is missing, or in another place",
         "another hash, with more collisions: tables can't be exchanged",
         "1, 2654435761, 805459861",
         "kaolin-wisp#129",
         1,
-    ),
+    )
+    .with("prime", 265_443_567.0, [1e8, 1e10])
+    .or(&MISTYPED[0]),
     Mistake::new(
         "primes_rolled",
         "the factors belong to other axes: 2654435761, 805459861, 1",

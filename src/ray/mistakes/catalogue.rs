@@ -1,7 +1,8 @@
 //! What is wrong with rays, what it does, and where it was seen.
 
+use super::pictures::OF_PICTURES;
 use crate::camera::mistakes::{self, FLIPS};
-use crate::contract::component::Mistake;
+use crate::contract::component::{Mistake, joined};
 
 pub(super) const ORIGIN_MINUS_RT: Mistake = Mistake::new(
     "origin_minus_rt",
@@ -228,7 +229,10 @@ pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
 ];
 
 /// Mistakes of the rays of a picture.
-pub(crate) const IMAGE_RAYS: &[Mistake] = &[
+pub(crate) const IMAGE_RAYS: &[Mistake] =
+    &joined::<{ OF_RAYS.len() + OF_PICTURES.len() }>(&[OF_RAYS, OF_PICTURES]);
+
+const OF_RAYS: &[Mistake] = &[
     mistakes::NO_HALF,
     mistakes::MINUS_HALF,
     mistakes::ROW_COLUMN,

@@ -1,6 +1,7 @@
 //! What is wrong with samples, what it does, and where it was seen.
 
-use crate::contract::component::Mistake;
+use super::places::OF_PLACES;
+use crate::contract::component::{Mistake, joined};
 
 const fn fixed(name: &'static str, cause: &'static str) -> Mistake {
     Mistake::new(
@@ -27,7 +28,10 @@ pub(super) const JITTER_ABOUT_GRID: Mistake = Mistake::new(
 .with("k", 1e-4, [1e-6, 10.0]);
 
 /// Mistakes of positions and points.
-pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] = &[
+pub(crate) const SAMPLE_ALONG_RAYS: &[Mistake] =
+    &joined::<{ OF_JITTER.len() + OF_PLACES.len() }>(&[OF_JITTER, OF_PLACES]);
+
+const OF_JITTER: &[Mistake] = &[
     Mistake::new(
         "one_jitter_for_all_rays",
         "noise of shape (N,), broadcast over the rays",

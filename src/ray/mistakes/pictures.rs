@@ -1,0 +1,63 @@
+//! What is wrong with the rays of a whole picture alone, and what it does.
+
+use crate::contract::component::Mistake;
+
+/// Of its numbers and its axes.
+pub(super) const OF_PICTURES: &[Mistake] = &[
+    Mistake::new(
+        "focal_floored",
+        "int(focal)",
+        "a field of view that is a little too wide",
+        "the focal length as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "focal_rounded",
+        "round(focal)",
+        "a field of view that is a little off",
+        "the focal length as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "center_halved",
+        "half of the center, with the whole focal length: one of two that were to be rescaled",
+        "the picture's corner in the middle of the view",
+        "focal length and center in the same pixels",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "half_angle_forgotten",
+        "W / 2 / tan(fov): the whole angle for half of it",
+        "a focal length that is too short by more than half",
+        "W / 2 / tan(fov / 2)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "angle_in_whole_degrees",
+        "the field of view rounded to degrees",
+        "a focal length that is a little off",
+        "the angle as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "rows_as_far_as_columns",
+        "linspace(0, W - 1, H) for the rows: the width for the height",
+        "a picture stretched in height",
+        "linspace(0, H - 1, H)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "norm_down_the_columns",
+        "directions divided by the norm over a column of the picture",
+        "directions that shrink with the picture's height",
+        "the norm over the last axis",
+        "never; cheap to keep",
+        0,
+    ),
+];
