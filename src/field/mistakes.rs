@@ -152,7 +152,10 @@ fn heads(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, wrong: &[&str]) -> 
     let mut h = vec![];
     for (n, layer) in net.trunk.iter().enumerate() {
         let z = layer.forward(&Plan::of(c).join(n, &h, x));
-        let linear = n + 1 == net.trunk.len() && c.last_trunk == Activation::None;
+        let skip = n > 0 && Plan::of(c).encoding_begins(n, layer.w.ncols(), x.len()).is_some();
+        let linear = n + 1 == net.trunk.len() && c.last_trunk == Activation::None
+            || n == 0 && wrong.contains(&"first_layer_linear")
+            || skip && wrong.contains(&"skip_layer_linear");
         h = if linear { z } else { z.iter().map(unit).collect() };
     }
     let z = net.feature.forward(&h);
@@ -190,8 +193,15 @@ pub(crate) fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         cut_skip(&mut nerf, c);
     }
     let point = |(x, d): (&Vec<f64>, &Vec<f64>)| {
-        let x = encoding::encode(x, &nerf.position, wrong);
-        let mut d = encoding::encode(d, &nerf.direction, wrong);
+        let in_box = |x: &Vec<f64>| x.iter().map(|x| 0.5 * (x + 1.0)).collect::<Vec<f64>>();
+        let x = match () {
+            () if wrong.contains(&"positions_halved_into_the_box") => in_box(x),
+            () if wrong.contains(&"positions_halved") => x.iter().map(|x| 0.5 * x).collect(),
+            () => x.clone(),
+        };
+        let d = if wrong.contains(&"directions_halved_into_the_box") { in_box(d) } else { d.clone() };
+        let x = encoding::encode(&x, &nerf.position, wrong);
+        let mut d = encoding::encode(&d, &nerf.direction, wrong);
         if wrong.contains(&"no_view_direction") {
             d.fill(0.0);
         }

@@ -7,6 +7,7 @@ use crate::convention::{Conventions, SplatCenter, SplatClamp, SplatClampGradient
 
 mod catalogue;
 mod numbers;
+mod views;
 
 pub(crate) use catalogue::GAUSSIAN_PROJECTION;
 use numbers::{COMPENSATION_HELD, COVARIANCE_SCALED, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS, RADIUS_HELD};
@@ -28,6 +29,16 @@ fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f6
     };
     if let Some(limits) = limits {
         slopes = [0, 1].map(|n| ((t[n] / t[2]).max(-limits[n]).min(limits[n]), false));
+    }
+    if has("y_not_clamped") {
+        slopes[1] = (t[1] / t[2], false);
+    }
+    if has("limits_of_x_for_both") && form.clamp != SplatClamp::None {
+        let most = 1.3 * half[0];
+        slopes[1] = ((t[1] / t[2]).clamp(-most, most), false);
+    }
+    if has("slopes_exchanged") {
+        slopes.swap(0, 1);
     }
     if has("translation_in_jacobian") {
         slopes = [0, 1].map(|n| (view.translation[n] / t[2], false));
@@ -71,7 +82,15 @@ fn wrong_splat(
     let r = view.rotation;
     let turned = [0, 1, 2].map(|i| [0, 1, 2].map(|k| r[k][i]));
     let view = &if has("rotation_transposed") { View { rotation: turned, ..*view } } else { *view };
+    let back = |i: usize| -(0..3).map(|k| view.rotation[k][i] * view.translation[k]).sum::<f64>();
+    let inverse = View {
+        rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|k| view.rotation[k][i])),
+        translation: [0, 1, 2].map(back),
+        ..*view
+    };
+    let view = if has("pose_inverted") { &inverse } else { view };
     let [xx, xy, xz, yy, yz, zz] = sigma;
+    let sigma = if has("covariance_by_columns") { [xx, xy, yy, xz, yz, zz] } else { sigma };
     let sigma = if has("covariance_in_another_order") { [xx, yy, yz, xy, zz, xz] } else { sigma };
     let sigma = sigma.map(|x| x * COVARIANCE_SCALED.among(wrong).unwrap_or(1.0));
     let (t, right) = (in_camera(mean, view), project(mean, sigma, view, form));
@@ -86,8 +105,9 @@ fn wrong_splat(
     }
     let own = OTHER_DILATION.among(wrong).unwrap_or(form.dilation.value());
     let h = if has("not_dilated") { 0.0 } else { own };
+    let below = if has("dilated_across_alone") { 0.0 } else { h };
     let [a, b, c] =
-        [before[0] + h, before[1] + if has("every_entry_dilated") { h } else { 0.0 }, before[2] + h];
+        [before[0] + h, before[1] + if has("every_entry_dilated") { h } else { 0.0 }, before[2] + below];
     let held = |x: f64| x.max(form.dilation.value());
     let [a, b, c] =
         if has("held_up_by_the_dilation") { [held(before[0]), b, held(before[2])] } else { [a, b, c] };
@@ -118,6 +138,8 @@ fn wrong_splat(
             [x, y] if has("mean_in_clip_space") => {
                 [2.0 * (x + shift) / view.width - 1.0, 2.0 * (y + shift) / view.height - 1.0]
             }
+            [x, y] if has("center_swapped") => [x - view.k.cx + view.k.cy, y - view.k.cy + view.k.cx],
+            [x, _] if has("one_focal_in_the_mean") => [x, view.k.fx * t[1] / t[2] + view.k.cy - shift],
             [x, y] if has("picture_upside_down") => [x, 2.0 * (view.k.cy - shift) - y],
             [x, y] if has("middle_of_the_picture") => {
                 [x - view.k.cx + 0.5 * view.width, y - view.k.cy + 0.5 * view.height]

@@ -63,6 +63,12 @@ pub(crate) fn psnr() -> Vec<Case> {
             vec![("prediction", prediction.clone()), ("target", target.clone()), ("peak", scalar(peak))];
         Case::new(id, comment, inputs)
     };
+    let middle = draw.array(&[1, 4, 5, 3], 0.375, 0.625);
+    let mut uneven = middle.clone();
+    for (at, x) in uneven.indexed_iter_mut() {
+        let error = libm::ldexp(1.0 + 0.25 * at[2] as f64, -2 - 2 * at[3] as i32 - at[1] as i32);
+        *x = crate::contract::case::short(if (at[1] + at[2]) % 2 == 0 { *x + error } else { *x - error });
+    }
     let byte = |x: f64| (x * 255.0).round().min(255.0);
     let cases = vec![
         with_peak("two_pictures", "two pictures of unequal error: the two means differ", &two, &target, 1.0),
@@ -74,6 +80,20 @@ pub(crate) fn psnr() -> Vec<Case> {
             &two.mapv(|x| 2.0 * x - 1.0),
             &target.mapv(|x| 2.0 * x - 1.0),
             2.0,
+        ),
+        with_peak(
+            "uneven",
+            "errors of either sign that differ from channel to channel and from pixel to pixel",
+            &uneven,
+            &middle,
+            1.0,
+        ),
+        with_peak(
+            "ninth_power",
+            "an error of 2^-9 everywhere: 54 dB",
+            &half.mapv(|x| x + libm::ldexp(1.0, -9)),
+            &half,
+            1.0,
         ),
         with_peak("ME1_equal", "equal pictures: infinite, never NaN", &half, &half, 1.0)
             .edge("equal pictures"),

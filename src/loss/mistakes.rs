@@ -8,6 +8,7 @@ use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 mod bytes;
+mod parts;
 mod psnr;
 
 pub(crate) use bytes::{TO_UINT8, to_uint8};

@@ -106,6 +106,46 @@ pub(crate) const NDC_RAYS: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "depth_moved_alone",
+        "z is moved to the near plane first, in place; t is then 0 for x and y",
+        "rays begin beside where they are seen",
+        "one t for all three, from the ray as it came",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "depth_not_moved",
+        "x and y are moved to the near plane, z isn't",
+        "rays begin at different depths of the cube",
+        "one t for all three",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "near_forgotten_in_origins_depth",
+        "1 + 2 / o_z for 1 + 2 near / o_z",
+        "rays don't begin at the cube's face, unless near is 1",
+        "2 near / o_z",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "near_forgotten_in_directions_depth",
+        "-2 / o_z for -2 near / o_z",
+        "rays don't end at the cube's face, unless near is 1",
+        "2 near / o_z",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "shift_in_lengths",
+        "t of the unit direction, moved by the direction itself",
+        "rays begin before the near plane, or behind it",
+        "t and d of one direction",
+        "never; cheap to keep",
+        0,
+    ),
     EPS_IN_DEPTH,
     Mistake::new(
         "direction_between_points",
@@ -167,12 +207,27 @@ fn wrong_ray(o: [f64; 3], d: [f64; 3], view: &View, wrong: &[&str]) -> Ray {
     let plane = if has("moved_behind") { -sign * near } else { sign * near };
     let eps = EPS_IN_DEPTH.among(wrong);
     let t = if has("origin_not_moved") { 0.0 } else { (plane - o[2]) / (d[2] + eps.unwrap_or(0.0)) };
-    let beside = has("origin_not_moved") || eps.is_some();
-    let p = [o[0] + t * d[0], o[1] + t * d[1], if beside { o[2] + t * d[2] } else { plane }];
+    let length = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]).sqrt();
+    let t = if has("shift_in_lengths") { t * length } else { t };
+    let still = ["origin_not_moved", "depth_not_moved", "shift_in_lengths"].iter().any(|name| has(name));
+    let beside = still || eps.is_some();
+    let o = if has("depth_moved_alone") { [o[0] - t * d[0], o[1] - t * d[1], o[2]] } else { o };
+    let p = [
+        o[0] + t * d[0],
+        o[1] + t * d[1],
+        match () {
+            () if has("depth_not_moved") => o[2],
+            () if beside => o[2] + t * d[2],
+            () => plane,
+        },
+    ];
     let of_depth = if has("depth_of_the_other_axes") { -sign } else { sign };
     let twice = if has("two_forgotten_in_depth") { 1.0 } else { 2.0 };
     let depth = twice * of_depth * near / if has("unmoved_depth") { o[2] } else { p[2] };
-    let (mut o_ndc, mut d_ndc) = ([1.0 - depth; 3], [depth; 3]);
+    let of = |name: &str| if has(name) { depth / near } else { depth };
+    let (origins, directions) =
+        (of("near_forgotten_in_origins_depth"), of("near_forgotten_in_directions_depth"));
+    let (mut o_ndc, mut d_ndc) = ([1.0 - origins; 3], [directions; 3]);
     let mut scales = view.scales();
     if has("size_swapped") {
         scales.swap(0, 1);

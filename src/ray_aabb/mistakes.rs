@@ -1,5 +1,6 @@
 //! Rays and boxes, wrong on purpose. Without a mistake every function equals the oracle.
 
+mod boxes;
 mod catalogue;
 
 pub(crate) use catalogue::RAY_AABB;
@@ -42,6 +43,17 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
         () if is("high_taken_for_size") => (q.low, moved(1.0)),
         () if is("cube_of_the_first_axis") => ([q.low[0]; 3], [q.high[0]; 3]),
         () if is("box_about_the_origin") => (q.high.map(|x| -x), q.high),
+        () if is("half_size_of_y_for_z") => {
+            let (middle, half) = (0.5 * (q.low[2] + q.high[2]), 0.5 * (q.high[1] - q.low[1]));
+            ([q.low[0], q.low[1], middle - half], [q.high[0], q.high[1], middle + half])
+        }
+        () if is("axes_of_the_box_exchanged") => {
+            ([q.low[0], q.low[2], q.low[1]], [q.high[0], q.high[2], q.high[1]])
+        }
+        () if is("size_for_half_size") => {
+            let ends = |k: f64| [0, 1, 2].map(|a| 0.5 * (q.low[a] + q.high[a]) + k * (q.high[a] - q.low[a]));
+            (ends(-1.0), ends(1.0))
+        }
         () if is("unit_box") => ([0.0; 3], [1.0; 3]),
         () => (q.low, q.high),
     };
@@ -70,6 +82,8 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
         }
         let (x, y) = ((low[a] - q.o[a]) / d, (high[a] - q.o[a]) / d);
         let (first, last) = if d > 0.0 || is("sign_ignored") { (x, y) } else { (y, x) };
+        let first = if a == 2 && is("entry_of_z_forgotten") { f64::NEG_INFINITY } else { first };
+        let last = if a == 1 && is("exit_of_y_forgotten") { f64::INFINITY } else { last };
         line = Hit { enter: line.enter.max(first), leave: line.leave.min(last) };
         any = Hit { enter: any.enter.min(first), leave: any.leave.max(last) };
     }
@@ -135,7 +149,13 @@ pub(crate) fn ray_aabb(a: &Arrays, _: &Conventions, wrong: &[&str]) -> Arrays {
             let length = length(&q);
             q.d = q.d.map(|d| d / length);
         }
-        let hit = outputs(wrong_hit(&q, wrong), q.far);
+        let mut hit = outputs(wrong_hit(&q, wrong), q.far);
+        if wrong.contains(&"t_in_lengths") && hit[2] == 1.0 {
+            (hit[0], hit[1]) = (hit[0] * length(&q), hit[1] * length(&q));
+        }
+        if wrong.contains(&"hit_negated") {
+            hit[2] = 1.0 - hit[2];
+        }
         if wrong.contains(&"nan_in_a_face") && in_a_face(&q) { hit.map(|_| f64::NAN) } else { hit }
     })
 }

@@ -79,7 +79,8 @@ fn rearranged(mut t: Vec<f64>, [near, far]: [f64; 2], u: &[f64], wrong: &[&str])
         t = (0..n).map(|i| 0.5 * (t[i] + t.get(i + 1).copied().unwrap_or(far))).collect();
     }
     if has("held_in_the_range") {
-        t.iter_mut().for_each(|t| *t = t.clamp(near.min(far), far.max(near)));
+        let spaced = sample_along_ray(near, far, u, Grid::EndsPlusSpacing);
+        t = spaced.into_iter().map(|t| t.clamp(near.min(far), far.max(near))).collect();
     }
     if has("samples_sorted") {
         t.sort_by(f64::total_cmp);

@@ -36,6 +36,27 @@ const THIRD_CONSTANT: Mistake = Mistake::new(
 )
 .with("c", 0.15769578262626002, [0.01, 10.0]);
 
+const ONE_OTHER: Mistake = Mistake::new(
+    "one_harmonic_mistyped",
+    "one of the functions is another one, and all the others are right",
+    "one coefficient in so many leans the wrong way",
+    "compare this one with its polynomial, sign and constant",
+    "typed tables of polynomials: 7 z^2 - 3 for 7 z^2 - 1, + for -, a constant of another row",
+    2,
+)
+.with("n", 4.0, [0.0, 24.0])
+.or(&ALL)
+.open_where_nan();
+const ALL: [f64; super::MAX_WIDTH] = {
+    let mut all = [0.0; super::MAX_WIDTH];
+    let mut n = 0;
+    while n < super::MAX_WIDTH {
+        all[n] = n as f64;
+        n += 1;
+    }
+    all
+};
+
 /// Mistakes of the spherical harmonics.
 pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
     Mistake::new(
@@ -122,6 +143,23 @@ pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
     FIRST_CONSTANT,
     SECOND_CONSTANT,
     THIRD_CONSTANT,
+    ONE_OTHER,
+    Mistake::new(
+        "bands_of_irradiance",
+        "bands times pi, 2 pi / 3, pi / 4: the factors of diffuse light",
+        "high bands too faint",
+        "the harmonics as they are",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "third_and_fourth_band_left_out",
+        "0 from band 3 on",
+        "colors change less with the direction than they could",
+        "all (degree + 1)^2",
+        "never; cheap to keep",
+        0,
+    ),
     Mistake::new(
         "band_1_by_axes",
         "band 1 as x, y, z",
@@ -225,6 +263,23 @@ pub(crate) fn harmonics(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         }
         if wrong.contains(&"last_band_left_out") && degree(a) > 0 {
             out[degree(a) * degree(a)..].fill(0.0);
+        }
+        if wrong.contains(&"third_and_fourth_band_left_out") {
+            out.iter_mut().skip(9).for_each(|y| *y = 0.0);
+        }
+        if wrong.contains(&"bands_of_irradiance") {
+            let pi = std::f64::consts::PI;
+            let factor = |n: usize| match n {
+                0 => pi,
+                1..4 => 2.0 * pi / 3.0,
+                4..9 => 0.25 * pi,
+                9..16 => 0.0,
+                _ => -pi / 24.0,
+            };
+            out.iter_mut().enumerate().for_each(|(n, y)| *y *= factor(n));
+        }
+        if let Some(y) = ONE_OTHER.among(wrong).and_then(|n| out.get_mut(n as usize)) {
+            *y = f64::NAN;
         }
         if wrong.contains(&"m_descending") {
             (0..=degree(a)).for_each(|l| out[l * l..(l + 1) * (l + 1)].reverse());

@@ -26,7 +26,7 @@ pub(crate) use densities::{ALPHA_ERROR, rounds_alpha, volume_render};
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
 pub(crate) use gradients::{volume_render_alpha_vjp, volume_render_vjp};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
-use march::{BEFORE_THE_SAMPLE, FAINT_UNCOLORED, MADE_OPAQUE};
+use march::{ALPHAS_HELD, BEFORE_THE_SAMPLE, FAINT_UNCOLORED, MADE_OPAQUE, THIN_ALPHAS};
 
 /// Mistakes between opacities and outputs.
 fn wrong_composite(
@@ -132,6 +132,19 @@ fn wrong_composite(
     }
     if let Some(eps) = DIVIDED.among(wrong) {
         rendering.color = rendering.color.map(|c| c / (rendering.opacity + eps));
+    }
+    let whole: f64 = alphas.iter().sum();
+    let alike = |k: usize| alphas.iter().zip(rgbs).map(|(alpha, color)| alpha * color[k]).sum::<f64>();
+    match () {
+        () if wrong.contains(&"opacity_blended_twice") => {
+            rendering.opacity = alphas.iter().rev().fold(0.0, |a, alpha| alpha * alpha + (1.0 - alpha) * a)
+        }
+        () if wrong.contains(&"blended_in_any_order") => {
+            let by = if whole == 0.0 { 0.0 } else { rendering.opacity / whole };
+            rendering.color = std::array::from_fn(|k| by * alike(k));
+        }
+        () if wrong.contains(&"colors_of_alphas") => rendering.color = std::array::from_fn(alike),
+        () => {}
     }
     if wrong.contains(&"color_by_opacity") {
         rendering.color = rendering.color.map(|c| c * rendering.opacity);
@@ -239,6 +252,12 @@ pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -
     let mut alphas: Vec<Vec<f64>> = (0..count).map(|r| row(a, "alphas", r)).collect();
     if wrong.contains(&LAST_OPAQUE.name) {
         alphas.iter_mut().filter_map(|ray| ray.last_mut()).for_each(|alpha| *alpha = 1.0);
+    }
+    if let Some(least) = THIN_ALPHAS.among(wrong) {
+        alphas.iter_mut().flatten().filter(|alpha| **alpha < least).for_each(|alpha| *alpha = 0.0);
+    }
+    if let Some(k) = ALPHAS_HELD.among(wrong) {
+        alphas.iter_mut().flatten().for_each(|alpha| *alpha = alpha.clamp(k, 1.0 - k));
     }
     if wrong.contains(&"alphas_as_densities") {
         alphas.iter_mut().flatten().for_each(|alpha| *alpha = -crate::math::expm1(-*alpha));

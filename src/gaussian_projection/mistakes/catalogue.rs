@@ -3,10 +3,14 @@
 use super::numbers::{
     COMPENSATION_HELD, COVARIANCE_SCALED, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS, RADIUS_HELD,
 };
-use crate::contract::component::Mistake;
+use super::views::OF_VIEWS;
+use crate::contract::component::{Mistake, joined};
 
 /// Mistakes of the projection.
-pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] = &[
+pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] =
+    &joined::<{ OF_SPLATS.len() + OF_VIEWS.len() }>(&[OF_SPLATS, OF_VIEWS]);
+
+const OF_SPLATS: &[Mistake] = &[
     Mistake::new(
         "not_dilated",
         "J R Sigma R^T J^T as it is",

@@ -1,7 +1,8 @@
 //! Signal-to-noise ratio, wrong on purpose.
 
+use super::parts::OF_PARTS;
 use crate::contract::arrays::{Arrays, arrays, input, scalar};
-use crate::contract::component::Mistake;
+use crate::contract::component::{Mistake, joined};
 use crate::convention::{Conventions, PsnrOf, PsnrPeak};
 use crate::loss::arrays;
 
@@ -26,7 +27,9 @@ const INFINITE: Mistake = Mistake::new(
 .with("k", 1e-10, [1e-14, 1e-2]);
 
 /// Mistakes of the metric.
-pub(crate) const PSNR: &[Mistake] = &[
+pub(crate) const PSNR: &[Mistake] = &joined::<{ OF_FIGURES.len() + OF_PARTS.len() }>(&[OF_FIGURES, OF_PARTS]);
+
+const OF_FIGURES: &[Mistake] = &[
     INFINITE,
     Mistake::new(
         "doubled_psnr",
@@ -272,11 +275,30 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         if wrong.contains(&"through_bytes") {
             array.mapv_inplace(|x| libm::rint(255.0 * x / peak) / 255.0 * peak);
         }
+        if wrong.contains(&"first_channel_alone") {
+            *array = array.slice_axis(ndarray::Axis(3), (0..1).into()).to_owned();
+        }
+        if wrong.contains(&"luma_alone") && array.shape()[3] == 3 {
+            let luma = |x: ndarray::ArrayView1<f64>| 0.299 * x[0] + 0.587 * x[1] + 0.114 * x[2];
+            *array = array.map_axis(ndarray::Axis(3), luma).insert_axis(ndarray::Axis(3));
+        }
+        let crop = wrong.contains(&"border_cropped") && array.shape()[1..3].iter().all(|n| *n > 2);
+        for axis in [1, 2].into_iter().filter(|_| crop) {
+            let end = array.shape()[axis] as isize - 1;
+            *array = array.slice_axis(ndarray::Axis(axis), (1..end).into()).to_owned();
+        }
         if wrong.contains(&"first_picture_alone") {
             *array = array.slice_axis(ndarray::Axis(0), (0..1).into()).to_owned();
         }
     }
     if wrong.contains(&"peak_255") {
+        a.insert("peak".into(), scalar(255.0));
+    }
+    if wrong.contains(&"bytes_wrap_around") {
+        let bytes = |x: &f64| libm::rint(255.0 * (x / peak).clamp(0.0, 1.0));
+        let [p, t] = ["prediction", "target"].map(|name| input(&a, name).map(bytes));
+        a.insert("prediction".into(), (p - &t).mapv(|d| if d < 0.0 { d + 256.0 } else { d }) + &t);
+        a.insert("target".into(), t);
         a.insert("peak".into(), scalar(255.0));
     }
     if wrong.contains(&"peak_of_target") {
@@ -303,7 +325,14 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             a.insert(name.into(), row);
         }
     }
-    let peaks = ["peak_255", "peak_of_target", "peak_of_prediction", "range_of_target", "bytes_cut_off"];
+    let peaks = [
+        "bytes_wrap_around",
+        "peak_255",
+        "peak_of_target",
+        "peak_of_prediction",
+        "range_of_target",
+        "bytes_cut_off",
+    ];
     let by_peak = peaks.iter().any(|name| wrong.contains(name));
     // Where the peak is 1 by convention, another one is still a mistake.
     let c = &Conventions { psnr_peak: if by_peak { PsnrPeak::Given } else { c.psnr_peak }, ..*c };
@@ -314,6 +343,10 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if let Some(parts) = parts(&a, wrong) {
         let figure = |error: f64| crate::loss::psnr(error, arrays::peak(&a, c));
         value = parts.iter().map(|error| figure(*error)).sum::<f64>() / parts.len() as f64;
+    }
+    if let Some(eps) = PSNR.iter().find(|m| m.name == "eps_in_error").and_then(|m| m.among(wrong)) {
+        let peak = arrays::peak(&a, c);
+        value = crate::loss::psnr(peak * peak * crate::math::pow(10.0, -value / 10.0) + eps, peak);
     }
     if wrong.contains(&"peak_of_each_target") {
         value = by_own_peaks(&a, c);

@@ -1,6 +1,7 @@
 //! What is wrong with rays and boxes, what it does, and where it was seen.
 
-use crate::contract::component::Mistake;
+use super::boxes::OF_BOXES;
+use crate::contract::component::{Mistake, joined};
 
 pub(super) const EPS_IN_DIRECTION: Mistake = Mistake::new(
     "eps_in_direction",
@@ -73,7 +74,9 @@ pub(super) const ENTERED_LATE: Mistake = Mistake::new(
 .with("eps", 1e-4, [1e-6, 0.1]);
 
 /// Mistakes of rays and boxes.
-pub(crate) const RAY_AABB: &[Mistake] = &[
+pub(crate) const RAY_AABB: &[Mistake] = &joined::<{ OF_SLABS.len() + OF_BOXES.len() }>(&[OF_SLABS, OF_BOXES]);
+
+const OF_SLABS: &[Mistake] = &[
     EPS_IN_DIRECTION,
     TINY_PARALLEL,
     Mistake::new(

@@ -14,10 +14,10 @@ pub(super) const OF_PLACES: &[Mistake] = &[
     ),
     Mistake::new(
         "held_in_the_range",
-        "t held between near and far",
+        "jitter of a whole spacing of both ends, held between near and far",
         "samples in clumps at both ends",
         "strata that end at near and far by themselves",
-        "jitter of a whole spacing about both ends, cut",
+        "a jitter about a linspace, cut",
         1,
     ),
     Mistake::new(

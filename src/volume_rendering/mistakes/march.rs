@@ -135,3 +135,45 @@ pub(super) const SOURCE: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
+pub(super) const BLENDED_TWICE: Mistake = Mistake::new(
+    "opacity_blended_twice",
+    "A = alpha^2 + (1 - alpha) A from back to front: the color's blend for opacity, too",
+    "pictures that are seen through",
+    "A = alpha + (1 - alpha) A: glBlendFuncSeparate(SRC_ALPHA, ONE_MINUS_SRC_ALPHA, ONE, ONE_MINUS_SRC_ALPHA)",
+    "viewers that blend with SRC_ALPHA",
+    1,
+);
+pub(super) const THIN_ALPHAS: Mistake = Mistake::new(
+    "thin_alphas_skipped",
+    "0 for alpha below k",
+    "haze vanishes",
+    "alphas as they are",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 0.5, [1e-6, 0.9]);
+pub(super) const ALPHAS_HELD: Mistake = Mistake::new(
+    "alphas_held_inside",
+    "alpha held between k and 1 - k",
+    "empty space is never empty, and nothing is opaque",
+    "alphas as they are",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 1e-4, [1e-8, 0.1]);
+pub(super) const ANY_ORDER: Mistake = Mistake::new(
+    "blended_in_any_order",
+    "C = (sum alpha c / sum alpha) (1 - prod (1 - alpha))",
+    "what lies behind shines through what lies in front",
+    "from front to back, or from back to front",
+    "weighted blended order-independent transparency, where it is meant so",
+    1,
+);
+pub(super) const COLORS_OF_ALPHAS: Mistake = Mistake::new(
+    "colors_of_alphas",
+    "C = sum alpha_i c_i; weights are right",
+    "what lies behind shines through what lies in front",
+    "C = sum w_i c_i",
+    "never; cheap to keep",
+    0,
+);
