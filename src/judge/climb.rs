@@ -197,3 +197,50 @@ fn lost(got: &ArrayD<f64>, predicted: &ArrayD<f64>, dtype: Dtype) -> f64 {
     };
     got.iter().zip(predicted).map(of).sum::<f64>() / got.len().max(1) as f64
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::answer::given;
+    use super::super::exam::Exam;
+    use super::*;
+    use crate::convention::CS180;
+
+    /// What is climbed to in a row's answers, after a change of each number.
+    fn found(
+        row: &str,
+        mistakes: &[&str],
+        dtype: Dtype,
+        change: impl Fn(f64) -> f64,
+    ) -> Vec<Vec<&'static str>> {
+        let exam = Exam::new(row, dtype, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype, exp_ulp: 4.0 });
+        let answer = |case: &Case| {
+            let wrong = (question.component.forward.wrong)(&case.inputs, &CS180, mistakes);
+            let round = |a: ArrayD<f64>| a.mapv(|x| dtype.round(change(x)));
+            Some(given(wrong.into_iter().map(|(name, a)| (name, round(a))).collect()))
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        let all = climbed(question, &answers, &CS180, &options);
+        let mut all: Vec<_> = all.into_iter().map(|h| h.mistakes).collect();
+        all.iter_mut().for_each(|names| names.sort_unstable());
+        all
+    }
+
+    /// A port of `sample_pdf` as it was met: each of its deviations hides the others from a search by pairs.
+    #[test]
+    fn four_are_found_one_after_the_other() {
+        let four = ["eps_in_denominator", "eps_in_sum", "no_leading_zero", "searched_from_the_left"];
+        for dtype in [Dtype::F64, Dtype::F32] {
+            assert_eq!(found("importance_sampling", &four, dtype, |x| x), [four], "{dtype}");
+        }
+        assert!(found("importance_sampling", &four, Dtype::Bf16, |x| x).is_empty());
+    }
+
+    #[test]
+    fn noise_is_no_number_of_mistakes() {
+        for row in ["importance_sampling", "positional_encoding", "ndc_rays"] {
+            let found = found(row, &[], Dtype::F32, |x| (5.0 * x).sin() + 0.1);
+            assert!(found.is_empty(), "{row}: {found:?}");
+        }
+    }
+}

@@ -71,7 +71,9 @@ pub fn diagnose(
         if count == 2 {
             // Output by output first: it is quicker, and knows more than two.
             parted = peel(question, answers, base, options);
-            if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
+            if let Some(found) =
+                parted.take_if(|found| found.unexplained.is_empty() && found.spared.is_empty())
+            {
                 return vec![found];
             }
         }

@@ -45,6 +45,8 @@ pub struct Explanation {
     pub inaccurate: bool,
     /// Outputs that it doesn't explain; those of others are explained by it.
     pub unexplained: Vec<String>,
+    /// Outputs that are right, and that its mistakes would change, too: whatever was done, was done to the others alone.
+    pub spared: Vec<String>,
     /// Cases that it doesn't explain; most are.
     pub unexplained_cases: Vec<String>,
 }

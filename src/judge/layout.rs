@@ -144,11 +144,11 @@ fn columns(
     let tried = all.flat_map(|(wrong, fitted)| {
         home.iter().map(move |c| Hypothesis { fitted, ..Hypothesis::new(wrong.clone(), *c) })
     });
-    tried.into_iter().find_map(|h| {
+    let found = tried.into_iter().find_map(|h| {
         let orders = orders(question, answers, name, &h, options)?;
         // The contract's: what is wrong with it is no matter of layout.
         if orders.values().all(|order| order.columns.is_sorted()) {
-            return None;
+            return Some(None);
         }
         let mut ordered = answers.clone();
         for (case, answer) in question.cases.iter().zip(&mut ordered) {
@@ -166,9 +166,10 @@ fn columns(
             let widest = orders.values().map(|order| &order.columns);
             let widest = widest.max_by_key(|columns| columns.len()).expect("there are cases");
             let says = format!("{name}: columns in an order of their own, {widest:?} of theirs in ours");
-            Arranged { answers: ordered, says, orders: Some(orders) }
+            Some(Arranged { answers: ordered, says, orders: Some(orders) })
         })
-    })
+    });
+    found.flatten()
 }
 
 /// Width of the input and of the encoding.

@@ -243,6 +243,13 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
         return hazards(f, best);
     }
     writeln!(f, "  consistent with: {}{}", name(best), closeness(best))?;
+    if !best.spared.is_empty() {
+        let spared = best.spared.join(", ");
+        writeln!(
+            f,
+            "  but {spared}, which it would change, is right: it happens to the other outputs alone"
+        )?;
+    }
     if !best.unexplained.is_empty() {
         writeln!(f, "  but for {}, which something more must explain", best.unexplained.join(", "))?;
     }

@@ -179,8 +179,23 @@ impl<'a> Peeling<'a> {
                 None => residuals.fold(0.0, f64::max),
             },
             unexplained: unexplained.iter().map(|name| name.to_string()).collect(),
+            spared: self.spared(layer),
             ..Explanation::default()
         })
+    }
+
+    /// Outputs that are right without any mistake, and wouldn't be with what was found of others.
+    fn spared(&self, layer: &Layer) -> Vec<String> {
+        let all = Hypothesis::new(layer.mistakes.clone(), layer.conventions);
+        let changed = |name: &str| {
+            let mut left = vec![name];
+            for (case, answer) in small_cases(self.question, self.answers) {
+                all.keep_explained(self.question, case, answer, self.options, &mut left);
+            }
+            left.is_empty()
+        };
+        let right = layer.explained.iter().filter(|(_, h)| h.right());
+        right.filter(|(name, _)| changed(name)).map(|(name, _)| name.to_string()).collect()
     }
 }
 

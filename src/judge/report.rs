@@ -230,6 +230,7 @@ impl Row {
                 "same_as_best": e.same_as_best,
                 "inaccurate": e.inaccurate,
                 "unexplained": e.unexplained,
+                "spared": e.spared,
                 "unexplained_cases": e.unexplained_cases,
             })).collect::<Vec<_>>(),
         })

@@ -139,6 +139,22 @@ pub(crate) fn update() -> Vec<Case> {
             [0.5, 1.5],
         ),
     ];
+    // Cells of the box's ends are occupied, and none of those that a flat index of a place outside has.
+    let ends = (0..27).map(|n| if [2, 18, 8, 6].contains(&n) { 4.0 } else { 0.0 }).collect();
+    cases.push(update_case(
+        "far_outside",
+        "queries outside of 3^3 cells count to the nearest, coordinate by coordinate",
+        (3, ends),
+        &[[0.5, 0.5, 0.5, 0.0]],
+        &[
+            [1.5, 0.125, 0.125],
+            [-0.5, 0.125, 0.875],
+            [1.25, 1.5, 0.125],
+            [0.125, 1.25, -1.0],
+            [0.5, 0.5, 1.5],
+        ],
+        [0.5, 1.0],
+    ));
     cases.extend(beside);
     in_full(cases, "plain")
 }

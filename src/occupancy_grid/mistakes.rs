@@ -24,6 +24,12 @@ pub(crate) const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("corners_aligned", "round(x (R - 1)) for floor(x R)", "cells at the box's faces are half as wide", "floor(x R): cells lie between faces", "never; cheap to keep", 0),
     Mistake::new("mean_of_none", "the mean of no density above 0 is NaN, and no density is above that", "a grid that has seen nothing stays empty for ever", "where nothing is above 0, every cell that is seen is occupied", "ngp_pl and its copies", 2),
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
+    Mistake::new("flat_index_held", "coordinates of cells aren't held inside; the flat index is", "what lies outside counts to any cell", "hold each coordinate", "never; cheap to keep", 0),
+    Mistake::new("negative_cells_wrap", "cells before the first are those from the end: -1 is R - 1", "what lies before the box counts to its far side", "hold each coordinate", "numpy's and torch's negative indices", 0),
+    Mistake::new("outside_is_empty", "queries outside of the box are in no occupied cell", "what lies on the far face is empty", "the nearest cell, or no query outside", "never; cheap to keep", 0),
+    Mistake::new("unseen_become_empty", "max(decay density, 0): -1 of cells that no camera sees becomes 0", "space that no camera sees is visited", "leave what is below 0 as it is", "never; cheap to keep", 0),
+    Mistake::new("found_before", "queries are answered by the densities before the update", "queries lag behind by an update", "threshold after the update", "never; cheap to keep", 0),
+    Mistake::new("mean_before", "the mean of the densities before the update", "the threshold lags behind by an update", "the mean after the update", "never; cheap to keep", 0),
     Mistake::new("opacities_kept", "1 - exp(-sigma) for sigma, against a threshold of densities", "whatever is dense counts as 1 at most", "the density, or its opacity over the step with a threshold of opacities", "2 public implementations", 2),
 ];
 
@@ -45,6 +51,15 @@ fn wrong_cell(grid: &OccupancyGrid, x: [f64; 3], wrong: &[&str]) -> usize {
     let last = grid.resolution as f64 - 1.0;
     let aligned = |x: f64| ((x * last).clamp(0.0, last).round() + 0.5) / grid.resolution as f64;
     let [x, y, z] = x.map(|x| if wrong.contains(&"corners_aligned") { aligned(x) } else { x + shift });
+    let (r, floors) = (grid.resolution as f64, [x, y, z].map(|x| (x * grid.resolution as f64).floor()));
+    if wrong.contains(&"flat_index_held") {
+        let flat = floors[0] + r * (floors[1] + r * floors[2]);
+        return flat.clamp(0.0, r * r * r - 1.0) as usize;
+    }
+    if wrong.contains(&"negative_cells_wrap") {
+        let [i, j, k] = floors.map(|n| n.min(r - 1.0)).map(|n| (n - r * (n / r).floor()) as usize);
+        return i + grid.resolution * (j + grid.resolution * k);
+    }
     grid.cell(if wrong.contains(&"axes_reversed") { [z, y, x] } else { [x, y, z] })
 }
 
@@ -68,7 +83,7 @@ pub(crate) fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         });
     }
     for (density, seen) in grid.density.iter_mut().zip(seen) {
-        if *density < 0.0 && c.grid_unseen == GridUnseen::Kept {
+        if *density < 0.0 && c.grid_unseen == GridUnseen::Kept && !is("unseen_become_empty") {
             continue;
         }
         let faded = decay * *density;
@@ -80,12 +95,20 @@ pub(crate) fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             Some(sigma) if is("rise_decays") => faded.max(decay * sigma),
             Some(sigma) => faded.max(sigma),
         };
+        if is("unseen_become_empty") {
+            *density = density.max(0.0);
+        }
     }
     let source = if is("occupied_before") { &before } else { &grid };
-    let threshold = wrong_threshold(source, c.grid_threshold, wrong);
+    let of_mean = if is("mean_before") { &before } else { source };
+    let threshold = wrong_threshold(of_mean, c.grid_threshold, wrong);
     let bit = |d: f64| f64::from(u8::from(d > threshold || is("threshold_included") && d == threshold));
     let occupied = source.density.iter().map(|&d| bit(d)).collect();
-    let found = queries.iter().map(|&x| bit(source.density[wrong_cell(source, x, wrong)])).collect();
+    let asked = if is("found_before") { &before } else { source };
+    let inside = |x: [f64; 3]| !is("outside_is_empty") || x.iter().all(|x| (0.0..=1.0).contains(x));
+    let found =
+        |x: &[f64; 3]| f64::from(u8::from(inside(*x))) * bit(asked.density[wrong_cell(asked, *x, wrong)]);
+    let found = queries.iter().map(found).collect();
     updated(grid.resolution, grid.density, occupied, found)
 }
 
