@@ -1,5 +1,7 @@
 //! The catalogue is the test: every mistake is named first, alone and together with a convention.
 
+#[path = "mistakes/any.rs"]
+mod any;
 #[path = "mistakes/elsewhere.rs"]
 mod elsewhere;
 #[path = "mistakes/pairs.rs"]

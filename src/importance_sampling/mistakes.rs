@@ -108,6 +108,13 @@ fn changed(ray: &Ray, wrong: &[&str]) -> Ray {
     if let Some(padding) = BLURRED.among(wrong) {
         weights = blurred(&weights).into_iter().map(|w| w + padding).collect();
     }
+    // Several of these at once may leave fewer edges than weights have ends.
+    let bins = weights.len().min(edges.len() - 1);
+    weights.truncate(bins);
+    edges.truncate(bins + 1);
+    if bins == 0 {
+        (edges, weights) = (ray.edges.clone(), ray.weights.clone());
+    }
     Ray { edges, weights, padding, u }
 }
 
@@ -248,6 +255,10 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     if f[0].is_nan() {
         return f64::NAN;
     }
+    // One bin without the zero in front: nothing to look between.
+    if f.len() < 2 {
+        return ray.edges[0];
+    }
     let [k, mut above] = between(f, u, wrong);
     if wrong.contains(&"no_leading_zero") && above == k && k > 0 {
         // The last place, or the last edge: it depends on what else is forgotten at the end.
@@ -289,10 +300,10 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
 
 /// f at x, between its values at the edges, as numpy.interp has it.
 fn interpolated(edges: &[f64], f: &[f64], x: f64) -> f64 {
-    let last = edges.len() - 1;
+    let last = edges.len().min(f.len()) - 1;
     match edges.iter().rposition(|&e| e <= x) {
         None => f[0],
-        Some(k) if k == last => f[last],
+        Some(k) if k >= last => f[last],
         Some(k) => f[k] + (x - edges[k]) / (edges[k + 1] - edges[k]) * (f[k + 1] - f[k]),
     }
 }

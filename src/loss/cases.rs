@@ -66,7 +66,7 @@ pub(crate) fn psnr() -> Vec<Case> {
     let middle = draw.array(&[1, 4, 5, 3], 0.375, 0.625);
     let mut uneven = middle.clone();
     for (at, x) in uneven.indexed_iter_mut() {
-        let error = libm::ldexp(1.0 + 0.25 * at[2] as f64, -2 - 2 * at[3] as i32 - at[1] as i32);
+        let error = libm::ldexp(1.0 + 0.25 * at[2] as f64, -3 - 2 * at[3] as i32 - at[1] as i32);
         *x = crate::contract::case::short(if (at[1] + at[2]) % 2 == 0 { *x + error } else { *x - error });
     }
     let byte = |x: f64| (x * 255.0).round().min(255.0);

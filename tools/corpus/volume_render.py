@@ -321,6 +321,7 @@ def weights_normalized_with_eps(sigmas, rgbs, deltas):
 @fault(
     "volume_render",
     "own_light_over_rays+divided_by_opacity",
+    "divided_by_opacity+own_light_over_rays+eps_on_alpha+clamped",
     "own_light_over_rays",
     seen="student (radiance, integrator)",
 )
