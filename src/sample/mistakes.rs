@@ -36,7 +36,9 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
             "grid_of_unit_interval" => {
                 u.iter_mut().for_each(|u| *u *= number(a, "far") - number(a, "near"));
             }
-            "jitter_of_the_whole_range" => u.iter_mut().for_each(|u| *u *= n as f64),
+            "jitter_of_the_whole_range" | "jittered_far_and_sorted" => {
+                u.iter_mut().for_each(|u| *u *= n as f64)
+            }
             "left_edges_alone" => u.fill(0.0),
             "one_jitter_for_all_samples" => u = vec![u[0]; n],
             "one_bin_early" => u.iter_mut().for_each(|u| *u -= 1.0),
@@ -82,7 +84,7 @@ fn rearranged(mut t: Vec<f64>, [near, far]: [f64; 2], u: &[f64], wrong: &[&str])
         let spaced = sample_along_ray(near, far, u, Grid::EndsPlusSpacing);
         t = spaced.into_iter().map(|t| t.clamp(near.min(far), far.max(near))).collect();
     }
-    if has("samples_sorted") {
+    if has("jittered_far_and_sorted") {
         t.sort_by(f64::total_cmp);
     }
     t
