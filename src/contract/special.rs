@@ -88,6 +88,8 @@ pub struct Chosen {
     pub what: &'static str,
     /// Whether it stands at this index of an array of this shape.
     pub at: fn(index: &[usize], shape: &[usize]) -> bool,
+    /// The input at this index that may have been taken off it, as of the last step: 1e5 - t.
+    pub less: Option<&'static str>,
     /// The number of a listed convention in its place.
     pub listed: f64,
 }

@@ -34,8 +34,8 @@ fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f6
         slopes[1] = (t[1] / t[2], false);
     }
     if has("limits_of_x_for_both") && form.clamp != SplatClamp::None {
-        let most = 1.3 * half[0];
-        slopes[1] = ((t[1] / t[2]).clamp(-most, most), false);
+        let [least, most] = super::limits(view.k.fx, view.k.cx, view.width, form.clamp);
+        slopes[1] = ((t[1] / t[2]).max(least).min(most), false);
     }
     if has("slopes_exchanged") {
         slopes.swap(0, 1);
@@ -171,6 +171,7 @@ fn wrong_radius(deviation: f64, wrong: &[&str]) -> f64 {
     let has = |name: &str| wrong.contains(&name);
     let radius = OTHER_SIGMAS.among(wrong).unwrap_or(3.0) * deviation;
     let radius = match () {
+        () if has("radius_of_a_rounded_deviation") => 3.0 * deviation.ceil(),
         () if has("radius_not_rounded") => radius,
         () if has("radius_rounded_down") => radius.floor(),
         () if has("radius_rounded") => radius.round(),

@@ -1,7 +1,7 @@
 //! The hash grid, wrong on purpose. Without a mistake every function equals the oracle.
 
 use super::arrays::{self, count, forward, gradients, levels, levels_of, n_of, points, zeros};
-use super::{Level, backward, corner, encode as oracle, primes};
+use super::{Level, backward, corner, encode as oracle, growing, primes};
 use crate::contract::arrays::{Arrays, number, rows};
 use crate::convention::Conventions;
 use crate::math::pow;
@@ -37,8 +37,8 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
         () if wrong.contains(&"rounded_level_by_level") => {
             (0..l).fold(base, |n, _| libm::rint(n * pow(finest / base, 1.0 / steps)))
         }
-        () if wrong.contains(&"whole_powers_fall_short") && l > 0 => n_of(a, l) - 1e-6,
-        () if other => base * pow(finest / base, l as f64 / steps),
+        () if wrong.contains(&"whole_powers_fall_short") && l > 0 => (n_of(a, l) - 1e-6).floor().max(1.0),
+        () if other => growing(base as u32, finest as u32, levels, l),
         () if wrong.contains(&"resolution_doubled") => libm::ldexp(1.0, l as i32),
         () if wrong.contains(&"resolution_rounded_up") => n_of(a, l).ceil(),
         () => n_of(a, l),
@@ -84,7 +84,11 @@ fn wrong_entry((l, level): (usize, &Level), [x, y, z]: [u32; 3], wrong: &[&str])
     };
     if dense {
         let side = level.side as usize - usize::from(wrong.contains(&"side_without_one"));
-        let [x, y, z] = if wrong.contains(&"z_fastest") { [z, y, x] } else { [x, y, z] };
+        let [x, y, z] = match () {
+            () if wrong.contains(&"z_fastest") => [z, y, x],
+            () if wrong.contains(&"y_slowest") => [x, z, y],
+            () => [x, y, z],
+        };
         let rows = if wrong.contains(&"side_not_squared") { 1 } else { side };
         return (x as usize + side * y as usize + side * rows * z as usize) % entries;
     }
@@ -129,7 +133,7 @@ fn wrong_entry((l, level): (usize, &Level), [x, y, z]: [u32; 3], wrong: &[&str])
         () if wrong.contains(&"level_in_the_hash") => (x ^ y ^ z).wrapping_add(l as u32),
         () => x ^ y ^ z,
     };
-    hash as usize % if wrong.contains(&"modulo_one_less") { entries - 1 } else { entries }
+    hash as usize % if wrong.contains(&"modulo_one_less") { (entries - 1).max(1) } else { entries }
 }
 
 /// Cell and weight of the upper side along one axis as the mistakes have them.
@@ -142,7 +146,7 @@ fn wrong_cell(level: &Level, x: f64, wrong: &[&str]) -> (u32, f64) {
     }
     if wrong.contains(&"cell_rounded") {
         let scaled = x * level.scale + level.shift;
-        cell = libm::rint(scaled).max(0.0) as u32;
+        cell = libm::rint(scaled).clamp(0.0, f64::from(level.last)) as u32;
         fraction = scaled - f64::from(cell);
     }
     if wrong.contains(&"last_face_one_early") && fraction == 1.0 {
@@ -217,11 +221,17 @@ fn read(levels: &[Level], l: usize, entry: usize, f: usize, wrong: &[&str]) -> f
         () if has("entries_overlap") => flat(entry % entries + f),
         () if has("features_apart") => flat(f * entries + entry % entries),
         () if has("levels_overlap") => {
-            let n = levels[..l].iter().map(|level| level.table.nrows()).sum::<usize>() + entry * width + f;
-            let all = levels.iter().flat_map(|level| level.table.iter());
-            all.copied().nth(n).unwrap_or(0.0)
+            let mut n =
+                levels[..l].iter().map(|level| level.table.nrows()).sum::<usize>() + entry * width + f;
+            for level in levels {
+                if n < level.table.len() {
+                    return level.table[[n / level.table.ncols(), n % level.table.ncols()]];
+                }
+                n -= level.table.len();
+            }
+            0.0
         }
-        () => table[[entry % entries, f]],
+        () => table[[entry % entries, f % width.max(1)]],
     }
 }
 
@@ -261,6 +271,14 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         }
         right.extend(gradients(&g_x, &[]));
     }
+    if wrong.contains(&"other_weights_left_out") {
+        let slopes: Vec<[f64; 3]> = points(a)
+            .into_iter()
+            .zip(rows(a, "grad_encoding"))
+            .map(|(x, g)| slope_alone(&levels, x, &g))
+            .collect();
+        right.extend(gradients(&slopes, &[]));
+    }
     if wrong.contains(&"duplicates_lost") {
         let g_x = right.remove("grad_x").expect("an output");
         right = gradients(&[], &each_entry_once(a, &levels));
@@ -285,6 +303,23 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         right.insert("grad_x".into(), g_x);
     }
     right
+}
+
+/// The gradient of a point from its corners' entries alone: + those of the upper sides, - those of the lower ones.
+fn slope_alone(levels: &[Level], x: [f64; 3], g: &[f64]) -> [f64; 3] {
+    let (mut sum, mut first) = ([0.0; 3], 0);
+    for level in levels {
+        let cells = x.map(|x| level.cell(x)).map(|(cell, f)| (cell, level.weight(f)));
+        for k in 0..8 {
+            let entry = level.table.row(level.entry(corner(k, cells).0));
+            let dot: f64 = entry.iter().zip(&g[first..]).map(|(entry, g)| entry * g).sum();
+            for axis in 0..3 {
+                sum[axis] += level.scale * if k >> axis & 1 == 1 { dot } else { -dot };
+            }
+        }
+        first += level.table.ncols();
+    }
+    sum
 }
 
 /// The tables' gradients where each corner's are added by indexed assignment, all points at once: the last of those that share an entry.

@@ -186,7 +186,7 @@ fn cdf_of(ray: &Ray, batch: f64, wrong: &[&str]) -> Vec<f64> {
     }
     if wrong.contains(&"padding_not_in_the_sum") {
         let without: f64 = ray.weights.iter().sum();
-        f.iter_mut().for_each(|f| *f *= total(ray) / without);
+        f.iter_mut().filter(|f| **f > 0.0).for_each(|f| *f *= total(ray) / without);
     }
     if wrong.contains(&"no_leading_zero") {
         f.remove(0);

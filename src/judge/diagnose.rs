@@ -124,6 +124,9 @@ pub fn diagnose(
             return ranked(found, question, answers, &home, options);
         }
     }
+    if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
+        return vec![found];
+    }
     // Then what no catalogue lists, what is known of most cases, both, and what is known of some outputs.
     let slips = slipped(question, answers, base, options, Beside::Nothing);
     if !slips.is_empty() {
@@ -186,7 +189,7 @@ fn explaining(
     // Numeric gradients are too expensive for all assignments: the forward answers have shown the conventions, but for one that
     // gradients alone show, as a quaternion of length 1 that isn't divided by it.
     let unseen = |p: &Partial, conventions: &Conventions| {
-        changes(p, &home) == 1 && forward_is_the_same(question, conventions, base, options)
+        changes(p, &home) <= 2 && forward_is_the_same(question, conventions, base, options)
     };
     for mistakes in sets {
         let numeric = question.kind == Kind::Vjp && of_forward(question, mistakes);

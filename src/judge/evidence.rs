@@ -136,12 +136,7 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
             .collect()
     };
     let cases = usable(h, question, answers);
-    // What leaves most of the answers open explains anything.
-    let [open, all] = cases.iter().fold([0; 2], |[open, all], (case, _)| {
-        let own = h.open(question, case);
-        [open + own[0], all + own[1]]
-    });
-    if 2 * open > all {
+    if h.says_little(question, &cases) {
         return false;
     }
     let each = cases.iter().map(|(case, answer)| (*case, known((case, answer))));

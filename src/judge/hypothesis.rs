@@ -12,12 +12,11 @@ use super::mark::{MarkOptions, within};
 use super::numeric;
 use super::slip::Slip;
 use super::truths::Truth;
-use super::unread;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
 use crate::contract::check::{Kind, budget_used};
-use crate::contract::component::{Direction, Mistake};
+use crate::contract::component::Direction;
 use crate::convention::Conventions;
 
 /// An assignment of conventions with mistakes, in the order in which they were made.
@@ -283,53 +282,6 @@ impl Hypothesis {
         other.leave_open(question, case, answer, &mut wrong);
         let bound = self.bound(question, case, &right, error.as_ref(), options);
         [off(answer, &right, &bound), off(answer, &wrong, &bound)]
-    }
-
-    /// What wrong code makes of an infinite input depends on how it is written: infinity times 0, or less infinity. NaN is predicted
-    /// there where the answer has it; and where nobody reads what wrong code returns, what was answered.
-    pub(crate) fn leave_open(&self, question: &Question, case: &Case, answer: &Answer, wrong: &mut Arrays) {
-        if !self.right() && question.kind == Kind::Forward {
-            self.leave_undecided(question, answer, wrong);
-            unread::as_answered(question.component, case, answer, wrong);
-        }
-        if self.right() || case.finite() {
-            return;
-        }
-        // Counts and flags aren't open.
-        let open = |name: &String| !question.component.output_entries(name).whole();
-        for (name, wrong) in wrong.iter_mut().filter(|(name, _)| open(name)) {
-            let given = answer.get(name).and_then(|given| reshaped(&given.values, wrong.shape()));
-            if let Some((got, _)) = given {
-                wrong.zip_mut_with(&got, |w, g| *w = if g.is_nan() { f64::NAN } else { *w });
-            }
-        }
-    }
-
-    /// Predicts what was answered where a mistake leaves it open.
-    fn leave_undecided(&self, question: &Question, answer: &Answer, wrong: &mut Arrays) {
-        let open = |m: &&Mistake| m.open && self.mistakes.contains(&m.name);
-        if question.component.mistakes.iter().find(open).is_none() {
-            return;
-        }
-        for (name, wrong) in wrong {
-            let given = answer.get(name).and_then(|given| reshaped(&given.values, wrong.shape()));
-            // A flag is one of two numbers, whatever decides it.
-            let flag = question.component.output_entries(name).whole();
-            let open = |g: f64| !flag || g == 0.0 || g == 1.0;
-            if let Some((got, _)) = given {
-                wrong.zip_mut_with(&got, |w, g| *w = if w.is_nan() && open(*g) { *g } else { *w });
-            }
-        }
-    }
-
-    /// How many elements of its answers a mistake leaves open, and how many there are.
-    pub(crate) fn open(&self, question: &Question, case: &Case) -> [usize; 2] {
-        let open = |m: &Mistake| m.open && self.mistakes.contains(&m.name);
-        if question.kind == Kind::Vjp || !question.component.mistakes.iter().any(open) {
-            return [0; 2];
-        }
-        let all = self.prediction(question, case).0;
-        [all.values().flatten().filter(|x| x.is_nan()).count(), all.values().map(ArrayD::len).sum()]
     }
 
     /// Whether two hypotheses predict the same on a case, up to rounding: no answer could tell them apart.

@@ -14,6 +14,7 @@ use super::partial::apply;
 use crate::contract::case::Case;
 use crate::contract::check::{Kind, budget_used};
 use crate::contract::component::Mistake;
+use crate::contract::special::Chosen;
 use crate::convention::Conventions;
 
 /// Answers that are right in another layout.
@@ -62,27 +63,51 @@ fn chosen(
     options: &MarkOptions,
 ) -> Option<Arranged> {
     let chosen = question.component.special.chosen?;
-    let mut found = None;
-    let mut listed = answers.clone();
-    for given in listed.iter_mut().flatten().filter_map(|answer| answer.get_mut(chosen.output)) {
+    let less = chosen.less.map(Some).into_iter().chain([None]);
+    let found = less.rev().find_map(|less| Some((less, replaced(question, answers, &chosen, less)?)));
+    let (less, (listed, number)) = found?;
+    let mut all = assignments(question.component, base).into_iter().map(|p| apply(&p, base));
+    let right = all.any(|c| holds(question, &listed, &c, options));
+    let taken_off = less.map_or(String::new(), |name| format!(" less {name}"));
+    let says = format!("{}: {} is {number:e}{taken_off} in all cases", chosen.output, chosen.what);
+    right.then_some(Arranged { answers: listed, says, orders: None })
+}
+
+/// The answers with the listed number in the place of the chosen one, and that; `None` where it isn't the same everywhere.
+fn replaced(
+    question: &Question,
+    answers: &Answers,
+    chosen: &Chosen,
+    less: Option<&str>,
+) -> Option<(Answers, f64)> {
+    let (mut found, mut listed) = (None::<f64>, answers.clone());
+    for (case, answer) in question.cases.iter().zip(&mut listed) {
+        let Some(given) = answer.as_mut().and_then(|answer| answer.get_mut(chosen.output)) else { continue };
         let shape = given.values.shape().to_vec();
         for (index, value) in given.values.indexed_iter_mut() {
-            let index = ndarray::Dimension::slice(&index);
-            if index.len() != shape.len() || !(chosen.at)(index, &shape) {
+            let at = ndarray::Dimension::slice(&index);
+            if at.len() != shape.len() || !(chosen.at)(at, &shape) {
                 continue;
             }
+            let taken_off = less.map_or(Some(&0.0), |name| case.inputs.get(name)?.get(&index));
+            let number = *value + taken_off?;
+            let same =
+                |first: f64| first == number || less.is_some() && (first - number).abs() <= ROUNDED * first;
             // Everywhere the same, and no NaN. Nothing at all is no choice: it takes away what stands there.
-            if *found.get_or_insert(*value) != *value || *value <= 0.0 {
+            if !same(*found.get_or_insert(number)) || *value <= 0.0 {
                 return None;
             }
             *value = chosen.listed;
         }
     }
-    let mut all = assignments(question.component, base).into_iter().map(|p| apply(&p, base));
-    let right = all.any(|c| holds(question, &listed, &c, options));
-    let says = format!("{}: {} is {:e} in all cases", chosen.output, chosen.what, found?);
-    right.then_some(Arranged { answers: listed, says, orders: None })
+    let number = found?;
+    // What it was before something was taken off it has fewer digits.
+    let written = format!("{number:.4e}").parse().unwrap_or(number);
+    Some((listed, if less.is_some() { written } else { number }))
 }
+
+/// What is left of a number's digits where something small was taken off it in single precision.
+const ROUNDED: f64 = 1e-6;
 
 /// Two outputs of the same shape exchanged, as (d, o) for (o, d).
 fn swapped(

@@ -42,6 +42,7 @@ mod known;
 #[doc(hidden)]
 pub mod large;
 pub(crate) mod layout;
+mod left_open;
 #[doc(hidden)]
 pub mod mark;
 mod misdone;

@@ -26,9 +26,9 @@ pub(crate) const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
     Mistake::new("flat_index_held", "coordinates of cells aren't held inside; the flat index is", "what lies outside counts to any cell", "hold each coordinate", "never; cheap to keep", 0),
     Mistake::new("negative_cells_wrap", "cells before the first are those from the end: -1 is R - 1", "what lies before the box counts to its far side", "hold each coordinate", "numpy's and torch's negative indices", 0),
-    Mistake::new("outside_is_empty", "queries outside of the box are in no occupied cell", "what lies on the far face is empty", "the nearest cell, or no query outside", "never; cheap to keep", 0),
+    Mistake::new("outside_is_empty", "queries outside of the box are in no occupied cell", "what lies a rounding beyond a face is empty", "the nearest cell, or no query outside", "never; cheap to keep", 0),
     Mistake::new("unseen_become_empty", "max(decay density, 0): -1 of cells that no camera sees becomes 0", "space that no camera sees is visited", "leave what is below 0 as it is", "never; cheap to keep", 0),
-    Mistake::new("found_before", "queries are answered by the densities before the update", "queries lag behind by an update", "threshold after the update", "never; cheap to keep", 0),
+    Mistake::new("found_before", "queries are answered by the densities before the update", "queries lag behind by an update", "query after the update", "never; cheap to keep", 0),
     Mistake::new("mean_before", "the mean of the densities before the update", "the threshold lags behind by an update", "the mean after the update", "never; cheap to keep", 0),
     Mistake::new("opacities_kept", "1 - exp(-sigma) for sigma, against a threshold of densities", "whatever is dense counts as 1 at most", "the density, or its opacity over the step with a threshold of opacities", "2 public implementations", 2),
 ];
@@ -57,7 +57,7 @@ fn wrong_cell(grid: &OccupancyGrid, x: [f64; 3], wrong: &[&str]) -> usize {
         return flat.clamp(0.0, r * r * r - 1.0) as usize;
     }
     if wrong.contains(&"negative_cells_wrap") {
-        let [i, j, k] = floors.map(|n| n.min(r - 1.0)).map(|n| (n - r * (n / r).floor()) as usize);
+        let [i, j, k] = floors.map(|n| n.min(r - 1.0)).map(|n| n.rem_euclid(r) as usize);
         return i + grid.resolution * (j + grid.resolution * k);
     }
     grid.cell(if wrong.contains(&"axes_reversed") { [z, y, x] } else { [x, y, z] })

@@ -135,6 +135,9 @@ pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     let of_angle = |angle: f64| 0.5 * width as f64 / libm::tan(0.5 * angle);
     match () {
         () if wrong.contains(&"focal_floored") => (k.fx, k.fy) = (libm::floor(k.fx), libm::floor(k.fy)),
+        () if wrong.contains(&"focal_of_half_the_width") => {
+            (k.fx, k.fy) = (0.5 * width as f64, 0.5 * width as f64)
+        }
         () if wrong.contains(&"focal_rounded") => (k.fx, k.fy) = (libm::rint(k.fx), libm::rint(k.fy)),
         () if wrong.contains(&"center_halved") => (k.cx, k.cy) = (0.5 * k.cx, 0.5 * k.cy),
         () if wrong.contains(&"half_angle_forgotten") => {
@@ -159,6 +162,9 @@ pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         if wrong.contains(&"pixels_to_the_edges") && width > 1 && height > 1 {
             let steps = DVec2::new(width as f64 / (width - 1) as f64, height as f64 / (height - 1) as f64);
             *uv = DVec2::new(column, row) * steps;
+        }
+        if wrong.contains(&"pixels_in_the_unit_square") {
+            *uv /= DVec2::new(width as f64, height as f64);
         }
         if wrong.contains(&"rows_as_far_as_columns") && height > 1 {
             uv.y += row * ((width as f64 - 1.0) / (height as f64 - 1.0) - 1.0);

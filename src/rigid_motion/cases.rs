@@ -67,7 +67,7 @@ pub(crate) fn so3_exp() -> Vec<Case> {
     all(|id, comment, w| Case::new(id, comment, vec![("w", array(&[w.len(), 3], w.concat()))]))
 }
 
-/// Twists with these rotations behind a translation, and for code that has the rotation in front, small ones there too.
+/// Twists with these rotations behind a translation, and for code that has the rotation in front, small ones and several turns there too.
 pub(crate) fn se3_exp() -> Vec<Case> {
     let twists = |id: &str, comment, w: &[[f64; 3]], first: bool| {
         let mut draw = Draw::new(id, 1);
@@ -79,8 +79,8 @@ pub(crate) fn se3_exp() -> Vec<Case> {
         Case::new(id, comment, vec![("twists", array(&[w.len(), 6], twists))])
     };
     let mut cases = all(|id, comment, w| twists(id, comment, w, false));
-    let small = vectors().into_iter().filter(|(id, ..)| id.starts_with("CG11"));
-    cases.extend(small.map(|(id, comment, w)| twists(&format!("{id}_first"), comment, &w, true)));
+    let other = vectors().into_iter().filter(|(id, ..)| id.starts_with("CG11") || *id == "several_turns");
+    cases.extend(other.map(|(id, comment, w)| twists(&format!("{id}_first"), comment, &w, true)));
     cases
 }
 

@@ -59,6 +59,7 @@ pub(crate) const STEP_SIZES: Component = Component {
             output: "deltas",
             what: "the last step",
             at: |index, shape| index[1] + 1 == shape[1],
+            less: Some("t"),
             listed: 1e10,
         }),
         large: cases::large_steps,

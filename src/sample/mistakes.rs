@@ -40,7 +40,7 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
                 u.iter_mut().for_each(|u| *u *= n as f64)
             }
             "left_edges_alone" => u.fill(0.0),
-            "one_jitter_for_all_samples" => u = vec![u[0]; n],
+            "one_jitter_for_all_samples" if n > 0 => u = vec![u[0]; n],
             "one_bin_early" => u.iter_mut().for_each(|u| *u -= 1.0),
             "jitter_centered_on_edges" => u.iter_mut().for_each(|u| *u -= 0.5),
             _ => {
@@ -60,7 +60,7 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
         let edge = |i: usize| near + i as f64 * width;
         return (0..n).map(|i| edge(i) + 0.5 * edge(i + 1)).collect();
     }
-    if wrong.contains(&"ends_held") {
+    if wrong.contains(&"ends_held") && n > 0 {
         (u[0], u[n - 1]) = (0.0, 0.0);
         return sample_along_ray(near, far, &u, Grid::EndsPlusSpacing);
     }
@@ -174,7 +174,7 @@ pub(crate) fn sample_along_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
     }
     if wrong.contains(&"t_without_jitter") {
         let still: Vec<Vec<f64>> =
-            (0..rays).map(|r| wrong_positions(&a, r, c, &["never_jittered"])).collect();
+            (0..rays).map(|r| wrong_positions(&a, r, c, &[wrong, &["never_jittered"]].concat())).collect();
         out.insert("t".into(), arrays::samples(&a, &still).remove("t").expect("an output"));
     }
     if wrong.contains(&"flattened_in_wrong_order") {

@@ -44,7 +44,7 @@ const ONE_OTHER: Mistake = Mistake::new(
     "typed tables of polynomials: 7 z^2 - 3 for 7 z^2 - 1, + for -, a constant of another row",
     2,
 )
-.with("n", 4.0, [0.0, 24.0])
+.with("n", 4.0, [1.0, 24.0])
 .or(&ALL)
 .open_where_nan();
 const ALL: [f64; super::MAX_WIDTH] = {
@@ -146,7 +146,7 @@ pub(crate) const SPHERICAL_HARMONICS: &[Mistake] = &[
     ONE_OTHER,
     Mistake::new(
         "bands_of_irradiance",
-        "bands times pi, 2 pi / 3, pi / 4: the factors of diffuse light",
+        "bands times pi, 2 pi / 3, pi / 4, 0, -pi / 24: the factors of diffuse light",
         "high bands too faint",
         "the harmonics as they are",
         "never; cheap to keep",

@@ -61,6 +61,7 @@ const ELSEWHERE: &[&str] = &[
     "alphas_capped",
     "faint_samples_skipped",
     "taken_off_the_sum",
+    "near_added_twice",
 ];
 
 /// Mistakes of the caller, and those of every component: the first component that has a name owns it.

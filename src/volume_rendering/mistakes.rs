@@ -237,7 +237,7 @@ fn render_all(
             }
             ray = recompose(ray, &alphas[r], &rgbs(r));
         }
-        if along_rays(wrong) {
+        if along_rays(wrong) || wrong.contains(&"colors_averaged") {
             ray = recompose(ray, &alphas[r], &rgbs(r));
         }
         wrong_composite(ray, r, &alphas[r], &rgbs(r), wrong)

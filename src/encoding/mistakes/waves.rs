@@ -26,7 +26,7 @@ pub(super) const OF_WAVES: &[Mistake] = &[
     Mistake::new(
         "fraction_alone",
         "x - floor(x) for x",
-        "odd bands of negative positions have the other sign, and positions beyond 1 repeat",
+        "the first band has the other sign wherever floor(x) is odd, and positions repeat",
         "x as it is; a period of 2 at least",
         "never; cheap to keep",
         0,
@@ -34,7 +34,7 @@ pub(super) const OF_WAVES: &[Mistake] = &[
     Mistake::new(
         "bands_of_the_doubled_less_one",
         "bands of 2 x - 1, beside x itself",
-        "odd bands have the other sign, and all have an octave more",
+        "the first band has the other sign, and all have an octave more",
         "one mapping of positions, in front of the encoding",
         "never; cheap to keep",
         0,
@@ -78,6 +78,14 @@ pub(super) const OF_WAVES: &[Mistake] = &[
         "bands from 1 to 2^(L - 1)",
         "never; cheap to keep",
         0,
+    ),
+    Mistake::new(
+        "even_bands_from_zero",
+        "even bands from 0 to 2^(L - 1)",
+        "the first band is constant",
+        "bands from 1",
+        "1 public implementation",
+        1,
     ),
     Mistake::new(
         "bands_multiplied_up",
@@ -207,6 +215,10 @@ pub(super) fn other_wave(
         () if wrong.contains(&"bands_to_the_count") => {
             let share = k as f64 / (levels - 1).max(1) as f64;
             at(1.0 + share * (libm::ldexp(1.0, levels as i32) - 1.0), x[d])
+        }
+        () if wrong.contains(&"even_bands_from_zero") => {
+            let share = k as f64 / (levels - 1).max(1) as f64;
+            at(share * libm::ldexp(1.0, levels as i32 - 1), x[d])
         }
         () if wrong.contains(&"bands_multiplied_up") => at(libm::ldexp(1.0, (k * (k + 1) / 2) as i32), x[d]),
         () if wrong.contains(&"sine_overwritten") => doubled(),

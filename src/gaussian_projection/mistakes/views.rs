@@ -68,4 +68,12 @@ pub(super) const OF_VIEWS: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "radius_of_a_rounded_deviation",
+        "3 ceil(sqrt lambda)",
+        "radii that are up to two pixels too large",
+        "ceil(3 sqrt lambda)",
+        "2 public implementations",
+        2,
+    ),
 ];

@@ -180,6 +180,14 @@ pub(super) const OF_LEVELS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "y_slowest",
+        "x + side (z + side y) in dense levels",
+        "another order of entries: tables can't be exchanged",
+        "x + side (y + side z)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "dense_only_below",
         "dense where (N + 1)^3 < E, not where they are equal",
         "the level that just fits is hashed",
@@ -251,6 +259,15 @@ pub(super) const OF_LEVELS: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "other_weights_left_out",
+        "grad_x = N sum over corners of +- entry, without the weights along the other two axes",
+        "a gradient of positions that is too large, and the same all over a cell",
+        "N sum +- w_b w_c entry",
+        "2 public implementations",
+        2,
+    )
+    .of_gradient(),
     Mistake::new(
         "duplicates_lost",
         "table[index] += w g, where an index that comes twice is added once",

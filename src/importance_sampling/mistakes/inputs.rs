@@ -70,7 +70,7 @@ pub(super) const POOLED: Mistake = Mistake::new(
 );
 pub(super) const MIXED: Mistake = Mistake::new(
     "mixed_with_even_bins",
-    "(1 - k) w / sum w + k / N",
+    "(1 - k) (w + padding) / sum (w + padding) + k / N",
     "samples in empty space",
     "the weights as they are, and the padding that is given",
     "never; cheap to keep",
@@ -128,7 +128,7 @@ pub(super) const CUT_AT_ONE: Mistake = Mistake::new(
 );
 pub(super) const REST_IN_LAST: Mistake = Mistake::new(
     "rest_in_the_last_bin",
-    "0, the sums of w cut at 1, without the last, and 1: not divided by the whole",
+    "0, the sums of w + padding cut at 1, without the last, and 1: not divided by the whole",
     "what is missing up to 1 falls into the last bin",
     "divide by the sum",
     "never; cheap to keep",

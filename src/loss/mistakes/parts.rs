@@ -1,4 +1,4 @@
-//! What is wrong with figures of a part of a picture, and with what is added to its error.
+//! What is wrong with figures of a part of a picture, and with what is done to its bytes.
 
 use crate::contract::component::Mistake;
 
@@ -33,16 +33,7 @@ pub(super) const OF_PARTS: &[Mistake] = &[
         "bytes subtracted as bytes: -1 is 255",
         "figures far too low wherever the prediction is darker",
         "subtract numbers that have a sign",
-        "np.mean((a - b)**2) of uint8",
+        "a - b of uint8, made a float behind the difference",
         1,
     ),
-    Mistake::new(
-        "eps_in_error",
-        "the mean square and eps",
-        "figures that end at 50 dB, and are too low before",
-        "the mean square",
-        "never; cheap to keep",
-        0,
-    )
-    .with("eps", 1e-5, [1e-6, 1e-1]),
 ];

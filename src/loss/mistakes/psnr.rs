@@ -26,6 +26,16 @@ const INFINITE: Mistake = Mistake::new(
 )
 .with("k", 1e-10, [1e-14, 1e-2]);
 
+const REGULARIZED: Mistake = Mistake::new(
+    "regularized_psnr",
+    "PSNR of a mean square with something added: a training loss' regularizer, an eps",
+    "figures too low, and capped",
+    "take the mean squared error alone",
+    "1 public implementation",
+    1,
+)
+.with("k", 1e-3, [1e-6, 1e-1]);
+
 /// Mistakes of the metric.
 pub(crate) const PSNR: &[Mistake] = &joined::<{ OF_FIGURES.len() + OF_PARTS.len() }>(&[OF_FIGURES, OF_PARTS]);
 
@@ -39,14 +49,7 @@ const OF_FIGURES: &[Mistake] = &[
         "1 public implementation",
         1,
     ),
-    Mistake::new(
-        "regularized_psnr",
-        "PSNR of a training loss that holds a regularizer (here 1e-3)",
-        "figures too low, capped by the regularizer",
-        "take the mean squared error alone",
-        "1 public implementation",
-        1,
-    ),
+    REGULARIZED,
     Mistake::new(
         "few_pixels",
         "a few pixels (here the first row) are reported as the picture",
@@ -344,17 +347,13 @@ pub(crate) fn psnr(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         let figure = |error: f64| crate::loss::psnr(error, arrays::peak(&a, c));
         value = parts.iter().map(|error| figure(*error)).sum::<f64>() / parts.len() as f64;
     }
-    if let Some(eps) = PSNR.iter().find(|m| m.name == "eps_in_error").and_then(|m| m.among(wrong)) {
-        let peak = arrays::peak(&a, c);
-        value = crate::loss::psnr(peak * peak * crate::math::pow(10.0, -value / 10.0) + eps, peak);
-    }
     if wrong.contains(&"peak_of_each_target") {
         value = by_own_peaks(&a, c);
     }
-    if wrong.contains(&"regularized_psnr") {
+    if let Some(k) = REGULARIZED.among(wrong) {
         let peak = arrays::peak(&a, c);
         let error = peak * peak * crate::math::pow(10.0, -value / 10.0);
-        value = crate::loss::psnr(error + 1e-3, peak);
+        value = crate::loss::psnr(error + k, peak);
     }
     let square = |value: f64| crate::math::pow(10.0, -value / 10.0) * arrays::peak(&a, c).powi(2);
     if INFINITE.among(wrong).is_some_and(|k| square(value) < k) {

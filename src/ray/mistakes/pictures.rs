@@ -23,14 +23,14 @@ pub(super) const OF_PICTURES: &[Mistake] = &[
     Mistake::new(
         "center_halved",
         "half of the center, with the whole focal length: one of two that were to be rescaled",
-        "the picture's corner in the middle of the view",
+        "a quarter of the picture, not its middle, in the middle of the view",
         "focal length and center in the same pixels",
         "never; cheap to keep",
         0,
     ),
     Mistake::new(
         "half_angle_forgotten",
-        "W / 2 / tan(fov): the whole angle for half of it",
+        "W / 2 / tan(fov) for both focal lengths: the whole angle for half of it",
         "a focal length that is too short by more than half",
         "W / 2 / tan(fov / 2)",
         "never; cheap to keep",
@@ -38,7 +38,7 @@ pub(super) const OF_PICTURES: &[Mistake] = &[
     ),
     Mistake::new(
         "angle_in_whole_degrees",
-        "the field of view rounded to degrees",
+        "the field of view across rounded to degrees, and both focal lengths from it",
         "a focal length that is a little off",
         "the angle as it is",
         "never; cheap to keep",
@@ -59,5 +59,21 @@ pub(super) const OF_PICTURES: &[Mistake] = &[
         "the norm over the last axis",
         "never; cheap to keep",
         0,
+    ),
+    Mistake::new(
+        "pixels_in_the_unit_square",
+        "i / W and j / H for pixels, with K in pixels",
+        "all rays nearly alike",
+        "pixels, or K over the picture's size",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
+        "focal_of_half_the_width",
+        "W / 2 for both focal lengths",
+        "a field of view of 90 degrees, whatever it is",
+        "the focal length of the camera",
+        "1 public implementation",
+        1,
     ),
 ];

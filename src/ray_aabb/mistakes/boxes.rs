@@ -54,7 +54,7 @@ pub(super) const OF_BOXES: &[Mistake] = &[
     ),
     Mistake::new(
         "t_in_lengths",
-        "t times |d|, for directions that aren't unit",
+        "t, cut at near and far, times |d|: for directions that aren't unit",
         "samples too far away, or too near",
         "t counts directions",
         "never; cheap to keep",

@@ -24,7 +24,7 @@ fn wrong_slopes(
     r: usize,
     ray: &Rendering,
     depths: &[f64],
-    deltas: &[f64],
+    sigmas: &[f64],
     c: &Conventions,
     wrong: &[&str],
 ) -> Vec<f64> {
@@ -43,10 +43,7 @@ fn wrong_slopes(
     let light = ray.transmittance[n] * arrays::cotangent_over(a, r, c).transmittance;
     let given_up = number(OF_DENSITIES, "backward_given_up", wrong);
     let slope = |i: usize| {
-        let mut behind = weighed[i + 1..].iter().sum::<f64>() + light;
-        if has("steps_of_those_behind") && deltas[i] != 0.0 {
-            behind = (i + 1..n).map(|j| weighed[j] * deltas[j]).sum::<f64>() / deltas[i] + light;
-        }
+        let behind = weighed[i + 1..].iter().sum::<f64>() + light;
         let (own, through) = (left(i) * g[i], exp(-depths[i]));
         let more = match () {
             () if has("opacity_shades_nothing") => apart * left(i),
@@ -66,10 +63,7 @@ fn wrong_slopes(
                 (ray.transmittance[i] * g[i] - hidden) * (1.0 - through)
             }
             () if has("slope_taken_twice") => own * through - behind,
-            () if has("step_lost_in_slope") => {
-                let sigma = if deltas[i] == 0.0 { 0.0 } else { depths[i] / deltas[i] };
-                ray.transmittance[i] * exp(-sigma) * g[i] - behind
-            }
+            () if has("step_lost_in_slope") => ray.transmittance[i] * exp(-sigmas[i]) * g[i] - behind,
             () if has("slope_for_both") => own - behind * through,
             () if has("nothing_learned_at_zero") && depths[i] == 0.0 => -behind,
             () if has("ties_shared") && depths[i] < NO_ALPHA => own - 0.5 * behind,
@@ -130,14 +124,26 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
             let (sigmas, deltas) = (row(a, "sigmas", r), row(a, "deltas", r));
             let ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
             let depths = optical_depths(&sigmas, &deltas);
-            let g_x = wrong_slopes(a, r, &ray, &depths, &deltas, c, wrong);
-            // Where the opacity's part, or the order of steps, is apart, the step's own gradient has it as it should be.
-            let apart =
-                ["opacity_without_step", "steps_of_those_behind"].iter().any(|name| wrong.contains(name));
+            let slopes = |wrong: &[&str]| wrong_slopes(a, r, &ray, &depths, &sigmas, c, wrong);
+            let g_x = slopes(wrong);
+            // Where the opacity's part is apart, the step's own gradient has it as it should be.
             let step = wrong.contains(&"opacity_without_step");
             let more = if step { g_opacity(a, r, c) * ray.transmittance[samples] } else { 0.0 };
-            let along = if apart { wrong_slopes(a, r, &ray, &depths, &deltas, c, &[]) } else { g_x.clone() };
+            let along = if step { slopes(&[]) } else { g_x.clone() };
             g_sigmas.extend(g_x.iter().zip(&deltas).map(|(g, delta)| product(*g, *delta) + more));
+            if wrong.contains(&"steps_of_those_behind") {
+                // T_{i+1} g_i delta_i for the sample itself, and each step of those behind.
+                let own = slopes(&["shade_gradient_forgotten"]);
+                let weighed: Vec<f64> = unshaded(a, r, &ray.weights, c, &[])
+                    .iter()
+                    .zip(&deltas)
+                    .map(|(w, d)| product(*w, *d))
+                    .collect();
+                let first = g_sigmas.len() - samples;
+                for i in 0..samples {
+                    g_sigmas[first + i] = product(own[i], deltas[i]) - weighed[i + 1..].iter().sum::<f64>();
+                }
+            }
             let by = if wrong.contains(&"step_gradient_by_step") { &deltas } else { &sigmas };
             g_deltas.extend(along.iter().zip(by).map(|(g, by)| product(*g, *by)));
             g_rgbs.extend(wrong_colors(a, r, &ray, c, wrong));

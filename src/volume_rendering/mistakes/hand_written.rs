@@ -107,7 +107,7 @@ pub(super) const OF_DENSITIES: &[Mistake] = &[
     .of_gradient(),
     Mistake::new(
         "opacity_shades_nothing",
-        "g_A T_{i+1}: the opacity's gradient without what a sample hides",
+        "g_A T_{i+1} delta_i: the opacity's gradient without what a sample hides",
         "densities behind a surface follow the mask, too",
         "g_A T_N delta_i, for each sample",
         "never; cheap to keep",

@@ -121,7 +121,7 @@ pub(super) const ALPHAS_OFF_ONE: Mistake = Mistake::new(
 );
 pub(super) const COLORS_AVERAGED: Mistake = Mistake::new(
     "colors_averaged",
-    "(c_i + c_{i+1}) / 2",
+    "(c_i + c_{i+1}) / 2, the last one by itself",
     "edges are blurred",
     "each sample's own color",
     "never; cheap to keep",
@@ -129,7 +129,7 @@ pub(super) const COLORS_AVERAGED: Mistake = Mistake::new(
 );
 pub(super) const SOURCE: Mistake = Mistake::new(
     "source_without_density",
-    "w_i = T_i alpha_i / sigma_i: light that is emitted by length, not by matter",
+    "w_i = T_i alpha_i / sigma_i, 0 where sigma is 0: light that is emitted by length, not by matter",
     "thin fog shines as brightly as a wall",
     "w_i = T_i alpha_i",
     "never; cheap to keep",

@@ -25,8 +25,9 @@ pub(super) fn wrong_deltas(a: &Arrays, r: usize, wrong: &[&str]) -> Vec<f64> {
             }
             "last_step_repeated" if n > 1 => deltas[n - 1] = deltas[n - 2],
             "steps_moved_on" if n > 0 => {
+                let first = deltas[0];
                 deltas.rotate_right(1);
-                deltas[0] = row(a, "deltas", r)[0];
+                deltas[0] = first;
             }
             "steps_averaged" => {
                 let before = |i: usize| if i == 0 { 0.0 } else { deltas[i - 1] };
