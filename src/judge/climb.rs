@@ -87,7 +87,14 @@ pub(crate) fn climbed(
         });
         let found: Vec<Hypothesis> = tried.into_iter().flatten().filter(|h| !h.right()).collect();
         if !found.is_empty() {
-            return found.into_iter().map(|h| needed(h, question, base, &fits)).collect();
+            let mut least: Vec<Hypothesis> = vec![];
+            for h in found.into_iter().map(|h| needed(h, question, base, &fits)) {
+                // Many ways lead to the same.
+                if !least.contains(&h) {
+                    least.push(h);
+                }
+            }
+            return least;
         }
         if next.is_empty() {
             break;
@@ -251,6 +258,7 @@ mod tests {
         let all = climbed(question, &answers, &CS180, &options);
         let mut all: Vec<_> = all.into_iter().map(|h| h.mistakes).collect();
         all.iter_mut().for_each(|names| names.sort_unstable());
+        all.dedup();
         all
     }
 

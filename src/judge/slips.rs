@@ -25,6 +25,9 @@ use crate::parallel;
 /// bound is known.
 const WORK: [usize; 2] = [6_000_000, 400_000];
 
+/// Mistakes beside which slips are looked for.
+const BESIDE: usize = 64;
+
 /// Numbers of an array that are many.
 const MANY: usize = 64;
 
@@ -52,10 +55,13 @@ pub(crate) fn slipped(
     let Some((case, answer)) = cases.first() else { return vec![] };
     let conventions = conventions(question, answers, base, options);
     let forward = question.kind == Kind::Forward;
-    let rows = question.component.mistakes.iter().filter(|m| m.gradient != forward).map(|m| m.name);
+    let mut rows: Vec<_> = question.component.mistakes.iter().filter(|m| m.gradient != forward).collect();
+    // What is seen most often has company most often.
+    rows.sort_by_key(|m| std::cmp::Reverse(m.count));
+    rows.truncate(BESIDE);
     let sets: Vec<Vec<&str>> = match beside {
         Beside::Nothing => vec![vec![]],
-        Beside::Mistake => rows.map(|name| vec![name]).collect(),
+        Beside::Mistake => rows.iter().map(|m| vec![m.name]).collect(),
     };
     let mut slips = slips(question, &cases, &conventions[0]);
     // Beside a mistake of the catalogue only what happens to whole arrays.
