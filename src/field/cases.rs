@@ -142,7 +142,7 @@ pub(crate) fn nerf_mlp() -> Vec<Case> {
         full_size(),
         passing_nerf(),
     ];
-    let mut cases = in_full(in_full(cases, "width_16"), "passing_on");
+    let mut cases = in_full(cases, "passing_on");
     cases.iter_mut().for_each(with_unit_directions);
     cases
 }

@@ -37,7 +37,6 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
         () if wrong.contains(&"rounded_level_by_level") => {
             (0..l).fold(base, |n, _| libm::rint(n * pow(finest / base, 1.0 / steps)))
         }
-        () if wrong.contains(&"whole_powers_fall_short") && l > 0 => (n_of(a, l) - 1e-6).floor().max(1.0),
         () if other => growing(base as u32, finest as u32, levels, l),
         () if wrong.contains(&"resolution_doubled") => libm::ldexp(1.0, l as i32),
         () if wrong.contains(&"resolution_rounded_up") => n_of(a, l).ceil(),

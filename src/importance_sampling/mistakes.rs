@@ -250,6 +250,9 @@ fn place(f: [f64; 2], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     }
 }
 
+/// What counts as u = 1: a rounding below it is meant, too.
+const NEARLY_ONE: f64 = 1.0 - 1e-6;
+
 fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     // Wherever it is looked for.
     if f[0].is_nan() {
@@ -270,11 +273,11 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     if wrong.contains(&"last_edge_out_of_reach") {
         above = above.min(f.len() - 2);
     }
-    if wrong.contains(&"u_of_one_past_the_end") && u >= 1.0 {
+    if wrong.contains(&"u_of_one_past_the_end") && u > NEARLY_ONE {
         return f64::NAN;
     }
     let (a, b) = (ray.edges[k], ray.edges[above]);
-    let at_the_end = wrong.contains(&"left_edge_at_the_end") && u >= 1.0;
+    let at_the_end = wrong.contains(&"left_edge_at_the_end") && u > NEARLY_ONE;
     if at_the_end || wrong.contains(&"last_bin_dropped") && k + 2 >= f.len() {
         return a;
     }

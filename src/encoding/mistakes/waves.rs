@@ -88,14 +88,6 @@ pub(super) const OF_WAVES: &[Mistake] = &[
         1,
     ),
     Mistake::new(
-        "bands_multiplied_up",
-        "x is multiplied by 2^k in each band, one after the other: 1, 2, 8, 64, ...",
-        "bands lie further and further apart",
-        "2^k of the same x",
-        "never; cheap to keep",
-        0,
-    ),
-    Mistake::new(
         "sine_overwritten",
         "double angles: s = 2 s c, then 1 - 2 s^2 with the new s",
         "cosines of another octave",
@@ -220,7 +212,6 @@ pub(super) fn other_wave(
             let share = k as f64 / (levels - 1).max(1) as f64;
             at(share * libm::ldexp(1.0, levels as i32 - 1), x[d])
         }
-        () if wrong.contains(&"bands_multiplied_up") => at(libm::ldexp(1.0, (k * (k + 1) / 2) as i32), x[d]),
         () if wrong.contains(&"sine_overwritten") => doubled(),
         () if wrong.contains(&"cosine_without_sign") => (sine, cosine.abs()),
         () if wrong.contains(&"sine_missing") => (cosine, cosine),

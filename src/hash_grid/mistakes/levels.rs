@@ -124,14 +124,6 @@ pub(super) const OF_LEVELS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
-        "whole_powers_fall_short",
-        "floor of a power that is a rounding below the whole number: 6 cells for 7",
-        "levels with a cell less, by chance",
-        "round, or add a little before the floor",
-        "int(exp(linspace(log base, log finest, L))) in single precision",
-        1,
-    ),
-    Mistake::new(
         "half_cell_back",
         "x N - 1/2, held at 0: entries for the cells' middles",
         "every level is shifted by half a cell",
