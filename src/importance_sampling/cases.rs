@@ -110,7 +110,7 @@ pub(crate) fn importance_sampling() -> Vec<Case> {
         case(
             "SA2_faint_shares",
             "bins that hold a 1,000th, a 10,000th and a 30,000th of all, and samples in them: still bins to sample in",
-            [&[quarters.clone()], &[faint_weights], &[faint_places]],
+            [std::slice::from_ref(&quarters), &[faint_weights], &[faint_places]],
             1e-5,
         ),
         case(

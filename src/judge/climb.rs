@@ -129,9 +129,8 @@ fn steps<'a>(h: &'a Hypothesis, question: &'a Question) -> impl Iterator<Item = 
     let changed = component.conventions.iter().flat_map(move |key| {
         let (_, values) = CHOICES.iter().find(|(name, _)| name == key).expect("known conventions");
         let own = own.clone();
-        values.iter().filter_map(move |value| {
-            (own[key] != *value).then(|| apply(&with(&own, key, value), &h.conventions))
-        })
+        let others: Vec<_> = values.iter().filter(|value| own[key] != **value).collect();
+        others.into_iter().map(move |value| apply(&with(&own, key, value), &h.conventions))
     });
     let changed = changed.filter(|c| question.admits(c));
     others.chain(changed.map(|conventions| Hypothesis { conventions, ..h.clone() }))
