@@ -30,6 +30,8 @@ class Mistake:
     inaccurate: bool
     # Outputs that it doesn't explain.
     unexplained: list[str]
+    # Outputs that are right, and that its mistakes would change, too.
+    spared: list[str]
     # Cases that it doesn't explain; most are.
     unexplained_cases: list[str]
     # What happens to one array beside the mistakes ("deltas its running sum, along axis 1"), where no catalogue lists it.
