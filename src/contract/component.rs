@@ -169,6 +169,11 @@ impl Mistake {
     }
 }
 
+/// The number in one of these mistakes where it is among the names of `wrong` ([`Mistake::among`]).
+pub(crate) fn number_of(name: &str, mistakes: &[Mistake], wrong: &[&str]) -> Option<f64> {
+    mistakes.iter().find(|m| m.name == name).and_then(|m| m.among(wrong))
+}
+
 /// Lists of mistakes as one: N is how many there are.
 pub(crate) const fn joined<const N: usize>(lists: &[&[Mistake]]) -> [Mistake; N] {
     let mut all = [lists[0][0]; N];

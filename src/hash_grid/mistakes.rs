@@ -1,8 +1,11 @@
 //! The hash grid, wrong on purpose. Without a mistake every function equals the oracle.
 
+use std::ops::Range;
+
 use super::arrays::{self, count, forward, gradients, levels, levels_of, n_of, points, zeros};
 use super::{Level, backward, corner, encode as oracle, growing, primes};
 use crate::contract::arrays::{Arrays, number, rows};
+use crate::contract::component::number_of;
 use crate::convention::Conventions;
 use crate::math::pow;
 
@@ -13,24 +16,17 @@ mod levels;
 pub(crate) use catalogue::HASH_GRID;
 use catalogue::{OFFSET_HALF, OTHER_GROWTH};
 
-/// The number in a mistake of levels, where it is made.
-fn fitted(name: &str, wrong: &[&str]) -> Option<f64> {
-    HASH_GRID.iter().find(|m| m.name == name).and_then(|m| m.among(wrong))
-}
-
 /// The levels as the mistakes have them.
 fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
     let (mut base, mut finest, levels) = (number(a, "base"), number(a, "finest"), count(a));
-    finest = fitted("finest_of_its_own", wrong).unwrap_or(finest);
-    base = fitted("base_of_its_own", wrong).unwrap_or(base);
+    finest = number_of("finest_of_its_own", HASH_GRID, wrong).unwrap_or(finest);
+    base = number_of("base_of_its_own", HASH_GRID, wrong).unwrap_or(base);
     let other = finest != number(a, "finest") || base != number(a, "base");
     let steps = (levels.max(2) - 1) as f64;
     let growth = OTHER_GROWTH.among(wrong);
     let usual = |l: usize| match () {
         () if wrong.contains(&"growth_over_levels") => base * pow(finest / base, l as f64 / levels as f64),
-        () if wrong.contains(&"levels_even") => {
-            base + (finest - base) * l as f64 / (levels.max(2) - 1) as f64
-        }
+        () if wrong.contains(&"levels_even") => base + (finest - base) * l as f64 / steps,
         () if wrong.contains(&"growth_from_the_second") => {
             base * pow(finest / base, (l + 1) as f64 / levels as f64)
         }
@@ -42,7 +38,7 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
         () if wrong.contains(&"resolution_rounded_up") => n_of(a, l).ceil(),
         () => n_of(a, l),
     };
-    let replaced = fitted("base_replaced", wrong).map_or(1.0, |own| own / base);
+    let replaced = number_of("base_replaced", HASH_GRID, wrong).map_or(1.0, |own| own / base);
     let n = |l: usize| replaced * growth.map_or_else(|| usual(l), |k| base * pow(k, l as f64));
     let mut out = levels_of(a, n, c);
     if wrong.contains(&"one_cell_less") {
@@ -103,10 +99,10 @@ fn wrong_entry((l, level): (usize, &Level), [x, y, z]: [u32; 3], wrong: &[&str])
             _ => {}
         }
     }
-    if let Some(prime) = fitted("prime_mistyped", wrong) {
+    if let Some(prime) = number_of("prime_mistyped", HASH_GRID, wrong) {
         primes[1] = prime as u64 as u32;
     }
-    if let Some(prime) = fitted("third_prime_mistyped", wrong) {
+    if let Some(prime) = number_of("third_prime_mistyped", HASH_GRID, wrong) {
         primes[2] = prime as u64 as u32;
     }
     if ["products_in_floats", "products_cut_off"].iter().any(|name| wrong.contains(name)) {
@@ -278,27 +274,17 @@ pub(crate) fn hash_grid_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
             .collect();
         right.extend(gradients(&slopes, &[]));
     }
-    if wrong.contains(&"duplicates_lost") {
-        let g_x = right.remove("grad_x").expect("an output");
-        right = gradients(&[], &each_entry_once(a, &levels));
-        right.insert("grad_x".into(), g_x);
-    }
-    if wrong.contains(&"collisions_overwrite") {
-        let mut last = zeros(&levels);
-        for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
-            let mut first = 0;
-            for (level, last) in levels.iter().zip(&mut last) {
-                let cells = x.map(|x| level.cell(x)).map(|(cell, f)| (cell, level.weight(f)));
-                for k in 0..8 {
-                    let (vertex, weight) = corner(k, cells);
-                    let mut entry = last.table.row_mut(level.entry(vertex));
-                    entry.iter_mut().zip(&g[first..]).for_each(|(entry, g)| *entry = weight * g);
-                }
-                first += level.table.ncols();
-            }
+    // Each corner's by indexed assignment, all points at once: the last of those that share an entry is added, or all there is.
+    let tables = match () {
+        () if wrong.contains(&"duplicates_lost") => {
+            (0..8).map(|k| last_written(a, &levels, k..k + 1)).reduce(added)
         }
+        () if wrong.contains(&"collisions_overwrite") => Some(last_written(a, &levels, 0..8)),
+        () => None,
+    };
+    if let Some(tables) = tables {
         let g_x = right.remove("grad_x").expect("an output");
-        right = gradients(&[], &last);
+        right = gradients(&[], &tables);
         right.insert("grad_x".into(), g_x);
     }
     right
@@ -321,22 +307,26 @@ fn slope_alone(levels: &[Level], x: [f64; 3], g: &[f64]) -> [f64; 3] {
     sum
 }
 
-/// The tables' gradients where each corner's are added by indexed assignment, all points at once: the last of those that share an entry.
-fn each_entry_once(a: &Arrays, levels: &[Level]) -> Vec<Level> {
-    let mut sums = zeros(levels);
-    for k in 0..8 {
-        let mut last = zeros(levels);
-        for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
-            let mut first = 0;
-            for (level, last) in levels.iter().zip(&mut last) {
-                let cells = x.map(|x| level.cell(x)).map(|(cell, f)| (cell, level.weight(f)));
+/// The tables' gradients where these corners' are written over each other: the last of those that share an entry.
+fn last_written(a: &Arrays, levels: &[Level], corners: Range<usize>) -> Vec<Level> {
+    let mut last = zeros(levels);
+    for (x, g) in points(a).into_iter().zip(rows(a, "grad_encoding")) {
+        let mut first = 0;
+        for (level, last) in levels.iter().zip(&mut last) {
+            let cells = x.map(|x| level.cell(x)).map(|(cell, f)| (cell, level.weight(f)));
+            for k in corners.clone() {
                 let (vertex, weight) = corner(k, cells);
                 let mut entry = last.table.row_mut(level.entry(vertex));
                 entry.iter_mut().zip(&g[first..]).for_each(|(entry, g)| *entry = weight * g);
-                first += level.table.ncols();
             }
+            first += level.table.ncols();
         }
-        sums.iter_mut().zip(&last).for_each(|(sum, last)| sum.table += &last.table);
     }
+    last
+}
+
+/// The sum of two gradients, level by level.
+fn added(mut sums: Vec<Level>, more: Vec<Level>) -> Vec<Level> {
+    sums.iter_mut().zip(&more).for_each(|(sum, more)| sum.table += &more.table);
     sums
 }

@@ -8,7 +8,6 @@ pub(crate) use catalogue::{
     IMPORTANCE_SAMPLING, INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, NOTHING_OVER_NOTHING,
     SEARCHED_FROM_THE_LEFT,
 };
-
 use inputs::{MAX_FOR_SUM, MIXED, SNAPPED_BELOW, U_CUT, U_HELD};
 
 use super::arrays::{Ray, forward, gradient, vjp};
@@ -313,9 +312,9 @@ fn interpolated(edges: &[f64], f: &[f64], x: f64) -> f64 {
 
 /// Samples.
 pub(crate) fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let shared = super::arrays::ray(a, 0, c).u;
     let batch: f64 = (0..size(a, "weights").0).map(|r| total(&super::arrays::ray(a, r, c))).sum();
     let others = super::arrays::ray(a, 0, c);
+    let shared = if wrong.contains(&"strata_doubled") { doubled(&others.u) } else { others.u.clone() };
     forward(a, c, |ray| {
         let first = |name: &str, own: &[f64], others: &[f64]| {
             if wrong.contains(&name) { others.to_vec() } else { own.to_vec() }
@@ -330,7 +329,6 @@ pub(crate) fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             wrong,
         );
         let f = cdf_of(&ray, batch, wrong);
-        let shared = if wrong.contains(&"strata_doubled") { doubled(&shared) } else { shared.clone() };
         let u = if wrong.contains(&"one_u_for_all_rays") { &shared } else { &ray.u };
         let mut t: Vec<f64> = u.iter().map(|&u| one(&ray, &f, u, c, wrong)).collect();
         if wrong.contains(&"interpolated_in_disparity") {

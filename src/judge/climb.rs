@@ -12,6 +12,7 @@ use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::partial::{Partial, apply, partial, with};
 use crate::contract::arithmetic::Dtype;
+use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::component::Mistake;
 use crate::convention::{CHOICES, Conventions};
@@ -197,21 +198,17 @@ fn needed(
 fn distance(h: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)], dtype: Dtype) -> f64 {
     let one = |(case, answer): &(&Case, &Answer)| {
         let (mut predicted, _) = h.prediction(question, case);
-        let open = |a: &ArrayD<f64>| a.iter().filter(|x| x.is_nan()).count();
-        let left: Vec<usize> = predicted.values().map(open).collect();
+        let open = |all: &Arrays| all.values().flatten().filter(|x| x.is_nan()).count();
+        let before = open(&predicted);
         h.leave_open(question, case, answer, &mut predicted);
         // What is left open is worth a bit less than what is said.
-        let left = left
-            .iter()
-            .zip(predicted.values())
-            .map(|(before, a)| before - open(a).min(*before))
-            .sum::<usize>();
+        let left = before > open(&predicted);
         let each = answer.iter().filter_map(|(name, given)| {
             let predicted = predicted.get(name)?;
             let got = reshaped(&given.values, predicted.shape());
             Some(got.map_or(WORST, |(got, _)| lost(&got, predicted, dtype)))
         });
-        let each = each.chain((left > 0).then_some(OPEN));
+        let each = each.chain(left.then_some(OPEN));
         each.sum::<f64>() / answer.len().max(1) as f64
     };
     cases.iter().map(one).sum::<f64>() / cases.len().max(1) as f64

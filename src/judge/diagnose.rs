@@ -365,6 +365,16 @@ mod tests {
         assert!(!said(("distortion_loss", Kind::Forward), &right, &[], |x| 2.0 * x).is_empty());
     }
 
+    /// What a mistake leaves open must not explain everything.
+    #[test]
+    fn noise_has_no_name() {
+        let right = Hypothesis::new(vec![], CS180);
+        for name in ["positional_encoding", "importance_sampling"] {
+            let found = said((name, Kind::Forward), &right, &[], |x| 0.7 * (977.0 * x).sin() + 0.13);
+            assert!(found.is_empty(), "{name}: {found:?}");
+        }
+    }
+
     #[test]
     fn a_gradient_may_show_a_convention_beside_the_mistake() {
         let row = ("pose_from_colmap", Kind::Vjp);

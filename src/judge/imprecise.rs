@@ -152,6 +152,25 @@ mod tests {
         assert_eq!(lost(|x| -x), None);
     }
 
+    /// 1 less an opacity of nearly 1 has hardly a digit of its own size, and all of those of 1.
+    #[test]
+    fn light_that_an_opacity_leaves_has_its_digits() {
+        let exam = Exam::new("volume_render", Dtype::F32, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 });
+        let bits = |light: fn(f64) -> f64| {
+            let answer = |case: &Case| {
+                let mut all = (question.component.forward.oracle)(&case.inputs, &CS180);
+                all.values_mut().for_each(|a| a.mapv_inplace(|x| Dtype::F32.round(x)));
+                all.insert("transmittance".into(), all["opacity"].mapv(|a| Dtype::F32.round(light(a))));
+                Some(given(all))
+            };
+            let answers: Answers = question.cases.iter().map(answer).collect();
+            lost_bits(question, &answers, &CS180, &options)
+        };
+        assert!(bits(|a| 1.0 - a).is_some_and(|bits| bits <= 2));
+        assert_eq!(bits(|a| 1.001 - a), None);
+    }
+
     #[test]
     fn across_a_face_no_digits_are_left() {
         let array = |x: &[f64]| ArrayD::from_shape_vec(vec![x.len()], x.to_vec()).unwrap();

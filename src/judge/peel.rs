@@ -245,4 +245,22 @@ mod tests {
         assert_eq!(part.unexplained, ["weights"]);
         assert!(sorted(&part).contains(&"row_column_swapped"), "{:?}", sorted(&part));
     }
+
+    /// The second moment alone as AdamW has it: the first shows that the decay isn't decoupled.
+    #[test]
+    fn outputs_are_told_that_are_right_and_would_be_changed() {
+        let exam = Exam::new("adam_step", Dtype::F64, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 });
+        let answer = |case: &crate::contract::case::Case| {
+            let wrong =
+                |names: &[&str]| given((question.component.forward.wrong)(&case.inputs, &CS180, names));
+            let (mut answer, decoupled) = (wrong(&[]), wrong(&["decoupled_decay"]));
+            answer.insert("v_out".into(), decoupled["v_out"].clone());
+            Some(answer)
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        let e = peel(question, &answers, &CS180, &options).unwrap();
+        assert_eq!((sorted(&e), e.unexplained.len()), (vec!["decoupled_decay"], 0));
+        assert!(e.spared.contains(&"m_out".to_string()), "{:?}", e.spared);
+    }
 }

@@ -10,6 +10,7 @@ pub(crate) use catalogue::*;
 
 use super::{arrays, sample_along_ray, step_sizes as oracle_steps};
 use crate::contract::arrays::{Arrays, array, arrays, input, number, row, size};
+use crate::contract::component::number_of;
 use crate::convention::{Conventions, Grid};
 use crate::math::pow;
 
@@ -22,8 +23,7 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
     };
     let mut u = row(a, "u", if wrong.contains(&"one_jitter_for_all_rays") { 0 } else { r });
     let n = u.len();
-    let own = places::OF_PLACES.iter().find(|m| m.name == "length_of_its_own");
-    let far = own.and_then(|m| m.among(wrong)).map_or(far, |length| near + length);
+    let far = number_of("length_of_its_own", SAMPLE_ALONG_RAYS, wrong).map_or(far, |length| near + length);
     let width = (far - near) / n as f64;
     for name in wrong {
         match *name {

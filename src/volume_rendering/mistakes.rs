@@ -95,18 +95,6 @@ fn wrong_composite(
         rendering.weights.iter_mut().filter(|w| **w < most).for_each(|w| *w = 0.0);
         composed(&mut rendering, rgbs);
     }
-    let light = rendering.transmittance.clone();
-    let spent = |left: f64| (0..n).find(|&i| light[i] < left);
-    if let Some(end) = GIVEN_UP.among(wrong).and_then(spent) {
-        let behind = rendering.transmittance[end];
-        rendering.transmittance[end..].fill(behind);
-        rendering.weights[end..].fill(0.0);
-        composed(&mut rendering, rgbs);
-    }
-    if let Some(end) = COLORS_GIVEN_UP.among(wrong).and_then(spent) {
-        let of = |k: usize| rendering.weights[..end].iter().zip(rgbs).map(|(w, color)| w * color[k]).sum();
-        rendering.color = std::array::from_fn(of);
-    }
     ended(&mut rendering, rgbs, wrong);
     match () {
         () if wrong.contains(&"opacity_of_the_densest") => {
@@ -164,12 +152,21 @@ fn wrong_composite(
 /// What ends a march, or leaves samples out of what it adds up.
 fn ended(rendering: &mut Rendering, rgbs: &[[f64; 3]], wrong: &[&str]) {
     let (n, light) = (rendering.weights.len(), rendering.transmittance.clone());
-    if let Some(end) = BEFORE_THE_SAMPLE.among(wrong).and_then(|left| (0..n).find(|&i| light[i + 1] < left)) {
+    // The first sample in front of which, or behind which, less than that is left.
+    let spent = |left: f64| (0..n).find(|&i| light[i] < left);
+    let spends = |left: f64| (0..n).find(|&i| light[i + 1] < left);
+    if let Some(end) =
+        GIVEN_UP.among(wrong).and_then(spent).or(BEFORE_THE_SAMPLE.among(wrong).and_then(spends))
+    {
         rendering.transmittance[end..].fill(light[end]);
         rendering.weights[end..].fill(0.0);
         composed(rendering, rgbs);
     }
-    if let Some(end) = MADE_OPAQUE.among(wrong).and_then(|left| (0..n).find(|&i| light[i + 1] < left)) {
+    if let Some(end) = COLORS_GIVEN_UP.among(wrong).and_then(spent) {
+        let of = |k: usize| rendering.weights[..end].iter().zip(rgbs).map(|(w, color)| w * color[k]).sum();
+        rendering.color = std::array::from_fn(of);
+    }
+    if let Some(end) = MADE_OPAQUE.among(wrong).and_then(spends) {
         rendering.weights[end + 1..].fill(0.0);
         composed(rendering, rgbs);
         rendering.color = rendering.color.map(|c| c / rendering.opacity);
@@ -237,7 +234,7 @@ fn render_all(
             }
             ray = recompose(ray, &alphas[r], &rgbs(r));
         }
-        if along_rays(wrong) || wrong.contains(&"colors_averaged") {
+        if along_rays(wrong) {
             ray = recompose(ray, &alphas[r], &rgbs(r));
         }
         wrong_composite(ray, r, &alphas[r], &rgbs(r), wrong)

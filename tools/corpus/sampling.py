@@ -173,6 +173,12 @@ def infinite_last_step(t):
     return differences(t, 1e10)
 
 
+@convention("step_sizes", {"delta": "differences"}, seen="cheind/pure-torch-ngp radiance.py (tfinal = 1e5)")
+def last_step_up_to_1e5(t):
+    """Differences of the samples and 1e5 behind them."""
+    return torch.diff(torch.cat([t, torch.full_like(t[..., :1], 1e5)], -1), dim=-1)
+
+
 @convention("step_sizes", {"delta": "differences"}, seen="a student's torch port (1e20)", times=1)
 def last_step_1e20(t):
     """Differences, then 1e20."""

@@ -32,7 +32,8 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
     let (count, samples) = size(a, "sigmas");
     let (mut all, mut rays, mut carried) = (vec![], vec![], 1.0);
     for r in 0..count {
-        let (mut sigmas, deltas) = (row(a, "sigmas", r), wrong_deltas(a, r, wrong));
+        let (mut sigmas, deltas, rgbs) =
+            (row(a, "sigmas", r), wrong_deltas(a, r, wrong), colors_of(a, r, wrong));
         if wrong.contains(&"densities_averaged") {
             (1..samples).for_each(|i| sigmas[i - 1] = 0.5 * (sigmas[i - 1] + sigmas[i]));
         }
@@ -54,7 +55,7 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         }
         let mut alphas: Vec<f64> =
             optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(-x)).collect();
-        let mut ray = oracle(&sigmas, &rows3(a, "rgbs", r), &deltas, c.product_eps);
+        let mut ray = oracle(&sigmas, &rgbs, &deltas, c.product_eps);
         let (eps, scale) = (EPS_ON_ALPHA.among(wrong), SCALED_EXPONENTIAL.among(wrong));
         let touched = eps.is_some() || scale.is_some();
         if touched {
@@ -77,20 +78,20 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         let touched = touched || other.is_some();
         alphas = other.unwrap_or(alphas);
         if touched || textbook {
-            ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
+            ray = oracle_alpha(&alphas, &rgbs, c.product_eps);
         }
         if let Some(eps) = eps {
             alphas.iter_mut().for_each(|alpha| *alpha += eps);
-            ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), ProductEps::TenToMinusTen);
+            ray = oracle_alpha(&alphas, &rgbs, ProductEps::TenToMinusTen);
         }
         if wrong.contains(&"delta_missing_in_alpha") {
             alphas = sigmas.iter().map(|sigma| -crate::math::expm1(-sigma)).collect();
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"delta_missing_in_transmittance") {
             let in_front = |i: usize| sigmas[..i].iter().sum::<f64>();
             ray.transmittance = (0..=samples).map(|i| exp(-in_front(i))).collect();
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"taken_off_the_sum") {
             let errors = if textbook { row(a, ALPHA_ERROR, r) } else { vec![0.0; samples] };
@@ -101,19 +102,19 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
                 front += x;
                 ray.transmittance[i] = exp(-(left + errors[i] * front));
             }
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"product_over_the_batch") {
             let own = ray.transmittance[samples];
             ray.transmittance.iter_mut().for_each(|t| *t *= carried);
             carried = ray.transmittance[samples];
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
             ray.transmittance[samples] = own;
         }
         if wrong.contains(&"softmax_for_weights") {
             alphas = softmax(&optical_depths(&sigmas, &deltas));
             ray.transmittance.fill(1.0);
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"density_with_step_before") {
             let mut depth = 0.0;
@@ -121,11 +122,11 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
                 depth += product(sigmas[i], deltas[i - 1]);
                 ray.transmittance[i] = exp(-depth);
             }
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"exponent_without_minus") {
             alphas = optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(x)).collect();
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"depth_for_transmittance") {
             let mut depth = 0.0;
@@ -133,38 +134,38 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
                 ray.transmittance[i] = depth;
                 depth += x;
             }
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"optical_depth_for_alpha") {
             alphas = optical_depths(&sigmas, &deltas);
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"light_at_the_middle") {
             let depths = optical_depths(&sigmas, &deltas);
             let front = |i: usize| depths[..i].iter().sum::<f64>() + 0.5 * depths[i];
             (0..samples).for_each(|i| ray.transmittance[i] = exp(-front(i)));
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"cloud_of_a_shader") {
             let depths = optical_depths(&sigmas, &deltas);
             ray.transmittance.rotate_left(1.min(samples));
             let behind = ray.transmittance[samples.saturating_sub(1)];
-            ray = recompose(ray, &depths, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &depths, &rgbs);
             (ray.opacity, ray.transmittance) = (1.0 - behind, vec![behind; samples + 1]);
         }
         if wrong.contains(&"alphas_subtracted") {
             let front = |i: usize| alphas[..i].iter().sum::<f64>();
             (0..=samples).for_each(|i| ray.transmittance[i] = (1.0 - front(i)).max(0.0));
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"source_without_density") {
             let of = |(alpha, sigma): (&f64, &f64)| if *sigma == 0.0 { 0.0 } else { alpha / sigma };
             alphas = alphas.iter().zip(&sigmas).map(of).collect();
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"density_for_opacity") {
             alphas = sigmas;
-            ray = recompose(ray, &alphas, &rows3(a, "rgbs", r));
+            ray = recompose(ray, &alphas, &rgbs);
         }
         all.push(alphas);
         rays.push(ray);

@@ -3,7 +3,7 @@
 use super::arrays;
 use super::hand_written::{OF_DENSITIES, OF_OPACITIES};
 use crate::contract::arrays::{Arrays, array, input, row, rows3, size};
-use crate::contract::component::Mistake;
+use crate::contract::component::number_of;
 use crate::convention::Conventions;
 use crate::math::{exp, expm1};
 use crate::volume_rendering::{
@@ -12,11 +12,6 @@ use crate::volume_rendering::{
 
 /// Below this 1 - exp(-x) is 0 in single precision.
 const NO_ALPHA: f64 = 1.0 / 33_554_432.0;
-
-/// The number in a mistake, where it is made.
-fn number(list: &[Mistake], name: &str, wrong: &[&str]) -> Option<f64> {
-    list.iter().find(|m| m.name == name).and_then(|m| m.among(wrong))
-}
 
 /// The gradient of each sigma delta as a hand-written backward pass has it.
 fn wrong_slopes(
@@ -41,7 +36,7 @@ fn wrong_slopes(
     };
     let weighed: Vec<f64> = (0..n).map(weigh).collect();
     let light = ray.transmittance[n] * arrays::cotangent_over(a, r, c).transmittance;
-    let given_up = number(OF_DENSITIES, "backward_given_up", wrong);
+    let given_up = number_of("backward_given_up", OF_DENSITIES, wrong);
     let slope = |i: usize| {
         let behind = weighed[i + 1..].iter().sum::<f64>() + light;
         let (own, through) = (left(i) * g[i], exp(-depths[i]));
@@ -101,7 +96,7 @@ fn unshaded(a: &Arrays, r: usize, transmittance: &[f64], c: &Conventions, wrong:
 fn wrong_colors(a: &Arrays, r: usize, ray: &Rendering, c: &Conventions, wrong: &[&str]) -> Vec<f64> {
     let has = |name: &str| wrong.contains(&name);
     let (n, g) = (ray.weights.len(), g_color(a, r, c, wrong));
-    let given_up = number(OF_DENSITIES, "backward_given_up", wrong);
+    let given_up = number_of("backward_given_up", OF_DENSITIES, wrong);
     let weight = |i: usize| match () {
         () if has("last_sample_without_gradient") && i + 1 == n => 0.0,
         () if given_up.is_some_and(|least| ray.transmittance[i] < least) => 0.0,
@@ -152,7 +147,7 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
         gradients.insert("grad_deltas".into(), array(&[rays, samples], g_deltas));
         gradients.insert("grad_rgbs".into(), array(&[rays, samples, 3], g_rgbs));
         gradients = arrays::gradients_of_rectified(a, c, gradients);
-        if let Some(scale) = number(OF_DENSITIES, "loss_scale_left_in", wrong) {
+        if let Some(scale) = number_of("loss_scale_left_in", OF_DENSITIES, wrong) {
             gradients.values_mut().for_each(|g| g.mapv_inplace(|g| scale * g));
         }
     }
@@ -195,8 +190,8 @@ fn wrong_alpha_slopes(
             () if has("opacity_shades_nothing") => t[i] * (g[i] - hidden) + apart * t[i],
             () if has("opacity_undivided") => t[i] * (g[i] - hidden) + apart * t[n],
             () => match (
-                number(OF_OPACITIES, "eps_in_hidden", wrong),
-                number(OF_OPACITIES, "hidden_held", wrong),
+                number_of("eps_in_hidden", OF_OPACITIES, wrong),
+                number_of("hidden_held", OF_OPACITIES, wrong),
             ) {
                 (Some(eps), _) => scaled(through + eps),
                 (_, Some(least)) => scaled(through.max(least)),
