@@ -1,71 +1,15 @@
-//! One operation of a formula that is done in another way: what code with a slip of the pen does. An honest implementation does all its
+//! Operations of a formula that are done in another way: what code with a slip of the pen does. An honest implementation does all its
 //! arithmetic with a [`Machine`](super::machine::Machine), which asks here, so that any operation of any component can be tried.
 
-use std::cell::{Cell, RefCell};
-use std::collections::VecDeque;
+use std::cell::Cell;
 use std::panic::{Location, resume_unwind};
 
 use super::operation::Operation;
-
-/// An operation in the text of a formula.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Site {
-    /// What is done there.
-    pub operation: Operation,
-    /// Where that is.
-    pub at: &'static Location<'static>,
-}
-
-impl PartialEq for Site {
-    /// Asked at every operation: what differs most often comes first.
-    fn eq(&self, other: &Site) -> bool {
-        let place = |site: &Site| (site.at.line(), site.at.column());
-        place(self) == place(other) && self.operation == other.operation && self.at.file() == other.at.file()
-    }
-}
-
-/// A number of an operation that was done before.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Origin {
-    /// Where that was.
-    pub site: Site,
-    /// Its first number, its second one, or (2) what came out.
-    pub place: usize,
-}
-
-/// A site that an evaluation came by.
-#[derive(Clone, Debug)]
-pub(crate) struct Seen {
-    /// Which.
-    pub site: Site,
-    /// How often it did.
-    pub times: usize,
-    /// What came out, where it was the same each time.
-    pub value: Option<f64>,
-    /// Other numbers that were there when it came by first, the latest first.
-    pub others: Vec<Origin>,
-}
-
-impl Seen {
-    /// The ways to take another number for one of its own.
-    pub(crate) fn mixed_up(&self) -> Vec<How> {
-        use Operation as O;
-        let numbers = match self.site.operation {
-            O::Add | O::Sub | O::Mul | O::Div | O::Max | O::Min | O::Pow => 2,
-            O::Sqrt | O::Exp | O::Expm1 | O::Ln | O::Sin | O::Cos => 1,
-            _ => 0,
-        };
-        let one_of_both = (0..numbers).filter(|_| numbers == 2).map(How::Both);
-        let others = self.others.iter().flat_map(|other| (0..numbers).map(|n| How::Other(n, *other)));
-        one_of_both.chain(others).collect()
-    }
-}
+use super::site::{self, Origin, Seen, Site};
 
 /// In which other way it is done. The likelier come first in [`How::all`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum How {
-    /// As it should be; the sites are written down.
-    Observed,
     /// Without the second number, or without the function.
     First,
     /// Without the first.
@@ -116,12 +60,6 @@ pub(crate) enum How {
     Wider,
 }
 
-/// Numbers that one may be taken for.
-pub(crate) const OTHERS: usize = 24;
-
-/// Numbers of the operations before that are looked at for them.
-const LATEST: usize = 192;
-
 /// Terms of a sum that may be left out, one at a time.
 const TERMS: usize = 6;
 
@@ -129,6 +67,46 @@ impl How {
     /// Whether what comes out depends on what is done next.
     pub(crate) fn of_parenthesis(self) -> bool {
         matches!(self, How::FirstOutside | How::SecondOutside | How::Wider)
+    }
+
+    /// The operation done in this way.
+    fn done(self, operation: Operation, a: f64, b: f64) -> f64 {
+        let right = operation.of(a, b);
+        let wait = |meant: f64| {
+            let shown = meant.next_up();
+            WAITING.set(Some(Waiting { shown, meant, numbers: [a, b] }));
+            shown
+        };
+        match self {
+            How::Without(_) | How::Less(_) => right,
+            How::First => a,
+            How::Second => b,
+            How::Done(other) => other.of(a, b),
+            How::Crossed(other) => other.of(b, a),
+            How::Exchanged => operation.of(b, a),
+            How::Opposite => -right,
+            How::OfOpposite => operation.of(-a, b),
+            How::Squared => right * right,
+            How::Root => right.sqrt(),
+            How::PlusInside(0, k) => operation.of(a + k, b),
+            How::PlusInside(_, k) => operation.of(a, b + k),
+            How::SquaredInside(0) => operation.of(a * a, b),
+            How::SquaredInside(_) => operation.of(a, b * b),
+            How::RootInside(0) => operation.of(a.sqrt(), b),
+            How::RootInside(_) => operation.of(a, b.sqrt()),
+            How::Both(0) => operation.of(a, a),
+            How::Both(_) => operation.of(b, b),
+            How::Other(0, _) => operation.of(OTHER.get().unwrap_or(a), b),
+            How::Other(..) => operation.of(a, OTHER.get().unwrap_or(b)),
+            How::Halved => 0.5 * right,
+            How::Doubled => 2.0 * right,
+            How::Taken(x) => x,
+            How::Times(k) => k * right,
+            How::Plus(k) => right + k,
+            How::SecondOutside => wait(a),
+            How::FirstOutside => wait(b),
+            How::Wider => wait(right),
+        }
     }
 
     /// All ways in which this operation can be done wrong.
@@ -182,30 +160,73 @@ struct Waiting {
 }
 
 thread_local! {
-    static SEEN: RefCell<Vec<Seen>> = const { RefCell::new(vec![]) };
     static LEFT: Cell<usize> = const { Cell::new(0) };
     static WAITING: Cell<Option<Waiting>> = const { Cell::new(None) };
-    static LATEST_NUMBERS: RefCell<VecDeque<(Origin, f64)>> = const { RefCell::new(VecDeque::new()) };
     static OTHER: Cell<Option<f64>> = const { Cell::new(None) };
+    static TIMES: Cell<[usize; AT_ONCE]> = const { Cell::new([0; AT_ONCE]) };
 }
 
-/// A site with what happens there.
+/// Which of the times that an evaluation comes by a site: one entry of every point's matrix.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Fault {
+pub(crate) struct Nth {
+    /// Counted from 0.
+    pub index: usize,
+    /// Of so many, again and again.
+    pub of: usize,
+}
+
+/// An operation that is done in another way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Wrong {
     /// Where.
-    pub site: Option<Site>,
+    pub site: Site,
     /// How.
     pub how: How,
+    /// When, where it isn't each time.
+    pub nth: Option<Nth>,
+}
+
+/// Operations that are done in another way at once, at most.
+pub(crate) const AT_ONCE: usize = 3;
+
+/// What is done in another way.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Fault {
+    /// Each operation that is. One of them may ask for more than its own numbers.
+    pub wrong: [Option<Wrong>; AT_ONCE],
+    /// Nothing; but the sites are written down.
+    pub observed: bool,
 }
 
 impl Fault {
+    /// One operation.
+    pub(crate) fn of(site: Site, how: How) -> Fault {
+        Fault::of_some(site, how, None)
+    }
+
+    /// One operation, each time or one of them.
+    pub(crate) fn of_some(site: Site, how: How, nth: Option<Nth>) -> Fault {
+        Fault { wrong: [Some(Wrong { site, how, nth }), None, None], observed: false }
+    }
+
+    /// What is wrong.
+    pub(crate) fn all(&self) -> impl Iterator<Item = &Wrong> {
+        self.wrong.iter().flatten()
+    }
+
+    /// One operation more, where there is place for it.
+    pub(crate) fn with(&self, wrong: Wrong) -> Option<Fault> {
+        let mut more = *self;
+        *more.wrong.iter_mut().find(|place| place.is_none())? = Some(wrong);
+        Some(more)
+    }
+
     /// The sites that a function comes by.
     pub(crate) fn observed(function: impl FnOnce(Fault)) -> Vec<Seen> {
-        SEEN.with_borrow_mut(Vec::clear);
-        LATEST_NUMBERS.with_borrow_mut(VecDeque::clear);
+        site::begin();
         Fault::begin(usize::MAX);
-        function(Fault { site: None, how: How::Observed });
-        SEEN.take()
+        function(Fault { observed: true, ..Fault::default() });
+        site::all()
     }
 
     /// A new evaluation begins, of at most so many operations: a loop whose numbers are wrong may have no end.
@@ -216,81 +237,41 @@ impl Fault {
         WAITING.set(None);
         OTHER.set(None);
         LEFT.set(operations);
+        TIMES.set([0; AT_ONCE]);
     }
 
-    fn here(&self, operation: Operation, at: &'static Location<'static>) -> bool {
+    /// What is done in another way here and now.
+    fn here(&self, site: Site) -> Option<&Wrong> {
         match LEFT.get() {
             0 => resume_unwind(Box::new("no end in sight")),
             left => LEFT.set(left - 1),
         }
-        self.site == Some(Site { operation, at })
-    }
-
-    /// Writes down what came out of two numbers.
-    fn saw(site: Site, numbers: [f64; 2], value: f64) {
-        SEEN.with_borrow_mut(|all| match all.iter_mut().find(|seen| seen.site == site) {
-            Some(seen) => {
-                seen.times += 1;
-                seen.value = seen.value.filter(|had| *had == value);
+        let mut found = None;
+        for (n, wrong) in self.wrong.iter().enumerate() {
+            let Some(wrong) = wrong.as_ref().filter(|wrong| wrong.site == site) else { continue };
+            if wrong.nth.is_none_or(|nth| nth.is_now(n, site.operation)) {
+                found = Some(wrong);
             }
-            None => all.push(Seen { site, times: 1, value: Some(value), others: others(numbers, value) }),
-        });
-        LATEST_NUMBERS.with_borrow_mut(|latest| {
-            for (place, number) in [numbers[0], numbers[1], value].into_iter().enumerate() {
-                latest.push_front((Origin { site, place }, number));
-            }
-            latest.truncate(LATEST);
-        });
+        }
+        found
     }
 
     /// An operation on two numbers, or a function of the first.
     pub(crate) fn done(&self, operation: Operation, a: f64, b: f64, at: &'static Location<'static>) -> f64 {
-        if self.how == How::Observed {
-            Fault::saw(Site { operation, at }, [a, b], operation.of(a, b));
+        let site = Site { operation, at };
+        if self.observed {
+            site::saw(site, [a, b], operation.of(a, b));
         }
-        if let How::Other(_, Origin { site, place }) = self.how
-            && site == (Site { operation, at })
-        {
-            OTHER.set(Some([a, b, operation.of(a, b)][place]));
+        for wrong in self.all() {
+            if let How::Other(_, origin) = wrong.how
+                && origin.site == site
+            {
+                OTHER.set(Some([a, b, operation.of(a, b)][origin.place]));
+            }
         }
-        if !self.here(operation, at) {
-            return self.caught_up(operation, a, b).unwrap_or_else(|| operation.of(a, b));
-        }
-        let right = operation.of(a, b);
-        let wait = |meant: f64| {
-            let shown = meant.next_up();
-            WAITING.set(Some(Waiting { shown, meant, numbers: [a, b] }));
-            shown
-        };
-        match self.how {
-            How::Observed | How::Without(_) | How::Less(_) => right,
-            How::First => a,
-            How::Second => b,
-            How::Done(other) => other.of(a, b),
-            How::Crossed(other) => other.of(b, a),
-            How::Exchanged => operation.of(b, a),
-            How::Opposite => -right,
-            How::OfOpposite => operation.of(-a, b),
-            How::Squared => right * right,
-            How::Root => right.sqrt(),
-            How::PlusInside(0, k) => operation.of(a + k, b),
-            How::PlusInside(_, k) => operation.of(a, b + k),
-            How::SquaredInside(0) => operation.of(a * a, b),
-            How::SquaredInside(_) => operation.of(a, b * b),
-            How::RootInside(0) => operation.of(a.sqrt(), b),
-            How::RootInside(_) => operation.of(a, b.sqrt()),
-            How::Both(0) => operation.of(a, a),
-            How::Both(_) => operation.of(b, b),
-            How::Other(0, _) => operation.of(OTHER.get().unwrap_or(a), b),
-            How::Other(..) => operation.of(a, OTHER.get().unwrap_or(b)),
-            How::Halved => 0.5 * right,
-            How::Doubled => 2.0 * right,
-            How::Taken(x) => x,
-            How::Times(k) => k * right,
-            How::Plus(k) => right + k,
-            How::SecondOutside => wait(a),
-            How::FirstOutside => wait(b),
-            How::Wider => wait(right),
+        match self.here(site) {
+            Some(wrong) => wrong.how.done(operation, a, b),
+            None => self.caught_up(operation, a, b).unwrap_or_else(|| operation.of(a, b)),
         }
     }
 
@@ -303,8 +284,9 @@ impl Fault {
         }
         let [a, b] = [a, b].map(|x| if x == waiting.shown { waiting.meant } else { x });
         let [one, two] = waiting.numbers;
-        let own = self.site?.operation;
-        let found = match (self.how, operation) {
+        let wrong = self.all().find(|wrong| wrong.how.of_parenthesis())?;
+        let own = wrong.site.operation;
+        let found = match (wrong.how, operation) {
             // The number comes after the operation, not before.
             (How::SecondOutside, Operation::Mul | Operation::Div | Operation::Sqrt | Operation::Neg) => {
                 own.of(operation.of(a, b), two)
@@ -328,28 +310,26 @@ impl Fault {
         terms: &[f64],
         at: &'static Location<'static>,
     ) -> Option<Vec<f64>> {
-        let here = self.here(operation, at);
         let each = |change: fn(f64) -> f64, n: usize| {
             let one = |(i, x): (usize, &f64)| if i == n { change(*x) } else { *x };
             Some(terms.iter().enumerate().map(one).collect())
         };
-        match self.how {
-            How::Without(n) if here => each(|_| 0.0, n),
-            How::Less(n) if here => each(|x| -x, n),
+        match self.here(Site { operation, at })?.how {
+            How::Without(n) => each(|_| 0.0, n),
+            How::Less(n) => each(|x| -x, n),
             _ => None,
         }
     }
 }
 
-/// Numbers that differ from these and from one another, the latest first.
-fn others(numbers: [f64; 2], value: f64) -> Vec<Origin> {
-    let mut known = vec![numbers[0], numbers[1], value];
-    LATEST_NUMBERS.with_borrow(|latest| {
-        let new = latest.iter().filter(|(_, number)| {
-            let new = !known.contains(number) && !number.is_nan();
-            known.extend(new.then_some(*number));
-            new
-        });
-        new.map(|(origin, _)| *origin).take(OTHERS).collect()
-    })
+impl Nth {
+    /// Whether it is this time, of the n-th that is wrong. A sum is asked twice: for its terms, and for what comes out.
+    fn is_now(self, n: usize, operation: Operation) -> bool {
+        let asked = if matches!(operation, Operation::Sum | Operation::Dot) { 2 } else { 1 };
+        let mut times = TIMES.get();
+        let now = times[n] / asked % self.of == self.index;
+        times[n] += 1;
+        TIMES.set(times);
+        now
+    }
 }

@@ -15,6 +15,7 @@ pub(crate) mod operation;
 pub(crate) mod operations;
 pub mod propagate;
 pub mod recipe;
+pub(crate) mod site;
 pub mod special;
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::mlp::{Mlp, Output};
 use super::nerf_mlp::NerfMlp;
 use super::{Layer, backward};
 use crate::contract::arrays::{Arrays, arrays, from_rows, input, rows, values};
-use crate::convention::{Conventions, IdentityPlace};
+use crate::convention::Conventions;
 use crate::encoding::{Encoding, backward::positional_encoding as encoding_vjp, positional_encoding};
 
 /// A layer from its two arrays.
@@ -73,8 +73,6 @@ impl Nerf {
         };
         let levels = |columns: usize| (columns - if c.identity { 3 } else { 0 }) / 6;
         let direction = net.color0.w.ncols() - net.feature.w.nrows();
-        // The network's own columns: x itself stands in front.
-        let c = &Conventions { identity_place: IdentityPlace::First, ..*c };
         let position = Encoding::new(levels(net.trunk[0].w.ncols()), c);
         Nerf { position, direction: Encoding::new(levels(direction), c), net }
     }

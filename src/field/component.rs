@@ -44,6 +44,7 @@ pub(crate) const NERF_MLP: Component = Component {
     ],
     conventions: &[
         "identity",
+        "identity_place",
         "frequency",
         "bands",
         "columns",

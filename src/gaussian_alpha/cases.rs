@@ -98,6 +98,12 @@ pub(crate) fn gaussian_alpha() -> Vec<Case> {
             ],
         ),
         case(
+            "beyond_three_sigmas",
+            "a long splat between three deviations, where tiles end, and where it is faint: its radius is 48 pixels",
+            vec![54.0, 4.0, 50.0, 4.0, 4.0, 29.0],
+            [vec![4.0, 4.0], vec![0.00390625, 0.0, 0.015625], vec![1.0]],
+        ),
+        case(
             "nearly_opaque",
             "opacities from 0.99 to 1 in and beside the middle, around what codes cap at",
             vec![2.5, 2.5, 2.5625, 2.5],

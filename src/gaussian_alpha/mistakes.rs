@@ -3,85 +3,15 @@
 use std::f64::consts::PI;
 
 use super::arrays::{form, forward, six, total, vjp};
-use super::{Form, Splat, alpha as oracle, backward, cap, offset, skipped};
+use super::{Form, Splat, alpha as oracle, backward, cap, offset, power, skipped};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
-use crate::convention::Conventions;
+use crate::convention::{AlphaCap, CapGradient, Conventions};
 use crate::math::{exp, expm1};
 
-const CUT: Mistake = Mistake::new(
-    "cut_at_other_sigmas",
-    "0 where d^T conic d > k^2",
-    "splats end in a rim that is seen",
-    "cut where alpha falls below 1/255, or nowhere",
-    "never; cheap to keep",
-    0,
-)
-.with("k", 2.0, [0.5, 6.0]);
-const FLOORED: Mistake = Mistake::new(
-    "exponent_floored",
-    "exp(max(-1/2 d^T conic d, -k))",
-    "every splat is a veil over the whole picture, of e^-k times its opacity at least",
-    "the exponent as it is: exp has no trouble with large negative ones",
-    "1 public implementation",
-    1,
-)
-.with("k", 10.0, [1.0, 80.0]);
+mod numbers;
 
-const SCALED: Mistake = Mistake::new(
-    "exponent_scaled",
-    "exp(-k d^T conic d) with k other than 1/2",
-    "splats are larger or smaller than they were fitted",
-    "1/2",
-    "a WebGPU viewer, 1/16: its quads are cut at a distance of its own",
-    1,
-)
-.with("k", 0.0625, [0.01, 10.0]);
-const BELOW: Mistake = Mistake::new(
-    "cut_below_an_opacity",
-    "0 where alpha < k, with k other than 1/255",
-    "faint splats are lost, and what lies behind many of them comes through",
-    "1/255, or everything counts",
-    "a WGSL shader, 0.02; a viewer, 0.01",
-    2,
-)
-.with("k", 0.02, [1e-4, 0.5]);
-const CAPPED: Mistake = Mistake::new(
-    "capped_elsewhere",
-    "min(alpha, k) with k other than 0.99 and 0.999",
-    "more of what lies behind comes through than was trained",
-    "0.99 as 3D Gaussian splatting has it, 0.999 as gsplat",
-    "a renderer on CPUs: 0.995",
-    1,
-)
-.with("k", 0.995, [0.3, 0.9999]);
-const CAPPED_BEFORE: Mistake = Mistake::new(
-    "gaussian_capped",
-    "opacity times min(exp(...), k)",
-    "what is opaque lets light through where it shouldn't, and the rest as it is",
-    "cap the product",
-    "never; cheap to keep",
-    0,
-)
-.with("k", 0.99, [0.3, 0.9999]);
-const CIRCLE: Mistake = Mistake::new(
-    "cut_at_a_radius",
-    "0 where |d| is above k deviations along the long axis, rounded up",
-    "splats end in a rim",
-    "a radius is for finding tiles: within a tile every pixel counts",
-    "a Vulkan rasterizer, of 2 deviations",
-    1,
-)
-.with("k", 3.0, [0.5, 6.0]);
-const SQUARE: Mistake = Mistake::new(
-    "cut_at_a_square",
-    "0 where |dx| or |dy| is above k deviations along the long axis, rounded up",
-    "splats end in a rim",
-    "a radius is for finding tiles: within a tile every pixel counts",
-    "a wgpu rasterizer, 3",
-    1,
-)
-.with("k", 3.0, [0.5, 6.0]);
+use numbers::{BELOW, CAPPED, CAPPED_BEFORE, CIRCLE, CUT, DILATED, FLOORED, SCALED, SQUARE};
 
 /// Mistakes of splats' opacities.
 pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
@@ -186,6 +116,15 @@ pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
         0,
     )
     .of_gradient(),
+    Mistake::new(
+        "gradient_of_the_capped",
+        "gradients of an opacity at its cap as if it weren't, with the capped alpha for opacity times the Gaussian",
+        "what is opaque goes on learning, in steps of another size",
+        "0 at the cap, or through it with what alpha was before",
+        "1 splat renderer in Metal",
+        1,
+    )
+    .of_gradient(),
     CUT,
     FLOORED,
     Mistake::new(
@@ -202,6 +141,7 @@ pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
     CAPPED_BEFORE,
     CIRCLE,
     SQUARE,
+    DILATED,
     Mistake::new(
         "conic_in_another_order",
         "(A, B, C) read as (A, C, B): what lies between x and y stands last",
@@ -298,6 +238,12 @@ fn wrong_alpha(pixel: [f64; 2], splat: &Splat, form: Form, wrong: &[&str]) -> f6
     if has("conic_in_another_order") {
         (b, c) = (c, b);
     }
+    if let Some(k) = DILATED.among(wrong) {
+        let det = a * c - b * b;
+        let (p, q, s) = (c / det + k, -b / det, a / det + k);
+        let under = p * s - q * q;
+        (a, b, c) = (s / under, -q / under, p / under);
+    }
     let det = a * c - b * b;
     if has("covariance_for_conic") {
         (a, b, c) = (c / det, -b / det, a / det);
@@ -351,18 +297,36 @@ pub(crate) fn alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 
 /// Their gradients.
 pub(crate) fn alpha_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let name = wrong.first().copied();
+    let has = |name: &str| wrong.contains(&name);
     let one = |pixel: [f64; 2], splat: &Splat, g: f64| {
         let mut all = six(&backward::alpha(pixel, splat, form(c), g));
-        match name {
-            Some("mean_gradient_negated") => (all[0], all[1]) = (-all[0], -all[1]),
-            Some("opacity_gradient_of_alpha") => all[5] *= splat.opacity,
-            Some("gradient_by_division") => all[5] = all[5] * splat.opacity / splat.opacity,
-            Some("power_held") => all[..5].fill(0.0),
-            _ => {}
+        if has("gradient_of_the_capped") {
+            all = six(&of_capped(pixel, splat, form(c), g));
+        }
+        if has("mean_gradient_negated") {
+            (all[0], all[1]) = (-all[0], -all[1]);
+        }
+        if has("opacity_gradient_of_alpha") {
+            all[5] *= splat.opacity;
+        }
+        if has("gradient_by_division") {
+            all[5] = all[5] * splat.opacity / splat.opacity;
+        }
+        if has("power_held") {
+            all[..5].fill(0.0);
         }
         all
     };
     let last = |parts: &[f64]| parts.last().copied().unwrap_or_default();
-    if name == Some("last_pixel_alone") { vjp(a, one, last) } else { vjp(a, one, total) }
+    if has("last_pixel_alone") { vjp(a, one, last) } else { vjp(a, one, total) }
+}
+
+/// The gradient of a capped opacity as if it weren't, by its value: alpha for opacity G.
+fn of_capped(pixel: [f64; 2], splat: &Splat, form: Form, g: f64) -> Splat {
+    let through = Form { cap_gradient: CapGradient::Through, ..form };
+    let whole = splat.opacity * exp(power(pixel, splat));
+    // A program that caps in its backward pass alone has the usual cap.
+    let most = cap(form).min(if form.cap == AlphaCap::None { 0.99 } else { f64::INFINITY });
+    let part = if whole > most { most / whole } else { 1.0 };
+    backward::alpha(pixel, splat, through, part * g)
 }

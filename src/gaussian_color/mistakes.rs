@@ -365,16 +365,18 @@ pub(crate) fn color(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
 pub(crate) fn color_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let form = form(c);
     vjp(a, |mean, center, f, g| {
+        let has = |name: &str| wrong.contains(&name);
+        let form = match has("clamp_not_differentiated") {
+            true => Form { color: SplatColor::Shifted, ..form },
+            false => form,
+        };
         let (g_mean, g_f) = backward::color(mean, center, f, form, g);
-        match wrong.first() {
-            Some(&"mean_gradient_dropped") => ([0.0; 3], g_f),
-            Some(&"mean_gradient_negated") => (g_mean.map(|g| -g), g_f),
-            Some(&"clamp_not_differentiated") => {
-                backward::color(mean, center, f, Form { color: SplatColor::Shifted, ..form }, g)
-            }
-            Some(&"normalization_not_differentiated") => (of_unit(mean, center, f, form, g, &g_f), g_f),
-            _ => (g_mean, g_f),
-        }
+        let g_mean = match () {
+            () if has("mean_gradient_dropped") => [0.0; 3],
+            () if has("normalization_not_differentiated") => of_unit(mean, center, f, form, g, &g_f),
+            () => g_mean,
+        };
+        (if has("mean_gradient_negated") { g_mean.map(|g| -g) } else { g_mean }, g_f)
     })
 }
 

@@ -3,9 +3,13 @@
 use super::arrays::{form, forward, vjp};
 use super::{Form, backward, covariance as oracle, deviations, rotation, unit};
 use crate::contract::arrays::{Arrays, values};
-use crate::contract::component::Mistake;
-use crate::convention::{Conventions, QuaternionLength, QuaternionOrder, SplatScale};
+use crate::contract::component::{Mistake, joined};
+use crate::convention::{Conventions, QuaternionLength};
 use crate::pose::mistakes::signs::{SIGNS, signed};
+
+mod gradients;
+
+use gradients::{OF_GRADIENTS, hand_written};
 
 const WIDENED: Mistake = Mistake::new(
     "eps_on_the_diagonal",
@@ -27,7 +31,10 @@ const LEAST_SCALE: Mistake = Mistake::new(
 .with("least", 1e-2, [1e-6, 1.0]);
 
 /// Mistakes of the covariance.
-pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
+pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] =
+    &joined::<{ FORWARD.len() + OF_GRADIENTS.len() }>(&[FORWARD, OF_GRADIENTS]);
+
+const FORWARD: &[Mistake] = &[
     Mistake::new(
         "rotation_transposed",
         "R^T diag(s)^2 R: M^T M of an M = diag(s) R whose R is in rows",
@@ -68,42 +75,6 @@ pub(crate) const GAUSSIAN_COVARIANCE: &[Mistake] = &[
         "never in this row; as norm_of_all_rays of directions",
         0,
     ),
-    Mistake::new(
-        "gradient_of_the_other_scale",
-        "the gradient of s handed on as that of ln s, or the reverse",
-        "the factor s is missing: steps of small splats are too large by 1 / s",
-        "ln s learns s times the gradient of s",
-        "fvdb-core#432, whose kernel takes logarithms",
-        1,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "normalization_not_differentiated",
-        "the gradient of q / |q| handed on as that of q",
-        "a part along q, which turns nothing, makes quaternions longer or shorter at every step",
-        "(g - (g . u) u) / |q|",
-        "kernels that divide inside and differentiate as the original does, which takes quaternions as they are",
-        1,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "one_factor_alone",
-        "g M in place of (g + g^T) M: one of the two M is held constant",
-        "half of the gradient",
-        "M stands there twice",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "off_diagonal_twice",
-        "the gradients of six numbers copied to both triangles as they are",
-        "rotations learn twice as fast as scales",
-        "half of an off-diagonal gradient to each triangle",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
     Mistake::new(
         "length_squared_times_rotation",
         "w^2 + x^2 - y^2 - z^2 on the diagonal, of quaternions that aren't of length 1: |q|^2 R",
@@ -239,53 +210,11 @@ pub(crate) fn covariance(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     })
 }
 
-/// The gradient of the quaternion as it goes into the polynomial.
-fn not_through_length(q: [f64; 4], s: [f64; 3], g: [[f64; 3]; 3], form: Form) -> [f64; 4] {
-    let (u, _) = unit(q, form);
-    let u = if form.order == QuaternionOrder::RealLast { [u[1], u[2], u[3], u[0]] } else { u };
-    backward::covariance(u, s, g, Form { length: QuaternionLength::AsGiven, ..form }).0
-}
-
 /// Their gradients.
 pub(crate) fn covariance_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let form = form(c);
-    vjp(a, |q, scales, g| {
-        let right = |g| backward::covariance(q, scales, g, form);
-        let (mut g_q, mut g_s) = right(g);
-        match wrong.first() {
-            Some(&"gradient_of_the_other_scale") => {
-                let s = deviations(scales, form);
-                let factor = |k: usize| if form.scale == SplatScale::Log { 1.0 / s[k] } else { s[k] };
-                g_s = [0, 1, 2].map(|k| factor(k) * g_s[k]);
-            }
-            Some(&"normalization_not_differentiated") => g_q = not_through_length(q, scales, g, form),
-            Some(&"one_factor_alone") => return one_factor(q, scales, g, form),
-            Some(&"off_diagonal_twice") => {
-                let both = |i: usize, j: usize| if i == j { g[i][i] } else { g[i][j] + g[j][i] };
-                return right([0, 1, 2].map(|i| [0, 1, 2].map(|j| both(i, j))));
-            }
-            _ => {}
-        }
-        (g_q, g_s)
+    vjp(a, |q, scales, g| match wrong {
+        [] => backward::covariance(q, scales, g, form),
+        wrong => hand_written(q, scales, g, form, wrong),
     })
-}
-
-/// g_M = g M: of the other factor nothing comes back.
-fn one_factor(q: [f64; 4], scales: [f64; 3], g: [[f64; 3]; 3], form: Form) -> ([f64; 4], [f64; 3]) {
-    let (u, length) = unit(q, form);
-    let (r, s) = (rotation(u), deviations(scales, form));
-    let g_m = |i: usize, k: usize| -> f64 { (0..3).map(|j| g[i][j] * r[j][k] * s[k]).sum() };
-    let mut g_u = backward::rotation_vjp(u, [0, 1, 2].map(|i| [0, 1, 2].map(|k| g_m(i, k) * s[k])));
-    if form.length == QuaternionLength::Divided {
-        let radial: f64 = (0..4).map(|a| g_u[a] * u[a]).sum();
-        g_u = [0, 1, 2, 3].map(|a| (g_u[a] - radial * u[a]) / length);
-    }
-    if form.order == QuaternionOrder::RealLast {
-        g_u.rotate_left(1);
-    }
-    let g_s = [0, 1, 2].map(|k| {
-        let of_deviation: f64 = (0..3).map(|i| g_m(i, k) * r[i][k]).sum();
-        if form.scale == SplatScale::Log { s[k] * of_deviation } else { of_deviation }
-    });
-    (g_u, g_s)
 }

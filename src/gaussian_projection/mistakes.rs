@@ -3,13 +3,15 @@
 use super::arrays::{form, forward, view, vjp};
 use super::{Form, Splat, View, backward, clamped, in_camera, project, quadratic};
 use crate::contract::arrays::{Arrays, threes};
-use crate::convention::{Conventions, SplatCenter, SplatClamp, SplatClampGradient};
+use crate::convention::{Conventions, SplatCenter, SplatClamp};
 
 mod catalogue;
+mod gradients;
 mod numbers;
 mod views;
 
 pub(crate) use catalogue::GAUSSIAN_PROJECTION;
+use gradients::hand_written;
 use numbers::{COMPENSATION_HELD, COVARIANCE_SCALED, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS, RADIUS_HELD};
 
 /// What is multiplied from the left with Sigma, in rows, and t as the Jacobian has it.
@@ -191,62 +193,17 @@ pub(crate) fn projection(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     })
 }
 
-/// What comes to the mean by its place in the picture and its depth.
-fn of_place(mean: [f64; 3], view: &View, form: Form, g: &Splat) -> [f64; 3] {
-    let alone = Splat { covariance: [0.0; 3], conic: [0.0; 3], compensation: 0.0, ..*g };
-    backward::project(mean, [0.0; 6], view, form, &alone).0
-}
-
-/// Their gradients.
-pub(crate) fn projection_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let (view, form) = (view(a), form(c));
-    vjp(a, |mean, sigma, g| {
-        let (mut g_mean, mut g_sigma) = backward::project(mean, sigma, &view, form, g);
-        match wrong.first() {
-            Some(&"jacobian_held") => g_mean = of_place(mean, &view, form, g),
-            Some(&"clamp_not_differentiated") => g_mean = as_if_free(mean, sigma, &view, form, g),
-            Some(&"off_diagonal_once") => [1, 2, 4].iter().for_each(|&n| g_sigma[n] /= 2.0),
-            Some(&"gradient_not_turned_back") => {
-                let t = in_camera(mean, &view);
-                g_mean = backward::project(t, in_axes(sigma, &view), &straight(&view), form, g).0;
-            }
-            Some(&"gradient_turned_on") => {
-                let t = in_camera(mean, &view);
-                let g_t = backward::project(t, in_axes(sigma, &view), &straight(&view), form, g).0;
-                g_mean = [0, 1, 2].map(|i| (0..3).map(|k| view.rotation[i][k] * g_t[k]).sum());
-            }
-            Some(&"compensation_not_differentiated") => {
-                let without = Splat { compensation: 0.0, ..*g };
-                return backward::project(mean, sigma, &view, form, &without);
-            }
-            _ => {}
-        }
-        (g_mean, g_sigma)
-    })
-}
-
-/// A camera like this one, at the origin and not turned.
-fn straight(view: &View) -> View {
-    let rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    View { rotation, translation: [0.0; 3], ..*view }
-}
-
 /// R Sigma R^T.
 fn in_axes(sigma: [f64; 6], view: &View) -> [f64; 6] {
     let r = view.rotation;
     [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| quadratic(r[i], sigma, r[j]))
 }
 
-/// The gradient of the mean where the clamped slope is taken for t_x/t_z itself: x is t_z times the limit, which moves with both.
-fn as_if_free(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, g: &Splat) -> [f64; 3] {
-    let t = in_camera(mean, view);
-    let slopes = clamped(t, view, form);
-    let there = [slopes[0].0 * t[2], slopes[1].0 * t[2], t[2]];
-    // Slopes are the limits: nothing is clamped.
-    let r = view.rotation;
-    let free = Form { clamp: SplatClamp::None, clamp_gradient: SplatClampGradient::Through, ..form };
-    let of_shape = Splat { mean: [0.0; 2], depth: 0.0, ..*g };
-    let g_t = backward::project(there, in_axes(sigma, view), &straight(view), free, &of_shape).0;
-    let of_place = of_place(mean, view, form, g);
-    [0, 1, 2].map(|k| of_place[k] + r[0][k] * g_t[0] + r[1][k] * g_t[1] + r[2][k] * g_t[2])
+/// Their gradients.
+pub(crate) fn projection_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let (view, form) = (view(a), form(c));
+    vjp(a, |mean, sigma, g| match wrong {
+        [] => backward::project(mean, sigma, &view, form, g),
+        wrong => hand_written(mean, sigma, &view, form, g, wrong),
+    })
 }

@@ -290,6 +290,7 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     let s = place(share, u, c, wrong);
     let (first, last, bins) = (ray.edges[0], ray.edges[ray.edges.len() - 1], ray.weights.len() as f64);
     match () {
+        () if wrong.contains(&"index_for_place") => k as f64,
         () if wrong.contains(&"bin_width_forgotten") => a + s,
         () if wrong.contains(&"even_widths") => a + s / bins * (last - first),
         () if wrong.contains(&"bins_taken_as_even") => first + (k as f64 + s) / bins * (last - first),

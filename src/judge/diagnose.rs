@@ -10,7 +10,7 @@ use super::fitted_pairs::{beside, fitting_pairs};
 use super::hypothesis::{Hypothesis, of_forward};
 use super::imprecise::inaccuracy;
 use super::mark::MarkOptions;
-use super::misdone::misdone;
+use super::misdone::{misdone, misdone_at_once};
 use super::mostly::mostly;
 use super::paired::paired;
 use super::partial::{Partial, apply, changes, partial};
@@ -147,10 +147,14 @@ pub fn diagnose(
         if !triples.is_empty() {
             return ranked(triples, question, answers, &home, options);
         }
-        let several = climbed(question, answers, base, options);
-        if !several.is_empty() {
-            return ranked(several, question, answers, &home, options);
-        }
+    }
+    let several = climbed(question, answers, base, options);
+    if !several.is_empty() {
+        return ranked(several, question, answers, &home, options);
+    }
+    let slips = misdone_at_once(question, answers, base, options);
+    if !slips.is_empty() {
+        return slips;
     }
     let most = mostly(question, answers, base, suspects, options);
     let pairs =

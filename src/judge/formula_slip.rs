@@ -4,7 +4,7 @@ use super::infix;
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Honest;
-use crate::contract::fault::Fault;
+use crate::contract::fault::{Fault, Nth, Wrong};
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
@@ -30,7 +30,13 @@ impl FormulaSlip {
 
     /// What it says, on a line.
     pub(crate) fn says(&self) -> String {
-        self.fault.site.map_or_else(String::new, |site| infix::says(&site, self.fault.how))
+        let one = |wrong: &Wrong| {
+            let each = infix::says(&wrong.site, wrong.how);
+            wrong.nth.map_or(each.clone(), |Nth { index, of }| {
+                format!("{each}, in number {} of {of} alone", index + 1)
+            })
+        };
+        self.fault.all().map(one).collect::<Vec<_>>().join(", and ")
     }
 }
 

@@ -1,7 +1,8 @@
 //! An operation in the text of an honest implementation, as it would be on paper: `o.div(o.mul(d, d), o.exact(12.0))` is `d * d / 12`.
 
-use crate::contract::fault::{How, Origin, Site};
+use crate::contract::fault::How;
 use crate::contract::operation::Operation;
+use crate::contract::site::{Origin, Site};
 use crate::registry::COMPONENTS;
 
 /// Longer ones are cut.
@@ -83,7 +84,7 @@ fn changed(right: &Written, arguments: &[Written], operation: Operation, how: Ho
         How::SecondOutside => return outside(right, &argument(1)),
         How::FirstOutside => return outside(right, &argument(0)),
         How::Wider => return format!("{}, with what follows inside of the parenthesis", cut(&right.0)),
-        How::Observed | How::Other(..) => right.clone(),
+        How::Other(..) => right.clone(),
     };
     format!("{} in the place of {}", cut(&instead.0), cut(&right.0))
 }

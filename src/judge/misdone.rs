@@ -10,11 +10,13 @@ use super::mark::MarkOptions;
 use super::other_numbers::{TRIALS, other_numbers};
 use super::partial::partial;
 use super::places::{Place, count, places, sites};
+use super::several::several;
 use super::slip::Slip;
 use super::slipping::{attempt, conventions, explanations, was_done};
 use super::telling::{MOST_BITS, SURE, TELLING, evidence, telling};
 use crate::contract::case::Case;
-use crate::contract::fault::{How, OTHERS};
+use crate::contract::fault::How;
+use crate::contract::site::OTHERS;
 use crate::convention::{CHOICES, Conventions};
 use crate::parallel;
 
@@ -26,6 +28,9 @@ const WORK: usize = 20_000_000;
 
 /// In how many ways an operation can be done wrong, about.
 const WAYS: usize = 12;
+
+/// How often a formula comes by an operation, for every point, about.
+const TIMES: usize = 4;
 
 /// Conventions that are tried, at most.
 const NEARBY: usize = 24;
@@ -65,10 +70,36 @@ pub(super) fn misdone(
     if !found.is_empty() {
         return found;
     }
+    let alone = t.affordable(TIMES * WAYS, 1.0).iter().filter(|place| place.first).flat_map(|place| {
+        let ways = How::all(place.seen.site.operation).into_iter().chain(place.seen.both());
+        let times = place.times(question, cases[t.failing].0);
+        ways.flat_map(move |how| {
+            times.clone().map(move |nth| (t.failing, place.once(how, nth, &t.conventions)))
+        })
+    });
+    let found = proved(alone.collect(), 0.0, &nearby, question, answers, base, options);
+    if !found.is_empty() {
+        return found;
+    }
     // A number that is read off an element explains that one anyway.
     let read = other_numbers(question, &cases, t.affordable(TRIALS, 1.0), &t.conventions, options);
     let read = read.into_iter().map(|h| (t.failing, h)).collect();
     proved(read, MOST_BITS, &nearby, question, answers, base, options)
+}
+
+/// The formulas with several slips that explain every answer.
+pub(super) fn misdone_at_once(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    let cases = small_cases(question, answers);
+    let nearby = nearby(question, answers, base, options);
+    let of = |(n, c): (usize, &Conventions)| Tried::new(question, &cases, (*c, share(n)), options);
+    let tried: Vec<Tried> = nearby.iter().enumerate().filter_map(of).collect();
+    let (several, tried) = several(&tried, question, answers, options);
+    proved(several, (tried as f64).log2(), &nearby, question, answers, base, options)
 }
 
 /// The part of all work that is done in the n-th of the conventions nearby: the likelier, the more.
@@ -78,17 +109,17 @@ fn share(n: usize) -> f64 {
 }
 
 /// Conventions in which slips are tried.
-struct Tried {
-    conventions: Conventions,
+pub(super) struct Tried {
+    pub(super) conventions: Conventions,
     /// Their part of the work.
     share: f64,
     /// Different numbers that are wrong in them.
     shown: usize,
     /// The smallest case that the right formula doesn't explain, which most slips don't either.
-    failing: usize,
+    pub(super) failing: usize,
     /// What the formula costs there, in operations.
-    cost: usize,
-    places: Vec<Place>,
+    pub(super) cost: usize,
+    pub(super) places: Vec<Place>,
 }
 
 impl Tried {
@@ -148,7 +179,7 @@ fn nearby(
 
 /// Those that explain every answer, with more evidence than chance has, against the right formula in any of the conventions: `free` bits
 /// come of numbers that were read off the answers. Each stands beside the case that it is tried on first.
-fn proved(
+pub(super) fn proved(
     hypotheses: Vec<(usize, Hypothesis)>,
     free: f64,
     nearby: &[Conventions],
@@ -179,6 +210,8 @@ fn proved(
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::super::answer::given;
     use super::super::exam::Exam;
     use super::super::formula_slip::{FormulaSlip, machine};
@@ -187,7 +220,7 @@ mod tests {
     use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
     use crate::contract::check::{Kind, tolerance, worst};
     use crate::contract::component::Direction;
-    use crate::contract::fault::Fault;
+    use crate::contract::fault::{Fault, Nth};
     use crate::contract::testing::one_in;
     use crate::convention::CS180;
     use crate::registry::COMPONENTS;
@@ -255,12 +288,41 @@ mod tests {
         }
     }
 
+    /// Several slips, and one in one entry of a matrix alone.
+    #[test]
+    fn several_slips_are_described_together() {
+        let two = |forward: &Question| {
+            let mut one = slip(forward, "sqrt(dd) / 3 in the place of dd / 3");
+            let other = slip(forward, "f.origin[i] - mean * v[i] in the place of");
+            one.fault = one.fault.with(*other.fault.all().next().expect("one")).expect("room for two");
+            one
+        };
+        let [best, own] = said("conical_frustum", Dtype::F32, two);
+        let parts = |says: Option<String>| -> BTreeSet<String> {
+            says.iter().flat_map(|says| says.split(", and ").map(String::from)).collect()
+        };
+        assert_eq!(parts(best), parts(own));
+    }
+
+    #[test]
+    fn one_entry_of_a_matrix_may_be_done_in_another_way() {
+        let one = |forward: &Question| {
+            let mut slip = slip(forward, "(a * b - c * d) / 2 in the place of");
+            slip.fault.wrong[0].as_mut().expect("one operation").nth = Some(Nth { index: 1, of: 3 });
+            slip
+        };
+        let [best, own] = said("gaussian_covariance", Dtype::F32, one);
+        assert!(own.as_ref().is_some_and(|own| own.ends_with("in number 2 of 3 alone")));
+        assert_eq!(best, own);
+    }
+
     #[test]
     fn another_number_is_read_off_the_answers() {
         for dtype in [Dtype::F64, Dtype::F32] {
             let other = |forward: &Question| {
                 let mut slip = slip(forward, "0 in the place of 4 / 15");
-                slip.fault.how = How::Taken(0.26);
+                let wrong = slip.fault.wrong[0].as_mut().expect("one operation");
+                wrong.how = How::Taken(0.26);
                 slip
             };
             let [best, own] = said("conical_frustum", dtype, other);
@@ -308,7 +370,7 @@ mod tests {
     /// A fault whose site no formula comes by changes nothing.
     #[test]
     fn right_formulas_are_right() {
-        let inert = machine(0, Fault { site: None, how: How::Opposite });
+        let inert = machine(0, Fault::default());
         let arithmetic = Arithmetic::new(Dtype::F64, Grade::B);
         each_row(|question, direction, cases| {
             let inputs = &cases[0].0.inputs;

@@ -62,6 +62,7 @@ mod repeat;
 #[doc(hidden)]
 pub mod report;
 mod round;
+mod several;
 mod slip;
 mod slipping;
 mod slips;

@@ -7,8 +7,9 @@ use super::hypothesis::Hypothesis;
 use super::slip::Slip;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
-use crate::contract::fault::{Fault, How, Seen, Site};
-use crate::convention::Conventions;
+use crate::contract::fault::{Fault, How, Nth};
+use crate::contract::site::{Seen, Site};
+use crate::convention::{CS180, Conventions};
 
 /// Machines whose ways to the result are looked at.
 const MACHINES: u64 = 48;
@@ -16,13 +17,16 @@ const MACHINES: u64 = 48;
 /// What a hypothesis costs however short its formula is, in operations.
 const LEAST: usize = 200;
 
+/// Of what is done more often for a point no single time is looked at.
+const MOST_TIMES: usize = 16;
+
 /// A fault is stopped at so many times the operations of right code.
 const PATIENCE: usize = 20;
 
 /// An operation of a formula that one of the machines does.
 #[derive(Clone)]
 pub(super) struct Place {
-    machine: u64,
+    pub(super) machine: u64,
     pub(super) seen: Seen,
     /// What the formula may cost on any case.
     operations: usize,
@@ -33,7 +37,27 @@ pub(super) struct Place {
 
 impl Place {
     pub(super) fn hypothesis(&self, how: How, c: &Conventions) -> Hypothesis {
-        let fault = Fault { site: Some(self.seen.site), how };
+        self.with(Fault::of(self.seen.site, how), c)
+    }
+
+    /// One of the times that an evaluation comes by alone.
+    pub(super) fn once(&self, how: How, nth: Nth, c: &Conventions) -> Hypothesis {
+        self.with(Fault::of_some(self.seen.site, how, Some(nth)), c)
+    }
+
+    /// The times that an evaluation comes by for every point of a case, as for the entries of a matrix.
+    pub(super) fn times(
+        &self,
+        question: &Question,
+        case: &Case,
+    ) -> impl Iterator<Item = Nth> + Clone + use<> {
+        let expected = question.expected(case, &CS180);
+        let points = expected.values().filter_map(|a| a.shape().first().copied()).max().unwrap_or(1).max(1);
+        let of = if self.seen.times % points == 0 { self.seen.times / points } else { 0 };
+        (0..of).filter(move |_| (2..=MOST_TIMES).contains(&of)).map(move |index| Nth { index, of })
+    }
+
+    fn with(&self, fault: Fault, c: &Conventions) -> Hypothesis {
         let Place { machine, operations, forward, .. } = *self;
         let slip = FormulaSlip { machine, fault, operations, forward };
         Hypothesis { slip: Some(Slip::Formula(slip)), ..Hypothesis::new(vec![], *c) }

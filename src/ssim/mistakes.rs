@@ -52,6 +52,9 @@ fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wr
         let [was_1, was_2] = [c1, c2];
         match () {
             () if has("constants_exchanged") => (c1, c2) = (c2, c1),
+            () if has("constants_of_tenths") => {
+                (c1, c2) = (0.1 * peak * (0.1 * peak), 0.3 * peak * (0.3 * peak))
+            }
             () if has("constants_not_squared") => (c1, c2) = (0.01 * peak, 0.03 * peak),
             () if has("factors_not_squared") => (c1, c2) = (0.01 * peak * peak, 0.03 * peak * peak),
             () => {}

@@ -134,6 +134,9 @@ fn wrong_composite(
         () if wrong.contains(&"colors_of_alphas") => rendering.color = std::array::from_fn(alike),
         () => {}
     }
+    if wrong.contains(&"white_before_last") {
+        rendering.color = rendering.color.map(|c| c + rendering.transmittance[n.saturating_sub(1)]);
+    }
     if wrong.contains(&"color_by_opacity") {
         rendering.color = rendering.color.map(|c| c * rendering.opacity);
     }

@@ -1,5 +1,6 @@
 //! Descriptions of the mistakes in projections of splats.
 
+use super::gradients::OF_GRADIENTS;
 use super::numbers::{
     COMPENSATION_HELD, COVARIANCE_SCALED, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS, RADIUS_HELD,
 };
@@ -7,8 +8,9 @@ use super::views::OF_VIEWS;
 use crate::contract::component::{Mistake, joined};
 
 /// Mistakes of the projection.
-pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] =
-    &joined::<{ OF_SPLATS.len() + OF_VIEWS.len() }>(&[OF_SPLATS, OF_VIEWS]);
+pub(crate) const GAUSSIAN_PROJECTION: &[Mistake] = &joined::<
+    { OF_SPLATS.len() + OF_VIEWS.len() + OF_GRADIENTS.len() },
+>(&[OF_SPLATS, OF_VIEWS, OF_GRADIENTS]);
 
 const OF_SPLATS: &[Mistake] = &[
     Mistake::new(
@@ -140,51 +142,6 @@ const OF_SPLATS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
-        "jacobian_held",
-        "means learn from their place in the picture alone",
-        "splats move without regard to how their size changes; depth is learned badly",
-        "the Jacobian's entries depend on t as well",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "clamp_not_differentiated",
-        "a clamped slope is differentiated as if it weren't",
-        "splats beside the picture are pulled by what their leaning would do",
-        "no gradient along x where x/z is clamped",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "off_diagonal_once",
-        "gradients of xy, xz, yz as those of single entries of the matrix",
-        "rotations learn at half of the speed of scales",
-        "twice: the number stands in the matrix twice",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "gradient_not_turned_back",
-        "the gradient of t as that of the mean",
-        "means move along the camera's axes in place of the world's",
-        "times R^T",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
-        "compensation_not_differentiated",
-        "the compensation is held constant",
-        "splats don't learn that shrinking makes them fainter",
-        "its gradient to the covariance, by both determinants",
-        "never; cheap to keep",
-        0,
-    )
-    .of_gradient(),
-    Mistake::new(
         "jacobian_without_focal",
         "1/z and -x/z^2 in the Jacobian, without fx and fy",
         "splats in the units of the image plane at depth 1, not in pixels: nothing but the dilation is left of them",
@@ -254,15 +211,6 @@ const OF_SPLATS: &[Mistake] = &[
         "a renderer in C++",
         1,
     ),
-    Mistake::new(
-        "gradient_turned_on",
-        "R g for R^T g as the gradient of the mean",
-        "means drift in directions that depend on the camera",
-        "the transpose of what turned the mean",
-        "a trainer in WGSL",
-        1,
-    )
-    .of_gradient(),
     Mistake::new(
         "radius_not_rounded",
         "3 sqrt(lambda) as it is",

@@ -216,6 +216,15 @@ pub(super) const FIRST_WEIGHTS: Mistake = Mistake::new(
     0,
 );
 
+const INDEX: Mistake = Mistake::new(
+    "index_for_place",
+    "the number of the bin for a place in it",
+    "samples at whole numbers, wherever the ray's bins are",
+    "t_k + s (t_{k+1} - t_k)",
+    "1 public implementation",
+    1,
+);
+
 /// These, in order.
 pub(super) const OF_INPUTS: &[Mistake] = &[
     EVEN_U,
@@ -244,4 +253,5 @@ pub(super) const OF_INPUTS: &[Mistake] = &[
     INVERTED,
     FIRST_EDGES,
     FIRST_WEIGHTS,
+    INDEX,
 ];

@@ -65,6 +65,14 @@ pub(crate) const SSIM: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "constants_of_tenths",
+        "c1 = (0.1 peak)^2, c2 = (0.3 peak)^2",
+        "values close to 1 whatever the pictures",
+        "(0.01 peak)^2 and (0.03 peak)^2",
+        "1 splat trainer: c1 = 0.01, c2 = 0.09",
+        1,
+    ),
+    Mistake::new(
         "constants_not_squared",
         "c1 = 0.01 peak, c2 = 0.03 peak",
         "values close to 1 whatever the pictures",

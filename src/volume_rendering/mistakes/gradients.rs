@@ -45,23 +45,31 @@ fn wrong_slopes(
             () if has("opacity_without_light") => apart,
             () => 0.0,
         };
-        match () {
-            () if has("last_sample_without_gradient") && i + 1 == n => 0.0,
-            () if given_up.is_some_and(|least| ray.transmittance[i] < least) => 0.0,
-            () if has("shade_gradient_forgotten") => own,
-            () if has("front_for_behind") => ray.transmittance[i] * g[i] - behind,
-            () if has("own_weight_hidden_too") => own - behind - weighed[i],
-            () if has("hidden_in_front") => own - weighed[..i].iter().sum::<f64>() - light,
-            () if has("alpha_for_density") => ray.transmittance[i] * g[i] - behind / (through + 1e-10),
+        let lit = ray.transmittance[i];
+        let (own, behind) = match () {
+            () if has("front_for_behind") => (lit * g[i], behind),
+            () if has("slope_taken_twice") => (own * through, behind),
+            () if has("step_lost_in_slope") => (lit * exp(-sigmas[i]) * g[i], behind),
+            () if has("alpha_for_density") => (lit * g[i], behind / (through + 1e-10)),
             () if has("opacity_for_its_slope") => {
                 let hidden = if through > 0.0 { behind / through } else { 0.0 };
-                (ray.transmittance[i] * g[i] - hidden) * (1.0 - through)
+                (lit * g[i] * (1.0 - through), hidden * (1.0 - through))
             }
-            () if has("slope_taken_twice") => own * through - behind,
-            () if has("step_lost_in_slope") => ray.transmittance[i] * exp(-sigmas[i]) * g[i] - behind,
-            () if has("slope_for_both") => own - behind * through,
-            () if has("nothing_learned_at_zero") && depths[i] == 0.0 => -behind,
-            () if has("ties_shared") && depths[i] < NO_ALPHA => own - 0.5 * behind,
+            () if has("nothing_learned_at_zero") && depths[i] == 0.0 => (0.0, behind),
+            () => (own, behind),
+        };
+        let behind = match () {
+            () if has("shade_gradient_forgotten") => 0.0,
+            () if has("own_weight_hidden_too") => behind + weighed[i],
+            () if has("hidden_in_front") => weighed[..i].iter().sum::<f64>() + light,
+            () if has("slope_for_both") => behind * through,
+            () if has("ties_shared") && depths[i] < NO_ALPHA => 0.5 * behind,
+            () if has("hidden_added") => light - weighed[i + 1..].iter().sum::<f64>(),
+            () => behind,
+        };
+        match () {
+            () if has("last_sample_without_gradient") && i + 1 == n => 0.0,
+            () if given_up.is_some_and(|least| lit < least) => 0.0,
             () => own - behind + more,
         }
     };
@@ -175,31 +183,56 @@ fn wrong_alpha_slopes(
             () if has("last_alpha_forgotten") && i > 0 => {
                 alphas[i - 1] * g[i] + (1.0 - alphas[i - 1]) * behind[i + 1]
             }
+            () if has("hidden_added") => (1.0 - alphas[i]) * behind[i + 1] - alphas[i] * g[i],
             () => alphas[i] * g[i] + (1.0 - alphas[i]) * behind[i + 1],
         };
     }
+    let (eps, least) =
+        (number_of("eps_in_hidden", OF_OPACITIES, wrong), number_of("hidden_held", OF_OPACITIES, wrong));
     let slope = |i: usize| {
         let through = 1.0 - alphas[i];
-        let hidden = behind[i + 1];
-        let scaled = |by: f64| t[i] * (g[i] - hidden * through / by);
-        match () {
-            () if has("accumulated_before_use") => t[i] * (g[i] - behind[i]),
-            () if has("light_behind_itself") => t[i] * through * (g[i] - hidden),
-            () if has("hidden_undivided") => t[i] * (g[i] - hidden * through),
-            () if has("own_weight_hidden_too") => t[i] * (g[i] - hidden - alphas[i] * g[i] / through),
-            () if has("opacity_shades_nothing") => t[i] * (g[i] - hidden) + apart * t[i],
-            () if has("opacity_undivided") => t[i] * (g[i] - hidden) + apart * t[n],
-            () => match (
-                number_of("eps_in_hidden", OF_OPACITIES, wrong),
-                number_of("hidden_held", OF_OPACITIES, wrong),
-            ) {
-                (Some(eps), _) => scaled(through + eps),
-                (_, Some(least)) => scaled(through.max(least)),
-                _ => t[i] * (g[i] - hidden),
-            },
-        }
+        let hidden = match () {
+            () if has("accumulated_before_use") => behind[i],
+            () if has("hidden_one_late") => {
+                // The light behind the ray comes by another way. What isn't there isn't accumulated.
+                let next = (i + 1..n).find(|&j| alphas[j] > 0.0).unwrap_or(n - 1);
+                let light =
+                    |i: usize| all.transmittance * alphas[i..].iter().map(|a| 1.0 - a).product::<f64>();
+                behind[next + 1] - light(next + 1) + light(i + 1)
+            }
+            () => behind[i + 1],
+        };
+        // What is summed up from the end is seen through the sample itself: the sum is divided by 1 - alpha again.
+        let of_sum = |sum: f64| match (eps, least) {
+            _ if has("hidden_undivided") => sum,
+            (Some(eps), _) => sum / (through + eps),
+            (_, Some(least)) => sum / through.max(least),
+            _ => sum / through,
+        };
+        let own_too = if has("own_weight_hidden_too") { of_sum(alphas[i] * g[i]) } else { 0.0 };
+        let divided = eps.is_some() || least.is_some() || has("hidden_undivided");
+        let hidden = own_too + if divided { of_sum(hidden * through) } else { hidden };
+        let lit = if has("light_behind_itself") { t[i] * through } else { t[i] };
+        let more = match () {
+            () if has("opacity_shades_nothing") => apart * t[i],
+            () if has("opacity_undivided") => apart * t[n],
+            () => 0.0,
+        };
+        lit * (g[i] - hidden) + more
     };
     (0..n).map(slope).collect()
+}
+
+/// How many samples of a ray a backward march of its own comes by.
+fn stopped(transmittance: &[f64], wrong: &[&str]) -> usize {
+    let n = transmittance.len() - 1;
+    let behind = number_of("stopped_behind_the_sample", OF_OPACITIES, wrong);
+    let before = number_of("stopped_before_the_sample", OF_OPACITIES, wrong);
+    let spent = |i: &usize| {
+        behind.is_some_and(|least| transmittance[*i] < least)
+            || before.is_some_and(|least| transmittance[*i + 1] < least)
+    };
+    (0..n).find(spent).unwrap_or(n)
 }
 
 /// Gradient from opacities.
@@ -223,12 +256,20 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[
     }
     if OF_OPACITIES.iter().any(|m| m.among(wrong).is_some()) {
         let (rays, samples) = size(a, "alphas");
-        let of = |r: usize| {
-            let alphas = row(a, "alphas", r);
-            let ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
-            wrong_alpha_slopes(a, r, &ray, &alphas, c, wrong)
-        };
-        gradients.insert("grad_alphas".into(), array(&[rays, samples], (0..rays).flat_map(of).collect()));
+        let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
+        for r in 0..rays {
+            let mut alphas = row(a, "alphas", r);
+            let colors = rows3(a, "rgbs", r);
+            let end = stopped(&oracle_alpha(&alphas, &colors, c.product_eps).transmittance, wrong);
+            alphas[end..].fill(0.0);
+            let ray = oracle_alpha(&alphas, &colors, c.product_eps);
+            let slopes = wrong_alpha_slopes(a, r, &ray, &alphas, c, wrong);
+            g_alphas.extend(slopes.into_iter().enumerate().map(|(i, g)| if i < end { g } else { 0.0 }));
+            let g_color = arrays::cotangent_over(a, r, c).color;
+            g_rgbs.extend(ray.weights.iter().flat_map(|w| g_color.map(|g| w * g)));
+        }
+        gradients.insert("grad_alphas".into(), array(&[rays, samples], g_alphas));
+        gradients.insert("grad_rgbs".into(), array(&[rays, samples, 3], g_rgbs));
     }
     arrays::gradients_of_counted(given, c, gradients)
 }

@@ -3,9 +3,20 @@
 use super::catalogue::SHADE_FORGOTTEN;
 use crate::contract::component::Mistake;
 
+const HIDDEN_ADDED: Mistake = Mistake::new(
+    "hidden_added",
+    "+ sum w_j g_j for - sum w_j g_j over what lies behind: the sum from the end is taken off, not added to",
+    "samples grow in front of what is bright",
+    "minus what lies behind",
+    "1 splat renderer in Crystal",
+    1,
+)
+.of_gradient();
+
 /// Between weights and densities.
 pub(super) const OF_DENSITIES: &[Mistake] = &[
     SHADE_FORGOTTEN,
+    HIDDEN_ADDED,
     Mistake::new(
         "front_for_behind",
         "T_i g_i - B_{i+1}: the light in front of a sample for that behind it",
@@ -311,4 +322,34 @@ pub(super) const OF_OPACITIES: &[Mistake] = &[
     )
     .of_gradient()
     .with("eps", 1e-2, [1e-8, 0.5]),
+    Mistake::new(
+        "hidden_one_late",
+        "T_i (g_i - B_{i+2}): what lies behind is kept for the next sample, not for this one",
+        "what the next sample shows isn't held against this one",
+        "B_{i+1} = alpha_{i+1} g_{i+1} + (1 - alpha_{i+1}) B_{i+2}, then use it",
+        "1 port of 3D Gaussian splatting's backward pass to Warp",
+        1,
+    )
+    .of_gradient(),
+    HIDDEN_ADDED,
+    Mistake::new(
+        "stopped_behind_the_sample",
+        "gradients as if the ray ended behind the sample that leaves less light than a threshold",
+        "what lies behind never learns",
+        "the samples of the forward pass, all of them or those of early_stop",
+        "2 splat renderers",
+        2,
+    )
+    .of_gradient()
+    .with("left", 1e-4, [1e-6, 0.5]),
+    Mistake::new(
+        "stopped_before_the_sample",
+        "gradients as if the ray ended in front of the sample that leaves less light than a threshold",
+        "what lies behind never learns, nor does that sample",
+        "the samples of the forward pass, all of them or those of early_stop",
+        "1 splat renderer",
+        1,
+    )
+    .of_gradient()
+    .with("left", 1e-4, [1e-6, 0.5]),
 ];

@@ -169,6 +169,14 @@ pub(super) const ANY_ORDER: Mistake = Mistake::new(
     "weighted blended order-independent transparency, where it is meant so",
     1,
 );
+pub(super) const WHITE_BEFORE_LAST: Mistake = Mistake::new(
+    "white_before_last",
+    "C + T_{N-1}: white, seen by the light in front of the last sample, not behind it",
+    "what fills a ray up to its end shines",
+    "C + T_N = C + 1 - A",
+    "1 public implementation",
+    1,
+);
 pub(super) const COLORS_OF_ALPHAS: Mistake = Mistake::new(
     "colors_of_alphas",
     "C = sum alpha_i c_i; weights are right",
