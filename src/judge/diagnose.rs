@@ -152,10 +152,6 @@ pub fn diagnose(
     if !several.is_empty() {
         return ranked(several, question, answers, &home, options);
     }
-    let slips = misdone_at_once(question, answers, base, options);
-    if !slips.is_empty() {
-        return slips;
-    }
     let most = mostly(question, answers, base, suspects, options);
     let pairs =
         most.iter().flat_map(|most| beside(most, base, question, answers, options)).collect::<Vec<_>>();
@@ -166,6 +162,10 @@ pub fn diagnose(
         return vec![named];
     }
     let slips = slipped(question, answers, base, options, Beside::Mistake);
+    if !slips.is_empty() {
+        return slips;
+    }
+    let slips = misdone_at_once(question, answers, base, options);
     if !slips.is_empty() {
         return slips;
     }

@@ -70,6 +70,7 @@ mod slips;
 pub mod statistics;
 mod stepwise;
 mod telling;
+mod tried;
 mod tripled;
 mod truths;
 pub(crate) mod typed;

@@ -7,10 +7,11 @@ use super::exam::Question;
 use super::formula_slip::FormulaSlip;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
-use super::misdone::Tried;
+
 use super::places::Place;
 use super::slip::Slip;
 use super::slipping::attempt;
+use super::tried::Tried;
 use crate::contract::fault::{AT_ONCE, How, Wrong};
 use crate::parallel;
 

@@ -80,6 +80,54 @@ def factor_where_none_belongs(quaternions, scales, grad_covariances):
     return {"grad_quaternions": q.grad.numpy(), "grad_scales": s.grad.numpy() * scales}
 
 
+def through_the_rotation(g_r, q):
+    """The gradient of a rotation as that of (w, x, y, z), divided by its length."""
+    length = q.norm(dim=-1, keepdim=True)
+    u = (q / length).detach().requires_grad_(True)
+    w, x, y, z = u.unbind(-1)
+    r = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    sum(g_r[:, i, j] @ r[i][j] for i in range(3) for j in range(3)).backward()
+    return ((u.grad - u * (u * u.grad).sum(-1, keepdim=True)) / length).detach()
+
+
+@fault(
+    "gaussian_covariance_vjp",
+    "factor_transposed",
+    seen="a trial on unseen code: a splat renderer's own backward pass",
+    arrays="numpy",
+)
+def the_factor_on_its_side(quaternions, scales, grad_covariances):
+    """g_M = (g + g^T) M^T."""
+    q, s, g = (torch.tensor(x) for x in (quaternions, scales, grad_covariances))
+    r = rotation(F.normalize(q, dim=-1))
+    g_m = (g + g.mT) @ (r * s[:, None]).mT
+    return {
+        "grad_quaternions": through_the_rotation(g_m * s[:, None], q).numpy(),
+        "grad_scales": (r * g_m).sum(1).numpy(),
+    }
+
+
+@fault(
+    "gaussian_covariance_vjp",
+    "rotation_gradient_transposed+scales_by_rows",
+    seen="a trial on unseen code: a port of the rasterizer's backward pass to Julia",
+    arrays="numpy",
+)
+def columns_taken_for_rows(quaternions, scales, grad_covariances):
+    """What the rasterizer has by columns, by rows: scales along the wrong axis, and the rotation's gradient on its side."""
+    q, s, g = (torch.tensor(x) for x in (quaternions, scales, grad_covariances))
+    r = rotation(F.normalize(q, dim=-1))
+    g_m = (g + g.mT) @ (r * s[:, None])
+    return {
+        "grad_quaternions": through_the_rotation((g_m * s[:, :, None]).mT, q).numpy(),
+        "grad_scales": (r * g_m).sum(2).numpy(),
+    }
+
+
 def matrices(covariances):
     """Of upper triangles."""
     return covariances[:, [0, 1, 2, 1, 3, 4, 2, 4, 5]].view(-1, 3, 3)

@@ -26,6 +26,24 @@ def within_the_square(pixels, means2d, conics, opacities):
     return torch.where(outside, 0.0, seen(exponent(pixels, means2d, conics), opacities, 0.99))
 
 
+@fault("gaussian_alpha", "cut_at_a_radius", seen="a trial on unseen code: a rasterizer in WGSL, by tiles", gradient="none")
+def within_the_circle(pixels, means2d, conics, opacities):
+    """Nothing further off than the radius that finds the tiles; up to 0.99, faint ones skipped."""
+    reach = torch.ceil(3 * long_deviation(conics))
+    far = torch.linalg.vector_norm(pixels[:, None] - means2d[None], dim=-1) > reach
+    return torch.where(far, 0.0, seen(exponent(pixels, means2d, conics), opacities, 0.99))
+
+
+@fault("gaussian_alpha", "covariance_dilated_again", seen="a trial on unseen code: a renderer in Python, 1e-4", gradient="none")
+def dilated_where_it_is_inverted(pixels, means2d, conics, opacities):
+    """1e-4 on the diagonal of the covariance before its inverse is taken; up to 0.99."""
+    pairs = torch.stack([conics[:, 0], conics[:, 1], conics[:, 1], conics[:, 2]], -1).view(-1, 2, 2).double()
+    wider = torch.linalg.inv(torch.linalg.inv(pairs) + 1e-4 * torch.eye(2).double())
+    d = (pixels[:, None] - means2d[None]).double()
+    power = -0.5 * (d[:, :, None] @ wider @ d[..., None])[..., 0, 0]
+    return (opacities * torch.exp(power)).float().clamp(max=0.99)
+
+
 @fault("gaussian_alpha", "cut_at_three_sigmas", seen="a trial on unseen code: a fragment shader in Metal", gradient="none")
 def shader_to_three_sigmas(pixels, means2d, conics, opacities):
     """Discarded where the power is below -4.5 or above 0, and below 1/255; no cap."""
@@ -156,3 +174,47 @@ def through_the_cap(alphas, rgbs, grad_colors):
             grad_alphas[ray, k] = light * ((rgbs[ray, k] - behind) * grad_colors[ray]).sum()
             behind = row[k] * rgbs[ray, k] + (1 - row[k]) * behind
     return {"grad_alphas": grad_alphas, "grad_rgbs": grad_rgbs}
+
+
+def backward_by_hand(alphas, rgbs, grad_colors, least, late=False, sign=1):
+    """From behind, by division; of the samples that are used while more light than `least` is left."""
+    grad_alphas, grad_rgbs = np.zeros_like(alphas), np.zeros_like(rgbs)
+    for ray, row in enumerate(alphas):
+        light, used = np.float32(1), []
+        for k, alpha in enumerate(row):
+            if light < least:
+                break
+            used.append(k)
+            light *= 1 - alpha
+        behind, kept = np.float32(0), np.float32(0)
+        for k in reversed(used):
+            in_front = np.float32(np.prod(1 - row[:k], dtype=np.float32))
+            q = np.float32((rgbs[ray, k] * grad_colors[ray]).sum())
+            grad_rgbs[ray, k] = row[k] * in_front * grad_colors[ray]
+            grad_alphas[ray, k] = in_front * (q - (kept if late else behind))
+            if row[k] > 0:
+                kept = behind
+                behind = sign * row[k] * q + (1 - row[k]) * behind
+    return {"grad_alphas": grad_alphas, "grad_rgbs": grad_rgbs}
+
+
+@fault(
+    "volume_render_alpha_vjp",
+    "hidden_one_late",
+    seen="a trial on unseen code: a port of the rasterizer to Warp",
+    arrays="numpy",
+)
+def accumulated_after_its_use(alphas, rgbs, grad_colors):
+    """What lies behind a sample is known one sample too late."""
+    return backward_by_hand(alphas, rgbs, grad_colors, 0, late=True)
+
+
+@fault(
+    "volume_render_alpha_vjp",
+    "hidden_added+stopped_behind_the_sample",
+    seen="a trial on unseen code: a splat renderer in Crystal",
+    arrays="numpy",
+)
+def taken_off_to_a_thousandth(alphas, rgbs, grad_colors):
+    """The sum over what lies behind has the other sign, and the march back has the forward march's end."""
+    return backward_by_hand(alphas, rgbs, grad_colors, np.float32(1e-3), sign=-1)

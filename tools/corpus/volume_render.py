@@ -417,6 +417,14 @@ def one_step_for_everything(sigmas, rgbs, deltas):
     )
 
 
+@fault("volume_render", "white_before_last", seen="a trial on unseen code: a student's voxel grid")
+def white_in_front_of_the_last(sigmas, rgbs, deltas):
+    """White by the light that reaches the last sample."""
+    x = sigmas * deltas
+    t = torch.exp(-torch.cumsum(torch.cat([torch.zeros_like(x[:, :1]), x[:, :-1]], 1), 1))
+    return {"colors": ((t * (1 - torch.exp(-x)))[..., None] * rgbs).sum(1) + t[:, -1:]}
+
+
 @convention("volume_render", {"backdrop": "white"}, seen="bmild/nerf raw2outputs white_bkgd; four of 48 files read later", times=8)
 def white_added_inside(sigmas, rgbs, deltas):
     """C + (1 - A): white behind every ray, in the same function."""
