@@ -68,15 +68,18 @@ pub(crate) fn fisheye_distort_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) -
         let (point, g) = (DVec2::from(p), DVec2::from(g));
         let r = point.length();
         let (mut g_p, mut g_k) = backward::distort(k, point, g);
-        match wrong.first() {
-            Some(&"opencv_lens") => {
-                let (on_p, on_k) = crate::lens::backward::distort(&opencv(k), point, g);
-                (g_p, g_k) = (on_p, [on_k[0], on_k[1], on_k[2], on_k[3]]);
-            }
-            Some(&"radius_not_differentiated") if r > 0.0 => g_p = g * (bent(k, libm::atan(r)) / r),
-            Some(&"gradient_not_a_number_in_the_middle") if r == 0.0 => g_p = DVec2::NAN,
-            Some(&"lens_held_constant") => g_k = [0.0; 4],
-            _ => {}
+        let has = |name: &str| wrong.contains(&name);
+        if has("opencv_lens") {
+            let (on_p, on_k) = crate::lens::backward::distort(&opencv(k), point, g);
+            (g_p, g_k) = (on_p, [on_k[0], on_k[1], on_k[2], on_k[3]]);
+        }
+        match () {
+            () if has("radius_not_differentiated") && r > 0.0 => g_p = g * (bent(k, libm::atan(r)) / r),
+            () if has("gradient_not_a_number_in_the_middle") && r == 0.0 => g_p = DVec2::NAN,
+            () => {}
+        }
+        if has("lens_held_constant") {
+            g_k = [0.0; 4];
         }
         (g_p.to_array(), g_k)
     };
@@ -153,11 +156,14 @@ pub(crate) fn fisheye_undistort_vjp(a: &Arrays, _: &Conventions, wrong: &[&str])
     let k = coefficients(a);
     let f = |target: Pair, g: Pair| {
         let (mut h, mut g_k) = backward::undistort(k, undistorted(k, target), g.into());
-        match wrong.first() {
-            Some(&"handed_through") => h = g.into(),
-            Some(&"gradient_not_a_number_in_the_middle") if target == [0.0; 2] => h = DVec2::NAN,
-            Some(&"lens_held_constant") => g_k = [0.0; 4],
-            _ => {}
+        let has = |name: &str| wrong.contains(&name);
+        match () {
+            () if has("handed_through") => h = g.into(),
+            () if has("gradient_not_a_number_in_the_middle") && target == [0.0; 2] => h = DVec2::NAN,
+            () => {}
+        }
+        if has("lens_held_constant") {
+            g_k = [0.0; 4];
         }
         (h.to_array(), g_k)
     };

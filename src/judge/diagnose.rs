@@ -3,7 +3,9 @@
 use super::answer::Answers;
 use super::assignment::{open, possible, small_cases};
 use super::climb::climbed;
-use super::evidence::{Explanation, Suspect, difference, explains_all, largest_residual, shows, usable};
+use super::evidence::{
+    Explanation, Suspect, difference, explains_all, forward_is_the_same, largest_residual, shows, usable,
+};
 use super::exam::Question;
 use super::fitted::fitting;
 use super::fitted_pairs::{beside, fitting_pairs};
@@ -14,12 +16,11 @@ use super::misdone::{misdone, misdone_at_once};
 use super::mostly::mostly;
 use super::paired::paired;
 use super::partial::{Partial, apply, changes, partial};
-use super::peel::peel;
+use super::peel::{peel, with_numbers};
 use super::slips::{Beside, slipped};
 use super::statistics;
 use super::tripled::tripled;
 use crate::contract::arrays::Arrays;
-use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
@@ -61,11 +62,8 @@ pub fn diagnose(
     let large = small_cases(question, answers).iter().map(|(case, _)| case.size()).sum::<usize>() > SEARCHED;
     let (mut parted, mut singles) = (None, vec![]);
     for count in 0..=2 {
-        if count == 2 && large {
-            return vec![];
-        }
-        if count == 2 && nothing_but_zero(question, answers) {
-            // Some pair or other makes nothing of everything, and so do slips: what there is to say is what was seen.
+        // Some pair or other makes nothing of everything, and so do slips: what there is to say is what was seen.
+        if count == 2 && (large || nothing_but_zero(question, answers)) {
             return vec![];
         }
         if count == 2 {
@@ -127,7 +125,22 @@ pub fn diagnose(
     if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
         return vec![found];
     }
-    // Then what no catalogue lists, what is known of most cases, both, and what is known of some outputs.
+    let near: Vec<_> = singles.iter().map(|p| apply(p, base)).collect();
+    beyond(question, answers, base, suspects, options, &near, parted)
+}
+
+/// What no catalogue lists, what is known of most cases, both, and what is known of some outputs (`parted`); several mistakes in
+/// conventions nearby (`near`).
+fn beyond(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    suspects: &[Suspect],
+    options: &MarkOptions,
+    near: &[Conventions],
+    parted: Option<Explanation>,
+) -> Vec<Explanation> {
+    let home = partial(question.component, base);
     let slips = slipped(question, answers, base, options, Beside::Nothing);
     if !slips.is_empty() {
         return slips;
@@ -137,8 +150,7 @@ pub fn diagnose(
         return slips;
     }
     if question.kind == Kind::Forward {
-        let near: Vec<_> = singles.iter().map(|p| apply(p, base)).collect();
-        let fitted = fitting_pairs(question, answers, &near, options);
+        let fitted = fitting_pairs(question, answers, near, options);
         let pairs = if fitted.is_empty() { paired(question, answers, base, options) } else { fitted };
         if !pairs.is_empty() {
             return ranked(pairs, question, answers, &home, options);
@@ -162,13 +174,11 @@ pub fn diagnose(
         return vec![named];
     }
     let slips = slipped(question, answers, base, options, Beside::Mistake);
+    let slips = if slips.is_empty() { misdone_at_once(question, answers, base, options) } else { slips };
     if !slips.is_empty() {
         return slips;
     }
-    let slips = misdone_at_once(question, answers, base, options);
-    if !slips.is_empty() {
-        return slips;
-    }
+    let parted = parted.map(|found| with_numbers(found, question, answers, base, options));
     parted.or(most).into_iter().collect()
 }
 
@@ -208,18 +218,6 @@ fn explaining(
     }
     let fits = parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], question, answers, options));
     hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect()
-}
-
-/// Whether the right formula gives the same in both, up to rounding, on the inputs of all cases.
-fn forward_is_the_same(question: &Question, a: &Conventions, b: &Conventions, options: &MarkOptions) -> bool {
-    let oracle = question.component.forward.oracle;
-    let near =
-        |(a, b): (&f64, &f64)| (a - b).abs() <= 64.0 * options.dtype.unit_roundoff() * a.abs().max(1.0);
-    let same = |case: &Case| {
-        let (a, b) = (oracle(&case.inputs, a), oracle(&case.inputs, b));
-        a.iter().all(|(name, a)| a.shape() == b[name].shape() && a.iter().zip(&b[name]).all(near))
-    };
-    question.cases.iter().all(same)
 }
 
 /// Single mistakes in the run's own conventions that explain everything.

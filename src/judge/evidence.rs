@@ -11,6 +11,7 @@ use super::partial::Partial;
 use super::slip::Slip;
 use crate::contract::case::Case;
 use crate::contract::component::Mistake;
+use crate::convention::Conventions;
 
 /// Mistakes that the forward answers showed, with the number in them where it isn't the usual one.
 pub(crate) type Suspect = (Vec<&'static str>, Option<f64>);
@@ -142,6 +143,23 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     let each = cases.iter().map(|(case, answer)| (*case, known((case, answer))));
     let [lost, wrong] = each.map(|(case, answer)| off(&(case, &answer))).fold([0.0; 2], larger);
     lost > 1.0 || MUCH_BETTER * wrong < lost
+}
+
+/// Whether the right formula gives the same in both, up to rounding, on the inputs of all cases.
+pub(crate) fn forward_is_the_same(
+    question: &Question,
+    a: &Conventions,
+    b: &Conventions,
+    options: &MarkOptions,
+) -> bool {
+    let oracle = question.component.forward.oracle;
+    let near =
+        |(a, b): (&f64, &f64)| (a - b).abs() <= 64.0 * options.dtype.unit_roundoff() * a.abs().max(1.0);
+    let same = |case: &Case| {
+        let (a, b) = (oracle(&case.inputs, a), oracle(&case.inputs, b));
+        a.iter().all(|(name, a)| a.shape() == b[name].shape() && a.iter().zip(&b[name]).all(near))
+    };
+    question.cases.iter().all(same)
 }
 
 /// The largest error over a hypothesis' own bound.

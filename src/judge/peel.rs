@@ -5,6 +5,7 @@ use super::answer::{Answer, Answers};
 use super::assignment::{open, possible, small_cases};
 use super::evidence::{Explanation, difference, explains_all, largest_residual, shows};
 use super::exam::Question;
+use super::fitted::shown;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::partial::{apply, partial};
@@ -57,7 +58,56 @@ pub(crate) fn peel(
     Peeling { question, answers, base, options }.run()
 }
 
+/// What is known, with one mistake more in outputs that it leaves, whose number they show.
+pub(crate) fn with_numbers(
+    known: Explanation,
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Explanation {
+    Peeling { question, answers, base, options }.with_numbers(known)
+}
+
 impl<'a> Peeling<'a> {
+    fn with_numbers(&self, mut known: Explanation) -> Explanation {
+        let c = apply(&known.conventions, self.base);
+        for output in std::mem::take(&mut known.unexplained) {
+            let found = if known.fitted.is_none() { self.one_more(&known, c, &output) } else { None };
+            match found {
+                // The first that has a number owns it.
+                Some((mistake, number)) => {
+                    known.mistakes.insert(0, mistake);
+                    known.fitted = number;
+                }
+                None => known.unexplained.push(output),
+            }
+        }
+        known
+    }
+
+    /// A mistake that explains one output beside what is known of the others, with its number.
+    fn one_more(
+        &self,
+        known: &Explanation,
+        c: Conventions,
+        output: &str,
+    ) -> Option<(&'static Mistake, Option<f64>)> {
+        let alone = self.alone(output);
+        let fits = |h: &Hypothesis| {
+            explains_all(h, self.question, &alone, self.options)
+                && shows(h, self.question, &alone, self.options)
+        };
+        let all = self.question.component.mistakes.iter();
+        let others = all.filter(|m| !m.gradient && m.number.is_some() && !known.mistakes.contains(m));
+        let with = |m: &Mistake| {
+            let mistakes = std::iter::once(m.name).chain(known.mistakes.iter().map(|m| m.name)).collect();
+            shown(m, &Hypothesis::new(mistakes, c), self.question, &alone).find(fits)
+        };
+        let mut found = others.filter_map(|m| with(m).map(|h| (m, h.fitted)));
+        found.next()
+    }
+
     fn run(&self) -> Option<Explanation> {
         let answered = |name: &&str| self.answers.iter().flatten().any(|answer| answer.contains_key(*name));
         let mut outputs: Vec<&'a str> =
@@ -244,6 +294,30 @@ mod tests {
         });
         assert_eq!(part.unexplained, ["weights"]);
         assert!(sorted(&part).contains(&"row_column_swapped"), "{:?}", sorted(&part));
+    }
+
+    /// Weights that are handed on divided by their sum and 1e-7, and aren't composited like that.
+    #[test]
+    fn what_one_output_shows_besides_has_its_number() {
+        let exam = Exam::new("volume_render", Dtype::F64, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 });
+        let answer = |case: &crate::contract::case::Case| {
+            let wrong =
+                |names: &[&str]| given((question.component.forward.wrong)(&case.inputs, &CS180, names));
+            let mut answer = wrong(&["inclusive_transmittance"]);
+            let divided = wrong(&["inclusive_transmittance", "weights_normalized=1e-7"]);
+            answer.insert("weights".into(), divided["weights"].clone());
+            Some(answer)
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        let e = peel(question, &answers, &CS180, &options).unwrap();
+        assert_eq!(e.unexplained, ["weights"]);
+        let e = with_numbers(e, question, &answers, &CS180, &options);
+        assert_eq!(
+            (sorted(&e), e.fitted),
+            (vec!["inclusive_transmittance", "weights_normalized"], Some(1e-7))
+        );
+        assert!(e.unexplained.is_empty());
     }
 
     /// The second moment alone as AdamW has it: the first shows that the decay isn't decoupled.

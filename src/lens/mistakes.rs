@@ -112,11 +112,13 @@ pub(crate) fn lens_undistort_vjp(a: &Arrays, _: &Conventions, wrong: &[&str]) ->
             Some(lens) => lens.inverse_backward(lens.undistort(target.into()), g.into()),
             None => backward::undistort(&lens, p, g.into()),
         };
-        match wrong.first() {
-            Some(&"handed_through") => h = g.into(),
-            Some(&"jacobian_not_inverted") => h = lens.jacobian(p) * glam::DVec2::from(g),
-            Some(&"lens_held_constant") => g_k = [0.0; 8],
-            _ => {}
+        match () {
+            () if wrong.contains(&"handed_through") => h = g.into(),
+            () if wrong.contains(&"jacobian_not_inverted") => h = lens.jacobian(p) * glam::DVec2::from(g),
+            () => {}
+        }
+        if wrong.contains(&"lens_held_constant") {
+            g_k = [0.0; 8];
         }
         (h.to_array(), g_k)
     };

@@ -282,15 +282,13 @@ pub(crate) fn ndc_rays_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Array
         let t = (sign * view.near - o[2]) / d[2];
         let g_p = [0, 1].map(|j| scales[j] * (g_o[j] - g_d[j]) / view.near);
         let of_slope = [0, 1].map(|j| sign * scales[j] * g_d[j] / d[2]);
-        match wrong.first() {
-            Some(&"shift_not_differentiated") => {
-                g_ox[2] = 0.0;
-                g_dx[2] = -(of_slope[0] * d[0] + of_slope[1] * d[1]) / d[2];
-            }
-            Some(&"slope_not_differentiated") => {
-                g_dx = [t * g_p[0], t * g_p[1], -t * (g_p[0] * d[0] + g_p[1] * d[1]) / d[2]];
-            }
-            _ => {}
+        let by_slope = -(of_slope[0] * d[0] + of_slope[1] * d[1]) / d[2];
+        if wrong.contains(&"slope_not_differentiated") {
+            g_dx = [t * g_p[0], t * g_p[1], -t * (g_p[0] * d[0] + g_p[1] * d[1]) / d[2]];
+        }
+        if wrong.contains(&"shift_not_differentiated") {
+            g_ox[2] = 0.0;
+            g_dx[2] = if wrong.contains(&"slope_not_differentiated") { 0.0 } else { by_slope };
         }
         (g_ox, g_dx)
     })

@@ -260,13 +260,13 @@ fn wrong_gradient(
 pub(crate) fn ssim_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (p, t, peak, g) =
         (picture(a, "prediction"), picture(a, "target"), peak(a, c), number(a, "grad_value"));
-    let right = || backward::ssim(p, t, peak, form(c), g);
-    vjp(match wrong.first() {
-        Some(&"mean_forgotten") => right() * Windows::new(p, t, form(c)).places().len() as f64,
-        Some(&"gradient_of_the_loss") => -right(),
-        Some(name @ (&"means_held" | &"variances_held" | &"center_alone")) => {
-            wrong_gradient(p, t, peak, form(c), g, name)
-        }
-        _ => right(),
-    })
+    let held = ["means_held", "variances_held", "center_alone"].into_iter().find(|name| wrong.contains(name));
+    let mut gradient = match held {
+        Some(name) => wrong_gradient(p, t, peak, form(c), g, name),
+        None => backward::ssim(p, t, peak, form(c), g),
+    };
+    if wrong.contains(&"mean_forgotten") {
+        gradient *= Windows::new(p, t, form(c)).places().len() as f64;
+    }
+    vjp(if wrong.contains(&"gradient_of_the_loss") { -gradient } else { gradient })
 }
