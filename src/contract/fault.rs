@@ -109,6 +109,11 @@ impl How {
         }
     }
 
+    /// Whether it takes other operations' numbers, or changes what they do.
+    fn asks_more(self) -> bool {
+        self.of_parenthesis() || matches!(self, How::Other(..))
+    }
+
     /// All ways in which this operation can be done wrong.
     pub(crate) fn all(operation: Operation) -> Vec<How> {
         use How::*;
@@ -192,7 +197,7 @@ pub(crate) const AT_ONCE: usize = 3;
 /// What is done in another way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Fault {
-    /// Each operation that is. One of them may ask for more than its own numbers.
+    /// Each operation that is.
     pub wrong: [Option<Wrong>; AT_ONCE],
     /// Nothing; but the sites are written down.
     pub observed: bool,
@@ -214,11 +219,17 @@ impl Fault {
         self.wrong.iter().flatten()
     }
 
-    /// One operation more, where there is place for it.
+    /// These, as many as there is room for.
+    pub(crate) fn of_all(all: impl Iterator<Item = Wrong>) -> Fault {
+        all.fold(Fault::default(), |fault, wrong| fault.with(wrong).unwrap_or(fault))
+    }
+
+    /// One operation more: elsewhere, where there is room, and where two don't ask for more than their own numbers.
     pub(crate) fn with(&self, wrong: Wrong) -> Option<Fault> {
+        let clash = |had: &Wrong| had.site == wrong.site || had.how.asks_more() && wrong.how.asks_more();
         let mut more = *self;
         *more.wrong.iter_mut().find(|place| place.is_none())? = Some(wrong);
-        Some(more)
+        (!self.all().any(clash)).then_some(more)
     }
 
     /// The sites that a function comes by.

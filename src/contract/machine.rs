@@ -36,7 +36,7 @@ pub struct Machine {
     pub form: u64,
     /// Errors of elementary functions are drawn from here.
     pub noise: u64,
-    /// An operation that it does wrong: then it isn't honest, and elementary functions have no errors.
+    /// Operations that it does wrong: then it isn't honest, and elementary functions have no errors.
     pub(crate) fault: Option<Fault>,
 }
 

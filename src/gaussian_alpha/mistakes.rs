@@ -118,7 +118,7 @@ pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
     .of_gradient(),
     Mistake::new(
         "gradient_of_the_capped",
-        "gradients of an opacity at its cap as if it weren't, with the capped alpha for opacity times the Gaussian",
+        "gradients of an opacity above its cap (0.99, where there is none) as if it weren't, times what the cap leaves of it: by alpha and alpha / opacity",
         "what is opaque goes on learning, in steps of another size",
         "0 at the cap, or through it with what alpha was before",
         "1 splat renderer in Metal",

@@ -12,7 +12,7 @@ use super::fitted_pairs::{beside, fitting_pairs};
 use super::hypothesis::{Hypothesis, of_forward};
 use super::imprecise::inaccuracy;
 use super::mark::MarkOptions;
-use super::misdone::{misdone, misdone_at_once};
+use super::misdone::{misdone_at_once, slips_alone};
 use super::mostly::mostly;
 use super::paired::paired;
 use super::partial::{Partial, apply, changes, partial};
@@ -141,11 +141,7 @@ fn beyond(
     parted: Option<Explanation>,
 ) -> Vec<Explanation> {
     let home = partial(question.component, base);
-    let slips = slipped(question, answers, base, options, Beside::Nothing);
-    if !slips.is_empty() {
-        return slips;
-    }
-    let slips = misdone(question, answers, base, options);
+    let slips = slips_alone(question, answers, base, options);
     if !slips.is_empty() {
         return slips;
     }

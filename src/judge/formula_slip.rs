@@ -1,4 +1,4 @@
-//! A formula with one operation done in another way: what honest code with a fault in it gives, and how that is said.
+//! A formula with some operations done in another way: what honest code with a fault in it gives, and how that is said.
 
 use super::infix;
 use crate::contract::arithmetic::Dtype;
@@ -8,7 +8,7 @@ use crate::contract::fault::{Fault, Nth, Wrong};
 use crate::contract::machine::Machine;
 use crate::convention::Conventions;
 
-/// A formula with one operation done in another way.
+/// A formula with some operations done in another way.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FormulaSlip {
     /// Number of the machine whose way to the result it is.
@@ -28,15 +28,26 @@ impl FormulaSlip {
         honest(inputs, c, &machine(self.machine, self.fault))
     }
 
+    /// The same with one operation less, each of several.
+    pub(crate) fn without_each(&self) -> Vec<FormulaSlip> {
+        let all: Vec<Wrong> = self.fault.all().copied().collect();
+        let others = |n: usize| all.iter().enumerate().filter(move |(k, _)| *k != n).map(|(_, wrong)| *wrong);
+        let less = |n: usize| FormulaSlip { fault: Fault::of_all(others(n)), ..self.clone() };
+        (0..all.len()).filter(|_| all.len() > 1).map(less).collect()
+    }
+
     /// What it says, on a line.
     pub(crate) fn says(&self) -> String {
         let one = |wrong: &Wrong| {
             let each = infix::says(&wrong.site, wrong.how);
             wrong.nth.map_or(each.clone(), |Nth { index, of }| {
-                format!("{each}, in number {} of {of} alone", index + 1)
+                format!("{each}, at time {} of {of} for each point alone", index + 1)
             })
         };
-        self.fault.all().map(one).collect::<Vec<_>>().join(", and ")
+        let mut all: Vec<String> = self.fault.all().map(one).collect();
+        // In whichever order they were found.
+        all.sort();
+        all.join(", and ")
     }
 }
 

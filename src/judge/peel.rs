@@ -221,7 +221,7 @@ impl<'a> Peeling<'a> {
             .iter()
             .map(|(name, h)| largest_residual(h, self.question, &self.alone(name), self.options));
         let own = |c: &Conventions| partial(self.question.component, c);
-        (!mistakes.is_empty()).then(|| Explanation {
+        let found = (!mistakes.is_empty()).then(|| Explanation {
             mistakes,
             conventions: difference(&own(&layer.conventions), &own(self.base)),
             residual: match self.all_of(layer, unexplained) {
@@ -231,7 +231,9 @@ impl<'a> Peeling<'a> {
             unexplained: unexplained.iter().map(|name| name.to_string()).collect(),
             spared: self.spared(layer),
             ..Explanation::default()
-        })
+        });
+        // What nobody reads where a box is missed isn't explained by whatever misses all of them.
+        found.filter(|found| found.residual <= 1.0)
     }
 
     /// Outputs that are right without any mistake, and wouldn't be with what was found of others.

@@ -9,7 +9,7 @@ use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::fault::{Fault, How, Nth};
 use crate::contract::site::{Seen, Site};
-use crate::convention::{CS180, Conventions};
+use crate::convention::Conventions;
 
 /// Machines whose ways to the result are looked at.
 const MACHINES: u64 = 48;
@@ -45,18 +45,6 @@ impl Place {
         self.with(Fault::of_some(self.seen.site, how, Some(nth)), c)
     }
 
-    /// The times that an evaluation comes by for every point of a case, as for the entries of a matrix.
-    pub(super) fn times(
-        &self,
-        question: &Question,
-        case: &Case,
-    ) -> impl Iterator<Item = Nth> + Clone + use<> {
-        let expected = question.expected(case, &CS180);
-        let points = expected.values().filter_map(|a| a.shape().first().copied()).max().unwrap_or(1).max(1);
-        let of = if self.seen.times % points == 0 { self.seen.times / points } else { 0 };
-        (0..of).filter(move |_| (2..=MOST_TIMES).contains(&of)).map(move |index| Nth { index, of })
-    }
-
     fn with(&self, fault: Fault, c: &Conventions) -> Hypothesis {
         let Place { machine, operations, forward, .. } = *self;
         let slip = FormulaSlip { machine, fault, operations, forward };
@@ -72,6 +60,43 @@ pub(super) fn sites(question: &Question, c: &Conventions, n: u64, case: &Case) -
 
 pub(super) fn count(all: &[Seen]) -> usize {
     LEAST + all.iter().map(|seen| seen.times).sum::<usize>()
+}
+
+/// How often formulas come by their operations for a point.
+pub(super) struct Times {
+    /// By machine, in two cases of different size: the number of points, and the sites.
+    seen: Vec<[(usize, Vec<Seen>); 2]>,
+}
+
+impl Times {
+    /// Counted in the failing case and in another one; where all have as many points, nothing is known.
+    pub(super) fn new(
+        question: &Question,
+        cases: &[(&Case, &Answer)],
+        failing: usize,
+        c: &Conventions,
+    ) -> Times {
+        let points = |case: &Case| {
+            let expected = question.expected(case, c);
+            expected.values().filter_map(|a| a.shape().first().copied()).max().unwrap_or(1).max(1)
+        };
+        let case = cases[failing].0;
+        let other = cases.iter().map(|(other, _)| *other).find(|other| points(other) != points(case));
+        let count = |n: u64, case: &Case| (points(case), sites(question, c, n, case));
+        let both = |other| (0..MACHINES).map(|n| [count(n, case), count(n, other)]).collect();
+        Times { seen: other.map_or_else(Vec::new, both) }
+    }
+
+    /// Each time that it comes by a place for a point, if there are some.
+    pub(super) fn of(&self, place: &Place) -> impl Iterator<Item = Nth> + use<> {
+        let times = |(points, all): &(usize, Vec<Seen>)| {
+            let seen = all.iter().find(|seen| seen.site == place.seen.site)?;
+            (seen.times % points == 0).then_some(seen.times / points)
+        };
+        let both = self.seen.get(place.machine as usize).map(|both| both.each_ref().map(times));
+        let of = both.filter(|[a, b]| a == b).and_then(|[a, _]| a).unwrap_or(0);
+        (0..of).filter(move |_| (2..=MOST_TIMES).contains(&of)).map(move |index| Nth { index, of })
+    }
 }
 
 /// Every operation that an honest implementation does; looking for them costs about so many of them.

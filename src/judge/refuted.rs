@@ -61,6 +61,23 @@ mod tests {
         row.diagnosis.iter().flat_map(|e| &e.mistakes).map(|m| m.name).collect()
     }
 
+    /// A gradient that is divided by rays, beside a value that is divided by rays and channels: it has its own name.
+    #[test]
+    fn what_the_gradient_alone_has_is_looked_for_by_itself() {
+        let exam = Exam::new("mse", Dtype::F32, None).unwrap();
+        let one = |question: &Question| -> Answers {
+            let times = if question.kind == Kind::Vjp { 3.0 } else { 1.0 };
+            let right = |case| Hypothesis::new(vec![], CS180).prediction(question, case).0;
+            let rounded = |a: ndarray::ArrayD<f64>| a.mapv(|x| Dtype::F32.round(times * x));
+            let answer = |case| given(right(case).into_iter().map(|(name, a)| (name, rounded(a))).collect());
+            question.cases.iter().map(|case| Some(answer(case))).collect()
+        };
+        let report = judge_answers(&exam, &exam.questions.iter().map(one).collect::<Vec<_>>(), EXP_ULP);
+        let row = report.of("mse", "vjp").unwrap();
+        let best = row.diagnosis.first().and_then(|best| best.slip.as_ref()).map(|slip| slip.says());
+        assert!(best.as_ref().is_some_and(|says| says.starts_with("grad_prediction times")), "{best:?}");
+    }
+
     #[test]
     fn forward_answers_say_what_a_gradient_is_not() {
         assert!(said(&["clamped"]).contains(&"clamped"));

@@ -16,6 +16,7 @@ use super::imprecise::lost_bits;
 use super::known::Known;
 use super::layout::Orders;
 use super::mark::{MarkOptions, Marks, mark};
+use super::misdone::slips_alone;
 use super::observed::observed;
 use super::partial::{apply, partial, read};
 use super::refuted::refuted;
@@ -210,6 +211,9 @@ impl Round {
                 continue;
             };
             row.layouts.extend(layouts.get(&n).cloned());
+            if exam.profile.is_none() && !question.admits(c) {
+                row.verdict = Verdict::Unproved;
+            }
             if let Some((_, own)) = self.found.contradicting.iter().find(|(m, _)| *m == n) {
                 row.contradiction = partial(question.component, own);
             }
@@ -223,7 +227,11 @@ impl Round {
                 let most = row.diagnosis.iter().map(bits_beside).min().unwrap_or(i32::MAX);
                 if let Some(forward) = forward_of(&exam.questions, n).filter(|m| *m < n) {
                     let asked = (&exam.questions[forward], &answers[forward]);
+                    let named = !row.diagnosis.is_empty();
                     refuted(&mut row.diagnosis, &report.rows[forward], asked, c, options);
+                    if named && row.diagnosis.is_empty() {
+                        row.diagnosis = slips_alone(question, &answers[n], c, options);
+                    }
                 }
                 if let Some(best) = row.diagnosis.first().filter(|e| e.whole() && e.wrong()) {
                     beside.insert(question.component.name, best.clone());
@@ -367,7 +375,8 @@ pub(super) fn marks(
         return (statistics::mark(question, answers, c), None);
     }
     if !question.admits(c) {
-        let fault = "its questions have the shapes of other conventions than the run's: pin the profile";
+        let fault = "not judged: it was asked in the shapes of cs180, and the answers follow other conventions; where a profile has \
+                     these, ask in it (cases --profile)";
         return (Marks { faults: vec![fault.into()], ..Marks::default() }, None);
     }
     let truth = |case: &Case, grade| options.truth(question, case, c, grade);

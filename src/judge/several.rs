@@ -1,17 +1,18 @@
 //! Several operations of a formula that are done in another way, found one after the other: each of them brings the answers nearer.
 
-use super::answer::Answers;
+use super::answer::{Answer, Answers};
 use super::assignment::small_cases;
 use super::climb::{CLOSE, NEARER, distance};
+use super::evidence::{Explanation, real_numbers};
 use super::exam::Question;
 use super::formula_slip::FormulaSlip;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
-
-use super::places::Place;
+use super::places::{Place, count, sites};
 use super::slip::Slip;
 use super::slipping::attempt;
 use super::tried::Tried;
+use crate::contract::case::Case;
 use crate::contract::fault::{AT_ONCE, How, Wrong};
 use crate::parallel;
 
@@ -34,57 +35,75 @@ struct Way<'a> {
     off: f64,
 }
 
-/// What comes near to the answers, each beside the case that shows it first, and how many were tried.
+/// The first that `prove` finds proved: it is asked with what comes near to the answers, each beside the case that shows it first, and with
+/// how many were tried.
 pub(super) fn several(
     tried: &[Tried],
     question: &Question,
     answers: &Answers,
     options: &MarkOptions,
-) -> (Vec<(usize, Hypothesis)>, usize) {
+    prove: &dyn Fn(Vec<(usize, Hypothesis)>, usize) -> Vec<Explanation>,
+) -> Vec<Explanation> {
     let mut cases = small_cases(question, answers);
     cases.retain(|(case, _)| case.finite());
     cases.truncate(CASES);
-    // Short types have too few digits to go by.
-    if options.dtype.bits() < 24 || cases.is_empty() {
-        return (vec![], 1);
+    // Short types have too few digits to go by, and of bits and counts several of many explain a few cases by chance.
+    if options.dtype.bits() < 24 || cases.is_empty() || !real_numbers(question, answers) {
+        return vec![];
     }
     let off =
         |h: &Hypothesis| attempt(|| distance(h, question, &cases, options.dtype)).unwrap_or(f64::INFINITY);
-    let right = |t: &Tried| off(&Hypothesis::new(vec![], t.conventions));
-    let mut starts: Vec<(f64, &Tried)> = tried.iter().map(|t| (right(t), t)).collect();
-    starts.sort_by(|a, b| a.0.total_cmp(&b.0));
-    starts.truncate(STARTS);
-    let cost = starts.iter().map(|(_, t)| t.cost).max().unwrap_or(1) * cases.len();
+    let starts = starts(tried, off);
+    let cost = starts.iter().map(|(_, t)| cost(t, question, &cases)).max().unwrap_or(1);
     let (mut left, mut all) = (WORK / cost, 0);
-    let first = starts.iter().flat_map(|(before, t)| {
-        let places = t.places.iter().filter(|place| place.first);
-        let each = places
-            .flat_map(|place| ways(place).map(|how| (place.machine, place.hypothesis(how, &t.conventions))));
-        each.map(|(machine, h)| Way { tried: t, machine, h, off: *before })
-    });
-    let mut next: Vec<Way> = first.collect();
-    for n in 0..AT_ONCE {
-        next.truncate(left);
+    let mut next: Vec<Way> = starts.iter().flat_map(|(before, t)| first_steps(t, *before)).collect();
+    for level in 0..AT_ONCE {
+        // Each level has its share of what is left.
+        next.truncate(left / (AT_ONCE - level));
         left -= next.len();
         all += next.len();
         let measured = parallel::map(next.len(), |n| off(&next[n].h));
-        for (way, off) in next.iter_mut().zip(measured) {
-            // What brings nothing nearer is no step.
-            way.off = if off < way.off - NEARER { off } else { f64::INFINITY };
-        }
-        next.retain(|way| way.off.is_finite());
-        next.sort_by(|a, b| a.off.total_cmp(&b.off));
-        // What is as far off is the same, done in another place.
-        next.dedup_by(|a, b| a.off == b.off);
-        next.truncate(WAYS);
-        // One alone was looked for before.
-        let near: Vec<_> = next.iter().filter(|way| n > 0 && way.off < CLOSE).collect();
-        if !near.is_empty() {
-            return (near.into_iter().map(|way| (way.tried.failing, way.h.clone())).collect(), all);
+        next = nearer(next, measured);
+        let near = next.iter().filter(|way| way.off < CLOSE);
+        let found = prove(near.map(|way| (way.tried.failing, way.h.clone())).collect(), all.max(1));
+        if !found.is_empty() {
+            return found;
         }
         next = next.iter().flat_map(steps).collect();
     }
-    (vec![], all.max(1))
+    vec![]
+}
+
+/// The conventions that are nearest to the answers, and how far off these are.
+fn starts(tried: &[Tried], off: impl Fn(&Hypothesis) -> f64) -> Vec<(f64, &Tried)> {
+    let mut all: Vec<_> = tried.iter().map(|t| (off(&Hypothesis::new(vec![], t.conventions)), t)).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    all.truncate(STARTS);
+    all
+}
+
+/// Operations that a hypothesis costs on these cases.
+fn cost(t: &Tried, question: &Question, cases: &[(&Case, &Answer)]) -> usize {
+    cases.iter().map(|(case, _)| count(&sites(question, &t.conventions, 0, case))).sum()
+}
+
+/// The best of the ways that have come nearer, the nearest first.
+fn nearer(ways: Vec<Way>, measured: Vec<f64>) -> Vec<Way> {
+    let pairs = ways.into_iter().zip(measured).filter(|(way, off)| *off < way.off - NEARER);
+    let mut all: Vec<Way> = pairs.map(|(way, off)| Way { off, ..way }).collect();
+    all.sort_by(|a, b| a.off.total_cmp(&b.off));
+    // What is as far off is mostly the same, done in another place. Where it isn't, the one leads to the other.
+    all.dedup_by(|a, b| a.off == b.off);
+    all.truncate(WAYS);
+    all
+}
+
+/// One operation, each in the first machine that does it.
+fn first_steps(t: &Tried, off: f64) -> impl Iterator<Item = Way<'_>> {
+    let places = t.places.iter().filter(|place| place.first);
+    let each = places
+        .flat_map(|place| ways(place).map(|how| (place.machine, place.hypothesis(how, &t.conventions))));
+    each.map(move |(machine, h)| Way { tried: t, machine, h, off })
 }
 
 /// The ways to do it that need no other numbers than its own.
@@ -96,10 +115,16 @@ fn ways(place: &Place) -> impl Iterator<Item = How> {
 /// One operation more of the same machine.
 fn steps<'a>(way: &Way<'a>) -> Vec<Way<'a>> {
     let Some(Slip::Formula(slip)) = &way.h.slip else { return vec![] };
-    let others = way.tried.places.iter().filter(|place| place.machine == way.machine);
-    let others = others.filter(|place| slip.fault.all().all(|wrong| wrong.site != place.seen.site));
-    let each =
-        others.flat_map(|place| ways(place).map(|how| Wrong { site: place.seen.site, how, nth: None }));
+    // Each site once: cases that go by another path have the machine's known ones again.
+    let mut others: Vec<&Place> = vec![];
+    for place in way.tried.places.iter().filter(|place| place.machine == way.machine) {
+        if !others.iter().any(|other| other.seen.site == place.seen.site) {
+            others.push(place);
+        }
+    }
+    let each = others
+        .into_iter()
+        .flat_map(|place| ways(place).map(|how| Wrong { site: place.seen.site, how, nth: None }));
     let more = each.filter_map(|wrong| {
         let slip = Slip::Formula(FormulaSlip { fault: slip.fault.with(wrong)?, ..slip.clone() });
         Some(Way { h: Hypothesis { slip: Some(slip), ..way.h.clone() }, ..way.clone() })

@@ -18,20 +18,19 @@ const WRONG: f64 = 1e-3;
 pub(super) const SURE: f64 = 20.0;
 pub(super) const MOST_BITS: f64 = 16.0;
 
-/// By how many bits a slip explains the answers better than the right formula does in these conventions, over the numbers that are wrong
-/// and different. In its own it may do nothing but undo one of them.
+/// By how many bits a hypothesis explains the answers better than another does, over the numbers that are wrong by that one and different.
+/// In its own conventions a slip may do nothing but undo one of them.
 pub(super) fn evidence(
     h: &Hypothesis,
-    c: &Conventions,
+    other: &Hypothesis,
     question: &Question,
     cases: &[(&Case, &Answer)],
     options: &MarkOptions,
 ) -> f64 {
-    let right = Hypothesis::new(vec![], *c);
     let mut bits: BTreeMap<u64, f64> = BTreeMap::new();
     for (case, answer) in cases {
         let (wrong, allowed) = h.allowed(question, case, options);
-        let (expected, _) = right.prediction(question, case);
+        let (expected, _) = other.prediction(question, case);
         // In conventions of another shape it explains nothing.
         let shape = |of: &Arrays, name: &String| of.get(name).map(|array| array.shape().to_vec());
         if answer.keys().any(|name| shape(&expected, name) != shape(&wrong, name)) {

@@ -16,7 +16,7 @@ use crate::convention::{CHOICES, Conventions};
 pub(super) const LOOKS: usize = 1_000_000;
 
 /// Operations that all hypotheses together may cost on the case that they are tried on first.
-const WORK: usize = 20_000_000;
+pub(super) const WORK: usize = 20_000_000;
 
 /// Conventions that are tried, at most.
 const NEARBY: usize = 24;

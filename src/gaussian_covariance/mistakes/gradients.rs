@@ -127,13 +127,13 @@ pub(super) fn hand_written(
     let has = |name: &str| wrong.contains(&name);
     let ((u, length), s) = (unit(q, form), deviations(scales, form));
     let r = if has("rotation_transposed_in_gradient") { transposed(rotation(u)) } else { rotation(u) };
-    let off = match () {
-        () if has("off_diagonal_twice") => 2.0,
-        () if has("cotangent_halved") => 0.5,
-        () => 1.0,
-    };
-    let twice = |i: usize, j: usize| if i == j { g[i][i] } else { off * g[i][j] };
-    let both = |i: usize, j: usize| twice(i, j) + if has("one_factor_alone") { 0.0 } else { twice(j, i) };
+    let given = square(|i, j| match () {
+        () if i == j => g[i][i],
+        () if has("off_diagonal_twice") => g[i][j] + g[j][i],
+        () if has("cotangent_halved") => 0.5 * g[i][j],
+        () => g[i][j],
+    });
+    let both = |i: usize, j: usize| given[i][j] + if has("one_factor_alone") { 0.0 } else { given[j][i] };
     let m = |i: usize, k: usize| {
         if has("factor_transposed") { r[k][i] * s[i] } else { r[i][k] * s[k] }
     };

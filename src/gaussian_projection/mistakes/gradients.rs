@@ -9,7 +9,7 @@ use crate::convention::{SplatClamp, SplatClampGradient};
 pub(super) const OF_GRADIENTS: &[Mistake] = &[
     Mistake::new(
         "jacobian_held",
-        "means learn from their place in the picture alone",
+        "means learn from their place in the picture and their depth alone",
         "splats move without regard to how their size changes; depth is learned badly",
         "the Jacobian's entries depend on t as well",
         "never; cheap to keep",
@@ -117,7 +117,7 @@ pub(super) const OF_GRADIENTS: &[Mistake] = &[
     .of_gradient(),
     Mistake::new(
         "place_held",
-        "means learn from the shape of their splats alone",
+        "means learn from their depth and the shape of their splats alone",
         "splats hardly move",
         "the gradient of the mean in the picture, too",
         "never; cheap to keep",
@@ -157,7 +157,8 @@ pub(super) fn hand_written(
     let (t, r) = (in_camera(mean, view), view.rotation);
     let mut g_covariance = of_covariance(&project(mean, sigma, view, form), form, &g);
     if has("off_diagonal_twice") {
-        g_covariance[1] += g_covariance[1] - g.covariance[1];
+        let by_conic = Splat { mean: [0.0; 2], covariance: [0.0; 3], compensation: 0.0, ..g };
+        g_covariance[1] += of_covariance(&project(mean, sigma, view, form), form, &by_conic)[1];
     }
     let of_shape =
         if has("jacobian_held") { [0.0; 3] } else { by_shape(t, sigma, g_covariance, view, form, wrong) };

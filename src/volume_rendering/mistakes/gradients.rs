@@ -2,7 +2,7 @@
 
 use super::arrays;
 use super::hand_written::{OF_DENSITIES, OF_OPACITIES};
-use crate::contract::arrays::{Arrays, array, input, row, rows3, size};
+use crate::contract::arrays::{Arrays, array, row, rows3, size};
 use crate::contract::component::number_of;
 use crate::convention::Conventions;
 use crate::math::{exp, expm1};
@@ -38,7 +38,9 @@ fn wrong_slopes(
     let light = ray.transmittance[n] * arrays::cotangent_over(a, r, c).transmittance;
     let given_up = number_of("backward_given_up", OF_DENSITIES, wrong);
     let slope = |i: usize| {
-        let behind = weighed[i + 1..].iter().sum::<f64>() + light;
+        let seen = if has("hidden_in_front") { &weighed[..i] } else { &weighed[i + 1..] };
+        let sum = seen.iter().sum::<f64>() + if has("own_weight_hidden_too") { weighed[i] } else { 0.0 };
+        let behind = if has("hidden_added") { light - sum } else { light + sum };
         let (own, through) = (left(i) * g[i], exp(-depths[i]));
         let more = match () {
             () if has("opacity_shades_nothing") => apart * left(i),
@@ -60,11 +62,8 @@ fn wrong_slopes(
         };
         let behind = match () {
             () if has("shade_gradient_forgotten") => 0.0,
-            () if has("own_weight_hidden_too") => behind + weighed[i],
-            () if has("hidden_in_front") => weighed[..i].iter().sum::<f64>() + light,
             () if has("slope_for_both") => behind * through,
             () if has("ties_shared") && depths[i] < NO_ALPHA => 0.5 * behind,
-            () if has("hidden_added") => light - weighed[i + 1..].iter().sum::<f64>(),
             () => behind,
         };
         match () {
@@ -132,7 +131,9 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
             // Where the opacity's part is apart, the step's own gradient has it as it should be.
             let step = wrong.contains(&"opacity_without_step");
             let more = if step { g_opacity(a, r, c) * ray.transmittance[samples] } else { 0.0 };
-            let along = if step { slopes(&[]) } else { g_x.clone() };
+            let others: Vec<&str> =
+                wrong.iter().copied().filter(|name| *name != "opacity_without_step").collect();
+            let along = if step { slopes(&others) } else { g_x.clone() };
             g_sigmas.extend(g_x.iter().zip(&deltas).map(|(g, delta)| product(*g, *delta) + more));
             if wrong.contains(&"steps_of_those_behind") {
                 // T_{i+1} g_i delta_i for the sample itself, and each step of those behind.
@@ -162,7 +163,20 @@ pub(crate) fn volume_render_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> 
     gradients
 }
 
-/// The gradient of each alpha as a hand-written backward pass has it.
+/// B_i = alpha_i g_i + (1 - alpha_i) B_{i+1}: what lies behind, as the light sees it that reaches it; `through` is 1 - alpha.
+fn seen_behind(alphas: &[f64], through: &[f64], g: &[f64], light: f64, wrong: &[&str]) -> Vec<f64> {
+    let has = |name: &str| wrong.contains(&name);
+    let n = alphas.len();
+    let mut behind = vec![light; n + 1];
+    for i in (0..n).rev() {
+        let k = if has("last_alpha_forgotten") { i.saturating_sub(1) } else { i };
+        let own = alphas[k] * g[i];
+        behind[i] = through[k] * behind[i + 1] + if has("hidden_added") { -own } else { own };
+    }
+    behind
+}
+
+/// The gradient of each alpha as a hand-written backward pass has it, over the samples that it comes by.
 fn wrong_alpha_slopes(
     a: &Arrays,
     r: usize,
@@ -175,29 +189,18 @@ fn wrong_alpha_slopes(
     let (n, t, all) = (alphas.len(), &ray.transmittance, arrays::cotangent_over(a, r, c));
     let apart = ["opacity_shades_nothing", "opacity_undivided"].iter().any(|name| has(name));
     let apart = if apart { all.opacity } else { 0.0 };
-    let g: Vec<f64> = unshaded(a, r, &vec![1.0; n], c, &[]).into_iter().map(|g| g - apart).collect();
-    // B_i = alpha_i g_i + (1 - alpha_i) B_{i+1}: what lies behind, as the light sees it that reaches it.
-    let mut behind = vec![all.transmittance; n + 1];
-    for i in (0..n).rev() {
-        behind[i] = match () {
-            () if has("last_alpha_forgotten") && i > 0 => {
-                alphas[i - 1] * g[i] + (1.0 - alphas[i - 1]) * behind[i + 1]
-            }
-            () if has("hidden_added") => (1.0 - alphas[i]) * behind[i + 1] - alphas[i] * g[i],
-            () => alphas[i] * g[i] + (1.0 - alphas[i]) * behind[i + 1],
-        };
-    }
+    let ones = vec![1.0; size(a, "alphas").1];
+    let g: Vec<f64> = unshaded(a, r, &ones, c, &[]).into_iter().take(n).map(|g| g - apart).collect();
+    let through: Vec<f64> = alphas.iter().map(|alpha| 1.0 - alpha + c.product_eps.value()).collect();
+    let behind = seen_behind(alphas, &through, &g, all.transmittance, wrong);
+    let light = |i: usize| all.transmittance * through[i..].iter().product::<f64>();
     let (eps, least) =
         (number_of("eps_in_hidden", OF_OPACITIES, wrong), number_of("hidden_held", OF_OPACITIES, wrong));
     let slope = |i: usize| {
-        let through = 1.0 - alphas[i];
         let hidden = match () {
             () if has("accumulated_before_use") => behind[i],
             () if has("hidden_one_late") => {
-                // The light behind the ray comes by another way. What isn't there isn't accumulated.
                 let next = (i + 1..n).find(|&j| alphas[j] > 0.0).unwrap_or(n - 1);
-                let light =
-                    |i: usize| all.transmittance * alphas[i..].iter().map(|a| 1.0 - a).product::<f64>();
                 behind[next + 1] - light(next + 1) + light(i + 1)
             }
             () => behind[i + 1],
@@ -205,20 +208,22 @@ fn wrong_alpha_slopes(
         // What is summed up from the end is seen through the sample itself: the sum is divided by 1 - alpha again.
         let of_sum = |sum: f64| match (eps, least) {
             _ if has("hidden_undivided") => sum,
-            (Some(eps), _) => sum / (through + eps),
-            (_, Some(least)) => sum / through.max(least),
-            _ => sum / through,
+            (Some(eps), _) => sum / (through[i] + eps),
+            (_, Some(least)) => sum / through[i].max(least),
+            _ => sum / through[i],
         };
         let own_too = if has("own_weight_hidden_too") { of_sum(alphas[i] * g[i]) } else { 0.0 };
         let divided = eps.is_some() || least.is_some() || has("hidden_undivided");
-        let hidden = own_too + if divided { of_sum(hidden * through) } else { hidden };
-        let lit = if has("light_behind_itself") { t[i] * through } else { t[i] };
+        let hidden = own_too + if divided { of_sum(hidden * through[i]) } else { hidden };
+        let lost =
+            has("shade_gradient_forgotten") || has("product_gradient_zero_at_opaque") && alphas[i] == 1.0;
+        let lit = if has("light_behind_itself") { t[i] * through[i] } else { t[i] };
         let more = match () {
             () if has("opacity_shades_nothing") => apart * t[i],
             () if has("opacity_undivided") => apart * t[n],
             () => 0.0,
         };
-        lit * (g[i] - hidden) + more
+        lit * (g[i] - if lost { 0.0 } else { hidden }) + more
     };
     (0..n).map(slope).collect()
 }
@@ -240,33 +245,20 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[
     let mut gradients = arrays::render_alpha_vjp(given, c);
     let a = &arrays::counted(given, c);
     // Where alpha = 1, or everywhere, the gradient through the product is lost; that through the sample's own weight stays.
-    let everywhere = wrong.contains(&"shade_gradient_forgotten");
-    if everywhere || wrong.contains(&"product_gradient_zero_at_opaque") {
-        let (rays, samples) = size(a, "alphas");
-        let mut g_alphas = input(&gradients, "grad_alphas").clone();
-        for r in 0..rays {
-            let alphas = row(a, "alphas", r);
-            let ray = oracle_alpha(&alphas, &rows3(a, "rgbs", r), c.product_eps);
-            let lost = unshaded(a, r, &ray.transmittance, c, &[]);
-            for i in (0..samples).filter(|&i| everywhere || alphas[i] == 1.0) {
-                g_alphas[[r, i]] = lost[i];
-            }
-        }
-        gradients.insert("grad_alphas".into(), g_alphas);
-    }
-    if OF_OPACITIES.iter().any(|m| m.among(wrong).is_some()) {
+    let lost = ["shade_gradient_forgotten", "product_gradient_zero_at_opaque"];
+    let by_hand = OF_OPACITIES.iter().any(|m| m.among(wrong).is_some());
+    if by_hand || lost.iter().any(|name| wrong.contains(name)) {
         let (rays, samples) = size(a, "alphas");
         let (mut g_alphas, mut g_rgbs) = (vec![], vec![]);
         for r in 0..rays {
-            let mut alphas = row(a, "alphas", r);
-            let colors = rows3(a, "rgbs", r);
+            let (alphas, colors) = (row(a, "alphas", r), rows3(a, "rgbs", r));
             let end = stopped(&oracle_alpha(&alphas, &colors, c.product_eps).transmittance, wrong);
-            alphas[end..].fill(0.0);
-            let ray = oracle_alpha(&alphas, &colors, c.product_eps);
-            let slopes = wrong_alpha_slopes(a, r, &ray, &alphas, c, wrong);
-            g_alphas.extend(slopes.into_iter().enumerate().map(|(i, g)| if i < end { g } else { 0.0 }));
+            let ray = oracle_alpha(&alphas[..end], &colors[..end], c.product_eps);
+            let slopes = wrong_alpha_slopes(a, r, &ray, &alphas[..end], c, wrong);
             let g_color = arrays::cotangent_over(a, r, c).color;
+            g_alphas.extend(slopes.into_iter().chain(vec![0.0; samples - end]));
             g_rgbs.extend(ray.weights.iter().flat_map(|w| g_color.map(|g| w * g)));
+            g_rgbs.extend(vec![0.0; 3 * (samples - end)]);
         }
         gradients.insert("grad_alphas".into(), array(&[rays, samples], g_alphas));
         gradients.insert("grad_rgbs".into(), array(&[rays, samples, 3], g_rgbs));

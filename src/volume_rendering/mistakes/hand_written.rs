@@ -324,7 +324,7 @@ pub(super) const OF_OPACITIES: &[Mistake] = &[
     .with("eps", 1e-2, [1e-8, 0.5]),
     Mistake::new(
         "hidden_one_late",
-        "T_i (g_i - B_{i+2}): what lies behind is kept for the next sample, not for this one",
+        "T_i (g_i - B_{i+2}), of samples that aren't empty: what lies behind is kept for the next one; the light behind the ray is right",
         "what the next sample shows isn't held against this one",
         "B_{i+1} = alpha_{i+1} g_{i+1} + (1 - alpha_{i+1}) B_{i+2}, then use it",
         "1 port of 3D Gaussian splatting's backward pass to Warp",
