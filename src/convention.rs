@@ -81,6 +81,9 @@ pub struct Conventions {
     /// Where that stands.
     #[serde(default)]
     pub identity_place: IdentityPlace,
+    /// Where it stands inside of a network that encodes by itself.
+    #[serde(default)]
+    pub network_identity: IdentityPlace,
     /// Factor of the encoding's bands.
     pub frequency: Frequency,
     /// Spacing of the encoding's bands.

@@ -20,6 +20,7 @@ pub const CS180: Conventions = Conventions {
     ndc_depth: NdcDepth::Negative,
     identity: true,
     identity_place: IdentityPlace::First,
+    network_identity: IdentityPlace::First,
     frequency: Frequency::Pi,
     bands: Bands::Octaves,
     columns: Columns::BandSinCos,

@@ -27,6 +27,7 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("ndc_depth", &["negative", "positive"]),
     ("identity", &["true", "false"]),
     ("identity_place", &["first", "last"]),
+    ("network_identity", &["first", "last"]),
     ("frequency", &["pi", "one", "two_pi"]),
     ("bands", &["octaves", "linear", "stretched", "widened"]),
     (
@@ -139,6 +140,7 @@ const FIELDS: &[Field] = &[
     ("ndc_depth", |c| name(&c.ndc_depth), |c, v| c.ndc_depth = listed(v)),
     ("identity", |c| c.identity.to_string(), |c, v| c.identity = v == "true"),
     ("identity_place", |c| name(&c.identity_place), |c, v| c.identity_place = listed(v)),
+    ("network_identity", |c| name(&c.network_identity), |c, v| c.network_identity = listed(v)),
     ("frequency", |c| name(&c.frequency), |c, v| c.frequency = listed(v)),
     ("bands", |c| name(&c.bands), |c, v| c.bands = listed(v)),
     ("columns", |c| name(&c.columns), |c, v| c.columns = listed(v)),

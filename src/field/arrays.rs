@@ -73,6 +73,7 @@ impl Nerf {
         };
         let levels = |columns: usize| (columns - if c.identity { 3 } else { 0 }) / 6;
         let direction = net.color0.w.ncols() - net.feature.w.nrows();
+        let c = &Conventions { identity_place: c.network_identity, ..*c };
         let position = Encoding::new(levels(net.trunk[0].w.ncols()), c);
         Nerf { position, direction: Encoding::new(levels(direction), c), net }
     }

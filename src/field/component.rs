@@ -44,7 +44,7 @@ pub(crate) const NERF_MLP: Component = Component {
     ],
     conventions: &[
         "identity",
-        "identity_place",
+        "network_identity",
         "frequency",
         "bands",
         "columns",

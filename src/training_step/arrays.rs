@@ -17,7 +17,7 @@ use crate::ray::Ray;
 pub(super) fn usual(c: &Conventions) -> Conventions {
     Conventions {
         identity: true,
-        identity_place: IdentityPlace::First,
+        network_identity: IdentityPlace::First,
         bands: Bands::Octaves,
         cosine: Cosine::Own,
         columns: CS180.columns,

@@ -180,7 +180,7 @@ def encoded_with_x_last(x, width):
 
 @convention(
     "nerf_mlp",
-    {"frequency": "one", "columns": "all_sin_all_cos", "identity_place": "last", "feature": "relu"},
+    {"frequency": "one", "columns": "all_sin_all_cos", "network_identity": "last", "feature": "relu"},
     seen="a trial on unseen code: a student's field in PyTorch",
 )
 def x_behind_its_bands(**a):
