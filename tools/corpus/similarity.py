@@ -168,7 +168,7 @@ def range_left_at_255(prediction, target):
 def range_of_the_target(prediction, target):
     """Constants of the target's range."""
     peak, window = float(target.max() - target.min()), torch.outer(line(), line())
-    a, b = torch.as_tensor(np.array(prediction)), torch.as_tensor(np.array(target))
+    a, b = (torch.as_tensor(x.astype(np.float32)) for x in (prediction, target))
     return similarity_map(a, b, *constants(peak), lambda x: blur(x, window)).mean().numpy()
 
 
