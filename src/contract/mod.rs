@@ -8,6 +8,7 @@ pub mod check;
 pub mod component;
 pub(crate) mod fault;
 pub mod hazard;
+pub(crate) mod how;
 pub mod laid;
 pub mod large;
 pub mod machine;
@@ -15,6 +16,7 @@ pub(crate) mod operation;
 pub(crate) mod operations;
 pub mod propagate;
 pub mod recipe;
+pub(crate) mod seen;
 pub(crate) mod site;
 pub mod special;
 

@@ -8,6 +8,7 @@ use crate::convention::{Conventions, SplatCenter, SplatClamp};
 mod catalogue;
 mod gradients;
 mod numbers;
+mod steps;
 mod views;
 
 pub(crate) use catalogue::GAUSSIAN_PROJECTION;

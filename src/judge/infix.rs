@@ -1,6 +1,6 @@
 //! An operation in the text of an honest implementation, as it would be on paper: `o.div(o.mul(d, d), o.exact(12.0))` is `d * d / 12`.
 
-use crate::contract::fault::How;
+use crate::contract::how::How;
 use crate::contract::operation::Operation;
 use crate::contract::site::{Origin, Site};
 use crate::registry::COMPONENTS;

@@ -17,8 +17,8 @@ use super::slips::{Beside, slipped};
 use super::telling::{MOST_BITS, SURE, evidence};
 use super::tried::{Tried, WORK, nearby};
 use crate::contract::case::Case;
-use crate::contract::fault::How;
-use crate::contract::site::OTHERS;
+use crate::contract::how::How;
+use crate::contract::seen::OTHERS;
 use crate::convention::Conventions;
 use crate::parallel;
 

@@ -9,7 +9,7 @@ use super::mark::MarkOptions;
 use super::places::Place;
 use super::slipping::attempt;
 use crate::contract::case::Case;
-use crate::contract::fault::How;
+use crate::contract::how::How;
 use crate::contract::operation::Operation;
 use crate::convention::Conventions;
 use crate::parallel;

@@ -7,8 +7,10 @@ use super::hypothesis::Hypothesis;
 use super::slip::Slip;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
-use crate::contract::fault::{Fault, How, Nth};
-use crate::contract::site::{Seen, Site};
+use crate::contract::fault::{Fault, Nth};
+use crate::contract::how::How;
+use crate::contract::seen::Seen;
+use crate::contract::site::Site;
 use crate::convention::Conventions;
 
 /// Machines whose ways to the result are looked at.

@@ -376,7 +376,7 @@ pub(super) fn marks(
     }
     if !question.admits(c) {
         let fault = "not judged: it was asked in the shapes of cs180, and the answers follow other conventions; where a profile has \
-                     these, ask in it (cases --profile)";
+                     these, pin it (`profile`)";
         return (Marks { faults: vec![fault.into()], ..Marks::default() }, None);
     }
     let truth = |case: &Case, grade| options.truth(question, case, c, grade);

@@ -13,7 +13,8 @@ use super::slip::Slip;
 use super::slipping::attempt;
 use super::tried::Tried;
 use crate::contract::case::Case;
-use crate::contract::fault::{AT_ONCE, How, Wrong};
+use crate::contract::fault::{AT_ONCE, Wrong};
+use crate::contract::how::How;
 use crate::parallel;
 
 /// Conventions in which ways begin, the nearest first, and ways that are followed side by side.

@@ -1,0 +1,70 @@
+//! The gradient's steps one by one: the oracle has them for itself, and mistakes lie between them.
+
+use super::super::{Form, Splat, View, clamped, times};
+use crate::convention::SplatClampGradient;
+
+/// Gradient of the dilated covariance: its own, by way of the conic, and of the compensation.
+pub(super) fn of_covariance(splat: &Splat, form: Form, g: &Splat) -> [f64; 3] {
+    let ([a, b, c], [x, y, z], h) = (splat.covariance, splat.conic, form.dilation.value());
+    let [g_x, g_y, g_z] = g.conic;
+    let mut sum = [
+        g.covariance[0] - (x * x * g_x + x * y * g_y + y * y * g_z),
+        g.covariance[1] - (2.0 * x * y * g_x + (x * z + y * y) * g_y + 2.0 * y * z * g_z),
+        g.covariance[2] - (y * y * g_x + y * z * g_y + z * z * g_z),
+    ];
+    if splat.compensation > form.compensation.value() {
+        // Of the determinants before and after the dilation.
+        let det = a * c - b * b;
+        let before = g.compensation / (2.0 * splat.compensation * det);
+        let after = before * splat.compensation * splat.compensation;
+        sum[0] += before * (c - h) - after * c;
+        sum[1] -= 2.0 * b * (before - after);
+        sum[2] += before * (a - h) - after * a;
+    }
+    sum
+}
+
+/// Gradient of the covariance's six numbers.
+pub(super) fn of_sigma([p, q]: [[f64; 3]; 2], [g_a, g_b, g_c]: [f64; 3]) -> [f64; 6] {
+    [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| {
+        let cross = if i == j { p[i] * q[i] } else { p[i] * q[j] + p[j] * q[i] };
+        let twice = if i == j { 1.0 } else { 2.0 };
+        twice * (g_a * p[i] * p[j] + g_c * q[i] * q[j]) + g_b * cross
+    })
+}
+
+/// Gradients of J's entries: (J_00, J_02) and (J_11, J_12).
+pub(super) fn jacobian_gradient(
+    [p, q]: [[f64; 3]; 2],
+    sigma: [f64; 6],
+    [g_a, g_b, g_c]: [f64; 3],
+    view: &View,
+) -> [[f64; 2]; 2] {
+    let (of_p, of_q) = (times(sigma, p), times(sigma, q));
+    let row = |axis: usize, own: [f64; 3], g_own: f64, other: [f64; 3]| {
+        let g = [0, 1, 2].map(|k| 2.0 * g_own * own[k] + g_b * other[k]);
+        [axis, 2].map(|n| {
+            let r = view.rotation[n];
+            g[0] * r[0] + g[1] * r[1] + g[2] * r[2]
+        })
+    };
+    [row(0, of_p, g_a, of_q), row(1, of_q, g_c, of_p)]
+}
+
+/// From J to t: J_00 = f/z, J_02 = -(f/z) slope.
+pub(super) fn of_jacobian(t: [f64; 3], g: [[f64; 2]; 2], view: &View, form: Form) -> [f64; 3] {
+    let mut g_t = [0.0; 3];
+    let focal = [view.k.fx, view.k.fy];
+    for (axis, (slope, held)) in clamped(t, view, form).into_iter().enumerate() {
+        let scale = focal[axis] / t[2];
+        let [own, along] = g[axis];
+        g_t[2] += scale / t[2] * (slope * along - own);
+        if !held {
+            g_t[axis] = -scale / t[2] * along;
+        }
+        if !held || form.clamp_gradient == SplatClampGradient::Held {
+            g_t[2] += scale / t[2] * slope * along;
+        }
+    }
+    g_t
+}
