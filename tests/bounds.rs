@@ -5,6 +5,7 @@ use nerf_oracle::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use nerf_oracle::contract::check::{Kind, tolerance, worst};
 use nerf_oracle::contract::{Component, Machine};
 use nerf_oracle::convention::CS180;
+use nerf_oracle::convention::profiles::PROFILES;
 use nerf_oracle::parallel;
 
 /// Machines per case, and evaluations that each component and direction has at least (those with few cases get more machines): 48 and
@@ -133,6 +134,38 @@ fn every_mistake_is_rejected_in_f64() {
                 worst(&got, &expected, &tolerance(direction, &case.inputs, &CS180, &arithmetic)) > 1.0
             });
             assert!(caught, "{} {}: no case catches it", component.name, mistake.name);
+        }
+    }
+}
+
+/// What makes a row's wrong code do everything its own way, and nothing wrong: a number at which its mistake does nothing.
+fn inert(row: &str) -> &'static str {
+    match row {
+        "volume_render" => "backward_given_up=0",
+        "volume_render_alpha" => "stopped_behind_the_sample=0",
+        _ => "no_mistake",
+    }
+}
+
+/// Gradients that are written again by hand, so that mistakes have their places, in every convention that profiles have.
+#[test]
+fn a_gradient_by_hand_is_the_oracle_but_for_its_mistakes() {
+    let arithmetic = Arithmetic::new(Dtype::F64, Grade::B);
+    let rows = ["volume_render", "volume_render_alpha"];
+    let by_hand = |c: &&Component| c.name.starts_with("gaussian_") || rows.contains(&c.name);
+    for component in COMPONENTS.iter().filter(by_hand) {
+        let Some(direction) = component.direction(Kind::Vjp) else { continue };
+        for profile in PROFILES {
+            let c = &profile.conventions;
+            for case in component.cases_of(Kind::Vjp, c) {
+                let got = (direction.wrong)(&case.inputs, c, &[inert(component.name)]);
+                let used = worst(
+                    &got,
+                    &(direction.oracle)(&case.inputs, c),
+                    &tolerance(direction, &case.inputs, c, &arithmetic),
+                );
+                assert!(used <= 1.0, "{} {} {}: {used}", component.name, profile.name, case.id);
+            }
         }
     }
 }

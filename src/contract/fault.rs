@@ -59,24 +59,14 @@ pub(crate) struct Fault {
 }
 
 impl Fault {
-    /// One operation.
-    pub(crate) fn of(site: Site, how: How) -> Fault {
-        Fault::of_some(site, how, None)
-    }
-
-    /// One operation, each time or one of them.
-    pub(crate) fn of_some(site: Site, how: How, nth: Option<Nth>) -> Fault {
-        Fault { wrong: [Some(Wrong { site, how, nth }), None, None], observed: false }
-    }
-
     /// What is wrong.
     pub(crate) fn all(&self) -> impl Iterator<Item = &Wrong> {
         self.wrong.iter().flatten()
     }
 
     /// These, as many as there is room for.
-    pub(crate) fn of_all(all: impl Iterator<Item = Wrong>) -> Fault {
-        all.fold(Fault::default(), |fault, wrong| fault.with(wrong).unwrap_or(fault))
+    pub(crate) fn of(all: impl IntoIterator<Item = Wrong>) -> Fault {
+        all.into_iter().fold(Fault::default(), |fault, wrong| fault.with(wrong).unwrap_or(fault))
     }
 
     /// One operation more: elsewhere, where there is room, and where two don't ask for more than their own numbers.

@@ -326,7 +326,7 @@ fn of_capped(pixel: [f64; 2], splat: &Splat, form: Form, g: f64) -> Splat {
     let through = Form { cap_gradient: CapGradient::Through, ..form };
     let whole = splat.opacity * exp(power(pixel, splat));
     // A program that caps in its backward pass alone has the usual cap.
-    let most = cap(form).min(if form.cap == AlphaCap::None { 0.99 } else { f64::INFINITY });
+    let most = if form.cap == AlphaCap::None { 0.99 } else { cap(form) };
     let part = if whole > most { most / whole } else { 1.0 };
     backward::alpha(pixel, splat, through, part * g)
 }

@@ -30,7 +30,7 @@ pub fn project(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, g: &Spl
 }
 
 /// Gradient of the dilated covariance: its own, by way of the conic, and of the compensation.
-fn of_covariance(splat: &Splat, form: Form, g: &Splat) -> [f64; 3] {
+pub(super) fn of_covariance(splat: &Splat, form: Form, g: &Splat) -> [f64; 3] {
     let ([a, b, c], [x, y, z], h) = (splat.covariance, splat.conic, form.dilation.value());
     let [g_x, g_y, g_z] = g.conic;
     let mut sum = [
@@ -51,7 +51,7 @@ fn of_covariance(splat: &Splat, form: Form, g: &Splat) -> [f64; 3] {
 }
 
 /// Gradient of the covariance's six numbers.
-fn of_sigma([p, q]: [[f64; 3]; 2], [g_a, g_b, g_c]: [f64; 3]) -> [f64; 6] {
+pub(super) fn of_sigma([p, q]: [[f64; 3]; 2], [g_a, g_b, g_c]: [f64; 3]) -> [f64; 6] {
     [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|(i, j)| {
         let cross = if i == j { p[i] * q[i] } else { p[i] * q[j] + p[j] * q[i] };
         let twice = if i == j { 1.0 } else { 2.0 };
@@ -60,7 +60,7 @@ fn of_sigma([p, q]: [[f64; 3]; 2], [g_a, g_b, g_c]: [f64; 3]) -> [f64; 6] {
 }
 
 /// Gradients of J's entries: (J_00, J_02) and (J_11, J_12).
-fn jacobian_gradient(
+pub(super) fn jacobian_gradient(
     [p, q]: [[f64; 3]; 2],
     sigma: [f64; 6],
     [g_a, g_b, g_c]: [f64; 3],
@@ -78,7 +78,7 @@ fn jacobian_gradient(
 }
 
 /// From J to t: J_00 = f/z, J_02 = -(f/z) slope.
-fn of_jacobian(t: [f64; 3], g: [[f64; 2]; 2], view: &View, form: Form) -> [f64; 3] {
+pub(super) fn of_jacobian(t: [f64; 3], g: [[f64; 2]; 2], view: &View, form: Form) -> [f64; 3] {
     let mut g_t = [0.0; 3];
     let focal = [view.k.fx, view.k.fy];
     for (axis, (slope, held)) in clamped(t, view, form).into_iter().enumerate() {

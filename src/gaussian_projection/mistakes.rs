@@ -8,7 +8,6 @@ use crate::convention::{Conventions, SplatCenter, SplatClamp};
 mod catalogue;
 mod gradients;
 mod numbers;
-mod steps;
 mod views;
 
 pub(crate) use catalogue::GAUSSIAN_PROJECTION;

@@ -32,7 +32,7 @@ impl FormulaSlip {
     pub(crate) fn without_each(&self) -> Vec<FormulaSlip> {
         let all: Vec<Wrong> = self.fault.all().copied().collect();
         let others = |n: usize| all.iter().enumerate().filter(move |(k, _)| *k != n).map(|(_, wrong)| *wrong);
-        let less = |n: usize| FormulaSlip { fault: Fault::of_all(others(n)), ..self.clone() };
+        let less = |n: usize| FormulaSlip { fault: Fault::of(others(n)), ..self.clone() };
         (0..all.len()).filter(|_| all.len() > 1).map(less).collect()
     }
 

@@ -88,7 +88,7 @@ fn times_alone(t: &Tried, question: &Question, cases: &[(&Case, &Answer)]) -> Ve
     for place in t.places.iter().filter(|place| place.first) {
         let ways = How::all(place.seen.site.operation).into_iter().chain(place.seen.both());
         all.extend(ways.flat_map(|how| {
-            times.of(place).map(move |nth| (t.failing, place.once(how, nth, &t.conventions)))
+            times.of(place).map(move |nth| (t.failing, place.at(Some(nth), how, &t.conventions)))
         }));
         if all.len() * t.cost > WORK {
             break;

@@ -7,7 +7,7 @@ use super::hypothesis::Hypothesis;
 use super::slip::Slip;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
-use crate::contract::fault::{Fault, Nth};
+use crate::contract::fault::{Fault, Nth, Wrong};
 use crate::contract::how::How;
 use crate::contract::seen::Seen;
 use crate::contract::site::Site;
@@ -39,16 +39,13 @@ pub(super) struct Place {
 
 impl Place {
     pub(super) fn hypothesis(&self, how: How, c: &Conventions) -> Hypothesis {
-        self.with(Fault::of(self.seen.site, how), c)
+        self.at(None, how, c)
     }
 
-    /// One of the times that an evaluation comes by alone.
-    pub(super) fn once(&self, how: How, nth: Nth, c: &Conventions) -> Hypothesis {
-        self.with(Fault::of_some(self.seen.site, how, Some(nth)), c)
-    }
-
-    fn with(&self, fault: Fault, c: &Conventions) -> Hypothesis {
+    /// One of the times that an evaluation comes by alone, or all of them.
+    pub(super) fn at(&self, nth: Option<Nth>, how: How, c: &Conventions) -> Hypothesis {
         let Place { machine, operations, forward, .. } = *self;
+        let fault = Fault::of([Wrong { site: self.seen.site, how, nth }]);
         let slip = FormulaSlip { machine, fault, operations, forward };
         Hypothesis { slip: Some(Slip::Formula(slip)), ..Hypothesis::new(vec![], *c) }
     }

@@ -94,6 +94,18 @@ def through_the_rotation(g_r, q):
     return ((u.grad - u * (u * u.grad).sum(-1, keepdim=True)) / length).detach()
 
 
+def by_hand(quaternions, scales, grad_covariances, factor=lambda m: m, by_rows=False):
+    """g_M = (g + g^T) M of M = R diag(s), or of another factor; scales along rows, and the rotation's gradient on its side with them."""
+    q, s, g = (torch.tensor(x) for x in (quaternions, scales, grad_covariances))
+    r = rotation(F.normalize(q, dim=-1))
+    g_m = (g + g.mT) @ factor(r * s[:, None])
+    g_r = (g_m * s[:, :, None]).mT if by_rows else g_m * s[:, None]
+    return {
+        "grad_quaternions": through_the_rotation(g_r, q).numpy(),
+        "grad_scales": (r * g_m).sum(2 if by_rows else 1).numpy(),
+    }
+
+
 @fault(
     "gaussian_covariance_vjp",
     "factor_transposed",
@@ -102,13 +114,7 @@ def through_the_rotation(g_r, q):
 )
 def the_factor_on_its_side(quaternions, scales, grad_covariances):
     """g_M = (g + g^T) M^T."""
-    q, s, g = (torch.tensor(x) for x in (quaternions, scales, grad_covariances))
-    r = rotation(F.normalize(q, dim=-1))
-    g_m = (g + g.mT) @ (r * s[:, None]).mT
-    return {
-        "grad_quaternions": through_the_rotation(g_m * s[:, None], q).numpy(),
-        "grad_scales": (r * g_m).sum(1).numpy(),
-    }
+    return by_hand(quaternions, scales, grad_covariances, factor=lambda m: m.mT)
 
 
 @fault(
@@ -119,13 +125,7 @@ def the_factor_on_its_side(quaternions, scales, grad_covariances):
 )
 def columns_taken_for_rows(quaternions, scales, grad_covariances):
     """What the rasterizer has by columns, by rows: scales along the wrong axis, and the rotation's gradient on its side."""
-    q, s, g = (torch.tensor(x) for x in (quaternions, scales, grad_covariances))
-    r = rotation(F.normalize(q, dim=-1))
-    g_m = (g + g.mT) @ (r * s[:, None])
-    return {
-        "grad_quaternions": through_the_rotation((g_m * s[:, :, None]).mT, q).numpy(),
-        "grad_scales": (r * g_m).sum(2).numpy(),
-    }
+    return by_hand(quaternions, scales, grad_covariances, by_rows=True)
 
 
 def matrices(covariances):

@@ -91,8 +91,10 @@ def no_biases(x, **rest):
 def encode(x, width, factor, columns="band"):
     """Identity, then L bands; L from the width of the first layer."""
     L, out = (width // x.shape[1] - 1) // 2, [x]
+    angles = x[..., None] * (2.0 ** torch.arange(L)) * factor
+    if columns == "x_last":
+        return torch.cat([angles.sin().flatten(1), angles.cos().flatten(1), x], -1)
     if columns == "dim":
-        angles = x[..., None] * (2.0 ** torch.arange(L)) * factor
         return torch.cat([x, torch.cat([angles.sin(), angles.cos()], -1).reshape(len(x), -1)], -1)
     for k in range(L):
         out += [torch.sin(2**k * factor * x), torch.cos(2**k * factor * x)]
@@ -172,12 +174,6 @@ def directions_normalized_inside(**a):
     return field({**a, "directions": d / (torch.norm(d, dim=-1, keepdim=True) + 1e-8)}, feature=torch.relu)
 
 
-def encoded_with_x_last(x, width):
-    """Sines coordinate by coordinate, cosines, then x."""
-    angles = x[..., None] * 2.0 ** torch.arange((width // 3 - 1) // 2)
-    return torch.cat([angles.sin().flatten(1), angles.cos().flatten(1), x], -1)
-
-
 @convention(
     "nerf_mlp",
     {"frequency": "one", "columns": "all_sin_all_cos", "network_identity": "last", "feature": "relu"},
@@ -185,15 +181,7 @@ def encoded_with_x_last(x, width):
 )
 def x_behind_its_bands(**a):
     """The encoding ends with x; relu behind the feature layer."""
-    x = encoded_with_x_last(a["positions"], a["trunk0_w"].shape[1])
-    d = encoded_with_x_last(a["directions"], a["color0_w"].shape[1] - a["feature_w"].shape[0])
-    h = x
-    for i in range(8):
-        h = torch.relu(F.linear(torch.cat([h, x], -1) if i == 4 else h, a[f"trunk{i}_w"], a[f"trunk{i}_b"]))
-    sigma = torch.relu(F.linear(h, a["sigma_w"], a["sigma_b"]))[:, 0]
-    f = torch.relu(F.linear(h, a["feature_w"], a["feature_b"]))
-    c = torch.relu(F.linear(torch.cat([f, d], -1), a["color0_w"], a["color0_b"]))
-    return sigma, torch.sigmoid(F.linear(c, a["color1_w"], a["color1_b"]))
+    return field(a, factor=1, columns="x_last", feature=torch.relu)
 
 
 @fault("nerf_mlp", "no_view_direction", seen="CMU 16-825 students' first network; Ajithjaas/NeRF", times=3)

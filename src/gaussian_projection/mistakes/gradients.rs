@@ -1,7 +1,7 @@
 //! Gradients of projections that are written by hand, wrong on purpose.
 
+use super::super::backward::{jacobian_gradient, of_covariance, of_jacobian, of_sigma};
 use super::super::{Form, Splat, View, clamped, in_camera, project, transform};
-use super::steps::{jacobian_gradient, of_covariance, of_jacobian, of_sigma};
 use crate::contract::component::Mistake;
 use crate::convention::{SplatClamp, SplatClampGradient};
 

@@ -37,11 +37,15 @@ fn wrong_slopes(
     let weighed: Vec<f64> = (0..n).map(weigh).collect();
     let light = ray.transmittance[n] * arrays::cotangent_over(a, r, c).transmittance;
     let given_up = number_of("backward_given_up", OF_DENSITIES, wrong);
+    let eps = c.product_eps.value();
     let slope = |i: usize| {
         let seen = if has("hidden_in_front") { &weighed[..i] } else { &weighed[i + 1..] };
         let sum = seen.iter().sum::<f64>() + if has("own_weight_hidden_too") { weighed[i] } else { 0.0 };
         let behind = if has("hidden_added") { light - sum } else { light + sum };
-        let (own, through) = (left(i) * g[i], exp(-depths[i]));
+        let through = exp(-depths[i]);
+        // What is added inside of the product isn't seen through the sample.
+        let kept = if eps == 0.0 { 1.0 } else { through / (through + eps) };
+        let (own, behind) = (kept * left(i) * g[i], kept * behind);
         let more = match () {
             () if has("opacity_shades_nothing") => apart * left(i),
             () if has("opacity_without_light") => apart,
