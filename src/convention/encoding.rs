@@ -56,6 +56,9 @@ pub enum IdentityPlace {
     First,
     /// Behind them (nerfstudio, pytorch3d, multinerf).
     Last,
+    /// Each coordinate in front of its own bands: (x, its bands, y, its bands, ...), where columns go by dimension; elsewhere in front of
+    /// all.
+    ByDimension,
 }
 
 /// How the cosine is computed: the same number, with fewer digits.

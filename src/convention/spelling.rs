@@ -26,8 +26,8 @@ pub const CHOICES: &[(&str, &[&str])] = &[
     ("ray_shape", &["cone", "cylinder"]),
     ("ndc_depth", &["negative", "positive"]),
     ("identity", &["true", "false"]),
-    ("identity_place", &["first", "last"]),
-    ("network_identity", &["first", "last"]),
+    ("identity_place", &["first", "last", "by_dimension"]),
+    ("network_identity", &["first", "last", "by_dimension"]),
     ("frequency", &["pi", "one", "two_pi"]),
     ("bands", &["octaves", "linear", "stretched", "widened"]),
     (

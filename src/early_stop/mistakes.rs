@@ -158,6 +158,14 @@ pub(crate) const EARLY_STOP: &[Mistake] = &[
         "instant-ngp's pictures, half of it; never seen here",
         0,
     ),
+    Mistake::new(
+        "divided_by_light_in_front",
+        "the color of a ray that stops is divided by 1 - T in front of its last sample, not behind it",
+        "surfaces that are brighter than white: divided by 0 where the first sample is opaque",
+        "divide by the opacity, or not at all",
+        "1 renderer of sparse voxels",
+        1,
+    ),
     TESTED_FIRST,
 ];
 
@@ -231,6 +239,11 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
             Stopped::MadeOpaque => &["colors", "weights"],
         };
         let opacity = number(&ray, "opacity");
+        if wrong.contains(&"divided_by_light_in_front") && t < eps && n > 0 {
+            // The last sample's weight apart.
+            let front = opacity - values(&ray, "weights").last().unwrap_or(&0.0);
+            ray.get_mut("colors").expect("an output").mapv_inplace(|x| x / front);
+        }
         if !divided.is_empty() && t < eps && opacity > 0.0 {
             for name in divided {
                 ray.get_mut(*name).expect("an output").mapv_inplace(|x| x / opacity);

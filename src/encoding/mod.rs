@@ -78,14 +78,28 @@ impl Encoding {
             Columns::AllSinAllCosByBand => (cosine * levels + k) * dims + d,
             Columns::BandInterleaved => (k * dims + d) * 2 + cosine,
         };
-        encoded + if self.identity && self.identity_place == IdentityPlace::First { dims } else { 0 }
+        if !self.identity {
+            return encoded;
+        }
+        encoded
+            + match self.identity_place {
+                IdentityPlace::Last => 0,
+                IdentityPlace::ByDimension if self.by_dimension() => d + 1,
+                _ => dims,
+            }
+    }
+
+    /// Whether all columns of a dimension stand together.
+    fn by_dimension(&self) -> bool {
+        matches!(self.columns, Columns::DimSinCos | Columns::DimInterleaved)
     }
 
     /// The column of x itself in dimension d, where it is kept.
     pub fn identity_column(&self, dims: usize, d: usize) -> usize {
         match self.identity_place {
-            IdentityPlace::First => d,
             IdentityPlace::Last => 2 * self.levels * dims + d,
+            IdentityPlace::ByDimension if self.by_dimension() => (2 * self.levels + 1) * d,
+            _ => d,
         }
     }
 }

@@ -36,10 +36,27 @@ fn column_orders_as_they_are_written_out() {
             assert_eq!(positional_encoding(&x, &encoding), expected, "{columns:?}");
             assert_eq!(encoding.width(2), expected.len());
             let last = Encoding { identity_place: IdentityPlace::Last, ..encoding };
+            let front = expected.clone();
             expected.rotate_left(if identity { 2 } else { 0 });
             assert_eq!(positional_encoding(&x, &last), expected, "{columns:?}");
+            let own = Encoding { identity_place: IdentityPlace::ByDimension, ..encoding };
+            // y moves behind the four waves of x, where these stand together.
+            let together = matches!(columns, Columns::DimSinCos | Columns::DimInterleaved);
+            let expected: Vec<f64> = match identity && together {
+                true => [&front[..1], &front[2..6], &front[1..2], &front[6..]].concat(),
+                false => front,
+            };
+            assert_eq!(positional_encoding(&x, &own), expected, "{columns:?}");
         }
     }
+}
+
+#[test]
+fn a_coordinate_stands_in_front_of_its_own_bands() {
+    let columns = Columns::DimInterleaved;
+    let own = Encoding { identity_place: IdentityPlace::ByDimension, columns, ..Encoding::new(3, &CS180) };
+    assert_eq!([0, 1].map(|d| own.identity_column(2, d)), [0, 7]);
+    assert_eq!([0, 1].map(|d| own.column(2, 0, d, 0)), [1, 8]);
 }
 
 #[test]

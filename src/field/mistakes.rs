@@ -5,19 +5,23 @@
 
 use super::arrays::{self, Nerf, cotangents, field, mlp_gradients, network, zeros};
 use super::trunk::Plan;
-use super::{Layer, backward, density, sigmoid, sigmoid_slope, softplus};
+use super::{Layer, backward, sigmoid, sigmoid_slope, softplus};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::component::Mistake;
 use crate::convention::{Activation, Conventions};
 use crate::encoding::{
     backward::positional_encoding as encoding_vjp, mistakes as encoding, positional_encoding,
 };
-use crate::math::{erf, exp, expm1, sin};
+use crate::math::{erf, expm1, sin};
 
 mod catalogue;
+mod heads;
+mod units;
 
-use catalogue::{LAYER_TWICE, LEAKY_UNITS, NEVER_APPLIED, WIDENED};
+use catalogue::{LAYER_TWICE, NEVER_APPLIED};
 pub(crate) use catalogue::{MLP, NERF_MLP};
+use heads::{color, color_unit, feature, head, tanh, wrong_density};
+use units::LEAKY_UNITS;
 
 /// Mistakes inside the layers: missing biases, transposed weights, the identity in place of a layer.
 fn spoil(mut layers: Vec<&mut Layer>, wrong: &[&str]) {
@@ -43,19 +47,8 @@ fn spoil(mut layers: Vec<&mut Layer>, wrong: &[&str]) {
     }
 }
 
-/// y, or what is returned instead.
-fn head(y: f64, z: f64, wrong: &[&str]) -> f64 {
-    let relu = wrong.contains(&"relu_before_sigmoid");
-    match (wrong.contains(&"sigmoid_missing"), relu && z < 0.0) {
-        (true, true) => 0.0,
-        (true, false) => z,
-        (false, true) => 0.5,
-        (false, false) => y,
-    }
-}
-
 /// What stands in the place of the ReLU.
-fn units(wrong: &[&str]) -> Option<impl Fn(f64) -> f64> {
+fn other_units(wrong: &[&str]) -> Option<impl Fn(f64) -> f64> {
     let slope = LEAKY_UNITS.among(wrong);
     let named = [
         "smooth_units",
@@ -64,6 +57,7 @@ fn units(wrong: &[&str]) -> Option<impl Fn(f64) -> f64> {
         "softplus_units",
         "sine_units",
         "tanh_units",
+        "linear_units",
     ];
     let law = named.into_iter().find(|name| wrong.contains(name));
     (law.is_some() || slope.is_some()).then_some(move |z: f64| match slope {
@@ -80,7 +74,8 @@ fn units(wrong: &[&str]) -> Option<impl Fn(f64) -> f64> {
             Some("error_function_units") => 0.5 * z * (1.0 + erf(z / std::f64::consts::SQRT_2)),
             Some("softplus_units") => softplus(z),
             Some("sine_units") => sin(z),
-            Some("tanh_units") => 2.0 * sigmoid(2.0 * z) - 1.0,
+            Some("tanh_units") => tanh(z),
+            Some("linear_units") => z,
             _ => z * sigmoid(z),
         },
     })
@@ -93,20 +88,17 @@ pub(crate) fn mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     }
     let mut net = network(a);
     spoil(net.layers.iter_mut().collect(), wrong);
-    // The output units, of whatever the hidden ones were.
-    let widened = |y: f64| WIDENED.among(wrong).map_or(y, |e| (1.0 + 2.0 * e) * y - e);
     let point = |x: &Vec<f64>| -> Vec<f64> {
         let tape = net.forward(x);
-        if let Some(units) = units(wrong) {
+        if let Some(units) = other_units(wrong) {
             let last = net.layers.len() - 1;
             let hidden = net.layers[..last]
                 .iter()
                 .fold(x.clone(), |h, layer| layer.forward(&h).into_iter().map(&units).collect());
             let z = net.layers[last].forward(&hidden);
-            return z.iter().map(|&z| widened(head(sigmoid(z), z, wrong))).collect();
+            return z.iter().map(|&z| head(z, wrong)).collect();
         }
-        let z = tape.z.last().expect("a layer");
-        tape.y.iter().zip(z).map(|(&y, &z)| widened(head(y, z, wrong))).collect()
+        tape.z.last().expect("a layer").iter().map(|&z| head(z, wrong)).collect()
     };
     let y: Vec<Vec<f64>> = rows(a, "x").iter().map(point).collect();
     arrays([("y", from_rows(&y, net.layers.last().expect("a layer").b.len()))])
@@ -147,7 +139,7 @@ fn cut_skip(nerf: &mut Nerf, c: &Conventions) {
 
 /// z of both heads of a network whose units are other ones.
 fn heads(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, wrong: &[&str]) -> (f64, Vec<f64>) {
-    let (net, other) = (&nerf.net, units(wrong));
+    let (net, other) = (&nerf.net, other_units(wrong));
     let unit = |z: &f64| other.as_ref().map_or(z.max(0.0), |unit| unit(*z));
     let mut h = vec![];
     for (n, layer) in net.trunk.iter().enumerate() {
@@ -159,27 +151,14 @@ fn heads(nerf: &Nerf, x: &[f64], d: &[f64], c: &Conventions, wrong: &[&str]) -> 
         h = if linear { z } else { z.iter().map(unit).collect() };
     }
     let z = net.feature.forward(&h);
-    let feature: Vec<f64> = match () {
-        () if wrong.contains(&"sigmoid_on_feature") => z.into_iter().map(sigmoid).collect(),
-        () if c.feature == Activation::Relu => z.iter().map(unit).collect(),
-        () => z,
+    let feature: Vec<f64> = match feature(wrong) {
+        Some(unit) => z.into_iter().map(unit).collect(),
+        None if c.feature == Activation::Relu => z.iter().map(unit).collect(),
+        None => z,
     };
     let z = net.color0.forward(&c.color_order.join(&feature, d));
-    let hidden = if wrong.contains(&"color_layer_linear") { z } else { z.iter().map(unit).collect() };
+    let hidden: Vec<f64> = z.iter().map(|z| color_unit(*z, wrong).unwrap_or_else(|| unit(z))).collect();
     (net.sigma.forward(&h)[0], net.color1.forward(&hidden))
-}
-
-/// What the color head makes of its z.
-fn color(z: &[f64], wrong: &[&str]) -> [f64; 3] {
-    let all = z.iter().map(|&z| exp(z)).sum::<f64>();
-    std::array::from_fn(|k| match () {
-        () if wrong.contains(&"tanh_color") => 2.0 * sigmoid(2.0 * z[k]) - 1.0,
-        () if wrong.contains(&"softmax_color") => exp(z[k]) / all,
-        () => {
-            let y = head(sigmoid(z[k]), z[k], wrong);
-            WIDENED.among(wrong).map_or(y, |e| (1.0 + 2.0 * e) * y - e)
-        }
-    })
 }
 
 /// The NeRF network.
@@ -206,13 +185,7 @@ pub(crate) fn nerf_mlp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
             d.fill(0.0);
         }
         let (z, z_color) = heads(&nerf, &x, &d, c, wrong);
-        let sigma = match () {
-            () if wrong.contains(&"density_without_relu") => z,
-            () if wrong.contains(&"sigmoid_density") => sigmoid(z),
-            () if wrong.contains(&"size_as_density") => z.abs(),
-            () => density(z, c.density),
-        };
-        (sigma, color(&z_color, wrong))
+        (wrong_density(z, c.density, wrong), color(&z_color, wrong))
     };
     let (sigmas, rgbs): (Vec<f64>, Vec<_>) =
         rows(a, "positions").iter().zip(&rows(a, "directions")).map(point).unzip();

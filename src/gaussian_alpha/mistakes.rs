@@ -13,6 +13,16 @@ mod numbers;
 
 use numbers::{BELOW, CAPPED, CAPPED_BEFORE, CIRCLE, CUT, DILATED, FLOORED, SCALED, SQUARE};
 
+const FAINT_OPACITY: Mistake = Mistake::new(
+    "faint_opacity_skipped",
+    "0 where the splat's own opacity is below k, and not where alpha is",
+    "nothing but time lost: a faint splat's edge counts, a whole faint splat doesn't",
+    "alpha below 1 / 255",
+    "1 renderer in Python",
+    1,
+)
+.with("k", 1.0 / 255.0, [1e-4, 0.5]);
+
 /// Mistakes of splats' opacities.
 pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
     Mistake::new(
@@ -141,6 +151,7 @@ pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
     CAPPED_BEFORE,
     CIRCLE,
     SQUARE,
+    FAINT_OPACITY,
     DILATED,
     Mistake::new(
         "conic_in_another_order",
@@ -276,6 +287,7 @@ fn wrong_alpha(pixel: [f64; 2], splat: &Splat, form: Form, wrong: &[&str]) -> f6
     let alpha = whole.min(cap(form)).min(CAPPED.among(wrong).unwrap_or(f64::INFINITY));
     let sigmas = CUT.among(wrong).or(has("cut_at_three_sigmas").then_some(3.0));
     let cut = sigmas.is_some_and(|k| power < -0.5 * k * k) || BELOW.among(wrong).is_some_and(|k| alpha < k);
+    let cut = cut || FAINT_OPACITY.among(wrong).is_some_and(|k| splat.opacity < k);
     let outside = CIRCLE.among(wrong).is_some_and(|k| x.hypot(y) > radius(splat.conic, k))
         || SQUARE.among(wrong).is_some_and(|k| x.abs().max(y.abs()) > radius(splat.conic, k));
     if cut || outside || skipped(power, alpha, form) { 0.0 } else { alpha }

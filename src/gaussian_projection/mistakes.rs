@@ -12,7 +12,10 @@ mod views;
 
 pub(crate) use catalogue::GAUSSIAN_PROJECTION;
 use gradients::hand_written;
-use numbers::{COMPENSATION_HELD, COVARIANCE_SCALED, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS, RADIUS_HELD};
+use numbers::{
+    COMPENSATION_HELD, COVARIANCE_SCALED, DETERMINANT_HELD, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS,
+    RADIUS_HELD,
+};
 
 /// What is multiplied from the left with Sigma, in rows, and t as the Jacobian has it.
 fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f64; 3]; 2] {
@@ -66,6 +69,9 @@ fn wrong_transform(t: [f64; 3], view: &View, form: Form, wrong: &[&str]) -> [[f6
     [row(0), row(1)]
 }
 
+/// Of a product of variances, what may be left of the determinant of a line.
+const FLAT: f64 = 1e-5;
+
 /// How far away a mean is.
 fn distance(t: [f64; 3]) -> f64 {
     (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt()
@@ -91,6 +97,7 @@ fn wrong_splat(
         ..*view
     };
     let view = if has("pose_inverted") { &inverse } else { view };
+    let view = &if has("not_moved") { View { translation: [0.0; 3], ..*view } } else { *view };
     let [xx, xy, xz, yy, yz, zz] = sigma;
     let sigma = if has("covariance_by_columns") { [xx, xy, yy, xz, yz, zz] } else { sigma };
     let sigma = if has("covariance_in_another_order") { [xx, yy, yz, xy, zz, xz] } else { sigma };
@@ -130,12 +137,13 @@ fn wrong_splat(
             .sqrt();
     }
     let [p, q, s] = if has("conic_not_dilated") { before } else { [a, b, c] };
-    let under = p * s - q * q;
+    let under = (p * s - q * q).max(DETERMINANT_HELD.among(wrong).unwrap_or(f64::NEG_INFINITY));
     let slopes = clamped(t, view, form);
     let shift = if form.center == SplatCenter::Integer { 0.5 } else { 0.0 };
     let place = |n: usize, f: f64, center: f64| f * slopes[n].0 + center - shift;
     Splat {
         mean: match right.mean {
+            _ if has("mean_in_the_camera") => [t[0], t[1]],
             _ if has("mean_clamped_too") => [place(0, view.k.fx, view.k.cx), place(1, view.k.fy, view.k.cy)],
             [x, y] if has("mean_in_clip_space") => {
                 [2.0 * (x + shift) / view.width - 1.0, 2.0 * (y + shift) / view.height - 1.0]
@@ -154,6 +162,8 @@ fn wrong_splat(
             () if has("conic_not_divided") => [c, -b, a],
             () if has("determinant_with_plus") => [c, -b, a].map(|x| x / (a * c + b * b)),
             () if has("conic_not_swapped") => [a / det, -b / det, c / det],
+            // What f32 makes of a determinant of 0 is anybody's guess.
+            () if has("not_dilated") && under <= FLAT * p * s => [f64::NAN; 3],
             () => [s / under, -q / under, p / under],
         },
         depth: if has("distance_for_depth") { distance(t) } else { right.depth },

@@ -52,6 +52,11 @@ fn wrong_levels(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Vec<Level> {
             (level.scale, level.last, level.side) = (level.scale + 1.0, level.last + 1, level.side + 1);
         }
     }
+    if wrong.contains(&"resolution_not_rounded") {
+        for (l, level) in out.iter_mut().enumerate() {
+            (level.scale, level.last, level.side) = (n(l), n(l) as u32, n(l) as u32 + 2);
+        }
+    }
     if wrong.contains(&"half_cell_back") {
         out.iter_mut().for_each(|level| level.shift = -0.5);
     }

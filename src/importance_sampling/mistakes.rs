@@ -8,7 +8,8 @@ pub(crate) use catalogue::{
     IMPORTANCE_SAMPLING, INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, NOTHING_OVER_NOTHING,
     SEARCHED_FROM_THE_LEFT,
 };
-use inputs::{MAX_FOR_SUM, MIXED, SNAPPED_BELOW, U_CUT, U_HELD};
+pub(crate) use inputs::{EMPTY_AT_FAR, EMPTY_AT_NEAR};
+use inputs::{MAX_FOR_SUM, MIXED, SNAPPED_BELOW, U_CUT, U_HELD, U_SQUEEZED};
 
 use super::arrays::{Ray, forward, gradient, vjp};
 use super::{SNAPPED, bin_of, cdf};
@@ -127,7 +128,7 @@ fn drawn(u: Vec<f64>, wrong: &[&str]) -> Vec<f64> {
         () => match (U_CUT.among(wrong), U_HELD.among(wrong)) {
             (Some(k), _) => u.min(1.0 - k),
             (_, Some(k)) => u.clamp(k, 1.0 - k),
-            _ => u,
+            _ => U_SQUEEZED.among(wrong).map_or(u, |k| u * (1.0 - 2.0 * k) + k),
         },
     };
     u.into_iter().enumerate().map(one).collect()
@@ -199,7 +200,8 @@ fn total(ray: &Ray) -> f64 {
 }
 
 /// Mistakes that leave `u` beyond the ends of F, or look for it in another way.
-const SEARCHED: [&str; 12] = [
+const SEARCHED: [&str; 13] = [
+    "upper_edge_held_at_sample_count",
     "searched_from_the_left",
     "upper_edge_held_by_sample_count",
     "no_leading_zero",
@@ -268,6 +270,15 @@ fn one(ray: &Ray, f: &[f64], u: f64, c: &Conventions, wrong: &[&str]) -> f64 {
     }
     if wrong.contains(&"upper_edge_held_by_sample_count") {
         above = above.min(ray.u.len() - 1);
+    }
+    if wrong.contains(&"upper_edge_held_at_sample_count") {
+        above = above.min(ray.u.len());
+    }
+    if wrong.contains(&"summed_over_bins") && u == 0.0 {
+        return ray.edges[0];
+    }
+    if wrong.contains(&"summed_over_bins") && f.last().is_some_and(|whole| u >= *whole) {
+        return 0.0;
     }
     if wrong.contains(&"last_edge_out_of_reach") {
         above = above.min(f.len() - 2);
@@ -341,6 +352,14 @@ pub(crate) fn sample(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         if wrong.contains(&"own_bin_alone") {
             let own = |j: usize| j + 1 < f.len() && f[j] <= u[j] && u[j] < f[j + 1];
             t.iter_mut().enumerate().filter(|(j, _)| !own(*j)).for_each(|(_, t)| *t = 0.0);
+        }
+        if ray.weights.iter().all(|w| w + ray.padding == 0.0) {
+            let end = match () {
+                () if wrong.contains(&"empty_rays_at_far") => ray.edges.last(),
+                () if wrong.contains(&"empty_rays_at_near") => ray.edges.first(),
+                () => None,
+            };
+            end.into_iter().for_each(|end| t.fill(*end));
         }
         if wrong.contains(&"sorted_within") {
             t.sort_by(f64::total_cmp);

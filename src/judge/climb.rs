@@ -10,6 +10,7 @@ use super::exam::Question;
 use super::fitted::{shown, written};
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::nearness::likeliest;
 use super::partial::{Partial, apply, partial, with};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::Arrays;
@@ -31,7 +32,7 @@ const STARTS: usize = 48;
 const CASES: usize = 8;
 
 /// Elements that all steps together may compute.
-const WORK: usize = 40_000_000;
+const WORK: usize = 200_000_000;
 
 /// Bits by which a step must bring the answers nearer, on the average.
 pub(super) const NEARER: f64 = 0.02;
@@ -73,8 +74,9 @@ pub(crate) fn climbed(
     };
     let fits =
         |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
-    let starts = open(question, answers, base, options).into_iter().take(STARTS);
-    let mut ways = measured(starts.map(|p| Hypothesis::new(vec![], apply(&p, base))).collect());
+    let starts = open(question, answers, base, options);
+    let starts = likeliest(starts, STARTS, (question, answers), base, options);
+    let mut ways = measured(starts.iter().map(|p| Hypothesis::new(vec![], apply(p, base))).collect());
     best(&mut ways);
     for _ in 0..STEPS {
         let next = ways.iter().flat_map(|way| steps(&way.h, question).map(|h| (h, way.off)));
@@ -96,6 +98,9 @@ pub(crate) fn climbed(
                     least.push(h);
                 }
             }
+            let others: Vec<Hypothesis> = least.iter().flat_map(|h| exchanged(h, question)).collect();
+            let fit = parallel::map(others.len(), |n| !least.contains(&others[n]) && fits(&others[n]));
+            least.extend(others.into_iter().zip(fit).filter(|(_, fit)| *fit).map(|(h, _)| h));
             return least;
         }
         if next.is_empty() {
@@ -104,6 +109,21 @@ pub(crate) fn climbed(
         ways = next;
     }
     vec![]
+}
+
+/// The same with another mistake in the place of one of several: ways that begin with it may have been given up.
+fn exchanged<'a>(h: &'a Hypothesis, question: &'a Question) -> impl Iterator<Item = Hypothesis> + 'a {
+    let gradient = question.kind == Kind::Vjp;
+    let own = move |m: &&Mistake| m.gradient == gradient && !h.mistakes.contains(&m.name);
+    let all = question.component.mistakes.iter().filter(own);
+    let places = (0..h.mistakes.len()).filter(|_| h.mistakes.len() > 1 && h.fitted.is_empty());
+    places.flat_map(move |n| {
+        all.clone().map(move |m| {
+            let mut mistakes = h.mistakes.clone();
+            mistakes[n] = m.name;
+            Hypothesis { mistakes, ..h.clone() }
+        })
+    })
 }
 
 /// The best ways, each once.
@@ -140,13 +160,12 @@ fn steps<'a>(h: &'a Hypothesis, question: &'a Question) -> impl Iterator<Item = 
     others.chain(changed.map(|conventions| Hypothesis { conventions, ..h.clone() }))
 }
 
-/// A mistake beside those that there are, with its usual number and with those that people write. The first that has a number gets it.
+/// A mistake beside those that there are, with its usual number and with those that people write.
 fn added<'a>(h: &'a Hypothesis, m: &'static Mistake) -> impl Iterator<Item = Hypothesis> + 'a {
     let usual = Hypothesis { mistakes: [&h.mistakes[..], &[m.name]].concat(), ..h.clone() };
-    let own = h.fitted.is_none().then(|| written(m)).into_iter().flatten();
-    let own = own.map(|number| Hypothesis {
+    let own = written(m).map(|number| Hypothesis {
         mistakes: [&[m.name], &h.mistakes[..]].concat(),
-        fitted: Some(number),
+        fitted: [&[number], &h.fitted[..]].concat(),
         ..h.clone()
     });
     std::iter::once(usual).chain(own)
@@ -159,11 +178,19 @@ fn numbered(
     answers: &Answers,
     fits: &impl Fn(&Hypothesis) -> bool,
 ) -> Option<Hypothesis> {
-    let own = |m: &&Mistake| m.number.is_some() && h.mistakes.contains(&m.name);
-    question.component.mistakes.iter().filter(own).find_map(|m| {
-        let others = h.mistakes.iter().filter(|name| **name != m.name).copied();
-        let mistakes = std::iter::once(m.name).chain(others).collect();
-        let usual = Hypothesis { mistakes, fitted: None, ..h.clone() };
+    let numbers = |name: &str| question.component.mistakes.iter().find(|m| m.name == name)?.number;
+    // Each with its number: the first of them is read off.
+    let mut own: Vec<(&'static str, f64)> =
+        h.mistakes.iter().filter_map(|name| numbers(name).map(|number| (*name, number.usual))).collect();
+    own.iter_mut().zip(&h.fitted).for_each(|((_, number), fitted)| *number = *fitted);
+    own.iter().find_map(|(name, number)| {
+        let others = h.mistakes.iter().filter(|other| *other != name).copied();
+        let fitted = own.iter().filter(|(other, _)| other != name).map(|(_, number)| *number);
+        let known =
+            if h.fitted.is_empty() { vec![] } else { std::iter::once(*number).chain(fitted).collect() };
+        let mistakes = std::iter::once(*name).chain(others).collect();
+        let usual = Hypothesis { mistakes, fitted: known, ..h.clone() };
+        let m = question.component.mistakes.iter().find(|m| m.name == *name)?;
         shown(m, &usual, question, answers).find(fits)
     })
 }
@@ -181,9 +208,9 @@ fn needed(
     while n < h.mistakes.len() {
         let mut less = h.clone();
         let taken = less.mistakes.remove(n);
-        // The first that has a number owns it.
-        if numbered(taken) && !h.mistakes[..n].iter().any(|name| numbered(name)) {
-            less.fitted = None;
+        let place = h.mistakes[..n].iter().filter(|name| numbered(name)).count();
+        if numbered(taken) && place < less.fitted.len() {
+            less.fitted.remove(place);
         }
         if !less.right() && fits(&less) { h = less } else { n += 1 }
     }
@@ -270,7 +297,7 @@ mod tests {
     fn four_are_found_one_after_the_other() {
         let four = ["eps_in_denominator", "eps_in_sum", "no_leading_zero", "searched_from_the_left"];
         for dtype in [Dtype::F64, Dtype::F32] {
-            assert_eq!(found(IMPORTANCE, &four, dtype, |x| x), [four], "{dtype}");
+            assert_eq!(found(IMPORTANCE, &four, dtype, |x| x)[0], four, "{dtype}");
         }
         assert!(found(IMPORTANCE, &four, Dtype::Bf16, |x| x).is_empty());
     }

@@ -4,7 +4,8 @@ use super::answer::Answers;
 use super::assignment::{open, possible, small_cases};
 use super::climb::climbed;
 use super::evidence::{
-    Explanation, Suspect, difference, explains_all, forward_is_the_same, largest_residual, shows, usable,
+    Explanation, Suspect, difference, explains_all, forward_is_the_same, largest_residual, no_number_left,
+    nothing_but_zero, shows, usable,
 };
 use super::exam::Question;
 use super::fitted::fitting;
@@ -57,10 +58,14 @@ pub fn diagnose(
         let each = |mistake| Explanation { mistakes: vec![mistake], ..Explanation::default() };
         return shown.map(each).collect();
     }
+    if no_number_left(question, answers) {
+        return vec![];
+    }
     let home = partial(question.component, base);
     let all = open(question, answers, base, options);
     let large = small_cases(question, answers).iter().map(|(case, _)| case.size()).sum::<usize>() > SEARCHED;
-    let (mut parted, mut singles) = (None, vec![]);
+    // What a number explains that nobody writes, two mistakes may explain that people make: 147.2 is 255 over the root of 3.
+    let (mut parted, mut singles, mut strange) = (None, vec![], vec![]);
     for count in 0..=2 {
         // Some pair or other makes nothing of everything, and so do slips: what there is to say is what was seen.
         if count == 2 && (large || nothing_but_zero(question, answers)) {
@@ -104,12 +109,16 @@ pub fn diagnose(
         let lost = count == 1 && found.is_empty();
         if lost && !large && !nothing_but_zero(question, answers) {
             let known = singles.iter().map(|p| apply(p, base)).collect::<Vec<_>>();
-            let fitted = fitting(question, answers, base, &known, suspects, options);
-            if !fitted.is_empty() {
-                return ranked(fitted, question, answers, &home, options);
+            strange = fitting(question, answers, base, &known, suspects, options);
+            if strange.iter().any(Hypothesis::plain_numbers) {
+                return ranked(strange, question, answers, &home, options);
             }
         }
-        let inaccurate = if lost { inaccuracy(&near, question, answers, base, options) } else { None };
+        let inaccurate = if lost && strange.is_empty() {
+            inaccuracy(&near, question, answers, base, options)
+        } else {
+            None
+        };
         if let Some((h, residual)) = inaccurate {
             let conventions = difference(&partial(question.component, &h.conventions), &home);
             return vec![Explanation { conventions, residual, inaccurate: true, ..Explanation::default() }];
@@ -121,6 +130,9 @@ pub fn diagnose(
             }
             return ranked(found, question, answers, &home, options);
         }
+    }
+    if !strange.is_empty() {
+        return ranked(strange, question, answers, &home, options);
     }
     if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
         return vec![found];
@@ -178,13 +190,6 @@ fn beyond(
     parted.or(most).into_iter().collect()
 }
 
-/// Whether all numbers of all answers are 0, real ones among them: a stub, or the way out where something couldn't be imported.
-fn nothing_but_zero(question: &Question, answers: &Answers) -> bool {
-    let arrays = || answers.iter().flatten().flatten();
-    let real = |name: &String| !question.component.output_entries(name).whole();
-    arrays().any(|(name, _)| real(name)) && arrays().all(|(_, given)| given.values.iter().all(|x| *x == 0.0))
-}
-
 /// The hypotheses of these sets of mistakes in these assignments that explain every answer.
 fn explaining(
     (sets, suspects): (&[Vec<&'static str>], &[Suspect]),
@@ -203,7 +208,7 @@ fn explaining(
     };
     for mistakes in sets {
         let numeric = question.kind == Kind::Vjp && of_forward(question, mistakes);
-        let suspected = suspects.iter().any(|(set, fitted)| fitted.is_none() && set == mistakes);
+        let suspected = suspects.iter().any(|(set, fitted)| fitted.is_empty() && set == mistakes);
         for (p, conventions) in ring.iter().map(|p| (p, apply(p, base))) {
             // No mistake in the run's own conventions isn't an explanation: it has just failed.
             let near = conventions == *base || suspected && unseen(p, &conventions);
@@ -233,7 +238,7 @@ fn sets(question: &Question, count: usize, suspects: &[Suspect]) -> Vec<Vec<&'st
     // Three and more come from the forward answers alone.
     let mut suspected: Vec<_> = suspects
         .iter()
-        .filter(|(set, fitted)| fitted.is_none() && (set.len() == count || count == 2 && set.len() > 2))
+        .filter(|(set, fitted)| fitted.is_empty() && (set.len() == count || count == 2 && set.len() > 2))
         .map(|(set, _)| set.clone())
         .collect();
     let shown = |m: &&Mistake| question.kind == Kind::Vjp || !m.gradient;
@@ -318,7 +323,7 @@ fn ranked(
         .enumerate()
         .map(|(n, (h, residual))| Explanation {
             mistakes: h.mistakes.iter().map(|name| row(name)).collect(),
-            fitted: h.fitted,
+            fitted: h.fitted.clone(),
             conventions: difference(&partial(question.component, &h.conventions), home),
             residual: *residual,
             same_as_best: n > 0 && predicts_same(h, &best),
@@ -376,7 +381,7 @@ mod tests {
     #[test]
     fn a_gradient_may_show_a_convention_beside_the_mistake() {
         let row = ("pose_from_colmap", Kind::Vjp);
-        let shown = [(vec!["not_inverted"], None)];
+        let shown = [(vec!["not_inverted"], vec![])];
         let with =
             |key, value| Hypothesis::new(vec!["not_inverted"], CS180.with(key, value).expect("listed"));
         let name = |found: &[Explanation]| found.first().and_then(|e| e.mistakes.first()).map(|m| m.name);

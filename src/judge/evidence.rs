@@ -9,12 +9,13 @@ use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::partial::Partial;
 use super::slip::Slip;
+use super::telling::repeats;
 use crate::contract::case::Case;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 /// Mistakes that the forward answers showed, with the number in them where it isn't the usual one.
-pub(crate) type Suspect = (Vec<&'static str>, Option<f64>);
+pub(crate) type Suspect = (Vec<&'static str>, Vec<f64>);
 
 /// By how many times a mistake must explain the answers better than lost digits do, to be named.
 const MUCH_BETTER: f64 = 4.0;
@@ -32,8 +33,8 @@ thread_local! {
 pub struct Explanation {
     /// The mistakes.
     pub mistakes: Vec<&'static Mistake>,
-    /// The number in its mistake, where it isn't the usual one.
-    pub fitted: Option<f64>,
+    /// The numbers of its mistakes that have one, in their order, as far as they aren't the usual ones.
+    pub fitted: Vec<f64>,
     /// Conventions in which the candidate differs from the run's.
     pub conventions: Partial,
     /// Largest error over the hypothesis' own bound.
@@ -142,7 +143,7 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     }
     let each = cases.iter().map(|(case, answer)| (*case, known((case, answer))));
     let [lost, wrong] = each.map(|(case, answer)| off(&(case, &answer))).fold([0.0; 2], larger);
-    lost > 1.0 || MUCH_BETTER * wrong < lost
+    lost > 1.0 || MUCH_BETTER * wrong < lost || repeats(h, question, &cases, options)
 }
 
 /// Whether the right formula gives the same in both, up to rounding, on the inputs of all cases.
@@ -160,6 +161,19 @@ pub(crate) fn forward_is_the_same(
         a.iter().all(|(name, a)| a.shape() == b[name].shape() && a.iter().zip(&b[name]).all(near))
     };
     question.cases.iter().all(same)
+}
+
+/// Whether all numbers of all answers are 0, real ones among them: a stub, or the way out where something couldn't be imported.
+pub(crate) fn nothing_but_zero(question: &Question, answers: &Answers) -> bool {
+    let arrays = || answers.iter().flatten().flatten();
+    let real = |name: &String| !question.component.output_entries(name).whole();
+    arrays().any(|(name, _)| real(name)) && arrays().all(|(_, given)| given.values.iter().all(|x| *x == 0.0))
+}
+
+/// Whether a program that crashed elsewhere has answered no number: one case that is none tells one mistake as well as another.
+pub(crate) fn no_number_left(question: &Question, answers: &Answers) -> bool {
+    let mut numbers = answers.iter().flatten().flatten().flat_map(|(_, given)| &given.values);
+    !question.crashed.is_empty() && numbers.all(|x| x.is_nan())
 }
 
 /// The largest error over a hypothesis' own bound.

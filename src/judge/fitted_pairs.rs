@@ -8,6 +8,7 @@ use super::fitted::{shown, within_reach};
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::partial::apply;
+use super::telling::{SURE, evidence};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
@@ -44,7 +45,7 @@ pub(crate) fn fitting_pairs(
     let near = distinct(near, (most / pairs.len().max(1)).max(1), question, &cases);
     let found = parallel::map(pairs.len() * near.len(), |n| {
         let ((mistake, other), c) = (pairs[n / near.len()], near[n % near.len()]);
-        fitted_beside(mistake, other, c, question, answers, options)
+        fitted_beside(mistake, (other, None), c, question, answers, options)
     });
     found.into_iter().flatten().collect()
 }
@@ -65,21 +66,24 @@ pub(crate) fn beside(
     let fits =
         |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
     let found = parallel::map(others.len(), |n| {
-        let both =
-            Hypothesis { fitted: most.fitted, ..Hypothesis::new(vec![mistake.name, others[n].name], c) };
+        let both = Hypothesis {
+            fitted: most.fitted.clone(),
+            ..Hypothesis::new(vec![mistake.name, others[n].name], c)
+        };
         let fit = || {
-            let numbered = most.fitted.is_none() && others[n].number.is_some();
-            numbered.then(|| fitted_beside(others[n], mistake, c, question, answers, options))?
+            others[n].number?;
+            let known = (*mistake, most.fitted.first().copied());
+            fitted_beside(others[n], known, c, question, answers, options)
         };
         if fits(&both) { Some(both) } else { fit() }
     });
     found.into_iter().flatten().collect()
 }
 
-/// A mistake with the number that it needs to explain every answer beside another.
+/// A mistake with the number that it needs to explain every answer beside another, whose own number may be known.
 fn fitted_beside(
     mistake: &Mistake,
-    other: &Mistake,
+    (other, number): (&Mistake, Option<f64>),
     c: Conventions,
     question: &Question,
     answers: &Answers,
@@ -87,8 +91,11 @@ fn fitted_beside(
 ) -> Option<Hypothesis> {
     // The first that has a number gets it.
     let names = if other.number.is_some() { [mistake, other] } else { [other, mistake] };
-    let usual = Hypothesis::new(names.map(|m| m.name).to_vec(), c);
-    let alone = Hypothesis::new(vec![other.name], c);
+    let own = mistake.number.map(|own| own.usual);
+    let both = number.map_or_else(Vec::new, |number| own.into_iter().chain([number]).collect());
+    let usual = Hypothesis { fitted: both, ..Hypothesis::new(names.map(|m| m.name).to_vec(), c) };
+    let fitted = number.into_iter().collect();
+    let alone = Hypothesis { fitted, ..Hypothesis::new(vec![other.name], c) };
     // A number next to the right one takes up what rounding left of the other mistake alone.
     let needed = |h: &Hypothesis| {
         let cases = usable(h, question, answers);
@@ -96,7 +103,8 @@ fn fitted_beside(
         let missed: Vec<_> = cases.iter().filter(missed).collect();
         // An eps shows where something is small, and nowhere else; but there by far.
         let far = |(case, answer): &&&(&Case, &Answer)| alone.residual(question, case, answer, options) > FAR;
-        2 * missed.len() >= cases.len() || missed.iter().filter(far).count() >= FEW
+        let told = || evidence(h, &alone, question, &cases, options) >= SURE;
+        2 * missed.len() >= cases.len() || missed.iter().filter(far).count() >= FEW || told()
     };
     let fits = |h: &Hypothesis| {
         explains_all(h, question, answers, options) && shows(h, question, answers, options) && needed(h)
@@ -143,7 +151,7 @@ mod tests {
     use crate::convention::CS180;
 
     /// The pairs that are fitted to forward answers with these mistakes.
-    fn pairs(component: &str, dtype: Dtype, mistakes: &[&str]) -> Vec<(Vec<&'static str>, Option<f64>)> {
+    fn pairs(component: &str, dtype: Dtype, mistakes: &[&str]) -> Vec<(Vec<&'static str>, Vec<f64>)> {
         let exam = Exam::new(component, dtype, None).unwrap();
         let (question, options) = (&exam.questions[0], MarkOptions { dtype, exp_ulp: 4.0 });
         let answers = answered(question, dtype, mistakes);
@@ -163,7 +171,7 @@ mod tests {
                 let found = |number: f64| pairs(component, dtype, &[other, &format!("{numbered}={number}")]);
                 let found = found(number);
                 assert!(
-                    found.contains(&(vec![other, numbered], Some(number))),
+                    found.contains(&(vec![other, numbered], vec![number])),
                     "{component} {dtype}: {found:?}"
                 );
             }
@@ -189,7 +197,7 @@ mod tests {
         let c = [("alpha_cap", "0.99"), ("faint", "skipped"), ("positive_power", "skipped")];
         let c = c.iter().fold(CS180, |c, (key, value)| c.with(key, value).unwrap());
         let both = ["conic_in_another_order", "cut_at_a_radius"];
-        let h = Hypothesis { fitted: Some(2.0), ..Hypothesis::new(both.to_vec(), c) };
+        let h = Hypothesis { fitted: vec![2.0], ..Hypothesis::new(both.to_vec(), c) };
         let single = |a: &ArrayD<f64>| a.mapv(|x| Dtype::F32.round(x));
         let answer = |case| {
             let (arrays, _) = h.prediction(question, case);
@@ -199,8 +207,8 @@ mod tests {
         let most = mostly(question, &answers, &CS180, &[], &options).unwrap();
         assert_eq!(most.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(), both[..1]);
         let found = beside(&most, &CS180, question, &answers, &options);
-        let found: Vec<_> = found.iter().map(|h| (&h.mistakes[..], h.fitted)).collect();
-        assert_eq!(found[0], (&both[..], Some(2.0)));
+        let found: Vec<_> = found.iter().map(|h| (&h.mistakes[..], &h.fitted[..])).collect();
+        assert_eq!(found[0], (&both[..], &[2.0][..]));
     }
 
     /// Forward answers notice no ReLU before densities, and colors without opacities not which weights these add up: the next convention
@@ -223,5 +231,23 @@ mod tests {
             answer.remove("opacity");
         });
         assert_eq!(kept(&answers), [CS180, near[3]]);
+    }
+
+    /// A march that passes over thin samples and gives up, at thresholds of its own.
+    #[test]
+    fn both_may_have_numbers_of_their_own() {
+        let exam = Exam::new("volume_render", Dtype::F32, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 });
+        let answers = answered(question, Dtype::F32, &["thin_samples_skipped=0.001", "given_up_early=0.001"]);
+        let most = mostly(question, &answers, &CS180, &[], &options).unwrap();
+        let found = beside(&most, &CS180, question, &answers, &options);
+        let sorted = |h: &Hypothesis| {
+            let mut names = h.mistakes.clone();
+            names.sort_unstable();
+            (names, h.fitted.clone())
+        };
+        let found: Vec<_> = found.iter().map(sorted).collect();
+        let both = vec!["given_up_early", "thin_samples_skipped"];
+        assert!(found.iter().any(|(names, fitted)| *names == both && fitted.contains(&0.001)), "{found:?}");
     }
 }

@@ -2,21 +2,20 @@
 
 use std::cell::OnceCell;
 use std::iter::once_with;
-use std::sync::Arc;
 
 use ndarray::ArrayD;
 
 use super::answer::{Answer, reshaped};
+use super::each::rounded;
 use super::exam::Question;
-use super::mark::{MarkOptions, within};
+use super::mark::{MarkOptions, Scale, within};
 use super::numeric;
 use super::slip::Slip;
-use super::truths::Truth;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
 use crate::contract::check::{Kind, budget_used};
-use crate::contract::component::Direction;
+use crate::contract::component::{Direction, Number};
 use crate::convention::Conventions;
 
 /// An assignment of conventions with mistakes, in the order in which they were made.
@@ -24,8 +23,8 @@ use crate::convention::Conventions;
 pub struct Hypothesis {
     /// Names of the component's mistakes.
     pub mistakes: Vec<&'static str>,
-    /// The number in its mistake, where it isn't the usual one.
-    pub fitted: Option<f64>,
+    /// The numbers of its mistakes that have one, in their order, as far as they aren't the usual ones.
+    pub fitted: Vec<f64>,
     /// The assignment.
     pub conventions: Conventions,
     /// What happens to one array beside its mistakes.
@@ -43,7 +42,7 @@ fn generosity(dtype: Dtype) -> (f64, f64) {
 impl Hypothesis {
     /// These mistakes in these conventions.
     pub fn new(mistakes: Vec<&'static str>, conventions: Conventions) -> Hypothesis {
-        Hypothesis { mistakes, fitted: None, slip: None, conventions, loose: false }
+        Hypothesis { mistakes, fitted: vec![], slip: None, conventions, loose: false }
     }
 
     /// Whether nothing is wrong.
@@ -84,15 +83,29 @@ impl Hypothesis {
         }
     }
 
-    /// What is made of its mistakes' names, the fitted number with the first that has one (`Mistake::among`).
+    /// The same with this number in its first mistake that has one.
+    pub(super) fn with_number(&self, x: f64) -> Hypothesis {
+        let others = self.fitted.iter().skip(1).copied();
+        Hypothesis { fitted: std::iter::once(x).chain(others).collect(), ..self.clone() }
+    }
+
+    /// Whether its numbers are such as people write.
+    pub(super) fn plain_numbers(&self) -> bool {
+        self.fitted.iter().all(|x| rounded(*x)[0] == *x)
+    }
+
+    /// What is made of its mistakes' names, the fitted numbers with those that have one (`Mistake::among`).
     fn named<T>(&self, question: &Question, made: impl FnOnce(&[&str]) -> T) -> T {
-        let Some(number) = self.fitted else { return made(&self.mistakes) };
-        let all = question.component.mistakes;
-        let has_one = |name: &&str| all.iter().any(|m| m.name == *name && m.number.is_some());
-        let of = self.mistakes.iter().find(|name| has_one(name)).map_or("", |name| *name);
-        let with_number = format!("{of}={number}");
-        let say = |name: &'static str| if name == of { with_number.as_str() } else { name };
-        made(&self.mistakes.iter().map(|name| say(name)).collect::<Vec<_>>())
+        if self.fitted.is_empty() {
+            return made(&self.mistakes);
+        }
+        let mut numbers = self.fitted.iter();
+        let say = |name: &&'static str| match numbers_of(question, name).and_then(|_| numbers.next()) {
+            Some(number) => format!("{name}={number}"),
+            None => name.to_string(),
+        };
+        let all: Vec<String> = self.mistakes.iter().map(say).collect();
+        made(&all.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
     /// The hypothesis' own bound: a multiple of that of the right formula in these conventions, plus the change of the wrong
@@ -158,9 +171,11 @@ impl Hypothesis {
             let least = if of_one(name) && question.kind == Kind::Forward { 1.0 } else { 0.0 };
             let mut bound = w.mapv(|w| roundings * u * w.abs().max(least) + options.dtype.smallest_normal());
             let least = if fractions(name) { largest } else { 0.0 };
+            // What comes out larger has rounded larger numbers.
+            let larger = (size(w) / truth.get(name).map_or(f64::INFINITY, size)).clamp(1.0, LARGER);
             match right.get(name) {
                 Some(right) if right.shape() == w.shape() => {
-                    bound.zip_mut_with(right, |b, right| *b += generous * right.max(least));
+                    bound.zip_mut_with(right, |b, right| *b += generous * (larger * right).max(least));
                 }
                 // Elements in other places: which of the bounds is whose isn't known.
                 Some(right) => {
@@ -219,12 +234,10 @@ impl Hypothesis {
         (wrong, bound)
     }
 
-    /// What is far off: of the right formula, by its bounds; wrong code may be of any accuracy, so that a quarter of an output's size is.
-    fn scale(&self, question: &Question, case: &Case, options: &MarkOptions) -> Option<Arc<Truth>> {
-        match self.right() && !self.loose {
-            true => options.scale(question, case),
-            false => options.may_reject_early(case).then(Arc::default),
-        }
+    /// What is far off: wrong code may be of any accuracy.
+    fn scale(&self, question: &Question, case: &Case, options: &MarkOptions) -> Option<Scale> {
+        let scale = options.scale(question, case);
+        if self.right() && !self.loose { scale } else { scale.map(Scale::of_wrong) }
     }
 
     /// Whether it explains an answer.
@@ -248,7 +261,6 @@ impl Hypothesis {
         let (mut wrong, _) = self.prediction(question, case);
         self.leave_open(question, case, answer, &mut wrong);
         let all = OnceCell::new();
-        let scale = self.scale(question, case, options);
         let alone = |name: &str, from: &Arrays| -> Arrays {
             from.get(name).map(|array| (name.to_string(), array.clone())).into_iter().collect()
         };
@@ -256,7 +268,7 @@ impl Hypothesis {
             let Some(given) = answer.get(*name) else { return true };
             let given = [(name.to_string(), given.clone())].into();
             let bound = || alone(name, all.get_or_init(|| self.bound(question, case, &wrong, None, options)));
-            within(&given, &alone(name, &wrong), scale.clone(), once_with(bound))
+            within(&given, &alone(name, &wrong), self.scale(question, case, options), once_with(bound))
         });
     }
 
@@ -309,6 +321,19 @@ impl Hypothesis {
         };
         a.iter().all(equal)
     }
+}
+
+/// How many times larger than right answers wrong ones may be so that rounding costs them so much more.
+const LARGER: f64 = 64.0;
+
+/// The largest of an array's numbers.
+fn size(array: &ArrayD<f64>) -> f64 {
+    array.iter().filter(|x| x.is_finite()).fold(0.0, |max: f64, x| max.max(x.abs()))
+}
+
+/// What a mistake of a row has for a number, if it has one.
+fn numbers_of(question: &Question, name: &str) -> Option<Number> {
+    question.component.mistakes.iter().find(|m| m.name == name).and_then(|m| m.number)
 }
 
 /// The largest error of an answer over a bound.

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped};
-use super::evidence::{explains_all, largest_residual, usable};
+use super::each::rounded;
+use super::evidence::{Explanation, explains_all, largest_residual, usable};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::{MarkOptions, proves, within};
@@ -14,6 +15,19 @@ use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::convention::Conventions;
+
+/// Bits whose loss is likelier than a mistake that explains the same: an eps of 1e-7 added in f32, or T as 1 less the sum of the weights.
+const FEW_BITS: i32 = 4;
+
+/// The same where the mistake is what lost digits look like: V of a twist in f32 without 1 - cos theta, at angles of millionths.
+const LIKE_LOST: i32 = 5;
+
+/// The same where a mistake's number explains them closely.
+const BESIDE_A_NUMBER: i32 = 2;
+
+/// The share of what wrong code may be off that a mistake's number may use to be told in the place of lost digits: what wrong code may be
+/// off is 8 times the right formula's bound, and this is half of the latter.
+const CLOSELY: f64 = 1.0 / 16.0;
 
 /// Bits that may be lost before an answer is called wrong. f64 in which something was computed in f32 has lost 29; in f32 an eps of 1e-5
 /// is a mistake, no rounding; the short types have no digits to lose.
@@ -49,6 +63,31 @@ pub(super) fn lost_bits(
     // The bound grows with the bits: few steps show whether there is any hope.
     let most = most(options.dtype);
     (most > 0 && fits(&most)).then(|| (1..=most).find(fits).unwrap_or(most))
+}
+
+/// How many bits may be lost where this explains the answers, too.
+pub(super) fn bits_beside(e: &Explanation) -> i32 {
+    let like_lost = e.slip.is_none() && !e.mistakes.is_empty() && e.mistakes.iter().all(|m| m.lost_digits);
+    match () {
+        () if e.inaccurate || !e.whole() => i32::MAX,
+        () if like_lost => LIKE_LOST,
+        // No loss of digits does that, but with a convention T as 1 less the sum of the weights may.
+        () if numbered_closely(e) => {
+            if e.conventions.is_empty() {
+                0
+            } else {
+                BESIDE_A_NUMBER
+            }
+        }
+        () => FEW_BITS,
+    }
+}
+
+/// Whether one mistake's number, as people write it, explains the answers nearly as well as the right formula would have to.
+fn numbered_closely(best: &Explanation) -> bool {
+    let numbered = matches!(best.mistakes[..], [mistake] if mistake.number.is_some() && !mistake.lost_digits);
+    let written = best.fitted.iter().all(|x| rounded(*x)[0] == *x);
+    best.whole() && best.slip.is_none() && numbered && written && best.residual < CLOSELY
 }
 
 /// How large the numbers of an array are: its largest, but no more than 1 or so many times the median of those that aren't 0. A last step of

@@ -163,11 +163,11 @@ fn columns(
     let home = assignments(question.component, base).into_iter().filter(|p| p.get(key) == Some(&value));
     let home: Vec<Conventions> = home.map(|p| apply(&p, base)).collect();
     let forward = question.component.mistakes.iter().filter(|m| !m.gradient);
-    let numbered = |m: &'static Mistake| written(m).map(move |x| (vec![m.name], Some(x)));
-    let wrong = forward.flat_map(|m| std::iter::once((vec![m.name], None)).chain(numbered(m)));
-    let all = std::iter::once((vec![], None)).chain(wrong);
+    let numbered = |m: &'static Mistake| written(m).map(move |x| (vec![m.name], vec![x]));
+    let wrong = forward.flat_map(|m| std::iter::once((vec![m.name], vec![])).chain(numbered(m)));
+    let all = std::iter::once((vec![], vec![])).chain(wrong);
     let tried = all.flat_map(|(wrong, fitted)| {
-        home.iter().map(move |c| Hypothesis { fitted, ..Hypothesis::new(wrong.clone(), *c) })
+        home.iter().map(move |c| Hypothesis { fitted: fitted.clone(), ..Hypothesis::new(wrong.clone(), *c) })
     });
     let found = tried.into_iter().find_map(|h| {
         let orders = orders(question, answers, name, &h, options)?;

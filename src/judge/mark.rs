@@ -100,12 +100,11 @@ impl MarkOptions {
         self.dtype.bits() >= 24 && !hard(case) && case.finite()
     }
 
-    /// What an answer that may be rejected early is held against: the truth in the contract's own conventions, whose bound says how much
-    /// arithmetic costs there.
-    pub(super) fn scale(&self, question: &Question, case: &Case) -> Option<Arc<Truth>> {
+    /// What an answer that may be rejected early is held against.
+    pub(super) fn scale(&self, question: &Question, case: &Case) -> Option<Scale> {
         let own = (question.component.special.admits)(&case.inputs, &CS180);
-        self.may_reject_early(case)
-            .then(|| if own { self.truth(question, case, &CS180, Grade::B) } else { Arc::default() })
+        let truth = || if own { self.truth(question, case, &CS180, Grade::B) } else { Arc::default() };
+        self.may_reject_early(case).then(|| Scale { truth: truth(), part: PART })
     }
 }
 
@@ -253,7 +252,7 @@ impl Marks {
 pub(super) fn within(
     answer: &Answer,
     expected: &Arrays,
-    scale: Option<Arc<Truth>>,
+    scale: Option<Scale>,
     bounds: impl IntoIterator<Item = Arrays>,
 ) -> bool {
     let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
@@ -261,7 +260,7 @@ pub(super) fn within(
         Some(reshaped(&given.values, e.shape()).map(|(got, _)| (name.clone(), got)))
     };
     let Some(got) = expected.iter().filter_map(answered).collect::<Option<Arrays>>() else { return false };
-    if got.is_empty() || scale.is_some_and(|scale| far_off(&got, expected, &scale.bound)) {
+    if got.is_empty() || scale.is_some_and(|scale| scale.far_off(&got, expected)) {
         return false;
     }
     bounds.into_iter().any(|bound| {
@@ -276,20 +275,36 @@ pub(super) fn within(
 const FAR: f64 = 1024.0;
 const PART: f64 = 1.0 / 64.0;
 
-/// Whether most elements of an output are far off. One alone may be across a threshold. Where the questions have the shapes of other
-/// conventions, far is a quarter of the largest element.
-fn far_off(got: &Arrays, expected: &Arrays, bounds: &Arrays) -> bool {
-    let largest = |array: &ArrayD<f64>| {
-        array.iter().filter(|x| x.is_finite()).fold(0.0, |max: f64, x| max.max(x.abs()))
-    };
-    got.iter().any(|(name, got)| {
-        let expected = &expected[name];
-        let size = largest(expected);
-        let far = bounds.get(name).map_or(0.25 * size, |bound| PART * size + FAR * largest(bound)) + 1e-9;
-        let near = |g: f64, e: f64| g == e || g.is_nan() && e.is_nan() || (g - e).abs() <= far;
-        let off = got.iter().zip(expected).filter(|&(&g, &e)| !near(g, e)).count();
-        off > 1 && 2 * off > got.len()
-    })
+/// What is far off.
+pub(super) struct Scale {
+    /// The truth in the contract's own conventions, whose bound says how much arithmetic costs there; nothing where the questions have the
+    /// shapes of other conventions.
+    truth: Arc<Truth>,
+    /// Parts of the largest element.
+    part: f64,
+}
+
+impl Scale {
+    /// The same for wrong code, which may be of any accuracy.
+    pub(super) fn of_wrong(self) -> Scale {
+        Scale { part: 0.25, ..self }
+    }
+
+    /// Whether most elements of an output are far off. One alone may be across a threshold.
+    fn far_off(&self, got: &Arrays, expected: &Arrays) -> bool {
+        let largest = |array: &ArrayD<f64>| {
+            array.iter().filter(|x| x.is_finite()).fold(0.0, |max: f64, x| max.max(x.abs()))
+        };
+        got.iter().any(|(name, got)| {
+            let expected = &expected[name];
+            let size = largest(expected);
+            let bound = self.truth.bound.get(name);
+            let far = bound.map_or(0.25 * size, |bound| self.part * size + FAR * largest(bound)) + 1e-9;
+            let near = |g: f64, e: f64| g == e || g.is_nan() && e.is_nan() || (g - e).abs() <= far;
+            let off = got.iter().zip(expected).filter(|&(&g, &e)| !near(g, e)).count();
+            off > 1 && 2 * off > got.len()
+        })
+    }
 }
 
 #[cfg(test)]
@@ -335,9 +350,9 @@ mod tests {
                     (name.clone(), e + &bound)
                 };
                 let got: Arrays = truth.expected.iter().map(used).collect();
-                let far = far_off(&got, &truth.expected, &scale.bound);
+                let far = scale.far_off(&got, &truth.expected);
                 // In some conventions a question lies on a face, a threshold or at no gradient: bounds are as wide as answers there.
-                let wide = far_off(&got, &truth.expected, &Arrays::new());
+                let wide = (Scale { truth: Arc::default(), part: PART }).far_off(&got, &truth.expected);
                 assert!(!far || wide, "{} {} {c:?}", question.component.name, case.id);
                 asked += 1;
             }

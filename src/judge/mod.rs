@@ -47,6 +47,7 @@ mod left_open;
 pub mod mark;
 mod misdone;
 mod mostly;
+mod nearness;
 pub(crate) mod numeric;
 mod observed;
 mod other_numbers;

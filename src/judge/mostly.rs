@@ -99,7 +99,7 @@ pub(crate) fn mostly(
         found.extend(parallel::map(guesses.len(), |n| one(guesses[n].clone(), &cases)));
     }
     // Numeric gradients are too expensive for all conventions and cases, and for what the forward answers don't show.
-    for (mistakes, _) in suspects.iter().filter(|(_, fitted)| numeric && fitted.is_none()) {
+    for (mistakes, _) in suspects.iter().filter(|(_, fitted)| numeric && fitted.is_empty()) {
         let few = usable(&wrong(mistakes, base), question, answers).len();
         found.extend(tried(std::slice::from_ref(mistakes), &near[..1], &cases[..few]));
     }
@@ -157,7 +157,7 @@ fn in_few(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Option<Explanation> {
-    let h = Hypothesis { fitted: *fitted, ..Hypothesis::new(mistakes.clone(), *base) };
+    let h = Hypothesis { fitted: fitted.clone(), ..Hypothesis::new(mistakes.clone(), *base) };
     let left: Vec<_> =
         cases.iter().zip(&formula.explained).filter(|(_, right)| !**right).map(|(case, _)| case).collect();
     let few = left.len() >= SHOWN.0 && left.len() <= FEW;
@@ -171,7 +171,7 @@ fn in_few(
     let those: Answers = question.cases.iter().zip(answers).map(those).collect();
     (fits && shows(&h, question, &those, options)).then(|| Explanation {
         mistakes: question.component.mistakes.iter().filter(|m| mistakes.contains(&m.name)).collect(),
-        fitted: *fitted,
+        fitted: fitted.clone(),
         residual: largest_residual(&h, question, &those, options),
         ..Explanation::default()
     })
@@ -210,25 +210,26 @@ fn explanation(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Option<Explanation> {
-    let of = |explained: bool| -> Vec<&str> {
+    let those_that_are = |explained: bool| -> Vec<&str> {
         let those = cases.iter().zip(&tried.explained).filter(|(_, own)| **own == explained);
         those.map(|((case, _), _)| case.id.as_str()).collect()
     };
-    let explained = of(true);
+    let explained = those_that_are(true);
     let left = |(case, answer): (&Case, &Option<Answer>)| {
         answer.clone().filter(|_| explained.contains(&case.id.as_str()))
     };
     let rest: Answers = question.cases.iter().zip(answers).map(left).collect();
     let h = &tried.hypothesis;
-    let mistakes: Vec<_> =
-        question.component.mistakes.iter().filter(|m| h.mistakes.contains(&m.name)).collect();
+    // In the order of their numbers.
+    let of = |name: &&str| question.component.mistakes.iter().find(|m| m.name == *name);
+    let mistakes: Vec<_> = h.mistakes.iter().filter_map(of).collect();
     let own = |c: &Conventions| partial(question.component, c);
     shows(h, question, &rest, options).then(|| Explanation {
         mistakes,
-        fitted: h.fitted,
+        fitted: h.fitted.clone(),
         conventions: difference(&own(&h.conventions), &own(base)),
         residual: largest_residual(h, question, &rest, options),
-        unexplained_cases: of(false).into_iter().map(String::from).collect(),
+        unexplained_cases: those_that_are(false).into_iter().map(String::from).collect(),
         ..Explanation::default()
     })
 }

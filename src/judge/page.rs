@@ -302,15 +302,12 @@ fn before(e: &Explanation) -> String {
 
 /// An explanation on a line.
 pub(crate) fn name(e: &Explanation) -> String {
-    // The number is the first one's that has one.
-    let numbered = e.mistakes.iter().position(|m| m.number.is_some());
-    let of = |(n, m): (usize, &Mistake)| match (e.fitted, m.number) {
-        (Some(fitted), Some(number)) if numbered == Some(n) => {
-            format!("{} ({} = {fitted:?})", m.name, number.name)
-        }
-        _ => m.name.to_string(),
+    let mut numbers = e.fitted.iter();
+    let of = |m: &&Mistake| match m.number.and_then(|number| Some((number, numbers.next()?))) {
+        Some((number, fitted)) => format!("{} ({} = {fitted:?})", m.name, number.name),
+        None => m.name.to_string(),
     };
-    let mut mistakes = e.mistakes.iter().copied().enumerate().map(of).collect::<Vec<_>>().join(" + ");
+    let mut mistakes = e.mistakes.iter().map(of).collect::<Vec<_>>().join(" + ");
     if let Some(slip) = &e.slip {
         mistakes += if mistakes.is_empty() { "a slip: " } else { " + a slip: " };
         mistakes += &slip.says();
@@ -337,7 +334,7 @@ mod tests {
         let named = |mistakes: &[&str], fitted| {
             let find = |name: &&str| COMPONENTS.iter().flat_map(|c| c.mistakes).find(|m| m.name == *name);
             let mistakes = mistakes.iter().map(|name| find(name).expect("a mistake")).collect();
-            name(&Explanation { mistakes, fitted: Some(fitted), ..Explanation::default() })
+            name(&Explanation { mistakes, fitted: vec![fitted], ..Explanation::default() })
         };
         assert_eq!(named(&["eps_on_alpha"], 1e-12), "eps_on_alpha (eps = 1e-12)");
         assert_eq!(named(&["scaled_exponential"], 0.98), "scaled_exponential (k = 0.98)");

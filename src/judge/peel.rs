@@ -8,6 +8,7 @@ use super::exam::Question;
 use super::fitted::shown;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::nearness::likeliest;
 use super::partial::{apply, partial};
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
@@ -18,7 +19,7 @@ use crate::parallel;
 const MISTAKES: usize = 4;
 
 /// The largest number of assignments of conventions to begin with, and of layers that are kept when a mistake is added.
-const KEPT: [usize; 2] = [120, 12];
+const KEPT: [usize; 2] = [240, 48];
 
 /// Conventions, and the mistakes found so far. An output may show all of them, in this order, or some: one grid of pixels is returned and
 /// another made into rays.
@@ -73,12 +74,10 @@ impl<'a> Peeling<'a> {
     fn with_numbers(&self, mut known: Explanation) -> Explanation {
         let c = apply(&known.conventions, self.base);
         for output in std::mem::take(&mut known.unexplained) {
-            let found = if known.fitted.is_none() { self.one_more(&known, c, &output) } else { None };
-            match found {
-                // The first that has a number owns it.
-                Some((mistake, number)) => {
+            match self.one_more(&known, c, &output) {
+                Some((mistake, numbers)) => {
                     known.mistakes.insert(0, mistake);
-                    known.fitted = number;
+                    known.fitted = numbers;
                 }
                 None => known.unexplained.push(output),
             }
@@ -92,7 +91,7 @@ impl<'a> Peeling<'a> {
         known: &Explanation,
         c: Conventions,
         output: &str,
-    ) -> Option<(&'static Mistake, Option<f64>)> {
+    ) -> Option<(&'static Mistake, Vec<f64>)> {
         let alone = self.alone(output);
         let fits = |h: &Hypothesis| {
             explains_all(h, self.question, &alone, self.options)
@@ -102,7 +101,10 @@ impl<'a> Peeling<'a> {
         let others = all.filter(|m| !m.gradient && m.number.is_some() && !known.mistakes.contains(m));
         let with = |m: &Mistake| {
             let mistakes = std::iter::once(m.name).chain(known.mistakes.iter().map(|m| m.name)).collect();
-            shown(m, &Hypothesis::new(mistakes, c), self.question, &alone).find(fits)
+            let own = m.number.filter(|_| !known.fitted.is_empty()).map(|number| number.usual);
+            let fitted = own.into_iter().chain(known.fitted.iter().copied()).collect();
+            let usual = Hypothesis { fitted, ..Hypothesis::new(mistakes, c) };
+            shown(m, &usual, self.question, &alone).find(fits)
         };
         let mut found = others.filter_map(|m| with(m).map(|h| (m, h.fitted)));
         found.next()
@@ -157,7 +159,7 @@ impl<'a> Peeling<'a> {
                 all = right;
             }
         }
-        all.truncate(KEPT[0]);
+        let all = likeliest(all, KEPT[0], (self.question, self.answers), self.base, self.options);
         all.iter().map(|p| apply(p, self.base)).collect()
     }
 
@@ -257,7 +259,13 @@ mod tests {
     use super::super::exam::Exam;
     use super::*;
     use crate::contract::arithmetic::Dtype;
+    use crate::contract::case::Case;
     use crate::convention::CS180;
+
+    /// What a row answers with these mistakes.
+    fn wrong(question: &Question, case: &Case, mistakes: &[&str]) -> Answer {
+        given((question.component.forward.wrong)(&case.inputs, &CS180, mistakes))
+    }
 
     const THREE: [&str; 3] = ["row_column_swapped", "delta_missing", "divided_by_opacity"];
 
@@ -265,8 +273,8 @@ mod tests {
     fn found(change: impl Fn(&mut Answer)) -> Explanation {
         let exam = Exam::new("render_trace", Dtype::F64, None).unwrap();
         let question = &exam.questions[0];
-        let answer = |case: &crate::contract::case::Case| {
-            let mut answer = given((question.component.forward.wrong)(&case.inputs, &CS180, &THREE));
+        let answer = |case: &Case| {
+            let mut answer = wrong(question, case, &THREE);
             change(&mut answer);
             Some(answer)
         };
@@ -303,9 +311,8 @@ mod tests {
     fn what_one_output_shows_besides_has_its_number() {
         let exam = Exam::new("volume_render", Dtype::F64, None).unwrap();
         let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 });
-        let answer = |case: &crate::contract::case::Case| {
-            let wrong =
-                |names: &[&str]| given((question.component.forward.wrong)(&case.inputs, &CS180, names));
+        let answer = |case: &Case| {
+            let wrong = |names: &[&str]| wrong(question, case, names);
             let mut answer = wrong(&["inclusive_transmittance"]);
             let divided = wrong(&["inclusive_transmittance", "weights_normalized=1e-7"]);
             answer.insert("weights".into(), divided["weights"].clone());
@@ -316,8 +323,8 @@ mod tests {
         assert_eq!(e.unexplained, ["weights"]);
         let e = with_numbers(e, question, &answers, &CS180, &options);
         assert_eq!(
-            (sorted(&e), e.fitted),
-            (vec!["inclusive_transmittance", "weights_normalized"], Some(1e-7))
+            (sorted(&e), e.fitted.clone()),
+            (vec!["inclusive_transmittance", "weights_normalized"], vec![1e-7])
         );
         assert!(e.unexplained.is_empty());
     }
@@ -327,9 +334,8 @@ mod tests {
     fn outputs_are_told_that_are_right_and_would_be_changed() {
         let exam = Exam::new("adam_step", Dtype::F64, None).unwrap();
         let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 });
-        let answer = |case: &crate::contract::case::Case| {
-            let wrong =
-                |names: &[&str]| given((question.component.forward.wrong)(&case.inputs, &CS180, names));
+        let answer = |case: &Case| {
+            let wrong = |names: &[&str]| wrong(question, case, names);
             let (mut answer, decoupled) = (wrong(&[]), wrong(&["decoupled_decay"]));
             answer.insert("v_out".into(), decoupled["v_out"].clone());
             Some(answer)

@@ -26,9 +26,9 @@ pub(super) fn refuted(
     let fits = |e: &Explanation| {
         let mistakes = e.mistakes.iter().filter(|m| !m.gradient).map(|m| m.name).collect();
         let own = Hypothesis::new(mistakes, apply(&e.conventions, base));
-        // The number is that of the first mistake that has one.
-        let owner = e.mistakes.iter().find(|m| m.number.is_some());
-        let fitted = e.fitted.filter(|_| owner.is_some_and(|m| !m.gradient));
+        let numbered = e.mistakes.iter().filter(|m| m.number.is_some());
+        let fitted =
+            numbered.zip(&e.fitted).filter(|(m, _)| !m.gradient).map(|(_, number)| *number).collect();
         explains_all(&Hypothesis { fitted, slip: e.slip.clone(), ..own }, question, answers, options)
     };
     // A gradient may not show the number in a mistake.

@@ -223,7 +223,8 @@ impl Row {
             "example": self.example.as_ref().map(Example::json),
             "diagnosis": self.diagnosis.iter().map(|e| json!({
                 "mistakes": e.mistakes.iter().map(|m| m.name).collect::<Vec<_>>(),
-                "fitted": e.fitted,
+                "fitted": e.fitted.first(),
+                "numbers": e.fitted,
                 "slip": e.slip.as_ref().map(Slip::says),
                 "conventions": e.conventions,
                 "residual": number(e.residual),

@@ -7,12 +7,11 @@ use super::answer::Answers;
 use super::assignment::{self, Found};
 use super::best::best_honest;
 use super::diagnose::diagnose;
-use super::each::rounded;
 use super::evidence::{Explanation, Suspect, difference};
 use super::exam::{Exam, Question};
 use super::example::smallest;
 use super::hypothesis::Hypothesis;
-use super::imprecise::lost_bits;
+use super::imprecise::{bits_beside, lost_bits};
 use super::known::Known;
 use super::layout::Orders;
 use super::mark::{MarkOptions, Marks, mark};
@@ -28,16 +27,6 @@ use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::convention::Conventions;
 use crate::parallel;
-
-/// Bits whose loss is likelier than a mistake that explains the same: an eps of 1e-7 added in f32, or T as 1 less the sum of the weights.
-const FEW_BITS: i32 = 4;
-
-/// The same where the mistake is what lost digits look like: V of a twist in f32 without 1 - cos theta, at angles of millionths.
-const LIKE_LOST: i32 = 5;
-
-/// The share of what wrong code may be off that a mistake's number may use to be told in the place of lost digits: what wrong code may be
-/// off is 8 times the right formula's bound, and this is half of the latter.
-const CLOSELY: f64 = 1.0 / 16.0;
 
 /// Marked answers, in the contract's layout where another explains a failure.
 pub(super) struct Laid {
@@ -242,8 +231,7 @@ impl Round {
                 // Other conventions are no matter of digits.
                 let conventions =
                     row.diagnosis.first().is_some_and(|e| !e.wrong() && !e.inaccurate && e.whole());
-                let closely = row.diagnosis.first().is_some_and(numbered_closely);
-                if row.faults.is_empty() && !conventions && !closely {
+                if row.faults.is_empty() && !conventions {
                     imprecise(&mut row, exam, question, &answers[n], c, options, most);
                 }
                 if exam.profile.is_none() && row.verdict == Verdict::Fail {
@@ -268,15 +256,6 @@ impl Round {
 fn forward_of(questions: &[Question], n: usize) -> Option<usize> {
     let forward = |q: &Question| q.kind == Kind::Forward && q.component.name == questions[n].component.name;
     if questions[n].kind == Kind::Vjp { questions.iter().position(forward) } else { None }
-}
-
-/// Whether one mistake's number, as people write it, explains the answers nearly as well as the right formula would have to, without
-/// another convention: no loss of digits does that. With a convention T as 1 less the sum of the weights does.
-fn numbered_closely(best: &Explanation) -> bool {
-    let numbered = matches!(best.mistakes[..], [mistake] if mistake.number.is_some() && !mistake.lost_digits);
-    let written = best.fitted.is_none_or(|x| rounded(x)[0] == x);
-    let alone = best.whole() && best.slip.is_none() && best.conventions.is_empty();
-    alone && numbered && written && best.residual < CLOSELY
 }
 
 /// The diagnosis of a gradient beside what the forward answers showed: their slip, or their conventions, where these explain it.
@@ -305,16 +284,6 @@ fn diagnose_beside(
         e.conventions = difference(&of(&apply(&e.conventions, &home)), &of(base));
     }
     found
-}
-
-/// How many bits may be lost where this explains the answers, too.
-fn bits_beside(e: &Explanation) -> i32 {
-    let like_lost = e.slip.is_none() && !e.mistakes.is_empty() && e.mistakes.iter().all(|m| m.lost_digits);
-    match () {
-        () if e.inaccurate || !e.whole() => i32::MAX,
-        () if like_lost => LIKE_LOST,
-        () => FEW_BITS,
-    }
 }
 
 /// Whether the answers are right but for lost bits (`most` of them), in the run's conventions or those next to them.
@@ -361,7 +330,7 @@ fn nearest(row: &mut Row, question: &Question, answers: &Answers, base: &Convent
 }
 
 fn suspect(explanation: &Explanation) -> Suspect {
-    (explanation.mistakes.iter().map(|mistake| mistake.name).collect(), explanation.fitted)
+    (explanation.mistakes.iter().map(|mistake| mistake.name).collect(), explanation.fitted.clone())
 }
 
 /// Marks by the stable formula's bound, then by the textbook's where the two differ. The grade is null where they don't.

@@ -126,8 +126,8 @@ mod tests {
             for dtype in [Dtype::F64, Dtype::F32] {
                 let found = found(component, dtype, &format!("{mistake}={number}"));
                 let near = |fitted: f64| (number / by..=number * by).contains(&fitted);
-                let this = |(names, fitted): &(Vec<&str>, Option<f64>)| {
-                    *names == [mistake] && fitted.is_some_and(near)
+                let this = |(names, fitted): &(Vec<&str>, Vec<f64>)| {
+                    *names == [mistake] && fitted.first().copied().is_some_and(near)
                 };
                 assert!(found.iter().any(this), "{component} {dtype} {mistake} = {number}: {found:?}");
             }

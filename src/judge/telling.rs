@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use ndarray::ArrayD;
+
 use super::answer::{Answer, beside};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
@@ -47,6 +49,35 @@ pub(super) fn evidence(
         }
     }
     bits.values().sum()
+}
+
+/// Whether it says a number that stands in several places, where the right formula has others: no loss of digits gives the same again,
+/// but for parts of a rounding.
+pub(super) fn repeats(
+    h: &Hypothesis,
+    question: &Question,
+    cases: &[(&Case, &Answer)],
+    options: &MarkOptions,
+) -> bool {
+    let right = Hypothesis::new(vec![], h.conventions);
+    let part = 0.5 * options.dtype.unit_roundoff();
+    let mut times: BTreeMap<u64, usize> = BTreeMap::new();
+    for (case, answer) in cases.iter().filter(|(case, _)| case.finite() && !h.numeric(question)) {
+        let (wrong, _) = h.prediction(question, case);
+        let (expected, _) = right.prediction(question, case);
+        let alike =
+            |name: &String| expected.get(name).map(ArrayD::shape) == wrong.get(name).map(ArrayD::shape);
+        for (name, p, got) in beside(answer, &expected).into_iter().filter(|(name, ..)| alike(name)) {
+            for ((&p, &got), &wrong) in p.iter().zip(&got).zip(&wrong[name]) {
+                let said =
+                    got == options.dtype.round(wrong) && (got - p).abs() > WRONG * p.abs().max(got.abs());
+                if said && !plain(got) && (got / part).fract() != 0.0 {
+                    *times.entry(got.abs().to_bits()).or_default() += 1;
+                }
+            }
+        }
+    }
+    times.values().any(|times| *times >= TELLING)
 }
 
 /// What anything could give.

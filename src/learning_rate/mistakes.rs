@@ -34,7 +34,11 @@ pub(crate) fn lr_exponential(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arr
     let has = |name: &str| wrong.contains(&name);
     let [steps, lr, decay] = ["decay_steps", "lr_init", "decay"].map(|name| number(a, name));
     let decay = DECAY_OF_ITS_OWN.among(wrong).unwrap_or(decay);
-    let t = way(step(a, wrong), steps, c.rate_end, wrong);
+    // Of one step nothing is left to divide by: the first rate.
+    let t = match steps - if has("one_step_less") { 1.0 } else { 0.0 } {
+        0.0 => 0.0,
+        steps => way(step(a, wrong), steps, c.rate_end, wrong),
+    };
     let least = RATE_FLOORED.among(wrong).unwrap_or(0.0);
     let rate = match () {
         () if has("decay_as_rate") => lr * exp(-decay * t),
@@ -81,6 +85,7 @@ pub(crate) fn lr_cosine(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (most, warmup) = (number(a, "max_steps"), number(a, "warmup_steps"));
     let last = LAST_RATE_A_PART.among(wrong).map_or(last, |k| k * first);
     let [first, last] = if has("rates_exchanged") { [last, first] } else { [first, last] };
+    let step = if has("begun_again_with_warmup") && most > 0.0 { step % most } else { step };
     if has("nothing_after_the_end") && step > most {
         return forward(0.0);
     }

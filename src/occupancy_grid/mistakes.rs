@@ -26,6 +26,7 @@ pub(crate) const OCCUPANCY_GRID: &[Mistake] = &[
     Mistake::new("occupied_before", "occupied by the densities before the update", "occupancy lags behind by an update", "threshold after the update", "hand-written grids", 1),
     Mistake::new("flat_index_held", "coordinates of cells aren't held inside; the flat index is", "what lies outside counts to any cell", "hold each coordinate", "never; cheap to keep", 0),
     Mistake::new("negative_cells_wrap", "cells before the first are those from the end: -1 is R - 1", "what lies before the box counts to its far side", "hold each coordinate", "numpy's and torch's negative indices", 0),
+    Mistake::new("far_face_is_empty", "queries outside of the box, or on its far faces, are in no occupied cell: 0 <= x < 1", "what lies on a face is empty", "the nearest cell, or no query outside", "1 public implementation", 1),
     Mistake::new("outside_is_empty", "queries outside of the box are in no occupied cell", "what lies a rounding beyond a face is empty", "the nearest cell, or no query outside", "never; cheap to keep", 0),
     Mistake::new("unseen_become_empty", "max(decay density, 0): -1 of cells that no camera sees becomes 0", "space that no camera sees is visited", "leave what is below 0 as it is", "never; cheap to keep", 0),
     Mistake::new("found_before", "queries are answered by the densities before the update", "queries lag behind by an update", "query after the update", "never; cheap to keep", 0),
@@ -105,7 +106,10 @@ pub(crate) fn update(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let bit = |d: f64| f64::from(u8::from(d > threshold || is("threshold_included") && d == threshold));
     let occupied = source.density.iter().map(|&d| bit(d)).collect();
     let asked = if is("found_before") { &before } else { source };
-    let inside = |x: [f64; 3]| !is("outside_is_empty") || x.iter().all(|x| (0.0..=1.0).contains(x));
+    let inside = |x: [f64; 3]| match () {
+        () if is("far_face_is_empty") => x.iter().all(|x| (0.0..1.0).contains(x)),
+        () => !is("outside_is_empty") || x.iter().all(|x| (0.0..=1.0).contains(x)),
+    };
     let found =
         |x: &[f64; 3]| f64::from(u8::from(inside(*x))) * bit(asked.density[wrong_cell(asked, *x, wrong)]);
     let found = queries.iter().map(found).collect();

@@ -33,6 +33,7 @@ pub(crate) fn adamw_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         let p = before[i];
         match () {
             () if stays(grad[i], c) => {}
+            () if is("decay_without_rate") && is("decay_negated") => *param += decay * p,
             () if is("decay_without_rate") => *param -= decay * p,
             () if is("decay_of_new_parameter") => *param -= lr * decay * *param,
             () if is("decay_corrected") => *param -= lr * decay * p / correction1,
@@ -130,7 +131,11 @@ pub(crate) fn adam_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         if rewritten {
             let Means { kept, used: [m, v] } =
                 means(&adam, before, grad + adam.weight_decay * before.param, step, wrong);
-            let root = if is("eps_inside_root") { (v + adam.eps).sqrt() } else { v.sqrt() + adam.eps };
+            let root = match () {
+                () if is("eps_inside_root") => (v + adam.eps).sqrt(),
+                () if is("eps_inside_root_too") => (v + adam.eps).sqrt() + adam.eps,
+                () => v.sqrt() + adam.eps,
+            };
             let rate = adam.lr
                 * match () {
                     () if is("corrected_twice") => {

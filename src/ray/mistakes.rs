@@ -32,6 +32,7 @@ fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&
     };
     let camera =
         if wrong.contains(&"focal_length_deep") { camera * DVec3::new(k.fx, k.fy, k.fx) } else { camera };
+    let camera = if wrong.contains(&"depth_left_out") { camera * DVec3::new(1.0, 1.0, 0.0) } else { camera };
     let camera = if c.directions == Directions::UnitInCamera { camera / camera.length() } else { camera };
     let o = c2w.w_axis.truncate();
     let mut ray = Ray { o, d: rotate(&turned, flip(camera, wrong)) };
@@ -134,6 +135,10 @@ pub(crate) fn image_rays(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     let angle = 2.0 * libm::atan(0.5 * width as f64 / k.fx);
     let of_angle = |angle: f64| 0.5 * width as f64 / libm::tan(0.5 * angle);
     match () {
+        () if wrong.contains(&"right_angles") => {
+            (k.fx, k.fy) = (0.5 * width as f64, 0.5 * height as f64);
+            (k.cx, k.cy) = (k.fx, k.fy);
+        }
         () if wrong.contains(&"focal_floored") => (k.fx, k.fy) = (libm::floor(k.fx), libm::floor(k.fy)),
         () if wrong.contains(&"focal_of_half_the_width") => {
             (k.fx, k.fy) = (0.5 * width as f64, 0.5 * width as f64)

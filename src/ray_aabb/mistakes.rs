@@ -3,6 +3,7 @@
 mod boxes;
 mod catalogue;
 
+use boxes::SHRUNK;
 pub(crate) use catalogue::RAY_AABB;
 use catalogue::{
     ENTERED_LATE, EPS_IN_DIRECTION, NEAR_OF_ITS_OWN, TINY_PARALLEL, TINY_POSITIVE, TINY_REPLACED,
@@ -55,7 +56,10 @@ fn wrong_hit(q: &RayAndBox, wrong: &[&str]) -> Option<Hit> {
             (ends(-1.0), ends(1.0))
         }
         () if is("unit_box") => ([0.0; 3], [1.0; 3]),
-        () => (q.low, q.high),
+        () => match SHRUNK.among(wrong) {
+            Some(k) => (q.low.map(|x| x + k), q.high.map(|x| x - k)),
+            None => (q.low, q.high),
+        },
     };
     let mut line = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };
     let mut any = Hit { enter: f64::INFINITY, leave: f64::NEG_INFINITY };

@@ -6,7 +6,8 @@ use crate::contract::arrays::{Arrays, row};
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, EdgesFrom, OldEdges};
 use crate::importance_sampling::mistakes::{
-    INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, NOTHING_OVER_NOTHING, SEARCHED_FROM_THE_LEFT, sample,
+    EMPTY_AT_FAR, EMPTY_AT_NEAR, INTERIOR_ALONE, NO_LEADING_ZERO, NOT_NORMALIZED, NOTHING_OVER_NOTHING,
+    SEARCHED_FROM_THE_LEFT, sample,
 };
 use crate::importance_sampling::{bin_of, cdf, union};
 
@@ -17,6 +18,8 @@ pub(crate) const RESAMPLE_EDGES: &[Mistake] = &[
     INTERIOR_ALONE,
     NOT_NORMALIZED,
     NOTHING_OVER_NOTHING,
+    EMPTY_AT_FAR,
+    EMPTY_AT_NEAR,
     Mistake::new(
         "left_edge",
         "the chosen bin's edge, without a place inside it",
@@ -96,7 +99,7 @@ const OWN_PADDING: Mistake = Mistake::new(
 .with("eps", 1e-2, [1e-10, 1.0]);
 
 /// The mistakes that importance sampling has too.
-const OF_SAMPLES: usize = 6;
+const OF_SAMPLES: usize = 8;
 
 /// One ray's samples where bins' upper edges are looked up among N.
 fn without_the_last_edge(ray: &Ray) -> Vec<f64> {

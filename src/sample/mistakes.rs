@@ -53,6 +53,9 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
     if let Some(fixed) = JITTER_WIDTH.among(wrong) {
         u.iter_mut().for_each(|u| *u *= fixed / width);
     }
+    if let Some(k) = number_of("jitter_of_a_share", SAMPLE_ALONG_RAYS, wrong) {
+        u.iter_mut().for_each(|u| *u *= k * n as f64);
+    }
     if let Some(k) = JITTER_ABOUT_GRID.among(wrong) {
         u.iter_mut().for_each(|u| *u = (2.0 * *u - 1.0) * k / width);
     }
@@ -76,6 +79,11 @@ fn rearranged(mut t: Vec<f64>, [near, far]: [f64; 2], u: &[f64], wrong: &[&str])
         let place = |i: usize| near + (far - near) * i as f64 / (n.max(2) - 1) as f64;
         let lower = |i: usize| if i == 0 { near } else { 0.5 * (place(i - 1) + place(i)) };
         t = (0..n).map(|i| lower(i) + u[i] * (place(i) - lower(i))).collect();
+    }
+    if has("strata_of_two_spacings") {
+        let place = |i: usize| near + (far - near) * i as f64 / (n.max(2) - 1) as f64;
+        let ends = |i: usize| [place(i.saturating_sub(1)), place((i + 1).min(n - 1))];
+        t = (0..n).map(|i| ends(i)[0] + u[i] * (ends(i)[1] - ends(i)[0])).collect();
     }
     if has("middles_of_jittered_edges") {
         t = (0..n).map(|i| 0.5 * (t[i] + t.get(i + 1).copied().unwrap_or(far))).collect();

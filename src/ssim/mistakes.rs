@@ -11,7 +11,7 @@ use crate::convention::{Conventions, SsimWindow};
 mod catalogue;
 
 pub(crate) use catalogue::SSIM;
-use catalogue::{FIRST_CONSTANT, OTHER_WIDTH, SECOND_CONSTANT};
+use catalogue::{EPS_BELOW, FIRST_CONSTANT, OTHER_WIDTH, SECOND_CONSTANT};
 
 /// Similarity from moments, by what is wrong about it.
 fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wrong: &[&str]) -> f64 {
@@ -69,8 +69,11 @@ fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wr
         if has("covariance_once") {
             structure -= m.cov;
         }
-        let luminance = if has("luminance_dropped") { 1.0 } else { luminance / over };
-        let similarity = luminance * structure / under;
+        let similarity = match EPS_BELOW.among(wrong) {
+            Some(eps) => luminance * structure / (over * under + eps),
+            None if has("luminance_dropped") => structure / under,
+            None => luminance / over * structure / under,
+        };
         sum += if has("clipped_at_zero") { similarity.clamp(0.0, 1.0) } else { similarity };
     }
     let value = sum / places.len() as f64;
@@ -256,12 +259,39 @@ fn wrong_gradient(
     gradient
 }
 
+/// The gradient of windows beyond whose border pixels are repeated, by the same windows again: a pixel of the border has its part of those
+/// that stand for it in its neighbors' windows once.
+fn repeated(p: ArrayView3<f64>, t: ArrayView3<f64>, peak: f64, form: Form, g: f64) -> Array3<f64> {
+    let (windows, places) = wrong_windows(p, t, form, &["border_repeated"]);
+    // dS over the mean, the variance and the covariance, and these times the means.
+    let mut maps: [Array3<f64>; 5] = std::array::from_fn(|_| Array3::zeros(p.dim()));
+    for &place in &places {
+        let m = windows.moments(place);
+        let [luminance, over, structure, under] = m.parts(peak);
+        let similarity = luminance * structure / (over * under);
+        let of_mean = 2.0 * (m.mean_b * structure / (over * under) - similarity * m.mean_a / over);
+        let (of_var, of_cov) = (-similarity / under, 2.0 * luminance / (over * under));
+        let all = [of_mean, of_var, of_var * m.mean_a, of_cov, of_cov * m.mean_b];
+        maps.iter_mut().zip(all).for_each(|(map, x)| map[place] = x);
+    }
+    let mut gradient = Array3::zeros(p.dim());
+    for &place in &places {
+        let pixels = windows.pixels(place);
+        let mean =
+            |map: &Array3<f64>| pixels.iter().map(|(w, at)| at.map_or(0.0, |at| w * map[at])).sum::<f64>();
+        let [m, q, qm, r, rm] = maps.each_ref().map(mean);
+        gradient[place] = m + 2.0 * (p[place] * q - qm) + t[place] * r - rm;
+    }
+    gradient * (g / places.len() as f64)
+}
+
 /// Its gradient.
 pub(crate) fn ssim_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (p, t, peak, g) =
         (picture(a, "prediction"), picture(a, "target"), peak(a, c), number(a, "grad_value"));
     let held = ["means_held", "variances_held", "center_alone"].into_iter().find(|name| wrong.contains(name));
     let mut gradient = match held {
+        _ if wrong.contains(&"border_repeated_both_ways") => repeated(p, t, peak, form(c), g),
         Some(name) => wrong_gradient(p, t, peak, form(c), g, name),
         None => backward::ssim(p, t, peak, form(c), g),
     };

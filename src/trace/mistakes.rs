@@ -63,6 +63,8 @@ const ELSEWHERE: &[&str] = &[
     "taken_off_the_sum",
     "near_added_twice",
     "colors_given_up_early",
+    "given_up_without_background",
+    "optical_depth_held",
     "last_step_repeated",
     "steps_moved_on",
     "faint_weights_have_no_color",

@@ -150,6 +150,16 @@ pub(crate) fn volume_render() -> Vec<Case> {
             ],
         ),
     ];
+    // T is e^-10, e^-14.5 and e^-23.5 behind what is black: whoever gives up there sees nothing.
+    cases.push(Case::new(
+        "bright_behind_haze",
+        "light that is seen through what leaves 5e-5, 5e-7 and 6e-11 of it",
+        vec![
+            ("sigmas", array(&[3, 3], vec![10.0, 0.75, 0.75, 14.5, 0.75, 0.75, 23.5, 0.75, 0.75])),
+            ("rgbs", array(&[3, 3, 3], [[0.0; 3], [0.75; 3], [0.5; 3]].concat().repeat(3))),
+            ("deltas", array(&[3, 3], vec![1.0; 9])),
+        ],
+    ));
     let mut draw = Draw::new("volume_render", 100);
     let sigmas = (0..24).map(|_| draw.decades(-1.0, 1.0)).collect();
     cases.push(Case::new(

@@ -26,7 +26,10 @@ pub(crate) use densities::{ALPHA_ERROR, rounds_alpha, volume_render};
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
 pub(crate) use gradients::{volume_render_alpha_vjp, volume_render_vjp};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
-use march::{ALPHAS_HELD, BEFORE_THE_SAMPLE, FAINT_UNCOLORED, MADE_OPAQUE, THIN_ALPHAS};
+use march::{
+    ALPHAS_HELD, BEFORE_THE_SAMPLE, FAINT_UNCOLORED, GIVEN_UP_IN_THE_DARK, MADE_OPAQUE, THIN_ALPHAS,
+    WEIGHTS_HELD,
+};
 
 /// Mistakes between opacities and outputs.
 fn wrong_composite(
@@ -95,6 +98,22 @@ fn wrong_composite(
         rendering.weights.iter_mut().filter(|w| **w < most).for_each(|w| *w = 0.0);
         composed(&mut rendering, rgbs);
     }
+    if let Some(least) = WEIGHTS_HELD.among(wrong) {
+        // What is more of them is all that changes: others may have added up something else.
+        for (w, rgb) in rendering.weights.iter_mut().zip(rgbs).filter(|(w, _)| **w < least) {
+            rendering.color = [0, 1, 2].map(|k| rendering.color[k] + (least - *w) * rgb[k]);
+            rendering.opacity += least - *w;
+            *w = least;
+        }
+    }
+    if wrong.contains(&"weights_multiplied") {
+        let mut product = 1.0;
+        for (w, alpha) in rendering.weights.iter_mut().zip(alphas) {
+            product *= alpha * (1.0 - alpha);
+            *w = product;
+        }
+        composed(&mut rendering, rgbs);
+    }
     ended(&mut rendering, rgbs, wrong);
     match () {
         () if wrong.contains(&"opacity_of_the_densest") => {
@@ -146,6 +165,9 @@ fn wrong_composite(
     if wrong.contains(&"clamped") {
         rendering.color = rendering.color.map(|c| c.clamp(0.0, 1.0));
     }
+    if wrong.contains(&"light_behind_the_last_alone") {
+        rendering.transmittance[n] = 1.0 - alphas.iter().rev().find(|alpha| **alpha > 0.0).unwrap_or(&0.0);
+    }
     if wrong.contains(&"weights_are_alphas") {
         rendering.weights = alphas.to_vec();
     }
@@ -158,12 +180,24 @@ fn ended(rendering: &mut Rendering, rgbs: &[[f64; 3]], wrong: &[&str]) {
     // The first sample in front of which, or behind which, less than that is left.
     let spent = |left: f64| (0..n).find(|&i| light[i] < left);
     let spends = |left: f64| (0..n).find(|&i| light[i + 1] < left);
+    // A march from behind ends in front.
+    if let Some(left) = GIVEN_UP.among(wrong).filter(|_| wrong.contains(&"back_to_front")) {
+        let hidden = rendering.weights.iter_mut().zip(&light).filter(|(_, light)| **light < left);
+        hidden.for_each(|(w, _)| *w = 0.0);
+        composed(rendering, rgbs);
+        return;
+    }
     if let Some(end) =
         GIVEN_UP.among(wrong).and_then(spent).or(BEFORE_THE_SAMPLE.among(wrong).and_then(spends))
     {
         rendering.transmittance[end..].fill(light[end]);
         rendering.weights[end..].fill(0.0);
         composed(rendering, rgbs);
+    }
+    if let Some(end) = GIVEN_UP_IN_THE_DARK.among(wrong).and_then(spent) {
+        rendering.weights[end..].fill(0.0);
+        composed(rendering, rgbs);
+        rendering.transmittance[n] = 0.0;
     }
     if let Some(end) = COLORS_GIVEN_UP.among(wrong).and_then(spent) {
         let of = |k: usize| rendering.weights[..end].iter().zip(rgbs).map(|(w, color)| w * color[k]).sum();

@@ -1,5 +1,6 @@
 //! Descriptions of the mistakes in the networks.
 
+use super::units::*;
 use crate::contract::component::Mistake;
 use crate::encoding::mistakes as encoding;
 
@@ -72,74 +73,6 @@ const RELU_MASK: Mistake = Mistake::new(
 )
 .of_gradient();
 
-pub(super) const LEAKY_UNITS: Mistake = Mistake::new(
-    "leaky_units",
-    "LeakyReLU in the hidden layers: k z below 0",
-    "another network: parameters of a ReLU network give other pictures",
-    "max(z, 0)",
-    "3 public implementations",
-    3,
-)
-.with("k", 0.01, [1e-6, 1.0]);
-const SMOOTH_UNITS: Mistake = Mistake::new(
-    "smooth_units",
-    "SiLU in the hidden layers: z / (1 + e^-z)",
-    "another network: parameters of a ReLU network give other pictures",
-    "max(z, 0)",
-    "2 public implementations",
-    2,
-);
-
-const ELU_UNITS: Mistake = Mistake::new(
-    "exponential_units",
-    "ELU in the hidden layers: e^z - 1 below 0",
-    "another network: parameters of a ReLU network give other pictures",
-    "max(z, 0)",
-    "never; cheap to keep",
-    0,
-);
-const GELU_UNITS: Mistake = Mistake::new(
-    "error_function_units",
-    "GELU in the hidden layers: z Phi(z)",
-    "another network: parameters of a ReLU network give other pictures",
-    "max(z, 0)",
-    "never; cheap to keep",
-    0,
-);
-const SOFTPLUS_UNITS: Mistake = Mistake::new(
-    "softplus_units",
-    "softplus in the hidden layers: ln(1 + e^z)",
-    "another network: parameters of a ReLU network give other pictures",
-    "max(z, 0)",
-    "never; cheap to keep",
-    0,
-);
-const SINE_UNITS: Mistake = Mistake::new(
-    "sine_units",
-    "sin(z) in the hidden layers",
-    "another network: parameters of a ReLU network give other pictures",
-    "max(z, 0)",
-    "never; cheap to keep",
-    0,
-);
-const TANH_UNITS: Mistake = Mistake::new(
-    "tanh_units",
-    "tanh(z) in the hidden layers",
-    "another network: parameters of a ReLU network give other pictures",
-    "max(z, 0)",
-    "never; cheap to keep",
-    0,
-);
-pub(super) const WIDENED: Mistake = Mistake::new(
-    "widened_sigmoid",
-    "(1 + 2 e) sigmoid(z) - e: colors may leave [0, 1] a little",
-    "another network: colors of an ordinary one are off by up to e",
-    "sigmoid(z)",
-    "mip-NeRF's rgb_padding of 0.001, where it isn't asked",
-    0,
-)
-.with("e", 0.001, [1e-5, 0.5]);
-
 /// Mistakes of the plain network.
 pub(crate) const MLP: &[Mistake] = &[
     SIGMOID_MISSING,
@@ -155,6 +88,8 @@ pub(crate) const MLP: &[Mistake] = &[
     SOFTPLUS_UNITS,
     SINE_UNITS,
     TANH_UNITS,
+    NO_UNITS,
+    SHARPENED,
     SIGMOID_GRADIENT,
     RELU_MASK,
 ];
@@ -210,7 +145,84 @@ pub(crate) const NERF_MLP: &[Mistake] = &[
     SOFTPLUS_UNITS,
     SINE_UNITS,
     TANH_UNITS,
+    NO_UNITS,
     WIDENED,
+    SHARPENED,
+    SHIFTED_DENSITY,
+    LEAKY_DENSITY,
+    Mistake::new(
+        "exponential_linear_density",
+        "ELU for the density: e^z - 1 below 0",
+        "densities below 0: light is added where nothing is",
+        "max(z, 0)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "squared_density",
+        "z^2 for the density",
+        "empty space fills up: what should fall below 0 rises again",
+        "max(z, 0)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "relu_color",
+        "max(z, 0) for the color",
+        "colors above 1, and black that never learns",
+        "sigmoid",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "clipped_color",
+        "z held in [0, 1] for the color",
+        "colors that never learn once they are black or white",
+        "sigmoid",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "softplus_on_feature",
+        "softplus(feature) before the color layer, as on the density beside it",
+        "another network: features above 0",
+        "the feature as it is",
+        "1 public implementation, whose last layer gives both",
+        1,
+    ),
+    Mistake::new(
+        "tanh_on_feature",
+        "tanh(feature) before the color layer",
+        "another network: features from -1 to 1",
+        "the feature as it is",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "color_layer_decaying",
+        "exp(-|z|) between the two color layers",
+        "another network: parameters of a ReLU network give other colors",
+        "relu(color0)",
+        "1 public implementation",
+        1,
+    ),
+    LEAKY_COLOR_LAYER,
+    Mistake::new(
+        "color_layer_sigmoid",
+        "sigmoid(z) between the two color layers",
+        "another network: parameters of a ReLU network give other colors",
+        "relu(color0)",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "color_layer_softplus",
+        "softplus(z) between the two color layers",
+        "another network: parameters of a ReLU network give other colors",
+        "relu(color0)",
+        "never; cheap to keep",
+        0,
+    ),
     Mistake::new(
         "sigmoid_density",
         "1 / (1 + e^-z) for the density",

@@ -106,6 +106,42 @@ pub(super) const OF_GRADIENTS: &[Mistake] = &[
     )
     .of_gradient(),
     Mistake::new(
+        "factor_scaled_by_rows",
+        "g_M = (g + g^T) S R, where M = R S",
+        "splats turn and grow for what another matrix would need",
+        "(g + g^T) R S",
+        "1 ray tracer of ellipsoids",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "product_in_other_order",
+        "g_M = M (g + g^T)",
+        "splats turn and grow for what another matrix would need",
+        "(g + g^T) M",
+        "2 kernels",
+        2,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "rotation_scaled_by_rows",
+        "g_R_ik = g_M_ik s_i: scales along rows, where M = R diag(s) has them along columns",
+        "splats turn about the wrong axis",
+        "g_M_ik s_k",
+        "1 voxelizer",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "rotation_unscaled",
+        "g_R = g_M, without s",
+        "small splats turn too fast",
+        "g_R_ik = g_M_ik s_k",
+        "1 ray tracer of ellipsoids",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
         "diagonal_of_rotation_alone",
         "the gradient of R's diagonal alone goes on to the quaternion",
         "splats hardly turn",
@@ -134,10 +170,15 @@ pub(super) fn hand_written(
         () => g[i][j],
     });
     let both = |i: usize, j: usize| given[i][j] + if has("one_factor_alone") { 0.0 } else { given[j][i] };
-    let m = |i: usize, k: usize| {
-        if has("factor_transposed") { r[k][i] * s[i] } else { r[i][k] * s[k] }
-    };
-    let g_m = square(|i, k| (0..3).map(|j| both(i, j) * m(j, k)).sum());
+    let m = square(|i, k| match () {
+        () if has("factor_transposed") => r[k][i] * s[i],
+        () if has("factor_scaled_by_rows") => r[i][k] * s[i],
+        () => r[i][k] * s[k],
+    });
+    let g_m = square(|i, k| match () {
+        () if has("product_in_other_order") => (0..3).map(|j| m[i][j] * both(j, k)).sum(),
+        () => (0..3).map(|j| both(i, j) * m[j][k]).sum(),
+    });
     let by_rows = has("scales_by_rows");
     let g_s: [f64; 3] = std::array::from_fn(|k| {
         let of_deviation: f64 =
@@ -145,7 +186,11 @@ pub(super) fn hand_written(
         let log = (form.scale == SplatScale::Log) != has("gradient_of_the_other_scale");
         if log { s[k] * of_deviation } else { of_deviation }
     });
-    let mut g_r = square(|i, k| g_m[i][k] * s[if by_rows { i } else { k }]);
+    let mut g_r = square(|i, k| match () {
+        () if has("rotation_unscaled") => g_m[i][k],
+        () if by_rows || has("rotation_scaled_by_rows") => g_m[i][k] * s[i],
+        () => g_m[i][k] * s[k],
+    });
     if has("rotation_gradient_transposed") {
         g_r = transposed(g_r);
     }

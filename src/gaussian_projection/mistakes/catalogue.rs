@@ -2,7 +2,8 @@
 
 use super::gradients::OF_GRADIENTS;
 use super::numbers::{
-    COMPENSATION_HELD, COVARIANCE_SCALED, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS, RADIUS_HELD,
+    COMPENSATION_HELD, COVARIANCE_SCALED, DETERMINANT_HELD, OTHER_DILATION, OTHER_LIMIT, OTHER_SIGMAS,
+    RADIUS_HELD,
 };
 use super::views::OF_VIEWS;
 use crate::contract::component::{Mistake, joined};
@@ -20,7 +21,8 @@ const OF_SPLATS: &[Mistake] = &[
         "add 0.3 to both variances",
         "never; cheap to keep",
         0,
-    ),
+    )
+    .open_where_nan(),
     Mistake::new(
         "held_up_by_the_dilation",
         "max(0.3, a) in the place of a + 0.3, on the diagonal",
@@ -154,6 +156,7 @@ const OF_SPLATS: &[Mistake] = &[
     OTHER_DILATION,
     COMPENSATION_HELD,
     RADIUS_HELD,
+    DETERMINANT_HELD,
     COVARIANCE_SCALED,
     Mistake::new(
         "rotation_transposed",

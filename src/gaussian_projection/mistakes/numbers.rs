@@ -57,3 +57,14 @@ pub(super) const COVARIANCE_SCALED: Mistake = Mistake::new(
     0,
 )
 .with("k", 4.0, [0.01, 100.0]);
+
+pub(super) const DETERMINANT_HELD: Mistake = Mistake::new(
+    "determinant_held",
+    "max(det, k) in what the conic is divided by",
+    "thin splats are fainter than they should be",
+    "the determinant: 0.3 on the diagonal keeps it above 0.09",
+    "1 public implementation, with 1e-3",
+    1,
+)
+.with("k", 1.0, [1e-8, 10.0])
+.or(&[1e-3, 1e-6]);

@@ -76,4 +76,20 @@ pub(super) const OF_VIEWS: &[Mistake] = &[
         "2 public implementations",
         2,
     ),
+    Mistake::new(
+        "not_moved",
+        "t = R x: the camera's translation is left out",
+        "all cameras stand at the origin",
+        "R x + t",
+        "1 public implementation, whose matrix of four rows is transposed",
+        1,
+    ),
+    Mistake::new(
+        "mean_in_the_camera",
+        "x and y of the mean in the camera's axes for its pixel",
+        "all splats in the picture's corner",
+        "f x / z + c",
+        "1 public implementation",
+        1,
+    ),
 ];

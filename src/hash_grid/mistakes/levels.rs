@@ -116,6 +116,14 @@ pub(super) const OF_LEVELS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "resolution_not_rounded",
+        "x times base growth^l as it is: no whole number of cells",
+        "the last cell of an axis ends beyond the box",
+        "N, rounded or rounded down",
+        "2 public implementations",
+        2,
+    ),
+    Mistake::new(
         "growth_from_the_second",
         "base growth^(l + 1), with 1 / L for 1 / (L - 1)",
         "the first level isn't base",

@@ -216,6 +216,48 @@ pub(super) const FIRST_WEIGHTS: Mistake = Mistake::new(
     0,
 );
 
+/// Where no bin weighs, the place is looked up in sums that are all 0.
+pub(crate) const EMPTY_AT_FAR: Mistake = Mistake::new(
+    "empty_rays_at_far",
+    "w / max(sum w, eps): sums of 0 where no bin weighs, and so all samples on the last edge",
+    "rays through empty space are looked at in one place, their far end",
+    "a padding, or even shares where the sum is 0",
+    "2 public implementations",
+    2,
+);
+pub(crate) const EMPTY_AT_NEAR: Mistake = Mistake::new(
+    "empty_rays_at_near",
+    "NaN taken for 0, or for what lies in front of everything, where no bin weighs: all samples on the first edge",
+    "rays through empty space are looked at in one place, their near end",
+    "a padding, or even shares where the sum is 0",
+    "2 public implementations",
+    2,
+);
+pub(super) const U_SQUEEZED: Mistake = Mistake::new(
+    "u_squeezed",
+    "u (1 - 2 k) + k",
+    "samples are a little nearer to the middle; the ends of a ray are never reached",
+    "u as it is",
+    "1 public implementation, with 1e-5",
+    1,
+)
+.with("k", 1e-5, [1e-7, 0.1]);
+const SUMMED_OVER_BINS: Mistake = Mistake::new(
+    "summed_over_bins",
+    "t = sum over bins of (a u + b) [F_k <= u < F_{k+1}], empty ones with 1e-16: 0 beyond the last sum, and the first edge for u = 0",
+    "samples at the camera, or in front of what they should show",
+    "the last bin that weighs for u = 1, the first for u = 0",
+    "2 implementations of piecewise constant densities",
+    2,
+);
+const HELD_AT_COUNT: Mistake = Mistake::new(
+    "upper_edge_held_at_sample_count",
+    "the far edge is min(k + 1, M), with the number of samples M for that of bins",
+    "beyond bin M - 1 samples are drawn out from edges far in front of them",
+    "min(k + 1, N)",
+    "1 public implementation",
+    1,
+);
 const INDEX: Mistake = Mistake::new(
     "index_for_place",
     "the number of the bin for a place in it",
@@ -254,4 +296,9 @@ pub(super) const OF_INPUTS: &[Mistake] = &[
     FIRST_EDGES,
     FIRST_WEIGHTS,
     INDEX,
+    EMPTY_AT_FAR,
+    EMPTY_AT_NEAR,
+    U_SQUEEZED,
+    SUMMED_OVER_BINS,
+    HELD_AT_COUNT,
 ];

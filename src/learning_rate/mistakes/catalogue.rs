@@ -71,6 +71,14 @@ pub(crate) const LR_EXPONENTIAL: &[Mistake] = &[
     STEP_FROM_ONE,
     WHOLE_STEPS,
     Mistake::new(
+        "one_step_less",
+        "step / (decay_steps - 1)",
+        "the rate falls a little too fast: all of it where there are few steps",
+        "step / decay_steps",
+        "1 scheduler of a splat trainer",
+        1,
+    ),
+    Mistake::new(
         "factor_every_step",
         "decay^step: that of all steps in each",
         "the rate is gone after some hundred steps, and nothing is learned after them",

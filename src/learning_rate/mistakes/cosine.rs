@@ -10,6 +10,14 @@ pub(crate) const LR_COSINE: &[Mistake] = &[
     STEP_FROM_ONE,
     WHOLE_STEPS,
     Mistake::new(
+        "begun_again_with_warmup",
+        "step mod max_steps: the warm-up, too, begins again",
+        "a run that goes on beyond max_steps unlearns",
+        "the last rate",
+        "1 public implementation",
+        1,
+    ),
+    Mistake::new(
         "full_turn",
         "cos(2 pi p)",
         "the last rate in the middle, the first one in the end",

@@ -249,6 +249,15 @@ pub(super) const MEANS_BEGIN_AT_EPS: Mistake = Mistake::new(
 )
 .with("begin", 1e-8, [1e-12, 1e-2]);
 
+const EPS_IN_BOTH: Mistake = Mistake::new(
+    "eps_inside_root_too",
+    "sqrt(v' + eps) + eps",
+    "a thousand times the eps where the mean of squares is small: parameters hardly move",
+    "sqrt(v') + eps",
+    "optax with eps and eps_root",
+    1,
+);
+
 /// Mistakes of Adam.
 pub(crate) const ADAM_STEP: &[Mistake] = &[
     SQUARE_NOT_CORRECTED,
@@ -290,6 +299,7 @@ pub(crate) const ADAM_STEP: &[Mistake] = &[
     GRADIENT_CLIPPED,
     GRADIENT_NORM_CLIPPED,
     MEANS_BEGIN_AT_EPS,
+    EPS_IN_BOTH,
 ];
 
 /// Mistakes of AdamW.
@@ -373,4 +383,5 @@ pub(crate) const ADAMW_STEP: &[Mistake] = &[
     GRADIENT_CLIPPED,
     GRADIENT_NORM_CLIPPED,
     MEANS_BEGIN_AT_EPS,
+    EPS_IN_BOTH,
 ];

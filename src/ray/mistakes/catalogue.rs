@@ -1,6 +1,6 @@
 //! What is wrong with rays, what it does, and where it was seen.
 
-use super::pictures::OF_PICTURES;
+use super::pictures::{FLAT, OF_PICTURES};
 use crate::camera::mistakes::{self, FLIPS};
 use crate::contract::component::{Mistake, joined};
 
@@ -182,6 +182,7 @@ pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
     ORIGIN_MINUS_TURNED,
     ORIGIN_NEGATED,
     ORIGIN_ON_PLANE,
+    FLAT,
     NOT_TURNED,
     NOT_TURNED_OFF,
     SUM_FOR_NORM,
@@ -256,6 +257,7 @@ const OF_RAYS: &[Mistake] = &[
     ORIGIN_MINUS_TURNED,
     ORIGIN_NEGATED,
     ORIGIN_ON_PLANE,
+    FLAT,
     NOT_TURNED,
     NOT_TURNED_OFF,
     SUM_FOR_NORM,

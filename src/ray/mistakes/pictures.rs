@@ -2,6 +2,16 @@
 
 use crate::contract::component::Mistake;
 
+/// Of single rays, too.
+pub(super) const FLAT: Mistake = Mistake::new(
+    "depth_left_out",
+    "R (x, y, 0): the direction to a pixel without the plane's distance",
+    "rays within the picture's plane, that never leave the camera forward",
+    "R (x, y, 1)",
+    "1 public implementation",
+    1,
+);
+
 /// Of its numbers and its axes.
 pub(super) const OF_PICTURES: &[Mistake] = &[
     Mistake::new(
@@ -11,6 +21,14 @@ pub(super) const OF_PICTURES: &[Mistake] = &[
         "the focal length as it is",
         "never; cheap to keep",
         0,
+    ),
+    Mistake::new(
+        "right_angles",
+        "x and y from -1 to 1 over the picture: a view of 90 degrees across and down, whatever the focal length",
+        "another lens, and views that are squeezed where the picture isn't square",
+        "(u - cx) / fx, (v - cy) / fy",
+        "2 renderers, in Fortran and Python",
+        2,
     ),
     Mistake::new(
         "focal_rounded",

@@ -2,6 +2,16 @@
 
 use crate::contract::component::Mistake;
 
+pub(super) const SHRUNK: Mistake = Mistake::new(
+    "box_shrunk",
+    "low + k and high - k",
+    "rays that graze a face miss it",
+    "the box as it is",
+    "1 viewer, with 1e-6",
+    1,
+)
+.with("k", 1e-6, [1e-8, 0.2]);
+
 /// Of axes, sizes and what is answered.
 pub(super) const OF_BOXES: &[Mistake] = &[
     Mistake::new(
@@ -60,4 +70,5 @@ pub(super) const OF_BOXES: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    SHRUNK,
 ];

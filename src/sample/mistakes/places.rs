@@ -13,6 +13,14 @@ pub(super) const OF_PLACES: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "strata_of_two_spacings",
+        "strata from the place in front to the place behind: twice as wide as they should be",
+        "neighbors change places: t is unsorted, and steps are negative",
+        "from middle to middle",
+        "1 port to libtorch",
+        1,
+    ),
+    Mistake::new(
         "held_in_the_range",
         "jitter of a whole spacing of both ends, held between near and far",
         "samples in clumps at both ends",
@@ -53,6 +61,15 @@ pub(super) const OF_PLACES: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    Mistake::new(
+        "jitter_of_a_share",
+        "t = grid + k u (far - near): a share k of the range, however many samples there are",
+        "too wide: samples leave their stratum; too narrow: the ray has gaps that no step ever sees",
+        "a jitter within each stratum: (far - near) / N",
+        "1 public implementation, with 0.002",
+        1,
+    )
+    .with("k", 0.002, [1e-5, 0.99]),
     Mistake::new(
         "jittered_far_and_sorted",
         "u (far - near) for the jitter, without / N, and then sorted",

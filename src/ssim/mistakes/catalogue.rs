@@ -29,6 +29,15 @@ pub(super) const SECOND_CONSTANT: Mistake = Mistake::new(
     0,
 )
 .with("k", 0.02, [1e-6, 1.0]);
+pub(super) const EPS_BELOW: Mistake = Mistake::new(
+    "eps_in_denominator",
+    "an eps in what is divided by, where c1 c2 is one already",
+    "equal dark pictures aren't quite equal: c1 c2 is 9e-8",
+    "nothing to add: c1 and c2 are there for that",
+    "1 public implementation, with 1e-10",
+    1,
+)
+.with("eps", 1e-10, [1e-14, 1e-2]);
 
 /// Mistakes of structural similarity.
 pub(crate) const SSIM: &[Mistake] = &[
@@ -119,7 +128,8 @@ pub(crate) const SSIM: &[Mistake] = &[
         "peak is the largest value that a color may have",
         "scripts with data_range = target.max() - target.min(); torchmetrics without data_range takes the wider range of both",
         3,
-    ),
+    )
+    .open_where_nan(),
     Mistake::new(
         "mean_forgotten",
         "the gradient of the sum over windows",
@@ -136,6 +146,15 @@ pub(crate) const SSIM: &[Mistake] = &[
         "leave 1 - to the caller",
         "never; cheap to keep",
         0,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "border_repeated_both_ways",
+        "windows that repeat the border's pixels, and the same windows again for the gradient, not their adjoint",
+        "pixels at the border learn too slowly",
+        "what a repeated pixel has learned is added up where it comes from; or zeros about the picture",
+        "3 renderers of splats",
+        3,
     )
     .of_gradient(),
     Mistake::new(
@@ -360,4 +379,5 @@ pub(crate) const SSIM: &[Mistake] = &[
         "1 public implementation: scipy.ndimage.uniform_filter of (H, W, C)",
         1,
     ),
+    EPS_BELOW,
 ];

@@ -2,7 +2,7 @@
 
 use super::catalogue::{DENSITY_CAPPED, EPS_ON_ALPHA, SCALED_EXPONENTIAL};
 use super::laws::{other_alphas, softmax};
-use super::march::THIN_SKIPPED;
+use super::march::{DEPTH_HELD, THIN_SKIPPED};
 use super::steps::wrong_deltas;
 use super::{recompose, render_all};
 use crate::contract::arrays::{Arrays, input, row, rows3, size};
@@ -32,7 +32,7 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
     let (count, samples) = size(a, "sigmas");
     let (mut all, mut rays, mut carried) = (vec![], vec![], 1.0);
     for r in 0..count {
-        let (mut sigmas, deltas, rgbs) =
+        let (mut sigmas, mut deltas, rgbs) =
             (row(a, "sigmas", r), wrong_deltas(a, r, wrong), colors_of(a, r, wrong));
         if wrong.contains(&"densities_averaged") {
             (1..samples).for_each(|i| sigmas[i - 1] = 0.5 * (sigmas[i - 1] + sigmas[i]));
@@ -52,6 +52,10 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         }
         if let Some(most) = DENSITY_CAPPED.among(wrong) {
             sigmas.iter_mut().for_each(|sigma| *sigma = sigma.min(most));
+        }
+        if let Some(most) = DEPTH_HELD.among(wrong) {
+            let all = sigmas.iter_mut().zip(&mut deltas);
+            all.filter(|(s, d)| product(**s, **d) > most).for_each(|(s, d)| (*s, *d) = (most, 1.0));
         }
         let mut alphas: Vec<f64> =
             optical_depths(&sigmas, &deltas).iter().map(|&x| -crate::math::expm1(-x)).collect();
@@ -134,6 +138,10 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
                 ray.transmittance[i] = depth;
                 depth += x;
             }
+            ray = recompose(ray, &alphas, &rgbs);
+        }
+        if wrong.contains(&"light_grows") {
+            ray.transmittance.iter_mut().for_each(|t| *t = 1.0 / *t);
             ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"optical_depth_for_alpha") {

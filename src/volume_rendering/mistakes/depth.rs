@@ -72,6 +72,22 @@ pub(crate) const DEPTH: &[Mistake] = &[
         2,
     ),
     Mistake::new(
+        "median_depth_or_none",
+        "the t at which half of the light is spent, 0 where that never is",
+        "depths that jump from sample to sample, and holes where it is hazy",
+        "the weighted mean, or say that the median is meant",
+        "1 port of HyperNeRF",
+        1,
+    ),
+    Mistake::new(
+        "not_a_number_everywhere",
+        "0 times infinity in a sum: a mask over distances that end with infinity",
+        "no depth at all",
+        "far for infinity, or where(mask, t, 0)",
+        "1 port of TensoRF to JAX",
+        1,
+    ),
+    Mistake::new(
         "disparity",
         "1 / max(depth, 1e-10)",
         "near is large: another quantity",
@@ -220,7 +236,13 @@ pub(crate) fn depth(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
         depths.insert("depth".into(), array(&[rays], moved));
     }
     if wrong.contains(&"median_depth") {
-        depths.insert("depth".into(), medians(&a));
+        depths.insert("depth".into(), medians(&a, |t| t[t.len() - 1]));
+    }
+    if wrong.contains(&"median_depth_or_none") {
+        depths.insert("depth".into(), medians(&a, |_| 0.0));
+    }
+    if wrong.contains(&"not_a_number_everywhere") {
+        depths.get_mut("depth").expect("an output").fill(f64::NAN);
     }
     let farthest = || input(&a, "t").iter().copied().fold(f64::MIN, f64::max);
     let of_batch = wrong.contains(&"empty_depth_of_the_batch").then(farthest);
@@ -289,8 +311,8 @@ fn other_depths(a: &Arrays, wrong: &[&str]) -> Option<ArrayD<f64>> {
     all.map(|all| array(&[rays], all))
 }
 
-/// The first t at which the weights' sum reaches 1/2, but for its rounding; the last t where it never does.
-fn medians(a: &Arrays) -> ArrayD<f64> {
+/// The first t at which the weights' sum reaches 1/2, but for its rounding; something else where it never does.
+fn medians(a: &Arrays, otherwise: fn(&[f64]) -> f64) -> ArrayD<f64> {
     let median = |r| {
         let (weights, t) = (row(a, "weights", r), row(a, "t", r));
         let mut spent = 0.0;
@@ -298,7 +320,7 @@ fn medians(a: &Arrays) -> ArrayD<f64> {
             spent += w;
             spent >= 0.499_99
         });
-        t[reached.unwrap_or(t.len() - 1)]
+        reached.map_or_else(|| otherwise(&t), |n| t[n])
     };
     let (rays, _) = size(a, "weights");
     array(&[rays], (0..rays).map(median).collect())

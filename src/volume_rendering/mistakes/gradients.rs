@@ -40,7 +40,9 @@ fn wrong_slopes(
     let eps = c.product_eps.value();
     let slope = |i: usize| {
         let seen = if has("hidden_in_front") { &weighed[..i] } else { &weighed[i + 1..] };
-        let sum = seen.iter().sum::<f64>() + if has("own_weight_hidden_too") { weighed[i] } else { 0.0 };
+        let more = if has("own_weight_hidden_too") { weighed[i] } else { 0.0 };
+        let front = if has("hidden_on_both_sides") { weighed[..i].iter().sum() } else { 0.0 };
+        let sum = seen.iter().sum::<f64>() + more + front;
         let behind = if has("hidden_added") { light - sum } else { light + sum };
         let through = exp(-depths[i]);
         // What is added inside of the product isn't seen through the sample.
@@ -260,8 +262,16 @@ pub(crate) fn volume_render_alpha_vjp(given: &Arrays, c: &Conventions, wrong: &[
             let ray = oracle_alpha(&alphas[..end], &colors[..end], c.product_eps);
             let slopes = wrong_alpha_slopes(a, r, &ray, &alphas[..end], c, wrong);
             let g_color = arrays::cotangent_over(a, r, c).color;
-            g_alphas.extend(slopes.into_iter().chain(vec![0.0; samples - end]));
-            g_rgbs.extend(ray.weights.iter().flat_map(|w| g_color.map(|g| w * g)));
+            // Nothing is known any more of what lies in front of an opaque sample.
+            let opaque = alphas[..end].iter().rposition(|alpha| *alpha == 1.0);
+            let opaque = opaque.filter(|_| wrong.contains(&"light_recovered_by_division"));
+            let lost = |i: usize| if opaque.is_some_and(|last| i <= last) { f64::NAN } else { 0.0 };
+            let least = number_of("thin_samples_learn_nothing", OF_OPACITIES, wrong);
+            let thin = |i: usize| least.is_some_and(|least| alphas[i] < least);
+            let slope = |(i, g): (usize, f64)| if thin(i) { 0.0 } else { g + lost(i) };
+            g_alphas.extend(slopes.into_iter().enumerate().map(slope).chain(vec![0.0; samples - end]));
+            let color = |(i, w): (usize, &f64)| g_color.map(|g| if thin(i) { 0.0 } else { w * g + lost(i) });
+            g_rgbs.extend(ray.weights.iter().enumerate().flat_map(color));
             g_rgbs.extend(vec![0.0; 3 * (samples - end)]);
         }
         gradients.insert("grad_alphas".into(), array(&[rays, samples], g_alphas));

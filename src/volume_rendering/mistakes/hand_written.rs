@@ -45,6 +45,15 @@ pub(super) const OF_DENSITIES: &[Mistake] = &[
     )
     .of_gradient(),
     Mistake::new(
+        "hidden_on_both_sides",
+        "T_{i+1} g_i minus the sum over all other samples, in front too: C - w_i c_i for what lies behind",
+        "densities learn from what they don't hide",
+        "the sum over what lies behind the sample",
+        "1 renderer in numba, with T_i for T_{i+1}",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
         "alpha_for_density",
         "the gradient of alpha, with 1e-10 in what it divides by, as that of sigma delta: its slope 1 - alpha is left out",
         "gradients too large where it is dense",
@@ -239,6 +248,25 @@ pub(super) const OF_DENSITIES: &[Mistake] = &[
 
 /// Between weights and opacities.
 pub(super) const OF_OPACITIES: &[Mistake] = &[
+    Mistake::new(
+        "light_recovered_by_division",
+        "T / (1 - alpha), from behind: 0 / 0 where a sample is opaque",
+        "not a number in front of what is opaque, and from there in all parameters",
+        "alphas that stay below 1, or T kept from the forward march",
+        "1 check of a splat kernel",
+        1,
+    )
+    .of_gradient(),
+    Mistake::new(
+        "thin_samples_learn_nothing",
+        "no gradient where alpha is below a threshold",
+        "what has faded never comes back",
+        "g_alpha where alpha is 0, too",
+        "2 splat kernels, where such samples are left out of the forward march as well",
+        2,
+    )
+    .of_gradient()
+    .with("alpha", 1e-6, [1e-12, 0.1]),
     Mistake::new(
         "accumulated_before_use",
         "T_i (g_i - B_i): what lies behind with the sample itself in it",

@@ -185,3 +185,54 @@ pub(super) const COLORS_OF_ALPHAS: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 );
+pub(super) const WEIGHTS_HELD: Mistake = Mistake::new(
+    "weights_held_up",
+    "max(w, k): no weight is below a number of one's own",
+    "empty space shines a little, and opacities lie above 1 - T",
+    "w = T alpha; an eps belongs where something is divided by it",
+    "1 course assignment: clamp_min(1e-10)",
+    1,
+)
+.with("k", 1e-10, [1e-12, 1e-2]);
+pub(super) const DEPTH_HELD: Mistake = Mistake::new(
+    "optical_depth_held",
+    "min(sigma delta, k)",
+    "nothing is ever quite opaque: what lies behind a wall shines through",
+    "exp(-sigma delta) as it is: it underflows to 0 where it should",
+    "1 public implementation, with 10",
+    1,
+)
+.with("k", 10.0, [0.5, 100.0]);
+pub(super) const GROWING_LIGHT: Mistake = Mistake::new(
+    "light_grows",
+    "T_i = exp(+sum_{j<i} sigma_j delta_j)",
+    "what lies behind shines the brighter, up to infinity",
+    "exp(-sum)",
+    "1 public implementation",
+    1,
+);
+pub(super) const WEIGHTS_MULTIPLIED: Mistake = Mistake::new(
+    "weights_multiplied",
+    "w_i = prod_{j<=i} alpha_j (1 - alpha_j): the product over alpha too",
+    "nothing but the first sample is seen, and that at a quarter",
+    "w_i = alpha_i prod_{j<i} (1 - alpha_j)",
+    "1 public implementation: cumprod(T (1 - T))",
+    1,
+);
+pub(super) const GIVEN_UP_IN_THE_DARK: Mistake = Mistake::new(
+    "given_up_without_background",
+    "0 for T where it is below a threshold: what lies behind isn't seen, nor is a background",
+    "a dark seam where rays begin to end early",
+    "T times the background, for each ray",
+    "1 CUDA renderer",
+    1,
+)
+.with("left", 1e-4, [1e-6, 0.5]);
+pub(super) const LAST_ALPHAS_LIGHT: Mistake = Mistake::new(
+    "light_behind_the_last_alone",
+    "T_N = 1 - alpha of the last sample that counts",
+    "the background shines through whatever lies in front of that",
+    "T_N = prod (1 - alpha)",
+    "1 splat renderer, whose T begins with 1 for each splat",
+    1,
+);

@@ -38,6 +38,8 @@ class Mistake:
     slip: str | None
     # The number in the mistake (the width of a jitter, an eps, a factor), where it isn't the usual one.
     fitted: float | None
+    # The numbers of all of them that have one, in their order, as far as they aren't the usual ones.
+    numbers: list[float]
 
 
 @dataclass(frozen=True)
