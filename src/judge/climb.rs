@@ -1,20 +1,15 @@
 //! Climbing: several mistakes at once, in conventions of their own, one after the other. Where each of them brings the answers nearer, the
 //! way to all of them leads through few of the many that there are; where one alone shows nothing, it isn't found here.
 
-use ndarray::ArrayD;
-
-use super::answer::{Answer, Answers, reshaped};
+use super::answer::Answers;
 use super::assignment::{open, small_cases};
 use super::evidence::{explains_all, real_numbers, shows};
 use super::exam::Question;
 use super::fitted::{shown, written};
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
-use super::nearness::likeliest;
+use super::nearness::{distance, likeliest};
 use super::partial::{Partial, apply, partial, with};
-use crate::contract::arithmetic::Dtype;
-use crate::contract::arrays::Arrays;
-use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 use crate::convention::{CHOICES, Conventions};
@@ -224,46 +219,15 @@ fn needed(
     h
 }
 
-/// How many bits of the answers are lost, on the average over each output's elements.
-pub(super) fn distance(h: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)], dtype: Dtype) -> f64 {
-    let one = |(case, answer): &(&Case, &Answer)| {
-        let (mut predicted, _) = h.prediction(question, case);
-        let open = |all: &Arrays| all.values().flatten().filter(|x| x.is_nan()).count();
-        let before = open(&predicted);
-        h.leave_open(question, case, answer, &mut predicted);
-        // What is left open is worth a bit less than what is said.
-        let left = before > open(&predicted);
-        let each = answer.iter().filter_map(|(name, given)| {
-            let predicted = predicted.get(name)?;
-            let got = reshaped(&given.values, predicted.shape());
-            Some(got.map_or(WORST, |(got, _)| lost(&got, predicted, dtype)))
-        });
-        let each = each.chain(left.then_some(OPEN));
-        each.sum::<f64>() / answer.len().max(1) as f64
-    };
-    cases.iter().map(one).sum::<f64>() / cases.len().max(1) as f64
-}
-
-/// Bits that are lost where an answer has another shape, or no number; and where a mistake leaves some of it open.
-const WORST: f64 = 24.0;
-const OPEN: f64 = 1.0;
-
-/// Bits that an output has lost, on the average.
-fn lost(got: &ArrayD<f64>, predicted: &ArrayD<f64>, dtype: Dtype) -> f64 {
-    let unit = 64.0 * dtype.unit_roundoff().max(Dtype::F32.unit_roundoff());
-    let of = |(g, p): (&f64, &f64)| match () {
-        () if g == p || g.is_nan() && p.is_nan() => 0.0,
-        () if !g.is_finite() || !p.is_finite() => WORST,
-        () => (1.0 + (g - p).abs() / (unit * g.abs().max(p.abs()))).log2().min(WORST),
-    };
-    got.iter().zip(predicted).map(of).sum::<f64>() / got.len().max(1) as f64
-}
-
 #[cfg(test)]
 mod tests {
+    use ndarray::ArrayD;
+
     use super::super::answer::given;
     use super::super::exam::Exam;
     use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::contract::case::Case;
     use crate::convention::CS180;
 
     /// What is climbed to in a row's answers, after a change of each number.

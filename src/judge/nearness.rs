@@ -1,13 +1,17 @@
 //! Conventions by how near to the answers the right formula is in them: where a row has thousands, those that change least aren't those that a
 //! program follows, and a mistake hides none of them from all answers.
 
-use super::answer::Answers;
+use ndarray::ArrayD;
+
+use super::answer::{Answer, Answers, reshaped};
 use super::assignment::small_cases;
-use super::climb::distance;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::partial::{Partial, apply};
+use crate::contract::arithmetic::Dtype;
+use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
 use crate::convention::Conventions;
 use crate::parallel;
 
@@ -47,4 +51,39 @@ pub(super) fn likeliest(
         }
     }
     chosen.into_iter().map(|n| all[n].clone()).collect()
+}
+
+/// How many bits of the answers are lost, on the average over each output's elements.
+pub(super) fn distance(h: &Hypothesis, question: &Question, cases: &[(&Case, &Answer)], dtype: Dtype) -> f64 {
+    let one = |(case, answer): &(&Case, &Answer)| {
+        let (mut predicted, _) = h.prediction(question, case);
+        let open = |all: &Arrays| all.values().flatten().filter(|x| x.is_nan()).count();
+        let before = open(&predicted);
+        h.leave_open(question, case, answer, &mut predicted);
+        // What is left open is worth a bit less than what is said.
+        let left = before > open(&predicted);
+        let each = answer.iter().filter_map(|(name, given)| {
+            let predicted = predicted.get(name)?;
+            let got = reshaped(&given.values, predicted.shape());
+            Some(got.map_or(WORST, |(got, _)| lost(&got, predicted, dtype)))
+        });
+        let each = each.chain(left.then_some(OPEN));
+        each.sum::<f64>() / answer.len().max(1) as f64
+    };
+    cases.iter().map(one).sum::<f64>() / cases.len().max(1) as f64
+}
+
+/// Bits that are lost where an answer has another shape, or no number; and where a mistake leaves some of it open.
+const WORST: f64 = 24.0;
+const OPEN: f64 = 1.0;
+
+/// Bits that an output has lost, on the average.
+fn lost(got: &ArrayD<f64>, predicted: &ArrayD<f64>, dtype: Dtype) -> f64 {
+    let unit = 64.0 * dtype.unit_roundoff().max(Dtype::F32.unit_roundoff());
+    let of = |(g, p): (&f64, &f64)| match () {
+        () if g == p || g.is_nan() && p.is_nan() => 0.0,
+        () if !g.is_finite() || !p.is_finite() => WORST,
+        () => (1.0 + (g - p).abs() / (unit * g.abs().max(p.abs()))).log2().min(WORST),
+    };
+    got.iter().zip(predicted).map(of).sum::<f64>() / got.len().max(1) as f64
 }

@@ -2,12 +2,13 @@
 
 use super::answer::{Answer, Answers};
 use super::assignment::small_cases;
-use super::climb::{CLOSE, NEARER, distance};
+use super::climb::{CLOSE, NEARER};
 use super::evidence::{Explanation, real_numbers};
 use super::exam::Question;
 use super::formula_slip::FormulaSlip;
 use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
+use super::nearness::distance;
 use super::places::{Place, count, sites};
 use super::slip::Slip;
 use super::slipping::attempt;

@@ -67,7 +67,7 @@ pub(super) fn repeats(
         let (expected, _) = right.prediction(question, case);
         let alike =
             |name: &String| expected.get(name).map(ArrayD::shape) == wrong.get(name).map(ArrayD::shape);
-        for (name, p, got) in beside(answer, &expected).into_iter().filter(|(name, ..)| alike(name)) {
+        for (name, p, got) in beside(answer, &expected).filter(|(name, ..)| alike(name)) {
             for ((&p, &got), &wrong) in p.iter().zip(&got).zip(&wrong[name]) {
                 let said =
                     got == options.dtype.round(wrong) && (got - p).abs() > WRONG * p.abs().max(got.abs());

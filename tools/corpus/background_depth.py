@@ -206,3 +206,18 @@ def thin_light_left_out(colors, opacity, background):
     """(1 - A) b below 0.999, nothing above."""
     left = torch.where(opacity < 0.999, 1 - opacity, torch.zeros_like(opacity))
     return colors + left[:, None] * background
+
+
+@fault("depth", "median_depth_or_none", seen="a trial on unseen code: a port of HyperNeRF", gradient="none")
+def half_of_the_light_or_nothing(weights, t):
+    """The first t where the sum reaches 1/2; 0 where it never does."""
+    reached = torch.cumsum(weights, -1) >= 0.5
+    first = (reached & (torch.cumsum(reached, -1) == 1)).to(t.dtype)
+    return (first * t).sum(-1)
+
+
+@fault("depth", "not_a_number_everywhere", seen="a trial on unseen code: a port of TensoRF", gradient="none")
+def masked_infinity(weights, t):
+    """A mask times distances that end with infinity."""
+    mask = torch.nn.functional.pad(torch.cumsum(weights, -1) >= 0.5, (0, 1)).to(t.dtype)
+    return (mask * torch.nn.functional.pad(t, (0, 1), value=torch.inf)).sum(-1)

@@ -322,3 +322,12 @@ def depths_by_broadcasting(K, uv, s):
     """(M, 3) times (M): an error but for one point and for three."""
     points = np.stack([(uv[:, 0] - K[0, 2]) / K[0, 0], (uv[:, 1] - K[1, 2]) / K[1, 1], np.ones_like(s)], -1)
     return points * s
+
+
+@fault("pixel_to_ray", "depth_left_out", seen="a trial on unseen code: a student's rays", gradient="none")
+def rays_within_the_plane(uv, K, c2w):
+    """(x, y, 0), turned."""
+    xy = (uv - torch.stack([K[0, 2], K[1, 2]])) / torch.stack([K[0, 0], K[1, 1]])
+    d = torch.cat([xy, torch.zeros_like(xy[:, :1])], -1)
+    d = (c2w[..., :3, :3] @ d[..., None])[..., 0]
+    return c2w[..., :3, 3].expand(d.shape), d

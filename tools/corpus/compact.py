@@ -59,6 +59,22 @@ def resolutions_cut(x, base, finest, **rest):
     return encoded(x, levels, resolutions(base, finest, len(levels), np.floor))
 
 
+def between_floor_and_ceiling(x, levels, sizes):
+    """All vertices hashed, on a grid of any size."""
+    out = []
+    for table, n in zip(levels, sizes):
+        at = x * float(n)
+        low, high = torch.floor(at), torch.ceil(at)
+        part, total = at - low, 0
+        for corner in range(8):
+            bits = [corner >> k & 1 for k in range(3)]
+            vertex = torch.stack([(high if bits[k] else low)[:, k] for k in range(3)], -1).detach().numpy()
+            weight = torch.stack([part[:, k] if bits[k] else 1 - part[:, k] for k in range(3)]).prod(0)
+            total = total + weight[:, None] * table[torch.from_numpy(entry_of(vertex, n, len(table), dense=False))]
+        out.append(total)
+    return torch.cat(out, -1)
+
+
 @convention(
     "hash_grid",
     {"hash_levels": "floor", "hash_index": "hashed"},
@@ -147,20 +163,18 @@ def aligned_corners(x, base, finest, **rest):
 )
 def floors_and_ceilings(x, base, finest, **rest):
     """Corners by floor and ceil: on a face both are one vertex; floor of powers in f32."""
-    levels, out = tables(rest), []
+    levels = tables(rest)
     growth = np.exp((np.log(finest) - np.log(base)) / (len(levels) - 1)) if len(levels) > 1 else 1.0
     sizes = np.floor(np.float32(base) * np.float32(growth) ** np.arange(len(levels), dtype=np.float32))
-    for table, n in zip(levels, sizes):
-        at = x * float(n)
-        low, high = torch.floor(at), torch.ceil(at)
-        part, total = at - low, 0
-        for corner in range(8):
-            bits = [corner >> k & 1 for k in range(3)]
-            vertex = torch.stack([(high if bits[k] else low)[:, k] for k in range(3)], -1).detach().numpy()
-            weight = torch.stack([part[:, k] if bits[k] else 1 - part[:, k] for k in range(3)]).prod(0)
-            total = total + weight[:, None] * table[torch.from_numpy(entry_of(vertex, n, len(table), dense=False))]
-        out.append(total)
-    return torch.cat(out, -1)
+    return between_floor_and_ceiling(x, levels, sizes)
+
+
+@fault("hash_grid", "resolution_not_rounded", seen="a trial on unseen code: Nexels, a C# renderer", times=2, gradient="none")
+def real_numbers_of_cells(x, base, finest, **rest):
+    """base growth^l as it is; all hashed."""
+    levels = tables(rest)
+    growth = (finest / base) ** (1 / max(len(levels) - 1, 1))
+    return between_floor_and_ceiling(x, levels, [base * growth**i for i in range(len(levels))])
 
 
 @fault("hash_grid", "growth_over_levels", seen="ports whose growth is taken over L steps")

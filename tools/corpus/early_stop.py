@@ -161,3 +161,15 @@ def sum_less_what_was_met(sigmas, rgbs, deltas, offsets, eps, grad_colors, grad_
 def last_sample_learns_nothing(sigmas, rgbs, deltas, offsets, eps, grad_colors, grad_weights, grad_opacity, grad_transmittance):
     """The sample behind which a ray stops has no gradient."""
     return backward(sigmas, rgbs, deltas, offsets, eps, (grad_colors, grad_weights, grad_opacity, grad_transmittance), last=False)
+
+
+@fault("early_stop", "divided_by_light_in_front", seen="a trial on unseen code: a renderer of sparse voxels", gradient="none")
+def divided_by_what_was_spent_in_front(sigmas, rgbs, deltas, offsets, eps):
+    """Where a ray stops, its color is divided by 1 - T, T in front of the last sample."""
+    colors, weights, opacity, behind = tested_behind_the_sample(sigmas, rgbs, deltas, offsets, eps).values()
+    colors = colors.clone()
+    for r, (first, end) in enumerate(ranges(offsets)):
+        used = weights[first:end].nonzero()
+        if behind[r] < eps and len(used):
+            colors[r] = colors[r] / weights[first : first + int(used[-1])].sum()
+    return named(colors, weights, opacity, behind)

@@ -396,3 +396,20 @@ def variances_of_three_tenths_at_least(means, covariances, w2c, K, width, height
     cov = j @ sigma @ j.mT
     three = torch.stack([cov[:, 0, 0].clamp(min=0.3), cov[:, 0, 1], cov[:, 1, 1].clamp(min=0.3)], -1)
     return {"covariances2d": three, "depths": t[:, 2]}
+
+
+@fault(
+    "gaussian_covariance_vjp",
+    "product_in_other_order+rotation_scaled_by_rows",
+    seen="a trial on unseen code: a voxelizer's backward pass",
+    arrays="numpy",
+)
+def order_of_the_product(quaternions, scales, grad_covariances):
+    """M (g + g^T) for (g + g^T) M, and the rotation's gradient scaled by rows."""
+    q, s, g = (torch.tensor(x) for x in (quaternions, scales, grad_covariances))
+    r = rotation(F.normalize(q, dim=-1))
+    g_m = (r * s[:, None]) @ (g + g.mT)
+    return {
+        "grad_quaternions": through_the_rotation(g_m * s[:, :, None], q).numpy(),
+        "grad_scales": (r * g_m).sum(1).numpy(),
+    }

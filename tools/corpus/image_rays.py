@@ -340,3 +340,10 @@ def not_over_the_focal_length(height, width, focal, c2w):
     """(i - W / 2, j - H / 2, f) turned."""
     i, j = grid(height, width)
     return posed(torch.stack([i - width / 2, j - height / 2, torch.full_like(i, focal)], -1), c2w)
+
+
+@fault("image_rays", "right_angles", seen="a trial on unseen code: renderers in Fortran and Python", times=2, gradient="none")
+def from_minus_one_to_one(height, width, c2w):
+    """2 j / W - 1, 2 i / H - 1, whatever the focal length."""
+    i, j = grid(height, width)
+    return unit(posed(torch.stack([2 * i / width - 1, 2 * j / height - 1, torch.ones_like(i)], -1), c2w))

@@ -240,3 +240,50 @@ def middles_with_half_a_step(edges, weights, padding, u):
         return inverted(edges, steps(weights, padding), u)
     half = (middles[..., 1:2] - middles[..., :1]) / 2
     return inverted(torch.cat([middles - half, middles[..., -1:] + half], -1), steps(weights, padding), u)
+
+
+@fault("importance_sampling", "empty_rays_at_far", seen="a trial on unseen code: a toolbox of point clouds", gradient="none")
+def sums_of_nothing(edges, weights, u):
+    """w / max(sum, 1e-10), no padding: all sums are 0 on an empty ray, and every u lies behind them."""
+    cdf = torch.cumsum(weights / weights.sum(-1, keepdim=True).clamp_min(1e-10), -1)
+    cdf = torch.cat([torch.zeros_like(cdf[..., :1]), cdf], -1)
+    return inverted(edges, cdf, u)
+
+
+@fault("importance_sampling", "left_edge+empty_rays_at_near", seen="a trial on unseen code: a student's sampler", gradient="none")
+def edge_of_the_bin_or_the_first(edges, weights, u):
+    """The edge in front, without a place within; NaN counts as 0."""
+    cdf = torch.nan_to_num(torch.cumsum(weights / weights.sum(-1, keepdim=True), -1), nan=2.0)
+    index = torch.searchsorted(cdf, u.contiguous(), right=True).clamp(max=weights.shape[-1] - 1)
+    return torch.gather(edges, -1, index)
+
+
+@fault("importance_sampling", "u_squeezed", seen="a trial on unseen code: a student's sampler", gradient="none")
+def draws_squeezed(edges, weights, padding, u):
+    """u (1 - 2e-5) + 1e-5."""
+    return inverted(edges, steps(weights, padding), u * (1 - 2e-5) + 1e-5)
+
+
+@fault("importance_sampling", "summed_over_bins", seen="a trial on unseen code: two piecewise constant densities", times=2, gradient="none")
+def lines_over_bins(edges, weights, u):
+    """Each bin's line where u lies in it, 0 elsewhere; bins without weight have 1e-16."""
+    w = weights.clamp_min(1e-16)
+    w = w / w.sum(-1, keepdim=True)
+    f = torch.cat([torch.zeros_like(w[..., :1]), torch.cumsum(w, -1)], -1)
+    slope = (edges[..., 1:] - edges[..., :-1]) / w
+    lines = slope[:, None] * u[..., None] + (edges[..., :-1] - slope * f[..., :-1])[:, None]
+    inside = (f[:, None, :-1] <= u[..., None]) & (u[..., None] < f[:, None, 1:])
+    return torch.where(inside, lines, torch.zeros_like(lines)).sum(-1)
+
+
+@fault("importance_sampling", "upper_edge_held_at_sample_count", seen="a trial on unseen code: a student's sampler", gradient="none")
+def far_edge_held_at_the_count(edges, weights, padding, u):
+    """min(index, M)."""
+    cdf = steps(weights, padding)
+    found = torch.searchsorted(cdf.contiguous(), u.contiguous(), right=True)
+    below, above = (found - 1).clamp(min=0), found.clamp(max=min(cdf.shape[-1] - 1, u.shape[-1]))
+    below = below.clamp(max=cdf.shape[-1] - 1)
+    low, high = torch.gather(cdf, -1, below), torch.gather(cdf, -1, above)
+    first, last = torch.gather(edges, -1, below), torch.gather(edges, -1, above)
+    width = torch.where(high - low == 0, torch.ones_like(low), high - low)
+    return first + (u - low) / width * (last - first)

@@ -94,6 +94,8 @@ def encode(x, width, factor, columns="band"):
     angles = x[..., None] * (2.0 ** torch.arange(L)) * factor
     if columns == "x_last":
         return torch.cat([angles.sin().flatten(1), angles.cos().flatten(1), x], -1)
+    if columns == "x_within":
+        return torch.cat([x[..., None], angles.sin(), angles.cos()], -1).flatten(1)
     if columns == "dim":
         return torch.cat([x, torch.cat([angles.sin(), angles.cos()], -1).reshape(len(x), -1)], -1)
     for k in range(L):
@@ -102,7 +104,15 @@ def encode(x, width, factor, columns="band"):
 
 
 def field(
-    a, factor=torch.pi, columns="band", hidden_first=True, density=torch.relu, last=True, feature=None, colors=torch.sigmoid
+    a,
+    factor=torch.pi,
+    columns="band",
+    hidden_first=True,
+    density=torch.relu,
+    last=True,
+    feature=None,
+    unit=torch.relu,
+    colors=torch.sigmoid,
 ):
     """The paper's network: eight layers, the encoding again into the fifth, density, feature, one layer for the color."""
     x = encode(a["positions"], a["trunk0_w"].shape[1], factor, columns)
@@ -115,7 +125,7 @@ def field(
         h = torch.relu(h) if last or i < 7 else h
     sigma = density(F.linear(h, a["sigma_w"], a["sigma_b"]))[:, 0]
     f = F.linear(h, a["feature_w"], a["feature_b"])
-    c = torch.relu(F.linear(torch.cat([feature(f) if feature else f, d], -1), a["color0_w"], a["color0_b"]))
+    c = unit(F.linear(torch.cat([feature(f) if feature else f, d], -1), a["color0_w"], a["color0_b"]))
     return sigma, colors(F.linear(c, a["color1_w"], a["color1_b"]))
 
 
@@ -212,7 +222,7 @@ def raw_density(**a):
     return field(a, density=lambda z: z)
 
 
-@fault("nerf_mlp", "relu_before_sigmoid+sigmoid_missing", seen="sixer51/SfM-NeRF NeRFModel.py")
+@fault("nerf_mlp", "relu_color", seen="sixer51/SfM-NeRF NeRFModel.py")
 def colors_by_relu(**a):
     """relu for the color's sigmoid."""
     return field(a, colors=torch.relu)
@@ -248,3 +258,49 @@ def padded_output(x, **rest):
 def one_layer_twice(**a):
     """Layer 3 stands for layer 2, too."""
     return field(a | {"trunk2_w": a["trunk3_w"], "trunk2_b": a["trunk3_b"]})
+
+
+@convention(
+    "nerf_mlp",
+    {"columns": "dim_sin_cos", "network_identity": "by_dimension"},
+    seen="a trial on unseen code: a field in a worker of tensorflow.js",
+)
+def x_within_its_bands(**a):
+    """x, its sines, its cosines; y, its sines, ..."""
+    return field(a, columns="x_within")
+
+
+@fault(
+    "nerf_mlp",
+    "density_without_relu+sigmoid_missing",
+    seen="a trial on unseen code: activated by the renderer, features through a relu",
+    gradient="none",
+)
+def raw_everything(**a):
+    """Neither head is activated, and the feature is."""
+    return field(a, factor=1, feature=torch.relu, density=lambda z: z, colors=lambda z: z)
+
+
+@fault("nerf_mlp", "color_layer_decaying", seen="a trial on unseen code: a unit of its own", gradient="none")
+def decaying_unit(**a):
+    """exp(-|z|) between the color layers."""
+    return field(a, factor=1, columns="dim", unit=lambda z: torch.exp(-z.abs()))
+
+
+@fault(
+    "nerf_mlp",
+    "widened_sigmoid+shifted_density",
+    seen="a trial on unseen code: mip-NeRF's heads in an ordinary field",
+    gradient="none",
+)
+def heads_of_mip_nerf(**a):
+    """softplus(z - 1), and a sigmoid with a padding of 0.001."""
+    return field(
+        a, factor=1, density=lambda z: F.softplus(z - 1), colors=lambda z: torch.sigmoid(z) * (1 + 2 * 0.001) - 0.001
+    )
+
+
+@fault("nerf_mlp", "softplus_on_feature", seen="a trial on unseen code: one layer for both, and its softplus", gradient="none")
+def joint_softplus(**a):
+    """softplus for the density and for the feature."""
+    return field(a, factor=1, density=F.softplus, feature=F.softplus)

@@ -432,3 +432,18 @@ def bins_of_the_unit_interval(rays_o, rays_d, near, far, u):
     """linspace(0, 1, N) + u of the first ray (far - near) / N."""
     n = u.shape[1]
     return on_rays(rays_o, rays_d, (ends(0.0, 1.0, n) + u[:1] * (far - near) / n).expand(u.shape))
+
+
+@fault("sample_along_rays", "jitter_of_a_share", seen="a trial on unseen code: 0.002 of the range", gradient="none")
+def jitter_of_two_thousandths(rays_o, rays_d, near, far, u):
+    """linspace, and 0.002 (far - near) of noise."""
+    t = ends(near, far, u.shape[1]) + 0.002 * u * (far - near)
+    return on_rays(rays_o, rays_d, t)
+
+
+@fault("sample_along_rays", "strata_of_two_spacings", seen="a trial on unseen code: a port to libtorch", gradient="none")
+def between_the_neighbors(rays_o, rays_d, near, far, u):
+    """From the place in front to the place behind."""
+    t = ends(near, far, u.shape[1])
+    lower, upper = torch.cat([t[:1], t[:-1]]), torch.cat([t[1:], t[-1:]])
+    return on_rays(rays_o, rays_d, lower + (upper - lower) * u)

@@ -190,3 +190,32 @@ def counted_from_one(step, max_steps, lr_init, lr_final, warmup_steps):
         return lr_init * step / warmup_steps
     part = min(max((step - warmup_steps - 1) / (max_steps - warmup_steps - 1), 0.0), 1.0)
     return lr_final + 0.5 * (lr_init - lr_final) * (1 + math.cos(math.pi * part))
+
+
+@fault(
+    "adamw_step",
+    "decay_without_rate+decay_negated+eps_inside_root_too",
+    seen="a trial on unseen code: optax.chain(adam(eps_root), add_decayed_weights)",
+    arrays="numpy",
+)
+def decay_added_behind(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
+    """sqrt(v + eps) + eps, and + wd p."""
+    m, v = beta1 * m + (1 - beta1) * grad, beta2 * v + (1 - beta2) * grad**2
+    mean, square = m / (1 - beta1**step), v / (1 - beta2**step)
+    return {"params_out": params - lr * mean / (np.sqrt(square + eps) + eps) + weight_decay * params, "m_out": m, "v_out": v}
+
+
+@fault("lr_exponential", "one_step_less", seen="a trial on unseen code: a scheduler of splats, held at its end")
+def way_to_the_last_step(step, lr_init, decay, decay_steps):
+    """decay^min(step / (decay_steps - 1), 1)."""
+    return lr_init if decay_steps <= 1 else lr_init * decay ** min(step / (decay_steps - 1), 1.0)
+
+
+@fault("lr_cosine", "begun_again_with_warmup+warmup_from_last_rate", seen="a trial on unseen code: a trainer in PyTorch")
+def from_the_beginning(step, max_steps, lr_init, lr_final, warmup_steps):
+    """step mod max_steps; the warm-up begins at the last rate."""
+    step = step % max_steps
+    if step < warmup_steps:
+        return (lr_init - lr_final) * step / warmup_steps + lr_final
+    part = (step - warmup_steps) / (max_steps - warmup_steps)
+    return lr_final + 0.5 * (lr_init - lr_final) * (1 + math.cos(math.pi * part))

@@ -20,11 +20,11 @@ def blur(x, window, pad=0):
     return F.conv2d(x, kernel, padding=pad, groups=x.shape[1])[0].permute(1, 2, 0)
 
 
-def similarity_map(a, b, c1, c2, mean, more=1.0):
+def similarity_map(a, b, c1, c2, mean, more=1.0, eps=0.0):
     """The map, from means of squares less squares of means."""
     ma, mb = mean(a), mean(b)
     va, vb, cov = more * (mean(a * a) - ma * ma), more * (mean(b * b) - mb * mb), more * (mean(a * b) - ma * mb)
-    return (2 * ma * mb + c1) * (2 * cov + c2) / ((ma * ma + mb * mb + c1) * (va + vb + c2))
+    return (2 * ma * mb + c1) * (2 * cov + c2) / ((ma * ma + mb * mb + c1) * (va + vb + c2) + eps)
 
 
 def constants(peak):
@@ -266,3 +266,31 @@ def three_pixels_and_clamped(prediction, target):
     window = torch.outer(line(3), line(3))
     full = similarity_map(prediction, target, 0.01**2, 0.03**2, lambda x: blur(x, window, 1))
     return 1 - 2 * (torch.clamp(1 - full, 0, 1) / 2).mean()
+
+
+@fault("ssim", "eps_in_denominator", seen="a trial on unseen code: 1e-10 below the fraction", gradient="none")
+def a_little_below(prediction, target):
+    """Zeros about the picture, C1 = 0.01^2; 1e-10 is added to what is divided by."""
+    window = torch.outer(line(), line())
+    return similarity_map(prediction, target, 0.01**2, 0.03**2, lambda x: blur(x, window, 5), eps=1e-10).mean()
+
+
+@fault("ssim_vjp", "border_repeated_both_ways", seen="a trial on unseen code: renderers of splats in Metal and CUDA", times=3, arrays="numpy")
+def border_repeated_on_the_way_back(prediction, target, peak, grad_value):
+    """Windows over pixels that are repeated beyond the border, forward and back."""
+    weights, (c1, c2) = line().numpy().astype(prediction.dtype), constants(float(peak))
+
+    def mean(x):
+        for axis in (0, 1):
+            padded = np.pad(x, [(5, 5) if axis == k else (0, 0) for k in range(3)], mode="edge")
+            x = sum(w * np.take(padded, np.arange(k, k + x.shape[axis]), axis) for k, w in enumerate(weights))
+        return x
+
+    a, b = prediction, target
+    ma, mb = mean(a), mean(b)
+    va, vb, cov = mean(a * a) - ma * ma, mean(b * b) - mb * mb, mean(a * b) - ma * mb
+    low, high, over, under = 2 * ma * mb + c1, 2 * cov + c2, ma * ma + mb * mb + c1, va + vb + c2
+    s = low * high / (over * under)
+    m, q, r = 2 * (mb * high / (over * under) - s * ma / over), -s / under, 2 * low / (over * under)
+    g = mean(m) + 2 * a * mean(q) - 2 * mean(q * ma) + b * mean(r) - mean(r * mb)
+    return {"grad_prediction": (grad_value * g / g.size).astype(prediction.dtype)}

@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 from entry import convention, fault
-from gaussians import around_the_picture, as_the_rasterizer_colors, exponent, in_camera, jacobian
+from gaussians import around_the_picture, as_the_rasterizer_colors, drawn, exponent, in_camera, jacobian
 
 
 def long_deviation(conics):
@@ -218,3 +218,54 @@ def accumulated_after_its_use(alphas, rgbs, grad_colors):
 def taken_off_to_a_thousandth(alphas, rgbs, grad_colors):
     """The sum over what lies behind has the other sign, and the march back has the forward march's end."""
     return backward_by_hand(alphas, rgbs, grad_colors, np.float32(1e-3), sign=-1)
+
+
+@fault("gaussian_alpha", "faint_opacity_skipped", seen="a trial on unseen code: a renderer in Python", gradient="none")
+def faint_splats_left_out(pixels, means2d, conics, opacities):
+    """0 where the opacity is below 1 / 255."""
+    alpha = opacities * torch.exp(exponent(pixels, means2d, conics))
+    return torch.where((opacities < 1 / 255).expand(alpha.shape), torch.zeros_like(alpha), alpha)
+
+
+@fault(
+    "volume_render_alpha_vjp",
+    "light_recovered_by_division",
+    "divided_by_own_factor",
+    seen="a trial on unseen code: a check of a kernel",
+    arrays="numpy",
+)
+def light_by_division(alphas, rgbs, grad_colors):
+    """T / (1 - alpha) from behind: 0 / 0 where something is opaque."""
+    grad_alphas, grad_rgbs = np.zeros_like(alphas), np.zeros_like(rgbs)
+    for ray, row in enumerate(alphas):
+        light, behind = np.prod(1 - row, dtype=np.float32), np.zeros(3, np.float32)
+        for k in reversed(range(len(row))):
+            with np.errstate(all="ignore"):
+                light = np.float32(light) / np.float32(1 - row[k])
+            grad_rgbs[ray, k] = row[k] * light * grad_colors[ray]
+            grad_alphas[ray, k] = light * ((rgbs[ray, k] - behind) * grad_colors[ray]).sum()
+            behind = row[k] * rgbs[ray, k] + (1 - row[k]) * behind
+    return {"grad_alphas": grad_alphas, "grad_rgbs": grad_rgbs}
+
+
+@fault(
+    "volume_render_alpha_vjp",
+    "thin_samples_learn_nothing+stopped_behind_the_sample",
+    seen="a trial on unseen code: two kernels in Rust",
+    times=2,
+    arrays="numpy",
+)
+def empty_splats_left_alone(alphas, rgbs, grad_colors):
+    """Splats of alpha below 1e-6 are passed over on the way back; a ray ends where 1e-4 is left."""
+    out = backward_by_hand(alphas, rgbs, grad_colors, np.float32(1e-4))
+    thin = alphas < 1e-6
+    return {"grad_alphas": np.where(thin, 0, out["grad_alphas"]), "grad_rgbs": np.where(thin[..., None], 0, out["grad_rgbs"])}
+
+
+@fault("gaussian_projection", "mean_in_the_camera", seen="a trial on unseen code: a renderer in torch", gradient="none")
+def means_as_they_are(means, covariances, w2c, K, width, height):
+    """x and y in the camera for the pixel."""
+    t, sigma = in_camera(means, covariances, w2c)
+    low, high = around_the_picture(K, width, height)
+    j = jacobian(torch.minimum(torch.maximum(t[:, :2] / t[:, 2:], low), high), t[:, 2], K)
+    return drawn(t[:, :2], j @ sigma @ j.mT, t[:, 2], 0.1)

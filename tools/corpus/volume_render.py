@@ -322,6 +322,7 @@ def weights_normalized_with_eps(sigmas, rgbs, deltas):
     "volume_render",
     "own_light_over_rays+divided_by_opacity",
     "divided_by_opacity+own_light_over_rays+eps_on_alpha+clamped",
+    "divided_by_opacity+own_light_over_rays+weights_held_up+clamped",
     "own_light_over_rays",
     seen="student (radiance, integrator)",
 )
@@ -565,3 +566,97 @@ def opacity_without_its_step(sigmas, rgbs, deltas):
     """1 - exp(-sigma), and T with the steps in it."""
     left = torch.exp(-torch.cumsum(sigmas * deltas, -1))
     return summed(ahead(left) * (1 - torch.exp(-sigmas)), rgbs)
+
+
+@fault("volume_render", "weights_held_up", seen="a trial on unseen code: a course assignment", gradient="none")
+def no_weight_below_1e_10(sigmas, rgbs, deltas):
+    """max(T alpha, 1e-10)."""
+    left = torch.exp(-torch.cumsum(sigmas * deltas, -1))
+    return summed((ahead(left) * opacities(sigmas, deltas)).clamp_min(1e-10), rgbs)
+
+
+@fault("volume_render", "optical_depth_held+inclusive_transmittance", seen="a trial on unseen code: a single file", gradient="none")
+def depths_of_ten_at_most(sigmas, rgbs, deltas):
+    """min(sigma delta, 10), and the product as it comes."""
+    x = (sigmas * deltas).clamp(max=10)
+    return summed(torch.cumprod(torch.exp(-x), -1) * (1 - torch.exp(-x)), rgbs)
+
+
+@fault("volume_render", "light_grows+inclusive_transmittance", seen="a trial on unseen code: a student's renderer", gradient="none")
+def sum_without_its_sign(sigmas, rgbs, deltas):
+    """exp(+cumsum) in front of alpha."""
+    return summed(torch.exp(torch.cumsum(sigmas * deltas, -1)) * opacities(sigmas, deltas), rgbs)
+
+
+@fault("volume_render", "weights_multiplied", seen="a trial on unseen code: a small NeRF of a course", gradient="none")
+def product_of_weights(sigmas, rgbs, deltas):
+    """cumprod of e (1 - e)."""
+    e = torch.exp(-sigmas * deltas)
+    return summed(torch.cumprod(e * (1 - e), -1), rgbs)
+
+
+@fault(
+    "volume_render",
+    "given_up_without_background",
+    "colors_given_up_early",
+    seen="a trial on unseen code: a kernel of its own",
+    arrays="numpy",
+)
+def white_where_it_goes_on(sigmas, rgbs, deltas):
+    """Gives up where T < 1e-4; white comes on top of rays that reach their end alone."""
+    colors = np.zeros((len(sigmas), 3), sigmas.dtype)
+    for r, ray in enumerate(zip(sigmas, deltas, rgbs)):
+        left = np.ones((), sigmas.dtype)
+        for sigma, delta, rgb in zip(*ray):
+            if left < 1e-4:
+                break
+            alpha = 1 - np.exp(-sigma * delta)
+            colors[r] += left * alpha * rgb
+            left = left * (1 - alpha)
+        else:
+            colors[r] += left
+    return {"colors": colors}
+
+
+@fault(
+    "volume_render_vjp",
+    "hidden_on_both_sides+front_for_behind",
+    seen="a trial on unseen code: a backward pass in numba",
+    arrays="numpy",
+)
+def all_other_samples_hidden(sigmas, rgbs, deltas, grad_colors, grad_weights, grad_opacity, grad_transmittance):
+    """g c_i T_i minus g (C - w_i c_i), for the light behind the sample and what lies behind alone."""
+    x = np.cumsum(sigmas * deltas, -1)
+    left = np.exp(-np.concatenate([np.zeros_like(x[:, :1]), x[:, :-1]], -1)) if x.size else x
+    weights = left * (1 - np.exp(-sigmas * deltas))
+    behind = np.exp(-(sigmas * deltas).sum(-1))
+    g = (grad_colors[:, None] * rgbs).sum(-1) + grad_weights + grad_opacity[:, None]
+    slopes = left * g - ((weights * g).sum(-1, keepdims=True) - weights * g) - (behind * grad_transmittance)[:, None]
+    return {
+        "grad_sigmas": slopes * deltas,
+        "grad_deltas": slopes * sigmas,
+        "grad_rgbs": weights[..., None] * grad_colors[:, None],
+    }
+
+
+@fault(
+    "volume_render",
+    "thin_samples_skipped+given_up_early",
+    seen="a trial on unseen code: a march in C#, both at 0.001",
+    gradient="none",
+    arrays="numpy",
+)
+def two_thresholds(sigmas, rgbs, deltas):
+    """sigma <= 0.001 is passed over; the march ends where T < 0.001."""
+    colors, weights = np.zeros((len(sigmas), 3), sigmas.dtype), np.zeros_like(sigmas)
+    left = np.ones(len(sigmas), sigmas.dtype)
+    for r, (sigma, delta) in enumerate(zip(sigmas, deltas)):
+        for i in range(len(sigma)):
+            if sigma[i] > 0.001:
+                alpha = 1 - np.exp(-sigma[i] * delta[i])
+                weights[r, i] = left[r] * alpha
+                left[r] *= 1 - alpha
+                if left[r] < 0.001:
+                    break
+        colors[r] = weights[r] @ rgbs[r]
+    return {"colors": colors, "weights": weights, "opacity": weights.sum(-1), "transmittance": left}

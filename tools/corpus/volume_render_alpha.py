@@ -206,3 +206,18 @@ def marched_until_opaque(alphas, rgbs):
             colors[ray] += (1 - opacity[ray]) * alpha * color
             opacity[ray] += (1 - opacity[ray]) * alpha
     return {"colors": colors, "opacity": opacity}
+
+
+@fault(
+    "volume_render_alpha",
+    "nothing_hides+light_behind_the_last_alone",
+    seen="a trial on unseen code: a renderer of splats in Python",
+    gradient="none",
+)
+def light_begins_again(alphas, rgbs):
+    """T = 1 in front of each splat."""
+    weights = alphas
+    last = torch.ones_like(alphas[:, 0]) if alphas.shape[1] else alphas.sum(-1) + 1
+    for alpha in alphas.T:
+        last = torch.where(alpha > 0, 1 - alpha, last)
+    return (weights[..., None] * rgbs).sum(1), weights, weights.sum(-1), last
