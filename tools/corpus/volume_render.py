@@ -596,29 +596,6 @@ def product_of_weights(sigmas, rgbs, deltas):
 
 
 @fault(
-    "volume_render",
-    "given_up_without_background",
-    "colors_given_up_early",
-    seen="a trial on unseen code: a kernel of its own",
-    arrays="numpy",
-)
-def white_where_it_goes_on(sigmas, rgbs, deltas):
-    """Gives up where T < 1e-4; white comes on top of rays that reach their end alone."""
-    colors = np.zeros((len(sigmas), 3), sigmas.dtype)
-    for r, ray in enumerate(zip(sigmas, deltas, rgbs)):
-        left = np.ones((), sigmas.dtype)
-        for sigma, delta, rgb in zip(*ray):
-            if left < 1e-4:
-                break
-            alpha = 1 - np.exp(-sigma * delta)
-            colors[r] += left * alpha * rgb
-            left = left * (1 - alpha)
-        else:
-            colors[r] += left
-    return {"colors": colors}
-
-
-@fault(
     "volume_render_vjp",
     "hidden_on_both_sides+front_for_behind",
     seen="a trial on unseen code: a backward pass in numba",
