@@ -94,15 +94,14 @@ def through_the_rotation(g_r, q):
     return ((u.grad - u * (u * u.grad).sum(-1, keepdim=True)) / length).detach()
 
 
-def by_hand(quaternions, scales, grad_covariances, factor=lambda m: m, by_rows=False):
-    """g_M = (g + g^T) M of M = R diag(s), or of another factor; scales along rows, and the rotation's gradient on its side with them."""
+def by_hand(quaternions, scales, grad_covariances, product=torch.matmul, of_rotation=lambda g, s: g * s[:, None], axis=1):
+    """g_M = (g + g^T) M of M = R diag(s), or another product; the rotation's gradient of it, and the axis along which scales add up."""
     q, s, g = (torch.tensor(x) for x in (quaternions, scales, grad_covariances))
     r = rotation(F.normalize(q, dim=-1))
-    g_m = (g + g.mT) @ factor(r * s[:, None])
-    g_r = (g_m * s[:, :, None]).mT if by_rows else g_m * s[:, None]
+    g_m = product(g + g.mT, r * s[:, None])
     return {
-        "grad_quaternions": through_the_rotation(g_r, q).numpy(),
-        "grad_scales": (r * g_m).sum(2 if by_rows else 1).numpy(),
+        "grad_quaternions": through_the_rotation(of_rotation(g_m, s), q).numpy(),
+        "grad_scales": (r * g_m).sum(axis).numpy(),
     }
 
 
@@ -114,7 +113,7 @@ def by_hand(quaternions, scales, grad_covariances, factor=lambda m: m, by_rows=F
 )
 def the_factor_on_its_side(quaternions, scales, grad_covariances):
     """g_M = (g + g^T) M^T."""
-    return by_hand(quaternions, scales, grad_covariances, factor=lambda m: m.mT)
+    return by_hand(quaternions, scales, grad_covariances, lambda both, m: both @ m.mT)
 
 
 @fault(
@@ -125,7 +124,7 @@ def the_factor_on_its_side(quaternions, scales, grad_covariances):
 )
 def columns_taken_for_rows(quaternions, scales, grad_covariances):
     """What the rasterizer has by columns, by rows: scales along the wrong axis, and the rotation's gradient on its side."""
-    return by_hand(quaternions, scales, grad_covariances, by_rows=True)
+    return by_hand(quaternions, scales, grad_covariances, of_rotation=lambda g, s: (g * s[:, :, None]).mT, axis=2)
 
 
 def matrices(covariances):
@@ -406,10 +405,6 @@ def variances_of_three_tenths_at_least(means, covariances, w2c, K, width, height
 )
 def order_of_the_product(quaternions, scales, grad_covariances):
     """M (g + g^T) for (g + g^T) M, and the rotation's gradient scaled by rows."""
-    q, s, g = (torch.tensor(x) for x in (quaternions, scales, grad_covariances))
-    r = rotation(F.normalize(q, dim=-1))
-    g_m = (r * s[:, None]) @ (g + g.mT)
-    return {
-        "grad_quaternions": through_the_rotation(g_m * s[:, :, None], q).numpy(),
-        "grad_scales": (r * g_m).sum(1).numpy(),
-    }
+    return by_hand(
+        quaternions, scales, grad_covariances, lambda both, m: m @ both, of_rotation=lambda g, s: g * s[:, :, None]
+    )

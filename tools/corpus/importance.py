@@ -13,10 +13,11 @@ def steps(weights, padding=0.0):
     return torch.cat([torch.zeros_like(cdf[..., :1]), cdf], -1)
 
 
-def inverted(edges, cdf, u, floor=None, side=True):
-    """The places where cdf is u; differences below `floor` are taken for 1."""
+def inverted(edges, cdf, u, floor=None, side=True, most=None):
+    """The places where cdf is u; differences below `floor` are taken for 1, and no edge above is beyond `most`."""
     found = torch.searchsorted(cdf.contiguous(), u.contiguous(), right=side)
-    below, above = (found - 1).clamp(min=0), found.clamp(max=cdf.shape[-1] - 1)
+    end = cdf.shape[-1] - 1
+    below, above = (found - 1).clamp(0, end), found.clamp(max=end if most is None else min(end, most))
     low, high = torch.gather(cdf, -1, below), torch.gather(cdf, -1, above)
     first, last = torch.gather(edges, -1, below), torch.gather(edges, -1, above)
     width = high - low
@@ -191,13 +192,7 @@ def shares_with_a_little_more(edges, weights, padding, u):
 )
 def far_edge_held_by_the_samples(edges, weights, padding, u):
     """The far edge's number is M - 1 at most, where M samples are asked for."""
-    cdf = steps(weights, padding)
-    found = torch.searchsorted(cdf.contiguous(), u.contiguous(), right=True)
-    below, above = (found - 1).clamp(min=0), found.clamp(max=u.shape[-1] - 1)
-    low, high = torch.gather(cdf, -1, below), torch.gather(cdf, -1, above)
-    first, last = torch.gather(edges, -1, below), torch.gather(edges, -1, above)
-    width = torch.where(high == low, torch.ones_like(low), high - low)
-    return first + (u - low) / width * (last - first)
+    return inverted(edges, steps(weights, padding), u, most=u.shape[-1] - 1)
 
 
 @fault("importance_sampling", "weights_blurred", seen="google/mipnerf resample_along_rays, where its blur isn't asked", times=2, gradient="none")
@@ -279,11 +274,4 @@ def lines_over_bins(edges, weights, u):
 @fault("importance_sampling", "upper_edge_held_at_sample_count", seen="a trial on unseen code: a student's sampler", gradient="none")
 def far_edge_held_at_the_count(edges, weights, padding, u):
     """min(index, M)."""
-    cdf = steps(weights, padding)
-    found = torch.searchsorted(cdf.contiguous(), u.contiguous(), right=True)
-    below, above = (found - 1).clamp(min=0), found.clamp(max=min(cdf.shape[-1] - 1, u.shape[-1]))
-    below = below.clamp(max=cdf.shape[-1] - 1)
-    low, high = torch.gather(cdf, -1, below), torch.gather(cdf, -1, above)
-    first, last = torch.gather(edges, -1, below), torch.gather(edges, -1, above)
-    width = torch.where(high - low == 0, torch.ones_like(low), high - low)
-    return first + (u - low) / width * (last - first)
+    return inverted(edges, steps(weights, padding), u, most=u.shape[-1])

@@ -265,7 +265,5 @@ def empty_splats_left_alone(alphas, rgbs, grad_colors):
 @fault("gaussian_projection", "mean_in_the_camera", seen="a trial on unseen code: a renderer in torch", gradient="none")
 def means_as_they_are(means, covariances, w2c, K, width, height):
     """x and y in the camera for the pixel."""
-    t, sigma = in_camera(means, covariances, w2c)
-    low, high = around_the_picture(K, width, height)
-    j = jacobian(torch.minimum(torch.maximum(t[:, :2] / t[:, 2:], low), high), t[:, 2], K)
-    return drawn(t[:, :2], j @ sigma @ j.mT, t[:, 2], 0.1)
+    _, depths, cov = flat(means, covariances, w2c, K, width, height)
+    return drawn(in_camera(means, covariances, w2c)[0][:, :2], cov, depths, 0.1)
