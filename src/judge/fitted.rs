@@ -10,7 +10,7 @@ use super::assignment::small_cases;
 use super::evidence::{Suspect, explains_all, forward_is_the_same, shows, usable};
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
-use super::mark::MarkOptions;
+use super::mark::{MarkOptions, largest_of};
 use super::stepwise;
 use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
@@ -108,7 +108,7 @@ fn between(name: &str, given: &Given, tried: &[Arrays]) -> bool {
     if tried.iter().any(|all| all[name].shape() != first.shape()) {
         return true;
     }
-    let size = got.iter().filter(|g| g.is_finite()).fold(0.0, |max: f64, g| max.max(g.abs()));
+    let size = largest_of(&got);
     let mut low = first.clone();
     let mut high = first.clone();
     for all in tried {

@@ -8,7 +8,7 @@ use ndarray::ArrayD;
 use super::answer::{Answer, reshaped};
 use super::each::rounded;
 use super::exam::Question;
-use super::mark::{MarkOptions, Scale, within};
+use super::mark::{MarkOptions, Scale, largest_of, within};
 use super::numeric;
 use super::slip::Slip;
 use crate::contract::arithmetic::{Dtype, Grade};
@@ -100,7 +100,7 @@ impl Hypothesis {
             return made(&self.mistakes);
         }
         let mut numbers = self.fitted.iter();
-        let say = |name: &&'static str| match numbers_of(question, name).and_then(|_| numbers.next()) {
+        let say = |name: &&'static str| match number_of(question, name).and_then(|_| numbers.next()) {
             Some(number) => format!("{name}={number}"),
             None => name.to_string(),
         };
@@ -172,7 +172,8 @@ impl Hypothesis {
             let mut bound = w.mapv(|w| roundings * u * w.abs().max(least) + options.dtype.smallest_normal());
             let least = if fractions(name) { largest } else { 0.0 };
             // What comes out larger has rounded larger numbers.
-            let larger = (size(w) / truth.get(name).map_or(f64::INFINITY, size)).clamp(1.0, LARGER);
+            let larger =
+                (largest_of(w) / truth.get(name).map_or(f64::INFINITY, largest_of)).clamp(1.0, LARGER);
             match right.get(name) {
                 Some(right) if right.shape() == w.shape() => {
                     bound.zip_mut_with(right, |b, right| *b += generous * (larger * right).max(least));
@@ -326,13 +327,8 @@ impl Hypothesis {
 /// How many times larger than right answers wrong ones may be so that rounding costs them so much more.
 const LARGER: f64 = 64.0;
 
-/// The largest of an array's numbers.
-fn size(array: &ArrayD<f64>) -> f64 {
-    array.iter().filter(|x| x.is_finite()).fold(0.0, |max: f64, x| max.max(x.abs()))
-}
-
-/// What a mistake of a row has for a number, if it has one.
-fn numbers_of(question: &Question, name: &str) -> Option<Number> {
+/// The number of a row's mistake, if it has one.
+pub(super) fn number_of(question: &Question, name: &str) -> Option<Number> {
     question.component.mistakes.iter().find(|m| m.name == name).and_then(|m| m.number)
 }
 

@@ -275,6 +275,11 @@ pub(super) fn within(
 const FAR: f64 = 1024.0;
 const PART: f64 = 1.0 / 64.0;
 
+/// The largest of an array's numbers, of either sign.
+pub(super) fn largest_of(array: &ArrayD<f64>) -> f64 {
+    array.iter().filter(|x| x.is_finite()).fold(0.0, |max, x| max.max(x.abs()))
+}
+
 /// What is far off.
 pub(super) struct Scale {
     /// The truth in the contract's own conventions, whose bound says how much arithmetic costs there; nothing where the questions have the
@@ -292,14 +297,11 @@ impl Scale {
 
     /// Whether most elements of an output are far off. One alone may be across a threshold.
     fn far_off(&self, got: &Arrays, expected: &Arrays) -> bool {
-        let largest = |array: &ArrayD<f64>| {
-            array.iter().filter(|x| x.is_finite()).fold(0.0, |max: f64, x| max.max(x.abs()))
-        };
         got.iter().any(|(name, got)| {
             let expected = &expected[name];
-            let size = largest(expected);
+            let size = largest_of(expected);
             let bound = self.truth.bound.get(name);
-            let far = bound.map_or(0.25 * size, |bound| self.part * size + FAR * largest(bound)) + 1e-9;
+            let far = bound.map_or(0.25 * size, |bound| self.part * size + FAR * largest_of(bound)) + 1e-9;
             // What overflows a type is infinite there.
             let beyond = |g: f64, e: f64| g.is_infinite() && e.abs() > f64::from(f32::MAX) / 4.0;
             let near =

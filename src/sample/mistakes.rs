@@ -75,13 +75,12 @@ fn wrong_positions(a: &Arrays, r: usize, c: &Conventions, wrong: &[&str]) -> Vec
 fn rearranged(mut t: Vec<f64>, [near, far]: [f64; 2], u: &[f64], wrong: &[&str]) -> Vec<f64> {
     let has = |name: &str| wrong.contains(&name);
     let n = t.len();
+    let place = |i: usize| near + (far - near) * i as f64 / (n.max(2) - 1) as f64;
     if has("lower_halves_alone") {
-        let place = |i: usize| near + (far - near) * i as f64 / (n.max(2) - 1) as f64;
         let lower = |i: usize| if i == 0 { near } else { 0.5 * (place(i - 1) + place(i)) };
         t = (0..n).map(|i| lower(i) + u[i] * (place(i) - lower(i))).collect();
     }
     if has("strata_of_two_spacings") {
-        let place = |i: usize| near + (far - near) * i as f64 / (n.max(2) - 1) as f64;
         let ends = |i: usize| [place(i.saturating_sub(1)), place((i + 1).min(n - 1))];
         t = (0..n).map(|i| ends(i)[0] + u[i] * (ends(i)[1] - ends(i)[0])).collect();
     }

@@ -223,6 +223,14 @@ pub(crate) fn ssim(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     })
 }
 
+/// How a window's similarity changes with the prediction's mean and variance, and with the covariance.
+fn slopes(m: &Moments, peak: f64, unbiased: f64) -> [f64; 3] {
+    let [luminance, over, structure, under] = m.parts(peak);
+    let similarity = luminance * structure / (over * under);
+    let of_mean = 2.0 * (m.mean_b * structure / (over * under) - similarity * m.mean_a / over);
+    [of_mean, -unbiased * similarity / under, 2.0 * unbiased * luminance / (over * under)]
+}
+
 /// The gradient by windows: of means, of the rest, or to the pixel in the middle alone.
 fn wrong_gradient(
     p: ArrayView3<f64>,
@@ -237,16 +245,12 @@ fn wrong_gradient(
     let each = g / windows.places().len() as f64;
     for place in windows.places() {
         let m = windows.moments(place);
-        let [luminance, over, structure, under] = m.parts(peak);
-        let similarity = luminance * structure / (over * under);
-        let of_mean = 2.0 * (m.mean_b * structure / (over * under) - similarity * m.mean_a / over);
-        let of_cov = 2.0 * windows.unbiased * luminance / (over * under);
-        let of_var = -2.0 * windows.unbiased * similarity / under;
+        let [of_mean, of_var, of_cov] = slopes(&m, peak, windows.unbiased);
         let pixels = windows.pixels(place);
         for (n, (weight, at)) in pixels.iter().enumerate() {
             let Some(at) = *at else { continue };
             let spread =
-                of_cov * (value(&t, Some(at)) - m.mean_b) + of_var * (value(&p, Some(at)) - m.mean_a);
+                of_cov * (value(&t, Some(at)) - m.mean_b) + 2.0 * of_var * (value(&p, Some(at)) - m.mean_a);
             gradient[at] += each
                 * match wrong {
                     "means_held" => weight * spread,
@@ -267,10 +271,7 @@ fn repeated(p: ArrayView3<f64>, t: ArrayView3<f64>, peak: f64, form: Form, g: f6
     let mut maps: [Array3<f64>; 5] = std::array::from_fn(|_| Array3::zeros(p.dim()));
     for &place in &places {
         let m = windows.moments(place);
-        let [luminance, over, structure, under] = m.parts(peak);
-        let similarity = luminance * structure / (over * under);
-        let of_mean = 2.0 * (m.mean_b * structure / (over * under) - similarity * m.mean_a / over);
-        let (of_var, of_cov) = (-similarity / under, 2.0 * luminance / (over * under));
+        let [of_mean, of_var, of_cov] = slopes(&m, peak, windows.unbiased);
         let all = [of_mean, of_var, of_var * m.mean_a, of_cov, of_cov * m.mean_b];
         maps.iter_mut().zip(all).for_each(|(map, x)| map[place] = x);
     }

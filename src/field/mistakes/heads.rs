@@ -5,7 +5,7 @@ use crate::convention::Density;
 use crate::field::{density, sigmoid, softplus};
 use crate::math::{exp, expm1};
 
-/// Written with what is here.
+/// The hyperbolic tangent.
 pub(super) fn tanh(z: f64) -> f64 {
     2.0 * sigmoid(2.0 * z) - 1.0
 }
@@ -39,8 +39,7 @@ pub(super) fn wrong_density(z: f64, activation: Density, wrong: &[&str]) -> f64 
         () if wrong.contains(&"sigmoid_density") => sigmoid(z),
         () if wrong.contains(&"size_as_density") => z.abs(),
         () if wrong.contains(&"squared_density") => z * z,
-        () if z < 0.0 && wrong.contains(&"exponential_linear_density") => expm1(z),
-        () if wrong.contains(&"exponential_linear_density") => z,
+        () if wrong.contains(&"exponential_linear_density") => z.max(expm1(z.min(0.0))),
         () => match LEAKY_DENSITY.among(wrong) {
             Some(k) if z < 0.0 => k * z,
             Some(_) => z,

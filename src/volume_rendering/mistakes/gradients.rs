@@ -40,9 +40,9 @@ fn wrong_slopes(
     let eps = c.product_eps.value();
     let slope = |i: usize| {
         let seen = if has("hidden_in_front") { &weighed[..i] } else { &weighed[i + 1..] };
-        let more = if has("own_weight_hidden_too") { weighed[i] } else { 0.0 };
+        let itself = if has("own_weight_hidden_too") { weighed[i] } else { 0.0 };
         let front = if has("hidden_on_both_sides") { weighed[..i].iter().sum() } else { 0.0 };
-        let sum = seen.iter().sum::<f64>() + more + front;
+        let sum = seen.iter().sum::<f64>() + itself + front;
         let behind = if has("hidden_added") { light - sum } else { light + sum };
         let through = exp(-depths[i]);
         // What is added inside of the product isn't seen through the sample.
