@@ -191,6 +191,9 @@ pub struct Conventions {
     /// The least compensation of a dilated splat.
     #[serde(default)]
     pub compensation_floor: CompensationFloor,
+    /// What a projection says of a splat beside the picture.
+    #[serde(default)]
+    pub splat_culling: SplatCulling,
     /// What becomes of splats that grow with the distance.
     #[serde(default)]
     pub positive_power: PositivePower,

@@ -91,6 +91,7 @@ CS180 = {
     "splat_clamp_gradient": "through",
     "radius_floor": "0.1",
     "compensation_floor": "none",
+    "splat_culling": "kept",
     "positive_power": "kept",
     "cap_gradient": "stopped",
     "conic_gradient": "number",

@@ -135,7 +135,7 @@ def gaussian_projection(a, c, wrong):
     x, y, z = three(after).T
     dets = [m[:, 0, 0] * m[:, 1, 1] - m[:, 0, 1] * m[:, 0, 1] for m in (before, after)]
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.maximum(dets[0] / dets[1], 0)
+        ratio = np.maximum(np.divide(*held_up(dets, c)), 0)
         sign = 1 if "conic_sign" in wrong else -1
         ends = (x, z) if "conic_not_swapped" in wrong else (z, x)
         conic = np.stack([ends[0], sign * y, ends[1]], -1) / dets[1][:, None]
@@ -144,7 +144,7 @@ def gaussian_projection(a, c, wrong):
     larger = (x + z) / 2 + (-apart if "radius_of_the_short_axis" in wrong else apart)
     floor = kind(0.005 if c["compensation_floor"] == "0.005" else 0)
     seen = held if "mean_clamped_too" in wrong else slopes
-    return {
+    found = {
         "means2d": seen * focal + a["K"][:2, 2] - kind(0.5 if c["splat_center"] == "integer" else 0),
         "covariances2d": three(after),
         "conics": conic,
@@ -152,6 +152,20 @@ def gaussian_projection(a, c, wrong):
         "radii": np.ceil(3 * (larger if "radius_of_variance" in wrong else np.sqrt(np.maximum(larger, 0)))),
         "compensations": np.maximum(ratio if "compensation_squared" in wrong else np.sqrt(ratio), floor),
     }
+    kept = not_culled(found["means2d"], found["radii"], a, c)
+    return {name: np.where(kept[:, None] if each.ndim == 2 else kept, each, 0) for name, each in found.items()}
+
+
+def held_up(dets, c):
+    """Determinants, at least their floor."""
+    floor = c["compensation_floor"]
+    return [np.maximum(det, det.dtype.type(float(floor[13:]))) for det in dets] if floor.startswith("determinants_") else dets
+
+
+def not_culled(means, radii, a, c):
+    """Whether a splat's circle reaches into the picture, where others are culled."""
+    sizes, reach = np.array([a["width"], a["height"]]), radii[:, None]
+    return ((means + reach > 0) & (means - reach < sizes)).all(1) | (c["splat_culling"] == "kept")
 
 
 def gaussian_projection_vjp(a, c, wrong):
@@ -173,14 +187,16 @@ def gaussian_projection_vjp(a, c, wrong):
 
     inverse = adjugate(after) / dets[1][:, None, None]
     g = symmetric(a["grad_covariances2d"]) - inverse @ symmetric(a["grad_conics"]) @ inverse
-    ratio = np.maximum(dets[0] / dets[1], 0)
+    up = held_up(dets, c)
+    ratio = np.maximum(up[0] / up[1], 0)
     root = np.sqrt(ratio)
     learns = root > kind(0.005 if c["compensation_floor"] == "0.005" else 0)
     if "compensation_not_differentiated" not in wrong:
         with np.errstate(divide="ignore", invalid="ignore"):
             g_ratio = np.where(learns, a["grad_compensations"] / (2 * root), 0)
-        of_dets = g_ratio / dets[1]
-        g = g + of_dets[:, None, None] * adjugate(before) - (of_dets * ratio)[:, None, None] * adjugate(after)
+        # What is held up doesn't learn.
+        of_dets = [np.where(own == at_least, g_ratio / up[1], 0) for own, at_least in zip(dets, up)]
+        g = g + of_dets[0][:, None, None] * adjugate(before) - (of_dets[1] * ratio)[:, None, None] * adjugate(after)
     g_sigma = turn.T @ (j.transpose(0, 2, 1) @ g @ j) @ turn
     g_six = np.stack([g_sigma[:, n, m] + (g_sigma[:, m, n] if n != m else 0) for n, m in PAIRS], -1)
     if "off_diagonal_once" in wrong:
@@ -199,7 +215,9 @@ def gaussian_projection_vjp(a, c, wrong):
     g_t = np.concatenate([g_place, (a["grad_depths"] - (g_place * slopes).sum(1))[:, None]], 1)
     if "jacobian_held" not in wrong:
         g_t = g_t + g_shape
-    return {"grad_means": g_t if "gradient_not_turned_back" in wrong else g_t @ turn, "grad_covariances": g_six}
+    g_means = g_t if "gradient_not_turned_back" in wrong else g_t @ turn
+    kept = gaussian_projection(a, c, [])["radii"][:, None] > 0
+    return {"grad_means": np.where(kept, g_means, 0), "grad_covariances": np.where(kept, g_six, 0)}
 
 
 def at_pixels(a, c, wrong):

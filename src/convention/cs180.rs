@@ -58,6 +58,7 @@ pub const CS180: Conventions = Conventions {
     splat_clamp_gradient: SplatClampGradient::Through,
     radius_floor: RadiusFloor::Tenth,
     compensation_floor: CompensationFloor::None,
+    splat_culling: SplatCulling::Kept,
     positive_power: PositivePower::Kept,
     cap_gradient: CapGradient::Stopped,
     conic_gradient: ConicGradient::Number,

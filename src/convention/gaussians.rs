@@ -119,6 +119,17 @@ impl RadiusFloor {
     }
 }
 
+/// What a projection says of a splat whose circle misses the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SplatCulling {
+    /// What it says of any other.
+    #[default]
+    Kept,
+    /// Zeros, a radius of 0 among them (3D Gaussian splatting, gsplat).
+    Zero,
+}
+
 /// The least factor by which a splat becomes fainter as it is dilated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum CompensationFloor {
@@ -129,14 +140,29 @@ pub enum CompensationFloor {
     /// 0.005: the root of 0.000025 (3D Gaussian splatting).
     #[serde(rename = "0.005")]
     FiveThousandths,
+    /// 1e-6 of both determinants, in pixels to the fourth (Gaussian opacity fields, RaDe-GS).
+    #[serde(rename = "determinants_1e-6")]
+    Millionth,
+    /// 1e-12 of both.
+    #[serde(rename = "determinants_1e-12")]
+    Trillionth,
 }
 
 impl CompensationFloor {
-    /// The number.
+    /// The least factor.
     pub fn value(self) -> f64 {
         match self {
-            CompensationFloor::None => 0.0,
             CompensationFloor::FiveThousandths => 0.005,
+            _ => 0.0,
+        }
+    }
+
+    /// The least determinant; below 0 where none is held up.
+    pub fn determinant(self) -> f64 {
+        match self {
+            CompensationFloor::Millionth => 1e-6,
+            CompensationFloor::Trillionth => 1e-12,
+            _ => f64::NEG_INFINITY,
         }
     }
 }

@@ -14,6 +14,7 @@ pub(crate) fn form(c: &Conventions) -> Form {
         clamp_gradient: c.splat_clamp_gradient,
         radius: c.radius_floor,
         compensation: c.compensation_floor,
+        culling: c.splat_culling,
     }
 }
 
@@ -29,11 +30,14 @@ pub(crate) fn view(a: &Arrays) -> View {
     }
 }
 
-/// `f(mean, covariance)` of each Gaussian, as the outputs.
-pub(crate) fn forward(a: &Arrays, f: impl Fn([f64; 3], [f64; 6]) -> Splat) -> Arrays {
-    let means = threes(a, "means").into_iter();
-    let splats: Vec<Splat> =
-        means.zip(groups::<6>(a, "covariances")).map(|(mean, sigma)| f(mean, sigma)).collect();
+/// `f(mean, covariance)` of each Gaussian that isn't culled, as the outputs.
+pub(crate) fn forward(a: &Arrays, c: &Conventions, f: impl Fn([f64; 3], [f64; 6]) -> Splat) -> Arrays {
+    let (means, view) = (threes(a, "means").into_iter(), view(a));
+    let one = |(mean, sigma)| match project(mean, sigma, &view, form(c)) {
+        Splat::NOWHERE => Splat::NOWHERE,
+        _ => f(mean, sigma),
+    };
+    let splats: Vec<Splat> = means.zip(groups::<6>(a, "covariances")).map(one).collect();
     let n = splats.len();
     let each = |read: fn(&Splat) -> f64| array(&[n], splats.iter().map(read).collect());
     arrays([
@@ -46,8 +50,12 @@ pub(crate) fn forward(a: &Arrays, f: impl Fn([f64; 3], [f64; 6]) -> Splat) -> Ar
     ])
 }
 
-/// `f(mean, covariance, cotangent)` of each Gaussian, as the gradients.
-pub(crate) fn vjp(a: &Arrays, f: impl Fn([f64; 3], [f64; 6], &Splat) -> ([f64; 3], [f64; 6])) -> Arrays {
+/// `f(mean, covariance, cotangent)` of each Gaussian that isn't culled, as the gradients.
+pub(crate) fn vjp(
+    a: &Arrays,
+    c: &Conventions,
+    f: impl Fn([f64; 3], [f64; 6], &Splat) -> ([f64; 3], [f64; 6]),
+) -> Arrays {
     let (means, sigmas) = (threes(a, "means"), groups::<6>(a, "covariances"));
     let (g_mean, g_depth) = (twos(a, "grad_means2d"), values(a, "grad_depths"));
     let (g_covariance, g_conic) = (threes(a, "grad_covariances2d"), threes(a, "grad_conics"));
@@ -60,7 +68,11 @@ pub(crate) fn vjp(a: &Arrays, f: impl Fn([f64; 3], [f64; 6], &Splat) -> ([f64; 3
         radius: 0.0,
         compensation: g_compensation[n],
     };
-    let one = |n: usize| f(means[n], sigmas[n], &cotangent(n));
+    let view = view(a);
+    let one = |n: usize| match project(means[n], sigmas[n], &view, form(c)) {
+        Splat::NOWHERE => ([0.0; 3], [0.0; 6]),
+        _ => f(means[n], sigmas[n], &cotangent(n)),
+    };
     let (g_means, g_sigmas): (Vec<_>, Vec<_>) = (0..means.len()).map(one).unzip();
     arrays([
         ("grad_means", array(&[g_means.len(), 3], g_means.concat())),
@@ -69,9 +81,9 @@ pub(crate) fn vjp(a: &Arrays, f: impl Fn([f64; 3], [f64; 6], &Splat) -> ([f64; 3
 }
 
 pub(super) fn projection(a: &Arrays, c: &Conventions) -> Arrays {
-    forward(a, |mean, sigma| project(mean, sigma, &view(a), form(c)))
+    forward(a, c, |mean, sigma| project(mean, sigma, &view(a), form(c)))
 }
 
 pub(super) fn projection_vjp(a: &Arrays, c: &Conventions) -> Arrays {
-    vjp(a, |mean, sigma, g| backward::project(mean, sigma, &view(a), form(c), g))
+    vjp(a, c, |mean, sigma, g| backward::project(mean, sigma, &view(a), form(c), g))
 }

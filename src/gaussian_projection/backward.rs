@@ -15,11 +15,15 @@ use crate::convention::SplatClampGradient;
 ///
 /// # Convention
 /// A clamped slope has no gradient of its own; the mean's depth still scales the splat. [`SplatClampGradient::Held`] differentiates J as
-/// if t_x, not t_x/t_z, were held. Where the compensation is 0 or at its floor, its gradient is 0.
+/// if t_x, not t_x/t_z, were held. Where the compensation is 0 or at its floor, its gradient is 0; a determinant at its floor has none.
+/// Neither has a splat that was culled.
 pub fn project(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, g: &Splat) -> ([f64; 3], [f64; 6]) {
-    let t = in_camera(mean, view);
+    let (t, splat) = (in_camera(mean, view), super::project(mean, sigma, view, form));
+    if splat == Splat::NOWHERE {
+        return ([0.0; 3], [0.0; 6]);
+    }
     let [p, q] = transform(t, view, form);
-    let g_covariance = of_covariance(&super::project(mean, sigma, view, form), form, g);
+    let g_covariance = of_covariance(&splat, form, g);
     let mut g_t = of_jacobian(t, jacobian_gradient([p, q], sigma, g_covariance, view), view, form);
     g_t[0] += view.k.fx / t[2] * g.mean[0];
     g_t[1] += view.k.fy / t[2] * g.mean[1];
@@ -40,9 +44,11 @@ pub(super) fn of_covariance(splat: &Splat, form: Form, g: &Splat) -> [f64; 3] {
     ];
     if splat.compensation > form.compensation.value() {
         // Of the determinants before and after the dilation.
-        let det = a * c - b * b;
-        let before = g.compensation / (2.0 * splat.compensation * det);
-        let after = before * splat.compensation * splat.compensation;
+        let (det, least) = (a * c - b * b, form.compensation.determinant());
+        let learns = |det: f64| if det > least { 1.0 } else { 0.0 };
+        let ratio = g.compensation / (2.0 * splat.compensation * det.max(least));
+        let before = learns((a - h) * (c - h) - b * b) * ratio;
+        let after = learns(det) * ratio * splat.compensation * splat.compensation;
         sum[0] += before * (c - h) - after * c;
         sum[1] -= 2.0 * b * (before - after);
         sum[2] += before * (a - h) - after * a;

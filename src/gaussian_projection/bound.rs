@@ -32,7 +32,7 @@ fn errors(results: &Results<Bounded>) -> Splat {
 /// Bound of [`super::project`].
 pub(crate) fn projection(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (view, form) = (view(a), form(c));
-    forward(a, |mean, sigma| {
+    forward(a, c, |mean, sigma| {
         let one = |way| errors(&Projected::new(m, mean, sigma, &view, form, way).results());
         let larger = |a: Splat, b: Splat| Splat {
             mean: widest(a.mean, b.mean),
@@ -49,7 +49,7 @@ pub(crate) fn projection(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays 
 /// Bound of [`super::backward::project`].
 pub(crate) fn projection_vjp(a: &Arrays, c: &Conventions, m: &Arithmetic) -> Arrays {
     let (view, form) = (view(a), form(c));
-    vjp(a, |mean, sigma, g| {
+    vjp(a, c, |mean, sigma, g| {
         (0..WAYS).fold(([0.0; 3], [0.0; 6]), |all, way| {
             let (g_mean, g_sigma) = Projected::new(m, mean, sigma, &view, form, way).gradients(g);
             (widest(all.0, g_mean.map(|x| x.e)), widest(all.1, g_sigma.map(|x| x.e)))

@@ -35,6 +35,7 @@ pub(crate) const GAUSSIAN_PROJECTION: Component = Component {
         "splat_clamp_gradient",
         "radius_floor",
         "compensation_floor",
+        "splat_culling",
     ],
     forward: Direction {
         oracle: arrays::projection,
@@ -52,12 +53,12 @@ pub(crate) const GAUSSIAN_PROJECTION: Component = Component {
     mistakes: mistakes::GAUSSIAN_PROJECTION,
     special: Special {
         reads: &[
-            ("means2d", &["splat_center"]),
-            ("covariances2d", &["splat_dilation", "splat_clamp"]),
-            ("conics", &["splat_dilation", "splat_clamp"]),
-            ("depths", &[]),
-            ("radii", &["splat_dilation", "splat_clamp", "radius_floor"]),
-            ("compensations", &["splat_dilation", "splat_clamp", "compensation_floor"]),
+            ("means2d", &["splat_center", "splat_culling"]),
+            ("covariances2d", &["splat_dilation", "splat_clamp", "splat_culling"]),
+            ("conics", &["splat_dilation", "splat_clamp", "splat_culling"]),
+            ("depths", &["splat_culling"]),
+            ("radii", &["splat_dilation", "splat_clamp", "radius_floor", "splat_culling"]),
+            ("compensations", &["splat_dilation", "splat_clamp", "compensation_floor", "splat_culling"]),
         ],
         large: cases::large,
         ..Special::NONE

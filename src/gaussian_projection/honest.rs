@@ -163,9 +163,21 @@ impl<'a, O: Operations> Projected<'a, O> {
 
     /// sqrt(det before / det after), at least the floor.
     fn compensation(&self) -> O::Number {
-        let (o, [before, after]) = (self.o, self.dets);
+        let (o, [before, after]) = (self.o, self.held_up());
         let floor = o.hyper(self.form.compensation.value());
         o.max(o.sqrt(o.max(o.div(before, after), o.exact(0.0))), floor)
+    }
+
+    /// The determinants, at least their floor.
+    fn held_up(&self) -> [O::Number; 2] {
+        let least = self.form.compensation.determinant();
+        self.dets.map(|det| if least > 0.0 { self.o.max(det, self.o.hyper(least)) } else { det })
+    }
+
+    /// `x` where this determinant isn't at its floor.
+    fn learns(&self, det: O::Number, x: O::Number) -> O::Number {
+        let least = self.form.compensation.determinant();
+        if least > 0.0 { self.o.above(det, self.o.hyper(least), x) } else { x }
     }
 
     /// Three deviations along the long axis.
@@ -221,14 +233,15 @@ impl<'a, O: Operations> Projected<'a, O> {
 
     /// Gradient of the covariance with its dilation.
     fn of_covariance(&self, g: &Splat) -> [O::Number; 3] {
-        let (o, [a, b, c], [before, after]) = (self.o, self.after, self.dets);
+        let (o, [a, b, c], [before, after]) = (self.o, self.after, self.held_up());
         let conic = self.of_conic(g.conic.map(|g| o.exact(g)));
         let ratio = o.div(before, after);
         let compensation = self.compensation();
         let g_ratio = o.div(o.exact(g.compensation), o.times(2.0, compensation));
         let floor = o.hyper(self.form.compensation.value());
-        let g_before = o.above(compensation, floor, o.div(g_ratio, after));
-        let g_after = o.mul(ratio, g_before);
+        let g_held = o.above(compensation, floor, o.div(g_ratio, after));
+        let (g_before, g_after) =
+            (self.learns(self.dets[0], g_held), self.learns(self.dets[1], o.mul(ratio, g_held)));
         let of_dets = |x: usize, y: O::Number| o.sub(o.mul(g_before, self.before[x]), o.mul(g_after, y));
         let cross = o.times(-2.0, o.mul(b, o.sub(g_before, g_after)));
         let own = g.covariance.map(|g| o.exact(g));
@@ -351,7 +364,7 @@ fn way(m: &Machine) -> u64 {
 
 /// Projections.
 pub(crate) fn projection(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    forward(a, |mean, sigma| {
+    forward(a, c, |mean, sigma| {
         let results = Projected::new(m, mean, sigma, &view(a), form(c), way(m)).results();
         Splat {
             mean: results.mean,
@@ -366,5 +379,5 @@ pub(crate) fn projection(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
 
 /// Their gradients.
 pub(crate) fn projection_vjp(a: &Arrays, c: &Conventions, m: &Machine) -> Arrays {
-    vjp(a, |mean, sigma, g| Projected::new(m, mean, sigma, &view(a), form(c), way(m)).gradients(g))
+    vjp(a, c, |mean, sigma, g| Projected::new(m, mean, sigma, &view(a), form(c), way(m)).gradients(g))
 }

@@ -121,7 +121,8 @@ fn wrong_splat(
     let [a, b, c] =
         if has("held_up_by_the_dilation") { [held(before[0]), b, held(before[2])] } else { [a, b, c] };
     let det = a * c - b * b;
-    let ratio = ((before[0] * before[2] - before[1] * before[1]) / det).max(0.0);
+    let least = form.compensation.determinant();
+    let ratio = ((before[0] * before[2] - before[1] * before[1]).max(least) / det.max(least)).max(0.0);
     let apart = (0.25 * (a - c) * (a - c) + b * b).max(form.radius.value()).sqrt();
     let lambda = 0.5 * (a + c) + if has("radius_of_the_short_axis") { -apart } else { apart };
     let mut deviation = match () {
@@ -197,7 +198,7 @@ pub(crate) fn projection(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     let (view, form) = (view(a), form(c));
     let depths: Vec<f64> = threes(a, "means").into_iter().map(|mean| in_camera(mean, &view)[2]).collect();
     let middle = depths.iter().sum::<f64>() / depths.len() as f64;
-    forward(a, |mean, sigma| match wrong {
+    forward(a, c, |mean, sigma| match wrong {
         [] => project(mean, sigma, &view, form),
         wrong => wrong_splat(mean, sigma, &view, middle, form, wrong),
     })
@@ -212,7 +213,7 @@ fn in_axes(sigma: [f64; 6], view: &View) -> [f64; 6] {
 /// Their gradients.
 pub(crate) fn projection_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (view, form) = (view(a), form(c));
-    vjp(a, |mean, sigma, g| match wrong {
+    vjp(a, c, |mean, sigma, g| match wrong {
         [] => backward::project(mean, sigma, &view, form, g),
         wrong => hand_written(mean, sigma, &view, form, g, wrong),
     })

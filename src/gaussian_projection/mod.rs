@@ -6,7 +6,7 @@
 
 use crate::camera::Intrinsics;
 use crate::convention::{
-    CompensationFloor, RadiusFloor, SplatCenter, SplatClamp, SplatClampGradient, SplatDilation,
+    CompensationFloor, RadiusFloor, SplatCenter, SplatClamp, SplatClampGradient, SplatCulling, SplatDilation,
 };
 
 pub(crate) mod arrays;
@@ -53,6 +53,8 @@ pub struct Form {
     pub radius: RadiusFloor,
     /// The least compensation.
     pub compensation: CompensationFloor,
+    /// What is said of a splat beside the picture.
+    pub culling: SplatCulling,
 }
 
 /// A Gaussian in a picture.
@@ -72,6 +74,23 @@ pub struct Splat {
     pub compensation: f64,
 }
 
+impl Splat {
+    /// What is said of a splat that was culled.
+    pub const NOWHERE: Splat = Splat {
+        mean: [0.0; 2],
+        covariance: [0.0; 3],
+        conic: [0.0; 3],
+        depth: 0.0,
+        radius: 0.0,
+        compensation: 0.0,
+    };
+
+    /// Whether its circle reaches into a picture of this width and height.
+    pub fn touches(&self, size: [f64; 2]) -> bool {
+        (0..2).all(|n| self.mean[n] + self.radius > 0.0 && self.mean[n] - self.radius < size[n])
+    }
+}
+
 /// The projected Gaussian: t = R mean + translation, (fx t_x/t_z + cx, fy t_y/t_z + cy), T Sigma T^T + h, its inverse
 /// (c, -b, a) / (a c - b^2), depth t_z, radius ceil(3 sqrt(lambda)) with the larger eigenvalue lambda, compensation
 /// sqrt(det before / det after the dilation).
@@ -84,7 +103,8 @@ pub struct Splat {
 ///
 /// # Convention
 /// Means lie in front of the camera (t_z > 0): what is culled is the caller's. In J t_x/t_z is clamped, lest a splat beside the camera
-/// fill the picture; the mean in the picture isn't. `form` says where, and the rest.
+/// fill the picture; the mean in the picture isn't. `form` says where, and the rest. [`SplatCulling::Zero`] says
+/// [`Splat::NOWHERE`] of a splat whose circle misses the picture; its gradient is 0.
 ///
 /// ```
 /// use nerf_oracle::camera::Intrinsics;
@@ -108,18 +128,20 @@ pub fn project(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form) -> Spla
     let (before, h) =
         ([quadratic(p, sigma, p), quadratic(p, sigma, q), quadratic(q, sigma, q)], form.dilation.value());
     let [a, b, c] = [before[0] + h, before[1], before[2] + h];
-    let det = a * c - b * b;
-    let ratio = (before[0] * before[2] - b * b) / det;
+    let (det, least) = (a * c - b * b, form.compensation.determinant());
+    let ratio = (before[0] * before[2] - b * b).max(least) / det.max(least);
     let half = 0.5 * (a - c);
     let larger = 0.5 * (a + c) + (half * half + b * b).max(form.radius.value()).sqrt();
-    Splat {
+    let splat = Splat {
         mean: [view.k.fx * (t[0] / t[2]) + view.k.cx - shift, view.k.fy * (t[1] / t[2]) + view.k.cy - shift],
         covariance: [a, b, c],
         conic: [c / det, -b / det, a / det],
         depth: t[2],
         radius: (3.0 * larger.sqrt()).ceil(),
         compensation: ratio.max(0.0).sqrt().max(form.compensation.value()),
-    }
+    };
+    let kept = form.culling == SplatCulling::Kept || splat.touches([view.width, view.height]);
+    if kept { splat } else { Splat::NOWHERE }
 }
 
 /// A mean in the camera's axes.

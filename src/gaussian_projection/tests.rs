@@ -7,7 +7,7 @@ use super::{Form, Splat, View, backward, project};
 use crate::camera::Intrinsics;
 use crate::contract::testing::{properties, slope};
 use crate::convention::{
-    CompensationFloor, RadiusFloor, SplatCenter, SplatClamp, SplatClampGradient, SplatDilation,
+    CompensationFloor, RadiusFloor, SplatCenter, SplatClamp, SplatClampGradient, SplatCulling, SplatDilation,
 };
 
 const STRAIGHT: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -217,6 +217,56 @@ fn a_point_is_its_dilation() {
         assert_eq!(gradient, ([0.0; 3], [0.0; 6]), "{form:?}");
     }
 }
+
+/// A point's determinants are 0 and 0.09: with both held up, the root of what the floor is of the latter.
+#[test]
+fn determinants_have_a_floor() {
+    for (compensation, least) in
+        [(CompensationFloor::Millionth, 1e-6), (CompensationFloor::Trillionth, 1e-12)]
+    {
+        let form = Form { compensation, ..Form::default() };
+        let point = project([0.0, 0.0, 2.0], [0.0; 6], &straight(), form);
+        assert_relative_eq!(point.compensation, f64::sqrt(least / 0.09), max_relative = 1e-14);
+        let g = Splat { compensation: 1.0, ..Splat::NOWHERE };
+        let (_, g_sigma) = backward::project([0.0, 0.0, 2.0], [0.0; 6], &straight(), form, &g);
+        // Of (a + 0.3)(c + 0.3) alone, below the root: -compensation/2 / 0.3 for each variance, by (f/z)^2.
+        for (entry, f) in [(0, 40.0), (3, 44.0)] {
+            let by_hand = -0.5 * point.compensation / 0.3 * (f / 2.0) * (f / 2.0);
+            assert_relative_eq!(g_sigma[entry], by_hand, max_relative = 1e-14);
+        }
+    }
+}
+
+/// A circle of 3 pixels about a point 4 pixels beside the picture, and 2.
+#[test]
+fn what_misses_the_picture_is_nowhere() {
+    let form = Form { culling: SplatCulling::Zero, ..Form::default() };
+    let at = |x: f64, y: f64| {
+        let mean = [(x - 28.0) / 20.0, (y - 26.0) / 22.0, 2.0];
+        (
+            project(mean, [0.0; 6], &straight(), form),
+            backward::project(mean, [0.0; 6], &straight(), form, &ONES),
+        )
+    };
+    for (x, y) in [(-4.0, 20.0), (68.0, 20.0), (20.0, -4.0), (20.0, 52.0)] {
+        assert_eq!(at(x, y), (Splat::NOWHERE, ([0.0; 3], [0.0; 6])), "({x}, {y})");
+    }
+    for (x, y) in [(-2.0, 20.0), (66.0, 20.0), (20.0, -2.0), (20.0, 50.0)] {
+        let (splat, (g_mean, _)) = at(x, y);
+        assert_eq!((splat.radius, splat.depth), (3.0, 2.0), "({x}, {y})");
+        assert!(g_mean.iter().all(|g| *g != 0.0), "({x}, {y})");
+    }
+}
+
+/// Cotangents of 1.
+const ONES: Splat = Splat {
+    mean: [1.0; 2],
+    covariance: [1.0; 3],
+    conic: [1.0; 3],
+    depth: 1.0,
+    radius: 0.0,
+    compensation: 1.0,
+};
 
 /// The eigenvalues of a known ellipse: axes of 3 and 1 pixels along the diagonals.
 #[test]

@@ -196,6 +196,53 @@ def as_the_rasterizer_projects(means, covariances, w2c, K, width, height):
     return drawn(means2d, j @ sigma @ j.mT, t[:, 2], 0.1)
 
 
+@convention(
+    "gaussian_projection",
+    {"splat_clamp": "centered", "splat_center": "integer", "splat_culling": "zero"},
+    seen="a rasterizer in CUDA, two more by other tests of the same: what misses the picture is returned from at once",
+    times=3,
+    gradient="none",
+)
+def nothing_of_what_misses_the_picture(means, covariances, w2c, K, width, height):
+    """As the rasterizer, zeros where the square about the mean misses the picture."""
+    found = as_the_rasterizer_projects(means, covariances, w2c, K, width, height)
+    (u, v), r = found[0].unbind(-1), found[4]
+    seen = (u + r >= 0) & (u - r <= float(width)) & (v + r >= 0) & (v - r <= float(height))
+    return tuple(torch.where(seen[:, None] if each.dim() == 2 else seen, each, torch.zeros_like(each)) for each in found)
+
+
+def with_determinants_held(means, covariances, w2c, K, width, height, below, above):
+    """As gsplat; the determinants of the compensation at least these."""
+    means2d, wide, conics, depths, radii, _ = as_gsplat_projects(means, covariances, w2c, K, width, height)
+    xx, xy, yy = wide.unbind(-1)
+    before = (xx - 0.3) * (yy - 0.3) - xy * xy
+    ratio = torch.clamp(before, min=above) / torch.clamp(xx * yy - xy * xy, min=below)
+    return means2d, wide, conics, depths, radii, torch.sqrt(torch.clamp(ratio, 0.0, 1.0))
+
+
+@convention(
+    "gaussian_projection",
+    {"radius_floor": "0.01", "compensation_floor": "determinants_1e-6"},
+    seen="Gaussian opacity fields, RaDe-GS and a differentiable renderer after them",
+    times=3,
+    gradient="none",
+)
+def determinants_of_a_millionth(means, covariances, w2c, K, width, height):
+    """max(1e-6, det) above and below."""
+    return with_determinants_held(means, covariances, w2c, K, width, height, 1e-6, 1e-6)
+
+
+@convention(
+    "gaussian_projection",
+    {"radius_floor": "0.01", "compensation_floor": "determinants_1e-12"},
+    seen="shaders of a trainer in Metal",
+    gradient="none",
+)
+def determinant_above_of_a_trillionth(means, covariances, w2c, K, width, height):
+    """max(det, 1e-12) above alone."""
+    return with_determinants_held(means, covariances, w2c, K, width, height, 0.0, 1e-12)
+
+
 @fault("gaussian_projection", "not_turned", seen="a splat tutorial in numpy whose camera isn't turned", gradient="none")
 def world_covariance(means, covariances, w2c, K, width, height):
     """J Sigma J^T, limits as gsplat's."""

@@ -19,6 +19,7 @@ DEFAULTS = {
     "splat_clamp_gradient": "through",
     "radius_floor": "0.1",
     "compensation_floor": "none",
+    "splat_culling": "kept",
 }
 
 
@@ -32,6 +33,10 @@ def cases():
     yield case("small", 6, 0.5, 0.02, "less than a pixel")
     yield case("clouds", 4, 0.5, 10.0, "as large as the scene")
     yield case("points-GS4", 3, 0.5, 0.0, "the dilation alone", vjp=False)
+    yield case("beside-culled-GS3", 6, 4.0, 0.5, "some of them too far beside it", {"splat_culling": "zero"})
+    for floor in ["determinants_1e-6", "determinants_1e-12"]:
+        yield case(f"small-{floor}", 6, 0.5, 0.002, "some of their determinants at the floor", {"compensation_floor": floor})
+        yield case(f"points-{floor}-GS4", 3, 0.5, 0.0, "the floor alone", {"compensation_floor": floor}, vjp=False)
 
 
 def case(name, count, slopes, size, comment, conventions=None, vjp=True):
@@ -76,6 +81,12 @@ def quadratic(p, sigma, q):
     return reals.dot(p, [reals.dot(row, q) for row in sigma])
 
 
+def floors(c):
+    """The least determinant and the least compensation."""
+    floor = c["compensation_floor"]
+    return float(floor[13:]) if floor.startswith("determinants_") else -np.inf, 0.005 if floor == "0.005" else 0.0
+
+
 def splat(mean, sigma, x, c):
     """The definition of one Gaussian."""
     w2c, k = x["w2c"], x["K"]
@@ -98,14 +109,19 @@ def splat(mean, sigma, x, c):
     a, b, c_ = before[0] + h, before[1], before[2] + h
     det = a * c_ - b * b
     inverse = det.reciprocal()
-    ratio = (before[0] * before[2] - b * b) * inverse
-    floor = 0.005 if c["compensation_floor"] == "0.005" else 0.0
+    least, floor = floors(c)
+    held = [one if one.value > least else reals.constant(least) for one in (before[0] * before[2] - b * b, det)]
+    ratio = held[0] * held[1].reciprocal()
     root = reals.sqrt(ratio) if ratio.value > 0 else reals.real(0)
     compensation = root if root.value > floor else reals.constant(floor)
     half = (a.value - c_.value) / 2
-    least = 0.0 if c["radius_floor"] == "none" else float(c["radius_floor"])
-    larger = (a.value + c_.value) / 2 + mpmath.sqrt(max(half**2 + b.value**2, least))
+    flat = 0.0 if c["radius_floor"] == "none" else float(c["radius_floor"])
+    larger = (a.value + c_.value) / 2 + mpmath.sqrt(max(half**2 + b.value**2, flat))
     radius = reals.real(mpmath.ceil(3 * mpmath.sqrt(larger)))
+    ends = [(place[n].value - radius.value, place[n].value + radius.value, x[size].item().value) for n, size in enumerate(["width", "height"])]
+    if c["splat_culling"] == "zero" and not all(low < size and high > 0 for low, high, size in ends):
+        zero = reals.constant(0)
+        return [zero] * 2, [zero] * 3, [zero] * 3, zero, zero, zero
     return place, [a, b, c_], [c_ * inverse, -(b * inverse), a * inverse], t[2], radius, compensation
 
 
@@ -137,18 +153,23 @@ def in_torch(x):
     before = j @ (rotation @ full @ rotation.T) @ j.mT
     after = before + float(c["splat_dilation"]) * torch.eye(2)
     conic = torch.linalg.inv(after)
-    ratio = torch.linalg.det(before) / torch.linalg.det(after)
-    floor = 0.005 if c["compensation_floor"] == "0.005" else 0.0
+    least, floor = floors(c)
+    ratio = torch.clamp(torch.linalg.det(before), min=least) / torch.clamp(torch.linalg.det(after), min=least)
     root = torch.where(ratio > 0, torch.sqrt(torch.where(ratio > 0, ratio, torch.ones_like(ratio))), 0 * ratio)
-    least = 0.0 if c["radius_floor"] == "none" else float(c["radius_floor"])
+    flat = 0.0 if c["radius_floor"] == "none" else float(c["radius_floor"])
     a, b, d = after[:, 0, 0], after[:, 0, 1], after[:, 1, 1]
-    larger = (a + d) / 2 + torch.sqrt(torch.clamp((a - d) ** 2 / 4 + b * b, min=least))
+    larger = (a + d) / 2 + torch.sqrt(torch.clamp((a - d) ** 2 / 4 + b * b, min=flat))
     both = lambda m: torch.stack([m[:, 0, 0], (m[:, 0, 1] + m[:, 1, 0]) / 2, m[:, 1, 1]], -1)
-    return {
-        "means2d": slopes * focal + center - shift,
+    means, radii = slopes * focal + center - shift, torch.ceil(3 * torch.sqrt(larger))
+    size = torch.tensor([float(x["width"]), float(x["height"])])
+    reach = radii[:, None].detach()
+    seen = ((means - reach < size) & (means + reach > 0)).all(1) if c["splat_culling"] == "zero" else radii > 0
+    out = {
+        "means2d": means,
         "covariances2d": both(after),
         "conics": both(conic),
         "depths": t[:, 2],
-        "radii": torch.ceil(3 * torch.sqrt(larger)),
+        "radii": radii,
         "compensations": torch.where(root > floor, root, torch.full_like(root, floor)),
     }
+    return {name: torch.where(seen[:, None] if each.dim() == 2 else seen, each, 0 * each) for name, each in out.items()}
