@@ -11,6 +11,7 @@ pub mod hazard;
 pub(crate) mod how;
 pub mod laid;
 pub mod large;
+pub mod laws;
 pub mod machine;
 pub(crate) mod operation;
 pub(crate) mod operations;

@@ -6,6 +6,7 @@ use super::arithmetic::Dtype;
 use super::arrays::Arrays;
 use super::case::{Case, Draw};
 use super::large::Large;
+use super::laws::Laws;
 use crate::convention::Conventions;
 
 /// What only a few rows need; most have [`Special::NONE`].
@@ -44,6 +45,12 @@ pub struct Special {
     pub unread: Option<Unread>,
     /// Outputs that many programs have as 1 less another: what is left of that has the digits of 1.
     pub left_of_one: &'static [&'static str],
+    /// What a gradient alone shows of the conventions, done to one that differences of the forward function show.
+    pub of_gradients: fn(&Arrays, &Conventions, Arrays) -> Arrays,
+    /// The formulas that people write in its place, and those that they write for its gradient.
+    pub laws: Option<Laws>,
+    /// See `laws`.
+    pub gradient_laws: Option<Laws>,
 }
 
 /// Outputs with another one that says where they are read: where that is 0, they may be anything.
@@ -113,6 +120,9 @@ impl Special {
         work: 1,
         unread: None,
         left_of_one: &[],
+        of_gradients: |_, _, gradients| gradients,
+        laws: None,
+        gradient_laws: None,
     };
 }
 

@@ -1,6 +1,6 @@
 //! Registry rows of the networks.
 
-use super::{arrays, bound, cases, honest, mistakes};
+use super::{arrays, bound, cases, honest, laws, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
@@ -69,7 +69,12 @@ pub(crate) const NERF_MLP: Component = Component {
     }),
     cases: cases::nerf_mlp,
     mistakes: mistakes::NERF_MLP,
-    special: Special { reshape: cases::reshape, admits: cases::admits, ..Special::NONE },
+    special: Special {
+        reshape: cases::reshape,
+        admits: cases::admits,
+        laws: Some(laws::OF_NETWORKS),
+        ..Special::NONE
+    },
 };
 
 const fn w(name: &'static str) -> Port {

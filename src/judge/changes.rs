@@ -24,6 +24,7 @@ pub(super) fn of_axes(shape: &[usize]) -> Vec<Change> {
             }
         }
         all.extend((0..axis).filter(|b| shape[*b] == shape[axis]).map(|b| Change::Transposed(b, axis)));
+        all.extend((axis > 0).then(|| Change::Refolded(axis - 1, axis)));
     }
     // What happens to one component alone comes after what happens to all.
     let short = (0..shape.len()).filter(|axis| shape[*axis] <= SHORT && shape[*axis] > 1);

@@ -2,26 +2,21 @@
 
 use super::answer::Answers;
 use super::assignment::{open, possible, small_cases};
-use super::climb::climbed;
+use super::beyond::beyond;
 use super::evidence::{
-    Explanation, Suspect, difference, explains_all, forward_is_the_same, largest_residual, no_number_left,
-    nothing_but_zero, shows, usable,
+    Explanation, Suspect, difference, explains_all, forward_is_the_same, no_number_left, nothing_but_zero,
+    shows,
 };
 use super::exam::Question;
 use super::fitted::fitting;
-use super::fitted_pairs::{beside, fitting_pairs};
 use super::hypothesis::{Hypothesis, of_forward};
 use super::imprecise::inaccuracy;
+use super::lawful::lawful;
 use super::mark::MarkOptions;
-use super::misdone::{misdone_at_once, slips_alone};
-use super::mostly::mostly;
-use super::paired::paired;
 use super::partial::{Partial, apply, changes, partial};
-use super::peel::{peel, with_numbers};
-use super::slips::{Beside, slipped};
+use super::peel::peel;
+use super::ranked::ranked;
 use super::statistics;
-use super::tripled::tripled;
-use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
@@ -36,9 +31,6 @@ const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 
 /// Elements that all pairs together may compute on the smallest case.
 const PAIRS: usize = 100_000_000;
-
-/// The largest number of explanations that are listed.
-const SHOWN: usize = 8;
 
 /// Numbers that the cases of a search may have in all. Where they have more, as the tables of a whole hash grid do, each trial takes a
 /// second: single mistakes are looked for in the run's own conventions and in those of known programs, and nothing else.
@@ -120,6 +112,11 @@ pub fn diagnose(
             None
         };
         if let Some((h, residual)) = inaccurate {
+            // What an eps does near 0 is no rounding, where it is shown better than that.
+            let laws = lawful(question, answers, base, options);
+            if !laws.is_empty() {
+                return laws;
+            }
             let conventions = difference(&partial(question.component, &h.conventions), &home);
             return vec![Explanation { conventions, residual, inaccurate: true, ..Explanation::default() }];
         }
@@ -132,62 +129,14 @@ pub fn diagnose(
         }
     }
     if !strange.is_empty() {
-        return ranked(strange, question, answers, &home, options);
+        let laws = lawful(question, answers, base, options);
+        return if laws.is_empty() { ranked(strange, question, answers, &home, options) } else { laws };
     }
     if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
         return vec![found];
     }
     let near: Vec<_> = singles.iter().map(|p| apply(p, base)).collect();
     beyond(question, answers, base, suspects, options, &near, parted)
-}
-
-/// What no catalogue lists, what is known of most cases, both, and what is known of some outputs (`parted`); several mistakes in
-/// conventions nearby (`near`).
-fn beyond(
-    question: &Question,
-    answers: &Answers,
-    base: &Conventions,
-    suspects: &[Suspect],
-    options: &MarkOptions,
-    near: &[Conventions],
-    parted: Option<Explanation>,
-) -> Vec<Explanation> {
-    let home = partial(question.component, base);
-    let slips = slips_alone(question, answers, base, options);
-    if !slips.is_empty() {
-        return slips;
-    }
-    if question.kind == Kind::Forward {
-        let fitted = fitting_pairs(question, answers, near, options);
-        let pairs = if fitted.is_empty() { paired(question, answers, base, options) } else { fitted };
-        if !pairs.is_empty() {
-            return ranked(pairs, question, answers, &home, options);
-        }
-        let triples = tripled(question, answers, base, options);
-        if !triples.is_empty() {
-            return ranked(triples, question, answers, &home, options);
-        }
-    }
-    let several = climbed(question, answers, base, options);
-    if !several.is_empty() {
-        return ranked(several, question, answers, &home, options);
-    }
-    let most = mostly(question, answers, base, suspects, options);
-    let pairs =
-        most.iter().flat_map(|most| beside(most, base, question, answers, options)).collect::<Vec<_>>();
-    if !pairs.is_empty() {
-        return ranked(pairs, question, answers, &home, options);
-    }
-    if let Some(named) = most.clone().filter(|e| parted.is_none() && e.wrong()) {
-        return vec![named];
-    }
-    let slips = slipped(question, answers, base, options, Beside::Mistake);
-    let slips = if slips.is_empty() { misdone_at_once(question, answers, base, options) } else { slips };
-    if !slips.is_empty() {
-        return slips;
-    }
-    let parted = parted.map(|found| with_numbers(found, question, answers, base, options));
-    parted.or(most).into_iter().collect()
 }
 
 /// The hypotheses of these sets of mistakes in these assignments that explain every answer.
@@ -257,79 +206,6 @@ fn sets(question: &Question, count: usize, suspects: &[Suspect]) -> Vec<Vec<&'st
     suspected.extend(sets);
     suspected.dedup();
     suspected
-}
-
-fn ranked(
-    mut fitting: Vec<Hypothesis>,
-    question: &Question,
-    answers: &Answers,
-    home: &Partial,
-    options: &MarkOptions,
-) -> Vec<Explanation> {
-    let row =
-        |name: &str| question.component.mistakes.iter().find(|m| m.name == name).expect("its own mistake");
-    let moved = |h: &Hypothesis| changes(&partial(question.component, &h.conventions), home);
-    let residual = |h: &Hypothesis| largest_residual(h, question, answers, options);
-    // Conventions that a mistake hides need no check: the same numbers, bit for bit, with fewer changes.
-    fitting.sort_by_key(moved);
-    let mut seen: Vec<(Hypothesis, Vec<Arrays>)> = vec![];
-    fitting.retain(|h| {
-        let now: Vec<Arrays> =
-            usable(h, question, answers).iter().map(|(case, _)| h.prediction(question, case).0).collect();
-        let hidden =
-            seen.iter().any(|(t, had)| t.mistakes == h.mistakes && moved(t) < moved(h) && *had == now);
-        seen.extend((!hidden).then(|| (h.clone(), now)));
-        !hidden
-    });
-    let mut rows: Vec<(Hypothesis, f64)> =
-        fitting.drain(..).map(|h| (residual(&h), h)).map(|(r, h)| (h, r)).collect();
-    rows.sort_by(|(a, ra), (b, rb)| {
-        let seen = |h: &Hypothesis| h.mistakes.iter().map(|name| row(name).count).sum::<u32>();
-        let mistakes = |h: &Hypothesis| h.mistakes.len();
-        // What leaves elements open explains more than what names them.
-        let open = |h: &Hypothesis| h.mistakes.iter().filter(|name| row(name).open).count();
-        mistakes(a)
-            .cmp(&mistakes(b))
-            .then(moved(a).cmp(&moved(b)))
-            .then(open(a).cmp(&open(b)))
-            .then(seen(b).cmp(&seen(a)))
-            .then(ra.total_cmp(rb))
-    });
-    // The two orders of a pair are one explanation.
-    let mut known: Vec<(Vec<&str>, Conventions)> = vec![];
-    rows.retain(|(h, _)| {
-        let mut key = (h.mistakes.clone(), h.conventions);
-        key.0.sort_unstable();
-        let new = !known.contains(&key);
-        known.push(key);
-        new
-    });
-    // A change of convention that these mistakes hide has no effect: the same mistakes with fewer changes rank before it.
-    let predicts_same = |a: &Hypothesis, b: &Hypothesis| {
-        usable(b, question, answers).iter().all(|(case, _)| a.same_as(b, question, case, options))
-    };
-    let mut shown: Vec<Hypothesis> = vec![];
-    rows.retain(|(h, _)| {
-        // This many are enough to choose from; a mistake that equals a convention stays listed.
-        let new = shown.len() < SHOWN
-            && !shown.iter().any(|t| t.mistakes == h.mistakes && moved(t) < moved(h) && predicts_same(h, t));
-        if new {
-            shown.push(h.clone());
-        }
-        new
-    });
-    let best = rows[0].0.clone();
-    rows.iter()
-        .enumerate()
-        .map(|(n, (h, residual))| Explanation {
-            mistakes: h.mistakes.iter().map(|name| row(name)).collect(),
-            fitted: h.fitted.clone(),
-            conventions: difference(&partial(question.component, &h.conventions), home),
-            residual: *residual,
-            same_as_best: n > 0 && predicts_same(h, &best),
-            ..Explanation::default()
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -61,7 +61,8 @@ impl Hypothesis {
         if self.numeric(question) {
             let forward = |inputs: &Arrays| self.slipped(inputs, question, &question.component.forward);
             let (gradient, error) = numeric::vjp(question.component, &case.inputs, forward);
-            return (gradient, Some(error));
+            let shown = question.component.special.of_gradients;
+            return (shown(&case.inputs, &self.conventions, gradient), Some(error));
         }
         (self.wrong(question, &case.inputs), None)
     }
@@ -80,6 +81,11 @@ impl Hypothesis {
             None => with(inputs),
             Some(Slip::Formula(slip)) => slip.of(inputs, c, direction.honest),
             Some(Slip::Array(slip)) => slip.on_outputs(inputs, with(&slip.on_inputs(inputs))),
+            Some(Slip::Law(slip)) => {
+                let special = &question.component.special;
+                let laws = if slip.forward { special.laws } else { special.gradient_laws };
+                (laws.expect("a row with laws").of)(inputs, c, &slip.choices)
+            }
         }
     }
 

@@ -122,7 +122,7 @@ fn one_less(h: &Hypothesis) -> Vec<Hypothesis> {
 
 /// Those that explain every answer, with more evidence than chance has, against the right formula in any of the conventions: `free` bits
 /// come of numbers that were read off the answers. Each stands beside the case that it is tried on first.
-fn proved(
+pub(super) fn proved(
     hypotheses: Vec<(usize, Hypothesis)>,
     free: f64,
     nearby: &[Conventions],

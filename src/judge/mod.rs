@@ -6,6 +6,7 @@ pub mod answer;
 pub mod asking;
 pub(crate) mod assignment;
 mod best;
+mod beyond;
 pub(crate) mod candidate;
 mod changes;
 mod climb;
@@ -31,6 +32,7 @@ pub mod exchange;
 pub mod explain;
 mod fitted;
 mod fitted_pairs;
+mod follows;
 mod formula_slip;
 #[doc(hidden)]
 pub mod hypothesis;
@@ -41,6 +43,7 @@ pub mod judging;
 mod known;
 #[doc(hidden)]
 pub mod large;
+mod lawful;
 pub(crate) mod layout;
 mod left_open;
 #[doc(hidden)]
@@ -56,6 +59,7 @@ mod paired;
 pub(crate) mod partial;
 mod peel;
 mod places;
+mod ranked;
 mod reach;
 mod rearranged;
 mod refuted;

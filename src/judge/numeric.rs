@@ -21,7 +21,8 @@ pub(crate) fn vjp(
     let cotangent = |outputs: &Arrays| -> [f64; 2] {
         let inner = |(name, out): (&String, &ArrayD<f64>)| -> [f64; 2] {
             let Some(g) = inputs.get(&format!("grad_{name}")) else { return [0.0; 2] };
-            let terms = out.iter().zip(g).map(|(out, g)| out * g);
+            // What nobody asks for may be no number.
+            let terms = out.iter().zip(g).map(|(out, g)| if *g == 0.0 { 0.0 } else { out * g });
             terms.fold([0.0; 2], |[sum, size], term| [sum + term, size + term.abs()])
         };
         outputs.iter().map(inner).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])

@@ -309,8 +309,8 @@ pub(crate) fn name(e: &Explanation) -> String {
     };
     let mut mistakes = e.mistakes.iter().map(of).collect::<Vec<_>>().join(" + ");
     if let Some(slip) = &e.slip {
-        mistakes += if mistakes.is_empty() { "a slip: " } else { " + a slip: " };
-        mistakes += &slip.says();
+        mistakes += if mistakes.is_empty() { "" } else { " + " };
+        mistakes += &slip.named();
     }
     match (!e.wrong(), e.conventions.is_empty()) {
         (true, true) => "the right formula".into(),

@@ -10,7 +10,7 @@ use super::diagnose::diagnose;
 use super::evidence::{Explanation, Suspect, difference};
 use super::exam::{Exam, Question};
 use super::example::smallest;
-use super::hypothesis::Hypothesis;
+use super::follows::follows;
 use super::imprecise::{bits_beside, lost_bits};
 use super::known::Known;
 use super::layout::Orders;
@@ -20,7 +20,6 @@ use super::observed::observed;
 use super::partial::{apply, partial, read};
 use super::refuted::refuted;
 use super::report::{Report, Row, Verdict};
-use super::slips::gradient_of;
 use super::{layout, statistics};
 use crate::contract::arithmetic::Grade;
 use crate::contract::case::Case;
@@ -267,13 +266,9 @@ fn diagnose_beside(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     let home = apply(&forward.conventions, base);
-    if let Some(slip) = &forward.slip {
-        let mistakes = forward.mistakes.iter().map(|mistake| mistake.name).collect();
-        let h = Hypothesis { slip: Some(slip.clone()), ..Hypothesis::new(mistakes, home) };
-        let found = gradient_of(&h, question, answers, base, options);
-        if !found.is_empty() {
-            return found;
-        }
+    let followed = follows(question, answers, base, (forward, &home), options);
+    if !followed.is_empty() {
+        return followed;
     }
     let of = |c: &Conventions| partial(question.component, c);
     let mut found = diagnose(question, answers, &home, suspects, options);

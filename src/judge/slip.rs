@@ -37,6 +37,8 @@ pub(crate) enum Change {
     Columns(Changed),
     /// Two axes are exchanged, of the same length.
     Transposed(usize, usize),
+    /// The numbers of two axes are read as if the other of them were the first: (N, R) for (R, N), without moving any.
+    Refolded(usize, usize),
     /// Another array stands in its place.
     Other(String),
 }
@@ -89,6 +91,9 @@ fn earlier(x: &[f64], last: f64) -> Vec<f64> {
     [&x[1..], &[last]].concat()
 }
 
+/// What another formula begins with, in reports for machines too.
+const OTHER_FORMULA: &str = "another formula: ";
+
 /// What no catalogue lists.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Slip {
@@ -96,6 +101,19 @@ pub(crate) enum Slip {
     Array(ArraySlip),
     /// It happens to an operation of the formula.
     Formula(FormulaSlip),
+    /// The formula is another one.
+    Law(LawSlip),
+}
+
+/// Another formula of the row's family.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct LawSlip {
+    /// Its choice of every part.
+    pub choices: Vec<usize>,
+    /// What it says, on a line.
+    pub said: String,
+    /// Whether it is one of the forward function, also where a gradient is asked for.
+    pub forward: bool,
 }
 
 impl Slip {
@@ -104,6 +122,7 @@ impl Slip {
         match self {
             Slip::Array(slip) => slip.forward,
             Slip::Formula(slip) => slip.forward,
+            Slip::Law(slip) => slip.forward,
         }
     }
 
@@ -121,6 +140,15 @@ impl Slip {
         match self {
             Slip::Array(slip) => slip.says(),
             Slip::Formula(slip) => slip.says(),
+            Slip::Law(slip) => format!("{OTHER_FORMULA}{}", slip.said),
+        }
+    }
+
+    /// The same with what it is.
+    pub(crate) fn named(&self) -> String {
+        match self {
+            Slip::Law(_) => self.says(),
+            _ => format!("a slip: {}", self.says()),
         }
     }
 }
@@ -194,6 +222,11 @@ impl ArraySlip {
             }
             Change::Columns(changed) => changed.says(name),
             Change::Transposed(a, b) => format!("{name} with axes {a} and {b} exchanged"),
+            Change::Refolded(a, b) => {
+                format!(
+                    "{name} read as if axis {b} came before axis {a}: reshaped where it should be transposed"
+                )
+            }
             Change::Other(other) => format!("{other} in the place of {name}"),
         }
     }
@@ -282,10 +315,21 @@ impl Change {
                 x.swap_axes(*a, *b);
                 x.as_standard_layout().into_owned()
             }
+            Change::Refolded(a, b) if x.ndim() > *b => refolded(x, *a, *b),
             Change::Other(other) => all.get(other).filter(|o| o.shape() == x.shape()).unwrap_or(x).clone(),
             _ => x.clone(),
         }
     }
+}
+
+/// Element (i, j) of two neighboring axes from where (j, i) of (J, I) is: numbers in their order, in another shape.
+fn refolded(x: &ArrayD<f64>, a: usize, b: usize) -> ArrayD<f64> {
+    let mut shape = x.shape().to_vec();
+    shape.swap(a, b);
+    let flat: Vec<f64> = x.iter().copied().collect();
+    let mut other = ArrayD::from_shape_vec(shape, flat).expect("as many numbers");
+    other.swap_axes(a, b);
+    other.as_standard_layout().into_owned()
 }
 
 /// The n-th of the 48 frames whose axes are those of another one: where each comes from, and its sign.

@@ -83,8 +83,10 @@ pub(super) fn explanations(
     let same = |h: &Hypothesis| {
         usable(h, question, answers).iter().all(|(case, _)| best.same_as(h, question, case, options))
     };
+    let row = |name: &str| question.component.mistakes.iter().find(|m| m.name == name);
     let one = |(n, h): (usize, &Hypothesis)| Explanation {
-        mistakes: question.component.mistakes.iter().filter(|m| h.mistakes.contains(&m.name)).collect(),
+        mistakes: h.mistakes.iter().filter_map(|name| row(name)).collect(),
+        fitted: h.fitted.clone(),
         conventions: difference(&own(&h.conventions), &own(base)),
         residual: largest_residual(h, question, answers, options),
         same_as_best: n > 0 && same(h),

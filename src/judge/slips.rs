@@ -112,19 +112,6 @@ pub(crate) fn slipped(
     explanations(found, question, answers, base, options)
 }
 
-/// The gradient of a forward function with the slip that its own answers showed.
-pub(crate) fn gradient_of(
-    forward: &Hypothesis,
-    question: &Question,
-    answers: &Answers,
-    base: &Conventions,
-    options: &MarkOptions,
-) -> Vec<Explanation> {
-    let fits = was_done(forward, question, answers, options);
-    let found = if fits { vec![forward.clone()] } else { vec![] };
-    explanations(found, question, answers, base, options)
-}
-
 /// All slips of a row's arrays.
 fn slips(question: &Question, cases: &[(&Case, &Answer)], c: &Conventions) -> Vec<ArraySlip> {
     let (case, answer) = cases[0];
@@ -349,20 +336,6 @@ mod tests {
             [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 20.0].map(explains),
             [true, false, false, false]
         );
-    }
-
-    #[test]
-    fn a_gradient_follows_from_the_slip_of_its_forward_function() {
-        let mirrored = slip(true, "d", Change::Opposite(1, 2));
-        let exam = Exam::new("spherical_harmonics", Dtype::F64, None).unwrap();
-        let question = exam.questions.iter().find(|q| q.kind == Kind::Vjp).expect("it has a gradient");
-        let wrong = Hypothesis { slip: Some(Slip::Array(mirrored)), ..Hypothesis::new(vec![], CS180) };
-        let right = Hypothesis::new(vec![], CS180);
-        let of = |h: &Hypothesis| -> Answers {
-            question.cases.iter().map(|case| Some(given(h.prediction(question, case).0))).collect()
-        };
-        assert_eq!(gradient_of(&wrong, question, &of(&wrong), &CS180, &OPTIONS).len(), 1);
-        assert_eq!(gradient_of(&wrong, question, &of(&right), &CS180, &OPTIONS).len(), 0);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Registry rows of rays.
 
-use super::{arrays, bound, cases, honest, mistakes};
+use super::{arrays, bound, cases, honest, laws, mistakes};
 use crate::camera::component::{C2W, K, UV};
 use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::{Form, Special};
@@ -81,5 +81,10 @@ pub(crate) const IMAGE_RAYS: Component = Component {
     vjp: None,
     cases: cases::image_rays,
     mistakes: mistakes::IMAGE_RAYS,
-    special: Special { forms: PICTURE_FORMS, large: cases::large_image_rays, ..Special::NONE },
+    special: Special {
+        forms: PICTURE_FORMS,
+        large: cases::large_image_rays,
+        laws: Some(laws::OF_PICTURES),
+        ..Special::NONE
+    },
 };

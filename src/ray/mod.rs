@@ -15,6 +15,7 @@ pub(crate) mod cases;
 pub(crate) mod component;
 pub(crate) mod honest;
 pub mod judge;
+pub(crate) mod laws;
 pub(crate) mod mistakes;
 mod random;
 

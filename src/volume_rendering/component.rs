@@ -1,6 +1,6 @@
 //! Registry rows of volume rendering.
 
-use super::{arrays, bound, cases, honest, mistakes};
+use super::{arrays, bound, cases, depth_laws, gradient_laws, honest, laws, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::{Form, Special};
 
@@ -58,6 +58,9 @@ pub(crate) const VOLUME_RENDER: Component = Component {
         forms: FORMS,
         large: cases::large::densities,
         left_of_one: &["transmittance"],
+        of_gradients: arrays::gradients_of_rectified,
+        laws: Some(laws::OF_DENSITIES),
+        gradient_laws: Some(gradient_laws::OF_DENSITIES),
         ..Special::NONE
     },
 };
@@ -94,7 +97,13 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     }),
     cases: cases::volume_render_alpha,
     mistakes: mistakes::VOLUME_RENDER_ALPHA,
-    special: Special { large: cases::large::opacities, left_of_one: &["transmittance"], ..Special::NONE },
+    special: Special {
+        large: cases::large::opacities,
+        left_of_one: &["transmittance"],
+        laws: Some(laws::OF_OPACITIES),
+        gradient_laws: Some(gradient_laws::OF_OPACITIES),
+        ..Special::NONE
+    },
 };
 
 /// Light from behind.
@@ -156,5 +165,5 @@ pub(crate) const DEPTH: Component = Component {
     }),
     cases: cases::depth,
     mistakes: mistakes::DEPTH,
-    special: Special { large: cases::large::depths, ..Special::NONE },
+    special: Special { large: cases::large::depths, laws: Some(depth_laws::OF_DEPTHS), ..Special::NONE },
 };

@@ -97,7 +97,8 @@ def row_from(fields: dict[str, Any]) -> Row:
         said = {
             key: " / ".join(known[name][key] for name in names if name in known) for key in ("cause", "effect", "fix", "seen")
         }
-        slip = [f"a slip: {found['slip']}"] if found["slip"] else []
+        other = found["slip"] or ""
+        slip = [other if other.startswith("another formula: ") else f"a slip: {other}"] if other else []
         whole: dict[str, Any] = {"name": " + ".join(names + slip), **said, **found}
         return Mistake(**whole)
 

@@ -1,0 +1,141 @@
+//! Laws of a splat's opacity at a pixel: how far away the pixel is, how the splat falls off, where it ends, and how much of it is left.
+
+use super::arrays::{form, forward};
+use super::{Form, Splat, alpha as oracle, cap, offset, skipped};
+use crate::contract::laws::Laws;
+use crate::math::exp;
+
+/// How far away a pixel is.
+const FAR: [&str; 10] = [
+    "A dx^2 + 2 B dx dy + C dy^2",
+    "A dx^2 + B dx dy + C dy^2",
+    "A dx^2 + C dy^2",
+    "A dx^2 - 2 B dx dy + C dy^2",
+    "C dx^2 + 2 B dx dy + A dy^2",
+    "A dx^2 + 4 B dx dy + C dy^2",
+    "dx^2 + dy^2",
+    "that of the mean rounded down",
+    "that of the mean rounded to whole pixels",
+    "A |dx| + 2 B dx dy + C |dy|",
+];
+
+/// How the splat falls off.
+const FALL: [&str; 11] = [
+    "exp(-q / 2)",
+    "exp(-q)",
+    "exp(-2 q)",
+    "exp(-sqrt(q))",
+    "exp(-sqrt(q) / 2)",
+    "1 / (1 + q)",
+    "max(0, 1 - q)",
+    "max(0, 1 - q / 9)",
+    "exp(-q / 2) max(0, 1 - (q / 9)^2)",
+    "exp(-q / 2) max(0, 1 - q / 9)",
+    "exp(q / 2)",
+];
+
+/// Where it ends.
+const END: [&str; 13] = [
+    "as it does by convention",
+    "q > 9",
+    "q > 8",
+    "q > 4",
+    "q > 1",
+    "q > 16",
+    "q > 20",
+    "the square of three deviations of its long axis",
+    "the disc of three deviations of its long axis",
+    "the box of three deviations along x and y",
+    "where exp(-q / 2) < 1 / 255",
+    "where its opacity is below 1 / 255",
+    "where q > 0",
+];
+
+/// What it is multiplied with.
+const TIMES: [&str; 7] =
+    ["o", "1", "o^2", "sigmoid(o)", "o / (2 pi sqrt(det))", "o / (2 pi)", "o sqrt(det of the conic)"];
+
+/// The most that is left.
+const MOST: [&str; 6] = ["as it is by convention", "0.95", "0.9999", "1", "0.5", "0.98"];
+
+/// Those of a pixel and a splat.
+pub(crate) const OF_PIXELS: Laws = Laws {
+    choices: &[FAR.len(), FALL.len(), END.len(), TIMES.len(), MOST.len()],
+    says: |part, choice| match part {
+        0 => format!("q = {}", FAR[choice]),
+        1 => format!("{} for exp(-q / 2)", FALL[choice]),
+        2 => format!("0 beyond {}", END[choice]),
+        3 => format!("times {}", TIMES[choice]),
+        _ => format!("at most {}", MOST[choice]),
+    },
+    of: |a, c, law| forward(a, |pixel, splat| of(pixel, splat, form(c), law)),
+};
+
+fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
+    if law.iter().all(|choice| *choice == 0) {
+        return oracle(pixel, splat, form);
+    }
+    let mean = match law[0] {
+        7 => splat.mean.map(f64::floor),
+        8 => splat.mean.map(f64::round),
+        _ => splat.mean,
+    };
+    let ([x, y], [a, b, c]) = (offset(pixel, &Splat { mean, ..*splat }), splat.conic);
+    let q = match law[0] {
+        1 => a * x * x + b * x * y + c * y * y,
+        2 => a * x * x + c * y * y,
+        3 => a * x * x - 2.0 * b * x * y + c * y * y,
+        4 => c * x * x + 2.0 * b * x * y + a * y * y,
+        5 => a * x * x + 4.0 * b * x * y + c * y * y,
+        6 => x * x + y * y,
+        9 => a * x.abs() + 2.0 * b * x * y + c * y.abs(),
+        _ => a * x * x + 2.0 * b * x * y + c * y * y,
+    };
+    let gaussian = exp(-0.5 * q);
+    let fall = match law[1] {
+        0 => gaussian,
+        1 => exp(-q),
+        2 => exp(-2.0 * q),
+        3 => exp(-q.max(0.0).sqrt()),
+        4 => exp(-0.5 * q.max(0.0).sqrt()),
+        5 => 1.0 / (1.0 + q),
+        6 => (1.0 - q).max(0.0),
+        7 => (1.0 - q / 9.0).max(0.0),
+        8 => gaussian * (1.0 - q * q / 81.0).max(0.0),
+        9 => gaussian * (1.0 - q / 9.0).max(0.0),
+        _ => exp(0.5 * q),
+    };
+    let det = a * c - b * b;
+    // The variances are the conic's inverse.
+    let [xx, yy] = [c / det, a / det];
+    let long = 0.5 * (xx + yy) + (0.25 * (xx - yy) * (xx - yy) + b * b / (det * det)).sqrt();
+    let reach = 3.0 * long.max(0.0).sqrt();
+    let ended = match law[2] {
+        0 => false,
+        1 => q > 9.0,
+        2 => q > 8.0,
+        3 => q > 4.0,
+        4 => q > 1.0,
+        5 => q > 16.0,
+        6 => q > 20.0,
+        7 => x.abs() > reach || y.abs() > reach,
+        8 => x * x + y * y > reach * reach,
+        9 => x.abs() > 3.0 * xx.max(0.0).sqrt() || y.abs() > 3.0 * yy.max(0.0).sqrt(),
+        10 => gaussian < 1.0 / 255.0,
+        11 => splat.opacity < 1.0 / 255.0,
+        _ => q > 0.0,
+    };
+    let (o, tau) = (splat.opacity, std::f64::consts::TAU);
+    let times = match law[3] {
+        0 => o,
+        1 => 1.0,
+        2 => o * o,
+        3 => 1.0 / (1.0 + exp(-o)),
+        4 => o * det.max(0.0).sqrt() / tau,
+        5 => o / tau,
+        _ => o * det.max(0.0).sqrt(),
+    };
+    let most = [cap(form), 0.95, 0.9999, 1.0, 0.5, 0.98][law[4]];
+    let alpha = (times * fall).min(most);
+    if ended || skipped(-0.5 * q, alpha, form) { 0.0 } else { alpha }
+}

@@ -1,0 +1,342 @@
+//! Laws of a splat's projection: which mean, which covariance goes through which Jacobian, what is added to it, and what comes of that.
+
+use super::arrays::{form, forward, view};
+use super::{Form, Splat, View, in_camera, limits, project};
+use crate::contract::laws::Laws;
+use crate::convention::{SplatCenter, SplatClamp};
+
+type Matrix = [[f64; 3]; 3];
+
+/// The mean in the picture.
+const MEAN: [&str; 12] = [
+    "(fx x/z + cx, fy y/z + cy)",
+    "(x, y) in the camera, not projected",
+    "(cx - fx x/z, fy y/z + cy)",
+    "(fx x/z + cx, cy - fy y/z)",
+    "(cx - fx x/z, cy - fy y/z)",
+    "that rounded down",
+    "that rounded to whole pixels",
+    "with fx for both",
+    "with fy for both",
+    "(2 fx x/(z W), 2 fy y/(z H))",
+    "with the middle of the picture for its center",
+    "(fx x/z, fy y/z)",
+];
+
+/// The covariance that goes through the Jacobian.
+const TURNED: [&str; 6] = [
+    "R Sigma R^T",
+    "Sigma, not turned",
+    "R^T Sigma R",
+    "R Sigma R^T with y and z the other way around",
+    "Sigma, not turned, with y and z the other way around",
+    "R Sigma R, as a product of matrices",
+];
+
+/// The Jacobian's focal lengths.
+const FOCAL: [&str; 6] =
+    ["fx and fy", "1", "fx for both", "fy for both", "2 fx / W and 2 fy / H", "2 fx / W for both"];
+
+/// The Jacobian.
+const JACOBIAN: [&str; 10] = [
+    "(f/z, 0, -f x/z^2; 0, f/z, -f y/z^2)",
+    "without its depth column",
+    "with + in its depth column",
+    "with + in the depth column of y alone",
+    "with + in the depth column of x alone",
+    "with the distance for z",
+    "not divided by z, with z in its depth column",
+    "with z for z^2 in its depth column",
+    "with y for x and x for y",
+    "(1, 0, 0; 0, 1, 0)",
+];
+
+/// How far beside the picture it is taken.
+const HELD: [&str; 8] = [
+    "what it is by convention",
+    "nothing",
+    "1.3 of the half picture on either side",
+    "0.3 of the half picture beyond its edges",
+    "1.3 times the whole angle",
+    "1.3 on either side",
+    "1.3 tan(1/2) on either side",
+    "0.15 of the picture beyond its edges",
+];
+
+/// What is added to the variances.
+const ADDED: [&str; 12] =
+    ["", "nothing", "1e-6", "1e-4", "0.01", "0.1", "0.3", "0.5", "1", "1.5", "1e-3", "0.3 in every entry"];
+
+/// What becomes of the number off the diagonal.
+const MIXED: [&str; 4] = ["as it is", "the other sign", "0", "half"];
+
+/// The conic.
+const CONIC: [&str; 11] = [
+    "(c, -b, a) / det",
+    "(c, -b, a) / (det + 1e-6)",
+    "(c, -b, a) / (det + 1e-7)",
+    "(c, -b, a) / max(det, 1e-6)",
+    "(c, -b, a), not divided",
+    "(c, b, a) / det",
+    "(a, -b, c) / det",
+    "that with 1e-6 added to the variances once more",
+    "that of what nothing is added to",
+    "(a, b, c), the covariance",
+    "(c, -b, a) / (a c + b^2)",
+];
+
+/// The radius, lambda the larger eigenvalue.
+const RADIUS: [&str; 20] = [
+    "ceil(3 sqrt(lambda))",
+    "3 sqrt(lambda)",
+    "ceil(3 sqrt(max(a, c)))",
+    "3 sqrt(max(a, c))",
+    "ceil(3 sqrt(sqrt(det)))",
+    "3 sqrt(sqrt(det))",
+    "ceil(2 sqrt(lambda))",
+    "ceil(3.33 sqrt(lambda))",
+    "ceil(3 sqrt(lambda)) + 1",
+    "3 sqrt(lambda) rounded",
+    "3 sqrt(lambda) rounded down",
+    "sqrt(lambda)",
+    "3 lambda",
+    "ceil(3 sqrt(lambda)) of what nothing is added to",
+    "ceil(3 sqrt(a + c))",
+    "3 sqrt(a + c)",
+    "ceil(3 sqrt(lambda)), at most 64",
+    "3 sqrt(lambda), at most 64",
+    "ceil(3 sqrt(max(a, c))), at most 64",
+    "0",
+];
+
+/// The depth.
+const DEPTH: [&str; 4] = ["z", "|t|", "-z", "1/z"];
+
+/// Those of a splat.
+pub(crate) const OF_SPLATS: Laws = Laws {
+    choices: &[
+        MEAN.len(),
+        TURNED.len(),
+        FOCAL.len(),
+        JACOBIAN.len(),
+        HELD.len(),
+        ADDED.len(),
+        MIXED.len(),
+        CONIC.len(),
+        RADIUS.len(),
+        DEPTH.len(),
+    ],
+    says: |part, choice| match part {
+        0 => format!("mean {}", MEAN[choice]),
+        1 => format!("J on {}", TURNED[choice]),
+        2 => format!("{} for f in J", FOCAL[choice]),
+        3 => format!("J {}", JACOBIAN[choice]),
+        4 => format!("x/z and y/z of J held to {}", HELD[choice]),
+        5 => format!("{} added to the variances", ADDED[choice]),
+        6 => format!("{} for the number off the diagonal", MIXED[choice]),
+        7 => format!("conic {}", CONIC[choice]),
+        8 => format!("radius {}", RADIUS[choice]),
+        _ => format!("depth {}", DEPTH[choice]),
+    },
+    of: |a, c, law| {
+        let view = view(a);
+        forward(a, c, |mean, sigma| splat(mean, sigma, &view, form(c), law))
+    },
+};
+
+fn full(s: [f64; 6]) -> Matrix {
+    [[s[0], s[1], s[2]], [s[1], s[3], s[4]], [s[2], s[4], s[5]]]
+}
+
+fn times(a: &Matrix, b: &Matrix) -> Matrix {
+    let entry = |i: usize, j: usize| (0..3).map(|k| a[i][k] * b[k][j]).sum();
+    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
+}
+
+fn transposed(a: &Matrix) -> Matrix {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
+}
+
+/// The covariance in the camera's axes.
+fn turned(sigma: [f64; 6], r: &Matrix, choice: usize) -> Matrix {
+    let sigma = full(sigma);
+    let back = transposed(r);
+    let right = || times(&times(r, &sigma), &back);
+    let flipped = |m: Matrix| -> Matrix {
+        let sign = |i: usize, j: usize| if (i == 0) == (j == 0) { 1.0 } else { -1.0 };
+        std::array::from_fn(|i| std::array::from_fn(|j| sign(i, j) * m[i][j]))
+    };
+    match choice {
+        0 => right(),
+        1 => sigma,
+        2 => times(&times(&back, &sigma), r),
+        3 => flipped(right()),
+        4 => flipped(sigma),
+        _ => times(&times(r, &sigma), r),
+    }
+}
+
+/// x/z and y/z as the Jacobian has them.
+fn slopes(t: [f64; 3], view: &View, form: Form, choice: usize) -> [f64; 2] {
+    let axis = |n: usize, f: f64, center: f64, size: f64| {
+        let half = 0.5 * size / f;
+        let [low, high] = match choice {
+            0 => limits(f, center, size, form.clamp),
+            1 => limits(f, center, size, SplatClamp::None),
+            2 => limits(f, center, size, SplatClamp::Centered),
+            3 => limits(f, center, size, SplatClamp::Picture),
+            4 => [-2.6 * libm::atan(half), 2.6 * libm::atan(half)],
+            5 => [-1.3, 1.3],
+            6 => [-1.3 * libm::tan(0.5), 1.3 * libm::tan(0.5)],
+            _ => [(-0.15 * size - center) / f, (1.15 * size - center) / f],
+        };
+        (t[n] / t[2]).max(low).min(high)
+    };
+    [axis(0, view.k.fx, view.k.cx, view.width), axis(1, view.k.fy, view.k.cy, view.height)]
+}
+
+/// J's rows.
+fn jacobian(t: [f64; 3], slopes: [f64; 2], view: &View, focal: usize, choice: usize) -> [[f64; 3]; 2] {
+    let (fx, fy) = (view.k.fx, view.k.fy);
+    let focal = match focal {
+        1 => [1.0; 2],
+        2 => [fx; 2],
+        3 => [fy; 2],
+        4 => [2.0 * fx / view.width, 2.0 * fy / view.height],
+        5 => [2.0 * fx / view.width; 2],
+        _ => [fx, fy],
+    };
+    let far = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
+    [0, 1].map(|n| {
+        let z = if choice == 5 { far } else { t[2] };
+        let slope = if choice == 5 { slopes[n] * t[2] / far } else { slopes[n] };
+        let plus = matches!((choice, n), (2, _) | (3, 1) | (4, 0));
+        let along = match choice {
+            1 => 0.0,
+            8 => -slopes[1 - n],
+            _ if plus => slope,
+            _ => -slope,
+        };
+        let (own, along) = match choice {
+            6 => (focal[n], focal[n] * along),
+            7 => (focal[n] / z, focal[n] * along),
+            9 => (1.0, 0.0),
+            _ => (focal[n] / z, focal[n] / z * along),
+        };
+        let mut row = [0.0, 0.0, along];
+        row[n] = own;
+        row
+    })
+}
+
+fn placed(t: [f64; 3], right: [f64; 2], view: &View, form: Form, choice: usize) -> [f64; 2] {
+    let (k, shift) = (view.k, if form.center == SplatCenter::Integer { 0.5 } else { 0.0 });
+    let [x, y] = [t[0] / t[2], t[1] / t[2]];
+    let center = [k.cx - shift, k.cy - shift];
+    match choice {
+        0 => right,
+        1 => [t[0], t[1]],
+        2 => [center[0] - k.fx * x, right[1]],
+        3 => [right[0], center[1] - k.fy * y],
+        4 => [center[0] - k.fx * x, center[1] - k.fy * y],
+        5 => right.map(f64::floor),
+        6 => right.map(f64::round),
+        7 => [right[0], k.fx * y + center[1]],
+        8 => [k.fy * x + center[0], right[1]],
+        9 => [2.0 * k.fx * x / view.width, 2.0 * k.fy * y / view.height],
+        10 => [k.fx * x + 0.5 * view.width - shift, k.fy * y + 0.5 * view.height - shift],
+        _ => [k.fx * x, k.fy * y],
+    }
+}
+
+fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f64 {
+    let lambda = |[a, b, c]: [f64; 3]| {
+        0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).max(form.radius.value()).sqrt()
+    };
+    let (three, det) = (3.0 * lambda([a, b, c]).max(0.0).sqrt(), a * c - b * b);
+    let widest = 3.0 * a.max(c).max(0.0).sqrt();
+    let mean = 3.0 * det.max(0.0).sqrt().sqrt();
+    match choice {
+        0 => three.ceil(),
+        1 => three,
+        2 => widest.ceil(),
+        3 => widest,
+        4 => mean.ceil(),
+        5 => mean,
+        6 => (three * 2.0 / 3.0).ceil(),
+        7 => (three * 3.33 / 3.0).ceil(),
+        8 => three.ceil() + 1.0,
+        9 => three.round(),
+        10 => three.floor(),
+        11 => three / 3.0,
+        12 => 3.0 * lambda([a, b, c]),
+        13 => (3.0 * lambda(before).max(0.0).sqrt()).ceil(),
+        14 => (3.0 * (a + c).max(0.0).sqrt()).ceil(),
+        15 => 3.0 * (a + c).max(0.0).sqrt(),
+        16 => three.ceil().min(64.0),
+        17 => three.min(64.0),
+        18 => widest.ceil().min(64.0),
+        _ => 0.0,
+    }
+}
+
+fn inverse([a, b, c]: [f64; 3], before: [f64; 3], choice: usize) -> [f64; 3] {
+    let det = a * c - b * b;
+    let over = |by: f64| [c / by, -b / by, a / by];
+    match choice {
+        0 => over(det),
+        1 => over(det + 1e-6),
+        2 => over(det + 1e-7),
+        3 => over(det.max(1e-6)),
+        4 => over(1.0),
+        5 => [c / det, b / det, a / det],
+        6 => [a / det, -b / det, c / det],
+        7 => inverse([a + 1e-6, b, c + 1e-6], before, 0),
+        8 => inverse(before, before, 0),
+        9 => [a, b, c],
+        _ => over(a * c + b * b),
+    }
+}
+
+fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]) -> Splat {
+    let (t, right) = (in_camera(mean, view), project(mean, sigma, view, form));
+    let shape_is_right = law[1..7].iter().all(|choice| *choice == 0);
+    let h = form.dilation.value();
+    let (before, covariance) = if shape_is_right {
+        let [a, b, c] = right.covariance;
+        ([a - h, b, c - h], right.covariance)
+    } else {
+        let sigma = turned(sigma, &view.rotation, law[1]);
+        let j = jacobian(t, slopes(t, view, form, law[4]), view, law[2], law[3]);
+        let entry = |n: usize, m: usize| -> f64 {
+            (0..9).map(|k| j[n][k / 3] * sigma[k / 3][k % 3] * j[m][k % 3]).sum()
+        };
+        let mixed = match law[6] {
+            0 => entry(0, 1),
+            1 => -entry(0, 1),
+            2 => 0.0,
+            _ => 0.5 * entry(0, 1),
+        };
+        let before = [entry(0, 0), mixed, entry(1, 1)];
+        let added = [h, 0.0, 1e-6, 1e-4, 0.01, 0.1, 0.3, 0.5, 1.0, 1.5, 1e-3, 0.3][law[5]];
+        let across = if law[5] == 11 { added } else { 0.0 };
+        (before, [before[0] + added, before[1] + across, before[2] + added])
+    };
+    let radius =
+        if shape_is_right && law[8] == 0 { right.radius } else { reach(covariance, before, form, law[8]) };
+    let conic = if shape_is_right && law[7] == 0 { right.conic } else { inverse(covariance, before, law[7]) };
+    let distance = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
+    let [a, b, c] = covariance;
+    let ratio = (before[0] * before[2] - before[1] * before[1]) / (a * c - b * b);
+    Splat {
+        mean: placed(t, right.mean, view, form, law[0]),
+        covariance,
+        conic,
+        depth: [t[2], distance, -t[2], 1.0 / t[2]][law[9]],
+        radius,
+        compensation: match shape_is_right {
+            true => right.compensation,
+            false => ratio.max(0.0).sqrt().max(form.compensation.value()),
+        },
+    }
+}

@@ -1,0 +1,278 @@
+//! Laws of rigid motions: how the axis is found, what happens near an angle of 0, and which factors stand before K and K^2 in R and in V.
+
+use glam::{DMat3, DMat4, DVec3};
+
+use super::arrays::{form, rows, se3, so3};
+use super::{Twist, halves, laid, se3_exp, so3_exp};
+use crate::camera::arrays::flat;
+use crate::contract::laws::Laws;
+use crate::convention::{RotationClamp, TwistTranslation};
+use crate::math::{cos, sin};
+
+/// What w is divided by for the axis u.
+const AXIS: [&str; 14] = [
+    "theta",
+    "theta + 1e-10",
+    "theta + 1e-8",
+    "theta + 1e-7",
+    "theta + 1e-6",
+    "theta + 1e-4",
+    "max(theta, 1e-8)",
+    "max(theta, 1e-7)",
+    "max(theta, 1e-6)",
+    "max(theta, 1e-4)",
+    "sqrt(theta^2 + 1e-8)",
+    "sqrt(theta^2 + 1e-12)",
+    "sqrt(theta^2 + 1e-16)",
+    "theta + 1e-5",
+];
+
+/// What a matrix is for small angles.
+const SMALL: [&str; 5] = [
+    "I",
+    "its first order",
+    "its second order",
+    "its first order, of the axis for K",
+    "its first order, doubled",
+];
+
+/// Below which angle.
+const LIMIT: [f64; 9] = [0.0, 1e-12, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+
+/// Before U = [u]_x in R, before U^2, and in the place of I.
+const FIRST: [&str; 6] =
+    ["sin(theta)", "theta", "sin(theta) / theta", "cos(theta)", "1 - cos(theta)", "-sin(theta)"];
+const SECOND: [&str; 6] = [
+    "1 - cos(theta)",
+    "sin(theta)",
+    "(1 - cos(theta)) / theta",
+    "(1 - cos(theta)) / theta^2",
+    "theta^2 / 2",
+    "0",
+];
+const WHOLE: [&str; 3] = ["I", "cos(theta) I, with u u^T for U^2", "cos(theta) I"];
+
+/// The same in V.
+const FIRST_OF_V: [&str; 8] = [
+    "(1 - cos(theta)) / theta",
+    "1 - cos(theta)",
+    "sin(theta) / theta",
+    "sin(theta)",
+    "(1 - cos(theta)) / theta^2",
+    "theta / 2",
+    "0",
+    "-(1 - cos(theta)) / theta",
+];
+const SECOND_OF_V: [&str; 8] = [
+    "1 - sin(theta) / theta",
+    "theta - sin(theta)",
+    "(theta - sin(theta)) / theta^2",
+    "(theta - sin(theta)) / theta^3",
+    "(1 - cos(theta)) / theta^2",
+    "1 - cos(theta)",
+    "theta^2 / 6",
+    "0",
+];
+const WHOLE_OF_V: [&str; 5] = [
+    "I",
+    "sin(theta) / theta I",
+    "theta I",
+    "sin(theta) / theta I, with u u^T for U^2",
+    "theta I, and theta times the rest",
+];
+
+const SMALLS: usize = 1 + SMALL.len() * LIMIT.len();
+
+/// Those of rotation vectors.
+pub(crate) const OF_ROTATIONS: Laws = Laws {
+    choices: &[AXIS.len(), SMALLS, FIRST.len(), SECOND.len(), WHOLE.len()],
+    says,
+    of: |a, c, law| so3(a, |w| rows(&rotation(w, c.rotation_clamp, law))),
+};
+
+/// Those of twists.
+pub(crate) const OF_TWISTS: Laws = Laws {
+    choices: &[
+        AXIS.len(),
+        SMALLS,
+        FIRST.len(),
+        SECOND.len(),
+        WHOLE.len(),
+        SMALLS,
+        FIRST_OF_V.len(),
+        SECOND_OF_V.len(),
+        WHOLE_OF_V.len(),
+    ],
+    says,
+    of: |a, c, law| se3(a, |twist| flat(&motion(twist, &form(c), law))),
+};
+
+fn says(part: usize, choice: usize) -> String {
+    let small = |of: &str| {
+        let (what, limit) = (SMALL[(choice - 1) / LIMIT.len()], LIMIT[(choice - 1) % LIMIT.len()]);
+        if limit == 0.0 {
+            format!("{of} = {what} at 0 alone")
+        } else {
+            format!("{of} = {what} below {limit:e}")
+        }
+    };
+    match part {
+        0 => format!("u = w / ({})", AXIS[choice]),
+        1 => small("R"),
+        2 => format!("{} U in R", FIRST[choice]),
+        3 => format!("{} U^2 in R", SECOND[choice]),
+        4 => format!("{} in R", WHOLE[choice]),
+        5 => small("V"),
+        6 => format!("{} U in V", FIRST_OF_V[choice]),
+        7 => format!("{} U^2 in V", SECOND_OF_V[choice]),
+        _ => format!("{} in V", WHOLE_OF_V[choice]),
+    }
+}
+
+/// [v]_x.
+fn cross(v: DVec3) -> DMat3 {
+    DMat3::from_cols(DVec3::new(0.0, v.z, -v.y), DVec3::new(-v.z, 0.0, v.x), DVec3::new(v.y, -v.x, 0.0))
+}
+
+/// v v^T.
+fn outer(v: DVec3) -> DMat3 {
+    DMat3::from_cols(v * v.x, v * v.y, v * v.z)
+}
+
+fn divisor(theta: f64, choice: usize) -> f64 {
+    match choice {
+        1 => theta + 1e-10,
+        2 => theta + 1e-8,
+        3 => theta + 1e-7,
+        4 => theta + 1e-6,
+        5 => theta + 1e-4,
+        6 => theta.max(1e-8),
+        7 => theta.max(1e-7),
+        8 => theta.max(1e-6),
+        9 => theta.max(1e-4),
+        10 => (theta * theta + 1e-8).sqrt(),
+        11 => (theta * theta + 1e-12).sqrt(),
+        12 => (theta * theta + 1e-16).sqrt(),
+        13 => theta + 1e-5,
+        _ => theta,
+    }
+}
+
+/// What a matrix is near 0, where it is something of its own: I + K + K^2 / 2 of R, I + K / 2 + K^2 / 6 of V.
+fn near(w: DVec3, u: DVec3, choice: usize, of: [f64; 2]) -> Option<DMat3> {
+    let choice = choice.checked_sub(1)?;
+    let limit = LIMIT[choice % LIMIT.len()];
+    let small = if limit == 0.0 { w.length() == 0.0 } else { w.length() < limit };
+    let (k, one) = (cross(w), DMat3::IDENTITY);
+    let matrix = match choice / LIMIT.len() {
+        0 => one,
+        1 => one + k * of[0],
+        2 => one + k * of[0] + k * k * of[1],
+        3 => one + cross(u) * of[0],
+        _ => one + k * (2.0 * of[0]),
+    };
+    small.then_some(matrix)
+}
+
+/// 1 - cos(theta).
+fn versed(theta: f64) -> f64 {
+    2.0 * sin(0.5 * theta) * sin(0.5 * theta)
+}
+
+fn rotation(w: [f64; 3], clamp: RotationClamp, law: &[usize]) -> DMat3 {
+    if law[..5] == [0; 5] {
+        return so3_exp(w, clamp);
+    }
+    let w = DVec3::from(w);
+    let theta = w.length();
+    let u = w / divisor(theta, law[0]);
+    if let Some(matrix) = near(w, u, law[1], [1.0, 0.5]) {
+        return matrix;
+    }
+    let first = match law[2] {
+        0 => sin(theta),
+        1 => theta,
+        2 => sin(theta) / theta,
+        3 => cos(theta),
+        4 => versed(theta),
+        _ => -sin(theta),
+    };
+    let second = match law[3] {
+        0 => versed(theta),
+        1 => sin(theta),
+        2 => versed(theta) / theta,
+        3 => versed(theta) / (theta * theta),
+        4 => 0.5 * theta * theta,
+        _ => 0.0,
+    };
+    let (whole, square) = match law[4] {
+        0 => (1.0, cross(u) * cross(u)),
+        1 => (cos(theta), outer(u)),
+        _ => (cos(theta), cross(u) * cross(u)),
+    };
+    DMat3::IDENTITY * whole + cross(u) * first + square * second
+}
+
+/// theta - sin(theta), over theta.
+fn late(theta: f64) -> f64 {
+    if theta < 0.1 {
+        let x = theta * theta;
+        return x / 6.0 * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0)));
+    }
+    1.0 - sin(theta) / theta
+}
+
+fn moved(w: DVec3, rho: DVec3, law: &[usize]) -> DVec3 {
+    let theta = w.length();
+    let u = w / divisor(theta, law[0]);
+    if let Some(matrix) = near(w, u, law[5], [0.5, 1.0 / 6.0]) {
+        return matrix * rho;
+    }
+    let first = match law[6] {
+        0 => versed(theta) / theta,
+        1 => versed(theta),
+        2 => sin(theta) / theta,
+        3 => sin(theta),
+        4 => versed(theta) / (theta * theta),
+        5 => 0.5 * theta,
+        6 => 0.0,
+        _ => -versed(theta) / theta,
+    };
+    let second = match law[7] {
+        0 => late(theta),
+        1 => theta * late(theta),
+        2 => late(theta) / theta,
+        3 => late(theta) / (theta * theta),
+        4 => versed(theta) / (theta * theta),
+        5 => versed(theta),
+        6 => theta * theta / 6.0,
+        _ => 0.0,
+    };
+    let (whole, square) = match law[8] {
+        0 => (1.0, cross(u) * cross(u)),
+        1 => (sin(theta) / theta, cross(u) * cross(u)),
+        2 => (theta, cross(u) * cross(u)),
+        3 => (sin(theta) / theta, outer(u)),
+        _ => (1.0, cross(u) * cross(u)),
+    };
+    let v = DMat3::IDENTITY * whole + cross(u) * first + square * second;
+    v * rho * if law[8] == 4 { theta } else { 1.0 }
+}
+
+fn motion(twist: [f64; 6], form: &Twist, law: &[usize]) -> DMat4 {
+    if law.iter().all(|choice| *choice == 0) {
+        return se3_exp(twist, form);
+    }
+    let (rho, w) = halves(twist, form.order);
+    let r = rotation(w, form.clamp, law);
+    let plain = Twist { layout: crate::convention::MotionLayout::ForColumns, ..*form };
+    let v_is_right = law[0] == 0 && law[5..].iter().all(|choice| *choice == 0);
+    let t = match form.translation {
+        TwistTranslation::Plain => DVec3::from(rho),
+        _ if v_is_right => se3_exp(twist, &plain).w_axis.truncate(),
+        _ => moved(DVec3::from(w), DVec3::from(rho), law),
+    };
+    let motion =
+        DMat4::from_cols(r.x_axis.extend(0.0), r.y_axis.extend(0.0), r.z_axis.extend(0.0), t.extend(1.0));
+    laid(motion, form.layout)
+}

@@ -1,0 +1,255 @@
+//! Laws of volume rendering: what may stand for alpha_i and for T_i in w_i = T_i alpha_i, and what is made of the weights.
+
+use super::arrays::{over, renderings};
+use super::mistakes::ALPHA_ERROR;
+use super::{Rendering, optical_depths, volume_render, volume_render_alpha};
+use crate::contract::arrays::{Arrays, row, rows3, size};
+use crate::contract::laws::Laws;
+use crate::convention::Conventions;
+use crate::math::{exp, expm1};
+
+/// What is accumulated for T: of densities all of these, of opacities those of alpha.
+const ELEMENTS: [&str; 7] =
+    ["alpha_j", "(1 - alpha_j)", "sigma_j delta_j", "sigma_j", "delta_j", "exp(-sigma_j)", "(1 - sigma_j)"];
+
+/// How it is accumulated.
+const SCANS: [&str; 10] = [
+    "sum_{j<i} X",
+    "sum_{j<=i} X",
+    "prod_{j<i} X",
+    "prod_{j<=i} X",
+    "(X of sample i itself)",
+    "(X of sample i - 1, 0 for the first)",
+    "sum_j X",
+    "sum_{j>i} X",
+    "prod_{j>i} X",
+    "(prod_{j<i} X, 0 for the first)",
+];
+
+/// What is made of that.
+const OUTER: [&str; 6] = ["exp(-S)", "S", "1 - S", "exp(S)", "max(0, 1 - S)", "1 / (1 + S)"];
+
+/// What stands for alpha_i: of densities all of these, of opacities the first.
+const OWN: [&str; 11] = [
+    "alpha_i",
+    "1 - alpha_i",
+    "alpha_i^2",
+    "1",
+    "sigma_i",
+    "sigma_i delta_i",
+    "delta_i",
+    "alpha_i delta_i",
+    "alpha_i sigma_i",
+    "1 - exp(-sigma_i)",
+    "1 - sigma_i",
+];
+
+/// What the color is.
+const COLOR: [&str; 10] = [
+    "sum_i w_i c_i",
+    "sum_i sum_{j<=i} w_j c_j",
+    "sum_i w_i c_i / N",
+    "sum_i w_i alpha_i c_i",
+    "sum_i w_i c_i + 1 - sum_i w_i",
+    "sum_i w_i c_i over the largest w",
+    "the color of the heaviest sample",
+    "sum_i softmax(w)_i c_i",
+    "sum_i w_i c_i, at most 1",
+    "sum_i w_i c_i / sum_i w_i, 0 where there is none",
+];
+
+/// What the opacity is.
+const OPACITY: [&str; 7] = [
+    "sum_i w_i",
+    "1 - prod_i (1 - alpha_i)",
+    "alpha of the last sample",
+    "sum_i alpha_i",
+    "the largest w",
+    "sum_i w_i / N",
+    "sum_i alpha_i, at most 1",
+];
+
+/// What is handed out for T behind the last sample.
+const BEHIND: [&str; 3] = ["prod_i (1 - alpha_i)", "1 - sum_i w_i", "T of the last sample"];
+
+const LIGHT: usize = SCANS.len() * OUTER.len();
+
+/// Those of densities.
+pub(crate) const OF_DENSITIES: Laws = Laws {
+    choices: &[OWN.len(), 1 + ELEMENTS.len() * LIGHT, COLOR.len(), OPACITY.len(), BEHIND.len()],
+    says,
+    of: of_densities,
+};
+
+/// Those of opacities.
+pub(crate) const OF_OPACITIES: Laws =
+    Laws { choices: &[4, 1 + 2 * LIGHT, COLOR.len(), OPACITY.len(), BEHIND.len()], says, of: of_opacities };
+
+fn says(part: usize, choice: usize) -> String {
+    match part {
+        0 => format!("{} for alpha_i in w_i = T_i alpha_i", OWN[choice]),
+        1 => {
+            let n = choice - 1;
+            let scan = SCANS[n / OUTER.len() % SCANS.len()].replace('X', ELEMENTS[n / LIGHT]);
+            format!("T_i = {}", OUTER[n % OUTER.len()].replace('S', &scan))
+        }
+        2 => format!("C = {}", COLOR[choice]),
+        3 => format!("A = {}", OPACITY[choice]),
+        _ => format!("{} for the transmittance behind all", BEHIND[choice]),
+    }
+}
+
+/// A sample's numbers.
+#[derive(Clone, Copy)]
+struct Sample {
+    alpha: f64,
+    sigma: f64,
+    delta: f64,
+    depth: f64,
+}
+
+impl Sample {
+    fn element(&self, n: usize, eps: f64) -> f64 {
+        match n {
+            0 => self.alpha,
+            1 => 1.0 - self.alpha + eps,
+            2 => self.depth,
+            3 => self.sigma,
+            4 => self.delta,
+            5 => exp(-self.sigma),
+            _ => 1.0 - self.sigma,
+        }
+    }
+
+    fn own(&self, n: usize) -> f64 {
+        match n {
+            0 => self.alpha,
+            1 => 1.0 - self.alpha,
+            2 => self.alpha * self.alpha,
+            3 => 1.0,
+            4 => self.sigma,
+            5 => self.depth,
+            6 => self.delta,
+            7 => self.alpha * self.delta,
+            8 => self.alpha * self.sigma,
+            9 => -expm1(-self.sigma),
+            _ => 1.0 - self.sigma,
+        }
+    }
+}
+
+/// X accumulated for every sample.
+fn scanned(x: &[f64], n: usize) -> Vec<f64> {
+    let sum = |x: &[f64]| x.iter().sum::<f64>();
+    let product = |x: &[f64]| x.iter().product::<f64>();
+    let of = |i: usize| match n {
+        0 => sum(&x[..i]),
+        1 => sum(&x[..=i]),
+        2 => product(&x[..i]),
+        3 => product(&x[..=i]),
+        4 => x[i],
+        5 => i.checked_sub(1).map_or(0.0, |before| x[before]),
+        6 => sum(x),
+        7 => sum(&x[i + 1..]),
+        8 => product(&x[i + 1..]),
+        _ if i == 0 => 0.0,
+        _ => product(&x[..i]),
+    };
+    (0..x.len()).map(of).collect()
+}
+
+fn outer(s: f64, n: usize) -> f64 {
+    match n {
+        0 => exp(-s),
+        1 => s,
+        2 => 1.0 - s,
+        3 => exp(s),
+        4 => (1.0 - s).max(0.0),
+        _ => 1.0 / (1.0 + s),
+    }
+}
+
+/// A ray by these choices; `right` is what the oracle says of it.
+fn ray(samples: &[Sample], rgbs: &[[f64; 3]], right: Rendering, eps: f64, law: &[usize]) -> Rendering {
+    let n = samples.len();
+    let mut t = right.transmittance.clone();
+    if let Some(light) = law[1].checked_sub(1) {
+        let x: Vec<f64> = samples.iter().map(|s| s.element(light / LIGHT, eps)).collect();
+        let scan = scanned(&x, light / OUTER.len() % SCANS.len());
+        t[..n].iter_mut().zip(scan).for_each(|(t, s)| *t = outer(s, light % OUTER.len()));
+    }
+    let weights: Vec<f64> = match &law[..2] {
+        [0, 0] => right.weights.clone(),
+        _ => samples.iter().zip(&t).map(|(s, t)| super::product(*t, s.own(law[0]))).collect(),
+    };
+    let whole: f64 = weights.iter().sum();
+    let of = |weights: &[f64]| -> [f64; 3] {
+        std::array::from_fn(|k| weights.iter().zip(rgbs).map(|(w, c)| w * c[k]).sum())
+    };
+    let each = |f: &dyn Fn(usize) -> f64| (0..n).map(f).collect::<Vec<f64>>();
+    let most = weights.iter().copied().fold(0.0, f64::max);
+    let alphas: f64 = samples.iter().map(|s| s.alpha).sum();
+    let color = match law[2] {
+        0 => of(&weights),
+        1 => of(&each(&|i| (n - i) as f64 * weights[i])),
+        2 => of(&weights).map(|c| c / n as f64),
+        3 => of(&each(&|i| weights[i] * samples[i].alpha)),
+        4 => of(&weights).map(|c| c + 1.0 - whole),
+        5 => of(&weights).map(|c| c / most),
+        6 => rgbs.get(weights.iter().position(|w| *w == most).unwrap_or(0)).copied().unwrap_or([0.0; 3]),
+        7 => {
+            let powers = each(&|i| exp(weights[i] - most));
+            let sum: f64 = powers.iter().sum();
+            of(&powers).map(|c| c / sum)
+        }
+        8 => of(&weights).map(|c| c.min(1.0)),
+        _ => of(&weights).map(|c| if whole == 0.0 { 0.0 } else { c / whole }),
+    };
+    let opacity = match law[3] {
+        0 => whole,
+        1 => 1.0 - right.transmittance[n],
+        2 => samples.last().map_or(0.0, |s| s.alpha),
+        3 => alphas,
+        4 => most,
+        5 => whole / n as f64,
+        _ => alphas.min(1.0),
+    };
+    t[n] = match law[4] {
+        0 => right.transmittance[n],
+        1 => 1.0 - whole,
+        _ => t[n.saturating_sub(1)],
+    };
+    Rendering { color, weights, transmittance: t, opacity }
+}
+
+fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
+    let (count, n) = size(a, "sigmas");
+    let one = |r: usize| {
+        let (sigmas, deltas, rgbs) = (row(a, "sigmas", r), row(a, "deltas", r), rows3(a, "rgbs", r));
+        let depths = optical_depths(&sigmas, &deltas);
+        let mut alphas: Vec<f64> = depths.iter().map(|&x| -expm1(-x)).collect();
+        let mut right = volume_render(&sigmas, &rgbs, &deltas, c.product_eps);
+        if a.contains_key(ALPHA_ERROR) {
+            let errors = row(a, ALPHA_ERROR, r).into_iter();
+            let off = alphas.iter_mut().zip(errors).filter(|(alpha, _)| **alpha != 0.0);
+            off.for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
+            right = volume_render_alpha(&alphas, &rgbs, c.product_eps);
+        }
+        let sample =
+            |i: usize| Sample { alpha: alphas[i], sigma: sigmas[i], delta: deltas[i], depth: depths[i] };
+        ray(&(0..n).map(sample).collect::<Vec<_>>(), &rgbs, right, c.product_eps.value(), law)
+    };
+    over(c, renderings(n, &(0..count).map(one).collect::<Vec<_>>()))
+}
+
+fn of_opacities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
+    let a = &super::arrays::counted(a, c);
+    let (count, n) = size(a, "alphas");
+    let one = |r: usize| {
+        let (alphas, rgbs) = (row(a, "alphas", r), rows3(a, "rgbs", r));
+        let right = volume_render_alpha(&alphas, &rgbs, c.product_eps);
+        let sample = |alpha: &f64| Sample { alpha: *alpha, sigma: 0.0, delta: 0.0, depth: 0.0 };
+        ray(&alphas.iter().map(sample).collect::<Vec<_>>(), &rgbs, right, c.product_eps.value(), law)
+    };
+    over(c, renderings(n, &(0..count).map(one).collect::<Vec<_>>()))
+}
