@@ -1,6 +1,6 @@
 //! Registry row of the positional encoding.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::{Only, Special};
 
@@ -36,7 +36,7 @@ pub(crate) const POSITIONAL_ENCODING: Component = Component {
         admits: arrays::admits,
         only: Some(Only { input: "x", axis: 1, length: 3, what: "coordinates" }),
         large: cases::large,
-        laws: Some(laws::OF_POINTS),
+        laws: Some(mistakes::laws::OF_POINTS),
         ..Special::NONE
     },
 };

@@ -3,6 +3,7 @@
 //! Two mistakes of the catalogue have no row here: the same number of bands for positions and directions shows in the shapes
 //! (63 columns for 27), and a pixel grid that differs between training and rendering is a mistake of the caller.
 
+pub(crate) mod laws;
 mod waves;
 
 use waves::OF_WAVES;

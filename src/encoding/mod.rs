@@ -16,7 +16,6 @@ pub(crate) mod component;
 pub mod fast;
 pub(crate) mod honest;
 pub mod judge;
-pub(crate) mod laws;
 pub(crate) mod mistakes;
 
 pub use judge::judge;

@@ -1,6 +1,6 @@
 //! Registry rows of the networks.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
@@ -72,7 +72,7 @@ pub(crate) const NERF_MLP: Component = Component {
     special: Special {
         reshape: cases::reshape,
         admits: cases::admits,
-        laws: Some(laws::OF_NETWORKS),
+        laws: Some(mistakes::laws::OF_NETWORKS),
         ..Special::NONE
     },
 };

@@ -16,6 +16,7 @@ use crate::math::{erf, expm1, sin};
 
 mod catalogue;
 mod heads;
+pub(crate) mod laws;
 mod units;
 
 use catalogue::{LAYER_TWICE, NEVER_APPLIED};

@@ -1,6 +1,6 @@
 //! Registry row of splats' opacities.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
@@ -36,7 +36,7 @@ pub(crate) const GAUSSIAN_ALPHA: Component = Component {
     special: Special {
         reads: &[("alphas", &["alpha_cap", "faint", "positive_power"])],
         large: cases::large,
-        laws: Some(laws::OF_PIXELS),
+        laws: Some(mistakes::laws::OF_PIXELS),
         ..Special::NONE
     },
 };

@@ -9,6 +9,7 @@ use crate::contract::component::Mistake;
 use crate::convention::{AlphaCap, CapGradient, Conventions};
 use crate::math::{exp, expm1};
 
+pub(crate) mod laws;
 mod numbers;
 
 use numbers::{BELOW, CAPPED, CAPPED_BEFORE, CIRCLE, CUT, DILATED, FLOORED, SCALED, SQUARE};

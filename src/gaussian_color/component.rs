@@ -1,6 +1,6 @@
 //! Registry row of splats' colors.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
@@ -36,5 +36,5 @@ pub(crate) const GAUSSIAN_COLOR: Component = Component {
     }),
     cases: cases::gaussian_color,
     mistakes: mistakes::GAUSSIAN_COLOR,
-    special: Special { large: cases::large, laws: Some(laws::OF_SPLATS), ..Special::NONE },
+    special: Special { large: cases::large, laws: Some(mistakes::laws::OF_SPLATS), ..Special::NONE },
 };

@@ -8,6 +8,8 @@ use crate::convention::{Conventions, HarmonicForm, SplatColor};
 use crate::math::exp;
 use crate::spherical_harmonics::harmonics;
 
+pub(crate) mod laws;
+
 const OFF_LENGTH: Mistake = Mistake::new(
     "eps_in_length",
     "d / (|d| + eps)",

@@ -1,6 +1,6 @@
 //! Registry row of a Gaussian's covariance.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
@@ -31,5 +31,5 @@ pub(crate) const GAUSSIAN_COVARIANCE: Component = Component {
     }),
     cases: cases::gaussian_covariance,
     mistakes: mistakes::GAUSSIAN_COVARIANCE,
-    special: Special { large: cases::large, laws: Some(laws::OF_SPLATS), ..Special::NONE },
+    special: Special { large: cases::large, laws: Some(mistakes::laws::OF_SPLATS), ..Special::NONE },
 };

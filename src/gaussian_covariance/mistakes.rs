@@ -8,6 +8,7 @@ use crate::convention::{Conventions, QuaternionLength};
 use crate::pose::mistakes::signs::{SIGNS, signed};
 
 mod gradients;
+pub(crate) mod laws;
 
 use gradients::{OF_GRADIENTS, hand_written};
 

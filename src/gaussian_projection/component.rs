@@ -1,6 +1,6 @@
 //! Registry row of a Gaussian's projection.
 
-use super::{arrays, bound, cases, gradient_laws, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::Special;
 
@@ -61,8 +61,8 @@ pub(crate) const GAUSSIAN_PROJECTION: Component = Component {
             ("compensations", &["splat_dilation", "splat_clamp", "compensation_floor", "splat_culling"]),
         ],
         large: cases::large,
-        laws: Some(laws::OF_SPLATS),
-        gradient_laws: Some(gradient_laws::OF_SPLATS),
+        laws: Some(mistakes::laws::OF_SPLATS),
+        gradient_laws: Some(mistakes::gradient_laws::OF_SPLATS),
         ..Special::NONE
     },
 };

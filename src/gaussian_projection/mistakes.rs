@@ -6,7 +6,9 @@ use crate::contract::arrays::{Arrays, threes};
 use crate::convention::{Conventions, SplatCenter, SplatClamp};
 
 mod catalogue;
+pub(crate) mod gradient_laws;
 mod gradients;
+pub(crate) mod laws;
 mod numbers;
 mod views;
 

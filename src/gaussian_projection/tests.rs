@@ -237,7 +237,23 @@ fn determinants_have_a_floor() {
     }
 }
 
-/// A circle of 3 pixels about a point 4 pixels beside the picture, and 2.
+/// A line has no determinant to learn by, an ellipse has: of variances 100 and 121, and 110 or 44 between them.
+#[test]
+fn a_determinant_at_its_floor_does_not_learn() {
+    let form = Form { compensation: CompensationFloor::Millionth, ..Form::default() };
+    let g = Splat { compensation: 1.0, ..Splat::NOWHERE };
+    for (xy, learns) in [(0.25, 0.0), (0.1, 1.0)] {
+        let sigma = [0.25, xy, 0.0, 0.25, 0.0, 0.0];
+        let splat = project([0.0, 0.0, 2.0], sigma, &straight(), form);
+        let (_, g_sigma) = backward::project([0.0, 0.0, 2.0], sigma, &straight(), form, &g);
+        let ([a, b, c], left) = (splat.covariance, splat.compensation);
+        let twice = 2.0 * (a * c - b * b);
+        let by_hand = 400.0 * (learns * (c - 0.3) / left - left * c) / twice;
+        assert_relative_eq!(g_sigma[0], by_hand, max_relative = 1e-9);
+    }
+}
+
+/// A circle of 3 pixels about a point 4 pixels beside the picture, or 3, and 2.
 #[test]
 fn what_misses_the_picture_is_nowhere() {
     let form = Form { culling: SplatCulling::Zero, ..Form::default() };
@@ -248,7 +264,7 @@ fn what_misses_the_picture_is_nowhere() {
             backward::project(mean, [0.0; 6], &straight(), form, &ONES),
         )
     };
-    for (x, y) in [(-4.0, 20.0), (68.0, 20.0), (20.0, -4.0), (20.0, 52.0)] {
+    for (x, y) in [(-4.0, 20.0), (-3.0, 20.0), (67.0, 20.0), (68.0, 20.0), (20.0, -4.0), (20.0, 52.0)] {
         assert_eq!(at(x, y), (Splat::NOWHERE, ([0.0; 3], [0.0; 6])), "({x}, {y})");
     }
     for (x, y) in [(-2.0, 20.0), (66.0, 20.0), (20.0, -2.0), (20.0, 50.0)] {

@@ -1,6 +1,6 @@
 //! Registry row of the hash grid.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
@@ -37,5 +37,5 @@ pub(crate) const HASH_GRID: Component = Component {
     }),
     cases: cases::hash_grid,
     mistakes: mistakes::HASH_GRID,
-    special: Special { large: cases::large, laws: Some(laws::OF_GRIDS), ..Special::NONE },
+    special: Special { large: cases::large, laws: Some(mistakes::laws::OF_GRIDS), ..Special::NONE },
 };

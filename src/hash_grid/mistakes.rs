@@ -11,6 +11,7 @@ use crate::math::pow;
 
 mod catalogue;
 mod digits;
+pub(crate) mod laws;
 mod levels;
 
 pub(crate) use catalogue::HASH_GRID;

@@ -1,6 +1,6 @@
 //! Registry row of importance sampling.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
@@ -33,5 +33,5 @@ pub(crate) const IMPORTANCE_SAMPLING: Component = Component {
     }),
     cases: cases::importance_sampling,
     mistakes: mistakes::IMPORTANCE_SAMPLING,
-    special: Special { large: cases::large, laws: Some(laws::OF_SAMPLES), ..Special::NONE },
+    special: Special { large: cases::large, laws: Some(mistakes::laws::OF_SAMPLES), ..Special::NONE },
 };

@@ -2,6 +2,7 @@
 
 mod catalogue;
 mod inputs;
+pub(crate) mod laws;
 
 use catalogue::{BLURRED, DENOMINATOR_EPS, EPS_AFTER_DIVISION, EPS_IN_SUM, PADDED};
 pub(crate) use catalogue::{

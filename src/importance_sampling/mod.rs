@@ -12,7 +12,6 @@ pub(crate) mod cases;
 pub(crate) mod component;
 pub(crate) mod honest;
 pub mod judge;
-pub(crate) mod laws;
 pub(crate) mod mistakes;
 
 pub use judge::judge;

@@ -2,31 +2,35 @@
 
 use std::collections::BTreeSet;
 
-use super::answer::Answers;
+use super::answer::{Answer, Answers, Given};
 use super::assignment::{open, small_cases};
 use super::evidence::Explanation;
 use super::exam::Question;
 use super::hypothesis::Hypothesis;
-use super::mark::MarkOptions;
+use super::mark::{MarkOptions, largest_of};
 use super::misdone::proved;
 use super::nearness::likeliest;
 use super::partial::apply;
 use super::slip::{LawSlip, Slip};
 use super::slipping::{attempt, conventions};
+use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;
 use crate::parallel;
 
-/// Numbers that all formulas together may compute on the case that they are tried on first.
-const WORK: usize = 20_000_000;
+/// Numbers that all formulas together may compute on the case that they are tried on first, and what one costs at least.
+const WORK: usize = 6_000_000;
+const COST: usize = 64;
 
-/// The most parts in which a formula differs from the right one; and those by which it may differ from one that explains some outputs.
-const PARTS: usize = 4;
-const FARTHER: usize = 3;
+/// The conventions in which formulas are tried that differ from the right one in one part, in two, and in three.
+const TRIED: [usize; 3] = [12, 4, 2];
+
+/// What is near: this share of a number, and the square of it of the largest.
+const NEARLY: f64 = 0.03;
 
 /// Conventions that are tried beside the run's and those of known programs: those that change least, and those in which the answers are nearest.
-const NEAR: usize = 8;
+const NEAR: usize = 6;
 
 /// The formulas of the row's family that explain every answer: those that differ from the right one in the fewest parts, or what output
 /// after output shows. Where none does, edge cases are left out, and told.
@@ -65,9 +69,11 @@ struct Search<'a> {
     base: &'a Conventions,
     options: &'a MarkOptions,
     laws: Laws,
+    /// The cases, the smallest first.
+    cases: Vec<(&'a Case, &'a Answer)>,
     /// The conventions in which they are tried, each with the smallest case that the right formula doesn't explain in them.
     nearby: Vec<(usize, Conventions)>,
-    /// How many may be tried in all conventions.
+    /// How many may be tried.
     affordable: usize,
 }
 
@@ -97,8 +103,8 @@ impl<'a> Search<'a> {
             }
         }
         let cost = nearby.iter().map(|(n, _)| question.cost(cases[*n].0)).max()?;
-        let affordable = WORK / (cost * nearby.len()).max(1);
-        Some(Search { question, answers, base, options, laws, nearby, affordable })
+        let affordable = WORK / cost.max(COST);
+        Some(Search { question, answers, base, options, laws, cases, nearby, affordable })
     }
 
     fn hypothesis(&self, choices: &[usize], c: &Conventions) -> Hypothesis {
@@ -107,25 +113,53 @@ impl<'a> Search<'a> {
         Hypothesis { slip: Some(Slip::Law(law)), ..Hypothesis::new(vec![], *c) }
     }
 
+    /// Those that differ in so many parts, as many as are affordable in these conventions; `left` says how many may still be tried.
+    fn differing(&self, parts: usize, conventions: usize, left: &mut usize) -> Vec<Vec<usize>> {
+        let mut all = self.laws.differing(parts);
+        all.truncate(*left / conventions.max(1));
+        *left -= all.len() * conventions;
+        all
+    }
+
     fn found(&self) -> Vec<Explanation> {
         let mut left = self.affordable;
-        for parts in 1..=PARTS.min(self.laws.choices.len()) {
-            let mut all = self.laws.differing(parts);
-            all.truncate(left);
-            left -= all.len();
-            let in_each = |law: &Vec<usize>| {
-                self.nearby.iter().map(|(n, c)| (*n, self.hypothesis(law, c))).collect::<Vec<_>>()
-            };
-            let found = self.proved(all.iter().flat_map(in_each).collect());
+        for (parts, conventions) in (1..=self.laws.choices.len()).zip(TRIED) {
+            let nearby = &self.nearby[..conventions.min(self.nearby.len())];
+            let all = self.differing(parts, nearby.len(), &mut left);
+            let in_each = parallel::map(all.len(), |n| {
+                let near =
+                    |(case, c): &&(usize, Conventions)| self.near(&all[n], *case, c) == self.outputs(*case);
+                let near = nearby.iter().filter(near);
+                near.map(|(case, c)| (*case, self.hypothesis(&all[n], c))).collect::<Vec<_>>()
+            });
+            let found = self.proved(in_each.into_iter().flatten().collect());
             if !found.is_empty() {
                 return found;
             }
-            if left == 0 {
-                break;
-            }
         }
-        let step_by_step = self.nearby.iter().filter_map(|(n, c)| Some((*n, self.by_outputs(*n, c)?)));
+        let likeliest = self.nearby.iter().take(TRIED[2]);
+        let step_by_step = likeliest.filter_map(|(n, c)| Some((*n, self.by_outputs(*n, c)?)));
         self.proved(step_by_step.collect())
+    }
+
+    /// How many outputs are answered in a case.
+    fn outputs(&self, case: usize) -> usize {
+        self.cases[case].1.len()
+    }
+
+    /// In how many outputs of a case most numbers are about what a formula gives: what most formulas are rejected by, for it costs little.
+    fn near(&self, law: &[usize], case: usize, c: &Conventions) -> usize {
+        let (case, answer) = self.cases[case];
+        let Some(predicted) = attempt(|| (self.laws.of)(&case.inputs, c, law)) else { return 0 };
+        let about = |(name, given): &(&String, &Given)| {
+            let Some(p) = predicted.get(*name) else { return false };
+            let least = NEARLY * NEARLY * largest_of(p);
+            let same = |(p, g): &(&f64, &f64)| {
+                !p.is_finite() || !g.is_finite() || (*p - *g).abs() <= NEARLY * p.abs().max(g.abs()) + least
+            };
+            p.len() == given.values.len() && 2 * p.iter().zip(&given.values).filter(same).count() >= p.len()
+        };
+        answer.iter().filter(about).count()
     }
 
     fn proved(&self, tried: Vec<(usize, Hypothesis)>) -> Vec<Explanation> {
@@ -139,17 +173,18 @@ impl<'a> Search<'a> {
             self.answers.iter().flatten().flat_map(|answer| answer.keys()).collect::<BTreeSet<_>>().len();
         let mut law = vec![0; self.laws.choices.len()];
         let mut explained = self.explained(&law, failing, c);
-        let mut left = self.affordable;
+        let mut left = self.affordable / 2;
+        let rings: Vec<_> = (1..=TRIED.len()).map(|parts| self.differing(parts, 1, &mut left)).collect();
         while explained < outputs {
-            let better = (1..=FARTHER).find_map(|parts| {
-                let free = |other: &Vec<usize>| law.iter().zip(other).all(|(had, o)| *had == 0 || *o == 0);
-                let mut all: Vec<_> = self.laws.differing(parts).into_iter().filter(free).collect();
-                all.truncate(left);
-                left -= all.len();
+            let better = rings.iter().find_map(|ring| {
+                let free = |other: &&Vec<usize>| law.iter().zip(*other).all(|(had, o)| *had == 0 || *o == 0);
                 let joined =
                     |other: &Vec<usize>| law.iter().zip(other).map(|(a, b)| a + b).collect::<Vec<_>>();
-                let all: Vec<Vec<usize>> = all.iter().map(joined).collect();
-                let counts = parallel::map(all.len(), |n| self.explained(&all[n], failing, c));
+                let all: Vec<Vec<usize>> = ring.iter().filter(free).map(joined).collect();
+                let counts = parallel::map(all.len(), |n| {
+                    let near = self.near(&all[n], failing, c) > explained;
+                    if near { self.explained(&all[n], failing, c) } else { 0 }
+                });
                 let most = counts.into_iter().zip(all).rev().max_by_key(|(count, _)| *count);
                 most.filter(|(count, _)| *count > explained)
             });
@@ -160,13 +195,12 @@ impl<'a> Search<'a> {
 
     /// How many outputs a formula explains in all cases, those that it is tried on first among them.
     fn explained(&self, law: &[usize], failing: usize, c: &Conventions) -> usize {
-        let cases = small_cases(self.question, self.answers);
-        let h = self.hypothesis(law, c);
+        let (cases, h) = (&self.cases, self.hypothesis(law, c));
         let named: BTreeSet<&str> =
             cases.iter().flat_map(|(_, answer)| answer.keys().map(String::as_str)).collect();
         let mut outputs: Vec<&str> = named.into_iter().collect();
         let first = cases[failing..].iter().take(1);
-        for (case, answer) in first.chain(&cases) {
+        for (case, answer) in first.chain(cases) {
             if outputs.is_empty() {
                 break;
             }
@@ -188,7 +222,6 @@ mod tests {
     use super::super::exam::Exam;
     use super::*;
     use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
-    use crate::contract::case::Case;
     use crate::contract::check::{tolerance, worst};
     use crate::contract::testing::one_in;
     use crate::convention::CS180;
@@ -196,7 +229,7 @@ mod tests {
 
     /// Formulas of each row that are tried, and the share of them that must be told: what shows in two numbers could be anything.
     const TOLD: usize = 12;
-    const MOST: (usize, usize) = (3, 4);
+    const MOST: (usize, usize) = (2, 3);
 
     /// All questions whose rows have laws.
     fn asked(dtype: Dtype, f: impl Fn(&Question, &Laws)) {

@@ -68,7 +68,7 @@ pub(crate) const LR_EXPONENTIAL: Component = Component {
     vjp: None,
     cases: cases::lr_exponential,
     mistakes: mistakes::LR_EXPONENTIAL,
-    special: Special { forms: EACH_STEP, ..Special::NONE },
+    special: Special { forms: EACH_STEP, laws: Some(mistakes::laws::OF_EXPONENTIALS), ..Special::NONE },
 };
 
 /// A cosine after a warm-up.
@@ -99,7 +99,7 @@ pub(crate) const LR_COSINE: Component = Component {
     vjp: None,
     cases: cases::lr_cosine,
     mistakes: mistakes::LR_COSINE,
-    special: Special { forms: SHORTER, ..Special::NONE },
+    special: Special { forms: SHORTER, laws: Some(mistakes::laws::OF_COSINES), ..Special::NONE },
 };
 
 /// A log-linear decay with a delay.
@@ -130,5 +130,5 @@ pub(crate) const LR_LOG_LINEAR: Component = Component {
     vjp: None,
     cases: cases::lr_log_linear,
     mistakes: mistakes::LR_LOG_LINEAR,
-    special: Special { forms: AT_ONCE, ..Special::NONE },
+    special: Special { forms: AT_ONCE, laws: Some(mistakes::laws::OF_DECAYS), ..Special::NONE },
 };

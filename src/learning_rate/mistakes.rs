@@ -2,6 +2,7 @@
 
 mod catalogue;
 mod cosine;
+pub(crate) mod laws;
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -1,6 +1,6 @@
 //! Registry rows of lenses.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::{Reach, Special};
 
@@ -69,5 +69,9 @@ pub(crate) const LENS_UNDISTORT: Component = Component {
     }),
     cases: cases::lens_undistort,
     mistakes: mistakes::LENS_UNDISTORT,
-    special: Special { large: cases::large_undistort, laws: Some(laws::OF_UNDISTORTION), ..SPECIAL },
+    special: Special {
+        large: cases::large_undistort,
+        laws: Some(mistakes::laws::OF_UNDISTORTION),
+        ..SPECIAL
+    },
 };

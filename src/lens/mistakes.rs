@@ -1,6 +1,7 @@
 //! Lenses, wrong on purpose. Without a mistake every function equals the oracle.
 
 mod catalogue;
+pub(crate) mod laws;
 mod wrong_lens;
 
 use super::Distortion;

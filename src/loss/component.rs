@@ -61,7 +61,12 @@ pub(crate) const PSNR: Component = Component {
     vjp: None,
     cases: cases::psnr,
     mistakes: mistakes::PSNR,
-    special: Special { large: cases::large_psnr, forms: OF_ONE, ..Special::NONE },
+    special: Special {
+        large: cases::large_psnr,
+        forms: OF_ONE,
+        laws: Some(mistakes::laws::OF_PSNR),
+        ..Special::NONE
+    },
 };
 
 /// Colors as bytes.

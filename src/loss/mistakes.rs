@@ -8,6 +8,7 @@ use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
 mod bytes;
+pub(crate) mod laws;
 mod parts;
 mod psnr;
 

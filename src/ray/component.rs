@@ -1,6 +1,6 @@
 //! Registry rows of rays.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::camera::component::{C2W, K, UV};
 use crate::contract::component::{Component, Direction, Entries, Port};
 use crate::contract::special::{Form, Special};
@@ -84,7 +84,7 @@ pub(crate) const IMAGE_RAYS: Component = Component {
     special: Special {
         forms: PICTURE_FORMS,
         large: cases::large_image_rays,
-        laws: Some(laws::OF_PICTURES),
+        laws: Some(mistakes::laws::OF_PICTURES),
         ..Special::NONE
     },
 };

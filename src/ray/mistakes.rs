@@ -5,6 +5,7 @@
 //! convention `directions`; a norm that is taken over the wrong axis is a mistake.
 
 mod catalogue;
+pub(crate) mod laws;
 mod pictures;
 
 use glam::{DMat3, DMat4, DVec2, DVec3};

@@ -2,7 +2,7 @@
 
 use ndarray::{ArrayD, Zip};
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::arithmetic::Dtype;
 use crate::contract::arrays::{Arrays, number};
 use crate::contract::component::{Component, Direction, Entries, Port};
@@ -53,7 +53,7 @@ pub(crate) const RAY_AABB: Component = Component {
         }],
         unread: Some(Unread { outputs: &["t_near", "t_far"], by: "hit", told: hit }),
         large: cases::large,
-        laws: Some(laws::OF_BOXES),
+        laws: Some(mistakes::laws::OF_BOXES),
         ..Special::NONE
     },
 };

@@ -2,6 +2,7 @@
 
 mod boxes;
 mod catalogue;
+pub(crate) mod laws;
 
 use boxes::SHRUNK;
 pub(crate) use catalogue::RAY_AABB;

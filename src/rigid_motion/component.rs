@@ -1,6 +1,6 @@
 //! Registry rows of rigid motions.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::Special;
 
@@ -29,7 +29,7 @@ pub(crate) const SO3_EXP: Component = Component {
     }),
     cases: cases::so3_exp,
     mistakes: mistakes::SO3_EXP,
-    special: Special { large: cases::large_so3, laws: Some(laws::OF_ROTATIONS), ..Special::NONE },
+    special: Special { large: cases::large_so3, laws: Some(mistakes::laws::OF_ROTATIONS), ..Special::NONE },
 };
 
 /// Twists to motions.
@@ -62,5 +62,5 @@ pub(crate) const SE3_EXP: Component = Component {
     }),
     cases: cases::se3_exp,
     mistakes: mistakes::SE3_EXP,
-    special: Special { large: cases::large_se3, laws: Some(laws::OF_TWISTS), ..Special::NONE },
+    special: Special { large: cases::large_se3, laws: Some(mistakes::laws::OF_TWISTS), ..Special::NONE },
 };

@@ -1,6 +1,7 @@
 //! Rigid motions, wrong on purpose. Without a mistake every function equals the oracle.
 
 mod catalogue;
+pub(crate) mod laws;
 mod of_twists;
 
 use std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Registry rows of samples along rays.
 
-use super::{arrays, bound, cases, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::{Chosen, Special};
 
@@ -32,7 +32,7 @@ pub(crate) const SAMPLE_ALONG_RAYS: Component = Component {
     vjp: None,
     cases: cases::sample_along_rays,
     mistakes: mistakes::SAMPLE_ALONG_RAYS,
-    special: Special { large: cases::large_samples, laws: Some(laws::OF_SAMPLES), ..Special::NONE },
+    special: Special { large: cases::large_samples, laws: Some(mistakes::laws::OF_SAMPLES), ..Special::NONE },
 };
 
 /// Step lengths.
@@ -63,7 +63,7 @@ pub(crate) const STEP_SIZES: Component = Component {
             listed: 1e10,
         }),
         large: cases::large_steps,
-        laws: Some(laws::OF_STEPS),
+        laws: Some(mistakes::laws::OF_STEPS),
         ..Special::NONE
     },
 };

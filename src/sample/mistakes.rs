@@ -4,6 +4,7 @@
 //! a single call can't show (jitter at evaluation, frozen, Gaussian) is found by statistics over repeated calls.
 
 mod catalogue;
+pub(crate) mod laws;
 mod places;
 
 pub(crate) use catalogue::*;

@@ -1,6 +1,6 @@
 //! Registry rows of volume rendering.
 
-use super::{arrays, bound, cases, depth_laws, gradient_laws, honest, laws, mistakes};
+use super::{arrays, bound, cases, honest, mistakes};
 use crate::contract::component::{Component, Direction, Port};
 use crate::contract::special::{Form, Special};
 
@@ -59,8 +59,8 @@ pub(crate) const VOLUME_RENDER: Component = Component {
         large: cases::large::densities,
         left_of_one: &["transmittance"],
         of_gradients: arrays::gradients_of_rectified,
-        laws: Some(laws::OF_DENSITIES),
-        gradient_laws: Some(gradient_laws::OF_DENSITIES),
+        laws: Some(mistakes::weight_laws::OF_DENSITIES),
+        gradient_laws: Some(mistakes::gradient_laws::OF_DENSITIES),
         ..Special::NONE
     },
 };
@@ -100,8 +100,8 @@ pub(crate) const VOLUME_RENDER_ALPHA: Component = Component {
     special: Special {
         large: cases::large::opacities,
         left_of_one: &["transmittance"],
-        laws: Some(laws::OF_OPACITIES),
-        gradient_laws: Some(gradient_laws::OF_OPACITIES),
+        laws: Some(mistakes::weight_laws::OF_OPACITIES),
+        gradient_laws: Some(mistakes::gradient_laws::OF_OPACITIES),
         ..Special::NONE
     },
 };
@@ -165,5 +165,9 @@ pub(crate) const DEPTH: Component = Component {
     }),
     cases: cases::depth,
     mistakes: mistakes::DEPTH,
-    special: Special { large: cases::large::depths, laws: Some(depth_laws::OF_DEPTHS), ..Special::NONE },
+    special: Special {
+        large: cases::large::depths,
+        laws: Some(mistakes::depth_laws::OF_DEPTHS),
+        ..Special::NONE
+    },
 };

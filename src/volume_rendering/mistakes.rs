@@ -10,12 +10,15 @@ mod background;
 mod catalogue;
 mod densities;
 mod depth;
+pub(crate) mod depth_laws;
+pub(crate) mod gradient_laws;
 mod gradients;
 mod hand_written;
 mod laws;
 mod lists;
 mod march;
 mod steps;
+pub(crate) mod weight_laws;
 
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
 use catalogue::{

@@ -13,13 +13,10 @@ pub mod backward;
 pub(crate) mod bound;
 pub(crate) mod cases;
 pub(crate) mod component;
-pub(crate) mod depth_laws;
 #[cfg(feature = "fast")]
 pub mod fast;
-pub(crate) mod gradient_laws;
 pub(crate) mod honest;
 pub mod judge;
-pub(crate) mod laws;
 pub(crate) mod mistakes;
 
 pub use judge::judge;

@@ -1,8 +1,8 @@
 //! Laws of hand-written backward passes of the projection: what the conic hands to the covariance, that to Sigma and to J, and J to the mean.
 
-use super::arrays::{form, view, vjp};
-use super::backward::{jacobian_gradient, of_covariance, of_jacobian, of_sigma};
-use super::{Form, Splat, View, backward, clamped, in_camera, project, transform};
+use super::super::arrays::{form, view, vjp};
+use super::super::backward::{jacobian_gradient, of_covariance, of_jacobian, of_sigma};
+use super::super::{Form, Splat, View, backward, clamped, in_camera, project, transform};
 use crate::contract::laws::Laws;
 
 /// From the conic, (A, B, C), to the covariance.

@@ -1,7 +1,7 @@
 //! Laws of rays and boxes: what becomes of a direction of 0, where the ray begins and ends, and what counts as a hit.
 
-use super::arrays::{RayAndBox, forward, outputs};
-use super::{Hit, between, intersect};
+use super::super::arrays::{RayAndBox, forward, outputs};
+use super::super::{Hit, between, intersect};
 use crate::contract::laws::Laws;
 
 /// What the distance to a plane is divided by.

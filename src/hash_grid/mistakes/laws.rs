@@ -1,7 +1,7 @@
 //! Laws of hash grids: how many cells a level has, where a point lies in them, which entry a vertex has, and how entries are mixed.
 
-use super::arrays::{by_level, level, n_of};
-use super::{Level, corner, encode, primes};
+use super::super::arrays::{by_level, level, n_of};
+use super::super::{Level, corner, encode, primes};
 use crate::contract::laws::Laws;
 
 /// A level's cells along an edge.

@@ -1,7 +1,7 @@
 //! Laws of samples and of steps: where a sample's part of the ray begins, how long it is, what is drawn in it, and what that is mapped to.
 
-use super::arrays::{sample_along_rays, samples, step_sizes};
-use super::sample_along_ray;
+use super::super::arrays::{sample_along_rays, samples, step_sizes};
+use super::super::sample_along_ray;
 use crate::contract::arrays::{Arrays, array, arrays, number, row, size, threes};
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;

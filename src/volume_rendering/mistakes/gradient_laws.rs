@@ -1,7 +1,7 @@
 //! Laws of hand-written backward passes: what sample i gains by itself, what it hides, what both are multiplied with, and what colors get.
 
-use super::arrays::{self, cotangent_over, gradients_of_counted, gradients_of_rectified};
-use super::{Rendering, optical_depths, volume_render, volume_render_alpha};
+use super::super::arrays::{self, cotangent_over, gradients_of_counted, gradients_of_rectified};
+use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
 use crate::contract::arrays::{Arrays, array, arrays as named, row, rows3, size};
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;
@@ -221,8 +221,8 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
                 7 => deltas[i] * deltas[i],
                 _ => depths[i],
             };
-            g_sigmas.push(super::product(step, slope));
-            g_deltas.push(super::product(sigmas[i], slope));
+            g_sigmas.push(super::super::product(step, slope));
+            g_deltas.push(super::super::product(sigmas[i], slope));
             g_rgbs.extend(back.color(i, g, law[3]));
         }
     }
@@ -262,7 +262,7 @@ fn of_opacities(given: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
                 4 => -1.0,
                 _ => 1.0 / (1.0 - alphas[i]),
             };
-            g_alphas.push(super::product(scale, slope));
+            g_alphas.push(super::super::product(scale, slope));
             g_rgbs.extend(back.color(i, g, law[3]));
         }
     }

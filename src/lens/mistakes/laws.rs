@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use super::Distortion;
-use super::arrays::{forward, lens, undistorted};
+use super::super::Distortion;
+use super::super::arrays::{forward, lens, undistorted};
 use crate::contract::arrays::Arrays;
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;

@@ -1,8 +1,8 @@
 //! Laws of volume rendering: what may stand for alpha_i and for T_i in w_i = T_i alpha_i, and what is made of the weights.
 
-use super::arrays::{over, renderings};
-use super::mistakes::ALPHA_ERROR;
-use super::{Rendering, optical_depths, volume_render, volume_render_alpha};
+use super::super::arrays::{over, renderings};
+use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
+use super::ALPHA_ERROR;
 use crate::contract::arrays::{Arrays, row, rows3, size};
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;
@@ -180,7 +180,7 @@ fn ray(samples: &[Sample], rgbs: &[[f64; 3]], right: Rendering, eps: f64, law: &
     }
     let weights: Vec<f64> = match &law[..2] {
         [0, 0] => right.weights.clone(),
-        _ => samples.iter().zip(&t).map(|(s, t)| super::product(*t, s.own(law[0]))).collect(),
+        _ => samples.iter().zip(&t).map(|(s, t)| super::super::product(*t, s.own(law[0]))).collect(),
     };
     let whole: f64 = weights.iter().sum();
     let of = |weights: &[f64]| -> [f64; 3] {
@@ -243,7 +243,7 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
 }
 
 fn of_opacities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
-    let a = &super::arrays::counted(a, c);
+    let a = &super::super::arrays::counted(a, c);
     let (count, n) = size(a, "alphas");
     let one = |r: usize| {
         let (alphas, rgbs) = (row(a, "alphas", r), rows3(a, "rgbs", r));

@@ -1,7 +1,7 @@
 //! Laws of the positional encoding: which bands, which waves, and of what.
 
-use super::arrays::{dims, settings};
-use super::{Encoding, positional_encoding, wave};
+use super::super::arrays::{dims, settings};
+use super::super::{Encoding, positional_encoding, wave};
 use crate::contract::arrays::{Arrays, arrays, from_rows, rows};
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;

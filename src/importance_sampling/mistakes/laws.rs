@@ -1,7 +1,7 @@
 //! Laws of importance sampling: what a bin's share is made of, how its bin is found for u, and what of the bin is taken.
 
-use super::arrays::{Ray, drawn, forward, ray as ray_of};
-use super::{SNAPPED, bin_of};
+use super::super::arrays::{Ray, drawn, forward, ray as ray_of};
+use super::super::{SNAPPED, bin_of};
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;
 

@@ -1,7 +1,7 @@
 //! Laws of the expected distance: what the weights weigh, what that is divided by, and what is made of it.
 
-use super::arrays::depths;
-use super::product;
+use super::super::arrays::depths;
+use super::super::product;
 use crate::contract::arrays::{Arrays, array, arrays, number, row, size};
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;

@@ -1,7 +1,7 @@
 //! Laws of a splat's color: from where it is seen, which harmonics, how many of them, and what is made of their sum.
 
-use super::arrays::{form, forward};
-use super::{Form, color as oracle, degree, direction, sum};
+use super::super::arrays::{form, forward};
+use super::super::{Form, color as oracle, degree, direction, sum};
 use crate::contract::laws::Laws;
 use crate::convention::{HarmonicForm, HarmonicSign};
 use crate::math::exp;

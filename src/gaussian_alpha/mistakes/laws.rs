@@ -1,7 +1,7 @@
 //! Laws of a splat's opacity at a pixel: how far away the pixel is, how the splat falls off, where it ends, and how much of it is left.
 
-use super::arrays::{form, forward};
-use super::{Form, Splat, alpha as oracle, cap, offset, skipped};
+use super::super::arrays::{form, forward};
+use super::super::{Form, Splat, alpha as oracle, cap, offset, skipped};
 use crate::contract::laws::Laws;
 use crate::math::exp;
 

@@ -1,7 +1,7 @@
 //! Laws of a splat's covariance: what of the quaternion, what of the scales, and in which order they are multiplied.
 
-use super::arrays::{form, forward};
-use super::{Form, covariance as oracle, deviations, rotation, unit};
+use super::super::arrays::{form, forward};
+use super::super::{Form, covariance as oracle, deviations, rotation, unit};
 use crate::contract::laws::Laws;
 
 type Matrix = [[f64; 3]; 3];

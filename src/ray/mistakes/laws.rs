@@ -2,8 +2,8 @@
 
 use glam::{DMat4, DVec3};
 
-use super::Ray;
-use super::arrays::{bundle, image_rays, picture, positions};
+use super::super::Ray;
+use super::super::arrays::{bundle, image_rays, picture, positions};
 use crate::camera::rotate;
 use crate::contract::arrays::Arrays;
 use crate::contract::laws::Laws;

@@ -1,8 +1,8 @@
 //! Laws of the NeRF network: what the heads read, what their units are, and what becomes of positions and directions before.
 
-use super::arrays::{Nerf, field, nerf};
-use super::trunk::Plan;
-use super::{density, sigmoid, softplus};
+use super::super::arrays::{Nerf, field, nerf};
+use super::super::trunk::Plan;
+use super::super::{density, sigmoid, softplus};
 use crate::contract::arrays::{Arrays, rows};
 use crate::contract::laws::Laws;
 use crate::convention::{Activation, Conventions};

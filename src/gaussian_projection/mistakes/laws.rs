@@ -1,7 +1,7 @@
 //! Laws of a splat's projection: which mean, which covariance goes through which Jacobian, what is added to it, and what comes of that.
 
-use super::arrays::{form, forward, view};
-use super::{Form, Splat, View, in_camera, limits, project};
+use super::super::arrays::{form, forward, view};
+use super::super::{Form, Splat, View, in_camera, limits, project};
 use crate::contract::laws::Laws;
 use crate::convention::{SplatCenter, SplatClamp};
 

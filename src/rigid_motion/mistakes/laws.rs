@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DMat4, DVec3};
 
-use super::arrays::{form, rows, se3, so3};
-use super::{Twist, halves, laid, se3_exp, so3_exp};
+use super::super::arrays::{form, rows, se3, so3};
+use super::super::{Twist, halves, laid, se3_exp, so3_exp};
 use crate::camera::arrays::flat;
 use crate::contract::laws::Laws;
 use crate::convention::{RotationClamp, TwistTranslation};
