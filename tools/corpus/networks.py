@@ -273,6 +273,7 @@ def x_within_its_bands(**a):
 @fault(
     "nerf_mlp",
     "density_without_relu+sigmoid_missing",
+    "slip: another formula: the color of the feature layer through a ReLU, and sigma = z, and c = z",
     seen="a trial on unseen code: activated by the renderer, features through a relu",
     gradient="none",
 )

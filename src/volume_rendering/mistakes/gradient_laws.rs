@@ -20,7 +20,7 @@ const OWN: [&str; 8] = [
 ];
 
 /// What is taken off that. B_i is the worth of the light behind sample i, S_i = T_{i+1} B_i that of what the samples behind it add.
-const HIDDEN: [&str; 14] = [
+const HIDDEN: [&str; 15] = [
     "S_i = sum_{j>i} w_j q_j",
     "S_i / (1 - alpha_i)",
     "sum_{j>=i} w_j q_j, its own with it",
@@ -35,6 +35,7 @@ const HIDDEN: [&str; 14] = [
     "T_i sum_j w_j q_j",
     "(1 - alpha_i) S_i",
     "-S_i",
+    "-S_i / (1 - alpha_i)",
 ];
 
 /// What the slope of sigma_i delta_i is multiplied with for sigma_i.
@@ -165,7 +166,8 @@ impl<'a> Back<'a> {
             10 => t[i + 1] * whole,
             11 => t[i] * whole,
             12 => (1.0 - alpha) * self.sums[i],
-            _ => -self.sums[i],
+            13 => -self.sums[i],
+            _ => -t[i] * worth,
         }
     }
 
@@ -199,7 +201,9 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         let g = cotangent_over(a, r, c).color;
         for i in 0..n {
             if i >= end {
-                (g_sigmas.push(0.0), g_deltas.push(0.0), g_rgbs.extend([0.0; 3]));
+                g_sigmas.push(0.0);
+                g_deltas.push(0.0);
+                g_rgbs.extend([0.0; 3]);
                 continue;
             }
             // What an eps adds inside of the product isn't seen through the sample.
@@ -250,7 +254,8 @@ fn of_opacities(given: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         let g = cotangent_over(a, r, c).color;
         for i in 0..n {
             if i >= end {
-                (g_alphas.push(0.0), g_rgbs.extend([0.0; 3]));
+                g_alphas.push(0.0);
+                g_rgbs.extend([0.0; 3]);
                 continue;
             }
             let slope = back.own(i, of(law[0])) - back.hidden(i, of(law[1]));
