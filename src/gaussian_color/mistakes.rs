@@ -5,7 +5,6 @@ use super::{Form, backward, color as oracle, degree, direction, sum};
 use crate::contract::arrays::{Arrays, threes, values};
 use crate::contract::component::Mistake;
 use crate::convention::{Conventions, HarmonicForm, SplatColor};
-use crate::math::exp;
 use crate::spherical_harmonics::harmonics;
 
 pub(crate) mod laws;
@@ -342,7 +341,7 @@ fn wrong_color(
     sum(&y, &f).map(|sum| {
         let x = sum + shift;
         if has("color_through_sigmoid") || has("shifted_through_sigmoid") {
-            return 1.0 / (1.0 + exp(-x));
+            return 1.0 / (1.0 + crate::math::exp(-x));
         }
         if has("absolute_value") {
             return x.abs();
