@@ -18,7 +18,7 @@ const CASES: usize = 4;
 const KEPT: usize = 100;
 
 /// Elements that all single mistakes together may compute on the smallest case.
-const WORK: usize = 1_000_000;
+const WORK: usize = 4_000_000;
 
 /// The pairs of mistakes that explain every answer, in any conventions.
 pub(crate) fn paired(

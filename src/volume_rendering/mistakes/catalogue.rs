@@ -291,7 +291,7 @@ pub(super) const GIVEN_UP: Mistake = Mistake::new(
     "marching loops in shaders that end at an opacity of 0.95 or 0.99",
     4,
 )
-.with("left", 1e-4, [1e-12, 0.5]);
+.with("left", 1e-2, [1e-12, 0.5]);
 pub(super) const BACK_TO_FRONT: Mistake = Mistake::new(
     "back_to_front",
     "the formula from front to back over samples that are sorted from back to front",
