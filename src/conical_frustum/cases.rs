@@ -84,6 +84,12 @@ pub(crate) fn conical_frustum() -> Vec<Case> {
             7,
             &[[0.0625, 1000.0], [4.0, 256.0]],
         ),
+        usual(
+            "beside_the_camera",
+            "intervals of thousandths from the camera: what is held away from it shows",
+            10,
+            &drawn(11, 4, [0.001, 0.008], [0.002, 0.004]),
+        ),
         case(
             "along_axes",
             "rays along axes: nothing of the radius along them, all of it across",

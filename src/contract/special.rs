@@ -102,6 +102,11 @@ pub struct Chosen {
 }
 
 impl Special {
+    /// The formulas of the forward direction, or of the gradient.
+    pub(crate) fn laws_of(&self, forward: bool) -> Option<Laws> {
+        if forward { self.laws } else { self.gradient_laws }
+    }
+
     /// A row whose elements are compared one by one, in all conventions.
     pub const NONE: Special = Special {
         forward_name: "forward",

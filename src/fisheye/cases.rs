@@ -55,6 +55,12 @@ fn lenses(name: &str) -> Vec<Case> {
             vec![[0.5, 0.0]],
         ),
         case("LE1_beside_the_middle", "a thousandth from it", FISHEYE, ring(tiny)),
+        case(
+            "LE1_at_the_middle",
+            "a millionth from it, which thresholds take for the middle",
+            FISHEYE,
+            ring(tiny * tiny),
+        ),
     ];
     in_full(in_full(cases, "usual"), "one_point")
 }

@@ -341,7 +341,7 @@ fn wrong_color(
     sum(&y, &f).map(|sum| {
         let x = sum + shift;
         if has("color_through_sigmoid") || has("shifted_through_sigmoid") {
-            return 1.0 / (1.0 + crate::math::exp(-x));
+            return crate::field::sigmoid(x);
         }
         if has("absolute_value") {
             return x.abs();

@@ -77,6 +77,12 @@ pub(crate) fn clip_by_value() -> Vec<Case> {
             of(&[0.25, -0.25, 0.2421875, -0.2421875, 0.25390625, -0.25390625, 0.0]),
             0.25,
         ),
+        case(
+            "infinite",
+            "a loss that overflowed: the limit all the same",
+            of(&[f64::INFINITY, 0.125, f64::NEG_INFINITY, -0.5]),
+            0.25,
+        ),
     ];
     in_full(cases, "batch")
 }

@@ -82,9 +82,8 @@ impl Hypothesis {
             Some(Slip::Formula(slip)) => slip.of(inputs, c, direction.honest),
             Some(Slip::Array(slip)) => slip.on_outputs(inputs, with(&slip.on_inputs(inputs))),
             Some(Slip::Law(slip)) => {
-                let special = &question.component.special;
-                let laws = if slip.forward { special.laws } else { special.gradient_laws };
-                (laws.expect("a row with laws").of)(inputs, c, &slip.choices)
+                let laws = question.component.special.laws_of(slip.forward).expect("a row with laws");
+                (laws.of)(inputs, c, &slip.choices)
             }
         }
     }

@@ -47,9 +47,15 @@ pub(super) fn lawful(
     }
     let (usual, kept) = without_edges(question, answers);
     let mut found = Search::new(&usual, &kept, base, options).map_or(vec![], |search| search.found());
-    let edges = question.cases.iter().filter(|case| case.edge.is_some());
-    let spared: Vec<String> = edges.map(|case| case.id.clone()).collect();
-    found.iter_mut().for_each(|explanation| explanation.unexplained_cases.clone_from(&spared));
+    for explanation in &mut found {
+        let c = apply(&explanation.conventions, base);
+        let h = Hypothesis { slip: explanation.slip.clone(), ..Hypothesis::new(vec![], c) };
+        let edges = search.cases.iter().filter(|(case, _)| case.edge.is_some());
+        let off = edges.filter(|(case, answer)| {
+            !attempt(|| h.explains(question, case, answer, options)).unwrap_or(false)
+        });
+        explanation.unexplained_cases = off.map(|(case, _)| case.id.clone()).collect();
+    }
     found
 }
 
@@ -71,6 +77,8 @@ struct Search<'a> {
     laws: Laws,
     /// The cases, the smallest first.
     cases: Vec<(&'a Case, &'a Answer)>,
+    /// The outputs that are answered anywhere.
+    outputs: BTreeSet<&'a str>,
     /// The conventions in which they are tried, each with the smallest case that the right formula doesn't explain in them.
     nearby: Vec<(usize, Conventions)>,
     /// How many may be tried.
@@ -85,9 +93,9 @@ impl<'a> Search<'a> {
         base: &'a Conventions,
         options: &'a MarkOptions,
     ) -> Option<Self> {
-        let special = &question.component.special;
-        let laws = if question.kind == Kind::Forward { special.laws } else { special.gradient_laws }?;
+        let laws = question.component.special.laws_of(question.kind == Kind::Forward)?;
         let cases = small_cases(question, answers);
+        let outputs = cases.iter().flat_map(|(_, answer)| answer.keys().map(String::as_str)).collect();
         let wrong = |c: &Conventions| {
             let right = Hypothesis::new(vec![], *c);
             cases.iter().position(|(case, answer)| !right.explains(question, case, answer, options))
@@ -104,7 +112,7 @@ impl<'a> Search<'a> {
         }
         let cost = nearby.iter().map(|(n, _)| question.cost(cases[*n].0)).max()?;
         let affordable = WORK / cost.max(COST);
-        Some(Search { question, answers, base, options, laws, cases, nearby, affordable })
+        Some(Search { question, answers, base, options, laws, cases, outputs, nearby, affordable })
     }
 
     fn hypothesis(&self, choices: &[usize], c: &Conventions) -> Hypothesis {
@@ -115,8 +123,9 @@ impl<'a> Search<'a> {
 
     /// Those that differ in so many parts, as many as are affordable in these conventions; `left` says how many may still be tried.
     fn differing(&self, parts: usize, conventions: usize, left: &mut usize) -> Vec<Vec<usize>> {
-        let mut all = self.laws.differing(parts);
-        all.truncate(*left / conventions.max(1));
+        let most = *left / conventions.max(1);
+        let mut all = if most > 0 { self.laws.differing(parts) } else { vec![] };
+        all.truncate(most);
         *left -= all.len() * conventions;
         all
     }
@@ -127,8 +136,9 @@ impl<'a> Search<'a> {
             let nearby = &self.nearby[..conventions.min(self.nearby.len())];
             let all = self.differing(parts, nearby.len(), &mut left);
             let in_each = parallel::map(all.len(), |n| {
-                let near =
-                    |(case, c): &&(usize, Conventions)| self.near(&all[n], *case, c) == self.outputs(*case);
+                let near = |(case, c): &&(usize, Conventions)| {
+                    self.near(&all[n], *case, c) == self.cases[*case].1.len()
+                };
                 let near = nearby.iter().filter(near);
                 near.map(|(case, c)| (*case, self.hypothesis(&all[n], c))).collect::<Vec<_>>()
             });
@@ -140,11 +150,6 @@ impl<'a> Search<'a> {
         let likeliest = self.nearby.iter().take(TRIED[2]);
         let step_by_step = likeliest.filter_map(|(n, c)| Some((*n, self.by_outputs(*n, c)?)));
         self.proved(step_by_step.collect())
-    }
-
-    /// How many outputs are answered in a case.
-    fn outputs(&self, case: usize) -> usize {
-        self.cases[case].1.len()
     }
 
     /// In how many outputs of a case most numbers are about what a formula gives: what most formulas are rejected by, for it costs little.
@@ -169,13 +174,11 @@ impl<'a> Search<'a> {
 
     /// The formula that explains all outputs, found as one after the other shows what is wrong with it: what explains some of them stays.
     fn by_outputs(&self, failing: usize, c: &Conventions) -> Option<Hypothesis> {
-        let outputs =
-            self.answers.iter().flatten().flat_map(|answer| answer.keys()).collect::<BTreeSet<_>>().len();
         let mut law = vec![0; self.laws.choices.len()];
         let mut explained = self.explained(&law, failing, c);
         let mut left = self.affordable / 2;
         let rings: Vec<_> = (1..=TRIED.len()).map(|parts| self.differing(parts, 1, &mut left)).collect();
-        while explained < outputs {
+        while explained < self.outputs.len() {
             let better = rings.iter().find_map(|ring| {
                 let free = |other: &&Vec<usize>| law.iter().zip(*other).all(|(had, o)| *had == 0 || *o == 0);
                 let joined =
@@ -196,9 +199,7 @@ impl<'a> Search<'a> {
     /// How many outputs a formula explains in all cases, those that it is tried on first among them.
     fn explained(&self, law: &[usize], failing: usize, c: &Conventions) -> usize {
         let (cases, h) = (&self.cases, self.hypothesis(law, c));
-        let named: BTreeSet<&str> =
-            cases.iter().flat_map(|(_, answer)| answer.keys().map(String::as_str)).collect();
-        let mut outputs: Vec<&str> = named.into_iter().collect();
+        let mut outputs: Vec<&str> = self.outputs.iter().copied().collect();
         let first = cases[failing..].iter().take(1);
         for (case, answer) in first.chain(cases) {
             if outputs.is_empty() {
@@ -234,16 +235,14 @@ mod tests {
     /// All questions whose rows have laws.
     fn asked(dtype: Dtype, f: impl Fn(&Question, &Laws)) {
         for component in COMPONENTS {
-            let special = &component.special;
-            if special.laws.is_none() && special.gradient_laws.is_none() {
+            let laws = |kind| component.special.laws_of(kind == Kind::Forward);
+            if [Kind::Forward, Kind::Vjp].into_iter().all(|kind| laws(kind).is_none()) {
                 continue;
             }
-            for question in &Exam::new(component.name, dtype, None).unwrap().questions {
-                let forward = question.kind == Kind::Forward;
-                let laws = if forward { special.laws } else { special.gradient_laws };
-                laws.iter()
-                    .filter(|_| question.component.name == component.name)
-                    .for_each(|laws| f(question, laws));
+            // An exam asks the row's neighbors, too.
+            let questions = Exam::new(component.name, dtype, None).unwrap().questions;
+            for question in questions.iter().filter(|q| q.component.name == component.name) {
+                laws(question.kind).iter().for_each(|laws| f(question, laws));
             }
         }
     }

@@ -3,6 +3,7 @@
 use super::super::arrays::{Nerf, field, nerf};
 use super::super::trunk::Plan;
 use super::super::{density, sigmoid, softplus};
+use super::heads::tanh;
 use crate::contract::arrays::{Arrays, rows};
 use crate::contract::laws::Laws;
 use crate::convention::{Activation, Conventions};
@@ -152,7 +153,6 @@ fn sigma(z: f64, c: &Conventions, choice: usize) -> f64 {
 
 fn color(z: &[f64], choice: usize) -> [f64; 3] {
     let all: f64 = z.iter().map(|z| exp(*z)).sum();
-    let tanh = |z: f64| 2.0 * sigmoid(2.0 * z) - 1.0;
     std::array::from_fn(|k| match choice {
         0 => sigmoid(z[k]),
         1 => z[k],

@@ -3,6 +3,7 @@
 use super::super::arrays::{form, forward};
 use super::super::{Form, Splat, alpha as oracle, cap, offset, skipped};
 use crate::contract::laws::Laws;
+use crate::field::sigmoid;
 use crate::math::exp;
 
 /// How far away a pixel is.
@@ -37,15 +38,15 @@ const FALL: [&str; 11] = [
 /// Where it ends.
 const END: [&str; 13] = [
     "as it does by convention",
-    "q > 9",
-    "q > 8",
-    "q > 4",
-    "q > 1",
-    "q > 16",
-    "q > 20",
-    "the square of three deviations of its long axis",
-    "the disc of three deviations of its long axis",
-    "the box of three deviations along x and y",
+    "where q > 9",
+    "where q > 8",
+    "where q > 4",
+    "where q > 1",
+    "where q > 16",
+    "where q > 20",
+    "outside of the square of three deviations of its long axis",
+    "outside of the disc of three deviations of its long axis",
+    "outside of the box of three deviations along x and y",
     "where exp(-q / 2) < 1 / 255",
     "where its opacity is below 1 / 255",
     "where q > 0",
@@ -64,7 +65,7 @@ pub(crate) const OF_PIXELS: Laws = Laws {
     says: |part, choice| match part {
         0 => format!("q = {}", FAR[choice]),
         1 => format!("{} for exp(-q / 2)", FALL[choice]),
-        2 => format!("0 beyond {}", END[choice]),
+        2 => format!("0 {}", END[choice]),
         3 => format!("times {}", TIMES[choice]),
         _ => format!("at most {}", MOST[choice]),
     },
@@ -130,7 +131,7 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         0 => o,
         1 => 1.0,
         2 => o * o,
-        3 => 1.0 / (1.0 + exp(-o)),
+        3 => sigmoid(o),
         4 => o * det.max(0.0).sqrt() / tau,
         5 => o / tau,
         _ => o * det.max(0.0).sqrt(),

@@ -3,8 +3,8 @@
 use super::super::arrays::{form, forward};
 use super::super::{Form, color as oracle, degree, direction, sum};
 use crate::contract::laws::Laws;
-use crate::convention::{HarmonicForm, HarmonicSign};
-use crate::math::exp;
+use crate::convention::{HarmonicForm, HarmonicSign, SplatColor};
+use crate::field::sigmoid;
 use crate::spherical_harmonics::harmonics;
 
 /// The direction.
@@ -29,6 +29,26 @@ const HARMONICS: [&str; 6] = [
     "with y and z exchanged in the polynomials",
     "of the first band all one",
     "with the first band's constant for all",
+];
+
+/// What makes the polynomials of the first four bands of unit length, as one writes them: y, z, x; xy, yz, 3 z^2 - 1, xz, x^2 - y^2; ...
+const CONSTANTS: [f64; 16] = [
+    0.282_094_791_773_878_14,
+    0.488_602_511_902_919_9,
+    0.488_602_511_902_919_9,
+    0.488_602_511_902_919_9,
+    1.092_548_430_592_079_2,
+    1.092_548_430_592_079_2,
+    0.315_391_565_252_520_05,
+    1.092_548_430_592_079_2,
+    0.546_274_215_296_039_6,
+    0.590_043_589_926_643_5,
+    2.890_611_442_640_554,
+    0.457_045_799_464_465_8,
+    0.373_176_332_590_115_4,
+    0.457_045_799_464_465_8,
+    1.445_305_721_320_277,
+    0.590_043_589_926_643_5,
 ];
 
 /// How many bands.
@@ -94,43 +114,17 @@ fn basis(d: [f64; 3], degree: usize, normalized: HarmonicForm, form: Form, choic
     let sign = if choice == 1 { other } else { form.sign };
     let d = if choice == 3 { [d[0], d[2], d[1]] } else { d };
     let mut y = harmonics(d, degree, normalized, sign);
-    let first = y[0];
     match choice {
         // The polynomials as one writes them, without what makes them of unit length.
-        2 => {
-            let constants: [f64; 16] = [
-                0.282_094_791_773_878_14,
-                0.488_602_511_902_919_9,
-                0.488_602_511_902_919_9,
-                0.488_602_511_902_919_9,
-                1.092_548_430_592_079_2,
-                1.092_548_430_592_079_2,
-                0.315_391_565_252_520_05,
-                1.092_548_430_592_079_2,
-                0.546_274_215_296_039_6,
-                0.590_043_589_926_643_5,
-                2.890_611_442_640_554,
-                0.457_045_799_464_465_8,
-                0.373_176_332_590_115_4,
-                0.457_045_799_464_465_8,
-                1.445_305_721_320_277,
-                0.590_043_589_926_643_5,
-            ];
-            y.iter_mut().zip(constants).for_each(|(y, constant)| *y /= constant);
-        }
+        2 => y.iter_mut().zip(CONSTANTS).for_each(|(y, constant)| *y /= constant),
         4 => y[0] = 1.0,
-        5 => {
-            let constants: [f64; 4] =
-                [1.0, 0.488_602_511_902_919_9, 0.488_602_511_902_919_9, 0.488_602_511_902_919_9];
-            y.iter_mut().zip(constants).skip(1).for_each(|(y, constant)| *y *= first / constant);
-        }
+        5 => y.iter_mut().zip(CONSTANTS).for_each(|(y, constant)| *y *= CONSTANTS[0] / constant),
         _ => {}
     }
     y
 }
 
 fn made(s: f64, choice: usize) -> f64 {
-    let sigmoid = |x: f64| 1.0 / (1.0 + exp(-x));
     match choice {
         1 => s,
         2 => s + 0.5,
@@ -169,9 +163,9 @@ fn of(mean: [f64; 3], center: [f64; 3], f: &[[f64; 3]], form: Form, law: &[usize
         s[0] = whole[0];
     }
     let own = |s: f64| match form.color {
-        crate::convention::SplatColor::Clamped => made(s, 3),
-        crate::convention::SplatColor::Shifted => made(s, 2),
-        crate::convention::SplatColor::Sum => s,
+        SplatColor::Clamped => made(s, 3),
+        SplatColor::Shifted => made(s, 2),
+        SplatColor::Sum => s,
     };
     s.map(|s| if law[3] == 0 { own(s) } else { made(s, law[3]) })
 }

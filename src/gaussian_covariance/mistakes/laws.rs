@@ -1,10 +1,10 @@
 //! Laws of a splat's covariance: what of the quaternion, what of the scales, and in which order they are multiplied.
 
+use glam::{DMat3, DVec3};
+
 use super::super::arrays::{form, forward};
 use super::super::{Form, covariance as oracle, deviations, rotation, unit};
 use crate::contract::laws::Laws;
-
-type Matrix = [[f64; 3]; 3];
 
 /// The quaternion.
 const QUATERNION: [&str; 8] = [
@@ -59,20 +59,8 @@ pub(crate) const OF_SPLATS: Laws = Laws {
     of: |a, c, law| forward(a, |q, s| of(q, s, form(c), law)),
 };
 
-fn times(a: &Matrix, b: &Matrix) -> Matrix {
-    let entry = |i: usize, j: usize| (0..3).map(|k| a[i][k] * b[k][j]).sum();
-    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
-}
-
-fn transposed(a: &Matrix) -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
-}
-
-fn diagonal(s: [f64; 3]) -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| if i == j { s[i] } else { 0.0 }))
-}
-
-fn turning(q: [f64; 4], form: Form, law: &[usize]) -> Matrix {
+/// The matrix that stands for R.
+fn turning(q: [f64; 4], form: Form, law: &[usize]) -> DMat3 {
     let [a, b, c, d] = q;
     let q = match law[0] {
         1 => [d, a, b, c],
@@ -89,30 +77,23 @@ fn turning(q: [f64; 4], form: Form, law: &[usize]) -> Matrix {
         7 => [w, z, y, x],
         _ => [w, x, y, z],
     };
-    let r = rotation([w, x, y, z]);
+    let mut r = rotation([w, x, y, z]);
     match law[2] {
-        0 => r,
-        1 => transposed(&r),
-        2 => {
-            let mut r = r;
-            (r[1][1], r[2][2]) = (1.0 - 2.0 * (x * x - z * z), 1.0 - 2.0 * (x * x - y * y));
-            r
-        }
+        1 => return DMat3::from_cols_array_2d(&r),
+        2 => (r[1][1], r[2][2]) = (1.0 - 2.0 * (x * x - z * z), 1.0 - 2.0 * (x * x - y * y)),
         3 => {
-            let mut r = r;
             r[0][0] = w * w + x * x - y * y - z * z;
             r[1][1] = w * w - x * x + y * y - z * z;
             r[2][2] = w * w - x * x - y * y + z * z;
-            r
         }
-        4 => std::array::from_fn(|i| {
-            std::array::from_fn(|j| if i == j { 0.5 * (r[i][i] + 1.0) } else { 0.5 * r[i][j] })
-        }),
-        _ => diagonal([1.0; 3]),
+        4 => return 0.5 * (DMat3::from_cols_array_2d(&r).transpose() + DMat3::IDENTITY),
+        5 => return DMat3::IDENTITY,
+        _ => {}
     }
+    DMat3::from_cols_array_2d(&r).transpose()
 }
 
-fn of(q: [f64; 4], scales: [f64; 3], form: Form, law: &[usize]) -> Matrix {
+fn of(q: [f64; 4], scales: [f64; 3], form: Form, law: &[usize]) -> [[f64; 3]; 3] {
     if law.iter().all(|choice| *choice == 0) {
         return oracle(q, scales, form);
     }
@@ -130,25 +111,21 @@ fn of(q: [f64; 4], scales: [f64; 3], form: Form, law: &[usize]) -> Matrix {
         _ => s,
     });
     let r = turning(q, form, law);
-    let (back, own) = (transposed(&r), diagonal(s));
-    let m = times(&r, &own);
-    match law[3] {
-        0 => times(&m, &transposed(&m)),
-        1 => times(&times(&back, &own), &times(&own, &r)),
-        2 => times(&m, &back),
-        3 => times(&times(&own, &r), &times(&back, &own)),
-        4 => times(&own, &own),
-        5 => times(&times(&m, &own), &r),
+    let (back, own) = (r.transpose(), DMat3::from_diagonal(DVec3::from(s)));
+    let m = r * own;
+    let whole = m * m.transpose();
+    let product = match law[3] {
+        0 => whole,
+        1 => back * own * own * r,
+        2 => m * back,
+        3 => own * r * back * own,
+        4 => own * own,
+        5 => m * own * r,
         6 => m,
-        7 => times(&times(&own, &r), &times(&own, &back)),
-        8 => times(&transposed(&m), &m),
-        9 => {
-            let m = times(&r, &diagonal(s.map(|s| 1.0 / s)));
-            times(&m, &transposed(&m))
-        }
-        _ => {
-            let whole = times(&m, &transposed(&m));
-            diagonal([0, 1, 2].map(|k| whole[k][k]))
-        }
-    }
+        7 => own * r * own * back,
+        8 => m.transpose() * m,
+        9 => r * own.inverse() * own.inverse() * back,
+        _ => DMat3::from_diagonal(DVec3::new(whole.x_axis.x, whole.y_axis.y, whole.z_axis.z)),
+    };
+    product.transpose().to_cols_array_2d()
 }

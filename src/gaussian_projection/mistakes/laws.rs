@@ -1,11 +1,11 @@
 //! Laws of a splat's projection: which mean, which covariance goes through which Jacobian, what is added to it, and what comes of that.
 
+use glam::{DMat3, DVec3};
+
 use super::super::arrays::{form, forward, view};
 use super::super::{Form, Splat, View, in_camera, limits, project};
 use crate::contract::laws::Laws;
 use crate::convention::{SplatCenter, SplatClamp};
-
-type Matrix = [[f64; 3]; 3];
 
 /// The mean in the picture.
 const MEAN: [&str; 12] = [
@@ -144,35 +144,18 @@ pub(crate) const OF_SPLATS: Laws = Laws {
     },
 };
 
-fn full(s: [f64; 6]) -> Matrix {
-    [[s[0], s[1], s[2]], [s[1], s[3], s[4]], [s[2], s[4], s[5]]]
-}
-
-fn times(a: &Matrix, b: &Matrix) -> Matrix {
-    let entry = |i: usize, j: usize| (0..3).map(|k| a[i][k] * b[k][j]).sum();
-    std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
-}
-
-fn transposed(a: &Matrix) -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
-}
-
 /// The covariance in the camera's axes.
-fn turned(sigma: [f64; 6], r: &Matrix, choice: usize) -> Matrix {
-    let sigma = full(sigma);
-    let back = transposed(r);
-    let right = || times(&times(r, &sigma), &back);
-    let flipped = |m: Matrix| -> Matrix {
-        let sign = |i: usize, j: usize| if (i == 0) == (j == 0) { 1.0 } else { -1.0 };
-        std::array::from_fn(|i| std::array::from_fn(|j| sign(i, j) * m[i][j]))
-    };
+fn turned([xx, xy, xz, yy, yz, zz]: [f64; 6], view: &View, choice: usize) -> DMat3 {
+    let sigma = DMat3::from_cols_array_2d(&[[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let back = DMat3::from_cols_array_2d(&view.rotation);
+    let (r, other_way) = (back.transpose(), DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)));
     match choice {
-        0 => right(),
+        0 => r * sigma * back,
         1 => sigma,
-        2 => times(&times(&back, &sigma), r),
-        3 => flipped(right()),
-        4 => flipped(sigma),
-        _ => times(&times(r, &sigma), r),
+        2 => back * sigma * r,
+        3 => other_way * r * sigma * back * other_way,
+        4 => other_way * sigma * other_way,
+        _ => r * sigma * r,
     }
 }
 
@@ -306,11 +289,9 @@ fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]
         let [a, b, c] = right.covariance;
         ([a - h, b, c - h], right.covariance)
     } else {
-        let sigma = turned(sigma, &view.rotation, law[1]);
+        let sigma = turned(sigma, view, law[1]);
         let j = jacobian(t, slopes(t, view, form, law[4]), view, law[2], law[3]);
-        let entry = |n: usize, m: usize| -> f64 {
-            (0..9).map(|k| j[n][k / 3] * sigma[k / 3][k % 3] * j[m][k % 3]).sum()
-        };
+        let entry = |n: usize, m: usize| DVec3::from(j[n]).dot(sigma * DVec3::from(j[m]));
         let mixed = match law[6] {
             0 => entry(0, 1),
             1 => -entry(0, 1),
@@ -334,9 +315,10 @@ fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]
         conic,
         depth: [t[2], distance, -t[2], 1.0 / t[2]][law[9]],
         radius,
-        compensation: match shape_is_right {
-            true => right.compensation,
-            false => ratio.max(0.0).sqrt().max(form.compensation.value()),
+        compensation: if shape_is_right {
+            right.compensation
+        } else {
+            ratio.max(0.0).sqrt().max(form.compensation.value())
         },
     }
 }

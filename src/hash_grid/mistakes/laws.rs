@@ -9,7 +9,7 @@ const CELLS: [&str; 6] = [
     "as they are by convention",
     "n, not rounded",
     "n rounded up",
-    "n rounded down, less one where it is whole but for its last bit",
+    "n rounded down, less one where it is whole",
     "n rounded down",
     "n rounded to the nearest",
 ];

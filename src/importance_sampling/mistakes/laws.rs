@@ -71,6 +71,14 @@ const TAKEN: [&str; 11] = [
     "e_k + s",
 ];
 
+/// How s is found.
+const DIVIDED: [&str; 4] = [
+    "as it is by convention",
+    "(u - F_k) / (F_{k+1} - F_k + 1e-5)",
+    "(u - F_k) / (F_{k+1} - F_k), 0 where that is below 1e-8",
+    "(u - F_k) / (F_{k+1} - F_k), held between 0 and 1",
+];
+
 /// Those of samples.
 pub(crate) const OF_SAMPLES: Laws = Laws {
     choices: &[SHARE.len(), SUMS.len(), WANTED.len(), FOUND.len(), TAKEN.len(), 4, 2],
@@ -85,14 +93,6 @@ pub(crate) const OF_SAMPLES: Laws = Laws {
     },
     of: |a, c, law| forward(a, c, |ray| of_ray(ray, &ray_of(a, 0, c), c, law)),
 };
-
-/// How s is found.
-const DIVIDED: [&str; 4] = [
-    "as it is by convention",
-    "(u - F_k) / (F_{k+1} - F_k + 1e-5)",
-    "(u - F_k) / (F_{k+1} - F_k), 0 where that is below 1e-8",
-    "(u - F_k) / (F_{k+1} - F_k), held between 0 and 1",
-];
 
 fn shares(ray: &Ray, choice: usize) -> Vec<f64> {
     let (w, e) = (&ray.weights, &ray.edges);

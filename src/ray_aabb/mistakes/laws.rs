@@ -22,7 +22,7 @@ const DIVIDED: [&str; 12] = [
 
 /// Which plane comes first.
 const ORDER: [&str; 3] =
-    ["the nearer one", "the lower one, whatever the sign of d", "the lower one, and no other along z"];
+    ["the nearer one", "the lower one, whatever the sign of d", "the lower one, of x and y alone,"];
 
 /// Where the part inside begins.
 const BEGIN: [&str; 5] =

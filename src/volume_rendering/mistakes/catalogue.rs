@@ -369,4 +369,4 @@ pub(super) const COLORS_GIVEN_UP: Mistake = Mistake::new(
     "a marching loop beside vectorized weights",
     1,
 )
-.with("left", 1e-4, [1e-12, 0.5]);
+.with("left", 1e-2, [1e-12, 0.5]);

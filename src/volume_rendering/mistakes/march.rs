@@ -52,7 +52,7 @@ pub(super) const MADE_OPAQUE: Mistake = Mistake::new(
     "instant-ngp's renderer, where it is meant so",
     1,
 )
-.with("left", 1e-4, [1e-6, 0.5]);
+.with("left", 1e-2, [1e-6, 0.5]);
 pub(super) const FAINT_UNCOLORED: Mistake = Mistake::new(
     "faint_weights_have_no_color",
     "colors of samples whose weight is above a threshold alone; weights and opacity have all",
@@ -227,7 +227,7 @@ pub(super) const GIVEN_UP_IN_THE_DARK: Mistake = Mistake::new(
     "1 CUDA renderer",
     1,
 )
-.with("left", 1e-4, [1e-6, 0.5]);
+.with("left", 1e-2, [1e-6, 0.5]);
 pub(super) const LAST_ALPHAS_LIGHT: Mistake = Mistake::new(
     "light_behind_the_last_alone",
     "T_N = 1 - alpha of the last sample that counts",

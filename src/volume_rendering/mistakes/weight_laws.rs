@@ -8,7 +8,7 @@ use crate::contract::laws::Laws;
 use crate::convention::Conventions;
 use crate::math::{exp, expm1};
 
-/// What is accumulated for T: of densities all of these, of opacities those of alpha.
+/// What is accumulated for T: of densities all of these, of opacities the first two.
 const ELEMENTS: [&str; 7] =
     ["alpha_j", "(1 - alpha_j)", "sigma_j delta_j", "sigma_j", "delta_j", "exp(-sigma_j)", "(1 - sigma_j)"];
 
@@ -29,7 +29,7 @@ const SCANS: [&str; 10] = [
 /// What is made of that.
 const OUTER: [&str; 6] = ["exp(-S)", "S", "1 - S", "exp(S)", "max(0, 1 - S)", "1 / (1 + S)"];
 
-/// What stands for alpha_i: of densities all of these, of opacities the first.
+/// What stands for alpha_i: of densities all of these, of opacities the first four.
 const OWN: [&str; 11] = [
     "alpha_i",
     "1 - alpha_i",
