@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::answers::{Heard, Place};
 use super::rubric::{Row as Asked, Rubric};
 use crate::contract::component::Mistake;
-use crate::judge::evidence::Explanation;
+use crate::judge::diagnosis::evidence::Explanation;
 use crate::judge::mark::Worst;
 use crate::judge::page;
 use crate::judge::report::{Report, Row, Verdict};

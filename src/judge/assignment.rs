@@ -6,8 +6,8 @@ use std::iter::once_with;
 use ndarray::ArrayD;
 
 use super::answer::{Answer, Answers, reshaped};
+use super::diagnosis::hypothesis::Hypothesis;
 use super::exam::Question;
-use super::hypothesis::Hypothesis;
 use super::known::Known;
 use super::mark::{MarkOptions, nothing_to_show, proves, within};
 use super::partial::{Partial, apply, changes, partial, read, with};

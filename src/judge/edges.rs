@@ -2,7 +2,7 @@
 //! from what is wrong everywhere.
 
 use super::answer::{Answer, Answers};
-use super::diagnose::diagnose;
+use super::diagnosis::diagnose::diagnose;
 use super::exam::{Exam, Question};
 use super::example::smallest;
 use super::mark::{MarkOptions, Marks};

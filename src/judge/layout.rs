@@ -6,9 +6,9 @@ use ndarray::{ArrayD, Axis};
 
 use super::answer::{Answer, Answers};
 use super::assignment::{admitted, assignments, holds, open, possible};
+use super::diagnosis::fitted::written;
+use super::diagnosis::hypothesis::Hypothesis;
 use super::exam::Question;
-use super::fitted::written;
-use super::hypothesis::Hypothesis;
 use super::mark::MarkOptions;
 use super::partial::apply;
 use crate::contract::case::Case;

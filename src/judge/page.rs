@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::evidence::Explanation;
+use super::diagnosis::evidence::Explanation;
 use super::mark::Worst;
 use super::partial::Partial;
 use super::report::{Report, Row, Verdict};

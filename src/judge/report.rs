@@ -6,12 +6,12 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use super::answer::Answers;
-use super::evidence::Explanation;
+use super::diagnosis::evidence::Explanation;
+use super::diagnosis::slips::slip::Slip;
 use super::exam::{Exam, Question};
 use super::example::Example;
 use super::mark::{Marks, Worst};
 use super::partial::{Partial, partial};
-use super::slip::Slip;
 use crate::contract::arithmetic::Grade;
 use crate::convention::profiles;
 use crate::convention::{CHOICES, Conventions};

@@ -10,7 +10,7 @@ use super::{code, root, sources};
 /// Words of the judge's JSON, and names of operations, that happen to be the name of an array or a mistake as well.
 const WORDS: &[(&str, &[&str])] = &[
     ("judge/explain.rs", &["count", "found", "right", "value", "values"]),
-    ("judge/infix.rs", &["round", "sum"]),
+    ("judge/diagnosis/slips/infix.rs", &["round", "sum"]),
 ];
 
 /// Names of components, arrays, conventions, their values, and mistakes.

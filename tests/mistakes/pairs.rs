@@ -1,8 +1,8 @@
 //! Two and three mistakes at once, and what is neither, in conventions that are up to two away from the run's: what strangers' files have.
 
 use nerf_oracle::judge::Verdict;
+use nerf_oracle::judge::diagnosis::hypothesis::Hypothesis;
 use nerf_oracle::judge::exam::Question;
-use nerf_oracle::judge::hypothesis::Hypothesis;
 use nerf_oracle::random::{Key, Purpose};
 
 use super::*;

@@ -1,0 +1,75 @@
+//! What explains answers that no mistake of the catalogue explains, nor two of them: slips, other formulas, several mistakes at once, and what
+//! is known of most cases or of some outputs.
+
+use super::super::answer::Answers;
+use super::super::exam::Question;
+use super::super::mark::MarkOptions;
+use super::super::partial::partial;
+use super::climb::climbed;
+use super::evidence::{Explanation, Suspect};
+use super::fitted_pairs::{beside, fitting_pairs};
+use super::lawful::lawful;
+use super::mostly::mostly;
+use super::paired::paired;
+use super::peel::with_numbers;
+use super::ranked::ranked;
+use super::slips::misdone::{misdone_at_once, slips_alone};
+use super::slips::of_arrays::{Beside, slipped};
+use super::tripled::tripled;
+use crate::contract::check::Kind;
+use crate::convention::Conventions;
+
+/// What no catalogue lists, what is known of most cases, both, and what is known of some outputs (`parted`); several mistakes in
+/// conventions nearby (`near`).
+pub(super) fn beyond(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    suspects: &[Suspect],
+    options: &MarkOptions,
+    near: &[Conventions],
+    parted: Option<Explanation>,
+) -> Vec<Explanation> {
+    let home = partial(question.component, base);
+    let slips = slips_alone(question, answers, base, options);
+    if !slips.is_empty() {
+        return slips;
+    }
+    if question.kind == Kind::Forward {
+        let fitted = fitting_pairs(question, answers, near, options);
+        let pairs = if fitted.is_empty() { paired(question, answers, base, options) } else { fitted };
+        if !pairs.is_empty() {
+            return ranked(pairs, question, answers, &home, options);
+        }
+    }
+    let laws = lawful(question, answers, base, options);
+    if !laws.is_empty() {
+        return laws;
+    }
+    if question.kind == Kind::Forward {
+        let triples = tripled(question, answers, base, options);
+        if !triples.is_empty() {
+            return ranked(triples, question, answers, &home, options);
+        }
+    }
+    let several = climbed(question, answers, base, options);
+    if !several.is_empty() {
+        return ranked(several, question, answers, &home, options);
+    }
+    let most = mostly(question, answers, base, suspects, options);
+    let pairs =
+        most.iter().flat_map(|most| beside(most, base, question, answers, options)).collect::<Vec<_>>();
+    if !pairs.is_empty() {
+        return ranked(pairs, question, answers, &home, options);
+    }
+    if let Some(named) = most.clone().filter(|e| parted.is_none() && e.wrong()) {
+        return vec![named];
+    }
+    let slips = slipped(question, answers, base, options, Beside::Mistake);
+    let slips = if slips.is_empty() { misdone_at_once(question, answers, base, options) } else { slips };
+    if !slips.is_empty() {
+        return slips;
+    }
+    let parted = parted.map(|found| with_numbers(found, question, answers, base, options));
+    parted.or(most).into_iter().collect()
+}

@@ -1,0 +1,326 @@
+//! Diagnosis: which conventions and which mistakes explain the answers of a component that failed.
+
+use super::super::answer::Answers;
+use super::super::assignment::{open, possible, small_cases};
+use super::super::exam::Question;
+use super::super::mark::MarkOptions;
+use super::super::partial::{Partial, apply, changes, partial};
+use super::super::statistics;
+use super::beyond::beyond;
+use super::evidence::{
+    Explanation, Suspect, difference, explains_all, forward_is_the_same, no_number_left, nothing_but_zero,
+    shows,
+};
+use super::fitted::fitting;
+use super::hypothesis::{Hypothesis, of_forward};
+use super::imprecise::inaccuracy;
+use super::lawful::lawful;
+use super::peel::peel;
+use super::ranked::ranked;
+use crate::contract::check::Kind;
+use crate::contract::component::Mistake;
+use crate::convention::Conventions;
+use crate::convention::profiles::PROFILES;
+use crate::parallel;
+
+/// The largest number of conventions that may differ, with no mistake, with one and with two.
+const CHANGES: [usize; 3] = [usize::MAX, 3, 1];
+
+/// The largest number of assignments that are tried, the same.
+const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
+
+/// Elements that all pairs together may compute on the smallest case.
+const PAIRS: usize = 100_000_000;
+
+/// Numbers that the cases of a search may have in all. Where they have more, as the tables of a whole hash grid do, each trial takes a
+/// second: single mistakes are looked for in the run's own conventions and in those of known programs, and nothing else.
+const SEARCHED: usize = 4_000_000;
+
+/// Explanations, best first: fewest mistakes, then fewest conventions, then most often seen. `suspects` are tried first for a
+/// gradient (mistakes that the forward answers showed).
+pub fn diagnose(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    suspects: &[Suspect],
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    if question.statistics() {
+        let shown = statistics::mistakes(question, answers, base).into_iter();
+        let each = |mistake| Explanation { mistakes: vec![mistake], ..Explanation::default() };
+        return shown.map(each).collect();
+    }
+    if no_number_left(question, answers) {
+        return vec![];
+    }
+    let d = Diagnosis::new(question, answers, base, suspects, options);
+    let right = d.conventions_alone();
+    if !right.is_empty() {
+        return right;
+    }
+    let (single, strange) = d.one_mistake();
+    if !single.is_empty() {
+        return single;
+    }
+    // Some pair or other makes nothing of everything, and so do slips: what there is to say is what was seen.
+    if d.large || nothing_but_zero(question, answers) {
+        return vec![];
+    }
+    // Output by output first: it is quicker, and knows more than two.
+    let mut parted = peel(question, answers, base, options);
+    if let Some(found) = parted.take_if(|found| found.unexplained.is_empty() && found.spared.is_empty()) {
+        return vec![found];
+    }
+    let pairs = d.two_mistakes();
+    if !pairs.is_empty() {
+        return pairs;
+    }
+    if !strange.is_empty() {
+        let laws = lawful(question, answers, base, options);
+        return if laws.is_empty() { d.ranked(strange) } else { laws };
+    }
+    if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
+        return vec![found];
+    }
+    beyond(question, answers, base, suspects, options, &d.applied(&d.near(1)), parted)
+}
+
+/// What is asked and answered, and in which conventions an explanation is looked for.
+struct Diagnosis<'a> {
+    question: &'a Question,
+    answers: &'a Answers,
+    base: &'a Conventions,
+    suspects: &'a [Suspect],
+    options: &'a MarkOptions,
+    /// The run's conventions, as far as the row reads them.
+    home: Partial,
+    /// Conventions that the answers leave open, the nearest first.
+    open: Vec<Partial>,
+    /// Whether each trial takes a second.
+    large: bool,
+}
+
+impl<'a> Diagnosis<'a> {
+    fn new(
+        question: &'a Question,
+        answers: &'a Answers,
+        base: &'a Conventions,
+        suspects: &'a [Suspect],
+        options: &'a MarkOptions,
+    ) -> Self {
+        let numbers: usize = small_cases(question, answers).iter().map(|(case, _)| case.size()).sum();
+        Diagnosis {
+            question,
+            answers,
+            base,
+            suspects,
+            options,
+            home: partial(question.component, base),
+            open: open(question, answers, base, options),
+            large: numbers > SEARCHED,
+        }
+    }
+
+    /// The right formula in other conventions; beside it single mistakes in the run's own, as a mistake may be another program's convention.
+    fn conventions_alone(&self) -> Vec<Explanation> {
+        let Diagnosis { question, answers, base, options, .. } = *self;
+        // An output may show its conventions by itself.
+        let all = possible(question, answers, self.open.clone(), base, options);
+        let mut found = self.explaining(0, &all.iter().collect::<Vec<_>>());
+        if !found.is_empty() {
+            let alone = sets(question, 1, &[]).into_iter().map(|single| Hypothesis::new(single, *base));
+            found.extend(alone.filter(|h| explains_all(h, question, answers, options)));
+        }
+        self.ranked(found)
+    }
+
+    /// One mistake, or lost digits, or a formula that explains what these would; and mistakes with a number that nobody writes, which give way
+    /// to two that people make: 147.2 is 255 over the root of 3.
+    fn one_mistake(&self) -> (Vec<Explanation>, Vec<Hypothesis>) {
+        let Diagnosis { question, answers, base, options, .. } = *self;
+        let near = self.near(1);
+        let found = self.explaining(1, &near);
+        if !found.is_empty() {
+            return (self.ranked(found), vec![]);
+        }
+        if !self.large && !nothing_but_zero(question, answers) {
+            let numbers = fitting(question, answers, base, &self.applied(&near), self.suspects, options);
+            if numbers.iter().any(Hypothesis::plain_numbers) {
+                return (self.ranked(numbers), vec![]);
+            }
+            if !numbers.is_empty() {
+                return (vec![], numbers);
+            }
+        }
+        let Some((h, residual)) = inaccuracy(&near, question, answers, base, options) else {
+            return (vec![], vec![]);
+        };
+        // What an eps does near 0 is no rounding, where it is shown better than that.
+        let laws = lawful(question, answers, base, options);
+        if !laws.is_empty() {
+            return (laws, vec![]);
+        }
+        let conventions = difference(&partial(question.component, &h.conventions), &self.home);
+        (vec![Explanation { conventions, residual, inaccurate: true, ..Explanation::default() }], vec![])
+    }
+
+    fn two_mistakes(&self) -> Vec<Explanation> {
+        self.ranked(self.explaining(2, &self.near(2)))
+    }
+
+    /// The conventions in which so many mistakes are looked for.
+    fn near(&self, count: usize) -> Vec<&Partial> {
+        let changed = |p: &&Partial| changes(p, &self.home);
+        let mut near: Vec<&Partial> = self.open.iter().filter(|p| changed(p) <= CHANGES[count]).collect();
+        near.truncate(if self.large { 1 } else { ASSIGNMENTS[count] });
+        if let Some((case, _)) = small_cases(self.question, self.answers).first().filter(|_| count == 2) {
+            let pairs = sets(self.question, count, self.suspects).len();
+            near.truncate((PAIRS / (self.question.cost(case) * pairs.max(1))).max(1));
+        }
+        // What known programs do is near, however many conventions they change at once.
+        let known: Vec<Partial> =
+            PROFILES.iter().map(|p| partial(self.question.component, &p.conventions)).collect();
+        near.extend(self.open.iter().filter(|p| known.contains(p) && changed(p) > CHANGES[count]));
+        near
+    }
+
+    fn applied(&self, near: &[&Partial]) -> Vec<Conventions> {
+        near.iter().map(|p| apply(p, self.base)).collect()
+    }
+
+    /// The hypotheses of so many mistakes in these conventions that explain every answer.
+    fn explaining(&self, count: usize, near: &[&Partial]) -> Vec<Hypothesis> {
+        let sets = sets(self.question, count, self.suspects);
+        let mut found = vec![];
+        // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
+        for ring in near.chunk_by(|a, b| changes(a, &self.home) == changes(b, &self.home)) {
+            let had = !found.is_empty();
+            found.extend(self.explaining_in(&sets, ring));
+            if had {
+                break;
+            }
+        }
+        found.retain(|h| shows(h, self.question, self.answers, self.options));
+        found
+    }
+
+    fn explaining_in(&self, sets: &[Vec<&'static str>], ring: &[&Partial]) -> Vec<Hypothesis> {
+        let Diagnosis { question, answers, base, options, .. } = *self;
+        let mut hypotheses = vec![];
+        // Numeric gradients are too expensive for all assignments: the forward answers have shown the conventions, but for one that
+        // gradients alone show, as a quaternion of length 1 that isn't divided by it.
+        let unseen = |p: &Partial, conventions: &Conventions| {
+            changes(p, &self.home) <= 2 && forward_is_the_same(question, conventions, base, options)
+        };
+        for mistakes in sets {
+            let numeric = question.kind == Kind::Vjp && of_forward(question, mistakes);
+            let suspected = self.suspects.iter().any(|(set, fitted)| fitted.is_empty() && set == mistakes);
+            for (p, conventions) in ring.iter().map(|p| (p, apply(p, base))) {
+                // No mistake in the run's own conventions isn't an explanation: it has just failed.
+                let near = conventions == *base || suspected && unseen(p, &conventions);
+                if (near || !numeric) && !(conventions == *base && mistakes.is_empty()) {
+                    hypotheses.push(Hypothesis::new(mistakes.clone(), conventions));
+                }
+            }
+        }
+        let fits =
+            parallel::map(hypotheses.len(), |n| explains_all(&hypotheses[n], question, answers, options));
+        hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|(h, _)| h).collect()
+    }
+
+    fn ranked(&self, found: Vec<Hypothesis>) -> Vec<Explanation> {
+        ranked(found, self.question, self.answers, &self.home, self.options)
+    }
+}
+
+/// Sets of `count` mistakes that this direction can show; pairs in both orders, as their effects needn't commute.
+fn sets(question: &Question, count: usize, suspects: &[Suspect]) -> Vec<Vec<&'static str>> {
+    // Three and more come from the forward answers alone.
+    let mut suspected: Vec<_> = suspects
+        .iter()
+        .filter(|(set, fitted)| fitted.is_empty() && (set.len() == count || count == 2 && set.len() > 2))
+        .map(|(set, _)| set.clone())
+        .collect();
+    let shown = |m: &&Mistake| question.kind == Kind::Vjp || !m.gradient;
+    let names: Vec<_> = question.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
+    // Numeric gradients of pairs would take minutes: of the forward function's mistakes only pairs that its answers suggest.
+    let own = |m: &&Mistake| question.kind == Kind::Forward || m.gradient;
+    let own: Vec<_> = question.component.mistakes.iter().filter(own).filter(shown).map(|m| m.name).collect();
+    let sets: Vec<Vec<&'static str>> = match count {
+        0 => vec![vec![]],
+        1 => names.iter().map(|name| vec![*name]).collect(),
+        _ => {
+            let others = |a| own.iter().filter(move |b| **b != a).map(move |b| vec![a, *b]);
+            own.iter().flat_map(|a| others(*a)).collect()
+        }
+    };
+    suspected.extend(sets);
+    suspected.dedup();
+    suspected
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::answer::given;
+    use super::super::super::exam::Exam;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::convention::CS180;
+
+    /// What is said of a hypothesis' own answers in f32 after a change.
+    fn said(
+        (name, kind): (&str, Kind),
+        h: &Hypothesis,
+        suspects: &[Suspect],
+        change: fn(f64) -> f64,
+    ) -> Vec<Explanation> {
+        let exam = Exam::new(name, Dtype::F32, None).unwrap();
+        let question =
+            exam.questions.iter().find(|question| question.kind == kind).expect("a row of this kind");
+        let single = |a: ndarray::ArrayD<f64>| a.mapv(|x| Dtype::F32.round(change(x)));
+        let answer = |case| {
+            let (arrays, _) = h.prediction(question, case);
+            Some(given(arrays.into_iter().map(|(name, a)| (name, single(a))).collect()))
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        diagnose(question, &answers, &CS180, suspects, &MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 })
+    }
+
+    #[test]
+    fn nothing_explains_a_stub() {
+        let right = Hypothesis::new(vec![], CS180);
+        for name in ["distortion_loss", "volume_render"] {
+            assert_eq!(said((name, Kind::Forward), &right, &[], |_| 0.0).len(), 0, "{name}");
+        }
+        assert!(!said(("distortion_loss", Kind::Forward), &right, &[], |x| 2.0 * x).is_empty());
+    }
+
+    /// What a mistake leaves open must not explain everything.
+    #[test]
+    fn noise_has_no_name() {
+        let right = Hypothesis::new(vec![], CS180);
+        for name in ["positional_encoding", "importance_sampling"] {
+            let found = said((name, Kind::Forward), &right, &[], |x| 0.7 * (977.0 * x).sin() + 0.13);
+            assert!(found.is_empty(), "{name}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_gradient_may_show_a_convention_beside_the_mistake() {
+        let row = ("pose_from_colmap", Kind::Vjp);
+        let shown = [(vec!["not_inverted"], vec![])];
+        let with =
+            |key, value| Hypothesis::new(vec!["not_inverted"], CS180.with(key, value).expect("listed"));
+        let name = |found: &[Explanation]| found.first().and_then(|e| e.mistakes.first()).map(|m| m.name);
+        // Quaternions of length 1, as given: forward they are the same.
+        let found = said(row, &with("quaternion", "as_given"), &shown, |g| g);
+        assert_eq!(
+            (name(&found), found[0].conventions.get("quaternion")),
+            (Some("not_inverted"), Some(&"as_given"))
+        );
+        assert_ne!(name(&said(row, &with("quaternion", "as_given"), &[], |g| g)), Some("not_inverted"));
+        // Other axes aren't.
+        let found = said(row, &with("axes", "opengl"), &shown, |g| g);
+        assert!(!found.iter().any(|e| e.conventions.contains_key("axes") && e.whole()), "{}", found.len());
+    }
+}

@@ -1,0 +1,386 @@
+//! Hypotheses: what a candidate would answer if it followed some conventions and made some mistakes.
+
+use std::cell::OnceCell;
+use std::iter::once_with;
+
+use ndarray::ArrayD;
+
+use super::super::answer::{Answer, reshaped};
+use super::super::exam::Question;
+use super::super::mark::{MarkOptions, Scale, largest_of, within};
+use super::numeric;
+use super::slips::each::rounded;
+use super::slips::slip::Slip;
+use crate::contract::arithmetic::{Dtype, Grade};
+use crate::contract::arrays::Arrays;
+use crate::contract::case::{Case, Draw};
+use crate::contract::check::{Kind, budget_used};
+use crate::contract::component::{Direction, Number};
+use crate::convention::Conventions;
+
+/// An assignment of conventions with mistakes, in the order in which they were made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hypothesis {
+    /// Names of the component's mistakes.
+    pub mistakes: Vec<&'static str>,
+    /// The numbers of its mistakes that have one, in their order, as far as they aren't the usual ones.
+    pub fitted: Vec<f64>,
+    /// The assignment.
+    pub conventions: Conventions,
+    /// What happens to one array beside its mistakes.
+    pub(crate) slip: Option<Slip>,
+    /// Whether digits may be lost: then the right formula is given the bound that a wrong one has.
+    pub loose: bool,
+}
+
+/// How much wider a hypothesis' bound is than that of the right formula, as wrong code has no derived bound of its own; and the
+/// number of roundings of a wrong result beside those of its inputs. In the short types so wide a bound would explain anything.
+fn generosity(dtype: Dtype) -> (f64, f64) {
+    if dtype.bits() >= 24 { (8.0, 64.0) } else { (4.0, 4.0) }
+}
+
+impl Hypothesis {
+    /// These mistakes in these conventions.
+    pub fn new(mistakes: Vec<&'static str>, conventions: Conventions) -> Hypothesis {
+        Hypothesis { mistakes, fitted: vec![], slip: None, conventions, loose: false }
+    }
+
+    /// Whether nothing is wrong.
+    pub(crate) fn right(&self) -> bool {
+        self.mistakes.is_empty() && self.slip.is_none()
+    }
+
+    /// Whether it is a gradient of wrong code, which only differences know.
+    pub(crate) fn numeric(&self, question: &Question) -> bool {
+        let forward = self.slip.as_ref().is_some_and(Slip::forward);
+        question.kind == Kind::Vjp && (forward || of_forward(question, &self.mistakes))
+    }
+
+    /// What this candidate would answer, and its error where it isn't known exactly (numeric gradients).
+    pub fn prediction(&self, question: &Question, case: &Case) -> (Arrays, Option<Arrays>) {
+        if self.numeric(question) {
+            let forward = |inputs: &Arrays| self.slipped(inputs, question, &question.component.forward);
+            let (gradient, error) = numeric::vjp(question.component, &case.inputs, forward);
+            let shown = question.component.special.of_gradients;
+            return (shown(&case.inputs, &self.conventions, gradient), Some(error));
+        }
+        (self.wrong(question, &case.inputs), None)
+    }
+
+    /// The wrong function.
+    fn wrong(&self, question: &Question, inputs: &Arrays) -> Arrays {
+        let direction = question.component.direction(question.kind).expect("a question has its direction");
+        self.slipped(inputs, question, direction)
+    }
+
+    /// A wrong function with its mistakes, between what slips.
+    fn slipped(&self, inputs: &Arrays, question: &Question, direction: &Direction) -> Arrays {
+        let c = &self.conventions;
+        let with = |inputs: &Arrays| self.named(question, |names| (direction.wrong)(inputs, c, names));
+        match &self.slip {
+            None => with(inputs),
+            Some(Slip::Formula(slip)) => slip.of(inputs, c, direction.honest),
+            Some(Slip::Array(slip)) => slip.on_outputs(inputs, with(&slip.on_inputs(inputs))),
+            Some(Slip::Law(slip)) => {
+                let laws = question.component.special.laws_of(slip.forward).expect("a row with laws");
+                (laws.of)(inputs, c, &slip.choices)
+            }
+        }
+    }
+
+    /// The same with this number in its first mistake that has one.
+    pub(crate) fn with_number(&self, x: f64) -> Hypothesis {
+        let others = self.fitted.iter().skip(1).copied();
+        Hypothesis { fitted: std::iter::once(x).chain(others).collect(), ..self.clone() }
+    }
+
+    /// Whether its numbers are such as people write.
+    pub(crate) fn plain_numbers(&self) -> bool {
+        self.fitted.iter().all(|x| rounded(*x)[0] == *x)
+    }
+
+    /// What is made of its mistakes' names, the fitted numbers with those that have one (`Mistake::among`).
+    fn named<T>(&self, question: &Question, made: impl FnOnce(&[&str]) -> T) -> T {
+        if self.fitted.is_empty() {
+            return made(&self.mistakes);
+        }
+        let mut numbers = self.fitted.iter();
+        let say = |name: &&'static str| match number_of(question, name).and_then(|_| numbers.next()) {
+            Some(number) => format!("{name}={number}"),
+            None => name.to_string(),
+        };
+        let all: Vec<String> = self.mistakes.iter().map(say).collect();
+        made(&all.iter().map(String::as_str).collect::<Vec<_>>())
+    }
+
+    /// The hypothesis' own bound: a multiple of that of the right formula in these conventions, plus the change of the wrong
+    /// function on inputs that are off by a few roundings.
+    fn bound(
+        &self,
+        question: &Question,
+        case: &Case,
+        wrong: &Arrays,
+        error: Option<&Arrays>,
+        options: &MarkOptions,
+    ) -> Arrays {
+        self.bounds(question, case, wrong, error, options).next_back().expect("one at least")
+    }
+
+    /// The same, after a bound without that change where there is one: most answers that are explained need no more, and it costs little.
+    fn bounds<'a>(
+        &'a self,
+        question: &'a Question,
+        case: &'a Case,
+        wrong: &'a Arrays,
+        error: Option<&'a Arrays>,
+        options: &'a MarkOptions,
+    ) -> impl DoubleEndedIterator<Item = Arrays> + 'a {
+        // Next to a whole number a nudge moves what is rounded by 1: so wide a bound explains anything.
+        let rounds = self.slip.as_ref().is_some_and(Slip::rounds);
+        let known = error.is_some() || rounds || self.right() && !self.loose;
+        (0..2 - usize::from(known)).map(move |n| {
+            let u = options.dtype.unit_roundoff();
+            let nudged = |n| [4.0, -4.0].map(|by| self.nudged(question, case, n, by * u));
+            let moved: Vec<Arrays> = if n == 0 { vec![] } else { (0..2).flat_map(nudged).collect() };
+            self.widened(question, case, wrong, error, &moved, options)
+        })
+    }
+
+    /// The bound with the change of the wrong function to what it gives on nudged inputs, `moved`.
+    fn widened(
+        &self,
+        question: &Question,
+        case: &Case,
+        wrong: &Arrays,
+        error: Option<&Arrays>,
+        moved: &[Arrays],
+        options: &MarkOptions,
+    ) -> Arrays {
+        let known = options.truth(question, case, &self.conventions, Grade::B);
+        let (truth, right) = (&known.expected, &known.bound);
+        if self.right() && !self.loose {
+            return right.clone();
+        }
+        let u = options.dtype.unit_roundoff();
+        let (generous, mut roundings) = generosity(options.dtype);
+        // A wrong sum or product may be as long as any axis.
+        let longest = case.inputs.values().flat_map(|a| a.shape()).max().copied().unwrap_or(0);
+        roundings = roundings.max(2.0 * longest as f64);
+        // A mistake may return one fraction in place of another: T, of which 1 - exp(-x) leaves few digits, in place of T alpha.
+        let whole = |name: &String| question.component.output_entries(name).whole();
+        let fractions = |name: &String| !whole(name) && truth[name].iter().all(|x| (0.0..=1.0).contains(x));
+        let of_fractions = right.iter().filter(|(name, _)| fractions(name)).flat_map(|(_, bound)| bound);
+        let largest = of_fractions.filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
+        let of_one = |name: &String| question.component.special.left_of_one.contains(&name.as_str());
+        let one = |(name, w): (&String, &ArrayD<f64>)| {
+            let least = if of_one(name) && question.kind == Kind::Forward { 1.0 } else { 0.0 };
+            let mut bound = w.mapv(|w| roundings * u * w.abs().max(least) + options.dtype.smallest_normal());
+            let least = if fractions(name) { largest } else { 0.0 };
+            // What comes out larger has rounded larger numbers.
+            let larger =
+                (largest_of(w) / truth.get(name).map_or(f64::INFINITY, largest_of)).clamp(1.0, LARGER);
+            match right.get(name) {
+                Some(right) if right.shape() == w.shape() => {
+                    bound.zip_mut_with(right, |b, right| *b += generous * (larger * right).max(least));
+                }
+                // Elements in other places: which of the bounds is whose isn't known.
+                Some(right) => {
+                    let most = right.iter().filter(|b| b.is_finite()).fold(0.0, |max: f64, b| max.max(*b));
+                    bound += generous * most;
+                }
+                None => {}
+            }
+            for moved in moved.iter().filter_map(|m| m.get(name)).filter(|m| m.shape() == w.shape()) {
+                // No number where both are infinite, or where a nudge makes one of what was none: it says nothing of sizes.
+                let change = (moved - w).mapv(|change| if change.is_nan() { 0.0 } else { change.abs() });
+                bound.zip_mut_with(&change, |b, change| *b += generous * change);
+            }
+            if let Some(error) = error {
+                bound += &error[name];
+            }
+            // Where the wrong value itself is NaN or infinite, only that fits. Where it overflows the type, or a factor of it does, the
+            // answer may be infinite.
+            let limited = |w: f64, b: f64| match () {
+                () if !w.is_finite() || b.is_nan() => 0.0,
+                () if w.abs() > options.dtype.largest() / 4.0 => f64::INFINITY,
+                () => b,
+            };
+            bound.zip_mut_with(w, |b, &w| *b = limited(w, *b));
+            (name.clone(), bound)
+        };
+        wrong.iter().map(one).collect()
+    }
+
+    /// The wrong function on inputs that are off by up to `relative`. Both signs of it: across a threshold only one of the two goes.
+    fn nudged(&self, question: &Question, case: &Case, n: u64, relative: f64) -> Arrays {
+        let mut draw = Draw::new(&case.id, n);
+        let mut inputs = case.inputs.clone();
+        for (name, array) in inputs.iter_mut().filter(|(_, array)| array.ndim() > 0) {
+            let whole = question.component.input_entries(name).whole();
+            array.mapv_inplace(|x| {
+                let by = if draw.below(2) == 0 { relative } else { -relative };
+                // 1 is the limit of what is a fraction; what is counted isn't rounded.
+                let by = if x.abs() == 1.0 { -by.abs() } else { by };
+                if whole { x } else { x * (1.0 + by) }
+            });
+        }
+        (question.component.special.rounds_inside)(&mut inputs, relative, &mut draw);
+        self.wrong(question, &inputs)
+    }
+
+    /// What this candidate would answer, and how far off it may be.
+    pub(crate) fn allowed(
+        &self,
+        question: &Question,
+        case: &Case,
+        options: &MarkOptions,
+    ) -> (Arrays, Arrays) {
+        let (wrong, error) = self.prediction(question, case);
+        let bound = self.bound(question, case, &wrong, error.as_ref(), options);
+        (wrong, bound)
+    }
+
+    /// What is far off: wrong code may be of any accuracy.
+    fn scale(&self, question: &Question, case: &Case, options: &MarkOptions) -> Option<Scale> {
+        let scale = options.scale(question, case);
+        if self.right() && !self.loose { scale } else { scale.map(Scale::of_wrong) }
+    }
+
+    /// Whether it explains an answer.
+    pub fn explains(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> bool {
+        let (mut wrong, error) = self.prediction(question, case);
+        self.leave_open(question, case, answer, &mut wrong);
+        // A numeric gradient is known only at some elements, so most elements can't be compared.
+        let scale = self.scale(question, case, options).filter(|_| error.is_none());
+        within(answer, &wrong, scale, self.bounds(question, case, &wrong, error.as_ref(), options))
+    }
+
+    /// Keeps the outputs of an answer that it explains one by one; those that weren't answered stay.
+    pub(crate) fn keep_explained(
+        &self,
+        question: &Question,
+        case: &Case,
+        answer: &Answer,
+        options: &MarkOptions,
+        outputs: &mut Vec<&str>,
+    ) {
+        let (mut wrong, _) = self.prediction(question, case);
+        self.leave_open(question, case, answer, &mut wrong);
+        let all = OnceCell::new();
+        let alone = |name: &str, from: &Arrays| -> Arrays {
+            from.get(name).map(|array| (name.to_string(), array.clone())).into_iter().collect()
+        };
+        outputs.retain(|name| {
+            let Some(given) = answer.get(*name) else { return true };
+            let given = [(name.to_string(), given.clone())].into();
+            let bound = || alone(name, all.get_or_init(|| self.bound(question, case, &wrong, None, options)));
+            within(&given, &alone(name, &wrong), self.scale(question, case, options), once_with(bound))
+        });
+    }
+
+    /// The largest error over bound on an answer.
+    pub fn residual(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> f64 {
+        let (mut wrong, error) = self.prediction(question, case);
+        self.leave_open(question, case, answer, &mut wrong);
+        let bound = self.bound(question, case, &wrong, error.as_ref(), options);
+        off(answer, &wrong, &bound)
+    }
+
+    /// The largest errors of this hypothesis and of another on an answer, both over what this one allows and what is unknown of the other.
+    pub fn compared(
+        &self,
+        other: &Hypothesis,
+        question: &Question,
+        case: &Case,
+        answer: &Answer,
+        options: &MarkOptions,
+    ) -> [f64; 2] {
+        let (right, _) = self.prediction(question, case);
+        let (mut wrong, error) = other.prediction(question, case);
+        other.leave_open(question, case, answer, &mut wrong);
+        let bound = self.bound(question, case, &right, error.as_ref(), options);
+        [off(answer, &right, &bound), off(answer, &wrong, &bound)]
+    }
+
+    /// Whether two hypotheses predict the same on a case, up to rounding: no answer could tell them apart.
+    pub fn same_as(
+        &self,
+        other: &Hypothesis,
+        question: &Question,
+        case: &Case,
+        options: &MarkOptions,
+    ) -> bool {
+        let (a, error) = self.prediction(question, case);
+        let (b, other_error) = other.prediction(question, case);
+        if a == b {
+            return true;
+        }
+        let mut bound = self.bound(question, case, &a, error.as_ref(), options);
+        for (name, error) in other_error.iter().flatten() {
+            if let Some(bound) = bound.get_mut(name).filter(|bound| bound.shape() == error.shape()) {
+                *bound += error;
+            }
+        }
+        let equal = |(name, a): (&String, &ArrayD<f64>)| {
+            b[name].shape() == a.shape()
+                && a.iter().zip(&b[name]).zip(&bound[name]).all(|((&a, &b), &e)| budget_used(b, a, e) <= 1.0)
+        };
+        a.iter().all(equal)
+    }
+}
+
+/// How many times larger than right answers wrong ones may be so that rounding costs them so much more.
+const LARGER: f64 = 64.0;
+
+/// The number of a row's mistake, if it has one.
+pub(crate) fn number_of(question: &Question, name: &str) -> Option<Number> {
+    question.component.mistakes.iter().find(|m| m.name == name).and_then(|m| m.number)
+}
+
+/// The largest error of an answer over a bound.
+fn off(answer: &Answer, predicted: &Arrays, bound: &Arrays) -> f64 {
+    let one = |(name, predicted): (&String, &ArrayD<f64>)| {
+        let got = reshaped(&answer.get(name)?.values, predicted.shape());
+        let Some((got, _)) = got.filter(|_| bound[name].shape() == predicted.shape()) else {
+            return Some(f64::INFINITY);
+        };
+        // NaN is off where nothing else is known, too.
+        let used = |((&g, &p), &b): ((&f64, &f64), &f64)| {
+            if g.is_nan() && !p.is_nan() { f64::INFINITY } else { budget_used(g, p, b) }
+        };
+        Some(got.iter().zip(predicted).zip(&bound[name]).map(used).fold(0.0, f64::max))
+    };
+    predicted.iter().filter_map(one).fold(0.0, f64::max)
+}
+
+/// Whether some of the mistakes lie in the forward function.
+pub fn of_forward(question: &Question, mistakes: &[&str]) -> bool {
+    question.component.mistakes.iter().any(|m| !m.gradient && mistakes.contains(&m.name))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::answer::given;
+    use super::super::super::exam::Exam;
+    use super::super::slips::each::{By, EACH};
+    use super::super::slips::slip::{ArraySlip, Change};
+    use super::*;
+    use crate::contract::arrays::{array, arrays};
+    use crate::convention::CS180;
+
+    /// Edges of 2, 3, 5 that are nudged and then rounded down are 1, 2, 4: so wide a bound would explain any sample.
+    #[test]
+    fn what_is_rounded_is_not_nudged_across_whole_numbers() {
+        let exam = Exam::new("importance_sampling", Dtype::F32, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 });
+        let case = question.cases.iter().find(|case| case.id == "SA1_empty_ray").expect("a case");
+        let down = EACH.iter().position(|(name, _)| *name == "rounded down").expect("a slip");
+        let change = Change::All(By::Each(down));
+        let slip = ArraySlip { input: true, array: "edges".into(), change, forward: true };
+        let h = Hypothesis { slip: Some(Slip::Array(slip)), ..Hypothesis::new(vec![], CS180) };
+        let (own, _) = h.prediction(question, case);
+        assert!(h.explains(question, case, &given(own.clone()), &options));
+        let last = array(own["t"].shape(), vec![5.0; own["t"].len()]);
+        assert!(!h.explains(question, case, &given(arrays([("t", last)])), &options));
+    }
+}

@@ -1,0 +1,311 @@
+//! Other formulas: what nobody listed one by one, but is made of parts among which people choose.
+
+use std::collections::BTreeSet;
+
+use super::super::answer::{Answer, Answers, Given};
+use super::super::assignment::{open, small_cases};
+use super::super::exam::Question;
+use super::super::mark::{MarkOptions, largest_of};
+use super::super::partial::apply;
+use super::evidence::Explanation;
+use super::hypothesis::Hypothesis;
+use super::nearness::likeliest;
+use super::slips::misdone::proved;
+use super::slips::slip::{LawSlip, Slip};
+use super::slips::slipping::{attempt, conventions};
+use crate::contract::case::Case;
+use crate::contract::check::Kind;
+use crate::contract::laws::Laws;
+use crate::convention::Conventions;
+use crate::parallel;
+
+/// Numbers that all formulas together may compute on the case that they are tried on first, and what one costs at least.
+const WORK: usize = 6_000_000;
+const COST: usize = 64;
+
+/// The conventions in which formulas are tried that differ from the right one in one part, in two, and in three.
+const TRIED: [usize; 3] = [12, 4, 2];
+
+/// What is near: this share of a number, and the square of it of the largest.
+const NEARLY: f64 = 0.03;
+
+/// Conventions that are tried beside the run's and those of known programs: those that change least, and those in which the answers are nearest.
+const NEAR: usize = 6;
+
+/// The formulas of the row's family that explain every answer: those that differ from the right one in the fewest parts, or what output
+/// after output shows. Where none does, edge cases are left out, and told.
+pub(super) fn lawful(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    let Some(search) = Search::new(question, answers, base, options) else { return vec![] };
+    let found = search.found();
+    if !found.is_empty() || question.cases.iter().all(|case| case.edge.is_none()) {
+        return found;
+    }
+    let (usual, kept) = without_edges(question, answers);
+    let mut found = Search::new(&usual, &kept, base, options).map_or(vec![], |search| search.found());
+    for explanation in &mut found {
+        let c = apply(&explanation.conventions, base);
+        let h = Hypothesis { slip: explanation.slip.clone(), ..Hypothesis::new(vec![], c) };
+        let edges = search.cases.iter().filter(|(case, _)| case.edge.is_some());
+        let off = edges.filter(|(case, answer)| {
+            !attempt(|| h.explains(question, case, answer, options)).unwrap_or(false)
+        });
+        explanation.unexplained_cases = off.map(|(case, _)| case.id.clone()).collect();
+    }
+    found
+}
+
+/// The same question without its edge cases.
+fn without_edges(question: &Question, answers: &Answers) -> (Question, Answers) {
+    let mut usual = question.clone();
+    usual.truths = question.truths.shared();
+    usual.cases.retain(|case| case.edge.is_none());
+    let both = question.cases.iter().zip(answers).filter(|(case, _)| case.edge.is_none());
+    (usual, both.map(|(_, answer)| answer.clone()).collect())
+}
+
+/// A search among the formulas of a row.
+struct Search<'a> {
+    question: &'a Question,
+    answers: &'a Answers,
+    base: &'a Conventions,
+    options: &'a MarkOptions,
+    laws: Laws,
+    /// The cases, the smallest first.
+    cases: Vec<(&'a Case, &'a Answer)>,
+    /// The outputs that are answered anywhere.
+    outputs: BTreeSet<&'a str>,
+    /// The conventions in which they are tried, each with the smallest case that the right formula doesn't explain in them.
+    nearby: Vec<(usize, Conventions)>,
+    /// How many may be tried.
+    affordable: usize,
+}
+
+impl<'a> Search<'a> {
+    /// `None` where the row has no other formulas, or the right one explains all.
+    fn new(
+        question: &'a Question,
+        answers: &'a Answers,
+        base: &'a Conventions,
+        options: &'a MarkOptions,
+    ) -> Option<Self> {
+        let laws = question.component.special.laws_of(question.kind == Kind::Forward)?;
+        let cases = small_cases(question, answers);
+        let outputs = cases.iter().flat_map(|(_, answer)| answer.keys().map(String::as_str)).collect();
+        let wrong = |c: &Conventions| {
+            let right = Hypothesis::new(vec![], *c);
+            cases.iter().position(|(case, answer)| !right.explains(question, case, answer, options))
+        };
+        let mut all = conventions(question, answers, base, options);
+        let near =
+            likeliest(open(question, answers, base, options), NEAR, (question, answers), base, options);
+        all.extend(near.iter().map(|p| apply(p, base)));
+        let mut nearby: Vec<(usize, Conventions)> = vec![];
+        for c in all {
+            if !nearby.iter().any(|(_, known)| *known == c) {
+                nearby.extend(wrong(&c).map(|n| (n, c)));
+            }
+        }
+        let cost = nearby.iter().map(|(n, _)| question.cost(cases[*n].0)).max()?;
+        let affordable = WORK / cost.max(COST);
+        Some(Search { question, answers, base, options, laws, cases, outputs, nearby, affordable })
+    }
+
+    fn hypothesis(&self, choices: &[usize], c: &Conventions) -> Hypothesis {
+        let forward = self.question.kind == Kind::Forward;
+        let law = LawSlip { choices: choices.to_vec(), said: self.laws.said(choices), forward };
+        Hypothesis { slip: Some(Slip::Law(law)), ..Hypothesis::new(vec![], *c) }
+    }
+
+    /// Those that differ in so many parts, as many as are affordable in these conventions; `left` says how many may still be tried.
+    fn differing(&self, parts: usize, conventions: usize, left: &mut usize) -> Vec<Vec<usize>> {
+        let most = *left / conventions.max(1);
+        let mut all = if most > 0 { self.laws.differing(parts) } else { vec![] };
+        all.truncate(most);
+        *left -= all.len() * conventions;
+        all
+    }
+
+    fn found(&self) -> Vec<Explanation> {
+        let mut left = self.affordable;
+        for (parts, conventions) in (1..=self.laws.choices.len()).zip(TRIED) {
+            let nearby = &self.nearby[..conventions.min(self.nearby.len())];
+            let all = self.differing(parts, nearby.len(), &mut left);
+            let in_each = parallel::map(all.len(), |n| {
+                let near = |(case, c): &&(usize, Conventions)| {
+                    self.near(&all[n], *case, c) == self.cases[*case].1.len()
+                };
+                let near = nearby.iter().filter(near);
+                near.map(|(case, c)| (*case, self.hypothesis(&all[n], c))).collect::<Vec<_>>()
+            });
+            let found = self.proved(in_each.into_iter().flatten().collect());
+            if !found.is_empty() {
+                return found;
+            }
+        }
+        let likeliest = self.nearby.iter().take(TRIED[2]);
+        let step_by_step = likeliest.filter_map(|(n, c)| Some((*n, self.by_outputs(*n, c)?)));
+        self.proved(step_by_step.collect())
+    }
+
+    /// In how many outputs of a case most numbers are about what a formula gives: what most formulas are rejected by, for it costs little.
+    fn near(&self, law: &[usize], case: usize, c: &Conventions) -> usize {
+        let (case, answer) = self.cases[case];
+        let Some(predicted) = attempt(|| (self.laws.of)(&case.inputs, c, law)) else { return 0 };
+        let about = |(name, given): &(&String, &Given)| {
+            let Some(p) = predicted.get(*name) else { return false };
+            let least = NEARLY * NEARLY * largest_of(p);
+            let same = |(p, g): &(&f64, &f64)| {
+                !p.is_finite() || !g.is_finite() || (*p - *g).abs() <= NEARLY * p.abs().max(g.abs()) + least
+            };
+            p.len() == given.values.len() && 2 * p.iter().zip(&given.values).filter(same).count() >= p.len()
+        };
+        answer.iter().filter(about).count()
+    }
+
+    fn proved(&self, tried: Vec<(usize, Hypothesis)>) -> Vec<Explanation> {
+        let nearby: Vec<Conventions> = self.nearby.iter().map(|(_, c)| *c).collect();
+        proved(tried, 0.0, &nearby, self.question, self.answers, self.base, self.options)
+    }
+
+    /// The formula that explains all outputs, found as one after the other shows what is wrong with it: what explains some of them stays.
+    fn by_outputs(&self, failing: usize, c: &Conventions) -> Option<Hypothesis> {
+        let mut law = vec![0; self.laws.choices.len()];
+        let mut explained = self.explained(&law, failing, c);
+        let mut left = self.affordable / 2;
+        let rings: Vec<_> = (1..=TRIED.len()).map(|parts| self.differing(parts, 1, &mut left)).collect();
+        while explained < self.outputs.len() {
+            let better = rings.iter().find_map(|ring| {
+                let free = |other: &&Vec<usize>| law.iter().zip(*other).all(|(had, o)| *had == 0 || *o == 0);
+                let joined =
+                    |other: &Vec<usize>| law.iter().zip(other).map(|(a, b)| a + b).collect::<Vec<_>>();
+                let all: Vec<Vec<usize>> = ring.iter().filter(free).map(joined).collect();
+                let counts = parallel::map(all.len(), |n| {
+                    let near = self.near(&all[n], failing, c) > explained;
+                    if near { self.explained(&all[n], failing, c) } else { 0 }
+                });
+                let most = counts.into_iter().zip(all).rev().max_by_key(|(count, _)| *count);
+                most.filter(|(count, _)| *count > explained)
+            });
+            (explained, law) = better?;
+        }
+        Some(self.hypothesis(&law, c))
+    }
+
+    /// How many outputs a formula explains in all cases, those that it is tried on first among them.
+    fn explained(&self, law: &[usize], failing: usize, c: &Conventions) -> usize {
+        let (cases, h) = (&self.cases, self.hypothesis(law, c));
+        let mut outputs: Vec<&str> = self.outputs.iter().copied().collect();
+        let first = cases[failing..].iter().take(1);
+        for (case, answer) in first.chain(cases) {
+            if outputs.is_empty() {
+                break;
+            }
+            let kept = attempt(|| {
+                let mut kept = outputs.clone();
+                h.keep_explained(self.question, case, answer, self.options, &mut kept);
+                kept
+            });
+            outputs = kept.unwrap_or_default();
+        }
+        outputs.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::answer::given;
+    use super::super::super::exam::Exam;
+    use super::super::evidence::{explains_all, nothing_but_zero};
+    use super::*;
+    use crate::contract::arithmetic::{Arithmetic, Dtype, Grade};
+    use crate::contract::check::{tolerance, worst};
+    use crate::contract::testing::one_in;
+    use crate::convention::CS180;
+    use crate::registry::COMPONENTS;
+
+    /// Formulas of each row that are tried, and the share of them that must be told: what shows in two numbers could be anything.
+    const TOLD: usize = 12;
+    const MOST: (usize, usize) = (2, 3);
+
+    /// All questions whose rows have laws.
+    fn asked(dtype: Dtype, f: impl Fn(&Question, &Laws)) {
+        for component in COMPONENTS {
+            let laws = |kind| component.special.laws_of(kind == Kind::Forward);
+            if [Kind::Forward, Kind::Vjp].into_iter().all(|kind| laws(kind).is_none()) {
+                continue;
+            }
+            // An exam asks the row's neighbors, too.
+            let questions = Exam::new(component.name, dtype, None).unwrap().questions;
+            for question in questions.iter().filter(|q| q.component.name == component.name) {
+                laws(question.kind).iter().for_each(|laws| f(question, laws));
+            }
+        }
+    }
+
+    /// Without a wrong part a law is the formula.
+    #[test]
+    fn the_first_choices_are_right() {
+        asked(Dtype::F64, |question, laws| {
+            let direction = question.component.direction(question.kind).unwrap();
+            for case in &question.cases {
+                let got = (laws.of)(&case.inputs, &CS180, &vec![0; laws.choices.len()]);
+                let expected = (direction.oracle)(&case.inputs, &CS180);
+                let m = Arithmetic::new(Dtype::F64, Grade::B);
+                let off = worst(&got, &expected, &tolerance(direction, &case.inputs, &CS180, &m));
+                assert!(off <= 1.0, "{} {:?} {}: {off}", question.component.name, question.kind, case.id);
+            }
+        });
+    }
+
+    #[test]
+    fn no_two_are_said_alike() {
+        asked(Dtype::F64, |question, laws| {
+            let name = question.component.name;
+            let each = laws.differing(1).into_iter().map(|law| laws.said(&law));
+            let mut known = BTreeSet::new();
+            for said in each {
+                assert!(!said.is_empty() && known.insert(said.clone()), "{name}: {said:?}");
+            }
+        });
+    }
+
+    /// Some of them, in f32: by their own words or by others that give the same numbers. Those that give nothing but 0 or no number tell
+    /// nothing.
+    #[test]
+    fn other_formulas_are_told() {
+        asked(Dtype::F32, |question, laws| {
+            let all = [laws.differing(1), laws.differing(2)].concat();
+            let step = (all.len() / TOLD).max(1) * one_in(4);
+            let (mut tried, mut named, mut unknown) = (0, 0, vec![]);
+            for law in all.into_iter().skip(step / 2).step_by(step) {
+                let round = |a: ndarray::ArrayD<f64>| a.mapv(|x| Dtype::F32.round(x));
+                let answer = |case: &Case| {
+                    let outputs = (laws.of)(&case.inputs, &CS180, &law);
+                    Some(given(outputs.into_iter().map(|(name, a)| (name, round(a))).collect()))
+                };
+                let answers: Answers = question.cases.iter().map(answer).collect();
+                let options = MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 };
+                if nothing_but_zero(question, &answers) {
+                    continue;
+                }
+                let right = Hypothesis::new(vec![], CS180);
+                let found = lawful(question, &answers, &CS180, &options);
+                // Some change nothing by themselves, as a cap that no case reaches, and some little.
+                let loose = Hypothesis { loose: true, ..right.clone() };
+                let inert = explains_all(&loose, question, &answers, &options);
+                if !inert {
+                    let told = found.first().is_some_and(|e| e.slip.is_some());
+                    (tried, named) = (tried + 1, named + usize::from(told));
+                    unknown.extend((!told).then(|| laws.said(&law)));
+                }
+            }
+            let (name, kind) = (question.component.name, question.kind);
+            assert!(MOST.1 * named >= MOST.0 * tried, "{name} {kind:?}: {named} of {tried}, not {unknown:?}");
+        });
+    }
+}

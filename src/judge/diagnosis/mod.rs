@@ -1,0 +1,36 @@
+//! Diagnosis: what explains the answers of a row that failed. [`diagnose`](diagnose::diagnose) says what is tried, and in which order: the right
+//! formula in other conventions, one mistake, lost digits, two mistakes, then what no catalogue lists.
+
+// What is tried, and how well it explains the answers.
+#[doc(hidden)]
+pub mod evidence;
+#[doc(hidden)]
+pub mod hypothesis;
+mod left_open;
+mod nearness;
+mod numeric;
+mod ranked;
+mod telling;
+mod unread;
+
+// Mistakes of the catalogue: one, with a number of its own, two, three, one output after another.
+mod climb;
+#[doc(hidden)]
+pub mod diagnose;
+pub(crate) mod fitted;
+mod fitted_pairs;
+mod mostly;
+mod paired;
+mod peel;
+mod stepwise;
+mod tripled;
+
+// What isn't in it.
+mod beyond;
+pub(crate) mod imprecise;
+mod lawful;
+pub(crate) mod slips;
+
+// Gradients beside what the forward answers showed.
+pub(crate) mod follows;
+pub(crate) mod refuted;
