@@ -12,6 +12,8 @@ pub struct Laws {
     pub says: fn(part: usize, choice: usize) -> String,
     /// The outputs, or the gradients, with these choices.
     pub of: fn(&Arrays, &Conventions, &[usize]) -> Arrays,
+    /// The choices, each after its part, that round to whole numbers.
+    pub rounding: &'static [(usize, usize)],
 }
 
 impl Laws {
@@ -29,6 +31,11 @@ impl Laws {
         all.into_iter().map(|(_, law)| law).collect()
     }
 
+    /// Whether a formula rounds to whole numbers where the right one doesn't.
+    pub fn rounds(&self, law: &[usize]) -> bool {
+        self.rounding.iter().any(|(part, choice)| law[*part] == *choice)
+    }
+
     /// What is said of a formula: what its wrong parts are.
     pub fn said(&self, law: &[usize]) -> String {
         let wrong = law.iter().enumerate().filter(|(_, choice)| **choice > 0);
@@ -44,6 +51,7 @@ mod tests {
         choices: &[3, 1, 2],
         says: |part, choice| format!("{part} is {choice}"),
         of: |a, _, _| a.clone(),
+        rounding: &[(0, 2)],
     };
 
     #[test]
@@ -52,6 +60,7 @@ mod tests {
         assert_eq!(THREE.differing(1), [[0, 0, 1], [1, 0, 0], [2, 0, 0]]);
         assert_eq!(THREE.differing(2), [[1, 0, 1], [2, 0, 1]]);
         assert_eq!(THREE.differing(3), Vec::<Vec<usize>>::new());
+        assert!(THREE.rounds(&[2, 0, 1]) && !THREE.rounds(&[1, 0, 1]));
         assert_eq!(THREE.said(&[2, 0, 1]), "0 is 2, and 2 is 1");
     }
 }

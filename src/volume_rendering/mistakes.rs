@@ -14,9 +14,9 @@ pub(crate) mod depth_laws;
 pub(crate) mod gradient_laws;
 mod gradients;
 mod hand_written;
-mod laws;
 mod lists;
 mod march;
+mod other_alphas;
 mod steps;
 pub(crate) mod weight_laws;
 
@@ -165,9 +165,6 @@ fn wrong_composite(
     if wrong.contains(&"colors_with_gamma") {
         rendering.color = rendering.color.map(|c| crate::math::pow(c.max(0.0), 1.0 / 2.2));
     }
-    if wrong.contains(&"clamped") {
-        rendering.color = rendering.color.map(|c| c.clamp(0.0, 1.0));
-    }
     if wrong.contains(&"light_behind_the_last_alone") {
         rendering.transmittance[n] = 1.0 - alphas.iter().rev().find(|alpha| **alpha > 0.0).unwrap_or(&0.0);
     }
@@ -315,8 +312,14 @@ pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -
         recompose(ray, alphas, &rgbs)
     };
     let rays = (0..count).map(one).collect();
-    arrays::over(
-        c,
-        renderings(samples, &render_all(alphas, rays, |r| rows3(a, "rgbs", r), c.product_eps, wrong)),
-    )
+    finished(c, samples, &render_all(alphas, rays, |r| rows3(a, "rgbs", r), c.product_eps, wrong), wrong)
+}
+
+/// Rays over their backdrop; colors that are clamped are so behind it.
+fn finished(c: &Conventions, samples: usize, rays: &[Rendering], wrong: &[&str]) -> Arrays {
+    let mut out = arrays::over(c, renderings(samples, rays));
+    if wrong.contains(&"clamped") {
+        out.get_mut("colors").expect("an output").mapv_inplace(|c| c.clamp(0.0, 1.0));
+    }
+    out
 }

@@ -212,7 +212,7 @@ def accumulated_after_its_use(alphas, rgbs, grad_colors):
 @fault(
     "volume_render_alpha_vjp",
     "hidden_added+stopped_behind_the_sample",
-    "slip: another formula: -S_i / (1 - alpha_i) for what alpha_i hides, and an end in front of a sample where T < 1e-3",
+    "slip: another formula: the gradient of alpha_i loses -S_i / (1 - alpha_i), S_i = sum_{j>i} w_j q_j, and an end in front of a sample where T < 1e-3",
     seen="a trial on unseen code: a splat renderer in Crystal",
     arrays="numpy",
 )

@@ -40,7 +40,7 @@ const WAVES: [&str; 8] = [
     "sin, -cos",
     "-sin, cos",
     "sin, cos of the band before",
-    "sin, sin a quarter later of a band's length of one",
+    "sin, sin(x + pi / 2) without the band",
 ];
 
 /// What is encoded.
@@ -65,10 +65,11 @@ pub(crate) const OF_POINTS: Laws = Laws {
     says: |part, choice| match part {
         0 => format!("bands {}", BANDS[choice]),
         1 => format!("waves {}", WAVES[choice]),
-        2 => format!("of {}", OF[choice]),
+        2 => format!("{} in the place of x", OF[choice]),
         _ => format!("{} for x itself", ITSELF[choice]),
     },
     of,
+    rounding: &[],
 };
 
 fn band(k: usize, levels: usize, choice: usize) -> f64 {

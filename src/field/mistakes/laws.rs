@@ -41,7 +41,7 @@ const DENSITY: [&str; 14] = [
     "max(0, z) + 0.1",
     "z + 0.1",
     "elu(z)",
-    "max(0, z, z / 100)",
+    "max(z, z / 100)",
     "1 - exp(-max(0, z))",
 ];
 
@@ -95,6 +95,7 @@ pub(crate) const OF_NETWORKS: Laws = Laws {
         _ => format!("{} between layers", UNIT[choice]),
     },
     of,
+    rounding: &[],
 };
 
 fn over_its_length(x: &[f64]) -> Vec<f64> {

@@ -15,8 +15,8 @@ const FAR: [&str; 10] = [
     "C dx^2 + 2 B dx dy + A dy^2",
     "A dx^2 + 4 B dx dy + C dy^2",
     "dx^2 + dy^2",
-    "that of the mean rounded down",
-    "that of the mean rounded to whole pixels",
+    "A dx^2 + 2 B dx dy + C dy^2 from the mean rounded down",
+    "A dx^2 + 2 B dx dy + C dy^2 from the mean rounded to whole pixels",
     "A |dx| + 2 B dx dy + C |dy|",
 ];
 
@@ -54,7 +54,7 @@ const END: [&str; 13] = [
 
 /// What it is multiplied with.
 const TIMES: [&str; 7] =
-    ["o", "1", "o^2", "sigmoid(o)", "o / (2 pi sqrt(det))", "o / (2 pi)", "o sqrt(det of the conic)"];
+    ["o", "1", "o^2", "sigmoid(o)", "o / (2 pi sqrt(det))", "o / (2 pi)", "o sqrt(A C - B^2)"];
 
 /// The most that is left.
 const MOST: [&str; 6] = ["as it is by convention", "0.95", "0.9999", "1", "0.5", "0.98"];
@@ -64,12 +64,13 @@ pub(crate) const OF_PIXELS: Laws = Laws {
     choices: &[FAR.len(), FALL.len(), END.len(), TIMES.len(), MOST.len()],
     says: |part, choice| match part {
         0 => format!("q = {}", FAR[choice]),
-        1 => format!("{} for exp(-q / 2)", FALL[choice]),
+        1 => format!("{} in the place of exp(-q / 2)", FALL[choice]),
         2 => format!("0 {}", END[choice]),
-        3 => format!("times {}", TIMES[choice]),
+        3 => format!("times {} in the place of o", TIMES[choice]),
         _ => format!("at most {}", MOST[choice]),
     },
     of: |a, c, law| forward(a, |pixel, splat| of(pixel, splat, form(c), law)),
+    rounding: &[(0, 7), (0, 8)],
 };
 
 fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {

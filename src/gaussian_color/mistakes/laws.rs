@@ -52,8 +52,7 @@ const CONSTANTS: [f64; 16] = [
 ];
 
 /// How many bands.
-const BANDS: [&str; 5] =
-    ["all", "the first alone", "two", "three", "the second and third left out but for red"];
+const BANDS: [&str; 5] = ["all", "the first alone", "two", "three", "the first two alone but for red"];
 
 /// What is made of the sum.
 const MADE: [&str; 12] = [
@@ -83,13 +82,14 @@ const LAID: [&str; 4] = [
 pub(crate) const OF_SPLATS: Laws = Laws {
     choices: &[SEEN.len(), HARMONICS.len(), BANDS.len(), MADE.len(), LAID.len()],
     says: |part, choice| match part {
-        0 => format!("d {}", SEEN[choice]),
+        0 => format!("direction {}", SEEN[choice]),
         1 => format!("harmonics {}", HARMONICS[choice]),
         2 => format!("bands: {}", BANDS[choice]),
-        3 => format!("color {}", MADE[choice]),
-        _ => format!("coefficients by {}", LAID[choice]),
+        3 => format!("color = {}", MADE[choice]),
+        _ => format!("coefficients laid by {}", LAID[choice]),
     },
     of: |a, c, law| forward(a, |mean, center, f| of(mean, center, f, form(c), law)),
+    rounding: &[],
 };
 
 fn seen(mean: [f64; 3], center: [f64; 3], choice: usize) -> [f64; 3] {

@@ -11,7 +11,7 @@ const QUATERNION: [&str; 8] = [
     "as it is",
     "x, y, z, w for w, x, y, z",
     "w, x, y, z for x, y, z, w",
-    "conjugated",
+    "conjugated, which makes R^T of R",
     "divided by its square",
     "not divided by its length",
     "divided by its length and 1e-8",
@@ -19,13 +19,12 @@ const QUATERNION: [&str; 8] = [
 ];
 
 /// The scales.
-const SCALES: [&str; 9] =
-    ["s", "sqrt(s)", "s^2", "exp(s)", "1 / s", "|s|", "the largest for all", "s, at least 1e-4", "2 s"];
+const SCALES: [&str; 8] =
+    ["s", "s^2", "exp(s)", "1 / s", "|s|", "the largest for all", "s, at least 1e-4", "2 s"];
 
 /// The rotation's matrix.
-const MATRIX: [&str; 6] = [
+const MATRIX: [&str; 5] = [
     "R",
-    "R with + for - in front of w",
     "1 - 2 (y^2 + z^2), 1 - 2 (x^2 - z^2), 1 - 2 (x^2 - y^2) on its diagonal",
     "R with w^2 + x^2 - y^2 - z^2 and so on, not divided",
     "R without the factors of 2",
@@ -33,17 +32,13 @@ const MATRIX: [&str; 6] = [
 ];
 
 /// The product, S the diagonal matrix of the scales.
-const PRODUCT: [&str; 11] = [
+const PRODUCT: [&str; 7] = [
     "R S S R^T",
-    "R^T S S R",
     "R S R^T",
-    "S R R^T S",
-    "S S",
+    "S S, which (R S)^T (R S) is, too",
     "R S S R",
     "R S",
     "S R S R^T",
-    "(R S)^T (R S)",
-    "R S^-1 S^-1 R^T",
     "the diagonal of R S S R^T",
 ];
 
@@ -52,11 +47,12 @@ pub(crate) const OF_SPLATS: Laws = Laws {
     choices: &[QUATERNION.len(), SCALES.len(), MATRIX.len(), PRODUCT.len()],
     says: |part, choice| match part {
         0 => format!("q {}", QUATERNION[choice]),
-        1 => format!("{} for the scales", SCALES[choice]),
-        2 => format!("{} for R", MATRIX[choice]),
-        _ => PRODUCT[choice].into(),
+        1 => format!("{} in the place of the scales", SCALES[choice]),
+        2 => format!("{} in the place of R", MATRIX[choice]),
+        _ => format!("Sigma = {}", PRODUCT[choice]),
     },
     of: |a, c, law| forward(a, |q, s| of(q, s, form(c), law)),
+    rounding: &[],
 };
 
 /// The matrix that stands for R.
@@ -79,15 +75,14 @@ fn turning(q: [f64; 4], form: Form, law: &[usize]) -> DMat3 {
     };
     let mut r = rotation([w, x, y, z]);
     match law[2] {
-        1 => return DMat3::from_cols_array_2d(&r),
-        2 => (r[1][1], r[2][2]) = (1.0 - 2.0 * (x * x - z * z), 1.0 - 2.0 * (x * x - y * y)),
-        3 => {
+        1 => (r[1][1], r[2][2]) = (1.0 - 2.0 * (x * x - z * z), 1.0 - 2.0 * (x * x - y * y)),
+        2 => {
             r[0][0] = w * w + x * x - y * y - z * z;
             r[1][1] = w * w - x * x + y * y - z * z;
             r[2][2] = w * w - x * x - y * y + z * z;
         }
-        4 => return 0.5 * (DMat3::from_cols_array_2d(&r).transpose() + DMat3::IDENTITY),
-        5 => return DMat3::IDENTITY,
+        3 => return 0.5 * (DMat3::from_cols_array_2d(&r).transpose() + DMat3::IDENTITY),
+        4 => return DMat3::IDENTITY,
         _ => {}
     }
     DMat3::from_cols_array_2d(&r).transpose()
@@ -100,14 +95,13 @@ fn of(q: [f64; 4], scales: [f64; 3], form: Form, law: &[usize]) -> [[f64; 3]; 3]
     let s = deviations(scales, form);
     let most = s.iter().copied().fold(f64::MIN, f64::max);
     let s = s.map(|s| match law[1] {
-        1 => s.sqrt(),
-        2 => s * s,
-        3 => crate::math::exp(s),
-        4 => 1.0 / s,
-        5 => s.abs(),
-        6 => most,
-        7 => s.max(1e-4),
-        8 => 2.0 * s,
+        1 => s * s,
+        2 => crate::math::exp(s),
+        3 => 1.0 / s,
+        4 => s.abs(),
+        5 => most,
+        6 => s.max(1e-4),
+        7 => 2.0 * s,
         _ => s,
     });
     let r = turning(q, form, law);
@@ -116,15 +110,11 @@ fn of(q: [f64; 4], scales: [f64; 3], form: Form, law: &[usize]) -> [[f64; 3]; 3]
     let whole = m * m.transpose();
     let product = match law[3] {
         0 => whole,
-        1 => back * own * own * r,
-        2 => m * back,
-        3 => own * r * back * own,
-        4 => own * own,
-        5 => m * own * r,
-        6 => m,
-        7 => own * r * own * back,
-        8 => m.transpose() * m,
-        9 => r * own.inverse() * own.inverse() * back,
+        1 => m * back,
+        2 => own * own,
+        3 => m * own * r,
+        4 => m,
+        5 => own * m * back,
         _ => DMat3::from_diagonal(DVec3::new(whole.x_axis.x, whole.y_axis.y, whole.z_axis.z)),
     };
     product.transpose().to_cols_array_2d()

@@ -12,8 +12,8 @@ const CONIC: [&str; 7] = [
     "with half of the gradient of B",
     "nothing",
     "without the minus",
-    "with det^2 + 1e-4 below",
-    "with det^2 + 1e-7 below",
+    "with det^2 + 1e-4 in the denominator",
+    "with det^2 + 1e-7 in the denominator",
 ];
 
 /// From the covariance to Sigma.
@@ -70,6 +70,7 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         let view = view(a);
         vjp(a, c, |mean, sigma, g| of(mean, sigma, &view, form(c), g, law))
     },
+    rounding: &[],
 };
 
 /// The covariance's gradient by way of the conic and the rest.

@@ -14,32 +14,32 @@ const MEAN: [&str; 12] = [
     "(cx - fx x/z, fy y/z + cy)",
     "(fx x/z + cx, cy - fy y/z)",
     "(cx - fx x/z, cy - fy y/z)",
-    "that rounded down",
-    "that rounded to whole pixels",
-    "with fx for both",
-    "with fy for both",
+    "(fx x/z + cx, fy y/z + cy) rounded down",
+    "(fx x/z + cx, fy y/z + cy) rounded to whole pixels",
+    "(fx x/z + cx, fx y/z + cy)",
+    "(fy x/z + cx, fy y/z + cy)",
     "(2 fx x/(z W), 2 fy y/(z H))",
-    "with the middle of the picture for its center",
+    "(fx x/z + W/2, fy y/z + H/2)",
     "(fx x/z, fy y/z)",
 ];
 
 /// The covariance that goes through the Jacobian.
 const TURNED: [&str; 6] = [
     "R Sigma R^T",
-    "Sigma, not turned",
+    "Sigma, not turned,",
     "R^T Sigma R",
-    "R Sigma R^T with y and z the other way around",
-    "Sigma, not turned, with y and z the other way around",
-    "R Sigma R, as a product of matrices",
+    "D R Sigma R^T D, D = diag(1, -1, -1),",
+    "D Sigma D, D = diag(1, -1, -1), not turned,",
+    "R Sigma R",
 ];
 
 /// The Jacobian's focal lengths.
 const FOCAL: [&str; 6] =
-    ["fx and fy", "1", "fx for both", "fy for both", "2 fx / W and 2 fy / H", "2 fx / W for both"];
+    ["(fx, fy)", "(1, 1)", "(fx, fx)", "(fy, fy)", "(2 fx / W, 2 fy / H)", "(2 fx / W, 2 fx / W)"];
 
 /// The Jacobian.
 const JACOBIAN: [&str; 10] = [
-    "(f/z, 0, -f x/z^2; 0, f/z, -f y/z^2)",
+    "= (f/z, 0, -f x/z^2; 0, f/z, -f y/z^2)",
     "without its depth column",
     "with + in its depth column",
     "with + in the depth column of y alone",
@@ -48,7 +48,7 @@ const JACOBIAN: [&str; 10] = [
     "not divided by z, with z in its depth column",
     "with z for z^2 in its depth column",
     "with y for x and x for y",
-    "(1, 0, 0; 0, 1, 0)",
+    "= (1, 0, 0; 0, 1, 0)",
 ];
 
 /// How far beside the picture it is taken.
@@ -68,7 +68,7 @@ const ADDED: [&str; 12] =
     ["", "nothing", "1e-6", "1e-4", "0.01", "0.1", "0.3", "0.5", "1", "1.5", "1e-3", "0.3 in every entry"];
 
 /// What becomes of the number off the diagonal.
-const MIXED: [&str; 4] = ["as it is", "the other sign", "0", "half"];
+const MIXED: [&str; 4] = ["b", "-b", "0", "b / 2"];
 
 /// The conic.
 const CONIC: [&str; 11] = [
@@ -79,9 +79,9 @@ const CONIC: [&str; 11] = [
     "(c, -b, a), not divided",
     "(c, b, a) / det",
     "(a, -b, c) / det",
-    "that with 1e-6 added to the variances once more",
-    "that of what nothing is added to",
-    "(a, b, c), the covariance",
+    "(c, -b, a) / det of variances with 1e-6 added once more",
+    "(c, -b, a) / det of variances with nothing added",
+    "(a, b, c), the covariance itself",
     "(c, -b, a) / (a c + b^2)",
 ];
 
@@ -100,7 +100,7 @@ const RADIUS: [&str; 20] = [
     "3 sqrt(lambda) rounded down",
     "sqrt(lambda)",
     "3 lambda",
-    "ceil(3 sqrt(lambda)) of what nothing is added to",
+    "ceil(3 sqrt(lambda)) of variances with nothing added",
     "ceil(3 sqrt(a + c))",
     "3 sqrt(a + c)",
     "ceil(3 sqrt(lambda)), at most 64",
@@ -127,21 +127,22 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         DEPTH.len(),
     ],
     says: |part, choice| match part {
-        0 => format!("mean {}", MEAN[choice]),
-        1 => format!("J on {}", TURNED[choice]),
-        2 => format!("{} for f in J", FOCAL[choice]),
+        0 => format!("mean = {}", MEAN[choice]),
+        1 => format!("J {} J^T", TURNED[choice]),
+        2 => format!("focal lengths {} in J", FOCAL[choice]),
         3 => format!("J {}", JACOBIAN[choice]),
         4 => format!("x/z and y/z of J held to {}", HELD[choice]),
         5 => format!("{} added to the variances", ADDED[choice]),
-        6 => format!("{} for the number off the diagonal", MIXED[choice]),
-        7 => format!("conic {}", CONIC[choice]),
-        8 => format!("radius {}", RADIUS[choice]),
-        _ => format!("depth {}", DEPTH[choice]),
+        6 => format!("{} in the covariance's place off the diagonal", MIXED[choice]),
+        7 => format!("conic = {}", CONIC[choice]),
+        8 => format!("radius = {}", RADIUS[choice]),
+        _ => format!("depth = {}", DEPTH[choice]),
     },
     of: |a, c, law| {
         let view = view(a);
         forward(a, c, |mean, sigma| splat(mean, sigma, &view, form(c), law))
     },
+    rounding: &[(0, 5), (0, 6)],
 };
 
 /// The covariance in the camera's axes.
@@ -308,7 +309,8 @@ fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]
     let conic = if shape_is_right && law[7] == 0 { right.conic } else { inverse(covariance, before, law[7]) };
     let distance = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
     let [a, b, c] = covariance;
-    let ratio = (before[0] * before[2] - before[1] * before[1]) / (a * c - b * b);
+    let least = form.compensation.determinant();
+    let ratio = (before[0] * before[2] - before[1] * before[1]).max(least) / (a * c - b * b).max(least);
     Splat {
         mean: placed(t, right.mean, view, form, law[0]),
         covariance,

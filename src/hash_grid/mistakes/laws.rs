@@ -112,6 +112,7 @@ pub(crate) const OF_GRIDS: Laws = Laws {
             features(level, x, law)
         })
     },
+    rounding: &[],
 };
 
 /// A point's cell along an axis: its two vertices and its fraction.

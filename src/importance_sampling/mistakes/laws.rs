@@ -39,7 +39,7 @@ const WANTED: [&str; 8] = [
     "u held between 1e-5 and 1 - 1e-5",
     "1 - u",
     "u times the last F",
-    "u of the first draw",
+    "the first ray's u",
     "(k + u_k) / M, stratified",
     "k / (M - 1), evenly",
 ];
@@ -49,8 +49,8 @@ const FOUND: [&str; 8] = [
     "the last bin of some share that begins at or below u",
     "the last edge below u",
     "the last edge at or below u, the bin without share too",
-    "the bin behind that",
-    "the bin in front of that",
+    "the bin behind the one that holds u",
+    "the bin in front of the one that holds u",
     "the edge nearest to u",
     "the first edge at or above u, its bin",
     "the last edge at or below u, its upper one held by the number of bins less one",
@@ -75,23 +75,24 @@ const TAKEN: [&str; 11] = [
 const DIVIDED: [&str; 4] = [
     "as it is by convention",
     "(u - F_k) / (F_{k+1} - F_k + 1e-5)",
-    "(u - F_k) / (F_{k+1} - F_k), 0 where that is below 1e-8",
+    "(u - F_k) / (F_{k+1} - F_k), 0 where F_{k+1} - F_k < 1e-8",
     "(u - F_k) / (F_{k+1} - F_k), held between 0 and 1",
 ];
 
 /// Those of samples.
 pub(crate) const OF_SAMPLES: Laws = Laws {
-    choices: &[SHARE.len(), SUMS.len(), WANTED.len(), FOUND.len(), TAKEN.len(), 4, 2],
+    choices: &[SHARE.len(), SUMS.len(), WANTED.len(), FOUND.len(), TAKEN.len(), DIVIDED.len(), 2],
     says: |part, choice| match part {
-        0 => format!("{} for a bin's share", SHARE[choice]),
+        0 => format!("{} in the place of a bin's share", SHARE[choice]),
         1 => format!("F = {}", SUMS[choice]),
-        2 => format!("{} for u", WANTED[choice]),
-        3 => FOUND[choice].into(),
+        2 => format!("{} in the place of u", WANTED[choice]),
+        3 => format!("found: {}", FOUND[choice]),
         4 => format!("t = {}", TAKEN[choice]),
         5 => format!("s = {}", DIVIDED[choice]),
         _ => "sorted".into(),
     },
     of: |a, c, law| forward(a, c, |ray| of_ray(ray, &ray_of(a, 0, c), c, law)),
+    rounding: &[],
 };
 
 fn shares(ray: &Ray, choice: usize) -> Vec<f64> {

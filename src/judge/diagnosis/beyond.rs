@@ -8,7 +8,7 @@ use super::super::partial::partial;
 use super::climb::climbed;
 use super::evidence::{Explanation, Suspect};
 use super::fitted_pairs::{beside, fitting_pairs};
-use super::lawful::lawful;
+use super::lawful::{lawful, lawful_in_one_part};
 use super::mostly::mostly;
 use super::paired::paired;
 use super::peel::with_numbers;
@@ -35,6 +35,10 @@ pub(super) fn beyond(
     if !slips.is_empty() {
         return slips;
     }
+    let laws = lawful_in_one_part(question, answers, base, options);
+    if !laws.is_empty() {
+        return laws;
+    }
     if question.kind == Kind::Forward {
         let fitted = fitting_pairs(question, answers, near, options);
         let pairs = if fitted.is_empty() { paired(question, answers, base, options) } else { fitted };
@@ -43,7 +47,7 @@ pub(super) fn beyond(
         }
     }
     let laws = lawful(question, answers, base, options);
-    if !laws.is_empty() {
+    if laws.first().is_some_and(Explanation::whole) {
         return laws;
     }
     if question.kind == Kind::Forward {
@@ -55,6 +59,10 @@ pub(super) fn beyond(
     let several = climbed(question, answers, base, options);
     if !several.is_empty() {
         return ranked(several, question, answers, &home, options);
+    }
+    // All but edge cases.
+    if !laws.is_empty() {
+        return laws;
     }
     let most = mostly(question, answers, base, suspects, options);
     let pairs =

@@ -66,18 +66,22 @@ pub fn diagnose(
     if d.large || nothing_but_zero(question, answers) {
         return vec![];
     }
-    // Output by output first: it is quicker, and knows more than two.
+    // Output by output first: it is quicker, and knows more than two; of which two may be one that undo each other.
     let mut parted = peel(question, answers, base, options);
-    if let Some(found) = parted.take_if(|found| found.unexplained.is_empty() && found.spared.is_empty()) {
+    let whole = |found: &Explanation| found.unexplained.is_empty() && found.spared.is_empty();
+    if let Some(found) = parted.take_if(|found| whole(found) && found.mistakes.len() <= 2) {
         return vec![found];
     }
     let pairs = d.two_mistakes();
     if !pairs.is_empty() {
         return pairs;
     }
+    if let Some(found) = parted.take_if(|found| whole(found)) {
+        return vec![found];
+    }
     if !strange.is_empty() {
         let laws = lawful(question, answers, base, options);
-        return if laws.is_empty() { d.ranked(strange) } else { laws };
+        return if laws.first().is_some_and(Explanation::whole) { laws } else { d.ranked(strange) };
     }
     if let Some(found) = parted.take_if(|found| found.unexplained.is_empty()) {
         return vec![found];
@@ -157,7 +161,7 @@ impl<'a> Diagnosis<'a> {
         };
         // What an eps does near 0 is no rounding, where it is shown better than that.
         let laws = lawful(question, answers, base, options);
-        if !laws.is_empty() {
+        if laws.first().is_some_and(Explanation::whole) {
             return (laws, vec![]);
         }
         let conventions = difference(&partial(question.component, &h.conventions), &self.home);

@@ -39,7 +39,7 @@ pub struct Explanation {
     pub conventions: Partial,
     /// Largest error over the hypothesis' own bound.
     pub residual: f64,
-    /// What happens to one array beside the mistakes, where no catalogue lists it.
+    /// What happens to one array beside the mistakes, to operations of the formula, or another formula, where no catalogue lists it.
     pub(crate) slip: Option<Slip>,
     /// Whether it predicts the same as the best explanation on every case: no answer can tell the two apart.
     pub same_as_best: bool,

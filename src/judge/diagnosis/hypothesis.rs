@@ -27,7 +27,7 @@ pub struct Hypothesis {
     pub fitted: Vec<f64>,
     /// The assignment.
     pub conventions: Conventions,
-    /// What happens to one array beside its mistakes.
+    /// What happens to one array beside its mistakes; or, alone, to operations of the formula, or another formula.
     pub(crate) slip: Option<Slip>,
     /// Whether digits may be lost: then the right formula is given the bound that a wrong one has.
     pub loose: bool,

@@ -13,20 +13,24 @@ use super::nearness::likeliest;
 use super::slips::misdone::proved;
 use super::slips::slip::{LawSlip, Slip};
 use super::slips::slipping::{attempt, conventions};
+use super::telling::by_chance;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;
 use crate::parallel;
 
-/// Numbers that all formulas together may compute on the case that they are tried on first, and what one costs at least.
+/// Numbers that all formulas together may compute on the case that they are tried on first; and as many again, output by output.
 const WORK: usize = 6_000_000;
-const COST: usize = 64;
 
 /// The conventions in which formulas are tried that differ from the right one in one part, in two, and in three.
 const TRIED: [usize; 3] = [12, 4, 2];
 
-/// What is near: this share of a number, and the square of it of the largest.
+/// Those in which they are found output by output.
+const STEPPED: usize = 2;
+
+/// What is near: this share of a number, and the square of it of the largest. What the formula is not, and an eps or a cap beside it is, is nearer
+/// than that in most numbers; what isn't the formula seldom is.
 const NEARLY: f64 = 0.03;
 
 /// Conventions that are tried beside the run's and those of known programs: those that change least, and those in which the answers are nearest.
@@ -41,12 +45,13 @@ pub(super) fn lawful(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     let Some(search) = Search::new(question, answers, base, options) else { return vec![] };
-    let found = search.found();
+    let found = search.found(TRIED.len());
     if !found.is_empty() || question.cases.iter().all(|case| case.edge.is_none()) {
         return found;
     }
     let (usual, kept) = without_edges(question, answers);
-    let mut found = Search::new(&usual, &kept, base, options).map_or(vec![], |search| search.found());
+    let of_usual = Search::new(&usual, &kept, base, options);
+    let mut found = of_usual.map_or(vec![], |search| search.found(TRIED.len()));
     for explanation in &mut found {
         let c = apply(&explanation.conventions, base);
         let h = Hypothesis { slip: explanation.slip.clone(), ..Hypothesis::new(vec![], c) };
@@ -57,6 +62,16 @@ pub(super) fn lawful(
         explanation.unexplained_cases = off.map(|(case, _)| case.id.clone()).collect();
     }
     found
+}
+
+/// Those of them that differ in one part alone.
+pub(super) fn lawful_in_one_part(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    Search::new(question, answers, base, options).map_or(vec![], |search| search.found(1))
 }
 
 /// The same question without its edge cases.
@@ -81,12 +96,10 @@ struct Search<'a> {
     outputs: BTreeSet<&'a str>,
     /// The conventions in which they are tried, each with the smallest case that the right formula doesn't explain in them.
     nearby: Vec<(usize, Conventions)>,
-    /// How many may be tried.
-    affordable: usize,
 }
 
 impl<'a> Search<'a> {
-    /// `None` where the row has no other formulas, or the right one explains all.
+    /// `None` where the row has no other formulas, or the right one explains all in some convention.
     fn new(
         question: &'a Question,
         answers: &'a Answers,
@@ -107,49 +120,65 @@ impl<'a> Search<'a> {
         let mut nearby: Vec<(usize, Conventions)> = vec![];
         for c in all {
             if !nearby.iter().any(|(_, known)| *known == c) {
-                nearby.extend(wrong(&c).map(|n| (n, c)));
+                nearby.push((wrong(&c)?, c));
             }
         }
-        let cost = nearby.iter().map(|(n, _)| question.cost(cases[*n].0)).max()?;
-        let affordable = WORK / cost.max(COST);
-        Some(Search { question, answers, base, options, laws, cases, outputs, nearby, affordable })
+        Some(Search { question, answers, base, options, laws, cases, outputs, nearby })
     }
 
     fn hypothesis(&self, choices: &[usize], c: &Conventions) -> Hypothesis {
         let forward = self.question.kind == Kind::Forward;
-        let law = LawSlip { choices: choices.to_vec(), said: self.laws.said(choices), forward };
+        let law = LawSlip {
+            choices: choices.to_vec(),
+            said: self.laws.said(choices),
+            rounds: self.laws.rounds(choices),
+            forward,
+        };
         Hypothesis { slip: Some(Slip::Law(law)), ..Hypothesis::new(vec![], *c) }
     }
 
-    /// Those that differ in so many parts, as many as are affordable in these conventions; `left` says how many may still be tried.
-    fn differing(&self, parts: usize, conventions: usize, left: &mut usize) -> Vec<Vec<usize>> {
-        let most = *left / conventions.max(1);
-        let mut all = if most > 0 { self.laws.differing(parts) } else { vec![] };
-        all.truncate(most);
-        *left -= all.len() * conventions;
-        all
-    }
-
-    fn found(&self) -> Vec<Explanation> {
-        let mut left = self.affordable;
-        for (parts, conventions) in (1..=self.laws.choices.len()).zip(TRIED) {
+    /// What differs in at most so many parts; where that may be all that are tried, output by output too.
+    fn found(&self, most: usize) -> Vec<Explanation> {
+        let (mut left, mut tried) = (WORK, 0);
+        for (parts, conventions) in (1..=most.min(self.laws.choices.len())).zip(TRIED) {
+            let all = if left > 0 { self.laws.differing(parts) } else { vec![] };
             let nearby = &self.nearby[..conventions.min(self.nearby.len())];
-            let all = self.differing(parts, nearby.len(), &mut left);
-            let in_each = parallel::map(all.len(), |n| {
-                let near = |(case, c): &&(usize, Conventions)| {
-                    self.near(&all[n], *case, c) == self.cases[*case].1.len()
-                };
-                let near = nearby.iter().filter(near);
-                near.map(|(case, c)| (*case, self.hypothesis(&all[n], c))).collect::<Vec<_>>()
+            let trials = self.affordable(all.len(), nearby, &mut left);
+            tried += trials.len();
+            let near = parallel::map(trials.len(), |n| {
+                let (law, (case, c)) = (&all[trials[n].0], &nearby[trials[n].1]);
+                let near = self.near(law, *case, c) == self.cases[*case].1.len();
+                near.then(|| (*case, self.hypothesis(law, c)))
             });
-            let found = self.proved(in_each.into_iter().flatten().collect());
+            let found = self.proved(near.into_iter().flatten().collect(), tried);
             if !found.is_empty() {
                 return found;
             }
         }
-        let likeliest = self.nearby.iter().take(TRIED[2]);
-        let step_by_step = likeliest.filter_map(|(n, c)| Some((*n, self.by_outputs(*n, c)?)));
-        self.proved(step_by_step.collect())
+        if most < TRIED.len() || self.outputs.len() == 1 {
+            return vec![];
+        }
+        let likeliest = self.nearby.iter().take(STEPPED);
+        let step_by_step = likeliest.filter_map(|(n, c)| Some((*n, self.by_outputs(*n, c, &mut tried)?)));
+        let found = step_by_step.collect();
+        self.proved(found, tried)
+    }
+
+    /// Which of so many formulas are tried in which conventions, with what is `left`: each convention has its share, however much one costs.
+    fn affordable(
+        &self,
+        formulas: usize,
+        nearby: &[(usize, Conventions)],
+        left: &mut usize,
+    ) -> Vec<(usize, usize)> {
+        let mut trials = vec![];
+        for (n, (case, _)) in nearby.iter().enumerate() {
+            let cost = self.question.cost(self.cases[*case].0);
+            let many = (*left / (nearby.len() - n) / cost).min(formulas);
+            *left -= many * cost;
+            trials.extend((0..many).map(|law| (law, n)));
+        }
+        trials
     }
 
     /// In how many outputs of a case most numbers are about what a formula gives: what most formulas are rejected by, for it costs little.
@@ -167,23 +196,31 @@ impl<'a> Search<'a> {
         answer.iter().filter(about).count()
     }
 
-    fn proved(&self, tried: Vec<(usize, Hypothesis)>) -> Vec<Explanation> {
+    /// Those that explain all answers by more than one of so many that were `tried` would by chance.
+    fn proved(&self, near: Vec<(usize, Hypothesis)>, tried: usize) -> Vec<Explanation> {
         let nearby: Vec<Conventions> = self.nearby.iter().map(|(_, c)| *c).collect();
-        proved(tried, 0.0, &nearby, self.question, self.answers, self.base, self.options)
+        proved(near, by_chance(tried), &nearby, self.question, self.answers, self.base, self.options)
     }
 
     /// The formula that explains all outputs, found as one after the other shows what is wrong with it: what explains some of them stays.
-    fn by_outputs(&self, failing: usize, c: &Conventions) -> Option<Hypothesis> {
+    fn by_outputs(&self, failing: usize, c: &Conventions, tried: &mut usize) -> Option<Hypothesis> {
         let mut law = vec![0; self.laws.choices.len()];
         let mut explained = self.explained(&law, failing, c);
-        let mut left = self.affordable / 2;
-        let rings: Vec<_> = (1..=TRIED.len()).map(|parts| self.differing(parts, 1, &mut left)).collect();
+        let mut affordable = WORK / STEPPED / self.question.cost(self.cases[failing].0);
+        let mut ring = |parts| {
+            let mut all = if affordable > 0 { self.laws.differing(parts) } else { vec![] };
+            all.truncate(affordable);
+            affordable -= all.len();
+            all
+        };
+        let rings: Vec<_> = (1..=TRIED.len()).map(&mut ring).collect();
         while explained < self.outputs.len() {
             let better = rings.iter().find_map(|ring| {
                 let free = |other: &&Vec<usize>| law.iter().zip(*other).all(|(had, o)| *had == 0 || *o == 0);
                 let joined =
                     |other: &Vec<usize>| law.iter().zip(other).map(|(a, b)| a + b).collect::<Vec<_>>();
                 let all: Vec<Vec<usize>> = ring.iter().filter(free).map(joined).collect();
+                *tried += all.len();
                 let counts = parallel::map(all.len(), |n| {
                     let near = self.near(&all[n], failing, c) > explained;
                     if near { self.explained(&all[n], failing, c) } else { 0 }

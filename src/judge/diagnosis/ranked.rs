@@ -72,7 +72,7 @@ pub(super) fn ranked(
         }
         new
     });
-    let best = rows[0].0.clone();
+    let Some((best, _)) = rows.first().cloned() else { return vec![] };
     rows.iter()
         .enumerate()
         .map(|(n, (h, residual))| Explanation {

@@ -20,6 +20,11 @@ const WRONG: f64 = 1e-3;
 pub(crate) const SURE: f64 = 20.0;
 pub(crate) const MOST_BITS: f64 = 16.0;
 
+/// The bits that one of so many hypotheses has by chance.
+pub(crate) fn by_chance(tried: usize) -> f64 {
+    (tried.max(1) as f64).log2()
+}
+
 /// By how many bits a hypothesis explains the answers better than another does, over the numbers that are wrong by that one and different.
 /// In its own conventions a slip may do nothing but undo one of them.
 pub(crate) fn evidence(
@@ -78,6 +83,30 @@ pub(crate) fn repeats(
         }
     }
     times.values().any(|times| *times >= TELLING)
+}
+
+/// The same by places, not by numbers: what gives 0 or 1, or one number everywhere, is told by where it does.
+pub(crate) fn evidence_of_places(
+    h: &Hypothesis,
+    other: &Hypothesis,
+    question: &Question,
+    cases: &[(&Case, &Answer)],
+    options: &MarkOptions,
+) -> f64 {
+    let mut bits = 0.0;
+    for (case, answer) in cases {
+        let (said, allowed) = h.allowed(question, case, options);
+        let (expected, _) = other.prediction(question, case);
+        let alike =
+            |name: &String| expected.get(name).map(ArrayD::shape) == said.get(name).map(ArrayD::shape);
+        for (name, p, got) in beside(answer, &expected).filter(|(name, ..)| alike(name)) {
+            for (((&p, &got), &said), &allowed) in p.iter().zip(&got).zip(&said[name]).zip(&allowed[name]) {
+                let gained = ((got - p).abs() / allowed.max((got - said).abs())).log2();
+                bits += if gained.is_nan() { 0.0 } else { gained.clamp(0.0, MOST_BITS) };
+            }
+        }
+    }
+    bits
 }
 
 /// What anything could give.

@@ -43,6 +43,7 @@ pub(crate) const OF_EXPONENTIALS: Laws = Laws {
         _ => FALLING[choice].into(),
     },
     of: of_exponentials,
+    rounding: &[],
 };
 
 /// The part of the way: s of n steps.
@@ -131,10 +132,11 @@ pub(crate) const OF_COSINES: Laws = Laws {
     says: |part, choice| match part {
         0 => format!("{} while it warms up", WARMING[choice]),
         1 => format!("p = {}", TURNED[choice]),
-        2 => COSINE[choice].into(),
+        2 => format!("lr = {}", COSINE[choice]),
         _ => format!("{} after the last step", AFTER[choice]),
     },
     of: of_cosines,
+    rounding: &[],
 };
 
 fn of_cosines(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
@@ -192,8 +194,8 @@ fn of_cosines(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
 /// What a delay leaves of the rate.
 const DELAYED: [&str; 6] = [
     "what it is by convention",
-    "1: there is none",
-    "the rate without it, with its steps in front of the decay",
+    "1, not at all",
+    "nothing, the decay beginning behind the delay's steps",
     "m + (1 - m) sin(pi / 2 s / max)",
     "m + (1 - m) s / max",
     "m before its end",
@@ -213,10 +215,11 @@ const LOG_LINEAR: [&str; 6] = [
 pub(crate) const OF_DECAYS: Laws = Laws {
     choices: &[DELAYED.len(), LOG_LINEAR.len()],
     says: |part, choice| match part {
-        0 => format!("{} for the delay", DELAYED[choice]),
-        _ => LOG_LINEAR[choice].into(),
+        0 => format!("delayed by {}", DELAYED[choice]),
+        _ => format!("lr = {}", LOG_LINEAR[choice]),
     },
     of: of_decays,
+    rounding: &[],
 };
 
 fn of_decays(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {

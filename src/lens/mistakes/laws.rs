@@ -46,10 +46,11 @@ pub(crate) const OF_UNDISTORTION: Laws = Laws {
             let (step, times) = (STEP[(choice - 1) / STEPS.len()], STEPS[(choice - 1) % STEPS.len()]);
             format!("{step}, {times} times from the target on")
         }
-        1 => format!("of the coefficients {}", KEPT[choice]),
+        1 => format!("coefficients: {}", KEPT[choice]),
         _ => format!("no step where |distort(p) - target| < {:e}", ENOUGH[choice]),
     },
     of,
+    rounding: &[],
 };
 
 fn kept(lens: Distortion, choice: usize) -> Distortion {

@@ -7,7 +7,7 @@ use crate::convention::{Conventions, PsnrFloor, PsnrOf};
 use crate::math::{ln, log10};
 
 /// What is compared.
-const COMPARED: [&str; 9] = [
+const COMPARED: [&str; 10] = [
     "colors",
     "colors held between 0 and 1",
     "colors as bytes, cut off",
@@ -17,18 +17,23 @@ const COMPARED: [&str; 9] = [
     "the mean of the channels",
     "0.299 R + 0.587 G + 0.114 B",
     "0.2126 R + 0.7152 G + 0.0722 B",
+    "Y, Cb and Cr",
 ];
+
+/// Y, Cb and Cr of colors, as JPEG has them.
+const LUMA_AND_CHROMA: [[f64; 3]; 3] =
+    [[0.299, 0.587, 0.114], [-0.168_735_9, -0.331_264_1, 0.5], [0.5, -0.418_687_6, -0.081_312_4]];
 
 /// The error.
 const ERROR: [&str; 9] = [
     "mean of d^2",
     "sum of d^2",
     "mean of |d|",
-    "sum of d^2 over the pixels",
+    "sum of d^2 over the number of pixels",
     "mean of d^2, a third of it",
     "sqrt(mean of d^2)",
     "max d^2",
-    "median of d^2",
+    "the upper median of d^2",
     "(mean of |d|)^2",
 ];
 
@@ -46,19 +51,21 @@ const LOGARITHM: [&str; 9] = [
 ];
 
 /// What an eps does.
-const HELD: [&str; 6] = ["nothing", "e + 1e-10", "e + 1e-8", "max(e, 1e-5)", "e + 1e-6", "100 where e is 0"];
+const HELD: [&str; 6] =
+    ["e", "e + 1e-10", "e + 1e-8", "max(e, 1e-5)", "e + 1e-6", "what gives 100 decibels where e is 0"];
 
 /// Those of PSNR.
 pub(crate) const OF_PSNR: Laws = Laws {
     choices: &[COMPARED.len(), ERROR.len(), LOGARITHM.len(), HELD.len(), 2],
     says: |part, choice| match part {
-        0 => format!("of {}", COMPARED[choice]),
+        0 => format!("of {}, compared", COMPARED[choice]),
         1 => format!("e = {}", ERROR[choice]),
         2 => LOGARITHM[choice].into(),
-        3 => format!("{} for e", HELD[choice]),
+        3 => format!("{} in the place of e", HELD[choice]),
         _ => "of the mean error for the mean over pictures, or the other way around".into(),
     },
     of,
+    rounding: &[(0, 2), (0, 3)],
 };
 
 /// A picture as it is compared.
@@ -75,6 +82,10 @@ fn compared(picture: &[f64], choice: usize) -> Vec<f64> {
         6 => gray([1.0 / 3.0; 3]),
         7 => gray([0.299, 0.587, 0.114]),
         8 => gray([0.2126, 0.7152, 0.0722]),
+        9 => {
+            let of = |c: &[f64]| LUMA_AND_CHROMA.map(|by| (0..3).map(|k| by[k] * c[k]).sum());
+            picture.chunks_exact(3).flat_map(of).collect()
+        }
         _ => picture.to_vec(),
     }
 }

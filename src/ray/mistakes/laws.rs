@@ -11,7 +11,7 @@ use crate::convention::{Axes, Conventions, Directions};
 use crate::math::{cos, sin};
 
 /// Across, with W; down, with H for W and j for i.
-const PLACE: [&str; 14] = [
+const PLACE: [&str; 17] = [
     "(u - cx) / f",
     "(i + 1/2 - W/2) / f",
     "(i - W/2) / f",
@@ -26,6 +26,9 @@ const PLACE: [&str; 14] = [
     "the angle (2 (i + 1/2) / W - 1) atan(W / (2 f))",
     "i / W - 1/2",
     "(u - cx) / W",
+    "(i + 1 - W/2) / f",
+    "2 (i + 1) / W - 1",
+    "i - W/2 / f",
 ];
 
 /// Whose length the lens is taken from.
@@ -52,8 +55,12 @@ const FORM: [&str; 4] = [
 const TURN: [&str; 4] = ["R d", "R^T d", "d, not turned", "R d + o"];
 
 /// Those of a picture.
-pub(crate) const OF_PICTURES: Laws =
-    Laws { choices: &[PLACE.len(), LENS.len(), SIGNS.len(), 2, FORM.len(), TURN.len()], says, of };
+pub(crate) const OF_PICTURES: Laws = Laws {
+    choices: &[PLACE.len(), LENS.len(), SIGNS.len(), 2, FORM.len(), TURN.len()],
+    says,
+    of,
+    rounding: &[],
+};
 
 fn says(part: usize, choice: usize) -> String {
     match part {
@@ -84,7 +91,10 @@ fn place(i: f64, at: f64, n: f64, center: f64, f: f64, lens: f64, choice: usize)
         10 => to_the_edges(i, n) * angle,
         11 => to_the_edges(i + 0.5, n) * angle,
         12 => i / n - 0.5,
-        _ => (at - center) / n,
+        13 => (at - center) / n,
+        14 => (i + 1.0 - 0.5 * n) / f,
+        15 => to_the_edges(i + 1.0, n),
+        _ => i - 0.5 * n / f,
     }
 }
 

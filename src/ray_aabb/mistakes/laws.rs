@@ -1,7 +1,7 @@
 //! Laws of rays and boxes: what becomes of a direction of 0, where the ray begins and ends, and what counts as a hit.
 
 use super::super::arrays::{RayAndBox, forward, outputs};
-use super::super::{Hit, between, intersect};
+use super::super::{Hit, between};
 use crate::contract::laws::Laws;
 
 /// What the distance to a plane is divided by.
@@ -21,8 +21,11 @@ const DIVIDED: [&str; 12] = [
 ];
 
 /// Which plane comes first.
-const ORDER: [&str; 3] =
-    ["the nearer one", "the lower one, whatever the sign of d", "the lower one, of x and y alone,"];
+const ORDER: [&str; 3] = [
+    "the nearer plane",
+    "the lower plane, whatever the sign of d,",
+    "z's planes left out, and the lower plane, whatever the sign of d,",
+];
 
 /// Where the part inside begins.
 const BEGIN: [&str; 5] =
@@ -40,12 +43,12 @@ const HIT: [&str; 8] = [
     "t_near <= t_far and t_near > 0",
     "t_near < t_far and t_near > 0",
     "t_far >= max(t_near, 0)",
-    "anything",
+    "1, for every ray",
 ];
 
 /// How much longer it is taken for.
 const WIDER: [&str; 5] =
-    ["nothing", "0.05 at either end", "1e-3 at either end", "1e-4 behind its beginning", "1e-6 at its end"];
+    ["nothing", "0.05 at either end", "1e-3 at either end", "-1e-4 at its beginning", "1e-6 at its end"];
 
 /// Those of a ray and a box.
 pub(crate) const OF_BOXES: Laws = Laws {
@@ -59,6 +62,7 @@ pub(crate) const OF_BOXES: Laws = Laws {
         _ => format!("longer by {}", WIDER[choice]),
     },
     of: |a, _, law| forward(a, |q| of(q, law)),
+    rounding: &[],
 };
 
 fn divisor(d: f64, choice: usize) -> f64 {
@@ -81,10 +85,6 @@ fn divisor(d: f64, choice: usize) -> f64 {
 
 /// Where the line is inside of the box, by these planes.
 fn line(q: &RayAndBox, law: &[usize]) -> Option<Hit> {
-    if law[0] == 0 && law[1] == 0 {
-        return intersect(q.o, q.d, q.low, q.high)
-            .or(Some(Hit { enter: f64::INFINITY, leave: f64::NEG_INFINITY }));
-    }
     let mut hit = Hit { enter: f64::NEG_INFINITY, leave: f64::INFINITY };
     for a in 0..if law[1] == 2 { 2 } else { 3 } {
         if law[0] == 0 && q.d[a] == 0.0 {
@@ -130,7 +130,7 @@ fn of(q: &RayAndBox, law: &[usize]) -> [f64; 3] {
         _ => leave.min(1.0),
     };
     // Whether the line hits is asked of the box where the beginning is another one.
-    let begin = if law[2] == 3 { first } else { enter };
+    let begin = if law[2] >= 3 { first } else { enter };
     let hit = match law[4] {
         0 => begin <= leave && (law[2] != 3 || last >= 0.0),
         1 => begin < leave,

@@ -32,12 +32,12 @@ const SMALL: [&str; 5] = [
     "I",
     "its first order",
     "its second order",
-    "its first order, of the axis for K",
-    "its first order, doubled",
+    "its first order with U for K",
+    "I and twice its first order",
 ];
 
 /// Below which angle.
-const LIMIT: [f64; 9] = [0.0, 1e-12, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
+const LIMIT: [f64; 8] = [1e-12, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2];
 
 /// Before U = [u]_x in R, before U^2, and in the place of I.
 const FIRST: [&str; 6] =
@@ -81,13 +81,15 @@ const WHOLE_OF_V: [&str; 5] = [
     "theta I, and theta times the rest",
 ];
 
-const SMALLS: usize = 1 + SMALL.len() * LIMIT.len();
+/// The right one, none, and each of those below each limit.
+const SMALLS: usize = 2 + SMALL.len() * LIMIT.len();
 
 /// Those of rotation vectors.
 pub(crate) const OF_ROTATIONS: Laws = Laws {
     choices: &[AXIS.len(), SMALLS, FIRST.len(), SECOND.len(), WHOLE.len()],
     says,
     of: |a, c, law| so3(a, |w| rows(&rotation(w, c.rotation_clamp, law))),
+    rounding: &[],
 };
 
 /// Those of twists.
@@ -105,27 +107,26 @@ pub(crate) const OF_TWISTS: Laws = Laws {
     ],
     says,
     of: |a, c, law| se3(a, |twist| flat(&motion(twist, &form(c), law))),
+    rounding: &[],
 };
 
 fn says(part: usize, choice: usize) -> String {
-    let small = |of: &str| {
-        let (what, limit) = (SMALL[(choice - 1) / LIMIT.len()], LIMIT[(choice - 1) % LIMIT.len()]);
-        if limit == 0.0 {
-            format!("{of} = {what} at 0 alone")
-        } else {
-            format!("{of} = {what} below {limit:e}")
+    let small = |of: &str| match choice.checked_sub(2) {
+        None => format!("{of} without a case of its own at w = 0"),
+        Some(n) => {
+            format!("{of} = {} below an angle of {:e}", SMALL[n / LIMIT.len()], LIMIT[n % LIMIT.len()])
         }
     };
     match part {
         0 => format!("u = w / ({})", AXIS[choice]),
         1 => small("R"),
-        2 => format!("{} U in R", FIRST[choice]),
-        3 => format!("{} U^2 in R", SECOND[choice]),
-        4 => format!("{} in R", WHOLE[choice]),
+        2 => format!("({}) U in R, U = [u]_x", FIRST[choice]),
+        3 => format!("({}) U^2 in R, U = [u]_x", SECOND[choice]),
+        4 => format!("{} in R, U = [u]_x", WHOLE[choice]),
         5 => small("V"),
-        6 => format!("{} U in V", FIRST_OF_V[choice]),
-        7 => format!("{} U^2 in V", SECOND_OF_V[choice]),
-        _ => format!("{} in V", WHOLE_OF_V[choice]),
+        6 => format!("({}) U in V, U = [u]_x", FIRST_OF_V[choice]),
+        7 => format!("({}) U^2 in V, U = [u]_x", SECOND_OF_V[choice]),
+        _ => format!("{} in V, U = [u]_x", WHOLE_OF_V[choice]),
     }
 }
 
@@ -160,10 +161,12 @@ fn divisor(theta: f64, choice: usize) -> f64 {
 
 /// What a matrix is near 0, where it is something of its own: I + K + K^2 / 2 of R, I + K / 2 + K^2 / 6 of V.
 fn near(w: DVec3, u: DVec3, choice: usize, of: [f64; 2]) -> Option<DMat3> {
-    let choice = choice.checked_sub(1)?;
-    let limit = LIMIT[choice % LIMIT.len()];
-    let small = if limit == 0.0 { w.length() == 0.0 } else { w.length() < limit };
     let (k, one) = (cross(w), DMat3::IDENTITY);
+    if choice == 0 && w.length() == 0.0 {
+        return Some(one);
+    }
+    let choice = choice.checked_sub(2)?;
+    let small = w.length() < LIMIT[choice % LIMIT.len()];
     let matrix = match choice / LIMIT.len() {
         0 => one,
         1 => one + k * of[0],

@@ -28,7 +28,7 @@ const WIDTH: [&str; 8] = [
     "1",
     "1 / (2 N)",
     "1 / (2 (N - 1))",
-    "that up to the next sample but one, at most 1",
+    "the rest of the way up to (i + 1) / (N - 1), at most 1",
 ];
 
 /// What is drawn.
@@ -65,13 +65,14 @@ const POINTS: [&str; 5] = ["o + t d", "o + t d / |d|", "t d", "o - t d", "t (o +
 pub(crate) const OF_SAMPLES: Laws = Laws {
     choices: &[LOWER.len(), WIDTH.len(), DRAWN.len(), MAPPED.len(), POINTS.len()],
     says: |part, choice| match part {
-        0 => format!("s from {}", LOWER[choice]),
-        1 => format!("over {}", WIDTH[choice]),
+        0 => format!("s = {} and what is drawn beyond it", LOWER[choice]),
+        1 => format!("what is drawn times {}", WIDTH[choice]),
         2 => format!("{} for what is drawn", DRAWN[choice]),
         3 => format!("t = {}", MAPPED[choice]),
         _ => format!("points {}", POINTS[choice]),
     },
     of: of_samples,
+    rounding: &[],
 };
 
 fn of_samples(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
@@ -196,6 +197,7 @@ pub(crate) const OF_STEPS: Laws = Laws {
         _ => format!("the first one {}", END[choice]),
     },
     of: of_steps,
+    rounding: &[],
 };
 
 fn of_steps(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {

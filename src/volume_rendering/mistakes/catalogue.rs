@@ -336,7 +336,7 @@ pub(super) const FAINT_SKIPPED: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 )
-.with("k", 0.003_921_568_627_450_98, [1e-6, 0.2]);
+.with("k", 0.003_921_568_627_450_98, [1e-7, 0.2]);
 pub(super) const LAST_OPAQUE: Mistake = Mistake::new(
     "last_sample_opaque",
     "the last alpha is 1, whatever its density",

@@ -1,15 +1,14 @@
 //! Rendering from densities, wrong on purpose.
 
 use super::catalogue::{DENSITY_CAPPED, EPS_ON_ALPHA, SCALED_EXPONENTIAL};
-use super::laws::{other_alphas, softmax};
 use super::march::{DEPTH_HELD, THIN_SKIPPED};
+use super::other_alphas::{other_alphas, softmax};
 use super::steps::wrong_deltas;
-use super::{recompose, render_all};
+use super::{finished, recompose, render_all};
 use crate::contract::arrays::{Arrays, input, row, rows3, size};
 use crate::contract::case::Draw;
 use crate::convention::{Conventions, ProductEps};
 use crate::math::exp;
-use crate::volume_rendering::arrays::{self, renderings};
 use crate::volume_rendering::{
     optical_depths, product, volume_render as oracle, volume_render_alpha as oracle_alpha,
 };
@@ -178,10 +177,7 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         all.push(alphas);
         rays.push(ray);
     }
-    arrays::over(
-        c,
-        renderings(samples, &render_all(all, rays, |r| colors_of(a, r, wrong), c.product_eps, wrong)),
-    )
+    finished(c, samples, &render_all(all, rays, |r| colors_of(a, r, wrong), c.product_eps, wrong), wrong)
 }
 
 /// A ray's colors as the mistakes have them.

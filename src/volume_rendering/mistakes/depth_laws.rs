@@ -26,16 +26,8 @@ const WEIGHED: [&str; 14] = [
 ];
 
 /// What it is divided by, and what an empty ray has.
-const OVER: [&str; 8] = [
-    "as it is by convention",
-    "nothing",
-    "A",
-    "A + 1e-10",
-    "A + 1e-6",
-    "N",
-    "the largest w",
-    "A, at least 1e-6",
-];
+const OVER: [&str; 8] =
+    ["as it is by convention", "1", "A", "A + 1e-10", "A + 1e-6", "N", "the largest w", "A, at least 1e-6"];
 
 /// What comes to it.
 const MORE: [&str; 5] = ["nothing", "(1 - A) far", "(1 - A) t_{N-1}", "1 - A", "A far"];
@@ -49,14 +41,14 @@ const MADE: [&str; 8] = [
     "1 / max(z, 1e-10)",
     "sqrt(z)",
     "exp(-z)",
-    "z, from t_0 to t_{N-1} alone",
+    "z, held between t_0 and t_{N-1}",
 ];
 
 /// How it is found.
 const HOW: [&str; 5] = [
     "weighed",
-    "t where half of all weight is spent",
-    "t where half of the ray's own weight is spent",
+    "t where the sum of weights reaches 1/2",
+    "t where the sum of weights reaches half of all of them",
     "t of the largest weight",
     "t of the first weight",
 ];
@@ -65,13 +57,14 @@ const HOW: [&str; 5] = [
 pub(crate) const OF_DEPTHS: Laws = Laws {
     choices: &[WEIGHED.len(), OVER.len(), MORE.len(), MADE.len(), HOW.len()],
     says: |part, choice| match part {
-        0 => format!("{} for t_i", WEIGHED[choice]),
-        1 => format!("divided by {}", OVER[choice]),
-        2 => format!("plus {}", MORE[choice]),
-        3 => format!("{} for z", MADE[choice]),
-        _ => HOW[choice].into(),
+        0 => format!("{} in the place of t_i", WEIGHED[choice]),
+        1 => format!("sum_i w_i t_i divided by {}", OVER[choice]),
+        2 => format!("{} added", MORE[choice]),
+        3 => format!("depth = {}", MADE[choice]),
+        _ => format!("depth z = {}", HOW[choice]),
     },
     of,
+    rounding: &[],
 };
 
 fn weighed(t: &[f64], i: usize, far: f64, choice: usize) -> f64 {

@@ -27,7 +27,7 @@ const HIDDEN: [&str; 15] = [
     "sum_j w_j q_j, the whole pixel",
     "nothing",
     "S_i / T_{i+1}",
-    "S_i / T_{i+1} (1 - alpha_i)",
+    "(1 - alpha_i) S_i / T_{i+1}",
     "alpha_i S_i / T_{i+1}",
     "w_i S_i / T_{i+1}",
     "sum_{j<i} w_j q_j, what lies in front",
@@ -78,10 +78,11 @@ fn marched(transmittance: &[f64], choice: usize) -> usize {
 pub(crate) const OF_DENSITIES: Laws = Laws {
     choices: &[OWN.len(), HIDDEN.len(), STEP.len(), COLOR.len(), END.len()],
     says: |part, choice| match part {
-        2 => format!("{} for delta_i in the gradient of sigma_i", STEP[choice]),
+        2 => format!("the gradient of sigma_i times {} in the place of delta_i", STEP[choice]),
         _ => says(part, choice, "sigma_i delta_i"),
     },
     of: of_densities,
+    rounding: &[],
 };
 
 /// Those of opacities.
@@ -91,17 +92,21 @@ pub(crate) const OF_OPACITIES: Laws = Laws {
         // The right ones of densities are wrong here, and the other way around.
         0 if choice == 1 => says(0, 0, "alpha_i"),
         1 if choice == 1 => says(1, 0, "alpha_i"),
-        2 => format!("{} times the gradient of alpha_i", SCALE[choice]),
+        2 => format!("the gradient of alpha_i times {}", SCALE[choice]),
         _ => says(part, choice, "alpha_i"),
     },
     of: of_opacities,
+    rounding: &[],
 };
 
 fn says(part: usize, choice: usize, of: &str) -> String {
     match part {
-        0 => format!("{} for what {of} gains by itself", OWN[choice]),
-        1 => format!("{} for what {of} hides", HIDDEN[choice]),
-        3 => format!("{} for the gradient of c_i", COLOR[choice]),
+        0 => format!("the gradient of {of} gains {}, q_i = g . c_i", OWN[choice]),
+        1 if HIDDEN[choice].contains("S_i") && choice > 0 => {
+            format!("the gradient of {of} loses {}, {}", HIDDEN[choice], HIDDEN[0])
+        }
+        1 => format!("the gradient of {of} loses {}", HIDDEN[choice]),
+        3 => format!("the gradient of c_i = {}", COLOR[choice]),
         _ => format!("an end {}", END[choice]),
     }
 }

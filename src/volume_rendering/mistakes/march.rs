@@ -43,7 +43,7 @@ pub(super) const BEFORE_THE_SAMPLE: Mistake = Mistake::new(
     "3D Gaussian splatting's rasterizer, where it is meant so",
     1,
 )
-.with("left", 1e-4, [1e-6, 0.5]);
+.with("left", 1e-4, [1e-7, 0.5]);
 pub(super) const MADE_OPAQUE: Mistake = Mistake::new(
     "made_opaque_early",
     "where less light than a threshold is left, the color is divided by the opacity, and that is 1",
@@ -52,7 +52,7 @@ pub(super) const MADE_OPAQUE: Mistake = Mistake::new(
     "instant-ngp's renderer, where it is meant so",
     1,
 )
-.with("left", 1e-2, [1e-6, 0.5]);
+.with("left", 1e-2, [1e-7, 0.5]);
 pub(super) const FAINT_UNCOLORED: Mistake = Mistake::new(
     "faint_weights_have_no_color",
     "colors of samples whose weight is above a threshold alone; weights and opacity have all",
@@ -61,7 +61,7 @@ pub(super) const FAINT_UNCOLORED: Mistake = Mistake::new(
     "TensoRF's rayMarch_weight_thres, where it saves the color network",
     1,
 )
-.with("k", 1e-4, [1e-6, 0.1]);
+.with("k", 1e-4, [1e-8, 0.1]);
 pub(super) const THIN_SKIPPED: Mistake = Mistake::new(
     "thin_samples_skipped",
     "density 0 where sigma < k",
@@ -151,7 +151,7 @@ pub(super) const THIN_ALPHAS: Mistake = Mistake::new(
     "never; cheap to keep",
     0,
 )
-.with("k", 0.5, [1e-6, 0.9]);
+.with("k", 0.5, [1e-7, 0.9]);
 pub(super) const ALPHAS_HELD: Mistake = Mistake::new(
     "alphas_held_inside",
     "alpha held between k and 1 - k",
@@ -227,7 +227,7 @@ pub(super) const GIVEN_UP_IN_THE_DARK: Mistake = Mistake::new(
     "1 CUDA renderer",
     1,
 )
-.with("left", 1e-2, [1e-6, 0.5]);
+.with("left", 1e-2, [1e-7, 0.5]);
 pub(super) const LAST_ALPHAS_LIGHT: Mistake = Mistake::new(
     "light_behind_the_last_alone",
     "T_N = 1 - alpha of the last sample that counts",

@@ -3,6 +3,7 @@
 use super::super::arrays::{over, renderings};
 use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
 use super::ALPHA_ERROR;
+use super::other_alphas::softmax;
 use crate::contract::arrays::{Arrays, row, rows3, size};
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;
@@ -79,15 +80,23 @@ pub(crate) const OF_DENSITIES: Laws = Laws {
     choices: &[OWN.len(), 1 + ELEMENTS.len() * LIGHT, COLOR.len(), OPACITY.len(), BEHIND.len()],
     says,
     of: of_densities,
+    rounding: &[],
 };
 
 /// Those of opacities.
-pub(crate) const OF_OPACITIES: Laws =
-    Laws { choices: &[4, 1 + 2 * LIGHT, COLOR.len(), OPACITY.len(), BEHIND.len()], says, of: of_opacities };
+pub(crate) const OF_OPACITIES: Laws = Laws {
+    choices: &[4, 1 + 2 * LIGHT, COLOR.len(), OPACITY.len(), BEHIND.len()],
+    says,
+    of: of_opacities,
+    rounding: &[],
+};
 
 fn says(part: usize, choice: usize) -> String {
     match part {
-        0 => format!("{} for alpha_i in w_i = T_i alpha_i", OWN[choice]),
+        0 => format!(
+            "w_i = T_i {}",
+            if OWN[choice].contains(' ') { format!("({})", OWN[choice]) } else { OWN[choice].into() }
+        ),
         1 => {
             let n = choice - 1;
             let scan = SCANS[n / OUTER.len() % SCANS.len()].replace('X', ELEMENTS[n / LIGHT]);
@@ -95,7 +104,7 @@ fn says(part: usize, choice: usize) -> String {
         }
         2 => format!("C = {}", COLOR[choice]),
         3 => format!("A = {}", OPACITY[choice]),
-        _ => format!("{} for the transmittance behind all", BEHIND[choice]),
+        _ => format!("transmittance behind all = {}", BEHIND[choice]),
     }
 }
 
@@ -197,11 +206,7 @@ fn ray(samples: &[Sample], rgbs: &[[f64; 3]], right: Rendering, eps: f64, law: &
         4 => of(&weights).map(|c| c + 1.0 - whole),
         5 => of(&weights).map(|c| c / most),
         6 => rgbs.get(weights.iter().position(|w| *w == most).unwrap_or(0)).copied().unwrap_or([0.0; 3]),
-        7 => {
-            let powers = each(&|i| exp(weights[i] - most));
-            let sum: f64 = powers.iter().sum();
-            of(&powers).map(|c| c / sum)
-        }
+        7 => of(&softmax(&weights)),
         8 => of(&weights).map(|c| c.min(1.0)),
         _ => of(&weights).map(|c| if whole == 0.0 { 0.0 } else { c / whole }),
     };

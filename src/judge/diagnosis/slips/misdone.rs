@@ -8,7 +8,7 @@ use super::super::super::mark::MarkOptions;
 use super::super::super::partial::partial;
 use super::super::evidence::Explanation;
 use super::super::hypothesis::Hypothesis;
-use super::super::telling::{MOST_BITS, SURE, evidence};
+use super::super::telling::{MOST_BITS, SURE, by_chance, evidence, evidence_of_places};
 use super::of_arrays::{Beside, slipped};
 use super::other_numbers::{TRIALS, other_numbers};
 use super::places::{Place, Times};
@@ -45,8 +45,9 @@ pub(crate) fn misdone(
         all.extend(t.affordable(WAYS, t.share).iter().flat_map(each));
     }
     all.sort_by_key(|(rank, ..)| *rank);
-    let all = all.into_iter().map(|(_, failing, h)| (failing, h)).collect();
-    let found = proved(all, 0.0, &nearby, question, answers, base, options);
+    let all: Vec<_> = all.into_iter().map(|(_, failing, h)| (failing, h)).collect();
+    let chance = by_chance(all.len());
+    let found = proved(all, chance, &nearby, question, answers, base, options);
     let nearest = tried.iter().min_by_key(|t| t.shown);
     let Some(t) = nearest.filter(|_| found.is_empty()) else { return found };
     let mixed_up = |t: &Tried| {
@@ -54,20 +55,23 @@ pub(crate) fn misdone(
         let ways = places.flat_map(|place| place.seen.mixed_up().into_iter().map(move |how| (place, how)));
         ways.map(|(place, how)| (t.failing, place.hypothesis(how, &t.conventions))).collect::<Vec<_>>()
     };
-    let mixed = tried.iter().flat_map(mixed_up).collect();
-    let found = proved(mixed, 0.0, &nearby, question, answers, base, options);
+    let mixed: Vec<_> = tried.iter().flat_map(mixed_up).collect();
+    let chance = by_chance(mixed.len());
+    let found = proved(mixed, chance, &nearby, question, answers, base, options);
     if !found.is_empty() {
         return found;
     }
     let alone = times_alone(t, question, &cases);
-    let found = proved(alone, 0.0, &nearby, question, answers, base, options);
+    let chance = by_chance(alone.len());
+    let found = proved(alone, chance, &nearby, question, answers, base, options);
     if !found.is_empty() {
         return found;
     }
     // A number that is read off an element explains that one anyway.
     let read = other_numbers(question, &cases, t.affordable(TRIALS, 1.0), &t.conventions, options);
-    let read = read.into_iter().map(|h| (t.failing, h)).collect();
-    proved(read, MOST_BITS, &nearby, question, answers, base, options)
+    let read: Vec<_> = read.into_iter().map(|h| (t.failing, h)).collect();
+    let chance = MOST_BITS + by_chance(read.len());
+    proved(read, chance, &nearby, question, answers, base, options)
 }
 
 /// What happens to an array or to an operation alone: of a gradient whose forward function has none of the mistakes that explain it.
@@ -108,23 +112,26 @@ pub(crate) fn misdone_at_once(
     let nearby = nearby(question, answers, base, options);
     let tried = Tried::in_each(question, &cases, &nearby, options);
     let prove = |found: Vec<(usize, Hypothesis)>, tried: usize| {
-        proved(found, (tried as f64).log2(), &nearby, question, answers, base, options)
+        proved(found, by_chance(tried), &nearby, question, answers, base, options)
     };
     several(&tried, question, answers, options, &prove)
 }
 
-/// What is left of several slips without one of them.
+/// What is left of several slips, or of several parts of a formula, without one of them.
 fn one_less(h: &Hypothesis) -> Vec<Hypothesis> {
-    let Some(Slip::Formula(slip)) = &h.slip else { return vec![] };
-    let less = slip.without_each().into_iter();
-    less.map(|slip| Hypothesis { slip: Some(Slip::Formula(slip)), ..h.clone() }).collect()
+    let less: Vec<Slip> = match &h.slip {
+        Some(Slip::Formula(slip)) => slip.without_each().into_iter().map(Slip::Formula).collect(),
+        Some(Slip::Law(law)) => law.without_each().into_iter().map(Slip::Law).collect(),
+        _ => vec![],
+    };
+    less.into_iter().map(|slip| Hypothesis { slip: Some(slip), ..h.clone() }).collect()
 }
 
-/// Those that explain every answer, with more evidence than chance has, against the right formula in any of the conventions: `free` bits
-/// come of numbers that were read off the answers. Each stands beside the case that it is tried on first.
+/// Those that explain every answer, with more evidence than one of as many has by `chance`, in bits, against the right formula in any of the
+/// conventions. Each stands beside the case that it is tried on first.
 pub(crate) fn proved(
     hypotheses: Vec<(usize, Hypothesis)>,
-    free: f64,
+    chance: f64,
     nearby: &[Conventions],
     question: &Question,
     answers: &Answers,
@@ -132,7 +139,7 @@ pub(crate) fn proved(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     let cases = small_cases(question, answers);
-    let needed = (hypotheses.len() as f64).log2() + SURE + free;
+    let needed = chance + SURE;
     let fits = parallel::map(hypotheses.len(), |n| {
         let (failing, h) = &hypotheses[n];
         let (case, answer) = cases[*failing];
@@ -143,10 +150,15 @@ pub(crate) fn proved(
     let better = |h: &Hypothesis, other: &Hypothesis| {
         attempt(|| evidence(h, other, question, &cases, options)).is_some_and(|bits| bits >= needed)
     };
-    // Nor is any of several there for what chance gives.
+    // Nor is any of several operations there for what chance gives; nor any of several parts of a formula for nothing.
+    let needs = |h: &Hypothesis, other: &Hypothesis| match h.slip {
+        Some(Slip::Law(_)) => attempt(|| evidence_of_places(h, other, question, &cases, options))
+            .is_some_and(|bits| bits >= SURE),
+        _ => better(h, other),
+    };
     let enough = |h: &Hypothesis| {
         nearby.iter().all(|c| better(h, &Hypothesis::new(vec![], *c)))
-            && one_less(h).iter().all(|other| better(h, other))
+            && one_less(h).iter().all(|other| needs(h, other))
     };
     let mut found: Vec<_> = found.filter(enough).collect();
     // A slip has different ways on from it.

@@ -112,8 +112,23 @@ pub(crate) struct LawSlip {
     pub choices: Vec<usize>,
     /// What it says, on a line.
     pub said: String,
+    /// Whether it rounds to whole numbers.
+    pub rounds: bool,
     /// Whether it is one of the forward function, also where a gradient is asked for.
     pub forward: bool,
+}
+
+impl LawSlip {
+    /// The formulas without one of its parts, where it differs from the right one in several.
+    pub(crate) fn without_each(&self) -> Vec<LawSlip> {
+        let wrong: Vec<usize> = (0..self.choices.len()).filter(|part| self.choices[*part] > 0).collect();
+        let without = |part: &usize| {
+            let mut law = self.clone();
+            law.choices[*part] = 0;
+            law
+        };
+        if wrong.len() > 1 { wrong.iter().map(without).collect() } else { vec![] }
+    }
 }
 
 impl Slip {
@@ -128,10 +143,10 @@ impl Slip {
 
     /// Whether an array is rounded to whole numbers.
     pub(crate) fn rounds(&self) -> bool {
-        let Slip::Array(slip) = self else { return false };
-        match slip.change {
-            Change::All(by) | Change::One { by, .. } | Change::Cell { by, .. } => by.rounds(),
-            _ => false,
+        match self {
+            Slip::Array(slip) => slip.change.rounds(),
+            Slip::Formula(_) => false,
+            Slip::Law(slip) => slip.rounds,
         }
     }
 
@@ -233,6 +248,13 @@ impl ArraySlip {
 }
 
 impl Change {
+    fn rounds(&self) -> bool {
+        match self {
+            Change::All(by) | Change::One { by, .. } | Change::Cell { by, .. } => by.rounds(),
+            _ => false,
+        }
+    }
+
     /// Whether it happens to one component of an array, not to all of it.
     pub(crate) fn of_one(&self) -> bool {
         self.rank() > 0
