@@ -7,7 +7,7 @@ use crate::field::sigmoid;
 use crate::math::exp;
 
 /// How far away a pixel is.
-const FAR: [&str; 10] = [
+const FAR: [&str; 11] = [
     "A dx^2 + 2 B dx dy + C dy^2",
     "A dx^2 + B dx dy + C dy^2",
     "A dx^2 + C dy^2",
@@ -18,6 +18,7 @@ const FAR: [&str; 10] = [
     "A dx^2 + 2 B dx dy + C dy^2 from the mean rounded down",
     "A dx^2 + 2 B dx dy + C dy^2 from the mean rounded to whole pixels",
     "A |dx| + 2 B dx dy + C |dy|",
+    "dx^2 / xx + dy^2 / yy, of the covariance's diagonal",
 ];
 
 /// How the splat falls off.
@@ -83,6 +84,9 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         _ => splat.mean,
     };
     let ([x, y], [a, b, c]) = (offset(pixel, &Splat { mean, ..*splat }), splat.conic);
+    let det = a * c - b * b;
+    // The variances are the conic's inverse.
+    let [xx, yy] = [c / det, a / det];
     let q = match law[0] {
         1 => a * x * x + b * x * y + c * y * y,
         2 => a * x * x + c * y * y,
@@ -91,6 +95,7 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         5 => a * x * x + 4.0 * b * x * y + c * y * y,
         6 => x * x + y * y,
         9 => a * x.abs() + 2.0 * b * x * y + c * y.abs(),
+        10 => x * x / xx + y * y / yy,
         _ => a * x * x + 2.0 * b * x * y + c * y * y,
     };
     let gaussian = exp(-0.5 * q);
@@ -107,9 +112,6 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         9 => gaussian * (1.0 - q / 9.0).max(0.0),
         _ => exp(0.5 * q),
     };
-    let det = a * c - b * b;
-    // The variances are the conic's inverse.
-    let [xx, yy] = [c / det, a / det];
     let long = 0.5 * (xx + yy) + (0.25 * (xx - yy) * (xx - yy) + b * b / (det * det)).sqrt();
     let reach = 3.0 * long.max(0.0).sqrt();
     let ended = match law[2] {

@@ -20,6 +20,9 @@ const WRONG: f64 = 1e-3;
 pub(crate) const SURE: f64 = 20.0;
 pub(crate) const MOST_BITS: f64 = 16.0;
 
+/// The same of a part of a formula, beside those of its choices: the whole has been shown.
+pub(crate) const SHOWN_PART: f64 = 4.0;
+
 /// The bits that one of so many hypotheses has by chance.
 pub(crate) fn by_chance(tried: usize) -> f64 {
     (tried.max(1) as f64).log2()
@@ -99,7 +102,10 @@ pub(crate) fn evidence_of_places(
         let (expected, _) = other.prediction(question, case);
         let alike =
             |name: &String| expected.get(name).map(ArrayD::shape) == said.get(name).map(ArrayD::shape);
-        for (name, p, got) in beside(answer, &expected).filter(|(name, ..)| alike(name)) {
+        if !answer.keys().all(alike) {
+            return f64::INFINITY;
+        }
+        for (name, p, got) in beside(answer, &expected) {
             for (((&p, &got), &said), &allowed) in p.iter().zip(&got).zip(&said[name]).zip(&allowed[name]) {
                 let gained = ((got - p).abs() / allowed.max((got - said).abs())).log2();
                 bits += if gained.is_nan() { 0.0 } else { gained.clamp(0.0, MOST_BITS) };

@@ -8,7 +8,7 @@ use super::super::super::mark::MarkOptions;
 use super::super::super::partial::partial;
 use super::super::evidence::Explanation;
 use super::super::hypothesis::Hypothesis;
-use super::super::telling::{MOST_BITS, SURE, by_chance, evidence, evidence_of_places};
+use super::super::telling::{MOST_BITS, SHOWN_PART, SURE, by_chance, evidence, evidence_of_places};
 use super::of_arrays::{Beside, slipped};
 use super::other_numbers::{TRIALS, other_numbers};
 use super::places::{Place, Times};
@@ -117,14 +117,21 @@ pub(crate) fn misdone_at_once(
     several(&tried, question, answers, options, &prove)
 }
 
-/// What is left of several slips, or of several parts of a formula, without one of them.
+/// What is left of several operations without one of them.
 fn one_less(h: &Hypothesis) -> Vec<Hypothesis> {
-    let less: Vec<Slip> = match &h.slip {
-        Some(Slip::Formula(slip)) => slip.without_each().into_iter().map(Slip::Formula).collect(),
-        Some(Slip::Law(law)) => law.without_each().into_iter().map(Slip::Law).collect(),
-        _ => vec![],
+    let Some(Slip::Formula(slip)) = &h.slip else { return vec![] };
+    let less = slip.without_each().into_iter();
+    less.map(|slip| Hypothesis { slip: Some(Slip::Formula(slip)), ..h.clone() }).collect()
+}
+
+/// What is left of a formula that differs in several parts without one of them, with the bits that this part has by chance.
+fn one_part_less(h: &Hypothesis, question: &Question) -> Vec<(Hypothesis, f64)> {
+    let Some(Slip::Law(law)) = &h.slip else { return vec![] };
+    let Some(laws) = question.component.special.laws_of(law.forward) else { return vec![] };
+    let without = |(part, less)| {
+        (Hypothesis { slip: Some(Slip::Law(less)), ..h.clone() }, by_chance(laws.choices[part]))
     };
-    less.into_iter().map(|slip| Hypothesis { slip: Some(slip), ..h.clone() }).collect()
+    law.without_each().into_iter().map(without).collect()
 }
 
 /// Those that explain every answer, with more evidence than one of as many has by `chance`, in bits, against the right formula in any of the
@@ -147,18 +154,19 @@ pub(crate) fn proved(
         attempt(first).unwrap_or(false) && was_done(h, question, answers, options)
     });
     let found = hypotheses.into_iter().zip(fits).filter(|(_, fits)| *fits).map(|((_, h), _)| h);
-    let better = |h: &Hypothesis, other: &Hypothesis| {
-        attempt(|| evidence(h, other, question, &cases, options)).is_some_and(|bits| bits >= needed)
+    // A formula may end where others go on: what it says there is 0.
+    let bits = |h: &Hypothesis, other: &Hypothesis| match h.slip {
+        Some(Slip::Law(_)) => evidence_of_places(h, other, question, &cases, options),
+        _ => evidence(h, other, question, &cases, options),
     };
-    // Nor is any of several operations there for what chance gives; nor any of several parts of a formula for nothing.
-    let needs = |h: &Hypothesis, other: &Hypothesis| match h.slip {
-        Some(Slip::Law(_)) => attempt(|| evidence_of_places(h, other, question, &cases, options))
-            .is_some_and(|bits| bits >= SURE),
-        _ => better(h, other),
+    let better = |h: &Hypothesis, other: &Hypothesis, needed: f64| {
+        attempt(|| bits(h, other)).is_some_and(|bits| bits >= needed)
     };
+    // Nor is any of several operations there for what chance gives, or any of several parts of a formula.
     let enough = |h: &Hypothesis| {
-        nearby.iter().all(|c| better(h, &Hypothesis::new(vec![], *c)))
-            && one_less(h).iter().all(|other| needs(h, other))
+        nearby.iter().all(|c| better(h, &Hypothesis::new(vec![], *c), needed))
+            && one_less(h).iter().all(|other| better(h, other, needed))
+            && one_part_less(h, question).iter().all(|(other, chance)| better(h, other, chance + SHOWN_PART))
     };
     let mut found: Vec<_> = found.filter(enough).collect();
     // A slip has different ways on from it.

@@ -119,13 +119,13 @@ pub(crate) struct LawSlip {
 }
 
 impl LawSlip {
-    /// The formulas without one of its parts, where it differs from the right one in several.
-    pub(crate) fn without_each(&self) -> Vec<LawSlip> {
+    /// The formulas without one of its parts, each beside that part, where it differs from the right one in several.
+    pub(crate) fn without_each(&self) -> Vec<(usize, LawSlip)> {
         let wrong: Vec<usize> = (0..self.choices.len()).filter(|part| self.choices[*part] > 0).collect();
         let without = |part: &usize| {
             let mut law = self.clone();
             law.choices[*part] = 0;
-            law
+            (*part, law)
         };
         if wrong.len() > 1 { wrong.iter().map(without).collect() } else { vec![] }
     }
