@@ -218,7 +218,7 @@ fn round_to(x: f64, digits: i32) -> f64 {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
+pub(super) mod tests {
     use super::super::super::answer::given;
     use super::super::super::exam::Exam;
     use super::*;
