@@ -8,7 +8,7 @@ use super::super::partial::partial;
 use super::climb::climbed;
 use super::evidence::{Explanation, Suspect};
 use super::fitted_pairs::{beside, fitting_pairs};
-use super::lawful::{lawful, lawful_in_one_part};
+use super::lawful::Search;
 use super::mostly::mostly;
 use super::paired::paired;
 use super::peel::with_numbers;
@@ -35,7 +35,8 @@ pub(super) fn beyond(
     if !slips.is_empty() {
         return slips;
     }
-    let laws = lawful_in_one_part(question, answers, base, options);
+    let formulas = Search::new(question, answers, base, options);
+    let laws = formulas.as_ref().map_or(vec![], Search::in_one_part);
     if !laws.is_empty() {
         return laws;
     }
@@ -46,7 +47,7 @@ pub(super) fn beyond(
             return ranked(pairs, question, answers, &home, options);
         }
     }
-    let laws = lawful(question, answers, base, options);
+    let laws = formulas.as_ref().map_or(vec![], Search::all);
     if laws.first().is_some_and(Explanation::whole) {
         return laws;
     }

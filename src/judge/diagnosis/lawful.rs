@@ -44,34 +44,7 @@ pub(super) fn lawful(
     base: &Conventions,
     options: &MarkOptions,
 ) -> Vec<Explanation> {
-    let Some(search) = Search::new(question, answers, base, options) else { return vec![] };
-    let found = search.found(TRIED.len());
-    if !found.is_empty() || question.cases.iter().all(|case| case.edge.is_none()) {
-        return found;
-    }
-    let (usual, kept) = without_edges(question, answers);
-    let of_usual = Search::new(&usual, &kept, base, options);
-    let mut found = of_usual.map_or(vec![], |search| search.found(TRIED.len()));
-    for explanation in &mut found {
-        let c = apply(&explanation.conventions, base);
-        let h = Hypothesis { slip: explanation.slip.clone(), ..Hypothesis::new(vec![], c) };
-        let edges = search.cases.iter().filter(|(case, _)| case.edge.is_some());
-        let off = edges.filter(|(case, answer)| {
-            !attempt(|| h.explains(question, case, answer, options)).unwrap_or(false)
-        });
-        explanation.unexplained_cases = off.map(|(case, _)| case.id.clone()).collect();
-    }
-    found
-}
-
-/// Those of them that differ in one part alone.
-pub(super) fn lawful_in_one_part(
-    question: &Question,
-    answers: &Answers,
-    base: &Conventions,
-    options: &MarkOptions,
-) -> Vec<Explanation> {
-    Search::new(question, answers, base, options).map_or(vec![], |search| search.found(1))
+    Search::new(question, answers, base, options).map_or(vec![], |search| search.all())
 }
 
 /// The same question without its edge cases.
@@ -84,7 +57,7 @@ fn without_edges(question: &Question, answers: &Answers) -> (Question, Answers) 
 }
 
 /// A search among the formulas of a row.
-struct Search<'a> {
+pub(super) struct Search<'a> {
     question: &'a Question,
     answers: &'a Answers,
     base: &'a Conventions,
@@ -100,7 +73,7 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     /// `None` where the row has no other formulas, or the right one explains all in some convention.
-    fn new(
+    pub(super) fn new(
         question: &'a Question,
         answers: &'a Answers,
         base: &'a Conventions,
@@ -135,6 +108,33 @@ impl<'a> Search<'a> {
             forward,
         };
         Hypothesis { slip: Some(Slip::Law(law)), ..Hypothesis::new(vec![], *c) }
+    }
+
+    /// What differs in one part alone.
+    pub(super) fn in_one_part(&self) -> Vec<Explanation> {
+        self.found(1)
+    }
+
+    /// What explains every answer; where nothing does, all but edge cases, which are told.
+    pub(super) fn all(&self) -> Vec<Explanation> {
+        let Search { question, answers, base, options, .. } = *self;
+        let found = self.found(TRIED.len());
+        if !found.is_empty() || question.cases.iter().all(|case| case.edge.is_none()) {
+            return found;
+        }
+        let (usual, kept) = without_edges(question, answers);
+        let of_usual = Search::new(&usual, &kept, base, options);
+        let mut found = of_usual.map_or(vec![], |search| search.found(TRIED.len()));
+        for explanation in &mut found {
+            let c = apply(&explanation.conventions, base);
+            let h = Hypothesis { slip: explanation.slip.clone(), ..Hypothesis::new(vec![], c) };
+            let edges = self.cases.iter().filter(|(case, _)| case.edge.is_some());
+            let off = edges.filter(|(case, answer)| {
+                !attempt(|| h.explains(question, case, answer, options)).unwrap_or(false)
+            });
+            explanation.unexplained_cases = off.map(|(case, _)| case.id.clone()).collect();
+        }
+        found
     }
 
     /// What differs in at most so many parts; where that may be all that are tried, output by output too.
