@@ -250,6 +250,9 @@ fn diagnosis(f: &mut fmt::Formatter, row: &Row) -> fmt::Result {
             "  but {spared}, which it would change, is right: it happens to the other outputs alone"
         )?;
     }
+    for (output, some) in best.apart.iter().filter(|(_, some)| !some.is_empty()) {
+        writeln!(f, "  {output} with {} alone", some.join(", "))?;
+    }
     if !best.unexplained.is_empty() {
         writeln!(f, "  but for {}, which something more must explain", best.unexplained.join(", "))?;
     }

@@ -8,7 +8,7 @@ use super::assignment::{self, Found};
 use super::best::best_honest;
 use super::diagnosis::diagnose::diagnose;
 use super::diagnosis::evidence::{Explanation, Suspect, difference};
-use super::diagnosis::follows::follows;
+use super::diagnosis::follows::{follows, follows_usually};
 use super::diagnosis::imprecise::{bits_beside, lost_bits};
 use super::diagnosis::refuted::refuted;
 use super::diagnosis::slips::misdone::slips_alone;
@@ -221,7 +221,7 @@ impl Round {
                         row.diagnosis = slips_alone(question, &answers[n], c, options);
                     }
                 }
-                if let Some(best) = row.diagnosis.first().filter(|e| e.whole() && e.wrong()) {
+                if let Some(best) = row.diagnosis.first().filter(|e| e.unexplained.is_empty() && e.wrong()) {
                     beside.insert(question.component.name, best.clone());
                 }
                 let sets =
@@ -257,7 +257,8 @@ fn forward_of(questions: &[Question], n: usize) -> Option<usize> {
     if questions[n].kind == Kind::Vjp { questions.iter().position(forward) } else { None }
 }
 
-/// The diagnosis of a gradient beside what the forward answers showed: their slip, or their conventions, where these explain it.
+/// The diagnosis of a gradient beside what the forward answers showed: their slip, or their conventions, where these explain it. What was
+/// found but for some cases comes last.
 fn diagnose_beside(
     question: &Question,
     answers: &Answers,
@@ -267,18 +268,25 @@ fn diagnose_beside(
 ) -> Vec<Explanation> {
     let home = apply(&forward.conventions, base);
     let followed = follows(question, answers, base, (forward, &home), options);
-    if !followed.is_empty() {
+    let whole = |found: &[Explanation]| found.first().is_some_and(Explanation::whole);
+    if whole(&followed) {
         return followed;
     }
     let of = |c: &Conventions| partial(question.component, c);
     let mut found = diagnose(question, answers, &home, suspects, options);
-    if home == *base || !found.first().is_some_and(Explanation::whole) {
-        return if home == *base { found } else { diagnose(question, answers, base, suspects, options) };
+    if whole(&found) {
+        for e in &mut found {
+            e.conventions = difference(&of(&apply(&e.conventions, &home)), &of(base));
+        }
+    } else if home != *base {
+        found = diagnose(question, answers, base, suspects, options);
     }
-    for e in &mut found {
-        e.conventions = difference(&of(&apply(&e.conventions, &home)), &of(base));
+    if whole(&found) {
+        return found;
     }
-    found
+    let usually = || follows_usually(question, answers, base, (forward, &home), options);
+    let followed = if followed.is_empty() { usually() } else { followed };
+    if followed.is_empty() { found } else { followed }
 }
 
 /// Whether the answers are right but for lost bits (`most` of them), in the run's conventions or those next to them.

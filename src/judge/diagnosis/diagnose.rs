@@ -7,6 +7,7 @@ use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply, changes, partial};
 use super::super::statistics;
 use super::beyond::beyond;
+use super::effects::Effects;
 use super::evidence::{
     Explanation, Suspect, difference, explains_all, forward_is_the_same, no_number_left, nothing_but_zero,
     shows,
@@ -216,10 +217,17 @@ impl<'a> Diagnosis<'a> {
         let unseen = |p: &Partial, conventions: &Conventions| {
             changes(p, &self.home) <= 2 && forward_is_the_same(question, conventions, base, options)
         };
+        let pairs = question.kind == Kind::Forward && sets.iter().all(|set| set.len() == 2);
+        let effects = parallel::map(if pairs { ring.len() } else { 0 }, |n| {
+            Effects::new(question, answers, &apply(ring[n], base), options)
+        });
         for mistakes in sets {
             let numeric = question.kind == Kind::Vjp && of_forward(question, mistakes);
             let suspected = self.suspects.iter().any(|(set, fitted)| fitted.is_empty() && set == mistakes);
-            for (p, conventions) in ring.iter().map(|p| (p, apply(p, base))) {
+            let may = |n: usize| effects.get(n).and_then(Option::as_ref).is_none_or(|e| e.allow(mistakes));
+            for (p, conventions) in
+                ring.iter().enumerate().filter(|(n, _)| may(*n)).map(|(_, p)| (p, apply(p, base)))
+            {
                 // No mistake in the run's own conventions isn't an explanation: it has just failed.
                 let near = conventions == *base || suspected && unseen(p, &conventions);
                 if (near || !numeric) && !(conventions == *base && mistakes.is_empty()) {

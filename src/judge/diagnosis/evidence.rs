@@ -7,7 +7,7 @@ use super::super::assignment::small_cases;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::Partial;
-use super::hypothesis::Hypothesis;
+use super::hypothesis::{Apart, Hypothesis};
 use super::slips::slip::Slip;
 use super::telling::repeats;
 use crate::contract::case::Case;
@@ -49,6 +49,8 @@ pub struct Explanation {
     pub unexplained: Vec<String>,
     /// Outputs that are right, and that its mistakes would change, too: whatever was done, was done to the others alone.
     pub spared: Vec<String>,
+    /// Outputs that show some of its mistakes alone.
+    pub(crate) apart: Vec<Apart>,
     /// Cases that it doesn't explain; most are.
     pub unexplained_cases: Vec<String>,
 }
@@ -87,6 +89,19 @@ pub(crate) fn usable<'a>(
         cases.truncate(NUMERIC);
     }
     cases
+}
+
+/// The same question with some of its cases.
+pub(crate) fn only(
+    question: &Question,
+    answers: &Answers,
+    kept: impl Fn(&Case) -> bool,
+) -> (Question, Answers) {
+    let mut some = question.clone();
+    some.truths = question.truths.shared();
+    some.cases.retain(|case| kept(case));
+    let both = question.cases.iter().zip(answers).filter(|(case, _)| kept(case));
+    (some, both.map(|(_, answer)| answer.clone()).collect())
 }
 
 /// Whether a hypothesis explains every answer; gradients by numeric differentiation on the smallest cases.

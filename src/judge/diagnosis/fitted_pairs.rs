@@ -8,7 +8,7 @@ use super::super::partial::apply;
 use super::evidence::{Explanation, explains_all, shows, usable};
 use super::fitted::{shown, within_reach};
 use super::hypothesis::Hypothesis;
-use super::telling::{SURE, evidence};
+use super::telling::{SURE, evidence, evidence_of_places};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
@@ -103,7 +103,9 @@ fn fitted_beside(
         let missed: Vec<_> = cases.iter().filter(missed).collect();
         // An eps shows where something is small, and nowhere else; but there by far.
         let far = |(case, answer): &&&(&Case, &Answer)| alone.residual(question, case, answer, options) > FAR;
-        let told = || evidence(h, &alone, question, &cases, options) >= SURE;
+        // What is cut off is told by where it is: of so many places two of a kind tell little.
+        let cut = || evidence_of_places(h, &alone, question, &cases, options) >= 2.0 * SURE;
+        let told = || evidence(h, &alone, question, &cases, options) >= SURE || cut();
         2 * missed.len() >= cases.len() || missed.iter().filter(far).count() >= FEW || told()
     };
     let fits = |h: &Hypothesis| {

@@ -9,14 +9,16 @@ use super::super::answer::{Answer, reshaped};
 use super::super::exam::Question;
 use super::super::mark::{MarkOptions, Scale, largest_of, within};
 use super::numeric;
-use super::slips::each::rounded;
 use super::slips::slip::Slip;
 use crate::contract::arithmetic::{Dtype, Grade};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::{Case, Draw};
 use crate::contract::check::{Kind, budget_used};
-use crate::contract::component::{Direction, Number};
+use crate::contract::component::Direction;
 use crate::convention::Conventions;
+
+/// An output that shows some mistakes alone, and which: weights may be divided by their sum after the colors were made.
+pub(crate) type Apart = (String, Vec<&'static str>);
 
 /// An assignment of conventions with mistakes, in the order in which they were made.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +31,8 @@ pub struct Hypothesis {
     pub conventions: Conventions,
     /// What happens to one array beside its mistakes; or, alone, to operations of the formula, or another formula.
     pub(crate) slip: Option<Slip>,
+    /// Outputs of the forward function that show some of its mistakes alone.
+    pub(crate) apart: Vec<Apart>,
     /// Whether digits may be lost: then the right formula is given the bound that a wrong one has.
     pub loose: bool,
 }
@@ -42,7 +46,7 @@ fn generosity(dtype: Dtype) -> (f64, f64) {
 impl Hypothesis {
     /// These mistakes in these conventions.
     pub fn new(mistakes: Vec<&'static str>, conventions: Conventions) -> Hypothesis {
-        Hypothesis { mistakes, fitted: vec![], slip: None, conventions, loose: false }
+        Hypothesis { mistakes, fitted: vec![], slip: None, apart: vec![], conventions, loose: false }
     }
 
     /// Whether nothing is wrong.
@@ -76,7 +80,16 @@ impl Hypothesis {
     /// A wrong function with its mistakes, between what slips.
     fn slipped(&self, inputs: &Arrays, question: &Question, direction: &Direction) -> Arrays {
         let c = &self.conventions;
-        let with = |inputs: &Arrays| self.named(question, |names| (direction.wrong)(inputs, c, names));
+        let made = |inputs: &Arrays, mistakes: &[&'static str]| {
+            self.named(question, mistakes, |names| (direction.wrong)(inputs, c, names))
+        };
+        let with = |inputs: &Arrays| {
+            let mut outputs = made(inputs, &self.mistakes);
+            for (name, mistakes) in &self.apart {
+                outputs.extend(made(inputs, mistakes).remove_entry(name));
+            }
+            outputs
+        };
         match &self.slip {
             None => with(inputs),
             Some(Slip::Formula(slip)) => slip.of(inputs, c, direction.honest),
@@ -86,31 +99,6 @@ impl Hypothesis {
                 (laws.of)(inputs, c, &slip.choices)
             }
         }
-    }
-
-    /// The same with this number in its first mistake that has one.
-    pub(crate) fn with_number(&self, x: f64) -> Hypothesis {
-        let others = self.fitted.iter().skip(1).copied();
-        Hypothesis { fitted: std::iter::once(x).chain(others).collect(), ..self.clone() }
-    }
-
-    /// Whether its numbers are such as people write.
-    pub(crate) fn plain_numbers(&self) -> bool {
-        self.fitted.iter().all(|x| rounded(*x)[0] == *x)
-    }
-
-    /// What is made of its mistakes' names, the fitted numbers with those that have one (`Mistake::among`).
-    fn named<T>(&self, question: &Question, made: impl FnOnce(&[&str]) -> T) -> T {
-        if self.fitted.is_empty() {
-            return made(&self.mistakes);
-        }
-        let mut numbers = self.fitted.iter();
-        let say = |name: &&'static str| match number_of(question, name).and_then(|_| numbers.next()) {
-            Some(number) => format!("{name}={number}"),
-            None => name.to_string(),
-        };
-        let all: Vec<String> = self.mistakes.iter().map(say).collect();
-        made(&all.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
     /// The hypothesis' own bound: a multiple of that of the right formula in these conventions, plus the change of the wrong
@@ -147,7 +135,7 @@ impl Hypothesis {
     }
 
     /// The bound with the change of the wrong function to what it gives on nudged inputs, `moved`.
-    fn widened(
+    pub(super) fn widened(
         &self,
         question: &Question,
         case: &Case,
@@ -213,19 +201,7 @@ impl Hypothesis {
 
     /// The wrong function on inputs that are off by up to `relative`. Both signs of it: across a threshold only one of the two goes.
     fn nudged(&self, question: &Question, case: &Case, n: u64, relative: f64) -> Arrays {
-        let mut draw = Draw::new(&case.id, n);
-        let mut inputs = case.inputs.clone();
-        for (name, array) in inputs.iter_mut().filter(|(_, array)| array.ndim() > 0) {
-            let whole = question.component.input_entries(name).whole();
-            array.mapv_inplace(|x| {
-                let by = if draw.below(2) == 0 { relative } else { -relative };
-                // 1 is the limit of what is a fraction; what is counted isn't rounded.
-                let by = if x.abs() == 1.0 { -by.abs() } else { by };
-                if whole { x } else { x * (1.0 + by) }
-            });
-        }
-        (question.component.special.rounds_inside)(&mut inputs, relative, &mut draw);
-        self.wrong(question, &inputs)
+        self.wrong(question, &nudged(question, case, n, relative))
     }
 
     /// What this candidate would answer, and how far off it may be.
@@ -253,6 +229,8 @@ impl Hypothesis {
         // A numeric gradient is known only at some elements, so most elements can't be compared.
         let scale = self.scale(question, case, options).filter(|_| error.is_none());
         within(answer, &wrong, scale, self.bounds(question, case, &wrong, error.as_ref(), options))
+            || error
+                .is_some_and(|error| self.explains_rounded(question, case, answer, &(wrong, error), options))
     }
 
     /// Keeps the outputs of an answer that it explains one by one; those that weren't answered stay.
@@ -329,16 +307,28 @@ impl Hypothesis {
     }
 }
 
+/// A case's inputs, off by up to `relative`.
+pub(super) fn nudged(question: &Question, case: &Case, n: u64, relative: f64) -> Arrays {
+    let mut draw = Draw::new(&case.id, n);
+    let mut inputs = case.inputs.clone();
+    for (name, array) in inputs.iter_mut().filter(|(_, array)| array.ndim() > 0) {
+        let whole = question.component.input_entries(name).whole();
+        array.mapv_inplace(|x| {
+            let by = if draw.below(2) == 0 { relative } else { -relative };
+            // 1 is the limit of what is a fraction; what is counted isn't rounded.
+            let by = if x.abs() == 1.0 { -by.abs() } else { by };
+            if whole { x } else { x * (1.0 + by) }
+        });
+    }
+    (question.component.special.rounds_inside)(&mut inputs, relative, &mut draw);
+    inputs
+}
+
 /// How many times larger than right answers wrong ones may be so that rounding costs them so much more.
 const LARGER: f64 = 64.0;
 
-/// The number of a row's mistake, if it has one.
-pub(crate) fn number_of(question: &Question, name: &str) -> Option<Number> {
-    question.component.mistakes.iter().find(|m| m.name == name).and_then(|m| m.number)
-}
-
 /// The largest error of an answer over a bound.
-fn off(answer: &Answer, predicted: &Arrays, bound: &Arrays) -> f64 {
+pub(super) fn off(answer: &Answer, predicted: &Arrays, bound: &Arrays) -> f64 {
     let one = |(name, predicted): (&String, &ArrayD<f64>)| {
         let got = reshaped(&answer.get(name)?.values, predicted.shape());
         let Some((got, _)) = got.filter(|_| bound[name].shape() == predicted.shape()) else {

@@ -3,11 +3,11 @@
 use std::collections::BTreeSet;
 
 use super::super::answer::{Answer, Answers, Given};
-use super::super::assignment::{open, small_cases};
+use super::super::assignment::{nearest, open, small_cases};
 use super::super::exam::Question;
 use super::super::mark::{MarkOptions, largest_of};
 use super::super::partial::apply;
-use super::evidence::Explanation;
+use super::evidence::{Explanation, only};
 use super::hypothesis::Hypothesis;
 use super::nearness::likeliest;
 use super::slips::misdone::proved;
@@ -24,7 +24,7 @@ use crate::parallel;
 const WORK: usize = 6_000_000;
 
 /// The conventions in which formulas are tried that differ from the right one in one part, in two, and in three.
-const TRIED: [usize; 3] = [12, 4, 2];
+const TRIED: [usize; 3] = [12, 6, 3];
 
 /// Those in which they are found output by output.
 const STEPPED: usize = 2;
@@ -45,15 +45,6 @@ pub(super) fn lawful(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     Search::new(question, answers, base, options).map_or(vec![], |search| search.all())
-}
-
-/// The same question without its edge cases.
-fn without_edges(question: &Question, answers: &Answers) -> (Question, Answers) {
-    let mut usual = question.clone();
-    usual.truths = question.truths.shared();
-    usual.cases.retain(|case| case.edge.is_none());
-    let both = question.cases.iter().zip(answers).filter(|(case, _)| case.edge.is_none());
-    (usual, both.map(|(_, answer)| answer.clone()).collect())
 }
 
 /// A search among the formulas of a row.
@@ -86,10 +77,12 @@ impl<'a> Search<'a> {
             let right = Hypothesis::new(vec![], *c);
             cases.iter().position(|(case, answer)| !right.explains(question, case, answer, options))
         };
-        let mut all = conventions(question, answers, base, options);
+        // What is likely comes before what known programs do, for two wrong parts are tried in the first few alone.
         let near =
             likeliest(open(question, answers, base, options), NEAR, (question, answers), base, options);
+        let mut all = vec![*base, nearest(question, answers, base, options)];
         all.extend(near.iter().map(|p| apply(p, base)));
+        all.extend(conventions(question, answers, base, options));
         let mut nearby: Vec<(usize, Conventions)> = vec![];
         for c in all {
             if !nearby.iter().any(|(_, known)| *known == c) {
@@ -122,7 +115,7 @@ impl<'a> Search<'a> {
         if !found.is_empty() || question.cases.iter().all(|case| case.edge.is_none()) {
             return found;
         }
-        let (usual, kept) = without_edges(question, answers);
+        let (usual, kept) = only(question, answers, |case| case.edge.is_none());
         let of_usual = Search::new(&usual, &kept, base, options);
         let mut found = of_usual.map_or(vec![], |search| search.found(TRIED.len()));
         for explanation in &mut found {
@@ -205,7 +198,7 @@ impl<'a> Search<'a> {
     /// The formula that explains all outputs, found as one after the other shows what is wrong with it: what explains some of them stays.
     fn by_outputs(&self, failing: usize, c: &Conventions, tried: &mut usize) -> Option<Hypothesis> {
         let mut law = vec![0; self.laws.choices.len()];
-        let mut explained = self.explained(&law, failing, c);
+        let mut explained = self.explained(&law, failing, c, 0);
         let mut affordable = WORK / STEPPED / self.question.cost(self.cases[failing].0);
         let mut ring = |parts| {
             let mut all = if affordable > 0 { self.laws.differing(parts) } else { vec![] };
@@ -223,7 +216,7 @@ impl<'a> Search<'a> {
                 *tried += all.len();
                 let counts = parallel::map(all.len(), |n| {
                     let near = self.near(&all[n], failing, c) > explained;
-                    if near { self.explained(&all[n], failing, c) } else { 0 }
+                    if near { self.explained(&all[n], failing, c, explained) } else { 0 }
                 });
                 let most = counts.into_iter().zip(all).rev().max_by_key(|(count, _)| *count);
                 most.filter(|(count, _)| *count > explained)
@@ -233,14 +226,14 @@ impl<'a> Search<'a> {
         Some(self.hypothesis(&law, c))
     }
 
-    /// How many outputs a formula explains in all cases, those that it is tried on first among them.
-    fn explained(&self, law: &[usize], failing: usize, c: &Conventions) -> usize {
+    /// How many outputs a formula explains in all cases, that which it is tried on first among them; 0 where these are no more than `known`.
+    fn explained(&self, law: &[usize], failing: usize, c: &Conventions, known: usize) -> usize {
         let (cases, h) = (&self.cases, self.hypothesis(law, c));
         let mut outputs: Vec<&str> = self.outputs.iter().copied().collect();
         let first = cases[failing..].iter().take(1);
         for (case, answer) in first.chain(cases) {
-            if outputs.is_empty() {
-                break;
+            if outputs.len() <= known {
+                return 0;
             }
             let kept = attempt(|| {
                 let mut kept = outputs.clone();
@@ -249,7 +242,7 @@ impl<'a> Search<'a> {
             });
             outputs = kept.unwrap_or_default();
         }
-        outputs.len()
+        if outputs.len() > known { outputs.len() } else { 0 }
     }
 }
 

@@ -8,6 +8,8 @@ pub mod evidence;
 pub mod hypothesis;
 mod left_open;
 mod nearness;
+mod nudged;
+mod numbered;
 mod numeric;
 mod ranked;
 mod telling;
@@ -17,6 +19,7 @@ mod unread;
 mod climb;
 #[doc(hidden)]
 pub mod diagnose;
+mod effects;
 pub(crate) mod fitted;
 mod fitted_pairs;
 mod mostly;

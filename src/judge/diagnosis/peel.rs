@@ -76,6 +76,12 @@ impl<'a> Peeling<'a> {
         for output in std::mem::take(&mut known.unexplained) {
             match self.one_more(&known, c, &output) {
                 Some((mistake, numbers)) => {
+                    // What was known before is all that the other outputs show.
+                    let before: Vec<_> = known.mistakes.iter().map(|m| m.name).collect();
+                    let others = self.answered().into_iter().filter(|name| *name != output);
+                    let apart = others.filter(|name| !known.apart.iter().any(|(known, _)| known == name));
+                    let apart: Vec<_> = apart.map(|name| (name.to_string(), before.clone())).collect();
+                    known.apart.extend(apart);
                     known.mistakes.insert(0, mistake);
                     known.fitted = numbers;
                 }
@@ -110,10 +116,14 @@ impl<'a> Peeling<'a> {
         found.next()
     }
 
-    fn run(&self) -> Option<Explanation> {
+    /// The outputs that are answered anywhere.
+    fn answered(&self) -> Vec<&'a str> {
         let answered = |name: &&str| self.answers.iter().flatten().any(|answer| answer.contains_key(*name));
-        let mut outputs: Vec<&'a str> =
-            self.question.component.outputs.iter().map(|port| port.name).filter(answered).collect();
+        self.question.component.outputs.iter().map(|port| port.name).filter(answered).collect()
+    }
+
+    fn run(&self) -> Option<Explanation> {
+        let mut outputs = self.answered();
         let conventions = self.conventions(&outputs);
         let mut layers = parallel::map(conventions.len(), |n| {
             let right = Layer { conventions: conventions[n], mistakes: vec![], explained: vec![] };
@@ -223,13 +233,18 @@ impl<'a> Peeling<'a> {
             .iter()
             .map(|(name, h)| largest_residual(h, self.question, &self.alone(name), self.options));
         let own = |c: &Conventions| partial(self.question.component, c);
+        let together = self.all_of(layer, unexplained);
+        let some =
+            layer.explained.iter().filter(|(_, h)| together.is_none() && h.mistakes.len() < mistakes.len());
+        let apart = some.map(|(name, h)| (name.to_string(), h.mistakes.clone())).collect();
         let found = (!mistakes.is_empty()).then(|| Explanation {
             mistakes,
             conventions: difference(&own(&layer.conventions), &own(self.base)),
-            residual: match self.all_of(layer, unexplained) {
+            residual: match together {
                 Some(all) => largest_residual(&all, self.question, self.answers, self.options),
                 None => residuals.fold(0.0, f64::max),
             },
+            apart,
             unexplained: unexplained.iter().map(|name| name.to_string()).collect(),
             spared: self.spared(layer),
             ..Explanation::default()
