@@ -81,6 +81,7 @@ impl<'a> Search<'a> {
         let near =
             likeliest(open(question, answers, base, options), NEAR, (question, answers), base, options);
         let mut all = vec![*base, nearest(question, answers, base, options)];
+        all.retain(|c| question.admits(c));
         all.extend(near.iter().map(|p| apply(p, base)));
         all.extend(conventions(question, answers, base, options));
         let mut nearby: Vec<(usize, Conventions)> = vec![];

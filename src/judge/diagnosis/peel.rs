@@ -73,13 +73,16 @@ pub(crate) fn with_numbers(
 impl<'a> Peeling<'a> {
     fn with_numbers(&self, mut known: Explanation) -> Explanation {
         let c = apply(&known.conventions, self.base);
-        for output in std::mem::take(&mut known.unexplained) {
+        let mut left = std::collections::VecDeque::from(std::mem::take(&mut known.unexplained));
+        while let Some(output) = left.pop_front() {
             match self.one_more(&known, c, &output) {
                 Some((mistake, numbers)) => {
-                    // What was known before is all that the other outputs show.
-                    let before: Vec<_> = known.mistakes.iter().map(|m| m.name).collect();
+                    // What was known before is all that the others show that are explained.
+                    let open = |name: &str| left.iter().chain(&known.unexplained).any(|open| open == name);
+                    let told = |name: &str| known.apart.iter().any(|(known, _)| known == name);
                     let others = self.answered().into_iter().filter(|name| *name != output);
-                    let apart = others.filter(|name| !known.apart.iter().any(|(known, _)| known == name));
+                    let before: Vec<_> = known.mistakes.iter().map(|m| m.name).collect();
+                    let apart = others.filter(|name| !open(name) && !told(name));
                     let apart: Vec<_> = apart.map(|name| (name.to_string(), before.clone())).collect();
                     known.apart.extend(apart);
                     known.mistakes.insert(0, mistake);
@@ -342,6 +345,26 @@ mod tests {
             (vec!["inclusive_transmittance", "weights_normalized"], vec![1e-7])
         );
         assert!(e.unexplained.is_empty());
+    }
+
+    /// Nothing is said of an output that nothing explains.
+    #[test]
+    fn what_is_unexplained_shows_no_mistakes() {
+        let exam = Exam::new("volume_render", Dtype::F64, None).unwrap();
+        let (question, options) = (&exam.questions[0], MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 });
+        let answer = |case: &Case| {
+            let mut answer = wrong(question, case, &["inclusive_transmittance"]);
+            let divided = wrong(question, case, &["inclusive_transmittance", "weights_normalized=1e-7"]);
+            answer.insert("weights".into(), divided["weights"].clone());
+            answer.get_mut("opacity").expect("an output").values += 0.37;
+            Some(answer)
+        };
+        let answers: Answers = question.cases.iter().map(answer).collect();
+        let e = peel(question, &answers, &CS180, &options).unwrap();
+        let e = with_numbers(e, question, &answers, &CS180, &options);
+        let apart: Vec<_> = e.apart.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(e.unexplained, ["opacity"]);
+        assert!(apart.contains(&"colors") && !apart.contains(&"opacity"), "{apart:?}");
     }
 
     /// The second moment alone as AdamW has it: the first shows that the decay isn't decoupled.
