@@ -17,13 +17,14 @@ pub struct Laws {
 }
 
 impl Laws {
-    /// The formulas that differ from the right one in so many parts.
-    pub fn differing(&self, parts: usize) -> Vec<Vec<usize>> {
+    /// The formulas that differ from the right one in so many parts of those that may.
+    pub fn differing(&self, parts: usize, may: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
         let mut all: Vec<(usize, Vec<usize>)> = vec![(0, vec![])];
         for (n, choices) in self.choices.iter().enumerate() {
-            let left = self.choices.len() - n - 1;
+            let left = (n + 1..self.choices.len()).filter(|other| may(*other)).count();
+            let choices = if may(n) { *choices } else { 1 };
             let longer = |(had, law): (usize, Vec<usize>)| {
-                let next = (0..*choices).map(move |c| (had + usize::from(c > 0), [&law[..], &[c]].concat()));
+                let next = (0..choices).map(move |c| (had + usize::from(c > 0), [&law[..], &[c]].concat()));
                 next.filter(move |(had, _)| *had <= parts && had + left >= parts)
             };
             all = all.into_iter().flat_map(longer).collect();
@@ -56,10 +57,14 @@ mod tests {
 
     #[test]
     fn each_formula_comes_once() {
-        assert_eq!(THREE.differing(0), [[0, 0, 0]]);
-        assert_eq!(THREE.differing(1), [[0, 0, 1], [1, 0, 0], [2, 0, 0]]);
-        assert_eq!(THREE.differing(2), [[1, 0, 1], [2, 0, 1]]);
-        assert_eq!(THREE.differing(3), Vec::<Vec<usize>>::new());
+        let all = |parts| THREE.differing(parts, |_| true);
+        assert_eq!(all(0), [[0, 0, 0]]);
+        assert_eq!(all(1), [[0, 0, 1], [1, 0, 0], [2, 0, 0]]);
+        assert_eq!(all(2), [[1, 0, 1], [2, 0, 1]]);
+        assert_eq!(all(3), Vec::<Vec<usize>>::new());
+        let but_for_the_last = |parts| THREE.differing(parts, |part| part < 2);
+        assert_eq!(but_for_the_last(1), [[1, 0, 0], [2, 0, 0]]);
+        assert_eq!(but_for_the_last(2), Vec::<Vec<usize>>::new());
         assert!(THREE.rounds(&[2, 0, 1]) && !THREE.rounds(&[1, 0, 1]));
         assert_eq!(THREE.said(&[2, 0, 1]), "0 is 2, and 2 is 1");
     }

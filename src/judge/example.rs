@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 use super::answer::{Answers, reshaped};
 use super::assignment::small_cases;
 use super::exam::Question;
-use super::mark::{MarkOptions, within};
+use super::mark::MarkOptions;
+use super::within::within;
 use crate::contract::arithmetic::Grade;
 use crate::convention::Conventions;
 

@@ -7,7 +7,7 @@ use crate::field::sigmoid;
 use crate::math::exp;
 
 /// How far away a pixel is.
-const FAR: [&str; 11] = [
+const FAR: [&str; 9] = [
     "A dx^2 + 2 B dx dy + C dy^2",
     "A dx^2 + B dx dy + C dy^2",
     "A dx^2 + C dy^2",
@@ -15,10 +15,16 @@ const FAR: [&str; 11] = [
     "C dx^2 + 2 B dx dy + A dy^2",
     "A dx^2 + 4 B dx dy + C dy^2",
     "dx^2 + dy^2",
-    "A dx^2 + 2 B dx dy + C dy^2 from the mean rounded down",
-    "A dx^2 + 2 B dx dy + C dy^2 from the mean rounded to whole pixels",
     "A |dx| + 2 B dx dy + C |dy|",
     "dx^2 / xx + dy^2 / yy, of the covariance's diagonal",
+];
+
+/// From where.
+const FROM: [&str; 4] = [
+    "the mean",
+    "the mean rounded down",
+    "the mean rounded to whole pixels",
+    "the mean cut off to whole pixels",
 ];
 
 /// How the splat falls off.
@@ -37,7 +43,7 @@ const FALL: [&str; 11] = [
 ];
 
 /// Where it ends.
-const END: [&str; 13] = [
+const END: [&str; 16] = [
     "as it does by convention",
     "where q > 9",
     "where q > 8",
@@ -51,6 +57,9 @@ const END: [&str; 13] = [
     "where exp(-q / 2) < 1 / 255",
     "where its opacity is below 1 / 255",
     "where q > 0",
+    "where q <= 0",
+    "where |dx| > 3 or |dy| > 3",
+    "where dx^2 + dy^2 > 9",
 ];
 
 /// What it is multiplied with.
@@ -62,26 +71,28 @@ const MOST: [&str; 6] = ["as it is by convention", "0.95", "0.9999", "1", "0.5",
 
 /// Those of a pixel and a splat.
 pub(crate) const OF_PIXELS: Laws = Laws {
-    choices: &[FAR.len(), FALL.len(), END.len(), TIMES.len(), MOST.len()],
+    choices: &[FAR.len(), FALL.len(), END.len(), TIMES.len(), MOST.len(), FROM.len()],
     says: |part, choice| match part {
         0 => format!("q = {}", FAR[choice]),
         1 => format!("{} in the place of exp(-q / 2)", FALL[choice]),
         2 => format!("0 {}", END[choice]),
         3 => format!("times {} in the place of o", TIMES[choice]),
-        _ => format!("at most {}", MOST[choice]),
+        4 => format!("at most {}", MOST[choice]),
+        _ => format!("dx and dy from {}", FROM[choice]),
     },
     of: |a, c, law| forward(a, |pixel, splat| of(pixel, splat, form(c), law)),
-    rounding: &[(0, 7), (0, 8)],
+    rounding: &[(5, 1), (5, 2), (5, 3)],
 };
 
 fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
     if law.iter().all(|choice| *choice == 0) {
         return oracle(pixel, splat, form);
     }
-    let mean = match law[0] {
-        7 => splat.mean.map(f64::floor),
-        8 => splat.mean.map(f64::round),
-        _ => splat.mean,
+    let mean = match law[5] {
+        0 => splat.mean,
+        1 => splat.mean.map(f64::floor),
+        2 => splat.mean.map(f64::round),
+        _ => splat.mean.map(f64::trunc),
     };
     let ([x, y], [a, b, c]) = (offset(pixel, &Splat { mean, ..*splat }), splat.conic);
     let det = a * c - b * b;
@@ -94,8 +105,8 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         4 => c * x * x + 2.0 * b * x * y + a * y * y,
         5 => a * x * x + 4.0 * b * x * y + c * y * y,
         6 => x * x + y * y,
-        9 => a * x.abs() + 2.0 * b * x * y + c * y.abs(),
-        10 => x * x / xx + y * y / yy,
+        7 => a * x.abs() + 2.0 * b * x * y + c * y.abs(),
+        8 => x * x / xx + y * y / yy,
         _ => a * x * x + 2.0 * b * x * y + c * y * y,
     };
     let gaussian = exp(-0.5 * q);
@@ -127,7 +138,10 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         9 => x.abs() > 3.0 * xx.max(0.0).sqrt() || y.abs() > 3.0 * yy.max(0.0).sqrt(),
         10 => gaussian < 1.0 / 255.0,
         11 => splat.opacity < 1.0 / 255.0,
-        _ => q > 0.0,
+        12 => q > 0.0,
+        13 => q <= 0.0,
+        14 => x.abs() > 3.0 || y.abs() > 3.0,
+        _ => x * x + y * y > 9.0,
     };
     let (o, tau) = (splat.opacity, std::f64::consts::TAU);
     let times = match law[3] {

@@ -8,7 +8,7 @@ use crate::contract::laws::Laws;
 use crate::convention::{SplatCenter, SplatClamp};
 
 /// The mean in the picture.
-const MEAN: [&str; 12] = [
+const MEAN: [&str; 14] = [
     "(fx x/z + cx, fy y/z + cy)",
     "(x, y) in the camera, not projected",
     "(cx - fx x/z, fy y/z + cy)",
@@ -21,6 +21,8 @@ const MEAN: [&str; 12] = [
     "(2 fx x/(z W), 2 fy y/(z H))",
     "(fx x/z + W/2, fy y/z + H/2)",
     "(fx x/z, fy y/z)",
+    "(x/z, y/z)",
+    "(fx x/z + cx, fy y/z + cy), W - 1 and H - 1 pixels for W and H",
 ];
 
 /// The covariance that goes through the Jacobian.
@@ -34,8 +36,23 @@ const TURNED: [&str; 6] = [
 ];
 
 /// The Jacobian's focal lengths.
-const FOCAL: [&str; 6] =
-    ["(fx, fy)", "(1, 1)", "(fx, fx)", "(fy, fy)", "(2 fx / W, 2 fy / H)", "(2 fx / W, 2 fx / W)"];
+const FOCAL: [&str; 8] = [
+    "(fx, fy)",
+    "(1, 1)",
+    "(fx, fx)",
+    "(fy, fy)",
+    "(2 fx / W, 2 fy / H)",
+    "(2 fx / W, 2 fx / W)",
+    "of K R's diagonal",
+    "of R's diagonal",
+];
+
+/// The point whose Jacobian is taken.
+const AT: [&str; 3] =
+    ["(x, y, z) in the camera", "(x, y, z) in the world", "(u, v, z), u and v the mean in the picture"];
+
+/// What divides in the mean and in the Jacobian.
+const DIVISOR: [&str; 6] = ["z", "max(z, 0.01)", "max(z, 0.1)", "max(z, 0.2)", "max(z, 0.3)", "max(z, 1)"];
 
 /// The Jacobian.
 const JACOBIAN: [&str; 10] = [
@@ -52,7 +69,7 @@ const JACOBIAN: [&str; 10] = [
 ];
 
 /// How far beside the picture it is taken.
-const HELD: [&str; 8] = [
+const HELD: [&str; 10] = [
     "what it is by convention",
     "nothing",
     "1.3 of the half picture on either side",
@@ -61,6 +78,8 @@ const HELD: [&str; 8] = [
     "1.3 on either side",
     "1.3 tan(1/2) on either side",
     "0.15 of the picture beyond its edges",
+    "1.3 of half the width on either side, in y too",
+    "x / clamp(z) and y / clamp(z), by 1.3 of the half picture on either side",
 ];
 
 /// What is added to the variances.
@@ -86,7 +105,7 @@ const CONIC: [&str; 11] = [
 ];
 
 /// The radius, lambda the larger eigenvalue.
-const RADIUS: [&str; 20] = [
+const RADIUS: [&str; 23] = [
     "ceil(3 sqrt(lambda))",
     "3 sqrt(lambda)",
     "ceil(3 sqrt(max(a, c)))",
@@ -107,10 +126,13 @@ const RADIUS: [&str; 20] = [
     "3 sqrt(lambda), at most 64",
     "ceil(3 sqrt(max(a, c))), at most 64",
     "0",
+    "3 ceil(sqrt(lambda))",
+    "3 / sqrt(min(A, C)) of the conic",
+    "3 (1 / sqrt(min(A, C)) of the conic, with 1e-4 added to the root)",
 ];
 
 /// The depth.
-const DEPTH: [&str; 4] = ["z", "|t|", "-z", "1/z"];
+const DEPTH: [&str; 8] = ["z", "|t|", "-z", "1/z", "max(z, 0.01)", "max(z, 0.1)", "max(z, 0.2)", "max(z, 1)"];
 
 /// Those of a splat.
 pub(crate) const OF_SPLATS: Laws = Laws {
@@ -125,6 +147,8 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         CONIC.len(),
         RADIUS.len(),
         DEPTH.len(),
+        AT.len(),
+        DIVISOR.len(),
     ],
     says: |part, choice| match part {
         0 => format!("mean = {}", MEAN[choice]),
@@ -136,7 +160,9 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         6 => format!("{} in the covariance's place off the diagonal", MIXED[choice]),
         7 => format!("conic = {}", CONIC[choice]),
         8 => format!("radius = {}", RADIUS[choice]),
-        _ => format!("depth = {}", DEPTH[choice]),
+        9 => format!("depth = {}", DEPTH[choice]),
+        10 => format!("J at {}", AT[choice]),
+        _ => format!("divided by {} in the mean and in J", DIVISOR[choice]),
     },
     of: |a, c, law| {
         let view = view(a);
@@ -172,22 +198,26 @@ fn slopes(t: [f64; 3], view: &View, form: Form, choice: usize) -> [f64; 2] {
             4 => [-2.6 * libm::atan(half), 2.6 * libm::atan(half)],
             5 => [-1.3, 1.3],
             6 => [-1.3 * libm::tan(0.5), 1.3 * libm::tan(0.5)],
-            _ => [(-0.15 * size - center) / f, (1.15 * size - center) / f],
+            7 => [(-0.15 * size - center) / f, (1.15 * size - center) / f],
+            8 => [-0.65 * view.width / f, 0.65 * view.width / f],
+            _ => [-1.3 * half, 1.3 * half],
         };
-        (t[n] / t[2]).max(low).min(high)
+        if choice == 9 { t[n] / t[2].max(low).min(high) } else { (t[n] / t[2]).max(low).min(high) }
     };
     [axis(0, view.k.fx, view.k.cx, view.width), axis(1, view.k.fy, view.k.cy, view.height)]
 }
 
 /// J's rows.
 fn jacobian(t: [f64; 3], slopes: [f64; 2], view: &View, focal: usize, choice: usize) -> [[f64; 3]; 2] {
-    let (fx, fy) = (view.k.fx, view.k.fy);
+    let (fx, fy, r) = (view.k.fx, view.k.fy, view.rotation);
     let focal = match focal {
         1 => [1.0; 2],
         2 => [fx; 2],
         3 => [fy; 2],
         4 => [2.0 * fx / view.width, 2.0 * fy / view.height],
         5 => [2.0 * fx / view.width; 2],
+        6 => [fx * r[0][0] + view.k.cx * r[2][0], fy * r[1][1] + view.k.cy * r[2][1]],
+        7 => [r[0][0], r[1][1]],
         _ => [fx, fy],
     };
     let far = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
@@ -213,11 +243,13 @@ fn jacobian(t: [f64; 3], slopes: [f64; 2], view: &View, focal: usize, choice: us
     })
 }
 
-fn placed(t: [f64; 3], right: [f64; 2], view: &View, form: Form, choice: usize) -> [f64; 2] {
+fn placed(t: [f64; 3], view: &View, form: Form, law: &[usize]) -> [f64; 2] {
     let (k, shift) = (view.k, if form.center == SplatCenter::Integer { 0.5 } else { 0.0 });
-    let [x, y] = [t[0] / t[2], t[1] / t[2]];
+    let z = divisor(t[2], law[11]);
+    let [x, y] = [t[0] / z, t[1] / z];
     let center = [k.cx - shift, k.cy - shift];
-    match choice {
+    let right = [k.fx * x + center[0], k.fy * y + center[1]];
+    match law[0] {
         0 => right,
         1 => [t[0], t[1]],
         2 => [center[0] - k.fx * x, right[1]],
@@ -229,7 +261,12 @@ fn placed(t: [f64; 3], right: [f64; 2], view: &View, form: Form, choice: usize) 
         8 => [k.fy * x + center[0], right[1]],
         9 => [2.0 * k.fx * x / view.width, 2.0 * k.fy * y / view.height],
         10 => [k.fx * x + 0.5 * view.width - shift, k.fy * y + 0.5 * view.height - shift],
-        _ => [k.fx * x, k.fy * y],
+        11 => [k.fx * x, k.fy * y],
+        12 => [x, y],
+        _ => {
+            let of = |u: f64, size: f64| u * (size - 1.0) / size;
+            [of(k.fx * x + k.cx, view.width), of(k.fy * y + k.cy, view.height)]
+        }
     }
 }
 
@@ -240,6 +277,7 @@ fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f6
     let (three, det) = (3.0 * lambda([a, b, c]).max(0.0).sqrt(), a * c - b * b);
     let widest = 3.0 * a.max(c).max(0.0).sqrt();
     let mean = 3.0 * det.max(0.0).sqrt().sqrt();
+    let least = (a.min(c) / det).max(0.0);
     match choice {
         0 => three.ceil(),
         1 => three,
@@ -260,7 +298,10 @@ fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f6
         16 => three.ceil().min(64.0),
         17 => three.min(64.0),
         18 => widest.ceil().min(64.0),
-        _ => 0.0,
+        19 => 0.0,
+        20 => 3.0 * (three / 3.0).ceil(),
+        21 => 3.0 / least.sqrt(),
+        _ => 3.0 / (least.sqrt() + 1e-4),
     }
 }
 
@@ -282,27 +323,43 @@ fn inverse([a, b, c]: [f64; 3], before: [f64; 3], choice: usize) -> [f64; 3] {
     }
 }
 
+/// z as it divides.
+fn divisor(z: f64, choice: usize) -> f64 {
+    if choice == 0 { z } else { z.max([0.01, 0.1, 0.2, 0.3, 1.0][choice - 1]) }
+}
+
+/// The covariance, before and after something is added to it.
+fn covariances(
+    mean: [f64; 3],
+    sigma: [f64; 6],
+    view: &View,
+    form: Form,
+    law: &[usize],
+) -> ([f64; 3], [f64; 3]) {
+    let t = in_camera(mean, view);
+    let [x, y] = placed(t, view, form, law);
+    let [x, y, z] = [t, mean, [x, y, t[2]]][law[10]];
+    let at = [x, y, divisor(z, law[11])];
+    let sigma = turned(sigma, view, law[1]);
+    let j = jacobian(at, slopes(at, view, form, law[4]), view, law[2], law[3]);
+    let entry = |n: usize, m: usize| DVec3::from(j[n]).dot(sigma * DVec3::from(j[m]));
+    let mixed = entry(0, 1) * [1.0, -1.0, 0.0, 0.5][law[6]];
+    let before = [entry(0, 0), mixed, entry(1, 1)];
+    let h = form.dilation.value();
+    let added = [h, 0.0, 1e-6, 1e-4, 0.01, 0.1, 0.3, 0.5, 1.0, 1.5, 1e-3, 0.3][law[5]];
+    let across = if law[5] == 11 { added } else { 0.0 };
+    (before, [before[0] + added, before[1] + across, before[2] + added])
+}
+
 fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]) -> Splat {
     let (t, right) = (in_camera(mean, view), project(mean, sigma, view, form));
-    let shape_is_right = law[1..7].iter().all(|choice| *choice == 0);
-    let h = form.dilation.value();
+    let is_right = |parts: &[usize]| parts.iter().all(|part| law[*part] == 0);
+    let shape_is_right = is_right(&[1, 2, 3, 4, 5, 6, 10, 11]);
     let (before, covariance) = if shape_is_right {
-        let [a, b, c] = right.covariance;
+        let ([a, b, c], h) = (right.covariance, form.dilation.value());
         ([a - h, b, c - h], right.covariance)
     } else {
-        let sigma = turned(sigma, view, law[1]);
-        let j = jacobian(t, slopes(t, view, form, law[4]), view, law[2], law[3]);
-        let entry = |n: usize, m: usize| DVec3::from(j[n]).dot(sigma * DVec3::from(j[m]));
-        let mixed = match law[6] {
-            0 => entry(0, 1),
-            1 => -entry(0, 1),
-            2 => 0.0,
-            _ => 0.5 * entry(0, 1),
-        };
-        let before = [entry(0, 0), mixed, entry(1, 1)];
-        let added = [h, 0.0, 1e-6, 1e-4, 0.01, 0.1, 0.3, 0.5, 1.0, 1.5, 1e-3, 0.3][law[5]];
-        let across = if law[5] == 11 { added } else { 0.0 };
-        (before, [before[0] + added, before[1] + across, before[2] + added])
+        covariances(mean, sigma, view, form, law)
     };
     let radius =
         if shape_is_right && law[8] == 0 { right.radius } else { reach(covariance, before, form, law[8]) };
@@ -311,11 +368,12 @@ fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]
     let [a, b, c] = covariance;
     let least = form.compensation.determinant();
     let ratio = (before[0] * before[2] - before[1] * before[1]).max(least) / (a * c - b * b).max(least);
+    let z = t[2];
     Splat {
-        mean: placed(t, right.mean, view, form, law[0]),
+        mean: placed(t, view, form, law),
         covariance,
         conic,
-        depth: [t[2], distance, -t[2], 1.0 / t[2]][law[9]],
+        depth: [z, distance, -z, 1.0 / z, z.max(0.01), z.max(0.1), z.max(0.2), z.max(1.0)][law[9]],
         radius,
         compensation: if shape_is_right {
             right.compensation

@@ -2,14 +2,16 @@
 //! is known of most cases or of some outputs.
 
 use super::super::answer::Answers;
+use super::super::assignment::open;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
-use super::super::partial::partial;
+use super::super::partial::{apply, partial};
 use super::climb::climbed;
 use super::evidence::{Explanation, Suspect};
 use super::fitted_pairs::{beside, fitting_pairs};
 use super::lawful::Search;
 use super::mostly::mostly;
+use super::nearness::likeliest;
 use super::paired::paired;
 use super::peel::with_numbers;
 use super::ranked::ranked;
@@ -18,6 +20,9 @@ use super::slips::of_arrays::{Beside, slipped};
 use super::tripled::tripled;
 use crate::contract::check::Kind;
 use crate::convention::Conventions;
+
+/// Conventions in which pairs with a number are looked for first.
+const LIKELY: usize = 8;
 
 /// What no catalogue lists, what is known of most cases, both, and what is known of some outputs (`parted`); several mistakes in
 /// conventions nearby (`near`).
@@ -41,7 +46,12 @@ pub(super) fn beyond(
         return laws;
     }
     if question.kind == Kind::Forward {
-        let fitted = fitting_pairs(question, answers, near, options);
+        // Those that change least hide what a program follows beside them.
+        let likely =
+            likeliest(open(question, answers, base, options), LIKELY, (question, answers), base, options);
+        let near: Vec<Conventions> =
+            likely.iter().map(|p| apply(p, base)).chain(near.iter().copied()).collect();
+        let fitted = fitting_pairs(question, answers, &near, options);
         let pairs = if fitted.is_empty() { paired(question, answers, base, options) } else { fitted };
         if !pairs.is_empty() {
             return ranked(pairs, question, answers, &home, options);

@@ -7,7 +7,7 @@ use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply, partial, with};
 use super::evidence::{explains_all, real_numbers, shows};
-use super::fitted::{shown, written};
+use super::fitted::{with_its_number, written};
 use super::hypothesis::Hypothesis;
 use super::nearness::{distance, likeliest};
 use super::numbered::number_of;
@@ -168,7 +168,7 @@ fn numbered(
         let mistakes = std::iter::once(*name).chain(others).collect();
         let usual = Hypothesis { mistakes, fitted: known, ..h.clone() };
         let m = question.component.mistakes.iter().find(|m| m.name == *name)?;
-        shown(m, &usual, question, answers).find(fits)
+        with_its_number(m, &usual, question, answers, fits)
     })
 }
 

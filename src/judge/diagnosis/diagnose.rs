@@ -30,6 +30,9 @@ const CHANGES: [usize; 3] = [usize::MAX, 3, 1];
 /// The largest number of assignments that are tried, the same.
 const ASSIGNMENTS: [usize; 3] = [usize::MAX, 120, 24];
 
+/// The largest number of conventions that gradients show and forward answers don't.
+const UNSEEN: usize = 2;
+
 /// Elements that all pairs together may compute on the smallest case.
 const PAIRS: usize = 100_000_000;
 
@@ -129,8 +132,13 @@ impl<'a> Diagnosis<'a> {
     /// The right formula in other conventions; beside it single mistakes in the run's own, as a mistake may be another program's convention.
     fn conventions_alone(&self) -> Vec<Explanation> {
         let Diagnosis { question, answers, base, options, .. } = *self;
+        let mut all = self.open.clone();
+        // What the forward answers showed, they showed in some conventions: gradients may show others, but few.
+        if question.kind == Kind::Vjp && !self.suspects.is_empty() {
+            all.retain(|p| changes(p, &self.home) <= UNSEEN);
+        }
         // An output may show its conventions by itself.
-        let all = possible(question, answers, self.open.clone(), base, options);
+        let all = possible(question, answers, all, base, options);
         let mut found = self.explaining(0, &all.iter().collect::<Vec<_>>());
         if !found.is_empty() {
             let alone = sets(question, 1, &[]).into_iter().map(|single| Hypothesis::new(single, *base));
@@ -201,7 +209,9 @@ impl<'a> Diagnosis<'a> {
         for ring in near.chunk_by(|a, b| changes(a, &self.home) == changes(b, &self.home)) {
             let had = !found.is_empty();
             found.extend(self.explaining_in(&sets, ring));
-            if had {
+            // What the forward answers showed has no rival.
+            let expected = |h: &Hypothesis| self.suspects.iter().any(|(set, _)| *set == h.mistakes);
+            if had || self.question.kind == Kind::Vjp && found.iter().any(expected) {
                 break;
             }
         }
@@ -215,7 +225,7 @@ impl<'a> Diagnosis<'a> {
         // Numeric gradients are too expensive for all assignments: the forward answers have shown the conventions, but for one that
         // gradients alone show, as a quaternion of length 1 that isn't divided by it.
         let unseen = |p: &Partial, conventions: &Conventions| {
-            changes(p, &self.home) <= 2 && forward_is_the_same(question, conventions, base, options)
+            changes(p, &self.home) <= UNSEEN && forward_is_the_same(question, conventions, base, options)
         };
         let pairs = question.kind == Kind::Forward && sets.iter().all(|set| set.len() == 2);
         let effects = parallel::map(if pairs { ring.len() } else { 0 }, |n| {

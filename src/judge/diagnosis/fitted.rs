@@ -8,7 +8,8 @@ use ndarray::ArrayD;
 use super::super::answer::{Answer, Answers, Given, reshaped};
 use super::super::assignment::small_cases;
 use super::super::exam::Question;
-use super::super::mark::{MarkOptions, largest_of};
+use super::super::mark::MarkOptions;
+use super::super::within::largest_of;
 use super::evidence::{Suspect, explains_all, forward_is_the_same, shows, usable};
 use super::hypothesis::Hypothesis;
 use super::stepwise;
@@ -16,6 +17,7 @@ use crate::contract::arrays::Arrays;
 use crate::contract::check::Kind;
 use crate::contract::component::{Mistake, Number};
 use crate::convention::Conventions;
+use crate::math::{exp, ln};
 use crate::parallel;
 
 /// Elements that a number is read off.
@@ -33,6 +35,9 @@ const GRID: usize = 9;
 const CASES: usize = 3;
 const BEYOND: f64 = 0.05;
 
+/// What no number of a range changes is far from an answer that differs by this part of it, and the square of that of the largest.
+const UNLIKE: f64 = 0.05;
+
 /// Numbers that people write, where what changes with them goes up and down, as a wave does.
 const WRITTEN: [f64; 12] =
     [2.0, 0.5, 4.0, 3.0, 0.25, 10.0, 0.1, 8.0, 100.0, 1.5, 5.0, std::f64::consts::FRAC_PI_2];
@@ -40,8 +45,8 @@ const WRITTEN: [f64; 12] =
 /// A range that is so many times as long as it begins is one of powers of ten.
 const MANY: f64 = 1e6;
 
-/// Halvings of its range: to the last bit of f32, and then some.
-const HALVINGS: usize = 80;
+/// Steps to a number, at most: so many halvings of the longest range end at the last bits.
+const STEPS: usize = 160;
 
 /// The mistakes whose number can be chosen so that they explain every answer, in the conventions `near`. A gradient is
 /// asked in `base` with the numbers that the forward answers showed (`suspects`), then for numbers of its own.
@@ -75,7 +80,7 @@ pub(crate) fn fitting(
         let (mistake, c) = pairs[n];
         let usual = Hypothesis::new(vec![mistake.name], *c);
         let asked = n % near.len() < likeliest || within_reach(mistake, &usual, question, answers);
-        asked.then(|| shown(mistake, &usual, question, answers).find(|h| fits(h)))?
+        asked.then(|| with_its_number(mistake, &usual, question, answers, fits))?
     });
     found.into_iter().flatten().collect()
 }
@@ -138,6 +143,40 @@ fn of((mistakes, fitted): &Suspect, base: &Conventions) -> Hypothesis {
     Hypothesis { fitted: fitted.clone(), ..Hypothesis::new(mistakes.clone(), *base) }
 }
 
+/// A mistake, alone or beside others, with a number that fits, where its number may explain every answer.
+pub(crate) fn with_its_number(
+    mistake: &Mistake,
+    usual: &Hypothesis,
+    question: &Question,
+    answers: &Answers,
+    fits: impl Fn(&Hypothesis) -> bool,
+) -> Option<Hypothesis> {
+    let contradicted = contradicted(mistake, usual, question, answers);
+    (!contradicted).then(|| shown(mistake, usual, question, answers).find(|h| fits(h)))?
+}
+
+/// Whether some answer is far from what the mistake gives at both ends of its number's range, which give the same.
+fn contradicted(mistake: &Mistake, usual: &Hypothesis, question: &Question, answers: &Answers) -> bool {
+    let range = mistake.number.expect("a mistake with a number").range;
+    usable(usual, question, answers).into_iter().any(|(case, answer)| {
+        let [low, high] = range.map(|x| {
+            let h = usual.with_number(x);
+            let mut all = h.prediction(question, case).0;
+            h.leave_open(question, case, answer, &mut all);
+            all
+        });
+        answer.iter().any(|(name, given)| {
+            let (Some(low), Some(high)) = (low.get(name), high.get(name)) else { return false };
+            let Some((got, _)) = reshaped(&given.values, low.shape()) else { return false };
+            let least = UNLIKE * UNLIKE * largest_of(low);
+            let far = |((g, l), h): ((&f64, &f64), &f64)| {
+                l == h && (g - l).abs() > UNLIKE * g.abs().max(l.abs()) + least
+            };
+            high.shape() == low.shape() && got.iter().zip(low).zip(high).any(far)
+        })
+    })
+}
+
 /// A mistake, alone or beside others, with the numbers that single elements of the answers show, the likeliest first: what they show
 /// rounded to a few digits, as people write it. `usual` is the hypothesis with the usual number.
 pub(crate) fn shown<'a>(
@@ -195,21 +234,44 @@ fn read_off(number: &Number, at: impl Fn(f64) -> Arrays, answer: &Answer) -> Vec
         let between = |g: f64, l: f64, h: f64| l.is_finite() && h.is_finite() && (l - g) * (h - g) < 0.0;
         let elements = got.iter().zip(low).zip(high).enumerate();
         let inside = elements.filter(|(_, ((g, l), h))| between(**g, **l, **h));
-        let (index, ((&g, &l), _)) = inside
+        let (index, ((&g, &l), &h)) = inside
             .max_by(|(_, ((_, a), b)), (_, ((_, c), d))| (*b - *a).abs().total_cmp(&(*d - *c).abs()))?;
         let element = |x: f64| at(x)[name].iter().nth(index).copied().unwrap_or(f64::NAN);
-        Some(halved([least, most], |x| (element(x) - g) * (l - g) > 0.0))
+        Some(crossing([least, most], [l - g, h - g], g.abs(), |x| element(x) - g))
     };
     low.iter().filter_map(of_output).collect()
 }
 
-/// Where `below` ends, on a logarithmic scale: numbers like 1e-8 are as likely as those like 0.5.
-fn halved([mut low, mut high]: [f64; 2], below: impl Fn(f64) -> bool) -> f64 {
-    for _ in 0..HALVINGS {
-        let middle = (low * high).sqrt();
-        if below(middle) { low = middle } else { high = middle }
+/// Where a function changes its sign that has these values at the ends of a range, on a logarithmic scale: numbers like 1e-8 are as likely as
+/// those like 0.5. By false position, the Illinois way; every third step halves, as what jumps has no slope. Values that are `small` beside
+/// the last bit of 1 are 0.
+fn crossing(range: [f64; 2], [mut below, mut above]: [f64; 2], small: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let [mut low, mut high] = range.map(ln);
+    let rising = above > 0.0;
+    let mut moved_low = None;
+    for step in 0..STEPS {
+        let middle = 0.5 * (low + high);
+        let straight = low - below * (high - low) / (above - below);
+        let x = if step % 3 == 2 || !(low..=high).contains(&straight) { middle } else { straight };
+        let value = f(exp(x));
+        if value.abs() <= f64::EPSILON * small || x == low || x == high {
+            return exp(x);
+        }
+        let lower = if value.is_nan() { false } else { (value < 0.0) == rising };
+        // An end that stays is believed half as much each time.
+        match (lower, moved_low) {
+            (true, Some(true)) => above *= 0.5,
+            (false, Some(false)) => below *= 0.5,
+            _ => {}
+        }
+        moved_low = Some(lower);
+        if lower {
+            (low, below) = (x, value);
+        } else {
+            (high, above) = (x, if value.is_nan() { above } else { value });
+        }
     }
-    (low * high).sqrt()
+    exp(0.5 * (low + high))
 }
 
 /// x with so many decimal digits.
@@ -279,6 +341,22 @@ pub(super) mod tests {
                 let found = found(component, dtype, &format!("{mistake}={number}"));
                 assert!(found.contains(&(vec![mistake], vec![number])), "{component} {dtype}: {found:?}");
             }
+        }
+    }
+
+    /// What is smooth, and what jumps.
+    #[test]
+    fn a_crossing_is_found_to_the_last_bits() {
+        let range = [1e-12, 1e6];
+        for root in [3e-9, 0.123_456_789_012_345_6, 1e5] {
+            let check = |name: &str, f: &dyn Fn(f64) -> f64| {
+                let found = crossing(range, range.map(f), 0.0, f);
+                assert!((found / root - 1.0).abs() < 1e-13, "{name} at {root}: {found}");
+            };
+            check("straight", &|x| x - root);
+            check("falling", &|x| root - x);
+            check("saturating", &|x| x / (x + root) - 0.5);
+            check("a step", &|x| if x < root { -1.0 } else { 5.0 });
         }
     }
 

@@ -1,13 +1,14 @@
 //! Fitting beside another mistake: what that leaves of the answers is what the number is read off.
 
 use super::super::answer::{Answer, Answers};
-use super::super::assignment::small_cases;
+use super::super::assignment::{open, small_cases};
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::apply;
 use super::evidence::{Explanation, explains_all, shows, usable};
-use super::fitted::{shown, within_reach};
+use super::fitted::{with_its_number, within_reach};
 use super::hypothesis::Hypothesis;
+use super::nearness::likeliest;
 use super::telling::{SURE, evidence, evidence_of_places};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -22,6 +23,9 @@ const WORK: usize = 400_000;
 /// By how many times what wrong code may be off a mistake alone misses answers that show another's number, and in how many cases at least.
 const FAR: f64 = 100.0;
 const FEW: usize = 2;
+
+/// Conventions in which another mistake is looked for beside one that explains most cases.
+const LIKELY: usize = 4;
 
 /// Pairs of which one mistake has a number, chosen so that they explain every answer, in the conventions `near`: what the other mistake
 /// leaves is what the number is read off.
@@ -50,8 +54,8 @@ pub(crate) fn fitting_pairs(
     found.into_iter().flatten().collect()
 }
 
-/// What explains every answer beside the mistake of `most`, which explains most cases, in its conventions: these may be too many for pairs
-/// to be looked for in.
+/// What explains every answer beside the mistake of `most`, which explains most cases, in its conventions or in the likeliest others: these
+/// may be too many for pairs to be looked for in.
 pub(crate) fn beside(
     most: &Explanation,
     base: &Conventions,
@@ -60,12 +64,17 @@ pub(crate) fn beside(
     options: &MarkOptions,
 ) -> Vec<Hypothesis> {
     let ([mistake], Kind::Forward) = (&most.mistakes[..], question.kind) else { return vec![] };
-    let c = apply(&most.conventions, base);
+    let likely =
+        likeliest(open(question, answers, base, options), LIKELY, (question, answers), base, options);
+    let mut near = vec![apply(&most.conventions, base)];
+    near.extend(likely.iter().map(|p| apply(p, base)));
+    let near = distinct(&near, near.len(), question, &small_cases(question, answers));
     let others: Vec<&Mistake> =
         question.component.mistakes.iter().filter(|m| !m.gradient && m.name != mistake.name).collect();
     let fits =
         |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
-    let found = parallel::map(others.len(), |n| {
+    let found = parallel::map(near.len() * others.len(), |n| {
+        let (c, n) = (near[n / others.len()], n % others.len());
         let both = Hypothesis {
             fitted: most.fitted.clone(),
             ..Hypothesis::new(vec![mistake.name, others[n].name], c)
@@ -112,7 +121,7 @@ fn fitted_beside(
         explains_all(h, question, answers, options) && shows(h, question, answers, options) && needed(h)
     };
     within_reach(mistake, &usual, question, answers)
-        .then(|| shown(mistake, &usual, question, answers).find(fits))?
+        .then(|| with_its_number(mistake, &usual, question, answers, fits))?
 }
 
 /// The first `most` of these conventions that answer differently: what changes nothing that was answered takes no other's place.

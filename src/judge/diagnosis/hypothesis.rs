@@ -1,13 +1,11 @@
 //! Hypotheses: what a candidate would answer if it followed some conventions and made some mistakes.
 
-use std::cell::OnceCell;
-use std::iter::once_with;
-
 use ndarray::ArrayD;
 
 use super::super::answer::{Answer, reshaped};
 use super::super::exam::Question;
-use super::super::mark::{MarkOptions, Scale, largest_of, within};
+use super::super::mark::MarkOptions;
+use super::super::within::{Bound, Scale, each_within, largest_of, within};
 use super::numeric;
 use super::slips::slip::Slip;
 use crate::contract::arithmetic::{Dtype, Grade};
@@ -111,10 +109,15 @@ impl Hypothesis {
         error: Option<&Arrays>,
         options: &MarkOptions,
     ) -> Arrays {
-        self.bounds(question, case, wrong, error, options).next_back().expect("one at least")
+        let moved: Vec<Arrays> = match self.known(error) {
+            true => vec![],
+            false => (0..2).flat_map(|n| self.moved(question, case, n, options)).collect(),
+        };
+        self.widened(question, case, wrong, error, &moved, options)
     }
 
-    /// The same, after a bound without that change where there is one: most answers that are explained need no more, and it costs little.
+    /// The same, after what costs less: a bound without that change, which most answers that are explained are within, and a wide one with
+    /// half of it, which most of the others aren't within.
     fn bounds<'a>(
         &'a self,
         question: &'a Question,
@@ -122,16 +125,32 @@ impl Hypothesis {
         wrong: &'a Arrays,
         error: Option<&'a Arrays>,
         options: &'a MarkOptions,
-    ) -> impl DoubleEndedIterator<Item = Arrays> + 'a {
-        // Next to a whole number a nudge moves what is rounded by 1: so wide a bound explains anything.
-        let rounds = self.slip.as_ref().is_some_and(Slip::rounds);
-        let known = error.is_some() || rounds || self.right() && !self.loose;
-        (0..2 - usize::from(known)).map(move |n| {
-            let u = options.dtype.unit_roundoff();
-            let nudged = |n| [4.0, -4.0].map(|by| self.nudged(question, case, n, by * u));
-            let moved: Vec<Arrays> = if n == 0 { vec![] } else { (0..2).flat_map(nudged).collect() };
-            self.widened(question, case, wrong, error, &moved, options)
+    ) -> impl Iterator<Item = Bound> + 'a {
+        let mut moved = vec![];
+        (0..if self.known(error) { 1 } else { 3 }).map(move |n| {
+            if n > 0 {
+                moved.extend(self.moved(question, case, n - 1, options));
+            }
+            let mut bound = self.widened(question, case, wrong, error, &moved, options);
+            if n != 1 {
+                return Bound::Enough(bound);
+            }
+            bound.values_mut().for_each(|bound| *bound *= WIDE);
+            Bound::Needed(bound)
         })
+    }
+
+    /// Whether the bound is known without nudging inputs. Next to a whole number a nudge moves what is rounded by 1: so wide a bound explains
+    /// anything.
+    fn known(&self, error: Option<&Arrays>) -> bool {
+        let rounds = self.slip.as_ref().is_some_and(Slip::rounds);
+        error.is_some() || rounds || self.right() && !self.loose
+    }
+
+    /// The wrong function on inputs that are off by a few roundings. Both signs of them: across a threshold only one of the two goes.
+    fn moved(&self, question: &Question, case: &Case, n: u64, options: &MarkOptions) -> [Arrays; 2] {
+        let by = 4.0 * options.dtype.unit_roundoff();
+        [by, -by].map(|by| self.wrong(question, &nudged(question, case, n, by)))
     }
 
     /// The bound with the change of the wrong function to what it gives on nudged inputs, `moved`.
@@ -199,11 +218,6 @@ impl Hypothesis {
         wrong.iter().map(one).collect()
     }
 
-    /// The wrong function on inputs that are off by up to `relative`. Both signs of it: across a threshold only one of the two goes.
-    fn nudged(&self, question: &Question, case: &Case, n: u64, relative: f64) -> Arrays {
-        self.wrong(question, &nudged(question, case, n, relative))
-    }
-
     /// What this candidate would answer, and how far off it may be.
     pub(crate) fn allowed(
         &self,
@@ -244,16 +258,13 @@ impl Hypothesis {
     ) {
         let (mut wrong, _) = self.prediction(question, case);
         self.leave_open(question, case, answer, &mut wrong);
-        let all = OnceCell::new();
-        let alone = |name: &str, from: &Arrays| -> Arrays {
-            from.get(name).map(|array| (name.to_string(), array.clone())).into_iter().collect()
-        };
-        outputs.retain(|name| {
-            let Some(given) = answer.get(*name) else { return true };
-            let given = [(name.to_string(), given.clone())].into();
-            let bound = || alone(name, all.get_or_init(|| self.bound(question, case, &wrong, None, options)));
-            within(&given, &alone(name, &wrong), self.scale(question, case, options), once_with(bound))
-        });
+        let asked: Answer = outputs
+            .iter()
+            .filter_map(|name| answer.get(*name).map(|given| (name.to_string(), given.clone())))
+            .collect();
+        let bounds = self.bounds(question, case, &wrong, None, options);
+        let explained = each_within(&asked, &wrong, self.scale(question, case, options), bounds);
+        outputs.retain(|name| !asked.contains_key(*name) || explained.iter().any(|known| known == name));
     }
 
     /// The largest error over bound on an answer.
@@ -323,6 +334,9 @@ pub(super) fn nudged(question: &Question, case: &Case, n: u64, relative: f64) ->
     (question.component.special.rounds_inside)(&mut inputs, relative, &mut draw);
     inputs
 }
+
+/// By how many times what two nudges move is more than what four do, at least.
+const WIDE: f64 = 64.0;
 
 /// How many times larger than right answers wrong ones may be so that rounding costs them so much more.
 const LARGER: f64 = 64.0;

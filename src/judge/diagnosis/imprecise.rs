@@ -6,8 +6,9 @@ use ndarray::ArrayD;
 
 use super::super::answer::{Answer, Answers, reshaped};
 use super::super::exam::Question;
-use super::super::mark::{MarkOptions, proves, within};
+use super::super::mark::{MarkOptions, proves};
 use super::super::partial::{Partial, apply};
+use super::super::within::within;
 use super::evidence::{Explanation, explains_all, largest_residual, usable};
 use super::hypothesis::Hypothesis;
 use super::slips::each::rounded;

@@ -2,11 +2,14 @@
 
 use std::collections::BTreeSet;
 
+use ndarray::ArrayD;
+
 use super::super::answer::{Answer, Answers, Given};
 use super::super::assignment::{nearest, open, small_cases};
 use super::super::exam::Question;
-use super::super::mark::{MarkOptions, largest_of};
+use super::super::mark::MarkOptions;
 use super::super::partial::apply;
+use super::super::within::largest_of;
 use super::evidence::{Explanation, only};
 use super::hypothesis::Hypothesis;
 use super::nearness::likeliest;
@@ -14,6 +17,7 @@ use super::slips::misdone::proved;
 use super::slips::slip::{LawSlip, Slip};
 use super::slips::slipping::{attempt, conventions};
 use super::telling::by_chance;
+use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::laws::Laws;
@@ -26,8 +30,12 @@ const WORK: usize = 6_000_000;
 /// The conventions in which formulas are tried that differ from the right one in one part, in two, and in three.
 const TRIED: [usize; 3] = [12, 6, 3];
 
-/// Those in which they are found output by output.
+/// Those in which they are found output by output, and the number of parts of which one output may show that they are wrong.
 const STEPPED: usize = 2;
+const AT_ONCE: usize = 4;
+
+/// Numbers that all formulas may compute that are wrong in so many parts.
+const MANY: usize = 20_000_000;
 
 /// What is near: this share of a number, and the square of it of the largest. What the formula is not, and an eps or a cap beside it is, is nearer
 /// than that in most numbers; what isn't the formula seldom is.
@@ -135,7 +143,7 @@ impl<'a> Search<'a> {
     fn found(&self, most: usize) -> Vec<Explanation> {
         let (mut left, mut tried) = (WORK, 0);
         for (parts, conventions) in (1..=most.min(self.laws.choices.len())).zip(TRIED) {
-            let all = if left > 0 { self.laws.differing(parts) } else { vec![] };
+            let all = if left > 0 { self.laws.differing(parts, |_| true) } else { vec![] };
             let nearby = &self.nearby[..conventions.min(self.nearby.len())];
             let trials = self.affordable(all.len(), nearby, &mut left);
             tried += trials.len();
@@ -149,7 +157,7 @@ impl<'a> Search<'a> {
                 return found;
             }
         }
-        if most < TRIED.len() || self.outputs.len() == 1 {
+        if most < TRIED.len() {
             return vec![];
         }
         let likeliest = self.nearby.iter().take(STEPPED);
@@ -198,43 +206,94 @@ impl<'a> Search<'a> {
 
     /// The formula that explains all outputs, found as one after the other shows what is wrong with it: what explains some of them stays.
     fn by_outputs(&self, failing: usize, c: &Conventions, tried: &mut usize) -> Option<Hypothesis> {
+        let reached = self.reached(c);
+        let cost = self.question.cost(self.cases[failing].0);
+        let mut affordable = WORK / STEPPED / cost;
         let mut law = vec![0; self.laws.choices.len()];
         let mut explained = self.explained(&law, failing, c, 0);
-        let mut affordable = WORK / STEPPED / self.question.cost(self.cases[failing].0);
-        let mut ring = |parts| {
-            let mut all = if affordable > 0 { self.laws.differing(parts) } else { vec![] };
-            all.truncate(affordable);
-            affordable -= all.len();
-            all
-        };
-        let rings: Vec<_> = (1..=TRIED.len()).map(&mut ring).collect();
-        while explained < self.outputs.len() {
-            let better = rings.iter().find_map(|ring| {
-                let free = |other: &&Vec<usize>| law.iter().zip(*other).all(|(had, o)| *had == 0 || *o == 0);
-                let joined =
-                    |other: &Vec<usize>| law.iter().zip(other).map(|(a, b)| a + b).collect::<Vec<_>>();
-                let all: Vec<Vec<usize>> = ring.iter().filter(free).map(joined).collect();
-                *tried += all.len();
-                let counts = parallel::map(all.len(), |n| {
-                    let near = self.near(&all[n], failing, c) > explained;
-                    if near { self.explained(&all[n], failing, c, explained) } else { 0 }
-                });
-                let most = counts.into_iter().zip(all).rev().max_by_key(|(count, _)| *count);
-                most.filter(|(count, _)| *count > explained)
-            });
-            (explained, law) = better?;
+        // What shows in a single output is known already but for what is wrong in more parts at once.
+        let most = if self.outputs.len() == 1 { 0 } else { TRIED.len() };
+        while explained.len() < self.outputs.len() {
+            let left: Vec<&str> =
+                self.outputs.difference(&explained.iter().copied().collect()).copied().collect();
+            let reaches = |part: usize, name: &str| law[part] == 0 && reached[part].contains(name);
+            let some = |part: usize| left.iter().any(|name| reaches(part, name));
+            let mut found = None;
+            for parts in 1..=most {
+                let mut all = if affordable > 0 { self.laws.differing(parts, some) } else { vec![] };
+                all.truncate(affordable);
+                affordable -= all.len();
+                found = self.better(&law, all, failing, c, &explained, tried);
+                if found.is_some() {
+                    break;
+                }
+            }
+            // The output that the fewest parts reach may show that many are wrong.
+            let first =
+                left.iter().min_by_key(|name| reached.iter().filter(|of| of.contains(**name)).count());
+            let many = || {
+                let free = |part: usize| first.is_some_and(|name| reaches(part, name));
+                let mut all = self.laws.differing(AT_ONCE, free);
+                all.truncate(MANY / cost);
+                self.better(&law, all, failing, c, &explained, tried)
+            };
+            (explained, law) = found.or_else(many)?;
         }
         Some(self.hypothesis(&law, c))
     }
 
-    /// How many outputs a formula explains in all cases, that which it is tried on first among them; 0 where these are no more than `known`.
-    fn explained(&self, law: &[usize], failing: usize, c: &Conventions, known: usize) -> usize {
+    /// A formula that differs in some of these parts, too, and explains more outputs: the most of all, and which.
+    fn better(
+        &self,
+        law: &[usize],
+        others: Vec<Vec<usize>>,
+        failing: usize,
+        c: &Conventions,
+        explained: &[&str],
+        tried: &mut usize,
+    ) -> Option<(Vec<&'a str>, Vec<usize>)> {
+        let joined = |other: Vec<usize>| law.iter().zip(other).map(|(a, b)| a + b).collect();
+        let all: Vec<Vec<usize>> = others.into_iter().map(joined).collect();
+        *tried += all.len();
+        let known = explained.len();
+        let those = parallel::map(all.len(), |n| {
+            let near = self.near(&all[n], failing, c) > known;
+            if near { self.explained(&all[n], failing, c, known) } else { vec![] }
+        });
+        let most = those.into_iter().zip(all).rev().max_by_key(|(those, _)| those.len());
+        most.filter(|(those, _)| those.len() > known)
+    }
+
+    /// The outputs that the choices of each part change, in some case.
+    fn reached(&self, c: &Conventions) -> Vec<BTreeSet<String>> {
+        let right = vec![0; self.laws.choices.len()];
+        let of = |case: &Case, law: &[usize]| attempt(|| (self.laws.of)(&case.inputs, c, law));
+        let cases = || self.cases.iter().filter(|(case, _)| case.finite());
+        let expected: Vec<_> = cases().map(|(case, _)| of(case, &right)).collect();
+        let changed = |part: usize, choice: usize| -> BTreeSet<String> {
+            let law: Vec<usize> = (0..right.len()).map(|n| if n == part { choice } else { 0 }).collect();
+            let with = |((case, _), expected): (&(&Case, &Answer), &Option<Arrays>)| {
+                let (Some(law), Some(expected)) = (of(case, &law), expected) else { return vec![] };
+                let other = |(name, a): &(String, ArrayD<f64>)| {
+                    let same = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+                    expected.get(name).is_none_or(|e| a.shape() != e.shape() || !a.iter().zip(e).all(same))
+                };
+                law.into_iter().filter(other).map(|(name, _)| name).collect::<Vec<_>>()
+            };
+            cases().zip(&expected).flat_map(with).collect()
+        };
+        let each = |part: usize| (1..self.laws.choices[part]).flat_map(move |choice| changed(part, choice));
+        parallel::map(right.len(), |part| each(part).collect())
+    }
+
+    /// The outputs that a formula explains in all cases, that which it is tried on first among them; none where these are no more than `known`.
+    fn explained(&self, law: &[usize], failing: usize, c: &Conventions, known: usize) -> Vec<&'a str> {
         let (cases, h) = (&self.cases, self.hypothesis(law, c));
         let mut outputs: Vec<&str> = self.outputs.iter().copied().collect();
         let first = cases[failing..].iter().take(1);
         for (case, answer) in first.chain(cases) {
             if outputs.len() <= known {
-                return 0;
+                return vec![];
             }
             let kept = attempt(|| {
                 let mut kept = outputs.clone();
@@ -243,7 +302,7 @@ impl<'a> Search<'a> {
             });
             outputs = kept.unwrap_or_default();
         }
-        if outputs.len() > known { outputs.len() } else { 0 }
+        if outputs.len() > known { outputs } else { vec![] }
     }
 }
 
@@ -297,7 +356,7 @@ mod tests {
     fn no_two_are_said_alike() {
         asked(Dtype::F64, |question, laws| {
             let name = question.component.name;
-            let each = laws.differing(1).into_iter().map(|law| laws.said(&law));
+            let each = laws.differing(1, |_| true).into_iter().map(|law| laws.said(&law));
             let mut known = BTreeSet::new();
             for said in each {
                 assert!(!said.is_empty() && known.insert(said.clone()), "{name}: {said:?}");
@@ -310,7 +369,7 @@ mod tests {
     #[test]
     fn other_formulas_are_told() {
         asked(Dtype::F32, |question, laws| {
-            let all = [laws.differing(1), laws.differing(2)].concat();
+            let all = [1, 2].map(|parts| laws.differing(parts, |_| true)).concat();
             let step = (all.len() / TOLD).max(1) * one_in(4);
             let (mut tried, mut named, mut unknown) = (0, 0, vec![]);
             for law in all.into_iter().skip(step / 2).step_by(step) {

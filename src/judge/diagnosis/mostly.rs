@@ -11,6 +11,7 @@ use super::evidence::{
 };
 use super::fitted::guesses;
 use super::hypothesis::Hypothesis;
+use super::nearness::likeliest;
 use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
@@ -31,6 +32,9 @@ const CLOSE: f64 = 0.25;
 
 /// Conventions that are tried, the nearest first.
 const ASSIGNMENTS: usize = 48;
+
+/// Conventions in which numbers are read off.
+const GUESSED: usize = 4;
 
 /// Conventions that are tried with two mistakes, and elements that all of these may compute.
 const PAIRED: usize = 4;
@@ -95,7 +99,9 @@ pub(crate) fn mostly(
     let singles: Vec<Vec<&str>> = shown.map(|name| vec![name]).collect();
     let mut found = tried(&singles, &near, &cases);
     if !numeric {
-        let guesses = guesses(question, answers, base);
+        let likely = likeliest(near.clone(), GUESSED, (question, answers), base, options);
+        let guessed = |p: &Partial| guesses(question, answers, &apply(p, base));
+        let guesses: Vec<Hypothesis> = likely.iter().flat_map(guessed).collect();
         found.extend(parallel::map(guesses.len(), |n| one(guesses[n].clone(), &cases)));
     }
     // Numeric gradients are too expensive for all conventions and cases, and for what the forward answers don't show.

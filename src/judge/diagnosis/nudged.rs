@@ -2,7 +2,8 @@
 
 use super::super::answer::Answer;
 use super::super::exam::Question;
-use super::super::mark::{MarkOptions, within};
+use super::super::mark::MarkOptions;
+use super::super::within::within;
 use super::hypothesis::{Hypothesis, nudged, off};
 use super::slips::slip::Slip;
 use crate::contract::arrays::Arrays;

@@ -7,7 +7,7 @@ use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::{apply, partial};
 use super::evidence::{Explanation, difference, explains_all, largest_residual, shows};
-use super::fitted::shown;
+use super::fitted::with_its_number;
 use super::hypothesis::Hypothesis;
 use super::nearness::likeliest;
 use crate::contract::check::Kind;
@@ -113,7 +113,7 @@ impl<'a> Peeling<'a> {
             let own = m.number.filter(|_| !known.fitted.is_empty()).map(|number| number.usual);
             let fitted = own.into_iter().chain(known.fitted.iter().copied()).collect();
             let usual = Hypothesis { fitted, ..Hypothesis::new(mistakes, c) };
-            shown(m, &usual, self.question, &alone).find(fits)
+            with_its_number(m, &usual, self.question, &alone, fits)
         };
         let mut found = others.filter_map(|m| with(m).map(|h| (m, h.fitted)));
         found.next()

@@ -1,0 +1,177 @@
+//! Whether answers lie within their bounds: asked of thousands of hypotheses, most of which cost little to reject.
+
+use std::sync::Arc;
+
+use ndarray::ArrayD;
+
+use super::answer::{Answer, reshaped};
+use super::exam::Question;
+use super::mark::MarkOptions;
+use super::truths::Truth;
+use crate::contract::arithmetic::Grade;
+use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
+use crate::contract::check::budget_used;
+use crate::convention::CS180;
+
+/// How far off answers may be, as far as is known for so little work.
+pub(super) enum Bound {
+    /// What is within it is explained.
+    Enough(Arrays),
+    /// What isn't within it isn't explained.
+    Needed(Arrays),
+}
+
+impl From<Arrays> for Bound {
+    fn from(bound: Arrays) -> Bound {
+        Bound::Enough(bound)
+    }
+}
+
+impl Bound {
+    /// What it says of answers; `None` where that isn't known yet.
+    fn says(&self, got: &Arrays, expected: &Arrays) -> Option<bool> {
+        let (Bound::Enough(bound) | Bound::Needed(bound)) = self;
+        let fits = got.iter().all(|(name, got)| {
+            let pairs = got.iter().zip(&expected[name]).zip(&bound[name]);
+            pairs.into_iter().all(|((&g, &e), &b)| budget_used(g, e, b) <= 1.0)
+        });
+        (fits == matches!(self, Bound::Enough(_))).then_some(fits)
+    }
+}
+
+/// Whether answers lie within one of these bounds, the cheapest first. A search calls this thousands of times, so it may reject answers
+/// that are far off before the bounds are computed (see [`MarkOptions::may_reject_early`]).
+pub(super) fn within(
+    answer: &Answer,
+    expected: &Arrays,
+    scale: Option<Scale>,
+    bounds: impl IntoIterator<Item: Into<Bound>>,
+) -> bool {
+    let Some(got) = near(answer, expected, scale.as_ref()) else { return false };
+    bounds.into_iter().find_map(|bound| bound.into().says(&got, expected)).unwrap_or(false)
+}
+
+/// The outputs that lie within one of these bounds, each by itself.
+pub(super) fn each_within(
+    answer: &Answer,
+    expected: &Arrays,
+    scale: Option<Scale>,
+    bounds: impl Iterator<Item = Bound>,
+) -> Vec<String> {
+    let one = |(name, e): (&String, &ArrayD<f64>)| -> Arrays { [(name.clone(), e.clone())].into() };
+    let alone = expected.iter().map(one);
+    let asked = alone.filter_map(|expected| Some((near(answer, &expected, scale.as_ref())?, expected)));
+    let mut open: Vec<(Arrays, Arrays)> = asked.collect();
+    let mut explained = vec![];
+    let mut bounds = bounds;
+    while !open.is_empty() {
+        let Some(bound) = bounds.next() else { break };
+        open.retain(|(got, expected)| {
+            let said = bound.says(got, expected);
+            explained.extend(got.keys().filter(|_| said == Some(true)).cloned());
+            said.is_none()
+        });
+    }
+    explained
+}
+
+/// The answers in the shapes that are expected, where there are some and they aren't far off.
+fn near(answer: &Answer, expected: &Arrays, scale: Option<&Scale>) -> Option<Arrays> {
+    let answered = |(name, e): (&String, &ArrayD<f64>)| -> Option<Option<(String, ArrayD<f64>)>> {
+        let given = answer.get(name)?;
+        Some(reshaped(&given.values, e.shape()).map(|(got, _)| (name.clone(), got)))
+    };
+    let got = expected.iter().filter_map(answered).collect::<Option<Arrays>>()?;
+    (!got.is_empty() && !scale.is_some_and(|scale| scale.far_off(&got, expected))).then_some(got)
+}
+
+/// Times the largest bound in the contract's own conventions, and parts of the largest element: honest code in others is nearer.
+const FAR: f64 = 1024.0;
+const PART: f64 = 1.0 / 64.0;
+
+/// The largest of an array's numbers, of either sign.
+pub(super) fn largest_of(array: &ArrayD<f64>) -> f64 {
+    array.iter().filter(|x| x.is_finite()).fold(0.0, |max, x| max.max(x.abs()))
+}
+
+/// What is far off.
+pub(super) struct Scale {
+    /// The truth in the contract's own conventions, whose bound says how much arithmetic costs there; nothing where the questions have the
+    /// shapes of other conventions.
+    truth: Arc<Truth>,
+    /// Parts of the largest element.
+    part: f64,
+}
+
+impl Scale {
+    /// The same for wrong code, which may be of any accuracy.
+    pub(super) fn of_wrong(self) -> Scale {
+        Scale { part: 0.25, ..self }
+    }
+
+    /// Whether most elements of an output are far off. One alone may be across a threshold.
+    fn far_off(&self, got: &Arrays, expected: &Arrays) -> bool {
+        got.iter().any(|(name, got)| {
+            let expected = &expected[name];
+            let size = largest_of(expected);
+            let bound = self.truth.bound.get(name);
+            let far = bound.map_or(0.25 * size, |bound| self.part * size + FAR * largest_of(bound)) + 1e-9;
+            // What overflows a type is infinite there.
+            let beyond = |g: f64, e: f64| g.is_infinite() && e.abs() > f64::from(f32::MAX) / 4.0;
+            let near =
+                |g: f64, e: f64| g == e || g.is_nan() && e.is_nan() || beyond(g, e) || (g - e).abs() <= far;
+            let off = got.iter().zip(expected).filter(|&(&g, &e)| !near(g, e)).count();
+            off > 1 && 2 * off > got.len()
+        })
+    }
+}
+
+impl MarkOptions {
+    /// What an answer that may be rejected early is held against.
+    pub(super) fn scale(&self, question: &Question, case: &Case) -> Option<Scale> {
+        let own = (question.component.special.admits)(&case.inputs, &CS180);
+        let truth = || if own { self.truth(question, case, &CS180, Grade::B) } else { Arc::default() };
+        self.may_reject_early(case).then(|| Scale { truth: truth(), part: PART })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::assignment::admitted;
+    use super::super::exam::Exam;
+    use super::super::partial::apply;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+
+    /// Whatever the conventions, an answer that uses all of its bounds.
+    #[test]
+    fn what_is_within_its_bounds_is_never_far_off() {
+        let options = MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 };
+        let mut asked = 0;
+        for question in Exam::new("", Dtype::F32, None).unwrap().questions {
+            let all: Vec<_> = admitted(&question, &CS180).iter().map(|p| apply(p, &CS180)).collect();
+            let some = all.iter().step_by(all.len().div_ceil(6).max(1));
+            for (c, case) in some.flat_map(|c| small(&question).map(move |case| (c, case))) {
+                let Some(scale) = options.scale(&question, case) else { continue };
+                let truth = options.truth(&question, case, c, Grade::B);
+                let used = |(name, e): (&String, &ArrayD<f64>)| {
+                    let bound = truth.bound[name].mapv(|bound| if bound.is_finite() { bound } else { 0.0 });
+                    (name.clone(), e + &bound)
+                };
+                let got: Arrays = truth.expected.iter().map(used).collect();
+                let far = scale.far_off(&got, &truth.expected);
+                // In some conventions a question lies on a face, a threshold or at no gradient: bounds are as wide as answers there.
+                let wide = (Scale { truth: Arc::default(), part: PART }).far_off(&got, &truth.expected);
+                assert!(!far || wide, "{} {} {c:?}", question.component.name, case.id);
+                asked += 1;
+            }
+        }
+        assert!(asked > 1000, "{asked}");
+    }
+
+    fn small(question: &Question) -> impl Iterator<Item = &Case> {
+        let small = |case: &&Case| case.size() < 2_000;
+        question.cases.iter().filter(small)
+    }
+}
