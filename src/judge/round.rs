@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::answer::Answers;
 use super::assignment::{self, Found};
 use super::best::best_honest;
-use super::diagnosis::diagnose::diagnose;
+use super::diagnosis::diagnose::{diagnose, diagnose_in};
 use super::diagnosis::evidence::{Explanation, Suspect, difference};
 use super::diagnosis::follows::{follows, follows_usually};
 use super::diagnosis::imprecise::{bits_beside, lost_bits};
@@ -273,7 +273,7 @@ fn diagnose_beside(
         return followed;
     }
     let of = |c: &Conventions| partial(question.component, c);
-    let mut found = diagnose(question, answers, &home, suspects, options);
+    let mut found = diagnose_in(question, answers, (&home, true), suspects, options);
     if whole(&found) {
         for e in &mut found {
             e.conventions = difference(&of(&apply(&e.conventions, &home)), &of(base));

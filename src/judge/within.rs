@@ -18,7 +18,7 @@ use crate::convention::CS180;
 pub(super) enum Bound {
     /// What is within it is explained.
     Enough(Arrays),
-    /// What isn't within it isn't explained.
+    /// What isn't within it isn't explained, but for one number of many, which may be across a threshold.
     Needed(Arrays),
 }
 
@@ -32,11 +32,16 @@ impl Bound {
     /// What it says of answers; `None` where that isn't known yet.
     fn says(&self, got: &Arrays, expected: &Arrays) -> Option<bool> {
         let (Bound::Enough(bound) | Bound::Needed(bound)) = self;
-        let fits = got.iter().all(|(name, got)| {
+        let off = got.iter().flat_map(|(name, got)| {
             let pairs = got.iter().zip(&expected[name]).zip(&bound[name]);
-            pairs.into_iter().all(|((&g, &e), &b)| budget_used(g, e, b) <= 1.0)
+            pairs
+                .filter(|((g, e), b)| budget_used(**g, **e, **b) > 1.0 || budget_used(**g, **e, **b).is_nan())
         });
-        (fits == matches!(self, Bound::Enough(_))).then_some(fits)
+        let many = got.values().map(|got| got.len()).sum::<usize>() > 1;
+        match self {
+            Bound::Enough(_) => { off }.next().is_none().then_some(true),
+            Bound::Needed(_) => { off }.nth(usize::from(many)).is_some().then_some(false),
+        }
     }
 }
 

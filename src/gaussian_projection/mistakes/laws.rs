@@ -22,7 +22,7 @@ const MEAN: [&str; 14] = [
     "(fx x/z + W/2, fy y/z + H/2)",
     "(fx x/z, fy y/z)",
     "(x/z, y/z)",
-    "(fx x/z + cx, fy y/z + cy), W - 1 and H - 1 pixels for W and H",
+    "((fx x/z + cx) (W - 1)/W, (fy y/z + cy) (H - 1)/H)",
 ];
 
 /// The covariance that goes through the Jacobian.
@@ -79,7 +79,7 @@ const HELD: [&str; 10] = [
     "1.3 tan(1/2) on either side",
     "0.15 of the picture beyond its edges",
     "1.3 of half the width on either side, in y too",
-    "x / clamp(z) and y / clamp(z), by 1.3 of the half picture on either side",
+    "z itself 1.3 of the half picture on either side",
 ];
 
 /// What is added to the variances.
@@ -127,12 +127,13 @@ const RADIUS: [&str; 23] = [
     "ceil(3 sqrt(max(a, c))), at most 64",
     "0",
     "3 ceil(sqrt(lambda))",
-    "3 / sqrt(min(A, C)) of the conic",
-    "3 (1 / sqrt(min(A, C)) of the conic, with 1e-4 added to the root)",
+    "3 / sqrt(min(a, c) / det)",
+    "3 / (sqrt(min(a, c) / det) + 1e-4)",
 ];
 
 /// The depth.
-const DEPTH: [&str; 8] = ["z", "|t|", "-z", "1/z", "max(z, 0.01)", "max(z, 0.1)", "max(z, 0.2)", "max(z, 1)"];
+const DEPTH: [&str; 9] =
+    ["z", "|t|", "-z", "1/z", "max(z, 0.01)", "max(z, 0.1)", "max(z, 0.2)", "max(z, 1)", "max(z, 0.3)"];
 
 /// Those of a splat.
 pub(crate) const OF_SPLATS: Laws = Laws {
@@ -155,6 +156,9 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         1 => format!("J {} J^T", TURNED[choice]),
         2 => format!("focal lengths {} in J", FOCAL[choice]),
         3 => format!("J {}", JACOBIAN[choice]),
+        4 if choice == 9 => {
+            "z in x/z and y/z of J held to 1.3 W/(2 fx) and 1.3 H/(2 fy) on either side".into()
+        }
         4 => format!("x/z and y/z of J held to {}", HELD[choice]),
         5 => format!("{} added to the variances", ADDED[choice]),
         6 => format!("{} in the covariance's place off the diagonal", MIXED[choice]),
@@ -343,7 +347,12 @@ fn covariances(
     let sigma = turned(sigma, view, law[1]);
     let j = jacobian(at, slopes(at, view, form, law[4]), view, law[2], law[3]);
     let entry = |n: usize, m: usize| DVec3::from(j[n]).dot(sigma * DVec3::from(j[m]));
-    let mixed = entry(0, 1) * [1.0, -1.0, 0.0, 0.5][law[6]];
+    let mixed = match law[6] {
+        0 => entry(0, 1),
+        1 => -entry(0, 1),
+        2 => 0.0,
+        _ => 0.5 * entry(0, 1),
+    };
     let before = [entry(0, 0), mixed, entry(1, 1)];
     let h = form.dilation.value();
     let added = [h, 0.0, 1e-6, 1e-4, 0.01, 0.1, 0.3, 0.5, 1.0, 1.5, 1e-3, 0.3][law[5]];
@@ -373,7 +382,8 @@ fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]
         mean: placed(t, view, form, law),
         covariance,
         conic,
-        depth: [z, distance, -z, 1.0 / z, z.max(0.01), z.max(0.1), z.max(0.2), z.max(1.0)][law[9]],
+        depth: [z, distance, -z, 1.0 / z, z.max(0.01), z.max(0.1), z.max(0.2), z.max(1.0), z.max(0.3)]
+            [law[9]],
         radius,
         compensation: if shape_is_right {
             right.compensation

@@ -46,11 +46,12 @@ pub(super) fn beyond(
         return laws;
     }
     if question.kind == Kind::Forward {
-        // Those that change least hide what a program follows beside them.
+        // By turns: those that change least hide what a program follows beside them.
         let likely =
             likeliest(open(question, answers, base, options), LIKELY, (question, answers), base, options);
-        let near: Vec<Conventions> =
-            likely.iter().map(|p| apply(p, base)).chain(near.iter().copied()).collect();
+        let likely: Vec<Conventions> = likely.iter().map(|p| apply(p, base)).collect();
+        let turns = (0..near.len().max(likely.len())).flat_map(|n| [near.get(n), likely.get(n)]);
+        let near: Vec<Conventions> = turns.flatten().copied().collect();
         let fitted = fitting_pairs(question, answers, &near, options);
         let pairs = if fitted.is_empty() { paired(question, answers, base, options) } else { fitted };
         if !pairs.is_empty() {

@@ -49,6 +49,17 @@ pub fn diagnose(
     suspects: &[Suspect],
     options: &MarkOptions,
 ) -> Vec<Explanation> {
+    diagnose_in(question, answers, (base, false), suspects, options)
+}
+
+/// The same, where it may be known that `base` are the conventions in which the forward answers are explained.
+pub(crate) fn diagnose_in(
+    question: &Question,
+    answers: &Answers,
+    (base, settled): (&Conventions, bool),
+    suspects: &[Suspect],
+    options: &MarkOptions,
+) -> Vec<Explanation> {
     if question.statistics() {
         let shown = statistics::mistakes(question, answers, base).into_iter();
         let each = |mistake| Explanation { mistakes: vec![mistake], ..Explanation::default() };
@@ -57,7 +68,7 @@ pub fn diagnose(
     if no_number_left(question, answers) {
         return vec![];
     }
-    let d = Diagnosis::new(question, answers, base, suspects, options);
+    let d = Diagnosis { settled, ..Diagnosis::new(question, answers, base, suspects, options) };
     let right = d.conventions_alone();
     if !right.is_empty() {
         return right;
@@ -106,6 +117,8 @@ struct Diagnosis<'a> {
     open: Vec<Partial>,
     /// Whether each trial takes a second.
     large: bool,
+    /// Whether the forward answers are explained in the run's conventions.
+    settled: bool,
 }
 
 impl<'a> Diagnosis<'a> {
@@ -126,6 +139,7 @@ impl<'a> Diagnosis<'a> {
             home: partial(question.component, base),
             open: open(question, answers, base, options),
             large: numbers > SEARCHED,
+            settled: false,
         }
     }
 
@@ -133,8 +147,8 @@ impl<'a> Diagnosis<'a> {
     fn conventions_alone(&self) -> Vec<Explanation> {
         let Diagnosis { question, answers, base, options, .. } = *self;
         let mut all = self.open.clone();
-        // What the forward answers showed, they showed in some conventions: gradients may show others, but few.
-        if question.kind == Kind::Vjp && !self.suspects.is_empty() {
+        // What the forward answers showed, they showed in these conventions: gradients may show others, but few.
+        if self.settled {
             all.retain(|p| changes(p, &self.home) <= UNSEEN);
         }
         // An output may show its conventions by itself.
@@ -210,8 +224,11 @@ impl<'a> Diagnosis<'a> {
             let had = !found.is_empty();
             found.extend(self.explaining_in(&sets, ring));
             // What the forward answers showed has no rival.
-            let expected = |h: &Hypothesis| self.suspects.iter().any(|(set, _)| *set == h.mistakes);
-            if had || self.question.kind == Kind::Vjp && found.iter().any(expected) {
+            let suspect = |h: &Hypothesis| {
+                self.suspects.iter().any(|(set, fitted)| fitted.is_empty() && *set == h.mistakes)
+                    && shows(h, self.question, self.answers, self.options)
+            };
+            if had || self.question.kind == Kind::Vjp && found.iter().any(suspect) {
                 break;
             }
         }

@@ -14,6 +14,7 @@ use super::evidence::{Suspect, explains_all, forward_is_the_same, shows, usable}
 use super::hypothesis::Hypothesis;
 use super::stepwise;
 use crate::contract::arrays::Arrays;
+use crate::contract::case::Case;
 use crate::contract::check::Kind;
 use crate::contract::component::{Mistake, Number};
 use crate::convention::Conventions;
@@ -35,7 +36,7 @@ const GRID: usize = 9;
 const CASES: usize = 3;
 const BEYOND: f64 = 0.05;
 
-/// What no number of a range changes is far from an answer that differs by this part of it, and the square of that of the largest.
+/// An answer is far from what differs by this part of it, and of the largest number.
 const UNLIKE: f64 = 0.05;
 
 /// Numbers that people write, where what changes with them goes up and down, as a wave does.
@@ -130,13 +131,22 @@ fn between(name: &str, given: &Given, tried: &[Arrays]) -> bool {
     !got.iter().zip(&low).zip(&high).any(beyond)
 }
 
-/// Mistakes with the numbers that single elements show, whether or not these explain all answers.
-pub(crate) fn guesses(question: &Question, answers: &Answers, base: &Conventions) -> Vec<Hypothesis> {
-    let mistakes = question.component.mistakes.iter().filter(|m| m.number.is_some() && !m.gradient);
-    let usual = |mistake: &Mistake| Hypothesis::new(vec![mistake.name], *base);
-    mistakes
-        .flat_map(|mistake| shown(mistake, &usual(mistake), question, answers).collect::<Vec<_>>())
-        .collect()
+/// Mistakes with the numbers that single elements show, which may explain all but so many of the cases.
+pub(crate) fn guesses(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    but_for: usize,
+) -> Vec<Hypothesis> {
+    let all = question.component.mistakes;
+    let mistakes: Vec<_> = all.iter().filter(|m| m.number.is_some() && !m.gradient).collect();
+    let found = parallel::map(mistakes.len(), |n| {
+        let usual = Hypothesis::new(vec![mistakes[n].name], *base);
+        let may = contradicted(mistakes[n], &usual, question, answers).nth(but_for).is_none();
+        let shown = may.then(|| shown(mistakes[n], &usual, question, answers));
+        shown.into_iter().flatten().collect::<Vec<_>>()
+    });
+    found.into_iter().flatten().collect()
 }
 
 fn of((mistakes, fitted): &Suspect, base: &Conventions) -> Hypothesis {
@@ -151,30 +161,44 @@ pub(crate) fn with_its_number(
     answers: &Answers,
     fits: impl Fn(&Hypothesis) -> bool,
 ) -> Option<Hypothesis> {
-    let contradicted = contradicted(mistake, usual, question, answers);
-    (!contradicted).then(|| shown(mistake, usual, question, answers).find(|h| fits(h)))?
+    // One alone may be across a threshold.
+    let contradicted = contradicted(mistake, usual, question, answers).nth(1);
+    contradicted.is_none().then(|| shown(mistake, usual, question, answers).find(|h| fits(h)))?
 }
 
-/// Whether some answer is far from what the mistake gives at both ends of its number's range, which give the same.
-fn contradicted(mistake: &Mistake, usual: &Hypothesis, question: &Question, answers: &Answers) -> bool {
-    let range = mistake.number.expect("a mistake with a number").range;
-    usable(usual, question, answers).into_iter().any(|(case, answer)| {
-        let [low, high] = range.map(|x| {
+/// The cases whose answer is far from what the mistake gives with several of its numbers, which all give the same. Of those that are listed
+/// any may be the only one that gives something else.
+fn contradicted<'a>(
+    mistake: &Mistake,
+    usual: &'a Hypothesis,
+    question: &'a Question,
+    answers: &'a Answers,
+) -> impl Iterator<Item = &'a Case> {
+    let Number { usual: own, range: [least, most], listed, .. } =
+        mistake.number.expect("a mistake with a number");
+    let tried = [least, (least * most).sqrt(), own, most];
+    let far = move |(case, answer): &(&Case, &Answer)| {
+        let all = tried.map(|x| {
             let h = usual.with_number(x);
             let mut all = h.prediction(question, case).0;
             h.leave_open(question, case, answer, &mut all);
             all
         });
         answer.iter().any(|(name, given)| {
-            let (Some(low), Some(high)) = (low.get(name), high.get(name)) else { return false };
-            let Some((got, _)) = reshaped(&given.values, low.shape()) else { return false };
-            let least = UNLIKE * UNLIKE * largest_of(low);
-            let far = |((g, l), h): ((&f64, &f64), &f64)| {
-                l == h && (g - l).abs() > UNLIKE * g.abs().max(l.abs()) + least
+            let Some(first) = all[0].get(name) else { return false };
+            let Some((got, _)) = reshaped(&given.values, first.shape()) else { return false };
+            let others: Vec<_> = all[1..].iter().filter_map(|other| other.get(name)).collect();
+            let least = UNLIKE * largest_of(first);
+            let far = |(n, (g, x)): (usize, (&f64, &f64))| {
+                let same = |other: &&ArrayD<f64>| other.iter().nth(n) == Some(x);
+                (g - x).abs() > UNLIKE * g.abs().max(x.abs()) + least && others.iter().all(same)
             };
-            high.shape() == low.shape() && got.iter().zip(low).zip(high).any(far)
+            others.iter().all(|other| other.shape() == first.shape())
+                && got.iter().zip(first).enumerate().any(far)
         })
-    })
+    };
+    let asked = if listed.is_empty() { usable(usual, question, answers) } else { vec![] };
+    asked.into_iter().filter(far).map(|(case, _)| case)
 }
 
 /// A mistake, alone or beside others, with the numbers that single elements of the answers show, the likeliest first: what they show
@@ -243,8 +267,8 @@ fn read_off(number: &Number, at: impl Fn(f64) -> Arrays, answer: &Answer) -> Vec
 }
 
 /// Where a function changes its sign that has these values at the ends of a range, on a logarithmic scale: numbers like 1e-8 are as likely as
-/// those like 0.5. By false position, the Illinois way; every third step halves, as what jumps has no slope. Values that are `small` beside
-/// the last bit of 1 are 0.
+/// those like 0.5. By false position, the Illinois way; every third step halves, as what jumps has no slope. A value below the last
+/// bit of `small` counts as 0.
 fn crossing(range: [f64; 2], [mut below, mut above]: [f64; 2], small: f64, f: impl Fn(f64) -> f64) -> f64 {
     let [mut low, mut high] = range.map(ln);
     let rising = above > 0.0;
@@ -252,9 +276,9 @@ fn crossing(range: [f64; 2], [mut below, mut above]: [f64; 2], small: f64, f: im
     for step in 0..STEPS {
         let middle = 0.5 * (low + high);
         let straight = low - below * (high - low) / (above - below);
-        let x = if step % 3 == 2 || !(low..=high).contains(&straight) { middle } else { straight };
+        let x = if step % 3 == 2 || straight <= low || straight >= high { middle } else { straight };
         let value = f(exp(x));
-        if value.abs() <= f64::EPSILON * small || x == low || x == high {
+        if value.abs() <= f64::EPSILON * small || x <= low || x >= high {
             return exp(x);
         }
         let lower = if value.is_nan() { false } else { (value < 0.0) == rising };
@@ -285,7 +309,6 @@ pub(super) mod tests {
     use super::super::super::exam::Exam;
     use super::*;
     use crate::contract::arithmetic::Dtype;
-    use crate::contract::case::Case;
     use crate::convention::CS180;
 
     /// What is fitted where a row's answers have this mistake with this number.

@@ -335,7 +335,7 @@ pub(super) fn nudged(question: &Question, case: &Case, n: u64, relative: f64) ->
     inputs
 }
 
-/// By how many times what two nudges move is more than what four do, at least.
+/// What four nudges move is taken to be less than so many times what two of them do.
 const WIDE: f64 = 64.0;
 
 /// How many times larger than right answers wrong ones may be so that rounding costs them so much more.

@@ -34,7 +34,7 @@ const TRIED: [usize; 3] = [12, 6, 3];
 const STEPPED: usize = 2;
 const AT_ONCE: usize = 4;
 
-/// Numbers that all formulas may compute that are wrong in so many parts.
+/// Numbers that all formulas may compute that are wrong in so many parts which reach one output.
 const MANY: usize = 20_000_000;
 
 /// What is near: this share of a number, and the square of it of the largest. What the formula is not, and an eps or a cap beside it is, is nearer
@@ -208,7 +208,6 @@ impl<'a> Search<'a> {
     fn by_outputs(&self, failing: usize, c: &Conventions, tried: &mut usize) -> Option<Hypothesis> {
         let reached = self.reached(c);
         let cost = self.question.cost(self.cases[failing].0);
-        let mut affordable = WORK / STEPPED / cost;
         let mut law = vec![0; self.laws.choices.len()];
         let mut explained = self.explained(&law, failing, c, 0);
         // What shows in a single output is known already but for what is wrong in more parts at once.
@@ -218,7 +217,7 @@ impl<'a> Search<'a> {
                 self.outputs.difference(&explained.iter().copied().collect()).copied().collect();
             let reaches = |part: usize, name: &str| law[part] == 0 && reached[part].contains(name);
             let some = |part: usize| left.iter().any(|name| reaches(part, name));
-            let mut found = None;
+            let (mut found, mut affordable) = (None, WORK / STEPPED / cost);
             for parts in 1..=most {
                 let mut all = if affordable > 0 { self.laws.differing(parts, some) } else { vec![] };
                 all.truncate(affordable);
@@ -231,13 +230,13 @@ impl<'a> Search<'a> {
             // The output that the fewest parts reach may show that many are wrong.
             let first =
                 left.iter().min_by_key(|name| reached.iter().filter(|of| of.contains(**name)).count());
-            let many = || {
-                let free = |part: usize| first.is_some_and(|name| reaches(part, name));
-                let mut all = self.laws.differing(AT_ONCE, free);
+            let free = |part: usize| first.is_some_and(|name| reaches(part, name));
+            let mut many = (TRIED.len()..=AT_ONCE).filter_map(|parts| {
+                let mut all = self.laws.differing(parts, free);
                 all.truncate(MANY / cost);
                 self.better(&law, all, failing, c, &explained, tried)
-            };
-            (explained, law) = found.or_else(many)?;
+            });
+            (explained, law) = found.or_else(|| many.next())?;
         }
         Some(self.hypothesis(&law, c))
     }

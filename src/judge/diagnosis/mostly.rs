@@ -100,7 +100,8 @@ pub(crate) fn mostly(
     let mut found = tried(&singles, &near, &cases);
     if !numeric {
         let likely = likeliest(near.clone(), GUESSED, (question, answers), base, options);
-        let guessed = |p: &Partial| guesses(question, answers, &apply(p, base));
+        let but_for = ((1.0 - MOST) * cases.len() as f64) as usize;
+        let guessed = |p: &Partial| guesses(question, answers, &apply(p, base), but_for);
         let guesses: Vec<Hypothesis> = likely.iter().flat_map(guessed).collect();
         found.extend(parallel::map(guesses.len(), |n| one(guesses[n].clone(), &cases)));
     }
