@@ -1,0 +1,76 @@
+"""Projections of one's own: wrong in several parts at once, none of which a catalog lists."""
+
+import torch
+from entry import fault
+from gaussians import in_camera, jacobian, matrices
+from splats import flat, three
+
+
+@fault(
+    "gaussian_projection",
+    "slip: another formula: focal lengths (1, 1) in J, and x/z and y/z of J held to nothing, and nothing added to the variances, "
+    "and J at (x, y, z) in the world",
+    seen="a trial on unseen code: a renderer in torch, in work",
+    gradient="none",
+)
+def jacobian_of_the_world(means, covariances, w2c, K, width, height):
+    """J of the mean in the world, without focal lengths; nothing is added."""
+    _, sigma = in_camera(means, covariances, w2c)
+    j = jacobian(means[:, :2] / means[:, 2:], means[:, 2], torch.eye(3))
+    return {"covariances2d": three(j @ sigma @ j.mT)}
+
+
+@fault(
+    "gaussian_projection",
+    "slip: another formula: J Sigma, not turned, J^T, and x/z and y/z of J held to nothing, and J at (u, v, z), u and v the mean in the picture",
+    seen="a trial on unseen code: features of splats in torch",
+    gradient="none",
+)
+def jacobian_of_the_picture(means, covariances, w2c, K, width, height):
+    """J of the mean in pixels, the covariance as it is in the world, 0.1 added."""
+    t, _ = in_camera(means, covariances, w2c)
+    middle = (t @ K.mT)[:, :2] / t[:, 2:]
+    j = jacobian(middle / t[:, 2:], t[:, 2], K)
+    return {"means2d": middle, "depths": t[:, 2], "covariances2d": three(j @ matrices(covariances) @ j.mT + 0.1 * torch.eye(2))}
+
+
+@fault(
+    "gaussian_projection",
+    "slip: another formula: x/z and y/z of J held to 1.3 of half the width on either side, in y too, and nothing added to the variances",
+    seen="a trial on unseen code: a port of the rasterizer to torch",
+    gradient="none",
+)
+def limits_of_the_width(means, covariances, w2c, K, width, height):
+    """1.3 W / (2 fy) where 1.3 H / (2 fy) belongs; nothing is added."""
+    t, sigma = in_camera(means, covariances, w2c)
+    most = 1.3 * 0.5 * width / torch.stack([K[0, 0], K[1, 1]])
+    slopes = torch.minimum(torch.maximum(t[:, :2] / t[:, 2:], -most), most)
+    j = jacobian(slopes, t[:, 2], K)
+    return {"depths": t[:, 2], "covariances2d": three(j @ sigma @ j.mT)}
+
+
+@fault(
+    "gaussian_projection",
+    "slip: another formula: mean = ((fx x/z + cx) (W - 1)/W, (fy y/z + cy) (H - 1)/H)",
+    "slip: (ndc + 1) * (axis.size - 1) in the place of (ndc + 1) * axis.size",
+    seen="a trial on unseen code: splats in torch, by normalized coordinates",
+    gradient="none",
+)
+def pixels_to_the_edges(means, covariances, w2c, K, width, height):
+    """-1 and 1 are the middles of the first and of the last pixel."""
+    middle, depths, cov = flat(means, covariances, w2c, K, width, height)
+    size = torch.tensor([float(width), float(height)])
+    return {"means2d": middle * (size - 1) / size, "depths": depths, "covariances2d": three(cov + 0.3 * torch.eye(2))}
+
+
+@fault(
+    "gaussian_alpha",
+    "slip: another formula: q = dx^2 + dy^2, and 0 where |dx| > 3 or |dy| > 3, and dx and dy from the mean rounded down",
+    "slip: another formula: q = dx^2 + dy^2, and 0 where |dx| > 3 or |dy| > 3, and dx and dy from the mean cut off to whole pixels",
+    seen="a trial on unseen code: a simplified renderer in torch",
+    gradient="none",
+)
+def a_round_stamp(pixels, means2d, conics, opacities):
+    """exp(-(dx^2 + dy^2) / 2) about whole pixels, up to three of them away: the conic isn't used."""
+    d = pixels[:, None] - torch.trunc(means2d)[None]
+    return torch.where(d.abs().amax(-1) > 3, 0.0, opacities * torch.exp(-0.5 * (d * d).sum(-1)))
