@@ -75,7 +75,8 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
                 .iter_mut()
                 .zip(errors)
                 .filter(|(alpha, _)| **alpha != 0.0)
-                .for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
+                // What is wrong already isn't put right.
+                .for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(alpha.min(0.0), alpha.max(1.0)));
         }
         let other = other_alphas(&sigmas, &deltas, wrong);
         let touched = touched || other.is_some();
