@@ -62,14 +62,13 @@ pub(super) fn each_within(
     answer: &Answer,
     expected: &Arrays,
     scale: Option<Scale>,
-    bounds: impl Iterator<Item = Bound>,
+    mut bounds: impl Iterator<Item = Bound>,
 ) -> Vec<String> {
     let one = |(name, e): (&String, &ArrayD<f64>)| -> Arrays { [(name.clone(), e.clone())].into() };
     let alone = expected.iter().map(one);
     let asked = alone.filter_map(|expected| Some((near(answer, &expected, scale.as_ref())?, expected)));
     let mut open: Vec<(Arrays, Arrays)> = asked.collect();
     let mut explained = vec![];
-    let mut bounds = bounds;
     while !open.is_empty() {
         let Some(bound) = bounds.next() else { break };
         open.retain(|(got, expected)| {
@@ -148,6 +147,23 @@ mod tests {
     use super::super::partial::apply;
     use super::*;
     use crate::contract::arithmetic::Dtype;
+    use crate::contract::arrays::{array, arrays};
+
+    /// What isn't within a bound that is needed is rejected, but for one number of many; what is within it may be anything.
+    #[test]
+    fn a_needed_bound_rejects_and_nothing_else() {
+        let of = |values: Vec<f64>| arrays([("x", array(&[values.len()], values))]);
+        let says = |got: Vec<f64>, made: fn(Arrays) -> Bound| {
+            let (zeros, ones) = (of(vec![0.0; got.len()]), of(vec![1.0; got.len()]));
+            made(ones).says(&of(got), &zeros)
+        };
+        assert_eq!(says(vec![0.5, -1.0, 1.0], Bound::Needed), None);
+        assert_eq!(says(vec![0.5, 2.0, 1.0], Bound::Needed), None);
+        assert_eq!(says(vec![0.5, 2.0, f64::NAN], Bound::Needed), Some(false));
+        assert_eq!(says(vec![2.0], Bound::Needed), Some(false));
+        assert_eq!(says(vec![0.5, -1.0, 1.0], Bound::Enough), Some(true));
+        assert_eq!(says(vec![0.5, 2.0, 1.0], Bound::Enough), None);
+    }
 
     /// Whatever the conventions, an answer that uses all of its bounds.
     #[test]

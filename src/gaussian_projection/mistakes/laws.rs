@@ -79,7 +79,7 @@ const HELD: [&str; 10] = [
     "1.3 tan(1/2) on either side",
     "0.15 of the picture beyond its edges",
     "1.3 of half the width on either side, in y too",
-    "z itself 1.3 of the half picture on either side",
+    "z in x/z and y/z of J held to 1.3 W/(2 fx) and 1.3 H/(2 fy) on either side",
 ];
 
 /// What is added to the variances.
@@ -156,9 +156,7 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         1 => format!("J {} J^T", TURNED[choice]),
         2 => format!("focal lengths {} in J", FOCAL[choice]),
         3 => format!("J {}", JACOBIAN[choice]),
-        4 if choice == 9 => {
-            "z in x/z and y/z of J held to 1.3 W/(2 fx) and 1.3 H/(2 fy) on either side".into()
-        }
+        4 if choice == 9 => HELD[choice].into(),
         4 => format!("x/z and y/z of J held to {}", HELD[choice]),
         5 => format!("{} added to the variances", ADDED[choice]),
         6 => format!("{} in the covariance's place off the diagonal", MIXED[choice]),

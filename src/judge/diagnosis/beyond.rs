@@ -2,16 +2,15 @@
 //! is known of most cases or of some outputs.
 
 use super::super::answer::Answers;
-use super::super::assignment::open;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
-use super::super::partial::{apply, partial};
+use super::super::partial::partial;
 use super::climb::climbed;
 use super::evidence::{Explanation, Suspect};
 use super::fitted_pairs::{beside, fitting_pairs};
 use super::lawful::Search;
 use super::mostly::mostly;
-use super::nearness::likeliest;
+use super::nearness::likely;
 use super::paired::paired;
 use super::peel::with_numbers;
 use super::ranked::ranked;
@@ -47,9 +46,7 @@ pub(super) fn beyond(
     }
     if question.kind == Kind::Forward {
         // By turns: those that change least hide what a program follows beside them.
-        let likely =
-            likeliest(open(question, answers, base, options), LIKELY, (question, answers), base, options);
-        let likely: Vec<Conventions> = likely.iter().map(|p| apply(p, base)).collect();
+        let likely = likely(LIKELY, (question, answers), base, options);
         let turns = (0..near.len().max(likely.len())).flat_map(|n| [near.get(n), likely.get(n)]);
         let near: Vec<Conventions> = turns.flatten().copied().collect();
         let fitted = fitting_pairs(question, answers, &near, options);

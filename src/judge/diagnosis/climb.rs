@@ -2,14 +2,14 @@
 //! way to all of them leads through few of the many that there are; where one alone shows nothing, it isn't found here.
 
 use super::super::answer::Answers;
-use super::super::assignment::{open, small_cases};
+use super::super::assignment::small_cases;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply, partial, with};
 use super::evidence::{explains_all, real_numbers, shows};
 use super::fitted::{with_its_number, written};
 use super::hypothesis::Hypothesis;
-use super::nearness::{distance, likeliest};
+use super::nearness::{distance, likely};
 use super::numbered::number_of;
 use crate::contract::check::Kind;
 use crate::contract::component::Mistake;
@@ -70,9 +70,8 @@ pub(crate) fn climbed(
     };
     let fits =
         |h: &Hypothesis| explains_all(h, question, answers, options) && shows(h, question, answers, options);
-    let starts = open(question, answers, base, options);
-    let starts = likeliest(starts, STARTS, (question, answers), base, options);
-    let mut ways = measured(starts.iter().map(|p| Hypothesis::new(vec![], apply(p, base))).collect());
+    let starts = likely(STARTS, (question, answers), base, options).into_iter();
+    let mut ways = measured(starts.map(|c| Hypothesis::new(vec![], c)).collect());
     best(&mut ways);
     for _ in 0..STEPS {
         let next = ways.iter().flat_map(|way| steps(&way.h, question).map(|h| (h, way.off)));

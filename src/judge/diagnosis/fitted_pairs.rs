@@ -1,14 +1,14 @@
 //! Fitting beside another mistake: what that leaves of the answers is what the number is read off.
 
 use super::super::answer::{Answer, Answers};
-use super::super::assignment::{open, small_cases};
+use super::super::assignment::small_cases;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::apply;
 use super::evidence::{Explanation, explains_all, shows, usable};
 use super::fitted::{with_its_number, within_reach};
 use super::hypothesis::Hypothesis;
-use super::nearness::likeliest;
+use super::nearness::likely;
 use super::telling::{SURE, evidence, evidence_of_places};
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -64,10 +64,8 @@ pub(crate) fn beside(
     options: &MarkOptions,
 ) -> Vec<Hypothesis> {
     let ([mistake], Kind::Forward) = (&most.mistakes[..], question.kind) else { return vec![] };
-    let likely =
-        likeliest(open(question, answers, base, options), LIKELY, (question, answers), base, options);
     let mut near = vec![apply(&most.conventions, base)];
-    near.extend(likely.iter().map(|p| apply(p, base)));
+    near.extend(likely(LIKELY, (question, answers), base, options));
     let near = distinct(&near, near.len(), question, &small_cases(question, answers));
     let others: Vec<&Mistake> =
         question.component.mistakes.iter().filter(|m| !m.gradient && m.name != mistake.name).collect();

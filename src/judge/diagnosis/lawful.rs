@@ -5,14 +5,14 @@ use std::collections::BTreeSet;
 use ndarray::ArrayD;
 
 use super::super::answer::{Answer, Answers, Given};
-use super::super::assignment::{nearest, open, small_cases};
+use super::super::assignment::{nearest, small_cases};
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::apply;
 use super::super::within::largest_of;
 use super::evidence::{Explanation, only};
 use super::hypothesis::Hypothesis;
-use super::nearness::likeliest;
+use super::nearness::likely;
 use super::slips::misdone::proved;
 use super::slips::slip::{LawSlip, Slip};
 use super::slips::slipping::{attempt, conventions};
@@ -86,11 +86,9 @@ impl<'a> Search<'a> {
             cases.iter().position(|(case, answer)| !right.explains(question, case, answer, options))
         };
         // What is likely comes before what known programs do, for two wrong parts are tried in the first few alone.
-        let near =
-            likeliest(open(question, answers, base, options), NEAR, (question, answers), base, options);
         let mut all = vec![*base, nearest(question, answers, base, options)];
         all.retain(|c| question.admits(c));
-        all.extend(near.iter().map(|p| apply(p, base)));
+        all.extend(likely(NEAR, (question, answers), base, options));
         all.extend(conventions(question, answers, base, options));
         let mut nearby: Vec<(usize, Conventions)> = vec![];
         for c in all {

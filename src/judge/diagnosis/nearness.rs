@@ -4,7 +4,7 @@
 use ndarray::ArrayD;
 
 use super::super::answer::{Answer, Answers, reshaped};
-use super::super::assignment::small_cases;
+use super::super::assignment::{open, small_cases};
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply};
@@ -20,6 +20,18 @@ const CASES: usize = 3;
 
 /// Elements that all of them together may compute.
 const WORK: usize = 100_000_000;
+
+/// The `kept` likeliest of those that the answers leave open.
+pub(crate) fn likely(
+    kept: usize,
+    (question, answers): (&Question, &Answers),
+    base: &Conventions,
+    options: &MarkOptions,
+) -> Vec<Conventions> {
+    let open = open(question, answers, base, options);
+    let likely = likeliest(open, kept, (question, answers), base, options);
+    likely.iter().map(|p| apply(p, base)).collect()
+}
 
 /// The `kept` likeliest ones: by turns those that change least, which come first in `all`, and those in which the answers are nearest. All as
 /// they are where there are no more.
