@@ -167,7 +167,18 @@ pub(crate) const EARLY_STOP: &[Mistake] = &[
         1,
     ),
     TESTED_FIRST,
+    OWN_STEP,
 ];
+
+const OWN_STEP: Mistake = Mistake::new(
+    "step_of_its_own",
+    "alpha = 1 - exp(-sigma step), with one step for all samples, whatever they are apart",
+    "densities in a unit of one's own; uneven samples are weighed as if they were even",
+    "the gaps between the samples",
+    "a march in CUDA with 0.01",
+    1,
+)
+.with("step", 0.01, [1e-5, 1.0]);
 
 /// What was carried over may stop a ray in front of its first sample.
 const TESTED_FIRST: Mistake = Mistake::new(
@@ -216,6 +227,11 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     if wrong.is_empty() {
         return arrays::early_stop(a, c);
     }
+    let mut a = a.clone();
+    if let Some(step) = OWN_STEP.among(wrong) {
+        a.get_mut("deltas").expect("an input").fill(step);
+    }
+    let a = &a;
     let samples = values(a, "sigmas").len();
     let eps = match () {
         () if wrong.contains(&"never_stopped") => 0.0,

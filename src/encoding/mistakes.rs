@@ -351,7 +351,8 @@ pub(crate) fn encode(x: &[f64], encoding: &Encoding, wrong: &[&str]) -> Vec<f64>
 
 /// Positional encoding.
 pub(crate) fn positional_encoding(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
-    let encoding = settings(a, c);
+    let mut encoding = settings(a, c);
+    encoding.levels = waves::counted(encoding.levels, wrong);
     let out: Vec<Vec<f64>> = rows(a, "x").iter().map(|x| encode(x, &encoding, wrong)).collect();
     arrays([("encoding", from_rows(&out, encoding.width(dims(a))))])
 }

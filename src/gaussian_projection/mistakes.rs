@@ -6,6 +6,7 @@ use crate::contract::arrays::{Arrays, threes};
 use crate::convention::{Conventions, SplatCenter, SplatClamp};
 
 mod catalogue;
+mod choices;
 pub(crate) mod gradient_laws;
 mod gradients;
 pub(crate) mod laws;

@@ -97,7 +97,7 @@ fn keep(all: &mut Vec<Partial>, keys: &[&str], fits: impl Fn(&Partial) -> bool) 
 pub(crate) fn small_cases<'a>(question: &'a Question, answers: &'a Answers) -> Vec<(&'a Case, &'a Answer)> {
     let pairs = question.cases.iter().zip(answers).filter_map(|(case, a)| a.as_ref().map(|a| (case, a)));
     let mut pairs: Vec<_> = pairs.collect();
-    pairs.sort_by_key(|(case, _)| case.size());
+    pairs.sort_by_cached_key(|(case, _)| case.size());
     let first_large = pairs.iter().position(|(case, _)| case.size() > LARGE).unwrap_or(pairs.len());
     pairs.truncate(first_large.max(1));
     pairs
@@ -268,7 +268,10 @@ fn majority(order: &[usize], survivors: &[Vec<Partial>]) -> Partial {
 /// Assignments that are compared when nothing explains the answers.
 const COMPARED: usize = 2_000;
 
-/// The assignment in which most elements agree with the answers to a few digits; the nearest to `base` among equals.
+/// Roundings by which elements that agree to the last digits may be off.
+const ROUNDINGS: f64 = 16.0;
+
+/// The assignment in which most elements agree with the answers, to a few digits and to the last ones; the nearest to `base` among equals.
 pub(crate) fn nearest(
     question: &Question,
     answers: &Answers,
@@ -280,20 +283,29 @@ pub(crate) fn nearest(
     let direction = question.component.direction(question.kind).expect("a question has its direction");
     let cases = small_cases(question, answers);
     let agreeing = parallel::map(all.len(), |n| {
-        let agree =
-            |(case, answer): &(&Case, &Answer)| agreement(answer, &(direction.oracle)(&case.inputs, &all[n]));
-        cases.iter().take(8).map(agree).sum::<usize>()
+        let agree = |(case, answer): &(&Case, &Answer)| {
+            let expected = (direction.oracle)(&case.inputs, &all[n]);
+            let within = [THREE_DIGITS, ROUNDINGS * options.dtype.unit_roundoff()];
+            within.map(|relative| agreement(answer, &expected, relative)).iter().sum::<usize>()
+        };
+        cases.iter().take(AGREEING).map(agree).sum::<usize>()
     });
     // The last of equals wins in max_by_key.
     let best = (0..all.len()).rev().max_by_key(|&n| agreeing[n]);
     best.map_or(*base, |n| all[n])
 }
 
-/// How many elements agree to three digits.
-pub(crate) fn agreement(answer: &Answer, expected: &Arrays) -> usize {
+/// The smallest cases that they are compared on.
+const AGREEING: usize = 12;
+
+/// What is off by no more is about right.
+pub(crate) const THREE_DIGITS: f64 = 1e-3;
+
+/// How many elements agree, to this part of them.
+pub(crate) fn agreement(answer: &Answer, expected: &Arrays, relative: f64) -> usize {
     let one = |(name, e): (&String, &ArrayD<f64>)| {
         let (got, _) = reshaped(&answer.get(name)?.values, e.shape())?;
-        Some(got.iter().zip(e).filter(|&(g, e)| g == e || (g - e).abs() <= 1e-3 * e.abs()).count())
+        Some(got.iter().zip(e).filter(|&(g, e)| g == e || (g - e).abs() <= relative * e.abs()).count())
     };
     expected.iter().filter_map(one).sum()
 }

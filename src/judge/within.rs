@@ -90,6 +90,40 @@ fn near(answer: &Answer, expected: &Arrays, scale: Option<&Scale>) -> Option<Arr
     (!got.is_empty() && !scale.is_some_and(|scale| scale.far_off(&got, expected))).then_some(got)
 }
 
+/// How far an answer is off.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Off {
+    /// The largest error over its bound.
+    pub(super) most: f64,
+    /// How many numbers aren't within it.
+    pub(super) many: usize,
+}
+
+impl Off {
+    pub(super) fn and(self, other: Off) -> Off {
+        Off { most: self.most.max(other.most), many: self.many + other.many }
+    }
+}
+
+/// How far an answer is off, over a bound.
+pub(super) fn off(answer: &Answer, predicted: &Arrays, bound: &Arrays) -> Off {
+    let one = |(name, predicted): (&String, &ArrayD<f64>)| {
+        let got = reshaped(&answer.get(name)?.values, predicted.shape());
+        let Some((got, _)) = got.filter(|_| bound[name].shape() == predicted.shape()) else {
+            return Some(Off { most: f64::INFINITY, many: predicted.len() });
+        };
+        // NaN is off where nothing else is known, too.
+        let used = |((&g, &p), &b): ((&f64, &f64), &f64)| {
+            if g.is_nan() && !p.is_nan() { f64::INFINITY } else { budget_used(g, p, b) }
+        };
+        let each = got.iter().zip(predicted).zip(&bound[name]).map(used);
+        Some(
+            each.map(|used| Off { most: used, many: usize::from(used > 1.0) }).fold(Off::default(), Off::and),
+        )
+    };
+    predicted.iter().filter_map(one).fold(Off::default(), Off::and)
+}
+
 /// Times the largest bound in the contract's own conventions, and parts of the largest element: honest code in others is nearer.
 const FAR: f64 = 1024.0;
 const PART: f64 = 1.0 / 64.0;

@@ -47,6 +47,7 @@ fn wrong_ray(k: &Intrinsics, c2w: &DMat4, uv: DVec2, c: &Conventions, wrong: &[&
             "origin_negated" => ray.o = -ray.o,
             "origin_on_the_plane" => ray.o += ray.d,
             "not_turned" => ray.d = flip(camera, wrong),
+            "pose_ignored" => ray = Ray { o: DVec3::ZERO, d: flip(camera, wrong) },
             "not_turned_but_taken_off" => ray.d = flip(camera, wrong) - ray.o,
             "origin_normalized" => ray.o /= ray.o.length(),
             "origin_minus_inverse_rt" => ray.o = -(DMat3::from_mat4(*c2w).inverse() * ray.o),

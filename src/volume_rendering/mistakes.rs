@@ -31,7 +31,7 @@ pub(crate) use gradients::{volume_render_alpha_vjp, volume_render_vjp};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 use march::{
     ALPHAS_HELD, BEFORE_THE_SAMPLE, FAINT_UNCOLORED, GIVEN_UP_IN_THE_DARK, MADE_OPAQUE, THIN_ALPHAS,
-    WEIGHTS_HELD,
+    TOGETHER, WEIGHTS_HELD,
 };
 
 /// Mistakes between opacities and outputs.
@@ -276,7 +276,32 @@ fn render_all(
         }
         wrong_composite(ray, r, &alphas[r], &rgbs(r), wrong)
     };
-    rays.into_iter().enumerate().map(finish).collect()
+    let mut rays: Vec<Rendering> = rays.into_iter().enumerate().map(finish).collect();
+    if let Some(left) = TOGETHER.among(wrong) {
+        ended_together(&mut rays, rgbs, left, wrong.contains(&"back_to_front"));
+    }
+    rays
+}
+
+/// A march of all rays in step, which ends where less than that is left in each of them; a march from behind ends in front.
+fn ended_together(
+    rays: &mut [Rendering],
+    rgbs: impl Fn(usize) -> Vec<[f64; 3]>,
+    left: f64,
+    from_behind: bool,
+) {
+    let samples = rays.first().map_or(0, |ray| ray.weights.len());
+    let unseen: Vec<usize> =
+        (0..samples).filter(|&i| rays.iter().all(|ray| ray.transmittance[i] < left)).collect();
+    let Some(&end) = unseen.first() else { return };
+    for (r, ray) in rays.iter_mut().enumerate() {
+        unseen.iter().for_each(|&i| ray.weights[i] = 0.0);
+        composed(ray, &rgbs(r));
+        if !from_behind {
+            let light = ray.transmittance[end];
+            ray.transmittance[end..].fill(light);
+        }
+    }
 }
 
 /// Rendering from opacities.

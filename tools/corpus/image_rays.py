@@ -347,3 +347,11 @@ def from_minus_one_to_one(height, width, c2w):
     """2 j / W - 1, 2 i / H - 1, whatever the focal length."""
     i, j = grid(height, width)
     return unit(posed(torch.stack([2 * i / width - 1, 2 * j / height - 1, torch.ones_like(i)], -1), c2w))
+
+
+@fault("image_rays", "pose_ignored+picture_transposed", "picture_transposed+pose_ignored", seen="a trial on unseen code: K^-1 (x, y, 1), column by column")
+def rays_of_the_camera(height, width, focal, cx, cy):
+    """(W, H, 3) directions from whole pixels in the camera's own space, made unit."""
+    i, j = torch.meshgrid(torch.arange(width).float(), torch.arange(height).float(), indexing="ij")
+    d = torch.nn.functional.normalize(torch.stack([(i - cx) / focal, (j - cy) / focal, torch.ones_like(i)], -1), dim=-1)
+    return {"rays_o": torch.zeros_like(d), "rays_d": d}

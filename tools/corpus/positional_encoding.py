@@ -286,3 +286,9 @@ def squashed_first(x, L):
     """tanh(x), then pi 2^k, [sines, cosines] by coordinate, x itself left out."""
     angles = torch.pi * 2.0 ** torch.arange(L) * torch.tanh(x)[..., None]
     return torch.cat([angles.sin(), angles.cos()], -1).flatten(-2)
+
+
+@fault("positional_encoding", "twice_the_bands", seen="a trial on unseen code: range(2 * L)")
+def a_loop_over_both(x, L):
+    """2 L bands of a sine and a cosine each."""
+    return bands(x, octaves(2 * L))

@@ -74,3 +74,40 @@ def a_round_stamp(pixels, means2d, conics, opacities):
     """exp(-(dx^2 + dy^2) / 2) about whole pixels, up to three of them away: the conic isn't used."""
     d = pixels[:, None] - torch.trunc(means2d)[None]
     return torch.where(d.abs().amax(-1) > 3, 0.0, opacities * torch.exp(-0.5 * (d * d).sum(-1)))
+
+
+@fault(
+    "gaussian_projection",
+    "slip: another formula: x/z and y/z of J held to 1.3 max(cx, W - cx) / fx and 1.3 max(cy, H - cy) / fy on either side",
+    seen="a trial on unseen code: 3D Gaussians in torch",
+    gradient="none",
+)
+def limits_of_the_farther_edge(means, covariances, w2c, K, width, height):
+    """The same limit on both sides of the center, from the edge that is farther away."""
+    t, sigma = in_camera(means, covariances, w2c)
+    size, center = torch.tensor([float(width), float(height)]), K[:2, 2]
+    most = 1.3 * torch.maximum(center, size - center) / torch.stack([K[0, 0], K[1, 1]])
+    slopes = torch.minimum(torch.maximum(t[:, :2] / t[:, 2:], -most), most)
+    j = jacobian(slopes, t[:, 2], K)
+    return {"depths": t[:, 2], "covariances2d": three(j @ sigma @ j.mT + 0.3 * torch.eye(2))}
+
+
+@fault(
+    "gaussian_projection",
+    "slip: another formula: J Sigma, not turned, J^T, and x/z and y/z of J held to nothing, and what the smaller eigenvalue lacks of a tenth "
+    "of the larger one added to the variances, and radius = 3 sqrt(lambda)",
+    seen="a trial on unseen code: splats by eigenvalues",
+    gradient="none",
+)
+def never_ten_times_as_long(means, covariances, w2c, K, width, height):
+    """Covariances as they are in the world; thin splats are made thicker, to a tenth of their length."""
+    t, _ = in_camera(means, covariances, w2c)
+    j = jacobian(t[:, :2] / t[:, 2:], t[:, 2], K)
+    cov = j @ matrices(covariances) @ j.mT
+    values = torch.linalg.eigvalsh(cov)
+    more = (values[:, 1] / 10 - values[:, 0]).clamp_min(0)
+    return {
+        "depths": t[:, 2],
+        "covariances2d": three(cov + more[:, None, None] * torch.eye(2)),
+        "radii": 3 * (values[:, 1] + more).sqrt(),
+    }

@@ -2,8 +2,9 @@
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 from entry import convention, fault
-from gaussians import around_the_picture, as_the_rasterizer_colors, drawn, exponent, in_camera, jacobian
+from gaussians import around_the_picture, as_the_rasterizer_colors, basis, drawn, exponent, in_camera, jacobian
 
 
 def long_deviation(conics):
@@ -268,3 +269,31 @@ def means_as_they_are(means, covariances, w2c, K, width, height):
     """x and y in the camera for the pixel."""
     _, depths, cov = flat(means, covariances, w2c, K, width, height)
     return drawn(in_camera(means, covariances, w2c)[0][:, :2], cov, depths, 0.1)
+
+
+@fault(
+    "gaussian_color",
+    "slip: another formula: the other sign of harmonic 4, and the other sign of harmonic 5, and the other sign of harmonic 7",
+    seen="a trial on unseen code: - xy, + yz, + xz",
+)
+def second_band_the_other_way_round(means, camera_center, coefficients):
+    """The rasterizer's harmonics but for the signs of xy, yz and xz."""
+    width = coefficients.shape[1]
+    signs = torch.tensor([1.0, 1.0, 1.0, 1.0, -1.0, -1.0, 1.0, -1.0] + [1.0] * 17)[:width]
+    y = signs * basis(F.normalize(means - camera_center, dim=-1), width)
+    return torch.clamp_min((y[..., None] * coefficients).sum(1) + 0.5, 0.0)
+
+
+@fault(
+    "gaussian_alpha",
+    "slip: another formula: 0 outside of the box of whole pixels about the square of three deviations of its long axis",
+    "cut_at_a_square",
+    seen="a trial on unseen code: splats in torch, box by box",
+    gradient="none",
+)
+def box_of_whole_pixels(pixels, means2d, conics, opacities):
+    """From floor(mean - 3 sigma) to ceil(mean + 3 sigma); no cap."""
+    reach = 3 * long_deviation(conics)[:, None]
+    low, high = torch.floor(means2d - reach), torch.ceil(means2d + reach)
+    inside = ((pixels[:, None] >= low) & (pixels[:, None] <= high)).all(-1)
+    return torch.where(inside, opacities * torch.exp(exponent(pixels, means2d, conics)), 0.0)

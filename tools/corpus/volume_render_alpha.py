@@ -221,3 +221,24 @@ def light_begins_again(alphas, rgbs):
     for alpha in alphas.T:
         last = torch.where(alpha > 0, 1 - alpha, last)
     return (weights[..., None] * rgbs).sum(1), weights, weights.sum(-1), last
+
+
+@fault("volume_render_alpha", "given_up_together", seen="a trial on unseen code: two splat renderers in torch", times=2)
+def all_rays_end_at_once(alphas, rgbs):
+    """A loop over splats that ends where each ray has gathered more than 0.99."""
+    light, gathered, weights = torch.ones(len(alphas)), torch.zeros(len(alphas)), []
+    for i in range(alphas.shape[1]):
+        weights.append(torch.zeros(len(alphas)) if (gathered > 0.99).all() else light * alphas[:, i])
+        gathered, light = gathered + weights[-1], light * (1 - alphas[:, i])
+    return summed(torch.stack(weights, 1) if weights else alphas * 0, rgbs)
+
+
+@fault(
+    "volume_render_alpha",
+    "slip: another formula: T_i = prod_{1<j<=i} (1 - alpha_j)",
+    seen="a trial on unseen code: 1 - alpha[1:] for 1 - alpha[:-1]",
+)
+def product_from_the_second(alphas, rgbs):
+    """The ones stand in front, and the first opacity is left out in the place of the last."""
+    light = torch.cumprod(torch.cat([torch.ones_like(alphas[:, :1]), 1 - alphas[:, 1:]], 1), 1)
+    return summed(alphas * light[:, : alphas.shape[1]], rgbs)

@@ -24,6 +24,30 @@ pub(super) const OF_WAVES: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "twice_the_bands",
+        "2 L bands: a sine and a cosine for each of a loop over both",
+        "twice the columns, and waves that no pixel can show",
+        "L bands of a sine and a cosine each",
+        "1 public implementation: range(2 * L)",
+        1,
+    ),
+    Mistake::new(
+        "one_band_more",
+        "L + 1 bands: a loop from 0 to L",
+        "a sine and a cosine more than other programs' networks know",
+        "k from 0 to L - 1",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
+        "one_band_less",
+        "L - 1 bands: a loop from 1 or up to L - 1",
+        "the finest detail is missing",
+        "k from 0 to L - 1",
+        "never; cheap to keep",
+        0,
+    ),
+    Mistake::new(
         "fraction_alone",
         "x - floor(x) for x",
         "the first band has the other sign wherever floor(x) is odd, and positions repeat",
@@ -217,6 +241,16 @@ pub(super) fn other_wave(
         () if wrong.contains(&"sine_missing") => (cosine, cosine),
         () => return None,
     })
+}
+
+/// How many bands there are.
+pub(super) fn counted(levels: usize, wrong: &[&str]) -> usize {
+    match () {
+        () if wrong.contains(&"twice_the_bands") => 2 * levels,
+        () if wrong.contains(&"one_band_more") => levels + 1,
+        () if wrong.contains(&"one_band_less") => levels.saturating_sub(1),
+        () => levels,
+    }
 }
 
 /// The gradient of coordinate d in band k for these cotangents of sine and cosine, over the band's factor, as the mistakes have it.

@@ -28,7 +28,7 @@ const FROM: [&str; 4] = [
 ];
 
 /// How the splat falls off.
-const FALL: [&str; 11] = [
+const FALL: [&str; 12] = [
     "exp(-q / 2)",
     "exp(-q)",
     "exp(-2 q)",
@@ -40,10 +40,11 @@ const FALL: [&str; 11] = [
     "exp(-q / 2) max(0, 1 - (q / 9)^2)",
     "exp(-q / 2) max(0, 1 - q / 9)",
     "exp(q / 2)",
+    "exp(-q / 4)",
 ];
 
 /// Where it ends.
-const END: [&str; 16] = [
+const END: [&str; 20] = [
     "as it does by convention",
     "where q > 9",
     "where q > 8",
@@ -60,7 +61,14 @@ const END: [&str; 16] = [
     "where q <= 0",
     "where |dx| > 3 or |dy| > 3",
     "where dx^2 + dy^2 > 9",
+    "outside of the box of whole pixels about the square of three deviations of its long axis",
+    "outside of the box of whole pixels about the square of three deviations along x and y",
+    "where q < 8",
+    "outside of r = int(3 sqrt(lambda)) + 1 whole pixels about the mean's own, lambda the larger variance",
 ];
+
+/// What is added to the variances before it.
+const ADDED: [&str; 5] = ["nothing", "1e-6", "1e-4", "0.3", "0.1"];
 
 /// What it is multiplied with.
 const TIMES: [&str; 7] =
@@ -71,18 +79,30 @@ const MOST: [&str; 6] = ["as it is by convention", "0.95", "0.9999", "1", "0.5",
 
 /// Those of a pixel and a splat.
 pub(crate) const OF_PIXELS: Laws = Laws {
-    choices: &[FAR.len(), FALL.len(), END.len(), TIMES.len(), MOST.len(), FROM.len()],
+    choices: &[FAR.len(), FALL.len(), END.len(), TIMES.len(), MOST.len(), FROM.len(), ADDED.len()],
     says: |part, choice| match part {
         0 => format!("q = {}", FAR[choice]),
         1 => format!("{} in the place of exp(-q / 2)", FALL[choice]),
         2 => format!("0 {}", END[choice]),
         3 => format!("times {} in the place of o", TIMES[choice]),
         4 => format!("at most {}", MOST[choice]),
-        _ => format!("dx and dy from {}", FROM[choice]),
+        5 => format!("dx and dy from {}", FROM[choice]),
+        _ => format!("{} added to the variances of its conic", ADDED[choice]),
     },
     of: |a, c, law| forward(a, |pixel, splat| of(pixel, splat, form(c), law)),
     rounding: &[(5, 1), (5, 2), (5, 3)],
 };
+
+/// The conic of variances with `h` more.
+fn dilated([a, b, c]: [f64; 3], h: f64) -> [f64; 3] {
+    if h == 0.0 {
+        return [a, b, c];
+    }
+    // The inverse of the inverse and h: over 1 + h (a + c) + h^2 det.
+    let det = a * c - b * b;
+    let over = 1.0 + h * (a + c) + h * h * det;
+    [(a + h * det) / over, b / over, (c + h * det) / over]
+}
 
 fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
     if law.iter().all(|choice| *choice == 0) {
@@ -94,7 +114,8 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         2 => splat.mean.map(f64::round),
         _ => splat.mean.map(f64::trunc),
     };
-    let ([x, y], [a, b, c]) = (offset(pixel, &Splat { mean, ..*splat }), splat.conic);
+    let [x, y] = offset(pixel, &Splat { mean, ..*splat });
+    let [a, b, c] = dilated(splat.conic, [0.0, 1e-6, 1e-4, 0.3, 0.1][law[6]]);
     let det = a * c - b * b;
     // The variances are the conic's inverse.
     let [xx, yy] = [c / det, a / det];
@@ -121,10 +142,16 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         7 => (1.0 - q / 9.0).max(0.0),
         8 => gaussian * (1.0 - q * q / 81.0).max(0.0),
         9 => gaussian * (1.0 - q / 9.0).max(0.0),
-        _ => exp(0.5 * q),
+        10 => exp(0.5 * q),
+        _ => exp(-0.25 * q),
     };
     let long = 0.5 * (xx + yy) + (0.25 * (xx - yy) * (xx - yy) + b * b / (det * det)).sqrt();
     let reach = 3.0 * long.max(0.0).sqrt();
+    let boxed = |reach: [f64; 2]| {
+        let beyond =
+            |n: usize| pixel[n] < (mean[n] - reach[n]).floor() || pixel[n] > (mean[n] + reach[n]).ceil();
+        beyond(0) || beyond(1)
+    };
     let ended = match law[2] {
         0 => false,
         1 => q > 9.0,
@@ -141,6 +168,13 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         12 => q > 0.0,
         13 => q <= 0.0,
         14 => x.abs() > 3.0 || y.abs() > 3.0,
+        16 => boxed([reach; 2]),
+        18 => q < 8.0,
+        19 => [0, 1].iter().any(|&n| {
+            let (own, r) = (mean[n].trunc(), reach.trunc() + 1.0);
+            pixel[n] < own - r || pixel[n] >= own + r + 1.0
+        }),
+        17 => boxed([3.0 * xx.max(0.0).sqrt(), 3.0 * yy.max(0.0).sqrt()]),
         _ => x * x + y * y > 9.0,
     };
     let (o, tau) = (splat.opacity, std::f64::consts::TAU);

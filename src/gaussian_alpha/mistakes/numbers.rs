@@ -38,7 +38,7 @@ pub(super) const BELOW: Mistake = Mistake::new(
     "a WGSL shader, 0.02; a viewer, 0.01",
     2,
 )
-.with("k", 0.02, [1e-4, 0.5]);
+.with("k", 0.02, [1e-6, 0.5]);
 pub(super) const CAPPED: Mistake = Mistake::new(
     "capped_elsewhere",
     "min(alpha, k) with k other than 0.99 and 0.999",

@@ -78,15 +78,41 @@ const LAID: [&str; 4] = [
     "the k-th number of all for every channel, from the third band on",
 ];
 
+/// The part that is the sign of harmonic 1, y in the polynomials; those of the others follow.
+const SIGNS: usize = 5;
+
 /// Those of a splat.
 pub(crate) const OF_SPLATS: Laws = Laws {
-    choices: &[SEEN.len(), HARMONICS.len(), BANDS.len(), MADE.len(), LAID.len()],
+    // The last of them are the signs of the harmonics from the second band on.
+    choices: &[
+        SEEN.len(),
+        HARMONICS.len(),
+        BANDS.len(),
+        MADE.len(),
+        LAID.len(),
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+        2,
+    ],
     says: |part, choice| match part {
         0 => format!("direction {}", SEEN[choice]),
         1 => format!("harmonics {}", HARMONICS[choice]),
         2 => format!("bands: {}", BANDS[choice]),
         3 => format!("color = {}", MADE[choice]),
-        _ => format!("coefficients laid by {}", LAID[choice]),
+        4 => format!("coefficients laid by {}", LAID[choice]),
+        _ => format!("the other sign of harmonic {}", part - SIGNS + 1),
     },
     of: |a, c, law| forward(a, |mean, center, f| of(mean, center, f, form(c), law)),
     rounding: &[],
@@ -147,6 +173,7 @@ fn of(mean: [f64; 3], center: [f64; 3], f: &[[f64; 3]], form: Form, law: &[usize
     let normalized =
         if matches!(law[0], 2 | 3) { HarmonicForm::Homogeneous } else { HarmonicForm::Normalized };
     let mut y = basis(seen(mean, center, law[0]), degree(f), normalized, form, law[1]);
+    y.iter_mut().skip(1).zip(&law[SIGNS..]).filter(|(_, other)| **other == 1).for_each(|(y, _)| *y = -*y);
     let flat: Vec<f64> = f.iter().flatten().copied().collect();
     let k = f.len();
     let f: Vec<[f64; 3]> = match law[4] {

@@ -4,136 +4,9 @@ use glam::{DMat3, DVec3};
 
 use super::super::arrays::{form, forward, view};
 use super::super::{Form, Splat, View, in_camera, limits, project};
+use super::choices::{ADDED, AT, CONIC, DEPTH, DIVISOR, FOCAL, HELD, JACOBIAN, MEAN, MIXED, RADIUS, TURNED};
 use crate::contract::laws::Laws;
 use crate::convention::{SplatCenter, SplatClamp};
-
-/// The mean in the picture.
-const MEAN: [&str; 14] = [
-    "(fx x/z + cx, fy y/z + cy)",
-    "(x, y) in the camera, not projected",
-    "(cx - fx x/z, fy y/z + cy)",
-    "(fx x/z + cx, cy - fy y/z)",
-    "(cx - fx x/z, cy - fy y/z)",
-    "(fx x/z + cx, fy y/z + cy) rounded down",
-    "(fx x/z + cx, fy y/z + cy) rounded to whole pixels",
-    "(fx x/z + cx, fx y/z + cy)",
-    "(fy x/z + cx, fy y/z + cy)",
-    "(2 fx x/(z W), 2 fy y/(z H))",
-    "(fx x/z + W/2, fy y/z + H/2)",
-    "(fx x/z, fy y/z)",
-    "(x/z, y/z)",
-    "((fx x/z + cx) (W - 1)/W, (fy y/z + cy) (H - 1)/H)",
-];
-
-/// The covariance that goes through the Jacobian.
-const TURNED: [&str; 6] = [
-    "R Sigma R^T",
-    "Sigma, not turned,",
-    "R^T Sigma R",
-    "D R Sigma R^T D, D = diag(1, -1, -1),",
-    "D Sigma D, D = diag(1, -1, -1), not turned,",
-    "R Sigma R",
-];
-
-/// The Jacobian's focal lengths.
-const FOCAL: [&str; 8] = [
-    "(fx, fy)",
-    "(1, 1)",
-    "(fx, fx)",
-    "(fy, fy)",
-    "(2 fx / W, 2 fy / H)",
-    "(2 fx / W, 2 fx / W)",
-    "of K R's diagonal",
-    "of R's diagonal",
-];
-
-/// The point whose Jacobian is taken.
-const AT: [&str; 3] =
-    ["(x, y, z) in the camera", "(x, y, z) in the world", "(u, v, z), u and v the mean in the picture"];
-
-/// What divides in the mean and in the Jacobian.
-const DIVISOR: [&str; 6] = ["z", "max(z, 0.01)", "max(z, 0.1)", "max(z, 0.2)", "max(z, 0.3)", "max(z, 1)"];
-
-/// The Jacobian.
-const JACOBIAN: [&str; 10] = [
-    "= (f/z, 0, -f x/z^2; 0, f/z, -f y/z^2)",
-    "without its depth column",
-    "with + in its depth column",
-    "with + in the depth column of y alone",
-    "with + in the depth column of x alone",
-    "with the distance for z",
-    "not divided by z, with z in its depth column",
-    "with z for z^2 in its depth column",
-    "with y for x and x for y",
-    "= (1, 0, 0; 0, 1, 0)",
-];
-
-/// How far beside the picture it is taken.
-const HELD: [&str; 10] = [
-    "what it is by convention",
-    "nothing",
-    "1.3 of the half picture on either side",
-    "0.3 of the half picture beyond its edges",
-    "1.3 times the whole angle",
-    "1.3 on either side",
-    "1.3 tan(1/2) on either side",
-    "0.15 of the picture beyond its edges",
-    "1.3 of half the width on either side, in y too",
-    "z in x/z and y/z of J held to 1.3 W/(2 fx) and 1.3 H/(2 fy) on either side",
-];
-
-/// What is added to the variances.
-const ADDED: [&str; 12] =
-    ["", "nothing", "1e-6", "1e-4", "0.01", "0.1", "0.3", "0.5", "1", "1.5", "1e-3", "0.3 in every entry"];
-
-/// What becomes of the number off the diagonal.
-const MIXED: [&str; 4] = ["b", "-b", "0", "b / 2"];
-
-/// The conic.
-const CONIC: [&str; 11] = [
-    "(c, -b, a) / det",
-    "(c, -b, a) / (det + 1e-6)",
-    "(c, -b, a) / (det + 1e-7)",
-    "(c, -b, a) / max(det, 1e-6)",
-    "(c, -b, a), not divided",
-    "(c, b, a) / det",
-    "(a, -b, c) / det",
-    "(c, -b, a) / det of variances with 1e-6 added once more",
-    "(c, -b, a) / det of variances with nothing added",
-    "(a, b, c), the covariance itself",
-    "(c, -b, a) / (a c + b^2)",
-];
-
-/// The radius, lambda the larger eigenvalue.
-const RADIUS: [&str; 23] = [
-    "ceil(3 sqrt(lambda))",
-    "3 sqrt(lambda)",
-    "ceil(3 sqrt(max(a, c)))",
-    "3 sqrt(max(a, c))",
-    "ceil(3 sqrt(sqrt(det)))",
-    "3 sqrt(sqrt(det))",
-    "ceil(2 sqrt(lambda))",
-    "ceil(3.33 sqrt(lambda))",
-    "ceil(3 sqrt(lambda)) + 1",
-    "3 sqrt(lambda) rounded",
-    "3 sqrt(lambda) rounded down",
-    "sqrt(lambda)",
-    "3 lambda",
-    "ceil(3 sqrt(lambda)) of variances with nothing added",
-    "ceil(3 sqrt(a + c))",
-    "3 sqrt(a + c)",
-    "ceil(3 sqrt(lambda)), at most 64",
-    "3 sqrt(lambda), at most 64",
-    "ceil(3 sqrt(max(a, c))), at most 64",
-    "0",
-    "3 ceil(sqrt(lambda))",
-    "3 / sqrt(min(a, c) / det)",
-    "3 / (sqrt(min(a, c) / det) + 1e-4)",
-];
-
-/// The depth.
-const DEPTH: [&str; 9] =
-    ["z", "|t|", "-z", "1/z", "max(z, 0.01)", "max(z, 0.1)", "max(z, 0.2)", "max(z, 1)", "max(z, 0.3)"];
 
 /// Those of a splat.
 pub(crate) const OF_SPLATS: Laws = Laws {
@@ -170,7 +43,7 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         let view = view(a);
         forward(a, c, |mean, sigma| splat(mean, sigma, &view, form(c), law))
     },
-    rounding: &[(0, 5), (0, 6)],
+    rounding: &[(0, 5), (0, 6), (0, 15)],
 };
 
 /// The covariance in the camera's axes.
@@ -202,6 +75,7 @@ fn slopes(t: [f64; 3], view: &View, form: Form, choice: usize) -> [f64; 2] {
             6 => [-1.3 * libm::tan(0.5), 1.3 * libm::tan(0.5)],
             7 => [(-0.15 * size - center) / f, (1.15 * size - center) / f],
             8 => [-0.65 * view.width / f, 0.65 * view.width / f],
+            10 => [-1.3 * center.max(size - center) / f, 1.3 * center.max(size - center) / f],
             _ => [-1.3 * half, 1.3 * half],
         };
         if choice == 9 { t[n] / t[2].max(low).min(high) } else { (t[n] / t[2]).max(low).min(high) }
@@ -245,7 +119,7 @@ fn jacobian(t: [f64; 3], slopes: [f64; 2], view: &View, focal: usize, choice: us
     })
 }
 
-fn placed(t: [f64; 3], view: &View, form: Form, law: &[usize]) -> [f64; 2] {
+fn placed(mean: [f64; 3], t: [f64; 3], view: &View, form: Form, law: &[usize]) -> [f64; 2] {
     let (k, shift) = (view.k, if form.center == SplatCenter::Integer { 0.5 } else { 0.0 });
     let z = divisor(t[2], law[11]);
     let [x, y] = [t[0] / z, t[1] / z];
@@ -265,9 +139,11 @@ fn placed(t: [f64; 3], view: &View, form: Form, law: &[usize]) -> [f64; 2] {
         10 => [k.fx * x + 0.5 * view.width - shift, k.fy * y + 0.5 * view.height - shift],
         11 => [k.fx * x, k.fy * y],
         12 => [x, y],
+        14 => [k.fx * mean[0] / mean[2] + center[0], k.fy * mean[1] / mean[2] + center[1]],
         _ => {
             let of = |u: f64, size: f64| u * (size - 1.0) / size;
-            [of(k.fx * x + k.cx, view.width), of(k.fy * y + k.cy, view.height)]
+            let [u, v] = [of(k.fx * x + k.cx, view.width), of(k.fy * y + k.cy, view.height)];
+            if law[0] == 15 { [u.trunc(), v.trunc()] } else { [u, v] }
         }
     }
 }
@@ -276,6 +152,7 @@ fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f6
     let lambda = |[a, b, c]: [f64; 3]| {
         0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).max(form.radius.value()).sqrt()
     };
+    let exact = 0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).sqrt();
     let (three, det) = (3.0 * lambda([a, b, c]).max(0.0).sqrt(), a * c - b * b);
     let widest = 3.0 * a.max(c).max(0.0).sqrt();
     let mean = 3.0 * det.max(0.0).sqrt().sqrt();
@@ -303,6 +180,9 @@ fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f6
         19 => 0.0,
         20 => 3.0 * (three / 3.0).ceil(),
         21 => 3.0 / least.sqrt(),
+        23 => three.ceil().clamp(1.0, 64.0),
+        24 => (3.0 * exact.max(0.0).sqrt()).ceil(),
+        25 => 3.0 * exact.max(0.0).sqrt(),
         _ => 3.0 / (least.sqrt() + 1e-4),
     }
 }
@@ -339,7 +219,7 @@ fn covariances(
     law: &[usize],
 ) -> ([f64; 3], [f64; 3]) {
     let t = in_camera(mean, view);
-    let [x, y] = placed(t, view, form, law);
+    let [x, y] = placed(mean, t, view, form, law);
     let [x, y, z] = [t, mean, [x, y, t[2]]][law[10]];
     let at = [x, y, divisor(z, law[11])];
     let sigma = turned(sigma, view, law[1]);
@@ -352,10 +232,21 @@ fn covariances(
         _ => 0.5 * entry(0, 1),
     };
     let before = [entry(0, 0), mixed, entry(1, 1)];
-    let h = form.dilation.value();
-    let added = [h, 0.0, 1e-6, 1e-4, 0.01, 0.1, 0.3, 0.5, 1.0, 1.5, 1e-3, 0.3][law[5]];
-    let across = if law[5] == 11 { added } else { 0.0 };
-    (before, [before[0] + added, before[1] + across, before[2] + added])
+    let [on_a, on_b, on_c] = added(before, view, form, law[5]);
+    (before, [before[0] + on_a, before[1] + on_b, before[2] + on_c])
+}
+
+/// What is added to the covariance.
+fn added([a, b, c]: [f64; 3], view: &View, form: Form, choice: usize) -> [f64; 3] {
+    let (middle, apart) = (0.5 * (a + c), (0.25 * (a - c) * (a - c) + b * b).sqrt());
+    let both = |h: f64| [h, 0.0, h];
+    match choice {
+        0 => both(form.dilation.value()),
+        11 => [0.3; 3],
+        12 => [1e-4 * 0.25 * view.width * view.width, 0.0, 1e-4 * 0.25 * view.height * view.height],
+        13 => both((0.1 * (middle + apart) - (middle - apart)).max(0.0)),
+        _ => both([0.0, 1e-6, 1e-4, 0.01, 0.1, 0.3, 0.5, 1.0, 1.5, 1e-3][choice - 1]),
+    }
 }
 
 fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]) -> Splat {
@@ -377,11 +268,21 @@ fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]
     let ratio = (before[0] * before[2] - before[1] * before[1]).max(least) / (a * c - b * b).max(least);
     let z = t[2];
     Splat {
-        mean: placed(t, view, form, law),
+        mean: placed(mean, t, view, form, law),
         covariance,
         conic,
-        depth: [z, distance, -z, 1.0 / z, z.max(0.01), z.max(0.1), z.max(0.2), z.max(1.0), z.max(0.3)]
-            [law[9]],
+        depth: [
+            z,
+            distance,
+            -z,
+            1.0 / z,
+            z.max(0.01),
+            z.max(0.1),
+            z.max(0.2),
+            z.max(1.0),
+            z.max(0.3),
+            mean[2],
+        ][law[9]],
         radius,
         compensation: if shape_is_right {
             right.compensation

@@ -52,7 +52,7 @@ const DENSE: [&str; 6] = [
 ];
 
 /// How entries are mixed.
-const MIXED: [&str; 8] = [
+const MIXED: [&str; 12] = [
     "trilinear weights",
     "the lower vertex alone",
     "the nearest vertex alone",
@@ -61,6 +61,10 @@ const MIXED: [&str; 8] = [
     "the sum of all eight",
     "trilinear weights of the fractions of z, y, x",
     "weights (1 - |x - v|) of the first axis alone",
+    "trilinear weights of the fractions of x, z, y",
+    "trilinear weights of the fractions of y, x, z",
+    "trilinear weights of the fractions of y, z, x",
+    "trilinear weights of the fractions of z, x, y",
 ];
 
 /// Those of a grid.
@@ -180,6 +184,10 @@ fn features(level: &Level, x: [f64; 3], law: &[usize]) -> Vec<f64> {
     let fractions = cells.map(|(_, f)| f);
     let seen = match law[5] {
         6 => [fractions[2], fractions[1], fractions[0]],
+        8 => [fractions[0], fractions[2], fractions[1]],
+        9 => [fractions[1], fractions[0], fractions[2]],
+        10 => [fractions[1], fractions[2], fractions[0]],
+        11 => [fractions[2], fractions[0], fractions[1]],
         4 => fractions.map(|f| 1.0 - f),
         _ => fractions,
     };

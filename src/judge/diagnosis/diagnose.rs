@@ -7,6 +7,7 @@ use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply, changes, partial};
 use super::super::statistics;
 use super::beyond::beyond;
+use super::commoner::commoner;
 use super::effects::Effects;
 use super::evidence::{
     Explanation, Suspect, difference, explains_all, forward_is_the_same, no_number_left, nothing_but_zero,
@@ -166,8 +167,9 @@ impl<'a> Diagnosis<'a> {
     fn one_mistake(&self) -> (Vec<Explanation>, Vec<Hypothesis>) {
         let Diagnosis { question, answers, base, options, .. } = *self;
         let near = self.near(1);
-        let found = self.explaining(1, &near);
+        let mut found = self.explaining(1, &near);
         if !found.is_empty() {
+            found.extend(commoner(&found, question, answers, options));
             return (self.ranked(found), vec![]);
         }
         if !self.large && !nothing_but_zero(question, answers) {

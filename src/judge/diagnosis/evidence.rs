@@ -7,6 +7,7 @@ use super::super::assignment::small_cases;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::Partial;
+use super::super::within::Off;
 use super::hypothesis::{Apart, Hypothesis};
 use super::slips::slip::Slip;
 use super::telling::repeats;
@@ -117,18 +118,14 @@ pub(crate) fn explains_all(
         h.prediction(question, case).1.is_none_or(|error| error.values().flatten().any(|e| e.is_finite()))
     };
     // Those first that can be rejected without a bound.
-    let (hard, others): (Vec<_>, Vec<_>) =
-        cases.iter().partition(|(case, _)| !options.may_reject_early(case));
-    let early = others.len();
-    let ordered: Vec<&(&Case, &Answer)> = others.into_iter().chain(hard).collect();
-    let fits = |n: &usize| h.explains(question, ordered[*n].0, ordered[*n].1, options);
+    let early = |n: &usize| options.may_reject_early(cases[*n].0);
+    let fits = |n: &usize| h.explains(question, cases[*n].0, cases[*n].1, options);
     // Before them the case that rejected the last hypothesis, unless it is long: where one thing is wrong, many are rejected by the same.
-    let cheap = |n: &usize| {
-        *n < early && ordered.get(*n).is_some_and(|(case, _)| case.size() <= 4 * ordered[0].0.size())
-    };
+    let cheap = |n: &usize| *n < cases.len() && cases[*n].0.size() <= 4 * cases[0].0.size() && early(n);
     let first = Some(REJECTED_BY.get()).filter(cheap);
-    let rest = (0..ordered.len()).filter(|n| first != Some(*n));
-    if let Some(rejected) = first.into_iter().chain(rest).find(|n| !fits(n)) {
+    let (others, hard) = ((0..cases.len()).filter(early), (0..cases.len()).filter(|n| !early(n)));
+    let mut rest = first.into_iter().chain(others.chain(hard).filter(|n| first != Some(*n)));
+    if let Some(rejected) = rest.find(|n| !fits(n)) {
         REJECTED_BY.set(rejected);
         return false;
     }
@@ -142,7 +139,7 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     }
     let right = Hypothesis { loose: true, ..Hypothesis::new(vec![], h.conventions) };
     let off = |(case, answer): &(&Case, &Answer)| right.compared(h, question, case, answer, options);
-    let larger = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].max(b[1])];
+    let together = |a: [Off; 2], b: [Off; 2]| [0, 1].map(|n| a[n].and(b[n]));
     // What wrong code makes of an infinite input isn't known, but for what it counts or flags: else it would explain any NaN.
     let known = |(case, answer): (&Case, &Answer)| -> Answer {
         let told = |name: &String| case.finite() || question.component.output_entries(name).whole();
@@ -157,8 +154,10 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
         return false;
     }
     let each = cases.iter().map(|(case, answer)| (*case, known((case, answer))));
-    let [lost, wrong] = each.map(|(case, answer)| off(&(case, &answer))).fold([0.0; 2], larger);
-    lost > 1.0 || MUCH_BETTER * wrong < lost || repeats(h, question, &cases, options)
+    let [lost, wrong] = each.map(|(case, answer)| off(&(case, &answer))).fold([Off::default(); 2], together);
+    // What misses more numbers than the right formula explains them by the width of its own bound alone. In another shape nothing is known.
+    let nearer = wrong.many <= lost.many || wrong.most.is_infinite() || h.numeric(question);
+    lost.most > 1.0 && nearer || MUCH_BETTER * wrong.most < lost.most || repeats(h, question, &cases, options)
 }
 
 /// Whether the right formula gives the same in both, up to rounding, on the inputs of all cases.

@@ -2,10 +2,10 @@
 
 use ndarray::ArrayD;
 
-use super::super::answer::{Answer, reshaped};
+use super::super::answer::Answer;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
-use super::super::within::{Bound, Scale, each_within, largest_of, within};
+use super::super::within::{Bound, Off, Scale, each_within, largest_of, off, within};
 use super::numeric;
 use super::slips::slip::Slip;
 use crate::contract::arithmetic::{Dtype, Grade};
@@ -272,18 +272,18 @@ impl Hypothesis {
         let (mut wrong, error) = self.prediction(question, case);
         self.leave_open(question, case, answer, &mut wrong);
         let bound = self.bound(question, case, &wrong, error.as_ref(), options);
-        off(answer, &wrong, &bound)
+        off(answer, &wrong, &bound).most
     }
 
-    /// The largest errors of this hypothesis and of another on an answer, both over what this one allows and what is unknown of the other.
-    pub fn compared(
+    /// How far this hypothesis and another are off an answer, both over what this one allows and what is unknown of the other.
+    pub(super) fn compared(
         &self,
         other: &Hypothesis,
         question: &Question,
         case: &Case,
         answer: &Answer,
         options: &MarkOptions,
-    ) -> [f64; 2] {
+    ) -> [Off; 2] {
         let (right, _) = self.prediction(question, case);
         let (mut wrong, error) = other.prediction(question, case);
         other.leave_open(question, case, answer, &mut wrong);
@@ -340,22 +340,6 @@ const WIDE: f64 = 64.0;
 
 /// How many times larger than right answers wrong ones may be so that rounding costs them so much more.
 const LARGER: f64 = 64.0;
-
-/// The largest error of an answer over a bound.
-pub(super) fn off(answer: &Answer, predicted: &Arrays, bound: &Arrays) -> f64 {
-    let one = |(name, predicted): (&String, &ArrayD<f64>)| {
-        let got = reshaped(&answer.get(name)?.values, predicted.shape());
-        let Some((got, _)) = got.filter(|_| bound[name].shape() == predicted.shape()) else {
-            return Some(f64::INFINITY);
-        };
-        // NaN is off where nothing else is known, too.
-        let used = |((&g, &p), &b): ((&f64, &f64), &f64)| {
-            if g.is_nan() && !p.is_nan() { f64::INFINITY } else { budget_used(g, p, b) }
-        };
-        Some(got.iter().zip(predicted).zip(&bound[name]).map(used).fold(0.0, f64::max))
-    };
-    predicted.iter().filter_map(one).fold(0.0, f64::max)
-}
 
 /// Whether some of the mistakes lie in the forward function.
 pub fn of_forward(question: &Question, mistakes: &[&str]) -> bool {

@@ -17,6 +17,7 @@ mod unread;
 
 // Mistakes of the catalogue: one, with a number of its own, two, three, one output after another.
 mod climb;
+mod commoner;
 #[doc(hidden)]
 pub mod diagnose;
 mod effects;

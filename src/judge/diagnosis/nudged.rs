@@ -3,8 +3,8 @@
 use super::super::answer::Answer;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
-use super::super::within::within;
-use super::hypothesis::{Hypothesis, nudged, off};
+use super::super::within::{off, within};
+use super::hypothesis::{Hypothesis, nudged};
 use super::slips::slip::Slip;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -25,7 +25,7 @@ impl Hypothesis {
     ) -> bool {
         let bound = self.widened(question, case, gradient, Some(error), &[], options);
         let rounds = self.slip.as_ref().is_some_and(Slip::rounds);
-        if rounds || off(answer, gradient, &bound) > NEARLY {
+        if rounds || off(answer, gradient, &bound).most > NEARLY {
             return false;
         }
         let u = options.dtype.unit_roundoff();
@@ -78,7 +78,7 @@ mod tests {
         };
         let missed: Vec<_> = (2..32)
             .map(answered)
-            .filter(|answer| (1.0..NEARLY).contains(&off(answer, &gradient, &bound)))
+            .filter(|answer| (1.0..NEARLY).contains(&off(answer, &gradient, &bound).most))
             .collect();
         let explained = missed.iter().filter(|answer| h.explains(question, case, answer, &options)).count();
         assert!(explained > 0 && 4 * explained >= 3 * missed.len(), "{explained} of {}", missed.len());

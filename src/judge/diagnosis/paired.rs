@@ -2,7 +2,7 @@
 //! more elements agree than what has nothing to do with it.
 
 use super::super::answer::Answers;
-use super::super::assignment::{agreement, open, small_cases};
+use super::super::assignment::{THREE_DIGITS, agreement, open, small_cases};
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::partial::{Partial, apply, changes, partial};
@@ -40,7 +40,8 @@ pub(crate) fn paired(
         .collect();
     let agreeing = parallel::map(singles.len(), |n| {
         let of = cases.iter().take(CASES);
-        of.map(|(case, answer)| agreement(answer, &singles[n].prediction(question, case).0)).sum::<usize>()
+        of.map(|(case, answer)| agreement(answer, &singles[n].prediction(question, case).0, THREE_DIGITS))
+            .sum::<usize>()
     });
     let mut best: Vec<(usize, usize, &Hypothesis)> = agreeing
         .into_iter()

@@ -1,6 +1,6 @@
 //! What is wrong with rays, what it does, and where it was seen.
 
-use super::pictures::{FLAT, OF_PICTURES};
+use super::pictures::{FLAT, OF_PICTURES, POSE_IGNORED};
 use crate::camera::mistakes::{self, FLIPS};
 use crate::contract::component::{Mistake, joined};
 
@@ -184,6 +184,7 @@ pub(crate) const PIXEL_TO_RAY: &[Mistake] = &[
     ORIGIN_ON_PLANE,
     FLAT,
     NOT_TURNED,
+    POSE_IGNORED,
     NOT_TURNED_OFF,
     SUM_FOR_NORM,
     LARGEST_FOR_NORM,
@@ -259,6 +260,7 @@ const OF_RAYS: &[Mistake] = &[
     ORIGIN_ON_PLANE,
     FLAT,
     NOT_TURNED,
+    POSE_IGNORED,
     NOT_TURNED_OFF,
     SUM_FOR_NORM,
     LARGEST_FOR_NORM,

@@ -12,6 +12,16 @@ pub(super) const FLAT: Mistake = Mistake::new(
     1,
 );
 
+/// Of single rays, too.
+pub(super) const POSE_IGNORED: Mistake = Mistake::new(
+    "pose_ignored",
+    "o = 0 and d = d_c: rays of the camera's own space",
+    "all pictures are taken from one place",
+    "R d_c, and the camera's position",
+    "1 public implementation",
+    1,
+);
+
 /// Of its numbers and its axes.
 pub(super) const OF_PICTURES: &[Mistake] = &[
     Mistake::new(

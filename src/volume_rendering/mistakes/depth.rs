@@ -1,6 +1,6 @@
 //! The expected distance, wrong on purpose.
 
-use ndarray::ArrayD;
+use ndarray::{ArrayD, Axis};
 
 use crate::contract::arrays::{Arrays, array, input, number, row, size};
 use crate::contract::component::Mistake;
@@ -55,6 +55,15 @@ const EMPTY_OF_ITS_OWN: Mistake = Mistake::new(
 
 /// Mistakes of the expected distance.
 pub(crate) const DEPTH: &[Mistake] = &[
+    Mistake::new(
+        "nan_behind_a_choice",
+        "far is chosen behind sum w t / sum w: on a ray without weight the quotient is never seen, and its gradient is 0 / 0",
+        "one empty ray, and all weights are NaN after the next step",
+        "choose the divisor, not the quotient: sum w t / where(sum w > 0, sum w, 1)",
+        "ports of mip-NeRF: nan_to_num(distance, inf), then clip",
+        1,
+    )
+    .of_gradient(),
     Mistake::new(
         "zero_by_zero",
         "sum w t / sum w on a ray without weight",
@@ -327,8 +336,15 @@ fn medians(a: &Arrays, otherwise: fn(&[f64]) -> f64) -> ArrayD<f64> {
 }
 
 /// Gradient of the expected distance: none of its own.
-pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, _: &[&str]) -> Arrays {
-    arrays::depths_vjp(a, c)
+pub(crate) fn depth_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
+    let mut gradients = arrays::depths_vjp(a, c);
+    if wrong.contains(&"nan_behind_a_choice") {
+        let empty = |r: usize| row(a, "weights", r).iter().all(|w| *w == 0.0);
+        for r in (0..size(a, "weights").0).filter(|&r| empty(r)) {
+            gradients.values_mut().for_each(|g| g.index_axis_mut(Axis(0), r).fill(f64::NAN));
+        }
+    }
+    gradients
 }
 
 #[cfg(test)]

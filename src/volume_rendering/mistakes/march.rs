@@ -44,6 +44,15 @@ pub(super) const BEFORE_THE_SAMPLE: Mistake = Mistake::new(
     1,
 )
 .with("left", 1e-4, [1e-7, 0.5]);
+pub(super) const TOGETHER: Mistake = Mistake::new(
+    "given_up_together",
+    "all rays end where less light than a threshold is left in each of them",
+    "what lies behind haze is missing where all of a batch is opaque: a picture depends on how its rays are grouped",
+    "each ray by itself, or go on to the end",
+    "2 splat renderers: if accumulated.min() > 0.99: break",
+    2,
+)
+.with("left", 1e-2, [1e-7, 0.5]);
 pub(super) const MADE_OPAQUE: Mistake = Mistake::new(
     "made_opaque_early",
     "where less light than a threshold is left, the color is divided by the opacity, and that is 1",

@@ -14,7 +14,7 @@ const ELEMENTS: [&str; 7] =
     ["alpha_j", "(1 - alpha_j)", "sigma_j delta_j", "sigma_j", "delta_j", "exp(-sigma_j)", "(1 - sigma_j)"];
 
 /// How it is accumulated.
-const SCANS: [&str; 10] = [
+const SCANS: [&str; 12] = [
     "sum_{j<i} X",
     "sum_{j<=i} X",
     "prod_{j<i} X",
@@ -25,6 +25,8 @@ const SCANS: [&str; 10] = [
     "sum_{j>i} X",
     "prod_{j>i} X",
     "(prod_{j<i} X, 0 for the first)",
+    "prod_{1<j<=i} X",
+    "prod_{1<j<i} X",
 ];
 
 /// What is made of that.
@@ -161,8 +163,10 @@ fn scanned(x: &[f64], n: usize) -> Vec<f64> {
         6 => sum(x),
         7 => sum(&x[i + 1..]),
         8 => product(&x[i + 1..]),
-        _ if i == 0 => 0.0,
-        _ => product(&x[..i]),
+        9 if i == 0 => 0.0,
+        9 => product(&x[..i]),
+        10 => product(&x[1..(i + 1).max(1)]),
+        _ => product(&x[i.min(1)..i]),
     };
     (0..x.len()).map(of).collect()
 }
