@@ -196,14 +196,7 @@ fn one_convention_and_one_mistake_are_named() {
         if !exam.questions[n].admits(&c) {
             continue;
         }
-        let now = std::time::Instant::now();
         let row = judged(&exam, n, wrong_answers(&exam.questions[n], &c, &[mistake.name], dtype));
-        println!(
-            "DRAW {:.1} {} {} {convention}={value} {dtype}",
-            now.elapsed().as_secs_f64(),
-            component.name,
-            mistake.name
-        );
         // Where the two together are right in some conventions, or the mistake hides the convention, there is nothing to find.
         if row.verdict == Verdict::Pass || hidden(&exam.questions[n], &c, mistake, dtype) {
             continue;

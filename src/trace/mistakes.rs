@@ -63,6 +63,7 @@ const ELSEWHERE: &[&str] = &[
     "taken_off_the_sum",
     "near_added_twice",
     "colors_given_up_early",
+    "given_up_together",
     "given_up_without_background",
     "optical_depth_held",
     "last_step_repeated",

@@ -95,7 +95,7 @@ def limits_of_the_farther_edge(means, covariances, w2c, K, width, height):
 @fault(
     "gaussian_projection",
     "slip: another formula: J Sigma, not turned, J^T, and x/z and y/z of J held to nothing, and what the smaller eigenvalue lacks of a tenth "
-    "of the larger one added to the variances, and radius = 3 sqrt(lambda)",
+    "of the larger one added to the variances, and radius = 3 sqrt(lambda), with nothing held up in lambda",
     seen="a trial on unseen code: splats by eigenvalues",
     gradient="none",
 )

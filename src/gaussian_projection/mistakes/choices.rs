@@ -101,7 +101,7 @@ pub(super) const ADDED: [&str; 14] = [
 pub(super) const MIXED: [&str; 4] = ["b", "-b", "0", "b / 2"];
 
 /// The conic.
-pub(super) const CONIC: [&str; 11] = [
+pub(super) const CONIC: [&str; 14] = [
     "(c, -b, a) / det",
     "(c, -b, a) / (det + 1e-6)",
     "(c, -b, a) / (det + 1e-7)",
@@ -113,6 +113,9 @@ pub(super) const CONIC: [&str; 11] = [
     "(c, -b, a) / det of variances with nothing added",
     "(a, b, c), the covariance itself",
     "(c, -b, a) / (a c + b^2)",
+    "(c, -b, a) / max(det, 1e-8)",
+    "(c, -b, a) / max(det, 1e-10)",
+    "(c, -b, a) / max(det, 1e-12)",
 ];
 
 /// The radius, lambda the larger eigenvalue.

@@ -201,7 +201,10 @@ fn inverse([a, b, c]: [f64; 3], before: [f64; 3], choice: usize) -> [f64; 3] {
         7 => inverse([a + 1e-6, b, c + 1e-6], before, 0),
         8 => inverse(before, before, 0),
         9 => [a, b, c],
-        _ => over(a * c + b * b),
+        10 => over(a * c + b * b),
+        11 => over(det.max(1e-8)),
+        12 => over(det.max(1e-10)),
+        _ => over(det.max(1e-12)),
     }
 }
 
