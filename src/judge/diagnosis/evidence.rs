@@ -155,8 +155,9 @@ pub(crate) fn shows(h: &Hypothesis, question: &Question, answers: &Answers, opti
     }
     let each = cases.iter().map(|(case, answer)| (*case, known((case, answer))));
     let [lost, wrong] = each.map(|(case, answer)| off(&(case, &answer))).fold([Off::default(); 2], together);
-    // What misses more numbers than the right formula explains them by the width of its own bound alone. In another shape nothing is known.
-    let nearer = wrong.many <= lost.many || wrong.most.is_infinite() || h.numeric(question);
+    // What misses as many numbers as the right formula explains them by the width of its own bound alone. In another shape nothing is known.
+    let nearer =
+        (wrong.many, wrong.most) < (lost.many, lost.most) || wrong.most.is_infinite() || h.numeric(question);
     lost.most > 1.0 && nearer || MUCH_BETTER * wrong.most < lost.most || repeats(h, question, &cases, options)
 }
 
