@@ -227,11 +227,12 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     if wrong.is_empty() {
         return arrays::early_stop(a, c);
     }
-    let mut a = a.clone();
-    if let Some(step) = OWN_STEP.among(wrong) {
+    let stepped = OWN_STEP.among(wrong).map(|step| {
+        let mut a = a.clone();
         a.get_mut("deltas").expect("an input").fill(step);
-    }
-    let a = &a;
+        a
+    });
+    let a = stepped.as_ref().unwrap_or(a);
     let samples = values(a, "sigmas").len();
     let eps = match () {
         () if wrong.contains(&"never_stopped") => 0.0,

@@ -379,13 +379,17 @@ def constant_band(means, camera_center, coefficients):
     return torch.clamp_min(0.5 + 0.28209479177387814 * coefficients[:, 0], 0.0)
 
 
+def colored_with_signs(signs, means, camera_center, coefficients):
+    """The rasterizer's colors, its first harmonics times these."""
+    # The sign of a harmonic is one of its coefficient.
+    signs = torch.tensor(signs + [1] * 25)[: coefficients.shape[1]]
+    return as_the_rasterizer_colors(means, camera_center, signs[:, None] * coefficients)
+
+
 @fault("gaussian_color", "band_1_signs", seen="a trial on unseen code: +C1 y, +C1 z, +C1 x above the rasterizer's other bands")
 def band_one_without_signs(means, camera_center, coefficients):
     """The rasterizer's harmonics but for + in all of band 1."""
-    width = coefficients.shape[1]
-    signs = torch.tensor([1.0, -1.0, 1.0, -1.0] + [1.0] * 21)[:width]
-    y = signs * basis(F.normalize(means - camera_center, dim=-1), width)
-    return torch.clamp_min((y[..., None] * coefficients).sum(1) + 0.5, 0.0)
+    return colored_with_signs([1, -1, 1, -1], means, camera_center, coefficients)
 
 
 @fault("gaussian_color", "third_band_left_out", seen="a trial on unseen code: `pass` where band 3 belongs")

@@ -6,6 +6,12 @@ from gaussians import in_camera, jacobian, matrices
 from splats import flat, three
 
 
+def held_to(most, t, k):
+    """J of slopes that are held to so much on either side."""
+    slopes = torch.minimum(torch.maximum(t[:, :2] / t[:, 2:], -most), most)
+    return jacobian(slopes, t[:, 2], k)
+
+
 @fault(
     "gaussian_projection",
     "slip: another formula: focal lengths (1, 1) in J, and x/z and y/z of J held to nothing, and nothing added to the variances, "
@@ -44,8 +50,7 @@ def limits_of_the_width(means, covariances, w2c, K, width, height):
     """1.3 W / (2 fy) where 1.3 H / (2 fy) belongs; nothing is added."""
     t, sigma = in_camera(means, covariances, w2c)
     most = 1.3 * 0.5 * width / torch.stack([K[0, 0], K[1, 1]])
-    slopes = torch.minimum(torch.maximum(t[:, :2] / t[:, 2:], -most), most)
-    j = jacobian(slopes, t[:, 2], K)
+    j = held_to(most, t, K)
     return {"depths": t[:, 2], "covariances2d": three(j @ sigma @ j.mT)}
 
 
@@ -87,8 +92,7 @@ def limits_of_the_farther_edge(means, covariances, w2c, K, width, height):
     t, sigma = in_camera(means, covariances, w2c)
     size, center = torch.tensor([float(width), float(height)]), K[:2, 2]
     most = 1.3 * torch.maximum(center, size - center) / torch.stack([K[0, 0], K[1, 1]])
-    slopes = torch.minimum(torch.maximum(t[:, :2] / t[:, 2:], -most), most)
-    j = jacobian(slopes, t[:, 2], K)
+    j = held_to(most, t, K)
     return {"depths": t[:, 2], "covariances2d": three(j @ sigma @ j.mT + 0.3 * torch.eye(2))}
 
 

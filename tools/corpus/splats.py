@@ -2,9 +2,8 @@
 
 import numpy as np
 import torch
-import torch.nn.functional as F
 from entry import convention, fault
-from gaussians import around_the_picture, as_the_rasterizer_colors, basis, drawn, exponent, in_camera, jacobian
+from gaussians import around_the_picture, as_the_rasterizer_colors, colored_with_signs, drawn, exponent, in_camera, jacobian
 
 
 def long_deviation(conics):
@@ -278,10 +277,7 @@ def means_as_they_are(means, covariances, w2c, K, width, height):
 )
 def second_band_the_other_way_round(means, camera_center, coefficients):
     """The rasterizer's harmonics but for the signs of xy, yz and xz."""
-    width = coefficients.shape[1]
-    signs = torch.tensor([1.0, 1.0, 1.0, 1.0, -1.0, -1.0, 1.0, -1.0] + [1.0] * 17)[:width]
-    y = signs * basis(F.normalize(means - camera_center, dim=-1), width)
-    return torch.clamp_min((y[..., None] * coefficients).sum(1) + 0.5, 0.0)
+    return colored_with_signs([1, 1, 1, 1, -1, -1, 1, -1], means, camera_center, coefficients)
 
 
 @fault(

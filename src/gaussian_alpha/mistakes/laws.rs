@@ -67,15 +67,15 @@ const END: [&str; 20] = [
     "outside of r = int(3 sqrt(lambda)) + 1 whole pixels about the mean's own, lambda the larger variance",
 ];
 
-/// What is added to the variances before it.
-const ADDED: [&str; 5] = ["nothing", "1e-6", "1e-4", "0.3", "0.1"];
-
 /// What it is multiplied with.
 const TIMES: [&str; 7] =
     ["o", "1", "o^2", "sigmoid(o)", "o / (2 pi sqrt(det))", "o / (2 pi)", "o sqrt(A C - B^2)"];
 
 /// The most that is left.
 const MOST: [&str; 6] = ["as it is by convention", "0.95", "0.9999", "1", "0.5", "0.98"];
+
+/// What is added to the variances before all that.
+const ADDED: [&str; 5] = ["nothing", "1e-6", "1e-4", "0.3", "0.1"];
 
 /// Those of a pixel and a splat.
 pub(crate) const OF_PIXELS: Laws = Laws {
@@ -169,12 +169,12 @@ fn of(pixel: [f64; 2], splat: &Splat, form: Form, law: &[usize]) -> f64 {
         13 => q <= 0.0,
         14 => x.abs() > 3.0 || y.abs() > 3.0,
         16 => boxed([reach; 2]),
+        17 => boxed([3.0 * xx.max(0.0).sqrt(), 3.0 * yy.max(0.0).sqrt()]),
         18 => q < 8.0,
         19 => [0, 1].iter().any(|&n| {
             let (own, r) = (mean[n].trunc(), reach.trunc() + 1.0);
             pixel[n] < own - r || pixel[n] >= own + r + 1.0
         }),
-        17 => boxed([3.0 * xx.max(0.0).sqrt(), 3.0 * yy.max(0.0).sqrt()]),
         _ => x * x + y * y > 9.0,
     };
     let (o, tau) = (splat.opacity, std::f64::consts::TAU);

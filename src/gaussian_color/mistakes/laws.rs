@@ -81,31 +81,20 @@ const LAID: [&str; 4] = [
 /// The part that is the sign of harmonic 1, y in the polynomials; those of the others follow.
 const SIGNS: usize = 5;
 
+/// The choices of each part; a sign has two.
+const CHOICES: [usize; SIGNS + 15] = {
+    let mut choices = [2; SIGNS + 15];
+    choices[0] = SEEN.len();
+    choices[1] = HARMONICS.len();
+    choices[2] = BANDS.len();
+    choices[3] = MADE.len();
+    choices[4] = LAID.len();
+    choices
+};
+
 /// Those of a splat.
 pub(crate) const OF_SPLATS: Laws = Laws {
-    // The last of them are the signs of the harmonics from the second band on.
-    choices: &[
-        SEEN.len(),
-        HARMONICS.len(),
-        BANDS.len(),
-        MADE.len(),
-        LAID.len(),
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-        2,
-    ],
+    choices: &CHOICES,
     says: |part, choice| match part {
         0 => format!("direction {}", SEEN[choice]),
         1 => format!("harmonics {}", HARMONICS[choice]),

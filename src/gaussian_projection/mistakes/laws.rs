@@ -149,10 +149,11 @@ fn placed(mean: [f64; 3], t: [f64; 3], view: &View, form: Form, law: &[usize]) -
 }
 
 fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f64 {
-    let lambda = |[a, b, c]: [f64; 3]| {
-        0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).max(form.radius.value()).sqrt()
+    let above = |[a, b, c]: [f64; 3], least: f64| {
+        0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).max(least).sqrt()
     };
-    let exact = 0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).sqrt();
+    let lambda = |covariance| above(covariance, form.radius.value());
+    let exact = above([a, b, c], 0.0);
     let (three, det) = (3.0 * lambda([a, b, c]).max(0.0).sqrt(), a * c - b * b);
     let widest = 3.0 * a.max(c).max(0.0).sqrt();
     let mean = 3.0 * det.max(0.0).sqrt().sqrt();

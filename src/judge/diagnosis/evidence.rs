@@ -206,3 +206,39 @@ pub(crate) fn largest_residual(
 pub fn difference(a: &Partial, b: &Partial) -> Partial {
     a.iter().filter(|(key, value)| b.get(*key) != Some(value)).map(|(key, value)| (*key, *value)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::answer::given;
+    use super::super::super::exam::Exam;
+    use super::*;
+    use crate::contract::arithmetic::Dtype;
+    use crate::convention::CS180;
+
+    /// What predicts the same as the right formula explains nothing, however wide its bound is where a ray ends at a threshold.
+    #[test]
+    fn a_mistake_shows_where_it_is_nearer_than_the_right_formula() {
+        let mut exam = Exam::new("volume_render", Dtype::F64, None).unwrap();
+        let question = &mut exam.questions[0];
+        question.cases.retain(|case| case.id == "mixed_0");
+        let options = MarkOptions { dtype: Dtype::F64, exp_ulp: 4.0 };
+        let ends_at = |left: f64| Hypothesis::new(vec!["given_up_early"], CS180).with_number(left);
+        let answers = |h: &Hypothesis, factor: f64| -> Answers {
+            let (mut outputs, _) = h.prediction(question, &question.cases[0]);
+            outputs.get_mut("colors").expect("an output")[[0, 1]] *= factor;
+            vec![Some(given(outputs))]
+        };
+        let right = Hypothesis::new(vec![], CS180);
+        let least = answers(&right, 1.0)[0].as_ref().expect("an answer")["transmittance"]
+            .values
+            .iter()
+            .fold(1.0, |least: f64, t| least.min(*t));
+        // Nothing ends, but a nudge further on something would.
+        let off = answers(&right, 1.0 + 1e-12);
+        let loose = Hypothesis { loose: true, ..right.clone() };
+        assert!(!loose.explains(question, &question.cases[0], off[0].as_ref().unwrap(), &options));
+        assert!(!shows(&ends_at(0.5 * least), question, &off, &options));
+        let ended = answers(&ends_at(0.5), 1.0);
+        assert!(shows(&ends_at(0.5), question, &ended, &options));
+    }
+}

@@ -165,7 +165,7 @@ fn scanned(x: &[f64], n: usize) -> Vec<f64> {
         8 => product(&x[i + 1..]),
         9 if i == 0 => 0.0,
         9 => product(&x[..i]),
-        10 => product(&x[1..(i + 1).max(1)]),
+        10 => product(&x[1..=i]),
         _ => product(&x[i.min(1)..i]),
     };
     (0..x.len()).map(of).collect()
