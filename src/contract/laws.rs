@@ -17,19 +17,25 @@ pub struct Laws {
 }
 
 impl Laws {
-    /// The formulas that differ from the right one in so many parts of those that may.
-    pub fn differing(&self, parts: usize, may: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
-        let mut all: Vec<(usize, Vec<usize>)> = vec![(0, vec![])];
-        for (n, choices) in self.choices.iter().enumerate() {
-            let left = (n + 1..self.choices.len()).filter(|other| may(*other)).count();
-            let choices = if may(n) { *choices } else { 1 };
-            let longer = |(had, law): (usize, Vec<usize>)| {
-                let next = (0..choices).map(move |c| (had + usize::from(c > 0), [&law[..], &[c]].concat()));
-                next.filter(move |(had, _)| *had <= parts && had + left >= parts)
-            };
-            all = all.into_iter().flat_map(longer).collect();
+    /// The formulas that differ from the right one in so many parts of those that may, the first ones of `most`: what the last parts are comes
+    /// before what the first ones are.
+    pub fn differing(&self, parts: usize, may: impl Fn(usize) -> bool, most: usize) -> Vec<Vec<usize>> {
+        let may: Vec<bool> = (0..self.choices.len()).map(may).collect();
+        let mut all = vec![];
+        self.longer(&[], parts, &may, most, &mut all);
+        all
+    }
+
+    /// Those that begin with these choices, and differ in so many more parts.
+    fn longer(&self, law: &[usize], parts: usize, may: &[bool], most: usize, all: &mut Vec<Vec<usize>>) {
+        let Some(choices) = self.choices.get(law.len()) else { return all.push(law.to_vec()) };
+        let left = may[law.len() + 1..].iter().filter(|may| **may).count();
+        for choice in 0..if may[law.len()] { *choices } else { 1 } {
+            let wrong = usize::from(choice > 0);
+            if all.len() < most && wrong <= parts && parts - wrong <= left {
+                self.longer(&[law, &[choice]].concat(), parts - wrong, may, most, all);
+            }
         }
-        all.into_iter().map(|(_, law)| law).collect()
     }
 
     /// Whether a formula rounds to whole numbers where the right one doesn't.
@@ -57,12 +63,13 @@ mod tests {
 
     #[test]
     fn each_formula_comes_once() {
-        let all = |parts| THREE.differing(parts, |_| true);
+        let all = |parts| THREE.differing(parts, |_| true, 9);
         assert_eq!(all(0), [[0, 0, 0]]);
         assert_eq!(all(1), [[0, 0, 1], [1, 0, 0], [2, 0, 0]]);
         assert_eq!(all(2), [[1, 0, 1], [2, 0, 1]]);
         assert_eq!(all(3), Vec::<Vec<usize>>::new());
-        let but_for_the_last = |parts| THREE.differing(parts, |part| part < 2);
+        assert_eq!(THREE.differing(1, |_| true, 2), [[0, 0, 1], [1, 0, 0]]);
+        let but_for_the_last = |parts| THREE.differing(parts, |part| part < 2, 9);
         assert_eq!(but_for_the_last(1), [[1, 0, 0], [2, 0, 0]]);
         assert_eq!(but_for_the_last(2), Vec::<Vec<usize>>::new());
         assert!(THREE.rounds(&[2, 0, 1]) && !THREE.rounds(&[1, 0, 1]));

@@ -96,6 +96,17 @@ pub(crate) fn early_stop() -> Vec<Case> {
         cases.push(case(regime, comment, eps, &lengths, sigmas, rgbs, deltas));
     }
     let mut cases = in_full(cases, "mixed");
+    let thin = [4, 7, 9, 12, 14, 17].map(|n| libm::ldexp(1.0, -n)).to_vec();
+    let long = thin.iter().map(|sigma| 0.25 / sigma).collect();
+    cases.push(case(
+        "thin_air",
+        "thin densities over long steps, 1/4 of optical depth each: none of them is too thin to matter",
+        0.09,
+        &[4, 2],
+        thin,
+        white(6),
+        long,
+    ));
     cases.push(case(
         "written_in",
         "T behind the samples: .50, .25, .13, .064, .060: who stops on his own from .05 on sees them all",

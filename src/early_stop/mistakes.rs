@@ -9,6 +9,7 @@ use crate::contract::component::Mistake;
 use crate::convention::{CS180, Conventions, ProductEps, Stop, Stopped};
 use crate::math::expm1;
 use crate::volume_rendering::component::VOLUME_RENDER;
+use crate::volume_rendering::mistakes::{OWN_STEP, THIN_SKIPPED};
 use crate::volume_rendering::volume_render;
 
 /// What it is called in the row that it is a mistake of.
@@ -168,17 +169,8 @@ pub(crate) const EARLY_STOP: &[Mistake] = &[
     ),
     TESTED_FIRST,
     OWN_STEP,
+    THIN_SKIPPED,
 ];
-
-const OWN_STEP: Mistake = Mistake::new(
-    "step_of_its_own",
-    "alpha = 1 - exp(-sigma step), with one step for all samples, whatever they are apart",
-    "densities in a unit of one's own; uneven samples are weighed as if they were even",
-    "the gaps between the samples",
-    "a march in CUDA with 0.01",
-    1,
-)
-.with("step", 0.01, [1e-5, 1.0]);
 
 /// What was carried over may stop a ray in front of its first sample.
 const TESTED_FIRST: Mistake = Mistake::new(
@@ -227,12 +219,15 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     if wrong.is_empty() {
         return arrays::early_stop(a, c);
     }
-    let stepped = OWN_STEP.among(wrong).map(|step| {
-        let mut a = a.clone();
-        a.get_mut("deltas").expect("an input").fill(step);
-        a
-    });
-    let a = stepped.as_ref().unwrap_or(a);
+    let mut given = a.clone();
+    if let Some(step) = OWN_STEP.among(wrong) {
+        given.entry("deltas".into()).and_modify(|deltas| deltas.fill(step));
+    }
+    if let Some(least) = THIN_SKIPPED.among(wrong) {
+        let skip = |sigma: f64| if sigma < least { 0.0 } else { sigma };
+        given.entry("sigmas".into()).and_modify(|sigmas| sigmas.mapv_inplace(skip));
+    }
+    let a = &given;
     let samples = values(a, "sigmas").len();
     let eps = match () {
         () if wrong.contains(&"never_stopped") => 0.0,

@@ -66,6 +66,7 @@ const ELSEWHERE: &[&str] = &[
     "given_up_together",
     "given_up_without_background",
     "optical_depth_held",
+    "division_by_density_guarded",
     "last_step_repeated",
     "steps_moved_on",
     "faint_weights_have_no_color",

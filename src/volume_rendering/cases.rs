@@ -160,6 +160,25 @@ pub(crate) fn volume_render() -> Vec<Case> {
             ("deltas", array(&[3, 3], vec![1.0; 9])),
         ],
     ));
+    let thin: Vec<f64> = [3, 6, 9, 12, 13, 14, 17, 20].map(|n| libm::ldexp(1.0, -n)).to_vec();
+    let deltas = thin.iter().map(|sigma| 0.25 / sigma).collect();
+    cases.push(one_ray(
+        "thin_air",
+        "thin densities over long steps, 1/4 of optical depth each: none of them is too thin to matter",
+        thin,
+        gray(8),
+        deltas,
+    ));
+    let sigmas = SUNS.iter().flat_map(|&e| [0.6875 * f64::from(e), 0.75, 0.5]).collect();
+    cases.push(Case::new(
+        "suns_behind_haze",
+        "what is so bright that it is seen through what leaves little of it: whoever gives up in front of it doesn't see it",
+        vec![
+            ("sigmas", array(&[SUNS.len(), 3], sigmas)),
+            ("rgbs", array(&[SUNS.len(), 3, 3], SUNS.iter().flat_map(|&e| seen_last(e, 3)).collect())),
+            ("deltas", array(&[SUNS.len(), 3], vec![1.0; 3 * SUNS.len()])),
+        ],
+    ));
     let mut draw = Draw::new("volume_render", 100);
     let sigmas = (0..24).map(|_| draw.decades(-1.0, 1.0)).collect();
     cases.push(Case::new(
@@ -203,6 +222,15 @@ pub(crate) fn volume_render() -> Vec<Case> {
     cases
 }
 
+/// Suns behind a haze that leaves about 2^-e of their light.
+const SUNS: [i32; 10] = [4, 5, 6, 7, 9, 11, 13, 15, 17, 20];
+
+/// The colors of a ray of so many samples: black, a sun, and what is beside it.
+fn seen_last(e: i32, samples: usize) -> Vec<f64> {
+    let sun = [0.75 * libm::ldexp(1.0, e.min(15)), 0.75, 0.5];
+    [vec![0.0; 3 * (samples - 2)], sun.to_vec(), vec![0.5, 0.25, 0.75]].concat()
+}
+
 /// From opacities.
 pub(crate) fn volume_render_alpha() -> Vec<Case> {
     let one_ray = |id, comment, alphas: Vec<f64>, rgbs| {
@@ -244,6 +272,16 @@ pub(crate) fn volume_render_alpha() -> Vec<Case> {
             array(&[1, 160, 3], vec![0.5; 480]),
         ),
     ];
+    // As many samples of 15/16 as fit, what is left, and the sun with what is beside it.
+    let haze = |e: i32| (0..6).map(move |i| 1.0 - libm::ldexp(1.0, -(e - 4 * i).clamp(0, 4)));
+    cases.push(Case::new(
+        "suns_behind_haze",
+        "what is so bright that it is seen through what leaves little of it: whoever gives up in front of it doesn't see it",
+        vec![
+            ("alphas", array(&[SUNS.len(), 8], SUNS.iter().flat_map(|&e| haze(e).chain([0.5, 0.25])).collect())),
+            ("rgbs", array(&[SUNS.len(), 8, 3], SUNS.iter().flat_map(|&e| seen_last(e, 8)).collect())),
+        ],
+    ));
     cases.extend(seeded("volume_render_alpha", |draw, low, high| {
         let (rays, samples) = (3, 12);
         let alpha = |draw: &mut Draw| draw.decades(low, high.min(-0.02)).min(1.0);

@@ -16,11 +16,13 @@ mod gradients;
 mod hand_written;
 mod lists;
 mod march;
+mod march_laws;
 mod other_alphas;
 mod steps;
 pub(crate) mod weight_laws;
 
 pub(crate) use background::{COMPOSITE_BACKGROUND, composite_background, composite_background_vjp};
+pub(crate) use catalogue::OWN_STEP;
 use catalogue::{
     COLORS_GIVEN_UP, DIVIDED, EPS_IN_PRODUCT, GIVEN_UP, LAST_OPAQUE, OVER_RAYS, OVER_RAYS_INCLUSIVE,
     WEIGHTS_CUT, WEIGHTS_NORMALIZED,
@@ -29,9 +31,10 @@ pub(crate) use densities::{ALPHA_ERROR, rounds_alpha, volume_render};
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
 pub(crate) use gradients::{volume_render_alpha_vjp, volume_render_vjp};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
+pub(crate) use march::THIN_SKIPPED;
 use march::{
-    ALPHAS_HELD, BEFORE_THE_SAMPLE, FAINT_UNCOLORED, GIVEN_UP_IN_THE_DARK, MADE_OPAQUE, THIN_ALPHAS,
-    TOGETHER, WEIGHTS_HELD,
+    ALPHAS_HELD, BEFORE_THE_SAMPLE, CAPPED_ELSEWHERE, FAINT_UNCOLORED, GIVEN_UP_IN_THE_DARK, MADE_OPAQUE,
+    THIN_ALPHAS, TOGETHER, WEIGHTS_HELD,
 };
 
 /// Mistakes between opacities and outputs.
@@ -314,6 +317,9 @@ pub(crate) fn volume_render_alpha(a: &Arrays, c: &Conventions, wrong: &[&str]) -
     }
     if let Some(least) = THIN_ALPHAS.among(wrong) {
         alphas.iter_mut().flatten().filter(|alpha| **alpha < least).for_each(|alpha| *alpha = 0.0);
+    }
+    if let Some(most) = CAPPED_ELSEWHERE.among(wrong) {
+        alphas.iter_mut().flatten().for_each(|alpha| *alpha = alpha.min(most));
     }
     if let Some(k) = ALPHAS_HELD.among(wrong) {
         alphas.iter_mut().flatten().for_each(|alpha| *alpha = alpha.clamp(k, 1.0 - k));

@@ -72,6 +72,20 @@ def glm_in_rows(quaternions, scales):
     return m.mT @ m
 
 
+@fault(
+    "gaussian_covariance",
+    "slip: another formula: 1 - 2 (x^2 - z^2) in row 2, column 2 of R, and 2 (x z + w y) in row 3, column 1 of R",
+    seen="a trial on unseen code: splats in torch",
+)
+def two_signs_mistyped(quaternions, scales):
+    """A minus for a plus, and a plus for a minus, in the nine polynomials."""
+    q = F.normalize(quaternions, dim=-1)
+    (w, x, y, z), r = q.unbind(-1), rotation(q).clone()
+    r[:, 1, 1], r[:, 2, 0] = 1 - 2 * (x * x - z * z), 2 * (x * z + w * y)
+    m = r * scales[:, None, :]
+    return m @ m.mT
+
+
 @fault("gaussian_covariance_vjp", "gradient_of_the_other_scale", seen="fvdb-core#432, in the other direction", arrays="numpy")
 def factor_where_none_belongs(quaternions, scales, grad_covariances):
     """The gradient of the scales times the scales."""

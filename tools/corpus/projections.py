@@ -115,3 +115,34 @@ def never_ten_times_as_long(means, covariances, w2c, K, width, height):
         "covariances2d": three(cov + more[:, None, None] * torch.eye(2)),
         "radii": 3 * (values[:, 1] + more).sqrt(),
     }
+
+
+@fault(
+    "gaussian_projection",
+    "slip: another formula: J R^T Sigma R J^T, and x/z and y/z of J held to 1.3 times the tangent of the whole angle",
+    seen="a trial on unseen code: a splat renderer in GLSL",
+    gradient="none",
+)
+def back_and_wide(means, covariances, w2c, K, width, height):
+    """The rotation of c2w, and tan(fov) for tan(fov / 2) in the limits."""
+    t, _ = in_camera(means, covariances, w2c)
+    _, sigma = in_camera(means, covariances, w2c.mT)
+    half = 0.5 * torch.tensor([float(width), float(height)]) / torch.stack([K[0, 0], K[1, 1]])
+    j = held_to(1.3 * 2 * half / (1 - half * half), t, K)
+    return {"depths": t[:, 2], "covariances2d": three(j @ sigma @ j.mT + 0.3 * torch.eye(2))}
+
+
+@fault(
+    "gaussian_projection",
+    "slip: another formula: radius = ceil(3 sqrt(lambda)), 0 where the mean lies outside of the picture",
+    seen="a trial on unseen code: splats in CUDA",
+    gradient="none",
+)
+def means_outside_dropped(means, covariances, w2c, K, width, height):
+    """A radius of 0 for what has its mean beside the picture."""
+    middle, depths, cov = flat(means, covariances, w2c, K, width, height)
+    wide = cov + 0.3 * torch.eye(2)
+    half = 0.5 * (wide[:, 0, 0] + wide[:, 1, 1])
+    radii = torch.ceil(3 * torch.sqrt(half + torch.sqrt((half * half - torch.linalg.det(wide)).clamp(min=0.1))))
+    inside = ((middle >= 0) & (middle < torch.tensor([float(width), float(height)]))).all(-1)
+    return {"means2d": middle, "depths": depths, "covariances2d": three(wide), "radii": radii * inside}

@@ -1,4 +1,4 @@
-//! Laws of a splat's covariance: what of the quaternion, what of the scales, and in which order they are multiplied.
+//! Laws of a splat's covariance: what of the quaternion, what of the scales, in which order they are multiplied, and signs of R.
 
 use glam::{DMat3, DVec3};
 
@@ -42,18 +42,60 @@ const PRODUCT: [&str; 7] = [
     "the diagonal of R S S R^T",
 ];
 
+/// The entries of R, row by row, each of which may have a wrong sign by itself: in its second term, in its first.
+const ENTRIES: [[&str; 2]; 9] = [
+    ["1 - 2 (y^2 - z^2)", "1 - 2 (z^2 - y^2)"],
+    ["2 (x y + w z)", "2 (-x y - w z)"],
+    ["2 (x z - w y)", "2 (-x z + w y)"],
+    ["2 (x y - w z)", "2 (-x y + w z)"],
+    ["1 - 2 (x^2 - z^2)", "1 - 2 (z^2 - x^2)"],
+    ["2 (y z + w x)", "2 (-y z - w x)"],
+    ["2 (x z + w y)", "2 (-x z - w y)"],
+    ["2 (y z - w x)", "2 (-y z + w x)"],
+    ["1 - 2 (x^2 - y^2)", "1 - 2 (y^2 - x^2)"],
+];
+
+/// The part that is the first entry; those of the others follow.
+const ENTRY: usize = 4;
+
+/// The choices of each part.
+const CHOICES: [usize; ENTRY + 9] = {
+    let mut choices = [3; ENTRY + 9];
+    choices[0] = QUATERNION.len();
+    choices[1] = SCALES.len();
+    choices[2] = MATRIX.len();
+    choices[3] = PRODUCT.len();
+    choices
+};
+
 /// Those of a splat.
 pub(crate) const OF_SPLATS: Laws = Laws {
-    choices: &[QUATERNION.len(), SCALES.len(), MATRIX.len(), PRODUCT.len()],
+    choices: &CHOICES,
     says: |part, choice| match part {
         0 => format!("q {}", QUATERNION[choice]),
         1 => format!("{} in the place of the scales", SCALES[choice]),
         2 => format!("{} in the place of R", MATRIX[choice]),
-        _ => format!("Sigma = {}", PRODUCT[choice]),
+        3 => format!("Sigma = {}", PRODUCT[choice]),
+        _ => {
+            let entry = part - ENTRY;
+            let said = ENTRIES[entry][choice - 1];
+            format!("{said} in row {}, column {} of R", entry / 3 + 1, entry % 3 + 1)
+        }
     },
     of: |a, c, law| forward(a, |q, s| of(q, s, form(c), law)),
     rounding: &[],
 };
+
+/// An entry of R with a wrong sign.
+fn mistyped([w, x, y, z]: [f64; 4], (i, j): (usize, usize), choice: usize) -> f64 {
+    let v = [x, y, z];
+    let (whole, first, second) = match (j + 3 - i) % 3 {
+        0 => (1.0, -v[usize::from(i == 0)] * v[usize::from(i == 0)], -v[2 - i / 2] * v[2 - i / 2]),
+        1 => (0.0, v[i] * v[j], -w * v[3 - i - j]),
+        _ => (0.0, v[i] * v[j], w * v[3 - i - j]),
+    };
+    whole + 2.0 * if choice == 1 { first - second } else { second - first }
+}
 
 /// The matrix that stands for R.
 fn turning(q: [f64; 4], form: Form, law: &[usize]) -> DMat3 {
@@ -74,6 +116,9 @@ fn turning(q: [f64; 4], form: Form, law: &[usize]) -> DMat3 {
         _ => [w, x, y, z],
     };
     let mut r = rotation([w, x, y, z]);
+    for (entry, choice) in law[ENTRY..].iter().enumerate().filter(|(_, choice)| **choice > 0) {
+        r[entry / 3][entry % 3] = mistyped([w, x, y, z], (entry / 3, entry % 3), *choice);
+    }
     match law[2] {
         1 => (r[1][1], r[2][2]) = (1.0 - 2.0 * (x * x - z * z), 1.0 - 2.0 * (x * x - y * y)),
         2 => {

@@ -31,7 +31,7 @@ pub(super) const TURNED: [&str; 6] = [
 ];
 
 /// The Jacobian's focal lengths.
-pub(super) const FOCAL: [&str; 8] = [
+pub(super) const FOCAL: [&str; 9] = [
     "(fx, fy)",
     "(1, 1)",
     "(fx, fx)",
@@ -40,11 +40,16 @@ pub(super) const FOCAL: [&str; 8] = [
     "(2 fx / W, 2 fx / W)",
     "of K R's diagonal",
     "of R's diagonal",
+    "(2 fx / W, -2 fy / H)",
 ];
 
 /// The point whose Jacobian is taken.
-pub(super) const AT: [&str; 3] =
-    ["(x, y, z) in the camera", "(x, y, z) in the world", "(u, v, z), u and v the mean in the picture"];
+pub(super) const AT: [&str; 4] = [
+    "(x, y, z) in the camera",
+    "(x, y, z) in the world",
+    "(u, v, z), u and v the mean in the picture",
+    "((2 fx x + (2 cx - W) z) / W, (2 fy y + (2 cy - H) z) / H, z), the mean in clip space",
+];
 
 /// What divides in the mean and in the Jacobian.
 pub(super) const DIVISOR: [&str; 6] =
@@ -65,7 +70,7 @@ pub(super) const JACOBIAN: [&str; 10] = [
 ];
 
 /// How far beside the picture it is taken.
-pub(super) const HELD: [&str; 11] = [
+pub(super) const HELD: [&str; 12] = [
     "what it is by convention",
     "nothing",
     "1.3 of the half picture on either side",
@@ -77,6 +82,7 @@ pub(super) const HELD: [&str; 11] = [
     "1.3 of half the width on either side, in y too",
     "z in x/z and y/z of J held to 1.3 W/(2 fx) and 1.3 H/(2 fy) on either side",
     "1.3 max(cx, W - cx) / fx and 1.3 max(cy, H - cy) / fy on either side",
+    "1.3 times the tangent of the whole angle",
 ];
 
 /// What is added to the variances.
@@ -119,7 +125,7 @@ pub(super) const CONIC: [&str; 14] = [
 ];
 
 /// The radius, lambda the larger eigenvalue.
-pub(super) const RADIUS: [&str; 26] = [
+pub(super) const RADIUS: [&str; 28] = [
     "ceil(3 sqrt(lambda))",
     "3 sqrt(lambda)",
     "ceil(3 sqrt(max(a, c)))",
@@ -146,6 +152,8 @@ pub(super) const RADIUS: [&str; 26] = [
     "ceil(3 sqrt(lambda)), from 1 to 64",
     "ceil(3 sqrt(lambda)), with nothing held up in lambda",
     "3 sqrt(lambda), with nothing held up in lambda",
+    "ceil(2.5 sqrt(lambda))",
+    "ceil(3 sqrt(lambda)), 0 where the mean lies outside of the picture",
 ];
 
 /// The depth.

@@ -76,6 +76,7 @@ fn slopes(t: [f64; 3], view: &View, form: Form, choice: usize) -> [f64; 2] {
             7 => [(-0.15 * size - center) / f, (1.15 * size - center) / f],
             8 => [-0.65 * view.width / f, 0.65 * view.width / f],
             10 => [-1.3 * center.max(size - center) / f, 1.3 * center.max(size - center) / f],
+            11 => [-2.6 * half / (1.0 - half * half), 2.6 * half / (1.0 - half * half)],
             _ => [-1.3 * half, 1.3 * half],
         };
         if choice == 9 { t[n] / t[2].max(low).min(high) } else { (t[n] / t[2]).max(low).min(high) }
@@ -94,6 +95,7 @@ fn jacobian(t: [f64; 3], slopes: [f64; 2], view: &View, focal: usize, choice: us
         5 => [2.0 * fx / view.width; 2],
         6 => [fx * r[0][0] + view.k.cx * r[2][0], fy * r[1][1] + view.k.cy * r[2][1]],
         7 => [r[0][0], r[1][1]],
+        8 => [2.0 * fx / view.width, -2.0 * fy / view.height],
         _ => [fx, fy],
     };
     let far = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
@@ -148,6 +150,9 @@ fn placed(mean: [f64; 3], t: [f64; 3], view: &View, form: Form, law: &[usize]) -
     }
 }
 
+/// The radius of splats that are dropped where their means lie outside of the picture.
+const DROPPED: usize = RADIUS.len() - 1;
+
 fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f64 {
     let above = |[a, b, c]: [f64; 3], least: f64| {
         0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).max(least).sqrt()
@@ -184,6 +189,8 @@ fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f6
         23 => three.ceil().clamp(1.0, 64.0),
         24 => (3.0 * exact.max(0.0).sqrt()).ceil(),
         25 => 3.0 * exact.max(0.0).sqrt(),
+        26 => (three * 2.5 / 3.0).ceil(),
+        DROPPED => three.ceil(),
         _ => 3.0 / (least.sqrt() + 1e-4),
     }
 }
@@ -224,7 +231,11 @@ fn covariances(
 ) -> ([f64; 3], [f64; 3]) {
     let t = in_camera(mean, view);
     let [x, y] = placed(mean, t, view, form, law);
-    let [x, y, z] = [t, mean, [x, y, t[2]]][law[10]];
+    let k = view.k;
+    let clipped =
+        |x: f64, f: f64, center: f64, size: f64| (2.0 * f * x + (2.0 * center - size) * t[2]) / size;
+    let in_clip_space = [clipped(t[0], k.fx, k.cx, view.width), clipped(t[1], k.fy, k.cy, view.height), t[2]];
+    let [x, y, z] = [t, mean, [x, y, t[2]], in_clip_space][law[10]];
     let at = [x, y, divisor(z, law[11])];
     let sigma = turned(sigma, view, law[1]);
     let j = jacobian(at, slopes(at, view, form, law[4]), view, law[2], law[3]);
@@ -263,8 +274,13 @@ fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]
     } else {
         covariances(mean, sigma, view, form, law)
     };
-    let radius =
-        if shape_is_right && law[8] == 0 { right.radius } else { reach(covariance, before, form, law[8]) };
+    let place = placed(mean, t, view, form, law);
+    let inside = (0.0..view.width).contains(&place[0]) && (0.0..view.height).contains(&place[1]);
+    let radius = match law[8] {
+        0 if shape_is_right => right.radius,
+        DROPPED if !inside => 0.0,
+        choice => reach(covariance, before, form, choice),
+    };
     let conic = if shape_is_right && law[7] == 0 { right.conic } else { inverse(covariance, before, law[7]) };
     let distance = (t[0] * t[0] + t[1] * t[1] + t[2] * t[2]).sqrt();
     let [a, b, c] = covariance;
@@ -272,7 +288,7 @@ fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]
     let ratio = (before[0] * before[2] - before[1] * before[1]).max(least) / (a * c - b * b).max(least);
     let z = t[2];
     Splat {
-        mean: placed(mean, t, view, form, law),
+        mean: place,
         covariance,
         conic,
         depth: [

@@ -141,7 +141,7 @@ impl<'a> Search<'a> {
     fn found(&self, most: usize) -> Vec<Explanation> {
         let (mut left, mut tried) = (WORK, 0);
         for (parts, conventions) in (1..=most.min(self.laws.choices.len())).zip(TRIED) {
-            let all = if left > 0 { self.laws.differing(parts, |_| true) } else { vec![] };
+            let all = self.laws.differing(parts, |_| true, left / self.question.cost(self.cases[0].0));
             let nearby = &self.nearby[..conventions.min(self.nearby.len())];
             let trials = self.affordable(all.len(), nearby, &mut left);
             tried += trials.len();
@@ -214,11 +214,14 @@ impl<'a> Search<'a> {
             let left: Vec<&str> =
                 self.outputs.difference(&explained.iter().copied().collect()).copied().collect();
             let reaches = |part: usize, name: &str| law[part] == 0 && reached[part].contains(name);
-            let some = |part: usize| left.iter().any(|name| reaches(part, name));
+            let needed = |part: &usize| left.iter().any(|name| reaches(*part, name));
+            // What is wrong with those that are left may need another part that puts right again what was explained.
+            let touched: BTreeSet<&String> =
+                (0..law.len()).filter(needed).flat_map(|part| &reached[part]).collect();
+            let some = |part: usize| touched.iter().any(|name| reaches(part, name));
             let (mut found, mut affordable) = (None, WORK / STEPPED / cost);
             for parts in 1..=most {
-                let mut all = if affordable > 0 { self.laws.differing(parts, some) } else { vec![] };
-                all.truncate(affordable);
+                let all = self.laws.differing(parts, some, affordable);
                 affordable -= all.len();
                 found = self.better(&law, all, failing, c, &explained, tried);
                 if found.is_some() {
@@ -230,8 +233,7 @@ impl<'a> Search<'a> {
                 left.iter().min_by_key(|name| reached.iter().filter(|of| of.contains(**name)).count());
             let free = |part: usize| first.is_some_and(|name| reaches(part, name));
             let mut many = (TRIED.len()..=AT_ONCE).filter_map(|parts| {
-                let mut all = self.laws.differing(parts, free);
-                all.truncate(MANY / cost);
+                let all = self.laws.differing(parts, free, MANY / cost);
                 self.better(&law, all, failing, c, &explained, tried)
             });
             (explained, law) = found.or_else(|| many.next())?;
@@ -353,7 +355,7 @@ mod tests {
     fn no_two_are_said_alike() {
         asked(Dtype::F64, |question, laws| {
             let name = question.component.name;
-            let each = laws.differing(1, |_| true).into_iter().map(|law| laws.said(&law));
+            let each = laws.differing(1, |_| true, usize::MAX).into_iter().map(|law| laws.said(&law));
             let mut known = BTreeSet::new();
             for said in each {
                 assert!(!said.is_empty() && known.insert(said.clone()), "{name}: {said:?}");
@@ -366,7 +368,7 @@ mod tests {
     #[test]
     fn other_formulas_are_told() {
         asked(Dtype::F32, |question, laws| {
-            let all = [1, 2].map(|parts| laws.differing(parts, |_| true)).concat();
+            let all = [1, 2].map(|parts| laws.differing(parts, |_| true, usize::MAX)).concat();
             let step = (all.len() / TOLD).max(1) * one_in(4);
             let (mut tried, mut named, mut unknown) = (0, 0, vec![]);
             for law in all.into_iter().skip(step / 2).step_by(step) {

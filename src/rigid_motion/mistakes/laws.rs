@@ -50,7 +50,13 @@ const SECOND: [&str; 6] = [
     "theta^2 / 2",
     "0",
 ];
-const WHOLE: [&str; 3] = ["I", "cos(theta) I, with u u^T for U^2", "cos(theta) I"];
+const WHOLE: [&str; 5] = [
+    "I",
+    "cos(theta) I, with u u^T for U^2",
+    "cos(theta) I",
+    "the matrix of the quaternion (cos(theta / 2), sin(theta / 2) u), its real part taken for the last,",
+    "the matrix of the quaternion (sin(theta / 2) u, cos(theta / 2)), its real part taken for the first,",
+];
 
 /// The same in V.
 const FIRST_OF_V: [&str; 8] = [
@@ -189,6 +195,11 @@ fn rotation(w: [f64; 3], clamp: RotationClamp, law: &[usize]) -> DMat3 {
     let w = DVec3::from(w);
     let theta = w.length();
     let u = w / divisor(theta, law[0]);
+    if let Some(order) = law[4].checked_sub(3) {
+        let (real, v) = (cos(0.5 * theta), u.normalize_or_zero() * sin(0.5 * theta));
+        let [x, y, z, w] = [[real, v.x, v.y, v.z], [v.y, v.z, real, v.x]][order];
+        return DMat3::from_quat(glam::DQuat::from_xyzw(x, y, z, w));
+    }
     if let Some(matrix) = near(w, u, law[1], [1.0, 0.5]) {
         return matrix;
     }

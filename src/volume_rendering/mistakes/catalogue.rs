@@ -260,11 +260,11 @@ pub(super) const SCALED_EXPONENTIAL: Mistake = Mistake::new(
     "alpha = 1 - k exp(-x) with k other than 1",
     "empty space has an opacity of 1 - k",
     "alpha = 1 - exp(-x)",
-    "1 public implementation",
-    1,
+    "2 public implementations",
+    2,
 )
-.with("k", 0.99, [0.02, 5.0]);
-pub(super) const OWN_STEP: Mistake = Mistake::new(
+.with("k", 0.99, [1e-3, 5.0]);
+pub(crate) const OWN_STEP: Mistake = Mistake::new(
     "step_of_its_own",
     "alpha = 1 - exp(-sigma step), with one step for all samples, whatever they are apart",
     "densities in a unit of one's own; uneven samples are weighed as if they were even",

@@ -1,7 +1,7 @@
 //! Rendering from densities, wrong on purpose.
 
 use super::catalogue::{DENSITY_CAPPED, EPS_ON_ALPHA, SCALED_EXPONENTIAL};
-use super::march::{DEPTH_HELD, THIN_SKIPPED};
+use super::march::{DEPTH_HELD, DIVISION_GUARDED, THIN_SKIPPED};
 use super::other_alphas::{other_alphas, softmax};
 use super::steps::wrong_deltas;
 use super::{finished, recompose, render_all};
@@ -169,6 +169,13 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         if wrong.contains(&"source_without_density") {
             let of = |(alpha, sigma): (&f64, &f64)| if *sigma == 0.0 { 0.0 } else { alpha / sigma };
             alphas = alphas.iter().zip(&sigmas).map(of).collect();
+            ray = recompose(ray, &alphas, &rgbs);
+        }
+        if let Some(least) = DIVISION_GUARDED.among(wrong) {
+            let held: Vec<f64> = sigmas.iter().map(|sigma| sigma.max(least)).collect();
+            ray.transmittance = oracle(&held, &rgbs, &deltas, c.product_eps).transmittance;
+            let alpha = |i: usize| -crate::math::expm1(-product(held[i], deltas[i])) * (sigmas[i] / held[i]);
+            alphas = (0..samples).map(alpha).collect();
             ray = recompose(ray, &alphas, &rgbs);
         }
         if wrong.contains(&"density_for_opacity") {

@@ -2,6 +2,7 @@
 
 use super::super::arrays::{self, cotangent_over, gradients_of_counted, gradients_of_rectified};
 use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
+use super::march_laws::{END, end_said, ended};
 use crate::contract::arrays::{Arrays, array, arrays as named, row, rows3, size};
 use crate::contract::laws::Laws;
 use crate::convention::Conventions;
@@ -57,23 +58,6 @@ const SCALE: [&str; 6] = ["1", "alpha_i", "1 - alpha_i", "T_i", "-1", "1 / (1 - 
 /// What the gradient of a color is.
 const COLOR: [&str; 8] = ["w_i g", "alpha_i g", "T_i g", "g", "T_{i+1} g", "alpha_i T_{i+1} g", "w_i", "0"];
 
-/// Where the march ends: what comes behind isn't there.
-const END: [&str; 6] = [
-    "at the last sample",
-    "in front of a sample where T < 1e-4",
-    "in front of the sample that brings T below 1e-4",
-    "in front of a sample where T < 1e-3",
-    "in front of a sample where T < 1e-2",
-    "in front of the sample that brings T below 1e-3",
-];
-
-/// How many samples a march has until less light is left.
-fn marched(transmittance: &[f64], choice: usize) -> usize {
-    let n = transmittance.len() - 1;
-    let (least, behind) = [(0.0, 0), (1e-4, 0), (1e-4, 1), (1e-3, 0), (1e-2, 0), (1e-3, 1)][choice];
-    (0..n).find(|i| transmittance[i + behind] < least).unwrap_or(n)
-}
-
 /// Those of densities.
 pub(crate) const OF_DENSITIES: Laws = Laws {
     choices: &[OWN.len(), HIDDEN.len(), STEP.len(), COLOR.len(), END.len()],
@@ -107,7 +91,7 @@ fn says(part: usize, choice: usize, of: &str) -> String {
         }
         1 => format!("the gradient of {of} loses {}", HIDDEN[choice]),
         3 => format!("the gradient of c_i = {}", COLOR[choice]),
-        _ => format!("an end {}", END[choice]),
+        _ => end_said(choice),
     }
 }
 
@@ -197,7 +181,7 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     for r in 0..count {
         let (sigmas, deltas, rgbs) = (row(a, "sigmas", r), row(a, "deltas", r), rows3(a, "rgbs", r));
         let whole = volume_render(&sigmas, &rgbs, &deltas, c.product_eps);
-        let end = marched(&whole.transmittance, law[4]);
+        let end = ended(&whole.transmittance, law[4]);
         let sigmas = [&sigmas[..end], &vec![0.0; n - end]].concat();
         let depths = optical_depths(&sigmas, &deltas);
         let alphas: Vec<f64> = depths.iter().map(|&x| -expm1(-x)).collect();
@@ -252,7 +236,7 @@ fn of_opacities(given: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     for r in 0..count {
         let (alphas, rgbs) = (row(a, "alphas", r), rows3(a, "rgbs", r));
         let whole = volume_render_alpha(&alphas, &rgbs, c.product_eps);
-        let end = marched(&whole.transmittance, law[4]);
+        let end = ended(&whole.transmittance, law[4]);
         let alphas = [&alphas[..end], &vec![0.0; n - end]].concat();
         let ray = if end == n { whole } else { volume_render_alpha(&alphas, &rgbs, c.product_eps) };
         let back = Back::new(a, r, c, &ray, &alphas);

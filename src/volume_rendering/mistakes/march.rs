@@ -71,13 +71,13 @@ pub(super) const FAINT_UNCOLORED: Mistake = Mistake::new(
     1,
 )
 .with("k", 1e-4, [1e-8, 0.1]);
-pub(super) const THIN_SKIPPED: Mistake = Mistake::new(
+pub(crate) const THIN_SKIPPED: Mistake = Mistake::new(
     "thin_samples_skipped",
     "density 0 where sigma < k",
     "fog vanishes",
     "densities as they are",
-    "never; cheap to keep",
-    0,
+    "4 marches in shaders: if (density > 0.01)",
+    4,
 )
 .with("k", 1e-2, [1e-6, 10.0]);
 pub(super) const WEIGHTS_ARE_ALPHAS: Mistake = Mistake::new(
@@ -245,3 +245,30 @@ pub(super) const LAST_ALPHAS_LIGHT: Mistake = Mistake::new(
     "1 splat renderer, whose T begins with 1 for each splat",
     1,
 );
+pub(super) const CAPPED_ELSEWHERE: Mistake = Mistake::new(
+    "capped_elsewhere",
+    "min(alpha, k), k none of the usual caps",
+    "nothing is ever opaque",
+    "alpha as it is, or capped as the splats are",
+    "1 splat renderer, with 0.995",
+    1,
+)
+.with("k", 0.995, [0.3, 0.9998]);
+pub(super) const ALPHAS_SCALED: Mistake = Mistake::new(
+    "alphas_scaled",
+    "k (1 - exp(-sigma delta))",
+    "nothing is ever opaque, or fog is more than that",
+    "alpha = 1 - exp(-sigma delta): the step belongs into the exponent alone",
+    "never; cheap to keep",
+    0,
+)
+.with("k", 0.5, [1e-3, 8.0]);
+pub(super) const DIVISION_GUARDED: Mistake = Mistake::new(
+    "division_by_density_guarded",
+    "s = max(sigma, k) for sigma in T = exp(-sum s delta) and in w = T sigma (1 - exp(-s delta)) / s",
+    "empty space hides what is behind it, if it is deep enough",
+    "T_i (1 - exp(-sigma_i delta_i)): nothing is divided by sigma",
+    "fog in shaders: (S - S exp(-sigma d)) / max(sigma, 1e-6), S = sigma c",
+    2,
+)
+.with("k", 1e-6, [1e-9, 0.1]);

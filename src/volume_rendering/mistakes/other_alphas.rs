@@ -1,6 +1,7 @@
 //! Other laws than the exponential's.
 
 use super::catalogue::{ALPHAS_CAPPED, FAINT_SKIPPED, LAST_OPAQUE};
+use super::march::ALPHAS_SCALED;
 use crate::math::{exp, expm1};
 use crate::volume_rendering::optical_depths;
 
@@ -10,6 +11,9 @@ pub(super) fn other_alphas(sigmas: &[f64], deltas: &[f64], wrong: &[&str]) -> Op
     let right = || depths.iter().map(|&x| -expm1(-x));
     if let Some(most) = ALPHAS_CAPPED.among(wrong) {
         return Some(right().map(|alpha| alpha.min(most)).collect());
+    }
+    if let Some(k) = ALPHAS_SCALED.among(wrong) {
+        return Some(right().map(|alpha| k * alpha).collect());
     }
     if let Some(least) = FAINT_SKIPPED.among(wrong) {
         return Some(right().map(|alpha| if alpha < least { 0.0 } else { alpha }).collect());

@@ -1,8 +1,9 @@
-//! Laws of volume rendering: what may stand for alpha_i and for T_i in w_i = T_i alpha_i, and what is made of the weights.
+//! Laws of volume rendering: what may stand for T_i and for alpha_i in w_i = T_i alpha_i, what is made of the weights, and how one marches.
 
 use super::super::arrays::{over, renderings};
 use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
 use super::ALPHA_ERROR;
+use super::march_laws::{END, OF_DENSITY, OF_OPACITY, SEEN, THIN, end_said, ended, of_density, of_opacity};
 use super::other_alphas::softmax;
 use crate::contract::arrays::{Arrays, row, rows3, size};
 use crate::contract::laws::Laws;
@@ -48,7 +49,7 @@ const OWN: [&str; 11] = [
 ];
 
 /// What the color is.
-const COLOR: [&str; 10] = [
+const COLOR: [&str; 11] = [
     "sum_i w_i c_i",
     "sum_i sum_{j<=i} w_j c_j",
     "sum_i w_i c_i / N",
@@ -59,6 +60,7 @@ const COLOR: [&str; 10] = [
     "sum_i softmax(w)_i c_i",
     "sum_i w_i c_i, at most 1",
     "sum_i w_i c_i / sum_i w_i, 0 where there is none",
+    "sum_i T_i c_i",
 ];
 
 /// What the opacity is.
@@ -77,36 +79,65 @@ const BEHIND: [&str; 3] = ["prod_i (1 - alpha_i)", "1 - sum_i w_i", "T of the la
 
 const LIGHT: usize = SCANS.len() * OUTER.len();
 
-/// Those of densities.
+/// Those of densities. What is cheap to try with all else comes last: T has as many choices as all others together.
 pub(crate) const OF_DENSITIES: Laws = Laws {
-    choices: &[OWN.len(), 1 + ELEMENTS.len() * LIGHT, COLOR.len(), OPACITY.len(), BEHIND.len()],
-    says,
+    choices: &[
+        1 + ELEMENTS.len() * LIGHT,
+        OWN.len(),
+        COLOR.len(),
+        OPACITY.len(),
+        BEHIND.len(),
+        OF_DENSITY.len(),
+        THIN.len(),
+        END.len(),
+        SEEN.len(),
+    ],
+    says: |part, choice| {
+        if part == 5 { format!("alpha_i = {}", OF_DENSITY[choice]) } else { says(part, choice) }
+    },
     of: of_densities,
     rounding: &[],
 };
 
 /// Those of opacities.
 pub(crate) const OF_OPACITIES: Laws = Laws {
-    choices: &[4, 1 + 2 * LIGHT, COLOR.len(), OPACITY.len(), BEHIND.len()],
-    says,
+    choices: &[
+        1 + 2 * LIGHT,
+        4,
+        COLOR.len(),
+        OPACITY.len(),
+        BEHIND.len(),
+        OF_OPACITY.len(),
+        // A density isn't known.
+        1,
+        END.len(),
+        SEEN.len(),
+    ],
+    says: |part, choice| match part {
+        5 => format!("{} for alpha_i", OF_OPACITY[choice]),
+        _ => says(part, choice),
+    },
     of: of_opacities,
     rounding: &[],
 };
 
 fn says(part: usize, choice: usize) -> String {
     match part {
-        0 => format!(
-            "w_i = T_i {}",
-            if OWN[choice].contains(' ') { format!("({})", OWN[choice]) } else { OWN[choice].into() }
-        ),
-        1 => {
+        0 => {
             let n = choice - 1;
             let scan = SCANS[n / OUTER.len() % SCANS.len()].replace('X', ELEMENTS[n / LIGHT]);
             format!("T_i = {}", OUTER[n % OUTER.len()].replace('S', &scan))
         }
+        1 => format!(
+            "w_i = T_i {}",
+            if OWN[choice].contains(' ') { format!("({})", OWN[choice]) } else { OWN[choice].into() }
+        ),
         2 => format!("C = {}", COLOR[choice]),
         3 => format!("A = {}", OPACITY[choice]),
-        _ => format!("transmittance behind all = {}", BEHIND[choice]),
+        4 => format!("transmittance behind all = {}", BEHIND[choice]),
+        6 => format!("samples skipped where sigma <= {:e}", THIN[choice]),
+        7 => end_said(choice),
+        _ => format!("nothing is seen where A < {:e}", SEEN[choice]),
     }
 }
 
@@ -182,19 +213,25 @@ fn outer(s: f64, n: usize) -> f64 {
     }
 }
 
-/// A ray by these choices; `right` is what the oracle says of it.
-fn ray(samples: &[Sample], rgbs: &[[f64; 3]], right: Rendering, eps: f64, law: &[usize]) -> Rendering {
+/// A ray by these choices; `right` is what the oracle says of its opacities.
+fn ray(samples: &[Sample], rgbs: &[[f64; 3]], mut right: Rendering, eps: f64, law: &[usize]) -> Rendering {
     let n = samples.len();
     let mut t = right.transmittance.clone();
-    if let Some(light) = law[1].checked_sub(1) {
+    if let Some(light) = law[0].checked_sub(1) {
         let x: Vec<f64> = samples.iter().map(|s| s.element(light / LIGHT, eps)).collect();
         let scan = scanned(&x, light / OUTER.len() % SCANS.len());
         t[..n].iter_mut().zip(scan).for_each(|(t, s)| *t = outer(s, light % OUTER.len()));
     }
-    let weights: Vec<f64> = match &law[..2] {
+    let mut weights: Vec<f64> = match &law[..2] {
         [0, 0] => right.weights.clone(),
-        _ => samples.iter().zip(&t).map(|(s, t)| super::super::product(*t, s.own(law[0]))).collect(),
+        _ => samples.iter().zip(&t).map(|(s, t)| super::super::product(*t, s.own(law[1]))).collect(),
     };
+    let end = ended(&t, law[7]);
+    weights[end..].fill(0.0);
+    for light in [&mut t, &mut right.transmittance] {
+        let left = light[end];
+        light[end..].fill(left);
+    }
     let whole: f64 = weights.iter().sum();
     let of = |weights: &[f64]| -> [f64; 3] {
         std::array::from_fn(|k| weights.iter().zip(rgbs).map(|(w, c)| w * c[k]).sum())
@@ -212,7 +249,8 @@ fn ray(samples: &[Sample], rgbs: &[[f64; 3]], right: Rendering, eps: f64, law: &
         6 => rgbs.get(weights.iter().position(|w| *w == most).unwrap_or(0)).copied().unwrap_or([0.0; 3]),
         7 => of(&softmax(&weights)),
         8 => of(&weights).map(|c| c.min(1.0)),
-        _ => of(&weights).map(|c| if whole == 0.0 { 0.0 } else { c / whole }),
+        9 => of(&weights).map(|c| if whole == 0.0 { 0.0 } else { c / whole }),
+        _ => of(&each(&|i| if i < end { t[i] } else { 0.0 })),
     };
     let opacity = match law[3] {
         0 => whole,
@@ -228,13 +266,17 @@ fn ray(samples: &[Sample], rgbs: &[[f64; 3]], right: Rendering, eps: f64, law: &
         1 => 1.0 - whole,
         _ => t[n.saturating_sub(1)],
     };
+    if opacity < SEEN[law[8]] {
+        return Rendering { color: [0.0; 3], weights, transmittance: t, opacity: 0.0 };
+    }
     Rendering { color, weights, transmittance: t, opacity }
 }
 
 fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     let (count, n) = size(a, "sigmas");
     let one = |r: usize| {
-        let (sigmas, deltas, rgbs) = (row(a, "sigmas", r), row(a, "deltas", r), rows3(a, "rgbs", r));
+        let (mut sigmas, deltas, rgbs) = (row(a, "sigmas", r), row(a, "deltas", r), rows3(a, "rgbs", r));
+        sigmas.iter_mut().filter(|sigma| **sigma <= THIN[law[6]]).for_each(|sigma| *sigma = 0.0);
         let depths = optical_depths(&sigmas, &deltas);
         let mut alphas: Vec<f64> = depths.iter().map(|&x| -expm1(-x)).collect();
         let mut right = volume_render(&sigmas, &rgbs, &deltas, c.product_eps);
@@ -242,6 +284,11 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
             let errors = row(a, ALPHA_ERROR, r).into_iter();
             let off = alphas.iter_mut().zip(errors).filter(|(alpha, _)| **alpha != 0.0);
             off.for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
+        }
+        if law[5] > 0 {
+            (0..n).for_each(|i| alphas[i] = of_density(alphas[i], sigmas[i], depths[i], law[5]));
+        }
+        if law[5] > 0 || a.contains_key(ALPHA_ERROR) {
             right = volume_render_alpha(&alphas, &rgbs, c.product_eps);
         }
         let sample =
@@ -255,7 +302,8 @@ fn of_opacities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     let a = &super::super::arrays::counted(a, c);
     let (count, n) = size(a, "alphas");
     let one = |r: usize| {
-        let (alphas, rgbs) = (row(a, "alphas", r), rows3(a, "rgbs", r));
+        let (mut alphas, rgbs) = (row(a, "alphas", r), rows3(a, "rgbs", r));
+        alphas.iter_mut().for_each(|alpha| *alpha = of_opacity(*alpha, law[5]));
         let right = volume_render_alpha(&alphas, &rgbs, c.product_eps);
         let sample = |alpha: &f64| Sample { alpha: *alpha, sigma: 0.0, delta: 0.0, depth: 0.0 };
         ray(&alphas.iter().map(sample).collect::<Vec<_>>(), &rgbs, right, c.product_eps.value(), law)

@@ -1,0 +1,113 @@
+//! Laws of a march: what stands for an opacity, which samples are skipped, where the march ends, and what counts as nothing at all.
+
+use crate::math::{exp, expm1};
+
+/// What stands for the opacity of a density.
+pub(super) const OF_DENSITY: [&str; 14] = [
+    "1 - exp(-sigma_i delta_i)",
+    "sigma_i delta_i",
+    "min(1, sigma_i delta_i)",
+    "1 - exp(-sigma_i)",
+    "sigma_i",
+    "min(1, sigma_i)",
+    "1 - exp(-2 sigma_i delta_i)",
+    "1 - exp(-sigma_i delta_i / 2)",
+    "sigma_i delta_i / (1 + sigma_i delta_i)",
+    "exp(-sigma_i delta_i)",
+    "1 - exp(-sigma_i delta_i), at most 0.99",
+    "1 - exp(-sigma_i delta_i), at most 0.999",
+    "1 - exp(-sigma_i delta_i), at most 0.95",
+    "1 - exp(-sigma_i delta_i), at most 0.9999",
+];
+
+/// What stands for an opacity that is given.
+pub(super) const OF_OPACITY: [&str; 11] = [
+    "alpha_i",
+    "min(2 alpha_i, 1)",
+    "2 alpha_i",
+    "alpha_i / 2",
+    "alpha_i^2",
+    "sqrt(alpha_i)",
+    "1 - exp(-alpha_i)",
+    "(0 where alpha_i < 1e-4)",
+    "(0 where alpha_i < 1e-3)",
+    "(0 where alpha_i < 0.01)",
+    "(0 where alpha_i < 0.05)",
+];
+
+/// The densities of samples that are skipped.
+pub(super) const THIN: [f64; 7] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 1e-5, 0.1, 1.0];
+
+/// Where the march ends, and what comes behind isn't there: in front of a sample where less light than that is left, or (1) in front of the
+/// one that leaves less. It is the same whether a program asks in front of a sample or behind the one before.
+pub(super) const END: [(f64, usize); 20] = [
+    (f64::NEG_INFINITY, 0),
+    (1e-4, 0),
+    (1e-4, 1),
+    (1e-3, 0),
+    (0.01, 0),
+    (1e-3, 1),
+    (0.05, 0),
+    (0.02, 0),
+    (0.1, 0),
+    (5e-3, 0),
+    (1e-5, 0),
+    (1e-6, 0),
+    (0.03, 0),
+    (0.2, 0),
+    (2e-3, 0),
+    (0.01, 1),
+    (0.05, 1),
+    (0.1, 1),
+    (1e-5, 1),
+    (1e-6, 1),
+];
+
+/// The opacities below which a ray counts as empty: its color and its opacity are 0.
+pub(super) const SEEN: [f64; 5] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 0.1];
+
+/// What is said of an end.
+pub(super) fn end_said(choice: usize) -> String {
+    match END[choice] {
+        (least, 0) => format!("an end in front of a sample where T < {least:e}"),
+        (least, _) => format!("an end in front of the sample that brings T below {least:e}"),
+    }
+}
+
+pub(super) fn of_density(alpha: f64, sigma: f64, depth: f64, choice: usize) -> f64 {
+    match choice {
+        0 => alpha,
+        1 => depth,
+        2 => depth.min(1.0),
+        3 => -expm1(-sigma),
+        4 => sigma,
+        5 => sigma.min(1.0),
+        6 => -expm1(-2.0 * depth),
+        7 => -expm1(-0.5 * depth),
+        8 if depth.is_infinite() => 1.0,
+        8 => depth / (1.0 + depth),
+        9 => exp(-depth),
+        n => alpha.min([0.99, 0.999, 0.95, 0.9999][n - 10]),
+    }
+}
+
+pub(super) fn of_opacity(alpha: f64, choice: usize) -> f64 {
+    let at_least = |least: f64| if alpha < least { 0.0 } else { alpha };
+    match choice {
+        0 => alpha,
+        1 => (2.0 * alpha).min(1.0),
+        2 => 2.0 * alpha,
+        3 => 0.5 * alpha,
+        4 => alpha * alpha,
+        5 => alpha.sqrt(),
+        6 => -expm1(-alpha),
+        n => at_least([1e-4, 1e-3, 0.01, 0.05][n - 7]),
+    }
+}
+
+/// How many samples a march has until less light is left.
+pub(super) fn ended(transmittance: &[f64], choice: usize) -> usize {
+    let n = transmittance.len() - 1;
+    let (least, behind) = END[choice];
+    (0..n).find(|i| transmittance[i + behind] < least).unwrap_or(n)
+}

@@ -1,0 +1,76 @@
+"""Marches through fog and clouds, as shaders and kernels have them: what is skipped, what is gathered, and where the ray ends."""
+
+import numpy as np
+from entry import fault
+
+
+def marched(sigmas, rgbs, deltas, gathered, passed, thin, left):
+    """Samples of more than `thin` gather light and let some pass, until less than `left` is left; colors and what is left."""
+    colors, light = np.zeros((len(sigmas), 3), sigmas.dtype), np.ones(len(sigmas), sigmas.dtype)
+    for r, (sigma, delta) in enumerate(zip(sigmas, deltas)):
+        for i in range(len(sigma)):
+            if sigma[i] <= thin:
+                continue
+            depth = sigma[i] * delta[i]
+            colors[r] += light[r] * gathered(depth) * rgbs[r, i]
+            light[r] *= passed(depth)
+            if light[r] < left:
+                break
+    return colors, light
+
+
+@fault(
+    "volume_render",
+    "slip: another formula: w_i = T_i (sigma_i delta_i), and A = 1 - prod_i (1 - alpha_i), and samples skipped where sigma <= 1e-3, "
+    "and an end in front of a sample where T < 1e-2",
+    seen="a trial on unseen code: clouds in HLSL; fogs in Rust, without the threshold of densities",
+    times=3,
+    gradient="none",
+    arrays="numpy",
+)
+def light_by_length(sigmas, rgbs, deltas):
+    """T sigma delta of each sample's color, T by the exponential."""
+    colors, light = marched(sigmas, rgbs, deltas, lambda depth: depth, lambda depth: np.exp(-depth), 1e-3, 0.01)
+    return {"colors": colors, "opacity": 1 - light, "transmittance": light}
+
+
+@fault(
+    "volume_render",
+    "slip: another formula: w_i = T_i (sigma_i delta_i), and alpha_i = min(1, sigma_i delta_i), and samples skipped where sigma <= 1e-2, "
+    "and an end in front of a sample where T < 1e-2",
+    "slip: another formula: alpha_i = sigma_i delta_i, and samples skipped where sigma <= 1e-2, and an end in front of a sample where T < 1e-2",
+    seen="a trial on unseen code: clouds in GLSL",
+    gradient="none",
+    arrays="numpy",
+)
+def depth_for_opacity(sigmas, rgbs, deltas):
+    """sigma delta for alpha, in what is gathered and in what is left."""
+    colors, light = marched(sigmas, rgbs, deltas, lambda depth: depth, lambda depth: 1 - depth, 0.01, 0.01)
+    return {"colors": colors, "opacity": 1 - light}
+
+
+@fault(
+    "volume_render",
+    "division_by_density_guarded",
+    seen="a trial on unseen code: a fog in C#, by slices of a frustum",
+    gradient="none",
+    arrays="numpy",
+)
+def scattered_by_slices(sigmas, rgbs, deltas):
+    """(S - S exp(-sigma d)) / sigma of each slice, S = sigma c, and sigma at least 1e-6."""
+    colors, light = np.zeros((len(sigmas), 3), sigmas.dtype), np.ones(len(sigmas), sigmas.dtype)
+    for sigma, rgb, delta in zip(sigmas.T, rgbs.swapaxes(0, 1), deltas.T):
+        held = np.maximum(sigma, sigma.dtype.type(1e-6))
+        passed = np.exp(-held * delta)
+        colors += light[:, None] * (sigma[:, None] * rgb * (1 - passed[:, None])) / held[:, None]
+        light = light * passed
+    return {"colors": colors, "transmittance": light}
+
+
+@fault("volume_render_alpha", "capped_elsewhere", seen="a trial on unseen code: splats in torch", gradient="none", arrays="numpy")
+def capped_at_0_995(alphas, rgbs):
+    """min(alpha, 0.995), and T by its product."""
+    alphas = np.minimum(alphas, alphas.dtype.type(0.995))
+    light = np.cumprod(np.concatenate([np.ones_like(alphas[:, :1]), 1 - alphas], 1), 1)
+    weights = alphas * light[:, :-1]
+    return {"colors": np.einsum("rn,rnk->rk", weights, rgbs), "weights": weights}
