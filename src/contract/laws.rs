@@ -17,8 +17,8 @@ pub struct Laws {
 }
 
 impl Laws {
-    /// The formulas that differ from the right one in so many parts of those that may, the first ones of `most`: what the last parts are comes
-    /// before what the first ones are.
+    /// The first `most` of the formulas that differ from the right one in so many of the parts that may. Those whose wrong parts come last come
+    /// first.
     pub fn differing(&self, parts: usize, may: impl Fn(usize) -> bool, most: usize) -> Vec<Vec<usize>> {
         let may: Vec<bool> = (0..self.choices.len()).map(may).collect();
         let mut all = vec![];

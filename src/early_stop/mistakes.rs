@@ -9,7 +9,7 @@ use crate::contract::component::Mistake;
 use crate::convention::{CS180, Conventions, ProductEps, Stop, Stopped};
 use crate::math::expm1;
 use crate::volume_rendering::component::VOLUME_RENDER;
-use crate::volume_rendering::mistakes::{OWN_STEP, THIN_SKIPPED};
+use crate::volume_rendering::mistakes::{OWN_STEP, THIN_SKIPPED, unless_thin};
 use crate::volume_rendering::volume_render;
 
 /// What it is called in the row that it is a mistake of.
@@ -221,11 +221,10 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
     }
     let mut given = a.clone();
     if let Some(step) = OWN_STEP.among(wrong) {
-        given.entry("deltas".into()).and_modify(|deltas| deltas.fill(step));
+        given.get_mut("deltas").expect("an input").fill(step);
     }
     if let Some(least) = THIN_SKIPPED.among(wrong) {
-        let skip = |sigma: f64| if sigma < least { 0.0 } else { sigma };
-        given.entry("sigmas".into()).and_modify(|sigmas| sigmas.mapv_inplace(skip));
+        given.get_mut("sigmas").expect("an input").mapv_inplace(|sigma| unless_thin(sigma, least));
     }
     let a = &given;
     let samples = values(a, "sigmas").len();

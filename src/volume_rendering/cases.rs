@@ -172,7 +172,7 @@ pub(crate) fn volume_render() -> Vec<Case> {
     let sigmas = SUNS.iter().flat_map(|&e| [0.6875 * f64::from(e), 0.75, 0.5]).collect();
     cases.push(Case::new(
         "suns_behind_haze",
-        "what is so bright that it is seen through what leaves little of it: whoever gives up in front of it doesn't see it",
+        "suns so bright that they are seen through haze that leaves little of them: who gives up in front of one misses it",
         vec![
             ("sigmas", array(&[SUNS.len(), 3], sigmas)),
             ("rgbs", array(&[SUNS.len(), 3, 3], SUNS.iter().flat_map(|&e| seen_last(e, 3)).collect())),
@@ -223,9 +223,9 @@ pub(crate) fn volume_render() -> Vec<Case> {
 }
 
 /// Suns behind a haze that leaves about 2^-e of their light.
-const SUNS: [i32; 10] = [4, 5, 6, 7, 9, 11, 13, 15, 17, 20];
+const SUNS: [i32; 13] = [2, 3, 4, 5, 6, 7, 9, 10, 11, 13, 15, 17, 21];
 
-/// The colors of a ray of so many samples: black, a sun, and what is beside it.
+/// The colors of a ray of so many samples: black, a sun, and what is behind it.
 fn seen_last(e: i32, samples: usize) -> Vec<f64> {
     let sun = [0.75 * libm::ldexp(1.0, e.min(15)), 0.75, 0.5];
     [vec![0.0; 3 * (samples - 2)], sun.to_vec(), vec![0.5, 0.25, 0.75]].concat()
@@ -272,11 +272,11 @@ pub(crate) fn volume_render_alpha() -> Vec<Case> {
             array(&[1, 160, 3], vec![0.5; 480]),
         ),
     ];
-    // As many samples of 15/16 as fit, what is left, and the sun with what is beside it.
+    // As many samples of 15/16 as fit, what is left, and the sun with what is behind it.
     let haze = |e: i32| (0..6).map(move |i| 1.0 - libm::ldexp(1.0, -(e - 4 * i).clamp(0, 4)));
     cases.push(Case::new(
         "suns_behind_haze",
-        "what is so bright that it is seen through what leaves little of it: whoever gives up in front of it doesn't see it",
+        "suns so bright that they are seen through haze that leaves little of them: who gives up in front of one misses it",
         vec![
             ("alphas", array(&[SUNS.len(), 8], SUNS.iter().flat_map(|&e| haze(e).chain([0.5, 0.25])).collect())),
             ("rgbs", array(&[SUNS.len(), 8, 3], SUNS.iter().flat_map(|&e| seen_last(e, 8)).collect())),

@@ -31,11 +31,11 @@ pub(crate) use densities::{ALPHA_ERROR, rounds_alpha, volume_render};
 pub(crate) use depth::{DEPTH, depth, depth_vjp};
 pub(crate) use gradients::{volume_render_alpha_vjp, volume_render_vjp};
 pub(crate) use lists::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
-pub(crate) use march::THIN_SKIPPED;
 use march::{
     ALPHAS_HELD, BEFORE_THE_SAMPLE, CAPPED_ELSEWHERE, FAINT_UNCOLORED, GIVEN_UP_IN_THE_DARK, MADE_OPAQUE,
     THIN_ALPHAS, TOGETHER, WEIGHTS_HELD,
 };
+pub(crate) use march::{THIN_SKIPPED, unless_thin};
 
 /// Mistakes between opacities and outputs.
 fn wrong_composite(

@@ -21,8 +21,8 @@ def marched(sigmas, rgbs, deltas, gathered, passed, thin, left):
 
 @fault(
     "volume_render",
-    "slip: another formula: w_i = T_i (sigma_i delta_i), and A = 1 - prod_i (1 - alpha_i), and samples skipped where sigma <= 1e-3, "
-    "and an end in front of a sample where T < 1e-2",
+    "slip: another formula: w_i = T_i (sigma_i delta_i), and A = 1 - prod_i (1 - alpha_i), and density 0 where sigma <= 1e-3, "
+    "and an end in front of a sample where T < 0.01",
     seen="a trial on unseen code: clouds in HLSL; fogs in Rust, without the threshold of densities",
     times=3,
     gradient="none",
@@ -36,9 +36,9 @@ def light_by_length(sigmas, rgbs, deltas):
 
 @fault(
     "volume_render",
-    "slip: another formula: w_i = T_i (sigma_i delta_i), and alpha_i = min(1, sigma_i delta_i), and samples skipped where sigma <= 1e-2, "
-    "and an end in front of a sample where T < 1e-2",
-    "slip: another formula: alpha_i = sigma_i delta_i, and samples skipped where sigma <= 1e-2, and an end in front of a sample where T < 1e-2",
+    "slip: another formula: w_i = T_i (sigma_i delta_i), and alpha_i = min(1, sigma_i delta_i), and density 0 where sigma <= 0.01, "
+    "and an end in front of a sample where T < 0.01",
+    "slip: another formula: alpha_i = sigma_i delta_i, and density 0 where sigma <= 0.01, and an end in front of a sample where T < 0.01",
     seen="a trial on unseen code: clouds in GLSL",
     gradient="none",
     arrays="numpy",

@@ -619,6 +619,7 @@ def all_other_samples_hidden(sigmas, rgbs, deltas, grad_colors, grad_weights, gr
 @fault(
     "volume_render",
     "thin_samples_skipped+given_up_early",
+    "slip: another formula: density 0 where sigma <= 1e-3, and an end in front of a sample where T < 1e-3",
     seen="a trial on unseen code: a march in C#, both at 0.001",
     gradient="none",
     arrays="numpy",

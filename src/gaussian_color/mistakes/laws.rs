@@ -29,7 +29,7 @@ const HARMONICS: [&str; 7] = [
     "with y and z exchanged in the polynomials",
     "of the first band all one",
     "with the first band's constant for all",
-    "divided by their constants",
+    "with their polynomials divided by their constants",
 ];
 
 /// What makes the polynomials of the first four bands of unit length, as one writes them: y, z, x; xy, yz, 3 z^2 - 1, xz, x^2 - y^2; ...
@@ -134,8 +134,8 @@ fn basis(d: [f64; 3], degree: usize, normalized: HarmonicForm, form: Form, choic
         // The polynomials as one writes them, without what makes them of unit length.
         2 => y.iter_mut().zip(CONSTANTS).for_each(|(y, constant)| *y /= constant),
         4 => y[0] = 1.0,
-        6 => y.iter_mut().zip(CONSTANTS).for_each(|(y, constant)| *y /= constant * constant),
         5 => y.iter_mut().zip(CONSTANTS).for_each(|(y, constant)| *y *= CONSTANTS[0] / constant),
+        6 => y.iter_mut().zip(CONSTANTS).for_each(|(y, constant)| *y /= constant * constant),
         _ => {}
     }
     y

@@ -23,13 +23,8 @@ const SCALES: [&str; 8] =
     ["s", "s^2", "exp(s)", "1 / s", "|s|", "the largest for all", "s, at least 1e-4", "2 s"];
 
 /// The rotation's matrix.
-const MATRIX: [&str; 5] = [
-    "R",
-    "1 - 2 (y^2 + z^2), 1 - 2 (x^2 - z^2), 1 - 2 (x^2 - y^2) on its diagonal",
-    "R with w^2 + x^2 - y^2 - z^2 and so on, not divided",
-    "R without the factors of 2",
-    "1",
-];
+const MATRIX: [&str; 4] =
+    ["R", "R with w^2 + x^2 - y^2 - z^2 and so on, not divided", "R without the factors of 2", "1"];
 
 /// The product, S the diagonal matrix of the scales.
 const PRODUCT: [&str; 7] = [
@@ -116,21 +111,20 @@ fn turning(q: [f64; 4], form: Form, law: &[usize]) -> DMat3 {
         _ => [w, x, y, z],
     };
     let mut r = rotation([w, x, y, z]);
+    if law[2] == 1 {
+        r[0][0] = w * w + x * x - y * y - z * z;
+        r[1][1] = w * w - x * x + y * y - z * z;
+        r[2][2] = w * w - x * x - y * y + z * z;
+    }
     for (entry, choice) in law[ENTRY..].iter().enumerate().filter(|(_, choice)| **choice > 0) {
         r[entry / 3][entry % 3] = mistyped([w, x, y, z], (entry / 3, entry % 3), *choice);
     }
+    let r = DMat3::from_cols_array_2d(&r).transpose();
     match law[2] {
-        1 => (r[1][1], r[2][2]) = (1.0 - 2.0 * (x * x - z * z), 1.0 - 2.0 * (x * x - y * y)),
-        2 => {
-            r[0][0] = w * w + x * x - y * y - z * z;
-            r[1][1] = w * w - x * x + y * y - z * z;
-            r[2][2] = w * w - x * x - y * y + z * z;
-        }
-        3 => return 0.5 * (DMat3::from_cols_array_2d(&r).transpose() + DMat3::IDENTITY),
-        4 => return DMat3::IDENTITY,
-        _ => {}
+        2 => 0.5 * (r + DMat3::IDENTITY),
+        3 => DMat3::IDENTITY,
+        _ => r,
     }
-    DMat3::from_cols_array_2d(&r).transpose()
 }
 
 fn of(q: [f64; 4], scales: [f64; 3], form: Form, law: &[usize]) -> [[f64; 3]; 3] {

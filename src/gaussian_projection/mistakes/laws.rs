@@ -275,7 +275,10 @@ fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]
         covariances(mean, sigma, view, form, law)
     };
     let place = placed(mean, t, view, form, law);
-    let inside = (0.0..view.width).contains(&place[0]) && (0.0..view.height).contains(&place[1]);
+    let corner = if form.center == SplatCenter::Integer { -0.5 } else { 0.0 };
+    let inside = [(place[0], view.width), (place[1], view.height)]
+        .iter()
+        .all(|(u, size)| (0.0..*size).contains(&(u - corner)));
     let radius = match law[8] {
         0 if shape_is_right => right.radius,
         DROPPED if !inside => 0.0,

@@ -54,8 +54,8 @@ const WHOLE: [&str; 5] = [
     "I",
     "cos(theta) I, with u u^T for U^2",
     "cos(theta) I",
-    "the matrix of the quaternion (cos(theta / 2), sin(theta / 2) u), its real part taken for the last,",
-    "the matrix of the quaternion (sin(theta / 2) u, cos(theta / 2)), its real part taken for the first,",
+    "R = the matrix of the quaternion (cos(theta / 2), sin(theta / 2) u) read as x, y, z, w",
+    "R = the matrix of the quaternion (sin(theta / 2) u, cos(theta / 2)) read as w, x, y, z",
 ];
 
 /// The same in V.
@@ -128,6 +128,7 @@ fn says(part: usize, choice: usize) -> String {
         1 => small("R"),
         2 => format!("({}) U in R, U = [u]_x", FIRST[choice]),
         3 => format!("({}) U^2 in R, U = [u]_x", SECOND[choice]),
+        4 if choice > 2 => WHOLE[choice].into(),
         4 => format!("{} in R, U = [u]_x", WHOLE[choice]),
         5 => small("V"),
         6 => format!("({}) U in V, U = [u]_x", FIRST_OF_V[choice]),
@@ -196,7 +197,8 @@ fn rotation(w: [f64; 3], clamp: RotationClamp, law: &[usize]) -> DMat3 {
     let theta = w.length();
     let u = w / divisor(theta, law[0]);
     if let Some(order) = law[4].checked_sub(3) {
-        let (real, v) = (cos(0.5 * theta), u.normalize_or_zero() * sin(0.5 * theta));
+        let u = if theta > 0.0 { u } else { DVec3::ZERO };
+        let (real, v) = (cos(0.5 * theta), u * sin(0.5 * theta));
         let [x, y, z, w] = [[real, v.x, v.y, v.z], [v.y, v.z, real, v.x]][order];
         return DMat3::from_quat(glam::DQuat::from_xyzw(x, y, z, w));
     }

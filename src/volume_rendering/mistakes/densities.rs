@@ -1,7 +1,7 @@
 //! Rendering from densities, wrong on purpose.
 
 use super::catalogue::{DENSITY_CAPPED, EPS_ON_ALPHA, SCALED_EXPONENTIAL};
-use super::march::{DEPTH_HELD, DIVISION_GUARDED, THIN_SKIPPED};
+use super::march::{DEPTH_HELD, DIVISION_GUARDED, THIN_SKIPPED, unless_thin};
 use super::other_alphas::{other_alphas, softmax};
 use super::steps::wrong_deltas;
 use super::{finished, recompose, render_all};
@@ -37,7 +37,7 @@ pub(crate) fn volume_render(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
             (1..samples).for_each(|i| sigmas[i - 1] = 0.5 * (sigmas[i - 1] + sigmas[i]));
         }
         if let Some(least) = THIN_SKIPPED.among(wrong) {
-            sigmas.iter_mut().filter(|sigma| **sigma < least).for_each(|sigma| *sigma = 0.0);
+            sigmas.iter_mut().for_each(|sigma| *sigma = unless_thin(*sigma, least));
         }
         for name in wrong {
             let softplus = |x: f64| x.max(0.0) + crate::math::ln(1.0 + exp(-x.abs()));

@@ -21,7 +21,7 @@ const OWN: [&str; 8] = [
 ];
 
 /// What is taken off that. B_i is the worth of the light behind sample i, S_i = T_{i+1} B_i that of what the samples behind it add.
-const HIDDEN: [&str; 15] = [
+const HIDDEN: [&str; 16] = [
     "S_i = sum_{j>i} w_j q_j",
     "S_i / (1 - alpha_i)",
     "sum_{j>=i} w_j q_j, its own with it",
@@ -37,6 +37,7 @@ const HIDDEN: [&str; 15] = [
     "(1 - alpha_i) S_i",
     "-S_i",
     "-S_i / (1 - alpha_i)",
+    "S_i / max(1 - alpha_i, 1e-6)",
 ];
 
 /// What the slope of sigma_i delta_i is multiplied with for sigma_i.
@@ -58,9 +59,13 @@ const SCALE: [&str; 6] = ["1", "alpha_i", "1 - alpha_i", "T_i", "-1", "1 / (1 - 
 /// What the gradient of a color is.
 const COLOR: [&str; 8] = ["w_i g", "alpha_i g", "T_i g", "g", "T_{i+1} g", "alpha_i T_{i+1} g", "w_i", "0"];
 
+/// The opacities below which a sample has no gradient.
+const FAINT: [(f64, &str); 4] =
+    [(f64::NEG_INFINITY, ""), (1e-4, "1e-4"), (1.0 / 255.0, "1 / 255"), (1e-3, "1e-3")];
+
 /// Those of densities.
 pub(crate) const OF_DENSITIES: Laws = Laws {
-    choices: &[OWN.len(), HIDDEN.len(), STEP.len(), COLOR.len(), END.len()],
+    choices: &[OWN.len(), HIDDEN.len(), STEP.len(), COLOR.len(), END.len(), FAINT.len()],
     says: |part, choice| match part {
         2 => format!("the gradient of sigma_i times {} in the place of delta_i", STEP[choice]),
         _ => says(part, choice, "sigma_i delta_i"),
@@ -71,7 +76,7 @@ pub(crate) const OF_DENSITIES: Laws = Laws {
 
 /// Those of opacities.
 pub(crate) const OF_OPACITIES: Laws = Laws {
-    choices: &[OWN.len(), HIDDEN.len(), SCALE.len(), COLOR.len(), END.len()],
+    choices: &[OWN.len(), HIDDEN.len(), SCALE.len(), COLOR.len(), END.len(), FAINT.len()],
     says: |part, choice| match part {
         // The right ones of densities are wrong here, and the other way around.
         0 if choice == 1 => says(0, 0, "alpha_i"),
@@ -91,7 +96,8 @@ fn says(part: usize, choice: usize, of: &str) -> String {
         }
         1 => format!("the gradient of {of} loses {}", HIDDEN[choice]),
         3 => format!("the gradient of c_i = {}", COLOR[choice]),
-        _ => end_said(choice),
+        4 => end_said(choice),
+        _ => format!("no gradient where alpha_i < {}", FAINT[choice].1),
     }
 }
 
@@ -156,7 +162,8 @@ impl<'a> Back<'a> {
             11 => t[i] * whole,
             12 => (1.0 - alpha) * self.sums[i],
             13 => -self.sums[i],
-            _ => -t[i] * worth,
+            14 => -t[i] * worth,
+            _ => self.sums[i] / (1.0 - alpha).max(1e-6),
         }
     }
 
@@ -189,7 +196,7 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         let back = Back::new(a, r, c, &ray, &alphas);
         let g = cotangent_over(a, r, c).color;
         for i in 0..n {
-            if i >= end {
+            if i >= end || alphas[i] < FAINT[law[5]].0 {
                 g_sigmas.push(0.0);
                 g_deltas.push(0.0);
                 g_rgbs.extend([0.0; 3]);
@@ -242,7 +249,7 @@ fn of_opacities(given: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         let back = Back::new(a, r, c, &ray, &alphas);
         let g = cotangent_over(a, r, c).color;
         for i in 0..n {
-            if i >= end {
+            if i >= end || alphas[i] < FAINT[law[5]].0 {
                 g_alphas.push(0.0);
                 g_rgbs.extend([0.0; 3]);
                 continue;

@@ -73,13 +73,19 @@ pub(super) const FAINT_UNCOLORED: Mistake = Mistake::new(
 .with("k", 1e-4, [1e-8, 0.1]);
 pub(crate) const THIN_SKIPPED: Mistake = Mistake::new(
     "thin_samples_skipped",
-    "density 0 where sigma < k",
+    "density 0 where sigma <= k",
     "fog vanishes",
     "densities as they are",
     "4 marches in shaders: if (density > 0.01)",
     4,
 )
 .with("k", 1e-2, [1e-6, 10.0]);
+
+/// A density, and 0 where it is too thin.
+pub(crate) fn unless_thin(sigma: f64, most: f64) -> f64 {
+    if sigma <= most { 0.0 } else { sigma }
+}
+
 pub(super) const WEIGHTS_ARE_ALPHAS: Mistake = Mistake::new(
     "weights_are_alphas",
     "alpha is handed on for the weights; colors and opacity are right",
@@ -247,7 +253,7 @@ pub(super) const LAST_ALPHAS_LIGHT: Mistake = Mistake::new(
 );
 pub(super) const CAPPED_ELSEWHERE: Mistake = Mistake::new(
     "capped_elsewhere",
-    "min(alpha, k), k none of the usual caps",
+    "min(alpha, k)",
     "nothing is ever opaque",
     "alpha as it is, or capped as the splats are",
     "1 splat renderer, with 0.995",
@@ -257,8 +263,8 @@ pub(super) const CAPPED_ELSEWHERE: Mistake = Mistake::new(
 pub(super) const ALPHAS_SCALED: Mistake = Mistake::new(
     "alphas_scaled",
     "k (1 - exp(-sigma delta))",
-    "nothing is ever opaque, or fog is more than that",
-    "alpha = 1 - exp(-sigma delta): the step belongs into the exponent alone",
+    "nothing is ever opaque where k < 1; opacities above 1 where k > 1",
+    "alpha = 1 - exp(-sigma delta): the step belongs in the exponent alone",
     "never; cheap to keep",
     0,
 )
@@ -268,7 +274,7 @@ pub(super) const DIVISION_GUARDED: Mistake = Mistake::new(
     "s = max(sigma, k) for sigma in T = exp(-sum s delta) and in w = T sigma (1 - exp(-s delta)) / s",
     "empty space hides what is behind it, if it is deep enough",
     "T_i (1 - exp(-sigma_i delta_i)): nothing is divided by sigma",
-    "fog in shaders: (S - S exp(-sigma d)) / max(sigma, 1e-6), S = sigma c",
-    2,
+    "a fog by slices of a frustum: s = max(sigma, 1e-6), (S - S exp(-s d)) / s, S = sigma c",
+    1,
 )
 .with("k", 1e-6, [1e-9, 0.1]);

@@ -29,10 +29,10 @@ pub(super) const OF_OPACITY: [&str; 11] = [
     "alpha_i^2",
     "sqrt(alpha_i)",
     "1 - exp(-alpha_i)",
-    "(0 where alpha_i < 1e-4)",
-    "(0 where alpha_i < 1e-3)",
-    "(0 where alpha_i < 0.01)",
-    "(0 where alpha_i < 0.05)",
+    "alpha_i, 0 below 1e-4,",
+    "alpha_i, 0 below 1e-3,",
+    "alpha_i, 0 below 0.01,",
+    "alpha_i, 0 below 0.05,",
 ];
 
 /// The densities of samples that are skipped.
@@ -69,9 +69,14 @@ pub(super) const SEEN: [f64; 5] = [f64::NEG_INFINITY, 0.01, 1e-3, 1e-4, 0.1];
 /// What is said of an end.
 pub(super) fn end_said(choice: usize) -> String {
     match END[choice] {
-        (least, 0) => format!("an end in front of a sample where T < {least:e}"),
-        (least, _) => format!("an end in front of the sample that brings T below {least:e}"),
+        (least, 0) => format!("an end in front of a sample where T < {}", threshold(least)),
+        (least, _) => format!("an end in front of the sample that brings T below {}", threshold(least)),
     }
+}
+
+/// A threshold as one writes it.
+pub(super) fn threshold(x: f64) -> String {
+    if x < 0.01 { format!("{x:e}") } else { x.to_string() }
 }
 
 pub(super) fn of_density(alpha: f64, sigma: f64, depth: f64, choice: usize) -> f64 {

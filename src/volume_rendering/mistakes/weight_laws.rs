@@ -3,7 +3,10 @@
 use super::super::arrays::{over, renderings};
 use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha};
 use super::ALPHA_ERROR;
-use super::march_laws::{END, OF_DENSITY, OF_OPACITY, SEEN, THIN, end_said, ended, of_density, of_opacity};
+use super::march::unless_thin;
+use super::march_laws::{
+    END, OF_DENSITY, OF_OPACITY, SEEN, THIN, end_said, ended, of_density, of_opacity, threshold,
+};
 use super::other_alphas::softmax;
 use crate::contract::arrays::{Arrays, row, rows3, size};
 use crate::contract::laws::Laws;
@@ -79,7 +82,7 @@ const BEHIND: [&str; 3] = ["prod_i (1 - alpha_i)", "1 - sum_i w_i", "T of the la
 
 const LIGHT: usize = SCANS.len() * OUTER.len();
 
-/// Those of densities. What is cheap to try with all else comes last: T has as many choices as all others together.
+/// Those of densities. What is cheap to try with all else comes last: T has more choices than all others together.
 pub(crate) const OF_DENSITIES: Laws = Laws {
     choices: &[
         1 + ELEMENTS.len() * LIGHT,
@@ -135,9 +138,9 @@ fn says(part: usize, choice: usize) -> String {
         2 => format!("C = {}", COLOR[choice]),
         3 => format!("A = {}", OPACITY[choice]),
         4 => format!("transmittance behind all = {}", BEHIND[choice]),
-        6 => format!("samples skipped where sigma <= {:e}", THIN[choice]),
+        6 => format!("density 0 where sigma <= {}", threshold(THIN[choice])),
         7 => end_said(choice),
-        _ => format!("nothing is seen where A < {:e}", SEEN[choice]),
+        _ => format!("C = 0 and A = 0 where A < {}", threshold(SEEN[choice])),
     }
 }
 
@@ -232,51 +235,67 @@ fn ray(samples: &[Sample], rgbs: &[[f64; 3]], mut right: Rendering, eps: f64, la
         let left = light[end];
         light[end..].fill(left);
     }
+    t_behind(&mut t, &right, &weights, end, law[4]);
+    let opacity = opacity(&samples[..end], &weights, &right, n, law[3]);
+    let seen = opacity >= SEEN[law[8]] || opacity.is_nan();
+    let color = if seen { colored(&samples[..end], rgbs, &weights, &t, law[2]) } else { [0.0; 3] };
+    Rendering { color, weights, transmittance: t, opacity: if seen { opacity } else { 0.0 } }
+}
+
+/// What is handed out for the light behind all samples.
+fn t_behind(t: &mut [f64], right: &Rendering, weights: &[f64], end: usize, choice: usize) {
+    let n = weights.len();
+    t[n] = match choice {
+        0 => right.transmittance[n],
+        1 => 1.0 - weights.iter().sum::<f64>(),
+        _ => t[end.saturating_sub(1)],
+    };
+}
+
+/// The color of so many samples up to the end of the march, among all weights.
+fn colored(samples: &[Sample], rgbs: &[[f64; 3]], weights: &[f64], t: &[f64], choice: usize) -> [f64; 3] {
+    let (n, end) = (weights.len(), samples.len());
     let whole: f64 = weights.iter().sum();
     let of = |weights: &[f64]| -> [f64; 3] {
         std::array::from_fn(|k| weights.iter().zip(rgbs).map(|(w, c)| w * c[k]).sum())
     };
-    let each = |f: &dyn Fn(usize) -> f64| (0..n).map(f).collect::<Vec<f64>>();
+    let each = |f: &dyn Fn(usize) -> f64| (0..end).map(f).collect::<Vec<f64>>();
     let most = weights.iter().copied().fold(0.0, f64::max);
-    let alphas: f64 = samples.iter().map(|s| s.alpha).sum();
-    let color = match law[2] {
-        0 => of(&weights),
-        1 => of(&each(&|i| (n - i) as f64 * weights[i])),
-        2 => of(&weights).map(|c| c / n as f64),
+    match choice {
+        0 => of(weights),
+        1 => of(&each(&|i| (end - i) as f64 * weights[i])),
+        2 => of(weights).map(|c| c / n as f64),
         3 => of(&each(&|i| weights[i] * samples[i].alpha)),
-        4 => of(&weights).map(|c| c + 1.0 - whole),
-        5 => of(&weights).map(|c| c / most),
+        4 => of(weights).map(|c| c + 1.0 - whole),
+        5 => of(weights).map(|c| c / most),
         6 => rgbs.get(weights.iter().position(|w| *w == most).unwrap_or(0)).copied().unwrap_or([0.0; 3]),
-        7 => of(&softmax(&weights)),
-        8 => of(&weights).map(|c| c.min(1.0)),
-        9 => of(&weights).map(|c| if whole == 0.0 { 0.0 } else { c / whole }),
-        _ => of(&each(&|i| if i < end { t[i] } else { 0.0 })),
-    };
-    let opacity = match law[3] {
+        7 => of(&softmax(&weights[..end])),
+        8 => of(weights).map(|c| c.min(1.0)),
+        9 => of(weights).map(|c| if whole == 0.0 { 0.0 } else { c / whole }),
+        _ => of(&each(&|i| t[i])),
+    }
+}
+
+/// The opacity of so many samples up to the end of the march, of `n`.
+fn opacity(samples: &[Sample], weights: &[f64], right: &Rendering, n: usize, choice: usize) -> f64 {
+    let whole: f64 = weights.iter().sum();
+    let alphas: f64 = samples.iter().map(|s| s.alpha).sum();
+    match choice {
         0 => whole,
         1 => 1.0 - right.transmittance[n],
         2 => samples.last().map_or(0.0, |s| s.alpha),
         3 => alphas,
-        4 => most,
+        4 => weights.iter().copied().fold(0.0, f64::max),
         5 => whole / n as f64,
         _ => alphas.min(1.0),
-    };
-    t[n] = match law[4] {
-        0 => right.transmittance[n],
-        1 => 1.0 - whole,
-        _ => t[n.saturating_sub(1)],
-    };
-    if opacity < SEEN[law[8]] {
-        return Rendering { color: [0.0; 3], weights, transmittance: t, opacity: 0.0 };
     }
-    Rendering { color, weights, transmittance: t, opacity }
 }
 
 fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     let (count, n) = size(a, "sigmas");
     let one = |r: usize| {
         let (mut sigmas, deltas, rgbs) = (row(a, "sigmas", r), row(a, "deltas", r), rows3(a, "rgbs", r));
-        sigmas.iter_mut().filter(|sigma| **sigma <= THIN[law[6]]).for_each(|sigma| *sigma = 0.0);
+        sigmas.iter_mut().for_each(|sigma| *sigma = unless_thin(*sigma, THIN[law[6]]));
         let depths = optical_depths(&sigmas, &deltas);
         let mut alphas: Vec<f64> = depths.iter().map(|&x| -expm1(-x)).collect();
         let mut right = volume_render(&sigmas, &rgbs, &deltas, c.product_eps);
@@ -285,9 +304,7 @@ fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
             let off = alphas.iter_mut().zip(errors).filter(|(alpha, _)| **alpha != 0.0);
             off.for_each(|(alpha, e)| *alpha = (*alpha + e).clamp(0.0, 1.0));
         }
-        if law[5] > 0 {
-            (0..n).for_each(|i| alphas[i] = of_density(alphas[i], sigmas[i], depths[i], law[5]));
-        }
+        (0..n).for_each(|i| alphas[i] = of_density(alphas[i], sigmas[i], depths[i], law[5]));
         if law[5] > 0 || a.contains_key(ALPHA_ERROR) {
             right = volume_render_alpha(&alphas, &rgbs, c.product_eps);
         }
