@@ -119,7 +119,7 @@ const BLUNT: &[(&str, f64)] = &[
     ("so3_exp/vjp bf16", 0.069),
     ("training_step/forward bf16", 0.262),
     ("training_step/forward f16", 0.069),
-    ("volume_render/forward bf16", 0.1),
+    ("volume_render/forward bf16", 0.095),
     ("volume_render/vjp bf16", 0.15),
 ];
 
