@@ -25,7 +25,7 @@ use crate::judge::mark::MarkOptions;
 use crate::parallel;
 
 /// Numbers of a case with more of which it is left out: a network of full size has 595,850 parameters.
-pub const LARGEST: usize = 50_000;
+pub const LARGEST: usize = 10_000;
 
 /// The types that an answer is bounded in.
 const DTYPES: [Dtype; 2] = [Dtype::F64, Dtype::F32];
