@@ -169,10 +169,15 @@ def drawn(means2d, cov, depths, floor):
     return means2d, three, conics, depths, radii, torch.sqrt(torch.clamp(before / det, min=0.0))
 
 
+def sizes_of(width, height):
+    """Width and height, for what both axes share."""
+    return torch.tensor([float(width), float(height)])
+
+
 def around_the_picture(k, width, height):
     """gsplat's limits."""
     half = torch.tensor([0.5 * width / k[0, 0], 0.5 * height / k[1, 1]])
-    sizes, focal = torch.tensor([float(width), float(height)]), torch.stack([k[0, 0], k[1, 1]])
+    sizes, focal = sizes_of(width, height), torch.stack([k[0, 0], k[1, 1]])
     return -(k[:2, 2] / focal + 0.3 * half), (sizes - k[:2, 2]) / focal + 0.3 * half
 
 

@@ -4,19 +4,38 @@ import numpy as np
 from entry import fault
 
 
-def marched(sigmas, rgbs, deltas, gathered, passed, thin, left):
-    """Samples of more than `thin` gather light and let some pass, until less than `left` is left; colors and what is left."""
-    colors, light = np.zeros((len(sigmas), 3), sigmas.dtype), np.ones(len(sigmas), sigmas.dtype)
+def passed(depth):
+    """What passes through so much optical depth."""
+    return np.exp(-depth)
+
+
+def marched(sigmas, rgbs, deltas, gathered, through, thin, left):
+    """Samples of more than `thin` gather light and let some pass, until less than `left` is left; colors, weights and what is left."""
+    weights, light = np.zeros_like(sigmas), np.ones(len(sigmas), sigmas.dtype)
     for r, (sigma, delta) in enumerate(zip(sigmas, deltas)):
         for i in range(len(sigma)):
             if sigma[i] <= thin:
                 continue
             depth = sigma[i] * delta[i]
-            colors[r] += light[r] * gathered(depth) * rgbs[r, i]
-            light[r] *= passed(depth)
+            weights[r, i] = light[r] * gathered(depth)
+            light[r] *= through(depth)
             if light[r] < left:
                 break
-    return colors, light
+    return np.einsum("rn,rnk->rk", weights, rgbs), weights, light
+
+
+@fault(
+    "volume_render",
+    "thin_samples_skipped+given_up_early",
+    "slip: another formula: density 0 where sigma <= 1e-3, and an end in front of a sample where T < 1e-3",
+    seen="a trial on unseen code: a march in C#, both at 0.001",
+    gradient="none",
+    arrays="numpy",
+)
+def two_thresholds(sigmas, rgbs, deltas):
+    """sigma <= 0.001 is passed over; the march ends where T < 0.001."""
+    colors, weights, light = marched(sigmas, rgbs, deltas, lambda depth: 1 - passed(depth), passed, 0.001, 0.001)
+    return {"colors": colors, "weights": weights, "opacity": weights.sum(-1), "transmittance": light}
 
 
 @fault(
@@ -30,7 +49,7 @@ def marched(sigmas, rgbs, deltas, gathered, passed, thin, left):
 )
 def light_by_length(sigmas, rgbs, deltas):
     """T sigma delta of each sample's color, T by the exponential."""
-    colors, light = marched(sigmas, rgbs, deltas, lambda depth: depth, lambda depth: np.exp(-depth), 1e-3, 0.01)
+    colors, _, light = marched(sigmas, rgbs, deltas, lambda depth: depth, passed, 1e-3, 0.01)
     return {"colors": colors, "opacity": 1 - light, "transmittance": light}
 
 
@@ -45,7 +64,7 @@ def light_by_length(sigmas, rgbs, deltas):
 )
 def depth_for_opacity(sigmas, rgbs, deltas):
     """sigma delta for alpha, in what is gathered and in what is left."""
-    colors, light = marched(sigmas, rgbs, deltas, lambda depth: depth, lambda depth: 1 - depth, 0.01, 0.01)
+    colors, _, light = marched(sigmas, rgbs, deltas, lambda depth: depth, lambda depth: 1 - depth, 0.01, 0.01)
     return {"colors": colors, "opacity": 1 - light}
 
 
@@ -61,9 +80,9 @@ def scattered_by_slices(sigmas, rgbs, deltas):
     colors, light = np.zeros((len(sigmas), 3), sigmas.dtype), np.ones(len(sigmas), sigmas.dtype)
     for sigma, rgb, delta in zip(sigmas.T, rgbs.swapaxes(0, 1), deltas.T):
         held = np.maximum(sigma, sigma.dtype.type(1e-6))
-        passed = np.exp(-held * delta)
-        colors += light[:, None] * (sigma[:, None] * rgb * (1 - passed[:, None])) / held[:, None]
-        light = light * passed
+        through = passed(held * delta)
+        colors += light[:, None] * (sigma[:, None] * rgb * (1 - through[:, None])) / held[:, None]
+        light = light * through
     return {"colors": colors, "transmittance": light}
 
 

@@ -2,7 +2,7 @@
 
 import torch
 from entry import fault
-from gaussians import in_camera, jacobian, matrices
+from gaussians import drawn, in_camera, jacobian, matrices, sizes_of
 from splats import flat, three
 
 
@@ -64,7 +64,7 @@ def limits_of_the_width(means, covariances, w2c, K, width, height):
 def pixels_to_the_edges(means, covariances, w2c, K, width, height):
     """-1 and 1 are the middles of the first and of the last pixel."""
     middle, depths, cov = flat(means, covariances, w2c, K, width, height)
-    size = torch.tensor([float(width), float(height)])
+    size = sizes_of(width, height)
     return {"means2d": middle * (size - 1) / size, "depths": depths, "covariances2d": three(cov + 0.3 * torch.eye(2))}
 
 
@@ -90,7 +90,7 @@ def a_round_stamp(pixels, means2d, conics, opacities):
 def limits_of_the_farther_edge(means, covariances, w2c, K, width, height):
     """The same limit on both sides of the center, from the edge that is farther away."""
     t, sigma = in_camera(means, covariances, w2c)
-    size, center = torch.tensor([float(width), float(height)]), K[:2, 2]
+    size, center = sizes_of(width, height), K[:2, 2]
     most = 1.3 * torch.maximum(center, size - center) / torch.stack([K[0, 0], K[1, 1]])
     j = held_to(most, t, K)
     return {"depths": t[:, 2], "covariances2d": three(j @ sigma @ j.mT + 0.3 * torch.eye(2))}
@@ -127,7 +127,7 @@ def back_and_wide(means, covariances, w2c, K, width, height):
     """The rotation of c2w, and tan(fov) for tan(fov / 2) in the limits."""
     t, _ = in_camera(means, covariances, w2c)
     _, sigma = in_camera(means, covariances, w2c.mT)
-    half = 0.5 * torch.tensor([float(width), float(height)]) / torch.stack([K[0, 0], K[1, 1]])
+    half = 0.5 * sizes_of(width, height) / torch.stack([K[0, 0], K[1, 1]])
     j = held_to(1.3 * 2 * half / (1 - half * half), t, K)
     return {"depths": t[:, 2], "covariances2d": three(j @ sigma @ j.mT + 0.3 * torch.eye(2))}
 
@@ -141,8 +141,6 @@ def back_and_wide(means, covariances, w2c, K, width, height):
 def means_outside_dropped(means, covariances, w2c, K, width, height):
     """A radius of 0 for what has its mean beside the picture."""
     middle, depths, cov = flat(means, covariances, w2c, K, width, height)
-    wide = cov + 0.3 * torch.eye(2)
-    half = 0.5 * (wide[:, 0, 0] + wide[:, 1, 1])
-    radii = torch.ceil(3 * torch.sqrt(half + torch.sqrt((half * half - torch.linalg.det(wide)).clamp(min=0.1))))
-    inside = ((middle >= 0) & (middle < torch.tensor([float(width), float(height)]))).all(-1)
-    return {"means2d": middle, "depths": depths, "covariances2d": three(wide), "radii": radii * inside}
+    _, wide, conics, _, radii, _ = drawn(middle, cov, depths, 0.1)
+    inside = ((middle >= 0) & (middle < sizes_of(width, height))).all(-1)
+    return {"means2d": middle, "depths": depths, "covariances2d": wide, "conics": conics, "radii": radii * inside}

@@ -614,27 +614,3 @@ def all_other_samples_hidden(sigmas, rgbs, deltas, grad_colors, grad_weights, gr
         "grad_deltas": slopes * sigmas,
         "grad_rgbs": weights[..., None] * grad_colors[:, None],
     }
-
-
-@fault(
-    "volume_render",
-    "thin_samples_skipped+given_up_early",
-    "slip: another formula: density 0 where sigma <= 1e-3, and an end in front of a sample where T < 1e-3",
-    seen="a trial on unseen code: a march in C#, both at 0.001",
-    gradient="none",
-    arrays="numpy",
-)
-def two_thresholds(sigmas, rgbs, deltas):
-    """sigma <= 0.001 is passed over; the march ends where T < 0.001."""
-    colors, weights = np.zeros((len(sigmas), 3), sigmas.dtype), np.zeros_like(sigmas)
-    left = np.ones(len(sigmas), sigmas.dtype)
-    for r, (sigma, delta) in enumerate(zip(sigmas, deltas)):
-        for i in range(len(sigma)):
-            if sigma[i] > 0.001:
-                alpha = 1 - np.exp(-sigma[i] * delta[i])
-                weights[r, i] = left[r] * alpha
-                left[r] *= 1 - alpha
-                if left[r] < 0.001:
-                    break
-        colors[r] = weights[r] @ rgbs[r]
-    return {"colors": colors, "weights": weights, "opacity": weights.sum(-1), "transmittance": left}

@@ -119,6 +119,7 @@ fn turning(q: [f64; 4], form: Form, law: &[usize]) -> DMat3 {
     for (entry, choice) in law[ENTRY..].iter().enumerate().filter(|(_, choice)| **choice > 0) {
         r[entry / 3][entry % 3] = mistyped([w, x, y, z], (entry / 3, entry % 3), *choice);
     }
+    // What replaces the matrix as a whole comes behind the signs of its entries.
     let r = DMat3::from_cols_array_2d(&r).transpose();
     match law[2] {
         2 => 0.5 * (r + DMat3::IDENTITY),

@@ -153,6 +153,7 @@ fn placed(mean: [f64; 3], t: [f64; 3], view: &View, form: Form, law: &[usize]) -
 /// The radius of splats that are dropped where their means lie outside of the picture.
 const DROPPED: usize = RADIUS.len() - 1;
 
+/// The radius of a covariance, before and after something is added to it.
 fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f64 {
     let above = |[a, b, c]: [f64; 3], least: f64| {
         0.5 * (a + c) + (0.25 * (a - c) * (a - c) + b * b).max(least).sqrt()

@@ -79,6 +79,7 @@ pub(super) fn threshold(x: f64) -> String {
     if x < 0.01 { format!("{x:e}") } else { x.to_string() }
 }
 
+/// What that choice makes of a density and its optical depth; `alpha` is the right one.
 pub(super) fn of_density(alpha: f64, sigma: f64, depth: f64, choice: usize) -> f64 {
     match choice {
         0 => alpha,
@@ -96,6 +97,7 @@ pub(super) fn of_density(alpha: f64, sigma: f64, depth: f64, choice: usize) -> f
     }
 }
 
+/// What that choice makes of an opacity.
 pub(super) fn of_opacity(alpha: f64, choice: usize) -> f64 {
     let at_least = |least: f64| if alpha < least { 0.0 } else { alpha };
     match choice {

@@ -235,21 +235,17 @@ fn ray(samples: &[Sample], rgbs: &[[f64; 3]], mut right: Rendering, eps: f64, la
         let left = light[end];
         light[end..].fill(left);
     }
-    t_behind(&mut t, &right, &weights, end, law[4]);
-    let opacity = opacity(&samples[..end], &weights, &right, n, law[3]);
-    let seen = opacity >= SEEN[law[8]] || opacity.is_nan();
-    let color = if seen { colored(&samples[..end], rgbs, &weights, &t, law[2]) } else { [0.0; 3] };
-    Rendering { color, weights, transmittance: t, opacity: if seen { opacity } else { 0.0 } }
-}
-
-/// What is handed out for the light behind all samples.
-fn t_behind(t: &mut [f64], right: &Rendering, weights: &[f64], end: usize, choice: usize) {
-    let n = weights.len();
-    t[n] = match choice {
-        0 => right.transmittance[n],
+    let behind = right.transmittance[n];
+    t[n] = match law[4] {
+        0 => behind,
         1 => 1.0 - weights.iter().sum::<f64>(),
         _ => t[end.saturating_sub(1)],
     };
+    let marched = &samples[..end];
+    let (color, opacity) =
+        (colored(marched, rgbs, &weights, &t, law[2]), opacity(marched, &weights, behind, law[3]));
+    let (color, opacity) = if opacity < SEEN[law[8]] { ([0.0; 3], 0.0) } else { (color, opacity) };
+    Rendering { color, weights, transmittance: t, opacity }
 }
 
 /// The color of so many samples up to the end of the march, among all weights.
@@ -276,17 +272,17 @@ fn colored(samples: &[Sample], rgbs: &[[f64; 3]], weights: &[f64], t: &[f64], ch
     }
 }
 
-/// The opacity of so many samples up to the end of the march, of `n`.
-fn opacity(samples: &[Sample], weights: &[f64], right: &Rendering, n: usize, choice: usize) -> f64 {
+/// The opacity of so many samples up to the end of the march, among all weights, with the light behind them.
+fn opacity(samples: &[Sample], weights: &[f64], behind: f64, choice: usize) -> f64 {
     let whole: f64 = weights.iter().sum();
     let alphas: f64 = samples.iter().map(|s| s.alpha).sum();
     match choice {
         0 => whole,
-        1 => 1.0 - right.transmittance[n],
+        1 => 1.0 - behind,
         2 => samples.last().map_or(0.0, |s| s.alpha),
         3 => alphas,
         4 => weights.iter().copied().fold(0.0, f64::max),
-        5 => whole / n as f64,
+        5 => whole / weights.len() as f64,
         _ => alphas.min(1.0),
     }
 }
