@@ -40,7 +40,7 @@ pub(crate) fn assignments(component: &Component, base: &Conventions) -> Vec<Part
         all = all.iter().flat_map(extend).collect();
     }
     let base = partial(component, base);
-    all.sort_by_key(|p| changes(p, &base));
+    all.sort_by_cached_key(|p| changes(p, &base));
     all
 }
 

@@ -28,7 +28,7 @@ pub(crate) fn apply(partial: &Partial, base: &Conventions) -> Conventions {
 
 /// The conventions that the component reads; the others can't change what is true of it.
 pub(crate) fn read(component: &Component, c: &Conventions) -> Conventions {
-    apply(&partial(component, c), &CS180)
+    c.of(component.conventions, CS180)
 }
 
 /// `partial` with another value of one.

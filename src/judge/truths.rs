@@ -35,10 +35,14 @@ struct Exact {
 /// What a bound depends on beside the case and its conventions: the type, the bits of the accuracy of elementary functions, and the grade.
 type Key = (Conventions, Dtype, u64, Grade);
 
-/// The truths of one case, and the inputs that they are of.
+/// The number of a nudge, and the bits of how far it goes.
+type Nudge = (u64, u64);
+
+/// The truths of one case, and the inputs that they are of, as they are and nudged.
 #[derive(Debug)]
 struct OfCase {
     inputs: Arrays,
+    nudged: HashMap<Nudge, Arc<Arrays>>,
     exact: HashMap<Conventions, Arc<Exact>>,
     truths: HashMap<Key, Arc<Truth>>,
 }
@@ -86,8 +90,8 @@ impl Truths {
         memory.elements += elements;
         if memory.elements <= REMEMBERED {
             let new = || {
-                let (exact, truths) = Default::default();
-                OfCase { inputs: case.inputs.clone(), exact, truths }
+                let (nudged, exact, truths) = Default::default();
+                OfCase { inputs: case.inputs.clone(), nudged, exact, truths }
             };
             let of = memory.cases.entry(case.id.clone()).or_insert_with(new);
             if of.inputs == case.inputs {
@@ -125,6 +129,19 @@ impl Truths {
     /// The true outputs of a case.
     pub(crate) fn expected(&self, row: Row, case: &Case, c: &Conventions) -> Arc<Arrays> {
         self.exact(row, case, read(row.0, c)).expected.clone()
+    }
+
+    /// The inputs of a case, nudged: the same for every hypothesis.
+    pub(crate) fn nudged(&self, case: &Case, by: Nudge, nudged: impl FnOnce() -> Arrays) -> Arc<Arrays> {
+        let computed = || {
+            let inputs = nudged();
+            let elements = size(&inputs);
+            (inputs, elements)
+        };
+        let known = |of: &OfCase| of.nudged.get(&by).cloned();
+        self.get(case, known, computed, |of, inputs| {
+            of.nudged.insert(by, inputs);
+        })
     }
 
     /// The true outputs of a case, and the bound of an answer in `dtype`.

@@ -150,7 +150,10 @@ impl Hypothesis {
     /// The wrong function on inputs that are off by a few roundings. Both signs of them: across a threshold only one of the two goes.
     fn moved(&self, question: &Question, case: &Case, n: u64, options: &MarkOptions) -> [Arrays; 2] {
         let by = 4.0 * options.dtype.unit_roundoff();
-        [by, -by].map(|by| self.wrong(question, &nudged(question, case, n, by)))
+        [by, -by].map(|by| {
+            let inputs = || nudged(question, case, n, by);
+            self.wrong(question, &question.truths.nudged(case, (n, by.to_bits()), inputs))
+        })
     }
 
     /// The bound with the change of the wrong function to what it gives on nudged inputs, `moved`.
