@@ -61,12 +61,18 @@ impl Hypothesis {
     /// What this candidate would answer, and its error where it isn't known exactly (numeric gradients).
     pub fn prediction(&self, question: &Question, case: &Case) -> (Arrays, Option<Arrays>) {
         if self.numeric(question) {
-            let forward = |inputs: &Arrays| self.slipped(inputs, question, &question.component.forward);
-            let (gradient, error) = numeric::vjp(question.component, &case.inputs, forward);
-            let shown = question.component.special.of_gradients;
-            return (shown(&case.inputs, &self.conventions, gradient), Some(error));
+            let (gradient, error) = self.gradient(question, case, 1);
+            return (gradient, Some(error));
         }
         (self.wrong(question, &case.inputs), None)
+    }
+
+    /// The numeric gradient at one in `each` of the elements that are looked at, and its error.
+    pub(super) fn gradient(&self, question: &Question, case: &Case, each: usize) -> (Arrays, Arrays) {
+        let forward = |inputs: &Arrays| self.slipped(inputs, question, &question.component.forward);
+        let (gradient, error) = numeric::vjp(question.component, &case.inputs, each, forward);
+        let shown = question.component.special.of_gradients;
+        (shown(&case.inputs, &self.conventions, gradient), error)
     }
 
     /// The wrong function.
@@ -241,6 +247,9 @@ impl Hypothesis {
 
     /// Whether it explains an answer.
     pub fn explains(&self, question: &Question, case: &Case, answer: &Answer, options: &MarkOptions) -> bool {
+        if self.misses_a_few(question, case, answer, options) {
+            return false;
+        }
         let (mut wrong, error) = self.prediction(question, case);
         self.leave_open(question, case, answer, &mut wrong);
         // A numeric gradient is known only at some elements, so most elements can't be compared.
@@ -342,7 +351,7 @@ pub(super) fn nudged(question: &Question, case: &Case, n: u64, relative: f64) ->
 const WIDE: f64 = 64.0;
 
 /// How many times larger than right answers wrong ones may be so that rounding costs them so much more.
-const LARGER: f64 = 64.0;
+pub(super) const LARGER: f64 = 64.0;
 
 /// Whether some of the mistakes lie in the forward function.
 pub fn of_forward(question: &Question, mistakes: &[&str]) -> bool {

@@ -4,7 +4,8 @@ use super::super::answer::Answer;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::super::within::{off, within};
-use super::hypothesis::{Hypothesis, nudged};
+use super::hypothesis::{Hypothesis, LARGER, nudged};
+use super::numeric;
 use super::slips::slip::Slip;
 use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
@@ -12,7 +13,28 @@ use crate::contract::case::Case;
 /// By how many times its bound an answer may miss a numeric gradient so that rounded inputs may be why.
 const NEARLY: f64 = 64.0;
 
+/// One element in so many is differentiated first: most of what is tried for a network is off at some of these.
+const FEW: usize = numeric::SAMPLED / 2;
+
 impl Hypothesis {
+    /// Whether an answer misses a few elements of a numeric gradient by more than all of it could allow: then the others needn't be known.
+    pub(super) fn misses_a_few(
+        &self,
+        question: &Question,
+        case: &Case,
+        answer: &Answer,
+        options: &MarkOptions,
+    ) -> bool {
+        if !self.numeric(question) || case.size() <= numeric::SAMPLED {
+            return false;
+        }
+        let (mut gradient, error) = self.gradient(question, case, FEW);
+        self.leave_open(question, case, answer, &mut gradient);
+        let bound = self.widened(question, case, &gradient, Some(&error), &[], options);
+        // Of all elements the largest may widen the bound.
+        off(answer, &gradient, &bound).most > LARGER * NEARLY
+    }
+
     /// Whether an answer misses a numeric gradient, with its error, by no more than rounded inputs change it: next to a pole they do. It is
     /// asked of what is nearly right alone, for each change is a gradient more.
     pub(super) fn explains_rounded(
@@ -87,5 +109,28 @@ mod tests {
             (name.clone(), g + &by)
         };
         assert!(!h.explains(question, case, &given(gradient.iter().map(far).collect()), &options));
+    }
+
+    /// What a few elements reject all of them reject.
+    #[test]
+    fn a_few_elements_reject_nothing_that_all_explain() {
+        let exam = Exam::new("mlp", Dtype::F32, None).unwrap();
+        let question = exam.questions.iter().find(|q| q.component.name == "mlp" && q.kind == Kind::Vjp);
+        let (question, options) = (question.expect("a row"), MarkOptions { dtype: Dtype::F32, exp_ulp: 4.0 });
+        let case = question.cases.iter().find(|case| case.size() > 2 * numeric::SAMPLED).expect("a long one");
+        let forward = question.component.mistakes.iter().filter(|m| !m.gradient);
+        let each: Vec<_> = forward.map(|m| Hypothesis::new(vec![m.name], CS180)).collect();
+        let answers: Vec<_> = each.iter().map(|h| given(h.prediction(question, case).0)).collect();
+        let mut rejected = 0;
+        for (h, answer) in each.iter().flat_map(|h| answers.iter().map(move |answer| (h, answer))) {
+            if h.misses_a_few(question, case, answer, &options) {
+                let (gradient, error) = h.gradient(question, case, 1);
+                let bound = h.widened(question, case, &gradient, Some(&error), &[], &options);
+                assert!(off(answer, &gradient, &bound).most > NEARLY, "{:?}", h.mistakes);
+                rejected += 1;
+            }
+        }
+        let others = each.len() * (each.len() - 1);
+        assert!(2 * rejected > others && rejected <= others, "{rejected} of {others}");
     }
 }

@@ -6,15 +6,16 @@ use crate::contract::arrays::Arrays;
 use crate::contract::component::Component;
 
 /// Elements of each array that are differentiated: enough to tell two mistakes apart, few enough for a network's weights.
-const SAMPLED: usize = 32;
+pub(super) const SAMPLED: usize = 32;
 
 /// The vector-Jacobian product of a component's wrong `forward` function, and an estimate of its error: central
 /// differences at h and h / 2, combined so that the error falls with h^4 (Richardson), plus their rounding, and at a kink the
 /// difference between the slopes of its sides, either of which is a gradient. Arrays longer than `SAMPLED` are differentiated at every
-/// n-th element; the error of the others is infinite.
+/// n-th element, of which one in `each` is asked for; the error of the others is infinite.
 pub(crate) fn vjp(
     component: &Component,
     inputs: &Arrays,
+    each: usize,
     forward: impl Fn(&Arrays) -> Arrays,
 ) -> (Arrays, Arrays) {
     // The sum that is differentiated, and the same without signs.
@@ -34,7 +35,7 @@ pub(crate) fn vjp(
         let x = inputs[&port].clone();
         let (mut gradient, mut error) = (x.mapv(|_| 0.0), x.mapv(|_| f64::INFINITY));
         // An odd stride, so that every column of a matrix is sampled.
-        for (i, &at) in x.iter().enumerate().step_by((x.len() / SAMPLED) | 1) {
+        for (i, &at) in x.iter().enumerate().step_by((x.len() / SAMPLED) | 1).step_by(each) {
             let mut moved = |to: f64| {
                 *entry(&mut inputs_now, &port, i) = to;
                 cotangent(&forward(&inputs_now))[0]
@@ -102,7 +103,7 @@ mod tests {
                 }
                 let right = (component.vjp.expect("it has one").oracle)(&case.inputs, &CS180);
                 let forward = |inputs: &Arrays| (component.forward.oracle)(inputs, &CS180);
-                let (gradient, error) = vjp(component, &case.inputs, forward);
+                let (gradient, error) = vjp(component, &case.inputs, 1, forward);
                 for (name, gradient) in &gradient {
                     for ((g, e), right) in gradient.iter().zip(&error[name]).zip(&right[name]) {
                         let off = (g - right).abs();
