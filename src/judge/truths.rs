@@ -1,4 +1,5 @@
-//! What is true of a case, and how far off an answer may be: asked thousands of times in a search, computed once per assignment.
+//! What is true of a case, and how far off an answer may be: asked thousands of times in a search, computed once per assignment. And the
+//! case's nudged inputs, computed once for all hypotheses.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};

@@ -13,11 +13,12 @@ use crate::contract::case::Case;
 /// By how many times its bound an answer may miss a numeric gradient so that rounded inputs may be why.
 const NEARLY: f64 = 64.0;
 
-/// One element in so many is differentiated first: most of what is tried for a network is off at some of these.
-const FEW: usize = numeric::SAMPLED / 2;
+/// One in so many of the elements that are looked at is differentiated first: two of a long array. Most of what is tried for a network is off
+/// at some of these.
+const ONE_IN: usize = numeric::SAMPLED / 2;
 
 impl Hypothesis {
-    /// Whether an answer misses a few elements of a numeric gradient by more than all of it could allow: then the others needn't be known.
+    /// Whether an answer misses a few elements of a numeric gradient by so much that the others needn't be known.
     pub(super) fn misses_a_few(
         &self,
         question: &Question,
@@ -28,10 +29,10 @@ impl Hypothesis {
         if !self.numeric(question) || case.size() <= numeric::SAMPLED {
             return false;
         }
-        let (mut gradient, error) = self.gradient(question, case, FEW);
+        let (mut gradient, error) = self.gradient(question, case, ONE_IN);
         self.leave_open(question, case, answer, &mut gradient);
         let bound = self.widened(question, case, &gradient, Some(&error), &[], options);
-        // Of all elements the largest may widen the bound.
+        // With all elements known the bound of these may be wider: by what is largest among them.
         off(answer, &gradient, &bound).most > LARGER * NEARLY
     }
 
