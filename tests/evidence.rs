@@ -154,7 +154,7 @@ fn every_array_shows_factors() {
 }
 
 fn with(case: &Case, names: &[&String], change: impl Fn(f64) -> f64) -> Arrays {
-    let mut inputs = case.inputs.clone();
+    let mut inputs = Arrays::clone(&case.inputs);
     for (name, array) in &mut inputs {
         if array.ndim() > 0 && names.contains(&name) {
             array.mapv_inplace(&change);

@@ -197,7 +197,7 @@ fn the_reference_is_finite_in_every_case() {
 
 /// The case as a workload of the suite, whose kernels are written for one shape: `None` where they can't represent its numbers.
 fn workload(suite: &Suite, case: &Case) -> Option<Arrays> {
-    let mut inputs = case.inputs.clone();
+    let mut inputs = Arrays::clone(&case.inputs);
     match suite.component {
         "volume_render" if inputs["sigmas"].is_empty() => return None,
         // The kernels of `bench` have no weight decay.

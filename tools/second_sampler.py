@@ -4,7 +4,7 @@ import numpy as np
 from second_geometry import positions
 
 MISTAKES = (
-    "outside_the_images first_images_only images_not_uniform pixels_not_uniform rays_frozen rays_repeat one_image_for_ever "
+    "outside_the_images rounded_to_the_nearest first_images_only images_not_uniform pixels_not_uniform rays_frozen rays_repeat one_image_for_ever "
     "divided_twice_by_255 wrong_colors never_jittered jitter_frozen one_jitter_for_all_rays rays_jittered_together "
     "jitter_repeats jitter_of_the_pixel jitter_antithetic jitter_correlated jitter_width_0.02 "
     "jitter_width_0.1 jitter_width_1 jitter_centered_on_edges jitter_gaussian jitter_not_uniform jitter_at_evaluation not_at_rest"
@@ -44,6 +44,9 @@ def sample_random_rays(a, c, wrong):
     if "divided_twice_by_255" in wrong:
         rgbs = rgbs / 255
     uv = np.stack([i, j], 1).astype(images.dtype) + (0.5 if c["pixel_center"] == "half" else 0)
+    if "rounded_to_the_nearest" in wrong:
+        uv = np.round(random.random((count, 2)) * [width, height]).astype(images.dtype)
+        uv = uv + (0.5 if c["pixel_center"] == "half" else 0)
     jitter = np.random.default_rng([7, 0 if "jitter_frozen" in wrong else a["seed"]])
     u = drawn(jitter, count, n, wrong)
     if "jitter_of_the_pixel" in wrong:

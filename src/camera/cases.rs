@@ -62,7 +62,7 @@ pub(crate) fn rigid(case: &Case) -> Vec<Case> {
         let full = [Dtype::F32, Dtype::F64].contains(&dtype).then_some(dtype);
         let mut own = Case { id, full, only: Some(dtype), ..case.clone() };
         let mut draw = Draw::new(&own.id, 0);
-        for (name, array) in &mut own.inputs {
+        for (name, array) in own.inputs.iter_mut() {
             match full {
                 _ if name == "c2w" => array.mapv_inplace(|x| dtype.round(x)),
                 Some(_) => lengthen(array, dtype, &mut draw),

@@ -4,6 +4,7 @@ use ndarray::ArrayD;
 
 use super::arithmetic::Dtype;
 use super::arrays::{Arrays, array};
+use super::inputs::Inputs;
 use crate::random::{Key, Purpose};
 
 /// One case of a component.
@@ -14,7 +15,7 @@ pub struct Case {
     /// What it probes, in a sentence.
     pub comment: &'static str,
     /// Input arrays.
-    pub inputs: Arrays,
+    pub inputs: Inputs,
     /// Left out of the VJP's cases, e.g. for its size.
     pub forward_only: bool,
     /// The type whose every bit the numbers use, if they do ([`in_full`]): cotangents do then too.
@@ -28,7 +29,8 @@ pub struct Case {
 impl Case {
     /// A named case.
     pub fn new(id: impl ToString, comment: &'static str, inputs: Vec<(&str, ArrayD<f64>)>) -> Self {
-        let inputs = inputs.into_iter().map(|(name, array)| (name.to_string(), array)).collect();
+        let inputs: Arrays = inputs.into_iter().map(|(name, array)| (name.to_string(), array)).collect();
+        let inputs = inputs.into();
         Case { id: id.to_string(), comment, inputs, forward_only: false, full: None, only: None, edge: None }
     }
 

@@ -152,8 +152,8 @@ impl Laid {
             };
             (made.name.clone(), array(&shape, data))
         };
-        let inputs = self.large.inputs.iter().map(one).collect();
-        Case { inputs, ..Case::new(self.large.id, self.large.comment, vec![]) }
+        let inputs: Arrays = self.large.inputs.iter().map(one).collect();
+        Case { inputs: inputs.into(), ..Case::new(self.large.id, self.large.comment, vec![]) }
     }
 
     /// The part of an answer that belongs to some items.

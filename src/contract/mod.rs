@@ -9,6 +9,7 @@ pub mod component;
 pub(crate) mod fault;
 pub mod hazard;
 pub(crate) mod how;
+pub mod inputs;
 pub mod laid;
 pub mod large;
 pub mod laws;

@@ -152,8 +152,7 @@ fn beyond(x: [f64; 3], r: f64, limit: f64) -> [f64; 3] {
 }
 
 /// The root of the sum of all squares, or the largest of all sizes.
-fn length_of_all(a: &Arrays, norm: ContractionNorm) -> f64 {
-    let all = values(a, "x");
+pub(crate) fn length_of_all(all: &[f64], norm: ContractionNorm) -> f64 {
     match norm {
         ContractionNorm::L2 => all.iter().map(|x| x * x).sum::<f64>().sqrt(),
         _ => all.iter().fold(0.0, |size, x| size.max(x.abs())),
@@ -247,7 +246,7 @@ fn folded(x: [f64; 3], of_all: f64, norm: ContractionNorm, wrong: &[&str]) -> Op
 /// The contraction.
 pub(crate) fn contraction(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let (norm, range) = (c.contraction_norm, c.contraction_range);
-    let of_all = length_of_all(a, norm);
+    let of_all = length_of_all(&values(a, "x"), norm);
     let along = lengths_along_points(a, norm);
     forward(a, |x| {
         let y = if wrong.contains(&"norm_along_points") {

@@ -2,13 +2,13 @@
 
 use ndarray::{ArrayD, Axis};
 
-use super::arrays::{self, one_ray, packed, spans, stopped};
+use super::arrays::{self as own, one_ray, packed, spans, stopped};
 use super::live_samples;
-use crate::contract::arrays::{Arrays, array, number, scalar, values};
+use crate::contract::arrays::{Arrays, array, arrays, number, scalar, values};
 use crate::contract::component::Mistake;
 use crate::convention::{CS180, Conventions, ProductEps, Stop, Stopped};
 use crate::math::expm1;
-use crate::volume_rendering::component::VOLUME_RENDER;
+use crate::volume_rendering::component::{VOLUME_RENDER, VOLUME_RENDER_ALPHA};
 use crate::volume_rendering::mistakes::{OWN_STEP, THIN_SKIPPED, unless_thin};
 use crate::volume_rendering::volume_render;
 
@@ -24,6 +24,16 @@ const OWN_EPS: Mistake = Mistake::new(
     0,
 )
 .with("eps", 1e-4, [1e-8, 0.5]);
+
+/// The first order of the exponential in weights and light.
+const FIRST_ORDER: Mistake = Mistake::new(
+    "opacity_of_first_order",
+    "alpha_i = sigma_i delta_i in weights and light: w_i = T_i alpha_i, and T *= 1 - alpha_i",
+    "thick steps leave negative light",
+    "alpha_i = 1 - exp(-sigma_i delta_i)",
+    "clouds of a flight display in GLSL",
+    1,
+);
 
 /// Mistakes of packed rendering with early stop.
 pub(crate) const EARLY_STOP: &[Mistake] = &[
@@ -168,6 +178,7 @@ pub(crate) const EARLY_STOP: &[Mistake] = &[
         1,
     ),
     TESTED_FIRST,
+    FIRST_ORDER,
     OWN_STEP,
     THIN_SKIPPED,
 ];
@@ -214,10 +225,27 @@ fn live(ray: &Arrays, carried: f64, eps: f64, stop: Stop, wrong: &[&str]) -> usi
     }
 }
 
+/// A ray whose opacities are optical depths, up to the sample behind which less light than `eps` is left, and how many samples that are.
+fn of_first_order(ray: &Arrays, eps: f64) -> (usize, Arrays) {
+    let alphas = values(ray, "sigmas").into_iter().zip(values(ray, "deltas")).map(|(s, d)| s * d);
+    let (mut light, mut used) = (1.0, vec![]);
+    for alpha in alphas {
+        used.push(alpha);
+        light *= 1.0 - alpha;
+        if light < eps {
+            break;
+        }
+    }
+    let n = used.len();
+    let rgbs = values(ray, "rgbs")[..3 * n].to_vec();
+    let samples = arrays([("alphas", array(&[1, n], used)), ("rgbs", array(&[1, n, 3], rgbs))]);
+    (n, (VOLUME_RENDER_ALPHA.forward.oracle)(&samples, &CS180))
+}
+
 /// Packed rendering with early stop.
 pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     if wrong.is_empty() {
-        return arrays::early_stop(a, c);
+        return own::early_stop(a, c);
     }
     let mut given = a.clone();
     if let Some(step) = OWN_STEP.among(wrong) {
@@ -238,7 +266,10 @@ pub(crate) fn early_stop(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
         let reach = if counts { (first + length).min(samples - first) } else { length };
         let n = live(&one_ray(a, r, first, reach), carried, eps, c.stop, wrong);
         let shown = if wrong.contains(&RECTANGLES) { &[RECTANGLES][..] } else { &[] };
-        let mut ray = (VOLUME_RENDER.forward.wrong)(&one_ray(a, r, first, n), &CS180, shown);
+        let (n, mut ray) = match wrong.contains(&FIRST_ORDER.name) {
+            true => of_first_order(&one_ray(a, r, first, reach), eps / carried),
+            false => (n, (VOLUME_RENDER.forward.wrong)(&one_ray(a, r, first, n), &CS180, shown)),
+        };
         for name in ["colors", "weights", "opacity", "transmittance"] {
             ray.get_mut(name).expect("an output").mapv_inplace(|x| carried * x);
         }
@@ -295,10 +326,10 @@ pub(crate) fn early_stop_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arr
     if wrong.contains(&"light_left_forgotten") {
         a.get_mut("grad_transmittance").expect("a cotangent").fill(0.0);
     }
-    let mut gradient = arrays::early_stop_vjp(&a, c);
+    let mut gradient = own::early_stop_vjp(&a, c);
     if wrong.contains(&"last_sample_learns_nothing") {
-        let live = values(&arrays::early_stop(&a, c), "live");
-        let behind = values(&arrays::early_stop(&a, c), "transmittance");
+        let live = values(&own::early_stop(&a, c), "live");
+        let behind = values(&own::early_stop(&a, c), "transmittance");
         for (r, (first, _)) in spans(&a).into_iter().enumerate() {
             if live[r] > 0.0 && behind[r] < number(&a, "eps") {
                 let last = first + live[r] as usize - 1;

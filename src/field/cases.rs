@@ -109,7 +109,7 @@ fn passing_nerf() -> Case {
     let comment = "every unit passes on one of the layer below: the gradient keeps its digits in every type";
     let mut case = nerf("passing_on", comment, 4, 16, [1, 1], 1.0);
     let mut draw = Draw::new("nerf_mlp", 5);
-    for (name, array) in &mut case.inputs {
+    for (name, array) in case.inputs.iter_mut() {
         *array = match name.as_str() {
             "positions" | "directions" => draw.array(&[1, 3], 0.5, 1.0),
             "trunk0_b" => array.mapv(|_| 0.5),

@@ -83,6 +83,14 @@ pub(crate) const GAUSSIAN_ALPHA: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "middle_skipped",
+        "0 where the exponent isn't below 0: the middle of a splat, too",
+        "a hole of one pixel where a splat's middle is a pixel's",
+        "skip exponents above 0 alone",
+        "a port of splats to PyTorch for a course: exp(power) >= 1",
+        1,
+    ),
+    Mistake::new(
         "mean_gradient_negated",
         "the gradient of the pixel as that of the mean",
         "means run away from where they should be",
@@ -288,6 +296,7 @@ fn wrong_alpha(pixel: [f64; 2], splat: &Splat, form: Form, wrong: &[&str]) -> f6
     let alpha = whole.min(cap(form)).min(CAPPED.among(wrong).unwrap_or(f64::INFINITY));
     let sigmas = CUT.among(wrong).or(has("cut_at_three_sigmas").then_some(3.0));
     let cut = sigmas.is_some_and(|k| power < -0.5 * k * k) || BELOW.among(wrong).is_some_and(|k| alpha < k);
+    let cut = cut || has("middle_skipped") && power >= 0.0;
     let cut = cut || FAINT_OPACITY.among(wrong).is_some_and(|k| splat.opacity < k);
     let outside = CIRCLE.among(wrong).is_some_and(|k| x.hypot(y) > radius(splat.conic, k))
         || SQUARE.among(wrong).is_some_and(|k| x.abs().max(y.abs()) > radius(splat.conic, k));

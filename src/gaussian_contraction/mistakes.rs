@@ -7,7 +7,8 @@ use super::backward::bend;
 use super::{Gaussian, backward, between, beyond, jacobian, product, scale, transposed};
 use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
-use crate::contraction::{backward::contract as point_vjp, contract, length};
+use crate::contraction::mistakes::length_of_all;
+use crate::contraction::{backward::contract as point_vjp, contract, length, scaled};
 use crate::convention::{ContractionNorm, ContractionRange, Conventions};
 
 /// Mistakes of contracted Gaussians.
@@ -149,6 +150,14 @@ pub(crate) const CONTRACT_GAUSSIANS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "norm_of_all_means",
+        "one norm for the means of the whole batch: without its axis",
+        "where a Gaussian comes to lie depends on the others in the batch",
+        "the norm along the last axis",
+        "a port of mip-NeRF 360 to PyTorch: torch.norm(x)",
+        1,
+    ),
+    Mistake::new(
         "jacobian_detached",
         "J taken for a constant: the gradient of the mean without f's second derivative",
         "poses and sample distances aren't told that what moves away gets narrower",
@@ -187,8 +196,23 @@ fn far(x: [f64; 3], norm: ContractionNorm, range: ContractionRange) -> [[f64; 3]
     beyond(x, length(x, norm), norm).map(|row| row.map(|slope| scale(range) * slope))
 }
 
+/// A contracted mean with mistakes in it; `of_all` is the length of all means together.
+fn wrong_mean(
+    x: [f64; 3],
+    of_all: f64,
+    range: ContractionRange,
+    c: &Conventions,
+    wrong: &[&str],
+) -> [f64; 3] {
+    if !wrong.contains(&"norm_of_all_means") {
+        return contract(x, c.contraction_norm, range);
+    }
+    let folded = if of_all <= 1.0 { x } else { x.map(|x| (2.0 - 1.0 / of_all) * (x / of_all)) };
+    scaled(folded, range)
+}
+
 /// The Jacobian with mistakes in it.
-fn wrong_jacobian(x: [f64; 3], c: &Conventions, wrong: &[&str]) -> [[f64; 3]; 3] {
+fn wrong_jacobian(x: [f64; 3], of_all: f64, c: &Conventions, wrong: &[&str]) -> [[f64; 3]; 3] {
     let has = |name: &str| wrong.contains(&name);
     let (norm, range) = (c.contraction_norm, c.contraction_range);
     let right = |x| jacobian(x, norm, range);
@@ -199,7 +223,9 @@ fn wrong_jacobian(x: [f64; 3], c: &Conventions, wrong: &[&str]) -> [[f64; 3]; 3]
         () if has("shrunk_as_a_ball") && r > 1.0 => {
             inside.map(|row| row.map(|slope| slope * (2.0 - 1.0 / r) / r))
         }
-        () if has("jacobian_at_contracted_point") => right(contract(x, norm, ContractionRange::Two)),
+        () if has("jacobian_at_contracted_point") => {
+            right(wrong_mean(x, of_all, ContractionRange::Two, c, wrong))
+        }
         () if has("jacobian_of_another_norm") => jacobian(x, other(norm), range),
         () if has("branch_by_another_norm") => {
             if length(x, other(norm)) < 1.0 {
@@ -214,8 +240,8 @@ fn wrong_jacobian(x: [f64; 3], c: &Conventions, wrong: &[&str]) -> [[f64; 3]; 3]
 }
 
 /// The Jacobians of all means with mistakes in them.
-fn wrong_jacobians(all: &[Gaussian], c: &Conventions, wrong: &[&str]) -> Vec<[[f64; 3]; 3]> {
-    let each: Vec<_> = all.iter().map(|x| wrong_jacobian(x.mean, c, wrong)).collect();
+fn wrong_jacobians(all: &[Gaussian], of_all: f64, c: &Conventions, wrong: &[&str]) -> Vec<[[f64; 3]; 3]> {
+    let each: Vec<_> = all.iter().map(|x| wrong_jacobian(x.mean, of_all, c, wrong)).collect();
     if !wrong.contains(&"batch_axis_last") {
         return each;
     }
@@ -230,7 +256,7 @@ fn by_entry(entry: impl Fn(usize, usize) -> f64) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|i| [0, 1, 2].map(|k| entry(i, k)))
 }
 
-/// A contracted Gaussian with mistakes in it, given its Jacobian.
+/// A Gaussian whose covariance is contracted with mistakes in it, given its Jacobian.
 fn wrong_gaussian(x: &Gaussian, j: [[f64; 3]; 3], c: &Conventions, wrong: &[&str]) -> Gaussian {
     let has = |name: &str| wrong.contains(&name);
     let (norm, range) = (c.contraction_norm, c.contraction_range);
@@ -256,14 +282,17 @@ fn wrong_gaussian(x: &Gaussian, j: [[f64; 3]; 3], c: &Conventions, wrong: &[&str
         () if has("squared_jacobian") => product(j, transposed(j)),
         () => between(j, sigma),
     };
-    Gaussian { mean: contract(x.mean, norm, range), covariance }
+    Gaussian { mean: x.mean, covariance }
 }
 
 /// Contracted Gaussians.
 pub(crate) fn contract_gaussians(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     let all = gaussians(a, "means", "covariances");
-    let each = all.iter().zip(wrong_jacobians(&all, c, wrong));
-    let out: Vec<Gaussian> = each.map(|(x, j)| wrong_gaussian(x, j, c, wrong)).collect();
+    let of_all = length_of_all(&all.iter().flat_map(|x| x.mean).collect::<Vec<_>>(), c.contraction_norm);
+    let each = all.iter().zip(wrong_jacobians(&all, of_all, c, wrong));
+    let mean = |x: &Gaussian| wrong_mean(x.mean, of_all, c.contraction_range, c, wrong);
+    let one = |(x, j): (&Gaussian, _)| Gaussian { mean: mean(x), ..wrong_gaussian(x, j, c, wrong) };
+    let out: Vec<Gaussian> = each.map(one).collect();
     named(&out, "contracted_means", "contracted_covariances")
 }
 

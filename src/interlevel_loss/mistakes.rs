@@ -117,6 +117,14 @@ pub(crate) const INTERLEVEL_LOSS: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "paired_by_number",
+        "interval i of the proposal for those that overlap interval i: as many as both have",
+        "histograms are compared whose intervals lie elsewhere",
+        "the sum over all that overlap, which t says",
+        "1 port for a studio's template: weights[..., :min]",
+        1,
+    ),
+    Mistake::new(
         "bound_at_the_middle",
         "the one interval of the proposal that the middle of interval i lies in",
         "the bound is too small where intervals overlap several",
@@ -131,6 +139,9 @@ fn wrong_bound(fine: Histogram, i: usize, proposal: Histogram, form: Form, wrong
     let ([t, s], has) = ([fine.t, proposal.t], |name: &str| wrong.contains(&name));
     let over = (0..proposal.weights.len()).filter(|&j| overlaps(t, i, s, j, form.edges));
     let sum = |j: &mut dyn Iterator<Item = usize>| j.map(|j| proposal.weights[j]).sum::<f64>();
+    if has("paired_by_number") {
+        return proposal.weights[i];
+    }
     if has("bound_at_the_middle") {
         let middle = 0.5 * (t[i] + t[i + 1]);
         return sum(&mut over.filter(|&j| s[j] <= middle && middle < s[j + 1]));
@@ -168,7 +179,9 @@ fn wrong_loss(fine: Histogram, proposal: Histogram, form: Form, wrong: &[&str]) 
             () => square / (w + form.eps),
         }
     };
-    reduced(fine.weights.iter().enumerate().map(one).sum(), fine.weights.len(), form.reduction)
+    let all = fine.weights.len();
+    let count = if has("paired_by_number") { all.min(proposal.weights.len()) } else { all };
+    reduced(fine.weights.iter().enumerate().take(count).map(one).sum(), count, form.reduction)
 }
 
 /// The loss.

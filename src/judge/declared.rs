@@ -102,7 +102,7 @@ impl Question {
         }
         if let Some(returns) = returns.filter(|_| self.kind == Kind::Vjp) {
             let given = |name: &str| returns.iter().any(|output| output == name);
-            for (name, cotangent) in self.cases.iter_mut().flat_map(|case| &mut case.inputs) {
+            for (name, cotangent) in self.cases.iter_mut().flat_map(|case| case.inputs.iter_mut()) {
                 if name.strip_prefix("grad_").is_some_and(|bare| !given(bare)) {
                     cotangent.fill(0.0);
                 }

@@ -1,6 +1,7 @@
 //! Layouts: the same numbers in another order. Found by assignment, reported, and passed.
 
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_1_PI;
 
 use ndarray::{ArrayD, Axis};
 
@@ -34,7 +35,7 @@ pub(crate) type Orders = BTreeMap<(usize, usize), Order>;
 pub(crate) struct Order {
     /// Which of theirs stands for each of ours.
     columns: Vec<usize>,
-    /// Whether the answers fit no other order.
+    /// Whether the answers fit no other order, but for columns that are the same function: their gradients are the same in any.
     only: bool,
 }
 
@@ -212,7 +213,7 @@ fn orders(
     h: &Hypothesis,
     options: &MarkOptions,
 ) -> Option<Orders> {
-    let mut fits: BTreeMap<(usize, usize), Vec<Vec<bool>>> = BTreeMap::new();
+    let mut fits: BTreeMap<(usize, usize), Fits> = BTreeMap::new();
     for (case, answer) in question.cases.iter().zip(answers) {
         let got = &answer.as_ref()?.get(name)?.values;
         let (expected, bound) = h.allowed(question, case, options);
@@ -220,8 +221,14 @@ fn orders(
         if got.shape() != expected.shape() || got.ndim() != 2 {
             return None;
         }
-        let width = got.shape()[1];
-        let table = fits.entry(shape(case, got)).or_insert_with(|| vec![vec![true; width]; width]);
+        let all = vec![vec![true; got.shape()[1]]; got.shape()[1]];
+        let new = || Fits { table: all.clone(), same: all };
+        let Fits { table, same } = fits.entry(shape(case, got)).or_insert_with(new);
+        let elsewhere = &h.prediction(question, &moved(question, case)).0[name];
+        for (ours, row) in same.iter_mut().enumerate() {
+            let of = |column| elsewhere.index_axis(Axis(1), column);
+            row.iter_mut().enumerate().for_each(|(other, same)| *same &= of(ours) == of(other));
+        }
         for (ours, row) in table.iter_mut().enumerate() {
             let (e, b) = (expected.index_axis(Axis(1), ours), bound.index_axis(Axis(1), ours));
             for (theirs, fits) in row.iter_mut().enumerate().filter(|(_, fits)| **fits) {
@@ -234,11 +241,28 @@ fn orders(
             }
         }
     }
-    fits.into_iter().map(|(shape, table)| matching(&table).map(|order| (shape, order))).collect()
+    let order = |fits: Fits| matching(&fits.table, &fits.same);
+    fits.into_iter().map(|(shape, fits)| order(fits).map(|order| (shape, order))).collect()
+}
+
+/// What is known of the columns of one width.
+struct Fits {
+    /// Whether a column of theirs may be one of ours.
+    table: Vec<Vec<bool>>,
+    /// Whether two of ours are the same function.
+    same: Vec<Vec<bool>>,
+}
+
+/// The case with its points, the first of the inputs, elsewhere: columns that are the same there too are the same function.
+fn moved(question: &Question, case: &Case) -> Case {
+    let mut case = case.clone();
+    let points = case.inputs.get_mut(question.component.inputs[0].name);
+    points.expect("an input").mapv_inplace(|x| x + FRAC_1_PI);
+    case
 }
 
 /// A perfect matching of rows to columns (Kuhn's augmenting paths).
-fn matching(table: &[Vec<bool>]) -> Option<Order> {
+fn matching(table: &[Vec<bool>], same: &[Vec<bool>]) -> Option<Order> {
     // What may stay where it is does.
     let mut row_of: Vec<Option<usize>> = (0..table.len()).map(|n| table[n][n].then_some(n)).collect();
     for row in (0..table.len()).filter(|&n| !table[n][n]) {
@@ -252,8 +276,9 @@ fn matching(table: &[Vec<bool>]) -> Option<Order> {
     // There is another one where rows can pass their columns on in a ring.
     let mut left: Vec<usize> = (0..table.len()).collect();
     let ends = |left: &[usize]| {
-        let passes = |row: usize| left.iter().any(|&other| other != row && table[row][columns[other]]);
-        left.iter().position(|&row| !passes(row))
+        let passes =
+            |row: usize, other: usize| table[row][columns[other]] && row != other && !same[row][other];
+        left.iter().position(|&row| !left.iter().any(|&other| passes(row, other)))
     };
     while let Some(end) = ends(&left) {
         left.swap_remove(end);
@@ -302,26 +327,32 @@ pub(crate) fn asked_in(question: &Question, answers: &Answers, orders: &Orders) 
 
 #[cfg(test)]
 mod tests {
+    /// No two columns are the same function.
+    fn apart(table: &[Vec<bool>]) -> Vec<Vec<bool>> {
+        (0..table.len()).map(|a| (0..table.len()).map(|b| a == b).collect()).collect()
+    }
+
     #[test]
     fn a_matching_takes_back_what_it_gave() {
+        let matching = |table: &[Vec<bool>]| super::matching(table, &apart(table));
         let table = [vec![true, true, false], vec![true, false, false], vec![false, true, true]];
-        assert_eq!(
-            super::matching(&table).map(|order| (order.columns, order.only)),
-            Some((vec![1, 0, 2], true))
-        );
+        assert_eq!(matching(&table).map(|order| (order.columns, order.only)), Some((vec![1, 0, 2], true)));
         let stays = [vec![true, true], vec![true, true]];
-        assert_eq!(super::matching(&stays).map(|order| order.columns), Some(vec![0, 1]));
-        assert!(super::matching(&[vec![true, false], vec![true, false]]).is_none());
+        assert_eq!(matching(&stays).map(|order| order.columns), Some(vec![0, 1]));
+        assert!(matching(&[vec![true, false], vec![true, false]]).is_none());
     }
 
     #[test]
     fn rows_that_can_change_places_have_more_than_one_order() {
-        let only = |table: &[Vec<bool>]| super::matching(table).map(|order| order.only);
+        let only = |table: &[Vec<bool>]| super::matching(table, &apart(table)).map(|order| order.only);
         assert_eq!(only(&[vec![true, true], vec![true, true]]), Some(false));
         assert_eq!(only(&[vec![true, true], vec![false, true]]), Some(true));
         // A ring of three.
         let ring = [vec![true, true, false], vec![false, true, true], vec![true, false, true]];
         assert_eq!(only(&ring), Some(false));
         assert_eq!(only(&[]), Some(true));
+        // Two columns that are the same function.
+        let (table, same) = (vec![vec![true; 2]; 2], vec![vec![true; 2]; 2]);
+        assert!(super::matching(&table, &same).is_some_and(|order| order.only));
     }
 }

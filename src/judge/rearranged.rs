@@ -126,7 +126,7 @@ impl<'a> Items<'a> {
     fn cases(&self, parts: &[Vec<usize>]) -> impl Iterator<Item = Case> {
         parts.iter().map(|part| {
             let mut case = self.case.clone();
-            for (name, array) in &mut case.inputs {
+            for (name, array) in case.inputs.iter_mut() {
                 if self.question.component.counts(name) {
                     *array = array.select(Axis(0), part);
                 }

@@ -69,7 +69,7 @@ impl Laid {
     }
 
     /// The exam with those gradients asked in the order of columns that the same component's forward answers have of which more cases are
-    /// right then, and the answers to that, marked; `None` where there are none.
+    /// right then, or which are wrong as those are, and the answers to that, marked; `None` where there are none.
     pub(super) fn in_their_order(
         &self,
         exam: &Exam,
@@ -87,7 +87,9 @@ impl Laid {
             let (asked, left) = layout::asked_in(question, &answers[n], orders);
             let right = |question: &Question, marks: &Marks| question.cases.len() - marks.wrong_cases.len();
             let (marks, _) = marks(&asked, &left, self.conventions(), options);
-            if right(&asked, &marks) > right(question, found) {
+            let wrong = |n: usize| self.marks(n).is_some_and(|marks| marks.budget_used > 1.0);
+            let follows = wrong(n) && forward_of(&exam.questions, n).is_some_and(wrong);
+            if follows || right(&asked, &marks) > right(question, found) {
                 (*question, answers[n]) = (asked, left);
                 changed.push(n);
             }

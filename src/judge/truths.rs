@@ -10,6 +10,7 @@ use crate::contract::arrays::Arrays;
 use crate::contract::case::Case;
 use crate::contract::check::{Kind, oracle_error, with_oracle_error};
 use crate::contract::component::{Component, Direction};
+use crate::contract::inputs::Inputs;
 use crate::convention::Conventions;
 
 /// Elements that a question remembers; what is beyond is computed each time.
@@ -42,10 +43,11 @@ type Nudge = (u64, u64);
 /// The truths of one case, and the inputs that they are of, as they are and nudged.
 #[derive(Debug)]
 struct OfCase {
-    inputs: Arrays,
+    inputs: Inputs,
     nudged: HashMap<Nudge, Arc<Arrays>>,
     exact: HashMap<Conventions, Arc<Exact>>,
     truths: HashMap<Key, Arc<Truth>>,
+    scales: HashMap<(Dtype, u64), Arc<Option<Arc<Truth>>>>,
 }
 
 /// The truths of a question's cases, as they are asked for.
@@ -91,8 +93,8 @@ impl Truths {
         memory.elements += elements;
         if memory.elements <= REMEMBERED {
             let new = || {
-                let (nudged, exact, truths) = Default::default();
-                OfCase { inputs: case.inputs.clone(), nudged, exact, truths }
+                let (nudged, exact, truths, scales) = Default::default();
+                OfCase { inputs: case.inputs.clone(), nudged, exact, truths, scales }
             };
             let of = memory.cases.entry(case.id.clone()).or_insert_with(new);
             if of.inputs == case.inputs {
@@ -143,6 +145,21 @@ impl Truths {
         self.get(case, known, computed, |of, inputs| {
             of.nudged.insert(by, inputs);
         })
+    }
+
+    /// What an answer that may be rejected early is held against, in a type with elementary functions of so many ULP.
+    pub(crate) fn scale(
+        &self,
+        case: &Case,
+        (dtype, elementary_ulp): (Dtype, f64),
+        scale: impl FnOnce() -> Option<Arc<Truth>>,
+    ) -> Option<Arc<Truth>> {
+        let key = (dtype, elementary_ulp.to_bits());
+        let known = |of: &OfCase| of.scales.get(&key).cloned();
+        let keep = |of: &mut OfCase, scale| {
+            of.scales.insert(key, scale);
+        };
+        self.get(case, known, || (scale(), 0), keep).as_ref().clone()
     }
 
     /// The true outputs of a case, and the bound of an answer in `dtype`.

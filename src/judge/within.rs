@@ -168,9 +168,11 @@ impl Scale {
 impl MarkOptions {
     /// What an answer that may be rejected early is held against.
     pub(super) fn scale(&self, question: &Question, case: &Case) -> Option<Scale> {
-        let own = (question.component.special.admits)(&case.inputs, &CS180);
-        let truth = || if own { self.truth(question, case, &CS180, Grade::B) } else { Arc::default() };
-        self.may_reject_early(case).then(|| Scale { truth: truth(), part: PART })
+        let own = || (question.component.special.admits)(&case.inputs, &CS180);
+        let truth = || if own() { self.truth(question, case, &CS180, Grade::B) } else { Arc::default() };
+        let scale = || self.may_reject_early(case).then(truth);
+        let truth = question.truths.scale(case, (self.dtype, self.exp_ulp), scale)?;
+        Some(Scale { truth, part: PART })
     }
 }
 

@@ -145,7 +145,7 @@ pub(crate) fn lr_log_linear(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         () if has("last_rate_for_factor") => first * pow(last, t),
         () => first * pow(last / first, t),
     };
-    if wait == 0.0 {
+    if wait == 0.0 || has("not_delayed_at_first") && step == 0.0 {
         return forward(decayed);
     }
     let wait = if has("delay_over_all_steps") { most } else { wait };

@@ -35,6 +35,7 @@ pub(crate) fn adamw_step(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays 
             () if stays(grad[i], c) => {}
             () if is("decay_without_rate") && is("decay_negated") => *param += decay * p,
             () if is("decay_without_rate") => *param -= decay * p,
+            () if is("gradient_decayed") => *param -= decay * grad[i],
             () if is("decay_of_new_parameter") => *param -= lr * decay * *param,
             () if is("decay_corrected") => *param -= lr * decay * p / correction1,
             () if is("decay_negated") => *param += lr * decay * p,

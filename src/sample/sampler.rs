@@ -50,8 +50,8 @@ pub(crate) const SAMPLER: Component = Component {
     mistakes: MISTAKES,
     special: Special {
         forward_name: "statistics",
-        // Jitter is judged if there is any; pixels can't be judged without colors and images.
-        statistics: Some(Statistics { optional: &["t"], findings }),
+        // Jitter and colors are judged if there are any; pixels can't be judged without images.
+        statistics: Some(Statistics { optional: &["rgbs", "t"], findings }),
         ..Special::NONE
     },
 };
@@ -64,6 +64,13 @@ const MISTAKES: &[Mistake] = &[
         "colors of other pixels",
         "check the ranges of image, row and column",
         0,
+    ),
+    row(
+        "rounded_to_the_nearest",
+        "round(u W) for a column, and round(u H) for a row",
+        "the first ones are drawn half as often as others, and a last one is that isn't there",
+        "floor(u W), or whole numbers below W",
+        1,
     ),
     row(
         "first_images_only",
@@ -305,7 +312,7 @@ fn call(answer: &Arrays) -> Call {
     Call {
         image_ids: values(answer, "image_ids"),
         uv: twos(answer, "uv"),
-        rgbs: threes(answer, "rgbs"),
+        rgbs: if answer.contains_key("rgbs") { threes(answer, "rgbs") } else { vec![] },
         t: if answer.contains_key("t") { rows(answer, "t") } else { vec![] },
     }
 }

@@ -33,7 +33,7 @@ pub(crate) struct Call {
     pub image_ids: Vec<f64>,
     /// Pixel positions, (R).
     pub uv: Vec<[f64; 2]>,
-    /// Target colors, (R).
+    /// Target colors, (R), or none.
     pub rgbs: Vec<[f64; 3]>,
     /// Positions along each ray, (R, N).
     pub t: Vec<Vec<f64>>,
@@ -102,10 +102,15 @@ pub(crate) fn rays(
 ) -> Vec<Finding> {
     let (count, height, width, _) = images.dim();
     let shift = if c.pixel_center == PixelCenter::Half { 0.5 } else { 0.0 };
-    let both = || calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv).zip(&call.rgbs));
+    let both = || calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv));
     let mut found = vec![];
     let inside = |x: f64, n: usize| x == libm::floor(x) && x >= 0.0 && x < n as f64;
-    for ((&id, uv), _) in both() {
+    let known = both().all(|(&id, _)| inside(id, count));
+    if known && [0.0, 0.5].iter().any(|shift| rounded(calls, *shift, [width, height])) {
+        let says = format!("columns 0 to {width}, rows 0 to {height}, the first and the last half as often");
+        return vec![finding("rounded_to_the_nearest", says)];
+    }
+    for (&id, uv) in both() {
         if !inside(id, count) || !inside(uv[0] - shift, width) || !inside(uv[1] - shift, height) {
             let says = format!(
                 "image {id}, uv ({}, {}) is no pixel of {count} images of {width} x {height}",
@@ -114,7 +119,7 @@ pub(crate) fn rays(
             return vec![finding("outside_the_images", says)];
         }
     }
-    let ids: Vec<usize> = both().map(|((&id, _), _)| id as usize).collect();
+    let ids: Vec<usize> = both().map(|(&id, _)| id as usize).collect();
     let uneven = |bins: usize, values: &[usize]| {
         let mut counts = vec![0; bins];
         values.iter().for_each(|&v| counts[v] += 1);
@@ -138,16 +143,17 @@ pub(crate) fn rays(
         let name = if last + 1 < count { "first_images_only" } else { "images_not_uniform" };
         found.push(finding(name, format!("the last of {count} images that is drawn is number {last}")));
     }
-    let columns: Vec<usize> = both().map(|((_, uv), _)| uv[0] as usize).collect();
-    let rows: Vec<usize> = both().map(|((_, uv), _)| uv[1] as usize).collect();
+    let columns: Vec<usize> = both().map(|(_, uv)| uv[0] as usize).collect();
+    let rows: Vec<usize> = both().map(|(_, uv)| uv[1] as usize).collect();
     if again.is_none() && (uneven(width, &columns) || uneven(height, &rows)) {
         found.push(finding("pixels_not_uniform", "some rows or columns are drawn too often".into()));
     }
     found.extend(again);
     let expected =
         |id: f64, uv: &[f64; 2], k: usize| images[[id as usize, uv[1] as usize, uv[0] as usize, k]];
+    let colored = || calls.iter().flat_map(|call| call.image_ids.iter().zip(&call.uv).zip(&call.rgbs));
     let agrees = |scale: f64| {
-        both().all(|((&id, uv), rgb)| {
+        colored().all(|((&id, uv), rgb)| {
             (0..3).all(|k| (rgb[k] - scale * expected(id, uv, k)).abs() <= scale * 1e-2)
         })
     };
@@ -156,6 +162,24 @@ pub(crate) fn rays(
         found.push(finding(name, "the colors are not those of the pixels".into()));
     }
     found
+}
+
+/// Whether positions less `shift` are whole numbers from 0 to the picture's size, both ends half as often as the others.
+fn rounded(calls: &[Call; 2], shift: f64, size: [usize; 2]) -> bool {
+    (0..2).all(|axis| {
+        let mut counts = vec![0.0; size[axis] + 1];
+        let all: Vec<f64> = calls.iter().flat_map(|call| &call.uv).map(|uv| uv[axis] - shift).collect();
+        for x in &all {
+            match counts.get_mut(*x as usize) {
+                Some(count) if x.fract() == 0.0 && *x >= 0.0 => *count += 1.0,
+                _ => return false,
+            }
+        }
+        let share = |k: usize| if k % size[axis] == 0 { 0.5 } else { 1.0 } / size[axis] as f64;
+        let slack = |k: usize| count_slack(all.len(), share(k), counts.len());
+        let as_often = |k: usize| (counts[k] - all.len() as f64 * share(k)).abs() <= slack(k);
+        (0..counts.len()).all(as_often)
+    })
 }
 
 /// Rays that were there before: all of them, or more than meet by chance in a picture of so many pixels.

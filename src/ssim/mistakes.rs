@@ -19,8 +19,9 @@ fn wrong_value(a: ArrayView3<f64>, b: ArrayView3<f64>, peak: f64, form: Form, wr
     if has("one_window") || has("one_window_corrected") {
         return global(a, b, peak, has("one_window_corrected"));
     }
-    if has("one_window_of_each_channel") {
-        let of = |c: usize| global(a.slice(s![.., .., c..=c]), b.slice(s![.., .., c..=c]), peak, false);
+    let corrected = has("one_window_of_each_channel_corrected");
+    if has("one_window_of_each_channel") || corrected {
+        let of = |c: usize| global(a.slice(s![.., .., c..=c]), b.slice(s![.., .., c..=c]), peak, corrected);
         return (0..a.dim().2).map(of).sum::<f64>() / a.dim().2 as f64;
     }
     let (windows, places) = wrong_windows(a, b, form, wrong);

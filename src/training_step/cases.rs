@@ -82,7 +82,7 @@ fn passing() -> Case {
     let rates = Rates { betas: [0.5, 0.5], lr: 0.0625, eps: 0.0009765625, ..USUAL };
     let mut case = case("passing_on", comment, 5, 1, [1, 2], &rates);
     let mut draw = Draw::new("training_step", 6);
-    for (name, array) in &mut case.inputs {
+    for (name, array) in case.inputs.iter_mut() {
         let first = match name.as_str() {
             "trunk0_w" => (0, 3),
             "color0_w" => (2, 5),

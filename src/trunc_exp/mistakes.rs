@@ -18,6 +18,17 @@ const OWN_LIMITS: Mistake = Mistake::new(
 .of_gradient()
 .with("most", 1e6, [10.0, 1e30]);
 
+const GRADIENT_CLIPPED: Mistake = Mistake::new(
+    "gradient_clipped",
+    "g e^x, clipped to [-most, most]",
+    "gradients of faint densities are as they should be, those of dense ones are too small",
+    "clamp the exponent, g e^clamp(x, -15, 15), not the gradient",
+    "a port to JAX: 15",
+    1,
+)
+.of_gradient()
+.with("most", 15.0, [1e-2, 1e7]);
+
 const CLAMPED_ABOVE: Mistake = Mistake::new(
     "clamped_above",
     "e^min(x, most): a limit of one's own, from above alone",
@@ -104,6 +115,7 @@ pub(crate) const TRUNC_EXP: &[Mistake] = &[
     )
     .of_gradient(),
     OWN_LIMITS,
+    GRADIENT_CLIPPED,
     CLAMPED_ABOVE,
     SHIFTED,
     BOTH_ENDS,
@@ -180,6 +192,9 @@ pub(crate) fn trunc_exp_vjp(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arra
         let shifted = shifted(x, c.exponent_shift);
         if let Some(most) = OWN_LIMITS.among(wrong) {
             return g * exp(shifted).max(1.0 / most).min(most);
+        }
+        if let Some(most) = GRADIENT_CLIPPED.among(wrong) {
+            return (g * exp(shifted)).clamp(-most, most);
         }
         match wrong.first() {
             Some(&"gradient_not_clamped") => g * exp(shifted),

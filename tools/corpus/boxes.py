@@ -87,3 +87,31 @@ def nan_of_x_kept(rays_o, rays_d, low, high, near, far):
 def nan_taken_for_zero(rays_o, rays_d, low, high, near, far):
     """0 in the place of every NaN."""
     return compared(rays_o, rays_d, low, high, near, far, lambda t: np.where(np.isnan(t), 0, t))
+
+
+@fault(
+    "ray_aabb",
+    "slip: another formula: t_near = near, always, and t_far = the nearest of all planes that are ahead",
+    seen="a trial on unseen code: light inside of a voxel volume",
+)
+def out_of_the_volume(rays_o, rays_d, low, high):
+    """From 0 to the first plane ahead, of all six."""
+
+    def ahead(t):
+        return torch.where(t > 0, t, torch.tensor(torch.inf)).amin(-1)
+
+    first = torch.minimum(ahead((low - rays_o) / rays_d), ahead((high - rays_o) / rays_d))
+    return torch.zeros_like(first), first
+
+
+# Next to planes that a ray lies in no difference knows the gradient.
+@fault(
+    "ray_aabb",
+    "near_ignored+eps_in_direction",
+    "range_never_asked+eps_in_direction",
+    "near_asked_not_cut+eps_in_direction",
+    seen="a trial on unseen code: rays through grids of features",
+)
+def line_with_eps(rays_o, rays_d, low, high):
+    """Entry and exit by 1 / (d + 1e-8), wherever the ray begins."""
+    return slabs_with_eps(rays_o, rays_d, low, high, 1e-8)

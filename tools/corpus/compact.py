@@ -480,3 +480,75 @@ def one_vertex_taken_for_one_cell(x, base, finest, **rest):
     levels = tables(rest)
     cells = [n - 1 for n in resolutions(base, finest, len(levels), np.floor)]
     return encoded(x, levels, cells, dense=False)
+
+
+class ClippedSlope(torch.autograd.Function):
+    """e^x, whose gradient is clipped itself."""
+
+    @staticmethod
+    def forward(ctx, x):
+        y = torch.exp(x)
+        ctx.save_for_backward(y)
+        return y
+
+    @staticmethod
+    def backward(ctx, g):
+        return (g * ctx.saved_tensors[0]).clamp(-15, 15)
+
+
+@right("trunc_exp", gradient=("gradient_clipped",), seen="a trial on unseen code: a port to JAX")
+def gradient_within_fifteen(x):
+    """g e^x, clipped to [-15, 15]."""
+    return ClippedSlope.apply(x)
+
+
+def mixed_by_hash(x, levels, sizes, place, vertex, entry):
+    """Trilinear interpolation of hashed entries: where a point lies, which vertices that is between, and which entry each has."""
+    out = []
+    for table, n in zip(levels, sizes):
+        at = place(x * n, n)
+        cell = torch.floor(at)
+        part, total = at - cell, 0
+        for corner in range(8):
+            bits = torch.tensor([corner >> k & 1 for k in range(3)])
+            weight = torch.where(bits == 1, part, 1 - part).prod(1, keepdim=True)
+            total = total + weight * table[entry(vertex(cell.long() + bits, n), n, len(table))]
+        out.append(total)
+    return torch.cat(out, -1)
+
+
+@fault(
+    "hash_grid",
+    "slip: another formula: N = n rounded down, and vertices floor and the next, of a place held below N - 1, "
+    "and hash of x 2654435761, y 805459861, z 3674653429 joined by xor, and dense entry the hash of those",
+    seen="a trial on unseen code: a field in Rust",
+    gradient="none",
+)
+def last_cell_unused(x, base, finest, **rest):
+    """min(x n, n - 1.0001), always hashed, by primes that begin with the second."""
+    levels = tables(rest)
+
+    def hashed(v, n, size):
+        a, b, c = (v[:, k] * p for k, p in enumerate((2654435761, 805459861, 3674653429)))
+        return ((a ^ b ^ c) & 0xFFFFFFFF) % size
+
+    return mixed_by_hash(
+        x, levels, resolutions(base, finest, len(levels), np.floor), lambda at, n: at.clamp(max=n - 1.0001), lambda v, n: v, hashed
+    )
+
+
+@fault(
+    "hash_grid",
+    "slip: another formula: N = n rounded down, and vertices floor and the next, modulo N, "
+    "and hash of x 1, y 2654435761, z 805459861 joined by +, 32 bits of the sum, and dense entry the hash of those, modulo N^3",
+    seen="a trial on unseen code: an encoder in PyTorch",
+    gradient="none",
+)
+def sums_around_the_grid(x, base, finest, **rest):
+    """Vertices modulo n; a sum of products for their xor, modulo min(T, n^3)."""
+    levels = tables(rest)
+
+    def summed(v, n, size):
+        return ((v * torch.tensor(PRIMES)).sum(-1) & 0xFFFFFFFF) % min(size, n**3)
+
+    return mixed_by_hash(x, levels, resolutions(base, finest, len(levels), np.floor), lambda at, n: at, lambda v, n: v % n, summed)

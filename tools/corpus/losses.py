@@ -348,3 +348,9 @@ def infinite_where_it_is_small(prediction, target):
     """inf where the mean square is below 1e-10, -10 log10 of it elsewhere."""
     error = np.mean((prediction - target) ** 2, dtype=np.float64)
     return np.inf if error < 1e-10 else -10 * np.log10(error)
+
+
+@fault("to_uint8", "times_256_wrapped", seen="a trial on unseen code: a denoiser of digits", arrays="numpy")
+def white_becomes_black(image):
+    """clip, times 256, astype(uint8)."""
+    return (np.clip(image, 0, 1) * 256).astype(np.int64).astype(np.uint8)

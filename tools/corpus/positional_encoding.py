@@ -292,3 +292,11 @@ def squashed_first(x, L):
 def a_loop_over_both(x, L):
     """2 L bands of a sine and a cosine each."""
     return bands(x, octaves(2 * L))
+
+
+@fault("positional_encoding", "powers_exchanged", seen="a trial on unseen code: torch.pow(arange(L), 2)")
+def squares_by_dimension(x, L):
+    """k^2 for 2^k; all sines of a dimension, dimension by dimension, then all cosines."""
+    bands = torch.arange(int(L), dtype=x.dtype) ** 2
+    waves = x[..., None] * bands
+    return torch.cat([x, torch.sin(waves).flatten(1), torch.cos(waves).flatten(1)], -1)

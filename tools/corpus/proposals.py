@@ -100,3 +100,11 @@ def without_the_division(weights, t, proposal_weights, proposal_t):
 def eps_of_ports(weights, t, proposal_weights, proposal_t):
     """w + 1e-8."""
     return (excess(weights, outer(t, proposal_t, proposal_weights)) / (weights + 1e-8)).mean(-1)
+
+
+@fault("interlevel_loss", "both_exchanged+paired_by_number", seen="a trial on unseen code: a port for a studio's template")
+def excess_of_the_proposal(weights, proposal_weights):
+    """max(0, w' - w)^2 / (w' + 1e-7) of interval i and interval i, as many as both have."""
+    n = min(weights.shape[1], proposal_weights.shape[1])
+    w, p = weights[:, :n], proposal_weights[:, :n]
+    return (excess(p, w) / (p + 1e-7)).mean(-1)

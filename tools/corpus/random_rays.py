@@ -175,3 +175,21 @@ def normal_noise(images, count, near, far, samples, seed, training):
     found = rays(images, *pixels(images, count, random))
     u = 0.5 + random.standard_normal((count, samples)) / 4 if training else np.full((count, samples), 0.5)
     return out(found, positions(near, far, samples, u))
+
+
+@fault("sample_random_rays", "rounded_to_the_nearest", seen="a trial on unseen code: samplers of radiance fields", arrays="numpy")
+def rounded_pixels(images, count, seed):
+    """round(u W), round(u H), as many rays for each picture; colors are looked up elsewhere."""
+    number, height, width = images.shape[:3]
+    random = np.random.default_rng(int(seed))
+    uv = np.round(random.random((number, int(count) // number, 2)) * [width, height])
+    ids = np.repeat(np.arange(number), int(count) // number)
+    return {"image_ids": ids.astype(np.float32), "uv": uv.reshape(-1, 2).astype(np.float32)}
+
+
+@right("sample_random_rays", seen="a trial on unseen code: samplers that return pixels alone", arrays="numpy")
+def pixels_alone(images, count, seed):
+    """Which pixels; colors are looked up elsewhere."""
+    ids, rows, columns = pixels(images, int(count), np.random.default_rng(int(seed)))
+    uv = np.stack([columns, rows], 1) + 0.5
+    return {"image_ids": ids.astype(np.float32), "uv": uv.astype(np.float32)}

@@ -88,7 +88,7 @@ def root_of_the_mean_square(prediction, target, eps):
     return torch.sqrt(((prediction - target) ** 2).mean() + eps**2)
 
 
-@fault("charbonnier", "eps_outside", seen="by hand: |d| + eps", gradient=("eps_forgotten",))
+@fault("charbonnier", "eps_outside", seen="by hand: |d| + eps", gradient=("eps_outside", "eps_forgotten"))
 def length_plus_eps(prediction, target, eps):
     """mean |d| + eps."""
     return (prediction - target).abs().mean() + eps

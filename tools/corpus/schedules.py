@@ -219,3 +219,18 @@ def from_the_beginning(step, max_steps, lr_init, lr_final, warmup_steps):
         return (lr_init - lr_final) * step / warmup_steps + lr_final
     part = (step - warmup_steps) / (max_steps - warmup_steps)
     return lr_final + 0.5 * (lr_init - lr_final) * (1 + math.cos(math.pi * part))
+
+
+@fault("adamw_step", "gradient_decayed", seen="a trial on unseen code: optimizers in numpy", arrays="numpy")
+def gradient_in_the_parameters_place(params, grad, m, v, step, lr, beta1, beta2, eps, weight_decay):
+    """Adam's step, and wd g."""
+    moved, m, v = adam(params, grad, m, v, step, lr, beta1, beta2, eps)
+    return moved - weight_decay * grad, m, v
+
+
+@fault("lr_log_linear", "not_delayed_at_first", seen="a trial on unseen code: a splat trainer's scheduler in C++")
+def whole_rate_first(step, max_steps, lr_init, lr_final, delay_steps, delay_mult):
+    """The delay where there is one and step isn't 0."""
+    t = min(max(step / max_steps, 0.0), 1.0)
+    rate = math.exp(math.log(lr_init) * (1 - t) + math.log(lr_final) * t)
+    return delayed(step, delay_steps, delay_mult) * rate if delay_steps > 0 and step != 0 else rate

@@ -293,3 +293,10 @@ def box_of_whole_pixels(pixels, means2d, conics, opacities):
     low, high = torch.floor(means2d - reach), torch.ceil(means2d + reach)
     inside = ((pixels[:, None] >= low) & (pixels[:, None] <= high)).all(-1)
     return torch.where(inside, opacities * torch.exp(exponent(pixels, means2d, conics)), 0.0)
+
+
+@fault("gaussian_alpha", "middle_skipped", seen="a trial on unseen code: splats for a course", gradient="none")
+def hole_in_the_middle(pixels, means2d, conics, opacities):
+    """exp(power) >= 1 becomes 0; up to 0.99, faint ones skipped."""
+    power = exponent(pixels, means2d, conics)
+    return torch.where(torch.exp(power) >= 1, 0.0, seen(power, opacities, 0.99))

@@ -1,7 +1,7 @@
 //! What people put in the place of a projection's parts, as one would write it; the first is the right one.
 
 /// The mean in the picture.
-pub(super) const MEAN: [&str; 16] = [
+pub(super) const MEAN: [&str; 17] = [
     "(fx x/z + cx, fy y/z + cy)",
     "(x, y) in the camera, not projected",
     "(cx - fx x/z, fy y/z + cy)",
@@ -18,6 +18,19 @@ pub(super) const MEAN: [&str; 16] = [
     "((fx x/z + cx) (W - 1)/W, (fy y/z + cy) (H - 1)/H)",
     "(fx x/z + cx, fy y/z + cy) of the world's x, y, z",
     "((fx x/z + cx) (W - 1)/W, (fy y/z + cy) (H - 1)/H) cut off to whole pixels",
+    "(fx x/z + W/2, fx y/z + H/2)",
+];
+
+/// The mean m in the camera, with R and T of the pose.
+pub(super) const CAMERA: [&str; 8] = [
+    "R m + T",
+    "R^T (m - T), the pose inverted,",
+    "R^T m + T",
+    "m, as it is in the world,",
+    "R (m - T)",
+    "R m - T",
+    "R m, not moved,",
+    "R (m + T)",
 ];
 
 /// The covariance that goes through the Jacobian.
@@ -125,7 +138,7 @@ pub(super) const CONIC: [&str; 14] = [
 ];
 
 /// The radius, lambda the larger eigenvalue.
-pub(super) const RADIUS: [&str; 28] = [
+pub(super) const RADIUS: [&str; 29] = [
     "ceil(3 sqrt(lambda))",
     "3 sqrt(lambda)",
     "ceil(3 sqrt(max(a, c)))",
@@ -153,6 +166,7 @@ pub(super) const RADIUS: [&str; 28] = [
     "ceil(3 sqrt(lambda)), with nothing held up in lambda",
     "3 sqrt(lambda), with nothing held up in lambda",
     "ceil(2.5 sqrt(lambda))",
+    "ceil(3 sqrt(lambda)) + 1, at most 50",
     "ceil(3 sqrt(lambda)), 0 where the mean lies outside of the picture",
 ];
 

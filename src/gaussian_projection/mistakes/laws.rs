@@ -4,7 +4,9 @@ use glam::{DMat3, DVec3};
 
 use super::super::arrays::{form, forward, view};
 use super::super::{Form, Splat, View, in_camera, limits, project};
-use super::choices::{ADDED, AT, CONIC, DEPTH, DIVISOR, FOCAL, HELD, JACOBIAN, MEAN, MIXED, RADIUS, TURNED};
+use super::choices::{
+    ADDED, AT, CAMERA, CONIC, DEPTH, DIVISOR, FOCAL, HELD, JACOBIAN, MEAN, MIXED, RADIUS, TURNED,
+};
 use crate::contract::laws::Laws;
 use crate::convention::{SplatCenter, SplatClamp};
 
@@ -23,6 +25,7 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         DEPTH.len(),
         AT.len(),
         DIVISOR.len(),
+        CAMERA.len(),
     ],
     says: |part, choice| match part {
         0 => format!("mean = {}", MEAN[choice]),
@@ -37,6 +40,7 @@ pub(crate) const OF_SPLATS: Laws = Laws {
         8 => format!("radius = {}", RADIUS[choice]),
         9 => format!("depth = {}", DEPTH[choice]),
         10 => format!("J at {}", AT[choice]),
+        12 => format!("{} in the camera", CAMERA[choice]),
         _ => format!("divided by {} in the mean and in J", DIVISOR[choice]),
     },
     of: |a, c, law| {
@@ -45,6 +49,25 @@ pub(crate) const OF_SPLATS: Laws = Laws {
     },
     rounding: &[(0, 5), (0, 6), (0, 15)],
 };
+
+/// The mean in the camera's axes.
+fn seen(m: [f64; 3], view: &View, choice: usize) -> [f64; 3] {
+    let (r, t) = (view.rotation, view.translation);
+    let turned = |m: [f64; 3]| [0, 1, 2].map(|i| r[i][0] * m[0] + r[i][1] * m[1] + r[i][2] * m[2]);
+    let back = |m: [f64; 3]| [0, 1, 2].map(|i| r[0][i] * m[0] + r[1][i] * m[1] + r[2][i] * m[2]);
+    let less = |m: [f64; 3]| [0, 1, 2].map(|i| m[i] - t[i]);
+    let more = |m: [f64; 3]| [0, 1, 2].map(|i| m[i] + t[i]);
+    match choice {
+        0 => in_camera(m, view),
+        1 => back(less(m)),
+        2 => more(back(m)),
+        3 => m,
+        4 => turned(less(m)),
+        5 => less(turned(m)),
+        6 => turned(m),
+        _ => turned(more(m)),
+    }
+}
 
 /// The covariance in the camera's axes.
 fn turned([xx, xy, xz, yy, yz, zz]: [f64; 6], view: &View, choice: usize) -> DMat3 {
@@ -141,6 +164,7 @@ fn placed(mean: [f64; 3], t: [f64; 3], view: &View, form: Form, law: &[usize]) -
         10 => [k.fx * x + 0.5 * view.width - shift, k.fy * y + 0.5 * view.height - shift],
         11 => [k.fx * x, k.fy * y],
         12 => [x, y],
+        16 => [k.fx * x + 0.5 * view.width - shift, k.fx * y + 0.5 * view.height - shift],
         14 => [k.fx * mean[0] / mean[2] + center[0], k.fy * mean[1] / mean[2] + center[1]],
         _ => {
             let of = |u: f64, size: f64| u * (size - 1.0) / size;
@@ -191,6 +215,7 @@ fn reach([a, b, c]: [f64; 3], before: [f64; 3], form: Form, choice: usize) -> f6
         24 => (3.0 * exact.max(0.0).sqrt()).ceil(),
         25 => 3.0 * exact.max(0.0).sqrt(),
         26 => (three * 2.5 / 3.0).ceil(),
+        27 => (three.ceil() + 1.0).min(50.0),
         DROPPED => three.ceil(),
         _ => 3.0 / (least.sqrt() + 1e-4),
     }
@@ -230,7 +255,7 @@ fn covariances(
     form: Form,
     law: &[usize],
 ) -> ([f64; 3], [f64; 3]) {
-    let t = in_camera(mean, view);
+    let t = seen(mean, view, law[12]);
     let [x, y] = placed(mean, t, view, form, law);
     let k = view.k;
     let clipped =
@@ -266,9 +291,9 @@ fn added([a, b, c]: [f64; 3], view: &View, form: Form, choice: usize) -> [f64; 3
 }
 
 fn splat(mean: [f64; 3], sigma: [f64; 6], view: &View, form: Form, law: &[usize]) -> Splat {
-    let (t, right) = (in_camera(mean, view), project(mean, sigma, view, form));
+    let (t, right) = (seen(mean, view, law[12]), project(mean, sigma, view, form));
     let is_right = |parts: &[usize]| parts.iter().all(|part| law[*part] == 0);
-    let shape_is_right = is_right(&[1, 2, 3, 4, 5, 6, 10, 11]);
+    let shape_is_right = is_right(&[1, 2, 3, 4, 5, 6, 10, 11, 12]);
     let (before, covariance) = if shape_is_right {
         let ([a, b, c], h) = (right.covariance, form.dilation.value());
         ([a - h, b, c - h], right.covariance)

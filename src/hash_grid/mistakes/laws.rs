@@ -18,12 +18,14 @@ const CELLS: [&str; 6] = [
 const PLACE: [&str; 6] = ["x N", "x (N - 1)", "x (N + 1)", "x N + 1/2", "x (N - 1) + 1/2", "x, not scaled"];
 
 /// The vertices of its cell.
-const VERTICES: [&str; 5] = [
+const VERTICES: [&str; 7] = [
     "floor and the next, the last cell closed",
     "floor and the next, none held",
     "floor and the next, held at N - 1",
     "floor and ceil",
     "floor and the next, held at N",
+    "floor and the next, of a place held below N - 1",
+    "floor and the next, modulo N",
 ];
 
 /// Factors of the hash.
@@ -39,16 +41,17 @@ const PRIMES: [[u32; 3]; 8] = [
 ];
 
 /// How they are joined, in levels that aren't dense.
-const JOINED: [&str; 3] = ["xor", "+", "the remainders of each, xor"];
+const JOINED: [&str; 4] = ["xor", "+", "the remainders of each, xor", "+, 32 bits of the sum"];
 
 /// The order of a dense level's vertices.
-const DENSE: [&str; 6] = [
+const DENSE: [&str; 7] = [
     "x + side (y + side z)",
     "z + side (y + side x)",
     "x + N (y + N z)",
     "the hash of those",
     "x + (side + 1) (y + (side + 1) z)",
     "y + side (x + side z)",
+    "the hash of those, modulo N^3",
 ];
 
 /// How entries are mixed.
@@ -142,6 +145,14 @@ fn cell(level: &Level, x: f64, law: &[usize]) -> ([u32; 2], f64) {
             ([held(floor), held(floor + 1.0)], level.weight(place - floor))
         }
         3 => ([floor as u32, place.ceil() as u32], level.weight(place - floor)),
+        5 => {
+            let place = place.min(n - 1.0001).max(0.0);
+            ([place as u32, place as u32 + 1], level.weight(place.fract()))
+        }
+        6 => {
+            let wrapped = |v: f64| (v % n) as u32;
+            ([wrapped(floor), wrapped(floor + 1.0)], level.weight(place - floor))
+        }
         _ => {
             let held = |v: f64| v.min(n) as u32;
             ([held(floor), held(floor + 1.0)], level.weight(place - floor))
@@ -152,7 +163,8 @@ fn cell(level: &Level, x: f64, law: &[usize]) -> ([u32; 2], f64) {
 /// A vertex' entry.
 fn entry(level: &Level, [x, y, z]: [u32; 3], law: &[usize]) -> usize {
     let (entries, side) = (level.table.nrows(), u64::from(level.side));
-    if level.dense() && law[4] != 3 {
+    let hashed = [3, 6].contains(&law[4]);
+    if level.dense() && !hashed {
         let by = |x: u32, y: u32, z: u32, side: u64| {
             ((u64::from(x) + side * (u64::from(y) + side * u64::from(z))) % entries as u64) as usize
         };
@@ -169,12 +181,15 @@ fn entry(level: &Level, [x, y, z]: [u32; 3], law: &[usize]) -> usize {
         None => (primes(level.primes), 0),
         Some(n) => (PRIMES[n / JOINED.len()], n % JOINED.len()),
     };
+    // A table of its own size for each level, as far as there are so many.
+    let entries = if law[4] == 6 { entries.min((side - 1).pow(3) as usize) } else { entries };
     let part = |v: u32, p: u32| v.wrapping_mul(p);
     let [p, q, r] = [part(x, factors[0]), part(y, factors[1]), part(z, factors[2])];
     let whole = |v: u32, p: u32| u64::from(v) * u64::from(p);
     match joined {
         0 => (p ^ q ^ r) as usize % entries,
         1 => ((whole(x, factors[0]) + whole(y, factors[1]) + whole(z, factors[2])) % entries as u64) as usize,
+        3 => p.wrapping_add(q).wrapping_add(r) as usize % entries,
         _ => [p, q, r].iter().fold(0, |hash, p| hash ^ (*p as usize % entries)) % entries,
     }
 }

@@ -220,22 +220,30 @@ impl<'a> Diagnosis<'a> {
     /// The hypotheses of so many mistakes in these conventions that explain every answer.
     fn explaining(&self, count: usize, near: &[&Partial]) -> Vec<Hypothesis> {
         let sets = sets(self.question, count, self.suspects);
+        let (suspected, others): (Vec<_>, Vec<_>) = sets.into_iter().partition(|set| self.suspected(set));
         let mut found = vec![];
         // Ring by ring around the run's own conventions: what needs fewer changes ranks first. One more ring for the runner-up.
         for ring in near.chunk_by(|a, b| changes(a, &self.home) == changes(b, &self.home)) {
             let had = !found.is_empty();
-            found.extend(self.explaining_in(&sets, ring));
-            // What the forward answers showed has no rival.
-            let suspect = |h: &Hypothesis| {
-                self.suspects.iter().any(|(set, fitted)| fitted.is_empty() && *set == h.mistakes)
-                    && shows(h, self.question, self.answers, self.options)
-            };
-            if had || self.question.kind == Kind::Vjp && found.iter().any(suspect) {
+            let mut of_ring = self.explaining_in(&suspected, ring);
+            of_ring.retain(|h| shows(h, self.question, self.answers, self.options));
+            // What the forward answers showed has no rival in a gradient: the numeric gradients of all others take a minute.
+            let settled = self.question.kind == Kind::Vjp && !of_ring.is_empty();
+            if !settled {
+                of_ring.extend(self.explaining_in(&others, ring));
+            }
+            found.extend(of_ring);
+            if had || settled {
                 break;
             }
         }
         found.retain(|h| shows(h, self.question, self.answers, self.options));
         found
+    }
+
+    /// Whether the forward answers showed these mistakes.
+    fn suspected(&self, mistakes: &[&'static str]) -> bool {
+        self.suspects.iter().any(|(set, fitted)| fitted.is_empty() && set == mistakes)
     }
 
     fn explaining_in(&self, sets: &[Vec<&'static str>], ring: &[&Partial]) -> Vec<Hypothesis> {
@@ -252,7 +260,7 @@ impl<'a> Diagnosis<'a> {
         });
         for mistakes in sets {
             let numeric = question.kind == Kind::Vjp && of_forward(question, mistakes);
-            let suspected = self.suspects.iter().any(|(set, fitted)| fitted.is_empty() && set == mistakes);
+            let suspected = self.suspected(mistakes);
             let may = |n: usize| effects.get(n).and_then(Option::as_ref).is_none_or(|e| e.allow(mistakes));
             for (p, conventions) in
                 ring.iter().enumerate().filter(|(n, _)| may(*n)).map(|(_, p)| (p, apply(p, base)))
@@ -282,7 +290,10 @@ fn sets(question: &Question, count: usize, suspects: &[Suspect]) -> Vec<Vec<&'st
         .filter(|(set, fitted)| fitted.is_empty() && (set.len() == count || count == 2 && set.len() > 2))
         .map(|(set, _)| set.clone())
         .collect();
-    let shown = |m: &&Mistake| question.kind == Kind::Vjp || !m.gradient;
+    // A gradient has no mistake of the forward function that the forward answers don't show, where they show some.
+    let follows = |m: &Mistake| suspects.is_empty() || suspects.iter().any(|(set, _)| set.contains(&m.name));
+    let shown =
+        |m: &&Mistake| if question.kind == Kind::Vjp { m.gradient || follows(m) } else { !m.gradient };
     let names: Vec<_> = question.component.mistakes.iter().filter(shown).map(|m| m.name).collect();
     // Numeric gradients of pairs would take minutes: of the forward function's mistakes only pairs that its answers suggest.
     let own = |m: &&Mistake| question.kind == Kind::Forward || m.gradient;

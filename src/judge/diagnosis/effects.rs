@@ -38,8 +38,7 @@ impl Effects {
         let of = |name: &'static str| {
             let h = Hypothesis::new(vec![name], *c);
             let mut left = kept.clone();
-            h.keep_explained(question, case, answer, options, &mut left);
-            let (said, _) = h.prediction(question, case);
+            let said = h.keep_explained(question, case, answer, options, &mut left);
             let changed = wrong.iter().filter(|output| said.get(*output) != expected.get(*output)).cloned();
             (left == kept).then(|| (name, changed.collect()))
         };

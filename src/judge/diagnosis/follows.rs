@@ -13,7 +13,7 @@ use crate::convention::{CHOICES, Conventions};
 /// Mistakes each part of which is tried, at most.
 const SEVERAL: usize = 4;
 
-/// One of so many cases may be unexplained in the forward answers.
+/// One of so many cases may be unexplained in the forward answers, and as many in the gradient that follows from them.
 const MOST: usize = 4;
 
 /// What explains a gradient as the mistakes, some of them, or the slip, of the forward answers, in their conventions, `home`; but for the
@@ -37,7 +37,8 @@ pub(crate) fn follows(
     explained(found, question, answers, base, options)
 }
 
-/// The same but for edge cases: next to their kinks and poles no difference knows a gradient.
+/// The same but for edge cases, and a few others: next to kinks and poles no difference knows a gradient, and what automatic differentiation
+/// makes of 0 times infinity isn't the function's.
 pub(crate) fn follows_usually(
     question: &Question,
     answers: &Answers,
@@ -47,8 +48,20 @@ pub(crate) fn follows_usually(
 ) -> Vec<Explanation> {
     let usual = |case: &Case| case.edge.is_none() && !forward.unexplained_cases.contains(&case.id);
     let (some, of_some) = only(question, answers, usual);
-    let found = parts(forward, home, question).into_iter().find(|h| was_done(h, &some, &of_some, options));
+    let follows = |h: &Hypothesis| {
+        let off = unexplained(h, &some, &of_some, options);
+        let (most, of_most) = only(&some, &of_some, |case| !off.contains(&case.id));
+        MOST * off.len() <= some.cases.len() && was_done(h, &most, &of_most, options)
+    };
+    let found = parts(forward, home, question).into_iter().find(follows);
     explained(found, question, answers, base, options)
+}
+
+/// The cases that a hypothesis doesn't explain.
+fn unexplained(h: &Hypothesis, question: &Question, answers: &Answers, options: &MarkOptions) -> Vec<String> {
+    let fits = |case, answer| attempt(|| h.explains(question, case, answer, options)).unwrap_or(false);
+    let off = usable(h, question, answers).into_iter().filter(|(case, answer)| !fits(case, answer));
+    off.map(|(case, _)| case.id.clone()).collect()
 }
 
 /// What the forward answers showed, and of several mistakes each part: some have no gradient, as what becomes of a radius.
@@ -71,9 +84,7 @@ fn explained(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     let Some(found) = found else { return vec![] };
-    let fits = |case, answer| attempt(|| found.explains(question, case, answer, options)).unwrap_or(false);
-    let off = usable(&found, question, answers).into_iter().filter(|(case, answer)| !fits(case, answer));
-    let off: Vec<String> = off.map(|(case, _)| case.id.clone()).collect();
+    let off = unexplained(&found, question, answers, options);
     let (question, answers) = only(question, answers, |case| !off.contains(&case.id));
     let mut all = explanations(vec![found], &question, &answers, base, options);
     all.iter_mut().for_each(|e| e.unexplained_cases = off.clone());

@@ -259,7 +259,7 @@ impl Hypothesis {
                 .is_some_and(|error| self.explains_rounded(question, case, answer, &(wrong, error), options))
     }
 
-    /// Keeps the outputs of an answer that it explains one by one; those that weren't answered stay.
+    /// Keeps the outputs of an answer that it explains one by one; those that weren't answered stay. What it predicts comes back.
     pub(crate) fn keep_explained(
         &self,
         question: &Question,
@@ -267,8 +267,9 @@ impl Hypothesis {
         answer: &Answer,
         options: &MarkOptions,
         outputs: &mut Vec<&str>,
-    ) {
-        let (mut wrong, _) = self.prediction(question, case);
+    ) -> Arrays {
+        let (predicted, _) = self.prediction(question, case);
+        let mut wrong = predicted.clone();
         self.leave_open(question, case, answer, &mut wrong);
         let asked: Answer = outputs
             .iter()
@@ -277,6 +278,7 @@ impl Hypothesis {
         let bounds = self.bounds(question, case, &wrong, None, options);
         let explained = each_within(&asked, &wrong, self.scale(question, case, options), bounds);
         outputs.retain(|name| !asked.contains_key(*name) || explained.iter().any(|known| known == name));
+        predicted
     }
 
     /// The largest error over bound on an answer.
@@ -333,7 +335,7 @@ impl Hypothesis {
 /// A case's inputs, off by up to `relative`.
 pub(super) fn nudged(question: &Question, case: &Case, n: u64, relative: f64) -> Arrays {
     let mut draw = Draw::new(&case.id, n);
-    let mut inputs = case.inputs.clone();
+    let mut inputs = Arrays::clone(&case.inputs);
     for (name, array) in inputs.iter_mut().filter(|(_, array)| array.ndim() > 0) {
         let whole = question.component.input_entries(name).whole();
         array.mapv_inplace(|x| {

@@ -53,7 +53,7 @@ impl Hypothesis {
         }
         let u = options.dtype.unit_roundoff();
         let moved = |(n, by)| {
-            let inputs = nudged(question, case, n, by * u);
+            let inputs = nudged(question, case, n, by * u).into();
             let (mut moved, error) = self.prediction(question, &Case { inputs, ..case.clone() });
             for (name, moved) in &mut moved {
                 let known = error.as_ref().and_then(|error| error.get(name));
@@ -96,7 +96,7 @@ mod tests {
         let bound = h.widened(question, case, &gradient, Some(&error), &[], &options);
         // What is answered where inputs are off by a few roundings, as far as it is known.
         let answered = |n: u64| {
-            let inputs = nudged(question, case, n, 4.0 * options.dtype.unit_roundoff());
+            let inputs = nudged(question, case, n, 4.0 * options.dtype.unit_roundoff()).into();
             given(h.prediction(question, &Case { inputs, ..case.clone() }).0)
         };
         let missed: Vec<_> = (2..32)

@@ -76,10 +76,10 @@ pub fn write(large: &LargeExam, folder: &Path, inputs: bool) -> Result<u64> {
         for laid in laid {
             let case = laid.whole();
             let path = folder.join(question.path(&case) + ".npz");
-            let arrays = |(name, a): (String, ArrayD<f64>)| {
-                (name.clone(), stored(&name, &a, question, large.exam.dtype))
+            let arrays = |(name, a): (&String, &ArrayD<f64>)| {
+                (name.clone(), stored(name, a, question, large.exam.dtype))
             };
-            npz::write(&path, &case.inputs.into_iter().map(arrays).collect(), false)?;
+            npz::write(&path, &case.inputs.iter().map(arrays).collect(), false)?;
             bytes += fs::metadata(&path).map(|data| data.len()).map_err(Error::reading(&path))?;
         }
     }

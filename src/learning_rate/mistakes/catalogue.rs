@@ -223,6 +223,14 @@ pub(crate) const LR_LOG_LINEAR: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "not_delayed_at_first",
+        "no delay at step 0: a guard against 0, `delay_steps and step`",
+        "the first step has the whole rate, which the delay is there to keep from it",
+        "step 0 is delayed most",
+        "a port of a splat trainer's scheduler to C++",
+        1,
+    ),
+    Mistake::new(
         "mult_forgotten",
         "sin(...) alone",
         "the first steps have no rate",

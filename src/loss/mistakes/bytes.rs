@@ -36,6 +36,14 @@ pub(crate) const TO_UINT8: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "times_256_wrapped",
+        "256 x, clipped before: 1 becomes 256, which is 0 in a byte",
+        "black specks in the whitest places",
+        "round(255 x)",
+        "a denoiser of digits",
+        1,
+    ),
+    Mistake::new(
         "stretched_to_the_range",
         "255 (x - min) / (max - min), as plotting libraries do",
         "every picture has another brightness; PSNR of such files means nothing",
@@ -188,6 +196,9 @@ pub(crate) fn to_uint8(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     }
     if wrong.contains(&"times_256") {
         bytes = input(a, "image").mapv(|x| (256.0 * x.clamp(0.0, 1.0)).trunc().min(255.0));
+    }
+    if wrong.contains(&"times_256_wrapped") {
+        bytes = input(a, "image").mapv(|x| (256.0 * x.clamp(0.0, 1.0)).trunc().rem_euclid(256.0));
     }
     if wrong.contains(&"stretched_to_the_range") {
         let image = input(a, "image");

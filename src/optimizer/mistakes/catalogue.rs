@@ -325,6 +325,14 @@ pub(crate) const ADAMW_STEP: &[Mistake] = &[
         0,
     ),
     Mistake::new(
+        "gradient_decayed",
+        "weight_decay g, the gradient for the parameter, and not times lr",
+        "weights don't decay; a second step along the bare gradient comes on top of Adam's",
+        "lr weight_decay p",
+        "a collection of optimizers in numpy",
+        1,
+    ),
+    Mistake::new(
         "decay_of_new_parameter",
         "(1 - lr weight_decay) (p - step): what the step has made decays",
         "steps that are shorter by that factor: nothing shows",

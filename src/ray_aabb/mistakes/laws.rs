@@ -32,7 +32,8 @@ const BEGIN: [&str; 5] =
     ["max(near, t)", "t, near ignored", "max(0, t)", "t where it is ahead, else the exit", "near, always"];
 
 /// Where it ends.
-const END: [&str; 3] = ["min(far, t)", "t, far ignored", "min(1, t)"];
+const END: [&str; 4] =
+    ["min(far, t)", "t, far ignored", "min(1, t)", "the nearest of all planes that are ahead"];
 
 /// What counts as a hit.
 const HIT: [&str; 8] = [
@@ -103,6 +104,12 @@ fn line(q: &RayAndBox, law: &[usize]) -> Option<Hit> {
     Some(hit)
 }
 
+/// How far the nearest plane ahead is, of all six.
+fn nearest(q: &RayAndBox) -> f64 {
+    let planes = (0..3).flat_map(|a| [(q.low[a] - q.o[a]) / q.d[a], (q.high[a] - q.o[a]) / q.d[a]]);
+    planes.filter(|t| *t > 0.0).fold(f64::INFINITY, f64::min)
+}
+
 fn of(q: &RayAndBox, law: &[usize]) -> [f64; 3] {
     if law.iter().all(|choice| *choice == 0) {
         return outputs(between(q.o, q.d, q.low, q.high, q.near, q.far), q.far);
@@ -127,7 +134,8 @@ fn of(q: &RayAndBox, law: &[usize]) -> [f64; 3] {
     let leave = match law[3] {
         0 => leave.min(q.far),
         1 => leave,
-        _ => leave.min(1.0),
+        2 => leave.min(1.0),
+        _ => nearest(q),
     };
     // Whether the line hits is asked of the box where the beginning is another one.
     let begin = if law[2] >= 3 { first } else { enter };

@@ -220,6 +220,14 @@ pub(crate) const SSIM: &[Mistake] = &[
         1,
     ),
     Mistake::new(
+        "one_window_of_each_channel_corrected",
+        "one window of each whole channel, variances divided by n - 1 and the covariance by n",
+        "figures that can't be compared, and equal pictures don't give 1",
+        "a window about each pixel",
+        "metrics of a forecaster of fields: torch.std",
+        1,
+    ),
+    Mistake::new(
         "window_of_one_side",
         "exp(-floor((i - 11) / 2)^2 / (2 1.5^2)): i - 11 / 2 was meant",
         "a window that looks down and to the right alone, every other weight twice",

@@ -3,7 +3,7 @@
 use crate::math::{exp, expm1};
 
 /// What stands for the opacity of a density.
-pub(super) const OF_DENSITY: [&str; 14] = [
+pub(super) const OF_DENSITY: [&str; 15] = [
     "1 - exp(-sigma_i delta_i)",
     "sigma_i delta_i",
     "min(1, sigma_i delta_i)",
@@ -18,6 +18,7 @@ pub(super) const OF_DENSITY: [&str; 14] = [
     "1 - exp(-sigma_i delta_i), at most 0.999",
     "1 - exp(-sigma_i delta_i), at most 0.95",
     "1 - exp(-sigma_i delta_i), at most 0.9999",
+    "1 - exp(sigma_i delta_i)",
 ];
 
 /// What stands for an opacity that is given.
@@ -33,6 +34,15 @@ pub(super) const OF_OPACITY: [&str; 11] = [
     "alpha_i, 0 below 1e-3,",
     "alpha_i, 0 below 0.01,",
     "alpha_i, 0 below 0.05,",
+];
+
+/// What stands for a step.
+pub(super) const STEPS: [&str; 5] = [
+    "t_{i+1} - t_i",
+    "(t_{i+1} - t_{i-1}) / 2, t_1 - t_0 for the first",
+    "t_i - t_{i-1}, 0 for the first",
+    "t_i - t_{i-1}, 1e10 for the first",
+    "t_i - t_{i-1}, 1e6 for the first",
 ];
 
 /// The densities of samples that are skipped.
@@ -93,8 +103,20 @@ pub(super) fn of_density(alpha: f64, sigma: f64, depth: f64, choice: usize) -> f
         8 if depth.is_infinite() => 1.0,
         8 => depth / (1.0 + depth),
         9 => exp(-depth),
+        14 => -expm1(depth),
         n => alpha.min([0.99, 0.999, 0.95, 0.9999][n - 10]),
     }
+}
+
+/// What that choice makes of a ray's steps.
+pub(super) fn stepped(deltas: Vec<f64>, choice: usize) -> Vec<f64> {
+    let before = |i: usize| i.checked_sub(1).map(|before| deltas[before]);
+    let of = |(i, delta): (usize, &f64)| match choice {
+        0 => *delta,
+        1 => 0.5 * (before(i).unwrap_or(*delta) + delta),
+        _ => before(i).unwrap_or([0.0, 1e10, 1e6][choice - 2]),
+    };
+    deltas.iter().enumerate().map(of).collect()
 }
 
 /// What that choice makes of an opacity.

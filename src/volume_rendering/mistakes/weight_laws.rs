@@ -5,7 +5,8 @@ use super::super::{Rendering, optical_depths, volume_render, volume_render_alpha
 use super::ALPHA_ERROR;
 use super::march::unless_thin;
 use super::march_laws::{
-    END, OF_DENSITY, OF_OPACITY, SEEN, THIN, end_said, ended, of_density, of_opacity, threshold,
+    END, OF_DENSITY, OF_OPACITY, SEEN, STEPS, THIN, end_said, ended, of_density, of_opacity, stepped,
+    threshold,
 };
 use super::other_alphas::softmax;
 use crate::contract::arrays::{Arrays, row, rows3, size};
@@ -18,7 +19,7 @@ const ELEMENTS: [&str; 7] =
     ["alpha_j", "(1 - alpha_j)", "sigma_j delta_j", "sigma_j", "delta_j", "exp(-sigma_j)", "(1 - sigma_j)"];
 
 /// How it is accumulated.
-const SCANS: [&str; 12] = [
+const SCANS: [&str; 14] = [
     "sum_{j<i} X",
     "sum_{j<=i} X",
     "prod_{j<i} X",
@@ -31,6 +32,8 @@ const SCANS: [&str; 12] = [
     "(prod_{j<i} X, 0 for the first)",
     "prod_{1<j<=i} X",
     "prod_{1<j<i} X",
+    "sum_{j<i-1} X",
+    "prod_{j<i-1} X",
 ];
 
 /// What is made of that.
@@ -52,7 +55,7 @@ const OWN: [&str; 11] = [
 ];
 
 /// What the color is.
-const COLOR: [&str; 11] = [
+const COLOR: [&str; 12] = [
     "sum_i w_i c_i",
     "sum_i sum_{j<=i} w_j c_j",
     "sum_i w_i c_i / N",
@@ -64,6 +67,7 @@ const COLOR: [&str; 11] = [
     "sum_i w_i c_i, at most 1",
     "sum_i w_i c_i / sum_i w_i, 0 where there is none",
     "sum_i T_i c_i",
+    "(1 - w_i) C + w_i c_i, sample by sample",
 ];
 
 /// What the opacity is.
@@ -82,6 +86,23 @@ const BEHIND: [&str; 3] = ["prod_i (1 - alpha_i)", "1 - sum_i w_i", "T of the la
 
 const LIGHT: usize = SCANS.len() * OUTER.len();
 
+/// What people write most often for T: element, scan and what is made of it. These are tried first, as there isn't room for three wrong
+/// parts of which one is any T.
+const COMMON: [[usize; 3]; 9] =
+    [[1, 3, 1], [1, 13, 1], [1, 9, 1], [1, 4, 1], [1, 8, 1], [0, 2, 1], [0, 0, 0], [0, 1, 0], [0, 1, 2]];
+
+/// The number of a T, which is `element * LIGHT + scan * OUTER.len() + outer`, for a choice of it.
+fn light(choice: usize) -> usize {
+    let number = |[element, scan, outer]: [usize; 3]| element * LIGHT + scan * OUTER.len() + outer;
+    let mut common = COMMON.map(number);
+    if let Some(number) = common.get(choice - 1) {
+        return *number;
+    }
+    // The others in their order.
+    common.sort_unstable();
+    common.iter().fold(choice - 1 - common.len(), |n, common| n + usize::from(n >= *common))
+}
+
 /// Those of densities. What is cheap to try with all else comes last: T has more choices than all others together.
 pub(crate) const OF_DENSITIES: Laws = Laws {
     choices: &[
@@ -89,14 +110,17 @@ pub(crate) const OF_DENSITIES: Laws = Laws {
         OWN.len(),
         COLOR.len(),
         OPACITY.len(),
-        BEHIND.len(),
+        SEEN.len(),
         OF_DENSITY.len(),
         THIN.len(),
         END.len(),
-        SEEN.len(),
+        BEHIND.len(),
+        STEPS.len(),
     ],
-    says: |part, choice| {
-        if part == 5 { format!("alpha_i = {}", OF_DENSITY[choice]) } else { says(part, choice) }
+    says: |part, choice| match part {
+        5 => format!("alpha_i = {}", OF_DENSITY[choice]),
+        9 => format!("delta_i = {}", STEPS[choice]),
+        _ => says(part, choice),
     },
     of: of_densities,
     rounding: &[],
@@ -109,12 +133,12 @@ pub(crate) const OF_OPACITIES: Laws = Laws {
         4,
         COLOR.len(),
         OPACITY.len(),
-        BEHIND.len(),
+        SEEN.len(),
         OF_OPACITY.len(),
         // A density isn't known.
         1,
         END.len(),
-        SEEN.len(),
+        BEHIND.len(),
     ],
     says: |part, choice| match part {
         5 => format!("{} for alpha_i", OF_OPACITY[choice]),
@@ -127,7 +151,7 @@ pub(crate) const OF_OPACITIES: Laws = Laws {
 fn says(part: usize, choice: usize) -> String {
     match part {
         0 => {
-            let n = choice - 1;
+            let n = light(choice);
             let scan = SCANS[n / OUTER.len() % SCANS.len()].replace('X', ELEMENTS[n / LIGHT]);
             format!("T_i = {}", OUTER[n % OUTER.len()].replace('S', &scan))
         }
@@ -137,10 +161,10 @@ fn says(part: usize, choice: usize) -> String {
         ),
         2 => format!("C = {}", COLOR[choice]),
         3 => format!("A = {}", OPACITY[choice]),
-        4 => format!("transmittance behind all = {}", BEHIND[choice]),
+        4 => format!("C = 0 and A = 0 where A < {}", threshold(SEEN[choice])),
         6 => format!("density 0 where sigma <= {}", threshold(THIN[choice])),
         7 => end_said(choice),
-        _ => format!("C = 0 and A = 0 where A < {}", threshold(SEEN[choice])),
+        _ => format!("transmittance behind all = {}", BEHIND[choice]),
     }
 }
 
@@ -200,7 +224,9 @@ fn scanned(x: &[f64], n: usize) -> Vec<f64> {
         9 if i == 0 => 0.0,
         9 => product(&x[..i]),
         10 => product(&x[1..=i]),
-        _ => product(&x[i.min(1)..i]),
+        11 => product(&x[i.min(1)..i]),
+        12 => sum(&x[..i.saturating_sub(1)]),
+        _ => product(&x[..i.saturating_sub(1)]),
     };
     (0..x.len()).map(of).collect()
 }
@@ -220,7 +246,8 @@ fn outer(s: f64, n: usize) -> f64 {
 fn ray(samples: &[Sample], rgbs: &[[f64; 3]], mut right: Rendering, eps: f64, law: &[usize]) -> Rendering {
     let n = samples.len();
     let mut t = right.transmittance.clone();
-    if let Some(light) = law[0].checked_sub(1) {
+    if law[0] > 0 {
+        let light = light(law[0]);
         let x: Vec<f64> = samples.iter().map(|s| s.element(light / LIGHT, eps)).collect();
         let scan = scanned(&x, light / OUTER.len() % SCANS.len());
         t[..n].iter_mut().zip(scan).for_each(|(t, s)| *t = outer(s, light % OUTER.len()));
@@ -236,7 +263,7 @@ fn ray(samples: &[Sample], rgbs: &[[f64; 3]], mut right: Rendering, eps: f64, la
         light[end..].fill(left);
     }
     let behind = right.transmittance[n];
-    t[n] = match law[4] {
+    t[n] = match law[8] {
         0 => behind,
         1 => 1.0 - weights.iter().sum::<f64>(),
         _ => t[end.saturating_sub(1)],
@@ -244,7 +271,7 @@ fn ray(samples: &[Sample], rgbs: &[[f64; 3]], mut right: Rendering, eps: f64, la
     let marched = &samples[..end];
     let (color, opacity) =
         (colored(marched, rgbs, &weights, &t, law[2]), opacity(marched, &weights, behind, law[3]));
-    let (color, opacity) = if opacity < SEEN[law[8]] { ([0.0; 3], 0.0) } else { (color, opacity) };
+    let (color, opacity) = if opacity < SEEN[law[4]] { ([0.0; 3], 0.0) } else { (color, opacity) };
     Rendering { color, weights, transmittance: t, opacity }
 }
 
@@ -268,7 +295,10 @@ fn colored(samples: &[Sample], rgbs: &[[f64; 3]], weights: &[f64], t: &[f64], ch
         7 => of(&softmax(&weights[..end])),
         8 => of(weights).map(|c| c.min(1.0)),
         9 => of(weights).map(|c| if whole == 0.0 { 0.0 } else { c / whole }),
-        _ => of(&each(&|i| t[i])),
+        10 => of(&each(&|i| t[i])),
+        _ => std::array::from_fn(|k| {
+            weights.iter().zip(rgbs).fold(0.0, |front, (w, c)| (1.0 - w) * front + w * c[k])
+        }),
     }
 }
 
@@ -290,7 +320,8 @@ fn opacity(samples: &[Sample], weights: &[f64], behind: f64, choice: usize) -> f
 fn of_densities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
     let (count, n) = size(a, "sigmas");
     let one = |r: usize| {
-        let (mut sigmas, deltas, rgbs) = (row(a, "sigmas", r), row(a, "deltas", r), rows3(a, "rgbs", r));
+        let (mut sigmas, rgbs) = (row(a, "sigmas", r), rows3(a, "rgbs", r));
+        let deltas = stepped(row(a, "deltas", r), law[9]);
         sigmas.iter_mut().for_each(|sigma| *sigma = unless_thin(*sigma, THIN[law[6]]));
         let depths = optical_depths(&sigmas, &deltas);
         let mut alphas: Vec<f64> = depths.iter().map(|&x| -expm1(-x)).collect();
@@ -322,4 +353,20 @@ fn of_opacities(a: &Arrays, c: &Conventions, law: &[usize]) -> Arrays {
         ray(&alphas.iter().map(sample).collect::<Vec<_>>(), &rgbs, right, c.product_eps.value(), law)
     };
     over(c, renderings(n, &(0..count).map(one).collect::<Vec<_>>()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_light_has_one_choice() {
+        let all = ELEMENTS.len() * LIGHT;
+        let mut lights: Vec<usize> = (1..=all).map(light).collect();
+        assert_eq!(says(0, 1), "T_i = prod_{j<=i} (1 - alpha_j)");
+        // Of opacities the first two elements are known.
+        assert!(lights[..2 * LIGHT].iter().all(|light| *light < 2 * LIGHT));
+        lights.sort_unstable();
+        assert!(lights.iter().copied().eq(0..all));
+    }
 }

@@ -48,7 +48,7 @@ impl Exam {
         dtype: &str,
         profile: Option<&str>,
     ) -> PyResult<Exam> {
-        let case = Case { inputs: owned(&inputs), ..Case::new("yours", "your own data", vec![]) };
+        let case = Case { inputs: owned(&inputs).into(), ..Case::new("yours", "your own data", vec![]) };
         let (component, kind) = (component(row)?, kind(direction));
         if component.direction(kind).is_none() {
             return Err(value_error(format!("{row}: it has no gradient in the contract")));
