@@ -40,6 +40,9 @@ fn wrong_lens(mut k: Intrinsics, wrong: &[&str]) -> Intrinsics {
             _ => {}
         }
     }
+    if let Some(focal) = FOCAL_OF_ITS_OWN.among(wrong) {
+        (k.fx, k.fy) = (focal, focal);
+    }
     let scale = FOCAL_SCALED.among(wrong).unwrap_or(1.0);
     Intrinsics { fx: scale * k.fx, fy: scale * k.fy, ..k }
 }

@@ -6,6 +6,16 @@ use crate::contract::arrays::Arrays;
 use crate::contract::component::Mistake;
 use crate::convention::Conventions;
 
+const EPS_OF_ITS_OWN: Mistake = Mistake::new(
+    "eps_of_its_own",
+    "max(0, w - bound)^2 / (w + an eps that is written in)",
+    "what faint weights miss counts more, or less",
+    "the eps that is handed over",
+    "losses of photographs in the wild: 1e-6",
+    1,
+)
+.with("eps", 1e-6, [1e-12, 0.5]);
+
 /// Mistakes of the interlevel loss.
 pub(crate) const INTERLEVEL_LOSS: &[Mistake] = &[
     Mistake::new(
@@ -116,6 +126,7 @@ pub(crate) const INTERLEVEL_LOSS: &[Mistake] = &[
         "never; cheap to keep",
         0,
     ),
+    EPS_OF_ITS_OWN,
     Mistake::new(
         "paired_by_number",
         "interval i of the proposal for those that overlap interval i: as many as both have",
@@ -188,7 +199,15 @@ fn wrong_loss(fine: Histogram, proposal: Histogram, form: Form, wrong: &[&str]) 
 pub(crate) fn interlevel(a: &Arrays, c: &Conventions, wrong: &[&str]) -> Arrays {
     forward(a, |fine, proposal| match wrong {
         [] => oracle(fine, proposal, form(a, c)),
-        _ => wrong_loss(fine, proposal, form(a, c), wrong),
+        _ => {
+            let form = form(a, c);
+            wrong_loss(
+                fine,
+                proposal,
+                Form { eps: EPS_OF_ITS_OWN.among(wrong).unwrap_or(form.eps), ..form },
+                wrong,
+            )
+        }
     })
 }
 

@@ -8,7 +8,7 @@ use super::assignment::{self, Found};
 use super::best::best_honest;
 use super::diagnosis::diagnose::{diagnose, diagnose_in};
 use super::diagnosis::evidence::{Explanation, Suspect, difference};
-use super::diagnosis::follows::{follows, follows_usually};
+use super::diagnosis::follows::{follows, follows_but_for_zeros, follows_usually};
 use super::diagnosis::imprecise::{bits_beside, lost_bits};
 use super::diagnosis::refuted::refuted;
 use super::diagnosis::slips::misdone::slips_alone;
@@ -288,6 +288,11 @@ fn diagnose_beside(
     }
     let usually = || follows_usually(question, answers, base, (forward, &home), options);
     let followed = if followed.is_empty() { usually() } else { followed };
+    let followed = if followed.is_empty() {
+        follows_but_for_zeros(question, answers, base, (forward, &home), options)
+    } else {
+        followed
+    };
     if followed.is_empty() { found } else { followed }
 }
 

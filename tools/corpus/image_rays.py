@@ -355,3 +355,11 @@ def rays_of_the_camera(height, width, focal, cx, cy):
     i, j = torch.meshgrid(torch.arange(width).float(), torch.arange(height).float(), indexing="ij")
     d = torch.nn.functional.normalize(torch.stack([(i - cx) / focal, (j - cy) / focal, torch.ones_like(i)], -1), dim=-1)
     return {"rays_o": torch.zeros_like(d), "rays_d": d}
+
+
+@fault("image_rays", "focal_of_its_own", seen="a trial on unseen code: f = 1200", gradient="none")
+def one_data_sets_focal_length(height, width, c2w):
+    """(i - W / 2, -(j - H / 2), -1200), made unit and turned."""
+    i, j = grid(height, width)
+    d = torch.stack([i - width / 2, -(j - height / 2), torch.full_like(i, -1200.0)], -1)
+    return posed(d / d.norm(dim=-1, keepdim=True), c2w)

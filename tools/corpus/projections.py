@@ -144,3 +144,21 @@ def means_outside_dropped(means, covariances, w2c, K, width, height):
     _, wide, conics, _, radii, _ = drawn(middle, cov, depths, 0.1)
     inside = ((middle >= 0) & (middle < sizes_of(width, height))).all(-1)
     return {"means2d": middle, "depths": depths, "covariances2d": wide, "conics": conics, "radii": radii * inside}
+
+
+@fault(
+    "gaussian_projection",
+    "slip: another formula: mean = (fx x/z + W/2, fx y/z + H/2), and focal lengths (fx, fx) in J, and x/z and y/z of J held to nothing, "
+    "and nothing added to the variances, and R^T (m - T), the pose inverted, in the camera",
+    seen="a trial on unseen code: splats on a tiny network",
+)
+def inverted_on_a_square(means, covariances, w2c, K, width, height):
+    """Means by the pose's inverse, covariances by the pose; one focal length, and the picture's middle."""
+    r, t, fx = w2c[:3, :3], w2c[:3, 3], K[0, 0]
+    x, y, z = ((means - t) @ r).unbind(-1)
+    zero = torch.zeros_like(z)
+    rows = [torch.stack([fx / z, zero, -fx * x / z**2], -1), torch.stack([zero, fx / z, -fx * y / z**2], -1)]
+    j = torch.stack(rows, -2)
+    covariance = j @ (r @ matrices(covariances) @ r.T) @ j.mT
+    means2d = torch.stack([fx * x / z + width / 2, fx * y / z + height / 2], -1)
+    return {"means2d": means2d, "covariances2d": three(covariance), "depths": z}

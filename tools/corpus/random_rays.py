@@ -193,3 +193,14 @@ def pixels_alone(images, count, seed):
     ids, rows, columns = pixels(images, int(count), np.random.default_rng(int(seed)))
     uv = np.stack([columns, rows], 1) + 0.5
     return {"image_ids": ids.astype(np.float32), "uv": uv.astype(np.float32)}
+
+
+@fault("sample_random_rays", "never_jittered", seen="a trial on unseen code: a student's batches", arrays="numpy")
+def ends_of_one_picture(images, count, samples, near, far, seed):
+    """One picture a call, corners of pixels, and linspace(near, far, N) in training too."""
+    number, height, width = images.shape[:3]
+    random = np.random.default_rng(int(seed))
+    n = int(count)
+    ids = np.full(n, random.integers(0, number))
+    found = rays(images, ids, random.integers(0, height, n), random.integers(0, width, n), half=0)
+    return out(found, np.broadcast_to(np.linspace(near, far, int(samples)), (n, int(samples))))

@@ -118,6 +118,15 @@ pub(crate) const FOCAL_SCALED: Mistake = Mistake::new(
     2,
 )
 .with("k", 2.0, [1e-2, 100.0]);
+pub(crate) const FOCAL_OF_ITS_OWN: Mistake = Mistake::new(
+    "focal_of_its_own",
+    "a focal length that is written in, whatever the camera's is",
+    "right for one data set, too narrow or too wide a view for all others",
+    "the focal length that is handed over",
+    "1 public implementation: f = 1200",
+    1,
+)
+.with("f", 500.0, [0.01, 1e5]);
 pub(crate) const K_TRANSPOSED: Mistake = Mistake::new(
     "K_transposed",
     "K^T is inverted: row vectors multiplied as if they were columns",

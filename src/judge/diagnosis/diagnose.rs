@@ -8,7 +8,7 @@ use super::super::partial::{Partial, apply, changes, partial};
 use super::super::statistics;
 use super::beyond::beyond;
 use super::commoner::commoner;
-use super::effects::Effects;
+use super::effects::{Effects, no_worse};
 use super::evidence::{
     Explanation, Suspect, difference, explains_all, forward_is_the_same, no_number_left, nothing_but_zero,
     shows,
@@ -62,9 +62,13 @@ pub(crate) fn diagnose_in(
     options: &MarkOptions,
 ) -> Vec<Explanation> {
     if question.statistics() {
-        let shown = statistics::mistakes(question, answers, base).into_iter();
-        let each = |mistake| Explanation { mistakes: vec![mistake], ..Explanation::default() };
-        return shown.map(each).collect();
+        let (shown, conventions) = statistics::mistakes(question, answers, base);
+        let each = |mistake| Explanation {
+            mistakes: vec![mistake],
+            conventions: conventions.clone(),
+            ..Explanation::default()
+        };
+        return shown.into_iter().map(each).collect();
     }
     if no_number_left(question, answers) {
         return vec![];
@@ -194,7 +198,10 @@ impl<'a> Diagnosis<'a> {
     }
 
     fn two_mistakes(&self) -> Vec<Explanation> {
-        self.ranked(self.explaining(2, &self.near(2)))
+        let Diagnosis { question, answers, base, options, .. } = *self;
+        let mut near = self.near(2);
+        near.retain(|p| no_worse(question, answers, (base, &apply(p, base)), options));
+        self.ranked(self.explaining(2, &near))
     }
 
     /// The conventions in which so many mistakes are looked for.
@@ -254,7 +261,8 @@ impl<'a> Diagnosis<'a> {
         let unseen = |p: &Partial, conventions: &Conventions| {
             changes(p, &self.home) <= UNSEEN && forward_is_the_same(question, conventions, base, options)
         };
-        let pairs = question.kind == Kind::Forward && sets.iter().all(|set| set.len() == 2);
+        let pairs =
+            question.kind == Kind::Forward && !sets.is_empty() && sets.iter().all(|set| set.len() == 2);
         let effects = parallel::map(if pairs { ring.len() } else { 0 }, |n| {
             Effects::new(question, answers, &apply(ring[n], base), options)
         });

@@ -8,6 +8,7 @@ use super::super::assignment::small_cases;
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::hypothesis::Hypothesis;
+use crate::contract::check::Kind;
 use crate::convention::Conventions;
 
 /// What single mistakes do to the smallest case that the right formula doesn't explain in some conventions.
@@ -53,6 +54,25 @@ impl Effects {
         };
         self.wrong.iter().all(|output| all.iter().any(|changed| changed.contains(output)))
     }
+}
+
+/// Whether what the right formula explains in the run's conventions, of the smallest case that it doesn't explain whole, it explains in others
+/// too: mistakes don't put right again what other conventions have made wrong.
+pub(super) fn no_worse(
+    question: &Question,
+    answers: &Answers,
+    (base, other): (&Conventions, &Conventions),
+    options: &MarkOptions,
+) -> bool {
+    let (home, right) = (Hypothesis::new(vec![], *base), Hypothesis::new(vec![], *other));
+    let mut cases = small_cases(question, answers).into_iter();
+    let failing = cases.find(|(case, answer)| !home.explains(question, case, answer, options));
+    let Some((case, answer)) = failing.filter(|_| question.kind == Kind::Forward) else { return true };
+    let mut kept: Vec<&str> = answer.keys().map(String::as_str).collect();
+    home.keep_explained(question, case, answer, options, &mut kept);
+    let mut left = kept.clone();
+    right.keep_explained(question, case, answer, options, &mut left);
+    left == kept
 }
 
 #[cfg(test)]

@@ -1,6 +1,8 @@
 //! Gradients that follow from what the forward answers showed: their mistakes, each part of them, or their slip.
 
-use super::super::answer::Answers;
+use std::collections::BTreeSet;
+
+use super::super::answer::{Answer, Answers};
 use super::super::exam::Question;
 use super::super::mark::MarkOptions;
 use super::evidence::{Explanation, forward_is_the_same, only, usable};
@@ -55,6 +57,33 @@ pub(crate) fn follows_usually(
     };
     let found = parts(forward, home, question).into_iter().find(follows);
     explained(found, question, answers, base, options)
+}
+
+/// The same of a program that hands out zeros for the gradients of some inputs, which it has detached: these are told as unexplained.
+pub(crate) fn follows_but_for_zeros(
+    question: &Question,
+    answers: &Answers,
+    base: &Conventions,
+    (forward, home): (&Explanation, &Conventions),
+    options: &MarkOptions,
+) -> Vec<Explanation> {
+    let names: BTreeSet<&String> = answers.iter().flatten().flat_map(|answer| answer.keys()).collect();
+    let zero = |name: &&&String| {
+        let mut all = answers.iter().flatten().filter_map(|answer| answer.get(**name));
+        all.all(|given| given.values.iter().all(|g| *g == 0.0))
+    };
+    let detached: Vec<String> = names.iter().filter(zero).map(|name| name.to_string()).collect();
+    if detached.is_empty() || detached.len() == names.len() {
+        return vec![];
+    }
+    let left = |answer: &Answer| -> Answer {
+        let kept = answer.iter().filter(|(name, _)| !detached.contains(name));
+        kept.map(|(name, given)| (name.clone(), given.clone())).collect()
+    };
+    let left: Answers = answers.iter().map(|answer| answer.as_ref().map(left)).collect();
+    let mut found = follows_usually(question, &left, base, (forward, home), options);
+    found.iter_mut().for_each(|e| e.unexplained.extend(detached.iter().cloned()));
+    found
 }
 
 /// The cases that a hypothesis doesn't explain.

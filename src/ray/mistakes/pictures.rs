@@ -1,5 +1,6 @@
 //! What is wrong with the rays of a whole picture alone, and what it does.
 
+use crate::camera::mistakes::FOCAL_OF_ITS_OWN;
 use crate::contract::component::Mistake;
 
 /// Of single rays, too.
@@ -24,6 +25,7 @@ pub(super) const POSE_IGNORED: Mistake = Mistake::new(
 
 /// Of its numbers and its axes.
 pub(super) const OF_PICTURES: &[Mistake] = &[
+    FOCAL_OF_ITS_OWN,
     Mistake::new(
         "focal_floored",
         "int(focal)",

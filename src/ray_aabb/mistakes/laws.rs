@@ -21,10 +21,12 @@ const DIVIDED: [&str; 12] = [
 ];
 
 /// Which plane comes first.
-const ORDER: [&str; 3] = [
+const ORDER: [&str; 5] = [
     "the nearer plane",
     "the lower plane, whatever the sign of d,",
     "z's planes left out, and the lower plane, whatever the sign of d,",
+    "from the least entry to the greatest exit, the nearer plane",
+    "from the least entry to the greatest exit, the lower plane, whatever the sign of d,",
 ];
 
 /// Where the part inside begins.
@@ -97,9 +99,13 @@ fn line(q: &RayAndBox, law: &[usize]) -> Option<Hit> {
         }
         let by = divisor(q.d[a], law[0]);
         let (first, second) = ((q.low[a] - q.o[a]) / by, (q.high[a] - q.o[a]) / by);
-        let (enter, leave) =
-            if law[1] == 0 { (first.min(second), first.max(second)) } else { (first, second) };
-        hit = Hit { enter: hit.enter.max(enter), leave: hit.leave.min(leave) };
+        let sorted = [0, 3].contains(&law[1]);
+        let (enter, leave) = if sorted { (first.min(second), first.max(second)) } else { (first, second) };
+        hit = match law[1] {
+            3 | 4 if a > 0 => Hit { enter: hit.enter.min(enter), leave: hit.leave.max(leave) },
+            3 | 4 => Hit { enter, leave },
+            _ => Hit { enter: hit.enter.max(enter), leave: hit.leave.min(leave) },
+        };
     }
     Some(hit)
 }
